@@ -1,0 +1,174 @@
+# Installs what the project needs, from Debian's own packages; sourced by the other scripts.
+#
+# When all is there, nothing happens: no apt, no root. When something is missing, it says what and
+# why, and installs it as root or through sudo; without either it names the command to run.
+
+# Each line: package | why the project needs it.
+packages_build='
+g++|the C++20 compiler
+cmake|describes the build
+ninja-build|runs the build
+ccache|makes every build after the first one fast
+pkg-config|finds libraries that have no CMake files
+libboost1.81-dev|Asio: serial ports, sockets and timers
+libboost-json1.81-dev|JSON on the API of tmcld
+libspdlog-dev|logging
+libfmt-dev|text formatting, under spdlog and in the tools
+libtomlplusplus-dev|reads tmcld.toml
+libcli11-dev|command lines of the tools
+libexpected-dev|tl::expected, results that are a value or an error
+libusb-1.0-0-dev|talks to modules over USB
+prometheus-cpp-dev|metrics of tmcld
+libgtest-dev|unit tests
+libgmock-dev|unit tests
+libbenchmark-dev|benchmarks
+librapidcheck-dev|property tests
+'
+
+packages_test='
+iproute2|sets CAN interfaces up
+can-utils|cansend and candump, which tests compare with
+socat|joins and cuts serial lines
+python3|hosts in Python, and some tests
+python3-serial|serial ports in Python
+python3-can|CAN in Python
+'
+
+packages_vm='
+qemu-system-x86|runs the small VM in which SocketCAN works
+busybox-static|first program in that VM
+cpio|packs the initramfs of that VM
+kmod|knows in which order drivers load
+iproute2|sets CAN interfaces up
+'
+
+packages_check='
+clang-format|checks the formatting
+'
+
+_say() { printf '%s\n' "$*" >&2; }
+
+_packages_installed() {
+  [[ $(dpkg-query -W -f='${db:Status-Status}\n' "$1" 2>/dev/null | head -n1) == installed ]]
+}
+
+# The lines of the given sets whose package is not installed.
+_packages_missing() {
+  local set line
+  for set in "$@"; do
+    local table=packages_$set
+    while read -r line; do
+      [[ -z $line ]] || _packages_installed "${line%%|*}" || printf '%s\n' "$line"
+    done <<<"${!table}"
+  done | sort -u
+}
+
+_can_be_root() { ((EUID == 0)) || command -v sudo >/dev/null; }
+
+# Another apt may be at work, on a new machine most of all: wait for it rather than fail.
+_apt() {
+  local sudo=()
+  ((EUID == 0)) || sudo=(sudo)
+  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get -qq -o DPkg::Lock::Timeout=300 "$@"
+}
+
+# Boost's development packages exclude each other. Removing someone's packages is not ours to do.
+_packages_refuse_conflict() {
+  local other
+  [[ " $* " == *" libboost1.81-dev "* ]] || return 0
+  other=$(dpkg-query -W -f='${db:Status-Status} ${Package}\n' 'libboost1.[0-9]*-dev' 2>/dev/null \
+    | awk '$1 == "installed" && $2 != "libboost1.81-dev" { print $2 }' | head -n1)
+  [[ -n $other ]] || return 0
+  _say "$other is installed, and Debian does not allow libboost1.81-dev beside it."
+  _say "Nothing was changed. If you can do without $other, replace it and try again:"
+  _say "    sudo apt-get install libboost1.81-dev"
+  return 1
+}
+
+_packages_need_debian() {
+  command -v apt-get >/dev/null && command -v dpkg-query >/dev/null && return
+  _say "This machine has no apt. The scripts know Debian and Ubuntu; elsewhere, install what"
+  _say "scripts/lib/packages.sh lists and build with: cmake --preset release && cmake --build --preset release"
+  return 1
+}
+
+_packages_list() {
+  local name reason
+  while IFS='|' read -r name reason; do
+    _say "$(printf '  %-24s %s' "$name" "$reason")"
+  done <<<"$1"
+}
+
+# packages_expect SET...: fails, naming what to do, when something is missing; installs nothing.
+packages_expect() {
+  local missing
+  missing=$(_packages_missing "$@")
+  [[ -n $missing ]] || return 0
+  _say "These packages are missing:"
+  _packages_list "$missing"
+  _say "scripts/test installs them, or as root:"
+  _say "    apt-get update && apt-get install $(cut -d'|' -f1 <<<"$missing" | xargs)"
+  return 1
+}
+
+# packages_require SET...: installs what is missing of the sets named above (build, test, ...).
+packages_require() {
+  local missing names
+  _packages_need_debian || return 1
+  missing=$(_packages_missing "$@")
+  [[ -n $missing ]] || return 0
+  _say "These packages are missing:"
+  _packages_list "$missing"
+  mapfile -t names < <(cut -d'|' -f1 <<<"$missing")
+  _packages_refuse_conflict "${names[@]}" || return 1
+  _packages_install "${names[@]}"
+}
+
+_packages_install() {
+  local log
+  if ! _can_be_root; then
+    _say "Installing them needs root, and there is no sudo here. Please run as root, then try again:"
+    _say "    apt-get update && apt-get install --no-install-recommends $*"
+    return 1
+  fi
+  _say "Installing them from Debian's packages (a minute or two)..."
+  log=$(mktemp)
+  # A source that has nothing to do with us may fail to refresh: only the installation decides.
+  _apt update >"$log" 2>&1 || true
+  if ! _apt install -y --no-install-recommends "$@" >>"$log" 2>&1; then
+    tail -n 20 "$log" >&2
+    rm -f "$log"
+    _say "apt-get could not install them; its last words are above. To see more, run as root:"
+    _say "    apt-get update && apt-get install --no-install-recommends $*"
+    return 1
+  fi
+  rm -f "$log"
+}
+
+# packages_resolve META: the package that a meta-package stands for today.
+packages_resolve() {
+  local name
+  name=$(apt-cache depends "$1" 2>/dev/null | awk '$1 == "Depends:" { print $2; exit }')
+  if [[ -z $name ]] && _can_be_root; then
+    _apt update >/dev/null 2>&1 || true
+    name=$(apt-cache depends "$1" | awk '$1 == "Depends:" { print $2; exit }')
+  fi
+  [[ -n $name ]] || { _say "apt knows no package $1; try apt-get update (as root)" && return 1; }
+  printf '%s\n' "$name"
+}
+
+# packages_download NAME FOLDER: fetches a package without installing it; needs no root.
+packages_download() {
+  (
+    cd "$2"
+    # As root, apt would fetch as a user who may not write here.
+    local options=(-qq -o APT::Sandbox::User="$(id -un)")
+    apt-get "${options[@]}" download "$1" && exit
+    if ! _can_be_root; then
+      _say "apt could not download $1. Please run as root, then try again: apt-get update"
+      exit 1
+    fi
+    _say "Trying again with fresh package lists..."
+    _apt update && apt-get "${options[@]}" download "$1"
+  )
+}
