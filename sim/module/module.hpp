@@ -1,0 +1,90 @@
+/// The firmware of one module: executes commands, runs its motors, watches for a silent host.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "sim/module/axis.hpp"
+#include "sim/module/event_sink.hpp"
+#include "sim/module/globals.hpp"
+#include "sim/module/heartbeat.hpp"
+#include "sim/module/target_events.hpp"
+#include "tmcl/clock.hpp"
+#include "tmcl/datagram.hpp"
+#include "tmcl/model.hpp"
+#include "tmcl/version.hpp"
+
+namespace tmcl::sim {
+
+/// Which kind of wire a command came by; each has its own heartbeat.
+enum class Medium : std::uint8_t { serial, can };
+
+struct Answer {
+  enum class Form : std::uint8_t {
+    reply,
+    version_text,  ///< Eight characters instead of status and value.
+    none,          ///< Suppressed by global parameter 255.
+  };
+  Form form = Form::reply;
+  Status status = Status::ok;
+  std::int32_t value = 0;
+  bool operator==(const Answer&) const = default;
+};
+
+/// Does no I/O. Time is that of the clock it was built with; motors are brought up to date whenever
+/// someone looks, to the microsecond of what happened in between.
+///
+/// Errors come in the order checksum (found by the receiver), command, type, motor or bank, value.
+/// Except for what a command reads, a reply's value repeats the request's.
+class Module {
+ public:
+  /// `address` applies to serial lines and CAN alike. The clock must outlive the module.
+  Module(const Model& model, ModuleAddress address, const Clock& clock);
+
+  /// Executes a command that was addressed to this module. `from` is where a later event goes.
+  Answer execute(const Request& request, Medium medium, EventSink& from);
+  /// No more events to this sink.
+  void forget(const EventSink& sink) { events_.forget(sink); }
+
+  /// When run_due() has something to do, if no command comes before.
+  TimePoint next_due() const;
+  void run_due();
+
+  const Model& model() const { return *model_; }
+  const Globals& globals() const { return globals_; }
+  /// As it was when run_due() or execute() last ran.
+  const Axis& axis(std::size_t motor) const { return axes_.at(motor); }
+  FirmwareVersion version() const;
+
+ private:
+  Answer dispatch(const Request& request, EventSink& from);
+  Answer rotate(const Request& request, std::int32_t sign);
+  Answer stop(const Request& request);
+  Answer move(const Request& request);
+  Answer set_axis_parameter(const Request& request);
+  Answer get_axis_parameter(const Request& request) const;
+  Answer set_global_parameter(const Request& request);
+  Answer get_global_parameter(const Request& request) const;
+  Answer tell_version(const Request& request) const;
+  Answer arm_event(const Request& request, EventSink& from);
+
+  bool has_motor(const Request& request) const { return request.motor < axes_.size(); }
+  Heartbeat& heartbeat(Medium medium) { return medium == Medium::serial ? serial_ : can_; }
+  TimePoint serial_due() const;
+  TimePoint can_due() const;
+  void stop_if_silent(TimePoint now);
+  void bring_axes_to(TimePoint time);
+
+  const Model* model_;
+  const Clock* clock_;
+  TimePoint power_on_;
+  TimePoint axes_at_;
+  Globals globals_;
+  std::vector<Axis> axes_;
+  TargetEvents events_;
+  Heartbeat serial_;
+  Heartbeat can_;
+};
+
+}  // namespace tmcl::sim

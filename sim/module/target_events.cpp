@@ -1,0 +1,84 @@
+#include "sim/module/target_events.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace tmcl::sim {
+namespace {
+
+// Looking ahead costs time for as long as a ramp lasts, so long moves are foreseen in pieces.
+constexpr auto horizon = std::chrono::milliseconds(250);
+constexpr ramp::Tick horizon_ticks = Duration(horizon) / ramp::Tmc429::base_tick;
+
+}  // namespace
+
+void TargetEvents::arm_once(std::uint32_t motors, EventSink& sink) {
+  for (std::size_t i = 0; i < watches_.size(); ++i) {
+    if ((motors >> i & 1U) == 0) continue;
+    watches_[i].armed = &sink;
+    watches_[i].always = false;
+  }
+}
+
+void TargetEvents::arm_always(std::uint32_t motors, EventSink& sink) {
+  for (std::size_t i = 0; i < watches_.size(); ++i) {
+    watches_[i].armed = (motors >> i & 1U) != 0 ? &sink : nullptr;
+    watches_[i].always = true;
+  }
+}
+
+void TargetEvents::forget(const EventSink& sink) {
+  for (auto& watch : watches_) {
+    if (watch.armed == &sink) watch.armed = nullptr;
+    if (watch.pending == &sink) watch.pending = nullptr;
+  }
+}
+
+void TargetEvents::move_begun(std::size_t motor) {
+  auto& watch = watches_[motor];
+  if (watch.armed != nullptr) watch.pending = watch.armed;
+  if (!watch.always) watch.armed = nullptr;
+  ramp_changed(motor);
+}
+
+TimePoint TargetEvents::next_due() const {
+  auto due = never;
+  for (const auto& watch : watches_) {
+    if (watch.pending != nullptr) due = std::min(due, watch.look_at);
+  }
+  return due;
+}
+
+bool TargetEvents::arrived(Watch& watch, const Axis& axis, TimePoint now) const {
+  if (watch.pending == nullptr || watch.look_at > now) return false;
+  const auto& chip = axis.chip();
+  if (chip.arrived()) return true;
+  const auto limit = chip.tick() + horizon_ticks;
+  const auto next = chip.arrival(limit).value_or(limit);
+  watch.look_at = power_on_ + next * ramp::Tmc429::base_tick;
+  return false;
+}
+
+void TargetEvents::run_due(TimePoint now, std::span<const Axis> axes, const Module& module) {
+  std::uint32_t motors = 0;
+  for (std::size_t i = 0; i < watches_.size(); ++i) {
+    if (arrived(watches_[i], axes[i], now)) motors |= 1U << i;
+  }
+  report(motors, module);
+}
+
+void TargetEvents::report(std::uint32_t motors, const Module& module) {
+  while (motors != 0) {
+    auto* sink = watches_[static_cast<std::size_t>(std::countr_zero(motors))].pending;
+    std::uint32_t together = 0;
+    for (std::size_t i = 0; i < watches_.size(); ++i) {
+      if ((motors >> i & 1U) == 0 || watches_[i].pending != sink) continue;
+      together |= 1U << i;
+      watches_[i].pending = nullptr;
+    }
+    motors &= ~together;
+    sink->target_reached(module, static_cast<std::int32_t>(together));
+  }
+}
+
+}  // namespace tmcl::sim

@@ -1,0 +1,139 @@
+#include "sim/ports/tcp_port.hpp"
+
+#include <array>
+#include <charconv>
+#include <list>
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/ip/tcp.hpp>
+
+#include "sim/wire/serial_line.hpp"
+
+namespace tmcl::sim {
+namespace {
+
+namespace asio = boost::asio;
+using asio::ip::tcp;
+using boost::system::error_code;
+
+struct HostPort {
+  std::string host;
+  std::string port;
+};
+
+std::optional<HostPort> split(const std::string& text) {
+  const auto colon = text.rfind(':');
+  if (colon == std::string::npos || colon == 0) return std::nullopt;
+  HostPort result{text.substr(0, colon), text.substr(colon + 1)};
+  unsigned port = 0;
+  const auto* end = result.port.data() + result.port.size();
+  const auto parsed = std::from_chars(result.port.data(), end, port);
+  if (parsed.ec != std::errc{} || parsed.ptr != end || port > 65535) return std::nullopt;
+  if (result.host.front() == '[' && result.host.back() == ']') {
+    result.host = result.host.substr(1, result.host.size() - 2);
+  }
+  return result;
+}
+
+class Client {
+ public:
+  Client(tcp::socket socket, Scheduler& scheduler)
+      : socket_(std::move(socket)),
+        scheduler_(&scheduler),
+        line_(scheduler.bench(), [this](auto bytes) { write(bytes); }) {
+    error_code ignored;
+    socket_.set_option(tcp::no_delay(true), ignored);
+    socket_.non_blocking(true, ignored);
+  }
+
+  /// `gone` is called once, when the connection has ended; it may destroy the client.
+  template <typename Gone>
+  void serve(Gone gone) {
+    socket_.async_read_some(asio::buffer(input_),
+                            [this, gone](const error_code& error, std::size_t size) {
+                              if (error == asio::error::operation_aborted && !closed_by_us_) return;
+                              if (error) return gone();
+                              line_.receive(std::span(input_).first(size));
+                              scheduler_->touch();
+                              serve(gone);
+                            });
+  }
+
+ private:
+  void write(std::span<const std::uint8_t> bytes) {
+    error_code error;
+    const auto sent = socket_.write_some(asio::buffer(bytes.data(), bytes.size()), error);
+    if (!error && sent == bytes.size()) return;
+    // Half a reply would put the client out of step for good; the read ends with it.
+    closed_by_us_ = true;
+    socket_.close(error);
+  }
+
+  tcp::socket socket_;
+  Scheduler* scheduler_;
+  bool closed_by_us_ = false;
+  SerialLine line_;
+  std::array<std::uint8_t, 1024> input_{};
+};
+
+class TcpPort final : public Port {
+ public:
+  TcpPort(Scheduler& scheduler, tcp::acceptor acceptor)
+      : scheduler_(&scheduler), acceptor_(std::move(acceptor)) {
+    accept();
+  }
+
+  std::string description() const override {
+    const auto local = acceptor_.local_endpoint();
+    const auto host = local.address().to_string();
+    const auto shown = local.address().is_v6() ? "[" + host + "]" : host;
+    return "tcp " + shown + ":" + std::to_string(local.port());
+  }
+
+ private:
+  void accept() {
+    acceptor_.async_accept([this](const error_code& error, tcp::socket socket) {
+      if (error == asio::error::operation_aborted) return;
+      if (!error && clients_.size() < most_tcp_clients) admit(std::move(socket));
+      accept();
+    });
+  }
+
+  void admit(tcp::socket socket) {
+    const auto client =
+        clients_.insert(clients_.end(), std::make_unique<Client>(std::move(socket), *scheduler_));
+    (*client)->serve([this, client] { clients_.erase(client); });
+  }
+
+  Scheduler* scheduler_;
+  tcp::acceptor acceptor_;
+  std::list<std::unique_ptr<Client>> clients_;
+};
+
+}  // namespace
+
+OpenedPort open_tcp_port(asio::io_context& io, Scheduler& scheduler, const std::string& endpoint) {
+  const auto parts = split(endpoint);
+  if (!parts) {
+    return tl::unexpected("'" + endpoint + "' is not HOST:PORT, such as 127.0.0.1:4001");
+  }
+  error_code error;
+  const auto found =
+      tcp::resolver(io).resolve(parts->host, parts->port, tcp::resolver::passive, error);
+  if (error) {
+    return tl::unexpected("cannot find the host '" + parts->host + "': " + error.message());
+  }
+  const auto local = found.begin()->endpoint();
+  tcp::acceptor acceptor(io);
+  acceptor.open(local.protocol(), error);
+  if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
+  if (!error) acceptor.bind(local, error);
+  if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
+  if (error) return tl::unexpected("cannot listen on " + endpoint + ": " + error.message());
+  return std::make_unique<TcpPort>(scheduler, std::move(acceptor));
+}
+
+}  // namespace tmcl::sim

@@ -1,0 +1,28 @@
+/// The command line of tmclsim.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "module_spec.hpp"
+
+namespace tmclsim {
+
+struct Options {
+  std::vector<ModuleSpec> modules;
+  std::vector<std::string> ptys;
+  std::vector<std::string> can_interfaces;
+  std::vector<std::string> tcp_endpoints;
+};
+
+/// What to say instead of running.
+struct EarlyExit {
+  int status = 0;       ///< 0 for help and version, 2 for a bad command line.
+  std::string message;  ///< For standard output if the status is 0, otherwise for standard error.
+};
+
+tl::expected<Options, EarlyExit> parse_options(int argc, const char* const* argv);
+
+}  // namespace tmclsim
