@@ -1,0 +1,67 @@
+/// A bus for programs on Boost.Asio: coroutines, one executor, no locks.
+///
+///     auto link = tmcl::Link::open("serial:/dev/ttyACM0@115200");
+///     tmcl::Bus bus(co_await boost::asio::this_coro::executor, std::move(*link));
+///     auto axis = bus.module(tmcl::ModuleAddress{1}).axis(0);
+///     co_await axis.move_to(tmcl::Microsteps{51200});
+#pragma once
+
+#include <functional>
+#include <memory>
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+
+#include "tmcl/bus_options.hpp"
+#include "tmcl/link.hpp"
+#include "tmcl/verbs.hpp"
+
+namespace tmcl {
+
+/// Object lifetimes: verbs that have begun (been awaited) keep what they need alive; they end with Errc::link_lost
+/// when the bus is closed or destroyed.
+/// Thread safety: none. Use it from its executor only, and let that be one thread or a strand.
+/// Errors: as values; no member throws.
+class Bus {
+ public:
+  Bus(boost::asio::any_io_executor executor, Link link, BusOptions options = {});
+  Bus(Bus&&) noexcept;
+  Bus& operator=(Bus&&) noexcept;
+  ~Bus();
+
+  BasicModule<Bus> module(ModuleAddress address) { return {*this, address}; }
+
+  /// One exchange. An answer with an error status is an Error with Outcome::refused.
+  boost::asio::awaitable<Result<Answer>> execute(Request request, CallOptions options = {});
+  /// Runs a verb to its end.
+  template <class T>
+  boost::asio::awaitable<T> run(Script<T> script) {
+    const auto state = state_;  // the bus may be gone before the verb has ended
+    auto step = script.start();
+    while (step) {
+      auto result = co_await perform(state, std::move(*step));
+      step = script.resume(std::move(result));
+    }
+    co_return script.take();
+  }
+
+  /// Called on the executor for everything that comes unasked. At most one handler; an empty one removes it.
+  void on_event(std::function<void(const BusEvent&)> handler);
+  BusCounters counters() const;
+  const std::string& name() const;
+  /// False after the link was lost or closed; the bus cannot be used any more then.
+  bool is_open() const;
+  /// Ends everything in progress with Errc::link_lost.
+  void close();
+
+ private:
+  class State;
+  static boost::asio::awaitable<StepResult> perform(std::shared_ptr<State> state, Step step);
+
+  std::shared_ptr<State> state_;
+};
+
+using Module = BasicModule<Bus>;
+using Axis = BasicAxis<Bus>;
+
+}  // namespace tmcl

@@ -1,0 +1,65 @@
+/// Errors are values with a cause that a person can act on.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <tl/expected.hpp>
+
+#include "tmcl/datagram.hpp"
+
+namespace tmcl {
+
+/// What is known about a command. Whoever moves motors must branch on this.
+enum class Outcome : std::uint8_t {
+  done,      ///< Executed; the module said so (or the command sends no reply and is on the wire).
+  refused,   ///< Not executed; the module said why.
+  not_sent,  ///< Not executed; it never left this host.
+  unknown,   ///< May have been executed. Repeated by the library only where the command's row allows it.
+};
+
+enum class Errc : std::uint8_t {
+  refused_by_module,   ///< The module answered with an error status.
+  reply_timeout,       ///< No usable answer in time.
+  module_silent,       ///< The module did not answer lately and was not asked again.
+  superseded_by_stop,  ///< A stop came first; the command was dropped from the queue.
+  deadline_passed,     ///< The caller's deadline passed while the command was waiting for its turn.
+  queue_full,          ///< Too many commands are waiting for this bus.
+  link_lost,           ///< The link broke or was closed.
+  link_open_failed,    ///< The link could not be opened.
+  link_busy,           ///< Another program uses the link.
+  bad_argument,        ///< The caller asked for something that cannot be; nothing was sent.
+  move_interrupted,    ///< The axis stands, or is about to stand, somewhere else than where the move was to end.
+  unexpected_value,    ///< The module holds another value than the one that was set.
+};
+
+struct Error {
+  Errc code{};
+  Outcome outcome = Outcome::not_sent;
+  std::string message;              ///< What happened, in one sentence without a full stop.
+  std::string hint;                 ///< What to try; may be empty.
+  std::string bus;                  ///< Name of the link or the configured bus; may be empty.
+  std::optional<Request> request;   ///< The command it is about.
+  std::optional<Status> status;     ///< What the module said, where it said something.
+};
+
+template <class T>
+using Result = tl::expected<T, Error>;
+
+/// snake_case; part of the stable interface.
+std::string_view name_of(Outcome outcome);
+std::string_view name_of(Errc code);
+
+/// "MVP ABS 51200 for motor 0 of module 1"
+std::string describe(const Request& request);
+/// Message, bus and command in one line; with the hint in a second one if there is a hint.
+std::string describe(const Error& error);
+
+/// The error for an answer with a status below 100.
+Error refusal(const Request& request, Status status);
+/// An error about something the caller passed in.
+Error bad_argument(std::string message, std::string hint = {});
+
+}  // namespace tmcl

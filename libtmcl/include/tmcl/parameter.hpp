@@ -1,0 +1,64 @@
+/// Axis and global parameters: what each number means on which family of modules.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <string_view>
+
+#include "tmcl/model.hpp"
+
+namespace tmcl {
+
+enum class Access : std::uint8_t { read, read_write };
+
+struct ParameterInfo {
+  std::uint8_t number;
+  std::string_view name;                       ///< Standard name, snake_case; part of the stable interface.
+  std::array<std::string_view, 2> aliases;     ///< Other names in use, the chip's register among them; may be empty.
+  Access access;
+  bool stored;                                 ///< Can be kept in the EEPROM.
+  std::int32_t minimum;
+  std::int32_t maximum;
+  std::int32_t initial;                        ///< Factory default; 0 where it is a reading.
+  std::string_view unit;
+  std::string_view meaning;
+};
+
+/// Numbers the library itself uses. The same on every family of modules.
+namespace axis_parameter {
+constexpr std::uint8_t target_position = 0;
+constexpr std::uint8_t actual_position = 1;
+constexpr std::uint8_t target_velocity = 2;
+constexpr std::uint8_t actual_velocity = 3;
+constexpr std::uint8_t max_velocity = 4;
+constexpr std::uint8_t max_acceleration = 5;
+constexpr std::uint8_t position_reached = 8;
+}  // namespace axis_parameter
+
+namespace global_parameter {
+constexpr std::uint8_t eeprom_magic = 64;
+constexpr std::uint8_t serial_baud_rate = 65;
+constexpr std::uint8_t serial_address = 66;
+constexpr std::uint8_t serial_heartbeat = 68;
+constexpr std::uint8_t can_bit_rate = 69;
+constexpr std::uint8_t can_reply_id = 70;
+constexpr std::uint8_t can_id = 71;
+constexpr std::uint8_t telegram_pause_time = 75;
+constexpr std::uint8_t serial_host_address = 76;
+constexpr std::uint8_t can_heartbeat = 82;
+constexpr std::uint8_t can_secondary_address = 83;
+constexpr std::uint8_t serial_secondary_address = 87;
+}  // namespace global_parameter
+
+/// The axis parameters of a family, ascending by number.
+std::span<const ParameterInfo> axis_parameters(Family family);
+/// The global parameters of bank 0, ascending by number.
+std::span<const ParameterInfo> global_parameters();
+
+/// Null if the table has no such number or name. Names compare without regard to case, '_' and '-', so that
+/// "MaxVelocity", "max_velocity" and "max-velocity" are one.
+const ParameterInfo* find_parameter(std::span<const ParameterInfo> table, std::uint8_t number);
+const ParameterInfo* find_parameter(std::span<const ParameterInfo> table, std::string_view name);
+
+}  // namespace tmcl

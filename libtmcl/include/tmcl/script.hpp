@@ -1,0 +1,201 @@
+/// Verbs that need several exchanges, written once, without I/O.
+///
+/// A Script is a coroutine that asks for steps (an exchange with a module, several at once, a pause) and is told what
+/// came of each. Whoever runs it does the I/O: a bus on Asio, a blocking bus, or a test that plays the module. So a
+/// verb is the same everywhere, and each of its steps can be made to fail.
+///
+///     Script<Result<Microsteps>> position(AxisAddress axis) {
+///       const auto answer = co_await exchange(get_request(axis, axis_parameter::actual_position));
+///       ...
+///     }
+#pragma once
+
+#include <coroutine>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include "tmcl/clock.hpp"
+#include "tmcl/error.hpp"
+#include "tmcl/version.hpp"
+
+namespace tmcl {
+
+struct CallOptions {
+  /// Refused rather than sent after this instant.
+  std::optional<TimePoint> deadline{};
+  /// How long to wait for the reply, instead of what the bus waits by default.
+  std::optional<Duration> reply_timeout{};
+  /// How often a repeatable command may be sent before it counts as failed; 0: as the bus is set up.
+  unsigned attempts = 0;
+};
+
+/// A reply, and what the engine noticed about it.
+struct Answer {
+  Reply reply;
+  /// The firmware version where it came as text: `reply` then holds only the module and the command.
+  std::optional<FirmwareVersion> version_text{};
+  /// More than one module seems to answer at this address.
+  bool duplicate_suspected = false;
+};
+
+namespace step {
+struct Exchange {
+  Request request;
+  CallOptions options;
+};
+/// Several exchanges at once; on CAN different modules work on them side by side. At most max_exchanges_at_once.
+struct ExchangeAll {
+  std::vector<Exchange> exchanges;
+};
+struct Pause {
+  Duration duration;
+};
+}  // namespace step
+
+constexpr std::size_t max_exchanges_at_once = 64;
+
+using Step = std::variant<step::Exchange, step::ExchangeAll, step::Pause>;
+/// One result for each exchange of the step, in its order; none for a pause.
+using StepResult = std::vector<Result<Answer>>;
+
+template <class T>
+class Script;
+
+namespace detail {
+
+/// What a script and the scripts it awaits share with whoever runs them.
+struct ScriptState {
+  std::optional<Step> step;
+  StepResult result;
+  std::coroutine_handle<> innermost;
+};
+
+struct ScriptPromiseBase {
+  ScriptState* state = nullptr;
+  std::coroutine_handle<> continuation;
+
+  std::suspend_always initial_suspend() noexcept { return {}; }
+
+  struct FinalAwaiter {
+    bool await_ready() noexcept { return false; }
+    template <class Promise>
+    std::coroutine_handle<> await_suspend(std::coroutine_handle<Promise> done) noexcept {
+      auto& promise = done.promise();
+      if (!promise.continuation) return std::noop_coroutine();
+      promise.state->innermost = promise.continuation;
+      return promise.continuation;
+    }
+    void await_resume() noexcept {}
+  };
+  FinalAwaiter final_suspend() noexcept { return {}; }
+  // The library reports errors as values: an exception in a script is a bug.
+  [[noreturn]] void unhandled_exception() noexcept { std::terminate(); }
+};
+
+template <class T>
+struct ScriptPromise : ScriptPromiseBase {
+  std::optional<T> value;
+  Script<T> get_return_object();
+  template <class U>
+  void return_value(U&& result) {
+    value.emplace(std::forward<U>(result));
+  }
+};
+
+template <class Awaited>
+struct StepAwaiter {
+  Step step;
+  ScriptState* state = nullptr;
+
+  bool await_ready() const noexcept { return false; }
+  template <class Promise>
+  void await_suspend(std::coroutine_handle<Promise> script) {
+    state = script.promise().state;
+    state->step = std::move(step);
+  }
+  Awaited await_resume() {
+    if constexpr (std::is_same_v<Awaited, Result<Answer>>) {
+      return std::move(state->result.at(0));
+    } else if constexpr (std::is_same_v<Awaited, StepResult>) {
+      return std::move(state->result);
+    }
+  }
+};
+
+}  // namespace detail
+
+/// A verb in progress. Move-only; destroying it ends it wherever it is.
+template <class T>
+class [[nodiscard]] Script {
+ public:
+  using promise_type = detail::ScriptPromise<T>;
+  using value_type = T;
+
+  explicit Script(std::coroutine_handle<promise_type> handle) : handle_(handle) {}
+  Script(Script&& other) noexcept
+      : handle_(std::exchange(other.handle_, {})), state_(std::move(other.state_)) {}
+  Script& operator=(Script&& other) noexcept {
+    std::swap(handle_, other.handle_);
+    std::swap(state_, other.state_);
+    return *this;
+  }
+  ~Script() {
+    if (handle_) handle_.destroy();
+  }
+
+  /// Runs up to the first step; nothing if there was none.
+  std::optional<Step> start() {
+    state_ = std::make_unique<detail::ScriptState>();
+    handle_.promise().state = state_.get();
+    state_->innermost = handle_;
+    return proceed();
+  }
+  /// Tells what came of the last step and runs up to the next one; nothing when the script has ended.
+  std::optional<Step> resume(StepResult result) {
+    state_->result = std::move(result);
+    return proceed();
+  }
+  /// What the script returned; once, after it has ended.
+  T take() { return std::move(*handle_.promise().value); }
+
+  // One script waits for another: the inner one's steps go to the same runner.
+  bool await_ready() const noexcept { return false; }
+  template <class Promise>
+  std::coroutine_handle<> await_suspend(std::coroutine_handle<Promise> outer) {
+    handle_.promise().state = outer.promise().state;
+    handle_.promise().continuation = outer;
+    outer.promise().state->innermost = handle_;
+    return handle_;
+  }
+  T await_resume() { return take(); }
+
+ private:
+  std::optional<Step> proceed() {
+    state_->step.reset();
+    state_->innermost.resume();
+    return std::move(state_->step);
+  }
+
+  std::coroutine_handle<promise_type> handle_;
+  std::unique_ptr<detail::ScriptState> state_;
+};
+
+template <class T>
+Script<T> detail::ScriptPromise<T>::get_return_object() {
+  return Script<T>(std::coroutine_handle<ScriptPromise>::from_promise(*this));
+}
+
+/// One exchange. An answer with an error status comes back as an Error with Outcome::refused.
+inline detail::StepAwaiter<Result<Answer>> exchange(const Request& request, const CallOptions& options = {}) {
+  return {step::Exchange{request, options}};
+}
+inline detail::StepAwaiter<StepResult> exchange_all(std::vector<step::Exchange> exchanges) {
+  return {step::ExchangeAll{std::move(exchanges)}};
+}
+inline detail::StepAwaiter<void> pause(Duration duration) { return {step::Pause{duration}}; }
+
+}  // namespace tmcl

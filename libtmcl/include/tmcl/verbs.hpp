@@ -1,0 +1,149 @@
+/// What can be asked of an axis and of a module, as scripts.
+///
+/// Programs normally use Axis (tmcl/bus.hpp) or blocking::Axis (tmcl/blocking.hpp), which run these.
+///
+/// Outcome: every verb ends with a value, or with an Error whose `outcome` says whether the module may have acted.
+/// No verb sends a movement twice, and none sends a relative one.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <functional>
+#include <string_view>
+#include <vector>
+
+#include "tmcl/script.hpp"
+#include "tmcl/units.hpp"
+
+namespace tmcl {
+
+struct AxisAddress {
+  ModuleAddress module{1};
+  std::uint8_t motor = 0;
+  auto operator<=>(const AxisAddress&) const = default;
+};
+
+/// One look at an axis. The readings are taken one after the other, some milliseconds apart.
+struct AxisState {
+  Microsteps position;
+  InternalVelocity velocity;
+  Microsteps target;
+  bool position_reached = false;  ///< Axis parameter 8: position equals target, in any mode and even while passing.
+};
+
+struct WaitOptions {
+  Duration poll_interval = std::chrono::milliseconds(20);
+  /// Gives up with Errc::deadline_passed; zero: waits as long as the axis moves.
+  Duration timeout{};
+  /// An axis that has not moved for so long without having arrived counts as interrupted.
+  Duration standstill_limit = std::chrono::seconds(1);
+};
+
+struct FoundModule {
+  ModuleAddress address;
+  FirmwareVersion version;
+  std::string_view model;  ///< "TMCM-3110"; empty for a model that is not known.
+  std::uint8_t axes = 0;
+  bool duplicate_suspected = false;
+};
+
+struct ScanOptions {
+  std::uint16_t first = 1;
+  std::uint16_t last = 255;  ///< At most 255 on a serial line, 2047 on CAN.
+  /// How long one address gets to answer, on top of what the wire needs.
+  Duration reply_timeout = std::chrono::milliseconds(15);
+  /// Told after each group of addresses how many have been asked.
+  std::function<void(std::size_t asked, std::size_t of)> progress{};
+};
+
+namespace verbs {
+
+/// Any command, exactly as given.
+Script<Result<Answer>> command(Request request, CallOptions options = {});
+
+/// Reads an axis parameter, 0..255 (GAP).
+Script<Result<std::int32_t>> get(AxisAddress axis, std::uint8_t parameter);
+/// Sets an axis parameter (SAP). When the answer is lost and the parameter does not move the motor, reading it back
+/// settles whether it was set.
+Script<Result<void>> set(AxisAddress axis, std::uint8_t parameter, std::int32_t value);
+/// Reads a global parameter (GGP).
+Script<Result<std::int32_t>> get_global(ModuleAddress module, std::uint8_t bank, std::uint8_t parameter);
+/// Sets a global parameter (SGP). Parameters 64 to 127 of bank 0 go straight to the EEPROM.
+Script<Result<void>> set_global(ModuleAddress module, std::uint8_t bank, std::uint8_t parameter, std::int32_t value);
+
+/// Starts a positioning move (MVP ABS) and gives back its target.
+Script<Result<Microsteps>> move_to(AxisAddress axis, Microsteps target);
+/// Reads where the axis is, adds, and starts a move to there; gives back the target. A sum outside int32 is an error.
+Script<Result<Microsteps>> move_by(AxisAddress axis, Microsteps distance);
+/// Turns without end; ROR for a positive velocity, ROL for a negative one.
+Script<Result<void>> rotate(AxisAddress axis, InternalVelocity velocity);
+/// Ramps down to standstill (MST).
+Script<Result<void>> stop(AxisAddress axis);
+
+Script<Result<Microsteps>> position(AxisAddress axis);
+Script<Result<InternalVelocity>> velocity(AxisAddress axis);
+Script<Result<AxisState>> state(AxisAddress axis);
+
+/// Polls until the axis stands at its target, and gives back the position.
+/// Errors: Errc::move_interrupted when the axis was stopped, sent elsewhere by velocity, or stands still short of the
+/// target; Errc::deadline_passed after the timeout.
+Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions options = {});
+
+/// Model and firmware of one module. `axes` comes from the table of models or, for an unknown one, by asking.
+Script<Result<FoundModule>> identify(ModuleAddress module);
+/// Every module that answers, ascending by address. Silence is no error; a broken link is.
+Script<Result<std::vector<FoundModule>>> scan(ScanOptions options = {});
+
+}  // namespace verbs
+
+/// The verbs bound to one axis of one bus. A cheap value; the bus must outlive it.
+///
+/// Each verb gives what Bus::run makes of a Script<T>: an awaitable of T on Asio, plainly T on a blocking bus.
+template <class Bus>
+class BasicAxis {
+ public:
+  BasicAxis(Bus& bus, AxisAddress address) : bus_(&bus), address_(address) {}
+
+  AxisAddress address() const { return address_; }
+
+  auto move_to(Microsteps target) { return bus_->run(verbs::move_to(address_, target)); }
+  auto move_by(Microsteps distance) { return bus_->run(verbs::move_by(address_, distance)); }
+  auto rotate(InternalVelocity velocity) { return bus_->run(verbs::rotate(address_, velocity)); }
+  auto stop() { return bus_->run(verbs::stop(address_)); }
+  auto position() { return bus_->run(verbs::position(address_)); }
+  auto velocity() { return bus_->run(verbs::velocity(address_)); }
+  auto state() { return bus_->run(verbs::state(address_)); }
+  auto wait_until_reached(WaitOptions options = {}) {
+    return bus_->run(verbs::wait_until_reached(address_, options));
+  }
+  auto get(std::uint8_t parameter) { return bus_->run(verbs::get(address_, parameter)); }
+  auto set(std::uint8_t parameter, std::int32_t value) { return bus_->run(verbs::set(address_, parameter, value)); }
+
+ private:
+  Bus* bus_;
+  AxisAddress address_;
+};
+
+/// The verbs bound to one module of one bus. A cheap value; the bus must outlive it.
+template <class Bus>
+class BasicModule {
+ public:
+  BasicModule(Bus& bus, ModuleAddress address) : bus_(&bus), address_(address) {}
+
+  ModuleAddress address() const { return address_; }
+  BasicAxis<Bus> axis(std::uint8_t motor) { return {*bus_, {address_, motor}}; }
+
+  auto identify() { return bus_->run(verbs::identify(address_)); }
+  auto get_global(std::uint8_t bank, std::uint8_t parameter) {
+    return bus_->run(verbs::get_global(address_, bank, parameter));
+  }
+  auto set_global(std::uint8_t bank, std::uint8_t parameter, std::int32_t value) {
+    return bus_->run(verbs::set_global(address_, bank, parameter, value));
+  }
+
+ private:
+  Bus* bus_;
+  ModuleAddress address_;
+};
+
+}  // namespace tmcl

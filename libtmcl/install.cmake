@@ -1,0 +1,17 @@
+# What a program outside this tree needs: headers, libraries, find_package(tmcl) and `pkg-config tmcl`.
+include(CMakePackageConfigHelpers)
+
+set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/tmcl)
+
+install(TARGETS tmcl_core tmcl tmcl_client EXPORT tmcl-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(DIRECTORY include/tmcl DESTINATION ${CMAKE_INSTALL_INCLUDEDIR})
+install(EXPORT tmcl-targets NAMESPACE tmcl:: DESTINATION ${package_dir})
+
+configure_package_config_file(tmcl-config.cmake.in ${CMAKE_CURRENT_BINARY_DIR}/tmcl-config.cmake
+  INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/tmcl-config-version.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/tmcl-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/tmcl-config-version.cmake
+  DESTINATION ${package_dir})
+
+configure_file(tmcl.pc.in tmcl.pc @ONLY)
+install(FILES ${CMAKE_CURRENT_BINARY_DIR}/tmcl.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

@@ -1,0 +1,205 @@
+#include "tmcl/bus.hpp"
+
+#include <map>
+#include <optional>
+
+#include <boost/asio/async_result.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+
+#include "bus/bus_core.hpp"
+
+namespace tmcl {
+
+namespace asio = boost::asio;
+using boost::system::error_code;
+
+/// Lives as long as the bus or an operation of the reactor needs it.
+class Bus::State : public std::enable_shared_from_this<State> {
+ public:
+  State(asio::any_io_executor executor, Link link, BusOptions options)
+      : executor_(executor),
+        core_(std::move(link), std::move(options)),
+        readiness_(executor, core_.descriptor()),
+        timer_(executor) {}
+
+  // The link closes the descriptor, not Asio.
+  ~State() { readiness_.release(); }
+
+  void start() { await_input(); }
+
+  void close(const std::string& why) {
+    if (core_.is_open()) core_.close(why);
+    run_actions();
+  }
+
+  using Handler = std::function<void(StepResult)>;
+
+  void exchange(std::vector<step::Exchange> exchanges, Handler handler) {
+    if (exchanges.empty()) return asio::post(executor_, [handler = std::move(handler)] { handler({}); });
+    auto group = std::make_shared<Group>();
+    group->results.resize(exchanges.size(), tl::unexpected(Error{}));
+    group->missing = exchanges.size();
+    group->handler = std::move(handler);
+    for (std::size_t i = 0; i < exchanges.size(); ++i) {
+      const auto ticket = next_ticket_++;
+      waiting_.emplace(ticket, Place{group, i});
+      core_.engine().submit(ticket, exchanges[i].request, exchanges[i].options, clock_.now());
+    }
+    run_actions();
+  }
+
+  BusCore& core() { return core_; }
+  asio::any_io_executor executor() const { return executor_; }
+  std::function<void(const BusEvent&)> on_event;
+
+ private:
+  /// Exchanges that one caller waits for together.
+  struct Group {
+    StepResult results;
+    std::size_t missing = 0;
+    Handler handler;
+  };
+  struct Place {
+    std::shared_ptr<Group> group;
+    std::size_t index;
+  };
+
+  void await_input() {
+    readiness_.async_wait(asio::posix::stream_descriptor::wait_read,
+                          [self = shared_from_this()](error_code error) {
+                            if (!error) self->on_input();
+                          });
+  }
+
+  void on_input() {
+    core_.on_readable(clock_.now());
+    run_actions();
+    if (core_.is_open()) await_input();
+  }
+
+  void await_room() {
+    if (awaiting_room_ || !core_.wants_to_write()) return;
+    awaiting_room_ = true;
+    readiness_.async_wait(asio::posix::stream_descriptor::wait_write, [self = shared_from_this()](error_code error) {
+      self->awaiting_room_ = false;
+      if (error) return;
+      self->core_.on_writable(self->clock_.now());
+      self->run_actions();
+    });
+  }
+
+  /// A timer that is set too early only makes a round for nothing; setting it anew for each exchange costs more.
+  void await_deadline() {
+    const auto deadline = core_.engine().next_deadline();
+    if (!deadline || (armed_for_ && *armed_for_ <= *deadline)) return;
+    armed_for_ = deadline;
+    timer_.expires_at(*deadline);
+    timer_.async_wait([self = shared_from_this()](error_code error) {
+      if (error) return;
+      self->armed_for_.reset();
+      self->core_.engine().on_deadline(self->clock_.now());
+      self->run_actions();
+    });
+  }
+
+  void run_actions() {
+    core_.run_actions(
+        clock_.now(), [this](engine::Completion completion) { settle(std::move(completion)); },
+        [this](const BusEvent& event) { publish(event); });
+    if (core_.is_open()) {
+      await_room();
+      await_deadline();
+    } else {
+      readiness_.cancel();
+      timer_.cancel();
+    }
+  }
+
+  void settle(engine::Completion completion) {
+    const auto place = waiting_.extract(completion.ticket).mapped();
+    auto& group = *place.group;
+    group.results[place.index] = std::move(completion.result);
+    if (--group.missing > 0) return;
+    // Later, not from within the engine's round: whoever waits will submit the next request at once.
+    asio::post(executor_, [group = place.group] { group->handler(std::move(group->results)); });
+  }
+
+  void publish(const BusEvent& event) {
+    asio::post(executor_, [self = shared_from_this(), event] {
+      if (self->on_event) self->on_event(event);
+    });
+  }
+
+  RealClock clock_;
+  asio::any_io_executor executor_;
+  BusCore core_;
+  asio::posix::stream_descriptor readiness_;
+  asio::steady_timer timer_;
+  std::optional<TimePoint> armed_for_;
+  bool awaiting_room_ = false;
+  engine::Ticket next_ticket_ = 0;
+  std::map<engine::Ticket, Place> waiting_;
+};
+
+Bus::Bus(asio::any_io_executor executor, Link link, BusOptions options)
+    : state_(std::make_shared<State>(std::move(executor), std::move(link), std::move(options))) {
+  state_->start();
+}
+Bus::Bus(Bus&&) noexcept = default;
+Bus& Bus::operator=(Bus&& other) noexcept {
+  if (state_) close();
+  state_ = std::move(other.state_);
+  return *this;
+}
+Bus::~Bus() {
+  if (state_) close();
+}
+
+namespace {
+
+/// Suspends the coroutine until every exchange has ended.
+template <class State>
+asio::awaitable<StepResult> exchange(std::shared_ptr<State> state, std::vector<step::Exchange> exchanges) {
+  auto initiation = [&state, &exchanges](auto handler) {
+    // A std::function must be copyable, which a coroutine's handler is not.
+    auto shared = std::make_shared<decltype(handler)>(std::move(handler));
+    state->exchange(std::move(exchanges), [shared](StepResult results) { std::move (*shared)(std::move(results)); });
+  };
+  co_return co_await asio::async_initiate<const asio::use_awaitable_t<>, void(StepResult)>(initiation,
+                                                                                           asio::use_awaitable);
+}
+
+}  // namespace
+
+asio::awaitable<Result<Answer>> Bus::execute(Request request, CallOptions options) {
+  std::vector<step::Exchange> one{{request, options}};
+  auto results = co_await exchange(state_, std::move(one));
+  co_return std::move(results.front());
+}
+
+asio::awaitable<StepResult> Bus::perform(std::shared_ptr<State> state, Step step) {
+  if (auto* pause = std::get_if<step::Pause>(&step)) {
+    asio::steady_timer timer(state->executor(), pause->duration);
+    co_await timer.async_wait(asio::use_awaitable);
+    co_return StepResult{};
+  }
+  std::vector<step::Exchange> exchanges;
+  if (auto* one = std::get_if<step::Exchange>(&step)) {
+    exchanges.push_back(std::move(*one));
+  } else {
+    exchanges = std::move(std::get<step::ExchangeAll>(step).exchanges);
+  }
+  auto results = co_await exchange(state, std::move(exchanges));
+  co_return results;
+}
+
+void Bus::on_event(std::function<void(const BusEvent&)> handler) { state_->on_event = std::move(handler); }
+BusCounters Bus::counters() const { return state_->core().engine().counters(); }
+const std::string& Bus::name() const { return state_->core().name(); }
+bool Bus::is_open() const { return state_->core().is_open(); }
+void Bus::close() { state_->close("the bus was closed"); }
+
+}  // namespace tmcl

@@ -1,0 +1,47 @@
+/// A link and the engine that drives it: what the bus on Asio and the blocking bus share.
+#pragma once
+
+#include <functional>
+#include <span>
+
+#include "engine/bus_engine.hpp"
+#include "tmcl/link.hpp"
+
+namespace tmcl {
+
+class BusCore {
+ public:
+  BusCore(Link link, BusOptions options);
+
+  engine::BusEngine& engine() { return engine_; }
+  const engine::BusEngine& engine() const { return engine_; }
+  int descriptor() const { return link_.descriptor(); }
+  const std::string& name() const { return engine_.options().name; }
+  bool is_open() const { return open_; }
+  /// Part of a datagram is still to be written: tell on_writable() when the link has room again.
+  bool wants_to_write() const { return !unwritten_.empty(); }
+
+  void on_readable(TimePoint now);
+  void on_writable(TimePoint now);
+  /// Ends everything in progress; the descriptor stays open until destruction.
+  void close(const std::string& why);
+
+  /// Does what the engine wants done: writes go to the link, the rest to the two sinks.
+  void run_actions(TimePoint now, const std::function<void(engine::Completion)>& on_completion,
+                   const std::function<void(const BusEvent&)>& on_event);
+
+ private:
+  void read_bytes(TimePoint now);
+  void read_frames(TimePoint now);
+  void send(const Request& request, TimePoint now);
+  void send_bytes(const Request& request, TimePoint now);
+
+  Link link_;
+  engine::BusEngine engine_;
+  bool open_ = true;
+  SerialBytes unfinished_{};
+  std::span<const std::uint8_t> unwritten_;
+  std::vector<BusEvent> conditions_;
+};
+
+}  // namespace tmcl

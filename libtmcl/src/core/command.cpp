@@ -1,0 +1,266 @@
+#include "tmcl/command.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "core/text.hpp"
+
+namespace tmcl {
+namespace {
+
+using enum ReplyKind;
+using enum Effect;
+constexpr auto safe = Repeat::safe;
+constexpr auto never = Repeat::never;
+
+constexpr auto commands = std::to_array<CommandInfo>({
+    {Command::ROR, "ROR", normal, never, moves, "rotate right: velocity mode, positive speed"},
+    {Command::ROL, "ROL", normal, never, moves, "rotate left: velocity mode, negative speed"},
+    {Command::MST, "MST", normal, safe, stops, "motor stop"},
+    {Command::MVP, "MVP", normal, never, moves, "move to position"},
+    {Command::SAP, "SAP", normal, never, writes, "set axis parameter; some of them move the motor"},
+    {Command::GAP, "GAP", normal, safe, reads, "get axis parameter"},
+    {Command::STAP, "STAP", normal, never, writes, "store axis parameter in the EEPROM"},
+    {Command::RSAP, "RSAP", normal, never, moves, "restore axis parameter from the EEPROM"},
+    {Command::SGP, "SGP", normal, never, writes, "set global parameter; many go straight to the EEPROM"},
+    {Command::GGP, "GGP", normal, safe, reads, "get global parameter"},
+    {Command::STGP, "STGP", normal, never, writes, "store global parameter in the EEPROM"},
+    {Command::RSGP, "RSGP", normal, never, writes, "restore global parameter from the EEPROM"},
+    {Command::RFS, "RFS", normal, never, moves, "reference search"},
+    {Command::SIO, "SIO", normal, never, writes, "set output"},
+    {Command::GIO, "GIO", normal, safe, reads, "get input or output"},
+    {Command::CALC, "CALC", normal, never, writes, "calculate with accumulator and constant"},
+    {Command::COMP, "COMP", normal, never, writes, "compare accumulator with constant"},
+    {Command::JC, "JC", normal, never, writes, "jump conditionally"},
+    {Command::JA, "JA", normal, never, writes, "jump always"},
+    {Command::CSUB, "CSUB", normal, never, writes, "call subroutine"},
+    {Command::RSUB, "RSUB", normal, never, writes, "return from subroutine"},
+    {Command::EI, "EI", normal, never, writes, "enable interrupt"},
+    {Command::DI, "DI", normal, never, writes, "disable interrupt"},
+    {Command::WAIT, "WAIT", normal, never, writes, "wait for an event"},
+    {Command::STOP, "STOP", normal, never, writes, "end of program"},
+    {Command::SAC, "SAC", normal, never, writes, "SPI bus access"},
+    {Command::SCO, "SCO", normal, never, writes, "set coordinate"},
+    {Command::GCO, "GCO", normal, safe, reads, "get coordinate"},
+    {Command::CCO, "CCO", normal, never, writes, "capture coordinate"},
+    {Command::CALCX, "CALCX", normal, never, writes, "calculate with accumulator and X register"},
+    {Command::AAP, "AAP", normal, never, moves, "set axis parameter to accumulator"},
+    {Command::AGP, "AGP", normal, never, writes, "set global parameter to accumulator"},
+    {Command::CLE, "CLE", normal, never, writes, "clear error flags"},
+    {Command::VECT, "VECT", normal, never, writes, "set interrupt vector"},
+    {Command::RETI, "RETI", normal, never, writes, "return from interrupt"},
+    {Command::ACO, "ACO", normal, never, writes, "set coordinate to accumulator"},
+    {Command::CALCVV, "CALCVV", normal, never, writes, "calculate with two user variables"},
+    {Command::CALCVA, "CALCVA", normal, never, writes, "calculate with user variable and accumulator"},
+    {Command::CALCAV, "CALCAV", normal, never, writes, "calculate with accumulator and user variable"},
+    {Command::CALCVX, "CALCVX", normal, never, writes, "calculate with user variable and X register"},
+    {Command::CALCXV, "CALCXV", normal, never, writes, "calculate with X register and user variable"},
+    {Command::CALCV, "CALCV", normal, never, writes, "calculate with user variable and constant"},
+    {Command::MVPA, "MVPA", normal, never, moves, "move to the position in the accumulator"},
+    {Command::RST, "RST", normal, never, moves, "restart the program from an address"},
+    {Command::DJNZ, "DJNZ", normal, never, writes, "decrement and jump if not zero"},
+    {Command::ROLA, "ROLA", normal, never, moves, "rotate left with the accumulator's speed"},
+    {Command::RORA, "RORA", normal, never, moves, "rotate right with the accumulator's speed"},
+    {Command::SIV, "SIV", normal, never, writes, "set indexed variable"},
+    {Command::GIV, "GIV", normal, never, writes, "get indexed variable into the accumulator"},
+    {Command::AIV, "AIV", normal, never, writes, "set indexed variable to accumulator"},
+    {Command::UF0, "UF0", normal, never, moves, "user function 0"},
+    {Command::UF1, "UF1", normal, never, moves, "user function 1"},
+    {Command::UF2, "UF2", normal, never, moves, "user function 2"},
+    {Command::UF3, "UF3", normal, never, moves, "user function 3"},
+    {Command::UF4, "UF4", normal, never, moves, "user function 4"},
+    {Command::UF5, "UF5", normal, never, moves, "user function 5"},
+    {Command::UF6, "UF6", normal, never, moves, "user function 6"},
+    {Command::UF7, "UF7", normal, never, moves, "user function 7"},
+    {Command::CALL, "CALL", normal, never, writes, "call subroutine conditionally"},
+    {Command::STOP_APPLICATION, "STOP_APPLICATION", normal, never, writes, "stop the stand-alone program"},
+    {Command::RUN_APPLICATION, "RUN_APPLICATION", normal, never, moves, "run the stand-alone program"},
+    {Command::STEP_APPLICATION, "STEP_APPLICATION", normal, never, moves, "execute one line of the program"},
+    {Command::RESET_APPLICATION, "RESET_APPLICATION", normal, never, writes, "set the program back to its start"},
+    {Command::START_DOWNLOAD, "START_DOWNLOAD", normal, never, writes, "enter download mode"},
+    {Command::END_DOWNLOAD, "END_DOWNLOAD", normal, never, writes, "leave download mode"},
+    {Command::READ_TMCL_MEMORY, "READ_TMCL_MEMORY", normal, safe, reads, "read a line of the program"},
+    {Command::GET_APPLICATION_STATUS, "GET_APPLICATION_STATUS", normal, safe, reads, "is the program running?"},
+    {Command::GET_FIRMWARE_VERSION, "GET_FIRMWARE_VERSION", version, safe, reads, "model and firmware version"},
+    {Command::FACTORY_RESET, "FACTORY_RESET", none, never, writes, "restore factory settings"},
+    {Command::TARGET_REACHED_EVENT, "TARGET_REACHED_EVENT", then_event, never, writes,
+     "ask for an event when the target is reached"},
+    {Command::ENTER_ASCII_MODE, "ENTER_ASCII_MODE", normal, never, writes, "go over to the ASCII form"},
+    {Command::SECURITY_CODE, "SECURITY_CODE", normal, never, writes, "security code"},
+    {Command::BREAKPOINT, "BREAKPOINT", normal, never, writes, "set or clear a breakpoint"},
+    {Command::RAM_DEBUG, "RAM_DEBUG", normal, never, writes, "record variables in real time"},
+    {Command::GET_IDS, "GET_IDS", normal, safe, reads, "identification of the board's parts"},
+    {Command::WRITE_USER_CHANNEL, "WRITE_USER_CHANNEL", normal, never, moves, "write to a user function channel"},
+    {Command::READ_USER_CHANNEL, "READ_USER_CHANNEL", normal, never, writes, "read a user function channel"},
+    {Command::WRITE_MC, "WRITE_MC", normal, never, moves, "write a register of the motion controller"},
+    {Command::WRITE_DRV, "WRITE_DRV", normal, never, moves, "write a register of the motor driver"},
+    {Command::READ_MC, "READ_MC", normal, never, reads, "read a register of the motion controller"},
+    {Command::READ_DRV, "READ_DRV", normal, never, reads, "read a register of the motor driver"},
+    {Command::MEASURED_SPEED, "MEASURED_SPEED", normal, safe, reads, "measured speed"},
+    {Command::BOARD_ERROR, "BOARD_ERROR", normal, never, reads, "error flags of the board"},
+    {Command::BOARD_RESET, "BOARD_RESET", normal, never, writes, "reset the board"},
+    {Command::GET_INFO, "GET_INFO", normal, safe, reads, "identity and abilities of the firmware"},
+    {Command::WLAN0, "WLAN0", normal, never, writes, "wireless interface, function 0"},
+    {Command::WLAN1, "WLAN1", normal, never, writes, "wireless interface, function 1"},
+    {Command::WLAN2, "WLAN2", normal, never, writes, "wireless interface, function 2"},
+    {Command::WLAN3, "WLAN3", normal, never, writes, "wireless interface, function 3"},
+    {Command::GET_AP_MIN, "GET_AP_MIN", normal, safe, reads, "least value of an axis parameter"},
+    {Command::GET_AP_MAX, "GET_AP_MAX", normal, safe, reads, "greatest value of an axis parameter"},
+    {Command::OTP, "OTP", normal, never, writes, "one-time programmable memory"},
+    {Command::BOOT_ERASE_ALL, "BOOT_ERASE_ALL", normal, never, writes, "bootloader: erase the firmware"},
+    {Command::BOOT_WRITE_BUFFER, "BOOT_WRITE_BUFFER", normal, never, writes, "bootloader: fill the page buffer"},
+    {Command::BOOT_WRITE_PAGE, "BOOT_WRITE_PAGE", normal, never, writes, "bootloader: write a page"},
+    {Command::BOOT_GET_CHECKSUM, "BOOT_GET_CHECKSUM", normal, safe, reads, "bootloader: checksum of the firmware"},
+    {Command::BOOT_READ_MEMORY, "BOOT_READ_MEMORY", normal, safe, reads, "bootloader: read memory"},
+    {Command::BOOT_START_APPLICATION, "BOOT_START_APPLICATION", none, never, moves, "bootloader: start the firmware"},
+    {Command::BOOT_GET_INFO, "BOOT_GET_INFO", normal, safe, reads, "bootloader: page size and memory size"},
+    {Command::BOOT_WRITE_LENGTH, "BOOT_WRITE_LENGTH", normal, never, writes, "bootloader: write length and checksum"},
+    {Command::ENTER_BOOTLOADER, "ENTER_BOOTLOADER", none, never, writes, "leave the firmware for the bootloader"},
+    {Command::SOFTWARE_RESET, "SOFTWARE_RESET", normal, never, writes, "restart the module"},
+});
+
+constexpr auto subtypes = std::to_array<SubtypeInfo>({
+    // Positions, speeds and the ramp mode, under all the numbers that families of modules use for them.
+    {Command::SAP, 0, "", never, moves},
+    {Command::SAP, 1, "", never, moves},
+    {Command::SAP, 2, "", never, moves},
+    {Command::SAP, 3, "", never, moves},
+    {Command::SAP, 128, "", never, moves},
+    {Command::SAP, 129, "", never, moves},
+    {Command::SAP, 132, "", never, moves},
+    {Command::SAP, 133, "", never, moves},
+    {Command::SAP, 138, "", never, moves},
+    {Command::MVP, 0, "ABS", never, moves},
+    {Command::MVP, 1, "REL", never, moves},
+    {Command::MVP, 2, "COORD", never, moves},
+    {Command::MVP, 3, "RELCOORD", never, moves},
+    {Command::RFS, 0, "START", never, moves},
+    {Command::RFS, 1, "STOP", safe, stops},
+    {Command::RFS, 2, "STATUS", safe, reads},
+    {Command::CALC, 0, "ADD", never, writes},
+    {Command::CALC, 1, "SUB", never, writes},
+    {Command::CALC, 2, "MUL", never, writes},
+    {Command::CALC, 3, "DIV", never, writes},
+    {Command::CALC, 4, "MOD", never, writes},
+    {Command::CALC, 5, "AND", never, writes},
+    {Command::CALC, 6, "OR", never, writes},
+    {Command::CALC, 7, "XOR", never, writes},
+    {Command::CALC, 8, "NOT", never, writes},
+    {Command::CALC, 9, "LOAD", never, writes},
+    {Command::JC, 0, "ZE", never, writes},
+    {Command::JC, 1, "NZ", never, writes},
+    {Command::JC, 2, "EQ", never, writes},
+    {Command::JC, 3, "NE", never, writes},
+    {Command::JC, 4, "GT", never, writes},
+    {Command::JC, 5, "GE", never, writes},
+    {Command::JC, 6, "LT", never, writes},
+    {Command::JC, 7, "LE", never, writes},
+    {Command::JC, 8, "ETO", never, writes},
+    {Command::JC, 9, "EAL", never, writes},
+    {Command::JC, 10, "EDV", never, writes},
+    {Command::JC, 11, "EPO", never, writes},
+    {Command::JC, 12, "ESD", never, writes},
+    {Command::WAIT, 0, "TICKS", never, writes},
+    {Command::WAIT, 1, "POS", never, writes},
+    {Command::WAIT, 2, "REFSW", never, writes},
+    {Command::WAIT, 3, "LIMSW", never, writes},
+    {Command::WAIT, 4, "RFS", never, writes},
+    {Command::CALCX, 0, "ADD", never, writes},
+    {Command::CALCX, 1, "SUB", never, writes},
+    {Command::CALCX, 2, "MUL", never, writes},
+    {Command::CALCX, 3, "DIV", never, writes},
+    {Command::CALCX, 4, "MOD", never, writes},
+    {Command::CALCX, 5, "AND", never, writes},
+    {Command::CALCX, 6, "OR", never, writes},
+    {Command::CALCX, 7, "XOR", never, writes},
+    {Command::CALCX, 8, "NOT", never, writes},
+    {Command::CALCX, 9, "LOAD", never, writes},
+    {Command::CALCX, 10, "SWAP", never, writes},
+    {Command::CLE, 0, "ALL", never, writes},
+    {Command::CLE, 1, "ETO", never, writes},
+    {Command::CLE, 2, "EAL", never, writes},
+    {Command::CLE, 3, "EDV", never, writes},
+    {Command::CLE, 4, "EPO", never, writes},
+    {Command::CLE, 5, "ESD", never, writes},
+    {Command::RUN_APPLICATION, 0, "CONTINUE", never, moves},
+    {Command::RUN_APPLICATION, 1, "FROM_ADDRESS", never, moves},
+    {Command::GET_FIRMWARE_VERSION, 0, "TEXT", safe, reads},
+    {Command::GET_FIRMWARE_VERSION, 1, "BINARY", safe, reads},
+    {Command::TARGET_REACHED_EVENT, 0, "NEXT_MOVE", never, writes},
+    {Command::TARGET_REACHED_EVENT, 1, "EVERY_MOVE", never, writes},
+    {Command::GET_INFO, 0, "MODULE_ID", safe, reads},
+    {Command::GET_INFO, 1, "VERSION", safe, reads},
+    {Command::GET_INFO, 2, "CAPABILITIES", safe, reads},
+    {Command::GET_INFO, 3, "RELEASE_TYPE", safe, reads},
+    {Command::GET_INFO, 10, "BOOTLOADER_ID", safe, reads},
+    {Command::GET_INFO, 11, "BOOTLOADER_VERSION", safe, reads},
+    {Command::GET_INFO, 20, "AXIS_PARAMETER_WIDTH", safe, reads},
+    {Command::GET_INFO, 21, "REGISTER_ADDRESS_WIDTH", safe, reads},
+    {Command::GET_INFO, 30, "GIT_HASH", safe, reads},
+    {Command::BOOT_GET_INFO, 0, "PAGE_SIZE", safe, reads},
+    {Command::BOOT_GET_INFO, 1, "START", safe, reads},
+    {Command::BOOT_GET_INFO, 2, "SIZE", safe, reads},
+});
+
+static_assert(std::ranges::is_sorted(commands, {}, &CommandInfo::command));
+
+const SubtypeInfo* find_subtype(Command command, std::uint8_t type) {
+  const auto* row = std::ranges::find_if(
+      subtypes, [&](const SubtypeInfo& info) { return info.command == command && info.type == type; });
+  return row == subtypes.end() ? nullptr : row;
+}
+
+}  // namespace
+
+std::span<const CommandInfo> command_table() { return commands; }
+std::span<const SubtypeInfo> subtype_table() { return subtypes; }
+
+const CommandInfo* find_command(std::uint8_t number) {
+  const auto* row = std::ranges::lower_bound(commands, static_cast<Command>(number), {}, &CommandInfo::command);
+  return row != commands.end() && row->command == static_cast<Command>(number) ? row : nullptr;
+}
+
+std::optional<Command> parse_command(std::string_view text) {
+  if (const auto value = text::parse_byte(text)) return static_cast<Command>(*value);
+  for (const auto& row : commands) {
+    if (text::equal_ignoring_case(row.name, text)) return row.command;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::uint8_t> parse_subtype(Command command, std::string_view text) {
+  if (const auto value = text::parse_byte(text)) return value;
+  for (const auto& row : subtypes) {
+    if (row.command == command && text::equal_ignoring_case(row.name, text)) return row.type;
+  }
+  return std::nullopt;
+}
+
+std::string_view name_of(Command command) {
+  const auto* row = find_command(static_cast<std::uint8_t>(command));
+  return row != nullptr ? row->name : text::byte_name(static_cast<std::uint8_t>(command));
+}
+
+std::string_view name_of_subtype(Command command, std::uint8_t type) {
+  const auto* row = find_subtype(command, type);
+  return row != nullptr ? row->name : std::string_view{};
+}
+
+ReplyKind reply_kind(Command command) {
+  const auto* row = find_command(static_cast<std::uint8_t>(command));
+  return row != nullptr ? row->reply : ReplyKind::normal;
+}
+
+Repeat repeat_rule(Command command, std::uint8_t type) {
+  if (const auto* row = find_subtype(command, type)) return row->repeat;
+  const auto* row = find_command(static_cast<std::uint8_t>(command));
+  return row != nullptr ? row->repeat : Repeat::never;
+}
+
+Effect effect_of(Command command, std::uint8_t type) {
+  if (const auto* row = find_subtype(command, type)) return row->effect;
+  const auto* row = find_command(static_cast<std::uint8_t>(command));
+  return row != nullptr ? row->effect : Effect::moves;
+}
+
+}  // namespace tmcl

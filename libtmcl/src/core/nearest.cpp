@@ -1,0 +1,51 @@
+#include "tmcl/nearest.hpp"
+
+#include <algorithm>
+#include <numeric>
+#include <vector>
+
+#include "core/text.hpp"
+
+namespace tmcl {
+namespace {
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t exchanged = diagonal + (text::lower(a[i]) == text::lower(b[j]) ? 0U : 1U);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({exchanged, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+// Longer words are not what a person mistyped, and cost time.
+constexpr std::size_t longest_word = 64;
+
+}  // namespace
+
+std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {
+  if (word.size() > longest_word) return {};
+  std::string_view best;
+  std::size_t best_distance = word.size() / 2 + 1;
+  for (const auto candidate : candidates) {
+    const auto distance = edit_distance(word, candidate);
+    if (distance < best_distance) {
+      best = candidate;
+      best_distance = distance;
+    }
+  }
+  return best;
+}
+
+std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates) {
+  const auto best = nearest(word, candidates);
+  return best.empty() ? std::string{} : " Did you mean '" + std::string(best) + "'?";
+}
+
+}  // namespace tmcl

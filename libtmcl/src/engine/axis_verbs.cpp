@@ -1,0 +1,152 @@
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "tmcl/parameter.hpp"
+#include "tmcl/verbs.hpp"
+
+namespace tmcl::verbs {
+namespace {
+
+namespace ap = axis_parameter;
+
+Request axis_request(AxisAddress axis, Command command, std::uint8_t type, std::int32_t value = 0) {
+  return {axis.module, command, type, axis.motor, value};
+}
+
+bool may_have_been_executed(const Result<Answer>& answer) {
+  return !answer && answer.error().outcome == Outcome::unknown;
+}
+
+Script<Result<void>> act(Request request) {
+  const auto answer = co_await exchange(request);
+  if (!answer) co_return tl::unexpected(answer.error());
+  co_return Result<void>{};
+}
+
+Script<Result<std::int32_t>> ask(Request request) {
+  const auto answer = co_await exchange(request);
+  if (!answer) co_return tl::unexpected(answer.error());
+  co_return answer->reply.value;
+}
+
+Error interrupted(AxisAddress axis, const AxisState& state, std::string_view why) {
+  Error error{Errc::move_interrupted, Outcome::done, {}, {}, {}, {}, {}};
+  error.message = fmt::format("motor {} of module {} {} at {}, {} microsteps short of its target {}", axis.motor,
+                              number(axis.module), why, state.position.value,
+                              std::int64_t{state.target.value} - state.position.value, state.target.value);
+  error.hint = "someone may have stopped it, or a limit switch did; move again when it is safe";
+  return error;
+}
+
+Error still_moving(AxisAddress axis, const AxisState& state) {
+  Error error{Errc::deadline_passed, Outcome::done, {}, {}, {}, {}, {}};
+  error.message = fmt::format("motor {} of module {} has not arrived yet: at {} on its way to {}", axis.motor,
+                              number(axis.module), state.position.value, state.target.value);
+  error.hint = "it goes on moving; wait longer or stop it";
+  return error;
+}
+
+}  // namespace
+
+Script<Result<Answer>> command(Request request, CallOptions options) {
+  auto answer = co_await exchange(request, options);
+  co_return answer;
+}
+
+Script<Result<std::int32_t>> get(AxisAddress axis, std::uint8_t parameter) {
+  return ask(axis_request(axis, Command::GAP, parameter));
+}
+
+Script<Result<void>> set(AxisAddress axis, std::uint8_t parameter, std::int32_t value) {
+  const auto request = axis_request(axis, Command::SAP, parameter, value);
+  auto answer = co_await exchange(request);
+  if (may_have_been_executed(answer) && effect_of(Command::SAP, parameter) != Effect::moves) {
+    const auto present = co_await get(axis, parameter);
+    if (present && *present == value) co_return Result<void>{};
+    // The module answers again and holds another value: the request was lost, so it may be sent anew.
+    if (present) answer = co_await exchange(request);
+  }
+  if (!answer) co_return tl::unexpected(answer.error());
+  co_return Result<void>{};
+}
+
+Script<Result<std::int32_t>> get_global(ModuleAddress module, std::uint8_t bank, std::uint8_t parameter) {
+  return ask({module, Command::GGP, parameter, bank, 0});
+}
+
+Script<Result<void>> set_global(ModuleAddress module, std::uint8_t bank, std::uint8_t parameter, std::int32_t value) {
+  return act({module, Command::SGP, parameter, bank, value});
+}
+
+Script<Result<Microsteps>> move_to(AxisAddress axis, Microsteps target) {
+  const auto started = co_await act(axis_request(axis, Command::MVP, 0, target.value));
+  if (!started) co_return tl::unexpected(started.error());
+  co_return target;
+}
+
+Script<Result<Microsteps>> move_by(AxisAddress axis, Microsteps distance) {
+  const auto here = co_await position(axis);
+  if (!here) co_return tl::unexpected(here.error());
+  const auto target = std::int64_t{here->value} + distance.value;
+  if (target < std::numeric_limits<std::int32_t>::min() || target > std::numeric_limits<std::int32_t>::max()) {
+    co_return tl::unexpected(bad_argument(fmt::format("{} microsteps from {} is beyond every position a module has",
+                                                      distance.value, here->value)));
+  }
+  const auto moved = co_await move_to(axis, Microsteps{static_cast<std::int32_t>(target)});
+  co_return moved;
+}
+
+Script<Result<void>> rotate(AxisAddress axis, InternalVelocity velocity) {
+  // The least int32 has no positive counterpart; no module turns that fast anyway.
+  const auto speed = std::max(velocity.value, -std::numeric_limits<std::int32_t>::max());
+  if (speed >= 0) return act(axis_request(axis, Command::ROR, 0, speed));
+  return act(axis_request(axis, Command::ROL, 0, -speed));
+}
+
+Script<Result<void>> stop(AxisAddress axis) { return act(axis_request(axis, Command::MST, 0)); }
+
+Script<Result<Microsteps>> position(AxisAddress axis) {
+  const auto value = co_await get(axis, ap::actual_position);
+  if (!value) co_return tl::unexpected(value.error());
+  co_return Microsteps{*value};
+}
+
+Script<Result<InternalVelocity>> velocity(AxisAddress axis) {
+  const auto value = co_await get(axis, ap::actual_velocity);
+  if (!value) co_return tl::unexpected(value.error());
+  co_return InternalVelocity{*value};
+}
+
+Script<Result<AxisState>> state(AxisAddress axis) {
+  const auto at = co_await get(axis, ap::actual_position);
+  if (!at) co_return tl::unexpected(at.error());
+  const auto speed = co_await get(axis, ap::actual_velocity);
+  if (!speed) co_return tl::unexpected(speed.error());
+  const auto target = co_await get(axis, ap::target_position);
+  if (!target) co_return tl::unexpected(target.error());
+  const auto reached = co_await get(axis, ap::position_reached);
+  if (!reached) co_return tl::unexpected(reached.error());
+  co_return AxisState{Microsteps{*at}, InternalVelocity{*speed}, Microsteps{*target}, *reached != 0};
+}
+
+Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions options) {
+  Duration waited{};
+  Duration standing{};
+  std::optional<Microsteps> last_position;
+  while (true) {
+    const auto now = co_await state(axis);
+    if (!now) co_return tl::unexpected(now.error());
+    if (now->position_reached && now->velocity.value == 0) co_return now->position;
+
+    const bool stands = now->velocity.value == 0 && last_position == now->position;
+    standing = stands ? standing + options.poll_interval : Duration{};
+    last_position = now->position;
+    if (standing >= options.standstill_limit) co_return tl::unexpected(interrupted(axis, *now, "stands still"));
+    if (options.timeout > Duration{} && waited >= options.timeout) co_return tl::unexpected(still_moving(axis, *now));
+    co_await pause(options.poll_interval);
+    waited += options.poll_interval;
+  }
+}
+
+}  // namespace tmcl::verbs

@@ -1,0 +1,399 @@
+#include "engine/bus_engine.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+#include <fmt/format.h>
+
+namespace tmcl::engine {
+namespace {
+
+// A lost fence may be the line's fault rather than the module's: one more try tells them apart.
+constexpr unsigned fence_tries = 2;
+
+bool wants_version_text(const Request& request) {
+  return request.command == Command::GET_FIRMWARE_VERSION &&
+         request.type == static_cast<std::uint8_t>(VersionForm::text);
+}
+
+/// Whether a stop makes this queued call pointless, or dangerous.
+bool is_ended_by(const Request& stop, const Call& call) {
+  const auto& request = call.request;
+  if (reply_byte(request.address) != reply_byte(stop.address)) return false;
+  if (effect_of(request.command, request.type) != Effect::moves) return false;
+  // Commands above 127 control programs and chips: they know no motor, so they may concern any.
+  return request.motor == stop.motor || static_cast<std::uint8_t>(request.command) >= 128;
+}
+
+Outcome outcome_so_far(const Call& call) {
+  return call.times_sent == 0 && !call.shouted ? Outcome::not_sent : Outcome::unknown;
+}
+
+std::optional<FirmwareVersion> version_text_in(const CanFrame& frame) {
+  std::array<char, version_text_size> text{};
+  std::ranges::transform(frame.data, text.begin(), [](std::uint8_t byte) { return static_cast<char>(byte); });
+  return version_from_text(std::string_view(text.data(), frame.length));
+}
+
+}  // namespace
+
+BusEngine::BusEngine(Framing framing, Duration wire_time, BusOptions options)
+    : framing_(framing), wire_time_(wire_time), options_(std::move(options)), decoder_(options_.host_address) {}
+
+// ---- what comes from above ------------------------------------------------------------------------------------------
+
+void BusEngine::submit(Ticket ticket, const Request& request, const CallOptions& options, TimePoint now) {
+  Call call{request, options, {ticket}};
+  if (lost_) return complete(call, tl::unexpected(error_for(call, Errc::link_lost, *lost_, {})));
+  if (auto error = objection(request)) return complete(call, tl::unexpected(std::move(*error)));
+  if (queue_.join(request, options, ticket)) return;
+  const auto room = call.is_stop() ? 2 * max_queued_calls : max_queued_calls;
+  if (queue_.size() >= room) {
+    return complete(call, tl::unexpected(error_for(call, Errc::queue_full, "too many commands wait for this bus",
+                                                   "send fewer commands at once, or use a faster bus")));
+  }
+  if (call.is_stop()) drop_movements_before(request);
+  queue_.push_back(std::move(call));
+  go_on(now);
+}
+
+std::optional<Error> BusEngine::objection(const Request& request) const {
+  const unsigned highest = framing_ == Framing::serial ? 0xFF : 0x7FF;
+  if (number(request.address) <= highest) return std::nullopt;
+  auto error = bad_argument(fmt::format("{} is no module address", number(request.address)),
+                            fmt::format("addresses on this bus are 0 to {}", highest));
+  error.bus = options_.name;
+  return error;
+}
+
+void BusEngine::drop_movements_before(const Request& stop) {
+  for (const auto& call : queue_.remove_if([&](const Call& queued) { return is_ended_by(stop, queued); })) {
+    complete(call, tl::unexpected(error_for(call, Errc::superseded_by_stop, "a stop came first", {})));
+  }
+}
+
+// ---- what comes from the wire ---------------------------------------------------------------------------------------
+
+void BusEngine::on_bytes(std::span<const std::uint8_t> bytes, TimePoint now) {
+  for (const auto byte : bytes) {
+    const auto item = decoder_.push(byte);
+    if (!item) continue;
+    if (const auto* reply = std::get_if<Reply>(&*item)) {
+      on_reply(*reply, now);
+    } else if (line_.in_flight) {
+      on_version_text(line_, std::get<VersionText>(*item).version, now);
+    }
+  }
+  go_on(now);
+}
+
+void BusEngine::on_frame(const CanFrame& frame, TimePoint now) {
+  if (auto* channel = channel_awaiting_version_text()) {
+    if (const auto version = version_text_in(frame)) {
+      on_version_text(*channel, *version, now);
+      return go_on(now);
+    }
+  }
+  if (const auto reply = decode_can_reply(frame)) {
+    on_reply(*reply, now);
+  } else {
+    counters_.garbage_bytes += frame.length;
+  }
+  go_on(now);
+}
+
+void BusEngine::on_reply(const Reply& reply, TimePoint now) {
+  if (reply.command == Command::TARGET_REACHED_EVENT && reply.status == Status::delayed) {
+    actions_.push_back(BusEvent{BusEvent::Kind::target_reached, ModuleAddress{reply.module}, reply.value});
+    return;
+  }
+  const auto known = modules_.find(reply.module);
+  if (known == modules_.end()) {
+    ++counters_.unexpected_replies;
+    return;
+  }
+  auto& channel = channel_of(known->second);
+  if (channel.in_flight && answers(reply, *channel.in_flight)) {
+    conclude(channel, Answer{reply}, now);
+  } else {
+    on_unexplained(reply, now);
+  }
+}
+
+bool BusEngine::answers(const Reply& reply, const InFlight& in_flight) const {
+  if (reply.module != reply_byte(in_flight.sent.address)) return false;
+  // A module that could not read the request does not know which command it was.
+  const bool about_checksum = reply.status == Status::wrong_checksum && reply.command == Command{0};
+  return about_checksum || reply.command == in_flight.sent.command;
+}
+
+void BusEngine::on_version_text(Channel& channel, FirmwareVersion version, TimePoint now) {
+  const auto& sent = channel.in_flight->sent;
+  conclude(channel, Answer{Reply{options_.host_address, reply_byte(sent.address), Status::ok, sent.command, 0}, version},
+           now);
+}
+
+void BusEngine::conclude(Channel& channel, Answer answer, TimePoint now) {
+  const auto done = std::move(*channel.in_flight);
+  channel.in_flight.reset();
+  expect_version_text();
+  ++counters_.replies;
+  auto& lane = module_of(done.sent.address).lane;
+  lane.answered(done.sent.command, now);
+  if (!done.call) return lane.prove();
+  answer.duplicate_suspected = lane.duplicate_suspected;
+  if (is_success(answer.reply.status)) return complete(*done.call, answer);
+  auto error = refusal(done.sent, answer.reply.status);
+  error.bus = options_.name;
+  if (answer.reply.status == Status::wrong_checksum) return repeat_or_give_up(*done.call, std::move(error));
+  complete(*done.call, tl::unexpected(std::move(error)));
+}
+
+void BusEngine::on_unexplained(const Reply& reply, TimePoint now) {
+  auto& lane = modules_.at(reply.module).lane;
+  if (lane.has_abandoned(reply.command)) {
+    ++counters_.late_replies;
+    return;
+  }
+  ++counters_.unexpected_replies;
+  lane.lose_step();
+  if (!lane.is_second_reply(reply.command, now) || lane.duplicate_suspected) return;
+  lane.duplicate_suspected = true;
+  actions_.push_back(BusEvent{BusEvent::Kind::duplicate_address, ModuleAddress{reply.module}, 0,
+                              fmt::format("two replies came to one request: probably two modules have the address {}",
+                                          reply.module)});
+}
+
+void BusEngine::on_send_refused(const Request& request, TimePoint now) {
+  auto& channel = channel_to(request.address);
+  if (!channel.in_flight || channel.in_flight->sent != request) return;
+  const auto refused = std::move(*channel.in_flight);
+  channel.in_flight.reset();
+  channel.quiet_until = now + options_.quiet_time;
+  if (refused.call) {
+    complete(*refused.call, tl::unexpected(error_for(*refused.call, Errc::queue_full,
+                                                     "the interface's transmit queue is full",
+                                                     "is another node on the bus, and the bit rate right?")));
+  }
+  go_on(now);
+}
+
+void BusEngine::on_link_lost(const std::string& why) {
+  if (lost_) return;
+  lost_ = why;
+  const auto end = [&](const Call& call, Outcome outcome) {
+    auto error = error_for(call, Errc::link_lost, why, "check the cable and the module's power");
+    error.outcome = outcome;
+    complete(call, tl::unexpected(std::move(error)));
+  };
+  const auto end_in_flight = [&](Channel& channel) {
+    if (channel.in_flight && channel.in_flight->call) end(*channel.in_flight->call, Outcome::unknown);
+    channel.in_flight.reset();
+  };
+  end_in_flight(line_);
+  for (auto& [byte, module] : modules_) end_in_flight(module.own_channel);
+  for (const auto& call : queue_.remove_if([](const Call&) { return true; })) end(call, outcome_so_far(call));
+  actions_.push_back(BusEvent{BusEvent::Kind::link_lost, {}, 0, why});
+}
+
+// ---- time -----------------------------------------------------------------------------------------------------------
+
+void BusEngine::on_deadline(TimePoint now) {
+  const auto is_overdue = [&](const Channel& channel) {
+    return channel.in_flight && channel.in_flight->deadline <= now;
+  };
+  if (is_overdue(line_)) on_time_out(line_, now);
+  for (auto& [byte, module] : modules_) {
+    if (is_overdue(module.own_channel)) on_time_out(module.own_channel, now);
+  }
+  go_on(now);
+}
+
+void BusEngine::on_time_out(Channel& channel, TimePoint now) {
+  auto lost = std::move(*channel.in_flight);
+  channel.in_flight.reset();
+  expect_version_text();
+  decoder_.reset();
+  ++counters_.timeouts;
+  channel.quiet_until = now + options_.quiet_time;
+  auto& module = module_of(lost.sent.address);
+  module.lane.abandon(lost.sent.command, now);
+  if (!lost.call) return on_fence_time_out(module, lost.sent.address, lost.fence_tries, now);
+  auto error = timeout_error(*lost.call);
+  repeat_or_give_up(std::move(*lost.call), std::move(error));
+}
+
+void BusEngine::on_fence_time_out(Module& module, ModuleAddress address, unsigned tries, TimePoint now) {
+  if (!module.lane.fence_failed(tries, now + options_.silence_time)) return;
+  const auto waits_for_it = [&](const Call& call) { return reply_byte(call.request.address) == reply_byte(address); };
+  for (const auto& call : queue_.remove_if(waits_for_it)) complete(call, tl::unexpected(silence_error(call)));
+}
+
+void BusEngine::end_overdue_calls(TimePoint now) {
+  const auto is_overdue = [&](const Call& call) { return call.options.deadline && *call.options.deadline <= now; };
+  for (const auto& call : queue_.remove_if(is_overdue)) {
+    complete(call, tl::unexpected(error_for(call, Errc::deadline_passed,
+                                            "the deadline passed while the command was waiting", {})));
+  }
+}
+
+std::optional<TimePoint> BusEngine::next_deadline() const {
+  std::optional<TimePoint> next = queue_.earliest_deadline();
+  const auto consider = [&](TimePoint time) {
+    if (!next || time < *next) next = time;
+  };
+  const auto consider_channel = [&](const Channel& channel) {
+    if (channel.in_flight) {
+      consider(channel.in_flight->deadline);
+    } else if (channel.quiet_until > last_now_ && queue_.size() > 0) {
+      consider(channel.quiet_until);
+    }
+  };
+  consider_channel(line_);
+  for (const auto& [byte, module] : modules_) consider_channel(module.own_channel);
+  return next;
+}
+
+// ---- who speaks next ------------------------------------------------------------------------------------------------
+
+void BusEngine::go_on(TimePoint now) {
+  last_now_ = now;
+  end_overdue_calls(now);
+  while (auto* call = queue_.find([&](const Call& queued) { return is_next(queued, now); })) {
+    const auto& lane = module_of(call->request.address).lane;
+    if (must_shout(*call)) {
+      shout(*call, now);
+    } else if (lane.is_silent(now) && !call->is_stop()) {
+      const auto unheard = queue_.take(call);
+      complete(unheard, tl::unexpected(silence_error(unheard)));
+    } else if (lane.in_step()) {
+      start(queue_.take(call), now);
+    } else {
+      start_fence(*call, now);
+    }
+  }
+}
+
+bool BusEngine::is_next(const Call& call, TimePoint now) {
+  auto& module = module_of(call.request.address);
+  if (must_shout(call)) return true;
+  if (module.lane.is_silent(now) && !call.is_stop()) return true;
+  // Version texts do not say which module they are from: one at a time.
+  if (wants_version_text(call.request) && channel_awaiting_version_text() != nullptr) return false;
+  return channel_of(module).is_free(now);
+}
+
+bool BusEngine::must_shout(const Call& call) {
+  if (!call.is_stop() || call.shouted) return false;
+  auto& module = module_of(call.request.address);
+  auto& channel = channel_of(module);
+  const bool would_wait = !module.lane.in_step() || channel.quiet_until > last_now_;
+  return would_wait && !channel.in_flight;
+}
+
+void BusEngine::shout(Call& call, TimePoint now) {
+  call.shouted = true;
+  auto& module = module_of(call.request.address);
+  module.lane.abandon(call.request.command, now);
+  auto& channel = channel_of(module);
+  channel.quiet_until = std::max(channel.quiet_until, now + wire_time_ + options_.quiet_time);
+  ++counters_.requests;
+  actions_.push_back(Send{call.request});
+}
+
+void BusEngine::start(Call call, TimePoint now) {
+  auto& module = module_of(call.request.address);
+  auto& channel = channel_of(module);
+  ++call.times_sent;
+  const auto request = call.request;
+  if (reply_kind(request.command) == ReplyKind::none) {
+    ++counters_.requests;
+    actions_.push_back(Send{request});
+    module.lane.lose_step();
+    channel.quiet_until = now + wire_time_ + options_.quiet_time;
+    return complete(call, Answer{Reply{options_.host_address, reply_byte(request.address), Status::ok,
+                                       request.command, request.value}});
+  }
+  const auto deadline = now + patience(call.options);
+  put_in_flight(channel, InFlight{request, deadline, std::move(call), 0});
+}
+
+void BusEngine::start_fence(const Call& next, TimePoint now) {
+  const auto address = next.request.address;
+  auto& module = module_of(address);
+  // Who scans asks once and goes on.
+  const unsigned tries = next.options.attempts == 1 ? 1 : fence_tries;
+  const auto fence = module.lane.fence(address, next.request.command, now);
+  if (!fence) return on_fence_time_out(module, address, 1, now);
+  ++counters_.fences;
+  put_in_flight(channel_of(module), InFlight{*fence, now + patience(next.options), std::nullopt, tries});
+}
+
+void BusEngine::put_in_flight(Channel& channel, InFlight in_flight) {
+  ++counters_.requests;
+  actions_.push_back(Send{in_flight.sent});
+  channel.in_flight = std::move(in_flight);
+  expect_version_text();
+}
+
+Duration BusEngine::patience(const CallOptions& options) const {
+  const auto pause = framing_ == Framing::serial ? options_.telegram_pause : Duration{};
+  return wire_time_ + pause + options.reply_timeout.value_or(options_.reply_timeout);
+}
+
+void BusEngine::expect_version_text() {
+  decoder_.expect_version_text(line_.in_flight && wants_version_text(line_.in_flight->sent));
+}
+
+BusEngine::Channel* BusEngine::channel_awaiting_version_text() {
+  const auto awaits = [](const Channel& channel) {
+    return channel.in_flight && wants_version_text(channel.in_flight->sent);
+  };
+  if (awaits(line_)) return &line_;
+  const auto found = std::ranges::find_if(modules_, [&](const auto& entry) { return awaits(entry.second.own_channel); });
+  return found == modules_.end() ? nullptr : &found->second.own_channel;
+}
+
+// ---- how calls end --------------------------------------------------------------------------------------------------
+
+void BusEngine::repeat_or_give_up(Call call, Error error) {
+  const unsigned attempts = call.options.attempts == 0 ? options_.attempts : call.options.attempts;
+  if (call.may_repeat() && call.times_sent < attempts) return queue_.push_front(std::move(call));
+  complete(call, tl::unexpected(std::move(error)));
+}
+
+Error BusEngine::error_for(const Call& call, Errc code, std::string message, std::string hint) const {
+  return {code, outcome_so_far(call), std::move(message), std::move(hint), options_.name, call.request, {}};
+}
+
+Error BusEngine::timeout_error(const Call& call) const {
+  const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(patience(call.options)).count();
+  const auto times = call.times_sent == 1 ? std::string("once") : fmt::format("{} times", call.times_sent);
+  return error_for(call, Errc::reply_timeout, fmt::format("no answer within {} ms, asked {}", waited, times),
+                   "check address, baud rate and power; `tmclctl scan` shows who answers");
+}
+
+Error BusEngine::silence_error(const Call& call) const {
+  return error_for(call, Errc::module_silent, fmt::format("module {} does not answer", number(call.request.address)),
+                   "check its power and address; `tmclctl scan` shows who answers");
+}
+
+void BusEngine::complete(const Call& call, const Result<Answer>& result) {
+  for (const auto ticket : call.tickets) actions_.push_back(Completion{ticket, result});
+}
+
+std::optional<Action> BusEngine::next_action() {
+  if (actions_.empty()) return std::nullopt;
+  auto action = std::move(actions_.front());
+  actions_.pop_front();
+  return action;
+}
+
+BusCounters BusEngine::counters() const {
+  auto counters = counters_;
+  counters.garbage_bytes += decoder_.dropped_bytes();
+  return counters;
+}
+
+}  // namespace tmcl::engine

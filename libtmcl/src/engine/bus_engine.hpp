@@ -1,0 +1,134 @@
+/// Who speaks next on a bus, what a reply answers, and what is known about a command when none comes.
+///
+/// A serial line carries one exchange at a time; on CAN each module has its own. Each such place is a channel:
+///
+///     free ──call picked, module in step──▶ waiting ──reply──▶ free                       done / refused
+///      │                                      └─deadline─▶ quiet ─time passes─▶ free      unknown, or queued again
+///      └─call picked, out of step─▶ fencing ──reply──▶ free, module in step
+///                                      └─deadline─▶ quiet ─▶ free; after the last try: module silent,
+///                                                             its calls end as not_sent (unknown if sent before)
+///
+/// A stop goes first. Where it would have to wait for a fence it is sent at once as well, and then again, provably.
+/// A stop also removes every movement that is queued for the same motor.
+///
+/// Does no I/O and reads no clock: it is told what happened, and says what to do.
+/// Thread safety: none. Everything it holds is bounded by max_queued_calls and the number of addresses.
+#pragma once
+
+#include <deque>
+#include <map>
+#include <optional>
+#include <span>
+#include <string>
+#include <variant>
+
+#include "engine/call_queue.hpp"
+#include "engine/lane.hpp"
+#include "tmcl/bus_options.hpp"
+#include "tmcl/link.hpp"
+#include "tmcl/serial_decoder.hpp"
+
+namespace tmcl::engine {
+
+/// Put this request on the wire.
+struct Send {
+  Request request;
+};
+/// The call is over.
+struct Completion {
+  Ticket ticket;
+  Result<Answer> result;
+};
+using Action = std::variant<Send, Completion, BusEvent>;
+
+class BusEngine {
+ public:
+  /// `wire_time`: how long a request and its reply take on the wire.
+  BusEngine(Framing framing, Duration wire_time, BusOptions options);
+
+  void submit(Ticket ticket, const Request& request, const CallOptions& options, TimePoint now);
+  /// Serial: bytes came in.
+  void on_bytes(std::span<const std::uint8_t> bytes, TimePoint now);
+  /// CAN: a frame came in.
+  void on_frame(const CanFrame& frame, TimePoint now);
+  /// The time that next_deadline() told has come; harmless at any other time.
+  void on_deadline(TimePoint now);
+  /// The link had no room for a request it was given; nothing of it went out.
+  void on_send_refused(const Request& request, TimePoint now);
+  /// Everything in progress ends, and nothing more will be accepted.
+  void on_link_lost(const std::string& why);
+
+  /// What to do next; call it until it gives nothing.
+  std::optional<Action> next_action();
+  /// When on_deadline() wants to be called.
+  std::optional<TimePoint> next_deadline() const;
+
+  const BusOptions& options() const { return options_; }
+  BusCounters counters() const;
+
+ private:
+  struct InFlight {
+    Request sent;
+    TimePoint deadline;
+    std::optional<Call> call;  ///< Nothing for a fence.
+    unsigned fence_tries = 0;
+  };
+  struct Channel {
+    std::optional<InFlight> in_flight;
+    TimePoint quiet_until{};
+    bool is_free(TimePoint now) const { return !in_flight && quiet_until <= now; }
+  };
+  struct Module {
+    Lane lane;
+    Channel own_channel;
+  };
+
+  Module& module_of(ModuleAddress address) { return modules_[reply_byte(address)]; }
+  Channel& channel_of(Module& module) { return framing_ == Framing::serial ? line_ : module.own_channel; }
+  Channel& channel_to(ModuleAddress address) { return channel_of(module_of(address)); }
+
+  std::optional<Error> objection(const Request& request) const;
+  void drop_movements_before(const Request& stop);
+  void end_overdue_calls(TimePoint now);
+
+  void go_on(TimePoint now);
+  bool is_next(const Call& call, TimePoint now);
+  bool must_shout(const Call& call);
+  void shout(Call& call, TimePoint now);
+  void start(Call call, TimePoint now);
+  void start_fence(const Call& next, TimePoint now);
+  void put_in_flight(Channel& channel, InFlight in_flight);
+  Duration patience(const CallOptions& options) const;
+
+  void on_time_out(Channel& channel, TimePoint now);
+  void on_fence_time_out(Module& module, ModuleAddress address, unsigned tries, TimePoint now);
+  void repeat_or_give_up(Call call, Error error);
+
+  void on_reply(const Reply& reply, TimePoint now);
+  void on_version_text(Channel& channel, FirmwareVersion version, TimePoint now);
+  void on_unexplained(const Reply& reply, TimePoint now);
+  bool answers(const Reply& reply, const InFlight& in_flight) const;
+  void conclude(Channel& channel, Answer answer, TimePoint now);
+  void expect_version_text();
+  Channel* channel_awaiting_version_text();
+
+  Error error_for(const Call& call, Errc code, std::string message, std::string hint) const;
+  Error timeout_error(const Call& call) const;
+  Error silence_error(const Call& call) const;
+  void complete(const Call& call, const Result<Answer>& result);
+
+  Framing framing_;
+  Duration wire_time_;
+  BusOptions options_;
+  CallQueue queue_;
+  Channel line_;
+  std::map<std::uint8_t, Module> modules_;
+  SerialDecoder decoder_;
+  std::deque<Action> actions_;
+  BusCounters counters_;
+  std::optional<std::string> lost_;
+  /// The state has been acted upon as of this instant.
+  TimePoint last_now_{};
+};
+
+}  // namespace tmcl::engine

@@ -1,0 +1,82 @@
+#include "engine/call_queue.hpp"
+
+#include <algorithm>
+
+namespace tmcl::engine {
+namespace {
+
+bool has_defaults(const CallOptions& options) {
+  return !options.deadline && !options.reply_timeout && options.attempts == 0;
+}
+
+}  // namespace
+
+CallQueue::Calls& CallQueue::level_of(const Call& call) {
+  switch (effect_of(call.request.command, call.request.type)) {
+    case Effect::stops: return levels_[0];
+    case Effect::reads: return levels_[2];
+    default: return levels_[1];
+  }
+}
+
+void CallQueue::push_back(Call call) {
+  auto& level = level_of(call);
+  level.push_back(std::move(call));
+  ++size_;
+}
+
+void CallQueue::push_front(Call call) {
+  auto& level = level_of(call);
+  level.push_front(std::move(call));
+  ++size_;
+}
+
+bool CallQueue::join(const Request& request, const CallOptions& options, Ticket ticket) {
+  // Acts go out before reads, so a read that still waits will see everything that was asked for before it.
+  if (effect_of(request.command, request.type) != Effect::reads || !has_defaults(options)) return false;
+  auto& reads = levels_[2];
+  const auto twin = std::ranges::find_if(
+      reads, [&](const Call& call) { return call.request == request && has_defaults(call.options); });
+  if (twin == reads.end()) return false;
+  twin->tickets.push_back(ticket);
+  return true;
+}
+
+Call* CallQueue::find(const std::function<bool(const Call&)>& wanted) {
+  for (auto& level : levels_) {
+    const auto found = std::ranges::find_if(level, wanted);
+    if (found != level.end()) return &*found;
+  }
+  return nullptr;
+}
+
+Call CallQueue::take(const Call* found) {
+  for (auto& level : levels_) {
+    const auto position = std::ranges::find_if(level, [&](const Call& call) { return &call == found; });
+    if (position == level.end()) continue;
+    Call call = std::move(*position);
+    level.erase(position);
+    --size_;
+    return call;
+  }
+  return {};
+}
+
+std::vector<Call> CallQueue::remove_if(const std::function<bool(const Call&)>& doomed) {
+  std::vector<Call> removed;
+  while (const auto* call = find(doomed)) removed.push_back(take(call));
+  return removed;
+}
+
+std::optional<TimePoint> CallQueue::earliest_deadline() const {
+  std::optional<TimePoint> earliest;
+  for (const auto& level : levels_) {
+    for (const auto& call : level) {
+      const auto deadline = call.options.deadline;
+      if (deadline && (!earliest || *deadline < *earliest)) earliest = deadline;
+    }
+  }
+  return earliest;
+}
+
+}  // namespace tmcl::engine

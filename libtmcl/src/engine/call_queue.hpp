@@ -1,0 +1,60 @@
+/// The calls that wait for their turn on a bus: stops first, then whatever acts, then reads; each in the order of
+/// arrival.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <optional>
+#include <vector>
+
+#include "tmcl/script.hpp"
+
+namespace tmcl::engine {
+
+/// Names a call to whoever submitted it; chosen by the submitter, never reused while the call lives.
+using Ticket = std::uint64_t;
+
+struct Call {
+  Request request;
+  CallOptions options;
+  /// Everyone who waits for this exchange: identical reads are joined.
+  std::vector<Ticket> tickets;
+  unsigned times_sent = 0;
+  /// A stop that already went out once, unproven, because the line was not in step.
+  bool shouted = false;
+
+  bool is_stop() const { return effect_of(request.command, request.type) == Effect::stops; }
+  bool may_repeat() const { return repeat_rule(request.command, request.type) == Repeat::safe; }
+};
+
+class CallQueue {
+ public:
+  std::size_t size() const { return size_; }
+
+  void push_back(Call call);
+  /// Puts a call that is to be repeated before its equals.
+  void push_front(Call call);
+  /// Lets `ticket` wait for an identical read that is queued already. False if there is none.
+  bool join(const Request& request, const CallOptions& options, Ticket ticket);
+
+  /// The first call, in the order of going out, that satisfies `wanted`; null if none does.
+  Call* find(const std::function<bool(const Call&)>& wanted);
+  /// Removes the call that find() gave.
+  Call take(const Call* found);
+  /// Removes every call that satisfies `doomed`, in the order of going out.
+  std::vector<Call> remove_if(const std::function<bool(const Call&)>& doomed);
+
+  /// The earliest deadline that a queued call has.
+  std::optional<TimePoint> earliest_deadline() const;
+
+ private:
+  using Calls = std::deque<Call>;
+  Calls& level_of(const Call& call);
+
+  std::array<Calls, 3> levels_;  // stops, acts, reads
+  std::size_t size_ = 0;
+};
+
+}  // namespace tmcl::engine

@@ -1,0 +1,64 @@
+#include "tmcl/error.hpp"
+
+#include <fmt/format.h>
+
+namespace tmcl {
+
+std::string_view name_of(Outcome outcome) {
+  switch (outcome) {
+    case Outcome::done: return "done";
+    case Outcome::refused: return "refused";
+    case Outcome::not_sent: return "not_sent";
+    case Outcome::unknown: return "unknown";
+  }
+  return "";
+}
+
+std::string_view name_of(Errc code) {
+  switch (code) {
+    case Errc::refused_by_module: return "refused_by_module";
+    case Errc::reply_timeout: return "reply_timeout";
+    case Errc::module_silent: return "module_silent";
+    case Errc::superseded_by_stop: return "superseded_by_stop";
+    case Errc::deadline_passed: return "deadline_passed";
+    case Errc::queue_full: return "queue_full";
+    case Errc::link_lost: return "link_lost";
+    case Errc::link_open_failed: return "link_open_failed";
+    case Errc::link_busy: return "link_busy";
+    case Errc::bad_argument: return "bad_argument";
+    case Errc::move_interrupted: return "move_interrupted";
+    case Errc::unexpected_value: return "unexpected_value";
+  }
+  return "";
+}
+
+std::string describe(const Request& request) {
+  const auto subtype = name_of_subtype(request.command, request.type);
+  return fmt::format("{} {} {} for motor {} of module {}", name_of(request.command),
+                     subtype.empty() ? std::to_string(request.type) : std::string(subtype), request.value,
+                     request.motor, number(request.address));
+}
+
+std::string describe(const Error& error) {
+  std::string text;
+  if (!error.bus.empty()) text = error.bus + ": ";
+  text += error.message;
+  if (error.request) text += " (" + describe(*error.request) + ")";
+  if (!error.hint.empty()) text += "\n" + error.hint;
+  return text;
+}
+
+Error refusal(const Request& request, Status status) {
+  const auto* info = find_status(status);
+  Error error{Errc::refused_by_module, Outcome::refused, {}, {}, {}, request, status};
+  error.message = info != nullptr ? fmt::format("refused: {}", info->meaning)
+                                  : fmt::format("refused with the unknown status {}", static_cast<int>(status));
+  if (info != nullptr) error.hint = info->hint;
+  return error;
+}
+
+Error bad_argument(std::string message, std::string hint) {
+  return {Errc::bad_argument, Outcome::not_sent, std::move(message), std::move(hint), {}, {}, {}};
+}
+
+}  // namespace tmcl

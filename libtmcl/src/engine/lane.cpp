@@ -1,0 +1,63 @@
+#include "engine/lane.hpp"
+
+#include <array>
+#include <chrono>
+
+namespace tmcl::engine {
+namespace {
+
+using namespace std::chrono_literals;
+
+// After so long even a module that was busy writing its EEPROM has answered or never will.
+constexpr Duration reply_lifetime = 2s;
+// Two modules of one address answer within a reply time of each other.
+constexpr Duration second_reply_window = 100ms;
+
+struct Fence {
+  Command command;
+  std::uint8_t type;
+};
+// Reads that every module answers, be it with an error status.
+constexpr std::array fences{Fence{Command::GET_FIRMWARE_VERSION, 1}, Fence{Command::GAP, 8}, Fence{Command::GGP, 66},
+                            Fence{Command::GET_APPLICATION_STATUS, 0}, Fence{Command::GIO, 0}};
+
+}  // namespace
+
+void Lane::abandon(Command command, TimePoint now) {
+  abandoned_.set(static_cast<std::size_t>(command));
+  last_abandoned_ = now;
+  in_step_ = false;
+}
+
+void Lane::prove() {
+  in_step_ = true;
+  failed_fences_ = 0;
+  abandoned_.reset();
+}
+
+bool Lane::fence_failed(unsigned tries, TimePoint silent_until) {
+  if (++failed_fences_ < tries) return false;
+  failed_fences_ = 0;
+  silent_until_ = silent_until;
+  return true;
+}
+
+std::optional<Request> Lane::fence(ModuleAddress address, Command next, TimePoint now) {
+  if (now - last_abandoned_ > reply_lifetime) abandoned_.reset();
+  for (const auto& candidate : fences) {
+    if (candidate.command == next || has_abandoned(candidate.command)) continue;
+    return Request{address, candidate.command, candidate.type, 0, 0};
+  }
+  return std::nullopt;
+}
+
+void Lane::answered(Command command, TimePoint now) {
+  last_answered_ = command;
+  last_answered_at_ = now;
+}
+
+bool Lane::is_second_reply(Command command, TimePoint now) const {
+  return last_answered_ == command && now - last_answered_at_ <= second_reply_window;
+}
+
+}  // namespace tmcl::engine

@@ -1,0 +1,56 @@
+/// What is known about the conversation with one module.
+///
+/// A reply does not say what it answers. A module is in step while every request sent to it has been answered, once;
+/// then the next reply of a kind answers the next request of that kind. It falls out of step when a request is given
+/// up, or when a reply comes that nothing asked for. A fence brings it back: a read whose command no abandoned request
+/// had. Modules answer in order, so when the fence's reply is here, older ones cannot come any more.
+///
+///     in step ──request given up, unexplained reply──▶ out of step ──fence answered──▶ in step
+///                                                       └─fences not answered─▶ silent (for a time)
+#pragma once
+
+#include <bitset>
+#include <optional>
+
+#include "tmcl/clock.hpp"
+#include "tmcl/datagram.hpp"
+
+namespace tmcl::engine {
+
+class Lane {
+ public:
+  bool in_step() const { return in_step_; }
+  bool is_silent(TimePoint now) const { return now < silent_until_; }
+
+  /// A request may or may not be answered later.
+  void abandon(Command command, TimePoint now);
+  /// Something makes the next reply doubtful although no request was given up.
+  void lose_step() { in_step_ = false; }
+  /// A fence was answered.
+  void prove();
+  /// A fence was not answered; true when that was the last try, and the module now counts as silent.
+  bool fence_failed(unsigned tries, TimePoint silent_until);
+
+  bool has_abandoned(Command command) const { return abandoned_.test(static_cast<std::size_t>(command)); }
+  /// A read that proves the step: of a command that was not abandoned and is not `next`, which follows it.
+  /// Nothing if every suitable read was abandoned lately.
+  std::optional<Request> fence(ModuleAddress address, Command next, TimePoint now);
+
+  /// Remembers an exchange that ended well, so that a second reply to it is recognised.
+  void answered(Command command, TimePoint now);
+  /// Whether this reply looks like a second one to the last exchange.
+  bool is_second_reply(Command command, TimePoint now) const;
+
+  bool duplicate_suspected = false;
+
+ private:
+  bool in_step_ = true;
+  unsigned failed_fences_ = 0;
+  std::bitset<256> abandoned_;
+  TimePoint last_abandoned_{};
+  TimePoint silent_until_{};
+  std::optional<Command> last_answered_;
+  TimePoint last_answered_at_{};
+};
+
+}  // namespace tmcl::engine

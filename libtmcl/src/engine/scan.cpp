@@ -1,0 +1,86 @@
+#include <algorithm>
+#include <chrono>
+
+#include "tmcl/model.hpp"
+#include "tmcl/parameter.hpp"
+#include "tmcl/verbs.hpp"
+
+namespace tmcl::verbs {
+namespace {
+
+using namespace std::chrono_literals;
+
+constexpr std::size_t addresses_at_once = 32;
+constexpr std::uint8_t most_axes = 16;
+// A second module of the same address answers within this time of the first.
+constexpr Duration second_reply_time = 10ms;
+
+Request version_request(ModuleAddress module) {
+  return {module, Command::GET_FIRMWARE_VERSION, static_cast<std::uint8_t>(VersionForm::binary), 0, 0};
+}
+
+bool is_silence(const Error& error) { return error.code == Errc::reply_timeout || error.code == Errc::module_silent; }
+
+/// For a model that no table knows: motors that exist have a position.
+Script<Result<std::uint8_t>> count_axes(ModuleAddress module) {
+  std::uint8_t axes = 0;
+  while (axes < most_axes) {
+    const auto position = co_await get({module, axes}, axis_parameter::actual_position);
+    if (!position && position.error().outcome != Outcome::refused) co_return tl::unexpected(position.error());
+    if (!position) break;
+    ++axes;
+  }
+  co_return axes;
+}
+
+}  // namespace
+
+Script<Result<FoundModule>> identify(ModuleAddress module) {
+  const auto first = co_await exchange(version_request(module));
+  // A module that knows the command but not this form is there all the same.
+  if (!first && first.error().outcome != Outcome::refused) co_return tl::unexpected(first.error());
+  FoundModule found{module, first ? version_from_value(first->reply.value) : FirmwareVersion{}, {}, 0, false};
+
+  co_await pause(second_reply_time);
+  const auto again = co_await exchange(version_request(module));
+  found.duplicate_suspected = again && again->duplicate_suspected;
+
+  if (const auto* model = find_model(found.version.model)) {
+    found.model = model->name;
+    found.axes = model->axes;
+    co_return found;
+  }
+  const auto axes = co_await count_axes(module);
+  if (!axes) co_return tl::unexpected(axes.error());
+  found.axes = *axes;
+  co_return found;
+}
+
+Script<Result<std::vector<FoundModule>>> scan(ScanOptions options) {
+  std::vector<FoundModule> found;
+  if (options.first > options.last) co_return tl::unexpected(bad_argument("the first address is above the last"));
+  const std::size_t total = options.last - options.first + 1U;
+  for (std::size_t asked = 0; asked < total;) {
+    std::vector<step::Exchange> group;
+    const auto size = std::min(addresses_at_once, total - asked);
+    for (std::size_t i = 0; i < size; ++i) {
+      const ModuleAddress address{static_cast<std::uint16_t>(options.first + asked + i)};
+      group.push_back({version_request(address), {std::nullopt, options.reply_timeout, 1}});
+    }
+    const auto requests = group;
+    const auto answers = co_await exchange_all(std::move(group));
+    for (std::size_t i = 0; i < size; ++i) {
+      if (!answers[i] && is_silence(answers[i].error())) continue;
+      const auto module = co_await identify(requests[i].request.address);
+      // What fell silent again since is noise rather than a module.
+      if (!module && is_silence(module.error())) continue;
+      if (!module) co_return tl::unexpected(module.error());
+      found.push_back(*module);
+    }
+    asked += size;
+    if (options.progress) options.progress(asked, total);
+  }
+  co_return found;
+}
+
+}  // namespace tmcl::verbs

@@ -1,0 +1,120 @@
+#include "tmcl/link.hpp"
+
+#include <cerrno>
+#include <cstring>
+#include <system_error>
+
+#include <fcntl.h>
+#include <linux/can.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "link/can_condition.hpp"
+#include "link/opening.hpp"
+
+namespace tmcl {
+namespace {
+
+bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
+
+}  // namespace
+
+std::string system_text(int error) { return std::generic_category().message(error); }
+
+tl::unexpected<Error> cannot_open(const std::string& link, const std::string& why, const std::string& hint) {
+  Error error{Errc::link_open_failed, Outcome::not_sent, "cannot open " + link + ": " + why, hint, link, {}, {}};
+  return tl::unexpected(std::move(error));
+}
+
+Result<Link> Link::open(std::string_view name, const LinkOptions& options) {
+  return parse_link_name(name).and_then([&](const LinkName& parsed) { return open(parsed, options); });
+}
+
+Result<Link> Link::open(const LinkName& name, const LinkOptions& options) {
+  const auto text = to_string(name);
+  if (const auto* serial = std::get_if<SerialName>(&name)) return open_serial(*serial, text);
+  if (const auto* can = std::get_if<CanName>(&name)) return open_can(*can, text, options);
+  return open_tcp(std::get<TcpName>(name), text, options);
+}
+
+Link Link::adopt(int descriptor, Framing framing, std::string name) {
+  const int flags = fcntl(descriptor, F_GETFL);
+  if (flags >= 0) fcntl(descriptor, F_SETFL, flags | O_NONBLOCK);
+  return {descriptor, framing, std::move(name)};
+}
+
+Link::Link(int descriptor, Framing framing, std::string name)
+    : descriptor_(descriptor), framing_(framing), name_(std::move(name)) {}
+
+Link::Link(Link&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      framing_(other.framing_),
+      name_(std::move(other.name_)),
+      wire_time_(other.wire_time_),
+      can_extended_(other.can_extended_) {}
+
+Link& Link::operator=(Link&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  framing_ = other.framing_;
+  std::swap(name_, other.name_);
+  wire_time_ = other.wire_time_;
+  can_extended_ = other.can_extended_;
+  return *this;
+}
+
+Link::~Link() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+namespace {
+
+tl::unexpected<Error> lost(const std::string& link, const std::string& why) {
+  return tl::unexpected(
+      Error{Errc::link_lost, Outcome::unknown, why, "check the cable and the module's power", link, {}, {}});
+}
+
+}  // namespace
+
+Result<std::size_t> Link::read(std::span<std::uint8_t> into) {
+  const auto count = ::read(descriptor_, into.data(), into.size());
+  if (count > 0) return static_cast<std::size_t>(count);
+  if (count == 0) return lost(name_, "the other end has closed the link");
+  if (would_block(errno)) return std::size_t{0};
+  return lost(name_, system_text(errno));
+}
+
+Result<std::size_t> Link::write(std::span<const std::uint8_t> bytes) {
+  const auto count = ::write(descriptor_, bytes.data(), bytes.size());
+  if (count >= 0) return static_cast<std::size_t>(count);
+  if (would_block(errno)) return std::size_t{0};
+  return lost(name_, system_text(errno));
+}
+
+Result<std::optional<CanInput>> Link::read_frame() {
+  can_frame raw{};
+  const auto count = ::read(descriptor_, &raw, sizeof raw);
+  if (count < 0 && would_block(errno)) return std::nullopt;
+  if (count < 0) return lost(name_, system_text(errno));
+  if (count != sizeof raw) return lost(name_, "the other end has closed the link");
+  if ((raw.can_id & CAN_ERR_FLAG) != 0) return describe_error_frame(raw);
+  // Nobody answers with a remote frame; it carries no data to look at.
+  if ((raw.can_id & CAN_RTR_FLAG) != 0) return std::nullopt;
+  CanFrame frame;
+  frame.extended = (raw.can_id & CAN_EFF_FLAG) != 0;
+  frame.id = raw.can_id & (frame.extended ? CAN_EFF_MASK : CAN_SFF_MASK);
+  frame.length = std::min<std::uint8_t>(raw.can_dlc, 8);
+  std::memcpy(frame.data.data(), raw.data, frame.data.size());
+  return frame;
+}
+
+Result<bool> Link::write_frame(const CanFrame& frame) {
+  can_frame raw{};
+  raw.can_id = frame.id | (frame.extended ? CAN_EFF_FLAG : 0U);
+  raw.can_dlc = frame.length;
+  std::memcpy(raw.data, frame.data.data(), frame.data.size());
+  if (::write(descriptor_, &raw, sizeof raw) == sizeof raw) return true;
+  if (would_block(errno) || errno == ENOBUFS) return false;
+  return lost(name_, system_text(errno));
+}
+
+}  // namespace tmcl

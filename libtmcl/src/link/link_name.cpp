@@ -1,0 +1,76 @@
+#include "tmcl/link_name.hpp"
+
+#include <array>
+
+#include <fmt/format.h>
+
+#include "core/text.hpp"
+#include "tmcl/nearest.hpp"
+
+namespace tmcl {
+namespace {
+
+constexpr std::array<std::string_view, 3> kinds{"serial", "can", "tcp"};
+constexpr auto how_to = "a link is serial:DEVICE[@BAUD], can:INTERFACE or tcp:HOST:PORT";
+constexpr std::uint32_t lowest_baud = 50;
+constexpr std::uint32_t highest_baud = 4'000'000;
+constexpr std::size_t longest_interface = 15;  // IFNAMSIZ - 1
+
+tl::unexpected<Error> bad_link(std::string_view text, std::string_view what) {
+  return tl::unexpected(bad_argument(fmt::format("'{}' is no link: {}", text, what), how_to));
+}
+
+Result<LinkName> parse_serial(std::string_view text, std::string_view rest) {
+  SerialName name;
+  // The last @: device names may contain one.
+  const auto at = rest.rfind('@');
+  name.device = rest.substr(0, at);
+  if (name.device.empty()) return bad_link(text, "the device is missing");
+  if (at == std::string_view::npos) return name;
+  const auto baud = text::parse_integer<std::uint32_t>(rest.substr(at + 1));
+  if (!baud || *baud < lowest_baud || *baud > highest_baud) {
+    return bad_link(text, fmt::format("the baud rate must be a number from {} to {}", lowest_baud, highest_baud));
+  }
+  name.baud = *baud;
+  return name;
+}
+
+Result<LinkName> parse_can(std::string_view text, std::string_view rest) {
+  if (rest.empty()) return bad_link(text, "the interface is missing");
+  if (rest.size() > longest_interface) return bad_link(text, "an interface's name has at most 15 characters");
+  return CanName{std::string(rest)};
+}
+
+Result<LinkName> parse_tcp(std::string_view text, std::string_view rest) {
+  const auto colon = rest.rfind(':');
+  if (colon == std::string_view::npos) return bad_link(text, "the port is missing");
+  auto host = rest.substr(0, colon);
+  if (host.size() >= 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+  if (host.empty()) return bad_link(text, "the host is missing");
+  const auto port = text::parse_integer<std::uint16_t>(rest.substr(colon + 1));
+  if (!port || *port == 0) return bad_link(text, "the port must be a number from 1 to 65535");
+  return TcpName{std::string(host), *port};
+}
+
+}  // namespace
+
+Result<LinkName> parse_link_name(std::string_view text) {
+  const auto colon = text.find(':');
+  const auto kind = text.substr(0, colon);
+  if (colon == std::string_view::npos) return bad_link(text, "it does not begin with a kind and a colon");
+  const auto rest = text.substr(colon + 1);
+  if (kind == "serial") return parse_serial(text, rest);
+  if (kind == "can") return parse_can(text, rest);
+  if (kind == "tcp") return parse_tcp(text, rest);
+  return bad_link(text, fmt::format("there is no kind '{}'.{}", kind, did_you_mean(kind, kinds)));
+}
+
+std::string to_string(const LinkName& name) {
+  if (const auto* serial = std::get_if<SerialName>(&name)) return fmt::format("serial:{}@{}", serial->device, serial->baud);
+  if (const auto* can = std::get_if<CanName>(&name)) return "can:" + can->interface;
+  const auto& tcp = std::get<TcpName>(name);
+  const bool is_ipv6 = tcp.host.find(':') != std::string::npos;
+  return is_ipv6 ? fmt::format("tcp:[{}]:{}", tcp.host, tcp.port) : fmt::format("tcp:{}:{}", tcp.host, tcp.port);
+}
+
+}  // namespace tmcl

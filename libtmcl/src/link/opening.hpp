@@ -1,0 +1,20 @@
+/// What the ways of opening a link have in common.
+#pragma once
+
+#include <cerrno>
+#include <string>
+
+#include "tmcl/link.hpp"
+
+namespace tmcl {
+
+Result<Link> open_serial(const SerialName& name, const std::string& text);
+Result<Link> open_can(const CanName& name, const std::string& text, const LinkOptions& options);
+Result<Link> open_tcp(const TcpName& name, const std::string& text, const LinkOptions& options);
+
+/// "cannot open serial:/dev/ttyACM0@9600: No such file or directory"
+tl::unexpected<Error> cannot_open(const std::string& link, const std::string& why, const std::string& hint);
+/// What the system says about an errno.
+std::string system_text(int error);
+
+}  // namespace tmcl

@@ -1,0 +1,82 @@
+// The kernel's own termios2 instead of the C library's termios: only it takes any baud rate. Both headers define the
+// same names, so the C library's must stay out of this file.
+#include <asm/ioctls.h>
+#include <asm/termbits.h>
+#include <fcntl.h>
+#include <linux/serial.h>
+#include <linux/tty_flags.h>
+#include <sys/file.h>
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <filesystem>
+
+#include "link/holder.hpp"
+#include "link/opening.hpp"
+
+namespace tmcl {
+namespace {
+
+constexpr std::size_t bits_per_byte_on_wire = 10;  // 8N1
+constexpr std::size_t bytes_per_exchange = 2 * serial_datagram_size;
+
+/// Eight bits, no parity, one stop bit, nothing translated, nothing echoed, no flow control.
+bool make_raw(int descriptor, std::uint32_t baud) {
+  termios2 settings{};
+  if (ioctl(descriptor, TCGETS2, &settings) != 0) return false;
+  settings.c_iflag = 0;
+  settings.c_oflag = 0;
+  settings.c_lflag = 0;
+  settings.c_cflag = CS8 | CREAD | CLOCAL | BOTHER | (BOTHER << IBSHIFT);
+  settings.c_ispeed = baud;
+  settings.c_ospeed = baud;
+  settings.c_cc[VMIN] = 1;
+  settings.c_cc[VTIME] = 0;
+  return ioctl(descriptor, TCSETS2, &settings) == 0;
+}
+
+/// USB adapters hold received bytes back for up to 16 ms otherwise. Not every driver has this mode: no error then.
+void prefer_low_latency(int descriptor) {
+  serial_struct settings{};
+  if (ioctl(descriptor, TIOCGSERIAL, &settings) != 0) return;
+  settings.flags = static_cast<int>(static_cast<unsigned>(settings.flags) | ASYNC_LOW_LATENCY);
+  ioctl(descriptor, TIOCSSERIAL, &settings);
+}
+
+tl::unexpected<Error> busy(const std::string& device, const std::string& link) {
+  const auto holder = holder_of(device);
+  const auto by = holder.empty() ? std::string("another program") : holder;
+  return tl::unexpected(Error{Errc::link_busy, Outcome::not_sent, link + " is in use by " + by,
+                              "end that program, or let tmcld own the port and share it", link, {}, {}});
+}
+
+std::string hint_for(int error) {
+  if (error == EACCES) return "your user may not use the port: `sudo usermod -aG dialout $USER`, then log in again";
+  if (error == ENOENT) return "is the module plugged in? `ls /dev/serial/by-id` lists ports";
+  return "is it a serial port?";
+}
+
+}  // namespace
+
+Result<Link> open_serial(const SerialName& name, const std::string& text) {
+  const int descriptor = ::open(name.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0 && errno == EBUSY) return busy(name.device, text);
+  if (descriptor < 0) return cannot_open(text, system_text(errno), hint_for(errno));
+  Link link(descriptor, Framing::serial, text);
+  // The lock stops programs that look for it, whoever runs them; TIOCEXCL stops all that are not root's.
+  if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
+    // Closed first, so that the search for the holder does not find this very program.
+    { const Link closed = std::move(link); }
+    return busy(name.device, text);
+  }
+  if (!make_raw(descriptor, name.baud)) return cannot_open(text, system_text(errno), hint_for(errno));
+  ioctl(descriptor, TIOCEXCL);
+  prefer_low_latency(descriptor);
+  ioctl(descriptor, TCFLSH, TCIOFLUSH);
+  link.wire_time_ = std::chrono::nanoseconds(std::chrono::seconds(1)) *
+                    static_cast<long>(bits_per_byte_on_wire * bytes_per_exchange) / name.baud;
+  return link;
+}
+
+}  // namespace tmcl

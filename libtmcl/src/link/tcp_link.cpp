@@ -1,0 +1,63 @@
+#include <cerrno>
+#include <chrono>
+#include <memory>
+
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <poll.h>
+#include <sys/socket.h>
+
+#include "link/opening.hpp"
+
+namespace tmcl {
+namespace {
+
+using AddressList = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
+
+/// 0, or the errno of a connection attempt that may take until `patience` is over.
+int connect_within(int descriptor, const addrinfo& address, Duration patience) {
+  if (connect(descriptor, address.ai_addr, address.ai_addrlen) == 0) return 0;
+  if (errno != EINPROGRESS) return errno;
+  pollfd waiting{descriptor, POLLOUT, 0};
+  const auto timeout = std::chrono::ceil<std::chrono::milliseconds>(patience).count();
+  if (poll(&waiting, 1, static_cast<int>(timeout)) == 0) return ETIMEDOUT;
+  int error = 0;
+  socklen_t size = sizeof error;
+  getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size);
+  return error;
+}
+
+void prefer_speed_and_notice_death(int descriptor) {
+  const int on = 1;
+  setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  setsockopt(descriptor, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
+}
+
+}  // namespace
+
+Result<Link> open_tcp(const TcpName& name, const std::string& text, const LinkOptions& options) {
+  addrinfo wanted{};
+  wanted.ai_socktype = SOCK_STREAM;
+  addrinfo* first = nullptr;
+  const int failure = getaddrinfo(name.host.c_str(), std::to_string(name.port).c_str(), &wanted, &first);
+  if (failure != 0) return cannot_open(text, gai_strerror(failure), "check the host's name");
+  const AddressList addresses(first, &freeaddrinfo);
+
+  int error = 0;
+  for (const auto* address = addresses.get(); address != nullptr; address = address->ai_next) {
+    const int descriptor = socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    if (descriptor < 0) {
+      error = errno;
+      continue;
+    }
+    Link link(descriptor, Framing::serial, text);
+    error = connect_within(descriptor, *address, options.connect_timeout);
+    if (error != 0) continue;
+    prefer_speed_and_notice_death(descriptor);
+    return link;
+  }
+  return cannot_open(text, system_text(error), "is the converter (or tmclsim) running, and the port right?");
+}
+
+}  // namespace tmcl
