@@ -44,6 +44,8 @@ constexpr auto tmc429_axis = std::to_array<ParameterInfo>({
      "0 position, 1 soft, 2 velocity; set by ROR, ROL, MST and MVP"},
     {140, "microstep_resolution", {"usrs", ""}, rw, true, 0, 8, 8, "2^n",
      "microsteps of a full step, as an exponent of two"},
+    {141, "reference_switch_tolerance", {"ref_switch_tolerance", ""}, rw, false, 0, 4095, 0, "microstep",
+     "how far a reference switch may be off before that counts as an error"},
     {153, "ramp_divisor", {"ramp_div", ""}, rw, true, 0, 13, 3, "2^n",
      "scale of accelerations, as an exponent of two"},
     {154, "pulse_divisor", {"pulse_div", ""}, rw, true, 0, 13, 2, "2^n",

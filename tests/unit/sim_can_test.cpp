@@ -1,0 +1,128 @@
+#include <gmock/gmock.h>
+
+#include "sim_fixture.hpp"
+
+namespace tmcl::sim {
+namespace {
+
+namespace gp = global_parameter;
+
+using testing::IsEmpty;
+
+class SimCan : public SimTest {
+ protected:
+  std::vector<CanFrame> exchange_frames(const CanFrame& frame) {
+    frames();
+    can.receive(frame);
+    return frames();
+  }
+  std::optional<CanFrame> ask_frame(const CanFrame& frame) {
+    const auto replies = exchange_frames(frame);
+    if (replies.empty()) return std::nullopt;
+    EXPECT_EQ(replies.size(), 1U);
+    return replies.front();
+  }
+};
+
+Request version_request(std::uint16_t address, VersionForm form) {
+  return {ModuleAddress{address}, Command::GET_FIRMWARE_VERSION, static_cast<std::uint8_t>(form), 0,
+          0};
+}
+
+TEST_F(SimCan, AnswersSevenBytesWithSeven) {
+  add(1110);
+  const auto reply = ask_frame(encode_can(version_request(1, VersionForm::binary)));
+  const CanFrame expected{2, false, 7, {0x01, 0x64, 0x88, 0x04, 0x56, 0x01, 0x01, 0}};
+  EXPECT_EQ(reply, expected);
+}
+
+TEST_F(SimCan, AnswersAnyOtherLengthWithEight) {
+  add(1110);
+  for (const auto length : std::to_array<std::uint8_t>({0, 3, 6, 8})) {
+    auto request = encode_can(Request{ModuleAddress{1}, Command::GAP, 4, 0, 0});
+    request.length = length;
+    request.data[7] = 0x55;
+    const auto reply = ask_frame(request);
+    ASSERT_TRUE(reply);
+    EXPECT_EQ(reply->length, 8);
+    EXPECT_EQ(reply->data[7], 0);
+  }
+}
+
+TEST_F(SimCan, TakesMissingBytesForZeros) {
+  add(1110);
+  auto request = encode_can(Request{ModuleAddress{1}, Command::GAP, 4, 0, 0});
+  request.length = 2;
+  request.data[2] = 9;  // beyond the frame
+  EXPECT_EQ(decode_can_reply(*ask_frame(request))->value, 1000);
+}
+
+TEST_F(SimCan, AnswersInTheIdentifierFormatOfTheRequest) {
+  add(1110);
+  const auto reply = ask_frame(encode_can(version_request(1, VersionForm::binary), true));
+  ASSERT_TRUE(reply);
+  EXPECT_TRUE(reply->extended);
+  EXPECT_EQ(reply->id, 2U);
+}
+
+TEST_F(SimCan, CutsTheVersionTextToTheFrame) {
+  add(1110);
+  auto request = encode_can(version_request(1, VersionForm::text));
+  EXPECT_EQ(*ask_frame(request), (CanFrame{2, false, 7, {'1', '1', '1', '0', 'V', '1', '0', 0}}));
+  request.length = 8;
+  EXPECT_EQ(*ask_frame(request), (CanFrame{2, false, 8, {'1', '1', '1', '0', 'V', '1', '0', '1'}}));
+}
+
+TEST_F(SimCan, IgnoresForeignIdentifiers) {
+  add(1110, 5);
+  EXPECT_THAT(exchange_frames(encode_can(version_request(1, VersionForm::binary))), IsEmpty());
+  CanFrame far{0x12345, true, 7, {6, 1}};
+  EXPECT_THAT(exchange_frames(far), IsEmpty());
+}
+
+TEST_F(SimCan, ChangesItsIdentifiersAfterTheReply) {
+  add(1110);
+  const auto set = [&](std::uint16_t to, std::uint8_t number, std::int32_t value) {
+    return ask_frame(encode_can(Request{ModuleAddress{to}, Command::SGP, number, 0, value}));
+  };
+  EXPECT_EQ(set(1, gp::can_id, 0x123)->data[0], 1);
+  EXPECT_FALSE(set(1, gp::can_reply_id, 0x700));
+  EXPECT_EQ(set(0x123, gp::can_reply_id, 0x700)->id, 2U);
+  const auto reply = set(0x123, gp::can_heartbeat, 0);
+  EXPECT_EQ(reply->id, 0x700U);
+  EXPECT_EQ(reply->data[0], 0x23);  // the low eight bits
+}
+
+TEST_F(SimCan, ObeysItsSecondaryIdentifierInSilence) {
+  auto& module = add(1110);
+  ask_frame(
+      encode_can(Request{ModuleAddress{1}, Command::SGP, gp::can_secondary_address, 0, 0x40}));
+  EXPECT_FALSE(ask_frame(encode_can(Request{ModuleAddress{0x40}, Command::ROR, 0, 0, 100})));
+  pass(milliseconds(100));
+  EXPECT_EQ(module.axis(0).chip().v_actual(), 100);
+}
+
+TEST_F(SimCan, AnswersTwiceWhenTwoModulesHaveOneIdentifier) {
+  add(1110);
+  add(3110);
+  EXPECT_EQ(exchange_frames(encode_can(version_request(1, VersionForm::binary))).size(), 2U);
+}
+
+TEST_F(SimCan, StopsTheMotorsWhenTheCanHostFallsSilent) {
+  auto& module = add(1110);
+  ask_frame(encode_can(Request{ModuleAddress{1}, Command::SGP, gp::can_heartbeat, 0, 100}));
+  ask_frame(encode_can(Request{ModuleAddress{1}, Command::ROR, 0, 0, 1000}));
+  pass(milliseconds(99));
+  EXPECT_EQ(module.axis(0).chip().v_actual(), 1000);
+  pass(milliseconds(20));
+  EXPECT_EQ(module.axis(0).chip().v_actual(), 0);
+}
+
+TEST_F(SimCan, ServesTheSameModuleAsTheSerialLine) {
+  add(1110);
+  ask_frame(encode_can(Request{ModuleAddress{1}, Command::SAP, 4, 0, 777}));
+  EXPECT_EQ(get(4), 777);
+}
+
+}  // namespace
+}  // namespace tmcl::sim
