@@ -1,4 +1,5 @@
-/// A bus for scripts and small tools: every call waits for its end. The same engine as Bus, without Asio.
+/// A bus for scripts and small tools: every call waits for its end. The same engine as Bus, without
+/// Asio.
 ///
 ///     auto bus = tmcl::blocking::Bus::open("serial:/dev/ttyACM0@115200");
 ///     auto axis = bus->module(tmcl::ModuleAddress{1}).axis(0);
@@ -19,7 +20,8 @@ namespace tmcl::blocking {
 /// Thread safety: none. Errors: as values; no member throws.
 class Bus {
  public:
-  static Result<Bus> open(std::string_view link_name, const LinkOptions& link_options = {}, BusOptions options = {});
+  static Result<Bus> open(std::string_view link_name, const LinkOptions& link_options = {},
+                          BusOptions options = {});
   explicit Bus(Link link, BusOptions options = {});
   Bus(Bus&&) noexcept;
   Bus& operator=(Bus&&) noexcept;
@@ -37,7 +39,8 @@ class Bus {
     return script.take();
   }
 
-  /// Called, during calls, for everything that comes unasked. At most one handler; an empty one removes it.
+  /// Called, during calls, for everything that comes unasked. At most one handler; an empty one
+  /// removes it.
   void on_event(std::function<void(const BusEvent&)> handler);
   BusCounters counters() const;
   const std::string& name() const;

@@ -18,10 +18,9 @@
 
 namespace tmcl {
 
-/// Object lifetimes: verbs that have begun (been awaited) keep what they need alive; they end with Errc::link_lost
-/// when the bus is closed or destroyed.
-/// Thread safety: none. Use it from its executor only, and let that be one thread or a strand.
-/// Errors: as values; no member throws.
+/// Object lifetimes: verbs that have begun (been awaited) keep what they need alive; they end with
+/// Errc::link_lost when the bus is closed or destroyed. Thread safety: none. Use it from its
+/// executor only, and let that be one thread or a strand. Errors: as values; no member throws.
 class Bus {
  public:
   Bus(boost::asio::any_io_executor executor, Link link, BusOptions options = {});
@@ -45,7 +44,8 @@ class Bus {
     co_return script.take();
   }
 
-  /// Called on the executor for everything that comes unasked. At most one handler; an empty one removes it.
+  /// Called on the executor for everything that comes unasked. At most one handler; an empty one
+  /// removes it.
   void on_event(std::function<void(const BusEvent&)> handler);
   BusCounters counters() const;
   const std::string& name() const;

@@ -15,10 +15,11 @@ struct BusOptions {
   std::string name{};
   /// How long a module may take to answer, on top of what the wire needs. 1 ms..60 s
   Duration reply_timeout = std::chrono::milliseconds(100);
-  /// The module's telegram pause time (global parameter 75); added to the reply timeout on serial lines.
+  /// The module's telegram pause time (global parameter 75); added to the reply timeout on serial
+  /// lines.
   Duration telegram_pause{};
-  /// Silence after an unanswered request, so that a late reply can still come and a module drops a partial
-  /// datagram: those do so after 5 ms.
+  /// Silence after an unanswered request, so that a late reply can still come and a module drops a
+  /// partial datagram: those do so after 5 ms.
   Duration quiet_time = std::chrono::milliseconds(10);
   /// A module that did not answer is left in peace for so long; only stops still go out to it.
   Duration silence_time = std::chrono::milliseconds(250);
@@ -32,13 +33,16 @@ struct BusOptions {
 constexpr std::size_t max_queued_calls = 256;
 
 struct BusCounters {
-  std::uint64_t requests = 0;            ///< Datagrams sent.
-  std::uint64_t replies = 0;             ///< Answers that were accepted.
+  std::uint64_t requests = 0;  ///< Datagrams sent.
+  std::uint64_t replies = 0;   ///< Answers that were accepted.
   std::uint64_t timeouts = 0;
-  std::uint64_t late_replies = 0;        ///< Answers to requests that had been given up; dropped.
-  std::uint64_t unexpected_replies = 0;  ///< Answers to nothing that was asked, or from another module; dropped.
-  std::uint64_t garbage_bytes = 0;       ///< Bytes that belonged to no datagram, wrong checksums included.
-  std::uint64_t fences = 0;              ///< Exchanges that proved, or tried to prove, that a module is in step.
+  std::uint64_t late_replies = 0;  ///< Answers to requests that had been given up; dropped.
+  std::uint64_t unexpected_replies =
+      0;  ///< Answers to nothing that was asked, or from another module; dropped.
+  std::uint64_t garbage_bytes =
+      0;  ///< Bytes that belonged to no datagram, wrong checksums included.
+  std::uint64_t fences =
+      0;  ///< Exchanges that proved, or tried to prove, that a module is in step.
 };
 
 struct BusEvent {

@@ -1,7 +1,8 @@
-/// The commands of TMCL: their numbers, their standard names, and what a host must know before it sends one.
+/// The commands of TMCL: their numbers, their standard names, and what a host must know before it
+/// sends one.
 ///
-/// One table (command_table) is the only place where this is written down. Numbers and names are those of the TMCL
-/// firmware manuals and of the vendor's own host libraries.
+/// One table (command_table) is the only place where this is written down. Numbers and names are
+/// those of the TMCL firmware manuals and of the vendor's own host libraries.
 #pragma once
 
 #include <cstdint>
@@ -11,6 +12,7 @@
 
 namespace tmcl {
 
+// clang-format off
 enum class Command : std::uint8_t {
   ROR = 1, ROL = 2, MST = 3, MVP = 4, SAP = 5, GAP = 6, STAP = 7, RSAP = 8, SGP = 9, GGP = 10, STGP = 11, RSGP = 12,
   RFS = 13, SIO = 14, GIO = 15, CALC = 19, COMP = 20, JC = 21, JA = 22, CSUB = 23, RSUB = 24, EI = 25, DI = 26,
@@ -28,18 +30,20 @@ enum class Command : std::uint8_t {
   BOOT_WRITE_PAGE = 202, BOOT_GET_CHECKSUM = 203, BOOT_READ_MEMORY = 204, BOOT_START_APPLICATION = 205,
   BOOT_GET_INFO = 206, BOOT_WRITE_LENGTH = 208, ENTER_BOOTLOADER = 242, SOFTWARE_RESET = 255,
 };
+// clang-format on
 
 /// What comes back after a command.
 enum class ReplyKind : std::uint8_t {
-  normal,       ///< One reply in the ordinary form.
-  version,      ///< Ordinary reply or, for type 0, nine bytes of text with neither status nor checksum.
-  then_event,   ///< One reply now, and an event (status 128) later.
-  none,         ///< Nothing: the command counts as done once it is on the wire.
+  normal,   ///< One reply in the ordinary form.
+  version,  ///< Ordinary reply or, for type 0, nine bytes of text with neither status nor checksum.
+  then_event,  ///< One reply now, and an event (status 128) later.
+  none,        ///< Nothing: the command counts as done once it is on the wire.
 };
 
 /// Whether a command may be sent again when nobody knows if it was executed.
 enum class Repeat : std::uint8_t {
-  safe,   ///< Executing it twice leaves the module as executing it once does, and moves nothing anew.
+  safe,   ///< Executing it twice leaves the module as executing it once does, and moves nothing
+          ///< anew.
   never,  ///< Could move a motor again, wear the EEPROM, toggle an output or advance a program.
 };
 
@@ -60,11 +64,13 @@ struct CommandInfo {
   std::string_view meaning;
 };
 
-/// A value of the type field that has a standard name or behaves differently from its command's row.
+/// A value of the type field that has a standard name or behaves differently from its command's
+/// row.
 struct SubtypeInfo {
   Command command;
   std::uint8_t type;
-  std::string_view name;  ///< Standard name, upper case; empty where the type is a parameter's number.
+  std::string_view
+      name;  ///< Standard name, upper case; empty where the type is a parameter's number.
   Repeat repeat;
   Effect effect;
 };
@@ -76,7 +82,8 @@ std::span<const SubtypeInfo> subtype_table();
 
 /// The row of a command; null for a number that TMCL does not define.
 const CommandInfo* find_command(std::uint8_t number);
-/// Looks a command up by mnemonic, upper or lower case, or by decimal number 0..255 (also an undefined one).
+/// Looks a command up by mnemonic, upper or lower case, or by decimal number 0..255 (also an
+/// undefined one).
 std::optional<Command> parse_command(std::string_view text);
 /// Looks a type up by its standard name within a command, or by decimal number 0..255.
 std::optional<std::uint8_t> parse_subtype(Command command, std::string_view text);

@@ -17,7 +17,8 @@ enum class Outcome : std::uint8_t {
   done,      ///< Executed; the module said so (or the command sends no reply and is on the wire).
   refused,   ///< Not executed; the module said why.
   not_sent,  ///< Not executed; it never left this host.
-  unknown,   ///< May have been executed. Repeated by the library only where the command's row allows it.
+  unknown,  ///< May have been executed. Repeated by the library only where the command's row allows
+            ///< it.
 };
 
 enum class Errc : std::uint8_t {
@@ -31,18 +32,19 @@ enum class Errc : std::uint8_t {
   link_open_failed,    ///< The link could not be opened.
   link_busy,           ///< Another program uses the link.
   bad_argument,        ///< The caller asked for something that cannot be; nothing was sent.
-  move_interrupted,    ///< The axis stands, or is about to stand, somewhere else than where the move was to end.
-  unexpected_value,    ///< The module holds another value than the one that was set.
+  move_interrupted,  ///< The axis stands, or is about to stand, somewhere else than where the move
+                     ///< was to end.
+  unexpected_value,  ///< The module holds another value than the one that was set.
 };
 
 struct Error {
   Errc code{};
   Outcome outcome = Outcome::not_sent;
-  std::string message;              ///< What happened, in one sentence without a full stop.
-  std::string hint;                 ///< What to try; may be empty.
-  std::string bus;                  ///< Name of the link or the configured bus; may be empty.
-  std::optional<Request> request;   ///< The command it is about.
-  std::optional<Status> status;     ///< What the module said, where it said something.
+  std::string message;             ///< What happened, in one sentence without a full stop.
+  std::string hint;                ///< What to try; may be empty.
+  std::string bus;                 ///< Name of the link or the configured bus; may be empty.
+  std::optional<Request> request;  ///< The command it is about.
+  std::optional<Status> status;    ///< What the module said, where it said something.
 };
 
 template <class T>

@@ -21,7 +21,8 @@ enum class Framing : std::uint8_t {
 };
 
 struct LinkOptions {
-  /// CAN: which identifier replies come with (global parameter 70). The kernel drops everything else.
+  /// CAN: which identifier replies come with (global parameter 70). The kernel drops everything
+  /// else.
   std::uint32_t can_reply_id = default_can_reply_id;
   /// CAN: use 29-bit identifiers.
   bool can_extended = false;
@@ -31,8 +32,8 @@ struct LinkOptions {
 
 /// What came in on CAN that is no datagram.
 struct CanCondition {
-  std::string text;      ///< "bus-off", "error-passive", ...
-  bool severe = false;   ///< Nothing can be sent until the controller recovers.
+  std::string text;     ///< "bus-off", "error-passive", ...
+  bool severe = false;  ///< Nothing can be sent until the controller recovers.
 };
 
 using CanInput = std::variant<CanFrame, CanCondition>;
@@ -40,10 +41,10 @@ using CanInput = std::variant<CanFrame, CanCondition>;
 /// Move-only; closes its descriptor. Never blocks: a call that would have to wait says so.
 class Link {
  public:
-  /// Opens what the name says. May block (name resolution, connecting), so a program with a reactor calls it on
-  /// another thread.
-  /// Errors: Errc::bad_argument for a bad name; Errc::link_busy, naming the program that holds the port where it can
-  /// be found; Errc::link_open_failed with what the system said and what to try.
+  /// Opens what the name says. May block (name resolution, connecting), so a program with a reactor
+  /// calls it on another thread. Errors: Errc::bad_argument for a bad name; Errc::link_busy, naming
+  /// the program that holds the port where it can be found; Errc::link_open_failed with what the
+  /// system said and what to try.
   static Result<Link> open(std::string_view name, const LinkOptions& options = {});
   static Result<Link> open(const LinkName& name, const LinkOptions& options = {});
   /// Takes over a descriptor: a stream of bytes, or datagrams that each carry one struct can_frame.

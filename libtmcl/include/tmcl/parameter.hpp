@@ -14,13 +14,14 @@ enum class Access : std::uint8_t { read, read_write };
 
 struct ParameterInfo {
   std::uint8_t number;
-  std::string_view name;                       ///< Standard name, snake_case; part of the stable interface.
-  std::array<std::string_view, 2> aliases;     ///< Other names in use, the chip's register among them; may be empty.
+  std::string_view name;  ///< Standard name, snake_case; part of the stable interface.
+  std::array<std::string_view, 2>
+      aliases;  ///< Other names in use, the chip's register among them; may be empty.
   Access access;
-  bool stored;                                 ///< Can be kept in the EEPROM.
+  bool stored;  ///< Can be kept in the EEPROM.
   std::int32_t minimum;
   std::int32_t maximum;
-  std::int32_t initial;                        ///< Factory default; 0 where it is a reading.
+  std::int32_t initial;  ///< Factory default; 0 where it is a reading.
   std::string_view unit;
   std::string_view meaning;
 };
@@ -56,8 +57,8 @@ std::span<const ParameterInfo> axis_parameters(Family family);
 /// The global parameters of bank 0, ascending by number.
 std::span<const ParameterInfo> global_parameters();
 
-/// Null if the table has no such number or name. Names compare without regard to case, '_' and '-', so that
-/// "MaxVelocity", "max_velocity" and "max-velocity" are one.
+/// Null if the table has no such number or name. Names compare without regard to case, '_' and '-',
+/// so that "MaxVelocity", "max_velocity" and "max-velocity" are one.
 const ParameterInfo* find_parameter(std::span<const ParameterInfo> table, std::uint8_t number);
 const ParameterInfo* find_parameter(std::span<const ParameterInfo> table, std::string_view name);
 

@@ -1,8 +1,9 @@
 /// Verbs that need several exchanges, written once, without I/O.
 ///
-/// A Script is a coroutine that asks for steps (an exchange with a module, several at once, a pause) and is told what
-/// came of each. Whoever runs it does the I/O: a bus on Asio, a blocking bus, or a test that plays the module. So a
-/// verb is the same everywhere, and each of its steps can be made to fail.
+/// A Script is a coroutine that asks for steps (an exchange with a module, several at once, a
+/// pause) and is told what came of each. Whoever runs it does the I/O: a bus on Asio, a blocking
+/// bus, or a test that plays the module. So a verb is the same everywhere, and each of its steps
+/// can be made to fail.
 ///
 ///     Script<Result<Microsteps>> position(AxisAddress axis) {
 ///       const auto answer = co_await exchange(get_request(axis, axis_parameter::actual_position));
@@ -29,14 +30,16 @@ struct CallOptions {
   std::optional<TimePoint> deadline{};
   /// How long to wait for the reply, instead of what the bus waits by default.
   std::optional<Duration> reply_timeout{};
-  /// How often a repeatable command may be sent before it counts as failed; 0: as the bus is set up.
+  /// How often a repeatable command may be sent before it counts as failed; 0: as the bus is set
+  /// up.
   unsigned attempts = 0;
 };
 
 /// A reply, and what the engine noticed about it.
 struct Answer {
   Reply reply;
-  /// The firmware version where it came as text: `reply` then holds only the module and the command.
+  /// The firmware version where it came as text: `reply` then holds only the module and the
+  /// command.
   std::optional<FirmwareVersion> version_text{};
   /// More than one module seems to answer at this address.
   bool duplicate_suspected = false;
@@ -47,7 +50,8 @@ struct Exchange {
   Request request;
   CallOptions options;
 };
-/// Several exchanges at once; on CAN different modules work on them side by side. At most max_exchanges_at_once.
+/// Several exchanges at once; on CAN different modules work on them side by side. At most
+/// max_exchanges_at_once.
 struct ExchangeAll {
   std::vector<Exchange> exchanges;
 };
@@ -154,7 +158,8 @@ class [[nodiscard]] Script {
     state_->innermost = handle_;
     return proceed();
   }
-  /// Tells what came of the last step and runs up to the next one; nothing when the script has ended.
+  /// Tells what came of the last step and runs up to the next one; nothing when the script has
+  /// ended.
   std::optional<Step> resume(StepResult result) {
     state_->result = std::move(result);
     return proceed();
@@ -190,7 +195,8 @@ Script<T> detail::ScriptPromise<T>::get_return_object() {
 }
 
 /// One exchange. An answer with an error status comes back as an Error with Outcome::refused.
-inline detail::StepAwaiter<Result<Answer>> exchange(const Request& request, const CallOptions& options = {}) {
+inline detail::StepAwaiter<Result<Answer>> exchange(const Request& request,
+                                                    const CallOptions& options = {}) {
   return {step::Exchange{request, options}};
 }
 inline detail::StepAwaiter<StepResult> exchange_all(std::vector<step::Exchange> exchanges) {

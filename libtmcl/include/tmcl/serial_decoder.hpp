@@ -20,19 +20,21 @@ struct VersionText {
 
 using SerialItem = std::variant<Reply, VersionText>;
 
-/// Looks at the last nine bytes after each one that comes in. When they are a reply (or, if asked for, a version
-/// text) it hands that out and starts afresh; otherwise the oldest byte is dropped and the search goes on. So garbage
-/// costs no more than itself, and how the bytes were cut into reads makes no difference.
+/// Looks at the last nine bytes after each one that comes in. When they are a reply (or, if asked
+/// for, a version text) it hands that out and starts afresh; otherwise the oldest byte is dropped
+/// and the search goes on. So garbage costs no more than itself, and how the bytes were cut into
+/// reads makes no difference.
 ///
-/// Nine bytes pass for a reply if they begin with the host's address, carry a status that TMCL defines and end with
-/// the right checksum.
+/// Nine bytes pass for a reply if they begin with the host's address, carry a status that TMCL
+/// defines and end with the right checksum.
 class SerialDecoder {
  public:
   explicit SerialDecoder(std::uint8_t host_address = default_host_address) : host_(host_address) {}
 
   std::optional<SerialItem> push(std::uint8_t byte);
 
-  /// While true, a version text is recognised too, and wins over a reply that the same bytes could be.
+  /// While true, a version text is recognised too, and wins over a reply that the same bytes could
+  /// be.
   void expect_version_text(bool expected) { version_text_expected_ = expected; }
   /// Forgets an unfinished datagram; its bytes count as dropped.
   void reset();

@@ -22,7 +22,7 @@ enum class Status : std::uint8_t {
   avr_not_ready = 32,
   ok = 100,
   command_loaded = 101,
-  delayed = 128,               ///< Only in the event that follows TARGET_REACHED_EVENT.
+  delayed = 128,  ///< Only in the event that follows TARGET_REACHED_EVENT.
   active_communication = 129,
 };
 

@@ -1,9 +1,10 @@
 /// What can be asked of an axis and of a module, as scripts.
 ///
-/// Programs normally use Axis (tmcl/bus.hpp) or blocking::Axis (tmcl/blocking.hpp), which run these.
+/// Programs normally use Axis (tmcl/bus.hpp) or blocking::Axis (tmcl/blocking.hpp), which run
+/// these.
 ///
-/// Outcome: every verb ends with a value, or with an Error whose `outcome` says whether the module may have acted.
-/// No verb sends a movement twice, and none sends a relative one.
+/// Outcome: every verb ends with a value, or with an Error whose `outcome` says whether the module
+/// may have acted. No verb sends a movement twice, and none sends a relative one.
 #pragma once
 
 #include <chrono>
@@ -28,7 +29,8 @@ struct AxisState {
   Microsteps position;
   InternalVelocity velocity;
   Microsteps target;
-  bool position_reached = false;  ///< Axis parameter 8: position equals target, in any mode and even while passing.
+  bool position_reached =
+      false;  ///< Axis parameter 8: position equals target, in any mode and even while passing.
 };
 
 struct WaitOptions {
@@ -63,17 +65,20 @@ Script<Result<Answer>> command(Request request, CallOptions options = {});
 
 /// Reads an axis parameter, 0..255 (GAP).
 Script<Result<std::int32_t>> get(AxisAddress axis, std::uint8_t parameter);
-/// Sets an axis parameter (SAP). When the answer is lost and the parameter does not move the motor, reading it back
-/// settles whether it was set.
+/// Sets an axis parameter (SAP). When the answer is lost and the parameter does not move the motor,
+/// reading it back settles whether it was set.
 Script<Result<void>> set(AxisAddress axis, std::uint8_t parameter, std::int32_t value);
 /// Reads a global parameter (GGP).
-Script<Result<std::int32_t>> get_global(ModuleAddress module, std::uint8_t bank, std::uint8_t parameter);
+Script<Result<std::int32_t>> get_global(ModuleAddress module, std::uint8_t bank,
+                                        std::uint8_t parameter);
 /// Sets a global parameter (SGP). Parameters 64 to 127 of bank 0 go straight to the EEPROM.
-Script<Result<void>> set_global(ModuleAddress module, std::uint8_t bank, std::uint8_t parameter, std::int32_t value);
+Script<Result<void>> set_global(ModuleAddress module, std::uint8_t bank, std::uint8_t parameter,
+                                std::int32_t value);
 
 /// Starts a positioning move (MVP ABS) and gives back its target.
 Script<Result<Microsteps>> move_to(AxisAddress axis, Microsteps target);
-/// Reads where the axis is, adds, and starts a move to there; gives back the target. A sum outside int32 is an error.
+/// Reads where the axis is, adds, and starts a move to there; gives back the target. A sum outside
+/// int32 is an error.
 Script<Result<Microsteps>> move_by(AxisAddress axis, Microsteps distance);
 /// Turns without end; ROR for a positive velocity, ROL for a negative one.
 Script<Result<void>> rotate(AxisAddress axis, InternalVelocity velocity);
@@ -85,11 +90,12 @@ Script<Result<InternalVelocity>> velocity(AxisAddress axis);
 Script<Result<AxisState>> state(AxisAddress axis);
 
 /// Polls until the axis stands at its target, and gives back the position.
-/// Errors: Errc::move_interrupted when the axis was stopped, sent elsewhere by velocity, or stands still short of the
-/// target; Errc::deadline_passed after the timeout.
+/// Errors: Errc::move_interrupted when the axis was stopped, sent elsewhere by velocity, or stands
+/// still short of the target; Errc::deadline_passed after the timeout.
 Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions options = {});
 
-/// Model and firmware of one module. `axes` comes from the table of models or, for an unknown one, by asking.
+/// Model and firmware of one module. `axes` comes from the table of models or, for an unknown one,
+/// by asking.
 Script<Result<FoundModule>> identify(ModuleAddress module);
 /// Every module that answers, ascending by address. Silence is no error; a broken link is.
 Script<Result<std::vector<FoundModule>>> scan(ScanOptions options = {});
@@ -98,7 +104,8 @@ Script<Result<std::vector<FoundModule>>> scan(ScanOptions options = {});
 
 /// The verbs bound to one axis of one bus. A cheap value; the bus must outlive it.
 ///
-/// Each verb gives what Bus::run makes of a Script<T>: an awaitable of T on Asio, plainly T on a blocking bus.
+/// Each verb gives what Bus::run makes of a Script<T>: an awaitable of T on Asio, plainly T on a
+/// blocking bus.
 template <class Bus>
 class BasicAxis {
  public:
@@ -117,7 +124,9 @@ class BasicAxis {
     return bus_->run(verbs::wait_until_reached(address_, options));
   }
   auto get(std::uint8_t parameter) { return bus_->run(verbs::get(address_, parameter)); }
-  auto set(std::uint8_t parameter, std::int32_t value) { return bus_->run(verbs::set(address_, parameter, value)); }
+  auto set(std::uint8_t parameter, std::int32_t value) {
+    return bus_->run(verbs::set(address_, parameter, value));
+  }
 
  private:
   Bus* bus_;

@@ -12,14 +12,17 @@
 
 namespace tmcl {
 
-enum class VersionForm : std::uint8_t { text = 0, binary = 1 };  ///< Values of the type field of command 136.
+enum class VersionForm : std::uint8_t {
+  text = 0,
+  binary = 1
+};  ///< Values of the type field of command 136.
 
 constexpr std::size_t version_text_size = 8;
 
 struct FirmwareVersion {
   std::uint16_t model = 0;  ///< Module number, such as 1110 of a TMCM-1110.
   std::uint8_t major = 0;
-  std::uint8_t minor = 0;   ///< 0..99
+  std::uint8_t minor = 0;  ///< 0..99
   auto operator<=>(const FirmwareVersion&) const = default;
 };
 
@@ -38,8 +41,8 @@ constexpr FirmwareVersion version_from_value(std::int32_t value) {
 /// Eight characters such as "1110V101": four of the model, 'V', one of major, two of minor.
 std::array<char, version_text_size> to_text(FirmwareVersion version);
 
-/// Reads "1110V101", or "1110V10" as seven-byte CAN frames carry it (the last digit is then taken as 0).
-/// Nothing if the text has another form.
+/// Reads "1110V101", or "1110V10" as seven-byte CAN frames carry it (the last digit is then taken
+/// as 0). Nothing if the text has another form.
 std::optional<FirmwareVersion> version_from_text(std::string_view text);
 
 /// "1.01"

@@ -27,7 +27,8 @@ class Bus::State {
     missing_ = exchanges.size();
     next_ticket_ += exchanges.size();
     for (std::size_t i = 0; i < exchanges.size(); ++i) {
-      core_.engine().submit(first_ticket_ + i, exchanges[i].request, exchanges[i].options, clock_.now());
+      core_.engine().submit(first_ticket_ + i, exchanges[i].request, exchanges[i].options,
+                            clock_.now());
     }
     run_actions();
     while (missing_ > 0) wait_and_work(core_.engine().next_deadline());
@@ -84,13 +85,15 @@ class Bus::State {
   std::size_t missing_ = 0;
 };
 
-Result<Bus> Bus::open(std::string_view link_name, const LinkOptions& link_options, BusOptions options) {
+Result<Bus> Bus::open(std::string_view link_name, const LinkOptions& link_options,
+                      BusOptions options) {
   auto link = Link::open(link_name, link_options);
   if (!link) return tl::unexpected(std::move(link.error()));
   return Bus(std::move(*link), std::move(options));
 }
 
-Bus::Bus(Link link, BusOptions options) : state_(std::make_unique<State>(std::move(link), std::move(options))) {}
+Bus::Bus(Link link, BusOptions options)
+    : state_(std::make_unique<State>(std::move(link), std::move(options))) {}
 Bus::Bus(Bus&&) noexcept = default;
 Bus& Bus::operator=(Bus&&) noexcept = default;
 Bus::~Bus() = default;
@@ -101,12 +104,15 @@ Result<Answer> Bus::execute(const Request& request, const CallOptions& options) 
 
 StepResult Bus::perform(Step step) {
   if (auto* one = std::get_if<step::Exchange>(&step)) return state_->exchange({std::move(*one)});
-  if (auto* many = std::get_if<step::ExchangeAll>(&step)) return state_->exchange(std::move(many->exchanges));
+  if (auto* many = std::get_if<step::ExchangeAll>(&step))
+    return state_->exchange(std::move(many->exchanges));
   state_->pause(std::get<step::Pause>(step).duration);
   return {};
 }
 
-void Bus::on_event(std::function<void(const BusEvent&)> handler) { state_->on_event = std::move(handler); }
+void Bus::on_event(std::function<void(const BusEvent&)> handler) {
+  state_->on_event = std::move(handler);
+}
 BusCounters Bus::counters() const { return state_->core().engine().counters(); }
 const std::string& Bus::name() const { return state_->core().name(); }
 bool Bus::is_open() const { return state_->core().is_open(); }

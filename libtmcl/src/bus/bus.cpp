@@ -38,7 +38,8 @@ class Bus::State : public std::enable_shared_from_this<State> {
   using Handler = std::function<void(StepResult)>;
 
   void exchange(std::vector<step::Exchange> exchanges, Handler handler) {
-    if (exchanges.empty()) return asio::post(executor_, [handler = std::move(handler)] { handler({}); });
+    if (exchanges.empty())
+      return asio::post(executor_, [handler = std::move(handler)] { handler({}); });
     auto group = std::make_shared<Group>();
     group->results.resize(exchanges.size(), tl::unexpected(Error{}));
     group->missing = exchanges.size();
@@ -83,15 +84,17 @@ class Bus::State : public std::enable_shared_from_this<State> {
   void await_room() {
     if (awaiting_room_ || !core_.wants_to_write()) return;
     awaiting_room_ = true;
-    readiness_.async_wait(asio::posix::stream_descriptor::wait_write, [self = shared_from_this()](error_code error) {
-      self->awaiting_room_ = false;
-      if (error) return;
-      self->core_.on_writable(self->clock_.now());
-      self->run_actions();
-    });
+    readiness_.async_wait(asio::posix::stream_descriptor::wait_write,
+                          [self = shared_from_this()](error_code error) {
+                            self->awaiting_room_ = false;
+                            if (error) return;
+                            self->core_.on_writable(self->clock_.now());
+                            self->run_actions();
+                          });
   }
 
-  /// A timer that is set too early only makes a round for nothing; setting it anew for each exchange costs more.
+  /// A timer that is set too early only makes a round for nothing; setting it anew for each
+  /// exchange costs more.
   void await_deadline() {
     const auto deadline = core_.engine().next_deadline();
     if (!deadline || (armed_for_ && *armed_for_ <= *deadline)) return;
@@ -123,7 +126,8 @@ class Bus::State : public std::enable_shared_from_this<State> {
     auto& group = *place.group;
     group.results[place.index] = std::move(completion.result);
     if (--group.missing > 0) return;
-    // Later, not from within the engine's round: whoever waits will submit the next request at once.
+    // Later, not from within the engine's round: whoever waits will submit the next request at
+    // once.
     asio::post(executor_, [group = place.group] { group->handler(std::move(group->results)); });
   }
 
@@ -162,14 +166,16 @@ namespace {
 
 /// Suspends the coroutine until every exchange has ended.
 template <class State>
-asio::awaitable<StepResult> exchange(std::shared_ptr<State> state, std::vector<step::Exchange> exchanges) {
+asio::awaitable<StepResult> exchange(std::shared_ptr<State> state,
+                                     std::vector<step::Exchange> exchanges) {
   auto initiation = [&state, &exchanges](auto handler) {
     // A std::function must be copyable, which a coroutine's handler is not.
     auto shared = std::make_shared<decltype(handler)>(std::move(handler));
-    state->exchange(std::move(exchanges), [shared](StepResult results) { std::move (*shared)(std::move(results)); });
+    state->exchange(std::move(exchanges),
+                    [shared](StepResult results) { std::move (*shared)(std::move(results)); });
   };
-  co_return co_await asio::async_initiate<const asio::use_awaitable_t<>, void(StepResult)>(initiation,
-                                                                                           asio::use_awaitable);
+  co_return co_await asio::async_initiate<const asio::use_awaitable_t<>, void(StepResult)>(
+      initiation, asio::use_awaitable);
 }
 
 }  // namespace
@@ -196,7 +202,9 @@ asio::awaitable<StepResult> Bus::perform(std::shared_ptr<State> state, Step step
   co_return results;
 }
 
-void Bus::on_event(std::function<void(const BusEvent&)> handler) { state_->on_event = std::move(handler); }
+void Bus::on_event(std::function<void(const BusEvent&)> handler) {
+  state_->on_event = std::move(handler);
+}
 BusCounters Bus::counters() const { return state_->core().engine().counters(); }
 const std::string& Bus::name() const { return state_->core().name(); }
 bool Bus::is_open() const { return state_->core().is_open(); }

@@ -17,7 +17,8 @@ BusOptions named(BusOptions options, const Link& link) {
 }  // namespace
 
 BusCore::BusCore(Link link, BusOptions options)
-    : link_(std::move(link)), engine_(link_.framing(), link_.wire_time(), named(std::move(options), link_)) {}
+    : link_(std::move(link)),
+      engine_(link_.framing(), link_.wire_time(), named(std::move(options), link_)) {}
 
 void BusCore::on_readable(TimePoint now) {
   if (!open_) return;
@@ -44,7 +45,8 @@ void BusCore::read_frames(TimePoint now) {
       engine_.on_frame(*frame, now);
     } else {
       const auto& condition = std::get<CanCondition>(**input);
-      conditions_.push_back({BusEvent::Kind::link_condition, {}, condition.severe ? 1 : 0, condition.text});
+      conditions_.push_back(
+          {BusEvent::Kind::link_condition, {}, condition.severe ? 1 : 0, condition.text});
     }
   }
 }
@@ -71,7 +73,8 @@ void BusCore::send(const Request& request, TimePoint now) {
 }
 
 void BusCore::send_bytes(const Request& request, TimePoint now) {
-  // What a stuck link cannot take now must not reach the module later, when nobody wants it any more.
+  // What a stuck link cannot take now must not reach the module later, when nobody wants it any
+  // more.
   if (wants_to_write()) return engine_.on_send_refused(request, now);
   unfinished_ = encode_serial(request);
   const auto count = link_.write(unfinished_);
@@ -80,7 +83,8 @@ void BusCore::send_bytes(const Request& request, TimePoint now) {
   unwritten_ = std::span(unfinished_).subspan(*count);
 }
 
-void BusCore::run_actions(TimePoint now, const std::function<void(engine::Completion)>& on_completion,
+void BusCore::run_actions(TimePoint now,
+                          const std::function<void(engine::Completion)>& on_completion,
                           const std::function<void(const BusEvent&)>& on_event) {
   for (const auto& event : std::exchange(conditions_, {})) on_event(event);
   while (auto action = engine_.next_action()) {

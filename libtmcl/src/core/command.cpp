@@ -13,6 +13,7 @@ using enum Effect;
 constexpr auto safe = Repeat::safe;
 constexpr auto never = Repeat::never;
 
+// clang-format off
 constexpr auto commands = std::to_array<CommandInfo>({
     {Command::ROR, "ROR", normal, never, moves, "rotate right: velocity mode, positive speed"},
     {Command::ROL, "ROL", normal, never, moves, "rotate left: velocity mode, negative speed"},
@@ -201,12 +202,14 @@ constexpr auto subtypes = std::to_array<SubtypeInfo>({
     {Command::BOOT_GET_INFO, 1, "START", safe, reads},
     {Command::BOOT_GET_INFO, 2, "SIZE", safe, reads},
 });
+// clang-format on
 
 static_assert(std::ranges::is_sorted(commands, {}, &CommandInfo::command));
 
 const SubtypeInfo* find_subtype(Command command, std::uint8_t type) {
-  const auto* row = std::ranges::find_if(
-      subtypes, [&](const SubtypeInfo& info) { return info.command == command && info.type == type; });
+  const auto* row = std::ranges::find_if(subtypes, [&](const SubtypeInfo& info) {
+    return info.command == command && info.type == type;
+  });
   return row == subtypes.end() ? nullptr : row;
 }
 
@@ -216,7 +219,8 @@ std::span<const CommandInfo> command_table() { return commands; }
 std::span<const SubtypeInfo> subtype_table() { return subtypes; }
 
 const CommandInfo* find_command(std::uint8_t number) {
-  const auto* row = std::ranges::lower_bound(commands, static_cast<Command>(number), {}, &CommandInfo::command);
+  const auto* row =
+      std::ranges::lower_bound(commands, static_cast<Command>(number), {}, &CommandInfo::command);
   return row != commands.end() && row->command == static_cast<Command>(number) ? row : nullptr;
 }
 

@@ -11,8 +11,9 @@ constexpr auto r = Access::read;
 constexpr auto rw = Access::read_write;
 constexpr std::int32_t x_max = (1 << 23) - 1;  // 24-bit positions
 constexpr std::int32_t x_min = -(1 << 23);
-constexpr std::int32_t v_max = 2047;           // 11-bit speeds and a sign
+constexpr std::int32_t v_max = 2047;  // 11-bit speeds and a sign
 
+// clang-format off
 // Ranges and meanings from the firmware manuals of the TMCM-6110 and TMCM-351; what a module starts with from the
 // open firmware of the TMCM-1110.
 constexpr auto tmc429_axis = std::to_array<ParameterInfo>({
@@ -74,6 +75,7 @@ constexpr auto global_bank0 = std::to_array<ParameterInfo>({
     {132, "tick_timer", {"", ""}, rw, false, 0, INT32_MAX, 0, "ms", "time since the module started"},
     {255, "suppress_reply", {"", ""}, rw, false, 0, 1, 0, "flag", "1: no replies to commands that set something"},
 });
+// clang-format on
 
 static_assert(std::ranges::is_sorted(tmc429_axis, {}, &ParameterInfo::number));
 static_assert(std::ranges::is_sorted(global_bank0, {}, &ParameterInfo::number));
@@ -83,8 +85,9 @@ static_assert(std::ranges::all_of(tmc429_axis, [](const ParameterInfo& row) {
 
 bool goes_by(const ParameterInfo& row, std::string_view name) {
   if (text::equal_as_name(row.name, name)) return true;
-  return std::ranges::any_of(
-      row.aliases, [&](std::string_view alias) { return !alias.empty() && text::equal_as_name(alias, name); });
+  return std::ranges::any_of(row.aliases, [&](std::string_view alias) {
+    return !alias.empty() && text::equal_as_name(alias, name);
+  });
 }
 
 }  // namespace
@@ -104,7 +107,8 @@ const ParameterInfo* find_parameter(std::span<const ParameterInfo> table, std::u
 }
 
 const ParameterInfo* find_parameter(std::span<const ParameterInfo> table, std::string_view name) {
-  const auto row = std::ranges::find_if(table, [&](const ParameterInfo& info) { return goes_by(info, name); });
+  const auto row =
+      std::ranges::find_if(table, [&](const ParameterInfo& info) { return goes_by(info, name); });
   return row != table.end() ? &*row : nullptr;
 }
 

@@ -24,7 +24,8 @@ std::optional<SerialItem> SerialDecoder::recognise() const {
     std::array<char, version_text_size> text{};
     std::ranges::transform(std::span(window_).subspan(1), text.begin(),
                            [](std::uint8_t byte) { return static_cast<char>(byte); });
-    if (const auto version = version_from_text({text.data(), text.size()})) return VersionText{host_, *version};
+    if (const auto version = version_from_text({text.data(), text.size()}))
+      return VersionText{host_, *version};
   }
   const auto reply = decode_serial_reply(window_);
   if (!reply || find_status(reply->status) == nullptr) return std::nullopt;

@@ -7,13 +7,15 @@ namespace tmcl {
 namespace {
 
 constexpr auto statuses = std::to_array<StatusInfo>({
-    {Status::wrong_checksum, "wrong_checksum", "the module received the request with a wrong checksum",
+    {Status::wrong_checksum, "wrong_checksum",
+     "the module received the request with a wrong checksum",
      "look for noise, a wrong baud rate or two programs on one line"},
     {Status::invalid_command, "invalid_command", "the module does not know this command",
      "see the firmware manual of the model for the commands it has"},
     {Status::wrong_type, "wrong_type", "the module does not know this type or parameter number",
      "see `tmclctl get --help` or the firmware manual for the parameters of the model"},
-    {Status::invalid_value, "invalid_value", "the value, motor or bank is outside what the module allows",
+    {Status::invalid_value, "invalid_value",
+     "the value, motor or bank is outside what the module allows",
      "check the parameter's range and how many motors the module has"},
     {Status::eeprom_locked, "eeprom_locked", "the configuration EEPROM is locked",
      "unlock it with SGP 73, 0, 4321"},
@@ -28,7 +30,8 @@ constexpr auto statuses = std::to_array<StatusInfo>({
      "stop the running program first"},
     {Status::chip_read_failed, "chip_read_failed", "the module could not read one of its chips",
      "check the module's supply voltage"},
-    {Status::avr_not_ready, "avr_not_ready", "the module is not ready yet", "wait a little and try again"},
+    {Status::avr_not_ready, "avr_not_ready", "the module is not ready yet",
+     "wait a little and try again"},
     {Status::ok, "ok", "executed", ""},
     {Status::command_loaded, "command_loaded", "loaded into program memory", ""},
     {Status::delayed, "delayed", "reported later, as asked", ""},

@@ -38,7 +38,9 @@ std::optional<Integer> parse_integer(std::string_view text) {
   return value;
 }
 
-inline std::optional<std::uint8_t> parse_byte(std::string_view text) { return parse_integer<std::uint8_t>(text); }
+inline std::optional<std::uint8_t> parse_byte(std::string_view text) {
+  return parse_integer<std::uint8_t>(text);
+}
 
 /// The decimal text of a byte, alive for ever.
 inline std::string_view byte_name(std::uint8_t value) {

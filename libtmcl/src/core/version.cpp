@@ -10,7 +10,8 @@ namespace {
 constexpr std::size_t model_digits = 4;
 
 void put_digits(std::span<char> out, unsigned value) {
-  for (std::size_t i = out.size(); i-- > 0; value /= 10) out[i] = static_cast<char>('0' + value % 10);
+  for (std::size_t i = out.size(); i-- > 0; value /= 10)
+    out[i] = static_cast<char>('0' + value % 10);
 }
 
 }  // namespace

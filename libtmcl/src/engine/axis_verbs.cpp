@@ -32,17 +32,19 @@ Script<Result<std::int32_t>> ask(Request request) {
 
 Error interrupted(AxisAddress axis, const AxisState& state, std::string_view why) {
   Error error{Errc::move_interrupted, Outcome::done, {}, {}, {}, {}, {}};
-  error.message = fmt::format("motor {} of module {} {} at {}, {} microsteps short of its target {}", axis.motor,
-                              number(axis.module), why, state.position.value,
-                              std::int64_t{state.target.value} - state.position.value, state.target.value);
+  error.message =
+      fmt::format("motor {} of module {} {} at {}, {} microsteps short of its target {}",
+                  axis.motor, number(axis.module), why, state.position.value,
+                  std::int64_t{state.target.value} - state.position.value, state.target.value);
   error.hint = "someone may have stopped it, or a limit switch did; move again when it is safe";
   return error;
 }
 
 Error still_moving(AxisAddress axis, const AxisState& state) {
   Error error{Errc::deadline_passed, Outcome::done, {}, {}, {}, {}, {}};
-  error.message = fmt::format("motor {} of module {} has not arrived yet: at {} on its way to {}", axis.motor,
-                              number(axis.module), state.position.value, state.target.value);
+  error.message =
+      fmt::format("motor {} of module {} has not arrived yet: at {} on its way to {}", axis.motor,
+                  number(axis.module), state.position.value, state.target.value);
   error.hint = "it goes on moving; wait longer or stop it";
   return error;
 }
@@ -64,18 +66,21 @@ Script<Result<void>> set(AxisAddress axis, std::uint8_t parameter, std::int32_t 
   if (may_have_been_executed(answer) && effect_of(Command::SAP, parameter) != Effect::moves) {
     const auto present = co_await get(axis, parameter);
     if (present && *present == value) co_return Result<void>{};
-    // The module answers again and holds another value: the request was lost, so it may be sent anew.
+    // The module answers again and holds another value: the request was lost, so it may be sent
+    // anew.
     if (present) answer = co_await exchange(request);
   }
   if (!answer) co_return tl::unexpected(answer.error());
   co_return Result<void>{};
 }
 
-Script<Result<std::int32_t>> get_global(ModuleAddress module, std::uint8_t bank, std::uint8_t parameter) {
+Script<Result<std::int32_t>> get_global(ModuleAddress module, std::uint8_t bank,
+                                        std::uint8_t parameter) {
   return ask({module, Command::GGP, parameter, bank, 0});
 }
 
-Script<Result<void>> set_global(ModuleAddress module, std::uint8_t bank, std::uint8_t parameter, std::int32_t value) {
+Script<Result<void>> set_global(ModuleAddress module, std::uint8_t bank, std::uint8_t parameter,
+                                std::int32_t value) {
   return act({module, Command::SGP, parameter, bank, value});
 }
 
@@ -89,9 +94,11 @@ Script<Result<Microsteps>> move_by(AxisAddress axis, Microsteps distance) {
   const auto here = co_await position(axis);
   if (!here) co_return tl::unexpected(here.error());
   const auto target = std::int64_t{here->value} + distance.value;
-  if (target < std::numeric_limits<std::int32_t>::min() || target > std::numeric_limits<std::int32_t>::max()) {
-    co_return tl::unexpected(bad_argument(fmt::format("{} microsteps from {} is beyond every position a module has",
-                                                      distance.value, here->value)));
+  if (target < std::numeric_limits<std::int32_t>::min() ||
+      target > std::numeric_limits<std::int32_t>::max()) {
+    co_return tl::unexpected(
+        bad_argument(fmt::format("{} microsteps from {} is beyond every position a module has",
+                                 distance.value, here->value)));
   }
   const auto moved = co_await move_to(axis, Microsteps{static_cast<std::int32_t>(target)});
   co_return moved;
@@ -127,7 +134,8 @@ Script<Result<AxisState>> state(AxisAddress axis) {
   if (!target) co_return tl::unexpected(target.error());
   const auto reached = co_await get(axis, ap::position_reached);
   if (!reached) co_return tl::unexpected(reached.error());
-  co_return AxisState{Microsteps{*at}, InternalVelocity{*speed}, Microsteps{*target}, *reached != 0};
+  co_return AxisState{Microsteps{*at}, InternalVelocity{*speed}, Microsteps{*target},
+                      *reached != 0};
 }
 
 Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions options) {
@@ -142,8 +150,10 @@ Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions opti
     const bool stands = now->velocity.value == 0 && last_position == now->position;
     standing = stands ? standing + options.poll_interval : Duration{};
     last_position = now->position;
-    if (standing >= options.standstill_limit) co_return tl::unexpected(interrupted(axis, *now, "stands still"));
-    if (options.timeout > Duration{} && waited >= options.timeout) co_return tl::unexpected(still_moving(axis, *now));
+    if (standing >= options.standstill_limit)
+      co_return tl::unexpected(interrupted(axis, *now, "stands still"));
+    if (options.timeout > Duration{} && waited >= options.timeout)
+      co_return tl::unexpected(still_moving(axis, *now));
     co_await pause(options.poll_interval);
     waited += options.poll_interval;
   }

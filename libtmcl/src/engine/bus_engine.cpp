@@ -32,26 +32,33 @@ Outcome outcome_so_far(const Call& call) {
 
 std::optional<FirmwareVersion> version_text_in(const CanFrame& frame) {
   std::array<char, version_text_size> text{};
-  std::ranges::transform(frame.data, text.begin(), [](std::uint8_t byte) { return static_cast<char>(byte); });
+  std::ranges::transform(frame.data, text.begin(),
+                         [](std::uint8_t byte) { return static_cast<char>(byte); });
   return version_from_text(std::string_view(text.data(), frame.length));
 }
 
 }  // namespace
 
 BusEngine::BusEngine(Framing framing, Duration wire_time, BusOptions options)
-    : framing_(framing), wire_time_(wire_time), options_(std::move(options)), decoder_(options_.host_address) {}
+    : framing_(framing),
+      wire_time_(wire_time),
+      options_(std::move(options)),
+      decoder_(options_.host_address) {}
 
-// ---- what comes from above ------------------------------------------------------------------------------------------
+// ---- what comes from above
+// ------------------------------------------------------------------------------------------
 
-void BusEngine::submit(Ticket ticket, const Request& request, const CallOptions& options, TimePoint now) {
+void BusEngine::submit(Ticket ticket, const Request& request, const CallOptions& options,
+                       TimePoint now) {
   Call call{request, options, {ticket}};
   if (lost_) return complete(call, tl::unexpected(error_for(call, Errc::link_lost, *lost_, {})));
   if (auto error = objection(request)) return complete(call, tl::unexpected(std::move(*error)));
   if (queue_.join(request, options, ticket)) return;
   const auto room = call.is_stop() ? 2 * max_queued_calls : max_queued_calls;
   if (queue_.size() >= room) {
-    return complete(call, tl::unexpected(error_for(call, Errc::queue_full, "too many commands wait for this bus",
-                                                   "send fewer commands at once, or use a faster bus")));
+    return complete(call, tl::unexpected(error_for(
+                              call, Errc::queue_full, "too many commands wait for this bus",
+                              "send fewer commands at once, or use a faster bus")));
   }
   if (call.is_stop()) drop_movements_before(request);
   queue_.push_back(std::move(call));
@@ -68,12 +75,15 @@ std::optional<Error> BusEngine::objection(const Request& request) const {
 }
 
 void BusEngine::drop_movements_before(const Request& stop) {
-  for (const auto& call : queue_.remove_if([&](const Call& queued) { return is_ended_by(stop, queued); })) {
-    complete(call, tl::unexpected(error_for(call, Errc::superseded_by_stop, "a stop came first", {})));
+  for (const auto& call :
+       queue_.remove_if([&](const Call& queued) { return is_ended_by(stop, queued); })) {
+    complete(call,
+             tl::unexpected(error_for(call, Errc::superseded_by_stop, "a stop came first", {})));
   }
 }
 
-// ---- what comes from the wire ---------------------------------------------------------------------------------------
+// ---- what comes from the wire
+// ---------------------------------------------------------------------------------------
 
 void BusEngine::on_bytes(std::span<const std::uint8_t> bytes, TimePoint now) {
   for (const auto byte : bytes) {
@@ -105,7 +115,8 @@ void BusEngine::on_frame(const CanFrame& frame, TimePoint now) {
 
 void BusEngine::on_reply(const Reply& reply, TimePoint now) {
   if (reply.command == Command::TARGET_REACHED_EVENT && reply.status == Status::delayed) {
-    actions_.push_back(BusEvent{BusEvent::Kind::target_reached, ModuleAddress{reply.module}, reply.value});
+    actions_.push_back(
+        BusEvent{BusEvent::Kind::target_reached, ModuleAddress{reply.module}, reply.value});
     return;
   }
   const auto known = modules_.find(reply.module);
@@ -130,8 +141,11 @@ bool BusEngine::answers(const Reply& reply, const InFlight& in_flight) const {
 
 void BusEngine::on_version_text(Channel& channel, FirmwareVersion version, TimePoint now) {
   const auto& sent = channel.in_flight->sent;
-  conclude(channel, Answer{Reply{options_.host_address, reply_byte(sent.address), Status::ok, sent.command, 0}, version},
-           now);
+  conclude(
+      channel,
+      Answer{Reply{options_.host_address, reply_byte(sent.address), Status::ok, sent.command, 0},
+             version},
+      now);
 }
 
 void BusEngine::conclude(Channel& channel, Answer answer, TimePoint now) {
@@ -146,7 +160,8 @@ void BusEngine::conclude(Channel& channel, Answer answer, TimePoint now) {
   if (is_success(answer.reply.status)) return complete(*done.call, answer);
   auto error = refusal(done.sent, answer.reply.status);
   error.bus = options_.name;
-  if (answer.reply.status == Status::wrong_checksum) return repeat_or_give_up(*done.call, std::move(error));
+  if (answer.reply.status == Status::wrong_checksum)
+    return repeat_or_give_up(*done.call, std::move(error));
   complete(*done.call, tl::unexpected(std::move(error)));
 }
 
@@ -160,21 +175,24 @@ void BusEngine::on_unexplained(const Reply& reply, TimePoint now) {
   lane.lose_step();
   if (!lane.is_second_reply(reply.command, now) || lane.duplicate_suspected) return;
   lane.duplicate_suspected = true;
-  actions_.push_back(BusEvent{BusEvent::Kind::duplicate_address, ModuleAddress{reply.module}, 0,
-                              fmt::format("two replies came to one request: probably two modules have the address {}",
-                                          reply.module)});
+  actions_.push_back(BusEvent{
+      BusEvent::Kind::duplicate_address, ModuleAddress{reply.module}, 0,
+      fmt::format("two replies came to one request: probably two modules have the address {}",
+                  reply.module)});
 }
 
 void BusEngine::on_send_refused(const Request& request, TimePoint now) {
   auto& channel = channel_to(request.address);
   if (!channel.in_flight || channel.in_flight->sent != request) return;
-  const auto refused = std::move(*channel.in_flight);
+  auto refused = std::move(*channel.in_flight);
   channel.in_flight.reset();
   channel.quiet_until = now + options_.quiet_time;
   if (refused.call) {
-    complete(*refused.call, tl::unexpected(error_for(*refused.call, Errc::queue_full,
-                                                     "the interface's transmit queue is full",
-                                                     "is another node on the bus, and the bit rate right?")));
+    --refused.call->times_sent;
+    complete(*refused.call,
+             tl::unexpected(error_for(*refused.call, Errc::queue_full,
+                                      "the interface's transmit queue is full",
+                                      "is another node on the bus, and the bit rate right?")));
   }
   go_on(now);
 }
@@ -188,16 +206,19 @@ void BusEngine::on_link_lost(const std::string& why) {
     complete(call, tl::unexpected(std::move(error)));
   };
   const auto end_in_flight = [&](Channel& channel) {
-    if (channel.in_flight && channel.in_flight->call) end(*channel.in_flight->call, Outcome::unknown);
+    if (channel.in_flight && channel.in_flight->call)
+      end(*channel.in_flight->call, Outcome::unknown);
     channel.in_flight.reset();
   };
   end_in_flight(line_);
   for (auto& [byte, module] : modules_) end_in_flight(module.own_channel);
-  for (const auto& call : queue_.remove_if([](const Call&) { return true; })) end(call, outcome_so_far(call));
+  for (const auto& call : queue_.remove_if([](const Call&) { return true; }))
+    end(call, outcome_so_far(call));
   actions_.push_back(BusEvent{BusEvent::Kind::link_lost, {}, 0, why});
 }
 
-// ---- time -----------------------------------------------------------------------------------------------------------
+// ---- time
+// -----------------------------------------------------------------------------------------------------------
 
 void BusEngine::on_deadline(TimePoint now) {
   const auto is_overdue = [&](const Channel& channel) {
@@ -224,17 +245,24 @@ void BusEngine::on_time_out(Channel& channel, TimePoint now) {
   repeat_or_give_up(std::move(*lost.call), std::move(error));
 }
 
-void BusEngine::on_fence_time_out(Module& module, ModuleAddress address, unsigned tries, TimePoint now) {
+void BusEngine::on_fence_time_out(Module& module, ModuleAddress address, unsigned tries,
+                                  TimePoint now) {
   if (!module.lane.fence_failed(tries, now + options_.silence_time)) return;
-  const auto waits_for_it = [&](const Call& call) { return reply_byte(call.request.address) == reply_byte(address); };
-  for (const auto& call : queue_.remove_if(waits_for_it)) complete(call, tl::unexpected(silence_error(call)));
+  const auto waits_for_it = [&](const Call& call) {
+    return reply_byte(call.request.address) == reply_byte(address);
+  };
+  for (const auto& call : queue_.remove_if(waits_for_it))
+    complete(call, tl::unexpected(silence_error(call)));
 }
 
 void BusEngine::end_overdue_calls(TimePoint now) {
-  const auto is_overdue = [&](const Call& call) { return call.options.deadline && *call.options.deadline <= now; };
+  const auto is_overdue = [&](const Call& call) {
+    return call.options.deadline && *call.options.deadline <= now;
+  };
   for (const auto& call : queue_.remove_if(is_overdue)) {
-    complete(call, tl::unexpected(error_for(call, Errc::deadline_passed,
-                                            "the deadline passed while the command was waiting", {})));
+    complete(call,
+             tl::unexpected(error_for(call, Errc::deadline_passed,
+                                      "the deadline passed while the command was waiting", {})));
   }
 }
 
@@ -255,7 +283,8 @@ std::optional<TimePoint> BusEngine::next_deadline() const {
   return next;
 }
 
-// ---- who speaks next ------------------------------------------------------------------------------------------------
+// ---- who speaks next
+// ------------------------------------------------------------------------------------------------
 
 void BusEngine::go_on(TimePoint now) {
   last_now_ = now;
@@ -312,8 +341,8 @@ void BusEngine::start(Call call, TimePoint now) {
     actions_.push_back(Send{request});
     module.lane.lose_step();
     channel.quiet_until = now + wire_time_ + options_.quiet_time;
-    return complete(call, Answer{Reply{options_.host_address, reply_byte(request.address), Status::ok,
-                                       request.command, request.value}});
+    return complete(call, Answer{Reply{options_.host_address, reply_byte(request.address),
+                                       Status::ok, request.command, request.value}});
   }
   const auto deadline = now + patience(call.options);
   put_in_flight(channel, InFlight{request, deadline, std::move(call), 0});
@@ -327,7 +356,8 @@ void BusEngine::start_fence(const Call& next, TimePoint now) {
   const auto fence = module.lane.fence(address, next.request.command, now);
   if (!fence) return on_fence_time_out(module, address, 1, now);
   ++counters_.fences;
-  put_in_flight(channel_of(module), InFlight{*fence, now + patience(next.options), std::nullopt, tries});
+  put_in_flight(channel_of(module),
+                InFlight{*fence, now + patience(next.options), std::nullopt, tries});
 }
 
 void BusEngine::put_in_flight(Channel& channel, InFlight in_flight) {
@@ -351,11 +381,13 @@ BusEngine::Channel* BusEngine::channel_awaiting_version_text() {
     return channel.in_flight && wants_version_text(channel.in_flight->sent);
   };
   if (awaits(line_)) return &line_;
-  const auto found = std::ranges::find_if(modules_, [&](const auto& entry) { return awaits(entry.second.own_channel); });
+  const auto found = std::ranges::find_if(
+      modules_, [&](const auto& entry) { return awaits(entry.second.own_channel); });
   return found == modules_.end() ? nullptr : &found->second.own_channel;
 }
 
-// ---- how calls end --------------------------------------------------------------------------------------------------
+// ---- how calls end
+// --------------------------------------------------------------------------------------------------
 
 void BusEngine::repeat_or_give_up(Call call, Error error) {
   const unsigned attempts = call.options.attempts == 0 ? options_.attempts : call.options.attempts;
@@ -363,19 +395,26 @@ void BusEngine::repeat_or_give_up(Call call, Error error) {
   complete(call, tl::unexpected(std::move(error)));
 }
 
-Error BusEngine::error_for(const Call& call, Errc code, std::string message, std::string hint) const {
-  return {code, outcome_so_far(call), std::move(message), std::move(hint), options_.name, call.request, {}};
+Error BusEngine::error_for(const Call& call, Errc code, std::string message,
+                           std::string hint) const {
+  return {
+      code, outcome_so_far(call), std::move(message), std::move(hint), options_.name, call.request,
+      {}};
 }
 
 Error BusEngine::timeout_error(const Call& call) const {
-  const auto waited = std::chrono::duration_cast<std::chrono::milliseconds>(patience(call.options)).count();
-  const auto times = call.times_sent == 1 ? std::string("once") : fmt::format("{} times", call.times_sent);
-  return error_for(call, Errc::reply_timeout, fmt::format("no answer within {} ms, asked {}", waited, times),
+  const auto waited =
+      std::chrono::duration_cast<std::chrono::milliseconds>(patience(call.options)).count();
+  const auto times =
+      call.times_sent == 1 ? std::string("once") : fmt::format("{} times", call.times_sent);
+  return error_for(call, Errc::reply_timeout,
+                   fmt::format("no answer within {} ms, asked {}", waited, times),
                    "check address, baud rate and power; `tmclctl scan` shows who answers");
 }
 
 Error BusEngine::silence_error(const Call& call) const {
-  return error_for(call, Errc::module_silent, fmt::format("module {} does not answer", number(call.request.address)),
+  return error_for(call, Errc::module_silent,
+                   fmt::format("module {} does not answer", number(call.request.address)),
                    "check its power and address; `tmclctl scan` shows who answers");
 }
 

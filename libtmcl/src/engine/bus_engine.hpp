@@ -1,18 +1,24 @@
-/// Who speaks next on a bus, what a reply answers, and what is known about a command when none comes.
+/// Who speaks next on a bus, what a reply answers, and what is known about a command when none
+/// comes.
 ///
-/// A serial line carries one exchange at a time; on CAN each module has its own. Each such place is a channel:
+/// A serial line carries one exchange at a time; on CAN each module has its own. Each such place is
+/// a channel:
 ///
-///     free ──call picked, module in step──▶ waiting ──reply──▶ free                       done / refused
-///      │                                      └─deadline─▶ quiet ─time passes─▶ free      unknown, or queued again
-///      └─call picked, out of step─▶ fencing ──reply──▶ free, module in step
-///                                      └─deadline─▶ quiet ─▶ free; after the last try: module silent,
-///                                                             its calls end as not_sent (unknown if sent before)
+///     free ──call picked, module in step──▶ waiting ──reply──▶ free                       done /
+///     refused
+///      │                                      └─deadline─▶ quiet ─time passes─▶ free      unknown,
+///      or queued again └─call picked, out of step─▶ fencing ──reply──▶ free, module in step
+///                                      └─deadline─▶ quiet ─▶ free; after the last try: module
+///                                      silent,
+///                                                             its calls end as not_sent (unknown
+///                                                             if sent before)
 ///
-/// A stop goes first. Where it would have to wait for a fence it is sent at once as well, and then again, provably.
-/// A stop also removes every movement that is queued for the same motor.
+/// A stop goes first. Where it would have to wait for a fence it is sent at once as well, and then
+/// again, provably. A stop also removes every movement that is queued for the same motor.
 ///
 /// Does no I/O and reads no clock: it is told what happened, and says what to do.
-/// Thread safety: none. Everything it holds is bounded by max_queued_calls and the number of addresses.
+/// Thread safety: none. Everything it holds is bounded by max_queued_calls and the number of
+/// addresses.
 #pragma once
 
 #include <deque>
@@ -84,7 +90,9 @@ class BusEngine {
   };
 
   Module& module_of(ModuleAddress address) { return modules_[reply_byte(address)]; }
-  Channel& channel_of(Module& module) { return framing_ == Framing::serial ? line_ : module.own_channel; }
+  Channel& channel_of(Module& module) {
+    return framing_ == Framing::serial ? line_ : module.own_channel;
+  }
   Channel& channel_to(ModuleAddress address) { return channel_of(module_of(address)); }
 
   std::optional<Error> objection(const Request& request) const;

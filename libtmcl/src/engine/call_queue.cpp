@@ -32,11 +32,14 @@ void CallQueue::push_front(Call call) {
 }
 
 bool CallQueue::join(const Request& request, const CallOptions& options, Ticket ticket) {
-  // Acts go out before reads, so a read that still waits will see everything that was asked for before it.
-  if (effect_of(request.command, request.type) != Effect::reads || !has_defaults(options)) return false;
+  // Acts go out before reads, so a read that still waits will see everything that was asked for
+  // before it.
+  if (effect_of(request.command, request.type) != Effect::reads || !has_defaults(options))
+    return false;
   auto& reads = levels_[2];
-  const auto twin = std::ranges::find_if(
-      reads, [&](const Call& call) { return call.request == request && has_defaults(call.options); });
+  const auto twin = std::ranges::find_if(reads, [&](const Call& call) {
+    return call.request == request && has_defaults(call.options);
+  });
   if (twin == reads.end()) return false;
   twin->tickets.push_back(ticket);
   return true;
@@ -52,7 +55,8 @@ Call* CallQueue::find(const std::function<bool(const Call&)>& wanted) {
 
 Call CallQueue::take(const Call* found) {
   for (auto& level : levels_) {
-    const auto position = std::ranges::find_if(level, [&](const Call& call) { return &call == found; });
+    const auto position =
+        std::ranges::find_if(level, [&](const Call& call) { return &call == found; });
     if (position == level.end()) continue;
     Call call = std::move(*position);
     level.erase(position);

@@ -1,5 +1,5 @@
-/// The calls that wait for their turn on a bus: stops first, then whatever acts, then reads; each in the order of
-/// arrival.
+/// The calls that wait for their turn on a bus: stops first, then whatever acts, then reads; each
+/// in the order of arrival.
 #pragma once
 
 #include <array>
@@ -13,7 +13,8 @@
 
 namespace tmcl::engine {
 
-/// Names a call to whoever submitted it; chosen by the submitter, never reused while the call lives.
+/// Names a call to whoever submitted it; chosen by the submitter, never reused while the call
+/// lives.
 using Ticket = std::uint64_t;
 
 struct Call {

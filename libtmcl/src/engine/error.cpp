@@ -35,8 +35,8 @@ std::string_view name_of(Errc code) {
 std::string describe(const Request& request) {
   const auto subtype = name_of_subtype(request.command, request.type);
   return fmt::format("{} {} {} for motor {} of module {}", name_of(request.command),
-                     subtype.empty() ? std::to_string(request.type) : std::string(subtype), request.value,
-                     request.motor, number(request.address));
+                     subtype.empty() ? std::to_string(request.type) : std::string(subtype),
+                     request.value, request.motor, number(request.address));
 }
 
 std::string describe(const Error& error) {
@@ -51,8 +51,9 @@ std::string describe(const Error& error) {
 Error refusal(const Request& request, Status status) {
   const auto* info = find_status(status);
   Error error{Errc::refused_by_module, Outcome::refused, {}, {}, {}, request, status};
-  error.message = info != nullptr ? fmt::format("refused: {}", info->meaning)
-                                  : fmt::format("refused with the unknown status {}", static_cast<int>(status));
+  error.message = info != nullptr
+                      ? fmt::format("refused: {}", info->meaning)
+                      : fmt::format("refused with the unknown status {}", static_cast<int>(status));
   if (info != nullptr) error.hint = info->hint;
   return error;
 }

@@ -18,8 +18,9 @@ struct Fence {
   std::uint8_t type;
 };
 // Reads that every module answers, be it with an error status.
-constexpr std::array fences{Fence{Command::GET_FIRMWARE_VERSION, 1}, Fence{Command::GAP, 8}, Fence{Command::GGP, 66},
-                            Fence{Command::GET_APPLICATION_STATUS, 0}, Fence{Command::GIO, 0}};
+constexpr std::array fences{Fence{Command::GET_FIRMWARE_VERSION, 1}, Fence{Command::GAP, 8},
+                            Fence{Command::GGP, 66}, Fence{Command::GET_APPLICATION_STATUS, 0},
+                            Fence{Command::GIO, 0}};
 
 }  // namespace
 

@@ -1,12 +1,14 @@
 /// What is known about the conversation with one module.
 ///
-/// A reply does not say what it answers. A module is in step while every request sent to it has been answered, once;
-/// then the next reply of a kind answers the next request of that kind. It falls out of step when a request is given
-/// up, or when a reply comes that nothing asked for. A fence brings it back: a read whose command no abandoned request
-/// had. Modules answer in order, so when the fence's reply is here, older ones cannot come any more.
+/// A reply does not say what it answers. A module is in step while every request sent to it has
+/// been answered, once; then the next reply of a kind answers the next request of that kind. It
+/// falls out of step when a request is given up, or when a reply comes that nothing asked for. A
+/// fence brings it back: a read whose command no abandoned request had. Modules answer in order, so
+/// when the fence's reply is here, older ones cannot come any more.
 ///
 ///     in step ──request given up, unexplained reply──▶ out of step ──fence answered──▶ in step
-///                                                       └─fences not answered─▶ silent (for a time)
+///                                                       └─fences not answered─▶ silent (for a
+///                                                       time)
 #pragma once
 
 #include <bitset>
@@ -28,12 +30,15 @@ class Lane {
   void lose_step() { in_step_ = false; }
   /// A fence was answered.
   void prove();
-  /// A fence was not answered; true when that was the last try, and the module now counts as silent.
+  /// A fence was not answered; true when that was the last try, and the module now counts as
+  /// silent.
   bool fence_failed(unsigned tries, TimePoint silent_until);
 
-  bool has_abandoned(Command command) const { return abandoned_.test(static_cast<std::size_t>(command)); }
-  /// A read that proves the step: of a command that was not abandoned and is not `next`, which follows it.
-  /// Nothing if every suitable read was abandoned lately.
+  bool has_abandoned(Command command) const {
+    return abandoned_.test(static_cast<std::size_t>(command));
+  }
+  /// A read that proves the step: of a command that was not abandoned and is not `next`, which
+  /// follows it. Nothing if every suitable read was abandoned lately.
   std::optional<Request> fence(ModuleAddress address, Command next, TimePoint now);
 
   /// Remembers an exchange that ended well, so that a second reply to it is recognised.

@@ -16,17 +16,21 @@ constexpr std::uint8_t most_axes = 16;
 constexpr Duration second_reply_time = 10ms;
 
 Request version_request(ModuleAddress module) {
-  return {module, Command::GET_FIRMWARE_VERSION, static_cast<std::uint8_t>(VersionForm::binary), 0, 0};
+  return {module, Command::GET_FIRMWARE_VERSION, static_cast<std::uint8_t>(VersionForm::binary), 0,
+          0};
 }
 
-bool is_silence(const Error& error) { return error.code == Errc::reply_timeout || error.code == Errc::module_silent; }
+bool is_silence(const Error& error) {
+  return error.code == Errc::reply_timeout || error.code == Errc::module_silent;
+}
 
 /// For a model that no table knows: motors that exist have a position.
 Script<Result<std::uint8_t>> count_axes(ModuleAddress module) {
   std::uint8_t axes = 0;
   while (axes < most_axes) {
     const auto position = co_await get({module, axes}, axis_parameter::actual_position);
-    if (!position && position.error().outcome != Outcome::refused) co_return tl::unexpected(position.error());
+    if (!position && position.error().outcome != Outcome::refused)
+      co_return tl::unexpected(position.error());
     if (!position) break;
     ++axes;
   }
@@ -39,7 +43,8 @@ Script<Result<FoundModule>> identify(ModuleAddress module) {
   const auto first = co_await exchange(version_request(module));
   // A module that knows the command but not this form is there all the same.
   if (!first && first.error().outcome != Outcome::refused) co_return tl::unexpected(first.error());
-  FoundModule found{module, first ? version_from_value(first->reply.value) : FirmwareVersion{}, {}, 0, false};
+  FoundModule found{
+      module, first ? version_from_value(first->reply.value) : FirmwareVersion{}, {}, 0, false};
 
   co_await pause(second_reply_time);
   const auto again = co_await exchange(version_request(module));
@@ -58,7 +63,8 @@ Script<Result<FoundModule>> identify(ModuleAddress module) {
 
 Script<Result<std::vector<FoundModule>>> scan(ScanOptions options) {
   std::vector<FoundModule> found;
-  if (options.first > options.last) co_return tl::unexpected(bad_argument("the first address is above the last"));
+  if (options.first > options.last)
+    co_return tl::unexpected(bad_argument("the first address is above the last"));
   const std::size_t total = options.last - options.first + 1U;
   for (std::size_t asked = 0; asked < total;) {
     std::vector<step::Exchange> group;

@@ -16,15 +16,17 @@ namespace tmcl {
 namespace {
 
 // What tells a person why nothing gets through; every lost arbitration would be noise.
-constexpr can_err_mask_t reported_errors = CAN_ERR_TX_TIMEOUT | CAN_ERR_CRTL | CAN_ERR_ACK | CAN_ERR_BUSOFF |
-                                           CAN_ERR_BUSERROR | CAN_ERR_RESTARTED;
+constexpr can_err_mask_t reported_errors = CAN_ERR_TX_TIMEOUT | CAN_ERR_CRTL | CAN_ERR_ACK |
+                                           CAN_ERR_BUSOFF | CAN_ERR_BUSERROR | CAN_ERR_RESTARTED;
 
 bool accept_only_replies(int descriptor, const LinkOptions& options) {
   can_filter filter{};
   filter.can_id = options.can_reply_id | (options.can_extended ? CAN_EFF_FLAG : 0U);
-  filter.can_mask = CAN_EFF_FLAG | CAN_RTR_FLAG | (options.can_extended ? CAN_EFF_MASK : CAN_SFF_MASK);
+  filter.can_mask =
+      CAN_EFF_FLAG | CAN_RTR_FLAG | (options.can_extended ? CAN_EFF_MASK : CAN_SFF_MASK);
   return setsockopt(descriptor, SOL_CAN_RAW, CAN_RAW_FILTER, &filter, sizeof filter) == 0 &&
-         setsockopt(descriptor, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &reported_errors, sizeof reported_errors) == 0;
+         setsockopt(descriptor, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &reported_errors,
+                    sizeof reported_errors) == 0;
 }
 
 bool is_up(int descriptor, const std::string& interface) {
@@ -54,17 +56,20 @@ CanCondition describe_error_frame(const can_frame& frame) {
 Result<Link> open_can(const CanName& name, const std::string& text, const LinkOptions& options) {
   const int descriptor = socket(PF_CAN, SOCK_RAW | SOCK_NONBLOCK | SOCK_CLOEXEC, CAN_RAW);
   if (descriptor < 0) {
-    return cannot_open(text, system_text(errno), "this kernel has no SocketCAN: load it with `modprobe can_raw`");
+    return cannot_open(text, system_text(errno),
+                       "this kernel has no SocketCAN: load it with `modprobe can_raw`");
   }
   Link link(descriptor, Framing::can, text);
   link.can_extended_ = options.can_extended;
   const unsigned index = if_nametoindex(name.interface.c_str());
   if (index == 0) {
-    return cannot_open(text, "there is no interface " + name.interface, "`ip -brief link show type can` lists them");
+    return cannot_open(text, "there is no interface " + name.interface,
+                       "`ip -brief link show type can` lists them");
   }
   if (!is_up(descriptor, name.interface)) {
-    return cannot_open(text, "the interface is down",
-                       "bring it up: `ip link set " + name.interface + " up type can bitrate 1000000`");
+    return cannot_open(
+        text, "the interface is down",
+        "bring it up: `ip link set " + name.interface + " up type can bitrate 1000000`");
   }
   sockaddr_can address{};
   address.can_family = AF_CAN;

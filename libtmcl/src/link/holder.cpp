@@ -33,7 +33,8 @@ std::string holder_of(const std::string& device) {
   if (error) return {};
   for (const auto& process : fs::directory_iterator("/proc", error)) {
     const auto id = process.path().filename().string();
-    const bool is_process = std::ranges::all_of(id, [](unsigned char c) { return std::isdigit(c) != 0; });
+    const bool is_process =
+        std::ranges::all_of(id, [](unsigned char c) { return std::isdigit(c) != 0; });
     if (!is_process || !has_open(process.path(), target)) continue;
     return name_of_process(process.path()) + " (process " + id + ")";
   }

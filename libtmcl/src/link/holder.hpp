@@ -5,7 +5,8 @@
 
 namespace tmcl {
 
-/// "tmcld (process 4711)"; empty if it cannot be found, for instance because it belongs to another user.
+/// "tmcld (process 4711)"; empty if it cannot be found, for instance because it belongs to another
+/// user.
 std::string holder_of(const std::string& device);
 
 }  // namespace tmcl

@@ -21,13 +21,21 @@ bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK || 
 
 std::string system_text(int error) { return std::generic_category().message(error); }
 
-tl::unexpected<Error> cannot_open(const std::string& link, const std::string& why, const std::string& hint) {
-  Error error{Errc::link_open_failed, Outcome::not_sent, "cannot open " + link + ": " + why, hint, link, {}, {}};
+tl::unexpected<Error> cannot_open(const std::string& link, const std::string& why,
+                                  const std::string& hint) {
+  Error error{Errc::link_open_failed,
+              Outcome::not_sent,
+              "cannot open " + link + ": " + why,
+              hint,
+              link,
+              {},
+              {}};
   return tl::unexpected(std::move(error));
 }
 
 Result<Link> Link::open(std::string_view name, const LinkOptions& options) {
-  return parse_link_name(name).and_then([&](const LinkName& parsed) { return open(parsed, options); });
+  return parse_link_name(name).and_then(
+      [&](const LinkName& parsed) { return open(parsed, options); });
 }
 
 Result<Link> Link::open(const LinkName& name, const LinkOptions& options) {
@@ -69,8 +77,13 @@ Link::~Link() {
 namespace {
 
 tl::unexpected<Error> lost(const std::string& link, const std::string& why) {
-  return tl::unexpected(
-      Error{Errc::link_lost, Outcome::unknown, why, "check the cable and the module's power", link, {}, {}});
+  return tl::unexpected(Error{Errc::link_lost,
+                              Outcome::unknown,
+                              why,
+                              "check the cable and the module's power",
+                              link,
+                              {},
+                              {}});
 }
 
 }  // namespace

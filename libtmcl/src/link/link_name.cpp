@@ -29,7 +29,8 @@ Result<LinkName> parse_serial(std::string_view text, std::string_view rest) {
   if (at == std::string_view::npos) return name;
   const auto baud = text::parse_integer<std::uint32_t>(rest.substr(at + 1));
   if (!baud || *baud < lowest_baud || *baud > highest_baud) {
-    return bad_link(text, fmt::format("the baud rate must be a number from {} to {}", lowest_baud, highest_baud));
+    return bad_link(text, fmt::format("the baud rate must be a number from {} to {}", lowest_baud,
+                                      highest_baud));
   }
   name.baud = *baud;
   return name;
@@ -37,7 +38,8 @@ Result<LinkName> parse_serial(std::string_view text, std::string_view rest) {
 
 Result<LinkName> parse_can(std::string_view text, std::string_view rest) {
   if (rest.empty()) return bad_link(text, "the interface is missing");
-  if (rest.size() > longest_interface) return bad_link(text, "an interface's name has at most 15 characters");
+  if (rest.size() > longest_interface)
+    return bad_link(text, "an interface's name has at most 15 characters");
   return CanName{std::string(rest)};
 }
 
@@ -45,7 +47,8 @@ Result<LinkName> parse_tcp(std::string_view text, std::string_view rest) {
   const auto colon = rest.rfind(':');
   if (colon == std::string_view::npos) return bad_link(text, "the port is missing");
   auto host = rest.substr(0, colon);
-  if (host.size() >= 2 && host.front() == '[' && host.back() == ']') host = host.substr(1, host.size() - 2);
+  if (host.size() >= 2 && host.front() == '[' && host.back() == ']')
+    host = host.substr(1, host.size() - 2);
   if (host.empty()) return bad_link(text, "the host is missing");
   const auto port = text::parse_integer<std::uint16_t>(rest.substr(colon + 1));
   if (!port || *port == 0) return bad_link(text, "the port must be a number from 1 to 65535");
@@ -57,7 +60,8 @@ Result<LinkName> parse_tcp(std::string_view text, std::string_view rest) {
 Result<LinkName> parse_link_name(std::string_view text) {
   const auto colon = text.find(':');
   const auto kind = text.substr(0, colon);
-  if (colon == std::string_view::npos) return bad_link(text, "it does not begin with a kind and a colon");
+  if (colon == std::string_view::npos)
+    return bad_link(text, "it does not begin with a kind and a colon");
   const auto rest = text.substr(colon + 1);
   if (kind == "serial") return parse_serial(text, rest);
   if (kind == "can") return parse_can(text, rest);
@@ -66,11 +70,13 @@ Result<LinkName> parse_link_name(std::string_view text) {
 }
 
 std::string to_string(const LinkName& name) {
-  if (const auto* serial = std::get_if<SerialName>(&name)) return fmt::format("serial:{}@{}", serial->device, serial->baud);
+  if (const auto* serial = std::get_if<SerialName>(&name))
+    return fmt::format("serial:{}@{}", serial->device, serial->baud);
   if (const auto* can = std::get_if<CanName>(&name)) return "can:" + can->interface;
   const auto& tcp = std::get<TcpName>(name);
   const bool is_ipv6 = tcp.host.find(':') != std::string::npos;
-  return is_ipv6 ? fmt::format("tcp:[{}]:{}", tcp.host, tcp.port) : fmt::format("tcp:{}:{}", tcp.host, tcp.port);
+  return is_ipv6 ? fmt::format("tcp:[{}]:{}", tcp.host, tcp.port)
+                 : fmt::format("tcp:{}:{}", tcp.host, tcp.port);
 }
 
 }  // namespace tmcl

@@ -13,7 +13,8 @@ Result<Link> open_can(const CanName& name, const std::string& text, const LinkOp
 Result<Link> open_tcp(const TcpName& name, const std::string& text, const LinkOptions& options);
 
 /// "cannot open serial:/dev/ttyACM0@9600: No such file or directory"
-tl::unexpected<Error> cannot_open(const std::string& link, const std::string& why, const std::string& hint);
+tl::unexpected<Error> cannot_open(const std::string& link, const std::string& why,
+                                  const std::string& hint);
 /// What the system says about an errno.
 std::string system_text(int error);
 

@@ -1,5 +1,5 @@
-// The kernel's own termios2 instead of the C library's termios: only it takes any baud rate. Both headers define the
-// same names, so the C library's must stay out of this file.
+// The kernel's own termios2 instead of the C library's termios: only it takes any baud rate. Both
+// headers define the same names, so the C library's must stay out of this file.
 #include <asm/ioctls.h>
 #include <asm/termbits.h>
 #include <fcntl.h>
@@ -36,7 +36,8 @@ bool make_raw(int descriptor, std::uint32_t baud) {
   return ioctl(descriptor, TCSETS2, &settings) == 0;
 }
 
-/// USB adapters hold received bytes back for up to 16 ms otherwise. Not every driver has this mode: no error then.
+/// USB adapters hold received bytes back for up to 16 ms otherwise. Not every driver has this mode:
+/// no error then.
 void prefer_low_latency(int descriptor) {
   serial_struct settings{};
   if (ioctl(descriptor, TIOCGSERIAL, &settings) != 0) return;
@@ -47,12 +48,18 @@ void prefer_low_latency(int descriptor) {
 tl::unexpected<Error> busy(const std::string& device, const std::string& link) {
   const auto holder = holder_of(device);
   const auto by = holder.empty() ? std::string("another program") : holder;
-  return tl::unexpected(Error{Errc::link_busy, Outcome::not_sent, link + " is in use by " + by,
-                              "end that program, or let tmcld own the port and share it", link, {}, {}});
+  return tl::unexpected(Error{Errc::link_busy,
+                              Outcome::not_sent,
+                              link + " is in use by " + by,
+                              "end that program, or let tmcld own the port and share it",
+                              link,
+                              {},
+                              {}});
 }
 
 std::string hint_for(int error) {
-  if (error == EACCES) return "your user may not use the port: `sudo usermod -aG dialout $USER`, then log in again";
+  if (error == EACCES)
+    return "your user may not use the port: `sudo usermod -aG dialout $USER`, then log in again";
   if (error == ENOENT) return "is the module plugged in? `ls /dev/serial/by-id` lists ports";
   return "is it a serial port?";
 }
@@ -64,13 +71,15 @@ Result<Link> open_serial(const SerialName& name, const std::string& text) {
   if (descriptor < 0 && errno == EBUSY) return busy(name.device, text);
   if (descriptor < 0) return cannot_open(text, system_text(errno), hint_for(errno));
   Link link(descriptor, Framing::serial, text);
-  // The lock stops programs that look for it, whoever runs them; TIOCEXCL stops all that are not root's.
+  // The lock stops programs that look for it, whoever runs them; TIOCEXCL stops all that are not
+  // root's.
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
     // Closed first, so that the search for the holder does not find this very program.
     { const Link closed = std::move(link); }
     return busy(name.device, text);
   }
-  if (!make_raw(descriptor, name.baud)) return cannot_open(text, system_text(errno), hint_for(errno));
+  if (!make_raw(descriptor, name.baud))
+    return cannot_open(text, system_text(errno), hint_for(errno));
   ioctl(descriptor, TIOCEXCL);
   prefer_low_latency(descriptor);
   ioctl(descriptor, TCFLSH, TCIOFLUSH);

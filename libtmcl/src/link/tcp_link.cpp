@@ -40,13 +40,15 @@ Result<Link> open_tcp(const TcpName& name, const std::string& text, const LinkOp
   addrinfo wanted{};
   wanted.ai_socktype = SOCK_STREAM;
   addrinfo* first = nullptr;
-  const int failure = getaddrinfo(name.host.c_str(), std::to_string(name.port).c_str(), &wanted, &first);
+  const int failure =
+      getaddrinfo(name.host.c_str(), std::to_string(name.port).c_str(), &wanted, &first);
   if (failure != 0) return cannot_open(text, gai_strerror(failure), "check the host's name");
   const AddressList addresses(first, &freeaddrinfo);
 
   int error = 0;
   for (const auto* address = addresses.get(); address != nullptr; address = address->ai_next) {
-    const int descriptor = socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+    const int descriptor =
+        socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (descriptor < 0) {
       error = errno;
       continue;
@@ -57,7 +59,8 @@ Result<Link> open_tcp(const TcpName& name, const std::string& text, const LinkOp
     prefer_speed_and_notice_death(descriptor);
     return link;
   }
-  return cannot_open(text, system_text(error), "is the converter (or tmclsim) running, and the port right?");
+  return cannot_open(text, system_text(error),
+                     "is the converter (or tmclsim) running, and the port right?");
 }
 
 }  // namespace tmcl

@@ -1,0 +1,329 @@
+#include "engine/bus_engine.hpp"
+
+#include <gmock/gmock.h>
+
+#include "support/scripted_bus.hpp"
+
+namespace tmcl {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Fault;
+using test::ScriptedBus;
+using testing::ElementsAre;
+
+Request gap(std::uint8_t module, std::uint8_t type = 1, std::uint8_t motor = 0) {
+  return {ModuleAddress{module}, Command::GAP, type, motor, 0};
+}
+Request mvp(std::uint8_t module, std::int32_t target, std::uint8_t motor = 0) {
+  return {ModuleAddress{module}, Command::MVP, 0, motor, target};
+}
+Request mst(std::uint8_t module, std::uint8_t motor = 0) {
+  return {ModuleAddress{module}, Command::MST, 0, motor, 0};
+}
+
+Reply reply_to(const Request& request, std::int32_t value = 0) {
+  return {default_host_address, reply_byte(request.address), Status::ok, request.command, value};
+}
+
+std::vector<Command> commands_of(const std::vector<Request>& requests) {
+  std::vector<Command> commands;
+  for (const auto& request : requests) commands.push_back(request.command);
+  return commands;
+}
+
+TEST(BusEngine, SerialCarriesOneExchangeAtATime) {
+  ScriptedBus bus;
+  bus.submit(gap(1));
+  bus.submit(gap(2));
+  bus.run_actions();
+  EXPECT_THAT(bus.sent(), ElementsAre(gap(1)));
+  bus.deliver(reply_to(gap(1)));
+  bus.run_actions();
+  EXPECT_THAT(bus.sent(), ElementsAre(gap(1), gap(2)));
+}
+
+TEST(BusEngine, CanAsksSeveralModulesAtOnceButEachOnlyOneThing) {
+  ScriptedBus bus(Framing::can);
+  bus.submit(gap(1));
+  bus.submit(gap(2));
+  bus.submit(gap(1, 3));
+  bus.run_actions();
+  EXPECT_THAT(bus.sent(), ElementsAre(gap(1), gap(2)));
+  // All replies carry the host's identifier: data byte 0 tells them apart, whatever their order.
+  bus.deliver(reply_to(gap(2), 22));
+  bus.deliver(reply_to(gap(1), 11));
+  bus.run_actions();
+  EXPECT_EQ(bus.result(0)->reply.value, 11);
+  EXPECT_EQ(bus.result(1)->reply.value, 22);
+  EXPECT_THAT(bus.sent(), ElementsAre(gap(1), gap(2), gap(1, 3)));
+}
+
+TEST(BusEngine, StopsGoFirstThenActsThenReads) {
+  ScriptedBus bus;
+  for (int address = 1; address <= 3; ++address) bus.add_module(static_cast<std::uint8_t>(address));
+  bus.submit(gap(1));
+  bus.submit(gap(2));
+  bus.submit(mvp(3, 100));
+  bus.submit(mst(2));
+  bus.settle();
+  EXPECT_THAT(bus.sent(), ElementsAre(gap(1), mst(2), mvp(3, 100), gap(2)));
+}
+
+TEST(BusEngine, AStopRemovesQueuedMovementsOfItsMotorOnly) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  bus.submit(gap(1));
+  const auto doomed = bus.submit(mvp(1, 100));
+  const auto other_motor = bus.submit(mvp(1, 100, 1));
+  const auto current = bus.submit({ModuleAddress{1}, Command::SAP, 6, 0, 10});
+  bus.submit(mst(1));
+  bus.settle();
+  ASSERT_FALSE(bus.result(doomed));
+  EXPECT_EQ(bus.result(doomed).error().code, Errc::superseded_by_stop);
+  EXPECT_EQ(bus.result(doomed).error().outcome, Outcome::not_sent);
+  EXPECT_TRUE(bus.result(other_motor));
+  EXPECT_TRUE(bus.result(current));
+  EXPECT_EQ(std::ranges::count(bus.sent(), mvp(1, 100)), 0);
+}
+
+TEST(BusEngine, AStopGoesOutAtOnceWhenTheLineIsNotInStep) {
+  ScriptedBus bus;
+  bus.submit(mvp(1, 100));
+  bus.pass(101ms);  // the movement was given up; the line is quiet
+  const auto stop = bus.submit(mst(1));
+  bus.run_actions();
+  EXPECT_EQ(bus.sent().back(), mst(1));
+  // It counts only when it has been proven: after the fence it goes out again.
+  EXPECT_FALSE(bus.has_ended(stop));
+  bus.add_module(1);
+  bus.settle();
+  EXPECT_TRUE(bus.result(stop));
+  EXPECT_THAT(commands_of(bus.sent()),
+              ElementsAre(Command::MVP, Command::MST, Command::GET_FIRMWARE_VERSION, Command::MST));
+}
+
+TEST(BusEngine, AStopToASilentModuleStillGoesOut) {
+  ScriptedBus bus;
+  bus.submit(gap(1));
+  bus.settle();
+  const auto before = bus.sent().size();
+  const auto read = bus.submit(gap(1));
+  bus.run_actions();
+  EXPECT_EQ(bus.result(read).error().code, Errc::module_silent);
+  EXPECT_EQ(bus.result(read).error().outcome, Outcome::not_sent);
+  EXPECT_EQ(bus.sent().size(), before);
+  const auto stop = bus.submit(mst(1));
+  bus.run_actions();
+  EXPECT_EQ(bus.sent().back(), mst(1));
+  bus.settle();
+  EXPECT_EQ(bus.result(stop).error().outcome, Outcome::unknown);
+}
+
+TEST(BusEngine, ASilentModuleCostsTheOthersOnlyTime) {
+  ScriptedBus bus;
+  bus.add_module(2);
+  bus.submit(gap(1));
+  const auto healthy = bus.submit(gap(2));
+  bus.settle();
+  EXPECT_EQ(bus.result(healthy)->reply.value, bus.module(2).parameter(0, 1));
+}
+
+TEST(BusEngine, ALateReplyIsNotTheAnswerToTheNextQuestion) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  bus.fail(0, Fault::late_reply);
+  const auto movement = bus.submit(mvp(1, 5));
+  bus.settle();
+  EXPECT_EQ(bus.result(movement).error().outcome, Outcome::unknown);
+  const auto next = bus.submit(mvp(1, 6));
+  bus.settle();
+  EXPECT_EQ(bus.result(next)->reply.value, 6);
+  EXPECT_EQ(bus.counters().late_replies, 1U);
+  EXPECT_EQ(bus.counters().fences, 1U);
+}
+
+TEST(BusEngine, AFenceHasACommandThatNothingAbandonedHad) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  bus.fail(0, Fault::late_reply);
+  const Request version{ModuleAddress{1}, Command::GET_FIRMWARE_VERSION, 1, 0, 0};
+  bus.submit(version, {.attempts = 1});
+  bus.settle();
+  bus.submit(gap(1));
+  bus.settle();
+  // 136 was abandoned and GAP is what comes next.
+  EXPECT_THAT(commands_of(bus.sent()),
+              ElementsAre(Command::GET_FIRMWARE_VERSION, Command::GGP, Command::GAP));
+}
+
+TEST(BusEngine, MovementsAreNeverRepeatedAndReadsAre) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  bus.fail(0, Fault::lost_request);
+  const auto read = bus.submit(gap(1));
+  bus.settle();
+  EXPECT_TRUE(bus.result(read));
+  bus.fail(bus.sent().size(), Fault::lost_request);
+  const auto movement = bus.submit(mvp(1, 5));
+  bus.settle();
+  EXPECT_EQ(bus.result(movement).error().outcome, Outcome::unknown);
+  EXPECT_EQ(std::ranges::count(bus.sent(), mvp(1, 5)), 1);
+}
+
+TEST(BusEngine, IdenticalReadsThatWaitTogetherBecomeOneExchange) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  bus.submit(gap(1, 0));
+  const auto first = bus.submit(gap(1));
+  const auto second = bus.submit(gap(1));
+  const auto other = bus.submit(gap(1, 3));
+  bus.settle();
+  EXPECT_THAT(bus.sent(), ElementsAre(gap(1, 0), gap(1), gap(1, 3)));
+  EXPECT_EQ(bus.result(first)->reply, bus.result(second)->reply);
+  EXPECT_NE(bus.result(first)->reply, bus.result(other)->reply);
+}
+
+TEST(BusEngine, ADeadlineThatPassesInTheQueueMeansNotSent) {
+  ScriptedBus bus;
+  bus.submit(gap(1));
+  const auto movement = bus.submit(mvp(2, 5), {.deadline = bus.clock().now() + 50ms});
+  bus.pass(60ms);
+  ASSERT_TRUE(bus.has_ended(movement));
+  EXPECT_EQ(bus.result(movement).error().code, Errc::deadline_passed);
+  EXPECT_EQ(bus.result(movement).error().outcome, Outcome::not_sent);
+}
+
+TEST(BusEngine, TheQueueIsBoundedButAStopFindsRoom) {
+  ScriptedBus bus;
+  for (std::size_t i = 0; i <= max_queued_calls; ++i)
+    bus.submit(mvp(1, static_cast<std::int32_t>(i)));
+  const auto too_many = bus.submit(mvp(1, -1));
+  bus.run_actions();
+  EXPECT_EQ(bus.result(too_many).error().code, Errc::queue_full);
+  EXPECT_EQ(bus.result(too_many).error().outcome, Outcome::not_sent);
+  const auto stop = bus.submit(mst(1, 2));
+  bus.run_actions();
+  EXPECT_FALSE(bus.has_ended(stop));
+}
+
+TEST(BusEngine, TwoRepliesToOneRequestAreReportedAsDuplicateAddress) {
+  for (const auto framing : {Framing::serial, Framing::can}) {
+    ScriptedBus bus(framing);
+    bus.submit(gap(1));
+    bus.run_actions();
+    bus.deliver(reply_to(gap(1), 7));
+    bus.deliver(reply_to(gap(1), 8));
+    bus.run_actions();
+    EXPECT_EQ(bus.result(0)->reply.value, 7);
+    ASSERT_EQ(bus.events().size(), 1U);
+    EXPECT_EQ(bus.events()[0].kind, BusEvent::Kind::duplicate_address);
+    EXPECT_EQ(bus.events()[0].module, ModuleAddress{1});
+    EXPECT_EQ(bus.counters().unexpected_replies, 1U);
+  }
+}
+
+TEST(BusEngine, TheTargetReachedEventIsNoAnswer) {
+  ScriptedBus bus;
+  const Request ask{ModuleAddress{1}, Command::TARGET_REACHED_EVENT, 0, 0, 1};
+  bus.submit(ask);
+  bus.run_actions();
+  bus.deliver({2, 1, Status::delayed, Command::TARGET_REACHED_EVENT, 1});
+  bus.run_actions();
+  EXPECT_FALSE(bus.has_ended(0));
+  ASSERT_EQ(bus.events().size(), 1U);
+  EXPECT_EQ(bus.events()[0].kind, BusEvent::Kind::target_reached);
+  EXPECT_EQ(bus.events()[0].value, 1);
+  bus.deliver(reply_to(ask, 1));
+  bus.run_actions();
+  EXPECT_TRUE(bus.has_ended(0));
+}
+
+TEST(BusEngine, TheVersionAsTextIsUnderstoodOnBothKindsOfLink) {
+  const Request ask{ModuleAddress{1}, Command::GET_FIRMWARE_VERSION, 0, 0, 0};
+  ScriptedBus serial;
+  serial.submit(ask);
+  serial.run_actions();
+  const std::array<std::uint8_t, 9> text{2, '1', '1', '1', '0', 'V', '1', '0', '1'};
+  serial.engine().on_bytes(text, serial.clock().now());
+  serial.run_actions();
+  EXPECT_EQ(serial.result(0)->version_text, (FirmwareVersion{1110, 1, 1}));
+
+  ScriptedBus can(Framing::can);
+  can.submit(ask);
+  can.run_actions();
+  can.engine().on_frame({2, false, 7, {'1', '1', '1', '0', 'V', '1', '0'}}, can.clock().now());
+  can.run_actions();
+  EXPECT_EQ(can.result(0)->version_text, (FirmwareVersion{1110, 1, 0}));
+}
+
+TEST(BusEngine, ACommandWithoutReplyIsDoneOnceItIsOut) {
+  ScriptedBus bus;
+  const auto reset = bus.submit({ModuleAddress{1}, Command::FACTORY_RESET, 0, 0, 1234});
+  bus.run_actions();
+  EXPECT_TRUE(bus.result(reset));
+  EXPECT_EQ(bus.sent().size(), 1U);
+}
+
+TEST(BusEngine, ALostLinkTellsWhatMayHaveBeenExecuted) {
+  ScriptedBus bus;
+  const auto in_flight = bus.submit(mvp(1, 5));
+  const auto queued = bus.submit(mvp(1, 6));
+  bus.run_actions();
+  bus.engine().on_link_lost("unplugged");
+  const auto after = bus.submit(gap(1));
+  bus.run_actions();
+  EXPECT_EQ(bus.result(in_flight).error().outcome, Outcome::unknown);
+  EXPECT_EQ(bus.result(queued).error().outcome, Outcome::not_sent);
+  EXPECT_EQ(bus.result(after).error().outcome, Outcome::not_sent);
+  EXPECT_EQ(bus.result(after).error().code, Errc::link_lost);
+}
+
+TEST(BusEngine, AModuleThatReceivedGarbageIsAskedAgainUnlessItIsAMovement) {
+  ScriptedBus bus;
+  bus.submit(gap(1));
+  bus.run_actions();
+  bus.deliver({2, 1, Status::wrong_checksum, Command{0}, 0});
+  bus.run_actions();
+  EXPECT_THAT(bus.sent(), ElementsAre(gap(1), gap(1)));
+  bus.deliver(reply_to(gap(1), 3));
+  bus.submit(mvp(1, 5));
+  bus.run_actions();
+  bus.deliver({2, 1, Status::wrong_checksum, Command{0}, 0});
+  bus.run_actions();
+  EXPECT_EQ(bus.result(1).error().status, Status::wrong_checksum);
+  EXPECT_EQ(std::ranges::count(bus.sent(), mvp(1, 5)), 1);
+}
+
+TEST(BusEngine, TheTelegramPauseIsWaitedForOnSerialLines) {
+  ScriptedBus bus(Framing::serial, {.reply_timeout = 100ms, .telegram_pause = 50ms, .attempts = 1});
+  bus.submit(gap(1));
+  bus.pass(149ms);
+  EXPECT_FALSE(bus.has_ended(0));
+  bus.pass(2ms);
+  EXPECT_TRUE(bus.has_ended(0));
+}
+
+TEST(BusEngine, AnAddressThatCannotBeIsRefusedUnsent) {
+  ScriptedBus serial;
+  serial.submit({ModuleAddress{256}, Command::GAP, 0, 0, 0});
+  serial.run_actions();
+  EXPECT_EQ(serial.result(0).error().code, Errc::bad_argument);
+  ScriptedBus can(Framing::can);
+  can.submit({ModuleAddress{0x7FF}, Command::GAP, 0, 0, 0});
+  can.submit({ModuleAddress{0x800}, Command::GAP, 0, 0, 0});
+  can.run_actions();
+  EXPECT_FALSE(can.has_ended(0));
+  EXPECT_EQ(can.result(1).error().code, Errc::bad_argument);
+}
+
+TEST(BusEngine, AFullTransmitQueueMeansNotSent) {
+  ScriptedBus bus;
+  bus.submit(mvp(1, 5));
+  bus.engine().on_send_refused(mvp(1, 5), bus.clock().now());
+  bus.run_actions();
+  EXPECT_EQ(bus.result(0).error().outcome, Outcome::not_sent);
+}
+
+}  // namespace
+}  // namespace tmcl

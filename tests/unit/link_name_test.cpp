@@ -1,0 +1,55 @@
+#include "tmcl/link_name.hpp"
+
+#include <gmock/gmock.h>
+
+#include "tmcl/link.hpp"
+
+namespace tmcl {
+namespace {
+
+using testing::HasSubstr;
+
+TEST(LinkName, GoesThereAndBack) {
+  for (const auto* text :
+       {"serial:/dev/ttyACM0@115200", "serial:/dev/ttyS0@28800", "can:can0", "tcp:127.0.0.1:4001",
+        "tcp:[::1]:4001", "serial:/dev/serial/by-id/usb-Trinamic@if00@250000"}) {
+    const auto name = parse_link_name(text);
+    ASSERT_TRUE(name) << text;
+    EXPECT_EQ(to_string(*name), text);
+  }
+  EXPECT_EQ(std::get<SerialName>(*parse_link_name("serial:/dev/ttyS0")).baud, 9600U);
+}
+
+TEST(LinkName, WhatIsWrongIsNamed) {
+  const auto message = [](const char* text) {
+    const auto name = parse_link_name(text);
+    return name ? std::string("no error") : name.error().message;
+  };
+  EXPECT_THAT(message("serial"), HasSubstr("does not begin with a kind"));
+  EXPECT_THAT(message("seriel:/dev/x"), HasSubstr("Did you mean 'serial'?"));
+  EXPECT_THAT(message("serial:"), HasSubstr("device is missing"));
+  EXPECT_THAT(message("serial:/dev/x@fast"), HasSubstr("baud rate"));
+  EXPECT_THAT(message("serial:/dev/x@49"), HasSubstr("baud rate"));
+  EXPECT_THAT(message("can:"), HasSubstr("interface is missing"));
+  EXPECT_THAT(message("can:a-name-that-is-too-long"), HasSubstr("15 characters"));
+  EXPECT_THAT(message("tcp:host"), HasSubstr("port is missing"));
+  EXPECT_THAT(message("tcp:host:0"), HasSubstr("1 to 65535"));
+  EXPECT_THAT(message("tcp::4001"), HasSubstr("host is missing"));
+}
+
+TEST(Link, OpeningWhatIsNotThereSaysWhatToTry) {
+  const auto serial = Link::open("serial:/dev/no-such-port@9600");
+  ASSERT_FALSE(serial);
+  EXPECT_EQ(serial.error().code, Errc::link_open_failed);
+  EXPECT_EQ(serial.error().outcome, Outcome::not_sent);
+  EXPECT_THAT(serial.error().message, HasSubstr("No such file"));
+  EXPECT_THAT(serial.error().hint, HasSubstr("plugged in"));
+  const auto file = Link::open("serial:/dev/null");
+  ASSERT_FALSE(file);
+  const auto tcp = Link::open("tcp:127.0.0.1:1");
+  ASSERT_FALSE(tcp);
+  EXPECT_THAT(tcp.error().message, HasSubstr("refused"));
+}
+
+}  // namespace
+}  // namespace tmcl

@@ -1,0 +1,244 @@
+// Every verb, with every datagram of it failing in every way, on a serial line and on CAN.
+
+#include <gmock/gmock.h>
+
+#include <set>
+
+#include "support/scripted_bus.hpp"
+
+namespace tmcl {
+namespace {
+
+using test::Fault;
+using test::ScriptedBus;
+
+constexpr AxisAddress axis{ModuleAddress{1}, 2};
+
+/// A verb, its result as text so that all verbs are treated alike, and what it may leave behind.
+struct Case {
+  std::string name;
+  std::function<std::string(ScriptedBus&)> run;
+};
+
+std::string text_of(const Error& error) {
+  return std::string("error ") + std::string(name_of(error.outcome));
+}
+
+template <class T, class Show>
+std::string show(const Result<T>& result, Show show_value) {
+  return result ? show_value(*result) : text_of(result.error());
+}
+
+std::string done(const Result<void>& result) { return result ? "done" : text_of(result.error()); }
+std::string count(const Result<std::int32_t>& result) {
+  return show(result, [](std::int32_t value) { return std::to_string(value); });
+}
+std::string place(const Result<Microsteps>& result) {
+  return show(result, [](Microsteps value) { return std::to_string(value.value); });
+}
+
+std::vector<Case> all_verbs() {
+  return {
+      {"get", [](ScriptedBus& bus) { return count(bus.run(verbs::get(axis, 4))); }},
+      {"set", [](ScriptedBus& bus) { return done(bus.run(verbs::set(axis, 4, 1234))); }},
+      {"set target", [](ScriptedBus& bus) { return done(bus.run(verbs::set(axis, 0, 1234))); }},
+      {"get_global",
+       [](ScriptedBus& bus) { return count(bus.run(verbs::get_global(axis.module, 0, 66))); }},
+      {"set_global",
+       [](ScriptedBus& bus) { return done(bus.run(verbs::set_global(axis.module, 0, 68, 500))); }},
+      {"move_to", [](ScriptedBus& bus) { return place(bus.run(verbs::move_to(axis, {51200}))); }},
+      {"move_by", [](ScriptedBus& bus) { return place(bus.run(verbs::move_by(axis, {-100}))); }},
+      {"rotate", [](ScriptedBus& bus) { return done(bus.run(verbs::rotate(axis, {-500}))); }},
+      {"stop", [](ScriptedBus& bus) { return done(bus.run(verbs::stop(axis))); }},
+      {"position", [](ScriptedBus& bus) { return place(bus.run(verbs::position(axis))); }},
+      {"state",
+       [](ScriptedBus& bus) {
+         return show(bus.run(verbs::state(axis)), [](const AxisState& state) {
+           return std::to_string(state.position.value) + " " +
+                  std::to_string(state.velocity.value) + " " + std::to_string(state.target.value);
+         });
+       }},
+      {"wait_until_reached",
+       [](ScriptedBus& bus) {
+         bus.module(1).parameter(axis.motor, axis_parameter::actual_velocity) = 0;
+         return place(bus.run(verbs::wait_until_reached(axis)));
+       }},
+      {"identify",
+       [](ScriptedBus& bus) {
+         return show(bus.run(verbs::identify(axis.module)), [](const FoundModule& found) {
+           return std::string(found.model) + " " + to_string(found.version);
+         });
+       }},
+      {"scan",
+       [](ScriptedBus& bus) {
+         return show(bus.run(verbs::scan({.first = 1, .last = 3})),
+                     [](const std::vector<FoundModule>& found) {
+                       std::string text;
+                       for (const auto& module : found)
+                         text += std::to_string(number(module.address)) + " ";
+                       return text;
+                     });
+       }},
+  };
+}
+
+std::size_t count_movements(const std::vector<Request>& requests) {
+  return static_cast<std::size_t>(std::ranges::count_if(requests, [](const Request& request) {
+    return effect_of(request.command, request.type) == Effect::moves;
+  }));
+}
+
+class EveryStepFails : public testing::TestWithParam<Framing> {};
+
+TEST_P(EveryStepFails, NoVerbGivesAWrongAnswerOrMovesTwice) {
+  for (const auto& verb : all_verbs()) {
+    ScriptedBus healthy(GetParam());
+    healthy.add_module(1);
+    const auto expected = verb.run(healthy);
+    ASSERT_FALSE(expected.starts_with("error")) << verb.name;
+    for (std::size_t datagram = 0; datagram < healthy.sent().size(); ++datagram) {
+      for (const auto fault : test::all_faults) {
+        SCOPED_TRACE(verb.name + ", datagram " + std::to_string(datagram) + ", " +
+                     test::name_of(fault));
+        ScriptedBus bus(GetParam());
+        bus.add_module(1);
+        bus.fail(datagram, fault);
+        const auto result = verb.run(bus);
+        // A scan asks once: a module whose answer got lost is missing from it.
+        const bool is_empty_scan = verb.name == "scan" && result.empty();
+        EXPECT_TRUE(result == expected || result.starts_with("error") || is_empty_scan) << result;
+        EXPECT_LE(count_movements(bus.sent()), 1U);
+        EXPECT_LE(bus.clock().now(), TimePoint{} + std::chrono::seconds(2));
+        // One fault costs one verb: the next one is answered, and rightly.
+        EXPECT_EQ(count(bus.run(verbs::get(axis, 5))),
+                  std::to_string(bus.module(1).parameter(axis.motor, 5)));
+      }
+    }
+  }
+}
+
+TEST_P(EveryStepFails, ReadsAndStopsSurviveAnySingleFault) {
+  const std::set<std::string> sturdy{"get",      "set",   "get_global",        "stop",
+                                     "position", "state", "wait_until_reached"};
+  for (const auto& verb : all_verbs()) {
+    if (!sturdy.contains(verb.name)) continue;
+    for (const auto fault : test::all_faults) {
+      SCOPED_TRACE(verb.name + ", " + test::name_of(fault));
+      ScriptedBus healthy(GetParam());
+      healthy.add_module(1);
+      ScriptedBus bus(GetParam());
+      bus.add_module(1);
+      bus.fail(0, fault);
+      EXPECT_EQ(verb.run(bus), verb.run(healthy));
+    }
+  }
+}
+
+TEST_P(EveryStepFails, AMovementWithoutAnswerEndsAsUnknown) {
+  for (const auto fault :
+       {Fault::lost_request, Fault::lost_reply, Fault::bad_checksum, Fault::late_reply}) {
+    ScriptedBus bus(GetParam());
+    bus.add_module(1);
+    bus.fail(0, fault);
+    const auto result = bus.run(verbs::move_to(axis, {51200}));
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().outcome, Outcome::unknown);
+    EXPECT_EQ(result.error().code, Errc::reply_timeout);
+    EXPECT_EQ(result.error().bus, "bench");
+    EXPECT_FALSE(result.error().hint.empty());
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Links, EveryStepFails, testing::Values(Framing::serial, Framing::can),
+                         [](const auto& parameter) {
+                           return parameter.param == Framing::serial ? "serial" : "can";
+                         });
+
+TEST(Verbs, MoveByNeverSendsARelativeMove) {
+  ScriptedBus bus;
+  bus.add_module(1).parameter(axis.motor, axis_parameter::actual_position) = 700;
+  const auto target = bus.run(verbs::move_by(axis, {-1000}));
+  ASSERT_TRUE(target);
+  EXPECT_EQ(*target, Microsteps{-300});
+  ASSERT_EQ(bus.sent().size(), 2U);
+  EXPECT_EQ(bus.sent()[1], (Request{axis.module, Command::MVP, 0, axis.motor, -300}));
+}
+
+TEST(Verbs, MoveByBeyondEveryPositionIsRefusedUnsent) {
+  ScriptedBus bus;
+  bus.add_module(1).parameter(axis.motor, axis_parameter::actual_position) = 1;
+  const auto target = bus.run(verbs::move_by(axis, {INT32_MAX}));
+  ASSERT_FALSE(target);
+  EXPECT_EQ(target.error().code, Errc::bad_argument);
+  EXPECT_EQ(count_movements(bus.sent()), 0U);
+}
+
+TEST(Verbs, SetReadsBackWhenTheAnswerIsLost) {
+  for (const auto fault : {Fault::lost_request, Fault::lost_reply}) {
+    ScriptedBus bus;
+    bus.add_module(1);
+    bus.fail(0, fault);
+    ASSERT_TRUE(bus.run(verbs::set(axis, 4, 77)));
+    EXPECT_EQ(bus.module(1).parameter(axis.motor, 4), 77);
+    const auto writes =
+        std::ranges::count(bus.module(1).executed(), Command::SAP, &Request::command);
+    EXPECT_EQ(writes, 1) << test::name_of(fault);
+  }
+}
+
+TEST(Verbs, ARefusalSaysWhy) {
+  ScriptedBus bus;
+  bus.add_module(1, 1);
+  const auto value = bus.run(verbs::get({ModuleAddress{1}, 5}, 4));
+  ASSERT_FALSE(value);
+  EXPECT_EQ(value.error().outcome, Outcome::refused);
+  EXPECT_EQ(value.error().status, Status::invalid_value);
+  EXPECT_THAT(describe(value.error()), testing::HasSubstr("GAP 4 0 for motor 5 of module 1"));
+}
+
+TEST(Verbs, WaitingEndsWhenTheAxisStandsShortOfItsTarget) {
+  ScriptedBus bus;
+  auto& module = bus.add_module(1);
+  module.parameter(axis.motor, axis_parameter::actual_velocity) = 0;
+  module.parameter(axis.motor, axis_parameter::position_reached) = 0;
+  module.parameter(axis.motor, axis_parameter::actual_position) = 90;
+  module.parameter(axis.motor, axis_parameter::target_position) = 100;
+  const auto result = bus.run(verbs::wait_until_reached(axis));
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, Errc::move_interrupted);
+  EXPECT_THAT(result.error().message, testing::HasSubstr("10 microsteps short of its target 100"));
+}
+
+TEST(Verbs, WaitingEndsAtItsTimeout) {
+  ScriptedBus bus;
+  auto& module = bus.add_module(1);
+  module.parameter(axis.motor, axis_parameter::position_reached) = 0;
+  const auto result =
+      bus.run(verbs::wait_until_reached(axis, {.timeout = std::chrono::milliseconds(200)}));
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, Errc::deadline_passed);
+}
+
+TEST(Verbs, ScanFindsAddressModelFirmwareAndAxes) {
+  for (const auto framing : {Framing::serial, Framing::can}) {
+    ScriptedBus bus(framing);
+    bus.add_module(7);
+    bus.add_module(200);
+    const auto found = bus.run(verbs::scan());
+    ASSERT_TRUE(found);
+    ASSERT_EQ(found->size(), 2U);
+    EXPECT_EQ(found->at(0).address, ModuleAddress{7});
+    EXPECT_EQ(found->at(1).address, ModuleAddress{200});
+    EXPECT_EQ(found->at(0).model, "TMCM-3110");
+    EXPECT_EQ(to_string(found->at(0).version), "1.09");
+    EXPECT_EQ(found->at(0).axes, 3);
+    EXPECT_FALSE(found->at(0).duplicate_suspected);
+    // Again, although most addresses did not answer the first time.
+    const auto again = bus.run(verbs::scan());
+    ASSERT_TRUE(again);
+    EXPECT_EQ(again->size(), 2U);
+  }
+}
+
+}  // namespace
+}  // namespace tmcl
