@@ -1,10 +1,8 @@
 #include "sim/ports/tcp_port.hpp"
 
 #include <array>
-#include <charconv>
 #include <list>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
@@ -18,25 +16,6 @@ namespace {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
-
-struct HostPort {
-  std::string host;
-  std::string port;
-};
-
-std::optional<HostPort> split(const std::string& text) {
-  const auto colon = text.rfind(':');
-  if (colon == std::string::npos || colon == 0) return std::nullopt;
-  HostPort result{text.substr(0, colon), text.substr(colon + 1)};
-  unsigned port = 0;
-  const auto* end = result.port.data() + result.port.size();
-  const auto parsed = std::from_chars(result.port.data(), end, port);
-  if (parsed.ec != std::errc{} || parsed.ptr != end || port > 65535) return std::nullopt;
-  if (result.host.front() == '[' && result.host.back() == ']') {
-    result.host = result.host.substr(1, result.host.size() - 2);
-  }
-  return result;
-}
 
 class Client {
  public:
@@ -115,16 +94,12 @@ class TcpPort final : public Port {
 
 }  // namespace
 
-OpenedPort open_tcp_port(asio::io_context& io, Scheduler& scheduler, const std::string& endpoint) {
-  const auto parts = split(endpoint);
-  if (!parts) {
-    return tl::unexpected("'" + endpoint + "' is not HOST:PORT, such as 127.0.0.1:4001");
-  }
+OpenedPort open_tcp_port(asio::io_context& io, Scheduler& scheduler, const Endpoint& endpoint) {
   error_code error;
   const auto found =
-      tcp::resolver(io).resolve(parts->host, parts->port, tcp::resolver::passive, error);
+      tcp::resolver(io).resolve(endpoint.host, endpoint.port, tcp::resolver::passive, error);
   if (error) {
-    return tl::unexpected("cannot find the host '" + parts->host + "': " + error.message());
+    return tl::unexpected("cannot find the host '" + endpoint.host + "': " + error.message());
   }
   const auto local = found.begin()->endpoint();
   tcp::acceptor acceptor(io);
@@ -132,7 +107,9 @@ OpenedPort open_tcp_port(asio::io_context& io, Scheduler& scheduler, const std::
   if (!error) acceptor.set_option(tcp::acceptor::reuse_address(true), error);
   if (!error) acceptor.bind(local, error);
   if (!error) acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (error) return tl::unexpected("cannot listen on " + endpoint + ": " + error.message());
+  if (error)
+    return tl::unexpected("cannot listen on " + endpoint.host + ":" + endpoint.port + ": " +
+                          error.message());
   return std::make_unique<TcpPort>(scheduler, std::move(acceptor));
 }
 

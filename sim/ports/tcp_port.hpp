@@ -2,10 +2,10 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
 
 #include <boost/asio/io_context.hpp>
 
+#include "sim/ports/endpoint.hpp"
 #include "sim/ports/port.hpp"
 #include "sim/ports/scheduler.hpp"
 
@@ -17,6 +17,6 @@ constexpr std::size_t most_tcp_clients = 32;  ///< Further connections are close
 /// and the description tells which. Each client has a line of its own to the same modules. A client
 /// that does not take its replies is disconnected.
 OpenedPort open_tcp_port(boost::asio::io_context& io, Scheduler& scheduler,
-                         const std::string& endpoint);
+                         const Endpoint& endpoint);
 
 }  // namespace tmcl::sim

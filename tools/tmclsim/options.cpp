@@ -16,7 +16,11 @@ constexpr auto description =
     "Simulates TMCL modules: what talks to a module on a wire can talk to this instead.\n"
     "The motors ramp as the real chip's do, in real time. Ends with Ctrl-C.";
 
-constexpr auto examples = R"(
+constexpr auto explanation = R"(
+MODEL is TMCM-1110, TMCM-3110 or TMCM-6110, with one, three or six motors. ADDRESS is 1 to 255, on
+serial lines and on CAN alike; without it a module gets the next free one from 1 on. Every port
+reaches every module, and a module answers by the port that asked. Ports can be repeated as well.
+
 Examples
   One motor on a serial port that programs open as /tmp/tmcm:
       tmclsim --module TMCM-1110 --pty /tmp/tmcm
@@ -41,6 +45,7 @@ EarlyExit unexpected_word(const std::string& word) {
 
 struct Words {
   std::vector<std::string> modules;
+  std::vector<std::string> tcp;
   Options options;
 };
 
@@ -48,22 +53,21 @@ void describe(CLI::App& app, Words& words) {
   app.allow_extras();  // so that we can say what was meant instead
   app.set_version_flag("--version", "tmclsim " TMCL_VERSION, "Print the version and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
-  app.footer(examples);
+  app.footer(explanation);
   const auto repeatable = [&](const char* name, auto& target, const char* type, const char* help) {
     app.add_option(name, target, help)
         ->type_name(type)
         ->expected(1)
+        ->allow_extra_args(false)
         ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   };
   repeatable("--module", words.modules, "MODEL[@ADDRESS]",
-             "Simulate this module: TMCM-1110, TMCM-3110 or TMCM-6110, with one, three or six "
-             "motors. Without an address, 1 to 255, it gets the next free one from 1 on. "
-             "Repeat it for more modules");
+             "Simulate this module (see below); repeat it for more");
   repeatable("--pty", words.options.ptys, "PATH",
              "Serve them on a pseudo terminal, and make PATH a link to it");
   repeatable("--can", words.options.can_interfaces, "INTERFACE",
-             "Serve them on a CAN interface of Linux, such as can0 or vcan0");
-  repeatable("--tcp", words.options.tcp_endpoints, "HOST:PORT",
+             "Serve them on a CAN interface of Linux, such as vcan0");
+  repeatable("--tcp", words.tcp, "HOST:PORT",
              "Serve them to TCP clients; port 0 takes any that is free");
 }
 
@@ -72,7 +76,7 @@ tl::expected<Options, EarlyExit> check(Words words) {
     return tl::unexpected(wrong("no module to simulate. Add one: --module TMCM-1110"));
   }
   const auto& ports = words.options;
-  if (ports.ptys.empty() && ports.can_interfaces.empty() && ports.tcp_endpoints.empty()) {
+  if (ports.ptys.empty() && ports.can_interfaces.empty() && words.tcp.empty()) {
     return tl::unexpected(
         wrong("no way to reach the modules. Add one: --pty PATH, --can INTERFACE "
               "or --tcp HOST:PORT"));
@@ -80,6 +84,13 @@ tl::expected<Options, EarlyExit> check(Words words) {
   auto modules = parse_modules(words.modules);
   if (!modules) return tl::unexpected(wrong(modules.error()));
   words.options.modules = std::move(*modules);
+  for (const auto& text : words.tcp) {
+    const auto endpoint = tmcl::sim::parse_endpoint(text);
+    if (!endpoint) {
+      return tl::unexpected(wrong("'" + text + "' is not HOST:PORT, such as 127.0.0.1:4001."));
+    }
+    words.options.tcp_endpoints.push_back(*endpoint);
+  }
   return words.options;
 }
 
@@ -92,7 +103,7 @@ tl::expected<Options, EarlyExit> parse_options(int argc, const char* const* argv
   try {
     app.parse(argc, argv);
   } catch (const CLI::CallForHelp&) {
-    return tl::unexpected(EarlyExit{0, app.help()});
+    return tl::unexpected(EarlyExit{0, app.help() + "\n"});
   } catch (const CLI::CallForVersion& version) {
     return tl::unexpected(EarlyExit{0, std::string(version.what()) + "\n"});
   } catch (const CLI::ParseError& error) {

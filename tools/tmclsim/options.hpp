@@ -7,6 +7,7 @@
 #include <tl/expected.hpp>
 
 #include "module_spec.hpp"
+#include "sim/ports/endpoint.hpp"
 
 namespace tmclsim {
 
@@ -14,7 +15,7 @@ struct Options {
   std::vector<ModuleSpec> modules;
   std::vector<std::string> ptys;
   std::vector<std::string> can_interfaces;
-  std::vector<std::string> tcp_endpoints;
+  std::vector<tmcl::sim::Endpoint> tcp_endpoints;
 };
 
 /// What to say instead of running.
