@@ -15,7 +15,7 @@
 namespace tmcl {
 namespace {
 
-bool would_block(int error) { return error == EAGAIN || error == EWOULDBLOCK || error == EINTR; }
+bool would_block(int error) { return error == EAGAIN || error == EINTR; }
 
 }  // namespace
 
