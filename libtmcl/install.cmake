@@ -13,5 +13,7 @@ write_basic_package_version_file(${CMAKE_CURRENT_BINARY_DIR}/tmcl-config-version
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/tmcl-config.cmake ${CMAKE_CURRENT_BINARY_DIR}/tmcl-config-version.cmake
   DESTINATION ${package_dir})
 
+# Relative, so that the package works wherever it is installed or unpacked to.
+file(RELATIVE_PATH include_from_pkgconfig ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_FULL_INCLUDEDIR})
 configure_file(tmcl.pc.in tmcl.pc @ONLY)
 install(FILES ${CMAKE_CURRENT_BINARY_DIR}/tmcl.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)

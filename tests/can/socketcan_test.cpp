@@ -1,0 +1,222 @@
+// Real SocketCAN: a vcan, and two real controllers' drivers (kvaser_pci, SJA1000) on one bus.
+// tests/vm/run brings the kernel and the interfaces; the environment says what they are called.
+
+#include <gmock/gmock.h>
+#include <linux/can.h>
+#include <linux/can/error.h>
+#include <linux/can/raw.h>
+#include <net/if.h>
+#include <sys/socket.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <thread>
+
+#include "support/program.hpp"
+#include "tmcl/blocking.hpp"
+
+namespace tmcl {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Program;
+using test::run_program;
+using testing::HasSubstr;
+
+/// A test that cannot run fails.
+std::string interface(const char* variable) {
+  const char* name = std::getenv(variable);
+  if (name == nullptr) throw std::runtime_error(std::string(variable) + " names no interface");
+  return name;
+}
+
+void ip_link_set(const std::string& name, const std::string& state) {
+  const auto result = run_program({"/bin/ip", "link", "set", name, state});
+  ASSERT_EQ(result.status, 0) << result.output;
+}
+
+/// A socket that puts any frame on the bus.
+class RawCan {
+ public:
+  explicit RawCan(const std::string& name) : socket_(socket(PF_CAN, SOCK_RAW, CAN_RAW)) {
+    sockaddr_can address{};
+    address.can_family = AF_CAN;
+    address.can_ifindex = static_cast<int>(if_nametoindex(name.c_str()));
+    if (bind(socket_, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+      throw std::runtime_error("cannot bind to " + name);
+    }
+  }
+  RawCan(const RawCan&) = delete;
+  RawCan& operator=(const RawCan&) = delete;
+  ~RawCan() { close(socket_); }
+
+  void put(canid_t id, std::vector<std::uint8_t> data) const {
+    can_frame frame{};
+    frame.can_id = id;
+    frame.can_dlc = static_cast<__u8>(data.size());
+    std::copy(data.begin(), data.end(), frame.data);
+    ASSERT_EQ(write(socket_, &frame, sizeof frame), ssize_t{sizeof frame});
+  }
+
+ private:
+  int socket_;
+};
+
+/// Who asks on which interface, and where the simulator listens.
+struct Wires {
+  const char* name;
+  const char* host;
+  const char* simulator;
+};
+
+class OnCan : public testing::TestWithParam<Wires> {
+ protected:
+  std::string host() const { return interface(GetParam().host); }
+  std::vector<std::string> simulator(std::vector<std::string> modules) const {
+    std::vector<std::string> words{"tmclsim"};
+    for (const auto& module : modules) words.insert(words.end(), {"--module", module});
+    words.insert(words.end(), {"--can", interface(GetParam().simulator)});
+    return words;
+  }
+};
+
+TEST_P(OnCan, ScanFindsTheModulesAndAMoveArrives) {
+  Program simulator(OnCan::simulator({"TMCM-3110@1", "TMCM-1110@5"}));
+  ASSERT_TRUE(simulator.wait_for("ready")) << simulator.output();
+  auto bus = blocking::Bus::open("can:" + host());
+  ASSERT_TRUE(bus) << describe(bus.error());
+  const auto found = bus->run(verbs::scan({.first = 1, .last = 40}));
+  ASSERT_TRUE(found) << describe(found.error());
+  ASSERT_EQ(found->size(), 2U);
+  EXPECT_EQ(found->at(0).model, "TMCM-3110");
+  EXPECT_EQ(found->at(1).address, ModuleAddress{5});
+
+  auto axis = bus->module(ModuleAddress{1}).axis(2);
+  ASSERT_TRUE(axis.move_to(Microsteps{20'000}));
+  EXPECT_EQ(axis.wait_until_reached(), Microsteps{20'000});
+}
+
+TEST_P(OnCan, ExtendedIdentifiersWorkToo) {
+  Program simulator(OnCan::simulator({"TMCM-1110@3"}));
+  ASSERT_TRUE(simulator.wait_for("ready")) << simulator.output();
+  auto bus = blocking::Bus::open("can:" + host(), {.can_extended = true});
+  ASSERT_TRUE(bus) << describe(bus.error());
+  EXPECT_EQ(bus->module(ModuleAddress{3}).axis(0).get(4), 1000);
+}
+
+TEST_P(OnCan, ForeignFramesDoNotReachTheEngine) {
+  Program simulator(OnCan::simulator({"TMCM-1110@3"}));
+  ASSERT_TRUE(simulator.wait_for("ready")) << simulator.output();
+  auto bus = blocking::Bus::open("can:" + host());
+  ASSERT_TRUE(bus) << describe(bus.error());
+  const RawCan noise(interface(GetParam().simulator));
+  auto axis = bus->module(ModuleAddress{3}).axis(0);
+  for (std::uint8_t i = 0; i < 50; ++i) {
+    // 0x82 is what a filter on seven bits would let in as 2; the last is the right number in the
+    // wrong format.
+    noise.put(0x82, {3, 100, 6, 0, 0, 0, i});
+    noise.put(0x700U + i, {i, i, i});
+    noise.put(2U | CAN_EFF_FLAG, {3, 100, 6, 0, 0, 0, i});
+    ASSERT_EQ(axis.get(4), 1000);
+  }
+  EXPECT_EQ(bus->counters().unexpected_replies, 0U);
+  EXPECT_EQ(bus->counters().garbage_bytes, 0U);
+}
+
+TEST_P(OnCan, TwoModulesOfOneAddressAreReported) {
+  Program simulator(OnCan::simulator({"TMCM-1110@3", "TMCM-3110@3"}));
+  ASSERT_TRUE(simulator.wait_for("ready")) << simulator.output();
+  auto bus = blocking::Bus::open("can:" + host());
+  ASSERT_TRUE(bus) << describe(bus.error());
+  const auto found = bus->run(verbs::scan({.first = 1, .last = 8}));
+  ASSERT_TRUE(found) << describe(found.error());
+  ASSERT_EQ(found->size(), 1U);
+  EXPECT_TRUE(found->at(0).duplicate_suspected);
+}
+
+TEST_P(OnCan, TheDaemonMovesAnAxis) {
+  Program simulator(OnCan::simulator({"TMCM-3110@1"}));
+  ASSERT_TRUE(simulator.wait_for("ready")) << simulator.output();
+  const auto folder =
+      std::filesystem::temp_directory_path() / ("tmcl_can_" + std::to_string(getpid()));
+  std::filesystem::create_directory(folder);
+  const auto socket = (folder / "tmcld.sock").string();
+  std::ofstream(folder / "tmcld.toml")
+      << "[daemon]\nsocket = \"" << socket
+      << "\"\n[[bus]]\nname = \"bench\"\nlink = \"can:" << host()
+      << "\"\n[[axis]]\nname = \"x\"\nbus = \"bench\"\naddress = 1\nmotor = 0\n";
+  Program daemon({"tmcld", "--config", folder / "tmcld.toml"});
+  const auto ctl = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"tmclctl", "--socket", socket});
+    return run_program(std::move(words));
+  };
+  for (int i = 0; i < 100 && ctl({"get", "x", "4"}).status != 0; ++i)
+    std::this_thread::sleep_for(50ms);
+
+  const auto moved = ctl({"move", "x", "30000", "--wait"});
+  EXPECT_EQ(moved.status, 0) << moved.output << daemon.output();
+  EXPECT_EQ(ctl({"get", "x", "actual_position"}).output, "30000\n");
+
+  // The interface goes and comes back: nobody has to restart anything.
+  ip_link_set(host(), "down");
+  std::this_thread::sleep_for(300ms);
+  EXPECT_NE(ctl({"get", "x", "4"}).status, 0);
+  ip_link_set(host(), "up");
+  int status = -1;
+  for (int i = 0; i < 100 && status != 0; ++i) {
+    std::this_thread::sleep_for(50ms);
+    status = ctl({"get", "x", "4"}).status;
+  }
+  EXPECT_EQ(status, 0);
+  daemon.signal(SIGTERM);
+  EXPECT_EQ(daemon.wait(), 0) << daemon.output();
+  std::filesystem::remove_all(folder);
+}
+
+INSTANTIATE_TEST_SUITE_P(Wires, OnCan,
+                         testing::Values(Wires{"vcan", "TMCL_CAN_VCAN", "TMCL_CAN_VCAN"},
+                                         Wires{"kvaser", "TMCL_CAN_HOST", "TMCL_CAN_SIM"}),
+                         [](const auto& parameter) { return parameter.param.name; });
+
+TEST(CanLink, SaysWhenTheInterfaceIsMissingOrDown) {
+  const auto missing = Link::open("can:can99");
+  ASSERT_FALSE(missing);
+  EXPECT_THAT(missing.error().message, HasSubstr("there is no interface can99"));
+  const auto name = interface("TMCL_CAN_VCAN2");
+  ip_link_set(name, "down");
+  const auto down = Link::open("can:" + name);
+  ip_link_set(name, "up");
+  ASSERT_FALSE(down);
+  EXPECT_THAT(down.error().message, HasSubstr("down"));
+  EXPECT_THAT(down.error().hint, HasSubstr("ip link set"));
+  EXPECT_TRUE(Link::open("can:" + name));
+}
+
+TEST(CanLink, AnInterfaceThatGoesDownIsALostLink) {
+  const auto name = interface("TMCL_CAN_VCAN2");
+  auto bus = blocking::Bus::open("can:" + name);
+  ASSERT_TRUE(bus);
+  ip_link_set(name, "down");
+  const auto position = bus->module(ModuleAddress{1}).axis(0).position();
+  ip_link_set(name, "up");
+  ASSERT_FALSE(position);
+  EXPECT_EQ(position.error().code, Errc::link_lost);
+}
+
+TEST(CanLink, ErrorFramesBecomeEvents) {
+  const auto name = interface("TMCL_CAN_VCAN2");
+  auto bus = blocking::Bus::open("can:" + name, {}, {.reply_timeout = 50ms, .attempts = 1});
+  ASSERT_TRUE(bus);
+  std::vector<std::string> conditions;
+  bus->on_event([&](const BusEvent& event) {
+    if (event.kind == BusEvent::Kind::link_condition) conditions.push_back(event.text);
+  });
+  const RawCan controller(name);
+  controller.put(CAN_ERR_FLAG | CAN_ERR_BUSOFF, std::vector<std::uint8_t>(8));
+  EXPECT_FALSE(bus->module(ModuleAddress{1}).axis(0).position());
+  EXPECT_THAT(conditions, testing::ElementsAre("bus-off"));
+}
+
+}  // namespace
+}  // namespace tmcl

@@ -1,0 +1,151 @@
+// Links on real descriptors: ptys, sockets, and pairs of ends in memory.
+
+#include "tmcl/link.hpp"
+
+#include <asm/ioctls.h>
+#include <asm/termbits.h>
+#include <gmock/gmock.h>
+#include <linux/can.h>
+#include <linux/can/error.h>
+#include <poll.h>
+#include <sys/ioctl.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
+#include "support/pty.hpp"
+
+namespace tmcl {
+namespace {
+
+using testing::HasSubstr;
+
+std::vector<std::uint8_t> read_after_wait(Link& link, std::size_t size) {
+  std::vector<std::uint8_t> all;
+  for (int round = 0; round < 50 && all.size() < size; ++round) {
+    pollfd waiting{link.descriptor(), POLLIN, 0};
+    poll(&waiting, 1, 20);
+    std::array<std::uint8_t, 64> buffer{};
+    const auto count = link.read(buffer);
+    if (!count) break;
+    all.insert(all.end(), buffer.begin(), buffer.begin() + static_cast<std::ptrdiff_t>(*count));
+  }
+  return all;
+}
+
+TEST(SerialLink, TakesAnyBaudRate) {
+  for (const std::uint32_t baud : {9600U, 28800U, 76800U, 115200U, 250000U, 1000000U}) {
+    const test::Pty pty;
+    const auto link = Link::open("serial:" + pty.path() + "@" + std::to_string(baud));
+    ASSERT_TRUE(link) << describe(link.error());
+    termios2 settings{};
+    ASSERT_EQ(ioctl(link->descriptor(), TCGETS2, &settings), 0);
+    EXPECT_EQ(settings.c_ospeed, baud);
+    EXPECT_EQ(settings.c_ispeed, baud);
+  }
+}
+
+TEST(SerialLink, KnowsHowLongAnExchangeIsOnTheWire) {
+  const test::Pty pty;
+  const auto link = Link::open("serial:" + pty.path() + "@9600");
+  ASSERT_TRUE(link);
+  EXPECT_EQ(link->wire_time(), std::chrono::microseconds(18750));
+}
+
+TEST(SerialLink, PassesEveryByteUnchangedBothWays) {
+  const test::Pty pty;
+  auto link = Link::open("serial:" + pty.path() + "@115200");
+  ASSERT_TRUE(link);
+  std::vector<std::uint8_t> every(256);
+  for (std::size_t i = 0; i < every.size(); ++i) every[i] = static_cast<std::uint8_t>(i);
+  ASSERT_EQ(write(pty.master(), every.data(), every.size()), 256);
+  EXPECT_EQ(read_after_wait(*link, every.size()), every);
+  ASSERT_EQ(link->write(every), every.size());
+  auto far_end = Link::adopt(dup(pty.master()), Framing::serial, "far end");
+  EXPECT_EQ(read_after_wait(far_end, every.size()), every);
+}
+
+TEST(SerialLink, ASecondOpenerLearnsWhoHoldsThePort) {
+  const test::Pty pty;
+  const auto name = "serial:" + pty.path() + "@115200";
+  {
+    const auto first = Link::open(name);
+    ASSERT_TRUE(first);
+    const auto second = Link::open(name);
+    ASSERT_FALSE(second);
+    EXPECT_EQ(second.error().code, Errc::link_busy);
+    EXPECT_THAT(second.error().message,
+                HasSubstr("in use by unit_tests (process " + std::to_string(getpid()) + ")"));
+  }
+  EXPECT_TRUE(Link::open(name)) << "the port stayed locked";
+}
+
+TEST(SerialLink, AHangUpIsALostLink) {
+  test::Pty pty;
+  auto link = Link::open("serial:" + pty.path() + "@115200");
+  ASSERT_TRUE(link);
+  std::array<std::uint8_t, 9> buffer{};
+  EXPECT_EQ(link->read(buffer), std::size_t{0}) << "nothing is there yet";
+  pty.hang_up();
+  const auto count = link->read(buffer);
+  ASSERT_FALSE(count);
+  EXPECT_EQ(count.error().code, Errc::link_lost);
+}
+
+TEST(MemoryLink, JoinsTwoEnds) {
+  auto ends = Link::memory_pair(Framing::serial);
+  ASSERT_TRUE(ends);
+  const auto bytes = encode_serial(Request{ModuleAddress{1}, Command::GAP, 1, 0, 0});
+  ASSERT_EQ(ends->first.write(bytes), bytes.size());
+  EXPECT_THAT(read_after_wait(ends->second, bytes.size()), testing::ElementsAreArray(bytes));
+}
+
+class CanInMemory : public testing::Test {
+ protected:
+  CanInMemory() {
+    int ends[2];
+    if (socketpair(AF_UNIX, SOCK_SEQPACKET, 0, ends) != 0)
+      throw std::runtime_error("no socket pair");
+    raw_ = ends[1];
+    link_.emplace(Link::adopt(ends[0], Framing::can, "memory"));
+  }
+  ~CanInMemory() override { close(raw_); }
+
+  void put(const can_frame& frame) {
+    ASSERT_EQ(write(raw_, &frame, sizeof frame), ssize_t{sizeof frame});
+  }
+
+  int raw_ = -1;
+  std::optional<Link> link_;
+};
+
+TEST_F(CanInMemory, FramesGoThereAndBack) {
+  const CanFrame frame{0x123, true, 7, {1, 2, 3, 4, 5, 6, 7, 0}};
+  ASSERT_EQ(link_->write_frame(frame), true);
+  can_frame seen{};
+  ASSERT_EQ(read(raw_, &seen, sizeof seen), ssize_t{sizeof seen});
+  EXPECT_EQ(seen.can_id, 0x123U | CAN_EFF_FLAG);
+  put(seen);
+  const auto back = link_->read_frame();
+  ASSERT_TRUE(back && *back);
+  EXPECT_EQ(std::get<CanFrame>(**back), frame);
+}
+
+TEST_F(CanInMemory, ErrorFramesAreReportedInWords) {
+  can_frame error{};
+  error.can_id = CAN_ERR_FLAG | CAN_ERR_BUSOFF;
+  error.can_dlc = CAN_ERR_DLC;
+  put(error);
+  error.can_id = CAN_ERR_FLAG | CAN_ERR_CRTL;
+  error.data[1] = CAN_ERR_CRTL_TX_PASSIVE;
+  put(error);
+  const auto first = link_->read_frame();
+  ASSERT_TRUE(first && *first);
+  EXPECT_EQ(std::get<CanCondition>(**first).text, "bus-off");
+  EXPECT_TRUE(std::get<CanCondition>(**first).severe);
+  const auto second = link_->read_frame();
+  ASSERT_TRUE(second && *second);
+  EXPECT_EQ(std::get<CanCondition>(**second).text, "error-passive");
+}
+
+}  // namespace
+}  // namespace tmcl
