@@ -1,0 +1,28 @@
+/// One call in progress: everything its method needs.
+#pragma once
+
+#include <memory>
+
+#include <boost/json/value.hpp>
+
+#include "api/params.hpp"
+#include "api/peer.hpp"
+#include "gateway/gateway.hpp"
+
+namespace tmcld {
+
+struct Call {
+  std::shared_ptr<Gateway> gateway;
+  std::shared_ptr<Peer> peer;
+  boost::json::value id;
+  Params params;
+  tmcl::TimePoint received;
+
+  /// The parameter "deadline_ms", counted from when the request came in.
+  Deadline deadline() const {
+    if (!params.has("deadline_ms")) return std::nullopt;
+    return received + std::chrono::milliseconds(params.integer("deadline_ms"));
+  }
+};
+
+}  // namespace tmcld

@@ -1,0 +1,13 @@
+/// JSON as text for people too: 30517.6 where the library would write 3.05176E4.
+#pragma once
+
+#include <string>
+
+#include <boost/json/object.hpp>
+
+namespace tmcld {
+
+/// On one line, members in the order they were added.
+std::string to_text(const boost::json::object& object);
+
+}  // namespace tmcld

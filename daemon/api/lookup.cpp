@@ -1,0 +1,99 @@
+#include "api/lookup.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include "tmcl/nearest.hpp"
+
+namespace tmcld {
+namespace {
+
+template <class List>
+RpcError unknown(std::string_view kind, std::string_view param, const std::string& name,
+                 const List& known) {
+  std::vector<std::string_view> names;
+  for (const auto& one : known) names.push_back(one->name());
+  auto hint = tmcl::did_you_mean(name, names);
+  if (hint.empty()) hint = " " + std::string(kind) + ".list shows what there is";
+  return param_error("unknown_" + std::string(kind), param,
+                     "there is no " + std::string(kind) + " '" + name + "'", hint.substr(1));
+}
+
+Lookup<std::shared_ptr<GatewayAxis>> find_axis(const Call& call, std::string_view param,
+                                               const std::string& name) {
+  auto axis = call.gateway->find_axis(name);
+  if (axis) return axis;
+  return tl::unexpected(unknown("axis", param, name, call.gateway->axes()));
+}
+
+std::optional<std::uint8_t> as_number(const std::string& text) {
+  std::uint8_t number = 0;
+  const auto* end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, number);
+  if (result.ec != std::errc{} || result.ptr != end) return std::nullopt;
+  return number;
+}
+
+RpcError unknown_parameter(const GatewayAxis& axis, const std::string& name) {
+  const auto rows = axis.parameters();
+  if (rows.empty()) {
+    return param_error("unknown_parameter", "parameter",
+                       "the model of axis '" + axis.name() + "' has no table of names",
+                       "use the number of the parameter, from the module's manual");
+  }
+  std::vector<std::string_view> names;
+  for (const auto& row : rows) names.push_back(row.name);
+  auto hint = tmcl::did_you_mean(name, names);
+  if (hint.empty()) hint = " parameter.list shows what there is";
+  return param_error("unknown_parameter", "parameter", "there is no parameter '" + name + "'",
+                     hint.substr(1));
+}
+
+}  // namespace
+
+Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call) {
+  return find_axis(call, "axis", call.params.text("axis"));
+}
+
+Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call) {
+  const auto all = call.gateway->axes();
+  if (!call.params.has("axes")) return std::vector(all.begin(), all.end());
+  std::vector<std::shared_ptr<GatewayAxis>> chosen;
+  for (const auto& name : call.params.texts("axes")) {
+    auto axis = find_axis(call, "axes", name);
+    if (!axis) return tl::unexpected(std::move(axis.error()));
+    if (std::ranges::find(chosen, *axis) == chosen.end()) chosen.push_back(std::move(*axis));
+  }
+  return chosen;
+}
+
+Lookup<std::shared_ptr<GatewayBus>> bus_of(const Call& call) {
+  const auto name = call.params.text("bus");
+  if (auto* bus = call.gateway->find_bus(name)) return bus->shared_from_this();
+  return tl::unexpected(unknown("bus", "bus", name, call.gateway->buses()));
+}
+
+Lookup<ParameterChoice> parameter_of(const Call& call, const GatewayAxis& axis) {
+  const auto rows = axis.parameters();
+  std::optional<std::uint8_t> number;
+  if (call.params.is_text("parameter")) {
+    const auto name = call.params.text("parameter");
+    if (const auto* row = find_parameter(rows, name)) return ParameterChoice{row->number, row};
+    number = as_number(name);
+    if (!number) return tl::unexpected(unknown_parameter(axis, name));
+  } else {
+    number = static_cast<std::uint8_t>(call.params.integer("parameter"));
+  }
+  return ParameterChoice{*number, find_parameter(rows, *number)};
+}
+
+std::optional<RpcError> check_range(const tmcl::ParameterInfo* row, std::int64_t value,
+                                    std::string_view param) {
+  if (row == nullptr || (value >= row->minimum && value <= row->maximum)) return std::nullopt;
+  return param_error("out_of_range", param,
+                     std::to_string(value) + " is outside " + std::to_string(row->minimum) + ".." +
+                         std::to_string(row->maximum) + ", the range of " + std::string(row->name));
+}
+
+}  // namespace tmcld

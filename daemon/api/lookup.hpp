@@ -1,0 +1,37 @@
+/// From the names in a call to what they name; whoever mistypes one is told the nearest.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "api/call.hpp"
+#include "tmcl/parameter.hpp"
+
+namespace tmcld {
+
+template <class T>
+using Lookup = tl::expected<T, RpcError>;
+
+/// The parameter "axis".
+Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call);
+/// The parameter "axes"; all of them if it is absent.
+Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call);
+/// The parameter "bus".
+Lookup<std::shared_ptr<GatewayBus>> bus_of(const Call& call);
+
+struct ParameterChoice {
+  std::uint8_t number = 0;
+  const tmcl::ParameterInfo* row = nullptr;  ///< Null if no table of the model has this number.
+};
+
+/// The parameter "parameter": a name, or a number also for a model that is not known.
+Lookup<ParameterChoice> parameter_of(const Call& call, const GatewayAxis& axis);
+
+/// An error if a value is outside what the row allows; `param` is where the client gave it.
+std::optional<RpcError> check_range(const tmcl::ParameterInfo* row, std::int64_t value,
+                                    std::string_view param);
+
+}  // namespace tmcld

@@ -1,0 +1,40 @@
+/// The parameters of a call, checked against the method's row before the method sees them.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <boost/json/object.hpp>
+
+#include "api/method.hpp"
+
+namespace tmcld {
+
+/// Nothing if every parameter is one that the method has, of the right type and within range, and
+/// none is missing. Otherwise names the first that is not.
+std::optional<RpcError> check_params(const MethodInfo& method, const boost::json::object& params);
+
+/// Typed reading of what check_params() has let through.
+class Params {
+ public:
+  explicit Params(boost::json::object object) : object_(std::move(object)) {}
+
+  bool has(std::string_view name) const { return object_.contains(name); }
+  /// The parameter must be there.
+  std::string text(std::string_view name) const;
+  std::int32_t integer(std::string_view name) const;
+  std::int32_t integer_or(std::string_view name, std::int32_t otherwise) const {
+    return has(name) ? integer(name) : otherwise;
+  }
+  bool is_text(std::string_view name) const { return object_.at(name).is_string(); }
+  /// Empty if the parameter is absent.
+  std::vector<std::string> texts(std::string_view name) const;
+
+ private:
+  boost::json::object object_;
+};
+
+}  // namespace tmcld

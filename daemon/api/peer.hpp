@@ -1,0 +1,23 @@
+/// Who makes a call, as far as methods need to know: each front has a way to be one.
+#pragma once
+
+#include <cstdint>
+#include <string_view>
+
+#include <boost/json/object.hpp>
+
+namespace tmcld {
+
+class Subscriptions;
+
+class Peer {
+ public:
+  virtual ~Peer() = default;
+  /// Sends a notification; never blocks, and drops it rather than keep many for a slow reader.
+  virtual void notify(std::string_view method, boost::json::object params) = 0;
+  /// Nobody will read an answer any more.
+  virtual bool is_gone() const = 0;
+  virtual Subscriptions& subscriptions() = 0;
+};
+
+}  // namespace tmcld

@@ -1,0 +1,137 @@
+#include "api/request.hpp"
+
+#include <algorithm>
+#include <array>
+#include <utility>
+#include <vector>
+
+#include <boost/json/parse.hpp>
+
+#include "api/json_text.hpp"
+#include "api/params.hpp"
+#include "tmcl/nearest.hpp"
+
+namespace tmcld {
+namespace {
+
+namespace json = boost::json;
+
+constexpr std::array<std::string_view, 4> members{"jsonrpc", "id", "method", "params"};
+
+RpcError invalid(std::string message, std::string hint = {}) {
+  return rpc_error(rpc_code::invalid_request, "invalid_request", std::move(message),
+                   std::move(hint));
+}
+
+bool is_usable_id(const json::value& id) {
+  return id.is_string() || id.is_int64() || id.is_uint64();
+}
+
+std::optional<RpcError> check_members(const json::object& message) {
+  for (const auto& [key, value] : message) {
+    const std::string_view name(key.data(), key.size());
+    if (std::ranges::find(members, name) != members.end()) continue;
+    auto hint = tmcl::did_you_mean(name, members);
+    if (!hint.empty()) hint.erase(0, 1);
+    return invalid("a request has no member '" + std::string(name) + "'", hint);
+  }
+  const auto* version = message.if_contains("jsonrpc");
+  if (version == nullptr || !version->is_string() || version->get_string() != "2.0") {
+    return invalid("the member \"jsonrpc\" must be \"2.0\"");
+  }
+  const auto* id = message.if_contains("id");
+  if (id == nullptr || !is_usable_id(*id)) {
+    return invalid("the member \"id\" must be a string or an integer",
+                   "every request is answered, so that no error goes unseen");
+  }
+  const auto* params = message.if_contains("params");
+  if (params != nullptr && !params->is_object()) {
+    return invalid("the member \"params\" must be an object", "parameters go by name");
+  }
+  return std::nullopt;
+}
+
+RpcError unknown_method(std::string_view name) {
+  std::vector<std::string_view> known;
+  for (const auto& row : method_table()) known.push_back(row.name);
+  auto hint = tmcl::did_you_mean(name, known);
+  if (hint.empty()) hint = " rpc.discover shows every method";
+  return rpc_error(rpc_code::method_not_found, "method_not_found",
+                   "there is no method '" + std::string(name) + "'", hint.substr(1));
+}
+
+tl::expected<const MethodInfo*, RpcError> method_of(const json::object& message) {
+  const auto* name = message.if_contains("method");
+  if (name == nullptr || !name->is_string()) {
+    return tl::unexpected(invalid("the member \"method\" must be a string"));
+  }
+  const std::string_view text(name->get_string().data(), name->get_string().size());
+  if (const auto* method = find_method(text)) return method;
+  return tl::unexpected(unknown_method(text));
+}
+
+RpcError unreadable(const boost::system::error_code& why) {
+  const bool deep = why == json::error::too_deep;
+  return rpc_error(rpc_code::parse_error, "parse_error", "not JSON: " + why.message(),
+                   deep ? "messages may be nested 16 deep"
+                        : "one JSON object a line, in UTF-8, and nothing else on it");
+}
+
+}  // namespace
+
+RpcError line_too_long() {
+  return rpc_error(rpc_code::parse_error, "line_too_long",
+                   "a line may have " + std::to_string(max_line_bytes) + " bytes",
+                   "the whole line was dropped");
+}
+
+tl::expected<RpcRequest, RpcRefusal> parse_request(std::string_view line) {
+  RpcRequest request;
+  const auto refuse = [&](RpcError error) {
+    return tl::unexpected(RpcRefusal{request.id, std::move(error)});
+  };
+  json::parse_options options;
+  options.max_depth = max_depth;
+  boost::system::error_code error;
+  auto message = json::parse(json::string_view(line.data(), line.size()), error, {}, options);
+  if (error) return refuse(unreadable(error));
+  auto* object = message.if_object();
+  if (object == nullptr) return refuse(invalid("a request is a JSON object", "no batches"));
+  if (const auto* id = object->if_contains("id"); id && is_usable_id(*id)) request.id = *id;
+  if (auto complaint = check_members(*object)) return refuse(std::move(*complaint));
+  auto method = method_of(*object);
+  if (!method) return refuse(std::move(method.error()));
+  request.method = *method;
+  if (auto* params = object->if_contains("params")) request.params = params->get_object();
+  if (auto complaint = check_params(*request.method, request.params)) {
+    return refuse(std::move(*complaint));
+  }
+  return request;
+}
+
+std::string answer_line(const json::value& id, RpcResult result) {
+  json::object message;
+  message["jsonrpc"] = "2.0";
+  message["id"] = id;
+  if (result) {
+    message["result"] = std::move(*result);
+  } else {
+    message["error"] = to_json(result.error());
+  }
+  auto line = to_text(message);
+  if (line.size() < max_line_bytes) return line;
+  auto error = rpc_error(rpc_code::overload, "answer_too_long",
+                         "the answer is longer than a line may be", "ask for less at a time");
+  error.data["outcome"] = name_of(tmcl::Outcome::done);
+  return answer_line(id, tl::unexpected(std::move(error)));
+}
+
+std::string notification_line(std::string_view method, json::object params) {
+  json::object message;
+  message["jsonrpc"] = "2.0";
+  message["method"] = method;
+  message["params"] = std::move(params);
+  return to_text(message);
+}
+
+}  // namespace tmcld

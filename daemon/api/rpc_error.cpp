@@ -1,0 +1,64 @@
+#include "api/rpc_error.hpp"
+
+#include <cstdint>
+#include <utility>
+
+#include <boost/json/value.hpp>
+
+namespace tmcld {
+namespace {
+
+boost::json::value text_or_null(std::string_view text) {
+  if (text.empty()) return nullptr;
+  return boost::json::value(text);
+}
+
+}  // namespace
+
+RpcError rpc_error(int code, std::string_view name, std::string message, std::string hint) {
+  RpcError error{code, std::move(message), {}};
+  error.data["name"] = name;
+  error.data["outcome"] = name_of(tmcl::Outcome::not_sent);
+  error.data["hint"] = text_or_null(hint);
+  return error;
+}
+
+RpcError param_error(std::string_view name, std::string_view param, std::string message,
+                     std::string hint) {
+  auto error = rpc_error(rpc_code::invalid_params, name, std::move(message), std::move(hint));
+  error.data["param"] = param;
+  return error;
+}
+
+RpcError call_error(const tmcl::Error& error, std::string_view axis) {
+  const bool callers_fault = error.code == tmcl::Errc::bad_argument;
+  auto result = rpc_error(callers_fault ? rpc_code::invalid_params : rpc_code::call_failed,
+                          name_of(error.code), error.message, error.hint);
+  auto& data = result.data;
+  data["outcome"] = name_of(error.outcome);
+  data["bus"] = text_or_null(error.bus);
+  data["axis"] = text_or_null(axis);
+  data["address"] = nullptr;
+  data["command"] = nullptr;
+  data["status"] = nullptr;
+  data["status_name"] = nullptr;
+  if (error.request) {
+    data["address"] = number(error.request->address);
+    data["command"] = describe(*error.request);
+  }
+  if (error.status) {
+    data["status"] = static_cast<std::uint8_t>(*error.status);
+    data["status_name"] = name_of(*error.status);
+  }
+  return result;
+}
+
+boost::json::object to_json(const RpcError& error) {
+  boost::json::object json;
+  json["code"] = error.code;
+  json["message"] = error.message;
+  json["data"] = error.data;
+  return json;
+}
+
+}  // namespace tmcld

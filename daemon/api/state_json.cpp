@@ -1,0 +1,137 @@
+#include "api/state_json.hpp"
+
+#include <string>
+
+#include <boost/json/value.hpp>
+
+namespace tmcld {
+namespace {
+
+namespace json = boost::json;
+
+std::int64_t milliseconds(tmcl::Duration duration) {
+  return std::chrono::duration_cast<std::chrono::milliseconds>(duration).count();
+}
+
+json::object counters_json(const tmcl::BusCounters& counters) {
+  json::object out;
+  out["requests"] = counters.requests;
+  out["replies"] = counters.replies;
+  out["timeouts"] = counters.timeouts;
+  out["late_replies"] = counters.late_replies;
+  out["unexpected_replies"] = counters.unexpected_replies;
+  out["garbage_bytes"] = counters.garbage_bytes;
+  out["fences"] = counters.fences;
+  return out;
+}
+
+void add_identity(json::object& out, const std::optional<tmcl::FoundModule>& found) {
+  for (const auto* key : {"model", "model_number", "firmware", "axes"}) out[key] = nullptr;
+  if (!found) return;
+  if (!found->model.empty()) out["model"] = found->model;
+  out["model_number"] = found->version.model;
+  out["firmware"] = to_string(found->version);
+  out["axes"] = found->axes;
+}
+
+// A motor that the model does not have is a fault of the configuration, not of the module.
+std::string_view state_of(const GatewayAxis& axis) {
+  const auto* model = axis.module().model();
+  const bool absent = model != nullptr && axis.address().motor >= model->axes;
+  return absent ? "no_such_motor" : name_of(axis.module().state());
+}
+
+}  // namespace
+
+void add_state(json::object& out, const GatewayAxis& axis, const AxisReading& reading) {
+  const auto& state = reading.state;
+  out["axis"] = axis.name();
+  out["position_microsteps"] = state.position.value;
+  out["velocity_internal"] = state.velocity.value;
+  out["velocity_pps"] = nullptr;
+  if (reading.velocity_pps) out["velocity_pps"] = *reading.velocity_pps;
+  out["target_microsteps"] = state.target.value;
+  out["position_reached"] = state.position_reached;
+  out["moving"] = state.velocity.value != 0;
+  out["age_ms"] = milliseconds(std::chrono::steady_clock::now() - reading.taken);
+}
+
+void add_state(json::object& out, const GatewayAxis& axis, const PublishedReading& reading) {
+  add_state(out, axis, reading.reading);
+  out["seq"] = reading.seq;
+  out["event_time_ms"] = milliseconds(reading.reading.taken.time_since_epoch());
+}
+
+json::object to_json(const GatewayBus& bus) {
+  json::object out;
+  out["name"] = bus.name();
+  out["link"] = to_string(bus.config().link);
+  out["state"] = name_of(bus.state());
+  out["error"] = nullptr;
+  if (!bus.error().empty()) out["error"] = bus.error();
+  out["counters"] = counters_json(bus.counters());
+  return out;
+}
+
+json::object to_json(const GatewayBus& bus, const GatewayModule& module) {
+  json::object out;
+  out["bus"] = bus.name();
+  out["address"] = number(module.address());
+  add_identity(out, module.identity());
+  out["state"] = name_of(module.state());
+  out["duplicate_suspected"] = module.duplicate_suspected();
+  return out;
+}
+
+json::object to_json(const GatewayBus& bus, const tmcl::FoundModule& module) {
+  json::object out;
+  out["bus"] = bus.name();
+  out["address"] = number(module.address);
+  add_identity(out, module);
+  out["duplicate_suspected"] = module.duplicate_suspected;
+  return out;
+}
+
+json::object to_json(const GatewayAxis& axis) {
+  json::object out;
+  out["name"] = axis.name();
+  out["bus"] = axis.bus().name();
+  out["address"] = number(axis.address().module);
+  out["motor"] = axis.address().motor;
+  out["model"] = nullptr;
+  if (const auto* model = axis.module().model()) out["model"] = model->name;
+  out["state"] = state_of(axis);
+  return out;
+}
+
+json::object to_json(const GatewayEvent& event) {
+  json::object out;
+  out["kind"] = name_of(event.kind);
+  out["bus"] = event.bus;
+  out["address"] = nullptr;
+  if (event.address) out["address"] = *event.address;
+  if (event.kind == GatewayEvent::Kind::target_reached) {
+    json::array motors;
+    for (std::uint32_t motor = 0; motor < 32; ++motor) {
+      if ((static_cast<std::uint32_t>(event.value) >> motor & 1U) != 0) motors.push_back(motor);
+    }
+    out["motors"] = std::move(motors);
+  }
+  out["text"] = event.text;
+  return out;
+}
+
+json::object to_json(const tmcl::ParameterInfo& row) {
+  json::object out;
+  out["number"] = row.number;
+  out["name"] = row.name;
+  out["access"] = row.access == tmcl::Access::read ? "read" : "read_write";
+  out["minimum"] = row.minimum;
+  out["maximum"] = row.maximum;
+  out["initial"] = row.initial;
+  out["unit"] = row.unit;
+  out["meaning"] = row.meaning;
+  return out;
+}
+
+}  // namespace tmcld

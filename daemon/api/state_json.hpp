@@ -1,0 +1,24 @@
+/// States, modules, buses and events as JSON: the same fields wherever they appear.
+#pragma once
+
+#include <boost/json/object.hpp>
+
+#include "gateway/bus.hpp"
+#include "gateway/event.hpp"
+#include "gateway/poller.hpp"
+
+namespace tmcld {
+
+/// "axis", the state's fields and "age_ms".
+void add_state(boost::json::object& json, const GatewayAxis& axis, const AxisReading& reading);
+/// Also "seq" and "event_time_ms".
+void add_state(boost::json::object& json, const GatewayAxis& axis, const PublishedReading& reading);
+
+boost::json::object to_json(const GatewayBus& bus);
+boost::json::object to_json(const GatewayBus& bus, const GatewayModule& module);
+boost::json::object to_json(const GatewayBus& bus, const tmcl::FoundModule& module);
+boost::json::object to_json(const GatewayAxis& axis);
+boost::json::object to_json(const GatewayEvent& event);
+boost::json::object to_json(const tmcl::ParameterInfo& row);
+
+}  // namespace tmcld

@@ -1,0 +1,63 @@
+/// What one client watches. States are conflated: whatever a client has not read yet is replaced
+/// by what is newer, so a slow client costs no memory and never sees old news.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include <boost/json/object.hpp>
+
+#include "gateway/gateway.hpp"
+#include "gateway/poller.hpp"
+
+namespace tmcld {
+
+constexpr std::size_t max_subscriptions = 64;
+
+class Subscriptions {
+ public:
+  /// `on_pending`: called whenever there is something to take.
+  explicit Subscriptions(std::function<void()> on_pending) : on_pending_(std::move(on_pending)) {}
+
+  struct Start {
+    std::shared_ptr<GatewayAxis> axis;
+    std::optional<PublishedReading> reading;  ///< What the client is told in the answer.
+  };
+
+  std::size_t size() const { return subscriptions_.size(); }
+  /// The number of the new subscription; numbers count from one and are never used again.
+  std::uint64_t add(const std::vector<Start>& axes, tmcl::Duration interval);
+  /// False if there is none of that number.
+  bool remove(std::uint64_t subscription) { return subscriptions_.erase(subscription) > 0; }
+  void clear() { subscriptions_.clear(); }
+
+  bool has_pending() const;
+  /// The parameters of the next notify_state; takes turns between axes.
+  std::optional<boost::json::object> take_pending();
+
+ private:
+  struct Item {
+    std::shared_ptr<GatewayAxis> axis;
+    tmcl::Duration interval{};
+    AxisWatch watch;
+    std::optional<PublishedReading> pending;
+    std::uint64_t offered_seq = 0;
+    tmcl::TimePoint offered_at{};
+    std::uint64_t dropped = 0;
+  };
+  using Items = std::vector<std::unique_ptr<Item>>;
+
+  void on_reading(Item& item, const PublishedReading& reading, tmcl::TimePoint tick);
+
+  std::function<void()> on_pending_;
+  std::uint64_t last_id_ = 0;
+  std::map<std::uint64_t, Items> subscriptions_;
+  /// Where the search for the next pending state begins, so that none starves.
+  std::size_t turn_ = 0;
+};
+
+}  // namespace tmcld

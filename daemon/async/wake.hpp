@@ -1,0 +1,42 @@
+/// Lets one coroutine wait until another part of the program has something for it.
+#pragma once
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+
+#include "tmcl/clock.hpp"
+
+namespace tmcld {
+
+/// A notification that comes while nobody waits is kept: no wake-up is lost. At most one waiter.
+class Wake {
+ public:
+  explicit Wake(const boost::asio::any_io_executor& executor) : timer_(executor) {}
+
+  void notify() {
+    notified_ = true;
+    timer_.cancel();
+  }
+  boost::asio::awaitable<void> wait() { return wait_until(tmcl::TimePoint::max()); }
+  /// Until notified, or until then.
+  boost::asio::awaitable<void> wait_until(tmcl::TimePoint then) {
+    boost::system::error_code ignored;
+    while (!notified_ && std::chrono::steady_clock::now() < then) {
+      timer_.expires_at(then);
+      co_await timer_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
+    }
+    notified_ = false;
+  }
+  boost::asio::awaitable<void> wait_for(tmcl::Duration duration) {
+    return wait_until(std::chrono::steady_clock::now() + duration);
+  }
+
+ private:
+  boost::asio::steady_timer timer_;
+  bool notified_ = false;
+};
+
+}  // namespace tmcld

@@ -1,0 +1,60 @@
+// The only file of the daemon that knows the command-line library: it takes long to compile.
+#include "command_line.hpp"
+
+#include <CLI/CLI.hpp>
+
+#include <string>
+
+namespace tmcld {
+namespace {
+
+constexpr auto description =
+    "tmcld owns the buses that TMCM modules are on and lets many programs use their axes safely.\n"
+    "Clients talk to it through a unix socket; `tmclctl` is one.";
+
+constexpr auto footer = R"(The least configuration file:
+
+    [daemon]
+    socket = "/run/tmcld/tmcld.sock"
+
+    [[bus]]
+    name = "bench"
+    link = "serial:/dev/ttyACM0@115200"
+
+    [[axis]]
+    name = "x"
+    bus = "bench"
+    address = 1
+    motor = 0
+
+Links: serial:DEVICE@BAUD, can:INTERFACE, tcp:HOST:PORT. Every key is explained in the example
+config/tmcld.toml, and what clients say to it in docs/PROTOCOL.md.
+
+Exit codes: 0 ended as asked, 1 failure while running, 2 bad command line or configuration.
+
+Try it without hardware:
+    tmclsim --module TMCM-1110@1 --pty /tmp/tmcl
+    tmcld --config FILE            (with link = "serial:/tmp/tmcl@115200")
+    tmclctl --socket SOCKET move x 51200)";
+
+}  // namespace
+
+std::variant<CommandLine, ExitCode> parse_command_line(int argc, const char* const* argv) {
+  CLI::App app(description, "tmcld");
+  app.footer(footer);
+  app.set_version_flag("--version", std::string("tmcld ") + TMCL_VERSION);
+  CommandLine result;
+  app.add_option("-c,--config", result.config_file, "the configuration file, in TOML")
+      ->required()
+      ->type_name("FILE");
+  app.add_flag("--check", result.only_check,
+               "check the configuration file, say what is in it, and end");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return ExitCode{app.exit(error) == 0 ? exit_code::ok : exit_code::bad_usage};
+  }
+  return result;
+}
+
+}  // namespace tmcld

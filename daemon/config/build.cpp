@@ -1,0 +1,225 @@
+#include "config/build.hpp"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "tmcl/nearest.hpp"
+
+namespace tmcld {
+namespace {
+
+constexpr std::size_t max_name_length = 32;
+constexpr std::size_t max_socket_path_bytes = 107;  // sun_path, with its end
+constexpr std::array<std::string_view, 4> level_names{"error", "warning", "info", "debug"};
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+// A name that starts with a letter and has no '/' can never be taken for ADDRESS/MOTOR.
+bool is_name(std::string_view text) {
+  return !text.empty() && text.size() <= max_name_length && is_letter(text.front()) &&
+         std::ranges::all_of(text, [](char c) {
+           return is_letter(c) || is_digit(c) || c == '_' || c == '-' || c == '.';
+         });
+}
+
+std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
+
+LinkScope scope_of(const tmcl::LinkName& link) {
+  if (std::holds_alternative<tmcl::CanName>(link)) return LinkScope::can;
+  if (std::holds_alternative<tmcl::TcpName>(link)) return LinkScope::tcp;
+  return LinkScope::serial_framing;
+}
+
+bool applies(LinkScope key, LinkScope link) {
+  return key == LinkScope::any || key == link ||
+         (key == LinkScope::serial_framing && link == LinkScope::tcp);
+}
+
+class Builder {
+ public:
+  explicit Builder(std::vector<ConfigProblem>& problems) : problems_(problems) {}
+
+  Config build(std::span<const ConfigSection> sections) {
+    for (const auto& section : sections) {
+      const auto* name = section.get<std::string>("name");
+      if (section.kind == SectionKind::bus && name != nullptr) declared_buses_.push_back(*name);
+    }
+    const auto each = [&](SectionKind kind, auto&& add) {
+      for (const auto& section : sections) {
+        if (section.kind == kind) add(section);
+      }
+    };
+    each(SectionKind::daemon, [&](const auto& section) { add_daemon(section); });
+    each(SectionKind::bus, [&](const auto& section) { add_bus(section); });
+    each(SectionKind::axis, [&](const auto& section) { add_axis(section); });
+    check_whole(sections);
+    return std::move(config_);
+  }
+
+ private:
+  void complain(Place place, std::string message) {
+    problems_.push_back({place, std::move(message)});
+  }
+
+  void add_daemon(const ConfigSection& section) {
+    if (const auto* socket = section.get<std::string>("socket")) add_socket(section, *socket);
+    const auto* level = section.get<std::string>("log_level");
+    if (level == nullptr) return;
+    const auto found = std::ranges::find(level_names, *level);
+    if (found == level_names.end()) {
+      return complain(section.place_of("log_level"),
+                      "'log_level' is " + quoted(*level) +
+                          ", but must be error, warning, info or debug." +
+                          tmcl::did_you_mean(*level, level_names));
+    }
+    config_.daemon.log_level = static_cast<LogLevel>(found - level_names.begin());
+  }
+
+  void add_socket(const ConfigSection& section, const std::string& path) {
+    if (path.empty() || path.size() > max_socket_path_bytes) {
+      complain(section.place_of("socket"),
+               "'socket' must be a path of 1.." + std::to_string(max_socket_path_bytes) + " bytes");
+    }
+    config_.daemon.socket = path;
+  }
+
+  // Nothing if the name is missing, malformed or taken.
+  template <class List>
+  const std::string* new_name(const ConfigSection& section, const List& taken) {
+    const auto* name = section.get<std::string>("name");
+    if (name == nullptr) return nullptr;
+    if (!is_name(*name)) {
+      complain(section.place_of("name"),
+               "the name " + quoted(*name) +
+                   " must start with a letter and have at most 32 letters, digits, '_', '-', '.'");
+      return nullptr;
+    }
+    if (std::ranges::any_of(taken, [&](const auto& other) { return other.name == *name; })) {
+      complain(section.place_of("name"), "the name " + quoted(*name) + " is given twice in " +
+                                             std::string(title_of(section.kind)));
+      return nullptr;
+    }
+    return name;
+  }
+
+  void add_bus(const ConfigSection& section) {
+    const auto* name = new_name(section, config_.buses);
+    const auto* text = section.get<std::string>("link");
+    if (text == nullptr) return;
+    auto link = tmcl::parse_link_name(*text);
+    if (!link) {
+      const auto& error = link.error();
+      return complain(section.place_of("link"),
+                      error.message + (error.hint.empty() ? "" : ": " + error.hint));
+    }
+    check_scopes(section, *link);
+    for (const auto& other : config_.buses) {
+      if (to_string(other.link) != to_string(*link)) continue;
+      complain(section.place_of("link"), "bus " + quoted(other.name) + " already uses this link");
+    }
+    if (name == nullptr) return;
+    config_.buses.push_back({*name, std::move(*link), link_options(section), bus_options(section)});
+    config_.buses.back().bus_options.name = *name;
+  }
+
+  void check_scopes(const ConfigSection& section, const tmcl::LinkName& link) {
+    for (const auto& [key, value] : section.values) {
+      const auto* row = find_key(section.kind, key);
+      if (applies(row->scope, scope_of(link))) continue;
+      complain(value.place, quoted(key) + " means nothing here: it is for " +
+                                std::string(name_of(row->scope)) + " links");
+    }
+  }
+
+  template <class T>
+  static void set(const ConfigSection& section, std::string_view key, T& target) {
+    if (const auto* value = section.get<std::int64_t>(key)) target = static_cast<T>(*value);
+  }
+  static void set(const ConfigSection& section, std::string_view key, tmcl::Duration& target) {
+    if (const auto* value = section.get<std::int64_t>(key)) {
+      target = std::chrono::milliseconds(*value);
+    }
+  }
+
+  static tmcl::LinkOptions link_options(const ConfigSection& section) {
+    tmcl::LinkOptions options;
+    set(section, "can_reply_id", options.can_reply_id);
+    set(section, "connect_timeout_ms", options.connect_timeout);
+    if (const auto* flag = section.get<bool>("can_extended")) options.can_extended = *flag;
+    return options;
+  }
+
+  static tmcl::BusOptions bus_options(const ConfigSection& section) {
+    tmcl::BusOptions options;
+    set(section, "reply_timeout_ms", options.reply_timeout);
+    set(section, "telegram_pause_ms", options.telegram_pause);
+    set(section, "quiet_time_ms", options.quiet_time);
+    set(section, "silence_time_ms", options.silence_time);
+    set(section, "attempts", options.attempts);
+    set(section, "host_address", options.host_address);
+    return options;
+  }
+
+  void add_axis(const ConfigSection& section) {
+    const auto* name = new_name(section, config_.axes);
+    const auto* bus_name = section.get<std::string>("bus");
+    const auto* address = section.get<std::int64_t>("address");
+    const auto* motor = section.get<std::int64_t>("motor");
+    const auto* bus = bus_name == nullptr ? nullptr : find_bus(section, *bus_name);
+    if (bus == nullptr || address == nullptr || motor == nullptr) return;
+    if (*address > 255 && scope_of(bus->link) != LinkScope::can) {
+      return complain(section.place_of("address"),
+                      "'address' is " + std::to_string(*address) + ", but bus " +
+                          quoted(bus->name) +
+                          " is no CAN bus: modules there have addresses 0..255");
+    }
+    const tmcl::AxisAddress where{tmcl::ModuleAddress{static_cast<std::uint16_t>(*address)},
+                                  static_cast<std::uint8_t>(*motor)};
+    for (const auto& other : config_.axes) {
+      if (other.bus != *bus_name || other.address != where) continue;
+      complain(section.place_of("motor"),
+               "axis " + quoted(other.name) + " already is motor " + std::to_string(*motor) +
+                   " of module " + std::to_string(*address) + " on bus " + quoted(*bus_name));
+    }
+    if (name != nullptr) config_.axes.push_back({*name, *bus_name, where});
+  }
+
+  const BusConfig* find_bus(const ConfigSection& section, const std::string& name) {
+    const auto found = std::ranges::find(config_.buses, name, &BusConfig::name);
+    if (found != config_.buses.end()) return &*found;
+    // A bus that was refused has been complained about already; its axes are innocent.
+    if (std::ranges::count(declared_buses_, name) != 0) return nullptr;
+    const std::vector<std::string_view> known(declared_buses_.begin(), declared_buses_.end());
+    complain(section.place_of("bus"),
+             "there is no bus " + quoted(name) + "." + tmcl::did_you_mean(name, known));
+    return nullptr;
+  }
+
+  void check_whole(std::span<const ConfigSection> sections) {
+    if (std::ranges::find(sections, SectionKind::daemon, &ConfigSection::kind) == sections.end()) {
+      complain({}, "the section [daemon] with its key 'socket' is missing");
+    }
+    if (config_.buses.size() > max_buses) {
+      complain({}, "more than " + std::to_string(max_buses) + " buses");
+    }
+    if (config_.axes.size() > max_axes) {
+      complain({}, "more than " + std::to_string(max_axes) + " axes");
+    }
+  }
+
+  std::vector<ConfigProblem>& problems_;
+  std::vector<std::string> declared_buses_;
+  Config config_;
+};
+
+}  // namespace
+
+Config build_config(std::span<const ConfigSection> sections, std::vector<ConfigProblem>& problems) {
+  return Builder(problems).build(sections);
+}
+
+}  // namespace tmcld

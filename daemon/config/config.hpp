@@ -1,0 +1,47 @@
+/// What tmcld is told to do: plain values, already checked.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tmcl/bus_options.hpp"
+#include "tmcl/link.hpp"
+#include "tmcl/link_name.hpp"
+#include "tmcl/verbs.hpp"
+
+namespace tmcld {
+
+/// Bounds of a configuration; more than a gateway has ports for.
+constexpr std::size_t max_buses = 32;
+constexpr std::size_t max_axes = 256;
+
+enum class LogLevel : std::uint8_t { error, warning, info, debug };
+
+struct DaemonConfig {
+  std::string socket;
+  LogLevel log_level = LogLevel::info;
+};
+
+struct BusConfig {
+  std::string name;
+  tmcl::LinkName link;
+  tmcl::LinkOptions link_options;
+  tmcl::BusOptions bus_options;  ///< `name` is the configured one, so that errors carry it.
+};
+
+struct AxisConfig {
+  std::string name;
+  std::string bus;
+  tmcl::AxisAddress address;
+};
+
+/// Every axis is on one of the buses; names are unique, and so are motors.
+struct Config {
+  DaemonConfig daemon;
+  std::vector<BusConfig> buses;
+  std::vector<AxisConfig> axes;
+};
+
+}  // namespace tmcld

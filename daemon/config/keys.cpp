@@ -1,0 +1,85 @@
+#include "config/keys.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace tmcld {
+namespace {
+
+using enum SectionKind;
+using enum KeyType;
+constexpr bool required = true;
+constexpr bool optional = false;
+constexpr auto any = LinkScope::any;
+constexpr auto can = LinkScope::can;
+constexpr auto tcp = LinkScope::tcp;
+constexpr auto framed = LinkScope::serial_framing;
+
+constexpr auto keys = std::to_array<KeyInfo>({
+    {daemon, "socket", string, required, 0, 0, any, "path of the unix socket that clients use"},
+    {daemon, "log_level", string, optional, 0, 0, any, "error, warning, info or debug"},
+
+    {bus, "name", string, required, 0, 0, any, "how axes and clients call this bus"},
+    {bus, "link", string, required, 0, 0, any,
+     "serial:DEVICE@BAUD, can:INTERFACE or tcp:HOST:PORT"},
+    {bus, "reply_timeout_ms", integer, optional, 1, 60000, any,
+     "how long a module may take to answer, besides the time on the wire"},
+    {bus, "attempts", integer, optional, 1, 10, any,
+     "how often a command that may be repeated is sent before it counts as failed"},
+    {bus, "quiet_time_ms", integer, optional, 0, 10000, any, "silence after an unanswered request"},
+    {bus, "silence_time_ms", integer, optional, 0, 60000, any,
+     "how long a module that did not answer is left in peace"},
+    {bus, "telegram_pause_ms", integer, optional, 0, 255, framed,
+     "the modules' telegram pause time (global parameter 75)"},
+    {bus, "host_address", integer, optional, 0, 255, framed,
+     "the modules' serial host address (global parameter 76)"},
+    {bus, "can_reply_id", integer, optional, 0, 0x7FF, can,
+     "identifier of the modules' replies (global parameter 70)"},
+    {bus, "can_extended", boolean, optional, 0, 0, can, "29-bit identifiers"},
+    {bus, "connect_timeout_ms", integer, optional, 1, 60000, tcp, "how long connecting may take"},
+
+    {axis, "name", string, required, 0, 0, any, "how clients call this axis"},
+    {axis, "bus", string, required, 0, 0, any, "name of the bus the module is on"},
+    {axis, "address", integer, required, 0, 0x7FF, any, "address of the module"},
+    {axis, "motor", integer, required, 0, 255, any, "number of the motor on its module, from 0"},
+});
+
+}  // namespace
+
+std::string_view title_of(SectionKind section) {
+  switch (section) {
+    case daemon: return "[daemon]";
+    case bus: return "[[bus]]";
+    case axis: return "[[axis]]";
+  }
+  return {};
+}
+
+std::string_view name_of(KeyType type) {
+  switch (type) {
+    case string: return "a text in quotes";
+    case integer: return "a whole number";
+    case boolean: return "true or false";
+  }
+  return {};
+}
+
+std::string_view name_of(LinkScope scope) {
+  switch (scope) {
+    case LinkScope::any: return "any";
+    case LinkScope::can: return "can:";
+    case LinkScope::tcp: return "tcp:";
+    case LinkScope::serial_framing: return "serial: and tcp:";
+  }
+  return {};
+}
+
+std::span<const KeyInfo> config_keys() { return keys; }
+
+const KeyInfo* find_key(SectionKind section, std::string_view name) {
+  const auto* row = std::ranges::find_if(
+      keys, [&](const KeyInfo& key) { return key.section == section && key.name == name; });
+  return row == keys.end() ? nullptr : row;
+}
+
+}  // namespace tmcld

@@ -1,0 +1,52 @@
+/// The sections of a configuration file as they stand there, free of the TOML library.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include "config/keys.hpp"
+#include "config/problem.hpp"
+
+namespace tmcld {
+
+struct ConfigValue {
+  std::variant<std::string, std::int64_t, bool> value;
+  Place place;
+};
+
+/// Its values have the types and lie in the ranges that the table of keys asks for.
+struct ConfigSection {
+  SectionKind kind;
+  Place place;
+  std::map<std::string_view, ConfigValue> values;
+
+  const ConfigValue* find(std::string_view key) const {
+    const auto found = values.find(key);
+    return found == values.end() ? nullptr : &found->second;
+  }
+  /// Null if the key is absent.
+  template <class T>
+  const T* get(std::string_view key) const {
+    const auto* entry = find(key);
+    return entry == nullptr ? nullptr : std::get_if<T>(&entry->value);
+  }
+  Place place_of(std::string_view key) const {
+    const auto* entry = find(key);
+    return entry == nullptr ? place : entry->place;
+  }
+};
+
+struct ConfigText {
+  bool is_toml = true;  ///< If not, there are no sections, and one problem.
+  std::vector<ConfigSection> sections;
+  std::vector<ConfigProblem> problems;
+};
+
+/// Reads TOML and checks every key against the table of keys. Never throws.
+ConfigText read_sections(std::string_view toml);
+
+}  // namespace tmcld

@@ -1,0 +1,138 @@
+// The only file that knows the TOML library: it costs three seconds to compile.
+#include <toml++/toml.h>
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "config/section.hpp"
+#include "tmcl/nearest.hpp"
+
+namespace tmcld {
+namespace {
+
+Place place_of(const toml::source_region& source) {
+  return {source.begin.line, source.begin.column};
+}
+
+std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
+
+class Reader {
+ public:
+  explicit Reader(ConfigText& text) : text_(text) {}
+
+  void read(const toml::table& root) {
+    for (const auto& [key, node] : root) {
+      if (key == "daemon") {
+        read_single(node);
+      } else if (key == "bus") {
+        read_list(SectionKind::bus, node);
+      } else if (key == "axis") {
+        read_list(SectionKind::axis, node);
+      } else {
+        constexpr std::array<std::string_view, 3> known{"daemon", "bus", "axis"};
+        complain(place_of(key.source()), "unknown section " + quoted(key.str()) + "." +
+                                             tmcl::did_you_mean(key.str(), known));
+      }
+    }
+  }
+
+ private:
+  void complain(Place place, std::string message) {
+    text_.problems.push_back({place, std::move(message)});
+  }
+
+  void read_single(const toml::node& node) {
+    if (const auto* table = node.as_table()) return read_section(SectionKind::daemon, *table);
+    complain(place_of(node.source()), "'daemon' must be one section, written [daemon]");
+  }
+
+  void read_list(SectionKind kind, const toml::node& node) {
+    const auto* list = node.as_array();
+    const bool tables = list != nullptr && std::ranges::all_of(*list, &toml::node::is_table);
+    if (!tables) {
+      return complain(place_of(node.source()),
+                      "write a section of this kind as " + std::string(title_of(kind)) +
+                          ", with two brackets, because there may be several");
+    }
+    for (const auto& entry : *list) read_section(kind, *entry.as_table());
+  }
+
+  void read_section(SectionKind kind, const toml::table& table) {
+    ConfigSection section{kind, place_of(table.source()), {}};
+    for (const auto& [key, node] : table) read_key(section, key, node);
+    for (const auto& row : config_keys()) {
+      if (row.section != kind || !row.required || table.contains(row.name)) continue;
+      complain(section.place, std::string(title_of(kind)) + " needs the key " + quoted(row.name) +
+                                  ": " + std::string(row.meaning));
+    }
+    text_.sections.push_back(std::move(section));
+  }
+
+  void read_key(ConfigSection& section, const toml::key& key, const toml::node& node) {
+    const auto* row = find_key(section.kind, key.str());
+    if (row == nullptr) return complain_unknown(section.kind, key);
+    const auto place = place_of(node.source());
+    auto value = convert(*row, node);
+    if (!value) {
+      return complain(place, quoted(row->name) + " must be " + std::string(name_of(row->type)));
+    }
+    if (const auto* number = std::get_if<std::int64_t>(&*value)) {
+      if (*number < row->minimum || *number > row->maximum) {
+        return complain(place, quoted(row->name) + " is " + std::to_string(*number) + ", outside " +
+                                   std::to_string(row->minimum) + ".." +
+                                   std::to_string(row->maximum));
+      }
+    }
+    section.values.emplace(row->name, ConfigValue{std::move(*value), place});
+  }
+
+  void complain_unknown(SectionKind kind, const toml::key& key) {
+    std::vector<std::string_view> known;
+    for (const auto& row : config_keys()) {
+      if (row.section == kind) known.push_back(row.name);
+    }
+    complain(place_of(key.source()), "unknown key " + quoted(key.str()) + " in " +
+                                         std::string(title_of(kind)) + "." +
+                                         tmcl::did_you_mean(key.str(), known));
+  }
+
+  static std::optional<decltype(ConfigValue::value)> convert(const KeyInfo& row,
+                                                             const toml::node& node) {
+    switch (row.type) {
+      case KeyType::string:
+        if (const auto* text = node.as_string()) return text->get();
+        break;
+      case KeyType::integer:
+        if (const auto* number = node.as_integer()) return number->get();
+        break;
+      case KeyType::boolean:
+        if (const auto* flag = node.as_boolean()) return flag->get();
+        break;
+    }
+    return std::nullopt;
+  }
+
+  ConfigText& text_;
+};
+
+bool comes_first(const ConfigProblem& a, const ConfigProblem& b) {
+  return std::pair(a.place.line, a.place.column) < std::pair(b.place.line, b.place.column);
+}
+
+}  // namespace
+
+ConfigText read_sections(std::string_view toml) {
+  ConfigText text;
+  // Debian's build of the library reports errors by throwing; this is where that ends.
+  try {
+    Reader(text).read(toml::parse(toml));
+  } catch (const toml::parse_error& error) {
+    text.is_toml = false;
+    text.problems.push_back({place_of(error.source()), std::string(error.description())});
+  }
+  std::ranges::stable_sort(text.problems, comes_first);
+  return text;
+}
+
+}  // namespace tmcld

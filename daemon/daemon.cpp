@@ -1,0 +1,98 @@
+#include "daemon.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <utility>
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/post.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+
+#include "log/log.hpp"
+
+namespace tmcld {
+namespace {
+
+using namespace std::chrono_literals;
+using boost::asio::awaitable;
+using boost::asio::redirect_error;
+using boost::asio::use_awaitable;
+
+// Together well below the second within which the daemon ends.
+constexpr auto time_for_stops = 300ms;
+constexpr auto time_for_answers = 300ms;
+constexpr auto look_interval = 5ms;
+
+template <class Condition>
+awaitable<void> wait_until(boost::asio::io_context& context, Condition condition,
+                           std::chrono::milliseconds at_most) {
+  const auto end = std::chrono::steady_clock::now() + at_most;
+  boost::asio::steady_timer timer(context);
+  while (!condition() && std::chrono::steady_clock::now() < end) {
+    timer.expires_after(look_interval);
+    co_await timer.async_wait(use_awaitable);
+  }
+}
+
+}  // namespace
+
+tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(const Config& config,
+                                                                  const OpenLink& open_link) {
+  auto file = SocketFile::claim(config.daemon.socket);
+  if (!file) return tl::unexpected(std::move(file.error()));
+  std::unique_ptr<Daemon> daemon(new Daemon);
+  const auto executor = daemon->context_.get_executor();
+  daemon->gateway_ = Gateway::create(executor, config, open_link);
+  daemon->server_ = std::make_shared<UnixServer>(executor, std::move(*file), daemon->gateway_);
+  return daemon;
+}
+
+void Daemon::run() {
+  gateway_->start();
+  server_->start();
+  context_.run();
+}
+
+void Daemon::stop() {
+  boost::asio::post(context_, [this] {
+    if (std::exchange(ending_, true)) return;
+    boost::asio::co_spawn(context_, end(*this), boost::asio::detached);
+  });
+}
+
+void Daemon::end_on_signals() {
+  boost::asio::co_spawn(context_, wait_for_signal(*this), boost::asio::detached);
+}
+
+awaitable<void> Daemon::wait_for_signal(Daemon& daemon) {
+  boost::asio::signal_set signals(daemon.context_, SIGTERM, SIGINT);
+  boost::system::error_code ignored;
+  const auto number = co_await signals.async_wait(redirect_error(use_awaitable, ignored));
+  log(LogLevel::info, number == SIGINT ? "ending: SIGINT" : "ending: SIGTERM");
+  daemon.stop();
+}
+
+awaitable<void> Daemon::end(Daemon& daemon) {
+  auto& gateway = *daemon.gateway_;
+  auto& server = *daemon.server_;
+  server.stop_accepting();
+  gateway.refuse_new_calls();
+  co_await wait_until(
+      daemon.context_, [&] { return gateway.stops_in_progress == 0; }, time_for_stops);
+  gateway.close();
+  server.finish_sessions();
+  co_await wait_until(
+      daemon.context_, [&] { return server.clients() == 0; }, time_for_answers);
+  server.close_sessions();
+  daemon.context_.stop();
+}
+
+bool Daemon::is_opening_links() const {
+  return std::ranges::any_of(gateway_->buses(),
+                             [](const auto& bus) { return bus->is_opening_link(); });
+}
+
+}  // namespace tmcld

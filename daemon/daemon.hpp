@@ -1,0 +1,45 @@
+/// The whole daemon: buses, axes and fronts around one reactor thread.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <boost/asio/io_context.hpp>
+#include <tl/expected.hpp>
+
+#include "config/config.hpp"
+#include "fronts/unix_server.hpp"
+#include "gateway/gateway.hpp"
+
+namespace tmcld {
+
+class Daemon {
+ public:
+  /// Claims the socket. Errors: a sentence for a person, with what to try.
+  static tl::expected<std::unique_ptr<Daemon>, std::string> create(
+      const Config& config, const OpenLink& open_link = open_configured_link);
+
+  /// Serves until stop() is called or, after end_on_signals(), SIGTERM or SIGINT comes.
+  void run();
+  /// From any thread. Ends run() within a second: stops on their way are given a moment, whatever
+  /// else is in progress is answered with how far it got.
+  void stop();
+  void end_on_signals();
+
+  Gateway& gateway() { return *gateway_; }
+  boost::asio::io_context& context() { return context_; }
+  /// A thread hangs in the system, opening a link, and will not end soon.
+  bool is_opening_links() const;
+
+ private:
+  Daemon() = default;
+  static boost::asio::awaitable<void> wait_for_signal(Daemon& daemon);
+  static boost::asio::awaitable<void> end(Daemon& daemon);
+
+  boost::asio::io_context context_{1};
+  std::shared_ptr<Gateway> gateway_;
+  std::shared_ptr<UnixServer> server_;
+  bool ending_ = false;
+};
+
+}  // namespace tmcld

@@ -1,0 +1,197 @@
+#include "fronts/session.hpp"
+
+#include <array>
+#include <utility>
+
+#include <poll.h>
+
+#include <boost/asio/buffer.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/write.hpp>
+
+#include "api/dispatch.hpp"
+#include "api/state_json.hpp"
+#include "log/log.hpp"
+
+namespace tmcld {
+namespace {
+
+using boost::asio::awaitable;
+using boost::asio::redirect_error;
+using boost::asio::use_awaitable;
+
+constexpr std::size_t read_bytes = 16U * 1024U;
+constexpr std::size_t write_batch_bytes = 64U * 1024U;
+// How often a client that has ended its input is looked at, whether it still reads.
+constexpr tmcl::Duration hang_up_check_interval = std::chrono::milliseconds(200);
+
+boost::json::object hello() {
+  boost::json::object protocol;
+  protocol["major"] = 1;
+  protocol["minor"] = 0;
+  boost::json::object params;
+  params["protocol"] = std::move(protocol);
+  params["daemon"] = TMCL_VERSION;
+  return params;
+}
+
+RpcError too_many_requests() {
+  return rpc_error(rpc_code::overload, "too_many_requests",
+                   "more than " + std::to_string(max_requests_in_flight) +
+                       " requests of this connection are in progress",
+                   "wait for answers before sending more");
+}
+
+}  // namespace
+
+Session::Session(Socket socket, std::shared_ptr<Gateway> gateway, std::function<void()> on_closed)
+    : socket_(std::move(socket)),
+      gateway_(std::move(gateway)),
+      on_closed_(std::move(on_closed)),
+      lines_(max_line_bytes),
+      output_(socket_.get_executor()),
+      input_ended_(socket_.get_executor()),
+      subscriptions_([this] { output_.notify(); }) {}
+
+void Session::start() {
+  outbox_.push_answer(notification_line("hello", hello()));
+  event_listener_ = gateway_->on_event([this](const GatewayEvent& event) {
+    if (subscriptions_.size() > 0) notify("notify_event", to_json(event));
+  });
+  const auto executor = socket_.get_executor();
+  boost::asio::co_spawn(executor, write(shared_from_this()), boost::asio::detached);
+  boost::asio::co_spawn(executor, read(shared_from_this()), boost::asio::detached);
+}
+
+void Session::finish() {
+  finishing_ = true;
+  output_.notify();
+}
+
+void Session::close() {
+  if (std::exchange(closed_, true)) return;
+  gateway_->ignore_events(event_listener_);
+  subscriptions_.clear();
+  boost::system::error_code ignored;
+  socket_.close(ignored);
+  output_.notify();
+  input_ended_.notify();
+  on_closed_();
+}
+
+// ---- input -------------------------------------------------------------------------------------
+
+awaitable<void> Session::read(std::shared_ptr<Session> self) {
+  std::array<char, read_bytes> bytes{};
+  while (!self->closed_) {
+    boost::system::error_code error;
+    const auto count = co_await self->socket_.async_read_some(boost::asio::buffer(bytes),
+                                                              redirect_error(use_awaitable, error));
+    if (error) break;
+    self->lines_.push(std::string_view(bytes.data(), count),
+                      [&](std::optional<std::string_view> line) { self->on_line(line); });
+  }
+  if (!self->closed_) co_await self->outlive_input();
+}
+
+// A client may end its input and still read: `echo '...' | nc -U SOCKET` does. Subscriptions keep
+// such a connection open.
+awaitable<void> Session::outlive_input() {
+  while (!closed_ && !has_hung_up()) {
+    if (subscriptions_.size() == 0) finish();
+    co_await input_ended_.wait_for(hang_up_check_interval);
+  }
+  close();
+}
+
+bool Session::has_hung_up() {
+  pollfd state{socket_.native_handle(), 0, 0};
+  return ::poll(&state, 1, 0) > 0 && (state.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0;
+}
+
+void Session::on_line(std::optional<std::string_view> line) {
+  if (closed_ || finishing_) return;
+  if (!line) return answer(nullptr, tl::unexpected(line_too_long()));
+  if (line->find_first_not_of(" \t\r") == std::string_view::npos) return;
+  auto request = parse_request(*line);
+  if (request) return begin(std::move(*request));
+  answer(request.error().id, tl::unexpected(std::move(request.error().error)));
+}
+
+void Session::begin(RpcRequest request) {
+  const bool stops = request.method->effect == tmcl::Effect::stops;
+  auto& in_flight = stops ? stops_in_flight_ : calls_in_flight_;
+  if (in_flight >= max_requests_in_flight) {
+    return answer(request.id, tl::unexpected(too_many_requests()));
+  }
+  ++in_flight;
+  boost::asio::co_spawn(socket_.get_executor(), serve(shared_from_this(), std::move(request)),
+                        boost::asio::detached);
+}
+
+awaitable<void> Session::serve(std::shared_ptr<Session> self, RpcRequest request) {
+  const auto id = request.id;
+  const bool stops = request.method->effect == tmcl::Effect::stops;
+  auto result = co_await dispatch(self->gateway_, self, std::move(request));
+  --(stops ? self->stops_in_flight_ : self->calls_in_flight_);
+  self->answer(id, std::move(result));
+}
+
+// ---- output ------------------------------------------------------------------------------------
+
+void Session::answer(const boost::json::value& id, RpcResult result) {
+  if (closed_) return;
+  if (!outbox_.push_answer(answer_line(id, std::move(result)))) {
+    log(LogLevel::warning, "a client was cut off: it does not read its answers");
+    return close();
+  }
+  output_.notify();
+}
+
+void Session::notify(std::string_view method, boost::json::object params) {
+  if (closed_) return;
+  outbox_.push_notification(std::string(method), std::move(params));
+  output_.notify();
+}
+
+bool Session::has_output() const { return !outbox_.empty() || subscriptions_.has_pending(); }
+
+bool Session::is_done() const {
+  return finishing_ && calls_in_flight_ == 0 && stops_in_flight_ == 0 && outbox_.empty();
+}
+
+std::string Session::take_output() {
+  std::string batch;
+  const auto add = [&](const std::string& line) { (batch += line) += '\n'; };
+  while (batch.size() < write_batch_bytes) {
+    if (const auto line = outbox_.take_answer()) {
+      add(*line);
+    } else if (auto notification = outbox_.take_notification()) {
+      add(notification_line(notification->method, std::move(notification->params)));
+    } else if (auto state = subscriptions_.take_pending()) {
+      add(notification_line("notify_state", std::move(*state)));
+    } else {
+      break;
+    }
+  }
+  return batch;
+}
+
+awaitable<void> Session::write(std::shared_ptr<Session> self) {
+  while (!self->closed_) {
+    if (!self->has_output()) {
+      if (self->is_done()) break;
+      co_await self->output_.wait();
+      continue;
+    }
+    const auto batch = self->take_output();
+    boost::system::error_code error;
+    co_await boost::asio::async_write(self->socket_, boost::asio::buffer(batch),
+                                      redirect_error(use_awaitable, error));
+    if (error) break;
+  }
+  self->close();
+}
+
+}  // namespace tmcld

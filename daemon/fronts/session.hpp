@@ -1,0 +1,76 @@
+/// One client on the unix socket: reads its lines, runs its requests side by side, writes what
+/// they give.
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/local/stream_protocol.hpp>
+
+#include "api/peer.hpp"
+#include "api/request.hpp"
+#include "api/subscriptions.hpp"
+#include "async/wake.hpp"
+#include "fronts/line_buffer.hpp"
+#include "fronts/outbox.hpp"
+#include "gateway/gateway.hpp"
+
+namespace tmcld {
+
+/// How many requests of one client may be in progress. Stops have a number of their own, so that
+/// no flood of other calls keeps one out.
+constexpr std::size_t max_requests_in_flight = 64;
+
+/// Whatever a client does, it costs nobody else anything, and no more memory than the bounds here
+/// and in the outbox allow.
+class Session final : public Peer, public std::enable_shared_from_this<Session> {
+ public:
+  using Socket = boost::asio::local::stream_protocol::socket;
+
+  Session(Socket socket, std::shared_ptr<Gateway> gateway, std::function<void()> on_closed);
+
+  /// Says hello and begins to read; returns at once.
+  void start();
+  /// Reads no more, and closes when everything in progress has been answered.
+  void finish();
+  void close();
+
+  void notify(std::string_view method, boost::json::object params) override;
+  bool is_gone() const override { return closed_; }
+  Subscriptions& subscriptions() override { return subscriptions_; }
+
+ private:
+  static boost::asio::awaitable<void> read(std::shared_ptr<Session> self);
+  static boost::asio::awaitable<void> write(std::shared_ptr<Session> self);
+  static boost::asio::awaitable<void> serve(std::shared_ptr<Session> self, RpcRequest request);
+
+  boost::asio::awaitable<void> outlive_input();
+  bool has_hung_up();
+  void on_line(std::optional<std::string_view> line);
+  void begin(RpcRequest request);
+  void answer(const boost::json::value& id, RpcResult result);
+  bool has_output() const;
+  bool is_done() const;
+  std::string take_output();
+
+  Socket socket_;
+  std::shared_ptr<Gateway> gateway_;
+  std::function<void()> on_closed_;
+  std::uint64_t event_listener_ = 0;
+  LineBuffer lines_;
+  Outbox outbox_;
+  Wake output_;
+  Wake input_ended_;
+  Subscriptions subscriptions_;
+  std::size_t calls_in_flight_ = 0;
+  std::size_t stops_in_flight_ = 0;
+  bool finishing_ = false;
+  bool closed_ = false;
+};
+
+}  // namespace tmcld

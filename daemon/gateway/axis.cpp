@@ -1,0 +1,193 @@
+#include "gateway/axis.hpp"
+
+#include <limits>
+#include <utility>
+
+#include "gateway/poller.hpp"
+#include "tmcl/units.hpp"
+
+namespace tmcld {
+namespace {
+
+using boost::asio::awaitable;
+using tmcl::Microsteps;
+using tmcl::Result;
+
+constexpr std::uint8_t pulse_divisor_parameter = 154;
+
+tmcl::Error superseded(const AxisConfig& axis) {
+  tmcl::Error error;
+  error.code = tmcl::Errc::superseded_by_stop;
+  error.outcome = tmcl::Outcome::not_sent;
+  error.message = "a stop came first";
+  error.bus = axis.bus;
+  return error;
+}
+
+struct Range {
+  std::int32_t least = std::numeric_limits<std::int32_t>::min();
+  std::int32_t greatest = std::numeric_limits<std::int32_t>::max();
+};
+
+tmcl::Script<Result<Microsteps>> move_by_within(tmcl::AxisAddress axis, Microsteps distance,
+                                                Range range) {
+  const auto here = co_await tmcl::verbs::position(axis);
+  if (!here) co_return tl::unexpected(here.error());
+  const auto target = std::int64_t{here->value} + distance.value;
+  if (target < range.least || target > range.greatest) {
+    co_return tl::unexpected(tmcl::bad_argument(
+        std::to_string(distance.value) + " microsteps from " + std::to_string(here->value) +
+            " ends outside " + std::to_string(range.least) + ".." + std::to_string(range.greatest),
+        "move less far, or set another actual position"));
+  }
+  const Microsteps there{static_cast<std::int32_t>(target)};
+  const auto moved = co_await tmcl::verbs::move_to(axis, there);
+  co_return moved;
+}
+
+}  // namespace
+
+GatewayAxis::GatewayAxis(AxisConfig config, std::shared_ptr<GatewayBus> bus)
+    : config_(std::move(config)),
+      bus_(std::move(bus)),
+      module_(bus_->add_module(config_.address.module)) {}
+
+std::span<const tmcl::ParameterInfo> GatewayAxis::parameters() const {
+  const auto* model = module_.model();
+  return model == nullptr ? std::span<const tmcl::ParameterInfo>{}
+                          : tmcl::axis_parameters(model->family);
+}
+
+template <class T>
+GatewayAxis::Awaitable<T> GatewayAxis::run(tmcl::Script<Result<T>> script, RunOptions options) {
+  auto result = co_await bus_->run(std::move(script), std::move(options));
+  if (!result) {
+    module_.note(result.error());
+    if (result.error().bus.empty()) result.error().bus = config_.bus;
+  }
+  co_return result;
+}
+
+RunOptions GatewayAxis::begin_movement(Deadline deadline) const {
+  RunOptions options;
+  options.deadline = deadline;
+  options.objection = [this, stops = stops_]() -> std::optional<tmcl::Error> {
+    if (stops_ == stops) return std::nullopt;
+    return superseded(config_);
+  };
+  return options;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::be_ready() {
+  auto ready = co_await module_.be_ready();
+  if (!ready) co_return ready;
+  const auto* model = module_.model();
+  const auto motor = config_.address.motor;
+  if (model == nullptr || motor < model->axes) co_return ready;
+  auto error = tmcl::bad_argument(
+      "axis '" + name() + "' is configured as motor " + std::to_string(motor) + ", but a " +
+          std::string(model->name) + " has " + std::to_string(model->axes),
+      "motors count from 0; correct the configuration");
+  error.bus = config_.bus;
+  co_return tl::unexpected(std::move(error));
+}
+
+GatewayAxis::Awaitable<Microsteps> GatewayAxis::move_to(Microsteps target, RunOptions movement) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  auto result = co_await run(tmcl::verbs::move_to(address(), target), std::move(movement));
+  co_return result;
+}
+
+GatewayAxis::Awaitable<Microsteps> GatewayAxis::move_by(Microsteps distance, RunOptions movement) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  Range range;
+  const auto* row = find_parameter(parameters(), tmcl::axis_parameter::target_position);
+  if (row != nullptr) {
+    range.least = row->minimum;
+    range.greatest = row->maximum;
+  }
+  auto result = co_await run(move_by_within(address(), distance, range), std::move(movement));
+  co_return result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity,
+                                                 RunOptions movement) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return ready;
+  auto result = co_await run(tmcl::verbs::rotate(address(), velocity), std::move(movement));
+  co_return result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::stop() {
+  revoke_movements();
+  RunOptions options;
+  auto result = co_await run(tmcl::verbs::stop(address()), std::move(options));
+  co_return result;
+}
+
+GatewayAxis::Awaitable<Microsteps> GatewayAxis::wait(tmcl::WaitOptions wait_options,
+                                                     Objection objection) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  RunOptions options;
+  options.objection = std::move(objection);
+  auto script = tmcl::verbs::wait_until_reached(address(), wait_options);
+  auto result = co_await run(std::move(script), std::move(options));
+  co_return result;
+}
+
+GatewayAxis::Awaitable<std::int32_t> GatewayAxis::get(std::uint8_t parameter, Deadline deadline) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  RunOptions options;
+  options.deadline = deadline;
+  auto result = co_await run(tmcl::verbs::get(address(), parameter), std::move(options));
+  co_return result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::set(std::uint8_t parameter, std::int32_t value,
+                                              RunOptions movement) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return ready;
+  auto result = co_await run(tmcl::verbs::set(address(), parameter, value), std::move(movement));
+  // Also after a failure: the value may have been set all the same.
+  if (parameter == pulse_divisor_parameter) pulse_divisor_.reset();
+  co_return result;
+}
+
+GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state() {
+  auto ready = co_await be_ready();
+  if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  AxisReading reading;
+  reading.taken = std::chrono::steady_clock::now();
+  RunOptions options;
+  auto state = co_await run(tmcl::verbs::state(address()), std::move(options));
+  if (!state) co_return tl::unexpected(std::move(state.error()));
+  reading.state = *state;
+  reading.velocity_pps = co_await to_pps(state->velocity);
+  co_return reading;
+}
+
+awaitable<std::optional<double>> GatewayAxis::to_pps(tmcl::InternalVelocity velocity) {
+  const auto* model = module_.model();
+  if (model == nullptr) co_return std::nullopt;
+  const auto epoch = module_.settings_epoch();
+  if (!pulse_divisor_ || pulse_divisor_->settings_epoch != epoch) {
+    RunOptions options;
+    const auto script_result =
+        co_await run(tmcl::verbs::get(address(), pulse_divisor_parameter), std::move(options));
+    if (!script_result || *script_result < 0 || *script_result > 13) co_return std::nullopt;
+    pulse_divisor_ = PulseDivisor{epoch, static_cast<std::uint8_t>(*script_result)};
+  }
+  const tmcl::Tmc429Dividers dividers{pulse_divisor_->exponent, 0};
+  co_return tmcl::to_pps(velocity, dividers).value;
+}
+
+const std::shared_ptr<AxisPoller>& GatewayAxis::poller() {
+  if (!poller_) poller_ = std::make_shared<AxisPoller>(bus_->executor());
+  return poller_;
+}
+
+}  // namespace tmcld

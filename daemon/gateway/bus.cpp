@@ -1,0 +1,291 @@
+#include "gateway/bus.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+
+#include "async/gather.hpp"
+#include "log/log.hpp"
+
+namespace tmcld {
+namespace {
+
+using namespace std::chrono_literals;
+using boost::asio::awaitable;
+using boost::asio::use_awaitable;
+
+constexpr tmcl::Duration shortest_retry = 100ms;
+constexpr tmcl::Duration longest_retry = 1s;
+// A link that lived so long was no flicker: the next retry is quick again.
+constexpr tmcl::Duration stable_after = 2s;
+// How often silent modules are asked whether they are back: a question to one that is not takes
+// some 100 ms of a serial line.
+constexpr tmcl::Duration module_check_interval = 2s;
+
+awaitable<std::shared_ptr<tmcl::Result<tmcl::Link>>> open_now(OpenLink open, BusConfig config) {
+  co_return std::make_shared<tmcl::Result<tmcl::Link>>(open(config));
+}
+
+tmcl::TimePoint now() { return std::chrono::steady_clock::now(); }
+
+tmcl::BusCounters sum(tmcl::BusCounters a, const tmcl::BusCounters& b) {
+  a.requests += b.requests;
+  a.replies += b.replies;
+  a.timeouts += b.timeouts;
+  a.late_replies += b.late_replies;
+  a.unexpected_replies += b.unexpected_replies;
+  a.garbage_bytes += b.garbage_bytes;
+  a.fences += b.fences;
+  return a;
+}
+
+}  // namespace
+
+std::string_view name_of(GatewayBus::State state) {
+  switch (state) {
+    case GatewayBus::State::opening: return "opening";
+    case GatewayBus::State::open: return "open";
+    case GatewayBus::State::lost: return "lost";
+  }
+  return {};
+}
+
+GatewayBus::GatewayBus(const boost::asio::any_io_executor& executor, BusConfig config,
+                       OpenLink open_link, OnGatewayEvent on_event)
+    : executor_(executor),
+      config_(std::move(config)),
+      open_link_(std::move(open_link)),
+      on_event_(std::move(on_event)),
+      opener_(1),
+      changed_(executor) {}
+
+void GatewayBus::start() {
+  boost::asio::co_spawn(executor_, serve(shared_from_this()), boost::asio::detached);
+}
+
+void GatewayBus::close() {
+  closed_ = true;
+  if (bus_) bus_->close();
+  changed_.notify();
+}
+
+tmcl::BusCounters GatewayBus::counters() const {
+  return bus_ ? sum(earlier_counters_, bus_->counters()) : earlier_counters_;
+}
+
+// ---- opening, losing, opening again ------------------------------------------------------------
+
+awaitable<void> GatewayBus::serve(std::shared_ptr<GatewayBus> self) {
+  auto retry = shortest_retry;
+  while (!self->closed_) {
+    if (!co_await self->open()) {
+      co_await self->rest(retry);
+      retry = std::min(2 * retry, longest_retry);
+      continue;
+    }
+    const auto opened = now();
+    co_await self->look_after_modules();
+    self->detach();
+    retry = now() - opened >= stable_after ? shortest_retry : std::min(2 * retry, longest_retry);
+    co_await self->rest(retry);
+  }
+}
+
+awaitable<void> GatewayBus::rest(tmcl::Duration duration) {
+  const auto until = now() + duration;
+  while (!closed_ && now() < until) co_await changed_.wait_until(until);
+}
+
+awaitable<bool> GatewayBus::open() {
+  opening_link_ = true;
+  auto result =
+      co_await boost::asio::co_spawn(opener_, open_now(open_link_, config_), use_awaitable);
+  opening_link_ = false;
+  if (closed_) co_return false;
+  if (!*result) {
+    report_failure(result->error());
+    co_return false;
+  }
+  attach(std::move(**result));
+  co_return true;
+}
+
+void GatewayBus::report_failure(const tmcl::Error& error) {
+  auto why = error.message + (error.hint.empty() ? "" : "; " + error.hint);
+  if (why == error_) return;
+  error_ = std::move(why);
+  if (const auto held_back = log_limiter_.admit(now())) {
+    log(LogLevel::warning, config_.name + ": cannot be opened: " + error_);
+  }
+}
+
+void GatewayBus::attach(tmcl::Link link) {
+  const bool again = state_ == State::lost;
+  bus_ = std::make_shared<tmcl::Bus>(executor_, std::move(link), config_.bus_options);
+  // The handler dies with the bus, which does not outlive this object by more than its verbs do.
+  bus_->on_event([weak = weak_from_this()](const tmcl::BusEvent& event) {
+    if (const auto self = weak.lock()) self->on_bus_event(event);
+  });
+  state_ = State::open;
+  error_.clear();
+  if (again) {
+    emit({GatewayEvent::Kind::link_restored, config_.name, {}, 0, to_string(config_.link)});
+  } else {
+    log(LogLevel::info, config_.name + ": open on " + to_string(config_.link));
+  }
+}
+
+void GatewayBus::detach() {
+  earlier_counters_ = sum(earlier_counters_, bus_->counters());
+  bus_->on_event({});
+  bus_.reset();
+  state_ = State::lost;
+  if (error_.empty()) error_ = "the link was lost";
+  for (auto& [address, module] : modules_) module->forget_state();
+}
+
+awaitable<void> GatewayBus::look_after_modules() {
+  const auto bus = bus_;
+  while (!closed_ && bus->is_open()) {
+    std::vector<awaitable<tmcl::Result<void>>> questions;
+    for (auto& [address, module] : modules_) {
+      if (module->state() == GatewayModule::State::ready) continue;
+      questions.push_back(module->be_ready());
+    }
+    if (!questions.empty()) co_await gather(std::move(questions));
+    if (closed_ || !bus->is_open()) break;
+    co_await changed_.wait_for(module_check_interval);
+  }
+}
+
+void GatewayBus::on_bus_event(const tmcl::BusEvent& event) {
+  using Kind = GatewayEvent::Kind;
+  switch (event.kind) {
+    case tmcl::BusEvent::Kind::target_reached:
+      return emit({Kind::target_reached, config_.name, number(event.module), event.value, {}});
+    case tmcl::BusEvent::Kind::duplicate_address:
+      if (auto* module = find_module(event.module)) module->note_duplicate();
+      return emit({Kind::duplicate_address, config_.name, number(event.module), 0, event.text});
+    case tmcl::BusEvent::Kind::link_condition:
+      return emit({Kind::link_condition, config_.name, {}, 0, event.text});
+    case tmcl::BusEvent::Kind::link_lost:
+      error_ = event.text;
+      changed_.notify();
+      if (closed_) return;
+      return emit({Kind::link_lost, config_.name, {}, 0, event.text});
+  }
+}
+
+void GatewayBus::emit(GatewayEvent event) {
+  const bool good = event.kind == GatewayEvent::Kind::target_reached ||
+                    event.kind == GatewayEvent::Kind::link_restored ||
+                    event.kind == GatewayEvent::Kind::module_answers;
+  if (const auto held_back = log_limiter_.admit(now())) {
+    auto line = event.bus + ": " + std::string(name_of(event.kind));
+    if (event.address) line += " (module " + std::to_string(*event.address) + ")";
+    if (!event.text.empty()) line += ": " + event.text;
+    if (*held_back > 0) line += " (" + std::to_string(*held_back) + " lines held back before)";
+    log(good ? LogLevel::info : LogLevel::warning, line);
+  }
+  if (on_event_) on_event_(event);
+}
+
+std::string_view name_of(GatewayEvent::Kind kind) {
+  switch (kind) {
+    case GatewayEvent::Kind::target_reached: return "target_reached";
+    case GatewayEvent::Kind::duplicate_address: return "duplicate_address";
+    case GatewayEvent::Kind::link_condition: return "link_condition";
+    case GatewayEvent::Kind::link_lost: return "link_lost";
+    case GatewayEvent::Kind::link_restored: return "link_restored";
+    case GatewayEvent::Kind::module_silent: return "module_silent";
+    case GatewayEvent::Kind::module_answers: return "module_answers";
+  }
+  return {};
+}
+
+// ---- modules -----------------------------------------------------------------------------------
+
+GatewayModule* GatewayBus::find_module(tmcl::ModuleAddress address) const {
+  const auto found = modules_.find(address);
+  return found == modules_.end() ? nullptr : found->second.get();
+}
+
+GatewayModule& GatewayBus::add_module(tmcl::ModuleAddress address) {
+  auto& module = modules_[address];
+  if (!module) module = std::make_unique<GatewayModule>(*this, address);
+  return *module;
+}
+
+// ---- calls -------------------------------------------------------------------------------------
+
+tmcl::Error GatewayBus::not_open() const {
+  tmcl::Error error;
+  error.code = tmcl::Errc::link_lost;
+  error.outcome = tmcl::Outcome::not_sent;
+  error.message = closed_ ? "the daemon is ending"
+                          : "the bus is not open" + (error_.empty() ? "" : ": " + error_);
+  error.hint =
+      closed_ ? "" : "it is opened again as soon as that is possible; check cable and power";
+  error.bus = config_.name;
+  return error;
+}
+
+std::optional<tmcl::Error> GatewayBus::object(const std::shared_ptr<tmcl::Bus>& bus,
+                                              const RunOptions& options) const {
+  if (!bus || bus != bus_) return not_open();
+  return options.objection ? options.objection() : std::nullopt;
+}
+
+awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
+                                                          tmcl::CallOptions options) {
+  const auto bus = bus_;
+  if (!bus) {
+    auto error = not_open();
+    error.request = request;
+    co_return tl::unexpected(std::move(error));
+  }
+  auto answer = co_await bus->execute(request, options);
+  if (auto* module = find_module(request.address)) {
+    if (!answer) module->note(answer.error());
+    if (effect_of(request.command, request.type) != tmcl::Effect::reads) {
+      module->note_settings_changed();
+    }
+  }
+  co_return answer;
+}
+
+awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::exchange(
+    std::shared_ptr<tmcl::Bus> bus, tmcl::step::Exchange exchange,
+    std::optional<tmcl::TimePoint> deadline) {
+  if (!exchange.options.deadline) exchange.options.deadline = deadline;
+  // The bus must live until its verb has ended, even if the link is lost meanwhile.
+  auto answer = co_await bus->execute(exchange.request, exchange.options);
+  co_return answer;
+}
+
+awaitable<tmcl::StepResult> GatewayBus::perform(std::shared_ptr<tmcl::Bus> bus, tmcl::Step step,
+                                                std::optional<tmcl::TimePoint> deadline) {
+  tmcl::StepResult results;
+  if (const auto* pause = std::get_if<tmcl::step::Pause>(&step)) {
+    boost::asio::steady_timer timer(executor_, pause->duration);
+    co_await timer.async_wait(use_awaitable);
+    co_return results;
+  }
+  if (auto* one = std::get_if<tmcl::step::Exchange>(&step)) {
+    auto answer = co_await exchange(bus, *one, deadline);
+    results.push_back(std::move(answer));
+    co_return results;
+  }
+  std::vector<awaitable<tmcl::Result<tmcl::Answer>>> all;
+  for (auto& one : std::get<tmcl::step::ExchangeAll>(step).exchanges) {
+    all.push_back(exchange(bus, one, deadline));
+  }
+  results = co_await gather(std::move(all));
+  co_return results;
+}
+
+}  // namespace tmcld

@@ -1,0 +1,130 @@
+/// A configured bus: opened, lost and opened again, for as long as the daemon runs.
+///
+///     opening ──opened──▶ open ──link lost──▶ lost ──opened──▶ open
+///        │ ▲                                   │ ▲
+///        └─┘ failed: again after 100 ms..1 s   └─┘
+#pragma once
+
+#include <functional>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/thread_pool.hpp>
+
+#include "async/wake.hpp"
+#include "config/config.hpp"
+#include "gateway/event.hpp"
+#include "gateway/module.hpp"
+#include "log/limiter.hpp"
+#include "tmcl/bus.hpp"
+
+namespace tmcld {
+
+/// How a link is opened. May block; called on a thread of its own.
+using OpenLink = std::function<tmcl::Result<tmcl::Link>(const BusConfig&)>;
+
+struct RunOptions {
+  /// Goes into every exchange of the script.
+  std::optional<tmcl::TimePoint> deadline{};
+  /// Asked before every step; an error ends the script there, before anything more is sent.
+  std::function<std::optional<tmcl::Error>()> objection{};
+};
+
+class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
+ public:
+  enum class State : std::uint8_t { opening, open, lost };
+
+  GatewayBus(const boost::asio::any_io_executor& executor, BusConfig config, OpenLink open_link,
+             OnGatewayEvent on_event);
+
+  /// Begins to open the link; returns at once.
+  void start();
+  /// Ends everything in progress with Errc::link_lost and stays closed.
+  void close();
+
+  const std::string& name() const { return config_.name; }
+  const BusConfig& config() const { return config_; }
+  const boost::asio::any_io_executor& executor() const { return executor_; }
+  State state() const { return state_; }
+  /// Why the link is not open; empty while it is.
+  const std::string& error() const { return error_; }
+  /// Since the daemon started, over all openings.
+  tmcl::BusCounters counters() const;
+  /// A thread may be blocked in the system, and cannot be called back.
+  bool is_opening_link() const { return opening_link_; }
+  bool is_can() const { return std::holds_alternative<tmcl::CanName>(config_.link); }
+
+  /// The configured module of this address, which add_module() makes.
+  GatewayModule* find_module(tmcl::ModuleAddress address) const;
+  GatewayModule& add_module(tmcl::ModuleAddress address);
+  const std::map<tmcl::ModuleAddress, std::unique_ptr<GatewayModule>>& modules() const {
+    return modules_;
+  }
+
+  /// One exchange, exactly as given.
+  boost::asio::awaitable<tmcl::Result<tmcl::Answer>> execute(tmcl::Request request,
+                                                             tmcl::CallOptions options);
+  /// Runs a verb to its end, or until there is an objection.
+  /// Errors: besides those of the verb, Errc::link_lost while the link is not open.
+  template <class T>
+  boost::asio::awaitable<T> run(tmcl::Script<T> script, RunOptions options) {
+    // Steps of one verb all go to the link it began on: after a loss another module may be there.
+    const auto bus = bus_;
+    auto step = script.start();
+    while (step) {
+      if (auto objection = object(bus, options)) co_return tl::unexpected(std::move(*objection));
+      auto result = co_await perform(bus, std::move(*step), options.deadline);
+      step = script.resume(std::move(result));
+    }
+    co_return script.take();
+  }
+
+  /// One scan at a time: set while one runs.
+  bool scanning = false;
+
+  /// For the parts of this bus: tells everyone.
+  void emit(GatewayEvent event);
+
+ private:
+  std::optional<tmcl::Error> object(const std::shared_ptr<tmcl::Bus>& bus,
+                                    const RunOptions& options) const;
+  tmcl::Error not_open() const;
+  boost::asio::awaitable<tmcl::StepResult> perform(std::shared_ptr<tmcl::Bus> bus, tmcl::Step step,
+                                                   std::optional<tmcl::TimePoint> deadline);
+  boost::asio::awaitable<void> rest(tmcl::Duration duration);
+  static boost::asio::awaitable<tmcl::Result<tmcl::Answer>> exchange(
+      std::shared_ptr<tmcl::Bus> bus, tmcl::step::Exchange exchange,
+      std::optional<tmcl::TimePoint> deadline);
+
+  static boost::asio::awaitable<void> serve(std::shared_ptr<GatewayBus> self);
+  boost::asio::awaitable<bool> open();
+  boost::asio::awaitable<void> look_after_modules();
+  void attach(tmcl::Link link);
+  void detach();
+  void on_bus_event(const tmcl::BusEvent& event);
+  void report_failure(const tmcl::Error& error);
+
+  boost::asio::any_io_executor executor_;
+  BusConfig config_;
+  OpenLink open_link_;
+  OnGatewayEvent on_event_;
+  boost::asio::thread_pool opener_;
+  bool opening_link_ = false;
+  Wake changed_;
+  bool closed_ = false;
+  State state_ = State::opening;
+  std::string error_;
+  std::shared_ptr<tmcl::Bus> bus_;
+  tmcl::BusCounters earlier_counters_;
+  std::map<tmcl::ModuleAddress, std::unique_ptr<GatewayModule>> modules_;
+  LogLimiter log_limiter_;
+};
+
+std::string_view name_of(GatewayBus::State state);
+
+}  // namespace tmcld

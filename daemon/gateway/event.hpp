@@ -1,0 +1,34 @@
+/// What happens on the buses without anyone having asked.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+namespace tmcld {
+
+struct GatewayEvent {
+  enum class Kind : std::uint8_t {
+    target_reached,
+    duplicate_address,
+    link_condition,
+    link_lost,
+    link_restored,
+    module_silent,   ///< A module that answered before does not any more.
+    module_answers,  ///< A module was identified, for the first time or again.
+  };
+  Kind kind;
+  std::string bus;
+  std::optional<std::uint16_t> address{};  ///< Where it is about one module.
+  std::int32_t value = 0;                  ///< target_reached: a bit for each motor.
+  std::string text{};
+};
+
+/// snake_case; part of the stable interface.
+std::string_view name_of(GatewayEvent::Kind kind);
+
+using OnGatewayEvent = std::function<void(const GatewayEvent&)>;
+
+}  // namespace tmcld

@@ -1,0 +1,56 @@
+#include "gateway/gateway.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace tmcld {
+
+tmcl::Result<tmcl::Link> open_configured_link(const BusConfig& config) {
+  return tmcl::Link::open(config.link, config.link_options);
+}
+
+std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& executor,
+                                         const Config& config, const OpenLink& open_link) {
+  std::shared_ptr<Gateway> gateway(new Gateway);
+  const auto tell = [weak = std::weak_ptr(gateway)](const GatewayEvent& event) {
+    if (const auto self = weak.lock()) self->tell(event);
+  };
+  for (const auto& bus : config.buses) {
+    gateway->buses_.push_back(std::make_shared<GatewayBus>(executor, bus, open_link, tell));
+  }
+  for (const auto& axis : config.axes) {
+    const auto bus = std::ranges::find(gateway->buses_, axis.bus, &GatewayBus::name);
+    gateway->axes_.push_back(std::make_shared<GatewayAxis>(axis, *bus));
+  }
+  return gateway;
+}
+
+void Gateway::start() {
+  for (const auto& bus : buses_) bus->start();
+}
+
+void Gateway::close() {
+  closing_ = true;
+  for (const auto& bus : buses_) bus->close();
+}
+
+GatewayBus* Gateway::find_bus(std::string_view name) const {
+  const auto found = std::ranges::find(buses_, name, &GatewayBus::name);
+  return found == buses_.end() ? nullptr : found->get();
+}
+
+std::shared_ptr<GatewayAxis> Gateway::find_axis(std::string_view name) const {
+  const auto found = std::ranges::find(axes_, name, &GatewayAxis::name);
+  return found == axes_.end() ? nullptr : *found;
+}
+
+std::uint64_t Gateway::on_event(OnGatewayEvent listener) {
+  listeners_.emplace(++last_listener_, std::move(listener));
+  return last_listener_;
+}
+
+void Gateway::tell(const GatewayEvent& event) {
+  for (const auto& [id, listener] : listeners_) listener(event);
+}
+
+}  // namespace tmcld

@@ -1,0 +1,62 @@
+/// All buses and axes of a daemon, by the names they have in its configuration.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include <boost/asio/any_io_executor.hpp>
+
+#include "config/config.hpp"
+#include "gateway/axis.hpp"
+#include "gateway/bus.hpp"
+
+namespace tmcld {
+
+/// Opens what the configuration says.
+tmcl::Result<tmcl::Link> open_configured_link(const BusConfig& config);
+
+/// Object lifetimes: held by everything that is in progress, so that it outlives it.
+/// Thread safety: none; its executor is one thread.
+class Gateway : public std::enable_shared_from_this<Gateway> {
+ public:
+  static std::shared_ptr<Gateway> create(const boost::asio::any_io_executor& executor,
+                                         const Config& config,
+                                         const OpenLink& open_link = open_configured_link);
+
+  /// Begins to open the buses and to identify the modules; returns at once.
+  void start();
+  /// From now on nothing but stops is admitted.
+  void refuse_new_calls() { closing_ = true; }
+  bool is_closing() const { return closing_; }
+  /// Ends everything in progress with Errc::link_lost.
+  void close();
+
+  std::span<const std::shared_ptr<GatewayBus>> buses() const { return buses_; }
+  std::span<const std::shared_ptr<GatewayAxis>> axes() const { return axes_; }
+  /// Null if there is none of that name.
+  GatewayBus* find_bus(std::string_view name) const;
+  std::shared_ptr<GatewayAxis> find_axis(std::string_view name) const;
+
+  /// Gives a number for ignore_events().
+  std::uint64_t on_event(OnGatewayEvent listener);
+  void ignore_events(std::uint64_t id) { listeners_.erase(id); }
+
+  /// How many stops are on their way; the end of the daemon waits a little for them.
+  int stops_in_progress = 0;
+
+ private:
+  Gateway() = default;
+  void tell(const GatewayEvent& event);
+
+  std::vector<std::shared_ptr<GatewayBus>> buses_;
+  std::vector<std::shared_ptr<GatewayAxis>> axes_;
+  std::map<std::uint64_t, OnGatewayEvent> listeners_;
+  std::uint64_t last_listener_ = 0;
+  bool closing_ = false;
+};
+
+}  // namespace tmcld

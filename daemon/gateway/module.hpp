@@ -1,0 +1,62 @@
+/// A configured module: what it said it is, and whether it answers.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include <boost/asio/awaitable.hpp>
+
+#include "tmcl/model.hpp"
+#include "tmcl/verbs.hpp"
+
+namespace tmcld {
+
+class GatewayBus;
+
+class GatewayModule {
+ public:
+  enum class State : std::uint8_t {
+    unknown,  ///< Not asked yet, or the link is not open.
+    ready,    ///< Has said what it is, and answers.
+    silent,   ///< Did not answer when last asked.
+  };
+
+  GatewayModule(GatewayBus& bus, tmcl::ModuleAddress address) : bus_(bus), address_(address) {}
+
+  tmcl::ModuleAddress address() const { return address_; }
+  State state() const { return state_; }
+  /// What it said last, perhaps some time ago.
+  const std::optional<tmcl::FoundModule>& identity() const { return identity_; }
+  /// Null for a model that is not known, and before the module has said what it is.
+  const tmcl::Model* model() const;
+  bool duplicate_suspected() const { return duplicate_suspected_; }
+  /// Changes whenever its settings may have been changed by something else than parameter calls.
+  std::uint64_t settings_epoch() const { return settings_epoch_; }
+
+  /// Asks a module what it is unless that is known: nothing else goes to a module whose identity
+  /// is not known, except stops and raw commands.
+  /// Errors: those of the exchange, with Outcome::not_sent for what was to follow.
+  boost::asio::awaitable<tmcl::Result<void>> be_ready();
+
+  /// Learns from how a call ended.
+  void note(const tmcl::Error& error);
+  void note_duplicate() { duplicate_suspected_ = true; }
+  void note_settings_changed() { ++settings_epoch_; }
+  /// Its link was lost: it may be another module when it comes back.
+  void forget_state();
+
+ private:
+  void adopt(const tmcl::FoundModule& found);
+
+  GatewayBus& bus_;
+  tmcl::ModuleAddress address_;
+  State state_ = State::unknown;
+  std::optional<tmcl::FoundModule> identity_;
+  bool duplicate_suspected_ = false;
+  std::uint64_t settings_epoch_ = 0;
+};
+
+std::string_view name_of(GatewayModule::State state);
+
+}  // namespace tmcld

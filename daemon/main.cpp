@@ -1,0 +1,59 @@
+// tmcld: see command_line.cpp for what it says of itself.
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <string>
+
+#include "command_line.hpp"
+#include "config/load.hpp"
+#include "daemon.hpp"
+#include "log/log.hpp"
+
+namespace {
+
+using namespace tmcld;
+
+std::string counted(std::size_t count, const char* one, const char* many) {
+  return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+int report(const std::vector<std::string>& problems) {
+  for (const auto& line : problems) std::fprintf(stderr, "%s\n", line.c_str());
+  return exit_code::bad_usage;
+}
+
+int check(const Config& config) {
+  std::printf("ok: %s, %s\n", counted(config.buses.size(), "bus", "buses").c_str(),
+              counted(config.axes.size(), "axis", "axes").c_str());
+  return exit_code::ok;
+}
+
+int serve(const Config& config) {
+  start_log(config.daemon.log_level);
+  // A peer that has gone is an error value of the write, not the end of the daemon.
+  std::signal(SIGPIPE, SIG_IGN);
+  auto daemon = Daemon::create(config);
+  if (!daemon) {
+    log(LogLevel::error, daemon.error());
+    return exit_code::runtime_failure;
+  }
+  (*daemon)->end_on_signals();
+  log(LogLevel::info,
+      "serving " + counted(config.axes.size(), "axis", "axes") + " on " + config.daemon.socket);
+  (*daemon)->run();
+  log(LogLevel::info, "ended");
+  // Opening a link cannot be called back; nothing else is left to be done, so nobody waits for it.
+  if ((*daemon)->is_opening_links()) std::_Exit(exit_code::ok);
+  return exit_code::ok;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const auto parsed = parse_command_line(argc, argv);
+  if (const auto* code = std::get_if<ExitCode>(&parsed)) return code->value;
+  const auto& command_line = std::get<CommandLine>(parsed);
+  const auto config = load_config(command_line.config_file);
+  if (!config) return report(config.error());
+  return command_line.only_check ? check(*config) : serve(*config);
+}
