@@ -1,0 +1,91 @@
+/// A connection to a running tmcld, for scripts and small tools: every call waits for its end.
+///
+///     auto daemon = tmcl::client::Connection::open("/run/tmcld/tmcld.sock");
+///     auto moved = daemon->call("axis.move_to", {{"axis", "x"}, {"position_microsteps", 51200}});
+///
+/// docs/PROTOCOL.md lists the methods. On the wire: JSON-RPC 2.0 on a unix socket, one message a
+/// line.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <string>
+#include <string_view>
+
+#include <boost/json/object.hpp>
+
+#include "tmcl/clock.hpp"
+#include "tmcl/error.hpp"
+
+namespace tmcl::client {
+
+/// Why a call gave no result.
+struct CallError {
+  /// JSON-RPC code of the daemon's answer; 0 when there was none.
+  int code = 0;
+  /// snake_case; the daemon's `data.name`, or one of the names below when the daemon did not
+  /// answer.
+  std::string name;
+  Outcome outcome = Outcome::not_sent;
+  std::string message;
+  std::string hint;            ///< What to try; may be empty.
+  boost::json::object data{};  ///< All that the daemon said besides code and message.
+};
+
+namespace error_name {
+constexpr std::string_view unreachable =
+    "daemon_unreachable";  ///< No connection; nothing was asked.
+constexpr std::string_view incompatible =
+    "daemon_incompatible";  ///< Something else listens there, or a newer tmcld.
+constexpr std::string_view lost = "daemon_lost";        ///< The connection broke.
+constexpr std::string_view timeout = "daemon_timeout";  ///< No answer in time.
+constexpr std::string_view cancelled = "cancelled";     ///< Options::cancelled said so.
+}  // namespace error_name
+
+template <class T>
+using CallResult = tl::expected<T, CallError>;
+
+/// What a daemon may come to say at most; a longer line ends the connection.
+constexpr std::size_t max_line_bytes = std::size_t{4} << 20U;
+constexpr int protocol_major = 1;
+
+struct Options {
+  Duration hello_timeout = std::chrono::seconds(3);
+  /// How long a call may take; counted anew from each progress report that the daemon sends for it.
+  Duration call_timeout = std::chrono::seconds(15);
+  /// Asked at least ten times a second during a call; true ends it. For Ctrl-C.
+  std::function<bool()> cancelled{};
+};
+
+/// Thread safety: none. Errors: as values; no member throws.
+class Connection {
+ public:
+  using Handler = std::function<void(std::string_view method, const boost::json::object& params)>;
+
+  /// Connects and reads the daemon's greeting.
+  static CallResult<Connection> open(const std::string& socket_path, Options options = {});
+  Connection(Connection&&) noexcept;
+  Connection& operator=(Connection&&) noexcept;
+  ~Connection();
+
+  /// One request and its answer. What comes unasked meanwhile goes to the handler.
+  /// A call that was sent and not answered has Outcome::unknown.
+  CallResult<boost::json::object> call(std::string_view method, boost::json::object params = {});
+  /// Hands out what comes unasked until the time has passed, or at once after the first message.
+  CallResult<void> listen(Duration at_most);
+  /// At most one handler; an empty one removes it.
+  void on_notification(Handler handler);
+
+  /// The version that the daemon gave in its greeting.
+  const std::string& daemon_version() const;
+
+ private:
+  class State;
+  explicit Connection(std::unique_ptr<State> state);
+
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace tmcl::client

@@ -1,0 +1,163 @@
+#include "client/line_socket.hpp"
+
+#include <fcntl.h>
+#include <grp.h>
+#include <poll.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/un.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstring>
+#include <utility>
+
+#include <fmt/format.h>
+
+namespace tmcl::client {
+namespace {
+
+constexpr auto cancel_poll_interval = std::chrono::milliseconds(50);
+
+std::string group_of(const std::string& path) {
+  struct stat status {};
+  if (::stat(path.c_str(), &status) != 0) return {};
+  const auto* group = ::getgrgid(status.st_gid);
+  return group != nullptr ? group->gr_name : std::to_string(status.st_gid);
+}
+
+std::string hint_for(int reason, const std::string& path) {
+  if (reason == EACCES) {
+    return fmt::format(
+        "The socket belongs to the group '{}': add yourself with 'sudo adduser $USER {}' and log "
+        "in "
+        "again",
+        group_of(path), group_of(path));
+  }
+  if (reason == EAGAIN)
+    return "The daemon does not accept connections: is it stopped or overloaded?";
+  return "Is tmcld running? 'systemctl status tmcld' says so, 'tmcld --config FILE' starts it by "
+         "hand; its "
+         "configuration names the socket";
+}
+
+CallError unreachable(const std::string& path, int reason) {
+  return {0, std::string(error_name::unreachable), Outcome::not_sent,
+          fmt::format("cannot connect to tmcld at {}: {}", path, std::strerror(reason)),
+          hint_for(reason, path)};
+}
+
+}  // namespace
+
+CallResult<LineSocket> LineSocket::open(const std::string& path, std::function<bool()> cancelled) {
+  sockaddr_un address{};
+  address.sun_family = AF_UNIX;
+  if (path.empty() || path.size() >= sizeof address.sun_path) {
+    return tl::unexpected(unreachable(path, path.empty() ? ENOENT : ENAMETOOLONG));
+  }
+  std::ranges::copy(path, std::begin(address.sun_path));
+  const int descriptor = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (descriptor < 0) return tl::unexpected(unreachable(path, errno));
+  LineSocket socket(descriptor, path, std::move(cancelled));
+  if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
+    return tl::unexpected(unreachable(path, errno));
+  }
+  return socket;
+}
+
+LineSocket::LineSocket(int descriptor, std::string path, std::function<bool()> cancelled)
+    : descriptor_(descriptor), path_(std::move(path)), cancelled_(std::move(cancelled)) {}
+
+LineSocket::LineSocket(LineSocket&& other) noexcept
+    : descriptor_(std::exchange(other.descriptor_, -1)),
+      path_(std::move(other.path_)),
+      cancelled_(std::move(other.cancelled_)),
+      received_(std::move(other.received_)) {}
+
+LineSocket& LineSocket::operator=(LineSocket&& other) noexcept {
+  std::swap(descriptor_, other.descriptor_);
+  path_ = std::move(other.path_);
+  cancelled_ = std::move(other.cancelled_);
+  received_ = std::move(other.received_);
+  return *this;
+}
+
+LineSocket::~LineSocket() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+CallError LineSocket::lost(std::string_view why) const {
+  return {0, std::string(error_name::lost), Outcome::unknown,
+          fmt::format("the connection to tmcld at {} broke: {}", path_, why),
+          "'systemctl status tmcld' and its log say what became of the daemon"};
+}
+
+CallResult<bool> LineSocket::wait_for(short events, TimePoint deadline) {
+  while (true) {
+    if (cancelled_ && cancelled_()) {
+      return tl::unexpected(
+          CallError{0, std::string(error_name::cancelled), Outcome::unknown, "cancelled", {}});
+    }
+    const auto left = deadline - RealClock{}.now();
+    if (left <= Duration::zero()) return false;
+    const auto slice = std::chrono::ceil<std::chrono::milliseconds>(
+        std::min<Duration>(left, cancel_poll_interval));
+    pollfd entry{descriptor_, events, 0};
+    const int ready = ::poll(&entry, 1, static_cast<int>(slice.count()));
+    if (ready > 0) return true;
+    if (ready < 0 && errno != EINTR) return tl::unexpected(lost(std::strerror(errno)));
+  }
+}
+
+CallResult<void> LineSocket::write_line(std::string line, TimePoint deadline) {
+  line += '\n';
+  std::string_view rest = line;
+  while (!rest.empty()) {
+    const auto written = ::send(descriptor_, rest.data(), rest.size(), MSG_NOSIGNAL);
+    if (written >= 0) {
+      rest.remove_prefix(static_cast<std::size_t>(written));
+    } else if (errno == EAGAIN) {
+      const auto writable = wait_for(POLLOUT, deadline);
+      if (!writable) return tl::unexpected(writable.error());
+      if (!*writable) return tl::unexpected(lost("it takes nothing more"));
+    } else if (errno != EINTR) {
+      return tl::unexpected(lost(std::strerror(errno)));
+    }
+  }
+  return {};
+}
+
+std::optional<std::string> LineSocket::take_line() {
+  const auto end = received_.find('\n');
+  if (end == std::string::npos) return std::nullopt;
+  auto line = received_.substr(0, end);
+  received_.erase(0, end + 1);
+  return line;
+}
+
+CallResult<void> LineSocket::receive() {
+  std::array<char, 16384> buffer;
+  const auto got = ::recv(descriptor_, buffer.data(), buffer.size(), 0);
+  if (got == 0) return tl::unexpected(lost("the daemon closed it"));
+  if (got < 0) {
+    if (errno == EAGAIN || errno == EINTR) return {};
+    return tl::unexpected(lost(std::strerror(errno)));
+  }
+  received_.append(buffer.data(), static_cast<std::size_t>(got));
+  if (received_.size() > max_line_bytes) return tl::unexpected(lost("a line without end came"));
+  return {};
+}
+
+CallResult<std::optional<std::string>> LineSocket::read_line(TimePoint deadline) {
+  while (true) {
+    if (auto line = take_line()) return line;
+    const auto readable = wait_for(POLLIN, deadline);
+    if (!readable) return tl::unexpected(readable.error());
+    if (!*readable) return std::optional<std::string>{};
+    if (const auto received = receive(); !received) return tl::unexpected(received.error());
+  }
+}
+
+}  // namespace tmcl::client

@@ -1,0 +1,42 @@
+/// A unix socket that carries lines of text.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "tmcl/client.hpp"
+
+namespace tmcl::client {
+
+/// Move-only; closes its descriptor.
+class LineSocket {
+ public:
+  static CallResult<LineSocket> open(const std::string& path, std::function<bool()> cancelled);
+  LineSocket(LineSocket&& other) noexcept;
+  LineSocket& operator=(LineSocket&& other) noexcept;
+  ~LineSocket();
+
+  const std::string& path() const { return path_; }
+
+  CallResult<void> write_line(std::string line, TimePoint deadline);
+  /// The next line without its end; nothing when the deadline comes first.
+  CallResult<std::optional<std::string>> read_line(TimePoint deadline);
+
+ private:
+  LineSocket(int descriptor, std::string path, std::function<bool()> cancelled);
+
+  std::optional<std::string> take_line();
+  CallResult<void> receive();
+  /// False when the deadline came first.
+  CallResult<bool> wait_for(short events, TimePoint deadline);
+  CallError lost(std::string_view why) const;
+
+  int descriptor_ = -1;
+  std::string path_;
+  std::function<bool()> cancelled_;
+  std::string received_;
+};
+
+}  // namespace tmcl::client

@@ -1,0 +1,278 @@
+#include "daemon_target.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "json_read.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+
+// A movement that had to wait longer than this for its turn is not what the user expects any more.
+constexpr int move_deadline_ms = 5000;
+// How often the watching verb gets to look at the clock and at signals when nothing changes.
+constexpr auto longest_silence = std::chrono::milliseconds(100);
+
+// The contract takes a number or a name; a number must not travel as text.
+json::value parameter_value(const std::string& text) {
+  int number = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  if (error == std::errc{} && end == text.data() + text.size()) return number;
+  return json::value(text);
+}
+
+ModuleRow module_from(const json::object& row) {
+  return {text_at(row, "bus"),
+          integer_at<std::uint16_t>(row, "address"),
+          text_at(row, "model"),
+          integer_at<std::uint16_t>(row, "model_number"),
+          text_at(row, "firmware"),
+          integer_at<std::uint8_t>(row, "axes"),
+          flag_at(row, "duplicate_suspected"),
+          text_at(row, "state")};
+}
+
+AxisRow axis_from(const json::object& row) {
+  return {text_at(row, "name"),
+          text_at(row, "bus"),
+          integer_at<std::uint16_t>(row, "address"),
+          integer_at<std::uint8_t>(row, "motor"),
+          text_at(row, "model"),
+          text_at(row, "state")};
+}
+
+ParameterRow parameter_from(const json::object& row) {
+  const auto access = text_at(row, "access");
+  return {integer_at<std::uint8_t>(row, "number"),
+          text_at(row, "name"),
+          access.find('w') != std::string::npos,
+          integer_at<std::int32_t>(row, "minimum"),
+          integer_at<std::int32_t>(row, "maximum"),
+          text_at(row, "unit"),
+          text_at(row, "meaning")};
+}
+
+Failure failure_from_data(const json::object& error) {
+  tmcl::client::CallError call_error;
+  const auto& data = error.contains("data") ? object_at(error, "data") : error;
+  call_error.name = text_at(data, "name");
+  call_error.message = text_at(error, "message");
+  call_error.hint = text_at(data, "hint");
+  call_error.outcome =
+      text_at(data, "outcome") == "not_sent" ? tmcl::Outcome::not_sent : tmcl::Outcome::unknown;
+  if (text_at(data, "outcome") == "refused") call_error.outcome = tmcl::Outcome::refused;
+  return failure_from(call_error);
+}
+
+}  // namespace
+
+Attempt<std::unique_ptr<Target>> DaemonTarget::open(const std::string& socket_path,
+                                                    std::string options, Patience& patience) {
+  tmcl::client::Options client_options;
+  client_options.cancelled = [&patience] { return patience.signal() != 0; };
+  auto daemon = attempt(tmcl::client::Connection::open(socket_path, std::move(client_options)));
+  if (!daemon) {
+    if (daemon.error().name == tmcl::client::error_name::unreachable) {
+      daemon.error().hint +=
+          ".\n  Another socket: --socket PATH or $TMCLD_SOCKET. Without tmcld: "
+          "--direct serial:/dev/ttyACM0@115200 (or can:can0, tcp:HOST:PORT)";
+    }
+    return tl::unexpected(daemon.error());
+  }
+  return std::make_unique<DaemonTarget>(std::move(*daemon), std::move(options), patience);
+}
+
+DaemonTarget::DaemonTarget(tmcl::client::Connection daemon, std::string options, Patience& patience)
+    : daemon_(std::move(daemon)), options_(std::move(options)), patience_(patience) {}
+
+Attempt<json::object> DaemonTarget::call(std::string_view method, json::object params) {
+  return attempt(daemon_.call(method, std::move(params)));
+}
+
+Attempt<std::vector<ModuleRow>> DaemonTarget::scan(ScanRange range, const Progress& progress) {
+  if (progress) {
+    daemon_.on_notification([&](std::string_view method, const json::object& params) {
+      if (method != "notify_progress") return;
+      progress(text_at(params, "bus"), integer_at<std::size_t>(params, "asked"),
+               integer_at<std::size_t>(params, "of"));
+    });
+  }
+  auto result = call("bus.scan", {{"first", range.first}, {"last", range.last}});
+  daemon_.on_notification({});
+  return std::move(result).map(
+      [](const json::object& found) { return rows_at<ModuleRow>(found, "modules", module_from); });
+}
+
+Attempt<std::vector<ModuleRow>> DaemonTarget::modules() {
+  return call("module.list", {}).map([](const json::object& found) {
+    return rows_at<ModuleRow>(found, "modules", module_from);
+  });
+}
+
+Attempt<std::vector<AxisRow>> DaemonTarget::axes() {
+  return call("axis.list", {}).map([](const json::object& found) {
+    return rows_at<AxisRow>(found, "axes", axis_from);
+  });
+}
+
+Attempt<std::vector<ParameterRow>> DaemonTarget::parameters(const std::string& axis) {
+  return call("parameter.list", {{"axis", axis}}).map([](const json::object& found) {
+    return rows_at<ParameterRow>(found, "parameters", parameter_from);
+  });
+}
+
+Attempt<ParameterValue> DaemonTarget::get(const std::string& axis, const std::string& parameter) {
+  return call("parameter.get", {{"axis", axis}, {"parameter", parameter_value(parameter)}})
+      .map([](const json::object& got) {
+        return ParameterValue{integer_at<std::uint8_t>(got, "number"), text_at(got, "parameter"),
+                              integer_at<std::int32_t>(got, "value")};
+      });
+}
+
+Attempt<ParameterValue> DaemonTarget::set(const std::string& axis, const std::string& parameter,
+                                          std::int32_t value) {
+  return call("parameter.set",
+              {{"axis", axis}, {"parameter", parameter_value(parameter)}, {"value", value}})
+      .map([](const json::object& got) {
+        return ParameterValue{integer_at<std::uint8_t>(got, "number"), text_at(got, "parameter"),
+                              integer_at<std::int32_t>(got, "value")};
+      });
+}
+
+Attempt<tmcl::Microsteps> DaemonTarget::move(std::string_view method, json::object params) {
+  params["deadline_ms"] = move_deadline_ms;
+  return call(method, std::move(params)).map([](const json::object& moved) {
+    return tmcl::Microsteps{integer_at<std::int32_t>(moved, "target_microsteps")};
+  });
+}
+
+Attempt<tmcl::Microsteps> DaemonTarget::move_to(const std::string& axis,
+                                                tmcl::Microsteps position) {
+  return move("axis.move_to", {{"axis", axis}, {"position_microsteps", position.value}});
+}
+
+Attempt<tmcl::Microsteps> DaemonTarget::move_by(const std::string& axis,
+                                                tmcl::Microsteps distance) {
+  return move("axis.move_by", {{"axis", axis}, {"distance_microsteps", distance.value}});
+}
+
+Attempt<void> DaemonTarget::rotate(const std::string& axis, tmcl::InternalVelocity velocity) {
+  return call("axis.rotate", {{"axis", axis},
+                              {"velocity_internal", velocity.value},
+                              {"deadline_ms", move_deadline_ms}})
+      .map([](const json::object&) {});
+}
+
+Attempt<void> DaemonTarget::stop(const std::string& axis) {
+  return call("axis.stop", {{"axis", axis}}).map([](const json::object&) {});
+}
+
+Attempt<std::vector<StoppedAxis>> DaemonTarget::stop_all() {
+  return call("system.stop_all", {}).map([](const json::object& result) {
+    auto stopped = rows_at<StoppedAxis>(result, "stopped", [](const json::object& row) {
+      return StoppedAxis{text_at(row, "axis"), number_at(row, "milliseconds"), {}};
+    });
+    for (auto& row : rows_at<StoppedAxis>(result, "failed", [](const json::object& failed) {
+           return StoppedAxis{
+               text_at(failed, "axis"), {}, failure_from_data(object_at(failed, "error"))};
+         })) {
+      stopped.push_back(std::move(row));
+    }
+    return stopped;
+  });
+}
+
+AxisReading DaemonTarget::reading_from(const json::object& state) const {
+  AxisReading reading;
+  reading.position = {integer_at<std::int32_t>(state, "position_microsteps")};
+  reading.velocity = {integer_at<std::int32_t>(state, "velocity_internal")};
+  reading.velocity_pps = number_at(state, "velocity_pps");
+  reading.target = {integer_at<std::int32_t>(state, "target_microsteps")};
+  reading.position_reached = flag_at(state, "position_reached");
+  reading.moving = flag_at(state, "moving");
+  const std::chrono::duration<double, std::milli> age(number_at(state, "age_ms").value_or(0));
+  reading.age = std::chrono::duration_cast<tmcl::Duration>(age);
+  reading.taken_at = patience_.now() - reading.age;
+  return reading;
+}
+
+Attempt<AxisReading> DaemonTarget::state(const std::string& axis) {
+  return call("axis.get_state", {{"axis", axis}}).map([&](const json::object& state) {
+    return reading_from(state);
+  });
+}
+
+Attempt<void> DaemonTarget::watch(const std::string& axis, tmcl::Duration interval,
+                                  const ReadingHandler& on_reading) {
+  bool wanted = true;
+  bool heard = false;
+  daemon_.on_notification([&](std::string_view method, const json::object& params) {
+    if (method != "notify_state" || text_at(params, "axis") != axis) return;
+    heard = true;
+    const auto reading = reading_from(params);
+    if (wanted) wanted = on_reading(&reading);
+  });
+  const auto interval_ms = std::chrono::duration_cast<std::chrono::milliseconds>(interval).count();
+  const auto subscribed =
+      call("subscribe", {{"axes", json::array{axis}}, {"interval_ms", interval_ms}});
+  if (!subscribed) return tl::unexpected(subscribed.error());
+  for (const auto& state : array_at(*subscribed, "states")) {
+    const auto reading = reading_from(state.is_object() ? state.get_object() : json::object{});
+    if (wanted) wanted = on_reading(&reading);
+  }
+  while (wanted) {
+    heard = false;
+    auto listened = attempt(daemon_.listen(longest_silence));
+    if (!listened && listened.error().name != tmcl::client::error_name::cancelled) return listened;
+    if (wanted && !heard) wanted = on_reading(nullptr);
+  }
+  daemon_.on_notification({});
+  return {};
+}
+
+Attempt<json::object> DaemonTarget::bus_named(const std::string& name) {
+  const auto listed = call("bus.list", {});
+  if (!listed) return tl::unexpected(listed.error());
+  std::string names;
+  const auto& buses = array_at(*listed, "buses");
+  for (const auto& value : buses) {
+    const auto& bus = value.is_object() ? value.get_object() : json::object{};
+    if (text_at(bus, "name") == name || (name.empty() && buses.size() == 1)) return bus;
+    names += (names.empty() ? "" : ", ") + text_at(bus, "name");
+  }
+  if (name.empty()) {
+    return tl::unexpected(
+        usage_failure("missing_bus", "tmcld has several buses: which one?", "--bus " + names));
+  }
+  return tl::unexpected(
+      usage_failure("unknown_bus", fmt::format("tmcld has no bus '{}'", name), "It has: " + names));
+}
+
+Attempt<RawAnswer> DaemonTarget::raw(const RawCommand& command) {
+  const auto bus = bus_named(command.bus);
+  if (!bus) return tl::unexpected(bus.error());
+  const auto& request = command.request;
+  const auto result = call("module.execute", {{"bus", text_at(*bus, "name")},
+                                              {"address", number(request.address)},
+                                              {"command", static_cast<int>(request.command)},
+                                              {"type", request.type},
+                                              {"motor", request.motor},
+                                              {"value", request.value}});
+  if (!result) return tl::unexpected(result.error());
+  RawAnswer answer;
+  answer.bus = text_at(*bus, "name");
+  const bool is_can = text_at(*bus, "link").starts_with("can:");
+  answer.framing = is_can ? tmcl::Framing::can : tmcl::Framing::serial;
+  answer.reply = {tmcl::default_host_address, reply_byte(request.address),
+                  static_cast<tmcl::Status>(integer_at<std::uint8_t>(*result, "status")),
+                  request.command, integer_at<std::int32_t>(*result, "value")};
+  answer.text = text_at(*result, "text");
+  return answer;
+}
+
+}  // namespace tmclctl

@@ -1,0 +1,47 @@
+/// Axes through a running tmcld, which shares them with other programs.
+#pragma once
+
+#include <string>
+
+#include "target.hpp"
+#include "tmcl/client.hpp"
+
+namespace tmclctl {
+
+class DaemonTarget final : public Target {
+ public:
+  /// `options` is how another tmclctl names the same socket.
+  static Attempt<std::unique_ptr<Target>> open(const std::string& socket_path, std::string options,
+                                               Patience& patience);
+  DaemonTarget(tmcl::client::Connection daemon, std::string options, Patience& patience);
+
+  Attempt<std::vector<ModuleRow>> scan(ScanRange range, const Progress& progress) override;
+  Attempt<std::vector<ModuleRow>> modules() override;
+  Attempt<std::vector<AxisRow>> axes() override;
+  Attempt<std::vector<ParameterRow>> parameters(const std::string& axis) override;
+  Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) override;
+  Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
+                              std::int32_t value) override;
+  Attempt<tmcl::Microsteps> move_to(const std::string& axis, tmcl::Microsteps position) override;
+  Attempt<tmcl::Microsteps> move_by(const std::string& axis, tmcl::Microsteps distance) override;
+  Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override;
+  Attempt<void> stop(const std::string& axis) override;
+  Attempt<std::vector<StoppedAxis>> stop_all() override;
+  Attempt<AxisReading> state(const std::string& axis) override;
+  Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
+                      const ReadingHandler& on_reading) override;
+  Attempt<RawAnswer> raw(const RawCommand& command) override;
+  std::string options() const override { return options_; }
+
+ private:
+  Attempt<boost::json::object> call(std::string_view method, boost::json::object params);
+  Attempt<tmcl::Microsteps> move(std::string_view method, boost::json::object params);
+  AxisReading reading_from(const boost::json::object& state) const;
+  Attempt<boost::json::object> bus_named(const std::string& name);
+
+  tmcl::client::Connection daemon_;
+  std::string options_;
+  Patience& patience_;
+};
+
+}  // namespace tmclctl

@@ -1,0 +1,213 @@
+#include "direct_target.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "names.hpp"
+
+namespace tmclctl {
+namespace {
+
+using tmcl::blocking::Axis;
+
+// Modules are numbered from 1 upwards, so the first of them are told to stop before the rest has
+// been looked for.
+constexpr std::uint16_t stop_scan_step = 16;
+constexpr std::uint16_t stop_scan_last = 255;
+
+ModuleRow row_of(const tmcl::FoundModule& found, const std::string& bus) {
+  ModuleRow row{bus,
+                number(found.address),
+                std::string(found.model),
+                found.version.model,
+                {},
+                found.axes,
+                found.duplicate_suspected,
+                {}};
+  row.firmware = to_string(found.version);
+  return row;
+}
+
+ParameterRow row_of(const tmcl::ParameterInfo& info) {
+  return {info.number,
+          std::string(info.name),
+          info.access == tmcl::Access::read_write,
+          info.minimum,
+          info.maximum,
+          std::string(info.unit),
+          std::string(info.meaning)};
+}
+
+}  // namespace
+
+Attempt<std::unique_ptr<Target>> DirectTarget::open(const std::string& link_name,
+                                                    Patience& patience) {
+  const auto name = attempt(tmcl::parse_link_name(link_name));
+  if (!name) return tl::unexpected(name.error());
+  auto link = attempt(tmcl::Link::open(*name));
+  if (!link) return tl::unexpected(link.error());
+  const auto framing = link->framing();
+  return std::make_unique<DirectTarget>(tmcl::blocking::Bus(std::move(*link)), framing, patience);
+}
+
+DirectTarget::DirectTarget(tmcl::blocking::Bus bus, tmcl::Framing framing, Patience& patience)
+    : bus_(std::move(bus)), framing_(framing), patience_(patience) {}
+
+Attempt<Axis> DirectTarget::axis_at(const std::string& name) {
+  return parse_axis_address(name).map(
+      [&](tmcl::AxisAddress address) { return bus_.module(address.module).axis(address.motor); });
+}
+
+Attempt<std::vector<ModuleRow>> DirectTarget::scan(ScanRange range, const Progress& progress) {
+  tmcl::ScanOptions options;
+  options.first = range.first;
+  options.last = range.last;
+  if (progress) {
+    options.progress = [&](std::size_t asked, std::size_t of) { progress(bus_.name(), asked, of); };
+  }
+  return attempt(bus_.run(tmcl::verbs::scan(options))).map([&](const auto& found) {
+    std::vector<ModuleRow> rows;
+    for (const auto& module : found) rows.push_back(row_of(module, bus_.name()));
+    return rows;
+  });
+}
+
+Attempt<std::vector<ModuleRow>> DirectTarget::modules() { return scan({}, {}); }
+
+Attempt<std::vector<AxisRow>> DirectTarget::axes() {
+  return modules().map([&](const std::vector<ModuleRow>& found) {
+    std::vector<AxisRow> rows;
+    for (const auto& module : found) {
+      for (std::uint8_t motor = 0; motor < module.axes; ++motor) {
+        const auto name = axis_name({tmcl::ModuleAddress{module.address}, motor});
+        rows.push_back({name, module.bus, module.address, motor, module.model, "ready"});
+      }
+    }
+    return rows;
+  });
+}
+
+Attempt<std::vector<ParameterRow>> DirectTarget::parameters(const std::string& axis) {
+  const auto address = parse_axis_address(axis);
+  if (!address) return tl::unexpected(address.error());
+  const auto found = attempt(bus_.module(address->module).identify());
+  if (!found) return tl::unexpected(found.error());
+  const auto* model = tmcl::find_model(found->version.model);
+  std::vector<ParameterRow> rows;
+  for (const auto& info :
+       model != nullptr ? tmcl::axis_parameters(model->family) : common_parameters()) {
+    rows.push_back(row_of(info));
+  }
+  return rows;
+}
+
+Attempt<ParameterValue> DirectTarget::get(const std::string& axis, const std::string& parameter) {
+  auto at = axis_at(axis);
+  if (!at) return tl::unexpected(at.error());
+  const auto name = parse_parameter(common_parameters(), parameter);
+  if (!name) return tl::unexpected(name.error());
+  return attempt(at->get(name->number)).map([&](std::int32_t value) {
+    return ParameterValue{name->number, name->name, value};
+  });
+}
+
+Attempt<ParameterValue> DirectTarget::set(const std::string& axis, const std::string& parameter,
+                                          std::int32_t value) {
+  auto at = axis_at(axis);
+  if (!at) return tl::unexpected(at.error());
+  const auto name = parse_parameter(common_parameters(), parameter);
+  if (!name) return tl::unexpected(name.error());
+  return attempt(at->set(name->number, value)).map([&] {
+    return ParameterValue{name->number, name->name, value};
+  });
+}
+
+Attempt<tmcl::Microsteps> DirectTarget::move_to(const std::string& axis,
+                                                tmcl::Microsteps position) {
+  return axis_at(axis).and_then([&](Axis at) { return attempt(at.move_to(position)); });
+}
+
+Attempt<tmcl::Microsteps> DirectTarget::move_by(const std::string& axis,
+                                                tmcl::Microsteps distance) {
+  return axis_at(axis).and_then([&](Axis at) { return attempt(at.move_by(distance)); });
+}
+
+Attempt<void> DirectTarget::rotate(const std::string& axis, tmcl::InternalVelocity velocity) {
+  return axis_at(axis).and_then([&](Axis at) { return attempt(at.rotate(velocity)); });
+}
+
+Attempt<void> DirectTarget::stop(const std::string& axis) {
+  return axis_at(axis).and_then([](Axis at) { return attempt(at.stop()); });
+}
+
+void DirectTarget::stop_motors(const tmcl::FoundModule& module, std::vector<StoppedAxis>& stopped) {
+  for (std::uint8_t motor = 0; motor < module.axes; ++motor) {
+    const auto before = patience_.now();
+    const auto result = attempt(bus_.module(module.address).axis(motor).stop());
+    const std::chrono::duration<double, std::milli> took = patience_.now() - before;
+    StoppedAxis row{axis_name({module.address, motor}), {}, {}};
+    if (result) {
+      row.milliseconds = took.count();
+    } else {
+      row.failure = result.error();
+    }
+    stopped.push_back(std::move(row));
+  }
+}
+
+Attempt<std::vector<StoppedAxis>> DirectTarget::stop_all() {
+  std::vector<StoppedAxis> stopped;
+  for (std::uint16_t first = 1; first <= stop_scan_last; first += stop_scan_step) {
+    tmcl::ScanOptions options;
+    options.first = first;
+    options.last = std::min<std::uint16_t>(static_cast<std::uint16_t>(first + stop_scan_step - 1),
+                                           stop_scan_last);
+    const auto found = attempt(bus_.run(tmcl::verbs::scan(options)));
+    if (!found) return tl::unexpected(found.error());
+    for (const auto& module : *found) stop_motors(module, stopped);
+  }
+  return stopped;
+}
+
+Attempt<AxisReading> DirectTarget::state(const std::string& axis) {
+  auto at = axis_at(axis);
+  if (!at) return tl::unexpected(at.error());
+  const auto taken_at = patience_.now();
+  return attempt(at->state()).map([&](const tmcl::AxisState& state) {
+    AxisReading reading;
+    reading.position = state.position;
+    reading.velocity = state.velocity;
+    reading.target = state.target;
+    reading.position_reached = state.position_reached;
+    reading.moving = state.velocity.value != 0;
+    reading.taken_at = taken_at;
+    reading.age = patience_.now() - taken_at;
+    return reading;
+  });
+}
+
+Attempt<void> DirectTarget::watch(const std::string& axis, tmcl::Duration interval,
+                                  const ReadingHandler& on_reading) {
+  while (true) {
+    const auto due = patience_.now() + interval;
+    const auto reading = state(axis);
+    if (!reading) return tl::unexpected(reading.error());
+    if (!on_reading(&*reading)) return {};
+    patience_.sleep(due - patience_.now());
+  }
+}
+
+Attempt<RawAnswer> DirectTarget::raw(const RawCommand& command) {
+  return attempt(bus_.execute(command.request)).map([&](const tmcl::Answer& answer) {
+    RawAnswer raw{bus_.name(), framing_, answer.reply, {}};
+    if (answer.version_text) {
+      const auto text = to_text(*answer.version_text);
+      raw.text.assign(text.begin(), text.end());
+    }
+    return raw;
+  });
+}
+
+std::string DirectTarget::options() const { return " --direct " + bus_.name(); }
+
+}  // namespace tmclctl

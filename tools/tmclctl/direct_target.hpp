@@ -1,0 +1,43 @@
+/// Axes straight on a bus that this program opens for itself.
+#pragma once
+
+#include <string>
+
+#include "target.hpp"
+#include "tmcl/blocking.hpp"
+
+namespace tmclctl {
+
+class DirectTarget final : public Target {
+ public:
+  static Attempt<std::unique_ptr<Target>> open(const std::string& link_name, Patience& patience);
+  DirectTarget(tmcl::blocking::Bus bus, tmcl::Framing framing, Patience& patience);
+
+  Attempt<std::vector<ModuleRow>> scan(ScanRange range, const Progress& progress) override;
+  Attempt<std::vector<ModuleRow>> modules() override;
+  Attempt<std::vector<AxisRow>> axes() override;
+  Attempt<std::vector<ParameterRow>> parameters(const std::string& axis) override;
+  Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) override;
+  Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
+                              std::int32_t value) override;
+  Attempt<tmcl::Microsteps> move_to(const std::string& axis, tmcl::Microsteps position) override;
+  Attempt<tmcl::Microsteps> move_by(const std::string& axis, tmcl::Microsteps distance) override;
+  Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override;
+  Attempt<void> stop(const std::string& axis) override;
+  Attempt<std::vector<StoppedAxis>> stop_all() override;
+  Attempt<AxisReading> state(const std::string& axis) override;
+  Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
+                      const ReadingHandler& on_reading) override;
+  Attempt<RawAnswer> raw(const RawCommand& command) override;
+  std::string options() const override;
+
+ private:
+  Attempt<tmcl::blocking::Axis> axis_at(const std::string& name);
+  void stop_motors(const tmcl::FoundModule& module, std::vector<StoppedAxis>& stopped);
+
+  tmcl::blocking::Bus bus_;
+  tmcl::Framing framing_;
+  Patience& patience_;
+};
+
+}  // namespace tmclctl

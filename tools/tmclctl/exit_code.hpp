@@ -1,0 +1,17 @@
+/// What tmclctl's exit codes mean; scripts rely on them.
+#pragma once
+
+namespace tmclctl {
+
+enum class ExitCode : int {
+  done = 0,
+  refused = 1,      ///< The module or the daemon said no; nothing changed.
+  usage = 2,        ///< The command line asks for something that does not exist; nothing was sent.
+  not_sent = 3,     ///< No module was reached; nothing changed.
+  unknown = 4,      ///< Sent, but no answer: it may have been executed.
+  not_reached = 5,  ///< Waiting ended early: the move was interrupted, or its time was up.
+  interrupted = 130,
+  terminated = 143,
+};
+
+}  // namespace tmclctl

@@ -1,0 +1,117 @@
+#include "following.hpp"
+
+#include <csignal>
+
+#include <fmt/format.h>
+
+namespace tmclctl {
+namespace {
+
+// Axis parameter 138 of every module with a TMC429: 2 after a stop and while turning by velocity.
+constexpr const char* ramp_mode = "138";
+constexpr std::int32_t velocity_mode = 2;
+constexpr tmcl::Duration mode_interval = std::chrono::milliseconds(500);
+
+Failure not_reached(const Journey& journey, const AxisReading& reading, std::string_view what,
+                    std::string hint) {
+  Failure failure{
+      ExitCode::not_reached, "move_interrupted", {}, std::move(hint), tmcl::Outcome::done};
+  failure.message = fmt::format("{} {}: at {}, on its way to {}", journey.axis, what,
+                                reading.position.value, journey.goal.value);
+  failure.details = {{"axis", journey.axis},
+                     {"position_microsteps", reading.position.value},
+                     {"target_microsteps", journey.goal.value}};
+  return failure;
+}
+
+std::optional<Failure> ended_by_axis(const Journey& journey, const AxisReading& reading,
+                                     Arrival::Verdict verdict) {
+  if (verdict == Arrival::Verdict::stands_elsewhere) {
+    return not_reached(journey, reading, "stands still short of its target",
+                       "Someone may have stopped it, or a limit switch did: 'tmclctl params " +
+                           journey.axis + " --values' shows the switches");
+  }
+  if (verdict == Arrival::Verdict::sent_elsewhere) {
+    return not_reached(journey, reading,
+                       fmt::format("was sent to {} instead", reading.target.value),
+                       "Another program moves the same axis");
+  }
+  return std::nullopt;
+}
+
+bool turns_by_velocity(const Journey& journey, Target& target) {
+  const auto mode = target.get(journey.axis, ramp_mode);
+  return mode && mode->value == velocity_mode;
+}
+
+Failure lost_sight(const Journey& journey, Failure failure, const Target& target) {
+  failure.exit = ExitCode::unknown;
+  failure.outcome = tmcl::Outcome::unknown;
+  failure.message = fmt::format("lost sight of {} on its way to {}: {}", journey.axis,
+                                journey.goal.value, failure.message);
+  failure.hint = "It may still be moving. " + how_to_stop(journey.axis, target);
+  return failure;
+}
+
+std::optional<Failure> ended_by_user(const Journey& journey, const AxisReading& reading,
+                                     Room& room) {
+  if (room.patience.signal() != 0) {
+    auto failure = interrupted_failure(
+        room.patience.signal(),
+        fmt::format("no longer waiting; {} goes on moving to {}", journey.axis, journey.goal.value),
+        how_to_stop(journey.axis, room.target));
+    failure.details = not_reached(journey, reading, "", "").details;
+    return failure;
+  }
+  if (journey.timeout && room.patience.now() - journey.started_at >= *journey.timeout) {
+    auto failure = not_reached(journey, reading, "has not arrived in time",
+                               "It goes on moving. " + how_to_stop(journey.axis, room.target));
+    failure.name = "timeout";
+    return failure;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Failure interrupted_failure(int signal, const std::string& message, const std::string& hint) {
+  const auto exit = signal == SIGTERM ? ExitCode::terminated : ExitCode::interrupted;
+  return {exit, "interrupted", message, hint, tmcl::Outcome::done};
+}
+
+std::string how_to_stop(const std::string& axis, const Target& target) {
+  return fmt::format("Stop it with: tmclctl{} stop {}", target.options(), axis);
+}
+
+Attempt<tmcl::Microsteps> follow(const Journey& journey, Room& room,
+                                 const std::function<void(const AxisReading&)>& on_reading) {
+  Arrival arrival(journey.goal, journey.started_at);
+  auto mode_asked_at = room.patience.now();
+  while (true) {
+    const auto next_look = room.patience.now() + journey.interval;
+    const auto reading = room.target.state(journey.axis);
+    // A signal ends the daemon's call, too, and then says more than the call's own error.
+    if (!reading && room.patience.signal() == 0) {
+      return tl::unexpected(lost_sight(journey, reading.error(), room.target));
+    }
+    if (reading) {
+      on_reading(*reading);
+      const auto verdict = arrival.judge(*reading);
+      if (verdict == Arrival::Verdict::arrived) return reading->position;
+      if (auto end = ended_by_axis(journey, *reading, verdict)) return tl::unexpected(*end);
+    }
+    if (auto end = ended_by_user(journey, reading.value_or(AxisReading{}), room))
+      return tl::unexpected(*end);
+    if (room.patience.now() - mode_asked_at >= mode_interval) {
+      mode_asked_at = room.patience.now();
+      if (turns_by_velocity(journey, room.target)) {
+        return tl::unexpected(not_reached(journey, reading.value_or(AxisReading{}),
+                                          "was stopped, or turned by velocity",
+                                          "Someone else may have stopped it"));
+      }
+    }
+    room.patience.sleep(next_look - room.patience.now());
+  }
+}
+
+}  // namespace tmclctl

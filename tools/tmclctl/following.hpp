@@ -1,0 +1,30 @@
+/// Looks at an axis on its way, until it has arrived or something else ends the move.
+#pragma once
+
+#include <functional>
+#include <string>
+
+#include "arrival.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+
+struct Journey {
+  std::string axis;
+  tmcl::Microsteps goal;
+  tmcl::TimePoint started_at;
+  tmcl::Duration interval;  ///< Between two looks.
+  std::optional<tmcl::Duration> timeout{};
+};
+
+/// The position where the axis stands at last, or why it is not going to be watched any longer:
+/// interrupted by someone else, by a signal, by the time limit, or because it does not answer.
+Attempt<tmcl::Microsteps> follow(const Journey& journey, Room& room,
+                                 const std::function<void(const AxisReading&)>& on_reading);
+
+/// What to tell when a signal ends the watching while the axis goes on.
+Failure interrupted_failure(int signal, const std::string& message, const std::string& hint);
+/// "Stop it with: tmclctl --direct can:can0 stop 1/0"
+std::string how_to_stop(const std::string& axis, const Target& target);
+
+}  // namespace tmclctl

@@ -1,0 +1,117 @@
+/// What --help says besides the lists of options.
+#pragma once
+
+namespace tmclctl::help_text {
+
+constexpr const char* description =
+    "Moves and inspects the axes of TMCM modules, through a running tmcld or straight on a bus.";
+
+constexpr const char* footer = R"(
+An AXIS is a name from tmcld's configuration; with --direct it is ADDRESS/MOTOR, such as 1/0.
+A PARAM is a number or a standard name, such as max_velocity: 'tmclctl params AXIS' lists them.
+Positions are microsteps; velocities are what the module counts in (-2047..2047).
+
+Examples:
+  tmclctl scan                                   which modules are there?
+  tmclctl axes                                   which axes does tmcld know?
+  tmclctl move x 51200 --wait                    go to 51200 and wait until it stands there
+  tmclctl move x -1000 --by                      go back by 1000
+  tmclctl rotate x -500                          turn left without end ...
+  tmclctl stop x                                 ... and stop
+  tmclctl stop --all                             stop everything
+  tmclctl set x max_velocity 1500                until the module loses power
+  tmclctl plot x --by 51200 --svg move.svg       move and draw how it went
+  tmclctl --direct serial:/dev/ttyACM0@115200 get 1/0 actual_position
+  tmclctl --json state x                         for scripts: one JSON document
+
+Exit codes:
+    0  done
+    1  the module or tmcld refused; nothing changed
+    2  the command line asks for something that does not exist; nothing was sent
+    3  not sent: no connection, no answer from the module lately; nothing changed
+    4  outcome unknown: sent, but no answer; it may have been executed
+    5  the wait ended early: the move was interrupted, or --timeout passed
+  130  Ctrl-C while waiting: the axis goes on moving (143 for SIGTERM)
+With --json an error is a JSON document on standard output, too: {"error": {"name": ..., "message": ...}}
+
+Environment:
+  TMCLD_SOCKET  the daemon's socket, if --socket is not given (otherwise /run/tmcld/tmcld.sock)
+  NO_COLOR      no colours, if set
+)";
+
+constexpr const char* scan = R"(
+Asks every address who is there: through tmcld on all its buses, with --direct on that one.
+One row for each module that answers. Takes some seconds on a slow serial line.
+
+  tmclctl scan
+  tmclctl --direct can:can0 scan --addresses 1-20
+)";
+
+constexpr const char* get = R"(
+Prints one bare value, so that a script needs no parsing:
+
+  position=$(tmclctl get x actual_position)
+  tmclctl --direct tcp:127.0.0.1:4001 get 1/0 4
+)";
+
+constexpr const char* set = R"(
+The module forgets the value when it loses power ('tmclctl raw' with STAP stores it).
+Writing target_position, target_velocity or ramp_mode can move the motor.
+
+  tmclctl set x max_velocity 1500
+)";
+
+constexpr const char* move = R"(
+Comes back as soon as the module has accepted the move; with --wait when the axis stands at its target.
+While it waits it draws a progress line, if standard error is a terminal. Ctrl-C ends the waiting and NOT the
+move: it tells how to stop the axis and exits with 130.
+
+  tmclctl move x 51200
+  tmclctl move x -1000 --by --wait
+  tmclctl move x 0 --wait --timeout 30
+)";
+
+constexpr const char* rotate = R"(
+Turns until it is stopped: to the right for a positive velocity, to the left for a negative one.
+
+  tmclctl rotate x 500
+  tmclctl rotate x -500
+)";
+
+constexpr const char* stop = R"(
+Ramps down to standstill. A stop goes out before everything else.
+--all stops every axis that tmcld knows; with --direct it looks for modules at the addresses 1 to 255 and stops
+each as soon as it is found.
+
+  tmclctl stop x
+  tmclctl stop --all
+)";
+
+constexpr const char* watch = R"(
+One line for each change, until Ctrl-C (exit code 0) or the end of --for. With --json, one document a line.
+
+  tmclctl watch x
+  tmclctl --json watch x --interval 50 --for 10
+)";
+
+constexpr const char* plot = R"(
+Records position and velocity, and draws both over time. With --to or --by it starts that move and records until
+the axis stands; otherwise it records until the axis stands, or for the time that --for gives. Ctrl-C ends the
+recording, not the move, and draws what there is.
+
+  tmclctl plot x --by 51200
+  tmclctl plot x --to 0 --svg move.svg --csv move.csv
+  tmclctl rotate x 500; tmclctl plot x --for 3
+  tmclctl plot x --by 1000 --csv -               CSV on standard output, no drawing
+)";
+
+constexpr const char* raw = R"(
+Sends one command as it is and shows the bytes of request and reply. COMMAND and TYPE are numbers or names.
+Through tmcld the reply's bytes are put together again from what tmcld says.
+
+  tmclctl --direct serial:/dev/ttyACM0 raw 1 GAP actual_position 0 0
+  tmclctl raw --bus bench 1 GET_FIRMWARE_VERSION 1 0 0
+  tmclctl raw 1 MVP ABS 0 51200
+)";
+
+}  // namespace tmclctl::help_text

@@ -1,0 +1,28 @@
+/// Reading what a person typed: axes and parameters, with a suggestion when it is not understood.
+#pragma once
+
+#include <string_view>
+
+#include "failure.hpp"
+#include "tmcl/parameter.hpp"
+#include "tmcl/verbs.hpp"
+
+namespace tmclctl {
+
+/// "1/0": motor 0 of module 1, as axes are called where nobody gave them names.
+Attempt<tmcl::AxisAddress> parse_axis_address(std::string_view text);
+std::string axis_name(tmcl::AxisAddress axis);
+
+struct ParameterName {
+  std::uint8_t number = 0;
+  std::string name;  ///< The standard name, or the number as text.
+};
+
+/// A number 0..255, or a name or an alias from the table.
+Attempt<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> table,
+                                       std::string_view text);
+
+/// The axis parameters of modules whose model was not asked for.
+std::span<const tmcl::ParameterInfo> common_parameters();
+
+}  // namespace tmclctl

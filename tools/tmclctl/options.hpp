@@ -1,0 +1,102 @@
+/// What the command line says, as plain values.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include "exit_code.hpp"
+#include "target.hpp"
+
+namespace tmclctl {
+
+namespace verb {
+
+struct Scan {
+  ScanRange range;
+};
+struct Modules {};
+struct Axes {};
+struct Params {
+  std::string axis;
+  bool values = false;
+};
+struct Get {
+  std::string axis;
+  std::string parameter;
+};
+struct Set {
+  std::string axis;
+  std::string parameter;
+  std::int32_t value = 0;
+};
+struct Move {
+  std::string axis;
+  std::int32_t position = 0;
+  bool by = false;
+  bool wait = false;
+  std::optional<double> timeout_s;
+};
+struct Rotate {
+  std::string axis;
+  std::int32_t velocity = 0;
+};
+struct Stop {
+  std::string axis;
+  bool all = false;
+};
+struct State {
+  std::string axis;
+};
+struct Watch {
+  std::string axis;
+  std::chrono::milliseconds interval{100};
+  std::optional<double> for_s;
+};
+struct Plot {
+  std::string axis;
+  std::optional<std::int32_t> to;
+  std::optional<std::int32_t> by;
+  std::optional<double> for_s;
+  std::string svg;  ///< Empty: none.
+  std::string csv;  ///< Empty: none; "-": standard output instead of the drawing.
+};
+struct Raw {
+  std::string bus;
+  std::uint16_t address = 0;
+  std::string command;
+  std::string type;
+  std::uint8_t motor = 0;
+  std::int32_t value = 0;
+};
+/// For the shell's completion: prints words, one a line, and never complains. Only "axes" needs a
+/// target; everything else is answered by the parser.
+struct Complete {
+  std::string what;
+};
+
+}  // namespace verb
+
+using Verb = std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Get, verb::Set,
+                          verb::Move, verb::Rotate, verb::Stop, verb::State, verb::Watch,
+                          verb::Plot, verb::Raw, verb::Complete>;
+
+struct Options {
+  Where where;
+  bool json = false;
+  Verb verb;
+};
+
+/// The command line was about tmclctl itself: print this and end.
+struct Information {
+  std::string text;
+};
+
+/// `arguments` without the program's name.
+Attempt<std::variant<Options, Information>> parse_options(
+    const std::vector<std::string>& arguments);
+
+}  // namespace tmclctl

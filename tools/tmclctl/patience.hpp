@@ -1,0 +1,33 @@
+/// How a verb waits: what time it is, how to let some pass, and whether the user has had enough.
+#pragma once
+
+#include "tmcl/clock.hpp"
+
+namespace tmclctl {
+
+class Patience {
+ public:
+  virtual ~Patience() = default;
+  virtual tmcl::TimePoint now() const = 0;
+  /// Returns early when a signal comes.
+  virtual void sleep(tmcl::Duration duration) = 0;
+  /// From here on SIGINT and SIGTERM are for the verb to notice; a second one ends the program all
+  /// the same.
+  virtual void catch_signals() = 0;
+  /// The signal that asked to end; 0 if none did.
+  virtual int signal() const = 0;
+};
+
+/// Real time and real signals.
+class RealPatience final : public Patience {
+ public:
+  tmcl::TimePoint now() const override { return clock_.now(); }
+  void sleep(tmcl::Duration duration) override;
+  void catch_signals() override;
+  int signal() const override;
+
+ private:
+  tmcl::RealClock clock_;
+};
+
+}  // namespace tmclctl

@@ -1,0 +1,83 @@
+#include "print.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <boost/json/serialize.hpp>
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+
+constexpr std::size_t column_gap = 2;
+
+json::value text_or_null(const std::string& text) {
+  return text.empty() ? json::value(nullptr) : json::value(text);
+}
+
+}  // namespace
+
+void print_json(const json::object& document, Output& output) {
+  output.out << json::serialize(document) << std::endl;
+}
+
+Table::Table(std::vector<std::string> headings) { rows_.push_back(std::move(headings)); }
+
+void Table::add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
+
+void Table::print(std::ostream& out) const {
+  std::vector<std::size_t> widths(rows_.front().size());
+  for (const auto& row : rows_) {
+    for (std::size_t i = 0; i < row.size(); ++i) widths[i] = std::max(widths[i], row[i].size());
+  }
+  for (const auto& row : rows_) {
+    std::string line;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      line += row[i] + std::string(widths[i] - row[i].size() + column_gap, ' ');
+    }
+    line.erase(line.find_last_not_of(' ') + 1);
+    out << line << '\n';
+  }
+}
+
+json::object to_json(const ModuleRow& row) {
+  json::object object{{"bus", row.bus},
+                      {"address", row.address},
+                      {"model", text_or_null(row.model)},
+                      {"model_number", row.model_number},
+                      {"firmware", row.firmware},
+                      {"axes", row.axes},
+                      {"duplicate_suspected", row.duplicate_suspected}};
+  if (!row.state.empty()) object["state"] = row.state;
+  return object;
+}
+
+json::object to_json(const AxisRow& row) {
+  return {{"name", row.name},
+          {"bus", row.bus},
+          {"address", row.address},
+          {"motor", row.motor},
+          {"model", text_or_null(row.model)},
+          {"state", row.state}};
+}
+
+json::object to_json(const std::string& axis, const ParameterValue& value) {
+  return {
+      {"axis", axis}, {"parameter", value.name}, {"number", value.number}, {"value", value.value}};
+}
+
+json::object to_json(const std::string& axis, const AxisReading& reading) {
+  const std::chrono::duration<double, std::milli> age = reading.age;
+  return {{"axis", axis},
+          {"position_microsteps", reading.position.value},
+          {"velocity_internal", reading.velocity.value},
+          {"velocity_pps",
+           reading.velocity_pps ? json::value(*reading.velocity_pps) : json::value(nullptr)},
+          {"target_microsteps", reading.target.value},
+          {"position_reached", reading.position_reached},
+          {"moving", reading.moving},
+          {"age_ms", age.count()}};
+}
+
+}  // namespace tmclctl

@@ -1,0 +1,33 @@
+/// Lines, tables and JSON documents on the screen.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <boost/json/object.hpp>
+
+#include "screen.hpp"
+#include "target.hpp"
+
+namespace tmclctl {
+
+/// One document on one line.
+void print_json(const boost::json::object& document, Output& output);
+
+/// Left-aligned columns under a line of headings.
+class Table {
+ public:
+  explicit Table(std::vector<std::string> headings);
+  void add(std::vector<std::string> cells);
+  void print(std::ostream& out) const;
+
+ private:
+  std::vector<std::vector<std::string>> rows_;
+};
+
+boost::json::object to_json(const ModuleRow& row);
+boost::json::object to_json(const AxisRow& row);
+boost::json::object to_json(const std::string& axis, const ParameterValue& value);
+boost::json::object to_json(const std::string& axis, const AxisReading& reading);
+
+}  // namespace tmclctl

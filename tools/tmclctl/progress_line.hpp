@@ -1,0 +1,34 @@
+/// One line on the terminal that is drawn again and again; nothing at all where there is no
+/// terminal.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "screen.hpp"
+
+namespace tmclctl {
+
+class ProgressLine {
+ public:
+  explicit ProgressLine(Output& output);
+  ~ProgressLine() { clear(); }
+  ProgressLine(const ProgressLine&) = delete;
+  ProgressLine& operator=(const ProgressLine&) = delete;
+
+  bool visible() const { return visible_; }
+  const Screen& screen() const { return output_.err_screen; }
+  /// Cut to the screen's width.
+  void show(std::string_view text);
+  void clear();
+
+ private:
+  Output& output_;
+  bool visible_;
+  bool drawn_ = false;
+};
+
+/// `fraction` of a bar of `width` columns; in eighths of a column where the screen can show that.
+std::string bar(double fraction, int width, bool utf8);
+
+}  // namespace tmclctl

@@ -1,0 +1,26 @@
+#include "target.hpp"
+
+#include <cstdlib>
+
+#include "daemon_target.hpp"
+#include "direct_target.hpp"
+
+namespace tmclctl {
+namespace {
+
+std::string socket_path(const Where& where) {
+  if (!where.socket.empty()) return where.socket;
+  const char* wished = std::getenv("TMCLD_SOCKET");
+  return wished != nullptr && *wished != '\0' ? wished : std::string(default_socket);
+}
+
+}  // namespace
+
+Attempt<std::unique_ptr<Target>> open_target(const Where& where, Patience& patience) {
+  if (!where.direct.empty()) return DirectTarget::open(where.direct, patience);
+  // What the environment says will hold for the user's next command, too.
+  auto options = where.socket.empty() ? std::string{} : " --socket " + where.socket;
+  return DaemonTarget::open(socket_path(where), std::move(options), patience);
+}
+
+}  // namespace tmclctl

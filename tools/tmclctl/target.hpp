@@ -1,0 +1,132 @@
+/// The ways to reach axes, behind one interface: through a running tmcld, or straight on a bus.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "failure.hpp"
+#include "patience.hpp"
+#include "tmcl/link.hpp"
+#include "tmcl/parameter.hpp"
+#include "tmcl/units.hpp"
+#include "tmcl/verbs.hpp"
+
+namespace tmclctl {
+
+struct ModuleRow {
+  std::string bus;
+  std::uint16_t address = 0;
+  std::string model;  ///< Empty if it is not known.
+  std::uint16_t model_number = 0;
+  std::string firmware;
+  std::uint8_t axes = 0;
+  bool duplicate_suspected = false;
+  std::string state;  ///< Empty after a scan.
+};
+
+struct AxisRow {
+  std::string name;
+  std::string bus;
+  std::uint16_t address = 0;
+  std::uint8_t motor = 0;
+  std::string model;
+  std::string state;
+};
+
+struct ParameterValue {
+  std::uint8_t number = 0;
+  std::string name;  ///< Standard name; the number as text for a parameter without one.
+  std::int32_t value = 0;
+};
+
+struct ParameterRow {
+  std::uint8_t number = 0;
+  std::string name;
+  bool writable = false;
+  std::int32_t minimum = 0;
+  std::int32_t maximum = 0;
+  std::string unit;
+  std::string meaning;
+};
+
+struct AxisReading {
+  tmcl::Microsteps position;
+  tmcl::InternalVelocity velocity;
+  std::optional<double> velocity_pps;
+  tmcl::Microsteps target;
+  bool position_reached = false;
+  bool moving = false;
+  tmcl::TimePoint taken_at{};
+  tmcl::Duration age{};
+  bool operator==(const AxisReading&) const = default;
+};
+
+struct ScanRange {
+  std::uint16_t first = 1;
+  std::uint16_t last = 255;
+};
+using Progress = std::function<void(const std::string& bus, std::size_t asked, std::size_t of)>;
+
+struct RawCommand {
+  std::string bus;  ///< Empty: the only one there is.
+  tmcl::Request request;
+};
+struct RawAnswer {
+  std::string bus;
+  tmcl::Framing framing = tmcl::Framing::serial;
+  tmcl::Reply reply;
+  std::string text;  ///< The firmware version when it came as text.
+};
+
+struct StoppedAxis {
+  std::string axis;
+  std::optional<double> milliseconds;
+  std::optional<Failure> failure;
+};
+
+/// Told each reading; null when a while went by without one. False ends the watching.
+using ReadingHandler = std::function<bool(const AxisReading*)>;
+
+/// Errors: as values; no member throws.
+class Target {
+ public:
+  virtual ~Target() = default;
+
+  virtual Attempt<std::vector<ModuleRow>> scan(ScanRange range, const Progress& progress) = 0;
+  virtual Attempt<std::vector<ModuleRow>> modules() = 0;
+  virtual Attempt<std::vector<AxisRow>> axes() = 0;
+  virtual Attempt<std::vector<ParameterRow>> parameters(const std::string& axis) = 0;
+
+  virtual Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) = 0;
+  virtual Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
+                                      std::int32_t value) = 0;
+  virtual Attempt<tmcl::Microsteps> move_to(const std::string& axis, tmcl::Microsteps position) = 0;
+  virtual Attempt<tmcl::Microsteps> move_by(const std::string& axis, tmcl::Microsteps distance) = 0;
+  virtual Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) = 0;
+  virtual Attempt<void> stop(const std::string& axis) = 0;
+  virtual Attempt<std::vector<StoppedAxis>> stop_all() = 0;
+  virtual Attempt<AxisReading> state(const std::string& axis) = 0;
+  virtual Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
+                              const ReadingHandler& on_reading) = 0;
+  virtual Attempt<RawAnswer> raw(const RawCommand& command) = 0;
+
+  /// The options with which another tmclctl reaches the same axes, such as " --direct can:can0";
+  /// may be empty.
+  virtual std::string options() const = 0;
+};
+
+constexpr std::string_view default_socket = "/run/tmcld/tmcld.sock";
+
+/// Where the axes are, as the command line says it.
+struct Where {
+  std::string socket;  ///< Empty: $TMCLD_SOCKET, else default_socket.
+  std::string direct;  ///< Name of a link; empty: through the daemon.
+};
+
+Attempt<std::unique_ptr<Target>> open_target(const Where& where, Patience& patience);
+
+}  // namespace tmclctl

@@ -1,0 +1,70 @@
+#include "tmclctl.hpp"
+
+#include <algorithm>
+
+#include "options.hpp"
+#include "print.hpp"
+#include "target.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+ExitCode complain(const Failure& failure, Output& output) {
+  if (output.json) {
+    print_json({{"error", to_json(failure)}}, output);
+  } else {
+    output.err << "tmclctl: " << describe(failure) << '\n';
+  }
+  return failure.exit;
+}
+
+bool waits(const Verb& verb) {
+  const auto* move = std::get_if<verb::Move>(&verb);
+  return (move != nullptr && move->wait) || std::holds_alternative<verb::Watch>(verb) ||
+         std::holds_alternative<verb::Plot>(verb);
+}
+
+bool acts(const Verb& verb) {
+  return std::visit(
+      []<class T>(const T&) {
+        return std::is_same_v<T, verb::Set> || std::is_same_v<T, verb::Move> ||
+               std::is_same_v<T, verb::Rotate> || std::is_same_v<T, verb::Stop> ||
+               std::is_same_v<T, verb::Plot> || std::is_same_v<T, verb::Raw>;
+      },
+      verb);
+}
+
+Failure with_doubt(Failure failure) {
+  if (failure.outcome == tmcl::Outcome::unknown)
+    failure.message += "; it may or may not have been executed";
+  return failure;
+}
+
+VerbResult run(const Options& options, Output& output, Patience& patience) {
+  if (waits(options.verb)) patience.catch_signals();
+  auto target = open_target(options.where, patience);
+  if (!target) return tl::unexpected(target.error());
+  Room room{**target, output, patience};
+  return std::visit([&](const auto& verb) { return run(verb, room); }, options.verb);
+}
+
+}  // namespace
+
+ExitCode run(const std::vector<std::string>& arguments, Output& output, Patience& patience) {
+  // Also for the errors of a command line that cannot be read.
+  output.json = std::ranges::find(arguments, "--json") != arguments.end();
+  const auto parsed = parse_options(arguments);
+  if (!parsed) return complain(parsed.error(), output);
+  if (const auto* information = std::get_if<Information>(&*parsed)) {
+    output.out << information->text;
+    return ExitCode::done;
+  }
+  const auto& options = std::get<Options>(*parsed);
+  const auto result = run(options, output, patience);
+  if (result) return *result;
+  if (std::holds_alternative<verb::Complete>(options.verb)) return result.error().exit;
+  return complain(acts(options.verb) ? with_doubt(result.error()) : result.error(), output);
+}
+
+}  // namespace tmclctl

@@ -1,0 +1,35 @@
+/// What tmclctl can do: one function for each verb.
+#pragma once
+
+#include "options.hpp"
+#include "patience.hpp"
+#include "screen.hpp"
+#include "target.hpp"
+
+namespace tmclctl {
+
+/// What a verb works with.
+struct Room {
+  Target& target;
+  Output& output;
+  Patience& patience;
+};
+
+using VerbResult = Attempt<ExitCode>;
+
+VerbResult run(const verb::Scan& verb, Room& room);
+VerbResult run(const verb::Modules& verb, Room& room);
+VerbResult run(const verb::Axes& verb, Room& room);
+VerbResult run(const verb::Params& verb, Room& room);
+VerbResult run(const verb::Get& verb, Room& room);
+VerbResult run(const verb::Set& verb, Room& room);
+VerbResult run(const verb::Move& verb, Room& room);
+VerbResult run(const verb::Rotate& verb, Room& room);
+VerbResult run(const verb::Stop& verb, Room& room);
+VerbResult run(const verb::State& verb, Room& room);
+VerbResult run(const verb::Watch& verb, Room& room);
+VerbResult run(const verb::Plot& verb, Room& room);
+VerbResult run(const verb::Raw& verb, Room& room);
+VerbResult run(const verb::Complete& verb, Room& room);
+
+}  // namespace tmclctl

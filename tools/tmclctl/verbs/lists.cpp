@@ -1,0 +1,146 @@
+// scan, modules, axes, params, and the words for the shell's completion.
+#include <fmt/format.h>
+
+#include "names.hpp"
+#include "print.hpp"
+#include "progress_line.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+
+template <class Row>
+json::array to_json_array(const std::vector<Row>& rows) {
+  json::array array;
+  for (const auto& row : rows) array.push_back(to_json(row));
+  return array;
+}
+
+std::string model_text(const std::string& model, unsigned number) {
+  if (!model.empty()) return model;
+  return number != 0 ? fmt::format("unknown ({})", number) : "unknown";
+}
+
+void print_modules(const std::vector<ModuleRow>& rows, bool with_state, std::ostream& out) {
+  std::vector<std::string> headings{"BUS", "ADDRESS", "MODEL", "FIRMWARE", "AXES"};
+  if (with_state) headings.push_back("STATE");
+  headings.push_back("");
+  Table table(headings);
+  for (const auto& row : rows) {
+    std::vector<std::string> cells{row.bus, std::to_string(row.address),
+                                   model_text(row.model, row.model_number), row.firmware,
+                                   row.axes != 0 ? std::to_string(row.axes) : "?"};
+    if (with_state) cells.push_back(row.state);
+    cells.push_back(
+        row.duplicate_suspected ? "DUPLICATE: several modules seem to answer at this address" : "");
+    table.add(std::move(cells));
+  }
+  table.print(out);
+}
+
+VerbResult show_modules(const std::vector<ModuleRow>& rows, bool with_state, Output& output) {
+  if (output.json) {
+    print_json({{"modules", to_json_array(rows)}}, output);
+  } else {
+    print_modules(rows, with_state, output.out);
+  }
+  return ExitCode::done;
+}
+
+json::object to_json(const ParameterRow& row, std::optional<std::int32_t> value) {
+  json::object object{{"number", row.number},
+                      {"name", row.name},
+                      {"access", row.writable ? "read_write" : "read"},
+                      {"minimum", row.minimum},
+                      {"maximum", row.maximum},
+                      {"unit", row.unit},
+                      {"meaning", row.meaning}};
+  if (value) object["value"] = *value;
+  return object;
+}
+
+std::vector<std::string> cells_of(const ParameterRow& row, std::optional<std::int32_t> value) {
+  std::vector<std::string> cells{std::to_string(row.number), row.name};
+  if (value) cells.push_back(std::to_string(*value));
+  cells.push_back(row.writable ? fmt::format("{}..{}", row.minimum, row.maximum) : "read only");
+  cells.push_back(row.unit);
+  cells.push_back(row.meaning);
+  return cells;
+}
+
+}  // namespace
+
+VerbResult run(const verb::Scan& verb, Room& room) {
+  ProgressLine line(room.output);
+  const auto rows =
+      room.target.scan(verb.range, [&](const std::string& bus, std::size_t asked, std::size_t of) {
+        line.show(fmt::format("scanning {}: {} of {} addresses", bus, asked, of));
+      });
+  line.clear();
+  if (!rows) return tl::unexpected(rows.error());
+  if (rows->empty() && !room.output.json) {
+    room.output.err << "No module answered. Check the supply, the cabling, the baud rate (new "
+                       "modules speak 9600) and "
+                       "whether another program holds the port.\n";
+    return ExitCode::done;
+  }
+  return show_modules(*rows, false, room.output);
+}
+
+VerbResult run(const verb::Modules&, Room& room) {
+  const auto rows = room.target.modules();
+  if (!rows) return tl::unexpected(rows.error());
+  return show_modules(*rows, true, room.output);
+}
+
+VerbResult run(const verb::Axes&, Room& room) {
+  const auto rows = room.target.axes();
+  if (!rows) return tl::unexpected(rows.error());
+  if (room.output.json) {
+    print_json({{"axes", to_json_array(*rows)}}, room.output);
+    return ExitCode::done;
+  }
+  Table table({"AXIS", "BUS", "ADDRESS", "MOTOR", "MODEL", "STATE"});
+  for (const auto& row : *rows) {
+    table.add({row.name, row.bus, std::to_string(row.address), std::to_string(row.motor),
+               model_text(row.model, 0), row.state});
+  }
+  table.print(room.output.out);
+  return ExitCode::done;
+}
+
+VerbResult run(const verb::Params& verb, Room& room) {
+  const auto rows = room.target.parameters(verb.axis);
+  if (!rows) return tl::unexpected(rows.error());
+  json::array array;
+  Table table(verb.values
+                  ? std::vector<std::string>{"NUMBER", "NAME", "VALUE", "RANGE", "UNIT", "MEANING"}
+                  : std::vector<std::string>{"NUMBER", "NAME", "RANGE", "UNIT", "MEANING"});
+  for (const auto& row : *rows) {
+    std::optional<std::int32_t> value;
+    if (verb.values) {
+      const auto got = room.target.get(verb.axis, std::to_string(row.number));
+      if (!got) return tl::unexpected(got.error());
+      value = got->value;
+    }
+    array.push_back(to_json(row, value));
+    table.add(cells_of(row, value));
+  }
+  if (room.output.json) {
+    print_json({{"axis", verb.axis}, {"parameters", std::move(array)}}, room.output);
+  } else {
+    table.print(room.output.out);
+  }
+  return ExitCode::done;
+}
+
+VerbResult run(const verb::Complete&, Room& room) {
+  const auto rows = room.target.axes();
+  if (!rows) return tl::unexpected(rows.error());
+  for (const auto& row : *rows) room.output.out << row.name << '\n';
+  return ExitCode::done;
+}
+
+}  // namespace tmclctl

@@ -1,0 +1,128 @@
+// move, rotate, stop.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "following.hpp"
+#include "print.hpp"
+#include "progress_line.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+
+constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
+constexpr int narrowest_bar = 10;
+constexpr int widest_bar = 40;
+// Of the progress line without its bar.
+constexpr int words_width = 60;
+
+tmcl::Duration seconds(double count) {
+  return std::chrono::duration_cast<tmcl::Duration>(std::chrono::duration<double>(count));
+}
+
+double fraction_done(std::int64_t start, std::int64_t goal, std::int64_t position) {
+  return start == goal ? 1.0
+                       : static_cast<double>(position - start) / static_cast<double>(goal - start);
+}
+
+Attempt<tmcl::Microsteps> wait_for_arrival(const verb::Move& verb, tmcl::Microsteps goal,
+                                           Room& room) {
+  Journey journey{verb.axis, goal, room.patience.now(), follow_interval, {}};
+  if (verb.timeout_s) journey.timeout = seconds(*verb.timeout_s);
+  ProgressLine line(room.output);
+  std::optional<std::int32_t> start;
+  return follow(journey, room, [&](const AxisReading& reading) {
+    if (!line.visible()) return;
+    if (!start) start = reading.position.value;
+    const auto done =
+        std::clamp(fraction_done(*start, goal.value, reading.position.value), 0.0, 1.0);
+    const int width = std::clamp(line.screen().width - words_width, narrowest_bar, widest_bar);
+    line.show(fmt::format("{} {} {:3.0f}%  {} of {}  velocity {}", verb.axis,
+                          bar(done, width, line.screen().utf8), std::floor(done * 100),
+                          reading.position.value, goal.value, reading.velocity.value));
+  });
+}
+
+}  // namespace
+
+VerbResult run(const verb::Move& verb, Room& room) {
+  const auto goal = verb.by ? room.target.move_by(verb.axis, {verb.position})
+                            : room.target.move_to(verb.axis, {verb.position});
+  if (!goal) return tl::unexpected(goal.error());
+  json::object document{{"axis", verb.axis}, {"target_microsteps", goal->value}};
+  auto line = fmt::format("{} moves to {}\n", verb.axis, goal->value);
+  if (verb.wait) {
+    const auto position = wait_for_arrival(verb, *goal, room);
+    if (!position) return tl::unexpected(position.error());
+    document["position_microsteps"] = position->value;
+    document["reached"] = true;
+    line = fmt::format("{} stands at {}\n", verb.axis, position->value);
+  }
+  if (room.output.json) {
+    print_json(document, room.output);
+  } else {
+    room.output.out << line;
+  }
+  return ExitCode::done;
+}
+
+VerbResult run(const verb::Rotate& verb, Room& room) {
+  const auto rotating = room.target.rotate(verb.axis, {verb.velocity});
+  if (!rotating) return tl::unexpected(rotating.error());
+  if (room.output.json) {
+    print_json({{"axis", verb.axis}, {"velocity_internal", verb.velocity}}, room.output);
+  } else {
+    room.output.out << fmt::format("{} turns with velocity {}. {}\n", verb.axis, verb.velocity,
+                                   how_to_stop(verb.axis, room.target));
+  }
+  return ExitCode::done;
+}
+
+namespace {
+
+ExitCode show_stopped(const std::vector<StoppedAxis>& axes, Output& output) {
+  json::array stopped;
+  json::array failed;
+  auto exit = ExitCode::done;
+  for (const auto& row : axes) {
+    if (row.failure) {
+      failed.push_back(json::object{{"axis", row.axis}, {"error", to_json(*row.failure)}});
+      exit = std::max(exit, row.failure->exit);
+      if (!output.json)
+        output.err << "tmclctl: " << row.axis << " NOT stopped: " << describe(*row.failure) << '\n';
+    } else {
+      stopped.push_back(
+          json::object{{"axis", row.axis}, {"milliseconds", row.milliseconds.value_or(0)}});
+      if (!output.json) {
+        output.out << fmt::format("{} stopped after {:.1f} ms\n", row.axis,
+                                  row.milliseconds.value_or(0));
+      }
+    }
+  }
+  if (output.json)
+    print_json({{"stopped", std::move(stopped)}, {"failed", std::move(failed)}}, output);
+  return exit;
+}
+
+}  // namespace
+
+VerbResult run(const verb::Stop& verb, Room& room) {
+  if (verb.all) {
+    return room.target.stop_all().map(
+        [&](const std::vector<StoppedAxis>& axes) { return show_stopped(axes, room.output); });
+  }
+  const auto stopped = room.target.stop(verb.axis);
+  if (!stopped) return tl::unexpected(stopped.error());
+  if (room.output.json) {
+    print_json({{"axis", verb.axis}, {"stopped", true}}, room.output);
+  } else {
+    room.output.out << verb.axis << " stops\n";
+  }
+  return ExitCode::done;
+}
+
+}  // namespace tmclctl

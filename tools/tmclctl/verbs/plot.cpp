@@ -1,0 +1,6 @@
+// plot.
+#include "verbs.hpp"
+
+namespace tmclctl {
+VerbResult run(const verb::Plot&, Room&) { return ExitCode::done; }
+}  // namespace tmclctl

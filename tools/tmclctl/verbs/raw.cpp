@@ -1,0 +1,141 @@
+// raw.
+#include <algorithm>
+#include <span>
+#include <vector>
+
+#include <fmt/format.h>
+
+#include "json_read.hpp"
+#include "names.hpp"
+#include "print.hpp"
+#include "tmcl/nearest.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+
+template <std::size_t Size>
+std::string hex(const std::array<std::uint8_t, Size>& bytes, std::size_t count = Size) {
+  std::string text;
+  for (std::size_t i = 0; i < count; ++i)
+    text += fmt::format(fmt::runtime(i == 0 ? "{:02X}" : " {:02X}"), bytes[i]);
+  return text;
+}
+
+std::string hex(const tmcl::CanFrame& frame) {
+  return fmt::format("{:03X}# {}", frame.id, hex(frame.data, frame.length));
+}
+
+std::string bytes_of(const tmcl::Request& request, tmcl::Framing framing) {
+  return framing == tmcl::Framing::can ? hex(tmcl::encode_can(request))
+                                       : hex(tmcl::encode_serial(request));
+}
+
+std::string bytes_of(const tmcl::Reply& reply, tmcl::Framing framing) {
+  return framing == tmcl::Framing::can ? hex(tmcl::encode_can(reply, reply.host))
+                                       : hex(tmcl::encode_serial(reply));
+}
+
+bool takes_axis_parameter(tmcl::Command command) {
+  using enum tmcl::Command;
+  return std::ranges::count(std::array{SAP, GAP, STAP, RSAP, AAP}, command) != 0;
+}
+
+bool takes_global_parameter(tmcl::Command command) {
+  using enum tmcl::Command;
+  return std::ranges::count(std::array{SGP, GGP, STGP, RSGP, AGP}, command) != 0;
+}
+
+Attempt<tmcl::Command> parse_command(const std::string& text) {
+  if (const auto command = tmcl::parse_command(text)) return *command;
+  std::vector<std::string_view> names;
+  for (const auto& row : tmcl::command_table()) names.push_back(row.name);
+  return tl::unexpected(
+      usage_failure("unknown_command", fmt::format("there is no command '{}'", text),
+                    fmt::format("A command is a name such as GAP, or a number 0..255.{}",
+                                tmcl::did_you_mean(text, names))));
+}
+
+Attempt<std::uint8_t> parse_type(tmcl::Command command, const std::string& text) {
+  if (const auto type = tmcl::parse_subtype(command, text)) return *type;
+  const auto number_of = [](const ParameterName& name) { return name.number; };
+  if (takes_axis_parameter(command))
+    return parse_parameter(common_parameters(), text).map(number_of);
+  if (takes_global_parameter(command))
+    return parse_parameter(tmcl::global_parameters(), text).map(number_of);
+  std::vector<std::string_view> names;
+  for (const auto& row : tmcl::subtype_table()) {
+    if (row.command == command && !row.name.empty()) names.push_back(row.name);
+  }
+  return tl::unexpected(usage_failure(
+      "unknown_type", fmt::format("{} has no type '{}'", name_of(command), text),
+      fmt::format("A type is a number 0..255, or a name.{}", tmcl::did_you_mean(text, names))));
+}
+
+Attempt<tmcl::Request> request_from(const verb::Raw& verb) {
+  const auto command = parse_command(verb.command);
+  if (!command) return tl::unexpected(command.error());
+  const auto type = parse_type(*command, verb.type);
+  if (!type) return tl::unexpected(type.error());
+  return tmcl::Request{tmcl::ModuleAddress{verb.address}, *command, *type, verb.motor, verb.value};
+}
+
+json::object to_json(const tmcl::Request& request, const RawAnswer& answer) {
+  const auto& reply = answer.reply;
+  json::object said{
+      {"status", static_cast<int>(reply.status)},
+      {"status_name", name_of(reply.status)},
+      {"command", static_cast<int>(reply.command)},
+      {"value", reply.value},
+      {"text", answer.text.empty() ? json::value(nullptr) : json::value(answer.text)}};
+  if (answer.text.empty()) said["bytes"] = bytes_of(reply, answer.framing);
+  return {{"bus", answer.bus},
+          {"request",
+           {{"address", number(request.address)},
+            {"command", static_cast<int>(request.command)},
+            {"type", request.type},
+            {"motor", request.motor},
+            {"value", request.value},
+            {"bytes", bytes_of(request, answer.framing)}}},
+          {"reply", std::move(said)}};
+}
+
+void print(const tmcl::Request& request, const RawAnswer& answer, std::ostream& out) {
+  out << "-> " << bytes_of(request, answer.framing) << "  " << describe(request) << '\n';
+  if (!answer.text.empty()) {
+    out << "<- " << answer.text << '\n';
+  } else if (tmcl::reply_kind(request.command) == tmcl::ReplyKind::none) {
+    out << "   this command has no reply\n";
+  } else {
+    out << "<- " << bytes_of(answer.reply, answer.framing) << "  "
+        << fmt::format("{} ({}), value {}\n", name_of(answer.reply.status),
+                       static_cast<int>(answer.reply.status), answer.reply.value);
+  }
+}
+
+}  // namespace
+
+VerbResult run(const verb::Raw& verb, Room& room) {
+  const auto request = request_from(verb);
+  if (!request) return tl::unexpected(request.error());
+  const auto answer = room.target.raw({verb.bus, *request});
+  if (!answer) {
+    auto failure = answer.error();
+    failure.details["request_bytes"] = hex(tmcl::encode_serial(*request));
+    if (!room.output.json) {
+      room.output.err << "-> " << hex(tmcl::encode_serial(*request)) << "  " << describe(*request)
+                      << '\n';
+    }
+    return tl::unexpected(failure);
+  }
+  if (room.output.json) {
+    print_json(to_json(*request, *answer), room.output);
+  } else {
+    print(*request, *answer, room.output.out);
+  }
+  return ExitCode::done;
+}
+
+}  // namespace tmclctl

@@ -1,0 +1,70 @@
+// state, watch.
+#include <fmt/format.h>
+
+#include "print.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+bool same(const AxisReading& a, const AxisReading& b) {
+  return a.position == b.position && a.velocity == b.velocity && a.target == b.target &&
+         a.moving == b.moving && a.position_reached == b.position_reached;
+}
+
+void print_change(const std::string& axis, const AxisReading& reading, double at_s,
+                  Output& output) {
+  if (output.json) {
+    auto document = to_json(axis, reading);
+    document["time_s"] = at_s;
+    print_json(document, output);
+    return;
+  }
+  output.out << fmt::format("{:9.3f} s  {}  position {}  velocity {}  target {}  {}", at_s, axis,
+                            reading.position.value, reading.velocity.value, reading.target.value,
+                            reading.moving             ? "moving"
+                            : reading.position_reached ? "at target"
+                                                       : "standing")
+             << std::endl;
+}
+
+}  // namespace
+
+VerbResult run(const verb::State& verb, Room& room) {
+  const auto reading = room.target.state(verb.axis);
+  if (!reading) return tl::unexpected(reading.error());
+  if (room.output.json) {
+    print_json(to_json(verb.axis, *reading), room.output);
+    return ExitCode::done;
+  }
+  const auto pps =
+      reading->velocity_pps ? fmt::format(" ({:.1f} microsteps/s)", *reading->velocity_pps) : "";
+  room.output.out << fmt::format(
+      "axis      {}\nposition  {} microsteps\ntarget    {} microsteps{}\nvelocity  {}{}\nmoving    "
+      "{}\n",
+      verb.axis, reading->position.value, reading->target.value,
+      reading->position_reached ? ", reached" : "", reading->velocity.value, pps,
+      reading->moving ? "yes" : "no");
+  return ExitCode::done;
+}
+
+VerbResult run(const verb::Watch& verb, Room& room) {
+  const auto begin = room.patience.now();
+  const auto seconds_since_begin = [&](tmcl::TimePoint at) {
+    return std::chrono::duration<double>(at - begin).count();
+  };
+  std::optional<AxisReading> last;
+  const auto watched = room.target.watch(verb.axis, verb.interval, [&](const AxisReading* reading) {
+    if (reading != nullptr && !(last && same(*last, *reading))) {
+      print_change(verb.axis, *reading, seconds_since_begin(room.patience.now()), room.output);
+      last = *reading;
+    }
+    // Ending it is what Ctrl-C is for here, so that is no failure.
+    return room.patience.signal() == 0 &&
+           !(verb.for_s && seconds_since_begin(room.patience.now()) >= *verb.for_s);
+  });
+  if (!watched && room.patience.signal() == 0) return tl::unexpected(watched.error());
+  return ExitCode::done;
+}
+
+}  // namespace tmclctl
