@@ -1,5 +1,7 @@
 // tmclsim: simulated TMCL modules on ptys, CAN and TCP.
 #include <csignal>
+#include <cstdio>
+#include <exception>
 #include <iostream>
 #include <memory>
 #include <vector>
@@ -19,7 +21,7 @@ namespace {
 namespace sim = tmcl::sim;
 using Ports = std::vector<std::unique_ptr<sim::Port>>;
 
-constexpr int exit_port_failed = 1;
+constexpr int exit_failed = 1;
 
 void add_modules(sim::Bench& bench, const std::vector<tmclsim::ModuleSpec>& specs) {
   for (const auto& sentence : tmclsim::shared_addresses(specs)) {
@@ -68,7 +70,7 @@ int run(const tmclsim::Options& options) {
   sim::Scheduler scheduler(io, bench);
   Ports ports;
   add_modules(bench, options.modules);
-  if (!open_ports(io, scheduler, options, ports)) return exit_port_failed;
+  if (!open_ports(io, scheduler, options, ports)) return exit_failed;
   std::cout << "ready" << std::endl;
   io.run();
   return 0;
@@ -76,7 +78,7 @@ int run(const tmclsim::Options& options) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
+int main(int argc, char** argv) try {
   const auto options = tmclsim::parse_options(argc, argv);
   if (!options) {
     const auto& exit = options.error();
@@ -84,4 +86,7 @@ int main(int argc, char** argv) {
     return exit.status;
   }
   return run(*options);
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "tmclsim: %s\n", error.what());
+  return exit_failed;
 }
