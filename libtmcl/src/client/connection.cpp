@@ -37,22 +37,6 @@ Outcome outcome_named(std::string_view name) {
   return Outcome::unknown;
 }
 
-CallError error_from(const json::object& answer) {
-  CallError error;
-  const auto* said = object_of(answer, "error");
-  if (said == nullptr) return error;
-  error.code = static_cast<int>(integer_of(*said, "code").value_or(0));
-  error.message = text_of(*said, "message");
-  if (const auto* data = object_of(*said, "data")) error.data = *data;
-  error.name = text_of(error.data, "name");
-  error.hint = text_of(error.data, "hint");
-  // The daemon leaves the outcome out where no module is concerned.
-  const auto outcome = text_of(error.data, "outcome");
-  error.outcome = outcome.empty() ? Outcome::not_sent : outcome_named(outcome);
-  if (error.name.empty()) error.name = "daemon_error";
-  return error;
-}
-
 CallError incompatible(const std::string& path, std::string_view what) {
   return {0, std::string(error_name::incompatible), Outcome::not_sent,
           fmt::format("what answers at {} {}", path, what),
@@ -69,6 +53,20 @@ std::optional<json::object> parse_message(const std::string& line) {
 TimePoint from_now(Duration duration) { return RealClock{}.now() + duration; }
 
 }  // namespace
+
+CallError call_error_from(const json::object& said) {
+  CallError error;
+  error.code = static_cast<int>(integer_of(said, "code").value_or(0));
+  error.message = text_of(said, "message");
+  if (const auto* data = object_of(said, "data")) error.data = *data;
+  error.name = text_of(error.data, "name");
+  error.hint = text_of(error.data, "hint");
+  // The daemon leaves the outcome out where no module is concerned.
+  const auto outcome = text_of(error.data, "outcome");
+  error.outcome = outcome.empty() ? Outcome::not_sent : outcome_named(outcome);
+  if (error.name.empty()) error.name = "daemon_error";
+  return error;
+}
 
 class Connection::State {
  public:
@@ -165,7 +163,8 @@ CallResult<json::object> Connection::State::call(std::string_view method, json::
     const auto answered = integer_of(**message, "id");
     if (answered != id && !(!answered && (*message)->contains("error"))) continue;
     if (const auto* result = object_of(**message, "result")) return *result;
-    return tl::unexpected(error_from(**message));
+    const auto* error = object_of(**message, "error");
+    return tl::unexpected(call_error_from(error != nullptr ? *error : json::object{}));
   }
 }
 

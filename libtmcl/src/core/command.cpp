@@ -121,6 +121,10 @@ constexpr auto commands = std::to_array<CommandInfo>({
 });
 
 constexpr auto subtypes = std::to_array<SubtypeInfo>({
+    {Command::MVP, 0, "ABS", never, moves},
+    {Command::MVP, 1, "REL", never, moves},
+    {Command::MVP, 2, "COORD", never, moves},
+    {Command::MVP, 3, "RELCOORD", never, moves},
     // Positions, speeds and the ramp mode, under all the numbers that families of modules use for them.
     {Command::SAP, 0, "", never, moves},
     {Command::SAP, 1, "", never, moves},
@@ -131,10 +135,6 @@ constexpr auto subtypes = std::to_array<SubtypeInfo>({
     {Command::SAP, 132, "", never, moves},
     {Command::SAP, 133, "", never, moves},
     {Command::SAP, 138, "", never, moves},
-    {Command::MVP, 0, "ABS", never, moves},
-    {Command::MVP, 1, "REL", never, moves},
-    {Command::MVP, 2, "COORD", never, moves},
-    {Command::MVP, 3, "RELCOORD", never, moves},
     {Command::RFS, 0, "START", never, moves},
     {Command::RFS, 1, "STOP", safe, stops},
     {Command::RFS, 2, "STATUS", safe, reads},
@@ -205,6 +205,21 @@ constexpr auto subtypes = std::to_array<SubtypeInfo>({
 // clang-format on
 
 static_assert(std::ranges::is_sorted(commands, {}, &CommandInfo::command));
+
+constexpr int key_of(Command command, std::uint8_t type) {
+  return static_cast<int>(command) << 8 | type;
+}
+constexpr int key_of_row(const SubtypeInfo& row) { return key_of(row.command, row.type); }
+static_assert(std::ranges::is_sorted(subtypes, {}, key_of_row));
+
+/// Where each command stands in the table, plus one; 0 for what TMCL does not define.
+constexpr auto places = [] {
+  std::array<std::uint8_t, 256> all{};
+  for (std::size_t i = 0; i < commands.size(); ++i) {
+    all[static_cast<std::uint8_t>(commands[i].command)] = static_cast<std::uint8_t>(i + 1);
+  }
+  return all;
+}();
 
 const SubtypeInfo* find_subtype(Command command, std::uint8_t type) {
   const auto* row = std::ranges::find_if(subtypes, [&](const SubtypeInfo& info) {
