@@ -17,6 +17,8 @@ namespace json = boost::json;
 constexpr int move_deadline_ms = 5000;
 // How often the watching verb gets to look at the clock and at signals when nothing changes.
 constexpr auto longest_silence = std::chrono::milliseconds(100);
+// An axis that says nothing for so long while it is watched is asked whether it is still there.
+constexpr auto doubtful_silence = std::chrono::seconds(1);
 
 // The contract takes a number or a name; a number must not travel as text.
 json::value parameter_value(const std::string& text) {
@@ -57,16 +59,19 @@ ParameterRow parameter_from(const json::object& row) {
           text_at(row, "meaning")};
 }
 
-Failure failure_from_data(const json::object& error) {
-  tmcl::client::CallError call_error;
-  const auto& data = error.contains("data") ? object_at(error, "data") : error;
-  call_error.name = text_at(data, "name");
-  call_error.message = text_at(error, "message");
-  call_error.hint = text_at(data, "hint");
-  call_error.outcome =
-      text_at(data, "outcome") == "not_sent" ? tmcl::Outcome::not_sent : tmcl::Outcome::unknown;
-  if (text_at(data, "outcome") == "refused") call_error.outcome = tmcl::Outcome::refused;
-  return failure_from(call_error);
+Failure failure_at(const json::object& row) {
+  return failure_from(tmcl::client::call_error_from(object_at(row, "error")));
+}
+
+ParameterValue value_from(const json::object& row) {
+  const auto number = integer_at<std::uint8_t>(row, "number");
+  auto name = text_at(row, "parameter");
+  if (name.empty()) name = std::to_string(number);
+  return {number, std::move(name), integer_at<std::int32_t>(row, "value")};
+}
+
+UnscannedBus unscanned_from(const json::object& row) {
+  return {text_at(row, "bus"), failure_at(row)};
 }
 
 }  // namespace
@@ -94,7 +99,7 @@ Attempt<json::object> DaemonTarget::call(std::string_view method, json::object p
   return attempt(daemon_.call(method, std::move(params)));
 }
 
-Attempt<std::vector<ModuleRow>> DaemonTarget::scan(ScanRange range, const Progress& progress) {
+Attempt<ScanResult> DaemonTarget::scan(ScanRange range, const Progress& progress) {
   if (progress) {
     daemon_.on_notification([&](std::string_view method, const json::object& params) {
       if (method != "notify_progress") return;
@@ -104,8 +109,10 @@ Attempt<std::vector<ModuleRow>> DaemonTarget::scan(ScanRange range, const Progre
   }
   auto result = call("bus.scan", {{"first", range.first}, {"last", range.last}});
   daemon_.on_notification({});
-  return std::move(result).map(
-      [](const json::object& found) { return rows_at<ModuleRow>(found, "modules", module_from); });
+  return std::move(result).map([](const json::object& found) {
+    return ScanResult{rows_at<ModuleRow>(found, "modules", module_from),
+                      rows_at<UnscannedBus>(found, "failed", unscanned_from)};
+  });
 }
 
 Attempt<std::vector<ModuleRow>> DaemonTarget::modules() {
@@ -128,20 +135,14 @@ Attempt<std::vector<ParameterRow>> DaemonTarget::parameters(const std::string& a
 
 Attempt<ParameterValue> DaemonTarget::get(const std::string& axis, const std::string& parameter) {
   return call("parameter.get", {{"axis", axis}, {"parameter", parameter_value(parameter)}})
-      .map([](const json::object& got) {
-        return ParameterValue{integer_at<std::uint8_t>(got, "number"), text_at(got, "parameter"),
-                              integer_at<std::int32_t>(got, "value")};
-      });
+      .map(value_from);
 }
 
 Attempt<ParameterValue> DaemonTarget::set(const std::string& axis, const std::string& parameter,
                                           std::int32_t value) {
   return call("parameter.set",
               {{"axis", axis}, {"parameter", parameter_value(parameter)}, {"value", value}})
-      .map([](const json::object& got) {
-        return ParameterValue{integer_at<std::uint8_t>(got, "number"), text_at(got, "parameter"),
-                              integer_at<std::int32_t>(got, "value")};
-      });
+      .map(value_from);
 }
 
 Attempt<tmcl::Microsteps> DaemonTarget::move(std::string_view method, json::object params) {
@@ -178,8 +179,7 @@ Attempt<std::vector<StoppedAxis>> DaemonTarget::stop_all() {
       return StoppedAxis{text_at(row, "axis"), number_at(row, "milliseconds"), {}};
     });
     for (auto& row : rows_at<StoppedAxis>(result, "failed", [](const json::object& failed) {
-           return StoppedAxis{
-               text_at(failed, "axis"), {}, failure_from_data(object_at(failed, "error"))};
+           return StoppedAxis{text_at(failed, "axis"), {}, failure_at(failed)};
          })) {
       stopped.push_back(std::move(row));
     }
@@ -210,10 +210,10 @@ Attempt<AxisReading> DaemonTarget::state(const std::string& axis) {
 Attempt<void> DaemonTarget::watch(const std::string& axis, tmcl::Duration interval,
                                   const ReadingHandler& on_reading) {
   bool wanted = true;
-  bool heard = false;
+  auto heard_at = patience_.now();
   daemon_.on_notification([&](std::string_view method, const json::object& params) {
     if (method != "notify_state" || text_at(params, "axis") != axis) return;
-    heard = true;
+    heard_at = patience_.now();
     const auto reading = reading_from(params);
     if (wanted) wanted = on_reading(&reading);
   });
@@ -221,15 +221,22 @@ Attempt<void> DaemonTarget::watch(const std::string& axis, tmcl::Duration interv
   const auto subscribed =
       call("subscribe", {{"axes", json::array{axis}}, {"interval_ms", interval_ms}});
   if (!subscribed) return tl::unexpected(subscribed.error());
-  for (const auto& state : array_at(*subscribed, "states")) {
-    const auto reading = reading_from(state.is_object() ? state.get_object() : json::object{});
+  for (const auto& row : array_at(*subscribed, "failed")) {
+    return tl::unexpected(failure_at(row.is_object() ? row.get_object() : json::object{}));
+  }
+  for (const auto& row : array_at(*subscribed, "states")) {
+    const auto reading = reading_from(row.is_object() ? row.get_object() : json::object{});
     if (wanted) wanted = on_reading(&reading);
   }
   while (wanted) {
-    heard = false;
     auto listened = attempt(daemon_.listen(longest_silence));
     if (!listened && listened.error().name != tmcl::client::error_name::cancelled) return listened;
-    if (wanted && !heard) wanted = on_reading(nullptr);
+    if (wanted) wanted = on_reading(nullptr);
+    if (!wanted || patience_.now() - heard_at < doubtful_silence) continue;
+    // Nothing comes from an axis that stands, and neither from one that is gone.
+    const auto reading = state(axis);
+    if (!reading && patience_.signal() == 0) return tl::unexpected(reading.error());
+    heard_at = patience_.now();
   }
   daemon_.on_notification({});
   return {};

@@ -15,7 +15,7 @@ class DaemonTarget final : public Target {
                                                Patience& patience);
   DaemonTarget(tmcl::client::Connection daemon, std::string options, Patience& patience);
 
-  Attempt<std::vector<ModuleRow>> scan(ScanRange range, const Progress& progress) override;
+  Attempt<ScanResult> scan(ScanRange range, const Progress& progress) override;
   Attempt<std::vector<ModuleRow>> modules() override;
   Attempt<std::vector<AxisRow>> axes() override;
   Attempt<std::vector<ParameterRow>> parameters(const std::string& axis) override;

@@ -58,7 +58,7 @@ Attempt<Axis> DirectTarget::axis_at(const std::string& name) {
       [&](tmcl::AxisAddress address) { return bus_.module(address.module).axis(address.motor); });
 }
 
-Attempt<std::vector<ModuleRow>> DirectTarget::scan(ScanRange range, const Progress& progress) {
+Attempt<ScanResult> DirectTarget::scan(ScanRange range, const Progress& progress) {
   tmcl::ScanOptions options;
   options.first = range.first;
   options.last = range.last;
@@ -66,13 +66,15 @@ Attempt<std::vector<ModuleRow>> DirectTarget::scan(ScanRange range, const Progre
     options.progress = [&](std::size_t asked, std::size_t of) { progress(bus_.name(), asked, of); };
   }
   return attempt(bus_.run(tmcl::verbs::scan(options))).map([&](const auto& found) {
-    std::vector<ModuleRow> rows;
-    for (const auto& module : found) rows.push_back(row_of(module, bus_.name()));
-    return rows;
+    ScanResult result;
+    for (const auto& module : found) result.modules.push_back(row_of(module, bus_.name()));
+    return result;
   });
 }
 
-Attempt<std::vector<ModuleRow>> DirectTarget::modules() { return scan({}, {}); }
+Attempt<std::vector<ModuleRow>> DirectTarget::modules() {
+  return scan({}, {}).map([](ScanResult found) { return std::move(found.modules); });
+}
 
 Attempt<std::vector<AxisRow>> DirectTarget::axes() {
   return modules().map([&](const std::vector<ModuleRow>& found) {

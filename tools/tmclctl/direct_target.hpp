@@ -13,7 +13,7 @@ class DirectTarget final : public Target {
   static Attempt<std::unique_ptr<Target>> open(const std::string& link_name, Patience& patience);
   DirectTarget(tmcl::blocking::Bus bus, tmcl::Framing framing, Patience& patience);
 
-  Attempt<std::vector<ModuleRow>> scan(ScanRange range, const Progress& progress) override;
+  Attempt<ScanResult> scan(ScanRange range, const Progress& progress) override;
   Attempt<std::vector<ModuleRow>> modules() override;
   Attempt<std::vector<AxisRow>> axes() override;
   Attempt<std::vector<ParameterRow>> parameters(const std::string& axis) override;

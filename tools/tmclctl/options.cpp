@@ -352,6 +352,9 @@ std::optional<Failure> Parser::conflicting_options() const {
   if (chosen == "plot" && plot_.to && plot_.by) {
     return usage_failure("usage", "plot: --to and --by exclude each other");
   }
+  if (chosen == "plot" && options_.json && plot_.csv == "-") {
+    return usage_failure("usage", "plot: --json and '--csv -' both want standard output");
+  }
   return std::nullopt;
 }
 

@@ -7,6 +7,9 @@
 namespace tmclctl {
 namespace {
 
+// Slow consoles must not hold up what is measured.
+constexpr auto redraw_interval = std::chrono::milliseconds(50);
+
 // Columns, not bytes: everything that is shown here is one column wide.
 std::string_view cut(std::string_view text, int width) {
   int columns = 0;
@@ -23,7 +26,9 @@ ProgressLine::ProgressLine(Output& output)
     : output_(output), visible_(output.err_screen.terminal && !output.json) {}
 
 void ProgressLine::show(std::string_view text) {
-  if (!visible_) return;
+  const auto now = tmcl::RealClock{}.now();
+  if (!visible_ || (drawn_ && now - drawn_at_ < redraw_interval)) return;
+  drawn_at_ = now;
   // The last column stays empty, because some terminals wrap when it is written.
   output_.err << '\r' << cut(text, output_.err_screen.width - 1) << "\x1b[K" << std::flush;
   drawn_ = true;

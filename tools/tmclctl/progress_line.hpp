@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "screen.hpp"
+#include "tmcl/clock.hpp"
 
 namespace tmclctl {
 
@@ -18,7 +19,7 @@ class ProgressLine {
 
   bool visible() const { return visible_; }
   const Screen& screen() const { return output_.err_screen; }
-  /// Cut to the screen's width.
+  /// Cut to the screen's width; left out when the line was drawn just before.
   void show(std::string_view text);
   void clear();
 
@@ -26,6 +27,7 @@ class ProgressLine {
   Output& output_;
   bool visible_;
   bool drawn_ = false;
+  tmcl::TimePoint drawn_at_{};
 };
 
 /// `fraction` of a bar of `width` columns; in eighths of a column where the screen can show that.

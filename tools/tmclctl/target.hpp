@@ -69,6 +69,14 @@ struct ScanRange {
   std::uint16_t first = 1;
   std::uint16_t last = 255;
 };
+struct UnscannedBus {
+  std::string bus;
+  Failure failure;
+};
+struct ScanResult {
+  std::vector<ModuleRow> modules;
+  std::vector<UnscannedBus> failed;
+};
 using Progress = std::function<void(const std::string& bus, std::size_t asked, std::size_t of)>;
 
 struct RawCommand {
@@ -96,7 +104,7 @@ class Target {
  public:
   virtual ~Target() = default;
 
-  virtual Attempt<std::vector<ModuleRow>> scan(ScanRange range, const Progress& progress) = 0;
+  virtual Attempt<ScanResult> scan(ScanRange range, const Progress& progress) = 0;
   virtual Attempt<std::vector<ModuleRow>> modules() = 0;
   virtual Attempt<std::vector<AxisRow>> axes() = 0;
   virtual Attempt<std::vector<ParameterRow>> parameters(const std::string& axis) = 0;

@@ -34,6 +34,9 @@ struct CallError {
   boost::json::object data{};  ///< All that the daemon said besides code and message.
 };
 
+/// Reads an error object as the daemon puts it into answers, and into lists of what failed.
+CallError call_error_from(const boost::json::object& error);
+
 namespace error_name {
 constexpr std::string_view unreachable =
     "daemon_unreachable";  ///< No connection; nothing was asked.

@@ -49,6 +49,24 @@ VerbResult show_modules(const std::vector<ModuleRow>& rows, bool with_state, Out
   return ExitCode::done;
 }
 
+VerbResult show_partial_scan(const ScanResult& result, Output& output) {
+  auto exit = ExitCode::done;
+  json::array failed;
+  for (const auto& [bus, failure] : result.failed) {
+    exit = std::max(exit, failure.exit);
+    failed.push_back(json::object{{"bus", bus}, {"error", to_json(failure)}});
+    if (!output.json) {
+      output.err << "tmclctl: " << bus << " was not scanned: " << describe(failure) << '\n';
+    }
+  }
+  if (output.json) {
+    print_json({{"modules", to_json_array(result.modules)}, {"failed", std::move(failed)}}, output);
+  } else {
+    print_modules(result.modules, false, output.out);
+  }
+  return exit;
+}
+
 json::object to_json(const ParameterRow& row, std::optional<std::int32_t> value) {
   json::object object{{"number", row.number},
                       {"name", row.name},
@@ -80,13 +98,14 @@ VerbResult run(const verb::Scan& verb, Room& room) {
       });
   line.clear();
   if (!rows) return tl::unexpected(rows.error());
-  if (rows->empty() && !room.output.json) {
+  if (!rows->failed.empty()) return show_partial_scan(*rows, room.output);
+  if (rows->modules.empty() && !room.output.json) {
     room.output.err << "No module answered. Check the supply, the cabling, the baud rate (new "
                        "modules speak 9600) and "
                        "whether another program holds the port.\n";
     return ExitCode::done;
   }
-  return show_modules(*rows, false, room.output);
+  return show_modules(rows->modules, false, room.output);
 }
 
 VerbResult run(const verb::Modules&, Room& room) {

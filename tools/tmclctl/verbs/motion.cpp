@@ -1,6 +1,5 @@
 // move, rotate, stop.
 #include <algorithm>
-#include <cmath>
 
 #include <fmt/format.h>
 
@@ -41,8 +40,8 @@ Attempt<tmcl::Microsteps> wait_for_arrival(const verb::Move& verb, tmcl::Microst
     const auto done =
         std::clamp(fraction_done(*start, goal.value, reading.position.value), 0.0, 1.0);
     const int width = std::clamp(line.screen().width - words_width, narrowest_bar, widest_bar);
-    line.show(fmt::format("{} {} {:3.0f}%  {} of {}  velocity {}", verb.axis,
-                          bar(done, width, line.screen().utf8), std::floor(done * 100),
+    line.show(fmt::format("{} {} {:3}%  {} of {}  velocity {}", verb.axis,
+                          bar(done, width, line.screen().utf8), static_cast<int>(done * 100),
                           reading.position.value, goal.value, reading.velocity.value));
   });
 }

@@ -1,6 +1,188 @@
 // plot.
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "following.hpp"
+#include "plot/recording.hpp"
+#include "plot/svg_plot.hpp"
+#include "plot/text_plot.hpp"
+#include "print.hpp"
+#include "progress_line.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
-VerbResult run(const verb::Plot&, Room&) { return ExitCode::done; }
+namespace {
+
+namespace json = boost::json;
+
+constexpr tmcl::Duration sample_interval = std::chrono::milliseconds(10);
+// What the daemon remembers may come more than once; its age is not told more exactly than this.
+constexpr double least_distance_s = 0.001;
+constexpr tmcl::Duration tolerated_delay = std::chrono::milliseconds(25);
+// An hour at one sample every 10 ms.
+constexpr std::size_t most_samples = 360'000;
+
+/// Collects samples, and shows that it does.
+class Recorder {
+ public:
+  Recorder(std::string axis, Room& room)
+      : room_(room), begin_(room.patience.now()), line_(room.output) {
+    recording_.axis = std::move(axis);
+  }
+
+  void add(const AxisReading& reading) {
+    // One that took much longer than usual does not say when exactly it was taken.
+    usual_age_ = std::min(usual_age_, reading.age);
+    if (reading.age > usual_age_ + tolerated_delay) return;
+    auto& samples = recording_.samples;
+    const double since_begin_s = std::chrono::duration<double>(reading.taken_at - begin_).count();
+    // The first one counts for the beginning, although it may be a little older or younger.
+    const double time_s = samples.empty() ? 0 : since_begin_s;
+    if (full() || (!samples.empty() && time_s < samples.back().time_s + least_distance_s)) return;
+    samples.push_back({time_s, reading.position.value, reading.velocity.value});
+    line_.show(fmt::format("recording {}: {:.1f} s  position {}  velocity {}", recording_.axis,
+                           time_s, reading.position.value, reading.velocity.value));
+  }
+
+  bool full() const { return recording_.samples.size() >= most_samples; }
+  double seconds() const {
+    return std::chrono::duration<double>(room_.patience.now() - begin_).count();
+  }
+
+  const plot::Recording& finish() {
+    line_.clear();
+    return recording_;
+  }
+
+ private:
+  Room& room_;
+  tmcl::TimePoint begin_;
+  tmcl::Duration usual_age_ = tmcl::Duration::max() / 2;
+  ProgressLine line_;
+  plot::Recording recording_;
+};
+
+/// Opened before anything moves: a move whose recording cannot be kept is not worth starting.
+class OutputFile {
+ public:
+  Attempt<void> open(const std::string& path) {
+    path_ = path;
+    if (path.empty() || path == "-") return {};
+    file_.open(path, std::ios::binary | std::ios::trunc);
+    if (!file_) return tl::unexpected(problem());
+    return {};
+  }
+
+  Attempt<void> write(const std::string& text) {
+    if (!file_.is_open()) return {};
+    file_ << text;
+    file_.close();
+    if (!file_) return tl::unexpected(problem());
+    return {};
+  }
+
+ private:
+  Failure problem() const {
+    return usage_failure("cannot_write",
+                         fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
+  }
+
+  std::string path_;
+  std::ofstream file_;
+};
+
+using MaybeFailure = std::optional<Failure>;
+
+MaybeFailure record_move(const verb::Plot& verb, Recorder& recorder, Room& room) {
+  const auto before = room.target.state(verb.axis);
+  if (!before) return before.error();
+  recorder.add(*before);
+  const auto goal = verb.to ? room.target.move_to(verb.axis, {*verb.to})
+                            : room.target.move_by(verb.axis, {*verb.by});
+  if (!goal) return goal.error();
+  Journey journey{verb.axis, *goal, room.patience.now(), sample_interval, {}};
+  if (verb.for_s) {
+    journey.timeout =
+        std::chrono::duration_cast<tmcl::Duration>(std::chrono::duration<double>(*verb.for_s));
+  }
+  const auto reached =
+      follow(journey, room, [&](const AxisReading& reading) { recorder.add(reading); });
+  // The end of the time that --for gives is what was asked for.
+  if (reached || reached.error().name == "timeout") return std::nullopt;
+  return reached.error();
+}
+
+MaybeFailure record_as_it_is(const verb::Plot& verb, Recorder& recorder, Room& room) {
+  auto last_moving = room.patience.now();
+  while (room.patience.signal() == 0 && !recorder.full()) {
+    const auto next_look = room.patience.now() + sample_interval;
+    const auto reading = room.target.state(verb.axis);
+    if (!reading && room.patience.signal() != 0) break;
+    if (!reading) return reading.error();
+    recorder.add(*reading);
+    if (verb.for_s && recorder.seconds() >= *verb.for_s) return std::nullopt;
+    if (reading->velocity.value != 0) last_moving = room.patience.now();
+    const bool stands = room.patience.now() - last_moving >= standstill_limit;
+    if (!verb.for_s && stands) return std::nullopt;
+    room.patience.sleep(next_look - room.patience.now());
+  }
+  if (room.patience.signal() == 0) return std::nullopt;
+  return interrupted_failure(room.patience.signal(),
+                             fmt::format("no longer recording {}", verb.axis),
+                             "If it moves, it goes on. " + how_to_stop(verb.axis, room.target));
+}
+
+json::object to_json(const verb::Plot& verb, const plot::Recording& recording) {
+  json::array times;
+  json::array positions;
+  json::array velocities;
+  for (const auto& sample : recording.samples) {
+    times.push_back(sample.time_s);
+    positions.push_back(sample.position_microsteps);
+    velocities.push_back(sample.velocity_internal);
+  }
+  return {{"axis", verb.axis},
+          {"time_s", std::move(times)},
+          {"position_microsteps", std::move(positions)},
+          {"velocity_internal", std::move(velocities)},
+          {"svg", verb.svg.empty() ? json::value(nullptr) : json::value(verb.svg)},
+          {"csv", verb.csv.empty() ? json::value(nullptr) : json::value(verb.csv)}};
+}
+
+void show(const verb::Plot& verb, const plot::Recording& recording, Output& output) {
+  if (verb.csv == "-") {
+    output.out << plot::to_csv(recording);
+  } else {
+    output.out << plot::to_text(recording, output.out_screen);
+  }
+}
+
+}  // namespace
+
+VerbResult run(const verb::Plot& verb, Room& room) {
+  OutputFile svg;
+  OutputFile csv;
+  if (auto opened = svg.open(verb.svg); !opened) return tl::unexpected(opened.error());
+  if (auto opened = csv.open(verb.csv); !opened) return tl::unexpected(opened.error());
+  Recorder recorder(verb.axis, room);
+  const bool starts_move = verb.to || verb.by;
+  const auto failure =
+      starts_move ? record_move(verb, recorder, room) : record_as_it_is(verb, recorder, room);
+  const auto& recording = recorder.finish();
+  if (!recording.samples.empty()) {
+    if (auto written = svg.write(plot::to_svg(recording)); !written)
+      return tl::unexpected(written.error());
+    if (auto written = csv.write(plot::to_csv(recording)); !written)
+      return tl::unexpected(written.error());
+    if (!room.output.json) show(verb, recording, room.output);
+  }
+  if (failure) return tl::unexpected(*failure);
+  if (room.output.json) print_json(to_json(verb, recording), room.output);
+  return ExitCode::done;
+}
+
 }  // namespace tmclctl

@@ -123,6 +123,9 @@ VerbResult run(const verb::Raw& verb, Room& room) {
   const auto answer = room.target.raw({verb.bus, *request});
   if (!answer) {
     auto failure = answer.error();
+    if (failure.exit == ExitCode::usage || failure.exit == ExitCode::not_sent) {
+      return tl::unexpected(failure);
+    }
     failure.details["request_bytes"] = hex(tmcl::encode_serial(*request));
     if (!room.output.json) {
       room.output.err << "-> " << hex(tmcl::encode_serial(*request)) << "  " << describe(*request)

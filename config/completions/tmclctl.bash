@@ -1,0 +1,53 @@
+# bash completion for tmclctl: verbs, options, parameters and commands from the program itself, axes from tmcld.
+
+_tmclctl_words() {
+  tmclctl "${where[@]}" __complete "$@" 2>/dev/null
+}
+
+_tmclctl() {
+  local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]}
+  local verb= where=() arguments=0 i
+  COMPREPLY=()
+
+  # What stands before the cursor: how to reach the axes, the verb, and how many arguments it has.
+  for ((i = 1; i < COMP_CWORD; i++)); do
+    case ${COMP_WORDS[i]} in
+      --socket) where=(--socket "${COMP_WORDS[i+1]}"); ((i++)) ;;
+      --direct | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus)
+        # --by of move takes no value.
+        [[ ${COMP_WORDS[i]} == --by && $verb == move ]] || ((i++)) ;;
+      # Bash splits serial:/dev/ttyACM0 at the colon.
+      : | =) ((i++)) ;;
+      -*) ;;
+      *) if [[ -z $verb ]]; then verb=${COMP_WORDS[i]}; else ((arguments++)); fi ;;
+    esac
+  done
+
+  case $previous in
+    --socket | --svg | --csv)
+      compopt -o default
+      return ;;
+    --direct)
+      COMPREPLY=($(compgen -W "serial:/dev/ can: tcp:" -- "$current"))
+      compopt -o nospace
+      return ;;
+    --addresses | --timeout | --interval | --for | --to | --bus) return ;;
+  esac
+
+  local words=
+  if [[ $current == -* ]]; then
+    words=$(_tmclctl_words options $verb)
+  elif [[ -z $verb ]]; then
+    words=$(_tmclctl_words verbs)
+  else
+    case $verb:$arguments in
+      get:0 | set:0 | move:0 | rotate:0 | stop:0 | state:0 | watch:0 | plot:0 | params:0)
+        words=$(_tmclctl_words axes) ;;
+      get:1 | set:1) words=$(_tmclctl_words parameters) ;;
+      raw:1) words=$(_tmclctl_words commands) ;;
+    esac
+  fi
+  COMPREPLY=($(compgen -W "$words" -- "$current"))
+}
+
+complete -F _tmclctl tmclctl

@@ -1,0 +1,142 @@
+#include "plot/text_plot.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "plot/canvas.hpp"
+#include "plot/scale.hpp"
+
+namespace tmclctl::plot {
+namespace {
+
+constexpr int panel_rows = 9;
+constexpr int value_ticks = 4;
+constexpr int columns_per_time_tick = 12;
+
+struct Strokes {
+  const char* wall;
+  const char* tick;
+  const char* corner;
+  const char* floor;
+  const char* floor_tick;
+};
+constexpr Strokes lines{"│", "┤", "└", "─", "┬"};
+constexpr Strokes ascii_lines{"|", "+", "+", "-", "+"};
+
+constexpr const char* position_colour = "36";
+constexpr const char* velocity_colour = "33";
+constexpr const char* frame_colour = "2";
+
+int dot_of(double fraction, int dots) {
+  return static_cast<int>(std::lround(fraction * (dots - 1)));
+}
+
+class Panel {
+ public:
+  Panel(const Curve& curve, const Scale& time, const Screen& screen, int label_width)
+      : time_(time),
+        values_(curve.values, value_ticks),
+        screen_(screen),
+        label_width_(label_width),
+        canvas_(std::min(screen.width, widest_plot) - label_width - 2, panel_rows, screen.utf8) {
+    draw(curve);
+    for (const double tick : values_.ticks()) {
+      const int dots_down = canvas_.height() / canvas_.rows();
+      labels_.emplace(y_of(tick) / dots_down, values_.label(tick));
+    }
+  }
+
+  std::string text(const char* colour) const {
+    std::string text;
+    for (int row = 0; row < panel_rows; ++row) {
+      const auto label = labels_.find(row);
+      const bool labelled = label != labels_.end();
+      text += fmt::format("{:>{}} ", labelled ? label->second : "", label_width_);
+      text += coloured(labelled ? strokes().tick : strokes().wall, frame_colour);
+      text += coloured(canvas_.row(row), colour) + '\n';
+    }
+    return text + floor();
+  }
+
+  /// The times under the floor.
+  std::string time_labels() const {
+    std::string text(static_cast<std::size_t>(label_width_ + 2), ' ');
+    for (const double tick : time_.ticks()) {
+      const auto label = time_.label(tick);
+      const auto middle = static_cast<std::size_t>(label_width_ + 2 + column_of(tick));
+      const auto begin = middle - std::min(middle, label.size() / 2);
+      // The last one leaves room for the unit.
+      if (begin < text.size() || begin + label.size() + 2 > full_width()) continue;
+      text += std::string(begin - text.size(), ' ') + label + ' ';
+    }
+    return text + "s\n";
+  }
+
+ private:
+  const Strokes& strokes() const { return screen_.utf8 ? lines : ascii_lines; }
+  std::size_t full_width() const {
+    return static_cast<std::size_t>(label_width_ + 2 + canvas_.columns());
+  }
+  int x_of(double time) const { return dot_of(time_.fraction(time), canvas_.width()); }
+  int y_of(double value) const { return dot_of(1 - values_.fraction(value), canvas_.height()); }
+  int column_of(double time) const { return x_of(time) * canvas_.columns() / canvas_.width(); }
+
+  void draw(const Curve& curve) {
+    for (std::size_t i = 0; i < curve.values.size(); ++i) {
+      const auto before = i == 0 ? 0 : i - 1;
+      canvas_.line(x_of(curve.times[before]), y_of(curve.values[before]), x_of(curve.times[i]),
+                   y_of(curve.values[i]));
+    }
+  }
+
+  std::string floor() const {
+    std::string text = strokes().corner;
+    for (int column = 0; column < canvas_.columns(); ++column) {
+      const auto is_here = [&](double tick) { return column_of(tick) == column; };
+      text += std::ranges::any_of(time_.ticks(), is_here) ? strokes().floor_tick : strokes().floor;
+    }
+    return std::string(static_cast<std::size_t>(label_width_ + 1), ' ') +
+           coloured(text, frame_colour) + '\n';
+  }
+
+  std::string coloured(const std::string& text, const char* colour) const {
+    return screen_.colour && !text.empty() ? fmt::format("\x1b[{}m{}\x1b[0m", colour, text) : text;
+  }
+
+  const Scale& time_;
+  Scale values_;
+  const Screen& screen_;
+  int label_width_;
+  Canvas canvas_;
+  std::map<int, std::string> labels_;
+};
+
+int label_width(const Curve& curve) {
+  const Scale scale(curve.values, value_ticks);
+  std::size_t width = 0;
+  for (const double tick : scale.ticks()) width = std::max(width, scale.label(tick).size());
+  return static_cast<int>(width);
+}
+
+std::string heading(const Curve& curve, int indent) {
+  return fmt::format("{:{}}{} [{}]\n", "", indent, curve.name, curve.unit);
+}
+
+}  // namespace
+
+std::string to_text(const Recording& recording, const Screen& screen) {
+  const auto position = position_curve(recording);
+  const auto velocity = velocity_curve(recording);
+  const int labels = std::max(label_width(position), label_width(velocity));
+  const int columns = std::min(screen.width, widest_plot);
+  const Scale time(position.times, std::max(2, columns / columns_per_time_tick));
+  const Panel above(position, time, screen, labels);
+  const Panel below(velocity, time, screen, labels);
+  return summary(recording) + "\n\n" + heading(position, labels + 2) + above.text(position_colour) +
+         heading(velocity, labels + 2) + below.text(velocity_colour) + below.time_labels();
+}
+
+}  // namespace tmclctl::plot
