@@ -222,10 +222,9 @@ constexpr auto places = [] {
 }();
 
 const SubtypeInfo* find_subtype(Command command, std::uint8_t type) {
-  const auto* row = std::ranges::find_if(subtypes, [&](const SubtypeInfo& info) {
-    return info.command == command && info.type == type;
-  });
-  return row == subtypes.end() ? nullptr : row;
+  const auto key = key_of(command, type);
+  const auto* row = std::ranges::lower_bound(subtypes, key, {}, key_of_row);
+  return row != subtypes.end() && key_of_row(*row) == key ? row : nullptr;
 }
 
 }  // namespace
@@ -234,9 +233,7 @@ std::span<const CommandInfo> command_table() { return commands; }
 std::span<const SubtypeInfo> subtype_table() { return subtypes; }
 
 const CommandInfo* find_command(std::uint8_t number) {
-  const auto* row =
-      std::ranges::lower_bound(commands, static_cast<Command>(number), {}, &CommandInfo::command);
-  return row != commands.end() && row->command == static_cast<Command>(number) ? row : nullptr;
+  return places[number] == 0 ? nullptr : &commands[places[number] - 1U];
 }
 
 std::optional<Command> parse_command(std::string_view text) {

@@ -21,7 +21,7 @@ bool wants_version_text(const Request& request) {
 bool is_ended_by(const Request& stop, const Call& call) {
   const auto& request = call.request;
   if (reply_byte(request.address) != reply_byte(stop.address)) return false;
-  if (effect_of(request.command, request.type) != Effect::moves) return false;
+  if (call.effect != Effect::moves) return false;
   // Commands above 127 control programs and chips: they know no motor, so they may concern any.
   return request.motor == stop.motor || static_cast<std::uint8_t>(request.command) >= 128;
 }

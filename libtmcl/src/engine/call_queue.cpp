@@ -12,7 +12,7 @@ bool has_defaults(const CallOptions& options) {
 }  // namespace
 
 CallQueue::Calls& CallQueue::level_of(const Call& call) {
-  switch (effect_of(call.request.command, call.request.type)) {
+  switch (call.effect) {
     case Effect::stops: return levels_[0];
     case Effect::reads: return levels_[2];
     default: return levels_[1];
@@ -46,6 +46,7 @@ bool CallQueue::join(const Request& request, const CallOptions& options, Ticket 
 }
 
 Call* CallQueue::find(const std::function<bool(const Call&)>& wanted) {
+  if (size_ == 0) return nullptr;
   for (auto& level : levels_) {
     const auto found = std::ranges::find_if(level, wanted);
     if (found != level.end()) return &*found;

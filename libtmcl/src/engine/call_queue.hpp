@@ -26,7 +26,9 @@ struct Call {
   /// A stop that already went out once, unproven, because the line was not in step.
   bool shouted = false;
 
-  bool is_stop() const { return effect_of(request.command, request.type) == Effect::stops; }
+  Effect effect = effect_of(request.command, request.type);
+
+  bool is_stop() const { return effect == Effect::stops; }
   bool may_repeat() const { return repeat_rule(request.command, request.type) == Repeat::safe; }
 };
 
