@@ -33,6 +33,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
   void close(const std::string& why) {
     if (core_.is_open()) core_.close(why);
     run_actions();
+    hand_out_later();
   }
 
   using Handler = std::function<void(StepResult)>;
@@ -50,6 +51,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
       core_.engine().submit(ticket, exchanges[i].request, exchanges[i].options, clock_.now());
     }
     run_actions();
+    hand_out_later();
   }
 
   BusCore& core() { return core_; }
@@ -79,6 +81,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
     core_.on_readable(clock_.now());
     run_actions();
     if (core_.is_open()) await_input();
+    hand_out();
   }
 
   void await_room() {
@@ -90,6 +93,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
                             if (error) return;
                             self->core_.on_writable(self->clock_.now());
                             self->run_actions();
+                            self->hand_out();
                           });
   }
 
@@ -105,6 +109,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
       self->armed_for_.reset();
       self->core_.engine().on_deadline(self->clock_.now());
       self->run_actions();
+      self->hand_out();
     });
   }
 
@@ -125,10 +130,20 @@ class Bus::State : public std::enable_shared_from_this<State> {
     const auto place = waiting_.extract(completion.ticket).mapped();
     auto& group = *place.group;
     group.results[place.index] = std::move(completion.result);
-    if (--group.missing > 0) return;
-    // Later, not from within the engine's round: whoever waits will submit the next request at
-    // once.
-    asio::post(executor_, [group = place.group] { group->handler(std::move(group->results)); });
+    if (--group.missing == 0) settled_.push_back(place.group);
+  }
+
+  /// Last in a round of the reactor: whoever waits goes on here, and may submit the next request.
+  void hand_out() {
+    for (const auto& group : std::exchange(settled_, {})) {
+      group->handler(std::move(group->results));
+    }
+  }
+
+  /// Whoever submits a request is not yet ready for its result.
+  void hand_out_later() {
+    if (settled_.empty()) return;
+    asio::post(executor_, [self = shared_from_this()] { self->hand_out(); });
   }
 
   void publish(const BusEvent& event) {
@@ -146,6 +161,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
   bool awaiting_room_ = false;
   engine::Ticket next_ticket_ = 0;
   std::map<engine::Ticket, Place> waiting_;
+  std::vector<std::shared_ptr<Group>> settled_;
 };
 
 Bus::Bus(asio::any_io_executor executor, Link link, BusOptions options)
