@@ -21,7 +21,6 @@ libusb-1.0-0-dev|talks to modules over USB
 libgtest-dev|unit tests
 libgmock-dev|unit tests
 libbenchmark-dev|benchmarks
-librapidcheck-dev|property tests
 '
 
 packages_test='
