@@ -17,7 +17,6 @@ libfmt-dev|text formatting, under spdlog and in the tools
 libtomlplusplus-dev|reads tmcld.toml
 libcli11-dev|command lines of the tools
 libexpected-dev|tl::expected, results that are a value or an error
-libusb-1.0-0-dev|talks to modules over USB
 libgtest-dev|unit tests
 libgmock-dev|unit tests
 libbenchmark-dev|benchmarks
