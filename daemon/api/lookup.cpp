@@ -4,7 +4,7 @@
 #include <charconv>
 #include <utility>
 
-#include "tmcl/nearest.hpp"
+#include "api/suggest.hpp"
 
 namespace tmcld {
 namespace {
@@ -14,10 +14,10 @@ RpcError unknown(std::string_view kind, std::string_view param, const std::strin
                  const List& known) {
   std::vector<std::string_view> names;
   for (const auto& one : known) names.push_back(one->name());
-  auto hint = tmcl::did_you_mean(name, names);
-  if (hint.empty()) hint = " " + std::string(kind) + ".list shows what there is";
+  const auto otherwise = std::string(kind) + ".list shows what there is";
   return param_error("unknown_" + std::string(kind), param,
-                     "there is no " + std::string(kind) + " '" + name + "'", hint.substr(1));
+                     "there is no " + std::string(kind) + " '" + name + "'",
+                     suggest(name, names, otherwise));
 }
 
 Lookup<std::shared_ptr<GatewayAxis>> find_axis(const Call& call, std::string_view param,
@@ -44,10 +44,8 @@ RpcError unknown_parameter(const GatewayAxis& axis, const std::string& name) {
   }
   std::vector<std::string_view> names;
   for (const auto& row : rows) names.push_back(row.name);
-  auto hint = tmcl::did_you_mean(name, names);
-  if (hint.empty()) hint = " parameter.list shows what there is";
   return param_error("unknown_parameter", "parameter", "there is no parameter '" + name + "'",
-                     hint.substr(1));
+                     suggest(name, names, "parameter.list shows what there is"));
 }
 
 }  // namespace

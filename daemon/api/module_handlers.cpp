@@ -5,7 +5,7 @@
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/state_json.hpp"
-#include "tmcl/nearest.hpp"
+#include "api/suggest.hpp"
 
 namespace tmcld::handlers {
 namespace {
@@ -20,10 +20,10 @@ Lookup<tmcl::Command> command_of(const Call& call) {
   if (const auto command = tmcl::parse_command(text)) return *command;
   std::vector<std::string_view> names;
   for (const auto& row : tmcl::command_table()) names.push_back(row.name);
-  auto hint = tmcl::did_you_mean(text, names);
-  if (hint.empty()) hint = " give a TMCL mnemonic such as GAP, or a number 0..255";
+  constexpr auto otherwise = "give a TMCL mnemonic such as GAP, or a number 0..255";
   return tl::unexpected(param_error("unknown_command", "command",
-                                    "there is no command '" + text + "'", hint.substr(1)));
+                                    "there is no command '" + text + "'",
+                                    suggest(text, names, otherwise)));
 }
 
 Lookup<std::uint8_t> type_of(const Call& call, tmcl::Command command) {

@@ -7,7 +7,7 @@
 #include <boost/json/array.hpp>
 #include <boost/json/value.hpp>
 
-#include "tmcl/nearest.hpp"
+#include "api/suggest.hpp"
 
 namespace tmcld {
 namespace {
@@ -64,10 +64,9 @@ std::optional<RpcError> check_value(const ParamInfo& row, const json::value& val
 RpcError unknown_param(const MethodInfo& method, std::string_view name) {
   std::vector<std::string_view> known;
   for (const auto& row : method.params) known.push_back(row.name);
-  auto hint = tmcl::did_you_mean(name, known);
-  if (!hint.empty()) hint.erase(0, 1);
   return param_error("bad_argument", name,
-                     std::string(method.name) + " has no parameter " + quoted(name), hint);
+                     std::string(method.name) + " has no parameter " + quoted(name),
+                     suggest(name, known));
 }
 
 }  // namespace

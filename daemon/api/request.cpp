@@ -9,7 +9,7 @@
 
 #include "api/json_text.hpp"
 #include "api/params.hpp"
-#include "tmcl/nearest.hpp"
+#include "api/suggest.hpp"
 
 namespace tmcld {
 namespace {
@@ -31,9 +31,7 @@ std::optional<RpcError> check_members(const json::object& message) {
   for (const auto& [key, value] : message) {
     const std::string_view name(key.data(), key.size());
     if (std::ranges::find(members, name) != members.end()) continue;
-    auto hint = tmcl::did_you_mean(name, members);
-    if (!hint.empty()) hint.erase(0, 1);
-    return invalid("a request has no member '" + std::string(name) + "'", hint);
+    return invalid("a request has no member '" + std::string(name) + "'", suggest(name, members));
   }
   const auto* version = message.if_contains("jsonrpc");
   if (version == nullptr || !version->is_string() || version->get_string() != "2.0") {
@@ -54,10 +52,9 @@ std::optional<RpcError> check_members(const json::object& message) {
 RpcError unknown_method(std::string_view name) {
   std::vector<std::string_view> known;
   for (const auto& row : method_table()) known.push_back(row.name);
-  auto hint = tmcl::did_you_mean(name, known);
-  if (hint.empty()) hint = " rpc.discover shows every method";
   return rpc_error(rpc_code::method_not_found, "method_not_found",
-                   "there is no method '" + std::string(name) + "'", hint.substr(1));
+                   "there is no method '" + std::string(name) + "'",
+                   suggest(name, known, "rpc.discover shows every method"));
 }
 
 tl::expected<const MethodInfo*, RpcError> method_of(const json::object& message) {

@@ -46,7 +46,9 @@ class Builder {
   Config build(std::span<const ConfigSection> sections) {
     for (const auto& section : sections) {
       const auto* name = section.get<std::string>("name");
-      if (section.kind == SectionKind::bus && name != nullptr) declared_buses_.push_back(*name);
+      if (section.kind != SectionKind::bus) continue;
+      if (name != nullptr) declared_buses_.push_back(*name);
+      has_nameless_bus_ = has_nameless_bus_ || name == nullptr;
     }
     const auto each = [&](SectionKind kind, auto&& add) {
       for (const auto& section : sections) {
@@ -192,7 +194,7 @@ class Builder {
     const auto found = std::ranges::find(config_.buses, name, &BusConfig::name);
     if (found != config_.buses.end()) return &*found;
     // A bus that was refused has been complained about already; its axes are innocent.
-    if (std::ranges::count(declared_buses_, name) != 0) return nullptr;
+    if (has_nameless_bus_ || std::ranges::count(declared_buses_, name) != 0) return nullptr;
     const std::vector<std::string_view> known(declared_buses_.begin(), declared_buses_.end());
     complain(section.place_of("bus"),
              "there is no bus " + quoted(name) + "." + tmcl::did_you_mean(name, known));
@@ -213,6 +215,7 @@ class Builder {
 
   std::vector<ConfigProblem>& problems_;
   std::vector<std::string> declared_buses_;
+  bool has_nameless_bus_ = false;
   Config config_;
 };
 

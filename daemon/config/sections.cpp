@@ -30,9 +30,7 @@ class Reader {
       } else if (key == "axis") {
         read_list(SectionKind::axis, node);
       } else {
-        constexpr std::array<std::string_view, 3> known{"daemon", "bus", "axis"};
-        complain(place_of(key.source()), "unknown section " + quoted(key.str()) + "." +
-                                             tmcl::did_you_mean(key.str(), known));
+        complain_unknown(key, node);
       }
     }
   }
@@ -40,6 +38,15 @@ class Reader {
  private:
   void complain(Place place, std::string message) {
     text_.problems.push_back({place, std::move(message)});
+  }
+
+  void complain_unknown(const toml::key& key, const toml::node& node) {
+    constexpr std::array<std::string_view, 3> known{"daemon", "bus", "axis"};
+    if (!node.is_table() && !node.is_array_of_tables()) {
+      return complain(place_of(key.source()), quoted(key.str()) + " stands outside of any section");
+    }
+    complain(place_of(key.source()),
+             "unknown section " + quoted(key.str()) + "." + tmcl::did_you_mean(key.str(), known));
   }
 
   void read_single(const toml::node& node) {

@@ -1,0 +1,15 @@
+/// Suggestions for names that do not exist.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+
+namespace tmcld {
+
+/// "Did you mean 'x'?", or `otherwise` if no name is near enough. A word that is the beginning of
+/// one name only is near to it, however much is missing.
+std::string suggest(std::string_view word, std::span<const std::string_view> names,
+                    std::string_view otherwise = {});
+
+}  // namespace tmcld

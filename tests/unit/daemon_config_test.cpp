@@ -1,0 +1,212 @@
+// Every mistake in a configuration file is told with its place and, where there is one, the word
+// that was probably meant.
+#include <fstream>
+#include <iterator>
+#include <string>
+
+#include <gmock/gmock.h>
+
+#include "config/keys.hpp"
+#include "config/load.hpp"
+
+namespace tmcld {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+constexpr auto good = R"([daemon]
+socket = "/run/tmcld/tmcld.sock"
+
+[[bus]]
+name = "bench"
+link = "serial:/dev/ttyACM0@115200"
+
+[[axis]]
+name = "x"
+bus = "bench"
+address = 1
+motor = 0
+)";
+
+// The good file with one line replaced: its number, and what stands there instead.
+std::string with_line(int line, const std::string& replacement) {
+  std::string text;
+  std::string_view rest = good;
+  for (int number = 1; !rest.empty(); ++number) {
+    const auto end = rest.find('\n');
+    text += number == line ? replacement : std::string(rest.substr(0, end));
+    text += '\n';
+    rest.remove_prefix(end + 1);
+  }
+  return text;
+}
+
+std::vector<std::string> problems(const std::string& toml) {
+  const auto config = parse_config(toml);
+  std::vector<std::string> lines;
+  if (config) return lines;
+  for (const auto& problem : config.error()) lines.push_back(describe("f", problem));
+  return lines;
+}
+
+TEST(DaemonConfig, ReadsTheLeastFile) {
+  const auto config = parse_config(good);
+  ASSERT_TRUE(config) << config.error().front().message;
+  EXPECT_EQ(config->daemon.socket, "/run/tmcld/tmcld.sock");
+  ASSERT_EQ(config->buses.size(), 1U);
+  EXPECT_EQ(to_string(config->buses[0].link), "serial:/dev/ttyACM0@115200");
+  EXPECT_EQ(config->buses[0].bus_options.name, "bench");
+  ASSERT_EQ(config->axes.size(), 1U);
+  EXPECT_EQ(config->axes[0].address, (tmcl::AxisAddress{tmcl::ModuleAddress{1}, 0}));
+}
+
+TEST(DaemonConfig, ReadsEveryOption) {
+  const auto config = parse_config(R"([daemon]
+socket = "s"
+log_level = "debug"
+[[bus]]
+name = "a"
+link = "can:can0"
+reply_timeout_ms = 7
+attempts = 2
+quiet_time_ms = 3
+silence_time_ms = 4
+can_reply_id = 0x7F
+can_extended = true
+[[bus]]
+name = "b"
+link = "tcp:127.0.0.1:4001"
+telegram_pause_ms = 5
+host_address = 9
+connect_timeout_ms = 11
+[[axis]]
+name = "far"
+bus = "a"
+address = 2047
+motor = 5
+)");
+  ASSERT_TRUE(config) << config.error().front().message;
+  using std::chrono::milliseconds;
+  EXPECT_EQ(config->daemon.log_level, LogLevel::debug);
+  const auto& a = config->buses[0];
+  EXPECT_EQ(a.bus_options.reply_timeout, milliseconds(7));
+  EXPECT_EQ(a.bus_options.attempts, 2U);
+  EXPECT_EQ(a.bus_options.quiet_time, milliseconds(3));
+  EXPECT_EQ(a.bus_options.silence_time, milliseconds(4));
+  EXPECT_EQ(a.link_options.can_reply_id, 0x7FU);
+  EXPECT_TRUE(a.link_options.can_extended);
+  const auto& b = config->buses[1];
+  EXPECT_EQ(b.bus_options.telegram_pause, milliseconds(5));
+  EXPECT_EQ(b.bus_options.host_address, 9);
+  EXPECT_EQ(b.link_options.connect_timeout, milliseconds(11));
+}
+
+struct Mistake {
+  int line;
+  std::string instead;
+  std::string message;
+};
+
+void PrintTo(const Mistake& mistake, std::ostream* out) { *out << mistake.instead; }
+
+class DaemonConfigMistake : public testing::TestWithParam<Mistake> {};
+
+TEST_P(DaemonConfigMistake, IsToldWithItsPlace) {
+  const auto& mistake = GetParam();
+  EXPECT_THAT(problems(with_line(mistake.line, mistake.instead)), ElementsAre(mistake.message));
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Mistakes, DaemonConfigMistake,
+    testing::Values(
+        Mistake{11, "adress = 1\naddress = 1",
+                "f:11:1: unknown key 'adress' in [[axis]]. Did you mean 'address'?"},
+        Mistake{3, "log_levle = \"info\"",
+                "f:3:1: unknown key 'log_levle' in [daemon]. Did you mean 'log_level'?"},
+        Mistake{3, "log_level = \"inof\"",
+                "f:3:13: 'log_level' is 'inof', but must be error, warning, info or debug. Did "
+                "you mean 'info'?"},
+        Mistake{3, "[deamon]", "f:3:2: unknown section 'deamon'. Did you mean 'daemon'?"},
+        Mistake{2, "socket = 5", "f:2:10: 'socket' must be a text in quotes"},
+        Mistake{2, "socket = \"\"", "f:2:10: 'socket' must be a path of 1..107 bytes"},
+        Mistake{2, "",
+                "f:1:1: [daemon] needs the key 'socket': path of the unix socket that clients use"},
+        Mistake{5, "", "f:4:1: [[bus]] needs the key 'name': how axes and clients call this bus"},
+        Mistake{5, "name = \"bench\"\nattempts = 11", "f:6:12: 'attempts' is 11, outside 1..10"},
+        Mistake{5, "name = \"bench\"\nreply_timeout_ms = 1.5",
+                "f:6:20: 'reply_timeout_ms' must be a whole number"},
+        Mistake{5, "name = \"bench\"\ncan_extended = true",
+                "f:6:16: 'can_extended' means nothing here: it is for can: links"},
+        Mistake{5, "name = \"bench\"\nconnect_timeout_ms = 5",
+                "f:6:22: 'connect_timeout_ms' means nothing here: it is for tcp: links"},
+        Mistake{8, "[[bus]]\nname = \"bench\"\nlink = \"serial:/dev/ttyACM1\"\n[[axis]]",
+                "f:9:8: the name 'bench' is given twice in [[bus]]"},
+        Mistake{8, "[[bus]]\nname = \"b\"\nlink = \"serial:/dev/ttyACM0@115200\"\n[[axis]]",
+                "f:10:8: bus 'bench' already uses this link"},
+        Mistake{9, "name = \"1/0\"",
+                "f:9:8: the name '1/0' must start with a letter and have at most 32 letters, "
+                "digits, '_', '-', '.'"},
+        Mistake{10, "bus = \"bensh\"", "f:10:7: there is no bus 'bensh'. Did you mean 'bench'?"},
+        Mistake{11, "address = 256",
+                "f:11:11: 'address' is 256, but bus 'bench' is no CAN bus: modules there have "
+                "addresses 0..255"},
+        Mistake{11, "address = 2048", "f:11:11: 'address' is 2048, outside 0..2047"},
+        Mistake{12, "motor = -1", "f:12:9: 'motor' is -1, outside 0..255"},
+        Mistake{12, "motor = 0\n[[axis]]\nname = \"x\"\nbus = \"bench\"\naddress = 1\nmotor = 1",
+                "f:14:8: the name 'x' is given twice in [[axis]]"},
+        Mistake{12, "motor = 0\n[[axis]]\nname = \"y\"\nbus = \"bench\"\naddress = 1\nmotor = 0",
+                "f:17:9: axis 'x' already is motor 0 of module 1 on bus 'bench'"}));
+
+TEST(DaemonConfig, TellsOfALinkThatCannotBe) {
+  const auto found = problems(with_line(6, "link = \"seriel:/dev/ttyACM0\""));
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0], testing::AllOf(HasSubstr("f:6:8: "), HasSubstr("serial")));
+}
+
+TEST(DaemonConfig, TellsEverythingAtOnceInTheOrderOfTheText) {
+  EXPECT_THAT(problems("[daemon]\nsoket = 1\n[[axis]]\nname = \"x\"\nmotor = 999\n"),
+              ElementsAre(HasSubstr("f:1:1: [daemon] needs the key 'socket'"),
+                          HasSubstr("f:2:1: unknown key 'soket'"),
+                          HasSubstr("f:3:1: [[axis]] needs the key 'bus'"),
+                          HasSubstr("f:3:1: [[axis]] needs the key 'address'"),
+                          HasSubstr("f:5:9: 'motor' is 999")));
+}
+
+TEST(DaemonConfig, TellsWhereTextIsNoToml) {
+  const auto found = problems("[daemon]\nsocket = \n");
+  ASSERT_EQ(found.size(), 1U);
+  EXPECT_THAT(found[0], HasSubstr("f:2:"));
+}
+
+TEST(DaemonConfig, TellsOfKeysOutsideOfSections) {
+  EXPECT_THAT(problems("socket = \"s\"\n[daemon]\nsocket = \"s\"\n"),
+              ElementsAre("f:1:1: 'socket' stands outside of any section"));
+}
+
+TEST(DaemonConfig, NeedsItsDaemonSection) {
+  EXPECT_THAT(problems(""),
+              ElementsAre("f:1:1: the section [daemon] with its key 'socket' is missing"));
+}
+
+TEST(DaemonConfig, NamesTheFileThatCannotBeRead) {
+  const auto config = load_config("/nowhere/tmcld.toml");
+  ASSERT_FALSE(config);
+  EXPECT_THAT(config.error(),
+              ElementsAre("/nowhere/tmcld.toml: cannot be read: No such file or directory"));
+}
+
+TEST(DaemonConfig, ExampleFileIsGoodAndMentionsEveryKey) {
+  const std::string path = TMCL_SOURCE_DIR "/config/tmcld.toml";
+  const auto config = load_config(path);
+  ASSERT_TRUE(config) << config.error().front();
+  EXPECT_FALSE(config->axes.empty());
+  std::ifstream file(path);
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  for (const auto& key : config_keys()) {
+    EXPECT_THAT(text, HasSubstr(std::string(key.name) + " = ")) << title_of(key.section);
+  }
+}
+
+}  // namespace
+}  // namespace tmcld
