@@ -1,0 +1,209 @@
+// The daemon as it runs on a gateway: a process of its own, on a simulated bus, with clients.
+#include <algorithm>
+#include <chrono>
+#include <thread>
+
+#include <gmock/gmock.h>
+
+#include "system/tmcld_fixture.hpp"
+
+namespace tmcl::test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+
+std::string text(const json::value& value) {
+  const auto& string = value.as_string();
+  return {string.data(), string.size()};
+}
+
+using Tmcld = TmcldTest;
+
+void move_stop_and_watch(RpcClient& client, RpcClient& watcher) {
+  watcher.result("subscribe", {{"axes", json::array{"x"}}, {"interval_ms", 10}});
+  client.result("axis.move_to", {{"axis", "x"}, {"position_microsteps", 10'000}});
+  EXPECT_EQ(
+      client.result("axis.wait", {{"axis", "x"}, {"timeout_ms", 20'000}}).at("position_microsteps"),
+      10'000);
+  std::int64_t seq = 0;
+  std::int64_t position = -1;
+  int states = 0;
+  while (position != 10'000) {
+    const auto state = watcher.notification("notify_state");
+    ASSERT_FALSE(state.is_null());
+    EXPECT_GT(state.at("seq").as_int64(), seq);
+    EXPECT_GE(state.at("position_microsteps").as_int64(), position);
+    seq = state.at("seq").as_int64();
+    position = state.at("position_microsteps").as_int64();
+    ++states;
+  }
+  EXPECT_GT(states, 3);
+
+  client.result("axis.rotate", {{"axis", "z"}, {"velocity_internal", 500}});
+  while (client.result("axis.get_state", {{"axis", "z"}}).at("velocity_internal") != 500) {
+  }
+  client.result("axis.stop", {{"axis", "z"}});
+  while (client.result("axis.get_state", {{"axis", "z"}}).at("moving").as_bool()) {
+  }
+}
+
+TEST_F(Tmcld, MovesStopsAndWatchesOnAPty) {
+  start_simulator_on_pty();
+  write_config(pty_link());
+  start_daemon();
+  RpcClient client(socket());
+  RpcClient watcher(socket());
+  move_stop_and_watch(client, watcher);
+}
+
+TEST_F(Tmcld, MovesStopsAndWatchesOverTcp) {
+  start_simulator({"--tcp", "127.0.0.1:0"});
+  write_config("tcp:" + tcp_address());
+  start_daemon();
+  RpcClient client(socket());
+  RpcClient watcher(socket());
+  move_stop_and_watch(client, watcher);
+}
+
+class TmcldLinkLoss : public TmcldTest {
+ protected:
+  // The simulator goes and comes back; nothing else is touched.
+  void lose_and_regain(const std::vector<std::string>& port) {
+    start_daemon();
+    RpcClient client(socket());
+    client.result("subscribe", {{"axes", json::array{"x"}}});
+    const auto next_event = [&] { return text(client.notification("notify_event").at("kind")); };
+    for (int round = 0; round < 3; ++round) {
+      simulator.reset();
+      EXPECT_EQ(next_event(), "link_lost");
+      EXPECT_EQ(text(client.error("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}})
+                         .at("data")
+                         .at("outcome")),
+                "not_sent");
+      start_simulator(port);
+      EXPECT_EQ(next_event(), "link_restored");
+      EXPECT_EQ(next_event(), "module_answers");
+      EXPECT_EQ(next_event(), "module_answers");
+      client.result("axis.move_to", {{"axis", "x"}, {"position_microsteps", 100}});
+      EXPECT_EQ(client.result("axis.wait", {{"axis", "x"}}).at("position_microsteps"), 100);
+    }
+  }
+};
+
+TEST_F(TmcldLinkLoss, OfAPtyNeedsNoRestart) {
+  start_simulator_on_pty();
+  write_config(pty_link());
+  lose_and_regain({"--pty", path("pty")});
+}
+
+TEST_F(TmcldLinkLoss, OfATcpPeerNeedsNoRestart) {
+  start_simulator({"--tcp", "127.0.0.1:0"});
+  const auto address = tcp_address();
+  write_config("tcp:" + address);
+  lose_and_regain({"--tcp", address});
+}
+
+TEST_F(Tmcld, WaitsForALinkThatIsNotThereYet) {
+  write_config(pty_link());
+  start_daemon(0);
+  RpcClient client(socket());
+  ASSERT_TRUE(daemon->wait_for("cannot be opened"));
+  const auto bus = client.result("bus.list").at("buses").as_array().at(0);
+  EXPECT_EQ(text(bus.at("state")), "opening");
+  EXPECT_FALSE(bus.at("error").is_null());
+  start_simulator_on_pty();
+  ASSERT_TRUE(daemon->wait_for("module_answers (module 2)"));
+  EXPECT_EQ(client.result("axis.get_state", {{"axis", "y"}}).at("position_microsteps"), 0);
+}
+
+TEST_F(Tmcld, ServesManyClientsAtOnce) {
+  start_simulator_on_pty();
+  write_config(pty_link());
+  start_daemon();
+  std::vector<std::unique_ptr<RpcClient>> clients;
+  for (int i = 0; i < 20; ++i) clients.push_back(std::make_unique<RpcClient>(socket()));
+  std::vector<int> requests;
+  for (auto& client : clients) {
+    client->send("axis.get_state", {{"axis", "y"}});
+    requests.push_back(client->send("parameter.get", {{"axis", "z"}, {"parameter", 4}}));
+  }
+  // Some go without waiting for their answers.
+  for (std::size_t i = 0; i < clients.size(); i += 2) clients[i]->hang_up();
+  for (std::size_t i = 1; i < clients.size(); i += 2) {
+    EXPECT_EQ(clients[i]->answer_to(requests[i]).at("result").at("value"), 1000);
+  }
+}
+
+TEST_F(Tmcld, EndsCleanlyWithinASecond) {
+  start_simulator_on_pty();
+  write_config(pty_link());
+  for (const int signal : {SIGTERM, SIGINT}) {
+    start_daemon();
+    RpcClient client(socket());
+    client.result("axis.rotate", {{"axis", "y"}, {"velocity_internal", 100}});
+    const auto waiting = client.send("axis.wait", {{"axis", "y"}});
+    client.result("subscribe");
+    const auto began = std::chrono::steady_clock::now();
+    daemon->signal(signal);
+    EXPECT_EQ(daemon->wait(), 0) << daemon->output();
+    EXPECT_LT(std::chrono::steady_clock::now() - began, 1s);
+    EXPECT_EQ(text(client.answer_to(waiting).at("error").at("data").at("name")), "link_lost");
+    EXPECT_TRUE(client.is_cut_off());
+    EXPECT_FALSE(std::filesystem::exists(socket()));
+  }
+}
+
+TEST_F(Tmcld, SecondDaemonLeavesTheFirstAlone) {
+  start_simulator_on_pty();
+  write_config(pty_link());
+  start_daemon();
+  const auto second = run_program({"tmcld", "--config", config()});
+  EXPECT_EQ(second.status, 1);
+  EXPECT_THAT(second.output, HasSubstr("another daemon already serves " + socket()));
+  RpcClient client(socket());
+  EXPECT_EQ(client.result("axis.list").at("axes").as_array().size(), 3U);
+}
+
+TEST_F(Tmcld, TakesOverTheSocketOfOneThatWasKilled) {
+  start_simulator_on_pty();
+  write_config(pty_link());
+  start_daemon();
+  daemon->signal(SIGKILL);
+  daemon->wait();
+  EXPECT_TRUE(std::filesystem::exists(socket()));
+  start_daemon();
+  RpcClient client(socket());
+  EXPECT_EQ(client.result("axis.list").at("axes").as_array().size(), 3U);
+}
+
+TEST_F(Tmcld, ChecksItsConfiguration) {
+  write_config("can:can0");
+  const auto good = run_program({"tmcld", "--config", config(), "--check"});
+  EXPECT_EQ(good.status, 0);
+  EXPECT_EQ(good.output, "ok: 1 bus, 3 axes\n");
+  EXPECT_FALSE(std::filesystem::exists(socket()));
+
+  std::ofstream(config(), std::ios::app) << "moter = 1\n";
+  const auto bad = run_program({"tmcld", "--config", config(), "--check"});
+  EXPECT_EQ(bad.status, 2);
+  EXPECT_EQ(bad.output,
+            config() + ":21:1: unknown key 'moter' in [[axis]]. Did you mean 'motor'?\n");
+}
+
+TEST_F(Tmcld, ExplainsItself) {
+  const auto help = run_program({"tmcld", "--help"});
+  EXPECT_EQ(help.status, 0);
+  EXPECT_THAT(help.output, HasSubstr("[[axis]]"));
+  EXPECT_THAT(run_program({"tmcld", "--version"}).output, HasSubstr("tmcld 0."));
+  EXPECT_EQ(run_program({"tmcld"}).status, 2);
+  EXPECT_EQ(run_program({"tmcld", "--confg", "x"}).status, 2);
+  EXPECT_EQ(run_program({"tmcld", "--config", path("none.toml")}).status, 2);
+  std::ofstream(config()) << "[daemon]\nsocket = \"" << path("no/socket") << "\"\n";
+  const auto nowhere = run_program({"tmcld", "--config", config()});
+  EXPECT_EQ(nowhere.status, 1);
+  EXPECT_THAT(nowhere.output, HasSubstr("does not exist; create it"));
+}
+
+}  // namespace
+}  // namespace tmcl::test
