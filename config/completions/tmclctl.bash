@@ -1,3 +1,4 @@
+# shellcheck shell=bash
 # bash completion for tmclctl: verbs, options, parameters and commands from the program itself, axes from tmcld.
 
 _tmclctl_words() {
@@ -6,7 +7,7 @@ _tmclctl_words() {
 
 _tmclctl() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]}
-  local verb= where=() arguments=0 i
+  local verb="" where=() arguments=0 i
   COMPREPLY=()
 
   # What stands before the cursor: how to reach the axes, the verb, and how many arguments it has.
@@ -28,15 +29,15 @@ _tmclctl() {
       compopt -o default
       return ;;
     --direct)
-      COMPREPLY=($(compgen -W "serial:/dev/ can: tcp:" -- "$current"))
+      mapfile -t COMPREPLY < <(compgen -W "serial:/dev/ can: tcp:" -- "$current")
       compopt -o nospace
       return ;;
     --addresses | --timeout | --interval | --for | --to | --bus) return ;;
   esac
 
-  local words=
+  local words=""
   if [[ $current == -* ]]; then
-    words=$(_tmclctl_words options $verb)
+    words=$(_tmclctl_words options "$verb")
   elif [[ -z $verb ]]; then
     words=$(_tmclctl_words verbs)
   else
@@ -47,7 +48,7 @@ _tmclctl() {
       raw:1) words=$(_tmclctl_words commands) ;;
     esac
   fi
-  COMPREPLY=($(compgen -W "$words" -- "$current"))
+  mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")
 }
 
 complete -F _tmclctl tmclctl

@@ -46,7 +46,9 @@ bool turns_by_velocity(const Journey& journey, Target& target) {
 
 Failure lost_sight(const Journey& journey, Failure failure, const Target& target) {
   failure.exit = ExitCode::unknown;
-  failure.outcome = tmcl::Outcome::unknown;
+  // The move itself was accepted; where it ended nobody knows.
+  failure.outcome.reset();
+  failure.name = "lost_sight";
   failure.message = fmt::format("lost sight of {} on its way to {}: {}", journey.axis,
                                 journey.goal.value, failure.message);
   failure.hint = "It may still be moving. " + how_to_stop(journey.axis, target);

@@ -31,7 +31,7 @@ Number parse_number(std::string_view text, Number least, Number greatest) {
   if (!whole)
     throw CLI::ValidationError(
         fmt::format("'{}' is no {}number", text, std::is_integral_v<Number> ? "whole " : ""));
-  if (error != std::errc{} || value < least || value > greatest) {
+  if (error != std::errc{} || !(value >= least && value <= greatest)) {
     throw CLI::ValidationError(fmt::format("{} is not within {} to {}", text, least, greatest));
   }
   return value;

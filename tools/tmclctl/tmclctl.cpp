@@ -1,6 +1,9 @@
 #include "tmclctl.hpp"
 
 #include <algorithm>
+#include <memory>
+#include <type_traits>
+#include <utility>
 
 #include "options.hpp"
 #include "print.hpp"
@@ -41,17 +44,22 @@ Failure with_doubt(Failure failure) {
   return failure;
 }
 
-VerbResult run(const Options& options, Output& output, Patience& patience) {
+/// `ready` stands for the target that the command line names, if it is there already.
+VerbResult run(const Options& options, Output& output, Patience& patience, Target* ready) {
   if (waits(options.verb)) patience.catch_signals();
-  auto target = open_target(options.where, patience);
-  if (!target) return tl::unexpected(target.error());
-  Room room{**target, output, patience};
+  std::unique_ptr<Target> opened;
+  if (ready == nullptr) {
+    auto target = open_target(options.where, patience);
+    if (!target) return tl::unexpected(target.error());
+    opened = std::move(*target);
+    ready = opened.get();
+  }
+  Room room{*ready, output, patience};
   return std::visit([&](const auto& verb) { return run(verb, room); }, options.verb);
 }
 
-}  // namespace
-
-ExitCode run(const std::vector<std::string>& arguments, Output& output, Patience& patience) {
+ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Patience& patience,
+                  Target* ready) {
   // Also for the errors of a command line that cannot be read.
   output.json = std::ranges::find(arguments, "--json") != arguments.end();
   const auto parsed = parse_options(arguments);
@@ -61,10 +69,21 @@ ExitCode run(const std::vector<std::string>& arguments, Output& output, Patience
     return ExitCode::done;
   }
   const auto& options = std::get<Options>(*parsed);
-  const auto result = run(options, output, patience);
+  const auto result = run(options, output, patience, ready);
   if (result) return *result;
   if (std::holds_alternative<verb::Complete>(options.verb)) return result.error().exit;
   return complain(acts(options.verb) ? with_doubt(result.error()) : result.error(), output);
+}
+
+}  // namespace
+
+ExitCode run(const std::vector<std::string>& arguments, Output& output, Patience& patience) {
+  return run_with(arguments, output, patience, nullptr);
+}
+
+ExitCode run(const std::vector<std::string>& arguments, Output& output, Patience& patience,
+             Target& target) {
+  return run_with(arguments, output, patience, &target);
 }
 
 }  // namespace tmclctl

@@ -7,10 +7,15 @@
 #include "exit_code.hpp"
 #include "patience.hpp"
 #include "screen.hpp"
+#include "target.hpp"
 
 namespace tmclctl {
 
 /// `arguments` without the program's name.
 ExitCode run(const std::vector<std::string>& arguments, Output& output, Patience& patience);
+
+/// The same with a target that is there already, whatever the command line says about it.
+ExitCode run(const std::vector<std::string>& arguments, Output& output, Patience& patience,
+             Target& target);
 
 }  // namespace tmclctl

@@ -63,7 +63,7 @@ class Panel {
 
   /// The times under the floor.
   std::string time_labels() const {
-    std::string text(static_cast<std::size_t>(label_width_ + 2), ' ');
+    std::string text;
     for (const double tick : time_.ticks()) {
       const auto label = time_.label(tick);
       const auto middle = static_cast<std::size_t>(label_width_ + 2 + column_of(tick));

@@ -1,0 +1,183 @@
+// tmclctl without a process around it: an axis that moves in virtual time, and the output as text.
+#pragma once
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <boost/json.hpp>
+
+#include "names.hpp"
+#include "tmclctl.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl::test {
+
+/// Time passes only while someone sleeps. May be told to press Ctrl-C at some instant.
+class FakePatience final : public Patience {
+ public:
+  tmcl::TimePoint now() const override { return now_; }
+  void sleep(tmcl::Duration duration) override { now_ += std::max(duration, tmcl::Duration{}); }
+  void catch_signals() override { caught_ = true; }
+  int signal() const override { return caught_ && now_ >= ctrl_c_at_ ? SIGINT : 0; }
+
+  void press_ctrl_c_after(tmcl::Duration duration) { ctrl_c_at_ = now_ + duration; }
+
+ private:
+  tmcl::TimePoint now_{std::chrono::hours(1)};
+  tmcl::TimePoint ctrl_c_at_ = tmcl::TimePoint::max();
+  bool caught_ = false;
+};
+
+/// One axis "x" that moves at a constant rate.
+class FakeTarget final : public Target {
+ public:
+  explicit FakeTarget(Patience& patience) : patience_(patience) {}
+
+  // What the tests arrange.
+  std::int32_t microsteps_per_ms = 10;
+  std::optional<Failure> failure;                        ///< What every call ends with.
+  std::optional<tmcl::Duration> stopped_by_other_after;  ///< Since the move began.
+  std::vector<StoppedAxis> stopped;
+  ScanResult found;
+  bool duplicate_readings = false;
+
+  // What happened.
+  std::vector<std::string> calls;
+
+  Attempt<ScanResult> scan(ScanRange, const Progress& progress) override {
+    if (failure) return tl::unexpected(*failure);
+    if (progress) progress("bench", 16, 255);
+    return found;
+  }
+  Attempt<std::vector<ModuleRow>> modules() override {
+    if (failure) return tl::unexpected(*failure);
+    return found.modules;
+  }
+  Attempt<std::vector<AxisRow>> axes() override {
+    if (failure) return tl::unexpected(*failure);
+    return std::vector<AxisRow>{{"x", "bench", 1, 0, "TMCM-1110", "ready"}};
+  }
+  Attempt<std::vector<ParameterRow>> parameters(const std::string&) override {
+    return std::vector<ParameterRow>{{4, "max_velocity", true, 0, 2047, "internal", "speed"}};
+  }
+  Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) override {
+    if (failure) return tl::unexpected(*failure);
+    const auto name = parse_parameter(common_parameters(), parameter);
+    if (!name) return tl::unexpected(name.error());
+    if (name->number == 138) return ParameterValue{138, "ramp_mode", stopped_now() ? 2 : 0};
+    calls.push_back("get " + axis + ' ' + name->name);
+    return ParameterValue{name->number, name->name, -1500};
+  }
+  Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
+                              std::int32_t value) override {
+    if (failure) return tl::unexpected(*failure);
+    calls.push_back("set " + axis + ' ' + parameter + ' ' + std::to_string(value));
+    return ParameterValue{4, "max_velocity", value};
+  }
+  Attempt<tmcl::Microsteps> move_to(const std::string& axis, tmcl::Microsteps position) override {
+    if (failure) return tl::unexpected(*failure);
+    calls.push_back("move_to " + axis + ' ' + std::to_string(position.value));
+    from_ = at();
+    target_ = position.value;
+    began_ = patience_.now();
+    return position;
+  }
+  Attempt<tmcl::Microsteps> move_by(const std::string& axis, tmcl::Microsteps distance) override {
+    return move_to(axis, {at() + distance.value});
+  }
+  Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override {
+    if (failure) return tl::unexpected(*failure);
+    calls.push_back("rotate " + axis + ' ' + std::to_string(velocity.value));
+    return {};
+  }
+  Attempt<void> stop(const std::string& axis) override {
+    if (failure) return tl::unexpected(*failure);
+    calls.push_back("stop " + axis);
+    return {};
+  }
+  Attempt<std::vector<StoppedAxis>> stop_all() override {
+    calls.push_back("stop_all");
+    return stopped;
+  }
+  Attempt<AxisReading> state(const std::string&) override {
+    if (failure) return tl::unexpected(*failure);
+    AxisReading reading;
+    reading.position = {at()};
+    reading.target = {target_};
+    const auto direction = target_ >= from_ ? 1 : -1;
+    reading.moving = at() != target_ && !stopped_now();
+    reading.velocity = {reading.moving ? 100 * direction : 0};
+    reading.position_reached = at() == target_;
+    reading.taken_at = patience_.now();
+    return reading;
+  }
+  Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
+                      const ReadingHandler& on_reading) override {
+    while (true) {
+      const auto reading = state(axis);
+      if (!reading) return tl::unexpected(reading.error());
+      if (!on_reading(&*reading)) return {};
+      patience_.sleep(interval);
+    }
+  }
+  Attempt<RawAnswer> raw(const RawCommand& command) override {
+    if (failure) return tl::unexpected(*failure);
+    RawAnswer answer;
+    answer.bus = "bench";
+    answer.reply = {2, 1, tmcl::Status::ok, command.request.command, 1000};
+    return answer;
+  }
+  std::string options() const override { return " --direct can:can0"; }
+
+ private:
+  bool stopped_now() const {
+    return stopped_by_other_after && patience_.now() - began_ >= *stopped_by_other_after;
+  }
+  std::int32_t at() const {
+    auto elapsed = patience_.now() - began_;
+    if (stopped_by_other_after) elapsed = std::min(elapsed, *stopped_by_other_after);
+    const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(elapsed).count();
+    const auto way = std::abs(std::int64_t{target_} - from_);
+    const auto done = std::min<std::int64_t>(way, ms * microsteps_per_ms);
+    return static_cast<std::int32_t>(from_ + (target_ >= from_ ? done : -done));
+  }
+
+  Patience& patience_;
+  std::int32_t from_ = 0;
+  std::int32_t target_ = 0;
+  tmcl::TimePoint began_{};
+};
+
+/// Runs one command line against the fake axis.
+class Ctl {
+ public:
+  FakePatience patience;
+  FakeTarget target{patience};
+  Screen screen;  ///< Both streams'. A plain file, unless the test says otherwise.
+
+  std::string out;
+  std::string err;
+
+  ExitCode run(const std::vector<std::string>& arguments) {
+    std::ostringstream out_stream;
+    std::ostringstream err_stream;
+    Output output{out_stream, err_stream, screen, screen};
+    const auto exit = tmclctl::run(arguments, output, patience, target);
+    out = out_stream.str();
+    err = err_stream.str();
+    return exit;
+  }
+  /// Runs with --json and reads the one document.
+  boost::json::object json(std::vector<std::string> arguments, ExitCode expected = ExitCode::done) {
+    arguments.insert(arguments.begin(), "--json");
+    const auto exit = run(arguments);
+    if (exit != expected) throw std::runtime_error("unexpected exit code; output: " + out + err);
+    return boost::json::parse(out).as_object();
+  }
+};
+
+}  // namespace tmclctl::test

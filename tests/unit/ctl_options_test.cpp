@@ -1,0 +1,107 @@
+// What tmclctl makes of a command line.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "options.hpp"
+
+namespace tmclctl {
+namespace {
+
+using testing::HasSubstr;
+using Words = std::vector<std::string>;
+
+template <class Verb>
+Verb parsed(const Words& words) {
+  const auto result = parse_options(words);
+  if (!result) throw std::runtime_error(describe(result.error()));
+  return std::get<Verb>(std::get<Options>(*result).verb);
+}
+
+Failure failure(const Words& words) {
+  const auto result = parse_options(words);
+  if (result) throw std::runtime_error("it was understood");
+  return result.error();
+}
+
+std::string information(const Words& words) {
+  return std::get<Information>(parse_options(words).value()).text;
+}
+
+TEST(CtlOptions, NegativeNumbersAreNumbers) {
+  EXPECT_EQ(parsed<verb::Rotate>({"rotate", "x", "-500"}).velocity, -500);
+  EXPECT_EQ(parsed<verb::Move>({"move", "x", "-1000"}).position, -1000);
+  EXPECT_EQ(parsed<verb::Move>({"move", "x", "-1000", "--by"}).position, -1000);
+  EXPECT_EQ(parsed<verb::Move>({"move", "--by", "x", "-1"}).position, -1);
+  EXPECT_EQ(parsed<verb::Set>({"set", "x", "1", "-2147483648"}).value, INT32_MIN);
+  EXPECT_EQ(parsed<verb::Plot>({"plot", "x", "--to", "-5"}).to, -5);
+  EXPECT_EQ(parsed<verb::Plot>({"plot", "x", "--by=-5"}).by, -5);
+  EXPECT_EQ(parsed<verb::Raw>({"raw", "1", "SAP", "4", "0", "-7"}).value, -7);
+}
+
+TEST(CtlOptions, NumbersAreDecimalAndWhole) {
+  EXPECT_EQ(parsed<verb::Move>({"move", "x", "010"}).position, 10);
+  EXPECT_EQ(parsed<verb::Move>({"move", "x", "+10"}).position, 10);
+  for (const auto* bad : {"12a", "1.5", "", "0x10", "--", "ten"}) {
+    EXPECT_EQ(failure({"move", "x", bad}).exit, ExitCode::usage) << bad;
+  }
+  EXPECT_THAT(failure({"move", "x", "2147483648"}).message, HasSubstr("2147483647"));
+  EXPECT_THAT(failure({"raw", "2048", "GAP", "1", "0", "0"}).message, HasSubstr("2047"));
+}
+
+TEST(CtlOptions, GlobalOptionsMayStandAnywhere) {
+  const auto result = parse_options({"get", "1/0", "4", "--direct", "can:can0", "--json"});
+  const auto options = std::get<Options>(result.value());
+  EXPECT_TRUE(options.json);
+  EXPECT_EQ(options.where.direct, "can:can0");
+}
+
+TEST(CtlOptions, ScansTheWholeRangeOrAPart) {
+  EXPECT_EQ(parsed<verb::Scan>({"scan"}).range.last, 255);
+  const auto range = parsed<verb::Scan>({"scan", "--addresses", "3-20"}).range;
+  EXPECT_EQ(range.first, 3);
+  EXPECT_EQ(range.last, 20);
+  EXPECT_EQ(parsed<verb::Scan>({"scan", "--addresses", "7"}).range.last, 7);
+  EXPECT_EQ(failure({"scan", "--addresses", "20-3"}).exit, ExitCode::usage);
+}
+
+TEST(CtlOptions, SuggestsWhatWasMeant) {
+  EXPECT_THAT(failure({"mvoe", "x", "1"}).hint, HasSubstr("'move'"));
+  EXPECT_THAT(failure({"move", "x", "1", "--wiat"}).hint, HasSubstr("'--wait'"));
+  EXPECT_THAT(failure({"--sokcet", "x", "axes"}).hint, HasSubstr("'--socket'"));
+}
+
+TEST(CtlOptions, SaysWhatIsWrong) {
+  EXPECT_THAT(failure({}).message, HasSubstr("verb is missing"));
+  EXPECT_THAT(failure({"get", "x"}).message, HasSubstr("PARAM"));
+  EXPECT_THAT(failure({"get", "x", "4", "5"}).message, HasSubstr("'5'"));
+  EXPECT_THAT(failure({"stop"}).message, HasSubstr("--all"));
+  EXPECT_THAT(failure({"stop", "x", "--all"}).message, HasSubstr("--all"));
+  EXPECT_THAT(failure({"move", "x", "1", "--timeout", "3"}).message, HasSubstr("--wait"));
+  EXPECT_THAT(failure({"plot", "x", "--to", "1", "--by", "1"}).message, HasSubstr("--by"));
+  EXPECT_THAT(failure({"--socket", "a", "--direct", "can:b", "axes"}).message,
+              HasSubstr("--direct"));
+  EXPECT_EQ(failure({"watch", "x", "--interval", "1"}).exit, ExitCode::usage);
+  EXPECT_EQ(failure({"watch", "x", "--for", "-1"}).exit, ExitCode::usage);
+  EXPECT_EQ(failure({"watch", "x", "--for", "nan"}).exit, ExitCode::usage);
+}
+
+TEST(CtlOptions, HelpTeaches) {
+  const auto help = information({"--help"});
+  for (const auto* word : {"Examples", "Exit codes", "tmclctl move x 51200 --wait", "TMCLD_SOCKET",
+                           "130", "scan", "plot", "raw"}) {
+    EXPECT_THAT(help, HasSubstr(word));
+  }
+  EXPECT_THAT(help, testing::Not(HasSubstr("__complete")));
+  EXPECT_THAT(information({"move", "--help"}), HasSubstr("Ctrl-C"));
+  EXPECT_THAT(information({"--version"}), HasSubstr("tmclctl "));
+}
+
+TEST(CtlOptions, TellsTheShellItsWords) {
+  EXPECT_THAT(information({"__complete", "verbs"}), HasSubstr("rotate\n"));
+  EXPECT_THAT(information({"__complete", "options", "plot"}), HasSubstr("--svg\n"));
+  EXPECT_THAT(information({"__complete", "parameters"}), HasSubstr("max_velocity\n"));
+  EXPECT_THAT(information({"__complete", "commands"}), HasSubstr("GAP\n"));
+}
+
+}  // namespace
+}  // namespace tmclctl

@@ -1,0 +1,229 @@
+// The renderers: what is drawn where.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <sstream>
+
+#include "plot/canvas.hpp"
+#include "plot/recording.hpp"
+#include "plot/scale.hpp"
+#include "plot/svg_plot.hpp"
+#include "plot/text_plot.hpp"
+
+namespace tmclctl::plot {
+namespace {
+
+using testing::HasSubstr;
+using testing::Not;
+
+// A trapezoid: up, along, down; its position is the sum.
+Recording trapezoid(int samples = 201) {
+  Recording recording{"x", {}};
+  double position = 0;
+  for (int i = 0; i < samples; ++i) {
+    const double part = static_cast<double>(i) / (samples - 1);
+    const double velocity = 1000 * std::min({1.0, part * 4, (1 - part) * 4});
+    position += velocity;
+    recording.samples.push_back(
+        {part * 2, static_cast<std::int32_t>(position), static_cast<std::int32_t>(velocity)});
+  }
+  return recording;
+}
+
+std::vector<std::string> lines_of(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) lines.push_back(line);
+  return lines;
+}
+
+// In characters: everything here is one column wide.
+std::size_t columns_of(const std::string& line) {
+  return static_cast<std::size_t>(std::ranges::count_if(
+      line, [](char c) { return (static_cast<unsigned char>(c) & 0xC0U) != 0x80U; }));
+}
+
+Screen screen(int width, bool utf8 = true, bool colour = false) {
+  return {colour, colour, utf8, width};
+}
+
+TEST(CtlScale, TicksAreRoundAndWithin) {
+  for (const auto& [low, high] : {std::pair{0.0, 51200.0},
+                                  {-1134.0, 50066.0},
+                                  {0.0, 0.58},
+                                  {-2047.0, 2047.0},
+                                  {99.0, 101.0},
+                                  {-8388608.0, 8388607.0}}) {
+    const std::array values{low, high};
+    const Scale scale(values, 5);
+    ASSERT_GE(scale.ticks().size(), 2U);
+    EXPECT_LE(scale.ticks().size(), 7U);
+    for (const double tick : scale.ticks()) {
+      EXPECT_GE(scale.fraction(tick), -0.001);
+      EXPECT_LE(scale.fraction(tick), 1.001);
+      EXPECT_NEAR(std::stod(scale.label(tick)), tick, 1e-9) << "a label says what the tick is";
+    }
+  }
+}
+
+TEST(CtlScale, NothingAndOneValueHaveARange) {
+  const std::array same{5.0, 5.0};
+  EXPECT_LT(Scale({}, 4).low(), Scale({}, 4).high());
+  EXPECT_NEAR(Scale(same, 4).fraction(5), 0.5, 1e-9);
+}
+
+TEST(CtlCanvas, DrawsEveryDotOfALine) {
+  Canvas canvas(3, 2, true);
+  canvas.line(0, 7, 5, 0);
+  EXPECT_TRUE(canvas.dot(0, 7));
+  EXPECT_TRUE(canvas.dot(5, 0));
+  for (int y = 0; y < canvas.height(); ++y) {
+    int dots = 0;
+    for (int x = 0; x < canvas.width(); ++x) dots += canvas.dot(x, y) ? 1 : 0;
+    EXPECT_GE(dots, 1) << "a gap in row " << y;
+  }
+}
+
+TEST(CtlCanvas, LeavesOutWhatLiesOutside) {
+  Canvas canvas(2, 2, true);
+  canvas.line(-100, -100, 100, 100);
+  EXPECT_TRUE(canvas.dot(0, 0));
+}
+
+TEST(CtlCanvas, BrailleAndAscii) {
+  Canvas braille(1, 1, true);
+  braille.line(0, 0, 0, 0);
+  braille.line(1, 3, 1, 3);
+  EXPECT_EQ(braille.row(0), "⢁");
+  Canvas ascii(3, 1, false);
+  ascii.line(0, 0, 0, 1);
+  ascii.line(1, 0, 1, 0);
+  ascii.line(2, 1, 2, 1);
+  EXPECT_EQ(ascii.row(0), ":'.");
+}
+
+TEST(CtlTextPlot, LooksLikeThis) {
+  Recording recording{"x", {{0, 0, 0}, {0.5, 100, 400}, {1.0, 300, 400}, {1.5, 400, 0}}};
+  EXPECT_EQ(to_text(recording, screen(44, false)),
+            "x went from 0 to 400 microsteps in 1.50 s, greatest velocity 400\n"
+            "\n"
+            "     position [microsteps]\n"
+            "400 +                                  ...''\n"
+            "    |                           ...''''\n"
+            "300 +                       ..''\n"
+            "    |                     .'\n"
+            "200 +                  .''\n"
+            "    |               ..'\n"
+            "100 +            ..'\n"
+            "    |     ....'''\n"
+            "  0 +..'''\n"
+            "    ++------------+-----------+------------+\n"
+            "     velocity [internal]\n"
+            "400 +            .'''''''''''''.\n"
+            "    |           :               :\n"
+            "300 +         .'                 '.\n"
+            "    |        :                     :\n"
+            "200 +      .'                       '.\n"
+            "    |     :                           :\n"
+            "100 +   .'                             '.\n"
+            "    |  :                                 :\n"
+            "  0 +.'                                   '.\n"
+            "    ++------------+-----------+------------+\n"
+            "    0.0          0.5         1.0 s\n");
+}
+
+TEST(CtlTextPlot, FillsTheWidthAndNoMore) {
+  for (const bool utf8 : {true, false}) {
+    for (const int width : {40, 80, 100, 120}) {
+      std::size_t widest = 0;
+      for (const auto& line : lines_of(to_text(trapezoid(), screen(width, utf8)))) {
+        if (line.starts_with("x went")) continue;
+        widest = std::max(widest, columns_of(line));
+      }
+      EXPECT_EQ(widest, static_cast<std::size_t>(width));
+    }
+  }
+  EXPECT_EQ(to_text(trapezoid(), screen(300)), to_text(trapezoid(), screen(widest_plot)));
+}
+
+TEST(CtlTextPlot, NoControlCodesWithoutColour) {
+  for (const bool utf8 : {true, false}) {
+    const auto text = to_text(trapezoid(), screen(80, utf8));
+    EXPECT_THAT(text, Not(HasSubstr("\x1b")));
+    EXPECT_THAT(text, Not(HasSubstr("\r")));
+  }
+  EXPECT_THAT(to_text(trapezoid(), screen(80, true, true)), HasSubstr("\x1b[36m"));
+}
+
+TEST(CtlTextPlot, AsciiIsAscii) {
+  for (const char c : to_text(trapezoid(), screen(80, false)))
+    EXPECT_LT(static_cast<unsigned char>(c), 0x80);
+}
+
+TEST(CtlTextPlot, ThePeakIsInTheRightColumn) {
+  for (int peak = 0; peak <= 100; peak += 10) {
+    Recording recording{"x", {}};
+    for (int i = 0; i <= 100; ++i) recording.samples.push_back({i * 0.01, 0, i == peak ? 1000 : 0});
+    const auto lines = lines_of(to_text(recording, screen(80, false)));
+    // The topmost row of the lower panel.
+    const auto heading =
+        std::ranges::find_if(lines, [](const auto& line) { return line.ends_with("[internal]"); });
+    ASSERT_NE(heading, lines.end());
+    const auto& top = *(heading + 1);
+    const auto wall = top.find_first_of("|+");
+    const auto column = top.find_first_of(":'.", wall) - wall - 1;
+    const double columns = 80 - static_cast<double>(wall) - 1;
+    EXPECT_NEAR(static_cast<double>(column), peak / 100.0 * (columns - 1), 1.01) << peak;
+  }
+}
+
+TEST(CtlTextPlot, ARisingCurveRises) {
+  const auto lines = lines_of(to_text(trapezoid(), screen(80, false)));
+  std::size_t before = std::string::npos;
+  // From the top of the upper panel down, the curve begins further and further to the left.
+  for (std::size_t row = 3; row < 12; ++row) {
+    const auto begin = lines[row].find_first_of(":'.", lines[row].find_first_of("|+") + 1);
+    if (begin == std::string::npos) continue;
+    EXPECT_LE(begin, before) << lines[row];
+    before = begin;
+  }
+  EXPECT_NE(before, std::string::npos);
+}
+
+TEST(CtlTextPlot, SurvivesAnyRecording) {
+  const Recording empty{"x", {}};
+  const Recording one{"x", {{0, 5, 0}}};
+  const Recording extreme{"x", {{0, INT32_MIN, INT32_MIN}, {1e6, INT32_MAX, INT32_MAX}}};
+  for (const auto& recording : {empty, one, extreme}) {
+    EXPECT_FALSE(to_text(recording, screen(40)).empty());
+    EXPECT_THAT(to_svg(recording), HasSubstr("</svg>"));
+  }
+}
+
+TEST(CtlSvg, HasBothCurvesAndStandsAlone) {
+  const auto svg = to_svg(trapezoid());
+  EXPECT_THAT(svg, HasSubstr("class=\"curve position\""));
+  EXPECT_THAT(svg, HasSubstr("class=\"curve velocity\""));
+  EXPECT_THAT(svg, HasSubstr("position [microsteps]"));
+  EXPECT_THAT(svg, HasSubstr("time [s]"));
+  EXPECT_THAT(svg, HasSubstr("<title>x went from"));
+  EXPECT_THAT(svg, Not(HasSubstr("href")));
+  EXPECT_THAT(svg, Not(HasSubstr("nan")));
+}
+
+TEST(CtlSvg, NamesCannotBreakIt) {
+  auto recording = trapezoid();
+  recording.axis = "<x> & \"y\"\x01";
+  EXPECT_THAT(to_svg(recording), HasSubstr("&lt;x&gt; &amp; &quot;y&quot; went"));
+}
+
+TEST(CtlCsv, OneLineForEachSample) {
+  const Recording recording{"x", {{0, -5, 0}, {0.0125, 7, 100}}};
+  EXPECT_EQ(to_csv(recording),
+            "time_s,position_microsteps,velocity_internal\n0.000000,-5,0\n0.012500,7,100\n");
+}
+
+}  // namespace
+}  // namespace tmclctl::plot

@@ -1,0 +1,263 @@
+// The verbs, on an axis that moves in virtual time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "ctl_fixture.hpp"
+
+namespace tmclctl::test {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+class CtlVerbs : public testing::Test, public Ctl {
+ protected:
+  void on_terminal() { screen = {true, true, true, 80}; }
+  void fail_with(ExitCode exit, tmcl::Outcome outcome) {
+    target.failure = Failure{exit, "some_error", "it failed", "try this", outcome, {}};
+  }
+};
+
+TEST_F(CtlVerbs, GetPrintsOneBareValue) {
+  EXPECT_EQ(run({"get", "x", "max_velocity"}), ExitCode::done);
+  EXPECT_EQ(out, "-1500\n");
+  EXPECT_EQ(err, "");
+  const auto document = json({"get", "x", "4"});
+  EXPECT_EQ(document.at("value"), -1500);
+  EXPECT_EQ(document.at("parameter"), "max_velocity");
+  EXPECT_EQ(document.at("number"), 4);
+  EXPECT_EQ(document.at("axis"), "x");
+}
+
+TEST_F(CtlVerbs, SetIsSilent) {
+  EXPECT_EQ(run({"set", "x", "max_velocity", "1000"}), ExitCode::done);
+  EXPECT_EQ(out, "");
+  EXPECT_EQ(json({"set", "x", "4", "7"}).at("value"), 7);
+}
+
+TEST_F(CtlVerbs, MoveSaysWhereItGoes) {
+  EXPECT_EQ(run({"move", "x", "-1000"}), ExitCode::done);
+  EXPECT_EQ(out, "x moves to -1000\n");
+  EXPECT_THAT(target.calls, ElementsAre("move_to x -1000"));
+}
+
+TEST_F(CtlVerbs, MoveWaitComesBackWhenItStands) {
+  EXPECT_EQ(run({"move", "x", "10000", "--wait"}), ExitCode::done);
+  EXPECT_EQ(out, "x stands at 10000\n");
+  EXPECT_EQ(err, "") << "no terminal, no progress";
+  const auto document = json({"move", "x", "-500", "--by", "--wait"});
+  EXPECT_EQ(document.at("target_microsteps"), 9500);
+  EXPECT_EQ(document.at("position_microsteps"), 9500);
+  EXPECT_EQ(document.at("reached"), true);
+}
+
+TEST_F(CtlVerbs, MoveWaitDrawsItsProgressOnATerminal) {
+  on_terminal();
+  EXPECT_EQ(run({"move", "x", "10000", "--wait"}), ExitCode::done);
+  EXPECT_EQ(out, "x stands at 10000\n");
+  EXPECT_THAT(err, HasSubstr("of 10000"));
+  EXPECT_TRUE(err.ends_with("\r\x1b[K")) << "and takes it away again";
+}
+
+TEST_F(CtlVerbs, CtrlCEndsTheWaitingAndNotTheMove) {
+  patience.press_ctrl_c_after(milliseconds(200));
+  EXPECT_EQ(run({"move", "x", "10000", "--wait"}), ExitCode::interrupted);
+  EXPECT_EQ(out, "");
+  EXPECT_THAT(err, HasSubstr("goes on moving to 10000"));
+  EXPECT_THAT(err, HasSubstr("tmclctl --direct can:can0 stop x"));
+  EXPECT_THAT(target.calls, ElementsAre("move_to x 10000"));
+}
+
+TEST_F(CtlVerbs, CtrlCIsAnErrorDocumentWithJson) {
+  patience.press_ctrl_c_after(milliseconds(200));
+  const auto document = json({"move", "x", "10000", "--wait"}, ExitCode::interrupted);
+  EXPECT_EQ(document.at("error").at("name"), "interrupted");
+  EXPECT_EQ(document.at("error").at("target_microsteps"), 10000);
+}
+
+TEST_F(CtlVerbs, WaitingHasALimit) {
+  EXPECT_EQ(run({"move", "x", "100000", "--wait", "--timeout", "0.5"}), ExitCode::not_reached);
+  EXPECT_THAT(err, HasSubstr("goes on moving"));
+}
+
+TEST_F(CtlVerbs, AStopFromElsewhereEndsTheWaiting) {
+  target.stopped_by_other_after = milliseconds(300);
+  EXPECT_EQ(run({"move", "x", "10000", "--wait"}), ExitCode::not_reached);
+  EXPECT_THAT(err, HasSubstr("was stopped"));
+  EXPECT_THAT(err, HasSubstr("3000"));
+}
+
+TEST_F(CtlVerbs, RotateTakesNegativeVelocities) {
+  EXPECT_EQ(run({"rotate", "x", "-500"}), ExitCode::done);
+  EXPECT_THAT(target.calls, ElementsAre("rotate x -500"));
+  EXPECT_THAT(out, HasSubstr("stop x"));
+}
+
+TEST_F(CtlVerbs, StopAllTellsWhatDidNotStop) {
+  const Failure silent{
+      ExitCode::unknown, "reply_timeout", "no answer", "", tmcl::Outcome::unknown, {}};
+  target.stopped = {{"x", 1.5, {}}, {"y", {}, silent}};
+  EXPECT_EQ(run({"stop", "--all"}), ExitCode::unknown);
+  EXPECT_THAT(out, HasSubstr("x stopped after 1.5 ms"));
+  EXPECT_THAT(err, HasSubstr("y NOT stopped"));
+  const auto document = json({"stop", "--all"}, ExitCode::unknown);
+  EXPECT_EQ(document.at("stopped").as_array().size(), 1U);
+  EXPECT_EQ(document.at("failed").at(0).at("error").at("name"), "reply_timeout");
+}
+
+TEST_F(CtlVerbs, ScanListsAndFlagsDuplicates) {
+  target.found.modules = {{"bench", 1, "TMCM-1110", 1110, "1.01", 1, false, ""},
+                          {"bench", 7, "", 999, "1.00", 0, true, ""}};
+  EXPECT_EQ(run({"scan"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("TMCM-1110"));
+  EXPECT_THAT(out, HasSubstr("unknown (999)"));
+  EXPECT_THAT(out, HasSubstr("DUPLICATE"));
+  EXPECT_EQ(err, "");
+  const auto modules = json({"scan"}).at("modules").as_array();
+  EXPECT_EQ(modules.at(0).at("address"), 1);
+  EXPECT_EQ(modules.at(1).at("duplicate_suspected"), true);
+  EXPECT_TRUE(modules.at(1).at("model").is_null());
+  on_terminal();
+  run({"scan"});
+  EXPECT_THAT(err, HasSubstr("16 of 255"));
+}
+
+TEST_F(CtlVerbs, AnEmptyScanSaysWhatToCheck) {
+  EXPECT_EQ(run({"scan"}), ExitCode::done);
+  EXPECT_EQ(out, "");
+  EXPECT_THAT(err, HasSubstr("baud"));
+  EXPECT_THAT(json({"scan"}).at("modules").as_array(), IsEmpty());
+}
+
+TEST_F(CtlVerbs, AScanThatMissesABusFails) {
+  target.found.failed = {
+      {"shelf", {ExitCode::not_sent, "link_lost", "gone", "", tmcl::Outcome::not_sent, {}}}};
+  EXPECT_EQ(run({"scan"}), ExitCode::not_sent);
+  EXPECT_THAT(err, HasSubstr("shelf"));
+  EXPECT_EQ(json({"scan"}, ExitCode::not_sent).at("failed").at(0).at("bus"), "shelf");
+}
+
+TEST_F(CtlVerbs, EveryErrorIsOneDocumentWithJson) {
+  fail_with(ExitCode::refused, tmcl::Outcome::refused);
+  for (const auto& words : {std::vector<std::string>{"get", "x", "4"},
+                            {"set", "x", "4", "1"},
+                            {"move", "x", "1"},
+                            {"rotate", "x", "1"},
+                            {"stop", "x"},
+                            {"state", "x"},
+                            {"watch", "x"},
+                            {"plot", "x"},
+                            {"raw", "1", "GAP", "4", "0", "0"},
+                            {"scan"},
+                            {"axes"},
+                            {"modules"}}) {
+    const auto document = json(words, ExitCode::refused);
+    EXPECT_EQ(document.at("error").at("name"), "some_error") << words[0];
+    EXPECT_EQ(err, "") << words[0];
+  }
+  EXPECT_EQ(json({"mvoe"}, ExitCode::usage).at("error").at("name"), "unknown_verb");
+}
+
+TEST_F(CtlVerbs, OnlyWhatActsMayHaveBeenExecuted) {
+  fail_with(ExitCode::unknown, tmcl::Outcome::unknown);
+  EXPECT_EQ(run({"move", "x", "1"}), ExitCode::unknown);
+  EXPECT_THAT(err, HasSubstr("may or may not have been executed"));
+  EXPECT_EQ(run({"get", "x", "4"}), ExitCode::unknown);
+  EXPECT_THAT(err, Not(HasSubstr("executed")));
+}
+
+TEST_F(CtlVerbs, StateShowsAll) {
+  EXPECT_EQ(run({"state", "x"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("position  0 microsteps"));
+  const auto document = json({"state", "x"});
+  for (const auto* key : {"axis", "position_microsteps", "velocity_internal", "velocity_pps",
+                          "target_microsteps", "position_reached", "moving", "age_ms"}) {
+    EXPECT_TRUE(document.contains(key)) << key;
+  }
+}
+
+TEST_F(CtlVerbs, WatchPrintsChangesOnly) {
+  EXPECT_EQ(run({"watch", "x", "--for", "1"}), ExitCode::done);
+  EXPECT_EQ(std::ranges::count(out, '\n'), 1);
+  target.move_to("x", {1000});
+  EXPECT_EQ(run({"watch", "x", "--interval", "10", "--for", "1", "--json"}), ExitCode::done);
+  EXPECT_GE(std::ranges::count(out, '\n'), 10);
+  std::istringstream lines(out);
+  for (std::string line; std::getline(lines, line);)
+    EXPECT_TRUE(boost::json::parse(line).is_object());
+}
+
+TEST_F(CtlVerbs, CtrlCIsHowAWatchEnds) {
+  patience.press_ctrl_c_after(milliseconds(500));
+  EXPECT_EQ(run({"watch", "x"}), ExitCode::done);
+  EXPECT_EQ(err, "");
+}
+
+TEST_F(CtlVerbs, RawShowsTheBytes) {
+  EXPECT_EQ(run({"raw", "1", "gap", "max_velocity", "0", "0"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("-> 01 06 04 00 00 00 00 00 0B"));
+  EXPECT_THAT(out, HasSubstr("<- 02 01 64 06 00 00 03 E8 58"));
+  const auto document = json({"raw", "1", "6", "4", "0", "0"});
+  EXPECT_EQ(document.at("request").at("bytes"), "01 06 04 00 00 00 00 00 0B");
+  EXPECT_EQ(document.at("reply").at("value"), 1000);
+  EXPECT_EQ(document.at("reply").at("status_name"), "ok");
+  EXPECT_EQ(run({"raw", "1", "GAPP", "4", "0", "0"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("'GAP'"));
+  EXPECT_EQ(run({"raw", "1", "MVP", "ABSS", "0", "0"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("'ABS'"));
+}
+
+TEST_F(CtlVerbs, PlotRecordsAMoveToItsEnd) {
+  EXPECT_EQ(run({"plot", "x", "--to", "10000"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("x went from 0 to 10000 microsteps in 1.0"));
+  EXPECT_THAT(out, Not(HasSubstr("\x1b")));
+  const auto document = json({"plot", "x", "--by", "-10000"});
+  const auto& positions = document.at("position_microsteps").as_array();
+  EXPECT_EQ(positions.front(), 10000);
+  EXPECT_EQ(positions.back(), 0);
+  EXPECT_GE(positions.size(), 90U);
+  EXPECT_EQ(positions.size(), document.at("time_s").as_array().size());
+  EXPECT_EQ(positions.size(), document.at("velocity_internal").as_array().size());
+}
+
+TEST_F(CtlVerbs, PlotWithoutAMoveEndsWhenTheAxisStands) {
+  target.move_to("x", {5000});
+  EXPECT_EQ(run({"plot", "x", "--csv", "-"}), ExitCode::done);
+  EXPECT_TRUE(out.starts_with("time_s,position_microsteps,velocity_internal\n0.000000,"));
+  EXPECT_THAT(out, HasSubstr(",5000,0\n"));
+  EXPECT_EQ(run({"plot", "x", "--for", "0.3", "--csv", "-"}), ExitCode::done);
+  EXPECT_NEAR(static_cast<double>(std::ranges::count(out, '\n')), 32, 2);
+}
+
+TEST_F(CtlVerbs, CtrlCDrawsWhatThereIs) {
+  patience.press_ctrl_c_after(milliseconds(300));
+  EXPECT_EQ(run({"plot", "x", "--to", "10000"}), ExitCode::interrupted);
+  EXPECT_THAT(out, HasSubstr("velocity [internal]"));
+  EXPECT_THAT(err, HasSubstr("goes on moving"));
+}
+
+TEST_F(CtlVerbs, NothingMovesIfTheFileCannotBeWritten) {
+  EXPECT_EQ(run({"plot", "x", "--to", "10000", "--svg", "/nowhere/at/all.svg"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("/nowhere/at/all.svg"));
+  EXPECT_THAT(target.calls, IsEmpty());
+}
+
+TEST_F(CtlVerbs, NoDaemonNamesTheSocketAndWhatToTry) {
+  std::ostringstream out_stream;
+  std::ostringstream err_stream;
+  Output output{out_stream, err_stream, {}, {}};
+  EXPECT_EQ(tmclctl::run({"--socket", "/nowhere/tmcld.sock", "axes"}, output, patience),
+            ExitCode::not_sent);
+  EXPECT_EQ(out_stream.str(), "");
+  EXPECT_THAT(err_stream.str(), HasSubstr("/nowhere/tmcld.sock"));
+  EXPECT_THAT(err_stream.str(), HasSubstr("--direct"));
+}
+
+}  // namespace
+}  // namespace tmclctl::test
