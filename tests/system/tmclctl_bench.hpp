@@ -1,0 +1,171 @@
+// tmclctl as a user runs it: real processes, real ptys and sockets.
+#pragma once
+
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include <pty.h>
+#include <boost/json.hpp>
+
+#include "support/program.hpp"
+
+namespace tmcl::test {
+
+using Words = std::vector<std::string>;
+
+struct Ran {
+  int status = -1;
+  std::string out;
+  std::string err;
+};
+
+inline std::string contents(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+/// A simulated TMCM-1110 at address 1 and a TMCM-3110 at 3, on a pty and on TCP, and a folder for
+/// files.
+class CtlBench {
+ public:
+  CtlBench() {
+    std::string name = std::filesystem::temp_directory_path() / "tmclctl-XXXXXX";
+    folder_ = ::mkdtemp(name.data());
+    simulator_ = std::make_unique<Program>(Words{"tmclsim", "--module", "TMCM-1110", "--module",
+                                                 "TMCM-3110@3", "--pty", file("bus"), "--tcp",
+                                                 "127.0.0.1:0"});
+    if (!simulator_->wait_for("ready"))
+      throw std::runtime_error("no simulator: " + simulator_->output());
+  }
+  ~CtlBench() {
+    daemon_.reset();
+    simulator_.reset();
+    std::filesystem::remove_all(folder_);
+  }
+  CtlBench(const CtlBench&) = delete;
+  CtlBench& operator=(const CtlBench&) = delete;
+
+  std::string file(const std::string& name) const { return folder_ / name; }
+  std::string pty_link() const { return "serial:" + file("bus") + "@115200"; }
+  std::string tcp_link() const {
+    const auto& output = simulator_->output();
+    const auto begin = output.find("tcp ") + 4;
+    return "tcp:" + output.substr(begin, output.find('\n', begin) - begin);
+  }
+  Words direct() const { return {"--direct", tcp_link()}; }
+  Words through_daemon() const { return {"--socket", file("tmcld.sock")}; }
+  Program& simulator() { return *simulator_; }
+
+  /// Serves x, y (motor 0 and 1 of module 1 and 3) and "ghost", behind which there is no module.
+  Program& start_daemon() {
+    std::ofstream(file("tmcld.toml"))
+        << "[daemon]\nsocket = \"" << file("tmcld.sock")
+        << "\"\n[[bus]]\nname = \"bench\"\nlink = \"" << tcp_link() << "\"\n"
+        << axis("x", 1, 0) << axis("y", 3, 1) << axis("ghost", 9, 0);
+    daemon_ = std::make_unique<Program>(Words{"tmcld", "--config", file("tmcld.toml")});
+    for (int i = 0; i < 100 && !std::filesystem::exists(file("tmcld.sock")); ++i) ::usleep(50'000);
+    return *daemon_;
+  }
+
+  void stop_daemon() { daemon_.reset(); }
+
+  /// Neither of its streams is a terminal.
+  Ran ctl(const Words& how, const Words& words) const {
+    std::string line = "exec '" TMCL_BIN_DIR "/tmclctl'";
+    for (const auto& list : {how, words}) {
+      for (const auto& word : list) line += " '" + word + "'";
+    }
+    const auto finished =
+        run_program({"/bin/sh", "-c", line + " >'" + file("out") + "' 2>'" + file("err") + "'"});
+    return {finished.status, contents(file("out")), contents(file("err"))};
+  }
+  boost::json::object json(Words how, const Words& words) const {
+    how.emplace_back("--json");
+    const auto ran = ctl(how, words);
+    boost::system::error_code problem;
+    auto value = boost::json::parse(ran.out, problem);
+    if (problem || !value.is_object())
+      throw std::runtime_error("no JSON document: " + ran.out + ran.err);
+    return value.as_object();
+  }
+
+ private:
+  static std::string axis(const std::string& name, int address, int motor) {
+    return "[[axis]]\nname = \"" + name +
+           "\"\nbus = \"bench\"\naddress = " + std::to_string(address) +
+           "\nmotor = " + std::to_string(motor) + "\n";
+  }
+
+  std::filesystem::path folder_;
+  std::unique_ptr<Program> simulator_;
+  std::unique_ptr<Program> daemon_;
+};
+
+/// tmclctl on a terminal of 80 columns.
+class OnTerminal {
+ public:
+  OnTerminal(const Words& how, const Words& words) {
+    winsize size{24, 80, 0, 0};
+    process_ = ::forkpty(&terminal_, nullptr, nullptr, &size);
+    if (process_ != 0) return;
+    Words all{TMCL_BIN_DIR "/tmclctl"};
+    all.insert(all.end(), how.begin(), how.end());
+    all.insert(all.end(), words.begin(), words.end());
+    std::vector<char*> arguments;
+    for (auto& word : all) arguments.push_back(word.data());
+    arguments.push_back(nullptr);
+    ::setenv("LC_ALL", "C.UTF-8", 1);
+    ::setenv("TERM", "xterm", 1);
+    ::unsetenv("NO_COLOR");
+    ::unsetenv("COLUMNS");
+    ::execv(arguments[0], arguments.data());
+    ::_exit(127);
+  }
+  ~OnTerminal() {
+    if (process_ > 0) {
+      ::kill(process_, SIGKILL);
+      wait();
+    }
+    ::close(terminal_);
+  }
+  OnTerminal(const OnTerminal&) = delete;
+  OnTerminal& operator=(const OnTerminal&) = delete;
+
+  const std::string& output() const { return output_; }
+  bool wait_for(std::string_view text) {
+    while (output_.find(text) == std::string::npos) {
+      if (!read_more()) return false;
+    }
+    return true;
+  }
+  void press_ctrl_c() const { [[maybe_unused]] const auto written = ::write(terminal_, "\x03", 1); }
+  int wait() {
+    while (read_more()) {
+    }
+    int status = 0;
+    ::waitpid(process_, &status, 0);
+    process_ = -1;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  }
+
+ private:
+  bool read_more() {
+    pollfd waiting{terminal_, POLLIN, 0};
+    if (::poll(&waiting, 1, 20'000) <= 0) return false;
+    char buffer[4096];
+    const auto count = ::read(terminal_, buffer, sizeof buffer);
+    if (count <= 0) return false;
+    output_.append(buffer, static_cast<std::size_t>(count));
+    return true;
+  }
+
+  pid_t process_ = -1;
+  int terminal_ = -1;
+  std::string output_;
+};
+
+}  // namespace tmcl::test

@@ -1,0 +1,112 @@
+// tmclctl through a running tmcld.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "system/tmclctl_bench.hpp"
+
+namespace tmcl::test {
+namespace {
+
+using testing::HasSubstr;
+
+class TmclctlDaemon : public testing::Test, public CtlBench {
+ protected:
+  TmclctlDaemon() { start_daemon(); }
+  Ran run(const Words& words) const { return ctl(through_daemon(), words); }
+};
+
+TEST(TmclctlNoDaemon, NamesTheSocketAndWhatToTry) {
+  CtlBench bench;
+  const auto ran = bench.ctl(bench.through_daemon(), {"axes"});
+  EXPECT_EQ(ran.status, 3);
+  EXPECT_EQ(ran.out, "");
+  EXPECT_THAT(ran.err, HasSubstr(bench.file("tmcld.sock")));
+  EXPECT_THAT(ran.err, HasSubstr("Is tmcld running?"));
+  EXPECT_THAT(ran.err, HasSubstr("--direct"));
+  EXPECT_EQ(bench.json(bench.through_daemon(), {"axes"}).at("error").at("name"),
+            "daemon_unreachable");
+}
+
+TEST_F(TmclctlDaemon, ListsWhatThereIs) {
+  EXPECT_THAT(run({"axes"}).out, HasSubstr("ghost"));
+  EXPECT_EQ(json(through_daemon(), {"axes"}).at("axes").as_array().size(), 3U);
+  EXPECT_EQ(json(through_daemon(), {"modules"}).at("modules").as_array().size(), 3U);
+  const auto found =
+      json(through_daemon(), {"scan", "--addresses", "1-5"}).at("modules").as_array();
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found.at(0).at("bus"), "bench");
+  EXPECT_THAT(run({"__complete", "axes"}).out, HasSubstr("y\n"));
+}
+
+TEST_F(TmclctlDaemon, ReadsWritesAndMoves) {
+  EXPECT_EQ(run({"set", "x", "max_velocity", "2000"}).status, 0);
+  EXPECT_EQ(run({"get", "x", "4"}).out, "2000\n");
+  const auto moved = run({"move", "x", "20000", "--wait"});
+  EXPECT_EQ(moved.out, "x stands at 20000\n") << moved.err;
+  EXPECT_EQ(run({"move", "x", "-1000", "--by", "--wait"}).out, "x stands at 19000\n");
+  EXPECT_EQ(run({"rotate", "y", "-300"}).status, 0);
+  EXPECT_EQ(json(through_daemon(), {"state", "y"}).at("moving"), true);
+  EXPECT_EQ(run({"stop", "y"}).status, 0);
+}
+
+TEST_F(TmclctlDaemon, ExitCodes) {
+  EXPECT_EQ(run({"set", "x", "max_velocity", "99999"}).status, 1) << "tmcld refuses";
+  EXPECT_EQ(run({"get", "x", "77"}).status, 1) << "the module refuses";
+  EXPECT_EQ(run({"get", "xx", "4"}).status, 2);
+  EXPECT_THAT(run({"get", "x", "max_velocty"}).err, HasSubstr("'max_velocity'"));
+  EXPECT_EQ(run({"get", "x", "max_velocty"}).status, 2);
+  EXPECT_EQ(run({"raw", "--bus", "benhc", "1", "GAP", "4", "0", "0"}).status, 2);
+  const int silent = run({"move", "ghost", "100"}).status;
+  EXPECT_TRUE(silent == 3 || silent == 4) << silent;
+}
+
+TEST_F(TmclctlDaemon, StopAllStopsAndTellsWhatDidNot) {
+  run({"rotate", "x", "300"});
+  run({"rotate", "y", "300"});
+  const auto stopped = json(through_daemon(), {"stop", "--all"});
+  EXPECT_EQ(stopped.at("stopped").as_array().size(), 2U);
+  ASSERT_EQ(stopped.at("failed").as_array().size(), 1U);
+  EXPECT_EQ(stopped.at("failed").at(0).at("axis"), "ghost");
+  EXPECT_NE(run({"stop", "--all"}).status, 0);
+}
+
+TEST_F(TmclctlDaemon, AStopFromAnotherProgramEndsTheWaiting) {
+  OnTerminal waiting(through_daemon(), {"move", "x", "1000000", "--wait"});
+  ASSERT_TRUE(waiting.wait_for("of 1000000"));
+  EXPECT_EQ(run({"stop", "x"}).status, 0);
+  EXPECT_EQ(waiting.wait(), 5);
+  EXPECT_THAT(waiting.output(), HasSubstr("was stopped"));
+}
+
+TEST_F(TmclctlDaemon, WatchSeesWhatOthersDo) {
+  OnTerminal watching(through_daemon(), {"watch", "x"});
+  ASSERT_TRUE(watching.wait_for("position 0"));
+  run({"move", "x", "5000"});
+  EXPECT_TRUE(watching.wait_for("position 5000"));
+  watching.press_ctrl_c();
+  EXPECT_EQ(watching.wait(), 0);
+}
+
+TEST_F(TmclctlDaemon, PlotsAndSendsRawCommands) {
+  const auto recorded = json(through_daemon(), {"plot", "x", "--by", "5000"});
+  EXPECT_EQ(recorded.at("position_microsteps").as_array().back(), 5000);
+  const auto raw = json(through_daemon(), {"raw", "1", "GAP", "1", "0", "0"});
+  EXPECT_EQ(raw.at("reply").at("value"), 5000);
+  EXPECT_EQ(raw.at("bus"), "bench");
+}
+
+TEST_F(TmclctlDaemon, TheEnvironmentNamesTheSocket) {
+  const auto line = "TMCLD_SOCKET=" + file("tmcld.sock") + " '" TMCL_BIN_DIR "/tmclctl' get x 4";
+  EXPECT_EQ(run_program({"/bin/sh", "-c", line}).status, 0);
+}
+
+TEST_F(TmclctlDaemon, ADaemonThatDiesIsNoticed) {
+  OnTerminal waiting(through_daemon(), {"move", "x", "1000000", "--wait"});
+  ASSERT_TRUE(waiting.wait_for("of 1000000"));
+  stop_daemon();
+  EXPECT_EQ(waiting.wait(), 4);
+  EXPECT_THAT(waiting.output(), HasSubstr("lost sight of x"));
+}
+
+}  // namespace
+}  // namespace tmcl::test
