@@ -1,8 +1,11 @@
 // tmcld: see command_line.cpp for what it says of itself.
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <string>
+
+#include <sys/resource.h>
 
 #include "command_line.hpp"
 #include "config/load.hpp"
@@ -28,10 +31,20 @@ int check(const Config& config) {
   return exit_code::ok;
 }
 
+// The usual limit would leave no descriptors for buses once there are many clients.
+void allow_enough_descriptors() {
+  constexpr rlim_t wanted = max_clients + 4 * max_buses + 64;
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= wanted) return;
+  limit.rlim_cur = std::min(wanted, limit.rlim_max);
+  ::setrlimit(RLIMIT_NOFILE, &limit);
+}
+
 int serve(const Config& config) {
   start_log(config.daemon.log_level);
   // A peer that has gone is an error value of the write, not the end of the daemon.
   std::signal(SIGPIPE, SIG_IGN);
+  allow_enough_descriptors();
   auto daemon = Daemon::create(config);
   if (!daemon) {
     log(LogLevel::error, daemon.error());

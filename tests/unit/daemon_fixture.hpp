@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <atomic>
+#include <csignal>
 #include <filesystem>
 #include <future>
 #include <map>
@@ -58,6 +58,7 @@ class FakeWire {
   void unplug() {
     if (end_) end_->close();
     end_.reset();
+    held.clear();
   }
   void release() {
     holds = false;
@@ -128,6 +129,8 @@ class TestDaemon {
  public:
   explicit TestDaemon(const std::string& toml = two_axes) {
     silence_log();
+    // As in main().
+    std::signal(SIGPIPE, SIG_IGN);
     auto name = (std::filesystem::temp_directory_path() / "tmcld-XXXXXX").string();
     folder_ = ::mkdtemp(name.data());
     const auto config = parse_config("[daemon]\nsocket = \"" + socket() + "\"\n" + toml);
