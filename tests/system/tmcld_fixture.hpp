@@ -51,6 +51,8 @@ class TmcldTest : public testing::Test {
     std::ofstream file(config());
     file << "[daemon]\nsocket = \"" << socket() << "\"\n";
     file << "[[bus]]\nname = \"bench\"\nlink = \"" << link << "\"\n";
+    // A busy machine may not run the simulator for a while; a movement is never sent twice.
+    file << "reply_timeout_ms = 1000\n";
     write_axis(file, "x", 1, 0);
     write_axis(file, "y", 2, 0);
     write_axis(file, "z", 2, 1);

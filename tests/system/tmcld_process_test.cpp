@@ -38,7 +38,7 @@ void move_stop_and_watch(RpcClient& client, RpcClient& watcher) {
     position = state.at("position_microsteps").as_int64();
     ++states;
   }
-  EXPECT_GT(states, 3);
+  EXPECT_GT(states, 1);
 
   client.result("axis.rotate", {{"axis", "z"}, {"velocity_internal", 500}});
   while (client.result("axis.get_state", {{"axis", "z"}}).at("velocity_internal") != 500) {
@@ -188,7 +188,7 @@ TEST_F(Tmcld, ChecksItsConfiguration) {
   const auto bad = run_program({"tmcld", "--config", config(), "--check"});
   EXPECT_EQ(bad.status, 2);
   EXPECT_EQ(bad.output,
-            config() + ":21:1: unknown key 'moter' in [[axis]]. Did you mean 'motor'?\n");
+            config() + ":22:1: unknown key 'moter' in [[axis]]. Did you mean 'motor'?\n");
 }
 
 TEST_F(Tmcld, ExplainsItself) {
