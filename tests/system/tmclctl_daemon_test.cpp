@@ -95,6 +95,21 @@ TEST_F(TmclctlDaemon, PlotsAndSendsRawCommands) {
   EXPECT_EQ(raw.at("bus"), "bench");
 }
 
+TEST_F(TmclctlDaemon, BashCompletesVerbsAxesAndParameters) {
+  const auto complete = [this](const std::string& words, int cursor) {
+    const std::string script = "PATH='" TMCL_BIN_DIR "':$PATH; source '" TMCL_SOURCE_DIR
+                               "/config/completions/tmclctl.bash'; COMP_WORDS=(" +
+                               words + "); COMP_CWORD=" + std::to_string(cursor) +
+                               "; _tmclctl; echo \"${COMPREPLY[*]}\"";
+    return run_program({"/bin/bash", "-c", script}).output;
+  };
+  const auto how = "tmclctl --socket " + file("tmcld.sock");
+  EXPECT_EQ(complete("tmclctl mo", 1), "modules move\n");
+  EXPECT_EQ(complete(how + " move g", 4), "ghost\n");
+  EXPECT_EQ(complete(how + " get x max_v", 5), "max_velocity\n");
+  EXPECT_EQ(complete("tmclctl plot x --sv", 3), "--svg\n");
+}
+
 TEST_F(TmclctlDaemon, TheEnvironmentNamesTheSocket) {
   const auto line = "TMCLD_SOCKET=" + file("tmcld.sock") + " '" TMCL_BIN_DIR "/tmclctl' get x 4";
   EXPECT_EQ(run_program({"/bin/sh", "-c", line}).status, 0);

@@ -2,6 +2,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <fstream>
+#include <sstream>
+
 #include "options.hpp"
 
 namespace tmclctl {
@@ -101,6 +105,20 @@ TEST(CtlOptions, TellsTheShellItsWords) {
   EXPECT_THAT(information({"__complete", "options", "plot"}), HasSubstr("--svg\n"));
   EXPECT_THAT(information({"__complete", "parameters"}), HasSubstr("max_velocity\n"));
   EXPECT_THAT(information({"__complete", "commands"}), HasSubstr("GAP\n"));
+}
+
+TEST(CtlOptions, TheManPageKnowsEveryVerbAndOption) {
+  std::ifstream in(TMCL_SOURCE_DIR "/docs/man/tmclctl.1");
+  std::string page{std::istreambuf_iterator<char>(in), {}};
+  std::erase(page, '\\');
+  std::istringstream verbs(information({"__complete", "verbs"}));
+  for (std::string verb; std::getline(verbs, verb);) {
+    EXPECT_THAT(page, HasSubstr(verb + ' ')) << verb;
+    std::istringstream options(information({"__complete", "options", verb}));
+    for (std::string option; std::getline(options, option);) {
+      EXPECT_THAT(page, HasSubstr(option)) << verb;
+    }
+  }
 }
 
 }  // namespace

@@ -74,6 +74,14 @@ TEST_F(CtlVerbs, CtrlCEndsTheWaitingAndNotTheMove) {
   EXPECT_THAT(target.calls, ElementsAre("move_to x 10000"));
 }
 
+TEST_F(CtlVerbs, CtrlCBeforeTheMoveWentOutKeepsItFromGoing) {
+  patience.press_ctrl_c_after(milliseconds(0));
+  EXPECT_EQ(run({"move", "x", "10000", "--wait"}), ExitCode::interrupted);
+  EXPECT_EQ(run({"plot", "x", "--to", "10000"}), ExitCode::interrupted);
+  EXPECT_THAT(err, HasSubstr("before anything moved"));
+  EXPECT_THAT(target.calls, IsEmpty());
+}
+
 TEST_F(CtlVerbs, CtrlCIsAnErrorDocumentWithJson) {
   patience.press_ctrl_c_after(milliseconds(200));
   const auto document = json({"move", "x", "10000", "--wait"}, ExitCode::interrupted);

@@ -81,6 +81,14 @@ Failure interrupted_failure(int signal, const std::string& message, const std::s
   return {exit, "interrupted", message, hint, tmcl::Outcome::done};
 }
 
+std::optional<Failure> interrupted_before_move(Room& room) {
+  if (room.patience.signal() == 0) return std::nullopt;
+  auto failure =
+      interrupted_failure(room.patience.signal(), "interrupted before anything moved", "");
+  failure.outcome = tmcl::Outcome::not_sent;
+  return failure;
+}
+
 std::string how_to_stop(const std::string& axis, const Target& target) {
   return fmt::format("Stop it with: tmclctl{} stop {}", target.options(), axis);
 }

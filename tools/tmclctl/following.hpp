@@ -24,6 +24,8 @@ Attempt<tmcl::Microsteps> follow(const Journey& journey, Room& room,
 
 /// What to tell when a signal ends the watching while the axis goes on.
 Failure interrupted_failure(int signal, const std::string& message, const std::string& hint);
+/// Ctrl-C came before the move went out: then it does not go out any more.
+std::optional<Failure> interrupted_before_move(Room& room);
 /// "Stop it with: tmclctl --direct can:can0 stop 1/0"
 std::string how_to_stop(const std::string& axis, const Target& target);
 

@@ -32,7 +32,8 @@ Exit codes:
     4  outcome unknown: sent, but no answer; it may have been executed
     5  the wait ended early: the move was interrupted, or --timeout passed
   130  Ctrl-C while waiting: the axis goes on moving (143 for SIGTERM)
-With --json an error is a JSON document on standard output, too: {"error": {"name": ..., "message": ...}}
+With --json an error is a JSON document on standard output, too:
+  {"error": {"name": ..., "message": ..., "hint": ..., "outcome": ..., "exit_code": ...}}
 
 Environment:
   TMCLD_SOCKET  the daemon's socket, if --socket is not given (otherwise /run/tmcld/tmcld.sock)
@@ -62,9 +63,9 @@ Writing target_position, target_velocity or ramp_mode can move the motor.
 )";
 
 constexpr const char* move = R"(
-Comes back as soon as the module has accepted the move; with --wait when the axis stands at its target.
-While it waits it draws a progress line, if standard error is a terminal. Ctrl-C ends the waiting and NOT the
-move: it tells how to stop the axis and exits with 130.
+Comes back as soon as the module has accepted the move; with --wait when the axis stands at its
+target. While it waits it draws a progress line, if standard error is a terminal. Ctrl-C ends the
+waiting and NOT the move: it tells how to stop the axis and exits with 130.
 
   tmclctl move x 51200
   tmclctl move x -1000 --by --wait
@@ -80,24 +81,25 @@ Turns until it is stopped: to the right for a positive velocity, to the left for
 
 constexpr const char* stop = R"(
 Ramps down to standstill. A stop goes out before everything else.
---all stops every axis that tmcld knows; with --direct it looks for modules at the addresses 1 to 255 and stops
-each as soon as it is found.
+--all stops every axis that tmcld knows; with --direct it looks for modules at the addresses 1 to
+255 and stops each as soon as it is found.
 
   tmclctl stop x
   tmclctl stop --all
 )";
 
 constexpr const char* watch = R"(
-One line for each change, until Ctrl-C (exit code 0) or the end of --for. With --json, one document a line.
+One line for each change, until Ctrl-C (exit code 0) or the end of --for. With --json, one document
+a line.
 
   tmclctl watch x
   tmclctl --json watch x --interval 50 --for 10
 )";
 
 constexpr const char* plot = R"(
-Records position and velocity, and draws both over time. With --to or --by it starts that move and records until
-the axis stands; otherwise it records until the axis stands, or for the time that --for gives. Ctrl-C ends the
-recording, not the move, and draws what there is.
+Records position and velocity, and draws both over time. With --to or --by it starts that move and
+records until the axis stands; otherwise it records until the axis stands, or for the time that
+--for gives. Ctrl-C ends the recording, not the move, and draws what there is.
 
   tmclctl plot x --by 51200
   tmclctl plot x --to 0 --svg move.svg --csv move.csv
@@ -106,8 +108,8 @@ recording, not the move, and draws what there is.
 )";
 
 constexpr const char* raw = R"(
-Sends one command as it is and shows the bytes of request and reply. COMMAND and TYPE are numbers or names.
-Through tmcld the reply's bytes are put together again from what tmcld says.
+Sends one command as it is and shows the bytes of request and reply. COMMAND and TYPE are numbers
+or names. Through tmcld the reply's bytes are put together again from what tmcld says.
 
   tmclctl --direct serial:/dev/ttyACM0 raw 1 GAP actual_position 0 0
   tmclctl raw --bus bench 1 GET_FIRMWARE_VERSION 1 0 0

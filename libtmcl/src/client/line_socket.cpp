@@ -97,8 +97,11 @@ CallError LineSocket::lost(std::string_view why) const {
 CallResult<bool> LineSocket::wait_for(short events, TimePoint deadline) {
   while (true) {
     if (cancelled_ && cancelled_()) {
-      return tl::unexpected(
-          CallError{0, std::string(error_name::cancelled), Outcome::unknown, "cancelled", {}});
+      return tl::unexpected(CallError{0,
+                                      std::string(error_name::cancelled),
+                                      Outcome::unknown,
+                                      "interrupted before tmcld answered",
+                                      {}});
     }
     const auto left = deadline - RealClock{}.now();
     if (left <= Duration::zero()) return false;

@@ -49,6 +49,7 @@ Attempt<tmcl::Microsteps> wait_for_arrival(const verb::Move& verb, tmcl::Microst
 }  // namespace
 
 VerbResult run(const verb::Move& verb, Room& room) {
+  if (auto interrupted = interrupted_before_move(room)) return tl::unexpected(*interrupted);
   const auto goal = verb.by ? room.target.move_by(verb.axis, {verb.position})
                             : room.target.move_to(verb.axis, {verb.position});
   if (!goal) return tl::unexpected(goal.error());

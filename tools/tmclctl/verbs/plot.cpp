@@ -101,6 +101,7 @@ MaybeFailure record_move(const verb::Plot& verb, Recorder& recorder, Room& room)
   const auto before = room.target.state(verb.axis);
   if (!before) return before.error();
   recorder.add(*before);
+  if (auto interrupted = interrupted_before_move(room)) return interrupted;
   const auto goal = verb.to ? room.target.move_to(verb.axis, {*verb.to})
                             : room.target.move_by(verb.axis, {*verb.by});
   if (!goal) return goal.error();
