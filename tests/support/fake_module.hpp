@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <optional>
 #include <vector>
@@ -25,11 +26,14 @@ class FakeModule {
         static_cast<std::int32_t>(1'000'000 + address_ * 10'000 + motor * 1'000 + type);
     return parameters_.try_emplace({motor, type}, start).first->second;
   }
+  /// Called before each request is executed.
+  std::function<void(FakeModule&, const Request&)> before;
   /// Requests that were executed.
   const std::vector<Request>& executed() const { return executed_; }
 
   Reply execute(const Request& request) {
     executed_.push_back(request);
+    if (before) before(*this, request);
     Reply reply{default_host_address, address_, Status::ok, request.command, request.value};
     if (concerns_motor(request) && request.motor >= motors_) {
       reply.status = Status::invalid_value;

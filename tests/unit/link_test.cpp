@@ -99,6 +99,16 @@ TEST(MemoryLink, JoinsTwoEnds) {
   EXPECT_THAT(read_after_wait(ends->second, bytes.size()), testing::ElementsAreArray(bytes));
 }
 
+TEST(MemoryLink, WritingToAClosedEndIsALostLinkAndNoSignal) {
+  auto ends = Link::memory_pair(Framing::serial);
+  ASSERT_TRUE(ends);
+  { const Link closed = std::move(ends->second); }
+  const auto bytes = encode_serial(Request{});
+  const auto count = ends->first.write(bytes);
+  ASSERT_FALSE(count);
+  EXPECT_EQ(count.error().code, Errc::link_lost);
+}
+
 class CanInMemory : public testing::Test {
  protected:
   CanInMemory() {

@@ -209,6 +209,24 @@ TEST(Verbs, WaitingEndsWhenTheAxisStandsShortOfItsTarget) {
   EXPECT_THAT(result.error().message, testing::HasSubstr("10 microsteps short of its target 100"));
 }
 
+TEST(Verbs, WaitingGivesTheTargetWheneverTheAxisArrives) {
+  // The axis arrives just before the n-th request.
+  for (std::size_t n = 1; n < 12; ++n) {
+    ScriptedBus bus;
+    auto& module = bus.add_module(1);
+    module.parameter(axis.motor, axis_parameter::position_reached) = 0;
+    module.parameter(axis.motor, axis_parameter::actual_position) = 90;
+    module.parameter(axis.motor, axis_parameter::target_position) = 100;
+    module.before = [n](test::FakeModule& self, const Request&) {
+      if (self.executed().size() < n) return;
+      self.parameter(axis.motor, axis_parameter::position_reached) = 1;
+      self.parameter(axis.motor, axis_parameter::actual_position) = 100;
+      self.parameter(axis.motor, axis_parameter::actual_velocity) = 0;
+    };
+    EXPECT_EQ(bus.run(verbs::wait_until_reached(axis)), Microsteps{100}) << n;
+  }
+}
+
 TEST(Verbs, WaitingEndsAtItsTimeout) {
   ScriptedBus bus;
   auto& module = bus.add_module(1);

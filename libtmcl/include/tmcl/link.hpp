@@ -83,6 +83,7 @@ class Link {
   std::string name_;
   Duration wire_time_{};
   bool can_extended_ = false;
+  bool is_socket_ = false;
 };
 
 }  // namespace tmcl

@@ -24,7 +24,8 @@ struct AxisAddress {
   auto operator<=>(const AxisAddress&) const = default;
 };
 
-/// One look at an axis. The readings are taken one after the other, some milliseconds apart.
+/// One look at an axis. The readings are taken one after the other, some milliseconds apart: first
+/// position_reached, last the position.
 struct AxisState {
   Microsteps position;
   InternalVelocity velocity;
@@ -35,7 +36,8 @@ struct AxisState {
 
 struct WaitOptions {
   Duration poll_interval = std::chrono::milliseconds(20);
-  /// Gives up with Errc::deadline_passed; zero: waits as long as the axis moves.
+  /// Gives up with Errc::deadline_passed; zero: waits as long as the axis moves. Counts the pauses
+  /// between the looks, not the looks themselves, so on a slow bus it is longer.
   Duration timeout{};
   /// An axis that has not moved for so long without having arrived counts as interrupted.
   Duration standstill_limit = std::chrono::seconds(1);

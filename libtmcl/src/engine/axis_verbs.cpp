@@ -126,14 +126,15 @@ Script<Result<InternalVelocity>> velocity(AxisAddress axis) {
 }
 
 Script<Result<AxisState>> state(AxisAddress axis) {
-  const auto at = co_await get(axis, ap::actual_position);
-  if (!at) co_return tl::unexpected(at.error());
+  // The position last: when the axis had arrived, it is the place where it arrived.
+  const auto reached = co_await get(axis, ap::position_reached);
+  if (!reached) co_return tl::unexpected(reached.error());
   const auto speed = co_await get(axis, ap::actual_velocity);
   if (!speed) co_return tl::unexpected(speed.error());
   const auto target = co_await get(axis, ap::target_position);
   if (!target) co_return tl::unexpected(target.error());
-  const auto reached = co_await get(axis, ap::position_reached);
-  if (!reached) co_return tl::unexpected(reached.error());
+  const auto at = co_await get(axis, ap::actual_position);
+  if (!at) co_return tl::unexpected(at.error());
   co_return AxisState{Microsteps{*at}, InternalVelocity{*speed}, Microsteps{*target},
                       *reached != 0};
 }

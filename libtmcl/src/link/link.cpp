@@ -17,6 +17,12 @@ namespace {
 
 bool would_block(int error) { return error == EAGAIN || error == EINTR; }
 
+bool is_socket(int descriptor) {
+  int type = 0;
+  socklen_t size = sizeof type;
+  return getsockopt(descriptor, SOL_SOCKET, SO_TYPE, &type, &size) == 0;
+}
+
 }  // namespace
 
 std::string system_text(int error) { return std::generic_category().message(error); }
@@ -52,14 +58,18 @@ Link Link::adopt(int descriptor, Framing framing, std::string name) {
 }
 
 Link::Link(int descriptor, Framing framing, std::string name)
-    : descriptor_(descriptor), framing_(framing), name_(std::move(name)) {}
+    : descriptor_(descriptor),
+      framing_(framing),
+      name_(std::move(name)),
+      is_socket_(is_socket(descriptor)) {}
 
 Link::Link(Link&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),
       framing_(other.framing_),
       name_(std::move(other.name_)),
       wire_time_(other.wire_time_),
-      can_extended_(other.can_extended_) {}
+      can_extended_(other.can_extended_),
+      is_socket_(other.is_socket_) {}
 
 Link& Link::operator=(Link&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
@@ -67,6 +77,7 @@ Link& Link::operator=(Link&& other) noexcept {
   std::swap(name_, other.name_);
   wire_time_ = other.wire_time_;
   can_extended_ = other.can_extended_;
+  is_socket_ = other.is_socket_;
   return *this;
 }
 
@@ -97,7 +108,9 @@ Result<std::size_t> Link::read(std::span<std::uint8_t> into) {
 }
 
 Result<std::size_t> Link::write(std::span<const std::uint8_t> bytes) {
-  const auto count = ::write(descriptor_, bytes.data(), bytes.size());
+  // A closed socket is an error like any other, not a signal that ends the program.
+  const auto count = is_socket_ ? ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL)
+                                : ::write(descriptor_, bytes.data(), bytes.size());
   if (count >= 0) return static_cast<std::size_t>(count);
   if (would_block(errno)) return std::size_t{0};
   return lost(name_, system_text(errno));
