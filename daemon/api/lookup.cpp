@@ -14,7 +14,7 @@ RpcError unknown(std::string_view kind, std::string_view param, const std::strin
                  const List& known) {
   std::vector<std::string_view> names;
   for (const auto& one : known) names.push_back(one->name());
-  const auto otherwise = std::string(kind) + ".list shows what there is";
+  const auto otherwise = "see " + std::string(kind) + ".list for what there is";
   return param_error("unknown_" + std::string(kind), param,
                      "there is no " + std::string(kind) + " '" + name + "'",
                      suggest(name, names, otherwise));
@@ -45,7 +45,7 @@ RpcError unknown_parameter(const GatewayAxis& axis, const std::string& name) {
   std::vector<std::string_view> names;
   for (const auto& row : rows) names.push_back(row.name);
   return param_error("unknown_parameter", "parameter", "there is no parameter '" + name + "'",
-                     suggest(name, names, "parameter.list shows what there is"));
+                     suggest(name, names, "see parameter.list for what there is"));
 }
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include "support/program.hpp"
 #include "support/pty.hpp"
 
 namespace tmcl {
@@ -66,6 +67,10 @@ TEST(SerialLink, PassesEveryByteUnchangedBothWays) {
 
 TEST(SerialLink, ASecondOpenerLearnsWhoHoldsThePort) {
   const test::Pty pty;
+  // Has it open without using it as a port: not whom to blame.
+  test::Program bystander(
+      {"/bin/sh", "-c", "exec 3<>" + pty.path() + "; echo open; exec sleep 60"});
+  ASSERT_TRUE(bystander.wait_for("open"));
   const auto name = "serial:" + pty.path() + "@115200";
   {
     const auto first = Link::open(name);

@@ -1,14 +1,41 @@
 #include "link/holder.hpp"
 
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
+
 #include <algorithm>
 #include <cctype>
 #include <filesystem>
 #include <fstream>
+#include <optional>
+
+#include <fmt/format.h>
 
 namespace tmcl {
 namespace {
 
 namespace fs = std::filesystem;
+
+std::string describe_process(const std::string& id) {
+  std::string name;
+  std::ifstream file("/proc/" + id + "/comm");
+  std::getline(file, name);
+  return (name.empty() ? "a program" : name) + " (process " + id + ")";
+}
+
+/// Whoever holds the kernel's lock on the file: "1: FLOCK ADVISORY WRITE 4711 00:1b:5 0 EOF".
+std::optional<std::string> process_with_lock(const std::string& device) {
+  struct stat status {};
+  if (stat(device.c_str(), &status) != 0) return std::nullopt;
+  const auto file =
+      fmt::format("{:02x}:{:02x}:{}", major(status.st_dev), minor(status.st_dev), status.st_ino);
+  std::ifstream locks("/proc/locks");
+  std::string number, kind, manner, access, process, locked, first, last;
+  while (locks >> number >> kind >> manner >> access >> process >> locked >> first >> last) {
+    if (kind == "FLOCK" && locked == file) return process;
+  }
+  return std::nullopt;
+}
 
 bool has_open(const fs::path& process, const fs::path& device) {
   std::error_code error;
@@ -18,27 +45,26 @@ bool has_open(const fs::path& process, const fs::path& device) {
   return false;
 }
 
-std::string name_of_process(const fs::path& process) {
-  std::string name;
-  std::ifstream file(process / "comm");
-  std::getline(file, name);
-  return name.empty() ? "a program" : name;
+/// For ports that somebody uses without locking them.
+std::optional<std::string> process_with_file(const std::string& device) {
+  std::error_code error;
+  const auto target = fs::canonical(device, error);
+  if (error) return std::nullopt;
+  for (const auto& process : fs::directory_iterator("/proc", error)) {
+    const auto id = process.path().filename().string();
+    const bool is_process =
+        std::ranges::all_of(id, [](unsigned char c) { return std::isdigit(c) != 0; });
+    if (is_process && has_open(process.path(), target)) return id;
+  }
+  return std::nullopt;
 }
 
 }  // namespace
 
 std::string holder_of(const std::string& device) {
-  std::error_code error;
-  const auto target = fs::canonical(device, error);
-  if (error) return {};
-  for (const auto& process : fs::directory_iterator("/proc", error)) {
-    const auto id = process.path().filename().string();
-    const bool is_process =
-        std::ranges::all_of(id, [](unsigned char c) { return std::isdigit(c) != 0; });
-    if (!is_process || !has_open(process.path(), target)) continue;
-    return name_of_process(process.path()) + " (process " + id + ")";
-  }
-  return {};
+  auto process = process_with_lock(device);
+  if (!process) process = process_with_file(device);
+  return process ? describe_process(*process) : std::string{};
 }
 
 }  // namespace tmcl
