@@ -31,10 +31,11 @@ awaitable<void> wait_until(boost::asio::io_context& context, Condition condition
                            std::chrono::milliseconds at_most) {
   const auto end = std::chrono::steady_clock::now() + at_most;
   boost::asio::steady_timer timer(context);
-  while (!condition() && std::chrono::steady_clock::now() < end) {
+  // At least once: whoever was waiting for the buses comes to an end in the next turns.
+  do {
     timer.expires_after(look_interval);
     co_await timer.async_wait(use_awaitable);
-  }
+  } while (!condition() && std::chrono::steady_clock::now() < end);
 }
 
 }  // namespace
@@ -48,6 +49,10 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(const Config& 
   daemon->gateway_ = Gateway::create(executor, config, open_link);
   daemon->server_ = std::make_shared<UnixServer>(executor, std::move(*file), daemon->gateway_);
   return daemon;
+}
+
+Daemon::~Daemon() {
+  for (const auto& bus : gateway_->buses()) bus->wait_for_opener();
 }
 
 void Daemon::run() {

@@ -19,6 +19,11 @@ class Daemon {
   static tl::expected<std::unique_ptr<Daemon>, std::string> create(
       const Config& config, const OpenLink& open_link = open_configured_link);
 
+  Daemon(const Daemon&) = delete;
+  Daemon& operator=(const Daemon&) = delete;
+  /// Waits for links that are being opened: what comes of them still needs the reactor.
+  ~Daemon();
+
   /// Serves until stop() is called or, after end_on_signals(), SIGTERM or SIGINT comes.
   void run();
   /// From any thread. Ends run() within a second: stops on their way are given a moment, whatever

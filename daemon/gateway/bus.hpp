@@ -57,6 +57,8 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   tmcl::BusCounters counters() const;
   /// A thread may be blocked in the system, and cannot be called back.
   bool is_opening_link() const { return opening_link_; }
+  /// Waits for that thread. After this no link is opened any more.
+  void wait_for_opener() { opener_.join(); }
   bool is_can() const { return std::holds_alternative<tmcl::CanName>(config_.link); }
 
   /// The configured module of this address, which add_module() makes.

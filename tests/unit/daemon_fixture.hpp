@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <csignal>
 #include <filesystem>
 #include <future>
@@ -43,16 +44,15 @@ class FakeWire {
   /// While set, requests are taken and kept; release() answers them.
   bool holds = false;
   /// While set, opening the link fails.
-  bool is_absent = false;
+  std::atomic<bool> is_absent = false;
   /// What the modules say they are.
   std::uint16_t model = 3110;
 
   std::vector<tmcl::Request> seen;
   std::vector<tmcl::Request> held;
 
-  void plug_in(boost::asio::io_context& context, tmcl::Link link) {
-    end_ =
-        std::make_shared<boost::asio::posix::stream_descriptor>(context, ::dup(link.descriptor()));
+  void plug_in(boost::asio::io_context& context, int descriptor) {
+    end_ = std::make_shared<boost::asio::posix::stream_descriptor>(context, descriptor);
     boost::asio::co_spawn(context, serve(end_), boost::asio::detached);
   }
   void unplug() {
@@ -193,12 +193,9 @@ class TestDaemon {
 
  private:
   tmcl::Result<tmcl::Link> open(const BusConfig& bus) {
-    // Called on the bus' own thread.
+    // Called on the bus' own thread, perhaps while the reactor is ending: it must not be waited
+    // for.
     auto& wire = wires_.at(bus.name);
-    return on_reactor([&] { return plug_in(wire); });
-  }
-
-  tmcl::Result<tmcl::Link> plug_in(FakeWire& wire) {
     if (wire.is_absent) {
       tmcl::Error error;
       error.code = tmcl::Errc::link_open_failed;
@@ -206,7 +203,9 @@ class TestDaemon {
       return tl::unexpected(std::move(error));
     }
     auto ends = tmcl::Link::memory_pair(tmcl::Framing::serial);
-    wire.plug_in(daemon_->context(), std::move(ends->second));
+    const int far = ::dup(ends->second.descriptor());
+    boost::asio::post(daemon_->context(),
+                      [this, &wire, far] { wire.plug_in(daemon_->context(), far); });
     return std::move(ends->first);
   }
 

@@ -34,7 +34,7 @@ TEST_F(DaemonLink, IsLostAndComesBack) {
   const auto stopped = client.result("system.stop_all");
   EXPECT_EQ(stopped.at("failed").as_array().size(), 2U);
 
-  daemon.on_reactor([&] { return daemon.wire().is_absent = false; });
+  daemon.on_reactor([&] { return daemon.wire().is_absent.exchange(false); });
   EXPECT_EQ(text(client.notification("notify_event").at("kind")), "link_restored");
   EXPECT_EQ(bus_state(client), "open");
   EXPECT_TRUE(client.result("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}})
@@ -93,14 +93,17 @@ motor = 9
   daemon.wire("other").is_absent = true;
   daemon.start(false);
   RpcClient client(daemon.socket());
-  ASSERT_TRUE(
-      daemon.eventually([&] { return !daemon.daemon().gateway().buses()[1]->error().empty(); }));
+  ASSERT_TRUE(daemon.eventually([&] {
+    const auto& gateway = daemon.daemon().gateway();
+    return !gateway.buses()[1]->error().empty() &&
+           gateway.axes()[0]->module().state() == GatewayModule::State::ready;
+  }));
   const auto bus = client.result("bus.list").at("buses").as_array().at(1);
   EXPECT_EQ(text(bus.at("state")), "opening");
   EXPECT_THAT(text(bus.at("error")), HasSubstr("no such device"));
   EXPECT_EQ(client.result("axis.get_state", {{"axis", "x"}}).at("axis"), "x");
 
-  daemon.on_reactor([&] { return daemon.wire("other").is_absent = false; });
+  daemon.on_reactor([&] { return daemon.wire("other").is_absent.exchange(false); });
   ASSERT_TRUE(daemon.eventually([&] {
     return daemon.daemon().gateway().axes()[2]->module().state() == GatewayModule::State::ready;
   }));
