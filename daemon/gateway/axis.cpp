@@ -134,11 +134,8 @@ GatewayAxis::Awaitable<Microsteps> GatewayAxis::wait(tmcl::WaitOptions wait_opti
   RunOptions options;
   options.objection = std::move(objection);
   auto script = tmcl::verbs::wait_until_reached(address(), wait_options);
-  auto arrived = co_await run(std::move(script), options);
-  if (!arrived) co_return arrived;
-  // The values of one look are some milliseconds apart: its position may be from before the end.
-  auto position = co_await run(tmcl::verbs::position(address()), std::move(options));
-  co_return position;
+  auto result = co_await run(std::move(script), std::move(options));
+  co_return result;
 }
 
 GatewayAxis::Awaitable<std::int32_t> GatewayAxis::get(std::uint8_t parameter, Deadline deadline) {
