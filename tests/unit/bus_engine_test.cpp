@@ -304,6 +304,17 @@ TEST(BusEngine, TheTelegramPauseIsWaitedForOnSerialLines) {
   EXPECT_TRUE(bus.has_ended(0));
 }
 
+TEST(BusEngine, OnCanNoCallIsLessPatientThanTheBus) {
+  for (const auto framing : {Framing::serial, Framing::can}) {
+    ScriptedBus bus(framing, {.reply_timeout = 100ms});
+    bus.submit(gap(1), {.reply_timeout = 10ms, .attempts = 1});
+    bus.pass(11ms);
+    EXPECT_EQ(bus.has_ended(0), framing == Framing::serial);
+    bus.pass(90ms);
+    EXPECT_TRUE(bus.has_ended(0));
+  }
+}
+
 TEST(BusEngine, AnAddressThatCannotBeIsRefusedUnsent) {
   ScriptedBus serial;
   serial.submit({ModuleAddress{256}, Command::GAP, 0, 0, 0});

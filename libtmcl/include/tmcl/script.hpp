@@ -28,7 +28,8 @@ namespace tmcl {
 struct CallOptions {
   /// Refused rather than sent after this instant.
   std::optional<TimePoint> deadline{};
-  /// How long to wait for the reply, instead of what the bus waits by default.
+  /// How long to wait for the reply, instead of what the bus waits by default. On CAN it can only
+  /// be longer than that: nobody else waits meanwhile.
   std::optional<Duration> reply_timeout{};
   /// How often a repeatable command may be sent before it counts as failed; 0: as the bus is set
   /// up.

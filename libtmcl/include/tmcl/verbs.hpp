@@ -54,8 +54,8 @@ struct FoundModule {
 struct ScanOptions {
   std::uint16_t first = 1;
   std::uint16_t last = 255;  ///< At most 255 on a serial line, 2047 on CAN.
-  /// How long one address gets to answer, on top of what the wire needs.
-  Duration reply_timeout = std::chrono::milliseconds(15);
+  /// Serial: how long one address gets to answer, on top of what the wire needs.
+  Duration reply_timeout = std::chrono::milliseconds(25);
   /// Told after each group of addresses how many have been asked.
   std::function<void(std::size_t asked, std::size_t of)> progress{};
 };

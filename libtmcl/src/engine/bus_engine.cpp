@@ -369,7 +369,10 @@ void BusEngine::put_in_flight(Channel& channel, InFlight in_flight) {
 
 Duration BusEngine::patience(const CallOptions& options) const {
   const auto pause = framing_ == Framing::serial ? options_.telegram_pause : Duration{};
-  return wire_time_ + pause + options.reply_timeout.value_or(options_.reply_timeout);
+  auto wait = options.reply_timeout.value_or(options_.reply_timeout);
+  // Impatience pays only where others wait for the line.
+  if (framing_ == Framing::can) wait = std::max(wait, options_.reply_timeout);
+  return wire_time_ + pause + wait;
 }
 
 void BusEngine::expect_version_text() {
