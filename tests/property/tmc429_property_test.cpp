@@ -254,7 +254,8 @@ TEST(Tmc429Property, ReachesEveryTargetExactlyAndStaysThere) {
     SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
     Script script(seed);
     auto [axis, target] = random_move(script);
-    const auto arrival = axis.arrival(axis.tick() + 4'000'000'000ULL);
+    // The slowest: 100,000 microsteps at speed 1 and pulse divisor 6, 2^17 ticks each.
+    const auto arrival = axis.arrival(axis.tick() + 14'000'000'000ULL);
     ASSERT_TRUE(arrival);
     axis.advance_to(*arrival);
     ASSERT_EQ(axis.x_actual(), target);
