@@ -31,47 +31,38 @@ Answer list_axes(Call& call) {
 }
 
 Answer move_to(Call& call) {
-  const auto axis = axis_of(call);
-  if (!axis) co_return tl::unexpected(axis.error());
-  auto& it = **axis;
-  const auto moves = it.begin_movement(call.deadline());
-  const auto ready = co_await it.be_ready();
-  if (!ready) co_return failed(ready.error(), it);
+  const auto ready = co_await ready_to_move(call);
+  if (!ready) co_return tl::unexpected(ready.error());
+  auto& axis = *ready->axis;
   const auto target = call.params.integer("position_microsteps");
-  const auto* row = find_parameter(it.parameters(), ap::target_position);
+  const auto* row = find_parameter(axis.parameters(), ap::target_position);
   auto complaint = check_range(row, target, "position_microsteps");
   if (complaint) co_return tl::unexpected(std::move(*complaint));
-  const auto moved = co_await it.move_to(tmcl::Microsteps{target}, moves);
-  if (!moved) co_return failed(moved.error(), it);
+  const auto moved = co_await axis.move_to(tmcl::Microsteps{target}, ready->moves);
+  if (!moved) co_return failed(moved.error(), axis);
   co_return with("target_microsteps", *moved);
 }
 
 Answer move_by(Call& call) {
-  const auto axis = axis_of(call);
-  if (!axis) co_return tl::unexpected(axis.error());
-  auto& it = **axis;
-  const auto moves = it.begin_movement(call.deadline());
-  const auto ready = co_await it.be_ready();
-  if (!ready) co_return failed(ready.error(), it);
+  const auto ready = co_await ready_to_move(call);
+  if (!ready) co_return tl::unexpected(ready.error());
+  auto& axis = *ready->axis;
   const tmcl::Microsteps distance{call.params.integer("distance_microsteps")};
-  const auto moved = co_await it.move_by(distance, moves);
-  if (!moved) co_return failed(moved.error(), it);
+  const auto moved = co_await axis.move_by(distance, ready->moves);
+  if (!moved) co_return failed(moved.error(), axis);
   co_return with("target_microsteps", *moved);
 }
 
 Answer rotate(Call& call) {
-  const auto axis = axis_of(call);
-  if (!axis) co_return tl::unexpected(axis.error());
-  auto& it = **axis;
-  const auto moves = it.begin_movement(call.deadline());
-  const auto ready = co_await it.be_ready();
-  if (!ready) co_return failed(ready.error(), it);
+  const auto ready = co_await ready_to_move(call);
+  if (!ready) co_return tl::unexpected(ready.error());
+  auto& axis = *ready->axis;
   const auto velocity = call.params.integer("velocity_internal");
-  const auto* row = find_parameter(it.parameters(), ap::target_velocity);
+  const auto* row = find_parameter(axis.parameters(), ap::target_velocity);
   auto complaint = check_range(row, velocity, "velocity_internal");
   if (complaint) co_return tl::unexpected(std::move(*complaint));
-  const auto turned = co_await it.rotate(tmcl::InternalVelocity{velocity}, moves);
-  if (!turned) co_return failed(turned.error(), it);
+  const auto turned = co_await axis.rotate(tmcl::InternalVelocity{velocity}, ready->moves);
+  if (!turned) co_return failed(turned.error(), axis);
   co_return json::object{};
 }
 

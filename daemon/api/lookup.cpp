@@ -54,6 +54,15 @@ Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call) {
   return find_axis(call, "axis", call.params.text("axis"));
 }
 
+boost::asio::awaitable<Lookup<ReadyToMove>> ready_to_move(const Call& call) {
+  const auto axis = axis_of(call);
+  if (!axis) co_return tl::unexpected(axis.error());
+  ReadyToMove ready{*axis, (*axis)->begin_movement(call.deadline())};
+  const auto answered = co_await (*axis)->be_ready();
+  if (!answered) co_return tl::unexpected(call_error(answered.error(), (*axis)->name()));
+  co_return ready;
+}
+
 Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call) {
   const auto all = call.gateway->axes();
   if (!call.params.has("axes")) return std::vector(all.begin(), all.end());

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include <boost/asio/awaitable.hpp>
 #include <tl/expected.hpp>
 
 #include "api/call.hpp"
@@ -17,6 +18,15 @@ using Lookup = tl::expected<T, RpcError>;
 
 /// The parameter "axis".
 Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call);
+
+struct ReadyToMove {
+  std::shared_ptr<GatewayAxis> axis;
+  RunOptions moves;  ///< Ends the movement when a stop comes from here on.
+};
+
+/// The parameter "axis", for a call that may move it: on a module that has said what it is.
+boost::asio::awaitable<Lookup<ReadyToMove>> ready_to_move(const Call& call);
+
 /// The parameter "axes"; all of them if it is absent.
 Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call);
 /// The parameter "bus".

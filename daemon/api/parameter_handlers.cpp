@@ -44,19 +44,16 @@ Answer get_parameter(Call& call) {
 }
 
 Answer set_parameter(Call& call) {
-  const auto axis = axis_of(call);
-  if (!axis) co_return tl::unexpected(axis.error());
-  auto& it = **axis;
-  const auto movement = it.begin_movement(call.deadline());
-  const auto ready = co_await it.be_ready();
-  if (!ready) co_return tl::unexpected(call_error(ready.error(), it.name()));
-  const auto choice = parameter_of(call, it);
+  const auto ready = co_await ready_to_move(call);
+  if (!ready) co_return tl::unexpected(ready.error());
+  auto& axis = *ready->axis;
+  const auto choice = parameter_of(call, axis);
   if (!choice) co_return tl::unexpected(choice.error());
   const auto value = call.params.integer("value");
   auto complaint = check_write(*choice, value);
   if (complaint) co_return tl::unexpected(std::move(*complaint));
-  const auto done = co_await it.set(choice->number, value, movement);
-  if (!done) co_return tl::unexpected(call_error(done.error(), it.name()));
+  const auto done = co_await axis.set(choice->number, value, ready->moves);
+  if (!done) co_return tl::unexpected(call_error(done.error(), axis.name()));
   co_return to_result(*choice, value);
 }
 
