@@ -51,8 +51,8 @@ struct Exchange {
   Request request;
   CallOptions options;
 };
-/// Several exchanges at once; on CAN different modules work on them side by side. At most
-/// max_exchanges_at_once.
+/// Several exchanges at once; on CAN different modules work on them side by side. Those for which
+/// the bus has no room in its queue end with Errc::queue_full.
 struct ExchangeAll {
   std::vector<Exchange> exchanges;
 };
@@ -60,8 +60,6 @@ struct Pause {
   Duration duration;
 };
 }  // namespace step
-
-constexpr std::size_t max_exchanges_at_once = 64;
 
 using Step = std::variant<step::Exchange, step::ExchangeAll, step::Pause>;
 /// One result for each exchange of the step, in its order; none for a pause.

@@ -41,8 +41,6 @@ class SerialDecoder {
 
   /// Bytes that belonged to no datagram, since construction.
   std::uint64_t dropped_bytes() const { return dropped_; }
-  /// Whether an unfinished datagram is held.
-  bool in_datagram() const { return size_ > 0; }
 
  private:
   std::optional<SerialItem> recognise() const;
