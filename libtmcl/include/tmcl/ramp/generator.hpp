@@ -1,0 +1,115 @@
+/// What all ramp generators have in common.
+///
+/// A generator is a value: registers and the state of one axis, at one tick of its own clock.
+/// Nothing happens by itself; advance_to() brings it to a later tick, through as many of them as it
+/// takes, at a cost that does not depend on how many. A copy that is advanced is a prediction.
+#pragma once
+
+#include <algorithm>
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+namespace tmcl::ramp {
+
+/// Periods of the generator's own clock since its reset.
+using Tick = std::uint64_t;
+constexpr Tick forever = UINT64_MAX;
+
+/// A register by the name that the chip's data sheet gives it, in lower case.
+struct RegisterInfo {
+  std::string_view name;
+  std::int64_t minimum;
+  std::int64_t maximum;
+  std::string_view meaning;  ///< With the unit.
+};
+
+/// Why a register was not written; nothing has changed then.
+struct RegisterError {
+  enum class Reason : std::uint8_t {
+    out_of_range,  ///< The value does not fit the register.
+    in_motion,     ///< The chip takes this one at standstill only: its "command error".
+  };
+  Reason reason;
+  const RegisterInfo* info;
+  std::int64_t value;
+};
+
+/// "v_max is 0..2047, not 5000"
+std::string describe(const RegisterError& error);
+
+using Written = tl::expected<void, RegisterError>;
+
+/// Settings that the chip takes but that do not go together.
+struct Finding {
+  enum class Severity : std::uint8_t {
+    warning,        ///< It moves, but not as one would wish.
+    contradiction,  ///< What it does then is not defined by any document.
+  };
+  Severity severity;
+  std::string message;  ///< One sentence without a full stop; names the registers and their values.
+};
+
+/// In the chip's units: microsteps and what its registers count velocity and acceleration in.
+struct Motion {
+  std::int64_t position = 0;
+  std::int64_t velocity = 0;
+  std::int64_t acceleration = 0;
+  bool operator==(const Motion&) const = default;
+};
+
+/// G::Register is an enumeration that counts from 0 in the order of G::registers().
+template <class G>
+concept Generator = std::copyable<G> && std::equality_comparable<G> &&
+    requires(G g, const G c, typename G::Register name, std::int64_t value, Tick tick) {
+  { G::chip } -> std::convertible_to<std::string_view>;
+  /// How many ticks there are in a second (MC1451A: in a cycle) at this clock in Hz.
+  { G::ticks_per_second(16e6) } -> std::same_as<double>;
+  { G::registers() } -> std::same_as<std::span<const RegisterInfo>>;
+  { g.write(name, value) } -> std::same_as<Written>;
+  { c.read(name) } -> std::same_as<std::int64_t>;
+  { c.findings() } -> std::same_as<std::vector<Finding>>;
+
+  { c.tick() } -> std::same_as<Tick>;
+  /// Lets time pass. An earlier tick than the present one changes nothing.
+  { g.advance_to(tick) } -> std::same_as<void>;
+  { c.motion() } -> std::same_as<Motion>;
+  /// The name of the present part of the movement, such as "cruise"; "rest" at standstill.
+  { c.phase() } -> std::same_as<std::string_view>;
+  /// The first tick to come at which the phase, a flag or the sense of the acceleration may
+  /// differ from now if nothing is written until then; `forever` if none will. Not const, because
+  /// it may work out the movement first.
+  { g.next_change() } -> std::same_as<Tick>;
+  /// Stands on its target, and stays there.
+  { c.arrived() } -> std::same_as<bool>;
+  /// Nothing but the position changes any more until a register is written.
+  { c.settled() } -> std::same_as<bool>;
+};
+
+/// The row of this name; nothing if the chip has no such register.
+std::optional<std::size_t> find_register(std::span<const RegisterInfo> registers,
+                                         std::string_view name);
+
+/// Looking ahead ends after so many changes: a generator that oscillates never comes to an end.
+constexpr std::size_t most_changes_ahead = 4'000'000;
+
+/// The tick at which it comes to stand on its target if nothing is written until then. Nothing if
+/// that is after `limit`, or never.
+template <Generator G>
+std::optional<Tick> arrival(G ahead, Tick limit) {
+  for (std::size_t changes = 0; changes < most_changes_ahead; ++changes) {
+    if (ahead.arrived()) return ahead.tick();
+    if (ahead.settled() || ahead.tick() >= limit) return std::nullopt;
+    ahead.advance_to(std::min(limit, ahead.next_change()));
+  }
+  return std::nullopt;
+}
+
+}  // namespace tmcl::ramp
