@@ -12,7 +12,8 @@ constexpr std::uint8_t ramp_divisor = 153;
 constexpr std::uint8_t pulse_divisor = 154;
 constexpr std::int32_t greatest_velocity = 2047;
 
-constexpr std::uint8_t exponent(std::int32_t value) { return static_cast<std::uint8_t>(value); }
+using R = ramp::Tmc429::Register;
+using Mode = ramp::Tmc429::Mode;
 
 }  // namespace
 
@@ -47,43 +48,44 @@ Status Axis::set(std::uint8_t number, std::int32_t value) {
   return Status::ok;
 }
 
-// Parameters that are registers of the chip; all others are only kept.
+// Parameters that are registers of the chip; all others are only kept. The ranges of the parameters
+// are those of the registers.
 void Axis::write(std::uint8_t number, std::int32_t value) {
+  const auto write = [&](R name) { chip_.write(name, value); };
   switch (number) {
-    case ap::target_position: return chip_.set_x_target(value);
-    case ap::actual_position: return chip_.set_x_actual(value);
-    case ap::target_velocity: return chip_.set_v_target(value);
-    case ap::max_velocity: return chip_.set_v_max(value);
-    case ap::max_acceleration: return chip_.set_a_max(value);
-    case min_velocity: return chip_.set_v_min(value);
-    case ramp_mode: return set_ramp_mode(static_cast<ramp::Mode>(value));
-    case ramp_divisor:
-    case pulse_divisor:
-      return chip_.set_dividers(
-          {exponent(values_[pulse_divisor]), exponent(values_[ramp_divisor])});
+    case ap::target_position: return write(R::x_target);
+    case ap::actual_position: return write(R::x_actual);
+    case ap::target_velocity: return write(R::v_target);
+    case ap::max_velocity: return write(R::v_max);
+    case ap::max_acceleration: return write(R::a_max);
+    case min_velocity: return write(R::v_min);
+    case ramp_mode: return set_ramp_mode(static_cast<Mode>(value));
+    case ramp_divisor: return write(R::ramp_div);
+    case pulse_divisor: return write(R::pulse_div);
     default: return;
   }
 }
 
-void Axis::set_ramp_mode(ramp::Mode mode) {
-  if (mode != ramp::Mode::velocity) chip_.set_v_max(values_[ap::max_velocity]);
-  chip_.set_mode(mode);
+void Axis::set_ramp_mode(Mode mode) {
+  if (mode != Mode::velocity) chip_.write(R::v_max, values_[ap::max_velocity]);
+  chip_.write(mode);
 }
 
 void Axis::rotate(std::int32_t velocity) {
-  chip_.set_mode(ramp::Mode::velocity);
-  chip_.set_v_max(greatest_velocity);
-  chip_.set_v_target(velocity);
+  chip_.write(Mode::velocity);
+  chip_.write(R::v_max, greatest_velocity);
+  chip_.write(R::v_target, velocity);
 }
 
 void Axis::stop() {
-  chip_.set_mode(ramp::Mode::velocity);
-  chip_.set_v_target(0);
+  chip_.write(Mode::velocity);
+  chip_.write(R::v_target, 0);
 }
 
-void Axis::move_to(std::int32_t position) {
-  chip_.set_x_target(position);
-  set_ramp_mode(ramp::Mode::ramp);
+void Axis::move_to(std::int64_t position) {
+  constexpr std::int64_t turn = 1 << 24;
+  chip_.write(R::x_target, ((position + turn / 2) & (turn - 1)) - turn / 2);
+  set_ramp_mode(Mode::ramp);
 }
 
 }  // namespace tmcl::sim

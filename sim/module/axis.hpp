@@ -29,14 +29,14 @@ class Axis {
   /// MST: slows down at the acceleration of parameter 5.
   void stop();
   /// MVP; positions wrap at 24 bit.
-  void move_to(std::int32_t position);
+  void move_to(std::int64_t position);
 
   void advance_to(ramp::Tick tick) { chip_.advance_to(tick); }
   const ramp::Tmc429& chip() const { return chip_; }
 
  private:
   void write(std::uint8_t number, std::int32_t value);
-  void set_ramp_mode(ramp::Mode mode);
+  void set_ramp_mode(ramp::Tmc429::Mode mode);
 
   std::span<const ParameterInfo> table_;
   ramp::Tmc429 chip_;

@@ -93,7 +93,7 @@ Answer Module::move(const Request& request) {
     return echo(request, Status::invalid_value);
   }
   auto& axis = axes_[request.motor];
-  const auto origin = request.type == move_relative ? axis.chip().x_actual() : 0;
+  const std::int64_t origin = request.type == move_relative ? axis.chip().x_actual() : 0;
   axis.move_to(origin + request.value);
   events_.move_begun(request.motor);
   return echo(request);

@@ -6,9 +6,9 @@
 namespace tmcl::sim {
 namespace {
 
-// Looking ahead costs time for as long as a ramp lasts, so long moves are foreseen in pieces.
-constexpr auto horizon = std::chrono::milliseconds(250);
-constexpr ramp::Tick horizon_ticks = Duration(horizon) / ramp::Tmc429::base_tick;
+// A movement takes some dozens of changes. One that oscillates takes any number, so it is looked at
+// again when these are over.
+constexpr std::size_t changes_foreseen = 1000;
 
 }  // namespace
 
@@ -53,9 +53,9 @@ bool TargetEvents::arrived(Watch& watch, const Axis& axis, TimePoint now) const 
   if (watch.pending == nullptr || watch.look_at > now) return false;
   const auto& chip = axis.chip();
   if (chip.arrived()) return true;
-  const auto limit = chip.tick() + horizon_ticks;
-  const auto next = chip.arrival(limit).value_or(limit);
-  watch.look_at = power_on_ + next * ramp::Tmc429::base_tick;
+  const auto ahead = ramp::look_ahead(chip, ramp::last_tick, changes_foreseen);
+  const auto then = power_on_ + static_cast<Duration::rep>(ahead.tick()) * ramp::Tmc429::base_tick;
+  watch.look_at = ahead.settled() && !ahead.arrived() ? never : then;
   return false;
 }
 

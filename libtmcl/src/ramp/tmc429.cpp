@@ -1,97 +1,247 @@
 #include "tmcl/ramp/tmc429.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
+
+#include "ramp/integer.hpp"
 
 namespace tmcl::ramp {
 namespace {
 
-constexpr std::int32_t v_unit = 256;               // speeds carry eight bits of fraction
 constexpr std::uint32_t step_unit = 2048;          // overflow of the pulse accumulator
 constexpr std::uint32_t distance_limit = 1 << 19;  // the deceleration looks no further ahead
-constexpr std::uint64_t greatest_speed = 2047;
+constexpr std::int32_t greatest_speed = 2047;
+constexpr unsigned position_bits = 24;
+constexpr std::int32_t half_turn = 1 << (position_bits - 1);  // of the position counter
+constexpr std::int32_t greatest_divider = 13;
+
+constexpr auto table = std::to_array<RegisterInfo>({
+    {"mode", 0, 3, "0 ramp, 1 soft, 2 velocity, 3 hold"},
+    {"v_min", 0, greatest_speed, "speed at which the motor may stop at once; 1 to arrive exactly"},
+    {"v_max", 0, greatest_speed, "greatest speed, in f / 2^(pulse_div + 16) microsteps/s"},
+    {"v_target", -greatest_speed, greatest_speed, "set-point in velocity mode, as v_max"},
+    {"v_actual", -greatest_speed, greatest_speed,
+     "present speed; keeps its value in hold mode only"},
+    {"a_max", 0, greatest_speed, "in f^2 / 2^(pulse_div + ramp_div + 29) microsteps/s^2"},
+    {"pulse_div", 0, greatest_divider, "scale of speeds, as an exponent of two"},
+    {"ramp_div", 0, greatest_divider, "scale of accelerations, as an exponent of two"},
+    {"pmul", 0, 255,
+     "factor of the deceleration: (128 + pmul) / 2^(3 + pdiv); bit 7 is always set"},
+    {"pdiv", 0, greatest_divider, "its exponent"},
+    {"x_target", -half_turn, half_turn - 1, "where the motor goes, in microsteps"},
+    {"x_actual", -half_turn, half_turn - 1, "where it is, in microsteps"},
+    {"disable_stop_l", 0, 1, "1: the left switch does not stop"},
+    {"disable_stop_r", 0, 1, "1: the right switch does not stop"},
+    {"soft_stop", 0, 1, "1: a switch slows down at a_max; 0: it stops dead"},
+    {"ref_rnl", 0, 1, "the switch that latches the position: 0 left, 1 right"},
+    {"last_step", 0, 2, "the ramp's law at distance d: 0 r3 (d - 1), 1 r1 (floor(p d)), 2 r2 (d)"},
+    {"factor_rule", 0, 4,
+     "0 percent_99, 1 percent_95, 2 percent_98_8, 3 nearest, 4 nearest_less_one"},
+    {"order", 0, 1, "what comes first at a common tick: 0 ramp_first, 1 pulse_first"},
+    {"accumulator", 0, 1,
+     "the fraction of a microstep at the stop on the target: 0 cleared, 1 kept"},
+});
 
 constexpr std::int32_t wrap24(std::int64_t x) {
-  const auto low = static_cast<std::uint32_t>(x & 0xFFFFFF);
-  return static_cast<std::int32_t>(low ^ 0x800000U) - 0x800000;
+  return static_cast<std::int32_t>(sign_extend(static_cast<std::uint64_t>(x), position_bits));
 }
 
-constexpr std::uint64_t divide_up(std::uint64_t a, std::uint64_t b) { return (a + b - 1) / b; }
-
-// Exact: below 2^52 the root of a number just under a square does not round up to the next integer.
-std::uint64_t integer_root(std::uint64_t m) {
-  return static_cast<std::uint64_t>(std::sqrt(static_cast<double>(m)));
+// The sum of the whole parts of |first + i * step| / 256 for i = 0 .. n-1. The speed does not
+// change its sign on the way.
+std::uint32_t sum_of_speeds(std::int32_t first, std::int32_t step, std::uint32_t n) {
+  constexpr std::uint32_t few = 6;  // where adding up is quicker
+  constexpr std::uint32_t unit = 256;
+  auto low = static_cast<std::uint32_t>(std::abs(first));
+  const auto high =
+      static_cast<std::uint32_t>(std::abs(first + step * static_cast<std::int32_t>(n - 1)));
+  const auto rise = static_cast<std::uint32_t>(std::abs(step));
+  low = std::min(low, high);
+  if (n > few) return floor_sum(n, unit, rise, low);
+  std::uint32_t sum = 0;
+  for (; n != 0; --n, low += rise) sum += low / unit;
+  return sum;
 }
 
 }  // namespace
 
-void Tmc429::set_x_target(std::int32_t microsteps) { x_target_ = wrap24(microsteps); }
-void Tmc429::set_x_actual(std::int32_t microsteps) { x_actual_ = wrap24(microsteps); }
-void Tmc429::set_v_min(std::int32_t v) { v_min_ = std::clamp(v, 0, 2047); }
-void Tmc429::set_v_max(std::int32_t v) { v_max_ = std::clamp(v, 0, 2047); }
-void Tmc429::set_v_target(std::int32_t v) { v_target_ = std::clamp(v, -2047, 2047); }
-void Tmc429::set_v_actual(std::int32_t v) { velocity_ = std::clamp(v, -2047, 2047) * v_unit; }
+std::span<const RegisterInfo> Tmc429::registers() { return table; }
 
-void Tmc429::set_a_max(std::int32_t a) {
-  a_max_ = std::clamp(a, 0, 2047);
-  update_factor();
+Written Tmc429::write(Register name, std::int64_t value) {
+  const auto& info = table[static_cast<std::size_t>(name)];
+  if (value < info.minimum || value > info.maximum) {
+    return tl::unexpected(RegisterError{RegisterError::Reason::out_of_range, &info, value});
+  }
+  run_.end = tick_;
+  const auto v = static_cast<std::int32_t>(value);
+  switch (name) {
+    case Register::mode: write_mode(static_cast<Mode>(v)); break;
+    case Register::v_min: v_min_ = v; break;
+    case Register::v_max: v_max_ = v; break;
+    case Register::v_target: v_target_ = v; break;
+    case Register::v_actual: velocity_ = v * v_unit; break;
+    case Register::a_max:
+    case Register::pulse_div:
+    case Register::ramp_div:
+    case Register::factor_rule:
+    case Register::pmul:
+    case Register::pdiv: write_factor(name, value); break;
+    case Register::x_target: x_target_ = v; break;
+    case Register::x_actual: x_actual_ = v; break;
+    case Register::disable_stop_l: disable_stop_l_ = v != 0; break;
+    case Register::disable_stop_r: disable_stop_r_ = v != 0; break;
+    case Register::soft_stop: soft_stop_ = v != 0; break;
+    case Register::ref_rnl: ref_rnl_ = v != 0; break;
+    case Register::last_step: last_step_ = static_cast<LastStep>(v); break;
+    case Register::order: order_ = static_cast<Order>(v); break;
+    case Register::accumulator: at_stop_ = static_cast<Accumulator>(v); break;
+  }
+  return {};
 }
 
-void Tmc429::set_dividers(Tmc429Dividers dividers) {
-  constexpr std::uint8_t greatest = 13;
-  pulse_div_ = std::min(dividers.pulse, greatest);
-  ramp_div_ = std::min(dividers.ramp, greatest);
-  update_factor();
+std::int64_t Tmc429::read(Register name) const {
+  switch (name) {
+    case Register::mode: return static_cast<std::int64_t>(mode_);
+    case Register::v_min: return v_min_;
+    case Register::v_max: return v_max_;
+    case Register::v_target: return v_target();
+    case Register::v_actual: return v_actual();
+    case Register::a_max: return a_max_;
+    case Register::pulse_div: return pulse_div_;
+    case Register::ramp_div: return ramp_div_;
+    case Register::pmul: return pmul_;
+    case Register::pdiv: return pdiv_;
+    case Register::x_target: return x_target_;
+    case Register::x_actual: return x_actual_;
+    case Register::disable_stop_l: return disable_stop_l_ ? 1 : 0;
+    case Register::disable_stop_r: return disable_stop_r_ ? 1 : 0;
+    case Register::soft_stop: return soft_stop_ ? 1 : 0;
+    case Register::ref_rnl: return ref_rnl_ ? 1 : 0;
+    case Register::last_step: return static_cast<std::int64_t>(last_step_);
+    case Register::factor_rule: return static_cast<std::int64_t>(factor_rule_);
+    case Register::order: return static_cast<std::int64_t>(order_);
+    case Register::accumulator: return static_cast<std::int64_t>(at_stop_);
+  }
+  return 0;
 }
 
-void Tmc429::set_mode(Mode mode) {
+void Tmc429::write_mode(Mode mode) {
   // The register holds what the ramp last asked for, so velocity mode goes on from there.
-  if (positioning()) v_target_ = asked_velocity();
+  v_target_ = v_target();
   mode_ = mode;
 }
 
-// p = a_max / (128 * 2^(ramp_div - pulse_div)), less one per cent so that rounding never
-// overshoots. Outside the range of the registers the nearest end is taken.
-void Tmc429::update_factor() {
-  constexpr std::uint8_t last = 13;
-  const auto numerator = static_cast<std::uint64_t>(a_max_) * 99 << (pulse_div_ + 3U);
-  const auto denominator = std::uint64_t{100} << (7U + ramp_div_);
-  for (pdiv_ = 0; pdiv_ < last; ++pdiv_) {
-    if ((numerator << pdiv_) / denominator >= 128) break;
+void Tmc429::write_factor(Register name, std::int64_t value) {
+  const auto byte = static_cast<std::uint8_t>(value & 0xFF);
+  switch (name) {
+    case Register::pulse_div: pulse_div_ = byte; break;
+    case Register::ramp_div: ramp_div_ = byte; break;
+    case Register::a_max: a_max_ = static_cast<std::int32_t>(value); break;
+    case Register::factor_rule: factor_rule_ = static_cast<FactorRule>(value); break;
+    case Register::pmul: pmul_ = byte & 0x7F; break;
+    default: pdiv_ = byte; break;
   }
-  const auto scaled = std::clamp<std::uint64_t>((numerator << pdiv_) / denominator, 128, 255);
-  pmul_ = static_cast<std::uint8_t>(scaled - 128);
+  if (name == Register::pmul || name == Register::pdiv) factor_written_ = true;
+  if (!factor_written_) update_factor();
 }
 
-std::int32_t Tmc429::distance() const {
-  return wrap24(static_cast<std::int64_t>(x_target_) - x_actual_);
+// Outside the range of the registers the nearest end is taken.
+void Tmc429::update_factor() {
+  struct Share {
+    std::uint32_t thousandths;
+    bool round;
+    std::uint32_t less;
+  };
+  constexpr std::array<Share, 5> shares = {
+      {{990, false, 0}, {950, false, 0}, {988, false, 0}, {1000, true, 0}, {1000, true, 1}}};
+  const auto [thousandths, round, less] = shares[static_cast<std::size_t>(factor_rule_)];
+  const auto numerator = static_cast<std::uint64_t>(a_max_) * thousandths << (pulse_div_ + 3U);
+  const auto denominator = std::uint64_t{1000} << (7U + ramp_div_);
+  const auto scaled = [&] {
+    return ((numerator << pdiv_) + (round ? denominator / 2 : 0)) / denominator;
+  };
+  pdiv_ = 0;
+  while (pdiv_ < greatest_divider && scaled() < 128) ++pdiv_;
+  const auto pmul = std::clamp<std::uint64_t>(scaled(), 128, 255) - 128;
+  pmul_ = static_cast<std::uint8_t>(pmul - std::min<std::uint64_t>(pmul, less));
 }
+
+std::vector<Finding> Tmc429::findings() const {
+  std::vector<Finding> all;
+  const auto warn = [&](std::string message) {
+    all.push_back({Finding::Severity::warning, std::move(message)});
+  };
+  const auto text = [](std::string_view name, std::int64_t value) {
+    return std::string(name) + " = " + std::to_string(value);
+  };
+  const auto dividers = text("pulse_div", pulse_div_) + " and " + text("ramp_div", ramp_div_);
+  const double scale = std::exp2(ramp_div_ - pulse_div_);
+  if (v_max_ == 0) warn("v_max = 0: the motor does not move");
+  if (a_max_ == 0) warn("a_max = 0: the motor can neither speed up nor slow down");
+  if (a_max_ != 0 && (a_max_ < scale / 2 || a_max_ > 4096 * scale - 1)) {
+    warn(text("a_max", a_max_) + " is outside its valid range for " + dividers +
+         ": the motor may oscillate around its target");
+  } else if (factor() * 128 * scale > a_max_ * std::exp2(3 + pdiv_)) {
+    warn(text("pmul", pmul_) + " and " + text("pdiv", pdiv_) + " are too great for " +
+         text("a_max", a_max_) + ", " + dividers + ": the motor overshoots its target");
+  }
+  if (positioning() && v_min_ == 0) warn("v_min = 0: the motor may stop short of its target");
+  if (v_min_ > v_max_) warn(text("v_min", v_min_) + " is above " + text("v_max", v_max_));
+  return all;
+}
+
+void Tmc429::set_switches(bool left, bool right) {
+  const bool closes = ref_rnl_ ? right && !right_ : left && !left_;
+  if (closes && latch_armed_) {
+    x_latched_ = x_actual_;
+    latch_armed_ = false;
+  }
+  left_ = left;
+  right_ = right;
+  run_.end = tick_;
+}
+
+bool Tmc429::blocked(std::int32_t velocity) const {
+  return (velocity < 0 && left_ && !disable_stop_l_) ||
+         (velocity > 0 && right_ && !disable_stop_r_);
+}
+
+std::int32_t Tmc429::distance() const { return wrap24(std::int64_t{x_target_} - x_actual_); }
 
 // The speed that v_min and v_max have yet to limit; grows with the distance, which is at least 1.
-std::uint64_t Tmc429::unclipped_speed(std::uint32_t distance) const {
+std::uint32_t Tmc429::unclipped_speed(std::uint32_t distance) const {
   const std::uint64_t d = std::min(distance, distance_limit);
-  const std::uint64_t factor = 128U + pmul_;
-  if (mode_ == Mode::soft) return std::min((d * factor) >> (3U + pdiv_), greatest_speed);
-  const auto m = (d - 1) * factor;
-  const auto square = pdiv_ <= 8 ? m << (8U - pdiv_) : m >> (pdiv_ - 8U);
-  return std::min(integer_root(square), greatest_speed);
+  const std::uint64_t product = d * factor();
+  if (mode_ == Mode::soft) {
+    return static_cast<std::uint32_t>(std::min<std::uint64_t>(product >> (3U + pdiv_), 2047));
+  }
+  std::uint64_t square = 0;
+  switch (last_step_) {
+    case LastStep::r3: square = ((product - factor()) << 8U) >> pdiv_; break;
+    case LastStep::r2: square = (product << 8U) >> pdiv_; break;
+    case LastStep::r1: square = (product >> (3U + pdiv_)) * step_unit; break;
+  }
+  return static_cast<std::uint32_t>(std::min<std::uint64_t>(integer_root(square), 2047));
 }
 
-// The inverse: the least distance at which the ramp still asks for this speed, itself limited.
-std::uint32_t Tmc429::nearest_distance_of(std::int32_t speed) const {
-  if (speed <= v_min_) return 1;
-  const auto w = static_cast<std::uint64_t>(speed);
-  const std::uint64_t factor = 128U + pmul_;
-  if (mode_ == Mode::soft) return static_cast<std::uint32_t>(divide_up(w << (3U + pdiv_), factor));
-  const auto square = w * w;
-  const auto least = pdiv_ <= 8 ? divide_up(square, factor << (8U - pdiv_))
-                                : divide_up(square << (pdiv_ - 8U), factor);
-  return static_cast<std::uint32_t>(least + 1);
+// The inverse: the least distance at which the ramp asks for this speed or more.
+std::uint32_t Tmc429::nearest_distance_of(std::uint32_t speed) const {
+  if (speed <= static_cast<std::uint32_t>(std::min(v_min_, v_max_))) return 1;
+  const std::uint64_t square = std::uint64_t{speed} * speed;
+  const std::uint64_t p = factor();
+  std::uint64_t distance = 0;
+  if (mode_ == Mode::soft) {
+    distance = divide_up(std::uint64_t{speed} << (3U + pdiv_), p);
+  } else if (last_step_ == LastStep::r1) {
+    distance = divide_up(divide_up(square, step_unit) << (3U + pdiv_), p);
+  } else {
+    distance = divide_up(square << pdiv_, p << 8U) + (last_step_ == LastStep::r3 ? 1 : 0);
+  }
+  return static_cast<std::uint32_t>(distance);
 }
 
-std::int32_t Tmc429::asked_velocity() const {
-  const auto dx = distance();
+std::int32_t Tmc429::asked_velocity(std::int32_t dx) const {
   if (dx == 0) return 0;
   const auto raw =
       static_cast<std::int32_t>(unclipped_speed(static_cast<std::uint32_t>(std::abs(dx))));
@@ -99,79 +249,328 @@ std::int32_t Tmc429::asked_velocity() const {
   return dx > 0 ? speed : -speed;
 }
 
-std::int32_t Tmc429::v_target() const { return positioning() ? asked_velocity() : v_target_; }
-
-std::int32_t Tmc429::v_actual() const { return velocity_ / v_unit; }
-
-std::int32_t Tmc429::slew() const {
-  if (mode_ == Mode::hold) return 0;
-  const auto goal = positioning() ? asked_velocity() : std::clamp(v_target_, -v_max_, v_max_);
-  return std::clamp(goal * v_unit - velocity_, -a_max_, a_max_);
+// What the ramp stage slews to when it sees this distance, in 1/256.
+std::int32_t Tmc429::goal(std::int32_t dx) const {
+  std::int32_t wanted = velocity_;
+  if (positioning()) wanted = asked_velocity(dx) * v_unit;
+  if (mode_ == Mode::velocity) wanted = std::clamp(v_target_, -v_max_, v_max_) * v_unit;
+  return blocked(wanted) ? 0 : wanted;
 }
 
-std::int32_t Tmc429::a_actual() const { return arrived() ? 0 : slew(); }
+std::int32_t Tmc429::slew(std::int32_t dx) const {
+  if (stops_dead() || stops_on_target(dx)) return -velocity_;
+  return std::clamp(goal(dx) - velocity_, -a_max_, a_max_);
+}
 
-bool Tmc429::arrived() const { return positioning() && at_target() && velocity_ == 0; }
+std::int32_t Tmc429::a_actual() const {
+  return next_ramp_tick() <= run_.end ? run_.slew : slew(seen().dx);
+}
 
-void Tmc429::ramp_stage() {
-  if (positioning() && at_target() && std::abs(v_actual()) <= v_min_) {
-    velocity_ = 0;
-    accumulator_ = 0;
-    return;
+bool Tmc429::stops_on_target(std::int32_t dx) const {
+  return positioning() && dx == 0 && std::abs(v_actual()) <= v_min_;
+}
+
+// ---- what the coming ramp ticks will do ----
+
+struct Tmc429::Approach {
+  std::int32_t sign;  // of the motion
+  std::int32_t distance;
+  std::uint32_t speed;  // 1/256
+  std::int32_t goal;    // 1/256
+  std::uint32_t accumulator;
+};
+
+Tmc429::Seen Tmc429::seen() const {
+  const auto until = seen_at(next_ramp_tick());
+  const auto sum =
+      accumulator_ + pulses(tick_, until) * static_cast<std::uint32_t>(std::abs(v_actual()));
+  const auto steps = static_cast<std::int64_t>(sum / step_unit);
+  return {wrap24(std::int64_t{x_target_} - x_actual_ - (velocity_ < 0 ? -steps : steps)),
+          static_cast<std::uint32_t>(sum % step_unit)};
+}
+
+Tmc429::Run Tmc429::run_of(Tick ramp_ticks, std::int32_t slew) const {
+  return {next_ramp_tick() + (ramp_ticks << ramp_div_) - 1, slew};
+}
+
+Tmc429::Run Tmc429::plan() const {
+  if (stops_dead()) return run_of(1, -velocity_);
+  if (mode_ == Mode::velocity) return plan_slew(goal(0));
+  if (mode_ == Mode::hold) return plan_slew(goal(0));
+  return plan_positioning();
+}
+
+// Towards a velocity that stays the same.
+Tmc429::Run Tmc429::plan_slew(std::int32_t goal) const {
+  const auto left = goal - velocity_;
+  if (left == 0 || a_max_ == 0) return {forever, 0};
+  const bool slows_down = (velocity_ < 0) != (left < 0) && velocity_ != 0;
+  const auto full =
+      (slows_down ? std::min(std::abs(velocity_), std::abs(left)) : std::abs(left)) / a_max_;
+  if (full == 0) return run_of(1, std::clamp(left, -a_max_, a_max_));
+  return run_of(static_cast<Tick>(full), left < 0 ? -a_max_ : a_max_);
+}
+
+Tmc429::Run Tmc429::plan_positioning() const {
+  const auto [dx, accumulator] = seen();
+  if (stops_on_target(dx)) {
+    const bool nothing_left = velocity_ == 0 && (accumulator == 0 || at_stop_ == Accumulator::kept);
+    if (nothing_left) return {forever, 0};
+    auto run = run_of(1, -velocity_);
+    run.stops_on_target = true;
+    return run;
   }
-  velocity_ += slew();
+  const auto wanted = goal(dx);
+  const std::int32_t sign = velocity_ != 0 ? (velocity_ < 0 ? -1 : 1) : (wanted < 0 ? -1 : 1);
+  const Approach approach{sign, sign * dx, static_cast<std::uint32_t>(std::abs(velocity_)),
+                          sign * wanted, accumulator};
+  if (wanted == velocity_) return plan_cruise(approach);
+  if (a_max_ == 0) return plan_crawl(approach);
+  const bool faster = approach.goal > static_cast<std::int32_t>(approach.speed);
+  return faster ? plan_acceleration(approach) : plan_deceleration(approach);
+}
+
+// As fast as the ramp asks, until it asks for less.
+Tmc429::Run Tmc429::plan_cruise(const Approach& approach) const {
+  if (approach.speed == 0) return {forever, 0};
+  const auto nearest = nearest_distance_of(approach.speed / v_unit);
+  return run_until_step(approach, static_cast<std::uint32_t>(approach.distance) - nearest + 1);
+}
+
+// Without a_max it can neither follow the ramp nor slow down; only a target met at v_min stops it.
+Tmc429::Run Tmc429::plan_crawl(const Approach& approach) const {
+  const auto speed = approach.speed / v_unit;
+  if (speed == 0 || speed > static_cast<std::uint32_t>(v_min_)) return {forever, 0};
+  const auto steps = static_cast<std::uint32_t>(approach.distance) & (2U * half_turn - 1);
+  return run_until_step(approach, steps);
+}
+
+// At the present speed up to, but not including, the ramp tick that sees so many more steps.
+Tmc429::Run Tmc429::run_until_step(const Approach& approach, std::uint32_t steps) const {
+  const auto needed = std::uint64_t{steps} * step_unit - approach.accumulator;
+  const auto first = seen_at(next_ramp_tick()) >> pulse_div_;
+  const auto pulse = (first + divide_up(needed, approach.speed / v_unit)) << pulse_div_;
+  const auto sees = pulse + (order_ == Order::ramp_first ? 1 : 0);
+  return {(divide_up(sees, Tick{1} << ramp_div_) << ramp_div_) - 1, 0};
+}
+
+// Pulses times speed in the first intervals between ramp ticks, with one more slew in each.
+std::uint64_t Tmc429::pulse_sum(std::uint32_t speed, std::uint32_t slews) const {
+  if (slews == 0) return 0;
+  const auto first = static_cast<std::int32_t>(speed);
+  if (ramp_div_ >= pulse_div_) {
+    return std::uint64_t{sum_of_speeds(first + a_max_, a_max_, slews)} << (ramp_div_ - pulse_div_);
+  }
+  const auto begin = seen_at(next_ramp_tick());
+  const auto count = pulses(begin, begin + (Tick{slews} << ramp_div_));
+  if (count == 0) return 0;
+  const auto pulse = ((begin >> pulse_div_) + 1) << pulse_div_;
+  const auto before = static_cast<std::int32_t>((pulse - begin - 1) >> ramp_div_) + 1;
+  return sum_of_speeds(first + before * a_max_, a_max_ << (pulse_div_ - ramp_div_),
+                       static_cast<std::uint32_t>(count));
+}
+
+// Whether one more full slew fits under the ramp after so many.
+bool Tmc429::still_below_ramp(const Approach& approach, std::uint32_t slews) const {
+  const auto steps = (approach.accumulator + pulse_sum(approach.speed, slews)) / step_unit;
+  if (steps >= static_cast<std::uint64_t>(approach.distance)) return false;
+  const auto asked = asked_velocity(approach.distance - static_cast<std::int32_t>(steps)) * v_unit;
+  const auto speed = approach.speed + (slews + 1) * static_cast<std::uint32_t>(a_max_);
+  return speed <= static_cast<std::uint32_t>(asked);
+}
+
+// The speed rises and what the ramp asks for falls, so the slews that fit can be searched for.
+Tmc429::Run Tmc429::plan_acceleration(const Approach& approach) const {
+  const auto left = static_cast<std::uint32_t>(approach.goal) - approach.speed;
+  auto too_many = left / static_cast<std::uint32_t>(a_max_) + 1;
+  if (too_many == 1) return run_of(1, approach.sign * static_cast<std::int32_t>(left));
+  std::uint32_t fit = 1;
+  if (still_below_ramp(approach, too_many - 2)) fit = too_many - 1;
+  while (too_many - fit > 1) {
+    const auto middle = fit + (too_many - fit) / 2;
+    (still_below_ramp(approach, middle - 1) ? fit : too_many) = middle;
+  }
+  return run_of(fit, approach.sign * a_max_);
+}
+
+// Only full slews for as long as the ramp cannot ask for less than a whole one, the target cannot
+// stop the motor, and the distance does not wrap: moving on, the ramp asks for less and less, also
+// through the target and past it.
+Tmc429::Run Tmc429::plan_deceleration(const Approach& approach) const {
+  const auto a = static_cast<std::uint32_t>(a_max_);
+  const auto above_goal = approach.speed - static_cast<std::uint32_t>(std::max(approach.goal, 0));
+  const auto v_stop = static_cast<std::uint32_t>(v_min_ + 1) * v_unit;
+  const auto above_stop = approach.speed >= v_stop ? (approach.speed - v_stop) / a + 1 : 1;
+  const auto room = static_cast<std::uint64_t>(approach.distance + half_turn) * step_unit;
+  const auto interval = (Tick{1} << ramp_div_ >> std::min(pulse_div_, ramp_div_)) + 1;
+  const auto until_wrap = room / (interval * (approach.speed / v_unit + 1));
+  const auto full = std::min<std::uint64_t>({above_goal / a, above_stop, until_wrap});
+  if (full > 0) return run_of(full, -approach.sign * a_max_);
+  const auto left = approach.goal - static_cast<std::int32_t>(approach.speed);
+  return run_of(1, approach.sign * std::clamp(left, -a_max_, a_max_));
+}
+
+// ---- moving ----
+
+void Tmc429::add_pulses(std::uint64_t sum, bool backwards) {
+  sum += accumulator_;
+  accumulator_ = static_cast<std::uint32_t>(sum % step_unit);
+  // More than 2^24 steps are whole turns of the counter.
+  const auto steps = static_cast<std::int64_t>(sum / step_unit & (2U * half_turn - 1));
+  x_actual_ = wrap24(x_actual_ + (backwards ? -steps : steps));
 }
 
 // Runs the pulse stage alone.
 void Tmc429::coast(Tick until) {
-  const auto pulses = (until >> pulse_div_) - (tick_ >> pulse_div_);
+  if (until <= tick_) return;
+  add_pulses(pulses(tick_, until) * static_cast<std::uint32_t>(std::abs(v_actual())),
+             velocity_ < 0);
   tick_ = until;
-  const auto sum = accumulator_ + pulses * static_cast<std::uint64_t>(std::abs(v_actual()));
-  accumulator_ = static_cast<std::uint32_t>(sum % step_unit);
-  // More than 2^24 steps are whole turns of the counter.
-  const auto steps = static_cast<std::int64_t>(sum / step_unit & 0xFFFFFF);
-  x_actual_ = wrap24(x_actual_ + (velocity_ < 0 ? -steps : steps));
 }
 
-// The last tick up to which no ramp tick changes the speed.
-Tick Tmc429::steady_until() const {
-  if (arrived()) return accumulator_ == 0 ? forever : tick_;
-  if (slew() != 0) return tick_;
-  if (!positioning()) return forever;
-  // Without a_max it can neither follow the ramp nor slow down; only a target met at v_min stops
-  // it.
-  if (velocity_ != asked_velocity() * v_unit)
-    return std::abs(v_actual()) > v_min_ ? forever : tick_;
-  const auto speed = static_cast<std::uint64_t>(std::abs(v_actual()));
-  if (speed == 0) return forever;
-  const auto left = static_cast<std::uint32_t>(std::abs(distance()));
-  const auto steps = left - nearest_distance_of(std::abs(v_actual()));
-  const auto pulses = (step_unit * (std::uint64_t{steps} + 1) - 1 - accumulator_) / speed;
-  return (((tick_ >> pulse_div_) + pulses + 1) << pulse_div_) - 1;
+// Within the present run.
+void Tmc429::move(Tick until) {
+  if (run_.slew == 0 && !run_.stops_on_target) return coast(until);
+  if (until < next_ramp_tick()) return coast(until);
+  slew_through(until);
 }
 
-// One stretch of steady motion, or one ramp tick.
-void Tmc429::step_towards(Tick until) {
-  const auto ramp_tick = next_ramp_tick();
-  if (const auto steady = steady_until(); steady >= ramp_tick)
-    return coast(std::min(steady, until));
-  if (ramp_tick > until) return coast(until);
-  coast(ramp_tick - 1);
-  ramp_stage();  // sees the position before this tick's pulse
-  coast(ramp_tick);
+void Tmc429::slew_through(Tick until) {
+  const auto slews = static_cast<std::int32_t>((until >> ramp_div_) - (tick_ >> ramp_div_));
+  const auto lag = order_ == Order::ramp_first ? 0U : 1U;  // of the pulse stage
+  const auto first_tick = next_ramp_tick();
+  const auto begin = seen_at(first_tick);
+  if (begin > tick_) coast(begin);
+  if (run_.stops_on_target && at_stop_ == Accumulator::cleared) accumulator_ = 0;
+  const auto first = velocity_ + run_.slew;
+  velocity_ += run_.slew * slews;
+  const auto last = velocity_;
+  tick_ = until;
+  const auto count = pulses(begin, until);
+  if (count == 0) return;
+  const bool backwards = first < 0 || last < 0;
+  if (ramp_div_ >= pulse_div_) {
+    // Whole intervals between ramp ticks, and the part of one after the last that pulses saw.
+    const auto each = ramp_div_ - pulse_div_;
+    const auto whole = static_cast<std::uint32_t>((count - 1) >> each);
+    const auto rest = count - (Tick{whole} << each);
+    const auto in_effect = first + run_.slew * static_cast<std::int32_t>(whole);
+    const auto sum = whole == 0 ? 0 : std::uint64_t{sum_of_speeds(first, run_.slew, whole)} << each;
+    add_pulses(sum + rest * static_cast<std::uint32_t>(std::abs(in_effect / v_unit)), backwards);
+    return;
+  }
+  const auto pulse = ((begin >> pulse_div_) + 1) << pulse_div_;
+  const auto before = static_cast<std::int32_t>((pulse - lag - first_tick) >> ramp_div_);
+  add_pulses(sum_of_speeds(first + before * run_.slew, run_.slew * (1 << (pulse_div_ - ramp_div_)),
+                           static_cast<std::uint32_t>(count)),
+             backwards);
 }
 
 void Tmc429::advance_to(Tick tick) {
-  while (tick_ < tick) step_towards(tick);
+  tick = std::min(tick, last_tick);
+  while (tick_ < tick) {
+    if (tick_ >= run_.end) {
+      if (brake(tick)) continue;
+      run_ = plan();
+    }
+    move(std::min(tick, run_.end));
+  }
 }
 
-std::optional<Tick> Tmc429::arrival(Tick limit) const {
-  auto ahead = *this;
-  while (ahead.positioning() && ahead.tick_ < limit && !ahead.arrived() && !ahead.settled()) {
-    ahead.step_towards(limit);
+// The motor follows the ramp down to its target and has some way to go.
+bool Tmc429::brakes(const Seen& seen) const {
+  const bool forward = velocity_ > 0;
+  const auto distance = forward ? seen.dx : -seen.dx;
+  if (!positioning() || distance <= 0 || std::abs(v_actual()) <= v_min_ || blocked(velocity_))
+    return false;
+  const auto asked = std::abs(asked_velocity(seen.dx));
+  return asked < std::min(v_max_, greatest_speed) && std::abs(velocity_) >= asked * v_unit;
+}
+
+// While it does so every ramp tick may be another run. Here they are taken one after the other with
+// as little as possible to do in each: "the ramp asks for speed w" is "needed(w) <= allowed", which
+// takes no root, and most ticks are full slews. False if the case at hand is another one.
+bool Tmc429::brake(Tick until) {
+  constexpr std::int32_t least_acceleration = 8;  // below this the runs are long
+  const auto first = next_ramp_tick() >> ramp_div_;
+  const auto beyond = (until + 1) >> ramp_div_;
+  if (a_max_ < least_acceleration || ramp_div_ < pulse_div_ || order_ != Order::ramp_first ||
+      last_step_ == LastStep::r1 || first >= beyond) {
+    return false;
   }
-  if (!ahead.arrived()) return std::nullopt;
-  return ahead.tick_;
+  const auto start = seen();
+  if (!brakes(start)) return false;
+
+  const bool soft = mode_ == Mode::soft;
+  const auto each = ramp_div_ - pulse_div_;
+  const auto up = !soft && pdiv_ < 8 ? 8 - pdiv_ : 0;
+  const auto down = soft ? 3 + pdiv_ : std::max(0, pdiv_ - 8);
+  const auto needed = [&](std::int32_t w) { return (soft ? w : w * w) << down; };
+  const auto per_step = static_cast<std::int32_t>(factor()) << up;
+  const auto a_max = a_max_;
+  const auto slowest = v_min_ * v_unit + a_max;
+
+  const std::int32_t sign = velocity_ > 0 ? 1 : -1;
+  auto left = sign * start.dx;
+  auto accumulator = start.accumulator;
+  auto speed = std::abs(velocity_);
+  auto allowed = (left - (soft || last_step_ == LastStep::r2 ? 0 : 1)) * per_step;
+  auto tick = first;
+  for (; tick < beyond && left > 0 && speed >= slowest; ++tick) {
+    if (needed((speed - a_max) / v_unit + 1) > allowed) {
+      speed -= a_max;
+    } else {
+      auto asked = speed / v_unit;
+      while (needed(asked) > allowed) --asked;
+      speed = asked * v_unit;
+    }
+    accumulator += static_cast<std::uint32_t>(speed / v_unit) << each;
+    const auto steps = static_cast<std::int32_t>(accumulator / step_unit);
+    accumulator %= step_unit;
+    left -= steps;
+    allowed -= steps * per_step;
+  }
+  if (tick == first) return false;
+  x_actual_ = wrap24(std::int64_t{x_target_} - sign * left);
+  velocity_ = sign * speed;
+  accumulator_ = accumulator;
+  tick_ = (tick << ramp_div_) - 1;
+  run_.end = tick_;
+  return true;
+}
+
+// What the motor is doing, by what the next ramp tick will see.
+std::string_view Tmc429::phase() const {
+  if (mode_ == Mode::hold) return velocity_ == 0 ? "rest" : "hold";
+  const auto wanted = goal(seen().dx);
+  if (velocity_ == 0) return wanted == 0 ? "rest" : "accelerate";
+  if ((wanted < 0) != (velocity_ < 0) || wanted == 0) return "decelerate";
+  if (std::abs(velocity_) < std::abs(wanted)) return "accelerate";
+  const bool full_speed = mode_ == Mode::velocity || std::abs(wanted) == v_max_ * v_unit;
+  return velocity_ == wanted && full_speed ? "cruise" : "decelerate";
+}
+
+Tick Tmc429::next_change() {
+  if (run_.end <= tick_) run_ = plan();
+  // Slowing down towards the target, runs only follow each other until it is reached.
+  if (run_.end == forever || brakes(seen())) return earliest_pass(velocity_);
+  // The last ramp tick of a run makes the state that the next run starts from.
+  const auto last = run_.end >> ramp_div_ << ramp_div_;
+  const auto slews = static_cast<std::int32_t>((run_.end >> ramp_div_) - (tick_ >> ramp_div_));
+  return std::min(last > tick_ ? last : run_.end + 1, earliest_pass(velocity_ + run_.slew * slews));
+}
+
+// Before this tick it neither comes upon the target nor leaves it if it does not go faster than now
+// or at the given velocity.
+Tick Tmc429::earliest_pass(std::int32_t velocity) const {
+  const auto fastest = std::max(std::abs(velocity), std::abs(velocity_)) / v_unit;
+  if (fastest == 0) return forever;
+  const auto dx = distance();
+  const bool away = dx < 0 ? velocity >= 0 && velocity_ >= 0 : velocity <= 0 && velocity_ <= 0;
+  const auto steps = dx == 0 ? 1 : away ? 2 * half_turn - std::abs(dx) : std::abs(dx);
+  const auto needed = static_cast<std::uint64_t>(steps) * step_unit - accumulator_;
+  return ((tick_ >> pulse_div_) + divide_up(needed, static_cast<std::uint64_t>(fastest)))
+         << pulse_div_;
 }
 
 }  // namespace tmcl::ramp

@@ -22,6 +22,8 @@ namespace tmcl::ramp {
 /// Periods of the generator's own clock since its reset.
 using Tick = std::uint64_t;
 constexpr Tick forever = UINT64_MAX;
+/// advance_to() goes no further; at the shortest tick in use that is nine thousand years.
+constexpr Tick last_tick = Tick{1} << 62;
 
 /// A register by the name that the chip's data sheet gives it, in lower case.
 struct RegisterInfo {
@@ -100,16 +102,25 @@ std::optional<std::size_t> find_register(std::span<const RegisterInfo> registers
 /// Looking ahead ends after so many changes: a generator that oscillates never comes to an end.
 constexpr std::size_t most_changes_ahead = 4'000'000;
 
+/// The generator as it will be when it arrives, settles, comes to `limit`, or has changed so often,
+/// if nothing is written until then.
+template <Generator G>
+G look_ahead(G ahead, Tick limit, std::size_t most_changes = most_changes_ahead) {
+  limit = std::min(limit, last_tick);
+  for (; most_changes != 0; --most_changes) {
+    if (ahead.arrived() || ahead.settled() || ahead.tick() >= limit) break;
+    ahead.advance_to(std::min(limit, ahead.next_change()));
+  }
+  return ahead;
+}
+
 /// The tick at which it comes to stand on its target if nothing is written until then. Nothing if
 /// that is after `limit`, or never.
 template <Generator G>
-std::optional<Tick> arrival(G ahead, Tick limit) {
-  for (std::size_t changes = 0; changes < most_changes_ahead; ++changes) {
-    if (ahead.arrived()) return ahead.tick();
-    if (ahead.settled() || ahead.tick() >= limit) return std::nullopt;
-    ahead.advance_to(std::min(limit, ahead.next_change()));
-  }
-  return std::nullopt;
+std::optional<Tick> arrival(const G& now, Tick limit) {
+  const G ahead = look_ahead(now, limit);
+  if (!ahead.arrived()) return std::nullopt;
+  return ahead.tick();
 }
 
 }  // namespace tmcl::ramp

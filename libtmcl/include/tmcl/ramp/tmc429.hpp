@@ -2,112 +2,194 @@
 ///
 /// Structure and rates are those of the TMC429 data sheet (rev. 2.06, section 8.1): a ramp stage
 /// that changes the speed by a_max every 2^ramp_div base ticks, and a pulse stage that makes a
-/// microstep whenever an 11-bit accumulator overflows, every 2^pulse_div base ticks. How the chip
-/// rounds in the last microsteps is not documented; of the rules tried, the one used here (the ramp
-/// law applied to the distance minus one) is the only one that agrees with all remarks of the data
-/// sheet.
+/// microstep whenever an 11-bit accumulator overflows, every 2^pulse_div base ticks.
+///
+/// What the chip does in the last microsteps is not documented. The enumerations LastStep,
+/// FactorRule, Order and Accumulator name the possibilities; their first values are the defaults,
+/// and the only ones that agree with all remarks of the data sheet. A measurement on a module can
+/// settle them.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
-#include <optional>
+#include <span>
+#include <string_view>
+#include <vector>
 
 #include "tmcl/clock.hpp"
+#include "tmcl/ramp/generator.hpp"
 #include "tmcl/units.hpp"
 
 namespace tmcl::ramp {
 
-enum class Mode : std::uint8_t {
-  ramp = 0,      ///< Drives to x_target, decelerating at a_max.
-  soft = 1,      ///< Drives to x_target, slowing down exponentially.
-  velocity = 2,  ///< Slews to v_target, which v_max limits.
-  hold = 3,      ///< Keeps v_actual as it was written; no limit applies.
-};
-
-/// Base ticks since the chip's reset. The dividers count from there too, so the instant of a write
-/// matters: it acts at the next ramp tick.
-using Tick = std::uint64_t;
-
 class Tmc429 {
  public:
+  static constexpr std::string_view chip = "tmc429";
   /// 32 periods of the 16 MHz clock.
   static constexpr Duration base_tick = std::chrono::microseconds(2);
+  static double ticks_per_second(double clock_hz) { return clock_hz / 32; }
 
-  /// Everything is zero after power-up, so nothing moves before v_max and a_max are written.
+  enum class Mode : std::uint8_t {
+    ramp,      ///< Drives to x_target, decelerating at a_max.
+    soft,      ///< Drives to x_target, slowing down exponentially.
+    velocity,  ///< Slews to v_target, which v_max limits.
+    hold,      ///< Keeps v_actual as it was written; no limit applies.
+  };
+  /// From which distance the ramp takes the speed it asks for.
+  enum class LastStep : std::uint8_t {
+    r3,  ///< v² = 2048 p (distance - 1)
+    r1,  ///< v² = 2048 floor(p distance)
+    r2,  ///< v² = 2048 p distance
+  };
+  /// How pmul and pdiv follow from a_max and the dividers; the ideal is a_max / (128 * 2^(ramp_div
+  /// - pulse_div)).
+  enum class FactorRule : std::uint8_t {
+    percent_99,        ///< 0.99 of the ideal, as in the data sheet's rev. 2.06.
+    percent_95,        ///< 0.95, as in its rev. 1.07.
+    percent_98_8,      ///< 0.988, as in the open firmware of the TMCM-1110.
+    nearest,           ///< The nearest value.
+    nearest_less_one,  ///< The nearest value with pmul less one.
+  };
+  /// Which stage comes first where both have a tick at once.
+  enum class Order : std::uint8_t { ramp_first, pulse_first };
+  /// What becomes of the fraction of a microstep when the motor stops on its target.
+  enum class Accumulator : std::uint8_t { cleared, kept };
+
+  enum class Register : std::uint8_t {
+    mode,
+    v_min,
+    v_max,
+    v_target,
+    v_actual,
+    a_max,
+    pulse_div,
+    ramp_div,
+    pmul,
+    pdiv,
+    x_target,
+    x_actual,
+    disable_stop_l,
+    disable_stop_r,
+    soft_stop,
+    ref_rnl,
+    // Not registers of the chip: which reading of the data sheet applies.
+    last_step,
+    factor_rule,
+    order,
+    accumulator,
+  };
+  static std::span<const RegisterInfo> registers();
+
+  /// All registers are zero after power-up, so nothing moves before v_max and a_max are written.
   Tmc429() = default;
 
+  /// A write acts at the next ramp tick. Writing x_actual in the modes ramp and soft makes the
+  /// motor drive to x_target (data sheet 8.1.2). pmul and pdiv follow a_max and the dividers, as
+  /// the firmware of the modules sees to it, until one of the two is written.
+  Written write(Register name, std::int64_t value);
+  Written write(Mode mode) { return write(Register::mode, static_cast<std::int64_t>(mode)); }
+  std::int64_t read(Register name) const;
+  std::vector<Finding> findings() const;
+
+  /// The stop switches as the chip's inputs see them: the left one stops negative, the right one
+  /// positive motion. A switch that closes latches the position if that is armed.
+  void set_switches(bool left, bool right);
+  /// The next closing of the switch that ref_rnl selects (1: right) stores the position.
+  void arm_latch() { latch_armed_ = true; }
+  bool latch_armed() const { return latch_armed_; }
+  std::int32_t x_latched() const { return x_latched_; }
+
   Tick tick() const { return tick_; }
-  /// Lets time pass. An earlier tick than the present one changes nothing.
   void advance_to(Tick tick);
+  Motion motion() const { return {x_actual_, v_actual(), a_actual()}; }
+  std::string_view phase() const;
+  Tick next_change();
+  bool arrived() const { return positioning() && at_target() && velocity_ == 0; }
+  bool settled() const { return plan().end == forever; }
 
-  /// Positions are 24 bit and wrap. A target 2^23 microsteps away or more is reached the wrong way.
-  void set_x_target(std::int32_t microsteps);
-  /// In the modes ramp and soft the motor then moves to x_target; data sheet 8.1.2.
-  void set_x_actual(std::int32_t microsteps);
-  /// 0..2047. The speed at or below which the motor may stop at once; 1 is needed to arrive
-  /// exactly.
-  void set_v_min(std::int32_t v);
-  /// 0..2047. Lowered below the present speed it slows down at a_max; 0 lets a standing motor
-  /// stand.
-  void set_v_max(std::int32_t v);
-  /// -2047..2047. Overwritten by the chip in the modes ramp and soft.
-  void set_v_target(std::int32_t v);
-  /// -2047..2047, without fraction. Keeps only in the mode hold.
-  void set_v_actual(std::int32_t v);
-  /// 0..2047. The proportionality factor follows by itself, as in the firmware of the modules.
-  void set_a_max(std::int32_t a);
-  /// Exponents 0..13; as set_a_max() for the factor.
-  void set_dividers(Tmc429Dividers dividers);
-  void set_mode(Mode mode);
-
+  Mode mode() const { return mode_; }
   std::int32_t x_target() const { return x_target_; }
   std::int32_t x_actual() const { return x_actual_; }
-  std::int32_t v_min() const { return v_min_; }
-  std::int32_t v_max() const { return v_max_; }
   /// In the modes ramp and soft: the speed that the ramp asks for at this distance.
-  std::int32_t v_target() const;
+  std::int32_t v_target() const { return positioning() ? asked_velocity(distance()) : v_target_; }
   /// Without its fraction: 0 is read while |v| < 1, not only at standstill.
-  std::int32_t v_actual() const;
-  std::int32_t a_max() const { return a_max_; }
-  /// What the next ramp tick adds to the speed, in 1/256 of its unit: -a_max..a_max.
+  std::int32_t v_actual() const { return velocity_ / v_unit; }
+  /// What the next ramp tick adds to the speed, in 1/256 of its unit: -a_max..a_max, and more only
+  /// where a switch stops the motor dead.
   std::int32_t a_actual() const;
-  Tmc429Dividers dividers() const { return {pulse_div_, ramp_div_}; }
-  Mode mode() const { return mode_; }
-  /// The factor p of the deceleration is (128 + pmul) / 2^(3 + pdiv).
-  std::uint8_t pmul() const { return pmul_; }
-  std::uint8_t pdiv() const { return pdiv_; }
-
   /// x_actual equals x_target in this instant, which may be in passing.
   bool at_target() const { return x_actual_ == x_target_; }
-  /// Stands on the target, and stays there.
-  bool arrived() const;
-  /// Nothing but the position changes any more until a register is written.
-  bool settled() const { return steady_until() == forever; }
-  /// The tick at which the motor comes to stand on its target if nothing is written until then.
-  /// Nothing if that is after `limit`, or if the present mode does not drive to a target.
-  std::optional<Tick> arrival(Tick limit) const;
+  Tmc429Dividers dividers() const { return {pulse_div_, ramp_div_}; }
 
+  /// All of the state, however it came about.
   bool operator==(const Tmc429&) const = default;
 
  private:
-  static constexpr Tick forever = UINT64_MAX;
+  static constexpr std::int32_t v_unit = 256;  // speeds carry eight bits of fraction
+
+  // A stretch in which every ramp tick changes the velocity by the same amount. Only kept to be
+  // quick: it follows from the rest of the state, and so takes no part in comparisons.
+  struct Run {
+    Tick end = 0;  // its last tick; before the present one: to be planned
+    std::int32_t slew = 0;
+    bool stops_on_target = false;
+    bool operator==(const Run&) const { return true; }
+  };
+  // As the next ramp tick will see it.
+  struct Seen {
+    std::int32_t dx;
+    std::uint32_t accumulator;
+  };
+  // The same along the direction of motion.
+  struct Approach;
 
   bool positioning() const { return mode_ == Mode::ramp || mode_ == Mode::soft; }
+  bool blocked(std::int32_t velocity) const;
+  bool stops_dead() const { return !soft_stop_ && blocked(velocity_); }
+  bool stops_on_target(std::int32_t dx) const;
   std::int32_t distance() const;
-  std::int32_t asked_velocity() const;
-  std::uint64_t unclipped_speed(std::uint32_t distance) const;
-  std::uint32_t nearest_distance_of(std::int32_t speed) const;
-  std::int32_t slew() const;
-  Tick steady_until() const;
+  std::int32_t goal(std::int32_t dx) const;
+  std::int32_t slew(std::int32_t dx) const;
+
+  std::int32_t asked_velocity(std::int32_t dx) const;
+  std::uint32_t factor() const { return 128U + pmul_; }
+  std::uint32_t unclipped_speed(std::uint32_t distance) const;
+  std::uint32_t nearest_distance_of(std::uint32_t speed) const;
+
   Tick next_ramp_tick() const { return ((tick_ >> ramp_div_) + 1) << ramp_div_; }
-  void step_towards(Tick until);
+  Tick seen_at(Tick ramp_tick) const { return ramp_tick - (order_ == Order::ramp_first ? 1 : 0); }
+  Tick pulses(Tick from, Tick to) const { return (to >> pulse_div_) - (from >> pulse_div_); }
+  Seen seen() const;
+
+  Run plan() const;
+  Run plan_slew(std::int32_t goal) const;
+  Run plan_positioning() const;
+  Run plan_cruise(const Approach& approach) const;
+  Run plan_crawl(const Approach& approach) const;
+  Run plan_acceleration(const Approach& approach) const;
+  Run plan_deceleration(const Approach& approach) const;
+  Run run_of(Tick ramp_ticks, std::int32_t slew) const;
+  Run run_until_step(const Approach& approach, std::uint32_t steps) const;
+  bool still_below_ramp(const Approach& approach, std::uint32_t slews) const;
+  std::uint64_t pulse_sum(std::uint32_t speed, std::uint32_t slews) const;
+
+  void move(Tick until);
+  void slew_through(Tick until);
   void coast(Tick until);
-  void ramp_stage();
+  void add_pulses(std::uint64_t sum, bool backwards);
+  bool brakes(const Seen& seen) const;
+  bool brake(Tick until);
+  Tick earliest_pass(std::int32_t velocity) const;
+
+  void write_mode(Mode mode);
+  void write_factor(Register name, std::int64_t value);
   void update_factor();
 
   Tick tick_ = 0;
+  Run run_;
   std::int32_t x_target_ = 0;
   std::int32_t x_actual_ = 0;
+  std::int32_t x_latched_ = 0;
   std::int32_t v_min_ = 0;
   std::int32_t v_max_ = 0;
   std::int32_t v_target_ = 0;
@@ -116,9 +198,21 @@ class Tmc429 {
   std::int32_t a_max_ = 0;
   std::uint8_t pulse_div_ = 0;
   std::uint8_t ramp_div_ = 0;
-  Mode mode_ = Mode::ramp;
   std::uint8_t pmul_ = 0;
   std::uint8_t pdiv_ = 0;
+  bool factor_written_ = false;
+  Mode mode_ = Mode::ramp;
+  LastStep last_step_ = LastStep::r3;
+  FactorRule factor_rule_ = FactorRule::percent_99;
+  Order order_ = Order::ramp_first;
+  Accumulator at_stop_ = Accumulator::cleared;
+  bool disable_stop_l_ = false;
+  bool disable_stop_r_ = false;
+  bool soft_stop_ = false;
+  bool ref_rnl_ = false;
+  bool left_ = false;
+  bool right_ = false;
+  bool latch_armed_ = false;
 };
 
 }  // namespace tmcl::ramp
