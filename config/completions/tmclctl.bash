@@ -1,5 +1,6 @@
 # shellcheck shell=bash
-# bash completion for tmclctl: verbs, options, parameters and commands from the program itself, axes from tmcld.
+# bash completion for tmclctl: verbs, options, parameters, commands and registers from the program itself, axes from
+# tmcld.
 
 _tmclctl_words() {
   tmclctl "${where[@]}" __complete "$@" 2>/dev/null
@@ -7,45 +8,66 @@ _tmclctl_words() {
 
 _tmclctl() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]}
-  local verb="" where=() arguments=0 i
+  local verb=() where=() generator="" arguments=0 i
   COMPREPLY=()
 
   # What stands before the cursor: how to reach the axes, the verb, and how many arguments it has.
   for ((i = 1; i < COMP_CWORD; i++)); do
     case ${COMP_WORDS[i]} in
       --socket) where=(--socket "${COMP_WORDS[i+1]}"); ((i++)) ;;
-      --direct | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus)
+      --generator) generator=${COMP_WORDS[i+1]}; ((i++)) ;;
+      --direct | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus | --change | \
+        --sample | --until)
         # --by of move takes no value.
-        [[ ${COMP_WORDS[i]} == --by && $verb == move ]] || ((i++)) ;;
+        [[ ${COMP_WORDS[i]} == --by && ${verb[*]} == move ]] || ((i++)) ;;
       # Bash splits serial:/dev/ttyACM0 at the colon.
       : | =) ((i++)) ;;
       -*) ;;
-      *) if [[ -z $verb ]]; then verb=${COMP_WORDS[i]}; else ((arguments++)); fi ;;
+      *) if [[ ${#verb[@]} == 0 || ${verb[*]} == profile ]]; then verb+=("${COMP_WORDS[i]}"); else ((arguments++)); fi ;;
     esac
   done
 
   case $previous in
-    --socket | --svg | --csv)
+    --csv)
+      # The one of simulate is a time.
+      [[ ${verb[*]} == "profile simulate" ]] || compopt -o default
+      return ;;
+    --socket | --svg)
       compopt -o default
       return ;;
     --direct)
       mapfile -t COMPREPLY < <(compgen -W "serial:/dev/ can: tcp:" -- "$current")
       compopt -o nospace
       return ;;
-    --addresses | --timeout | --interval | --for | --to | --bus) return ;;
+    --generator)
+      mapfile -t COMPREPLY < <(compgen -W "$(_tmclctl_words generators)" -- "$current")
+      return ;;
+    --addresses | --timeout | --interval | --for | --to | --bus | --change | --sample | --until) return ;;
   esac
 
   local words=""
   if [[ $current == -* ]]; then
-    words=$(_tmclctl_words options "$verb")
-  elif [[ -z $verb ]]; then
-    words=$(_tmclctl_words verbs)
+    words=$(_tmclctl_words options "${verb[@]}")
+  elif [[ ${#verb[@]} == 0 || ${verb[*]} == profile ]]; then
+    words=$(_tmclctl_words verbs "${verb[@]}")
   else
-    case $verb:$arguments in
+    case ${verb[*]}:$arguments in
       get:0 | set:0 | move:0 | rotate:0 | stop:0 | state:0 | watch:0 | plot:0 | params:0)
         words=$(_tmclctl_words axes) ;;
       get:1 | set:1) words=$(_tmclctl_words parameters) ;;
       raw:1) words=$(_tmclctl_words commands) ;;
+      "profile simulate":*)
+        if [[ $current == = || $previous == = ]]; then
+          # Which register: it stands before the =.
+          i=$((COMP_CWORD - 1))
+          [[ $previous == = ]] && ((i--))
+          words=$(_tmclctl_words registers "$generator" "${COMP_WORDS[i]}")
+        else
+          words=$(_tmclctl_words registers "$generator")
+          compopt -o nospace
+        fi
+        # Bash takes : and = for words of their own.
+        [[ $current == [:=] ]] && current="" ;;
     esac
   fi
   mapfile -t COMPREPLY < <(compgen -W "$words" -- "$current")

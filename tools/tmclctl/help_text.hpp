@@ -23,6 +23,7 @@ Examples:
   tmclctl plot x --by 51200 --svg move.svg       move and draw how it went
   tmclctl --direct serial:/dev/ttyACM0@115200 get 1/0 actual_position
   tmclctl --json state x                         for scripts: one JSON document
+  tmclctl profile simulate --help                how would a chip move?
 
 Exit codes:
     0  done
@@ -114,6 +115,44 @@ or names. Through tmcld the reply's bytes are put together again from what tmcld
   tmclctl --direct serial:/dev/ttyACM0 raw 1 GAP actual_position 0 0
   tmclctl raw --bus bench 1 GET_FIRMWARE_VERSION 1 0 0
   tmclctl raw 1 MVP ABS 0 51200
+)";
+
+constexpr const char* profile = R"(
+Nothing is sent anywhere: no bus, no tmcld, no module is needed.
+
+  tmclctl profile simulate --help
+)";
+
+constexpr const char* simulate = R"(
+Computes, exactly to the tick, how a chip's ramp generator moves: from rest at position 0 and tick 0
+until it stands on its target, or until --until. Draws position and velocity; --csv, --svg and
+--json say it in other ways. x is in microsteps, v and a are in the chip's units.
+
+  tmclctl profile simulate --generator tmc429 v_max=1000 a_max=500 pulse_div=2 ramp_div=3 \
+      x_target=100000
+  tmclctl profile simulate --generator tmc429 mode=velocity v_max=2047 a_max=100 pulse_div=3 \
+      ramp_div=5 v_target=500 --change 0.5:v_target=-500 --until 2
+
+Registers are called as in the data sheets; values are decimal, 0x..., or these names:
+  tmc429    mode=ramp|soft|velocity|hold v_min v_max v_target v_actual a_max pulse_div ramp_div
+            x_target x_actual; pmul and pdiv follow from a_max and the dividers if not given;
+            v_min is 1 if not given, as the modules' firmware writes it. What no data sheet tells:
+            last_step=r3|r1|r2
+            factor_rule=percent_99|percent_95|percent_98_8|nearest|nearest_less_one
+            order=ramp_first|pulse_first accumulator=cleared|kept
+  tmc457    mode=position|velocity|hold v_max v_target a_max d_max d_stop bow_max x_target
+  sixpoint  (TMC5130, TMC5160, TMC5072) rampmode=position|velocity_positive|velocity_negative|hold
+            vstart a1 v1 amax vmax dmax d1 vstop tzerowait xtarget; vstop is vstart, and at least
+            10, if not given
+  mc1451a   profile=s_curve|trapezoidal position velocity acceleration jerk; steps and cycles
+f_clk=HZ is the chip's clock (100 kHz to 100 MHz; 16 MHz if not given); mc1451a counts times in
+cycles wherever SECONDS are meant. Mode and target are written last, whatever the order here.
+
+A change acts after everything up to its instant; changes of one instant act in the order given.
+--json prints {"generator", "duration_s", "final_position", "peak_velocity", "phases": [{"name",
+"start_s"}], "samples": [{"t", "x", "v", "a"}]}; duration_s is when it last came to rest on its
+target, null if it does not. What the chip would take but should not be told is a warning on
+standard error; settings that contradict each other are an error (exit code 2).
 )";
 
 }  // namespace tmclctl::help_text

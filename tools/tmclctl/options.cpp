@@ -10,6 +10,8 @@
 #include <CLI/Formatter.hpp>
 
 #include "help_text.hpp"
+#include "profile/generators.hpp"
+#include "profile/setup.hpp"
 #include "tmcl/command.hpp"
 #include "tmcl/nearest.hpp"
 #include "tmcl/parameter.hpp"
@@ -19,6 +21,8 @@ namespace {
 
 constexpr std::uint16_t greatest_address = 2047;
 constexpr double longest_time_s = 1e6;
+constexpr double longest_simulated_time = 1e9;
+constexpr double shortest_csv_step = 1e-9;
 
 // CLI11 would read 010 as octal and 2147483648 as something else.
 template <class Number>
@@ -66,6 +70,41 @@ void read_range(const std::string& text, ScanRange& range) {
   range.last = parse_number<std::uint16_t>(last, range.first, greatest_address);
 }
 
+std::vector<double> read_times(const std::vector<std::string>& lists) {
+  std::vector<double> times;
+  for (const auto& list : lists) {
+    for (std::size_t begin = 0; begin <= list.size();) {
+      const auto comma = std::min(list.find(',', begin), list.size());
+      times.push_back(parse_number<double>(std::string_view(list).substr(begin, comma - begin), 0,
+                                           longest_simulated_time));
+      begin = comma + 1;
+    }
+  }
+  return times;
+}
+
+verb::Simulate::Change read_change(const std::string& text) {
+  const auto colon = text.find(':');
+  if (colon == std::string::npos)
+    throw CLI::ValidationError(fmt::format("'{}' is no SECONDS:REGISTER=VALUE", text));
+  return {parse_number<double>(std::string_view(text).substr(0, colon), 0, longest_simulated_time),
+          text.substr(colon + 1)};
+}
+
+bool is_visible(const CLI::App* verb) { return !verb->get_group().empty(); }
+
+/// The visible verbs under this one.
+std::vector<const CLI::App*> verbs_under(const CLI::App& app) {
+  return app.get_subcommands(is_visible);
+}
+
+/// As it is typed: "profile simulate".
+std::string full_name(const CLI::App& verb) {
+  const auto* parent = verb.get_parent();
+  const bool outermost = parent == nullptr || parent->get_parent() == nullptr;
+  return outermost ? verb.get_name() : full_name(*parent) + ' ' + verb.get_name();
+}
+
 /// The grammar of the command line, and where its values go.
 class Parser {
  public:
@@ -73,9 +112,16 @@ class Parser {
   Attempt<std::variant<Options, Information>> parse(const std::vector<std::string>& arguments);
 
  private:
+  CLI::App& add_group(CLI::App& parent, const std::string& name, const std::string& description,
+                      const char* footer);
+  template <class T>
+  CLI::App& add_verb(CLI::App& parent, const std::string& name, const std::string& description,
+                     T& values, const char* footer = "");
   template <class T>
   CLI::App& add_verb(const std::string& name, const std::string& description, T& values,
-                     const char* footer = "");
+                     const char* footer = "") {
+    return add_verb(app_, name, description, values, footer);
+  }
   void add_axis(CLI::App& verb, std::string& into);
   void add_lists();
   void add_parameters();
@@ -83,13 +129,16 @@ class Parser {
   void add_watch();
   void add_plot();
   void add_raw();
+  void add_profile();
   void add_complete();
 
   Information complete() const;
   Failure failure_from(const CLI::ParseError& error) const;
   std::optional<Failure> unknown_word() const;
   std::optional<Failure> conflicting_options() const;
-  std::vector<std::string> verbs() const;
+  const CLI::App& chosen() const;
+  std::vector<std::string> verbs(const CLI::App& app) const;
+  const CLI::App& complete_verb() const;
   std::vector<std::string> options_of(const CLI::App& app) const;
 
   CLI::App app_{help_text::description, "tmclctl"};
@@ -108,8 +157,9 @@ class Parser {
   verb::Watch watch_;
   verb::Plot plot_;
   verb::Raw raw_;
+  verb::Simulate simulate_;
   verb::Complete complete_;
-  std::string complete_verb_;
+  std::vector<std::string> complete_for_;
 };
 
 Parser::Parser() {
@@ -133,18 +183,25 @@ Parser::Parser() {
   add_watch();
   add_plot();
   add_raw();
+  add_profile();
   add_complete();
 }
 
-template <class T>
-CLI::App& Parser::add_verb(const std::string& name, const std::string& description, T& values,
-                           const char* footer) {
-  auto* verb = app_.add_subcommand(name, description);
+CLI::App& Parser::add_group(CLI::App& parent, const std::string& name,
+                            const std::string& description, const char* footer) {
+  auto* verb = parent.add_subcommand(name, description);
   verb->fallthrough();
   verb->group("Verbs");
   verb->footer(footer);
-  verbs_[verb] = [&values] { return Verb(values); };
   return *verb;
+}
+
+template <class T>
+CLI::App& Parser::add_verb(CLI::App& parent, const std::string& name,
+                           const std::string& description, T& values, const char* footer) {
+  auto& verb = add_group(parent, name, description, footer);
+  verbs_[&verb] = [&values] { return Verb(values); };
+  return verb;
 }
 
 void Parser::add_axis(CLI::App& verb, std::string& into) {
@@ -242,20 +299,74 @@ void Parser::add_raw() {
   add_number(raw, "VALUE", "May be negative", raw_.value)->required();
 }
 
+void Parser::add_profile() {
+  auto& profile =
+      add_group(app_, "profile", "Compute movements, without any module", help_text::profile);
+  profile.require_subcommand(1);
+  auto& simulate = add_verb(profile, "simulate", "What a chip's ramp generator makes of registers",
+                            simulate_, help_text::simulate);
+  simulate.add_option("--generator", simulate_.generator, "tmc429, tmc457, sixpoint or mc1451a")
+      ->required()
+      ->type_name("NAME");
+  simulate
+      .add_option("REGISTER=VALUE", simulate_.settings,
+                  "What is written before it starts; the others stay as at power-up")
+      ->type_name("");
+  simulate
+      .add_option_function<std::vector<std::string>>(
+          "--change",
+          [this](const std::vector<std::string>& texts) {
+            for (const auto& text : texts) simulate_.changes.push_back(read_change(text));
+          },
+          "Write a register at this time; may be given many times")
+      ->allow_extra_args(false)
+      ->type_name("SECONDS:REGISTER=VALUE");
+  simulate
+      .add_option_function<std::vector<std::string>>(
+          "--sample",
+          [this](const std::vector<std::string>& lists) { simulate_.samples = read_times(lists); },
+          "With --json: the motion at these times")
+      ->allow_extra_args(false)
+      ->type_name("SECONDS,...");
+  add_optional(simulate, "--until", "End then, and not when it stands on its target",
+               simulate_.until, 0.0, longest_simulated_time)
+      ->type_name("SECONDS");
+  add_optional(simulate, "--csv", "Print t,x,v,a every so often instead of drawing",
+               simulate_.csv_step, shortest_csv_step, longest_simulated_time)
+      ->type_name("SECONDS");
+  simulate.add_option("--svg", simulate_.svg, "Draw into this file, not on the screen")
+      ->type_name("FILE");
+}
+
 void Parser::add_complete() {
   auto& complete = add_verb("__complete", "", complete_);
   complete.group("");
   complete.add_option("WHAT", complete_.what)->required();
-  complete.add_option("VERB", complete_verb_);
+  complete.add_option("FOR", complete_for_);
 }
 
-std::vector<std::string> Parser::verbs() const {
+const CLI::App& Parser::chosen() const {
+  const auto* verb = &app_;
+  while (!verb->get_subcommands().empty()) verb = verb->get_subcommands().front();
+  return *verb;
+}
+
+std::vector<std::string> Parser::verbs(const CLI::App& app) const {
   std::vector<std::string> names;
-  for (const auto* verb :
-       app_.get_subcommands([](const CLI::App* sub) { return !sub->get_group().empty(); })) {
-    names.push_back(verb->get_name());
-  }
+  for (const auto* verb : verbs_under(app)) names.push_back(verb->get_name());
   return names;
+}
+
+/// As far as the words are verbs.
+const CLI::App& Parser::complete_verb() const {
+  const auto* verb = &app_;
+  for (const auto& word : complete_for_) {
+    const auto under = verbs_under(*verb);
+    const auto found = std::ranges::find(under, word, &CLI::App::get_name);
+    if (found == under.end()) break;
+    verb = *found;
+  }
+  return *verb;
 }
 
 std::vector<std::string> Parser::options_of(const CLI::App& app) const {
@@ -266,16 +377,31 @@ std::vector<std::string> Parser::options_of(const CLI::App& app) const {
   return names;
 }
 
+/// The registers of a generator, as "v_max="; of one of them, the names of its values.
+std::vector<std::string> register_words(const std::vector<std::string>& names) {
+  const auto generators = profile::generators();
+  const auto generator =
+      std::ranges::find(generators, names.empty() ? "" : names[0], &profile::GeneratorInfo::name);
+  if (generator == generators.end()) return {};
+  std::vector<std::string> words;
+  if (names.size() == 1) {
+    for (const auto& info : generator->registers) words.push_back(fmt::format("{}=", info.name));
+    if (generator->clocked) words.push_back(fmt::format("{}=", profile::clock_name));
+    return words;
+  }
+  for (const auto& symbol : generator->symbols) {
+    if (symbol.register_name == names[1]) words.emplace_back(symbol.name);
+  }
+  return words;
+}
+
 Information Parser::complete() const {
   std::vector<std::string> words;
-  if (complete_.what == "verbs") words = verbs();
+  if (complete_.what == "verbs") words = verbs(complete_verb());
   if (complete_.what == "options") {
     words = options_of(app_);
-    const auto named = [this](const CLI::App* verb) { return verb->get_name() == complete_verb_; };
-    for (const auto* verb : app_.get_subcommands(named)) {
-      for (auto& name : options_of(*verb)) {
-        if (name != "--help") words.push_back(std::move(name));
-      }
+    for (auto& name : options_of(complete_verb())) {
+      if (std::ranges::find(words, name) == words.end()) words.push_back(std::move(name));
     }
   }
   if (complete_.what == "parameters") {
@@ -285,6 +411,10 @@ Information Parser::complete() const {
   if (complete_.what == "commands") {
     for (const auto& row : tmcl::command_table()) words.emplace_back(row.name);
   }
+  if (complete_.what == "generators") {
+    for (const auto& generator : profile::generators()) words.emplace_back(generator.name);
+  }
+  if (complete_.what == "registers") words = register_words(complete_for_);
   return {words.empty() ? std::string{} : fmt::format("{}\n", fmt::join(words, "\n"))};
 }
 
@@ -297,32 +427,31 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
 std::optional<Failure> Parser::unknown_word() const {
   const auto words = app_.remaining(true);
   if (words.empty()) return std::nullopt;
-  const auto parsed = app_.get_subcommands();
   const auto& word = words.front();
-  const auto* verb = parsed.empty() ? nullptr : parsed.front();
-  const auto help = verb != nullptr
-                        ? fmt::format("'tmclctl {} --help' explains it", verb->get_name())
-                        : std::string("'tmclctl --help' lists them all");
+  const auto& verb = chosen();
+  const auto help = &verb == &app_
+                        ? std::string("'tmclctl --help' lists them all")
+                        : fmt::format("'tmclctl {} --help' explains it", full_name(verb));
   if (word.starts_with('-')) {
     auto known = options_of(app_);
-    for (const auto& name : verb != nullptr ? options_of(*verb) : std::vector<std::string>{})
-      known.push_back(name);
+    for (const auto& name : options_of(verb)) known.push_back(name);
     const auto option = word.substr(0, word.find('='));
     return usage_failure("unknown_option", fmt::format("there is no option '{}'", option),
                          did_you_mean(option, known) + help);
   }
-  if (verb == nullptr) {
-    return usage_failure("unknown_verb", fmt::format("there is no verb '{}'", word),
-                         did_you_mean(word, verbs()) + help);
+  if (const auto names = verbs(verb); !names.empty()) {
+    const auto outer = &verb == &app_ ? "" : full_name(verb) + ' ';
+    return usage_failure("unknown_verb", fmt::format("there is no verb '{}{}'", outer, word),
+                         did_you_mean(word, names) + help);
   }
   return usage_failure(
-      "usage", fmt::format("'{}' is one word too many for '{}'", word, verb->get_name()), help);
+      "usage", fmt::format("'{}' is one word too many for '{}'", word, full_name(verb)), help);
 }
 
 Failure Parser::failure_from(const CLI::ParseError& error) const {
   if (auto unknown = unknown_word()) return *unknown;
-  const auto parsed = app_.get_subcommands();
-  if (parsed.empty()) {
+  const auto& verb = chosen();
+  if (&verb == &app_) {
     return usage_failure(
         "usage",
         dynamic_cast<const CLI::RequiredError*>(&error) != nullptr
@@ -330,30 +459,42 @@ Failure Parser::failure_from(const CLI::ParseError& error) const {
             : error.what(),
         "'tmclctl --help' lists them all, with examples");
   }
-  const auto& name = parsed.front()->get_name();
-  return usage_failure("usage", fmt::format("{}: {}", name, error.what()),
+  const auto name = full_name(verb);
+  const auto names = verbs(verb);
+  return usage_failure("usage",
+                       names.empty()
+                           ? fmt::format("{}: {}", name, error.what())
+                           : fmt::format("{}: a verb is missing: {}", name, fmt::join(names, ", ")),
                        fmt::format("'tmclctl {} --help' explains it, with examples", name));
 }
 
 // CLI11's own "excludes" and "needs" would clutter the help.
 std::optional<Failure> Parser::conflicting_options() const {
-  const auto chosen = app_.get_subcommands().front()->get_name();
+  const auto name = full_name(chosen());
   if (!options_.where.socket.empty() && !options_.where.direct.empty()) {
     return usage_failure("usage",
                          "--socket and --direct exclude each other: through tmcld, or without it?");
   }
-  if (chosen == "stop" && stop_.axis.empty() != stop_.all) {
+  if (name == "stop" && stop_.axis.empty() != stop_.all) {
     return usage_failure("usage", "stop: name one axis, or say --all",
                          "'tmclctl axes' lists the axes");
   }
-  if (chosen == "move" && move_.timeout_s && !move_.wait) {
+  if (name == "move" && move_.timeout_s && !move_.wait) {
     return usage_failure("usage", "move: --timeout says how long to wait, and that needs --wait");
   }
-  if (chosen == "plot" && plot_.to && plot_.by) {
+  if (name == "plot" && plot_.to && plot_.by) {
     return usage_failure("usage", "plot: --to and --by exclude each other");
   }
-  if (chosen == "plot" && options_.json && plot_.csv == "-") {
+  if (name == "plot" && options_.json && plot_.csv == "-") {
     return usage_failure("usage", "plot: --json and '--csv -' both want standard output");
+  }
+  const int forms =
+      (options_.json ? 1 : 0) + (simulate_.csv_step ? 1 : 0) + (simulate_.svg.empty() ? 0 : 1);
+  if (name == "profile simulate" && forms > 1) {
+    return usage_failure("usage", "profile simulate: --json, --csv and --svg exclude each other");
+  }
+  if (name == "profile simulate" && !simulate_.samples.empty() && !options_.json) {
+    return usage_failure("usage", "profile simulate: --sample needs --json");
   }
   return std::nullopt;
 }
@@ -369,10 +510,10 @@ Attempt<std::variant<Options, Information>> Parser::parse(
   } catch (const CLI::ParseError& error) {
     return tl::unexpected(failure_from(error));
   }
-  const auto* chosen = app_.get_subcommands().front();
-  if (chosen->get_name() == "__complete" && complete_.what != "axes") return complete();
+  const auto& verb = chosen();
+  if (verb.get_name() == "__complete" && complete_.what != "axes") return complete();
   if (auto conflict = conflicting_options()) return tl::unexpected(*conflict);
-  options_.verb = verbs_.at(chosen)();
+  options_.verb = verbs_.at(&verb)();
   return options_;
 }
 

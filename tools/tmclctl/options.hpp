@@ -72,6 +72,21 @@ struct Raw {
   std::uint8_t motor = 0;
   std::int32_t value = 0;
 };
+/// A ramp generator without a module around it. Times are in seconds, or in the cycles of a
+/// generator that counts in those.
+struct Simulate {
+  struct Change {
+    double time = 0;
+    std::string setting;  ///< REGISTER=VALUE
+  };
+  std::string generator;
+  std::vector<std::string> settings;
+  std::vector<Change> changes;
+  std::vector<double> samples;
+  std::optional<double> until;
+  std::optional<double> csv_step;
+  std::string svg;  ///< Empty: none.
+};
 /// For the shell's completion: prints words, one a line, and never complains. Only "axes" needs a
 /// target; everything else is answered by the parser.
 struct Complete {
@@ -82,7 +97,7 @@ struct Complete {
 
 using Verb = std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Get, verb::Set,
                           verb::Move, verb::Rotate, verb::Stop, verb::State, verb::Watch,
-                          verb::Plot, verb::Raw, verb::Complete>;
+                          verb::Plot, verb::Raw, verb::Simulate, verb::Complete>;
 
 struct Options {
   Where where;

@@ -44,18 +44,35 @@ Failure with_doubt(Failure failure) {
   return failure;
 }
 
+template <class V>
+constexpr bool needs_no_target = std::is_same_v<V, verb::Simulate>;
+
 /// `ready` stands for the target that the command line names, if it is there already.
-VerbResult run(const Options& options, Output& output, Patience& patience, Target* ready) {
-  if (waits(options.verb)) patience.catch_signals();
+template <class V>
+VerbResult run_on_target(const V& verb, const Where& where, Output& output, Patience& patience,
+                         Target* ready) {
   std::unique_ptr<Target> opened;
   if (ready == nullptr) {
-    auto target = open_target(options.where, patience);
+    auto target = open_target(where, patience);
     if (!target) return tl::unexpected(target.error());
     opened = std::move(*target);
     ready = opened.get();
   }
   Room room{*ready, output, patience};
-  return std::visit([&](const auto& verb) { return run(verb, room); }, options.verb);
+  return run(verb, room);
+}
+
+VerbResult run(const Options& options, Output& output, Patience& patience, Target* ready) {
+  if (waits(options.verb)) patience.catch_signals();
+  return std::visit(
+      [&]<class V>(const V& verb) {
+        if constexpr (needs_no_target<V>) {
+          return run(verb, output);
+        } else {
+          return run_on_target(verb, options.where, output, patience, ready);
+        }
+      },
+      options.verb);
 }
 
 ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Patience& patience,

@@ -32,4 +32,7 @@ VerbResult run(const verb::Plot& verb, Room& room);
 VerbResult run(const verb::Raw& verb, Room& room);
 VerbResult run(const verb::Complete& verb, Room& room);
 
+/// These need no target.
+VerbResult run(const verb::Simulate& verb, Output& output);
+
 }  // namespace tmclctl

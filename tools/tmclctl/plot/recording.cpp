@@ -10,11 +10,11 @@ namespace tmclctl::plot {
 namespace {
 
 Curve curve(const Recording& recording, std::string name, std::string unit,
-            std::int32_t Sample::*value) {
+            std::int64_t Sample::*value) {
   Curve made{std::move(name), std::move(unit), {}, {}};
   for (const auto& sample : recording.samples) {
-    made.times.push_back(sample.time_s);
-    made.values.push_back(sample.*value);
+    made.times.push_back(sample.time);
+    made.values.push_back(static_cast<double>(sample.*value));
   }
   return made;
 }
@@ -22,30 +22,29 @@ Curve curve(const Recording& recording, std::string name, std::string unit,
 }  // namespace
 
 Curve position_curve(const Recording& recording) {
-  return curve(recording, "position", "microsteps", &Sample::position_microsteps);
+  return curve(recording, "position", recording.position_unit, &Sample::position);
 }
 
 Curve velocity_curve(const Recording& recording) {
-  return curve(recording, "velocity", "internal", &Sample::velocity_internal);
+  return curve(recording, "velocity", recording.velocity_unit, &Sample::velocity);
 }
 
 std::string summary(const Recording& recording) {
   if (recording.samples.empty()) return fmt::format("{}: nothing was recorded", recording.axis);
   const auto& first = recording.samples.front();
   const auto& last = recording.samples.back();
-  const auto fastest = std::ranges::max_element(recording.samples, {}, [](const Sample& sample) {
-    return std::abs(std::int64_t{sample.velocity_internal});
-  });
-  return fmt::format("{} went from {} to {} microsteps in {:.2f} s, greatest velocity {}",
-                     recording.axis, first.position_microsteps, last.position_microsteps,
-                     last.time_s - first.time_s, fastest->velocity_internal);
+  const auto fastest = std::ranges::max_element(
+      recording.samples, {}, [](const Sample& sample) { return std::abs(sample.velocity); });
+  return fmt::format("{} went from {} to {} {} in {:.2f} {}, greatest velocity {}", recording.axis,
+                     first.position, last.position, recording.position_unit, last.time - first.time,
+                     recording.time_unit, fastest->velocity);
 }
 
 std::string to_csv(const Recording& recording) {
   std::string text = "time_s,position_microsteps,velocity_internal\n";
   for (const auto& sample : recording.samples) {
-    fmt::format_to(std::back_inserter(text), "{:.6f},{},{}\n", sample.time_s,
-                   sample.position_microsteps, sample.velocity_internal);
+    fmt::format_to(std::back_inserter(text), "{:.6f},{},{}\n", sample.time, sample.position,
+                   sample.velocity);
   }
   return text;
 }

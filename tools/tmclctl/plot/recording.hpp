@@ -8,14 +8,17 @@
 namespace tmclctl::plot {
 
 struct Sample {
-  double time_s = 0;
-  std::int32_t position_microsteps = 0;
-  std::int32_t velocity_internal = 0;
+  double time = 0;
+  std::int64_t position = 0;
+  std::int64_t velocity = 0;
 };
 
 struct Recording {
   std::string axis;
   std::vector<Sample> samples;  ///< Ascending by time.
+  std::string time_unit = "s";
+  std::string position_unit = "microsteps";
+  std::string velocity_unit = "internal";
 };
 
 /// One curve of a recording.
@@ -32,7 +35,7 @@ Curve velocity_curve(const Recording& recording);
 /// "x went from 0 to 51200 microsteps in 3.42 s, greatest velocity 1000"
 std::string summary(const Recording& recording);
 
-/// A line of column names, and one line for each sample.
+/// A line of column names, and one line for each sample; of a recording in the usual units.
 std::string to_csv(const Recording& recording);
 
 }  // namespace tmclctl::plot

@@ -45,8 +45,18 @@ class Panel {
   Panel(const Curve& curve, const Scale& time, double top)
       : curve_(curve), time_(time), values_(curve.values, value_ticks), top_(top) {}
 
-  std::string text(bool with_times) const {
-    return frame() + value_axis() + time_axis(with_times) + name() + polyline();
+  std::string text() const { return frame() + value_axis() + time_grid() + name() + polyline(); }
+
+  /// The times under the frame.
+  std::string time_labels(const std::string& unit) const {
+    std::string text;
+    const double bottom = top_ + panel_height;
+    for (const double tick : time_.ticks()) {
+      text += fmt::format("  <text class=\"time\" x=\"{:.1f}\" y=\"{}\">{}</text>\n", x_of(tick),
+                          bottom + 18, time_.label(tick));
+    }
+    return text + fmt::format("  <text class=\"time\" x=\"{}\" y=\"{}\">time [{}]</text>\n",
+                              left + panel_width / 2, bottom + 38, unit);
   }
 
  private:
@@ -80,22 +90,13 @@ class Panel {
     return text;
   }
 
-  std::string time_axis(bool with_times) const {
+  std::string time_grid() const {
     std::string text;
-    const double bottom = top_ + panel_height;
     for (const double tick : time_.ticks()) {
       const double x = x_of(tick);
       text +=
           fmt::format("  <line class=\"grid\" x1=\"{:.1f}\" y1=\"{}\" x2=\"{:.1f}\" y2=\"{}\"/>\n",
-                      x, top_, x, bottom);
-      if (with_times) {
-        text += fmt::format("  <text class=\"time\" x=\"{:.1f}\" y=\"{}\">{}</text>\n", x,
-                            bottom + 18, time_.label(tick));
-      }
-    }
-    if (with_times) {
-      text += fmt::format("  <text class=\"time\" x=\"{}\" y=\"{}\">time [s]</text>\n",
-                          left + panel_width / 2, bottom + 38);
+                      x, top_, x, top_ + panel_height);
     }
     return text;
   }
@@ -137,6 +138,7 @@ std::string to_svg(const Recording& recording) {
   const auto position = position_curve(recording);
   const auto velocity = velocity_curve(recording);
   const Scale time(position.times, time_ticks);
+  const Panel lower(velocity, time, second_panel_top);
   const auto title = escape_xml(summary(recording));
   return fmt::format(
              "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 "
@@ -144,8 +146,8 @@ std::string to_svg(const Recording& recording) {
              "role=\"img\">\n  <title>{2}</title>\n",
              picture_width, picture_height, title) +
          style + fmt::format("  <text class=\"title\" x=\"{}\" y=\"26\">{}</text>\n", left, title) +
-         Panel(position, time, first_panel_top).text(false) +
-         Panel(velocity, time, second_panel_top).text(true) + "</svg>\n";
+         Panel(position, time, first_panel_top).text() + lower.text() +
+         lower.time_labels(recording.time_unit) + "</svg>\n";
 }
 
 }  // namespace tmclctl::plot

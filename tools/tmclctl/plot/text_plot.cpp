@@ -62,17 +62,17 @@ class Panel {
   }
 
   /// The times under the floor.
-  std::string time_labels() const {
+  std::string time_labels(const std::string& unit) const {
     std::string text;
     for (const double tick : time_.ticks()) {
       const auto label = time_.label(tick);
       const auto middle = static_cast<std::size_t>(label_width_ + 2 + column_of(tick));
       const auto begin = middle - std::min(middle, label.size() / 2);
       // The last one leaves room for the unit.
-      if (begin < text.size() || begin + label.size() + 2 > full_width()) continue;
+      if (begin < text.size() || begin + label.size() + 1 + unit.size() > full_width()) continue;
       text += std::string(begin - text.size(), ' ') + label + ' ';
     }
-    return text + "s\n";
+    return text + unit + '\n';
   }
 
  private:
@@ -136,7 +136,8 @@ std::string to_text(const Recording& recording, const Screen& screen) {
   const Panel above(position, time, screen, labels);
   const Panel below(velocity, time, screen, labels);
   return summary(recording) + "\n\n" + heading(position, labels + 2) + above.text(position_colour) +
-         heading(velocity, labels + 2) + below.text(velocity_colour) + below.time_labels();
+         heading(velocity, labels + 2) + below.text(velocity_colour) +
+         below.time_labels(recording.time_unit);
 }
 
 }  // namespace tmclctl::plot

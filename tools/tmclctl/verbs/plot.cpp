@@ -1,12 +1,10 @@
 // plot.
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
-#include <fstream>
 
 #include <fmt/format.h>
 
 #include "following.hpp"
+#include "output_file.hpp"
 #include "plot/recording.hpp"
 #include "plot/svg_plot.hpp"
 #include "plot/text_plot.hpp"
@@ -42,7 +40,7 @@ class Recorder {
     const double since_begin_s = std::chrono::duration<double>(reading.taken_at - begin_).count();
     // The first one counts for the beginning, although it may be a little older or younger.
     const double time_s = samples.empty() ? 0 : since_begin_s;
-    if (full() || (!samples.empty() && time_s < samples.back().time_s + least_distance_s)) return;
+    if (full() || (!samples.empty() && time_s < samples.back().time + least_distance_s)) return;
     samples.push_back({time_s, reading.position.value, reading.velocity.value});
     line_.show(fmt::format("recording {}: {:.1f} s  position {}  velocity {}", recording_.axis,
                            time_s, reading.position.value, reading.velocity.value));
@@ -64,35 +62,6 @@ class Recorder {
   tmcl::Duration usual_age_ = tmcl::Duration::max() / 2;
   ProgressLine line_;
   plot::Recording recording_;
-};
-
-/// Opened before anything moves: a move whose recording cannot be kept is not worth starting.
-class OutputFile {
- public:
-  Attempt<void> open(const std::string& path) {
-    path_ = path;
-    if (path.empty() || path == "-") return {};
-    file_.open(path, std::ios::binary | std::ios::trunc);
-    if (!file_) return tl::unexpected(problem());
-    return {};
-  }
-
-  Attempt<void> write(const std::string& text) {
-    if (!file_.is_open()) return {};
-    file_ << text;
-    file_.close();
-    if (!file_) return tl::unexpected(problem());
-    return {};
-  }
-
- private:
-  Failure problem() const {
-    return usage_failure("cannot_write",
-                         fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
-  }
-
-  std::string path_;
-  std::ofstream file_;
 };
 
 using MaybeFailure = std::optional<Failure>;
@@ -142,9 +111,9 @@ json::object to_json(const verb::Plot& verb, const plot::Recording& recording) {
   json::array positions;
   json::array velocities;
   for (const auto& sample : recording.samples) {
-    times.push_back(sample.time_s);
-    positions.push_back(sample.position_microsteps);
-    velocities.push_back(sample.velocity_internal);
+    times.push_back(sample.time);
+    positions.push_back(sample.position);
+    velocities.push_back(sample.velocity);
   }
   return {{"axis", verb.axis},
           {"time_s", std::move(times)},
@@ -165,10 +134,12 @@ void show(const verb::Plot& verb, const plot::Recording& recording, Output& outp
 }  // namespace
 
 VerbResult run(const verb::Plot& verb, Room& room) {
+  // A move whose recording cannot be kept is not worth starting.
   OutputFile svg;
   OutputFile csv;
   if (auto opened = svg.open(verb.svg); !opened) return tl::unexpected(opened.error());
-  if (auto opened = csv.open(verb.csv); !opened) return tl::unexpected(opened.error());
+  if (auto opened = csv.open(verb.csv == "-" ? "" : verb.csv); !opened)
+    return tl::unexpected(opened.error());
   Recorder recorder(verb.axis, room);
   const bool starts_move = verb.to || verb.by;
   const auto failure =

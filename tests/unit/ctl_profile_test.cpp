@@ -1,0 +1,594 @@
+// profile simulate: generators that are easy to foresee, and the words of the command line.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include <fmt/format.h>
+
+#include "ctl_fixture.hpp"
+#include "options.hpp"
+#include "profile/player.hpp"
+#include "profile/setup.hpp"
+#include "support/seed.hpp"
+#include "tmcl/ramp/tmc429.hpp"
+
+namespace tmclctl::profile {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+using tmcl::ramp::Finding;
+using tmcl::ramp::RegisterError;
+using tmcl::ramp::RegisterInfo;
+
+/// Goes to its target at a constant speed. Its gear keeps at standstill only, and it has moods.
+struct Plodder {
+  enum class Register : std::uint8_t { speed, target, gear, mood };
+  static constexpr std::string_view chip = "plodder";
+  static double ticks_per_second(double) { return 10; }
+  static std::span<const RegisterInfo> registers() {
+    static constexpr RegisterInfo rows[] = {{"speed", 0, 10, "steps per tick"},
+                                            {"target", -1000, 1000, "steps"},
+                                            {"gear", 0, 5, ""},
+                                            {"mood", 0, 2, "0: good, 1: bad, 2: impossible"}};
+    return rows;
+  }
+
+  tmcl::ramp::Written write(Register name, std::int64_t value) {
+    const auto i = static_cast<std::size_t>(name);
+    const auto& info = registers()[i];
+    if (value < info.minimum || value > info.maximum)
+      return tl::unexpected(RegisterError{RegisterError::Reason::out_of_range, &info, value});
+    if (name == Register::gear && !settled())
+      return tl::unexpected(RegisterError{RegisterError::Reason::in_motion, &info, value});
+    values[i] = value;
+    return {};
+  }
+  std::int64_t read(Register name) const { return values[static_cast<std::size_t>(name)]; }
+  std::vector<Finding> findings() const {
+    if (values[3] == 1) return {{Finding::Severity::warning, "mood = 1 is bad"}};
+    if (values[3] == 2) return {{Finding::Severity::contradiction, "mood = 2 is impossible"}};
+    return {};
+  }
+
+  Tick tick() const { return now; }
+  void advance_to(Tick tick) {
+    if (tick <= now) return;
+    const auto way = values[1] - position;
+    const auto most = values[0] * static_cast<std::int64_t>(std::min<Tick>(tick - now, 10'000));
+    position += std::clamp(way, -most, most);
+    now = tick;
+  }
+  Motion motion() const {
+    return {position, settled() ? 0 : (values[1] > position ? values[0] : -values[0]), 0};
+  }
+  std::string_view phase() const { return settled() ? "rest" : "go"; }
+  Tick next_change() const {
+    if (settled()) return tmcl::ramp::forever;
+    return now + static_cast<Tick>((std::abs(values[1] - position) + values[0] - 1) / values[0]);
+  }
+  bool arrived() const { return position == values[1]; }
+  bool settled() const { return arrived() || values[0] == 0; }
+  bool operator==(const Plodder&) const = default;
+
+  Tick now = 0;
+  std::int64_t position = 0;
+  std::array<std::int64_t, 4> values{};
+};
+static_assert(tmcl::ramp::Generator<Plodder>);
+
+/// Its speed rises from 0 by 1 a tick and falls back to 0 every ten ticks, for ever.
+struct Sawtooth {
+  enum class Register : std::uint8_t {};
+  static constexpr Tick period = 10;
+  static constexpr std::string_view chip = "sawtooth";
+  static double ticks_per_second(double) { return 1; }
+  static std::span<const RegisterInfo> registers() { return {}; }
+  tmcl::ramp::Written write(Register, std::int64_t) { return {}; }
+  std::int64_t read(Register) const { return 0; }
+  std::vector<Finding> findings() const { return {}; }
+  Tick tick() const { return now; }
+  void advance_to(Tick tick) { now = std::max(now, tick); }
+  Motion motion() const { return {0, -static_cast<std::int64_t>(now % period), -1}; }
+  std::string_view phase() const { return now / period % 2 == 0 ? "even" : "odd"; }
+  Tick next_change() const { return (now / period + 1) * period; }
+  bool arrived() const { return false; }
+  bool settled() const { return false; }
+  bool operator==(const Sawtooth&) const = default;
+
+  Tick now = 0;
+};
+static_assert(tmcl::ramp::Generator<Sawtooth>);
+
+Write speed(std::int64_t value) { return {0, value, "speed"}; }
+Write target(std::int64_t value) { return {1, value, "target"}; }
+Write gear(std::int64_t value) { return {2, value, "gear"}; }
+Write mood(std::int64_t value) { return {3, value, "mood"}; }
+
+Outcome follow(const Script& script, std::optional<Tick> until = std::nullopt) {
+  return SimulationOf<Plodder>(script).follow(until).value();
+}
+
+std::vector<std::string> phases_of(const Outcome& outcome) {
+  std::vector<std::string> phases;
+  for (const auto& phase : outcome.phases)
+    phases.push_back(phase.name + '@' + std::to_string(phase.tick));
+  return phases;
+}
+
+TEST(ProfilePlayer, FollowsAMoveToItsEnd) {
+  const auto outcome = follow({{speed(10), target(-95)}, {}});
+  EXPECT_EQ(outcome.arrival, 10U);
+  EXPECT_EQ(outcome.end, 10U);
+  EXPECT_EQ(outcome.at_end, (Motion{-95, 0, 0}));
+  EXPECT_EQ(outcome.peak_velocity, 10);
+  EXPECT_THAT(phases_of(outcome), ElementsAre("go@0"));
+  EXPECT_FALSE(outcome.cut_off);
+}
+
+TEST(ProfilePlayer, NothingToDoIsDoneAtOnce) {
+  const auto outcome = follow({});
+  EXPECT_EQ(outcome.arrival, 0U);
+  EXPECT_EQ(outcome.end, 0U);
+  EXPECT_THAT(outcome.phases, IsEmpty());
+}
+
+TEST(ProfilePlayer, ChangesActAfterTheirTick) {
+  const Script script{{speed(10), target(100)}, {{4, target(0)}, {30, target(20)}}};
+  const auto outcome = follow(script);
+  EXPECT_EQ(outcome.arrival, 32U);
+  EXPECT_THAT(phases_of(outcome), ElementsAre("go@0", "rest@8", "go@30"));
+  const std::vector<Tick> ticks{0, 3, 4, 4, 5, 8, 31, 1000};
+  std::vector<std::int64_t> positions;
+  const auto motions = SimulationOf<Plodder>(script).motions_at(ticks);
+  for (const auto& motion : motions.value()) positions.push_back(motion.position);
+  EXPECT_THAT(positions, ElementsAre(0, 30, 40, 40, 30, 0, 10, 20));
+}
+
+TEST(ProfilePlayer, TheLastOfEqualTimesCounts) {
+  EXPECT_EQ(follow({{speed(10)}, {{4, target(50)}, {4, target(70)}}}).at_end.position, 70);
+}
+
+TEST(ProfilePlayer, AWriteAfterTheArrivalDoesNotDelayIt) {
+  const auto outcome = follow({{speed(10), target(100)}, {{50, speed(1)}}});
+  EXPECT_EQ(outcome.arrival, 10U);
+  EXPECT_EQ(outcome.end, 50U);
+}
+
+TEST(ProfilePlayer, WhatStopsShortDoesNotArrive) {
+  const auto outcome = follow({{speed(10), target(100)}, {{3, speed(0)}}});
+  EXPECT_EQ(outcome.arrival, std::nullopt);
+  EXPECT_EQ(outcome.end, 3U);
+  EXPECT_EQ(outcome.at_end.position, 30);
+}
+
+TEST(ProfilePlayer, EndsWhereItIsToldTo) {
+  const Script script{{speed(10), target(100)}, {}};
+  EXPECT_EQ(follow(script, 4).arrival, std::nullopt);
+  EXPECT_EQ(follow(script, 4).at_end.position, 40);
+  EXPECT_EQ(follow(script, 0).end, 0U);
+  EXPECT_EQ(follow(script, 100).end, 100U);
+  EXPECT_EQ(follow(script, 100).arrival, 10U);
+}
+
+TEST(ProfilePlayer, SaysWhichWriteWasRefused) {
+  const auto refused = [](const Script& script) {
+    return SimulationOf<Plodder>(script).follow(std::nullopt).error().message;
+  };
+  EXPECT_EQ(refused({{target(1001)}, {}}), "target: target is -1000..1000, not 1001");
+  EXPECT_EQ(refused({{}, {{2, speed(11)}}}), "speed: speed is 0..10, not 11");
+  const Script in_motion{{speed(1), target(10)}, {{5, gear(1)}}};
+  EXPECT_EQ(refused(in_motion), "gear: gear cannot be changed in motion");
+  const std::array<Tick, 1> later{7};
+  EXPECT_FALSE(SimulationOf<Plodder>(in_motion).motions_at(later));
+  EXPECT_EQ(follow({{speed(1), target(10)}, {{10, gear(1)}}}).arrival, 10U) << "at rest it may";
+}
+
+TEST(ProfilePlayer, JudgesWhatIsWrittenTogether) {
+  const auto contradiction = [](const Script& script) {
+    return SimulationOf<Plodder>(script).follow(std::nullopt);
+  };
+  EXPECT_EQ(contradiction({{mood(2)}, {}}).error().message, "mood = 2 is impossible");
+  EXPECT_EQ(contradiction({{}, {{3, mood(2)}}}).error().message, "mood: mood = 2 is impossible");
+  EXPECT_TRUE(contradiction({{mood(2)}, {{0, mood(0)}}}));
+  EXPECT_THAT(follow({{mood(1)}, {{3, speed(1)}, {5, mood(0)}, {6, mood(1)}}}).warnings,
+              ElementsAre("mood = 1 is bad"));
+}
+
+TEST(ProfilePlayer, FindsThePeakJustBeforeAChange) {
+  EXPECT_EQ(SimulationOf<Sawtooth>({}).follow(25).value().peak_velocity, 9);
+  EXPECT_EQ(SimulationOf<Sawtooth>({}).follow(6).value().peak_velocity, 6);
+}
+
+TEST(ProfilePlayer, WhatNeverEndsIsCutOff) {
+  const SimulationOf<Sawtooth> endless({}, 100);
+  const auto outcome = endless.follow(std::nullopt).value();
+  EXPECT_TRUE(outcome.cut_off);
+  EXPECT_EQ(outcome.end, 1000U);
+  EXPECT_EQ(outcome.phases.size(), 101U);
+  const std::vector<Tick> within{10, 500, 1000};
+  EXPECT_TRUE(endless.motions_at(within));
+  const std::vector<Tick> beyond{1'000'000'000};
+  EXPECT_THAT(endless.motions_at(beyond).error().message, HasSubstr("more than 100 times"));
+}
+
+TEST(ProfilePlayer, ListsABoundedNumberOfPhases) {
+  const auto outcome = SimulationOf<Sawtooth>({}, 3 * most_phases).follow(std::nullopt).value();
+  EXPECT_EQ(outcome.phases.size(), most_phases);
+  EXPECT_TRUE(outcome.more_phases);
+}
+
+/// One tick after the other.
+Outcome plod(const Script& script, Tick until) {
+  Plodder plodder;
+  Outcome outcome;
+  std::string_view phase;
+  for (const auto& write : script.start)
+    EXPECT_TRUE(plodder.write(Plodder::Register(write.index), write.value));
+  for (Tick tick = 0; tick <= until; ++tick) {
+    plodder.advance_to(tick);
+    for (const auto& change : script.changes) {
+      if (change.tick != tick) continue;
+      EXPECT_TRUE(plodder.write(Plodder::Register(change.write.index), change.write.value));
+    }
+    outcome.peak_velocity = std::max(outcome.peak_velocity, std::abs(plodder.motion().velocity));
+    if (!plodder.arrived()) outcome.arrival.reset();
+    if (plodder.arrived() && !outcome.arrival) outcome.arrival = tick;
+    if (plodder.phase() != phase) outcome.phases.push_back({std::string(plodder.phase()), tick});
+    phase = plodder.phase();
+  }
+  if (phase == "rest") outcome.phases.pop_back();
+  outcome.at_end = plodder.motion();
+  return outcome;
+}
+
+TEST(ProfilePlayer, AgreesWithTickingThroughAnyScript) {
+  const auto first = tmcl::test::seed();
+  int arrived = 0;
+  for (auto seed = first; seed < first + 2000; ++seed) {
+    SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    const auto pick = [&](std::int64_t low, std::int64_t high) {
+      return std::uniform_int_distribution<std::int64_t>(low, high)(random);
+    };
+    Script script{{speed(pick(0, 10)), target(pick(-200, 200))}, {}};
+    for (auto n = pick(0, 4); n > 0; --n) {
+      const auto tick = static_cast<Tick>(pick(0, 150));
+      script.changes.push_back(
+          {tick, pick(0, 1) == 0 ? speed(pick(0, 10)) : target(pick(-200, 200))});
+    }
+    std::ranges::stable_sort(script.changes, {}, &Change::tick);
+    const Tick until = 600;
+    const auto expected = plod(script, until);
+    const auto outcome = follow(script, until);
+    ASSERT_EQ(outcome.arrival, expected.arrival);
+    ASSERT_EQ(outcome.at_end, expected.at_end);
+    ASSERT_EQ(outcome.peak_velocity, expected.peak_velocity);
+    ASSERT_EQ(phases_of(outcome), phases_of(expected));
+    // Without an end it is the same, unless it would have to wait for what does not come.
+    const auto free = follow(script);
+    ASSERT_EQ(free.arrival, expected.arrival);
+    ASSERT_EQ(free.at_end.position, expected.at_end.position);
+    arrived += outcome.arrival ? 1 : 0;
+  }
+  EXPECT_GT(arrived, 1000);
+}
+
+class CtlProfile : public testing::Test, public test::Ctl {
+ protected:
+  using Words = std::vector<std::string>;
+
+  static Words simulate(const Words& words) {
+    Words all{"profile", "simulate"};
+    all.insert(all.end(), words.begin(), words.end());
+    return all;
+  }
+  static Words move_429(const Words& more = {}) {
+    Words all{"--generator", "tmc429",     "v_max=1000",    "a_max=500",
+              "pulse_div=2", "ramp_div=3", "x_target=20000"};
+    all.insert(all.end(), more.begin(), more.end());
+    return simulate(all);
+  }
+  /// What is said of a command line that is wrong.
+  std::string complaint(const Words& words) {
+    EXPECT_EQ(run(words), ExitCode::usage) << out;
+    EXPECT_EQ(out, "");
+    return err;
+  }
+  boost::json::object simulated(const Words& words) { return json(simulate(words)); }
+};
+
+tmcl::ramp::Tmc429 written_429() {
+  using tmcl::ramp::Tmc429;
+  Tmc429 generator;
+  EXPECT_TRUE(generator.write(Tmc429::Register::v_min, 1));
+  EXPECT_TRUE(generator.write(Tmc429::Register::v_max, 1000));
+  EXPECT_TRUE(generator.write(Tmc429::Register::pulse_div, 2));
+  EXPECT_TRUE(generator.write(Tmc429::Register::ramp_div, 3));
+  EXPECT_TRUE(generator.write(Tmc429::Register::a_max, 500));
+  EXPECT_TRUE(generator.write(Tmc429::Register::x_target, 20000));
+  return generator;
+}
+
+TEST_F(CtlProfile, SaysWhatTheGeneratorDoes) {
+  const auto document = json(move_429({"--sample", "0.2,0.1,0.1,5"}));
+  auto generator = written_429();
+  const auto arrival = tmcl::ramp::arrival(generator, tmcl::ramp::forever).value();
+  EXPECT_EQ(document.at("generator"), "tmc429");
+  EXPECT_EQ(document.at("duration_s").as_double(), static_cast<double>(arrival) / 500'000);
+  EXPECT_EQ(document.at("final_position"), 20000);
+  EXPECT_EQ(document.at("peak_velocity"), 1000);
+  generator.advance_to(50'000);
+  const auto& samples = document.at("samples").as_array();
+  ASSERT_EQ(samples.size(), 4U);
+  const boost::json::object at_0_1{{"t", 0.1},
+                                   {"x", generator.motion().position},
+                                   {"v", generator.motion().velocity},
+                                   {"a", generator.motion().acceleration}};
+  EXPECT_EQ(samples[1], at_0_1);
+  EXPECT_EQ(samples[2], at_0_1);
+  EXPECT_EQ(samples[0].at("t"), 0.2);
+  EXPECT_EQ(samples[3].at("x"), 20000);
+  EXPECT_EQ(err, "");
+}
+
+TEST_F(CtlProfile, NamesThePhasesInTurn) {
+  const auto phases = json(move_429()).at("phases").as_array();
+  ASSERT_EQ(phases.size(), 3U);
+  EXPECT_EQ(phases[0].at("name"), "accelerate");
+  EXPECT_EQ(phases[0].at("start_s"), 0.0);
+  EXPECT_EQ(phases[1].at("name"), "cruise");
+  EXPECT_EQ(phases[2].at("name"), "decelerate");
+  EXPECT_GT(phases[2].at("start_s").as_double(), phases[1].at("start_s").as_double());
+}
+
+TEST_F(CtlProfile, ChangesMayComeInAnyOrder) {
+  const auto sorted =
+      json(move_429({"--change", "0.1:x_target=-500", "--change", "0.2:x_target=30000"}));
+  EXPECT_EQ(sorted.at("final_position"), 30000);
+  EXPECT_EQ(json(move_429({"--change", "0.2:x_target=30000", "--change", "0.1:x_target=-500"})),
+            sorted);
+  EXPECT_EQ(json(move_429({"--change", "0:x_target=-1", "--change", "0:x_target=0x10"}))
+                .at("final_position"),
+            16);
+}
+
+TEST_F(CtlProfile, TheOrderOfTheRegistersDoesNotMatter) {
+  const auto expected = simulated({"--generator", "tmc429", "mode=velocity", "v_target=-700",
+                                   "v_max=2047", "a_max=100", "pulse_div=3", "ramp_div=5"});
+  EXPECT_EQ(expected.at("peak_velocity"), 700);
+  EXPECT_EQ(expected.at("duration_s"), nullptr) << "it turns without end";
+  EXPECT_EQ(simulated({"ramp_div=5", "pulse_div=3", "v_target=-700", "a_max=100", "v_max=2047",
+                       "mode=2", "--generator", "tmc429"}),
+            expected);
+  EXPECT_EQ(simulated({"--generator", "tmc429", "v_actual=-300", "mode=hold", "--until", "1"})
+                .at("peak_velocity"),
+            300);
+}
+
+TEST_F(CtlProfile, ValuesHaveNamesAndMayBeHexadecimal) {
+  const auto move = [this](const std::string& mode) {
+    return simulated({"--generator", "tmc429", "v_max=0x3E8", "a_max=500", "pulse_div=2",
+                      "ramp_div=3", "x_target=-0x64", mode});
+  };
+  EXPECT_EQ(move("mode=ramp").at("final_position"), -100);
+  EXPECT_EQ(move("mode=soft"), move("mode=1"));
+  EXPECT_NE(move("mode=soft"), move("mode=ramp"));
+  EXPECT_NE(move("last_step=r1"), move("last_step=r3"));
+}
+
+TEST_F(CtlProfile, TheClockSetsThePace) {
+  const auto at = [this](const std::string& clock) {
+    return json(move_429({clock})).at("duration_s").as_double();
+  };
+  EXPECT_DOUBLE_EQ(at("f_clk=8e6"), 2 * at("f_clk=16000000"));
+  EXPECT_EQ(json(move_429()).at("duration_s").as_double(), at("f_clk=16000000"));
+}
+
+TEST_F(CtlProfile, SomeRegistersAreNotLeftAsAtPowerUp) {
+  EXPECT_EQ(json(move_429({"v_min=1"})), json(move_429()));
+  EXPECT_EQ(run(move_429({"v_min=0"})), ExitCode::done);
+  EXPECT_THAT(err, HasSubstr("warning: v_min = 0")) << "a warning leaves standard output alone";
+  EXPECT_THAT(out, Not(HasSubstr("warning")));
+}
+
+TEST_F(CtlProfile, EndsAtUntil) {
+  const auto document = json(move_429({"--until", "0.1", "--sample", "0.1"}));
+  EXPECT_EQ(document.at("duration_s"), nullptr);
+  EXPECT_EQ(document.at("final_position"), document.at("samples").at(0).at("x"));
+  EXPECT_EQ(run(move_429({"--until", "0.1", "--change", "1:v_max=5"})), ExitCode::done);
+  EXPECT_THAT(err, HasSubstr("--change 1:v_max=5 comes after --until 0.1"));
+}
+
+TEST_F(CtlProfile, NoMotionIsNoError) {
+  const auto document = json(move_429({"--change", "0:v_max=0"}));
+  EXPECT_EQ(document.at("duration_s"), nullptr);
+  EXPECT_EQ(document.at("final_position"), 0);
+  EXPECT_THAT(document.at("phases").as_array(), IsEmpty());
+}
+
+TEST_F(CtlProfile, CsvHasARowForEveryStep) {
+  EXPECT_EQ(run(move_429({"--csv", "0.125", "--until", "0.25"})), ExitCode::done);
+  auto generator = written_429();
+  std::string expected = "t,x,v,a\n";
+  for (const auto* time : {"0", "0.125", "0.25"}) {
+    generator.advance_to(static_cast<Tick>(std::stod(time) * 500'000));
+    const auto motion = generator.motion();
+    expected +=
+        fmt::format("{},{},{},{}\n", time, motion.position, motion.velocity, motion.acceleration);
+  }
+  EXPECT_EQ(out, expected);
+  EXPECT_EQ(run(move_429({"--csv", "0.3"})), ExitCode::done);
+  EXPECT_TRUE(out.ends_with("\n0.6,20000,0,0\n")) << "the last one is at rest: " << out;
+}
+
+TEST_F(CtlProfile, DrawsOnTheScreenAndIntoFiles) {
+  EXPECT_EQ(run(move_429()), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("tmc429 went from 0 to 20000 microsteps in 0.34 s, greatest velocity "
+                             "1000\n"));
+  EXPECT_THAT(out, HasSubstr("velocity [internal]"));
+  const auto path = std::filesystem::path(testing::TempDir()) / "ctl_profile_test.svg";
+  EXPECT_EQ(run(move_429({"--svg", path})), ExitCode::done);
+  EXPECT_EQ(out, "");
+  std::ifstream in(path);
+  const std::string svg{std::istreambuf_iterator<char>(in), {}};
+  std::filesystem::remove(path);
+  EXPECT_THAT(svg, HasSubstr("<title>tmc429 went from 0 to 20000 microsteps"));
+  EXPECT_THAT(svg, HasSubstr("class=\"curve velocity\""));
+  EXPECT_THAT(complaint(move_429({"--svg", "/nowhere/at/all"})), HasSubstr("/nowhere/at/all"));
+}
+
+TEST_F(CtlProfile, NamesWhatIsWrong) {
+  const auto said = [this](const Words& words) { return complaint(simulate(words)); };
+  EXPECT_THAT(said({}), HasSubstr("--generator"));
+  EXPECT_THAT(said({"--generator", "tmc492"}), HasSubstr("Did you mean 'tmc429'?"));
+  EXPECT_THAT(complaint(move_429({"vmin=1"})), HasSubstr("no register 'vmin'"));
+  EXPECT_THAT(err, HasSubstr("Did you mean 'v_min'?"));
+  EXPECT_THAT(complaint(move_429({"v_min"})), HasSubstr("'v_min' is no REGISTER=VALUE"));
+  EXPECT_THAT(complaint(move_429({"=1"})), HasSubstr("'=1'"));
+  EXPECT_THAT(complaint(move_429({"v_max=1"})), HasSubstr("v_max is given twice"));
+  EXPECT_THAT(complaint(move_429({"mode=rmap"})), HasSubstr("Did you mean 'ramp'?"));
+  EXPECT_THAT(complaint(move_429({"v_min=2048"})), HasSubstr("v_min is 0..2047, not 2048"));
+  EXPECT_THAT(complaint(move_429({"--change", "1:v_min=-1"})),
+              HasSubstr("--change 1:v_min=-1: v_min is 0..2047, not -1"));
+  for (const auto* bad : {"", "-", "x", "1.5", "1e3", "0x", "0xg", "--1", "1 ",
+                          "99999999999999999999", "-99999999999999999999"}) {
+    const auto words = std::string("v_min=") + bad;
+    EXPECT_THAT(complaint(move_429({words})), HasSubstr(words));
+    EXPECT_THAT(complaint(move_429({"--change", "1:" + words})), HasSubstr(words));
+  }
+}
+
+TEST_F(CtlProfile, NamesTheTimeThatIsWrong) {
+  for (const auto* bad : {"", "x", "-1", "nan", "inf", "1e10", "1s"}) {
+    for (const auto* option : {"--until", "--csv"}) {
+      EXPECT_THAT(complaint(move_429({option, bad})), HasSubstr(bad));
+    }
+    EXPECT_THAT(complaint(move_429({"--change", std::string(bad) + ":v_max=1"})), HasSubstr(bad));
+    auto words = move_429({"--json", "--sample", std::string("1,") + bad});
+    EXPECT_EQ(run(words), ExitCode::usage) << bad;
+    EXPECT_THAT(out, HasSubstr(bad));
+  }
+  EXPECT_THAT(complaint(move_429({"--csv", "0"})), HasSubstr("0 is not within"));
+  EXPECT_THAT(complaint(move_429({"--csv", "1e-9"})), HasSubstr("1000000 at most"));
+  EXPECT_THAT(complaint(move_429({"--change", "1"})), HasSubstr("'1' is no SECONDS:REGISTER"));
+  EXPECT_THAT(complaint(move_429({"--change", "1:f_clk=8e6"})), HasSubstr("f_clk"));
+  for (const auto* bad : {"0", "-1", "1e9", "nan", "x", ""}) {
+    EXPECT_THAT(complaint(move_429({std::string("f_clk=") + bad})), HasSubstr("100000")) << bad;
+  }
+  EXPECT_THAT(complaint(move_429({"f_clk=1e6", "f_clk=1e6"})), HasSubstr("f_clk is given twice"));
+}
+
+TEST_F(CtlProfile, OneFormAtATime) {
+  EXPECT_THAT(complaint(move_429({"--csv", "1", "--svg", "x"})), HasSubstr("exclude each other"));
+  EXPECT_EQ(run(move_429({"--json", "--csv", "1"})), ExitCode::usage);
+  EXPECT_THAT(complaint(move_429({"--sample", "1"})), HasSubstr("--json"));
+}
+
+std::string information(const std::vector<std::string>& words) {
+  return std::get<Information>(parse_options(words).value()).text;
+}
+
+TEST_F(CtlProfile, IsAGroupOfVerbs) {
+  EXPECT_THAT(complaint({"profile"}), HasSubstr("a verb is missing: simulate"));
+  EXPECT_THAT(complaint({"profile", "smulate"}), HasSubstr("no verb 'profile smulate'"));
+  EXPECT_THAT(err, HasSubstr("Did you mean 'simulate'?"));
+  EXPECT_THAT(complaint({"profile", "simulate", "--untli", "1"}), HasSubstr("'--until'"));
+  EXPECT_THAT(information({"profile", "--help"}), HasSubstr("simulate"));
+  EXPECT_THAT(information({"--help"}), HasSubstr("profile simulate --help"));
+}
+
+TEST_F(CtlProfile, TellsTheShellItsWords) {
+  EXPECT_EQ(information({"__complete", "verbs", "profile"}), "simulate\n");
+  EXPECT_THAT(information({"__complete", "options", "profile", "simulate"}),
+              HasSubstr("--change\n"));
+  EXPECT_THAT(information({"__complete", "generators"}), HasSubstr("tmc429\n"));
+  EXPECT_THAT(information({"__complete", "registers", "tmc429"}), HasSubstr("v_max=\n"));
+  EXPECT_EQ(information({"__complete", "registers", "tmc429", "mode"}),
+            "ramp\nsoft\nvelocity\nhold\n");
+  EXPECT_EQ(information({"__complete", "registers", "tmc4"}), "");
+  EXPECT_EQ(information({"__complete", "registers"}), "");
+}
+
+/// The command lines that a text shows, without "tmclctl".
+std::vector<std::vector<std::string>> examples_in(std::string text) {
+  for (auto at = text.find("\\\n"); at != std::string::npos; at = text.find("\\\n"))
+    text.erase(at, 2);
+  std::vector<std::vector<std::string>> examples;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    std::istringstream words(line);
+    std::vector<std::string> example;
+    for (std::string word; words >> word;) example.push_back(word);
+    if (example.empty() || example[0] != "tmclctl") continue;
+    example.erase(example.begin());
+    examples.push_back(std::move(example));
+  }
+  return examples;
+}
+
+TEST_F(CtlProfile, TheExamplesOfTheHelpWork) {
+  const auto before = std::filesystem::current_path();
+  const auto folder = std::filesystem::path(testing::TempDir()) / "ctl_profile_examples";
+  std::filesystem::create_directories(folder);
+  std::filesystem::current_path(folder);
+  std::string seen;
+  for (const auto& example : examples_in(information({"profile", "simulate", "--help"}))) {
+    if (example[0] == "profile" && example[1] != "simulate") continue;
+    EXPECT_EQ(run(example), ExitCode::done) << testing::PrintToString(example) << err;
+    EXPECT_EQ(err, "") << testing::PrintToString(example);
+    seen += testing::PrintToString(example);
+  }
+  std::filesystem::current_path(before);
+  std::filesystem::remove_all(folder);
+  for (const auto& generator : generators())
+    EXPECT_THAT(seen, HasSubstr(std::string(generator.name)));
+}
+
+TEST(CtlGenerators, TheTablesNameRegistersAndValuesThatExist) {
+  for (const auto& generator : generators()) {
+    const auto find = [&](std::string_view name) {
+      return tmcl::ramp::find_register(generator.registers, name);
+    };
+    for (const auto& symbol : generator.symbols) {
+      const auto index = find(symbol.register_name);
+      ASSERT_TRUE(index) << symbol.register_name;
+      EXPECT_GE(symbol.value, generator.registers[*index].minimum);
+      EXPECT_LE(symbol.value, generator.registers[*index].maximum);
+    }
+    for (const auto name : generator.written_last) EXPECT_TRUE(find(name)) << name;
+    for (const auto& row : generator.defaults) {
+      EXPECT_TRUE(find(row.register_name)) << row.register_name;
+      EXPECT_TRUE(row.at_least.empty() || find(row.at_least)) << row.at_least;
+    }
+  }
+}
+
+TEST(CtlGenerators, TheHelpNamesThemAll) {
+  const auto help = information({"profile", "simulate", "--help"});
+  for (const auto& generator : generators()) {
+    EXPECT_THAT(help, HasSubstr(std::string(generator.name)));
+    for (const auto& symbol : generator.symbols)
+      EXPECT_THAT(help, HasSubstr(std::string(symbol.name)));
+  }
+}
+
+TEST(CtlGenerators, TheManPageKnowsEveryOption) {
+  std::ifstream in(TMCL_SOURCE_DIR "/docs/man/tmclctl.1");
+  std::string page{std::istreambuf_iterator<char>(in), {}};
+  std::erase(page, '\\');
+  std::istringstream options(information({"__complete", "options", "profile", "simulate"}));
+  for (std::string option; std::getline(options, option);)
+    EXPECT_NE(page.find(option), std::string::npos) << option;
+  for (const auto& generator : generators())
+    EXPECT_NE(page.find(generator.name), std::string::npos) << generator.name;
+}
+
+}  // namespace
+}  // namespace tmclctl::profile

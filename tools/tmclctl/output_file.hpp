@@ -1,0 +1,25 @@
+/// A file that a verb leaves behind.
+#pragma once
+
+#include <fstream>
+#include <string>
+
+#include "failure.hpp"
+
+namespace tmclctl {
+
+/// Without a path nothing is opened and nothing written.
+class OutputFile {
+ public:
+  Attempt<void> open(const std::string& path);
+  /// All of its contents.
+  Attempt<void> write(const std::string& text);
+
+ private:
+  Failure problem() const;
+
+  std::string path_;
+  std::ofstream file_;
+};
+
+}  // namespace tmclctl

@@ -1,0 +1,58 @@
+#include "profile/generators.hpp"
+
+#include <array>
+
+#include "profile/player.hpp"
+#include "tmcl/ramp/tmc429.hpp"
+
+namespace tmclctl::profile {
+namespace {
+
+using namespace tmcl::ramp;
+
+constexpr Symbol tmc429_symbols[] = {
+    {"mode", "ramp", 0},
+    {"mode", "soft", 1},
+    {"mode", "velocity", 2},
+    {"mode", "hold", 3},
+    {"last_step", "r3", 0},
+    {"last_step", "r1", 1},
+    {"last_step", "r2", 2},
+    {"factor_rule", "percent_99", 0},
+    {"factor_rule", "percent_95", 1},
+    {"factor_rule", "percent_98_8", 2},
+    {"factor_rule", "nearest", 3},
+    {"factor_rule", "nearest_less_one", 4},
+    {"order", "ramp_first", 0},
+    {"order", "pulse_first", 1},
+    {"accumulator", "cleared", 0},
+    {"accumulator", "kept", 1},
+};
+// As the firmware of the modules writes it: without it a motor need not arrive.
+constexpr Default tmc429_defaults[] = {{"v_min", 1}};
+constexpr std::string_view tmc429_last[] = {"pmul",     "pdiv",     "mode",
+                                            "v_target", "v_actual", "x_target"};
+
+template <Generator G>
+std::unique_ptr<Simulation> simulate(Script script) {
+  return std::make_unique<SimulationOf<G>>(std::move(script));
+}
+
+template <Generator G>
+GeneratorInfo info(std::span<const Symbol> symbols, std::span<const Default> defaults,
+                   std::span<const std::string_view> written_last) {
+  return {G::chip, G::registers(),      symbols,    defaults, written_last, "s", "microsteps",
+          true,    G::ticks_per_second, simulate<G>};
+}
+
+}  // namespace
+
+std::span<const GeneratorInfo> generators() {
+  static const auto all = [] {
+    std::array rows{info<Tmc429>(tmc429_symbols, tmc429_defaults, tmc429_last)};
+    return rows;
+  }();
+  return all;
+}
+
+}  // namespace tmclctl::profile

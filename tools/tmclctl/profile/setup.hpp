@@ -1,0 +1,29 @@
+/// What `profile simulate` is asked for, checked against the registers of the generator.
+#pragma once
+
+#include "options.hpp"
+#include "profile/generators.hpp"
+
+namespace tmclctl::profile {
+
+struct Setup {
+  const GeneratorInfo& generator;
+  double ticks_per_second;  ///< Or in a cycle, as the generator's time_unit says.
+  Script script;
+
+  /// Not before which tick this time is.
+  Tick tick_at(double time) const;
+  double time_of(Tick tick) const { return static_cast<double>(tick) / ticks_per_second; }
+};
+
+Attempt<const GeneratorInfo*> find_generator(std::string_view name);
+
+Attempt<Setup> read_setup(const verb::Simulate& verb);
+
+/// The name, for f_clk as if it were a register, and the clock that most modules have.
+constexpr std::string_view clock_name = "f_clk";
+constexpr double usual_clock_hz = 16e6;
+constexpr double least_clock_hz = 1e5;
+constexpr double greatest_clock_hz = 1e8;
+
+}  // namespace tmclctl::profile
