@@ -1,0 +1,524 @@
+#include "tmcl/ramp/sixpoint.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <optional>
+#include <string>
+
+namespace tmcl::ramp {
+namespace {
+
+// Ways and speeds are counted in 2^-23 microsteps and 2^-23 microsteps a tick.
+constexpr std::int64_t microstep = 1 << 23;
+constexpr std::int64_t half_microstep = microstep / 2;
+constexpr std::int64_t half_turn = microstep << 31;  // of the 32 bit position
+constexpr unsigned position_shift = 9;               // position_ counts 2^-32 microsteps
+constexpr std::int64_t never_stops = std::int64_t{1} << 62;
+
+constexpr std::array<RegisterInfo, 13> table{{
+    {"vstart", 0, (1 << 18) - 1, "start velocity, f/2^24 Hz"},
+    {"a1", 0, (1 << 16) - 1, "acceleration up to V1, f^2/2^41 Hz/s"},
+    {"v1", 0, (1 << 20) - 1, "velocity at which A1 and D1 end, f/2^24 Hz; 0 turns them off"},
+    {"amax", 0, (1 << 16) - 1, "acceleration above V1 and in velocity mode, f^2/2^41 Hz/s"},
+    {"vmax", 0, (1 << 23) - 512, "target velocity, f/2^24 Hz"},
+    {"dmax", 0, (1 << 16) - 1, "deceleration down to V1, f^2/2^41 Hz/s"},
+    {"d1", 0, (1 << 16) - 1, "deceleration below V1, f^2/2^41 Hz/s"},
+    {"vstop", 0, (1 << 18) - 1, "stop velocity, f/2^24 Hz"},
+    {"tzerowait", 0, (1 << 16) - 1, "standstill after a stop, 512/f s"},
+    {"xtarget", INT32_MIN, INT32_MAX, "target position, microsteps"},
+    {"rampmode", 0, 3, "0 position, 1 velocity +, 2 velocity -, 3 hold"},
+    {"xactual", INT32_MIN, INT32_MAX, "actual position, microsteps"},
+    {"sw_mode", 0, (1 << 12) - 1, "what the stop switches do, bits"},
+}};
+
+constexpr int sign(std::int64_t x) { return (x > 0 ? 1 : 0) - (x < 0 ? 1 : 0); }
+
+constexpr Tick at_least_one(std::int64_t ticks) { return ticks > 1 ? static_cast<Tick>(ticks) : 1; }
+
+// The way of n ticks of which the first has the speed v + change. What overflows is a whole turn,
+// or multiplied by 0: a speed that changes has come to its end after 2^31 ticks.
+constexpr std::int64_t way_of(std::uint64_t n, std::int64_t v, std::int64_t change) {
+  return static_cast<std::int64_t>(n * static_cast<std::uint64_t>(v) +
+                                   n * (n + 1) / 2 * static_cast<std::uint64_t>(change));
+}
+
+// The way of the ticks that slow down from v to `floor`, by d each and by what is left in the last.
+constexpr std::int64_t way_down(std::int64_t v, std::int64_t floor, std::int64_t d) {
+  const auto whole = static_cast<std::uint32_t>(v - floor) / static_cast<std::uint32_t>(d);
+  const auto rest = v - floor - std::int64_t{whole} * d;
+  return way_of(whole, v, -d) + (rest > 0 ? floor : 0);
+}
+
+// The first n in 1..most for which `holds`; `most` + 1 if there is none. Once true it stays so.
+template <class Condition>
+Tick first_tick(Tick most, Condition holds) {
+  Tick low = 0;
+  Tick high = most + 1;
+  while (high - low > 1) {
+    const auto middle = low + (high - low) / 2;
+    (holds(middle) ? high : low) = middle;
+  }
+  return high;
+}
+
+}  // namespace
+
+std::span<const RegisterInfo> SixPoint::registers() { return table; }
+
+SixPoint::SixPoint() { registers_[static_cast<std::size_t>(Register::vstop)] = 10; }
+
+// ---- Registers
+
+Written SixPoint::write(Register name, std::int64_t value) {
+  const auto& info = table[static_cast<std::size_t>(name)];
+  if (value < info.minimum || value > info.maximum) {
+    return tl::unexpected(RegisterError{RegisterError::Reason::out_of_range, &info, value});
+  }
+  const bool was_reached = position_reached();
+  if (name == Register::xactual) {
+    position_ = static_cast<std::uint64_t>(value) << 32;
+  } else {
+    registers_[static_cast<std::size_t>(name)] = static_cast<std::int32_t>(value);
+  }
+  if (name == Register::xactual || name == Register::xtarget || name == Register::rampmode) {
+    braking_ = false;
+  }
+  if (!was_reached && position_reached()) pos_reached_event_ = true;
+  run_.end = tick_;
+  return {};
+}
+
+std::int64_t SixPoint::read(Register name) const {
+  return name == Register::xactual ? xactual() : value(name);
+}
+
+std::vector<Finding> SixPoint::findings() const {
+  std::vector<Finding> found;
+  const auto text = [this](Register name) {
+    return std::string(table[static_cast<std::size_t>(name)].name) + " " +
+           std::to_string(value(name));
+  };
+  const auto add = [&](bool wrong, Finding::Severity severity, std::string message) {
+    if (wrong) found.push_back({severity, std::move(message)});
+  };
+  constexpr auto contradiction = Finding::Severity::contradiction;
+  constexpr auto warning = Finding::Severity::warning;
+  const auto is_zero = [this](Register name) { return value(name) == 0; };
+
+  if (mode() == Mode::hold || is_zero(Register::vmax)) return found;
+  add(is_zero(Register::amax), contradiction, "amax 0 cannot change the velocity");
+  if (mode() != Mode::position) return found;
+
+  const auto vstop = value(Register::vstop);
+  add(vstop < value(Register::vstart), contradiction,
+      text(Register::vstop) + " is below " + text(Register::vstart) +
+          ", so a short way may not allow to stop");
+  add(vstop == 0, contradiction, "vstop 0 may not bring it to the target");
+  add(vstop > 0 && vstop < 10, warning, text(Register::vstop) + " is below 10, so it may creep");
+  add(value(Register::vmax) < value(Register::vstart), contradiction,
+      text(Register::vmax) + " is below " + text(Register::vstart));
+  add(is_zero(Register::dmax), contradiction, "dmax 0 cannot brake");
+  if (is_zero(Register::v1)) {
+    add(is_zero(Register::d1), warning,
+        "d1 0 is not to be set for positioning, not even while v1 is 0");
+    return found;
+  }
+  add(is_zero(Register::a1), contradiction, "a1 0 cannot come up to " + text(Register::v1));
+  add(is_zero(Register::d1), contradiction, "d1 0 cannot brake below " + text(Register::v1));
+  return found;
+}
+
+// ---- What can be seen
+
+std::int32_t SixPoint::xactual() const {
+  return static_cast<std::int32_t>(
+      static_cast<std::uint32_t>((position_ + (std::uint64_t{1} << 31)) >> 32));
+}
+
+std::uint64_t SixPoint::target() const {
+  return static_cast<std::uint64_t>(value(Register::xtarget)) << 32;
+}
+
+std::int64_t SixPoint::distance() const {
+  return static_cast<std::int64_t>(target() - position_) >> position_shift;
+}
+
+Motion SixPoint::motion() const { return {xactual(), velocity_ / 256, acceleration_}; }
+
+std::string_view SixPoint::phase() const {
+  switch (phase_) {
+    case Phase::a1: return "A1";
+    case Phase::amax: return "AMAX";
+    case Phase::vmax: return "VMAX";
+    case Phase::dmax: return "DMAX";
+    case Phase::d1: return "D1";
+    case Phase::vstop: return "VSTOP";
+    case Phase::hold: return "hold";
+    case Phase::rest: break;
+  }
+  return tick_ < stands_until_ ? "TZEROWAIT" : "rest";
+}
+
+bool SixPoint::arrived() const {
+  return mode() == Mode::position && velocity_ == 0 && position_reached();
+}
+
+bool SixPoint::settled() const {
+  const auto run = tick_ < run_.end ? run_ : next_run();
+  return tick_ >= stands_until_ && run.ticks == forever && run.phase == phase_ &&
+         acceleration_ == 0;
+}
+
+SixPoint::Status SixPoint::status() const {
+  const int direction = velocity_ != 0 ? sign(velocity_) : wanted_direction();
+  return {
+      .status_stop_l = left_,
+      .status_stop_r = right_,
+      .status_latch_l = latch_l_event_,
+      .status_latch_r = latch_r_event_,
+      .event_stop_l = direction < 0 && blocked(direction),
+      .event_stop_r = direction > 0 && blocked(direction),
+      .event_pos_reached = pos_reached_event_,
+      .velocity_reached = speed() == speed_in(Register::vmax),
+      .position_reached = position_reached(),
+      .vzero = velocity_ == 0,
+      .t_zerowait_active = tick_ < stands_until_,
+      .second_move = second_move_event_,
+  };
+}
+
+SixPoint::Status SixPoint::take_events() {
+  const auto taken = status();
+  latch_l_event_ = latch_r_event_ = pos_reached_event_ = second_move_event_ = false;
+  if (taken.event_pos_reached) run_.end = tick_;  // it has yet to look for the next passing
+  return taken;
+}
+
+// ---- Switches
+
+void SixPoint::set_switches(bool left, bool right) {
+  latch(left_, left, latch_l_active, latch_l_inactive, latch_l_event_);
+  latch(right_, right, latch_r_active, latch_r_inactive, latch_r_event_);
+  left_ = left;
+  right_ = right;
+  run_.end = tick_;
+}
+
+void SixPoint::latch(bool before, bool now, std::int32_t on_active, std::int32_t on_inactive,
+                     bool& event) {
+  if (before == now) return;
+  if ((value(Register::sw_mode) & (now ? on_active : on_inactive)) == 0) return;
+  xlatch_ = xactual();
+  event = true;
+}
+
+bool SixPoint::blocked(int direction) const {
+  const auto enabled = value(Register::sw_mode);
+  if (direction < 0) return left_ && (enabled & stop_l_enable) != 0;
+  return direction > 0 && right_ && (enabled & stop_r_enable) != 0;
+}
+
+// Where it would go from standstill.
+int SixPoint::wanted_direction() const {
+  if (mode() == Mode::position) return sign(distance());
+  if (mode() == Mode::hold || value(Register::vmax) == 0) return 0;
+  return mode() == Mode::velocity_positive ? 1 : -1;
+}
+
+// ---- The rules: what the next tick does, and for how many ticks it does just the same
+
+// What the ticks after one with this speed take until one has the speed VSTOP.
+std::int64_t SixPoint::braking_distance(std::int64_t speed) const {
+  const auto vstop = speed_in(Register::vstop);
+  const auto knee = std::max(vstop, speed_in(Register::v1));
+  std::int64_t way = 0;
+  if (speed > knee) {
+    if (value(Register::dmax) == 0) return never_stops;
+    way += way_down(speed, knee, value(Register::dmax));
+    speed = knee;
+  }
+  if (speed > vstop) {
+    if (value(Register::d1) == 0) return never_stops;
+    way += way_down(speed, vstop, value(Register::d1));
+  }
+  return way;
+}
+
+// The least way left that lets the next tick have this speed and not be the last one.
+std::int64_t SixPoint::reserve(std::int64_t speed) const {
+  if (speed <= speed_in(Register::vstop)) return speed + half_microstep + 1;
+  return speed + braking_distance(speed);
+}
+
+SixPoint::Slew SixPoint::slew_from(std::int64_t v) const {
+  const auto v1 = speed_in(Register::v1);
+  const auto vmax = speed_in(Register::vmax);
+  const bool rises = v < vmax;
+  const bool below_knee = rises ? v < v1 : v <= v1;
+  Slew slew{};
+  slew.phase = below_knee ? Phase::a1 : Phase::amax;
+  slew.step = value(below_knee ? Register::a1 : Register::amax);
+  if (rises) {
+    slew.limit = below_knee ? std::min(v1, vmax) : vmax;
+    slew.next =
+        std::max(std::min(v + slew.step, slew.limit), std::min(speed_in(Register::vstart), vmax));
+  } else {
+    slew.limit = below_knee ? vmax : std::max(v1, vmax);
+    slew.next = std::max(v - slew.step, slew.limit);
+  }
+  if (slew.next == vmax && v == vmax) slew.phase = Phase::vmax;
+  return slew;
+}
+
+SixPoint::Run SixPoint::next_run() const {
+  if (tick_ < stands_until_) return standing(stands_until_ - tick_);
+  if (velocity_ != 0 && blocked(sign(velocity_))) return stopping();
+  switch (mode()) {
+    case Mode::position: return positioning();
+    case Mode::hold:
+      return velocity_ == 0 ? standing(forever)
+                            : to_speed(sign(velocity_), speed(), Phase::hold, forever);
+    default: return slewing();
+  }
+}
+
+SixPoint::Run SixPoint::to_speed(int heading, std::int64_t next, Phase phase, Tick ticks) const {
+  const auto change = heading * next - velocity_;
+  const auto register_in_use = [&] {
+    switch (phase) {
+      case Phase::a1: return value(Register::a1);
+      case Phase::amax: return value(Register::amax);
+      case Phase::dmax: return value(Register::dmax);
+      case Phase::d1: return value(Register::d1);
+      default: return 0;
+    }
+  };
+  return {.ticks = ticks,
+          .change = change,
+          .acceleration = sign(change) * register_in_use(),
+          .phase = phase};
+}
+
+// At a switch.
+SixPoint::Run SixPoint::stopping() const {
+  const bool soft = (value(Register::sw_mode) & en_softstop) != 0;
+  if (!soft || speed() <= speed_in(Register::vstop)) return to_speed(0, 0, Phase::rest, 1);
+  return slowing(sign(velocity_), forever);
+}
+
+// The velocity modes.
+SixPoint::Run SixPoint::slewing() const {
+  const int wanted = mode() == Mode::velocity_positive ? 1 : -1;
+  const auto a = std::int64_t{value(Register::amax)};
+  const auto v = speed();
+  if (v == 0 && blocked(wanted)) return standing(forever);
+  const int heading = v != 0 ? sign(velocity_) : wanted;
+  const auto limit = heading == wanted ? speed_in(Register::vmax) : 0;
+  if (v == limit || a == 0) {
+    if (v == 0) return standing(forever);
+    return to_speed(heading, v, v == limit ? Phase::vmax : Phase::amax, forever);
+  }
+  const auto way_off = v < limit ? limit - v : v - limit;
+  const auto step = std::min(a, way_off);
+  return to_speed(heading, v < limit ? v + step : v - step, Phase::amax, at_least_one(way_off / a));
+}
+
+SixPoint::Run SixPoint::positioning() const {
+  const auto left = distance();
+  const int side = sign(left);
+  if (velocity_ == 0 && (side == 0 || blocked(side))) return standing(forever);
+  const int heading = velocity_ != 0 ? sign(velocity_) : side;
+  if (side != -heading) return approaching(heading, heading * left);
+  // Away from the target. Half a turn further on, it would be ahead.
+  auto run = to_speed(0, 0, Phase::rest, 1);
+  if (speed() > speed_in(Register::vstop)) {
+    run = slowing(heading, at_least_one((half_turn - 1 + heading * left) / speed()));
+  }
+  run.turns = true;
+  return run;
+}
+
+SixPoint::Run SixPoint::approaching(int heading, std::int64_t left) const {
+  const auto v = speed();
+  const auto vstop = speed_in(Register::vstop);
+  const auto slew = slew_from(v);
+  const bool may_speed_up = !braking_ || v < vstop;
+  if (may_speed_up && reserve(slew.next) <= left) {
+    auto run = speeding(heading, left, slew);
+    run.brakes = braking_;
+    return run;
+  }
+  return braking(heading, left, v < vstop ? std::min(slew.next, vstop) : v);
+}
+
+SixPoint::Run SixPoint::speeding(int heading, std::int64_t left, const Slew& slew) const {
+  const auto v = speed();
+  const auto vstop = speed_in(Register::vstop);
+  auto run = to_speed(heading, slew.next, slew.phase, 1);
+  if (slew.next == v) {
+    if (v == 0) return standing(forever);
+    run.ticks = static_cast<Tick>((left - reserve(v)) / v + 1);
+    return run;
+  }
+  const auto change = slew.next - v;
+  if (change != slew.step && change != -slew.step) return run;
+  auto most = (slew.limit - v) / change;
+  // Around VSTOP the reserve follows another rule.
+  if (change > 0 && v < vstop) most = std::min(most, (vstop - v) / change);
+  if (change < 0 && v > vstop) most = std::min(most, (vstop + 1 - v) / change);
+  run.ticks = fitting_steps(left, change, at_least_one(most));
+  return run;
+}
+
+// How many of `most` steps leave enough way to brake; the first one does. Speeding up, the way left
+// falls and the reserve grows. Slowing down by less than the braking does, the way left falls
+// faster than the reserve, and by more, it never does.
+Tick SixPoint::fitting_steps(std::int64_t left, std::int64_t change, Tick most) const {
+  const auto v = speed();
+  const auto too_far = [&](Tick n) {
+    const auto next = v + static_cast<std::int64_t>(n) * change;
+    return reserve(next) > left - way_of(n - 1, v, change);
+  };
+  if (!too_far(most)) return most;
+  return first_tick(most, too_far) - 1;
+}
+
+// Towards the target, with no way left for more speed than `held`.
+SixPoint::Run SixPoint::braking(int heading, std::int64_t left, std::int64_t held) const {
+  const auto v = speed();
+  const auto vstop = speed_in(Register::vstop);
+  const auto spare = left - braking_distance(v);
+  if (v == 0 && held == 0) return standing(forever);  // with VSTOP = 0
+  Run run;
+  if (reserve(held) <= left) {
+    run = to_speed(heading, held, Phase::vstop, 1);
+    if (held == v) run.ticks = static_cast<Tick>((left - reserve(v)) / v + 1);
+    if (held > vstop) run.phase = slowing(heading, 1).phase;
+  } else if (v > vstop) {
+    // The spare way stays the same while it slows down, so it holds once its speed is that low.
+    const auto d = std::max<std::int64_t>(1, -heading * slowing(heading, 1).change);
+    run = slowing(heading, std::min(at_least_one((v - spare - 1) / d + 1),
+                                    at_least_one((half_turn - 1 + left) / v)));
+    run.arrives = v + heading * run.change == vstop && left <= vstop + half_microstep;
+  } else {
+    run.arrives = true;
+  }
+  if (run.arrives) {
+    run = to_speed(0, 0, Phase::rest, 1);
+    run.arrives = true;
+  }
+  run.brakes = true;
+  return run;
+}
+
+// With DMAX and D1 towards VSTOP, from more than that; `most` ticks at most.
+SixPoint::Run SixPoint::slowing(int heading, Tick most) const {
+  const auto v = speed();
+  const auto vstop = speed_in(Register::vstop);
+  const auto v1 = speed_in(Register::v1);
+  const bool below_knee = v <= v1;
+  const auto limit = below_knee ? vstop : std::max(v1, vstop);
+  const std::int64_t d = value(below_knee ? Register::d1 : Register::dmax);
+  const auto whole = d == 0 ? most : std::min(most, at_least_one((v - limit - 1) / d));
+  return to_speed(heading, std::max(v - d, limit), below_knee ? Phase::d1 : Phase::dmax, whole);
+}
+
+// ---- Time
+
+void SixPoint::advance_to(Tick tick) {
+  tick = std::min(tick, last_tick);
+  while (tick_ < tick) {
+    if (run_.end <= tick_) plan();
+    take(std::min(tick, run_.end) - tick_);
+  }
+}
+
+void SixPoint::plan() {
+  run_ = next_run();
+  run_.end = run_.ticks == forever ? forever : tick_ + run_.ticks;
+  run_.reach = forever;
+  if (run_.arrives) {
+    if (!position_reached()) run_.reach = tick_ + 1;
+  } else if (run_heading() != 0) {
+    const auto edge = std::int64_t{value(Register::xtarget)} + (run_heading() < 0 ? 1 : 0);
+    run_.reach = tick_after(way_to(edge));
+  }
+}
+
+void SixPoint::take(Tick ticks) {
+  position_ += static_cast<std::uint64_t>(way_of(ticks, velocity_, run_.change)) << position_shift;
+  const auto before = velocity_;
+  velocity_ += static_cast<std::int64_t>(ticks * static_cast<std::uint64_t>(run_.change));
+  tick_ += ticks;
+  phase_ = run_.phase;
+  acceleration_ = run_.acceleration;
+  braking_ = run_.brakes;
+  if (tick_ >= run_.reach) pos_reached_event_ = true;
+  if (velocity_ == 0 && (before != 0 || run_.arrives)) come_to_rest();
+}
+
+void SixPoint::come_to_rest() {
+  const auto microsteps = static_cast<std::uint64_t>(static_cast<std::uint32_t>(xactual()));
+  position_ = run_.arrives ? target() : microsteps << 32;
+  stands_until_ = tick_ + static_cast<Tick>(value(Register::tzerowait));
+  phase_ = Phase::rest;
+  acceleration_ = 0;
+  braking_ = false;
+  if (run_.turns) second_move_event_ = true;
+}
+
+// ---- Looking ahead within the run
+
+int SixPoint::run_heading() const { return velocity_ != 0 ? sign(velocity_) : sign(run_.change); }
+
+// The way until XACTUAL crosses the lower edge of this microstep, 1..2^55.
+Tick SixPoint::way_to(std::int64_t number) const {
+  const auto edge = (static_cast<std::uint64_t>(number) << 32) - (std::uint64_t{1} << 31);
+  const bool up = run_heading() > 0;
+  // Upwards the edge itself belongs to the other side already, downwards it does not.
+  const auto way = (up ? edge - position_ : position_ - edge) >> position_shift;
+  return up ? (way == 0 ? Tick{1} << 55 : way) : way + 1;
+}
+
+// The tick of the run that completes such a way; `forever` if none does.
+Tick SixPoint::tick_after(Tick way) const {
+  const auto ticks = run_.end - tick_;
+  const int heading = run_heading();
+  const auto v = heading * velocity_;
+  const auto change = heading * run_.change;
+  const auto fastest = static_cast<Tick>(
+      std::max(v, v + static_cast<std::int64_t>(ticks * static_cast<Tick>(change))));
+  if (fastest == 0 || (way - 1) / fastest >= ticks) return forever;
+  if (change == 0) return tick_ + (way - 1) / fastest + 1;
+  const auto n =
+      first_tick(ticks, [&](Tick k) { return static_cast<Tick>(way_of(k, v, change)) >= way; });
+  return n <= ticks ? tick_ + n : forever;
+}
+
+// When the speed passes VMAX or leaves it.
+Tick SixPoint::next_speed_match() const {
+  if (run_.change == 0) return forever;
+  const int heading = run_heading();
+  const auto off = heading * speed_in(Register::vmax) - velocity_;
+  if (off == 0) return tick_ + 1;
+  const auto n = off / run_.change;
+  if (n < 1 || n * run_.change != off || static_cast<Tick>(n) > run_.end - tick_) return forever;
+  return tick_ + static_cast<Tick>(n);
+}
+
+Tick SixPoint::next_change() {
+  if (run_.end <= tick_) plan();
+  if (tick_ < stands_until_) return stands_until_;
+  if (run_.phase != phase_ || run_.acceleration != acceleration_ || run_.ticks == 1) {
+    return tick_ + 1;
+  }
+  auto change = std::min(run_.end == forever ? forever : run_.end + 1, next_speed_match());
+  if (run_.reach > tick_) change = std::min(change, run_.reach);
+  if (run_heading() != 0 && position_reached()) {
+    const auto edge = std::int64_t{value(Register::xtarget)} + (run_heading() > 0 ? 1 : 0);
+    change = std::min(change, tick_after(way_to(edge)));
+  }
+  return change;
+}
+
+}  // namespace tmcl::ramp
