@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <string_view>
+#include <vector>
 
 #include "tmcl/units.hpp"
 
@@ -13,6 +16,9 @@ namespace {
 
 using Mode = Tmc429::Mode;
 using R = Tmc429::Register;
+
+static_assert(Generator<Tmc429>);
+static_assert(sizeof(Tmc429) <= 256);
 
 constexpr double ticks_per_second = 500e3;
 
@@ -328,6 +334,168 @@ TEST(Tmc429, LetsHoursPassAtOnceAtStandstillAndWhileTurning) {
   const auto start = axis.x_actual();
   axis.advance_to(ticks(1e6 + 1 + 3600));
   EXPECT_NEAR(axis.x_actual() - start, 3600 * to_pps({1}, {2, 3}).value, 1);
+}
+
+TEST(Tmc429, StopsDeadAtAClosedSwitch) {
+  auto axis = axis_with({});
+  axis.write(R::x_target, 100'000);
+  axis.advance_to(ticks(0.5));
+  axis.set_switches(true, false);  // the other side
+  axis.advance_to(ticks(0.6));
+  EXPECT_EQ(axis.v_actual(), 1000);
+  axis.set_switches(false, true);
+  const auto x = axis.x_actual();
+  axis.advance_to(ticks(0.6) + 8);
+  EXPECT_EQ(axis.v_actual(), 0);
+  axis.advance_to(ticks(2));
+  EXPECT_LE(axis.x_actual() - x, 1);
+  EXPECT_TRUE(axis.settled());
+  EXPECT_FALSE(axis.arrived());
+}
+
+TEST(Tmc429, SlowsDownAtASwitchIfToldSoAndLeavesItTheOtherWay) {
+  auto axis = axis_with({});
+  axis.write(R::soft_stop, 1);
+  axis.write(R::x_target, 100'000);
+  axis.advance_to(ticks(0.5));
+  axis.set_switches(false, true);
+  axis.advance_to(ticks(0.504));
+  EXPECT_GT(axis.v_actual(), 400);
+  EXPECT_EQ(axis.a_actual(), -500);
+  axis.advance_to(ticks(1));
+  EXPECT_EQ(axis.v_actual(), 0);
+  const auto stopped_at = axis.x_actual();
+  axis.write(R::x_target, 0);
+  axis.advance_to(ticks(2));
+  EXPECT_LT(axis.x_actual(), stopped_at);
+}
+
+TEST(Tmc429, GoesThroughASwitchThatIsDisabled) {
+  auto axis = axis_with({});
+  axis.write(R::disable_stop_l, 1);
+  axis.set_switches(true, false);
+  axis.write(R::x_target, -5'000);
+  axis.advance_to(ticks(1));
+  EXPECT_TRUE(axis.arrived());
+}
+
+TEST(Tmc429, StopsInHoldModeToo) {
+  auto axis = axis_with({});
+  axis.write(Mode::hold);
+  axis.write(R::v_actual, -700);
+  axis.advance_to(ticks(0.1));
+  axis.set_switches(true, false);
+  axis.advance_to(ticks(0.2));
+  EXPECT_EQ(axis.v_actual(), 0);
+}
+
+TEST(Tmc429, LatchesThePositionOnceWhenTheSwitchCloses) {
+  auto axis = axis_with({});
+  axis.write(R::ref_rnl, 1);
+  axis.arm_latch();
+  axis.write(R::x_target, 10'000);
+  axis.advance_to(ticks(0.05));
+  axis.set_switches(true, false);  // not the one
+  EXPECT_TRUE(axis.latch_armed());
+  const auto x = axis.x_actual();
+  axis.set_switches(true, true);
+  EXPECT_EQ(axis.x_latched(), x);
+  EXPECT_FALSE(axis.latch_armed());
+  axis.set_switches(false, false);
+  axis.advance_to(ticks(0.1));
+  axis.set_switches(false, true);
+  EXPECT_EQ(axis.x_latched(), x);
+}
+
+TEST(Tmc429, RefusesWhatDoesNotFitARegisterAndNamesIt) {
+  auto axis = axis_with({});
+  const auto before = axis;
+  const auto written = axis.write(R::v_max, 2048);
+  ASSERT_FALSE(written);
+  EXPECT_EQ(written.error().reason, RegisterError::Reason::out_of_range);
+  EXPECT_EQ(describe(written.error()), "v_max is 0..2047, not 2048");
+  EXPECT_FALSE(axis.write(R::x_target, 1 << 23));
+  EXPECT_FALSE(axis.write(R::mode, -1));
+  EXPECT_FALSE(axis.write(R::pulse_div, 14));
+  EXPECT_TRUE(axis == before);
+}
+
+TEST(Tmc429, ReadsBackWhatWasWritten) {
+  Tmc429 axis;
+  const auto registers = Tmc429::registers();
+  for (std::size_t i = 0; i < registers.size(); ++i) {
+    const auto name = static_cast<R>(i);
+    const auto value = registers[i].maximum;
+    ASSERT_TRUE(axis.write(name, value)) << registers[i].name;
+    EXPECT_EQ(axis.read(name), name == R::pmul ? value - 128 : value) << registers[i].name;
+  }
+}
+
+TEST(Tmc429, KeepsAFactorThatWasWritten) {
+  auto axis = axis_with({});
+  axis.write(R::pmul, 128 + 7);  // the chip sets bit 7 by itself
+  axis.write(R::pdiv, 3);
+  axis.write(R::a_max, 100);
+  EXPECT_EQ(axis.read(R::pmul), 7);
+  EXPECT_EQ(axis.read(R::pdiv), 3);
+}
+
+// As on silicon: below the valid range of a_max the motor swings.
+TEST(Tmc429, OscillatesForEverWithTooSmallAnAcceleration) {
+  auto axis = axis_with({{2, 13}, 1000, 1});
+  ASSERT_EQ(axis.findings().size(), 1U);
+  EXPECT_EQ(axis.findings()[0].severity, Finding::Severity::warning);
+  axis.write(R::x_target, 10'000);
+  EXPECT_FALSE(ramp::arrival(axis, ticks(3600)));
+  axis.advance_to(ticks(3600));
+  EXPECT_NE(axis.v_actual(), 0);
+}
+
+// As after a firmware that forgets the factor when a divider changes.
+TEST(Tmc429, OvershootsWithAStaleFactor) {
+  auto axis = axis_with({});
+  axis.write(R::pmul, axis.read(R::pmul));
+  axis.write(R::ramp_div, 6);
+  ASSERT_EQ(axis.findings().size(), 1U);
+  axis.write(R::x_target, 10'000);
+  std::int64_t farthest = 0;
+  while (!axis.arrived()) {
+    axis.advance_to(axis.next_change());
+    farthest = std::max(farthest, axis.motion().position);
+  }
+  EXPECT_GT(farthest, 11'000);
+  EXPECT_EQ(axis.x_actual(), 10'000);
+}
+
+TEST(Tmc429, WarnsOfSettingsThatDoNotGoTogether) {
+  EXPECT_TRUE(axis_with({}).findings().empty());
+  EXPECT_EQ(axis_with({{2, 9}, 1000, 50}).findings().size(), 1U);   // a_max below 64
+  EXPECT_EQ(axis_with({{13, 3}, 1000, 50}).findings().size(), 1U);  // above 3
+  EXPECT_EQ(Tmc429().findings().size(), 3U);                        // v_min, v_max, a_max
+}
+
+TEST(Tmc429, OpenPointsOfTheDataSheetMakeADifference) {
+  const auto last_step = [](Tmc429::LastStep law) {
+    auto axis = axis_with({{5, 5}, 1000, 500});
+    axis.write(R::last_step, static_cast<int>(law));
+    axis.write(R::x_target, 1);
+    return seconds(ramp::arrival(axis, ticks(1)).value());
+  };
+  EXPECT_NEAR(last_step(Tmc429::LastStep::r3), 0.131, 0.001);
+  EXPECT_LT(last_step(Tmc429::LastStep::r2), 0.02);
+  EXPECT_LT(last_step(Tmc429::LastStep::r1), 0.02);
+}
+
+TEST(Tmc429, NamesItsPhases) {
+  auto axis = axis_with({});
+  EXPECT_EQ(axis.phase(), "rest");
+  axis.write(R::x_target, 100'000);
+  std::vector<std::string_view> phases;
+  while (!axis.arrived()) {
+    if (phases.empty() || phases.back() != axis.phase()) phases.push_back(axis.phase());
+    axis.advance_to(axis.next_change());
+  }
+  EXPECT_EQ(phases, (std::vector<std::string_view>{"accelerate", "cruise", "decelerate"}));
 }
 
 TEST(Tmc429, IgnoresAnEarlierTick) {

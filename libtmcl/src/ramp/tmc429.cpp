@@ -182,7 +182,7 @@ std::vector<Finding> Tmc429::findings() const {
   if (a_max_ != 0 && (a_max_ < scale / 2 || a_max_ > 4096 * scale - 1)) {
     warn(text("a_max", a_max_) + " is outside its valid range for " + dividers +
          ": the motor may oscillate around its target");
-  } else if (factor() * 128 * scale > a_max_ * std::exp2(3 + pdiv_)) {
+  } else if (a_max_ != 0 && factor() * 128 * scale > a_max_ * std::exp2(3 + pdiv_)) {
     warn(text("pmul", pmul_) + " and " + text("pdiv", pdiv_) + " are too great for " +
          text("a_max", a_max_) + ", " + dividers + ": the motor overshoots its target");
   }
@@ -263,7 +263,8 @@ std::int32_t Tmc429::slew(std::int32_t dx) const {
 }
 
 std::int32_t Tmc429::a_actual() const {
-  return next_ramp_tick() <= run_.end ? run_.slew : slew(seen().dx);
+  const auto next = next_ramp_tick() <= run_.end ? run_.slew : slew(seen().dx);
+  return std::clamp(next, -a_max_, a_max_);
 }
 
 bool Tmc429::stops_on_target(std::int32_t dx) const {
@@ -542,6 +543,7 @@ bool Tmc429::brake(Tick until) {
 // What the motor is doing, by what the next ramp tick will see.
 std::string_view Tmc429::phase() const {
   if (mode_ == Mode::hold) return velocity_ == 0 ? "rest" : "hold";
+  if (a_max_ == 0) return velocity_ == 0 ? "rest" : "cruise";
   const auto wanted = goal(seen().dx);
   if (velocity_ == 0) return wanted == 0 ? "rest" : "accelerate";
   if ((wanted < 0) != (velocity_ < 0) || wanted == 0) return "decelerate";
@@ -553,11 +555,19 @@ std::string_view Tmc429::phase() const {
 Tick Tmc429::next_change() {
   if (run_.end <= tick_) run_ = plan();
   // Slowing down towards the target, runs only follow each other until it is reached.
-  if (run_.end == forever || brakes(seen())) return earliest_pass(velocity_);
+  if (run_.end == forever) return earliest_pass(velocity_);
+  if (brakes(seen())) return std::min(earliest_pass(velocity_), earliest_halt());
   // The last ramp tick of a run makes the state that the next run starts from.
   const auto last = run_.end >> ramp_div_ << ramp_div_;
   const auto slews = static_cast<std::int32_t>((run_.end >> ramp_div_) - (tick_ >> ramp_div_));
   return std::min(last > tick_ ? last : run_.end + 1, earliest_pass(velocity_ + run_.slew * slews));
+}
+
+// Without v_min the ramp may bring the motor to a halt before the target; not before this tick.
+Tick Tmc429::earliest_halt() const {
+  if (v_min_ != 0 || a_max_ == 0) return forever;
+  const auto slews = static_cast<Tick>(std::abs(velocity_) / a_max_);
+  return next_ramp_tick() + (slews == 0 ? 0 : (slews - 1) << ramp_div_);
 }
 
 // Before this tick it neither comes upon the target nor leaves it if it does not go faster than now

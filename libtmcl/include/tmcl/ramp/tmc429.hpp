@@ -114,8 +114,8 @@ class Tmc429 {
   std::int32_t v_target() const { return positioning() ? asked_velocity(distance()) : v_target_; }
   /// Without its fraction: 0 is read while |v| < 1, not only at standstill.
   std::int32_t v_actual() const { return velocity_ / v_unit; }
-  /// What the next ramp tick adds to the speed, in 1/256 of its unit: -a_max..a_max, and more only
-  /// where a switch stops the motor dead.
+  /// What the next ramp tick adds to the speed, in 1/256 of its unit: -a_max..a_max, also where it
+  /// stops at once.
   std::int32_t a_actual() const;
   /// x_actual equals x_target in this instant, which may be in passing.
   bool at_target() const { return x_actual_ == x_target_; }
@@ -179,6 +179,7 @@ class Tmc429 {
   void add_pulses(std::uint64_t sum, bool backwards);
   bool brakes(const Seen& seen) const;
   bool brake(Tick until);
+  Tick earliest_halt() const;
   Tick earliest_pass(std::int32_t velocity) const;
 
   void write_mode(Mode mode);
