@@ -56,10 +56,12 @@ class Pair {
     write(R::pdiv, pdiv);
   }
 
-  void set_switches(bool left, bool right) {
+  void set_switches(bool left, bool right, bool disable_left, bool disable_right) {
+    chip.write(R::disable_stop_l, disable_left ? 1 : 0);
+    chip.write(R::disable_stop_r, disable_right ? 1 : 0);
     chip.set_switches(left, right);
-    plain.stop_left = left;
-    plain.stop_right = right;
+    plain.stop_left = left && !disable_left;
+    plain.stop_right = right && !disable_right;
   }
 
   void expect_same() const {
@@ -129,13 +131,16 @@ class Script {
       case 11: return pair.write(R::v_min, any_size(between(1, 2047)));
       case 12: return pair.write(R::pulse_div, between(0, 13));
       case 13: return pair.write(R::ramp_div, between(0, 13));
-      case 14: return pair.set_switches(one_in(3), one_in(3));
+      case 14: return pair.set_switches(one_in(3), one_in(3), one_in(3), one_in(3));
       default: return write_something_rare(pair);
     }
   }
 
  private:
   std::int32_t nearby(const Pair& pair) {
+    constexpr std::int32_t opposite = 1 << 23;  // as far away as can be
+    if (one_in(6))
+      return PlainTmc429::wrap(pair.plain.x + opposite + std::int64_t{between(-300, 300)});
     return PlainTmc429::wrap(position() + std::int64_t{one_in(2) ? pair.plain.x : 0});
   }
   void write_something_rare(Pair& pair) {
