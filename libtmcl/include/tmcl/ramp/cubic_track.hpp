@@ -1,0 +1,132 @@
+/// Movements with piecewise constant jerk, sampled at the ticks of a generator; what the
+/// generators with S-shaped ramps share.
+///
+/// A Profile says for how long which force acts; its boundaries may lie between two ticks. A
+/// CubicTrack runs through it in integers: within a stretch every tick is a few exact additions,
+/// and any number of ticks at once is the same in closed form.
+#pragma once
+
+#include <array>
+#include <cassert>
+#include <cstdint>
+
+#include "tmcl/ramp/generator.hpp"
+
+namespace tmcl::ramp {
+
+/// Microsteps with 96 bits of fraction, in two's complement; they wrap as a 32-bit position does.
+/// A jerk that lasts k ticks is off by at most 2^-97 k^3 microsteps: 2^-14 after the longest one
+/// that there is (2^27.5 ticks). Together with what it does to the velocity, which lasts until the
+/// end of the movement, a position is off by less than 2^-10 microsteps.
+__extension__ typedef unsigned __int128 Fixed;
+constexpr int fixed_fraction_bits = 96;
+
+/// The nearest one; the value is less than 2^31.
+Fixed to_fixed(double microsteps);
+double to_double(Fixed value);
+/// In units of 2^-fraction_bits; a half is rounded up.
+std::int64_t rounded(Fixed value, int fraction_bits);
+
+/// A state of motion. With x += v + h + i, v += 2h + 3i, h += 3i at every tick it samples the cubic
+/// x + v t + h t^2 + i t^3, so the acceleration is 2h and the jerk 6i.
+struct Cubic {
+  Fixed x = 0;
+  Fixed v = 0;
+  Fixed h = 0;
+  Fixed i = 0;
+
+  Cubic after(Tick ticks) const {
+    const Fixed k = ticks;
+    return {x + k * (v + k * (h + k * i)), v + k * (2 * h + 3 * k * i), h + 3 * k * i, i};
+  }
+  bool operator==(const Cubic&) const = default;
+};
+
+/// The forces, in microsteps and ticks; none is negative. An infinite jerk makes trapezoids.
+struct Forces {
+  double acceleration;  ///< While the speed grows.
+  double deceleration;  ///< While it falls.
+  double jerk;
+};
+
+/// What acts during a stretch.
+struct Course {
+  enum class Force : std::uint8_t {
+    none,          ///< Constant velocity.
+    jerk,          ///< The acceleration grows.
+    acceleration,  ///< The greatest acceleration...
+    deceleration,  ///< ... and the greatest deceleration are kept.
+  };
+  Force force = Force::none;
+  bool negative = false;
+  bool operator==(const Course&) const = default;
+};
+
+/// A movement: one stretch after another, and the velocity at its end.
+struct Profile {
+  /// Through zero to the other direction, and then to a stop, takes the most: four until the
+  /// velocity is zero, two until it is constant, that stretch, and three to stop.
+  static constexpr std::size_t most = 10;
+
+  std::array<double, most> ticks{};
+  std::array<Course, most> courses{};
+  std::uint8_t count = 0;
+  bool arrives = false;  ///< It ends on its target, at rest.
+  double end_velocity = 0;
+
+  void append(Course course, double duration) {
+    assert(count < most);
+    ticks[count] = duration;
+    courses[count++] = course;
+  }
+  double duration() const;
+  bool operator==(const Profile&) const = default;
+};
+
+/// The parts of an S-shaped movement as the data sheets number them, and rest.
+enum class Part : std::uint8_t { i, ii, iii, iv, v, vi, vii, rest };
+
+/// A Profile on its way. Time is the caller's: he asks for ticks before until(), and calls next()
+/// when that tick has come. A track that is over goes on at constant velocity.
+class CubicTrack {
+ public:
+  /// Lets `profile` begin at this tick, in the present position with the present velocity.
+  void begin(const Profile& profile, double acceleration, const Forces& forces, Tick now,
+             std::int32_t target);
+  /// Proceeds to the stretch in which the tick until() lies. The forces and the target are those
+  /// of begin().
+  void next(const Forces& forces, std::int32_t target);
+  /// Stays at this velocity from now on.
+  void coast(Tick now, Fixed velocity);
+  void place(std::int32_t position, Tick now);
+  /// Takes a movement to and fro into account that has brought it forward by this much.
+  void skip(Tick ticks, Fixed distance);
+
+  Cubic at(Tick tick) const { return start_.after(tick - from_); }
+  /// The tick from which the present stretch is counted, the state then, and the first tick that
+  /// does not belong to it.
+  Tick from() const { return from_; }
+  const Cubic& start() const { return start_; }
+  Tick until() const { return until_; }
+  bool ends_by(Tick tick) const { return until_ <= tick && until_ != forever; }
+
+  bool over() const { return index_ == profile_.count; }
+  bool arrived() const { return over() && profile_.arrives; }
+  Part part() const;
+
+  bool operator==(const CubicTrack&) const = default;
+
+ private:
+  void enter(double left, const Forces& forces, std::int32_t target);
+  void move_within_tick(double fraction);
+  void apply(Course course, const Forces& forces);
+  void finish(double left, std::int32_t target);
+
+  Cubic start_;
+  Tick from_ = 0;
+  Tick until_ = forever;
+  Profile profile_;         // what is left of the present stretch is written into its duration
+  std::uint8_t index_ = 0;  // of the present stretch
+};
+
+}  // namespace tmcl::ramp

@@ -1,0 +1,73 @@
+/// One axis of the MC1451A motion control chipset in its profile modes "S-curve point to point" and
+/// "trapezoidal point to point".
+///
+/// What the parameters mean, their scales and the seven phases are those of its data sheet; how the
+/// chipset computes them is not in there. So the profile is the time-optimal one within the limits,
+/// its phases begin at fractions of a tick, and it ends on its target at the first tick after that.
+/// The axis starts as soon as a position is set that it is not at.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "tmcl/ramp/cubic_track.hpp"
+#include "tmcl/ramp/generator.hpp"
+
+namespace tmcl::ramp {
+
+class Mc1451a {
+ public:
+  static constexpr std::string_view chip = "mc1451a";
+  static constexpr Tick ticks_per_cycle = 16;
+  /// In a cycle of the chipset, which is the unit of time of all its parameters; the clock does not
+  /// matter.
+  static double ticks_per_second(double /*clock_hz*/) { return ticks_per_cycle; }
+
+  enum class Shape : std::uint8_t { s_curve, trapezoidal };
+  enum class Register : std::uint8_t { profile, position, velocity, acceleration, jerk };
+  static std::span<const RegisterInfo> registers();
+
+  /// All parameters are zero at first: nothing moves before velocity, acceleration and, in an
+  /// S-curve, jerk are set.
+  Mc1451a() = default;
+
+  /// In motion every parameter is refused, the chipset's "command error", and the profile goes on
+  /// as it was.
+  Written write(Register name, std::int64_t value);
+  std::int64_t read(Register name) const;
+  std::vector<Finding> findings() const;
+
+  Tick tick() const { return tick_; }
+  void advance_to(Tick tick);
+  /// Steps, 2^-16 steps/cycle and 2^-16 steps/cycle^2, all to the nearest.
+  Motion motion() const;
+  /// "I" .. "VII" in an S-curve; "accelerate", "cruise", "decelerate" in a trapezoid; "rest".
+  std::string_view phase() const;
+  Tick next_change();
+  bool arrived() const { return settled() && motion().position == position_; }
+  bool settled() const { return planned_ ? track_.over() : planned().settled(); }
+
+  /// The present stretch of the movement; as of the last call of advance_to() or next_change().
+  const CubicTrack& track() const { return track_; }
+
+  bool operator==(const Mc1451a&) const = default;
+
+ private:
+  bool in_motion() const { return track_.at(tick_).v != 0; }
+  Forces forces() const;
+  void plan();
+  Mc1451a planned() const;
+
+  CubicTrack track_;
+  Tick tick_ = 0;
+  std::int32_t position_ = 0;
+  std::int32_t velocity_ = 0;
+  std::int32_t jerk_ = 0;
+  std::int16_t acceleration_ = 0;
+  Shape shape_ = Shape::s_curve;
+  bool planned_ = false;
+};
+
+}  // namespace tmcl::ramp

@@ -1,0 +1,144 @@
+#include "tmcl/ramp/cubic_track.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace tmcl::ramp {
+namespace {
+
+__extension__ typedef __int128 SignedFixed;
+
+int sign(Fixed value) {
+  const auto number = static_cast<SignedFixed>(value);
+  return (number > 0) - (number < 0);
+}
+
+// A number of ticks that may be anything from 0 to infinity.
+Tick later(Tick now, double ticks) {
+  constexpr double too_far = 0x1p63;
+  if (ticks >= too_far || now >= forever / 2) return forever;
+  return now + static_cast<Tick>(ticks);
+}
+
+}  // namespace
+
+Fixed to_fixed(double microsteps) {
+  return static_cast<Fixed>(static_cast<SignedFixed>(std::rint(microsteps * 0x1p96)));
+}
+
+double to_double(Fixed value) {
+  return static_cast<double>(static_cast<SignedFixed>(value)) * 0x1p-96;
+}
+
+std::int64_t rounded(Fixed value, int fraction_bits) {
+  const int shift = fixed_fraction_bits - fraction_bits;
+  return static_cast<std::int64_t>(static_cast<SignedFixed>(value + (Fixed{1} << (shift - 1))) >>
+                                   shift);
+}
+
+double Profile::duration() const {
+  return std::accumulate(ticks.begin(), ticks.begin() + count, 0.0);
+}
+
+void CubicTrack::begin(const Profile& profile, double acceleration, const Forces& forces, Tick now,
+                       std::int32_t target) {
+  start_ = at(now);
+  start_.h = to_fixed(acceleration / 2);
+  from_ = until_ = now;
+  profile_ = profile;
+  index_ = 0;
+  enter(0, forces, target);
+}
+
+void CubicTrack::next(const Forces& forces, std::int32_t target) {
+  const Tick last = until_ - 1;
+  const double fraction = profile_.ticks[index_] - static_cast<double>(last - from_);
+  start_ = at(last);
+  from_ = until_;
+  move_within_tick(fraction);
+  ++index_;
+  enter(1 - fraction, forces, target);
+}
+
+// Runs through what remains of the tick before from_, and begins the stretch that goes beyond it.
+void CubicTrack::enter(double left, const Forces& forces, std::int32_t target) {
+  for (; index_ < profile_.count; ++index_) {
+    auto& ticks = profile_.ticks[index_];
+    apply(profile_.courses[index_], forces);
+    if (ticks > left) {
+      move_within_tick(left);
+      ticks -= left;
+      until_ = later(from_, std::ceil(ticks));
+      return;
+    }
+    move_within_tick(ticks);
+    left -= ticks;
+  }
+  finish(left, target);
+}
+
+void CubicTrack::finish(double left, std::int32_t target) {
+  until_ = forever;
+  if (profile_.arrives) {
+    start_ = {.x = to_fixed(target)};
+  } else {
+    start_ = {.x = start_.x, .v = to_fixed(profile_.end_velocity)};
+    move_within_tick(left);
+  }
+}
+
+void CubicTrack::move_within_tick(double fraction) {
+  const double v = to_double(start_.v);
+  const double h = to_double(start_.h);
+  const double i = to_double(start_.i);
+  start_.x += to_fixed(fraction * (v + fraction * (h + fraction * i)));
+  start_.v += to_fixed(fraction * (2 * h + 3 * fraction * i));
+  start_.h += to_fixed(3 * fraction * i);
+}
+
+void CubicTrack::apply(Course course, const Forces& forces) {
+  const double direction = course.negative ? -1 : 1;
+  start_.i = 0;
+  switch (course.force) {
+    case Course::Force::none: start_.h = 0; break;
+    case Course::Force::jerk: start_.i = to_fixed(direction * forces.jerk / 6); break;
+    case Course::Force::acceleration:
+      start_.h = to_fixed(direction * forces.acceleration / 2);
+      break;
+    case Course::Force::deceleration:
+      start_.h = to_fixed(direction * forces.deceleration / 2);
+      break;
+  }
+}
+
+void CubicTrack::coast(Tick now, Fixed velocity) {
+  start_ = {.x = at(now).x, .v = velocity};
+  from_ = now;
+  until_ = forever;
+  profile_ = {};
+  index_ = 0;
+}
+
+void CubicTrack::place(std::int32_t position, Tick now) {
+  start_.x += to_fixed(position) - at(now).x;
+}
+
+void CubicTrack::skip(Tick ticks, Fixed distance) {
+  start_.x += distance;
+  from_ += ticks;
+  if (until_ != forever) until_ += ticks;
+}
+
+Part CubicTrack::part() const {
+  if (over() && start_.v == 0) return Part::rest;
+  const auto end = until_ == forever ? start_ : at(until_);
+  const int direction = sign(start_.v + end.v) < 0 ? -1 : 1;
+  const int acceleration = direction * sign(start_.h + end.h);
+  const int jerk = direction * sign(start_.i);
+  if (acceleration > 0) return jerk > 0 ? Part::i : jerk < 0 ? Part::iii : Part::ii;
+  if (acceleration < 0) return jerk > 0 ? Part::vii : jerk < 0 ? Part::v : Part::vi;
+  return Part::iv;
+}
+
+}  // namespace tmcl::ramp

@@ -1,0 +1,26 @@
+/// How the parts of a movement are called.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+#include "tmcl/ramp/cubic_track.hpp"
+
+namespace tmcl::ramp {
+
+constexpr std::string_view s_curve_name(Part part) {
+  constexpr std::array<std::string_view, 8> names{"I", "II", "III", "IV", "V", "VI", "VII", "rest"};
+  return names[static_cast<std::size_t>(part)];
+}
+
+/// A trapezoid has no jerk, so only three of the parts.
+constexpr std::string_view trapezoid_name(Part part) {
+  switch (part) {
+    case Part::ii: return "accelerate";
+    case Part::vi: return "decelerate";
+    case Part::rest: return "rest";
+    default: return "cruise";
+  }
+}
+
+}  // namespace tmcl::ramp

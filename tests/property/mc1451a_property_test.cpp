@@ -1,0 +1,195 @@
+// Random movements against additions tick by tick, and what is true of all of them.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstdlib>
+#include <random>
+#include <string>
+
+#include "support/plain_track.hpp"
+#include "support/seed.hpp"
+#include "tmcl/ramp/mc1451a.hpp"
+
+namespace tmcl::ramp {
+namespace {
+
+using R = Mc1451a::Register;
+
+struct Parameters {
+  std::int64_t profile, position, velocity, acceleration, jerk;
+};
+
+class Script {
+ public:
+  explicit Script(std::uint64_t seed) : random_(seed) {}
+
+  std::int64_t between(std::int64_t low, std::int64_t high) {
+    return std::uniform_int_distribution<std::int64_t>(low, high)(random_);
+  }
+  // 1..greatest, all magnitudes equally likely.
+  std::int64_t any_size(std::int64_t greatest) {
+    const double log =
+        std::uniform_real_distribution<>(0, std::log(static_cast<double>(greatest)))(random_);
+    return std::min(greatest, std::lrint(std::exp(log)));
+  }
+  std::int64_t sign() { return between(0, 1) == 0 ? -1 : 1; }
+
+  Parameters parameters() {
+    return {between(0, 1), sign() * any_size(1 << 30) * between(0, 99) / 100,
+            any_size(1'073'741'823), any_size(32'767), any_size(2'147'483'647)};
+  }
+  // For movements that take some thousand ticks.
+  Parameters quick() {
+    return {between(0, 1), sign() * any_size(5'000), (1 << 14) + any_size(1 << 26),
+            (1 << 9) + any_size(1 << 14), (1 << 20) + any_size(1 << 30)};
+  }
+
+ private:
+  std::mt19937_64 random_;
+};
+
+void write(Mc1451a& axis, const Parameters& parameters) {
+  ASSERT_TRUE(axis.write(R::profile, parameters.profile));
+  ASSERT_TRUE(axis.write(R::velocity, parameters.velocity));
+  ASSERT_TRUE(axis.write(R::acceleration, parameters.acceleration));
+  ASSERT_TRUE(axis.write(R::jerk, parameters.jerk));
+  ASSERT_TRUE(axis.write(R::position, parameters.position));
+}
+
+// The most that the acceleration may change in a tick; any amount in a trapezoid.
+double jerk_of(const Parameters& parameters) {
+  return parameters.profile == 1 ? 1 : static_cast<double>(parameters.jerk) * 0x1p-44;
+}
+
+TEST(Mc1451aProperty, JumpingEqualsTicking) {
+  int complete = 0;
+  int refused = 0;
+  constexpr int scripts = 100'000;
+  for (std::uint64_t seed = test::seed(); seed < test::seed() + scripts; ++seed) {
+    SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
+    Script script(seed);
+    Mc1451a axis;
+    test::PlainTrack<Mc1451a> plain;
+    auto parameters = script.between(0, 2) == 0 ? script.parameters() : script.quick();
+    Tick tick = 0;
+    for (int step = 0; step < 20; ++step) {
+      if (axis.arrived()) {
+        complete += step > 0 ? 1 : 0;
+        write(axis, parameters);
+        plain.change([&](Mc1451a& planner) { write(planner, parameters); });
+      } else if (script.between(0, 3) == 0 && axis.motion().velocity != 0) {
+        ASSERT_FALSE(axis.write(R::velocity, 1));
+        plain.change([&](Mc1451a& planner) { ASSERT_FALSE(planner.write(R::velocity, 1)); });
+        ++refused;
+      }
+      tick += static_cast<Tick>(script.any_size(3'000));
+      plain.advance_to(tick, jerk_of(parameters));
+      axis.advance_to(tick);
+      ASSERT_EQ(axis.track().at(tick), plain.state()) << "step " << step << ", tick " << tick;
+      ASSERT_EQ(axis.motion(), plain.motion(20, 24)) << "step " << step << ", tick " << tick;
+      ASSERT_EQ(axis.phase(), plain.planner().phase());
+      ASSERT_EQ(axis.arrived(), plain.planner().arrived());
+      if (axis.arrived()) parameters = script.quick();
+    }
+  }
+  EXPECT_GT(complete, scripts / 2);
+  EXPECT_GT(refused, scripts / 10);
+}
+
+TEST(Mc1451aProperty, ManyShortAdvancesEqualOneLong) {
+  for (std::uint64_t seed = test::seed(); seed < test::seed() + 20'000; ++seed) {
+    SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
+    Script script(seed);
+    Mc1451a once;
+    write(once, script.parameters());
+    auto often = once;
+    const auto last = script.any_size(1LL << 40);
+    once.advance_to(static_cast<Tick>(last));
+    for (int i = 0; i < 30; ++i) often.advance_to(static_cast<Tick>(script.any_size(last)));
+    often.advance_to(static_cast<Tick>(last));
+    ASSERT_TRUE(once == often) << last;
+  }
+}
+
+struct Move {
+  Parameters parameters;
+  Mc1451a axis;
+  Tick end;
+};
+
+Move random_move(Script& script) {
+  Move move{script.parameters(), {}, 0};
+  write(move.axis, move.parameters);
+  move.end = arrival(move.axis, forever).value();
+  return move;
+}
+
+TEST(Mc1451aProperty, KeepsItsLimitsAndNeverTurnsBack) {
+  for (std::uint64_t seed = test::seed(); seed < test::seed() + 20'000; ++seed) {
+    SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
+    Script script(seed);
+    auto [parameters, axis, end] = random_move(script);
+    auto before = axis.motion();
+    for (int i = 0; i < 30 && !axis.arrived(); ++i) {
+      const auto from = axis.tick();
+      axis.advance_to(std::min(axis.next_change(),
+                               from + static_cast<Tick>(script.any_size(std::max<std::int64_t>(
+                                          1, static_cast<std::int64_t>(end / 4))))));
+      const auto now = axis.motion();
+      ASSERT_LE(std::abs(now.velocity), parameters.velocity);
+      ASSERT_LE(std::abs(now.acceleration), parameters.acceleration);
+      const double ticks = static_cast<double>(axis.tick() - from);
+      if (parameters.profile == 0) {
+        ASSERT_LE(static_cast<double>(std::abs(now.acceleration - before.acceleration)),
+                  static_cast<double>(parameters.jerk) * 0x1p-20 * ticks * (1 + 1e-9) + 1);
+      }
+      const auto forward = parameters.position < 0 ? -1 : 1;
+      ASSERT_GE(now.position * forward, before.position * forward);
+      ASSERT_GE(now.velocity * forward, 0);
+      before = now;
+    }
+  }
+}
+
+TEST(Mc1451aProperty, ReachesEveryTargetExactlyAndStaysThere) {
+  for (std::uint64_t seed = test::seed(); seed < test::seed() + 20'000; ++seed) {
+    SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
+    Script script(seed);
+    auto [parameters, axis, end] = random_move(script);
+    if (end > 0) {
+      axis.advance_to(end - 1);
+      ASSERT_FALSE(axis.arrived());
+    }
+    axis.advance_to(end);
+    ASSERT_TRUE(axis.arrived());
+    const Motion there{parameters.position, 0, 0};
+    ASSERT_EQ(axis.motion(), there);
+    axis.advance_to(end + 1'000'000);
+    ASSERT_EQ(axis.motion(), there);
+    ASSERT_EQ(axis.next_change(), forever);
+  }
+}
+
+// The end falls between two ticks, so the mirror image may be off by the way of one.
+TEST(Mc1451aProperty, SlowsDownAsItHasSpedUp) {
+  for (std::uint64_t seed = test::seed(); seed < test::seed() + 20'000; ++seed) {
+    SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
+    Script script(seed);
+    auto [parameters, early, end] = random_move(script);
+    auto late = early;
+    const auto tick = static_cast<Tick>(script.between(0, static_cast<std::int64_t>(end / 2)));
+    early.advance_to(tick);
+    late.advance_to(end - tick);
+    const auto way_of_a_tick = static_cast<double>(std::abs(early.motion().velocity)) * 0x1p-20;
+    const auto off = early.motion().position + late.motion().position - parameters.position;
+    // One for rounding, and what the acceleration adds within the tick.
+    ASSERT_LE(static_cast<double>(std::abs(off)),
+              way_of_a_tick + 1 + static_cast<double>(parameters.acceleration) * 0x1p-23)
+        << "tick " << tick << " of " << end;
+  }
+}
+
+}  // namespace
+}  // namespace tmcl::ramp
