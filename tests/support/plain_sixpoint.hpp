@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <string_view>
+#include <utility>
 
 namespace tmcl::test {
 
@@ -14,6 +15,8 @@ struct PlainSixPoint {
   std::int64_t vstart = 0, a1 = 0, v1 = 0, amax = 0, vmax = 0, dmax = 0, d1 = 0, vstop = 10;
   std::int64_t tzerowait = 0, xtarget = 0, rampmode = 0;
   bool stop_l_enable = false, stop_r_enable = false, soft = false;
+  bool latch_l_active = false, latch_l_inactive = false;
+  bool latch_r_active = false, latch_r_inactive = false;
   bool left = false, right = false;
 
   std::uint64_t n = 0;
@@ -23,7 +26,8 @@ struct PlainSixPoint {
   bool latched = false;
   std::string_view phase = "rest";
   std::int64_t acceleration = 0;
-  bool pos_reached_event = false, second_move = false;
+  bool pos_reached_event = false, second_move = false, latched_l = false, latched_r = false;
+  std::int64_t xlatch = 0;
 
   static constexpr std::int64_t microstep = 1 << 23;
 
@@ -42,6 +46,18 @@ struct PlainSixPoint {
   std::int64_t direction() const { return v != 0 ? v : wanted(); }
   bool event_stop_l() const { return direction() < 0 && left && stop_l_enable; }
   bool event_stop_r() const { return direction() > 0 && right && stop_r_enable; }
+
+  void set_switches(bool now_left, bool now_right) {
+    const bool take_l =
+        (now_left && !left && latch_l_active) || (left && !now_left && latch_l_inactive);
+    const bool take_r =
+        (now_right && !right && latch_r_active) || (right && !now_right && latch_r_inactive);
+    if (take_l || take_r) xlatch = xactual();
+    latched_l |= take_l;
+    latched_r |= take_r;
+    left = now_left;
+    right = now_right;
+  }
 
   std::int64_t decelerated(std::int64_t speed) const {
     if (speed > 256 * v1) return std::max({speed - dmax, 256 * v1, 256 * vstop});

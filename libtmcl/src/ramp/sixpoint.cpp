@@ -145,6 +145,10 @@ std::int64_t SixPoint::distance() const {
 
 Motion SixPoint::motion() const { return {xactual(), velocity_ / 256, acceleration_}; }
 
+SixPoint::Exact SixPoint::exact() const {
+  return {static_cast<std::int64_t>(position_) >> position_shift, velocity_};
+}
+
 std::string_view SixPoint::phase() const {
   switch (phase_) {
     case Phase::a1: return "A1";
@@ -495,11 +499,10 @@ Tick SixPoint::tick_after(Tick way) const {
   return n <= ticks ? tick_ + n : forever;
 }
 
-// When the speed passes VMAX or leaves it.
-Tick SixPoint::next_speed_match() const {
+// The tick of the run at which the speed comes to this one, or leaves it.
+Tick SixPoint::tick_at_speed(std::int64_t speed) const {
   if (run_.change == 0) return forever;
-  const int heading = run_heading();
-  const auto off = heading * speed_in(Register::vmax) - velocity_;
+  const auto off = run_heading() * speed - velocity_;
   if (off == 0) return tick_ + 1;
   const auto n = off / run_.change;
   if (n < 1 || n * run_.change != off || static_cast<Tick>(n) > run_.end - tick_) return forever;
@@ -512,7 +515,8 @@ Tick SixPoint::next_change() {
   if (run_.phase != phase_ || run_.acceleration != acceleration_ || run_.ticks == 1) {
     return tick_ + 1;
   }
-  auto change = std::min(run_.end == forever ? forever : run_.end + 1, next_speed_match());
+  auto change = std::min({run_.end == forever ? forever : run_.end + 1, tick_at_speed(0),
+                          tick_at_speed(speed_in(Register::vmax))});
   if (run_.reach > tick_) change = std::min(change, run_.reach);
   if (run_heading() != 0 && position_reached()) {
     const auto edge = std::int64_t{value(Register::xtarget)} + (run_heading() > 0 ? 1 : 0);

@@ -98,6 +98,7 @@ class SixPoint {
 
   /// At any time; out_of_range is the only error. Acts from the next tick on.
   Written write(Register name, std::int64_t value);
+  Written write(Mode mode) { return write(Register::rampmode, static_cast<std::int64_t>(mode)); }
   std::int64_t read(Register name) const;
   /// Contradictions between the registers, for positioning and for the velocity modes.
   std::vector<Finding> findings() const;
@@ -126,6 +127,15 @@ class SixPoint {
   void set_switches(bool left, bool right);
   std::int32_t xlatch() const { return xlatch_; }
 
+  /// What the registers do not show.
+  struct Exact {
+    std::int64_t position;  ///< 2^-23 microsteps, -2^54..2^54-1; wraps as XACTUAL does.
+    std::int64_t velocity;  ///< 1/256 of VACTUAL's unit: 2^-23 microsteps a tick.
+    bool operator==(const Exact&) const = default;
+  };
+  Exact exact() const;
+
+  /// All of the state, however it came about.
   bool operator==(const SixPoint&) const = default;
 
  private:
@@ -188,7 +198,7 @@ class SixPoint {
   int run_heading() const;
   Tick way_to(std::int64_t microstep) const;
   Tick tick_after(Tick way) const;
-  Tick next_speed_match() const;
+  Tick tick_at_speed(std::int64_t speed) const;
 
   std::array<std::int32_t, 13> registers_{};
   std::int32_t xlatch_ = 0;
