@@ -7,9 +7,7 @@
 namespace tmcl::test {
 namespace {
 
-using testing::ElementsAre;
 using testing::HasSubstr;
-using testing::Not;
 
 /// As on a shell's command line; standard output and error come together.
 Finished shell(const std::string& words) {
@@ -37,6 +35,48 @@ TEST(TmclctlProfile, NeedsNeitherBusNorDaemon) {
   EXPECT_EQ(number(samples[1].at("v")), 0);
 }
 
+// 512000 microsteps at 256000 pps, 349246 pps/s, VSTART 100 and VSTOP 200 pps: 2.73215 s by the
+// equations of application note AN-035.
+TEST(TmclctlProfile, SixPointAsInTheApplicationNote) {
+  const auto document = simulated(
+      "--generator sixpoint vstart=105 amax=3000 vmax=268435 dmax=3000 d1=3000 vstop=210 "
+      "xtarget=512000");
+  EXPECT_NEAR(number(document.at("duration_s")), 2.73215, 0.0005);
+  EXPECT_EQ(document.at("final_position"), 512000);
+  EXPECT_EQ(document.at("peak_velocity"), 268435);
+}
+
+TEST(TmclctlProfile, SixPointStopsNoSlowerThanItStarts) {
+  const std::string move =
+      "--generator sixpoint vstart=500 amax=3000 vmax=50000 dmax=3000 d1=1 xtarget=5000 ";
+  EXPECT_EQ(simulated(move), simulated(move + "vstop=500"));
+  const auto ran = shell("profile simulate " + move + "vstop=499");
+  EXPECT_EQ(ran.status, 2);
+  EXPECT_THAT(ran.output, HasSubstr("vstop"));
+}
+
+// 100000 steps, S-curve: 39195.010 cycles, with phase I of 100.707 and phase IV of 33532.262.
+TEST(TmclctlProfile, Mc1451aCountsInCycles) {
+  const std::string move =
+      "--generator mc1451a profile=s_curve velocity=180224 acceleration=66 jerk=42950 "
+      "position=100000 ";
+  const auto document = simulated(move);
+  EXPECT_NEAR(number(document.at("duration_s")), 39195.010, 1);
+  EXPECT_EQ(document.at("final_position"), 100000);
+  EXPECT_EQ(document.at("peak_velocity"), 180224);
+  const auto& phases = document.at("phases").as_array();
+  ASSERT_EQ(phases.size(), 7U);
+  EXPECT_EQ(phases[1].at("name"), "II");
+  EXPECT_NEAR(number(phases[1].at("start_s")), 100.707, 1);
+  EXPECT_NEAR(number(phases[4].at("start_s")) - number(phases[3].at("start_s")), 33532.262, 1);
+  const auto in_motion = shell("profile simulate " + move + "--change 500:velocity=1000");
+  EXPECT_EQ(in_motion.status, 2);
+  EXPECT_EQ(in_motion.output,
+            "tmclctl: --change 500:velocity=1000: velocity cannot be changed in motion\n");
+  EXPECT_EQ(shell("profile simulate " + move + "f_clk=16e6").status, 2) << "it has no clock";
+  EXPECT_THAT(shell("profile simulate " + move).output, HasSubstr("steps in 39195.0"));
+}
+
 TEST(TmclctlProfile, WritesCsvForOtherPrograms) {
   const auto ran = shell(
       "profile simulate --generator tmc429 v_max=1000 a_max=500 pulse_div=2 ramp_div=3 "
@@ -52,6 +92,16 @@ TEST(TmclctlProfile, ErrorsAreOneCodeAndOneMessage) {
   const auto in_json = shell("--json profile simulate --generator tmc4 2>/dev/null");
   EXPECT_EQ(in_json.status, 2);
   EXPECT_EQ(boost::json::parse(in_json.output).at("error").at("name"), "unknown_generator");
+}
+
+// Its deceleration is far too steep: the swings get smaller so slowly that it takes hours.
+TEST(TmclctlProfile, ALongOscillationIsCutOff) {
+  const auto ran = shell(
+      "--json profile simulate --generator tmc429 v_max=276 a_max=1 pulse_div=1 ramp_div=5 "
+      "x_target=13396 last_step=r2 pmul=223 pdiv=0 2>&1 >/dev/null");
+  EXPECT_EQ(ran.status, 0);
+  EXPECT_THAT(ran.output, HasSubstr("it changes again and again"));
+  EXPECT_THAT(ran.output, HasSubstr("only the first 10000 phases are listed"));
 }
 
 TEST(TmclctlProfile, DrawsOnATerminal) {

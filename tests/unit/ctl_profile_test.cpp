@@ -357,6 +357,10 @@ TEST_F(CtlProfile, ChangesMayComeInAnyOrder) {
   EXPECT_EQ(json(move_429({"--change", "0:x_target=-1", "--change", "0:x_target=0x10"}))
                 .at("final_position"),
             16);
+  EXPECT_EQ(json(move_429({"--change", "5e-7:x_target=7", "--change", "4e-7:x_target=8"}))
+                .at("final_position"),
+            7)
+      << "within one tick the times still count";
 }
 
 TEST_F(CtlProfile, TheOrderOfTheRegistersDoesNotMatter) {

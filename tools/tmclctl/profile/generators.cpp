@@ -3,6 +3,8 @@
 #include <array>
 
 #include "profile/player.hpp"
+#include "tmcl/ramp/mc1451a.hpp"
+#include "tmcl/ramp/sixpoint.hpp"
 #include "tmcl/ramp/tmc429.hpp"
 
 namespace tmclctl::profile {
@@ -33,6 +35,19 @@ constexpr Default tmc429_defaults[] = {{"v_min", 1}};
 constexpr std::string_view tmc429_last[] = {"pmul",     "pdiv",     "mode",
                                             "v_target", "v_actual", "x_target"};
 
+constexpr Symbol sixpoint_symbols[] = {
+    {"rampmode", "position", 0},
+    {"rampmode", "velocity_positive", 1},
+    {"rampmode", "velocity_negative", 2},
+    {"rampmode", "hold", 3},
+};
+// The data sheet asks for both: at least 10, and not below vstart.
+constexpr Default sixpoint_defaults[] = {{"vstop", 10, "vstart"}};
+constexpr std::string_view sixpoint_last[] = {"rampmode", "xtarget"};
+
+constexpr Symbol mc1451a_symbols[] = {{"profile", "s_curve", 0}, {"profile", "trapezoidal", 1}};
+constexpr std::string_view mc1451a_last[] = {"profile", "position"};
+
 template <Generator G>
 std::unique_ptr<Simulation> simulate(Script script) {
   return std::make_unique<SimulationOf<G>>(std::move(script));
@@ -49,7 +64,13 @@ GeneratorInfo info(std::span<const Symbol> symbols, std::span<const Default> def
 
 std::span<const GeneratorInfo> generators() {
   static const auto all = [] {
-    std::array rows{info<Tmc429>(tmc429_symbols, tmc429_defaults, tmc429_last)};
+    std::array rows{info<Tmc429>(tmc429_symbols, tmc429_defaults, tmc429_last),
+                    info<SixPoint>(sixpoint_symbols, sixpoint_defaults, sixpoint_last),
+                    info<Mc1451a>(mc1451a_symbols, {}, mc1451a_last)};
+    // Its data sheet counts in cycles and steps, however long a cycle is.
+    rows.back().time_unit = "cycles";
+    rows.back().length_unit = "steps";
+    rows.back().clocked = false;
     return rows;
   }();
   return all;

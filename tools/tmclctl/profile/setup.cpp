@@ -29,6 +29,13 @@ std::from_chars_result read_integer(std::string_view text, std::int64_t& value) 
   return read;
 }
 
+/// "Did you mean 'a'? There are a, b"
+std::string choice(std::string_view word, const std::vector<std::string_view>& names) {
+  auto question = tmcl::did_you_mean(word, names);
+  if (!question.empty()) question = question.substr(1) + ' ';
+  return fmt::format("{}There are {}", question, fmt::join(names, ", "));
+}
+
 struct Assignment {
   std::string_view name;
   std::string_view value;
@@ -81,19 +88,16 @@ class Reader {
     for (const auto& symbol : generator_.symbols) {
       if (symbol.register_name == info.name) names.push_back(symbol.name);
     }
-    if (names.empty()) return {};
-    return fmt::format("There are {}.{}", fmt::join(names, ", "), tmcl::did_you_mean(text, names));
+    return names.empty() ? std::string{} : choice(text, names);
   }
 
   Failure unknown_register(std::string_view name) const {
     std::vector<std::string_view> names;
     for (const auto& info : generator_.registers) names.push_back(info.name);
     if (generator_.clocked) names.push_back(clock_name);
-    auto hint = tmcl::did_you_mean(name, names);
-    if (!hint.empty()) hint = hint.substr(1) + ' ';
     return usage_failure("unknown_register",
                          fmt::format("{} has no register '{}'", generator_.name, name),
-                         fmt::format("{}There are {}", hint, fmt::join(names, ", ")));
+                         choice(name, names));
   }
 
   const GeneratorInfo& generator_;
@@ -169,8 +173,10 @@ Attempt<std::vector<Write>> read_start(const GeneratorInfo& generator,
 }
 
 Attempt<std::vector<Change>> read_changes(const Setup& setup, const verb::Simulate& verb) {
+  auto by_time = verb.changes;
+  std::ranges::stable_sort(by_time, {}, &verb::Simulate::Change::time);
   std::vector<Change> changes;
-  for (const auto& change : verb.changes) {
+  for (const auto& change : by_time) {
     if (setup.generator.clocked && is_clock(change.setting)) {
       return tl::unexpected(usage_failure(
           "bad_register",
@@ -181,7 +187,6 @@ Attempt<std::vector<Change>> read_changes(const Setup& setup, const verb::Simula
     write->words = fmt::format("--change {}:{}", change.time, change.setting);
     changes.push_back({setup.tick_at(change.time), std::move(*write)});
   }
-  std::ranges::stable_sort(changes, {}, &Change::tick);
   return changes;
 }
 
@@ -199,11 +204,8 @@ Attempt<const GeneratorInfo*> find_generator(std::string_view name) {
     if (generator.name == name) return &generator;
     names.push_back(generator.name);
   }
-  auto hint = tmcl::did_you_mean(name, names);
-  if (!hint.empty()) hint = hint.substr(1) + ' ';
-  return tl::unexpected(usage_failure("unknown_generator",
-                                      fmt::format("there is no generator '{}'", name),
-                                      fmt::format("{}There are {}", hint, fmt::join(names, ", "))));
+  return tl::unexpected(usage_failure(
+      "unknown_generator", fmt::format("there is no generator '{}'", name), choice(name, names)));
 }
 
 Attempt<Setup> read_setup(const verb::Simulate& verb) {
