@@ -155,16 +155,17 @@ void Tmc429::update_factor() {
   };
   constexpr std::array<Share, 5> shares = {
       {{990, false, 0}, {950, false, 0}, {988, false, 0}, {1000, true, 0}, {1000, true, 1}}};
-  const auto [thousandths, round, less] = shares[static_cast<std::size_t>(factor_rule_)];
-  const auto numerator = static_cast<std::uint64_t>(a_max_) * thousandths << (pulse_div_ + 3U);
+  const auto& share = shares[static_cast<std::size_t>(factor_rule_)];
+  const auto numerator = static_cast<std::uint64_t>(a_max_) * share.thousandths
+                         << (pulse_div_ + 3U);
   const auto denominator = std::uint64_t{1000} << (7U + ramp_div_);
   const auto scaled = [&] {
-    return ((numerator << pdiv_) + (round ? denominator / 2 : 0)) / denominator;
+    return ((numerator << pdiv_) + (share.round ? denominator / 2 : 0)) / denominator;
   };
   pdiv_ = 0;
   while (pdiv_ < greatest_divider && scaled() < 128) ++pdiv_;
   const auto pmul = std::clamp<std::uint64_t>(scaled(), 128, 255) - 128;
-  pmul_ = static_cast<std::uint8_t>(pmul - std::min<std::uint64_t>(pmul, less));
+  pmul_ = static_cast<std::uint8_t>(pmul - std::min<std::uint64_t>(pmul, share.less));
 }
 
 std::vector<Finding> Tmc429::findings() const {

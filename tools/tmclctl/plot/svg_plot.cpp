@@ -10,13 +10,14 @@ namespace tmclctl::plot {
 namespace {
 
 constexpr double picture_width = 860;
-constexpr double picture_height = 540;
 constexpr double left = 92;
 constexpr double right = 24;
 constexpr double panel_width = picture_width - left - right;
 constexpr double panel_height = 185;
-constexpr double first_panel_top = 64;
-constexpr double second_panel_top = 299;
+constexpr double below_title = 64;
+constexpr double below_mark_labels = 18;
+constexpr double panel_distance = 235;
+constexpr double below_panels = 56;  // the times
 // The curve keeps clear of the frame.
 constexpr double padding = 8;
 constexpr int value_ticks = 5;
@@ -36,8 +37,13 @@ constexpr const char* style =
     "    .curve { fill: none; stroke-width: 2; stroke-linejoin: round; stroke-linecap: round }\n"
     "    .position { stroke: #2e86de }\n"
     "    .velocity { stroke: #d9730d }\n"
+    "    .acceleration { stroke: #1f9d55 }\n"
+    "    .jerk { stroke: #a35bd0 }\n"
+    "    .mark { stroke: #808080; stroke-dasharray: 4 3; stroke-width: 1 }\n"
     "    text.position { fill: #2e86de; stroke: none }\n"
     "    text.velocity { fill: #d9730d; stroke: none }\n"
+    "    text.acceleration { fill: #1f9d55; stroke: none }\n"
+    "    text.jerk { fill: #a35bd0; stroke: none }\n"
     "  </style>\n";
 
 class Panel {
@@ -46,6 +52,31 @@ class Panel {
       : curve_(curve), time_(time), values_(curve.values, value_ticks), top_(top) {}
 
   std::string text() const { return frame() + value_axis() + time_grid() + name() + polyline(); }
+
+  std::string marks(const std::vector<Mark>& marks) const {
+    std::string text;
+    for (const auto& mark : marks) {
+      text += fmt::format(
+          "  <line class=\"mark\" x1=\"{0:.1f}\" y1=\"{1}\" x2=\"{0:.1f}\" y2=\"{2}\"/>\n",
+          x_of(mark.time), top_, top_ + panel_height);
+    }
+    return text;
+  }
+
+  /// What the marks say, above the name, where there is room for it.
+  std::string mark_labels(const std::vector<Mark>& marks) const {
+    constexpr double character_width = 8;
+    std::string text;
+    double taken_to = 0;
+    for (const auto& mark : marks) {
+      const double x = x_of(mark.time);
+      if (x < taken_to) continue;
+      text += fmt::format("  <text x=\"{:.1f}\" y=\"{}\">{}</text>\n", x, top_ - 24,
+                          escape_xml(mark.label));
+      taken_to = x + character_width * static_cast<double>(mark.label.size());
+    }
+    return text;
+  }
 
   /// The times under the frame.
   std::string time_labels(const std::string& unit) const {
@@ -134,20 +165,34 @@ std::string escape_xml(const std::string& text) {
   return escaped;
 }
 
+std::string to_svg(const Picture& picture) {
+  const Scale time(picture.curves.front().times, time_ticks);
+  const auto title = escape_xml(picture.title);
+  double top = below_title + (picture.marks.empty() ? 0 : below_mark_labels);
+  const auto bottom =
+      top + panel_distance * static_cast<double>(picture.curves.size() - 1) + panel_height;
+  auto svg =
+      fmt::format(
+          "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 "
+          "{0} {1}\" "
+          "role=\"img\">\n  <title>{2}</title>\n",
+          picture_width, bottom + below_panels, title) +
+      style + fmt::format("  <text class=\"title\" x=\"{}\" y=\"26\">{}</text>\n", left, title);
+  for (const auto& curve : picture.curves) {
+    const Panel panel(curve, time, top);
+    svg += panel.text() + panel.marks(picture.marks);
+    if (&curve == &picture.curves.front()) svg += panel.mark_labels(picture.marks);
+    if (&curve == &picture.curves.back()) svg += panel.time_labels(picture.time_unit);
+    top += panel_distance;
+  }
+  return svg + "</svg>\n";
+}
+
 std::string to_svg(const Recording& recording) {
-  const auto position = position_curve(recording);
-  const auto velocity = velocity_curve(recording);
-  const Scale time(position.times, time_ticks);
-  const Panel lower(velocity, time, second_panel_top);
-  const auto title = escape_xml(summary(recording));
-  return fmt::format(
-             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 "
-             "{0} {1}\" "
-             "role=\"img\">\n  <title>{2}</title>\n",
-             picture_width, picture_height, title) +
-         style + fmt::format("  <text class=\"title\" x=\"{}\" y=\"26\">{}</text>\n", left, title) +
-         Panel(position, time, first_panel_top).text() + lower.text() +
-         lower.time_labels(recording.time_unit) + "</svg>\n";
+  return to_svg({summary(recording),
+                 recording.time_unit,
+                 {position_curve(recording), velocity_curve(recording)},
+                 {}});
 }
 
 }  // namespace tmclctl::plot
