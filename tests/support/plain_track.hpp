@@ -34,7 +34,8 @@ class PlainTrack {
       planner_.next_change();
       if (track.from() == tick_) join(jerk);
       const auto stop = std::min(until, track.until());
-      for (; tick_ < stop; ++tick_) add();
+      add(stop - tick_);
+      tick_ = stop;
       if (tick_ == track.until()) planner_.advance_to(tick_);
       if (track.from() == tick_) join(jerk);
     }
@@ -67,10 +68,14 @@ class PlainTrack {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(high) << (64 - shift) | low);
   }
 
-  void add() {
-    state_.x += state_.v + state_.h + state_.i;
-    state_.v += 2 * state_.h + 3 * state_.i;
-    state_.h += 3 * state_.i;
+  void add(ramp::Tick ticks) {
+    auto [x, v, h, i] = state_;
+    for (; ticks > 0; --ticks) {
+      x += v + h + i;
+      v += 2 * h + 3 * i;
+      h += 3 * i;
+    }
+    state_ = {x, v, h, i};
   }
 
   void join(double jerk) {

@@ -52,13 +52,13 @@ void CubicTrack::begin(const Profile& profile, double acceleration, const Forces
 }
 
 void CubicTrack::next(const Forces& forces, std::int32_t target) {
-  const Tick last = until_ - 1;
-  const double fraction = profile_.ticks[index_] - static_cast<double>(last - from_);
-  start_ = at(last);
+  const double ticks = profile_.ticks[index_];
+  const double left = std::ceil(ticks) - ticks;
+  start_ = at(until_ - 1);
   from_ = until_;
-  move_within_tick(fraction);
+  move_within_tick(1 - left);
   ++index_;
-  enter(1 - fraction, forces, target);
+  enter(left, forces, target);
 }
 
 // Runs through what remains of the tick before from_, and begins the stretch that goes beyond it.
