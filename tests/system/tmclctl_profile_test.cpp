@@ -55,6 +55,18 @@ TEST(TmclctlProfile, SixPointStopsNoSlowerThanItStarts) {
   EXPECT_THAT(ran.output, HasSubstr("vstop"));
 }
 
+// A trapezoid to 5000000 * f / 2^30 microsteps/s at 24624 * f^2 / 2^42 microsteps/s^2, as the units
+// of application note AN-013 have it.
+TEST(TmclctlProfile, Tmc457AsItsUnitsSay) {
+  const auto document =
+      simulated("--generator tmc457 v_max=5000000 a_max_d_max=24624 x_target=50000");
+  const double speed = 5e6 * 16e6 / (1 << 30);
+  const double acceleration = 24624 * 16e6 * 16e6 / 4398046511104.0;
+  EXPECT_NEAR(number(document.at("duration_s")), 50000 / speed + speed / acceleration, 1e-4);
+  EXPECT_EQ(document.at("final_position"), 50000);
+  EXPECT_EQ(document.at("peak_velocity"), 5'000'000);
+}
+
 // 100000 steps, S-curve: 39195.010 cycles, with phase I of 100.707 and phase IV of 33532.262.
 TEST(TmclctlProfile, Mc1451aCountsInCycles) {
   const std::string move =

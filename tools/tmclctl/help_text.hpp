@@ -132,6 +132,8 @@ until it stands on its target, or until --until. Draws position and velocity; --
       x_target=100000
   tmclctl --json profile simulate --generator sixpoint amax=3000 vmax=268000 dmax=3000 \
       d1=3000 xtarget=512000 --sample 0.5,1
+  tmclctl profile simulate --generator tmc457 v_max=5000000 a_max=24624 d_max=24624 bow_max=11 \
+      x_target=50000 --csv 0.01
   tmclctl profile simulate --generator mc1451a profile=s_curve velocity=180224 acceleration=66 \
       jerk=42950 position=100000 --svg s_curve.svg
   tmclctl profile simulate --generator tmc429 mode=velocity v_max=2047 a_max=100 pulse_div=3 \

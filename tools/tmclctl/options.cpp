@@ -305,7 +305,11 @@ void Parser::add_profile() {
   profile.require_subcommand(1);
   auto& simulate = add_verb(profile, "simulate", "What a chip's ramp generator makes of registers",
                             simulate_, help_text::simulate);
-  simulate.add_option("--generator", simulate_.generator, "tmc429, tmc457, sixpoint or mc1451a")
+  std::vector<std::string_view> generators;
+  for (const auto& generator : profile::generators()) generators.push_back(generator.name);
+  simulate
+      .add_option("--generator", simulate_.generator,
+                  fmt::format("One of {}", fmt::join(generators, ", ")))
       ->required()
       ->type_name("NAME");
   simulate

@@ -6,6 +6,7 @@
 #include "tmcl/ramp/mc1451a.hpp"
 #include "tmcl/ramp/sixpoint.hpp"
 #include "tmcl/ramp/tmc429.hpp"
+#include "tmcl/ramp/tmc457.hpp"
 
 namespace tmclctl::profile {
 namespace {
@@ -34,6 +35,11 @@ constexpr Symbol tmc429_symbols[] = {
 constexpr Default tmc429_defaults[] = {{"v_min", 1}};
 constexpr std::string_view tmc429_last[] = {"pmul",     "pdiv",     "mode",
                                             "v_target", "v_actual", "x_target"};
+
+constexpr Symbol tmc457_symbols[] = {
+    {"mode", "position", 0}, {"mode", "velocity", 2}, {"mode", "hold", 3}};
+// a_max_d_max writes two registers, and gives way to what is said of one of them.
+constexpr std::string_view tmc457_last[] = {"a_max", "d_max", "mode", "v_target", "x_target"};
 
 constexpr Symbol sixpoint_symbols[] = {
     {"rampmode", "position", 0},
@@ -65,6 +71,7 @@ GeneratorInfo info(std::span<const Symbol> symbols, std::span<const Default> def
 std::span<const GeneratorInfo> generators() {
   static const auto all = [] {
     std::array rows{info<Tmc429>(tmc429_symbols, tmc429_defaults, tmc429_last),
+                    info<Tmc457>(tmc457_symbols, {}, tmc457_last),
                     info<SixPoint>(sixpoint_symbols, sixpoint_defaults, sixpoint_last),
                     info<Mc1451a>(mc1451a_symbols, {}, mc1451a_last)};
     // Its data sheet counts in cycles and steps, however long a cycle is.
