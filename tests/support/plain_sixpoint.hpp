@@ -172,7 +172,6 @@ struct PlainSixPoint {
     if (v == 0 && d == 0) return;
     if ((v > 0 && d < 0) || (v < 0 && d > 0)) {
       stop(speed);
-      latched = false;
       second_move = second_move || v == 0;
       return;
     }

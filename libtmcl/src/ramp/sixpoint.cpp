@@ -113,7 +113,7 @@ std::vector<Finding> SixPoint::findings() const {
   add(vstop < value(Register::vstart), contradiction,
       text(Register::vstop) + " is below " + text(Register::vstart) +
           ", so a short way may not allow to stop");
-  add(vstop == 0, contradiction, "vstop 0 may not bring it to the target");
+  add(vstop == 0, contradiction, "vstop 0 is not to be set for positioning");
   add(vstop > 0 && vstop < 10, warning, text(Register::vstop) + " is below 10, so it may creep");
   add(value(Register::vmax) < value(Register::vstart), contradiction,
       text(Register::vmax) + " is below " + text(Register::vstart));
@@ -307,7 +307,7 @@ SixPoint::Run SixPoint::to_speed(int heading, std::int64_t next, Phase phase, Ti
 SixPoint::Run SixPoint::stopping() const {
   const bool soft = (value(Register::sw_mode) & en_softstop) != 0;
   if (!soft || speed() <= speed_in(Register::vstop)) return to_speed(0, 0, Phase::rest, 1);
-  return slowing(sign(velocity_), forever);
+  return slowing(sign(velocity_), 0, forever);
 }
 
 // The velocity modes.
@@ -336,9 +336,10 @@ SixPoint::Run SixPoint::positioning() const {
   // Away from the target. Half a turn further on, it would be ahead.
   auto run = to_speed(0, 0, Phase::rest, 1);
   if (speed() > speed_in(Register::vstop)) {
-    run = slowing(heading, at_least_one((half_turn - 1 + heading * left) / speed()));
+    run = slowing(heading, 0, at_least_one((half_turn - 1 + heading * left) / speed()));
   }
   run.turns = true;
+  run.brakes = braking_;
   return run;
 }
 
@@ -367,16 +368,16 @@ SixPoint::Run SixPoint::speeding(int heading, std::int64_t left, const Slew& sle
   const auto change = slew.next - v;
   if (change != slew.step && change != -slew.step) return run;
   auto most = (slew.limit - v) / change;
-  // Around VSTOP the reserve follows another rule.
+  // At VSTOP the reserve may fall by what it takes to come to rest within half a microstep.
   if (change > 0 && v < vstop) most = std::min(most, (vstop - v) / change);
-  if (change < 0 && v > vstop) most = std::min(most, (vstop + 1 - v) / change);
   run.ticks = fitting_steps(left, change, at_least_one(most));
   return run;
 }
 
-// How many of `most` steps leave enough way to brake; the first one does. Speeding up, the way left
-// falls and the reserve grows. Slowing down by less than the braking does, the way left falls
-// faster than the reserve, and by more, it never does.
+// How many of `most` steps leave enough way to brake. The first one does, and once one does not,
+// none will: speeding up, the way left falls and the reserve grows; slowing down by less than the
+// braking would, or below VSTOP, the way left falls faster than the reserve; and slowing down by
+// more, only the end can be too near.
 Tick SixPoint::fitting_steps(std::int64_t left, std::int64_t change, Tick most) const {
   const auto v = speed();
   const auto too_far = [&](Tick n) {
@@ -389,42 +390,48 @@ Tick SixPoint::fitting_steps(std::int64_t left, std::int64_t change, Tick most) 
 
 // Towards the target, with no way left for more speed than `held`.
 SixPoint::Run SixPoint::braking(int heading, std::int64_t left, std::int64_t held) const {
-  const auto v = speed();
-  const auto vstop = speed_in(Register::vstop);
-  const auto spare = left - braking_distance(v);
-  if (v == 0 && held == 0) return standing(forever);  // with VSTOP = 0
-  Run run;
-  if (reserve(held) <= left) {
-    run = to_speed(heading, held, Phase::vstop, 1);
-    if (held == v) run.ticks = static_cast<Tick>((left - reserve(v)) / v + 1);
-    if (held > vstop) run.phase = slowing(heading, 1).phase;
-  } else if (v > vstop) {
-    // The spare way stays the same while it slows down, so it holds once its speed is that low.
-    const auto d = std::max<std::int64_t>(1, -heading * slowing(heading, 1).change);
-    run = slowing(heading, std::min(at_least_one((v - spare - 1) / d + 1),
-                                    at_least_one((half_turn - 1 + left) / v)));
-    run.arrives = v + heading * run.change == vstop && left <= vstop + half_microstep;
-  } else {
-    run.arrives = true;
-  }
-  if (run.arrives) {
-    run = to_speed(0, 0, Phase::rest, 1);
-    run.arrives = true;
-  }
+  if (speed() == 0 && held == 0) return standing(forever);  // VSTOP is 0 and VSTART too fast
+  auto run = reserve(held) <= left ? holding(heading, left, held) : ending(heading, left);
   run.brakes = true;
   return run;
 }
 
-// With DMAX and D1 towards VSTOP, from more than that; `most` ticks at most.
-SixPoint::Run SixPoint::slowing(int heading, Tick most) const {
+SixPoint::Run SixPoint::holding(int heading, std::int64_t left, std::int64_t held) const {
+  const auto ticks = held == speed() ? (left - reserve(held)) / held + 1 : 1;
+  return to_speed(heading, held, held > speed_in(Register::vstop) ? slowing_phase() : Phase::vstop,
+                  static_cast<Tick>(ticks));
+}
+
+SixPoint::Run SixPoint::ending(int heading, std::int64_t left) const {
   const auto v = speed();
   const auto vstop = speed_in(Register::vstop);
-  const auto v1 = speed_in(Register::v1);
-  const bool below_knee = v <= v1;
-  const auto limit = below_knee ? vstop : std::max(v1, vstop);
-  const std::int64_t d = value(below_knee ? Register::d1 : Register::dmax);
-  const auto whole = d == 0 ? most : std::min(most, at_least_one((v - limit - 1) / d));
-  return to_speed(heading, std::max(v - d, limit), below_knee ? Phase::d1 : Phase::dmax, whole);
+  if (v > vstop) {
+    // What is to spare stays the same while it slows down, so it can hold once its speed is as low.
+    const auto run =
+        slowing(heading, left - braking_distance(v), at_least_one((half_turn - 1 + left) / v));
+    const auto next = heading * (velocity_ + run.change);
+    if (next > vstop || left > next + half_microstep) return run;
+  }
+  auto run = to_speed(0, 0, Phase::rest, 1);
+  run.arrives = true;
+  return run;
+}
+
+SixPoint::Phase SixPoint::slowing_phase() const {
+  return speed() <= speed_in(Register::v1) ? Phase::d1 : Phase::dmax;
+}
+
+// With DMAX and D1, from more than VSTOP down to it. The run ends before the speed `floor` and
+// after `most` ticks, but has one tick at least.
+SixPoint::Run SixPoint::slowing(int heading, std::int64_t floor, Tick most) const {
+  const auto v = speed();
+  const auto phase = slowing_phase();
+  const std::int64_t d = value(phase == Phase::d1 ? Register::d1 : Register::dmax);
+  const auto limit = phase == Phase::d1
+                         ? speed_in(Register::vstop)
+                         : std::max(speed_in(Register::v1), speed_in(Register::vstop));
+  const auto ticks = d == 0 ? most : at_least_one((v - std::max(limit, floor) - 1) / d);
+  return to_speed(heading, std::max(v - d, limit), phase, std::min(ticks, most));
 }
 
 // ---- Time
@@ -478,10 +485,9 @@ int SixPoint::run_heading() const { return velocity_ != 0 ? sign(velocity_) : si
 // The way until XACTUAL crosses the lower edge of this microstep, 1..2^55.
 Tick SixPoint::way_to(std::int64_t number) const {
   const auto edge = (static_cast<std::uint64_t>(number) << 32) - (std::uint64_t{1} << 31);
-  const bool up = run_heading() > 0;
   // Upwards the edge itself belongs to the other side already, downwards it does not.
-  const auto way = (up ? edge - position_ : position_ - edge) >> position_shift;
-  return up ? (way == 0 ? Tick{1} << 55 : way) : way + 1;
+  const auto whole = run_heading() > 0 ? edge - position_ - 1 : position_ - edge;
+  return (whole >> position_shift) + 1;
 }
 
 // The tick of the run that completes such a way; `forever` if none does.
@@ -512,9 +518,7 @@ Tick SixPoint::tick_at_speed(std::int64_t speed) const {
 Tick SixPoint::next_change() {
   if (run_.end <= tick_) plan();
   if (tick_ < stands_until_) return stands_until_;
-  if (run_.phase != phase_ || run_.acceleration != acceleration_ || run_.ticks == 1) {
-    return tick_ + 1;
-  }
+  if (run_.phase != phase_ || run_.acceleration != acceleration_) return tick_ + 1;
   auto change = std::min({run_.end == forever ? forever : run_.end + 1, tick_at_speed(0),
                           tick_at_speed(speed_in(Register::vmax))});
   if (run_.reach > tick_) change = std::min(change, run_.reach);

@@ -189,7 +189,10 @@ class SixPoint {
   Run approaching(int heading, std::int64_t left) const;
   Run speeding(int heading, std::int64_t left, const Slew& slew) const;
   Run braking(int heading, std::int64_t left, std::int64_t held) const;
-  Run slowing(int heading, Tick most) const;
+  Run holding(int heading, std::int64_t left, std::int64_t held) const;
+  Run ending(int heading, std::int64_t left) const;
+  Run slowing(int heading, std::int64_t floor, Tick most) const;
+  Phase slowing_phase() const;
   Tick fitting_steps(std::int64_t left, std::int64_t change, Tick most) const;
 
   void plan();
