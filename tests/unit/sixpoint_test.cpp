@@ -553,8 +553,7 @@ TEST(SixPoint, TakesWhatFitsARegisterAndNothingElse) {
 
 // ---- Contradictions
 
-TEST(SixPoint, HasNothingAgainstSensibleSettingsOrNone) {
-  EXPECT_TRUE(SixPoint().findings().empty());
+TEST(SixPoint, HasNothingAgainstSensibleSettings) {
   EXPECT_TRUE(axis_with().findings().empty());
   EXPECT_TRUE(axis_with({{Register::v1, 5'000}, {Register::a1, 10}}).findings().empty());
 }
@@ -562,7 +561,7 @@ TEST(SixPoint, HasNothingAgainstSensibleSettingsOrNone) {
 TEST(SixPoint, NamesContradictions) {
   EXPECT_TRUE(contradicts(axis_with({{Register::vstart, 101}}), "vstop 100 is below vstart 101"));
   EXPECT_TRUE(contradicts(axis_with({{Register::vstop, 0}}), "vstop 0"));
-  EXPECT_TRUE(finds(axis_with({{Register::vstop, 9}}), Finding::Severity::warning, "vstop 9"));
+  EXPECT_TRUE(contradicts(axis_with({{Register::vstop, 9}}), "vstop 9 is below 10"));
   EXPECT_TRUE(contradicts(axis_with({{Register::amax, 0}}), "amax 0"));
   EXPECT_TRUE(contradicts(axis_with({{Register::dmax, 0}}), "dmax 0"));
   EXPECT_TRUE(contradicts(axis_with({{Register::v1, 50}}), "a1 0"));
@@ -570,6 +569,12 @@ TEST(SixPoint, NamesContradictions) {
   EXPECT_TRUE(finds(axis_with({{Register::d1, 0}}), Finding::Severity::warning, "d1 0"));
   EXPECT_TRUE(contradicts(axis_with({{Register::vmax, 50}, {Register::vstart, 60}}),
                           "vmax 50 is below vstart 60"));
+}
+
+TEST(SixPoint, WarnsThatItWillNotMove) {
+  EXPECT_TRUE(finds(SixPoint(), Finding::Severity::warning, "vmax 0"));
+  EXPECT_TRUE(contradicts(axis_with({{Register::vmax, 0}, {Register::vstart, 101}}),
+                          "vstop 100 is below vstart 101"));
 }
 
 TEST(SixPoint, AsksLessInVelocityMode) {

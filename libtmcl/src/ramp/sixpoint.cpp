@@ -105,16 +105,21 @@ std::vector<Finding> SixPoint::findings() const {
   constexpr auto warning = Finding::Severity::warning;
   const auto is_zero = [this](Register name) { return value(name) == 0; };
 
-  if (mode() == Mode::hold || is_zero(Register::vmax)) return found;
+  const bool positioning = mode() == Mode::position;
+  if (mode() == Mode::hold) return found;
+  if (positioning) {
+    const auto vstop = value(Register::vstop);
+    add(vstop < value(Register::vstart), contradiction,
+        text(Register::vstop) + " is below " + text(Register::vstart) +
+            ", so a short way may not allow to stop");
+    add(vstop < 10, contradiction,
+        text(Register::vstop) + " is below 10, the least for positioning");
+  }
+  add(is_zero(Register::vmax), warning, "vmax 0: the motor does not move");
+  if (is_zero(Register::vmax)) return found;
   add(is_zero(Register::amax), contradiction, "amax 0 cannot change the velocity");
-  if (mode() != Mode::position) return found;
+  if (!positioning) return found;
 
-  const auto vstop = value(Register::vstop);
-  add(vstop < value(Register::vstart), contradiction,
-      text(Register::vstop) + " is below " + text(Register::vstart) +
-          ", so a short way may not allow to stop");
-  add(vstop == 0, contradiction, "vstop 0 is not to be set for positioning");
-  add(vstop > 0 && vstop < 10, warning, text(Register::vstop) + " is below 10, so it may creep");
   add(value(Register::vmax) < value(Register::vstart), contradiction,
       text(Register::vmax) + " is below " + text(Register::vstart));
   add(is_zero(Register::dmax), contradiction, "dmax 0 cannot brake");
