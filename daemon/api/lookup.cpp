@@ -97,7 +97,9 @@ Lookup<ParameterChoice> parameter_of(const Call& call, const GatewayAxis& axis) 
 
 std::optional<RpcError> check_range(const tmcl::ParameterInfo* row, std::int64_t value,
                                     std::string_view param) {
-  if (row == nullptr || (value >= row->minimum && value <= row->maximum)) return std::nullopt;
+  // Where the range depends on the unit mode, the module is left to judge.
+  if (row == nullptr || row->scale != tmcl::Scale::fixed) return std::nullopt;
+  if (value >= row->minimum && value <= row->maximum) return std::nullopt;
   return param_error("out_of_range", param,
                      std::to_string(value) + " is outside " + std::to_string(row->minimum) + ".." +
                          std::to_string(row->maximum) + ", the range of " + std::string(row->name));

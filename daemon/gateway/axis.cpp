@@ -13,8 +13,6 @@ using boost::asio::awaitable;
 using tmcl::Microsteps;
 using tmcl::Result;
 
-constexpr std::uint8_t pulse_divisor_parameter = 154;
-
 tmcl::Error superseded(const AxisConfig& axis) {
   tmcl::Error error;
   error.code = tmcl::Errc::superseded_by_stop;
@@ -153,7 +151,10 @@ GatewayAxis::Awaitable<void> GatewayAxis::set(std::uint8_t parameter, std::int32
   if (!ready) co_return ready;
   auto result = co_await run(tmcl::verbs::set(address(), parameter, value), std::move(movement));
   // Also after a failure: the value may have been set all the same.
-  if (parameter == pulse_divisor_parameter) pulse_divisor_.reset();
+  const auto* model = module_.model();
+  if (model != nullptr && parameter == tmcl::velocity_unit_parameter(model->family)) {
+    velocity_unit_.reset();
+  }
   co_return result;
 }
 
@@ -174,15 +175,16 @@ awaitable<std::optional<double>> GatewayAxis::to_pps(tmcl::InternalVelocity velo
   const auto* model = module_.model();
   if (model == nullptr) co_return std::nullopt;
   const auto epoch = module_.settings_epoch();
-  if (!pulse_divisor_ || pulse_divisor_->settings_epoch != epoch) {
+  if (!velocity_unit_ || velocity_unit_->settings_epoch != epoch) {
     RunOptions options;
-    const auto script_result =
-        co_await run(tmcl::verbs::get(address(), pulse_divisor_parameter), std::move(options));
-    if (!script_result || *script_result < 0 || *script_result > 13) co_return std::nullopt;
-    pulse_divisor_ = PulseDivisor{epoch, static_cast<std::uint8_t>(*script_result)};
+    const auto parameter = tmcl::velocity_unit_parameter(model->family);
+    const auto value = co_await run(tmcl::verbs::get(address(), parameter), std::move(options));
+    if (!value) co_return std::nullopt;
+    const auto unit = tmcl::velocity_unit(model->family, *value);
+    if (!unit) co_return std::nullopt;
+    velocity_unit_ = VelocityUnit{epoch, *unit};
   }
-  const tmcl::Tmc429Dividers dividers{pulse_divisor_->exponent, 0};
-  co_return tmcl::to_pps(velocity, dividers).value;
+  co_return velocity.value * velocity_unit_->unit.value;
 }
 
 const std::shared_ptr<AxisPoller>& GatewayAxis::poller() {

@@ -80,11 +80,12 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   std::shared_ptr<GatewayBus> bus_;
   GatewayModule& module_;
   std::uint64_t stops_ = 0;
-  struct PulseDivisor {
+  /// What the module counts velocities in, until its settings may have changed.
+  struct VelocityUnit {
     std::uint64_t settings_epoch;
-    std::uint8_t exponent;
+    tmcl::PulsesPerSecond unit;
   };
-  std::optional<PulseDivisor> pulse_divisor_;
+  std::optional<VelocityUnit> velocity_unit_;
   std::shared_ptr<AxisPoller> poller_;
 };
 

@@ -5,6 +5,7 @@
 namespace tmcl::sim {
 namespace {
 
+namespace ap = axis_parameter;
 namespace gp = global_parameter;
 
 constexpr std::uint8_t suppress_reply = 255;
@@ -12,11 +13,6 @@ constexpr std::uint8_t move_absolute = 0;
 constexpr std::uint8_t move_relative = 1;
 constexpr std::uint8_t event_once = 0;
 constexpr std::uint8_t event_always = 1;
-constexpr std::int32_t greatest_velocity = 2047;
-constexpr std::int32_t position_limit = 1 << 23;
-// A motor in a ramp is looked at now and then, so that nobody has to wait for hours of ramps to be
-// worked out at once. One that stands or turns steadily needs no attention.
-constexpr auto housekeeping = std::chrono::seconds(1);
 
 Answer echo(const Request& request, Status status = Status::ok) {
   return {Answer::Form::reply, status, request.value};
@@ -28,9 +24,6 @@ Answer reading(const tl::expected<std::int32_t, Status>& result) {
   return {Answer::Form::reply, result ? Status::ok : result.error(), result.value_or(0)};
 }
 
-bool in_velocity_range(std::int32_t v) { return v >= -greatest_velocity && v <= greatest_velocity; }
-bool in_position_range(std::int32_t x) { return x >= -position_limit && x < position_limit; }
-
 }  // namespace
 
 Module::Module(const Model& model, ModuleAddress address, const Clock& clock)
@@ -39,8 +32,9 @@ Module::Module(const Model& model, ModuleAddress address, const Clock& clock)
       power_on_(clock.now()),
       axes_at_(power_on_),
       globals_(address, clock),
-      axes_(model.axes, Axis(model.family)),
-      events_(model.axes, power_on_) {}
+      events_(model.axes) {
+  for (int i = 0; i < model.axes; ++i) axes_.emplace_back(model.family, power_on_);
+}
 
 FirmwareVersion Module::version() const { return {model_->number, 1, 1}; }
 
@@ -70,12 +64,10 @@ Answer Module::dispatch(const Request& request, EventSink& from) {
 }
 
 Answer Module::rotate(const Request& request, std::int32_t sign) {
-  if (!has_motor(request) || !in_velocity_range(request.value)) {
-    return echo(request, Status::invalid_value);
-  }
-  events_.move_abandoned(request.motor);
-  axes_[request.motor].rotate(sign * request.value);
-  return echo(request);
+  if (!has_motor(request)) return echo(request, Status::invalid_value);
+  const auto status = axes_[request.motor].rotate(std::int64_t{sign} * request.value);
+  if (status == Status::ok) events_.move_abandoned(request.motor);
+  return echo(request, status);
 }
 
 Answer Module::stop(const Request& request) {
@@ -89,14 +81,15 @@ Answer Module::move(const Request& request) {
   if (request.type != move_absolute && request.type != move_relative) {
     return echo(request, Status::wrong_type);
   }
-  if (!has_motor(request) || !in_position_range(request.value)) {
-    return echo(request, Status::invalid_value);
-  }
+  if (!has_motor(request)) return echo(request, Status::invalid_value);
   auto& axis = axes_[request.motor];
-  const std::int64_t origin = request.type == move_relative ? axis.chip().x_actual() : 0;
-  axis.move_to(origin + request.value);
+  const bool relative = request.type == move_relative;
+  const auto status = relative ? axis.move_by(request.value) : axis.move_to(request.value);
+  if (status != Status::ok) return echo(request, status);
   events_.move_begun(request.motor);
-  return echo(request);
+  // The newer firmware tells where a relative movement goes.
+  return relative && model_->family == Family::sixpoint ? reading(axis.get(ap::target_position))
+                                                        : echo(request);
 }
 
 Answer Module::set_axis_parameter(const Request& request) {
@@ -105,9 +98,7 @@ Answer Module::set_axis_parameter(const Request& request) {
     const bool writable = row != nullptr && row->access == Access::read_write;
     return echo(request, writable ? Status::invalid_value : Status::wrong_type);
   }
-  const auto status = axes_[request.motor].set(request.type, request.value);
-  events_.ramp_changed(request.motor);
-  return echo(request, status);
+  return echo(request, axes_[request.motor].set(request.type, request.value));
 }
 
 Answer Module::get_axis_parameter(const Request& request) const {
@@ -174,8 +165,7 @@ void Module::stop_if_silent(TimePoint now) {
 
 void Module::bring_axes_to(TimePoint time) {
   axes_at_ = std::max(axes_at_, time);
-  const auto tick = static_cast<ramp::Tick>((axes_at_ - power_on_) / ramp::Tmc429::base_tick);
-  for (auto& axis : axes_) axis.advance_to(tick);
+  for (auto& axis : axes_) axis.advance_to(axes_at_);
 }
 
 void Module::run_due() {
@@ -186,10 +176,9 @@ void Module::run_due() {
 }
 
 TimePoint Module::next_due() const {
-  const auto due = std::min({serial_due(), can_due(), events_.next_due()});
-  const bool settled =
-      std::ranges::all_of(axes_, [](const Axis& axis) { return axis.chip().settled(); });
-  return settled ? due : std::min(due, axes_at_ + housekeeping);
+  auto due = std::min({serial_due(), can_due(), events_.next_due(axes_)});
+  for (const auto& axis : axes_) due = std::min(due, axis.outlook().look_again);
+  return due;
 }
 
 }  // namespace tmcl::sim

@@ -33,10 +33,11 @@ struct Answer {
 };
 
 /// Does no I/O. Time is that of the clock it was built with; motors are brought up to date whenever
-/// someone looks, to the microsecond of what happened in between.
+/// someone looks, to the tick of what happened in between.
 ///
 /// Errors come in the order checksum (found by the receiver), command, type, motor or bank, value.
-/// Except for what a command reads, a reply's value repeats the request's.
+/// Except for what a command reads, a reply's value repeats the request's; only a relative movement
+/// of a sixPoint module tells its target.
 class Module {
  public:
   /// `address` applies to serial lines and CAN alike. The clock must outlive the module.

@@ -4,13 +4,6 @@
 #include <bit>
 
 namespace tmcl::sim {
-namespace {
-
-// A movement takes some dozens of changes. One that oscillates takes any number, so it is looked at
-// again when these are over.
-constexpr std::size_t changes_foreseen = 1000;
-
-}  // namespace
 
 void TargetEvents::arm_once(std::uint32_t motors, EventSink& sink) {
   for (std::size_t i = 0; i < watches_.size(); ++i) {
@@ -38,31 +31,21 @@ void TargetEvents::move_begun(std::size_t motor) {
   auto& watch = watches_[motor];
   if (watch.armed != nullptr) watch.pending = watch.armed;
   if (!watch.always) watch.armed = nullptr;
-  ramp_changed(motor);
 }
 
-TimePoint TargetEvents::next_due() const {
+TimePoint TargetEvents::next_due(std::span<const Axis> axes) const {
   auto due = never;
-  for (const auto& watch : watches_) {
-    if (watch.pending != nullptr) due = std::min(due, watch.look_at);
+  for (std::size_t i = 0; i < watches_.size(); ++i) {
+    if (watches_[i].pending != nullptr) due = std::min(due, axes[i].outlook().arrival);
   }
   return due;
-}
-
-bool TargetEvents::arrived(Watch& watch, const Axis& axis, TimePoint now) const {
-  if (watch.pending == nullptr || watch.look_at > now) return false;
-  const auto& chip = axis.chip();
-  if (chip.arrived()) return true;
-  const auto ahead = ramp::look_ahead(chip, ramp::last_tick, changes_foreseen);
-  const auto then = power_on_ + static_cast<Duration::rep>(ahead.tick()) * ramp::Tmc429::base_tick;
-  watch.look_at = ahead.settled() && !ahead.arrived() ? never : then;
-  return false;
 }
 
 void TargetEvents::run_due(TimePoint now, std::span<const Axis> axes, const Module& module) {
   std::uint32_t motors = 0;
   for (std::size_t i = 0; i < watches_.size(); ++i) {
-    if (arrived(watches_[i], axes[i], now)) motors |= 1U << i;
+    if (watches_[i].pending == nullptr || axes[i].outlook().arrival > now) continue;
+    motors |= 1U << i;
   }
   report(motors, module);
 }

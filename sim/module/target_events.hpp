@@ -20,8 +20,7 @@ namespace tmcl::sim {
 /// motors.
 class TargetEvents {
  public:
-  /// `power_on` is tick 0 of every axis.
-  TargetEvents(std::size_t axes, TimePoint power_on) : watches_(axes), power_on_(power_on) {}
+  explicit TargetEvents(std::size_t axes) : watches_(axes) {}
 
   /// For the next positioning of these motors.
   void arm_once(std::uint32_t motors, EventSink& sink);
@@ -32,10 +31,8 @@ class TargetEvents {
 
   void move_begun(std::size_t motor);
   void move_abandoned(std::size_t motor) { watches_[motor].pending = nullptr; }
-  /// Something was written that may change when the motor arrives.
-  void ramp_changed(std::size_t motor) { watches_[motor].look_at = TimePoint::min(); }
 
-  TimePoint next_due() const;
+  TimePoint next_due(std::span<const Axis> axes) const;
   /// The axes must have been brought to `now`. Motors that arrived by the same time and for the
   /// same sink share a report.
   void run_due(TimePoint now, std::span<const Axis> axes, const Module& module);
@@ -45,14 +42,11 @@ class TargetEvents {
     EventSink* armed = nullptr;
     bool always = false;
     EventSink* pending = nullptr;
-    TimePoint look_at{};
   };
 
-  bool arrived(Watch& watch, const Axis& axis, TimePoint now) const;
   void report(std::uint32_t motors, const Module& module);
 
   std::vector<Watch> watches_;
-  TimePoint power_on_;
 };
 
 }  // namespace tmcl::sim

@@ -99,7 +99,7 @@ TEST_F(SimCan, ObeysItsSecondaryIdentifierInSilence) {
       encode_can(Request{ModuleAddress{1}, Command::SGP, gp::can_secondary_address, 0, 0x40}));
   EXPECT_FALSE(ask_frame(encode_can(Request{ModuleAddress{0x40}, Command::ROR, 0, 0, 100})));
   pass(milliseconds(100));
-  EXPECT_EQ(module.axis(0).chip().v_actual(), 100);
+  EXPECT_EQ(module.axis(0).get(axis_parameter::actual_velocity), 100);
 }
 
 TEST_F(SimCan, AnswersTwiceWhenTwoModulesHaveOneIdentifier) {
@@ -113,9 +113,9 @@ TEST_F(SimCan, StopsTheMotorsWhenTheCanHostFallsSilent) {
   ask_frame(encode_can(Request{ModuleAddress{1}, Command::SGP, gp::can_heartbeat, 0, 100}));
   ask_frame(encode_can(Request{ModuleAddress{1}, Command::ROR, 0, 0, 1000}));
   pass(milliseconds(99));
-  EXPECT_EQ(module.axis(0).chip().v_actual(), 1000);
+  EXPECT_EQ(module.axis(0).get(axis_parameter::actual_velocity), 1000);
   pass(milliseconds(20));
-  EXPECT_EQ(module.axis(0).chip().v_actual(), 0);
+  EXPECT_EQ(module.axis(0).get(axis_parameter::actual_velocity), 0);
 }
 
 TEST_F(SimCan, ServesTheSameModuleAsTheSerialLine) {

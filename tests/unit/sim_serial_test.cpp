@@ -71,7 +71,7 @@ TEST_F(SimSerial, DoesNotExecuteWhatCameWithAWrongChecksum) {
   ++bytes[8];
   line.receive(bytes);
   pass(milliseconds(100));
-  EXPECT_EQ(module.axis(0).chip().v_actual(), 0);
+  EXPECT_EQ(module.axis(0).get(axis_parameter::actual_velocity), 0);
 }
 
 TEST_F(SimSerial, LetsSeveralModulesShareALine) {
@@ -108,8 +108,8 @@ TEST_F(SimSerial, ObeysItsSecondaryAddressInSilence) {
   }
   EXPECT_FALSE(ask({ModuleAddress{100}, Command::ROR, 0, 0, 500}));
   pass(milliseconds(100));
-  EXPECT_EQ(first.axis(0).chip().v_actual(), 500);
-  EXPECT_EQ(second.axis(0).chip().v_actual(), 500);
+  EXPECT_EQ(first.axis(0).get(axis_parameter::actual_velocity), 500);
+  EXPECT_EQ(second.axis(0).get(axis_parameter::actual_velocity), 500);
 }
 
 TEST_F(SimSerial, HasNoSecondaryAddressAtFirst) {

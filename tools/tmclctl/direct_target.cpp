@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "names.hpp"
-
 namespace tmclctl {
 namespace {
 
@@ -89,24 +87,35 @@ Attempt<std::vector<AxisRow>> DirectTarget::axes() {
   });
 }
 
+Attempt<std::span<const tmcl::ParameterInfo>> DirectTarget::table_of(tmcl::ModuleAddress module) {
+  const auto known = tables_.find(module);
+  if (known != tables_.end()) return known->second;
+  const auto found = attempt(bus_.module(module).identify());
+  if (!found) return tl::unexpected(found.error());
+  const auto* model = tmcl::find_model(found->version.model);
+  const auto table = model != nullptr ? tmcl::axis_parameters(model->family) : common_parameters();
+  return tables_[module] = table;
+}
+
+Attempt<ParameterName> DirectTarget::parameter_of(tmcl::ModuleAddress module,
+                                                  const std::string& text) {
+  return table_of(module).and_then([&](auto table) { return parse_parameter(table, text); });
+}
+
 Attempt<std::vector<ParameterRow>> DirectTarget::parameters(const std::string& axis) {
   const auto address = parse_axis_address(axis);
   if (!address) return tl::unexpected(address.error());
-  const auto found = attempt(bus_.module(address->module).identify());
-  if (!found) return tl::unexpected(found.error());
-  const auto* model = tmcl::find_model(found->version.model);
-  std::vector<ParameterRow> rows;
-  for (const auto& info :
-       model != nullptr ? tmcl::axis_parameters(model->family) : common_parameters()) {
-    rows.push_back(row_of(info));
-  }
-  return rows;
+  return table_of(address->module).map([](auto table) {
+    std::vector<ParameterRow> rows;
+    for (const auto& info : table) rows.push_back(row_of(info));
+    return rows;
+  });
 }
 
 Attempt<ParameterValue> DirectTarget::get(const std::string& axis, const std::string& parameter) {
   auto at = axis_at(axis);
   if (!at) return tl::unexpected(at.error());
-  const auto name = parse_parameter(common_parameters(), parameter);
+  const auto name = parameter_of(at->address().module, parameter);
   if (!name) return tl::unexpected(name.error());
   return attempt(at->get(name->number)).map([&](std::int32_t value) {
     return ParameterValue{name->number, name->name, value};
@@ -117,7 +126,7 @@ Attempt<ParameterValue> DirectTarget::set(const std::string& axis, const std::st
                                           std::int32_t value) {
   auto at = axis_at(axis);
   if (!at) return tl::unexpected(at.error());
-  const auto name = parse_parameter(common_parameters(), parameter);
+  const auto name = parameter_of(at->address().module, parameter);
   if (!name) return tl::unexpected(name.error());
   return attempt(at->set(name->number, value)).map([&] {
     return ParameterValue{name->number, name->name, value};

@@ -1,8 +1,11 @@
 /// Axes straight on a bus that this program opens for itself.
 #pragma once
 
+#include <map>
+#include <span>
 #include <string>
 
+#include "names.hpp"
 #include "target.hpp"
 #include "tmcl/blocking.hpp"
 
@@ -33,11 +36,15 @@ class DirectTarget final : public Target {
 
  private:
   Attempt<tmcl::blocking::Axis> axis_at(const std::string& name);
+  Attempt<std::span<const tmcl::ParameterInfo>> table_of(tmcl::ModuleAddress module);
+  Attempt<ParameterName> parameter_of(tmcl::ModuleAddress module, const std::string& text);
   void stop_motors(const tmcl::FoundModule& module, std::vector<StoppedAxis>& stopped);
 
   tmcl::blocking::Bus bus_;
   tmcl::Framing framing_;
   Patience& patience_;
+  /// Of the modules that were asked what they are.
+  std::map<tmcl::ModuleAddress, std::span<const tmcl::ParameterInfo>> tables_;
 };
 
 }  // namespace tmclctl

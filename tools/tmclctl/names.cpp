@@ -1,5 +1,6 @@
 #include "names.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <vector>
 
@@ -19,6 +20,44 @@ std::optional<Integer> parse_whole(std::string_view text) {
 }
 
 constexpr std::uint16_t greatest_address = 2047;
+
+template <class Condition>
+bool in_all_families(Condition holds) {
+  return std::ranges::all_of(
+      tmcl::families, [&](tmcl::Family family) { return holds(tmcl::axis_parameters(family)); });
+}
+
+bool is_nothing_else(std::string_view name, std::uint8_t number) {
+  return in_all_families([&](auto table) {
+    const auto* row = find_parameter(table, name);
+    return row == nullptr || row->number == number;
+  });
+}
+
+bool has_no_other_name(const tmcl::ParameterInfo& info) {
+  return in_all_families([&](auto table) {
+    const auto* row = find_parameter(table, info.number);
+    return row == nullptr || row->name == info.name;
+  });
+}
+
+void add_common(std::vector<tmcl::ParameterInfo>& common, tmcl::ParameterInfo row) {
+  if (std::ranges::count(common, row.number, &tmcl::ParameterInfo::number) != 0) return;
+  if (!has_no_other_name(row) || !is_nothing_else(row.name, row.number)) return;
+  for (auto& alias : row.aliases) {
+    if (!is_nothing_else(alias, row.number)) alias = {};
+  }
+  common.push_back(row);
+}
+
+std::vector<tmcl::ParameterInfo> make_common() {
+  std::vector<tmcl::ParameterInfo> common;
+  for (const auto family : tmcl::families) {
+    for (const auto& row : tmcl::axis_parameters(family)) add_common(common, row);
+  }
+  std::ranges::sort(common, {}, &tmcl::ParameterInfo::number);
+  return common;
+}
 
 }  // namespace
 
@@ -66,7 +105,8 @@ Attempt<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> tabl
 }
 
 std::span<const tmcl::ParameterInfo> common_parameters() {
-  return tmcl::axis_parameters(tmcl::Family::tmc429);
+  static const auto common = make_common();
+  return common;
 }
 
 }  // namespace tmclctl

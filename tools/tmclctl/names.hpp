@@ -22,7 +22,8 @@ struct ParameterName {
 Attempt<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> table,
                                        std::string_view text);
 
-/// The axis parameters of modules whose model was not asked for.
+/// The axis parameters of modules whose model is not known: those that mean the same wherever they
+/// exist, with the names that do.
 std::span<const tmcl::ParameterInfo> common_parameters();
 
 }  // namespace tmclctl

@@ -409,8 +409,11 @@ Information Parser::complete() const {
     }
   }
   if (complete_.what == "parameters") {
-    for (const auto& row : tmcl::axis_parameters(tmcl::Family::tmc429))
-      words.emplace_back(row.name);
+    for (const auto family : tmcl::families) {
+      for (const auto& row : tmcl::axis_parameters(family)) {
+        if (std::ranges::count(words, row.name) == 0) words.emplace_back(row.name);
+      }
+    }
   }
   if (complete_.what == "commands") {
     for (const auto& row : tmcl::command_table()) words.emplace_back(row.name);

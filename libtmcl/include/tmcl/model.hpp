@@ -1,18 +1,25 @@
 /// The modules this library knows by name.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <string_view>
 
 namespace tmcl {
 
-/// Modules of a family share a ramp generator and the meaning of their parameter numbers.
-enum class Family : std::uint8_t { tmc429 };
+/// Modules of a family share a ramp generator and the meaning of their parameter numbers. The same
+/// number may mean something else in another family.
+enum class Family : std::uint8_t {
+  tmc429,    ///< Trapezoids; velocities -2047..2047 that dividers scale.
+  tmc457,    ///< S-shaped ramps; 32-bit registers, or microsteps per second.
+  sixpoint,  ///< The TMC5130 and its relatives; microsteps per second, or the chip's units.
+};
+inline constexpr std::array families{Family::tmc429, Family::tmc457, Family::sixpoint};
 
 struct Model {
   std::uint16_t number;   ///< What the firmware reports, such as 1110.
-  std::string_view name;  ///< "TMCM-1110"
+  std::string_view name;  ///< "TMCM-1110"; what follows the '-' is the number.
   std::uint8_t axes;
   Family family;
 };
@@ -20,7 +27,8 @@ struct Model {
 std::span<const Model> models();
 /// Null for a model that is not known.
 const Model* find_model(std::uint16_t number);
-/// "TMCM-1110", "tmcm1110" and "1110" are one. Null for a model that is not known.
+/// "TMCM-1110", "tmcm1110" and "1110" are one, as are "PD-146" and "146". Null for a model that is
+/// not known.
 const Model* find_model(std::string_view name);
 
 }  // namespace tmcl

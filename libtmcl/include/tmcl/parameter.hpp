@@ -3,14 +3,23 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string_view>
 
 #include "tmcl/model.hpp"
+#include "tmcl/units.hpp"
 
 namespace tmcl {
 
 enum class Access : std::uint8_t { read, read_write };
+
+/// Whether axis parameter 255, the unit mode, says what a value is counted in.
+enum class Scale : std::uint8_t {
+  fixed,         ///< It does not.
+  velocity,      ///< The chip's units, or microsteps per second.
+  acceleration,  ///< The chip's units, or microsteps per second squared.
+};
 
 struct ParameterInfo {
   std::uint8_t number;
@@ -18,12 +27,13 @@ struct ParameterInfo {
   std::array<std::string_view, 2>
       aliases;  ///< Other names in use, the chip's register among them; may be empty.
   Access access;
-  bool stored;  ///< Can be kept in the EEPROM.
-  std::int32_t minimum;
+  bool stored;           ///< Can be kept in the EEPROM.
+  std::int32_t minimum;  ///< As the maximum, in the unit mode that a module starts with.
   std::int32_t maximum;
   std::int32_t initial;  ///< Factory default; 0 where it is a reading.
   std::string_view unit;
   std::string_view meaning;
+  Scale scale = Scale::fixed;
 };
 
 /// Numbers the library itself uses. The same on every family of modules.
@@ -54,6 +64,11 @@ constexpr std::uint8_t serial_secondary_address = 87;
 
 /// The axis parameters of a family, ascending by number.
 std::span<const ParameterInfo> axis_parameters(Family family);
+/// The parameter that says what the module counts velocities in.
+std::uint8_t velocity_unit_parameter(Family family);
+/// What one unit of the parameters 2, 3 and 4 is when that parameter has this value; nothing for a
+/// value that it cannot have.
+std::optional<PulsesPerSecond> velocity_unit(Family family, std::int32_t value);
 /// The global parameters of bank 0, ascending by number.
 std::span<const ParameterInfo> global_parameters();
 

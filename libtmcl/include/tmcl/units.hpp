@@ -12,13 +12,15 @@ struct Microsteps {
   auto operator<=>(const Microsteps&) const = default;
 };
 
-/// A velocity as the module's parameters 2, 3 and 4 count it: -2047..2047 on TMC429 modules.
+/// A velocity as the module's parameters 2, 3 and 4 count it: -2047..2047 on TMC429 modules, and
+/// what axis parameter 255 says on others.
 struct InternalVelocity {
   std::int32_t value = 0;
   auto operator<=>(const InternalVelocity&) const = default;
 };
 
-/// An acceleration as the module's parameter 5 counts it: 0..2047 on TMC429 modules.
+/// An acceleration as the module's parameter 5 counts it: 0..2047 on TMC429 modules, and what axis
+/// parameter 255 says on others.
 struct InternalAcceleration {
   std::int32_t value = 0;
   auto operator<=>(const InternalAcceleration&) const = default;
@@ -55,5 +57,21 @@ constexpr PulsesPerSecond2 to_pps2(InternalAcceleration acceleration, Tmc429Divi
   return {tmc429_clock_hz * tmc429_clock_hz * acceleration.value /
           static_cast<double>(1ULL << (dividers.pulse + dividers.ramp + 29U))};
 }
+
+/// What one unit of a register is in microsteps and seconds, with the 16 MHz of TMCM modules;
+/// exact.
+struct RegisterUnit {
+  std::int64_t numerator;
+  std::int64_t denominator;
+};
+
+/// f / 2^30; application note "Motion Control Profile Parameterization".
+constexpr RegisterUnit tmc457_velocity_unit{15'625, 1 << 20};
+/// f^2 / 2^42; the same application note.
+constexpr RegisterUnit tmc457_acceleration_unit{244'140'625, 1 << 22};
+/// f / 2^24; TMC5130, TMC5160 and TMC5072 data sheets.
+constexpr RegisterUnit sixpoint_velocity_unit{15'625, 1 << 14};
+/// f^2 / 2^41; the same data sheets.
+constexpr RegisterUnit sixpoint_acceleration_unit{244'140'625, 1 << 21};
 
 }  // namespace tmcl

@@ -12,9 +12,10 @@ constexpr auto all = std::to_array<Model>({
     {1110, "TMCM-1110", 1, Family::tmc429},
     {3110, "TMCM-3110", 3, Family::tmc429},
     {6110, "TMCM-6110", 6, Family::tmc429},
+    {142, "TMCM-142", 1, Family::tmc457},
+    {146, "PD-146", 1, Family::tmc457},
+    {6212, "TMCM-6212", 6, Family::sixpoint},
 });
-
-constexpr std::string_view prefix = "TMCM-";
 
 }  // namespace
 
@@ -27,7 +28,8 @@ const Model* find_model(std::uint16_t number) {
 
 const Model* find_model(std::string_view name) {
   const auto* row = std::ranges::find_if(all, [&](const Model& model) {
-    return text::equal_as_name(model.name, name) || model.name.substr(prefix.size()) == name;
+    return text::equal_as_name(model.name, name) ||
+           model.name.substr(model.name.find('-') + 1) == name;
   });
   return row == all.end() ? nullptr : row;
 }

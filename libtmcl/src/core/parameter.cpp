@@ -1,8 +1,10 @@
 #include "tmcl/parameter.hpp"
 
 #include <algorithm>
+#include <limits>
 
 #include "core/text.hpp"
+#include "tmcl/units.hpp"
 
 namespace tmcl {
 namespace {
@@ -12,6 +14,16 @@ constexpr auto rw = Access::read_write;
 constexpr std::int32_t x_max = (1 << 23) - 1;  // 24-bit positions
 constexpr std::int32_t x_min = -(1 << 23);
 constexpr std::int32_t v_max = 2047;  // 11-bit speeds and a sign
+constexpr std::int32_t x_least = std::numeric_limits<std::int32_t>::min();
+constexpr std::int32_t x_greatest = std::numeric_limits<std::int32_t>::max();
+
+constexpr std::uint8_t pulse_divisor = 154;
+constexpr std::uint8_t unit_mode = 255;
+
+// The greatest whole number of microsteps per second that a register holds.
+constexpr std::int32_t in_pps(std::int64_t greatest, RegisterUnit unit) {
+  return static_cast<std::int32_t>(greatest * unit.numerator / unit.denominator);
+}
 
 // clang-format off
 // Ranges and meanings from the firmware manuals of the TMCM-6110 and TMCM-351; what a module starts with from the
@@ -54,6 +66,105 @@ constexpr auto tmc429_axis = std::to_array<ParameterInfo>({
     {200, "boost_current", {"", ""}, rw, true, 0, 255, 0, "1/255", "current while accelerating; 0: as while moving"},
 });
 
+// Registers of the TMC457 and their numbers from the application note "Motion Control Profile Parameterization", the
+// other numbers and the currents from the firmware manual of the TMCM-142 (pages 29 and 39). No document at hand says
+// what a module starts with: what is here makes it move well.
+constexpr std::int32_t v457_max = 0x7FFF0000;
+constexpr std::int32_t a457_max = 0xFFFFFD;
+constexpr std::int32_t v457_initial = 5'000'000;
+constexpr std::int32_t a457_initial = 0x6030;
+constexpr auto tmc457_axis = std::to_array<ParameterInfo>({
+    {0, "target_position", {"x_target", ""}, rw, false, x_least, x_greatest, 0, "microstep",
+     "where the motor goes; writing it in position mode starts a ramp"},
+    {1, "actual_position", {"x_actual", "position"}, rw, false, x_least, x_greatest, 0, "microstep",
+     "where the motor is; in position mode it drives to its target after that"},
+    {2, "target_velocity", {"v_target", "target_speed"}, rw, false, -v457_max, v457_max, 0, "internal",
+     "speed set-point in velocity and hold mode", Scale::velocity},
+    {3, "actual_velocity", {"v_actual", "actual_speed"}, r, false, -v457_max, v457_max, 0, "internal", "present speed",
+     Scale::velocity},
+    {4, "max_velocity", {"v_max", "max_positioning_speed"}, rw, true, 0, v457_max, v457_initial, "internal",
+     "greatest speed of a positioning move", Scale::velocity},
+    {5, "max_acceleration", {"a_max_d_max", ""}, rw, true, 0, a457_max, a457_initial, "internal",
+     "sets acceleration (16) and deceleration (17) together; reads the acceleration", Scale::acceleration},
+    {6, "max_current", {"run_current", ""}, rw, true, 0, 15, 15, "1/15", "current while moving"},
+    {7, "standby_current", {"", ""}, rw, true, 0, 15, 2, "1/15", "current at standstill"},
+    {8, "position_reached", {"position_reached_flag", ""}, r, false, 0, 1, 0, "flag",
+     "1 while the actual position equals the target"},
+    {9, "home_switch", {"reference_switch_status", ""}, r, false, 0, 1, 0, "flag", "state of the home switch"},
+    {10, "right_limit_switch", {"right_endstop", ""}, r, false, 0, 1, 0, "flag", "state of the right limit switch"},
+    {11, "left_limit_switch", {"left_endstop", ""}, r, false, 0, 1, 0, "flag", "state of the left limit switch"},
+    {12, "right_limit_switch_disable", {"", ""}, rw, true, 0, 1, 0, "flag", "1: the right limit switch does not stop"},
+    {13, "left_limit_switch_disable", {"", ""}, rw, true, 0, 1, 0, "flag", "1: the left limit switch does not stop"},
+    {15, "stop_deceleration", {"d_stop", ""}, rw, true, 0, a457_max, a457_initial, "internal",
+     "deceleration at a limit switch, always without bow", Scale::acceleration},
+    {16, "acceleration", {"a_max", ""}, rw, true, 0, a457_max, a457_initial, "internal", "acceleration of every ramp",
+     Scale::acceleration},
+    {17, "max_deceleration", {"d_max", "deceleration"}, rw, true, 0, a457_max, a457_initial, "internal",
+     "deceleration of every ramp; 15/16 of it with a bow", Scale::acceleration},
+    {18, "max_bow", {"bow_max", "bow"}, rw, true, 0, 18, 11, "2^(n-1)",
+     "how fast the acceleration may change, as an exponent of two; 0: trapezoids"},
+    {128, "ramp_mode", {"ramp_type", ""}, rw, false, 0, 3, 0, "",
+     "0 position, 2 velocity, 3 hold; set by ROR, ROL, MST and MVP"},
+    {129, "status_flags", {"", ""}, r, false, 0, 15, 0, "bits",
+     "1 position reached, 2 velocity reached, 4 stands, 8 encoder warning"},
+    {130, "velocity_reached", {"", ""}, r, false, 0, 1, 0, "flag", "1 while the speed is the one asked for"},
+    {140, "microstep_resolution", {"usrs", ""}, rw, true, 0, 8, 8, "2^n",
+     "microsteps of a full step, as an exponent of two"},
+    {unit_mode, "unit_mode", {"", ""}, rw, true, 0, 1, 0, "",
+     "velocities and accelerations: 0 units of the TMC457, 1 microsteps per second"},
+});
+
+// Numbers from the firmware manual of the TMCM-3212 and PyTrinamic's list for the TMCM-6212, ranges from the data sheet
+// of the TMC5130, what a module starts with from the vendor's open firmware of the TMC5130-HBS-KIT.
+constexpr std::int32_t v6p_max = in_pps((1 << 23) - 512, sixpoint_velocity_unit);
+constexpr std::int32_t v1_max = in_pps((1 << 20) - 1, sixpoint_velocity_unit);
+constexpr std::int32_t v_edge_max = in_pps((1 << 18) - 1, sixpoint_velocity_unit);
+constexpr std::int32_t a6p_max = in_pps((1 << 16) - 1, sixpoint_acceleration_unit);
+constexpr auto sixpoint_axis = std::to_array<ParameterInfo>({
+    {0, "target_position", {"xtarget", ""}, rw, false, x_least, x_greatest, 0, "microstep",
+     "where the motor goes; writing it in position mode starts a ramp"},
+    {1, "actual_position", {"xactual", "position"}, rw, false, x_least, x_greatest, 0, "microstep",
+     "where the motor is; in position mode it drives to its target after that"},
+    {2, "target_velocity", {"", "target_speed"}, rw, false, -v6p_max, v6p_max, 0, "pps",
+     "writing it makes the motor turn, as ROR and ROL do; reads the speed that the ramp goes up to", Scale::velocity},
+    {3, "actual_velocity", {"vactual", "actual_speed"}, r, false, -v6p_max, v6p_max, 0, "pps", "present speed",
+     Scale::velocity},
+    {4, "max_velocity", {"vmax", "max_positioning_speed"}, rw, true, 0, v6p_max, 51200, "pps",
+     "greatest speed of a positioning move", Scale::velocity},
+    {5, "max_acceleration", {"amax", ""}, rw, true, 0, a6p_max, 51200, "pps/s",
+     "acceleration above velocity V1, and every ramp of ROR, ROL and MST", Scale::acceleration},
+    {6, "max_current", {"run_current", ""}, rw, true, 0, 255, 128, "1/255",
+     "current while moving, as a part of the module's greatest; effective in steps of 8"},
+    {7, "standby_current", {"", ""}, rw, true, 0, 255, 8, "1/255", "current at standstill"},
+    {8, "position_reached", {"position_reached_flag", ""}, r, false, 0, 1, 0, "flag",
+     "1 while the actual position equals the target"},
+    {9, "home_switch", {"reference_switch_status", ""}, r, false, 0, 1, 0, "flag", "state of the home switch"},
+    {10, "right_limit_switch", {"right_endstop", ""}, r, false, 0, 1, 0, "flag", "state of the right limit switch"},
+    {11, "left_limit_switch", {"left_endstop", ""}, r, false, 0, 1, 0, "flag", "state of the left limit switch"},
+    {12, "right_limit_switch_disable", {"", ""}, rw, true, 0, 1, 0, "flag", "1: the right limit switch does not stop"},
+    {13, "left_limit_switch_disable", {"", ""}, rw, true, 0, 1, 0, "flag", "1: the left limit switch does not stop"},
+    {15, "acceleration_a1", {"a1", ""}, rw, true, 0, a6p_max, 25600, "pps/s", "acceleration up to velocity V1",
+     Scale::acceleration},
+    {16, "velocity_v1", {"v1", ""}, rw, true, 0, v1_max, 25600, "pps",
+     "where A1 ends and D1 begins; 0: neither is used", Scale::velocity},
+    {17, "max_deceleration", {"dmax", "deceleration"}, rw, true, 0, a6p_max, 51200, "pps/s",
+     "deceleration down to velocity V1", Scale::acceleration},
+    {18, "deceleration_d1", {"d1", ""}, rw, true, 0, a6p_max, 25600, "pps/s",
+     "deceleration below velocity V1; never 0 when positioning", Scale::acceleration},
+    {19, "start_velocity", {"vstart", ""}, rw, true, 0, v_edge_max, 1, "pps", "speed a ramp begins with",
+     Scale::velocity},
+    {20, "stop_velocity", {"vstop", ""}, rw, true, 0, v_edge_max, 10, "pps",
+     "speed a ramp may stop from; 10 at least, and no less than the start velocity", Scale::velocity},
+    {21, "ramp_wait_time", {"tzerowait", ""}, rw, true, 0, 65535, 0, "32 us",
+     "standstill after a ramp, before the motor turns round or moves again"},
+    {127, "relative_positioning_option", {"", ""}, rw, false, 0, 1, 0, "",
+     "what MVP REL counts from: 0 the target position, 1 the actual position"},
+    {140, "microstep_resolution", {"usrs", ""}, rw, true, 0, 8, 8, "2^n",
+     "microsteps of a full step, as an exponent of two"},
+    {unit_mode, "unit_mode", {"", ""}, rw, true, 0, 1, 1, "",
+     "velocities and accelerations: 0 units of the chip, 1 microsteps per second"},
+});
+
 constexpr auto global_bank0 = std::to_array<ParameterInfo>({
     {64, "eeprom_magic", {"", ""}, rw, true, 0, 255, 228, "", "anything but 228: factory defaults at the next start"},
     {65, "serial_baud_rate", {"rs485_baud_rate", ""}, rw, true, 0, 11, 0, "code",
@@ -77,11 +188,20 @@ constexpr auto global_bank0 = std::to_array<ParameterInfo>({
 });
 // clang-format on
 
-static_assert(std::ranges::is_sorted(tmc429_axis, {}, &ParameterInfo::number));
-static_assert(std::ranges::is_sorted(global_bank0, {}, &ParameterInfo::number));
-static_assert(std::ranges::all_of(tmc429_axis, [](const ParameterInfo& row) {
-  return row.minimum <= row.initial && row.initial <= row.maximum;
-}));
+consteval bool is_sound(std::span<const ParameterInfo> table) {
+  return std::ranges::is_sorted(table, {}, &ParameterInfo::number) &&
+         std::ranges::all_of(table, [](const ParameterInfo& row) {
+           return row.minimum <= row.initial && row.initial <= row.maximum;
+         });
+}
+static_assert(is_sound(tmc429_axis));
+static_assert(is_sound(tmc457_axis));
+static_assert(is_sound(sixpoint_axis));
+static_assert(is_sound(global_bank0));
+
+constexpr PulsesPerSecond one_of(RegisterUnit unit) {
+  return {static_cast<double>(unit.numerator) / static_cast<double>(unit.denominator)};
+}
 
 bool goes_by(const ParameterInfo& row, std::string_view name) {
   if (text::equal_as_name(row.name, name)) return true;
@@ -95,8 +215,26 @@ bool goes_by(const ParameterInfo& row, std::string_view name) {
 std::span<const ParameterInfo> axis_parameters(Family family) {
   switch (family) {
     case Family::tmc429: return tmc429_axis;
+    case Family::tmc457: return tmc457_axis;
+    case Family::sixpoint: return sixpoint_axis;
   }
   return {};
+}
+
+std::uint8_t velocity_unit_parameter(Family family) {
+  return family == Family::tmc429 ? pulse_divisor : unit_mode;
+}
+
+std::optional<PulsesPerSecond> velocity_unit(Family family, std::int32_t value) {
+  const auto* row = find_parameter(axis_parameters(family), velocity_unit_parameter(family));
+  if (value < row->minimum || value > row->maximum) return std::nullopt;
+  switch (family) {
+    case Family::tmc429:
+      return to_pps(InternalVelocity{1}, {.pulse = static_cast<std::uint8_t>(value)});
+    case Family::tmc457: return value == 0 ? one_of(tmc457_velocity_unit) : PulsesPerSecond{1};
+    case Family::sixpoint: return value == 0 ? one_of(sixpoint_velocity_unit) : PulsesPerSecond{1};
+  }
+  return std::nullopt;
 }
 
 std::span<const ParameterInfo> global_parameters() { return global_bank0; }

@@ -1,0 +1,95 @@
+/// What is the same for all ramp generators: time, and parameters that are registers.
+#pragma once
+
+#include <algorithm>
+#include <span>
+
+#include "sim/module/motor.hpp"
+#include "sim/module/tick_clock.hpp"
+#include "sim/module/unit_mode.hpp"
+#include "tmcl/ramp/generator.hpp"
+
+namespace tmcl::sim {
+
+template <ramp::Generator Chip>
+class ChipMotor : public Motor {
+ public:
+  void advance_to(TimePoint time) final { chip_.advance_to(clock_.at(time)); }
+  Outlook outlook() const final;
+
+  std::optional<std::int32_t> read(const ParameterInfo& row) const override;
+  Status write(const ParameterInfo& row, std::int32_t value) override;
+
+ protected:
+  using Register = typename Chip::Register;
+  /// An axis parameter that is a register of the chip.
+  struct Mapped {
+    std::uint8_t number;
+    Register name;
+  };
+
+  ChipMotor(TimePoint power_on, std::span<const Mapped> mapped, UnitMode units = {})
+      : clock_(power_on, static_cast<std::uint64_t>(Chip::ticks_per_second(clock_hz))),
+        mapped_(mapped),
+        units_(units) {}
+
+  /// What is to be written to the register for a value in the unit of the moment; nothing if that
+  /// is outside its range.
+  std::optional<std::int64_t> in_register(Register name, Scale scale, std::int64_t value) const {
+    return units_.write(scale, value, Chip::registers()[static_cast<std::size_t>(name)]);
+  }
+  Status write_register(Register name, Scale scale, std::int64_t value) {
+    const auto number = in_register(name, scale, value);
+    return number && chip_.write(name, *number) ? Status::ok : Status::invalid_value;
+  }
+  std::int32_t read_register(Register name, Scale scale) const {
+    return units_.read(scale, chip_.read(name));
+  }
+
+  Chip& chip() { return chip_; }
+  const Chip& chip() const { return chip_; }
+  UnitMode& units() { return units_; }
+  const UnitMode& units() const { return units_; }
+
+ private:
+  /// Of all modules.
+  static constexpr double clock_hz = 16e6;
+  /// A movement takes some hundreds of changes at most. One that goes to and fro takes any number;
+  /// if it comes to an end after all, that is noticed within `patience`.
+  static constexpr std::size_t changes_foreseen = 1000;
+  static constexpr auto patience = std::chrono::seconds(1);
+
+  const Mapped* find(std::uint8_t number) const {
+    const auto row = std::ranges::find(mapped_, number, &Mapped::number);
+    return row == mapped_.end() ? nullptr : &*row;
+  }
+
+  Chip chip_;
+  TickClock clock_;
+  std::span<const Mapped> mapped_;
+  UnitMode units_;
+};
+
+template <ramp::Generator Chip>
+Outlook ChipMotor<Chip>::outlook() const {
+  const auto end_of_time = clock_.at(never);
+  const auto ahead = ramp::look_ahead(chip_, end_of_time, changes_foreseen);
+  if (ahead.arrived()) return {.arrival = clock_.of(ahead.tick())};
+  if (ahead.settled() || ahead.tick() >= end_of_time) return {};
+  return {.look_again = clock_.of(chip_.tick()) + patience};
+}
+
+template <ramp::Generator Chip>
+std::optional<std::int32_t> ChipMotor<Chip>::read(const ParameterInfo& row) const {
+  const auto* mapped = find(row.number);
+  if (mapped == nullptr) return std::nullopt;
+  return read_register(mapped->name, row.scale);
+}
+
+template <ramp::Generator Chip>
+Status ChipMotor<Chip>::write(const ParameterInfo& row, std::int32_t value) {
+  const auto* mapped = find(row.number);
+  return mapped == nullptr ? Status::ok : write_register(mapped->name, row.scale, value);
+}
+
+}  // namespace tmcl::sim

@@ -1,0 +1,98 @@
+#include "sim/module/sixpoint_motor.hpp"
+
+#include <array>
+
+namespace tmcl::sim {
+namespace {
+
+namespace ap = axis_parameter;
+
+constexpr std::uint8_t relative_positioning_option = 127;
+constexpr std::uint8_t unit_mode = 255;
+
+using R = ramp::SixPoint::Register;
+using Mode = ramp::SixPoint::Mode;
+
+}  // namespace
+
+SixPointMotor::SixPointMotor(TimePoint power_on)
+    : ChipMotor(power_on, mapped(), {sixpoint_velocity_unit, sixpoint_acceleration_unit, true}) {}
+
+std::span<const SixPointMotor::Mapped> SixPointMotor::mapped() {
+  static constexpr std::array<Mapped, 10> all{{
+      {ap::target_position, R::xtarget},
+      {ap::actual_position, R::xactual},
+      {ap::max_acceleration, R::amax},
+      {15, R::a1},
+      {16, R::v1},
+      {17, R::dmax},
+      {18, R::d1},
+      {19, R::vstart},
+      {20, R::vstop},
+      {21, R::tzerowait},
+  }};
+  return all;
+}
+
+std::optional<std::int32_t> SixPointMotor::read(const ParameterInfo& row) const {
+  switch (row.number) {
+    case ap::target_velocity: return target_velocity(row.scale);
+    case ap::actual_velocity: return units().read(row.scale, chip().motion().velocity);
+    case ap::max_velocity: return units().read(row.scale, max_velocity_);
+    case ap::position_reached: return chip().status().position_reached ? 1 : 0;
+    default: return ChipMotor::read(row);
+  }
+}
+
+Status SixPointMotor::write(const ParameterInfo& row, std::int32_t value) {
+  switch (row.number) {
+    case ap::target_velocity: return rotate(value);
+    case ap::max_velocity: return set_max_velocity(row.scale, value);
+    case relative_positioning_option: relative_to_actual_ = value == 1; return Status::ok;
+    case unit_mode: units().set(value == 1); return Status::ok;
+    default: return ChipMotor::write(row, value);
+  }
+}
+
+std::int32_t SixPointMotor::target_velocity(Scale scale) const {
+  const auto speed = read_register(R::vmax, scale);
+  return chip().mode() == Mode::velocity_negative ? -speed : speed;
+}
+
+// In the velocity modes VMAX is the speed that was asked for.
+Status SixPointMotor::set_max_velocity(Scale scale, std::int32_t value) {
+  const auto number = in_register(R::vmax, scale, value);
+  if (!number) return Status::invalid_value;
+  max_velocity_ = *number;
+  if (chip().mode() == Mode::position) chip().write(R::vmax, max_velocity_);
+  return Status::ok;
+}
+
+void SixPointMotor::set_mode(Mode mode) {
+  chip().write(R::rampmode, static_cast<std::int64_t>(mode));
+}
+
+Status SixPointMotor::rotate(std::int64_t velocity) {
+  const auto speed = velocity < 0 ? -velocity : velocity;
+  const auto status = write_register(R::vmax, Scale::velocity, speed);
+  if (status != Status::ok) return status;
+  set_mode(velocity < 0 ? Mode::velocity_negative : Mode::velocity_positive);
+  return status;
+}
+
+void SixPointMotor::stop() {
+  chip().write(R::vmax, 0);
+  set_mode(Mode::velocity_positive);
+}
+
+void SixPointMotor::move_to(std::int64_t position) {
+  chip().write(R::vmax, max_velocity_);
+  chip().write(R::xtarget, static_cast<std::int32_t>(position));
+  set_mode(Mode::position);
+}
+
+std::int32_t SixPointMotor::relative_origin() const {
+  return static_cast<std::int32_t>(chip().read(relative_to_actual_ ? R::xactual : R::xtarget));
+}
+
+}  // namespace tmcl::sim

@@ -1,0 +1,77 @@
+#include "sim/module/tmc429_motor.hpp"
+
+#include <array>
+
+namespace tmcl::sim {
+namespace {
+
+namespace ap = axis_parameter;
+
+constexpr std::uint8_t actual_acceleration = 135;
+constexpr std::uint8_t ramp_mode = 138;
+constexpr std::int32_t greatest_velocity = 2047;
+
+using R = ramp::Tmc429::Register;
+using Mode = ramp::Tmc429::Mode;
+
+}  // namespace
+
+Tmc429Motor::Tmc429Motor(TimePoint power_on) : ChipMotor(power_on, mapped()) {}
+
+std::span<const Tmc429Motor::Mapped> Tmc429Motor::mapped() {
+  static constexpr std::array<Mapped, 8> all{{
+      {ap::target_position, R::x_target},
+      {ap::actual_position, R::x_actual},
+      {ap::target_velocity, R::v_target},
+      {ap::actual_velocity, R::v_actual},
+      {ap::max_acceleration, R::a_max},
+      {130, R::v_min},
+      {153, R::ramp_div},
+      {154, R::pulse_div},
+  }};
+  return all;
+}
+
+std::optional<std::int32_t> Tmc429Motor::read(const ParameterInfo& row) const {
+  switch (row.number) {
+    case ap::max_velocity: return max_velocity_;
+    case ap::position_reached: return chip().at_target() ? 1 : 0;
+    case actual_acceleration: return chip().a_actual();
+    case ramp_mode: return static_cast<std::int32_t>(chip().mode());
+    default: return ChipMotor::read(row);
+  }
+}
+
+Status Tmc429Motor::write(const ParameterInfo& row, std::int32_t value) {
+  switch (row.number) {
+    case ap::max_velocity: max_velocity_ = value; return write_register(R::v_max, row.scale, value);
+    case ramp_mode: set_ramp_mode(static_cast<Mode>(value)); return Status::ok;
+    default: return ChipMotor::write(row, value);
+  }
+}
+
+void Tmc429Motor::set_ramp_mode(Mode mode) {
+  if (mode != Mode::velocity) chip().write(R::v_max, max_velocity_);
+  chip().write(mode);
+}
+
+Status Tmc429Motor::rotate(std::int64_t velocity) {
+  if (velocity < -greatest_velocity || velocity > greatest_velocity) return Status::invalid_value;
+  chip().write(Mode::velocity);
+  chip().write(R::v_max, greatest_velocity);
+  chip().write(R::v_target, velocity);
+  return Status::ok;
+}
+
+void Tmc429Motor::stop() {
+  chip().write(Mode::velocity);
+  chip().write(R::v_target, 0);
+}
+
+void Tmc429Motor::move_to(std::int64_t position) {
+  constexpr std::int64_t turn = 1 << 24;
+  chip().write(R::x_target, ((position + turn / 2) & (turn - 1)) - turn / 2);
+  set_ramp_mode(Mode::ramp);
+}
+
+}  // namespace tmcl::sim

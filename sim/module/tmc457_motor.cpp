@@ -1,0 +1,75 @@
+#include "sim/module/tmc457_motor.hpp"
+
+#include <array>
+
+namespace tmcl::sim {
+namespace {
+
+namespace ap = axis_parameter;
+
+constexpr std::uint8_t ramp_mode = 128;
+constexpr std::uint8_t status_flags_number = 129;
+constexpr std::uint8_t velocity_reached = 130;
+constexpr std::uint8_t unit_mode = 255;
+
+using R = ramp::Tmc457::Register;
+using Mode = ramp::Tmc457::Mode;
+
+}  // namespace
+
+Tmc457Motor::Tmc457Motor(TimePoint power_on)
+    : ChipMotor(power_on, mapped(), {tmc457_velocity_unit, tmc457_acceleration_unit, false}) {}
+
+std::span<const Tmc457Motor::Mapped> Tmc457Motor::mapped() {
+  static constexpr std::array<Mapped, 10> all{{
+      {ap::target_position, R::x_target},
+      {ap::actual_position, R::x_actual},
+      {ap::target_velocity, R::v_target},
+      {ap::max_velocity, R::v_max},
+      {ap::max_acceleration, R::a_max_d_max},
+      {15, R::d_stop},
+      {16, R::a_max},
+      {17, R::d_max},
+      {18, R::bow_max},
+      {ramp_mode, R::mode},
+  }};
+  return all;
+}
+
+std::optional<std::int32_t> Tmc457Motor::read(const ParameterInfo& row) const {
+  switch (row.number) {
+    case ap::actual_velocity: return units().read(row.scale, chip().motion().velocity);
+    case ap::position_reached: return reached() ? 1 : 0;
+    case status_flags_number: return status_flags();
+    case velocity_reached: return chip().status().v_reached ? 1 : 0;
+    default: return ChipMotor::read(row);
+  }
+}
+
+Status Tmc457Motor::write(const ParameterInfo& row, std::int32_t value) {
+  if (row.number == unit_mode) units().set(value == 1);
+  return ChipMotor::write(row, value);
+}
+
+std::int32_t Tmc457Motor::status_flags() const {
+  const auto status = chip().status();
+  return (reached() ? 1 : 0) | (status.v_reached ? 2 : 0) | (status.v_zero ? 4 : 0);
+}
+
+Status Tmc457Motor::rotate(std::int64_t velocity) {
+  const auto status = write_register(R::v_target, Scale::velocity, velocity);
+  if (status == Status::ok) chip().write(Mode::velocity);
+  return status;
+}
+
+void Tmc457Motor::stop() {
+  chip().write(R::v_target, 0);
+  chip().write(Mode::velocity);
+}
+
+void Tmc457Motor::move_to(std::int64_t position) {
+  chip().write(R::x_target, static_cast<std::int32_t>(position));
+  chip().write(Mode::position);
+}
+
+}  // namespace tmcl::sim
