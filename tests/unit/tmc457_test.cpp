@@ -380,6 +380,39 @@ TEST(Tmc457, StopsAtASwitchLinearly) {
   EXPECT_EQ(axis.motion().position, 100'000);
 }
 
+TEST(Tmc457, StopsWhenTheSwitchClosesTowardsWhichItIsAboutToTurn) {
+  auto axis = turning_at({}, -5'000'000);
+  write(axis, R::enable_stop_r, 1);
+  write(axis, R::d_stop, 100'000);
+  axis.advance_to(ticks(1));
+  write(axis, R::v_target, 5'000'000);
+  while (axis.phase() != "VI") axis.advance_to(axis.next_change());
+  axis.advance_to(axis.next_change() - 1000);
+  ASSERT_LT(axis.motion().velocity, 0);
+  axis.set_switches(false, true);
+  EXPECT_EQ(axis.phase(), "stop");
+  const auto begin = axis.motion().position;
+  while (!axis.settled()) axis.advance_to(axis.tick() + 1);
+  EXPECT_EQ(axis.motion().velocity, 0);
+  EXPECT_LE(axis.motion().position, begin);
+}
+
+TEST(Tmc457, CutsAnAccelerationThatALoweredBowCannotTakeBackInTime) {
+  auto axis = turning_at({.a_max = 0xFFFFFD, .d_max = 0xFFFFFD, .bow_max = 18}, 0x7FFF0000);
+  while (axis.phase() != "II") axis.advance_to(axis.next_change());
+  axis.advance_to(axis.next_change() - 1);
+  EXPECT_EQ(axis.motion().acceleration, 0xFFFFFD);
+  write(axis, R::bow_max, 1);
+  // a^2 / 2b = 2^31 - v
+  const auto v = static_cast<double>(axis.motion().velocity);
+  EXPECT_NEAR(static_cast<double>(axis.motion().acceleration),
+              std::sqrt(2 * (0x1p31 - v) / 1024 / 4096) * 4096, 2);
+  axis.advance_to(axis.next_change());
+  EXPECT_NEAR(static_cast<double>(axis.motion().velocity), 0x1p31, 100);
+  while (!axis.settled()) axis.advance_to(axis.next_change());
+  EXPECT_EQ(axis.motion().velocity, 0x7FFF0000);
+}
+
 TEST(Tmc457, DoesNotTurnTowardsAClosedSwitch) {
   for (const auto mode : {Mode::position, Mode::velocity, Mode::hold}) {
     auto axis = axis_with({});

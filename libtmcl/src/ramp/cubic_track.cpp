@@ -1,13 +1,10 @@
 #include "tmcl/ramp/cubic_track.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numeric>
 
 namespace tmcl::ramp {
 namespace {
-
-__extension__ typedef __int128 SignedFixed;
 
 int sign(Fixed value) {
   const auto number = static_cast<SignedFixed>(value);
@@ -31,12 +28,6 @@ double to_double(Fixed value) {
   return static_cast<double>(static_cast<SignedFixed>(value)) * 0x1p-96;
 }
 
-std::int64_t rounded(Fixed value, int fraction_bits) {
-  const int shift = fixed_fraction_bits - fraction_bits;
-  return static_cast<std::int64_t>(static_cast<SignedFixed>(value + (Fixed{1} << (shift - 1))) >>
-                                   shift);
-}
-
 double Profile::duration() const {
   return std::accumulate(ticks.begin(), ticks.begin() + count, 0.0);
 }
@@ -51,6 +42,8 @@ void CubicTrack::begin(const Profile& profile, double acceleration, const Forces
   enter(0, forces, target);
 }
 
+// Within the tick in which one stretch ends and another begins, floating point is exact enough: it
+// is no long way.
 void CubicTrack::next(const Forces& forces, std::int32_t target) {
   const double ticks = profile_.ticks[index_];
   const double left = std::ceil(ticks) - ticks;

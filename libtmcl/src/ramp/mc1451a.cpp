@@ -92,11 +92,10 @@ Mc1451a Mc1451a::planned() const {
   return copy;
 }
 
-void Mc1451a::advance_to(Tick tick) {
-  if (tick <= tick_) return;
+// To the stretch in which the tick lies.
+void Mc1451a::run_to(Tick tick) {
   if (!planned_) plan();
   while (track_.ends_by(tick)) track_.next(forces(), position_);
-  tick_ = tick;
 }
 
 Motion Mc1451a::motion() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 namespace tmcl::ramp {
@@ -63,6 +64,7 @@ class Draft {
     return copy;
   }
 
+  const Forces& forces() const { return *forces_; }
   double distance() const { return x_; }
   double velocity() const { return v_; }
   double acceleration() const { return a_; }
@@ -128,22 +130,23 @@ class Draft {
       velocity = std::max(eventual, 0.0);
     }
     if (a_ < 0) jerk_to(0);
-    if (v_ < 0 && velocity > 0) {
-      const double c = acceleration_at_standstill(velocity);
-      rise(Force::deceleration, 0, c);
-      jerk_to(c);
-      v_ = 0;
-    }
+    if (v_ < 0 && velocity > 0 && turn(velocity)) return velocity;
     rise(v_ < 0 ? Force::deceleration : Force::acceleration, velocity, 0);
     return velocity;
   }
 
-  // The greatest when it passes zero on the way to this velocity.
-  double acceleration_at_standstill(double velocity) const {
+  // To standstill on the way to this velocity, with as much acceleration as may be. True if that
+  // needs only to be taken back.
+  bool turn(double velocity) {
     const double least = std::sqrt(std::max(0.0, a_ * a_ + 2 * forces_->jerk * v_));
     const double most = std::sqrt(a_ * a_ - 2 * forces_->jerk * v_);
-    return std::max(least, std::min({most, forces_->acceleration, forces_->deceleration,
-                                     std::sqrt(2 * forces_->jerk * velocity)}));
+    const double enough = std::sqrt(2 * forces_->jerk * velocity);
+    const double limit = std::min(forces_->acceleration, forces_->deceleration);
+    const double acceleration = std::max(least, std::min({most, enough, limit}));
+    if (acceleration < most) rise(Force::deceleration, 0, acceleration);
+    jerk_to(acceleration);
+    v_ = 0;
+    return acceleration >= enough;
   }
 
   // To where a last jerk brings it to this velocity and acceleration at once.
@@ -195,6 +198,19 @@ double distance_later(Draft draft, double acceleration) {
   return draft.distance();
 }
 
+// The velocity at the middle of a movement from rest to rest without constant velocity. Nothing if
+// only one of its two sides reaches its limit of acceleration.
+std::optional<double> closed_form(double distance, const Forces& forces) {
+  const auto [lesser, greater] = std::minmax(forces.acceleration, forces.deceleration);
+  const double jerks = (forces.acceleration + forces.deceleration) / forces.jerk;
+  const double slopes = 1 / forces.acceleration + 1 / forces.deceleration;
+  const double v = 4 * distance / (std::sqrt(jerks * jerks + 8 * slopes * distance) + jerks);
+  if (v >= greater * greater / forces.jerk) return v;
+  const double slower = std::cbrt(distance * distance * forces.jerk / 4);
+  if (slower <= lesser * lesser / forces.jerk) return slower;
+  return std::nullopt;
+}
+
 // Forward, with a target that lies beyond the place where it would stop at once.
 void reach(Draft& draft, double distance, double fastest) {
   const auto trial = draft.trial();
@@ -205,6 +221,9 @@ void reach(Draft& draft, double distance, double fastest) {
   if (high.y <= 0) return go_through(draft, fastest, -high.y);
 
   const double eventual = trial.eventual_velocity();
+  if (trial.velocity() == 0 && trial.acceleration() == 0) {
+    if (const auto v = closed_form(distance, draft.forces())) return go_through(draft, *v, 0);
+  }
   const auto low = missed_with(std::max(eventual, 0.0));
   const double braking = trial.acceleration();
   if (braking < 0 && eventual >= 0 && low.y > 0) {

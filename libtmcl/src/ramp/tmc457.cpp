@@ -257,14 +257,13 @@ void Tmc457::skip_periods(Tick until) {
   }
 }
 
-void Tmc457::advance_to(Tick tick) {
-  if (tick <= tick_) return;
+// To the stretch in which the tick lies.
+void Tmc457::run_to(Tick tick) {
   if (!planned_) plan();
   while (track_.ends_by(tick)) {
     if (course_ == Course::oscillation) skip_periods(tick);
     if (track_.ends_by(tick)) next_stretch();
   }
-  tick_ = tick;
 }
 
 Motion Tmc457::motion() const {

@@ -40,7 +40,11 @@ class Mc1451a {
   std::vector<Finding> findings() const;
 
   Tick tick() const { return tick_; }
-  void advance_to(Tick tick);
+  void advance_to(Tick tick) {
+    if (tick <= tick_) return;
+    if (!planned_ || track_.ends_by(tick)) run_to(tick);
+    tick_ = tick;
+  }
   /// Steps, 2^-16 steps/cycle and 2^-16 steps/cycle^2, all to the nearest.
   Motion motion() const;
   /// "I" .. "VII" in an S-curve; "accelerate", "cruise", "decelerate" in a trapezoid; "rest".
@@ -58,6 +62,7 @@ class Mc1451a {
   bool in_motion() const { return track_.at(tick_).v != 0; }
   Forces forces() const;
   void plan();
+  void run_to(Tick tick);
   Mc1451a planned() const;
 
   CubicTrack track_;

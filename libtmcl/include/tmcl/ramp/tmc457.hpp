@@ -66,7 +66,11 @@ class Tmc457 {
   void set_switches(bool left, bool right);
 
   Tick tick() const { return tick_; }
-  void advance_to(Tick tick);
+  void advance_to(Tick tick) {
+    if (tick <= tick_) return;
+    if (!planned_ || track_.ends_by(tick)) run_to(tick);
+    tick_ = tick;
+  }
   /// Position to the nearest microstep; velocity and acceleration to the nearest unit of v_max and
   /// a_max.
   Motion motion() const;
@@ -104,6 +108,7 @@ class Tmc457 {
 
   Tmc457 planned() const;
   void plan();
+  void run_to(Tick tick);
   void plan_ramp(double velocity, double acceleration);
   void plan_oscillation(double velocity);
   Profile leg_to_velocity(double velocity) const;
