@@ -10,10 +10,17 @@
 #include <benchmark/benchmark.h>
 
 #include <random>
+#include <string>
+#include <type_traits>
 #include <vector>
 
+#include "support/plain_sixpoint.hpp"
 #include "support/plain_tmc429.hpp"
+#include "support/plain_track.hpp"
+#include "tmcl/ramp/mc1451a.hpp"
+#include "tmcl/ramp/sixpoint.hpp"
 #include "tmcl/ramp/tmc429.hpp"
+#include "tmcl/ramp/tmc457.hpp"
 
 namespace {
 
@@ -31,7 +38,6 @@ template <>
 struct Axis<ramp::Tmc429> {
   using G = ramp::Tmc429;
   using R = G::Register;
-  using Plain = test::PlainTmc429;
 
   // What a TMCM-1110 starts with.
   static G make() {
@@ -48,8 +54,8 @@ struct Axis<ramp::Tmc429> {
     axis.write(G::Mode::velocity);
     axis.write(R::v_target, 1000);
   }
-  static Plain plain(const G& axis) {
-    Plain plain;
+  static void tick_to(const G& axis, Tick end) {
+    test::PlainTmc429 plain;
     plain.v_min = 1;
     plain.v_max = 1000;
     plain.a_max = 500;
@@ -59,12 +65,91 @@ struct Axis<ramp::Tmc429> {
     plain.x = axis.x_actual();
     plain.xt = axis.x_target();
     plain.n = axis.tick();
-    return plain;
+    plain.advance_to(end);
+    benchmark::DoNotOptimize(plain);
   }
 };
 
+template <>
+struct Axis<ramp::SixPoint> {
+  using G = ramp::SixPoint;
+  using R = G::Register;
+
+  static G make() {
+    G axis;
+    axis.write(R::vmax, 64'000);  // 61,000 microsteps/s at 16 MHz
+    axis.write(R::amax, 6'000);   // 700,000 microsteps/s^2
+    axis.write(R::dmax, 6'000);
+    axis.write(R::d1, 6'000);
+    axis.write(R::vstop, 10);
+    return axis;
+  }
+  static void go(G& axis, std::int32_t target) { axis.write(R::xtarget, target); }
+  static void cruise(G& axis) {
+    axis.write(R::rampmode, static_cast<std::int64_t>(G::Mode::velocity_positive));
+  }
+  static void tick_to(const G& axis, Tick end) {
+    test::PlainSixPoint plain;
+    plain.vmax = 64'000;
+    plain.amax = plain.dmax = plain.d1 = 6'000;
+    plain.x = axis.motion().position * test::PlainSixPoint::microstep;
+    plain.xtarget = axis.read(R::xtarget);
+    for (auto tick = axis.tick(); tick < end; ++tick) plain.tick();
+    benchmark::DoNotOptimize(plain);
+  }
+};
+
+/// The reference of the generators with limited jerk adds up what they planned.
 template <class G>
-const double ticks_per_second = G::ticks_per_second(clock_hz);
+void add_up(const G& axis, Tick end) {
+  test::PlainTrack<G> plain(axis);
+  plain.advance_to(end, 1e9);
+  benchmark::DoNotOptimize(plain.state());
+}
+
+template <>
+struct Axis<ramp::Tmc457> {
+  using G = ramp::Tmc457;
+  using R = G::Register;
+
+  static G make() {
+    G axis;
+    axis.write(R::v_max, 4'096'000);  // 61,000 microsteps/s at 16 MHz
+    axis.write(R::a_max, 12'000);     // 700,000 microsteps/s^2
+    axis.write(R::d_max, 12'000);
+    axis.write(R::bow_max, 10);
+    return axis;
+  }
+  static void go(G& axis, std::int32_t target) { axis.write(R::x_target, target); }
+  static void cruise(G& axis) {
+    axis.write(R::mode, 2);
+    axis.write(R::v_target, 4'096'000);
+  }
+  static void tick_to(const G& axis, Tick end) { add_up(axis, end); }
+};
+
+template <>
+struct Axis<ramp::Mc1451a> {
+  using G = ramp::Mc1451a;
+  using R = G::Register;
+
+  // With cycles of 1/1000 s.
+  static G make() {
+    G axis;
+    axis.write(R::velocity, 61 << 16);
+    axis.write(R::acceleration, 32'767);
+    axis.write(R::jerk, 1 << 28);
+    return axis;
+  }
+  static void go(G& axis, std::int32_t target) { axis.write(R::position, target); }
+  static void cruise(G& axis) { axis.write(R::position, 1 << 29); }
+  static void tick_to(const G& axis, Tick end) { add_up(axis, end); }
+};
+
+/// A cycle of the MC1451A counts as a millisecond.
+template <class G>
+const double ticks_per_second = G::ticks_per_second(clock_hz) *
+                                (std::is_same_v<G, ramp::Mc1451a> ? 1000 : 1);
 template <class G>
 const Tick millisecond = static_cast<Tick>(ticks_per_second<G> / 1000);
 
@@ -126,11 +211,7 @@ void run_moves(benchmark::State& state, Run run) {
 
 template <class G>
 void ticked(benchmark::State& state) {
-  run_moves<G>(state, [](const auto& move) {
-    auto plain = Axis<G>::plain(move.start);
-    plain.advance_to(move.end);
-    benchmark::DoNotOptimize(plain);
-  });
+  run_moves<G>(state, [](const auto& move) { Axis<G>::tick_to(move.start, move.end); });
 }
 
 template <class G>
@@ -199,6 +280,9 @@ void add(const std::string& name) {
 
 const int added = [] {
   add<ramp::Tmc429>("tmc429");
+  add<ramp::Tmc457>("tmc457");
+  add<ramp::SixPoint>("sixpoint");
+  add<ramp::Mc1451a>("mc1451a");
   return 0;
 }();
 

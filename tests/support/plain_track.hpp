@@ -16,6 +16,10 @@ namespace tmcl::test {
 template <class G>
 class PlainTrack {
  public:
+  PlainTrack() = default;
+  /// From the present state of a generator.
+  explicit PlainTrack(const G& planner) : planner_(planner), tick_(planner.tick()) {}
+
   /// All writes go through here, at the present tick.
   template <class Change>
   void change(Change change) {

@@ -125,8 +125,13 @@ class Observer {
  private:
   void look_at_phase(const G& generator) {
     if (generator.phase() == phase_) return;
+    // Where the phase is that of the tick that has passed, one tick of rest goes before a start.
+    const bool was_starting = phase_ == "rest" && !outcome_.more_phases &&
+                              outcome_.phases.back().tick + 1 == generator.tick();
     phase_ = generator.phase();
-    if (outcome_.phases.size() < most_phases) {
+    if (was_starting) {
+      outcome_.phases.back().name = phase_;
+    } else if (outcome_.phases.size() < most_phases) {
       outcome_.phases.push_back({std::string(phase_), generator.tick()});
     } else {
       outcome_.more_phases = true;

@@ -1,0 +1,5 @@
+#include "tmcl/ramp/sixpoint.hpp"
+
+#include "ramp_script.hpp"
+
+TMCL_FUZZ_RAMP(SixPoint)
