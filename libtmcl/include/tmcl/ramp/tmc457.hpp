@@ -10,7 +10,10 @@
 /// Further choices where no document says anything: a target more than 2^31 microsteps away is
 /// reached the other way round; v_max does not limit the modes velocity and hold; d_stop and the
 /// switches act in all modes; an acceleration that a lowered bow could not take back before the
-/// 31-bit velocity register overflows is cut at once.
+/// 31-bit velocity register overflows is cut at once. The oscillation that the note warns of, where
+/// the bow value exceeds a_max or d_max, has a model of our own: the acceleration is always one bow
+/// value, up or down, for whole bow ticks of 1024 clocks counted from the last write, so that the
+/// motor passes what it is to reach again and again.
 #pragma once
 
 #include <cstdint>
