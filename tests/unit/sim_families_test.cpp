@@ -495,5 +495,86 @@ TEST_F(SimFamilies, AreLookedAtOnceASecondWhenTheyGoToAndFroForEver) {
   EXPECT_EQ(get(ap::actual_position), 100'000);
 }
 
+// ---- Anything ----------------------------------------------------------------------------------
+
+// A module that is awake only when it asked to be, or more often than that.
+class Listener {
+ public:
+  explicit Listener(const Model& model) { bench_.add(model, ModuleAddress{1}); }
+
+  void look_at(TimePoint time) {
+    for (auto due = bench_.next_due(); due <= time; due = bench_.next_due()) wake(due);
+    clock_.advance_to(std::max(time, clock_.now()));
+  }
+  void wake(TimePoint time) {
+    clock_.advance_to(std::max(time, clock_.now()));
+    bench_.run_due();
+  }
+  void tell(const Request& request) { line_.receive(encode_serial(request)); }
+  const Bytes& said() const { return said_; }
+
+ private:
+  VirtualClock clock_;
+  Bench bench_{clock_};
+  Bytes said_;
+  SerialLine line_{bench_, [this](std::span<const std::uint8_t> bytes) {
+                     said_.insert(said_.end(), bytes.begin(), bytes.end());
+                   }};
+};
+
+class AnyScript {
+ public:
+  explicit AnyScript(std::uint64_t seed)
+      : random_(seed), model_(models()[below(models().size())]) {}
+
+  const Model& model() const { return model_; }
+  Request request() {
+    constexpr std::array commands{Command::ROR, Command::ROL, Command::MST, Command::MVP,
+                                  Command::SAP, Command::SAP, Command::SAP, Command::GAP,
+                                  Command::GAP, Command::GAP, arm};
+    const auto command = commands[below(commands.size())];
+    const auto table = axis_parameters(model_.family);
+    const bool parameter = command == Command::SAP || command == Command::GAP;
+    const auto type = parameter ? table[below(table.size())].number : below(2);
+    return {ModuleAddress{1}, command, static_cast<std::uint8_t>(type), 0, value()};
+  }
+  Duration pause() { return Duration(static_cast<Duration::rep>(below(1ULL << below(31)))); }
+  std::uint64_t below(std::uint64_t limit) { return random_() % limit; }
+
+ private:
+  std::int32_t value() {
+    const auto magnitude = static_cast<std::int64_t>(below(1ULL << below(33)));
+    return static_cast<std::int32_t>(below(4) == 0 ? -magnitude : magnitude);
+  }
+
+  std::mt19937_64 random_;
+  const Model& model_;
+};
+
+TEST(SimAnything, AnswersTheSameHoweverOftenItIsLookedAt) {
+  for (auto seed = test::seed(); seed != test::seed() + 2000; ++seed) {
+    SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
+    AnyScript script(seed);
+    Listener seldom(script.model());
+    Listener often(script.model());
+    TimePoint now{};
+    for (int i = 0; i < 40; ++i) {
+      for (auto looks = script.below(4); looks != 0; --looks) {
+        now += script.pause();
+        often.look_at(now);
+        often.wake(now);
+      }
+      now += script.pause();
+      seldom.look_at(now);
+      often.look_at(now);
+      const auto request = script.request();
+      seldom.tell(request);
+      often.tell(request);
+      ASSERT_EQ(seldom.said(), often.said()) << "request " << i;
+    }
+    ASSERT_GE(seldom.said().size(), 40 * serial_datagram_size);
+  }
+}
+
 }  // namespace
 }  // namespace tmcl::sim

@@ -9,7 +9,7 @@ constexpr const char* description =
 constexpr const char* footer = R"(
 An AXIS is a name from tmcld's configuration; with --direct it is ADDRESS/MOTOR, such as 1/0.
 A PARAM is a number or a standard name, such as max_velocity: 'tmclctl params AXIS' lists them.
-Positions are microsteps; velocities are what the module counts in (-2047..2047).
+Positions are microsteps; velocities are what the module counts in: see 'tmclctl params AXIS'.
 
 Examples:
   tmclctl scan                                   which modules are there?
