@@ -244,6 +244,11 @@ Outcome plod(const Script& script, Tick until) {
     phase = plodder.phase();
   }
   if (phase == "rest") outcome.phases.pop_back();
+  const bool starts_late = outcome.phases.size() > 1 && outcome.phases[1].tick == 1;
+  if (starts_late && outcome.phases[0].name == "rest") {
+    outcome.phases.erase(outcome.phases.begin());
+    outcome.phases[0].tick = 0;
+  }
   outcome.at_end = plodder.motion();
   return outcome;
 }

@@ -403,7 +403,8 @@ Tmc429::Run Tmc429::plan_deceleration(const Approach& approach) const {
   const auto above_goal = approach.speed - static_cast<std::uint32_t>(std::max(approach.goal, 0));
   const auto v_stop = static_cast<std::uint32_t>(v_min_ + 1) * v_unit;
   const auto above_stop = approach.speed >= v_stop ? (approach.speed - v_stop) / a + 1 : 1;
-  const auto room = static_cast<std::uint64_t>(approach.distance + half_turn) * step_unit;
+  const auto steps_until_wrap = std::max(0, approach.distance + half_turn - 1);
+  const auto room = static_cast<std::uint64_t>(steps_until_wrap) * step_unit;
   const auto interval = (Tick{1} << ramp_div_ >> std::min(pulse_div_, ramp_div_)) + 1;
   const auto until_wrap = room / (interval * (approach.speed / v_unit + 1));
   const auto full = std::min<std::uint64_t>({above_goal / a, above_stop, until_wrap});
@@ -501,7 +502,10 @@ bool Tmc429::brake(Tick until) {
     return false;
   }
   const auto start = seen();
-  if (!brakes(start)) return false;
+  // Farther away the ramp asks for the same speed everywhere.
+  if (!brakes(start) || std::abs(start.dx) > static_cast<std::int32_t>(distance_limit)) {
+    return false;
+  }
 
   const bool soft = mode_ == Mode::soft;
   const auto each = ramp_div_ - pulse_div_;

@@ -125,9 +125,8 @@ class Observer {
  private:
   void look_at_phase(const G& generator) {
     if (generator.phase() == phase_) return;
-    // Where the phase is that of the tick that has passed, one tick of rest goes before a start.
-    const bool was_starting = phase_ == "rest" && !outcome_.more_phases &&
-                              outcome_.phases.back().tick + 1 == generator.tick();
+    // Where the phase is that of the tick that has passed, one tick of rest goes before the start.
+    const bool was_starting = phase_ == "rest" && generator.tick() == 1;
     phase_ = generator.phase();
     if (was_starting) {
       outcome_.phases.back().name = phase_;
