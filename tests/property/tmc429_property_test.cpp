@@ -176,6 +176,28 @@ TEST(Tmc429Property, JumpingEqualsTicking) {
   EXPECT_GT(moves, questions / 100);
 }
 
+// Where p is so small that the ramp asks for less than v_max from as far as it can see.
+TEST(Tmc429Property, JumpingEqualsTickingFarFromTheTarget) {
+  for (std::uint64_t seed = test::seed(); seed < test::seed() + 2'000; ++seed) {
+    SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
+    Script script(seed);
+    Pair pair;
+    pair.write(R::v_max, 2047);
+    pair.write(R::pulse_div, 0);
+    pair.write(R::ramp_div, script.between(8, 12));
+    pair.write(R::a_max, script.between(1, 60));
+    pair.write(R::v_min, script.between(0, 5));
+    pair.write(R::v_actual, script.velocity());
+    pair.write(R::x_target, script.between(1 << 18, 1 << 20));
+    for (int step = 0; step < 3; ++step) {
+      const auto until = pair.plain.n + static_cast<Tick>(script.between(1, 20'000));
+      pair.plain.advance_to(until);
+      pair.chip.advance_to(until);
+      ASSERT_NO_FATAL_FAILURE(pair.expect_same()) << "step " << step << ", tick " << until;
+    }
+  }
+}
+
 // However the time is cut into calls, the hidden parts of the state are the same too.
 TEST(Tmc429Property, ManyShortAdvancesEqualOneLong) {
   for (std::uint64_t seed = test::seed(); seed < test::seed() + 2'000; ++seed) {
