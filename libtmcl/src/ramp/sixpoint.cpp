@@ -135,11 +135,6 @@ std::vector<Finding> SixPoint::findings() const {
 
 // ---- What can be seen
 
-std::int32_t SixPoint::xactual() const {
-  return static_cast<std::int32_t>(
-      static_cast<std::uint32_t>((position_ + (std::uint64_t{1} << 31)) >> 32));
-}
-
 std::uint64_t SixPoint::target() const {
   return static_cast<std::uint64_t>(value(Register::xtarget)) << 32;
 }
@@ -147,8 +142,6 @@ std::uint64_t SixPoint::target() const {
 std::int64_t SixPoint::distance() const {
   return static_cast<std::int64_t>(target() - position_) >> position_shift;
 }
-
-Motion SixPoint::motion() const { return {xactual(), velocity_ / 256, acceleration_}; }
 
 SixPoint::Exact SixPoint::exact() const {
   return {static_cast<std::int64_t>(position_) >> position_shift, velocity_};

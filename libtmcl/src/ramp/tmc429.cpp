@@ -263,11 +263,6 @@ std::int32_t Tmc429::slew(std::int32_t dx) const {
   return std::clamp(goal(dx) - velocity_, -a_max_, a_max_);
 }
 
-std::int32_t Tmc429::a_actual() const {
-  const auto next = next_ramp_tick() <= run_.end ? run_.slew : slew(seen().dx);
-  return std::clamp(next, -a_max_, a_max_);
-}
-
 bool Tmc429::stops_on_target(std::int32_t dx) const {
   return positioning() && dx == 0 && std::abs(v_actual()) <= v_min_;
 }
@@ -433,8 +428,7 @@ void Tmc429::coast(Tick until) {
 
 // Within the present run.
 void Tmc429::move(Tick until) {
-  if (run_.slew == 0 && !run_.stops_on_target) return coast(until);
-  if (until < next_ramp_tick()) return coast(until);
+  if (run_.is_steady() || until < next_ramp_tick()) return coast(until);
   slew_through(until);
 }
 
@@ -471,6 +465,7 @@ void Tmc429::slew_through(Tick until) {
 
 void Tmc429::advance_to(Tick tick) {
   tick = std::min(tick, last_tick);
+  if (tick <= run_.end && run_.is_steady()) return coast(tick);
   while (tick_ < tick) {
     if (tick_ >= run_.end) {
       if (brake(tick)) continue;

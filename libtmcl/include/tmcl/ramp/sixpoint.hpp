@@ -109,7 +109,7 @@ class SixPoint {
 
   /// Position XACTUAL, velocity VACTUAL (towards zero, without its fraction), acceleration: the
   /// register that changed the speed in the last tick, with the sign of the change.
-  Motion motion() const;
+  Motion motion() const { return {xactual(), velocity_ / 256, acceleration_}; }
   /// What the last tick did: "A1", "AMAX", "VMAX", "DMAX", "D1", "VSTOP" (the creeping end) and
   /// "hold"; at standstill "TZEROWAIT" and "rest".
   std::string_view phase() const;
@@ -167,7 +167,9 @@ class SixPoint {
   std::int32_t value(Register name) const { return registers_[static_cast<std::size_t>(name)]; }
   std::int64_t speed_in(Register name) const { return std::int64_t{value(name)} * 256; }
   std::int64_t speed() const { return velocity_ < 0 ? -velocity_ : velocity_; }
-  std::int32_t xactual() const;
+  std::int32_t xactual() const {
+    return static_cast<std::int32_t>((position_ + (std::uint64_t{1} << 31)) >> 32);
+  }
   std::uint64_t target() const;
   std::int64_t distance() const;
   bool position_reached() const { return xactual() == value(Register::xtarget); }

@@ -10,6 +10,7 @@
 /// settle them.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstdint>
 #include <span>
@@ -116,7 +117,10 @@ class Tmc429 {
   std::int32_t v_actual() const { return velocity_ / v_unit; }
   /// What the next ramp tick adds to the speed, in 1/256 of its unit: -a_max..a_max, also where it
   /// stops at once.
-  std::int32_t a_actual() const;
+  std::int32_t a_actual() const {
+    const auto next = next_ramp_tick() <= run_.end ? run_.slew : slew(seen().dx);
+    return std::clamp(next, -a_max_, a_max_);
+  }
   /// x_actual equals x_target in this instant, which may be in passing.
   bool at_target() const { return x_actual_ == x_target_; }
   Tmc429Dividers dividers() const { return {pulse_div_, ramp_div_}; }
@@ -133,6 +137,7 @@ class Tmc429 {
     Tick end = 0;  // its last tick; before the present one: to be planned
     std::int32_t slew = 0;
     bool stops_on_target = false;
+    bool is_steady() const { return slew == 0 && !stops_on_target; }
     bool operator==(const Run&) const { return true; }
   };
   // As the next ramp tick will see it.
