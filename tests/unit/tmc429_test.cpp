@@ -472,6 +472,9 @@ TEST(Tmc429, WarnsOfSettingsThatDoNotGoTogether) {
   EXPECT_EQ(axis_with({{2, 9}, 1000, 50}).findings().size(), 1U);   // a_max below 64
   EXPECT_EQ(axis_with({{13, 3}, 1000, 50}).findings().size(), 1U);  // above 3
   EXPECT_EQ(Tmc429().findings().size(), 3U);                        // v_min, v_max, a_max
+  Tmc429 held;
+  held.write(Mode::hold);
+  EXPECT_TRUE(held.findings().empty());
 }
 
 TEST(Tmc429, OpenPointsOfTheDataSheetMakeADifference) {

@@ -170,26 +170,38 @@ void Tmc429::update_factor() {
 
 std::vector<Finding> Tmc429::findings() const {
   std::vector<Finding> all;
+  if (mode_ == Mode::hold) return all;  // where no limit applies
   const auto warn = [&](std::string message) {
     all.push_back({Finding::Severity::warning, std::move(message)});
   };
+  if (v_max_ == 0) warn("v_max = 0: the motor does not move");
+  if (a_max_ == 0) warn("a_max = 0: the motor can neither speed up nor slow down");
+  if (!positioning()) return all;
+  if (v_min_ == 0) warn("v_min = 0: the motor may stop short of its target");
+  if (v_min_ > v_max_) {
+    warn("v_min = " + std::to_string(v_min_) + " is above v_max = " + std::to_string(v_max_));
+  }
+  if (const auto message = wrong_deceleration(); a_max_ != 0 && message) warn(*message);
+  return all;
+}
+
+// Whether the ramp to the target asks for what a_max cannot do.
+std::optional<std::string> Tmc429::wrong_deceleration() const {
   const auto text = [](std::string_view name, std::int64_t value) {
     return std::string(name) + " = " + std::to_string(value);
   };
+  const auto a_max = text("a_max", a_max_);
   const auto dividers = text("pulse_div", pulse_div_) + " and " + text("ramp_div", ramp_div_);
   const double scale = std::exp2(ramp_div_ - pulse_div_);
-  if (v_max_ == 0) warn("v_max = 0: the motor does not move");
-  if (a_max_ == 0) warn("a_max = 0: the motor can neither speed up nor slow down");
-  if (a_max_ != 0 && (a_max_ < scale / 2 || a_max_ > 4096 * scale - 1)) {
-    warn(text("a_max", a_max_) + " is outside its valid range for " + dividers +
-         ": the motor may oscillate around its target");
-  } else if (a_max_ != 0 && factor() * 128 * scale > a_max_ * std::exp2(3 + pdiv_)) {
-    warn(text("pmul", pmul_) + " and " + text("pdiv", pdiv_) + " are too great for " +
-         text("a_max", a_max_) + ", " + dividers + ": the motor overshoots its target");
+  if (a_max_ < scale / 2 || a_max_ > 4096 * scale - 1) {
+    return a_max + " is outside its valid range for " + dividers +
+           ": the motor may oscillate around its target";
   }
-  if (positioning() && v_min_ == 0) warn("v_min = 0: the motor may stop short of its target");
-  if (v_min_ > v_max_) warn(text("v_min", v_min_) + " is above " + text("v_max", v_max_));
-  return all;
+  if (factor() * 128 * scale > a_max_ * std::exp2(3 + pdiv_)) {
+    return text("pmul", pmul_) + " and " + text("pdiv", pdiv_) + " are too great for " + a_max +
+           ", " + dividers + ": the motor overshoots its target";
+  }
+  return std::nullopt;
 }
 
 void Tmc429::set_switches(bool left, bool right) {

@@ -13,7 +13,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cstdint>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -187,6 +189,7 @@ class Tmc429 {
   Tick earliest_halt() const;
   Tick earliest_pass(std::int32_t velocity) const;
 
+  std::optional<std::string> wrong_deceleration() const;
   void write_mode(Mode mode);
   void write_factor(Register name, std::int64_t value);
   void update_factor();
