@@ -304,9 +304,7 @@ Tmc429::Run Tmc429::run_of(Tick ramp_ticks, std::int32_t slew) const {
 
 Tmc429::Run Tmc429::plan() const {
   if (stops_dead()) return run_of(1, -velocity_);
-  if (mode_ == Mode::velocity) return plan_slew(goal(0));
-  if (mode_ == Mode::hold) return plan_slew(goal(0));
-  return plan_positioning();
+  return positioning() ? plan_positioning() : plan_slew(goal(0));
 }
 
 // Towards a velocity that stays the same.
@@ -363,25 +361,33 @@ Tmc429::Run Tmc429::run_until_step(const Approach& approach, std::uint32_t steps
   return {(divide_up(sees, Tick{1} << ramp_div_) << ramp_div_) - 1, 0};
 }
 
-// Pulses times speed in the first intervals between ramp ticks, with one more slew in each.
-std::uint64_t Tmc429::pulse_sum(std::uint32_t speed, std::uint32_t slews) const {
-  if (slews == 0) return 0;
-  const auto first = static_cast<std::int32_t>(speed);
-  if (ramp_div_ >= pulse_div_) {
-    return std::uint64_t{sum_of_speeds(first + a_max_, a_max_, slews)} << (ramp_div_ - pulse_div_);
-  }
-  const auto begin = seen_at(next_ramp_tick());
-  const auto count = pulses(begin, begin + (Tick{slews} << ramp_div_));
+// The speeds of so many pulses after `begin`, added up. The first interval between ramp ticks has
+// the first velocity, each further one a slew more; the sign does not change on the way.
+std::uint64_t Tmc429::sum_of_pulses(Tick begin, Tick count, std::int32_t first,
+                                    std::int32_t slew) const {
   if (count == 0) return 0;
+  if (ramp_div_ >= pulse_div_) {
+    const auto each = ramp_div_ - pulse_div_;
+    const auto whole = static_cast<std::uint32_t>((count - 1) >> each);
+    const auto rest = count - (Tick{whole} << each);
+    const auto last = first + slew * static_cast<std::int32_t>(whole);
+    const auto sum = whole == 0 ? 0 : std::uint64_t{sum_of_speeds(first, slew, whole)} << each;
+    return sum + rest * static_cast<std::uint32_t>(std::abs(last / v_unit));
+  }
+  // There are several ramp ticks between two pulses.
   const auto pulse = ((begin >> pulse_div_) + 1) << pulse_div_;
-  const auto before = static_cast<std::int32_t>((pulse - begin - 1) >> ramp_div_) + 1;
-  return sum_of_speeds(first + before * a_max_, a_max_ << (pulse_div_ - ramp_div_),
+  const auto before = static_cast<std::int32_t>((pulse - begin - 1) >> ramp_div_);
+  return sum_of_speeds(first + before * slew, slew * (1 << (pulse_div_ - ramp_div_)),
                        static_cast<std::uint32_t>(count));
 }
 
 // Whether one more full slew fits under the ramp after so many.
 bool Tmc429::still_below_ramp(const Approach& approach, std::uint32_t slews) const {
-  const auto steps = (approach.accumulator + pulse_sum(approach.speed, slews)) / step_unit;
+  const auto begin = seen_at(next_ramp_tick());
+  const auto count = pulses(begin, begin + (Tick{slews} << ramp_div_));
+  const auto first = static_cast<std::int32_t>(approach.speed) + a_max_;
+  const auto sum = approach.accumulator + sum_of_pulses(begin, count, first, a_max_);
+  const auto steps = sum / step_unit;
   if (steps >= static_cast<std::uint64_t>(approach.distance)) return false;
   const auto asked = asked_velocity(approach.distance - static_cast<std::int32_t>(steps)) * v_unit;
   const auto speed = approach.speed + (slews + 1) * static_cast<std::uint32_t>(a_max_);
@@ -446,33 +452,14 @@ void Tmc429::move(Tick until) {
 
 void Tmc429::slew_through(Tick until) {
   const auto slews = static_cast<std::int32_t>((until >> ramp_div_) - (tick_ >> ramp_div_));
-  const auto lag = order_ == Order::ramp_first ? 0U : 1U;  // of the pulse stage
-  const auto first_tick = next_ramp_tick();
-  const auto begin = seen_at(first_tick);
+  const auto begin = seen_at(next_ramp_tick());
   if (begin > tick_) coast(begin);
   if (run_.stops_on_target && at_stop_ == Accumulator::cleared) accumulator_ = 0;
   const auto first = velocity_ + run_.slew;
   velocity_ += run_.slew * slews;
-  const auto last = velocity_;
   tick_ = until;
-  const auto count = pulses(begin, until);
-  if (count == 0) return;
-  const bool backwards = first < 0 || last < 0;
-  if (ramp_div_ >= pulse_div_) {
-    // Whole intervals between ramp ticks, and the part of one after the last that pulses saw.
-    const auto each = ramp_div_ - pulse_div_;
-    const auto whole = static_cast<std::uint32_t>((count - 1) >> each);
-    const auto rest = count - (Tick{whole} << each);
-    const auto in_effect = first + run_.slew * static_cast<std::int32_t>(whole);
-    const auto sum = whole == 0 ? 0 : std::uint64_t{sum_of_speeds(first, run_.slew, whole)} << each;
-    add_pulses(sum + rest * static_cast<std::uint32_t>(std::abs(in_effect / v_unit)), backwards);
-    return;
-  }
-  const auto pulse = ((begin >> pulse_div_) + 1) << pulse_div_;
-  const auto before = static_cast<std::int32_t>((pulse - lag - first_tick) >> ramp_div_);
-  add_pulses(sum_of_speeds(first + before * run_.slew, run_.slew * (1 << (pulse_div_ - ramp_div_)),
-                           static_cast<std::uint32_t>(count)),
-             backwards);
+  add_pulses(sum_of_pulses(begin, pulses(begin, until), first, run_.slew),
+             first < 0 || velocity_ < 0);
 }
 
 void Tmc429::advance_to(Tick tick) {

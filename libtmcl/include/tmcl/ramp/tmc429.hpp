@@ -178,7 +178,7 @@ class Tmc429 {
   Run run_of(Tick ramp_ticks, std::int32_t slew) const;
   Run run_until_step(const Approach& approach, std::uint32_t steps) const;
   bool still_below_ramp(const Approach& approach, std::uint32_t slews) const;
-  std::uint64_t pulse_sum(std::uint32_t speed, std::uint32_t slews) const;
+  std::uint64_t sum_of_pulses(Tick begin, Tick count, std::int32_t first, std::int32_t slew) const;
 
   void move(Tick until);
   void slew_through(Tick until);
