@@ -126,6 +126,12 @@ class Tmc429 {
   /// x_actual equals x_target in this instant, which may be in passing.
   bool at_target() const { return x_actual_ == x_target_; }
   Tmc429Dividers dividers() const { return {pulse_div_, ramp_div_}; }
+  /// What the registers do not show.
+  struct Exact {
+    std::int32_t velocity;      ///< In 1/256 of v_actual's unit.
+    std::uint32_t accumulator;  ///< The fraction of a microstep, in 1/2048.
+  };
+  Exact exact() const { return {velocity_, accumulator_}; }
 
   /// All of the state, however it came about.
   bool operator==(const Tmc429&) const = default;
