@@ -55,6 +55,20 @@ enum class Effect : std::uint8_t {
   stops,   ///< Ends a movement: goes out before everything else.
 };
 
+/// The field of a command that an operand fills when the command is written as text.
+enum class Field : std::uint8_t {
+  type,     ///< 0..255, or the type's standard name.
+  motor,    ///< 0..255: motor, bank or user variable.
+  value,    ///< 32 bits.
+  address,  ///< The value as well: the number of a command of the program.
+};
+
+struct Operand {
+  Field field;
+  std::string_view name;  ///< What the firmware manuals call it, such as "motor" or "bank".
+  bool optional = false;  ///< May be left out with all that follow it, and is 0 then.
+};
+
 struct CommandInfo {
   Command command;
   std::string_view name;  ///< Standard mnemonic, upper case.
@@ -62,6 +76,9 @@ struct CommandInfo {
   Repeat repeat;
   Effect effect;
   std::string_view meaning;
+  /// What follows the mnemonic in the text of a stand-alone program; nothing for a command that has
+  /// no place in one.
+  std::optional<std::span<const Operand>> operands{};
 };
 
 /// A value of the type field that has a standard name or behaves differently from its command's
