@@ -17,13 +17,18 @@ _tmclctl() {
       --socket) where=(--socket "${COMP_WORDS[i+1]}"); ((i++)) ;;
       --generator) generator=${COMP_WORDS[i+1]}; ((i++)) ;;
       --direct | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus | --change | \
-        --sample | --until)
+        --sample | --until | -o | --output)
         # --by of move takes no value.
         [[ ${COMP_WORDS[i]} == --by && ${verb[*]} == move ]] || ((i++)) ;;
       # Bash splits serial:/dev/ttyACM0 at the colon.
       : | =) ((i++)) ;;
       -*) ;;
-      *) if [[ ${#verb[@]} == 0 || ${verb[*]} == profile ]]; then verb+=("${COMP_WORDS[i]}"); else ((arguments++)); fi ;;
+      *)
+        if [[ ${#verb[@]} == 0 || ${verb[*]} == profile || ${verb[*]} == program ]]; then
+          verb+=("${COMP_WORDS[i]}")
+        else
+          ((arguments++))
+        fi ;;
     esac
   done
 
@@ -32,7 +37,7 @@ _tmclctl() {
       # The one of simulate is a time.
       [[ ${verb[*]} == "profile simulate" ]] || compopt -o default
       return ;;
-    --socket | --svg)
+    --socket | --svg | -o | --output)
       compopt -o default
       return ;;
     --direct)
@@ -48,7 +53,7 @@ _tmclctl() {
   local words=""
   if [[ $current == -* ]]; then
     words=$(_tmclctl_words options "${verb[@]}")
-  elif [[ ${#verb[@]} == 0 || ${verb[*]} == profile ]]; then
+  elif [[ ${#verb[@]} == 0 || ${verb[*]} == profile || ${verb[*]} == program ]]; then
     words=$(_tmclctl_words verbs "${verb[@]}")
   else
     case ${verb[*]}:$arguments in
@@ -56,6 +61,7 @@ _tmclctl() {
         words=$(_tmclctl_words axes) ;;
       get:1 | set:1) words=$(_tmclctl_words parameters) ;;
       raw:1) words=$(_tmclctl_words commands) ;;
+      "program assemble":0 | "program disassemble":0) compopt -o default ;;
       "profile simulate":*)
         if [[ $current == = || $previous == = ]]; then
           # Which register: it stands before the =.

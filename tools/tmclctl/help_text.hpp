@@ -24,11 +24,13 @@ Examples:
   tmclctl --direct serial:/dev/ttyACM0@115200 get 1/0 actual_position
   tmclctl --json state x                         for scripts: one JSON document
   tmclctl profile simulate --help                how would a chip move?
+  tmclctl program assemble --help                programs that modules run by themselves
 
 Exit codes:
     0  done
     1  the module or tmcld refused; nothing changed
-    2  the command line asks for something that does not exist; nothing was sent
+    2  the command line asks for something that does not exist, or a file that it names is wrong;
+       nothing was sent
     3  not sent: no connection, no answer from the module lately; nothing changed
     4  outcome unknown: sent, but no answer; it may have been executed
     5  the wait ended early: the move was interrupted, or --timeout passed
@@ -159,6 +161,44 @@ A change acts after everything up to its instant; changes of one instant act in 
 "start_s"}], "samples": [{"t", "x", "v", "a"}]}; duration_s is when it last came to rest on its
 target, null if it does not. What the chip would take but should not be told is a warning on
 standard error; settings that contradict each other are an error (exit code 2).
+)";
+
+constexpr const char* program = R"(
+Nothing is sent anywhere: no bus, no tmcld, no module is needed.
+
+  tmclctl program assemble --help
+  tmclctl program disassemble --help
+)";
+
+constexpr const char* assemble = R"(
+FILE is a program in the language of the TMCL-IDE:
+
+  #include "speeds.tmc"             // beside this file
+  Far = 2 * $C800                   // constants; ( ) - ~ * / % + & ^ |; $FF, 0xFF, %1010
+  Loop: MVP ABS, 0, Far             /* labels, alone on a line or before a command */
+        WAIT POS, 0, 0
+        JA Loop
+        .raw 250, 1, 2, 3           // any command by its numbers
+
+Without -o it prints the listing: address, bytes, line and text. The file that -o names gets eight
+bytes for each command, as the TMCL-IDE and PyTrinamic read them; it is written only if there are no
+problems. Each problem is a line FILE:LINE:COLUMN: MESSAGE on standard error (exit code 2).
+--json prints {"file", "labels": [{"name", "address"}], "program": [{"address", "command", "type",
+"motor", "value", "file", "line"}]}, or {"error": {..., "problems": [{"file", "line", "column",
+"word", "message"}]}}.
+
+  tmclctl program assemble loop.tmc
+  tmclctl program assemble loop.tmc -o loop.bin
+  tmclctl --json program assemble loop.tmc
+)";
+
+constexpr const char* disassemble = R"(
+FILE has eight bytes for each command, as the TMCL-IDE, TMCLAsm and 'tmclctl program assemble' write
+them. The text assembles to the same bytes; what is no command of a program becomes .raw COMMAND,
+TYPE, MOTOR, VALUE. --json prints {"file", "commands", "text"}.
+
+  tmclctl program disassemble loop.bin
+  tmclctl program disassemble loop.bin -o loop.tmc
 )";
 
 }  // namespace tmclctl::help_text

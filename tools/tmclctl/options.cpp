@@ -130,6 +130,7 @@ class Parser {
   void add_plot();
   void add_raw();
   void add_profile();
+  void add_program();
   void add_complete();
 
   Information complete() const;
@@ -158,6 +159,8 @@ class Parser {
   verb::Plot plot_;
   verb::Raw raw_;
   verb::Simulate simulate_;
+  verb::Assemble assemble_;
+  verb::Disassemble disassemble_;
   verb::Complete complete_;
   std::vector<std::string> complete_for_;
 };
@@ -184,6 +187,7 @@ Parser::Parser() {
   add_plot();
   add_raw();
   add_profile();
+  add_program();
   add_complete();
 }
 
@@ -339,6 +343,26 @@ void Parser::add_profile() {
                simulate_.csv_step, shortest_csv_step, longest_simulated_time)
       ->type_name("SECONDS");
   simulate.add_option("--svg", simulate_.svg, "Draw into this file, not on the screen")
+      ->type_name("FILE");
+}
+
+void Parser::add_program() {
+  auto& program = add_group(app_, "program", "Stand-alone programs: from text to bytes and back",
+                            help_text::program);
+  program.require_subcommand(1);
+  auto& assemble = add_verb(program, "assemble", "Make a program file of a program's text",
+                            assemble_, help_text::assemble);
+  assemble.add_option("FILE", assemble_.file, "The text")->required()->type_name("");
+  assemble.add_option("-o,--output", assemble_.output, "Write the program into this file")
+      ->type_name("FILE");
+  assemble.add_flag("--listing", assemble_.listing,
+                    "Print the listing, too: addresses, bytes and text");
+  auto& disassemble = add_verb(program, "disassemble", "Make text of a program file", disassemble_,
+                               help_text::disassemble);
+  disassemble.add_option("FILE", disassemble_.file, "The program file")->required()->type_name("");
+  disassemble
+      .add_option("-o,--output", disassemble_.output,
+                  "Write the text into this file, do not print it")
       ->type_name("FILE");
 }
 

@@ -87,6 +87,17 @@ struct Simulate {
   std::optional<double> csv_step;
   std::string svg;  ///< Empty: none.
 };
+/// The text of a stand-alone program into a program file.
+struct Assemble {
+  std::string file;
+  std::string output;  ///< Empty: none.
+  bool listing = false;
+};
+/// And the other way.
+struct Disassemble {
+  std::string file;
+  std::string output;  ///< Empty: to standard output.
+};
 /// For the shell's completion: prints words, one a line, and never complains. Only "axes" needs a
 /// target; everything else is answered by the parser.
 struct Complete {
@@ -95,9 +106,10 @@ struct Complete {
 
 }  // namespace verb
 
-using Verb = std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Get, verb::Set,
-                          verb::Move, verb::Rotate, verb::Stop, verb::State, verb::Watch,
-                          verb::Plot, verb::Raw, verb::Simulate, verb::Complete>;
+using Verb =
+    std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Get, verb::Set,
+                 verb::Move, verb::Rotate, verb::Stop, verb::State, verb::Watch, verb::Plot,
+                 verb::Raw, verb::Simulate, verb::Assemble, verb::Disassemble, verb::Complete>;
 
 struct Options {
   Where where;

@@ -34,5 +34,7 @@ VerbResult run(const verb::Complete& verb, Room& room);
 
 /// These need no target.
 VerbResult run(const verb::Simulate& verb, Output& output);
+VerbResult run(const verb::Assemble& verb, Output& output);
+VerbResult run(const verb::Disassemble& verb, Output& output);
 
 }  // namespace tmclctl

@@ -14,7 +14,7 @@ namespace tmcl::program {
 namespace {
 
 // So many names are considered for "Did you mean ...?".
-constexpr std::size_t most_candidates = 1000;
+constexpr std::size_t most_candidates = 500;
 
 using Names = std::vector<std::string_view>;
 

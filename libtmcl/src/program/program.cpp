@@ -29,13 +29,13 @@ std::vector<std::uint8_t> to_bytes(std::span<const Instruction> program) {
 
 tl::expected<Program, std::string> from_bytes(std::span<const std::uint8_t> bytes) {
   const auto count = bytes.size() / instruction_size;
+  if (bytes.size() > most_commands * instruction_size) {
+    return tl::unexpected("a program has at most " + std::to_string(most_commands) +
+                          " commands of eight bytes; these are more");
+  }
   if (bytes.size() % instruction_size != 0) {
     return tl::unexpected("a program has eight bytes for each command; " +
                           std::to_string(bytes.size()) + " is no multiple of eight");
-  }
-  if (count > most_commands) {
-    return tl::unexpected("a program has at most " + std::to_string(most_commands) +
-                          " commands; these are " + std::to_string(count));
   }
   Program program;
   for (std::size_t i = 0; i < count; ++i) {

@@ -1,0 +1,135 @@
+// program assemble, program disassemble.
+#include <filesystem>
+#include <span>
+#include <string_view>
+#include <system_error>
+
+#include <fmt/format.h>
+
+#include "input_file.hpp"
+#include "output_file.hpp"
+#include "print.hpp"
+#include "tmcl/assembler.hpp"
+#include "tmcl/disassembler.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+using tmcl::program::Assembly;
+using tmcl::program::Problem;
+using tmcl::program::Program;
+
+// One byte more than there may be tells a file that is too long.
+constexpr std::size_t most_text = tmcl::program::most_source_bytes + 1;
+constexpr std::size_t most_binary =
+    tmcl::program::most_commands * tmcl::program::instruction_size + 1;
+
+json::object to_json(const Problem& problem) {
+  return {{"file", problem.file},
+          {"line", problem.line},
+          {"column", problem.column},
+          {"word", problem.word},
+          {"message", problem.message}};
+}
+
+Failure failure_from(const std::string& path, const std::vector<Problem>& problems) {
+  const bool all = problems.size() < tmcl::program::most_problems;
+  auto failure = usage_failure(
+      "bad_program", fmt::format("{}{} problem{} in {}", all ? "" : "at least ", problems.size(),
+                                 problems.size() == 1 ? "" : "s", path));
+  json::array list;
+  for (const auto& problem : problems) list.push_back(to_json(problem));
+  failure.details["problems"] = std::move(list);
+  return failure;
+}
+
+json::object to_json(const std::string& path, const Assembly& assembly) {
+  json::array labels;
+  for (const auto& label : assembly.labels)
+    labels.push_back(json::object{{"name", label.name}, {"address", label.address}});
+  json::array commands;
+  for (const auto& line : assembly.lines) {
+    if (!line.address) continue;
+    const auto& command = assembly.program[*line.address];
+    commands.push_back(json::object{{"address", *line.address},
+                                    {"command", static_cast<int>(command.command)},
+                                    {"type", command.type},
+                                    {"motor", command.motor},
+                                    {"value", command.value},
+                                    {"file", assembly.files[line.file]},
+                                    {"line", line.line}});
+  }
+  return {{"file", path}, {"labels", std::move(labels)}, {"program", std::move(commands)}};
+}
+
+/// What is read may be all there is of someone's work.
+Attempt<void> write_output(const std::string& path, const std::string& contents,
+                           std::span<const std::string> sources) {
+  if (path.empty()) return {};
+  for (const auto& source : sources) {
+    std::error_code unknown;
+    if (std::filesystem::equivalent(path, source, unknown)) {
+      return tl::unexpected(usage_failure("cannot_write",
+                                          fmt::format("{} is read; it is not written over", path),
+                                          "Name another file with -o"));
+    }
+  }
+  OutputFile file;
+  return file.open(path).and_then([&] { return file.write(contents); });
+}
+
+std::string contents_of(const Program& program) {
+  const auto bytes = tmcl::program::to_bytes(program);
+  return {bytes.begin(), bytes.end()};
+}
+
+Attempt<Program> read_program(const std::string& path) {
+  const auto contents = read_file(path, most_binary);
+  if (!contents) {
+    return tl::unexpected(
+        usage_failure("cannot_read", fmt::format("cannot read {}: {}", path, contents.error())));
+  }
+  const std::vector<std::uint8_t> bytes(contents->begin(), contents->end());
+  return tmcl::program::from_bytes(bytes).map_error([&](const std::string& problem) {
+    return usage_failure("bad_program", fmt::format("{}: {}", path, problem));
+  });
+}
+
+}  // namespace
+
+VerbResult run(const verb::Assemble& verb, Output& output) {
+  const auto assembly = tmcl::program::assemble(
+      verb.file, [](const std::string& path) { return read_file(path, most_text); });
+  if (!assembly) {
+    if (!output.json) {
+      for (const auto& problem : assembly.error()) output.err << describe(problem) << '\n';
+    }
+    return tl::unexpected(failure_from(verb.file, assembly.error()));
+  }
+  return write_output(verb.output, contents_of(assembly->program), assembly->files).map([&] {
+    if (output.json) {
+      print_json(to_json(verb.file, *assembly), output);
+    } else if (verb.listing || verb.output.empty()) {
+      output.out << tmcl::program::listing(*assembly);
+    }
+    return ExitCode::done;
+  });
+}
+
+VerbResult run(const verb::Disassemble& verb, Output& output) {
+  const auto program = read_program(verb.file);
+  if (!program) return tl::unexpected(program.error());
+  const auto text = tmcl::program::disassemble(*program);
+  return write_output(verb.output, text, {&verb.file, 1}).map([&] {
+    if (output.json) {
+      print_json({{"file", verb.file}, {"commands", program->size()}, {"text", text}}, output);
+    } else if (verb.output.empty()) {
+      output.out << text;
+    }
+    return ExitCode::done;
+  });
+}
+
+}  // namespace tmclctl
