@@ -4,7 +4,7 @@
 /// value, with commas between them.
 ///
 ///     #include "speeds.tmc"               // quotes and what stands in them are optional
-///     Motor0 = 0                          // a constant; it must come before it is used
+///     Motor0 = 0                          // a constant; it stands before those made of it
 ///     Far    = 2 * $C800 + %101           // decimal, hexadecimal ($ or 0x) and binary (%)
 ///     Loop:  MVP ABS, Motor0, Far         /* a label; alone on its line, too */
 ///            WAIT POS, Motor0, 0
