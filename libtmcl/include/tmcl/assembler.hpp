@@ -3,7 +3,7 @@
 /// One command a line, as the firmware manuals write it: mnemonic, then type, motor or bank, and
 /// value, with commas between them.
 ///
-///     #include "speeds.tmc"               // quotes and what stands in them are optional
+///     #include "speeds.tmc"               // the quotes may be left out
 ///     Motor0 = 0                          // a constant; it stands before those made of it
 ///     Far    = 2 * $C800 + %101           // decimal, hexadecimal ($ or 0x) and binary (%)
 ///     Loop:  MVP ABS, Motor0, Far         /* a label; alone on its line, too */
@@ -17,12 +17,12 @@
 /// label or constant may be called like a command, and a type's standard name comes before a
 /// constant of this name.
 ///
-/// Comments, labels, constants, #include and the operands of the commands are those of the firmware
-/// manuals (TMCM-1290, TMCM-6212, TMCM-142). They do not tell the operators and their order, what
-/// may be redefined, or where an included file is looked for: here the order is that of C, nothing
-/// may be defined twice, and a file is looked for beside the one that includes it. How several
-/// motors are coded in the motor number of MVP COORD differs between modules: it is a number like
-/// any other.
+/// Labels, constants, // comments, #include and the operands are those of the TMCM-1290 firmware
+/// manual. It does not tell the other comments, the forms of numbers, the operators and their
+/// order, what may be redefined, or where an included file is looked for: here all this is as in C
+/// (with $ and % as in other assemblers), nothing may be defined twice, and a file is looked for
+/// beside the one that includes it. How several motors are coded in the motor number of MVP COORD
+/// is not settled either: it is a number like any other.
 #pragma once
 
 #include <cstddef>

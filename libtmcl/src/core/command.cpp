@@ -14,7 +14,8 @@ constexpr auto safe = Repeat::safe;
 constexpr auto never = Repeat::never;
 
 // clang-format off
-// How commands are written in programs; the words are those of the firmware manuals.
+// How commands are written in programs, as the TMCM-1290 firmware manual has it. It does not have
+// SAC, STAP and RSAP any more: the first is written with all three fields, the others like GAP.
 constexpr std::span<const Operand> alone{};
 constexpr Operand motor_velocity[] = {{Field::motor, "motor"}, {Field::value, "velocity"}};
 constexpr Operand one_motor[] = {{Field::motor, "motor"}};
