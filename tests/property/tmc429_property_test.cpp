@@ -70,7 +70,9 @@ class Pair {
     ASSERT_EQ(chip.v_actual(), plain.v / 256);
     ASSERT_EQ(chip.exact().velocity, plain.v);
     ASSERT_EQ(chip.exact().accumulator, static_cast<std::uint32_t>(plain.accumulator));
-    if (plain.rd <= 5) ASSERT_EQ(chip.a_actual(), next_change_of_speed());
+    if (plain.rd <= 5) {
+      ASSERT_EQ(chip.a_actual(), next_change_of_speed());
+    }
     ASSERT_EQ(chip.v_target(), chip.mode() <= Mode::soft ? plain.asked() : plain.vt);
     ASSERT_EQ(chip.at_target(), plain.x == plain.xt);
     ASSERT_EQ(chip.arrived(), plain.mode <= Mode::soft && plain.x == plain.xt && plain.v == 0);
