@@ -108,8 +108,10 @@ template <Generator G>
 G look_ahead(G ahead, Tick limit, std::size_t most_changes = most_changes_ahead) {
   limit = std::min(limit, last_tick);
   for (; most_changes != 0; --most_changes) {
+    // Asked first, because it works out the movement; the others would each do so again.
+    const auto change = ahead.next_change();
     if (ahead.arrived() || ahead.settled() || ahead.tick() >= limit) break;
-    ahead.advance_to(std::min(limit, ahead.next_change()));
+    ahead.advance_to(std::min(limit, change));
   }
   return ahead;
 }

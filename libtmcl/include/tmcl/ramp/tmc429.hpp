@@ -108,7 +108,7 @@ class Tmc429 {
   std::string_view phase() const;
   Tick next_change();
   bool arrived() const { return positioning() && at_target() && velocity_ == 0; }
-  bool settled() const { return plan().end == forever; }
+  bool settled() const { return (tick_ < run_.end ? run_ : plan()).end == forever; }
 
   Mode mode() const { return mode_; }
   std::int32_t x_target() const { return x_target_; }
