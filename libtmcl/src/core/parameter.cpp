@@ -26,6 +26,29 @@ constexpr std::int32_t in_pps(std::int64_t greatest, RegisterUnit unit) {
 }
 
 // clang-format off
+// The same on every family.
+constexpr ParameterInfo position_reached{
+    8, "position_reached", {"position_reached_flag", ""}, r, false, 0, 1, 0, "flag",
+    "1 while the actual position equals the target"};
+constexpr ParameterInfo home_switch{
+    9, "home_switch", {"reference_switch_status", ""}, r, false, 0, 1, 0, "flag",
+    "state of the home switch"};
+constexpr ParameterInfo right_switch{
+    10, "right_limit_switch", {"right_endstop", ""}, r, false, 0, 1, 0, "flag",
+    "state of the right limit switch"};
+constexpr ParameterInfo left_switch{
+    11, "left_limit_switch", {"left_endstop", ""}, r, false, 0, 1, 0, "flag",
+    "state of the left limit switch"};
+constexpr ParameterInfo right_switch_disable{
+    12, "right_limit_switch_disable", {"", ""}, rw, true, 0, 1, 0, "flag",
+    "1: the right limit switch does not stop"};
+constexpr ParameterInfo left_switch_disable{
+    13, "left_limit_switch_disable", {"", ""}, rw, true, 0, 1, 0, "flag",
+    "1: the left limit switch does not stop"};
+constexpr ParameterInfo microstep_resolution{
+    140, "microstep_resolution", {"usrs", ""}, rw, true, 0, 8, 8, "2^n",
+    "microsteps of a full step, as an exponent of two"};
+
 // Ranges and meanings from the firmware manuals of the TMCM-6110 and TMCM-351; what a module starts with from the
 // open firmware of the TMCM-1110.
 constexpr auto tmc429_axis = std::to_array<ParameterInfo>({
@@ -43,20 +66,13 @@ constexpr auto tmc429_axis = std::to_array<ParameterInfo>({
     {6, "max_current", {"run_current", ""}, rw, true, 0, 255, 255, "1/255",
      "current while moving, as a part of the module's greatest; effective in steps of 8"},
     {7, "standby_current", {"", ""}, rw, true, 0, 255, 32, "1/255", "current at standstill"},
-    {8, "position_reached", {"position_reached_flag", ""}, r, false, 0, 1, 0, "flag",
-     "1 while the actual position equals the target"},
-    {9, "home_switch", {"reference_switch_status", ""}, r, false, 0, 1, 0, "flag", "state of the home switch"},
-    {10, "right_limit_switch", {"right_endstop", ""}, r, false, 0, 1, 0, "flag", "state of the right limit switch"},
-    {11, "left_limit_switch", {"left_endstop", ""}, r, false, 0, 1, 0, "flag", "state of the left limit switch"},
-    {12, "right_limit_switch_disable", {"", ""}, rw, true, 0, 1, 0, "flag", "1: the right limit switch does not stop"},
-    {13, "left_limit_switch_disable", {"", ""}, rw, true, 0, 1, 0, "flag", "1: the left limit switch does not stop"},
+    position_reached, home_switch, right_switch, left_switch, right_switch_disable, left_switch_disable,
     {130, "minimum_velocity", {"v_min", "minimum_speed"}, rw, true, 0, v_max, 1, "internal",
      "speed at which the end of a ramp may stop at once; keep it at 1"},
     {135, "actual_acceleration", {"a_actual", ""}, r, false, -v_max, v_max, 0, "internal", "present acceleration"},
     {138, "ramp_mode", {"ramp_type", ""}, rw, true, 0, 2, 0, "",
      "0 position, 1 soft, 2 velocity; set by ROR, ROL, MST and MVP"},
-    {140, "microstep_resolution", {"usrs", ""}, rw, true, 0, 8, 8, "2^n",
-     "microsteps of a full step, as an exponent of two"},
+    microstep_resolution,
     {141, "reference_switch_tolerance", {"ref_switch_tolerance", ""}, rw, false, 0, 4095, 0, "microstep",
      "how far a reference switch may be off before that counts as an error"},
     {153, "ramp_divisor", {"ramp_div", ""}, rw, true, 0, 13, 3, "2^n",
@@ -88,13 +104,7 @@ constexpr auto tmc457_axis = std::to_array<ParameterInfo>({
      "sets acceleration (16) and deceleration (17) together; reads the acceleration", Scale::acceleration},
     {6, "max_current", {"run_current", ""}, rw, true, 0, 15, 15, "1/15", "current while moving"},
     {7, "standby_current", {"", ""}, rw, true, 0, 15, 2, "1/15", "current at standstill"},
-    {8, "position_reached", {"position_reached_flag", ""}, r, false, 0, 1, 0, "flag",
-     "1 while the actual position equals the target"},
-    {9, "home_switch", {"reference_switch_status", ""}, r, false, 0, 1, 0, "flag", "state of the home switch"},
-    {10, "right_limit_switch", {"right_endstop", ""}, r, false, 0, 1, 0, "flag", "state of the right limit switch"},
-    {11, "left_limit_switch", {"left_endstop", ""}, r, false, 0, 1, 0, "flag", "state of the left limit switch"},
-    {12, "right_limit_switch_disable", {"", ""}, rw, true, 0, 1, 0, "flag", "1: the right limit switch does not stop"},
-    {13, "left_limit_switch_disable", {"", ""}, rw, true, 0, 1, 0, "flag", "1: the left limit switch does not stop"},
+    position_reached, home_switch, right_switch, left_switch, right_switch_disable, left_switch_disable,
     {15, "stop_deceleration", {"d_stop", ""}, rw, true, 0, a457_max, a457_initial, "internal",
      "deceleration at a limit switch, always without bow", Scale::acceleration},
     {16, "acceleration", {"a_max", ""}, rw, true, 0, a457_max, a457_initial, "internal", "acceleration of every ramp",
@@ -108,8 +118,7 @@ constexpr auto tmc457_axis = std::to_array<ParameterInfo>({
     {129, "status_flags", {"", ""}, r, false, 0, 15, 0, "bits",
      "1 position reached, 2 velocity reached, 4 stands, 8 encoder warning"},
     {130, "velocity_reached", {"", ""}, r, false, 0, 1, 0, "flag", "1 while the speed is the one asked for"},
-    {140, "microstep_resolution", {"usrs", ""}, rw, true, 0, 8, 8, "2^n",
-     "microsteps of a full step, as an exponent of two"},
+    microstep_resolution,
     {unit_mode, "unit_mode", {"", ""}, rw, true, 0, 1, 0, "",
      "velocities and accelerations: 0 units of the TMC457, 1 microsteps per second"},
 });
@@ -136,13 +145,7 @@ constexpr auto sixpoint_axis = std::to_array<ParameterInfo>({
     {6, "max_current", {"run_current", ""}, rw, true, 0, 255, 128, "1/255",
      "current while moving, as a part of the module's greatest; effective in steps of 8"},
     {7, "standby_current", {"", ""}, rw, true, 0, 255, 8, "1/255", "current at standstill"},
-    {8, "position_reached", {"position_reached_flag", ""}, r, false, 0, 1, 0, "flag",
-     "1 while the actual position equals the target"},
-    {9, "home_switch", {"reference_switch_status", ""}, r, false, 0, 1, 0, "flag", "state of the home switch"},
-    {10, "right_limit_switch", {"right_endstop", ""}, r, false, 0, 1, 0, "flag", "state of the right limit switch"},
-    {11, "left_limit_switch", {"left_endstop", ""}, r, false, 0, 1, 0, "flag", "state of the left limit switch"},
-    {12, "right_limit_switch_disable", {"", ""}, rw, true, 0, 1, 0, "flag", "1: the right limit switch does not stop"},
-    {13, "left_limit_switch_disable", {"", ""}, rw, true, 0, 1, 0, "flag", "1: the left limit switch does not stop"},
+    position_reached, home_switch, right_switch, left_switch, right_switch_disable, left_switch_disable,
     {15, "acceleration_a1", {"a1", ""}, rw, true, 0, a6p_max, 25600, "pps/s", "acceleration up to velocity V1",
      Scale::acceleration},
     {16, "velocity_v1", {"v1", ""}, rw, true, 0, v1_max, 25600, "pps",
@@ -159,8 +162,7 @@ constexpr auto sixpoint_axis = std::to_array<ParameterInfo>({
      "standstill after a ramp, before the motor turns round or moves again"},
     {127, "relative_positioning_option", {"", ""}, rw, false, 0, 1, 0, "",
      "what MVP REL counts from: 0 the target position, 1 the actual position"},
-    {140, "microstep_resolution", {"usrs", ""}, rw, true, 0, 8, 8, "2^n",
-     "microsteps of a full step, as an exponent of two"},
+    microstep_resolution,
     {unit_mode, "unit_mode", {"", ""}, rw, true, 0, 1, 1, "",
      "velocities and accelerations: 0 units of the chip, 1 microsteps per second"},
 });
