@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <random>
 #include <string>
 
 #include "support/plain_track.hpp"
+#include "support/random.hpp"
 #include "support/seed.hpp"
 #include "tmcl/ramp/mc1451a.hpp"
 
@@ -21,33 +21,19 @@ struct Parameters {
   std::int64_t profile, position, velocity, acceleration, jerk;
 };
 
-class Script {
+class Script : public test::Random<> {
  public:
-  explicit Script(std::uint64_t seed) : random_(seed) {}
-
-  std::int64_t between(std::int64_t low, std::int64_t high) {
-    return std::uniform_int_distribution<std::int64_t>(low, high)(random_);
-  }
-  // 1..greatest, all magnitudes equally likely.
-  std::int64_t any_size(std::int64_t greatest) {
-    const double log =
-        std::uniform_real_distribution<>(0, std::log(static_cast<double>(greatest)))(random_);
-    return std::min(greatest, std::lrint(std::exp(log)));
-  }
-  std::int64_t sign() { return between(0, 1) == 0 ? -1 : 1; }
+  using Random::Random;
 
   Parameters parameters() {
-    return {between(0, 1), sign() * any_size(1 << 30) * between(0, 99) / 100,
-            any_size(1'073'741'823), any_size(32'767), any_size(2'147'483'647)};
+    return {between(0, 1), either_way(positive(1 << 30)) * between(0, 99) / 100,
+            positive(1'073'741'823), positive(32'767), positive(2'147'483'647)};
   }
   // For movements that take some thousand ticks.
   Parameters quick() {
-    return {between(0, 1), sign() * any_size(5'000), (1 << 14) + any_size(1 << 26),
-            (1 << 9) + any_size(1 << 14), (1 << 20) + any_size(1 << 30)};
+    return {between(0, 1), either_way(positive(5'000)), (1 << 14) + positive(1 << 26),
+            (1 << 9) + positive(1 << 14), (1 << 20) + positive(1 << 30)};
   }
-
- private:
-  std::mt19937_64 random_;
 };
 
 void write(Mc1451a& axis, const Parameters& parameters) {
@@ -84,7 +70,7 @@ TEST(Mc1451aProperty, JumpingEqualsTicking) {
         plain.change([&](Mc1451a& planner) { ASSERT_FALSE(planner.write(R::velocity, 1)); });
         ++refused;
       }
-      tick += static_cast<Tick>(script.any_size(3'000));
+      tick += static_cast<Tick>(script.positive(3'000));
       plain.advance_to(tick, jerk_of(parameters));
       axis.advance_to(tick);
       ASSERT_EQ(axis.track().at(tick), plain.state()) << "step " << step << ", tick " << tick;
@@ -105,9 +91,9 @@ TEST(Mc1451aProperty, ManyShortAdvancesEqualOneLong) {
     Mc1451a once;
     write(once, script.parameters());
     auto often = once;
-    const auto last = script.any_size(1LL << 40);
+    const auto last = script.positive(1LL << 40);
     once.advance_to(static_cast<Tick>(last));
-    for (int i = 0; i < 30; ++i) often.advance_to(static_cast<Tick>(script.any_size(last)));
+    for (int i = 0; i < 30; ++i) often.advance_to(static_cast<Tick>(script.positive(last)));
     often.advance_to(static_cast<Tick>(last));
     ASSERT_TRUE(once == often) << last;
   }
@@ -135,7 +121,7 @@ TEST(Mc1451aProperty, KeepsItsLimitsAndNeverTurnsBack) {
     for (int i = 0; i < 30 && !axis.arrived(); ++i) {
       const auto from = axis.tick();
       axis.advance_to(std::min(axis.next_change(),
-                               from + static_cast<Tick>(script.any_size(std::max<std::int64_t>(
+                               from + static_cast<Tick>(script.positive(std::max<std::int64_t>(
                                           1, static_cast<std::int64_t>(end / 4))))));
       const auto now = axis.motion();
       ASSERT_LE(std::abs(now.velocity), parameters.velocity);

@@ -4,11 +4,11 @@
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
-#include <random>
 #include <string>
 #include <string_view>
 
 #include "support/plain_sixpoint.hpp"
+#include "support/random.hpp"
 #include "support/seed.hpp"
 #include "tmcl/ramp/sixpoint.hpp"
 
@@ -99,24 +99,10 @@ void expect_same(const SixPoint& axis, const PlainSixPoint& plain) {
   ASSERT_TRUE(axis.status() == status_of(plain));
 }
 
-class Script {
+class Script : public test::Random<> {
  public:
-  explicit Script(std::uint64_t seed) : random_(seed) {}
+  using Random::Random;
 
-  std::int64_t between(std::int64_t low, std::int64_t high) {
-    return std::uniform_int_distribution(low, high)(random_);
-  }
-  bool one_in(std::int64_t n) { return between(1, n) == 1; }
-  // Magnitudes of all sizes are equally likely.
-  std::int64_t any_size(std::int64_t greatest) {
-    int bits = 0;
-    while (greatest >> bits != 0) ++bits;
-    const auto most = std::int64_t{1} << between(0, bits);
-    return between(most / 2, std::min(greatest, most - 1));
-  }
-  std::int64_t signed_size(std::int64_t greatest) {
-    return one_in(2) ? any_size(greatest) : -any_size(greatest);
-  }
   std::int64_t any(Register name) { return any_size(greatest(name)); }
   Tick pause() { return static_cast<Tick>(one_in(2) ? any_size(1'500) : between(0, 900)); }
 
@@ -162,7 +148,7 @@ class Script {
   std::int64_t target(const Pair& pair) {
     if (one_in(12)) return any_position();
     const auto reach = std::max<std::int64_t>(4, pair.plain.vmax / 50);
-    return static_cast<std::int32_t>(pair.plain.xactual() + signed_size(reach));
+    return static_cast<std::int32_t>(pair.plain.xactual() + either_way(any_size(reach)));
   }
 
   void write_something(Pair& pair) {
@@ -188,7 +174,7 @@ class Script {
   }
 
   std::int64_t any_position() {
-    if (one_in(2)) return signed_size(INT32_MAX);
+    if (one_in(2)) return either_way(any_size(INT32_MAX));
     return one_in(2) ? INT32_MIN + any_size(1'000'000) : INT32_MAX - any_size(1'000'000);
   }
 
@@ -200,8 +186,6 @@ class Script {
     pair.write(Register::sw_mode, any(Register::sw_mode) | SixPoint::stop_l_enable);
     pair.set_switches(one_in(3), one_in(3));
   }
-
-  std::mt19937_64 random_;
 };
 
 // What has to happen in the scripts for them to prove anything, in how many of them.
@@ -417,7 +401,7 @@ TEST(SixPointProperty, MovesFromRestStraightToItsTargetAndStays) {
     Pair pair;
     script.set_up_sensibly(pair);
     ASSERT_TRUE(pair.axis.findings().empty());
-    pair.write(Register::xtarget, script.signed_size(pair.plain.vmax / 50));
+    pair.write(Register::xtarget, script.either_way(script.any_size(pair.plain.vmax / 50)));
     const auto target = pair.plain.xtarget;
     const auto there = arrival(pair.axis, last_tick);
     ASSERT_TRUE(there);
@@ -452,7 +436,7 @@ TEST(SixPointProperty, ReachesItsTargetFromAnyMotion) {
     script.set_up_sensibly(pair);
     pair.set_switches(false, false);
     pair.write(Register::rampmode, 0);
-    pair.write(Register::xtarget, script.signed_size(INT32_MAX));
+    pair.write(Register::xtarget, script.either_way(script.any_size(INT32_MAX)));
     const auto there = arrival(pair.axis, last_tick);
     ASSERT_TRUE(there);
     pair.axis.advance_to(*there);

@@ -5,10 +5,10 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
-#include <random>
 #include <string>
 
 #include "support/plain_tmc429.hpp"
+#include "support/random.hpp"
 #include "support/seed.hpp"
 #include "tmcl/ramp/tmc429.hpp"
 
@@ -90,25 +90,12 @@ class Pair {
   bool factor_written_ = false;
 };
 
-class Script {
+class Script : public test::Random<std::int32_t> {
  public:
-  explicit Script(std::uint64_t seed) : random_(seed) {}
+  using Random::Random;
 
-  std::int32_t between(std::int32_t low, std::int32_t high) {
-    return std::uniform_int_distribution(low, high)(random_);
-  }
-  bool one_in(std::int32_t n) { return between(1, n) == 1; }
-  // Magnitudes of all sizes are equally likely.
-  std::int32_t any_size(std::int32_t greatest) {
-    int bits = 0;
-    while (greatest >> bits != 0) ++bits;
-    return std::min(greatest, between(0, (1 << between(0, bits)) - 1));
-  }
-  std::int32_t position() {
-    const auto size = any_size(one_in(3) ? 0x7FFFFF : 3000);
-    return one_in(2) ? size : -size;
-  }
-  std::int32_t velocity() { return one_in(2) ? any_size(2047) : -any_size(2047); }
+  std::int32_t position() { return either_way(any_size(one_in(3) ? 0x7FFFFF : 3000)); }
+  std::int32_t velocity() { return either_way(any_size(2047)); }
   Tick pause() { return static_cast<Tick>(any_size(one_in(4) ? 40'000 : 4'000)); }
 
   // Half of the scripts start with what a sane host would write, so that moves come to their end.
@@ -159,7 +146,6 @@ class Script {
     pair.write_factor(any_size(127), between(0, 13));
   }
 
-  std::mt19937_64 random_;
   bool sane_ = false;
 };
 

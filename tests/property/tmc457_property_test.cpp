@@ -6,10 +6,10 @@
 #include <cstdint>
 #include <cstdlib>
 #include <functional>
-#include <random>
 #include <string>
 
 #include "support/plain_track.hpp"
+#include "support/random.hpp"
 #include "support/seed.hpp"
 #include "tmcl/ramp/tmc457.hpp"
 
@@ -22,28 +22,13 @@ using Mode = Tmc457::Mode;
 constexpr std::int64_t v_greatest = 0x7FFF0000;
 constexpr std::int64_t a_greatest = 0xFFFFFD;
 
-class Script {
+class Script : public test::Random<> {
  public:
-  explicit Script(std::uint64_t seed) : random_(seed) {}
-
-  std::int64_t between(std::int64_t low, std::int64_t high) {
-    return std::uniform_int_distribution<std::int64_t>(low, high)(random_);
-  }
-  bool one_in(std::int64_t n) { return between(1, n) == 1; }
-  // 1..greatest, all magnitudes equally likely.
-  std::int64_t any_size(std::int64_t greatest) {
-    const double log =
-        std::uniform_real_distribution<>(0, std::log(static_cast<double>(greatest)))(random_);
-    return std::min(greatest, std::lrint(std::exp(log)));
-  }
-  std::int64_t either_way(std::int64_t value) { return one_in(2) ? value : -value; }
+  using Random::Random;
 
   // Forces so great that movements take some thousand ticks.
   std::int64_t strong() { return between(1 << 20, a_greatest); }
   std::int64_t strong_bow() { return one_in(2) ? 0 : between(16, 18); }
-
- private:
-  std::mt19937_64 random_;
 };
 
 // Something that is done to an axis.
@@ -55,10 +40,10 @@ Change writing(R name, std::int64_t value) {
 
 Change beginning(Script& script) {
   const bool strong = !script.one_in(3);
-  const auto v = strong ? script.between(1 << 22, v_greatest) : script.any_size(v_greatest);
-  const auto a = strong ? script.strong() : script.any_size(a_greatest);
-  const auto d = strong ? script.strong() : script.any_size(a_greatest);
-  const auto stop = strong ? script.strong() : script.any_size(a_greatest);
+  const auto v = strong ? script.between(1 << 22, v_greatest) : script.positive(v_greatest);
+  const auto a = strong ? script.strong() : script.positive(a_greatest);
+  const auto d = strong ? script.strong() : script.positive(a_greatest);
+  const auto stop = strong ? script.strong() : script.positive(a_greatest);
   const auto bow = strong ? script.strong_bow() : script.between(0, 18);
   return [=](Tmc457& axis) {
     writing(R::v_max, v)(axis);
@@ -80,22 +65,22 @@ Change switching(Script& script) {
 }
 
 Change retargeting(Script& script, std::int64_t position) {
-  const auto far = script.one_in(8) ? script.any_size(1LL << 31) - 1 : script.any_size(300);
+  const auto far = script.one_in(8) ? script.positive(1LL << 31) - 1 : script.positive(300);
   return writing(R::x_target,
                  std::clamp<std::int64_t>(position + script.either_way(far), INT32_MIN, INT32_MAX));
 }
 
 Change anything(Script& script, std::int64_t position) {
   const bool strong = !script.one_in(4);
-  const auto force = strong ? script.strong() : script.any_size(a_greatest) - 1;
+  const auto force = strong ? script.strong() : script.positive(a_greatest) - 1;
   switch (script.between(0, 15)) {
-    case 0: return writing(R::v_max, script.any_size(v_greatest + 1) - 1);
-    case 1: return writing(R::v_target, script.either_way(script.any_size(v_greatest)));
+    case 0: return writing(R::v_max, script.positive(v_greatest + 1) - 1);
+    case 1: return writing(R::v_target, script.either_way(script.positive(v_greatest)));
     case 2: return writing(R::a_max, force);
     case 3: return writing(R::d_max, force);
     case 4: return writing(R::d_stop, force);
     case 5: return writing(R::bow_max, strong ? script.strong_bow() : script.between(0, 18));
-    case 6: return writing(R::x_actual, script.either_way(script.any_size(1LL << 31) - 1));
+    case 6: return writing(R::x_actual, script.either_way(script.positive(1LL << 31) - 1));
     case 7: return writing(R::mode, script.one_in(2) ? 0 : script.between(2, 3));
     case 8:
     case 9: return switching(script);
@@ -168,7 +153,7 @@ struct Seen {
 
 // Often to the end of the stretch, so that movements come to their end.
 Tick pause(Script& script, Tmc457 axis) {
-  if (script.one_in(2)) return static_cast<Tick>(script.any_size(1'000));
+  if (script.one_in(2)) return static_cast<Tick>(script.positive(1'000));
   return std::min<Tick>(axis.next_change() - axis.tick(), 8'000);
 }
 
@@ -217,7 +202,7 @@ TEST(Tmc457Property, ManyShortAdvancesEqualOneLong) {
       anything(script, once.motion().position)(once);
       auto often = once;
       // Not so long that following an oscillation bow tick by bow tick takes its time.
-      const auto pause = script.any_size(1 << 24);
+      const auto pause = script.positive(1 << 24);
       const auto until = once.tick() + static_cast<Tick>(pause);
       once.advance_to(until);
       while (often.tick() < until) {
@@ -237,7 +222,7 @@ TEST(Tmc457Property, OscillatesAroundAVelocityBowTickByBowTick) {
     Script script(seed);
     const auto bow = script.between(2, 18);
     const std::int64_t bow_value = 1LL << (bow - 1);
-    const auto goal = script.either_way(script.any_size(1000 * bow_value));
+    const auto goal = script.either_way(script.positive(1000 * bow_value));
     Tmc457 axis;
     writing(R::mode, 2)(axis);
     writing(R::a_max_d_max, script.between(1, bow_value - 1))(axis);
@@ -248,7 +233,7 @@ TEST(Tmc457Property, OscillatesAroundAVelocityBowTickByBowTick) {
     std::int64_t v = 0, x = 0;
     Tick tick = 0;
     for (int step = 0; step < 5; ++step) {
-      for (auto bow_ticks = script.any_size(3'000); bow_ticks > 0; --bow_ticks, tick += 1024) {
+      for (auto bow_ticks = script.positive(3'000); bow_ticks > 0; --bow_ticks, tick += 1024) {
         const auto gap = 4 * goal - v;
         const auto force = gap > 0 ? bow_value : gap < 0 ? -bow_value : 0;
         x += 2 * v + force;
@@ -269,10 +254,10 @@ TEST(Tmc457Property, OscillatesAroundItsTargetForEver) {
     const auto bow = script.between(2, 18);
     const auto bow_value = 1LL << (bow - 1);
     Tmc457 axis;
-    writing(R::v_max, script.any_size(v_greatest))(axis);
+    writing(R::v_max, script.positive(v_greatest))(axis);
     writing(R::a_max_d_max, script.between(1, bow_value - 1))(axis);
     writing(R::bow_max, bow)(axis);
-    const auto target = script.either_way(script.any_size(1LL << 30));
+    const auto target = script.either_way(script.positive(1LL << 30));
     writing(R::x_target, target)(axis);
     // At the least speed, half a unit, 2^30 microsteps take 2^61 ticks.
     axis.advance_to(Tick{1} << 62);
@@ -291,20 +276,20 @@ Tmc457 sound_axis(Script& script) {
   Tmc457 axis;
   const auto bow = script.between(0, 18);
   const auto least = bow == 0 ? 1 : 1LL << (bow - 1);
-  writing(R::v_max, script.any_size(v_greatest))(axis);
-  writing(R::a_max, least - 1 + script.any_size(a_greatest - least + 1))(axis);
-  writing(R::d_max, least - 1 + script.any_size(a_greatest - least + 1))(axis);
+  writing(R::v_max, script.positive(v_greatest))(axis);
+  writing(R::a_max, least - 1 + script.positive(a_greatest - least + 1))(axis);
+  writing(R::d_max, least - 1 + script.positive(a_greatest - least + 1))(axis);
   writing(R::bow_max, bow)(axis);
   return axis;
 }
 
-std::int64_t random_target(Script& script) { return script.either_way(script.any_size(1LL << 30)); }
+std::int64_t random_target(Script& script) { return script.either_way(script.positive(1LL << 30)); }
 
 // Somewhere in the present stretch, or its end.
 void advance_a_little(Tmc457& axis, Script& script) {
   const auto left = std::min<Tick>(axis.next_change() - axis.tick(), Tick{1} << 62);
   axis.advance_to(axis.tick() +
-                  static_cast<Tick>(script.any_size(static_cast<std::int64_t>(left))));
+                  static_cast<Tick>(script.positive(static_cast<std::int64_t>(left))));
 }
 
 void expect_within_limits(const Tmc457& axis, const Motion& before, Tick ticks) {
