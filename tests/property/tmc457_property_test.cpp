@@ -387,5 +387,22 @@ TEST(Tmc457Property, DeceleratesWith15SixteenthsOfDMaxInAnSRamp) {
   EXPECT_GT(plateaus, 1000);
 }
 
+// The reference itself: from wherever the generator is, it comes to the same.
+TEST(Tmc457Property, TheReferenceMayBeginInTheMiddleOfAMovement) {
+  for (std::uint64_t seed = test::seed(); seed < test::seed() + 1'000; ++seed) {
+    SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
+    Script script(seed);
+    Tmc457 axis;
+    beginning(script)(axis);
+    retargeting(script, 0)(axis);
+    axis.advance_to(static_cast<Tick>(script.positive(20'000)));
+    test::PlainTrack<Tmc457> plain(axis);
+    const auto until = axis.tick() + static_cast<Tick>(script.positive(20'000));
+    axis.advance_to(until);
+    plain.advance_to(until, 1);
+    ASSERT_EQ(plain.motion(30, 42), axis.motion());
+  }
+}
+
 }  // namespace
 }  // namespace tmcl::ramp

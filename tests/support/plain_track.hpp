@@ -18,7 +18,8 @@ class PlainTrack {
  public:
   PlainTrack() = default;
   /// From the present state of a generator.
-  explicit PlainTrack(const G& planner) : planner_(planner), tick_(planner.tick()) {}
+  explicit PlainTrack(const G& planner)
+      : planner_(planner), state_(planner.track().at(planner.tick())), tick_(planner.tick()) {}
 
   /// All writes go through here, at the present tick.
   template <class Change>
