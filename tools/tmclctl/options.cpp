@@ -1,8 +1,7 @@
 #include "options.hpp"
 
-#include <charconv>
-#include <limits>
-#include <map>
+#include <algorithm>
+#include <sstream>
 
 #include <fmt/format.h>
 #include <CLI/App.hpp>
@@ -10,6 +9,7 @@
 #include <CLI/Formatter.hpp>
 
 #include "help_text.hpp"
+#include "options/grammar.hpp"
 #include "profile/generators.hpp"
 #include "profile/setup.hpp"
 #include "tmcl/command.hpp"
@@ -19,90 +19,11 @@
 namespace tmclctl {
 namespace {
 
-constexpr std::uint16_t greatest_address = 2047;
-constexpr double longest_time_s = 1e6;
-constexpr double longest_simulated_time = 1e9;
-constexpr double shortest_csv_step = 1e-9;
-
-// CLI11 would read 010 as octal and 2147483648 as something else.
-template <class Number>
-Number parse_number(std::string_view text, Number least, Number greatest) {
-  auto digits = text;
-  if (digits.starts_with('+')) digits.remove_prefix(1);
-  Number value{};
-  const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-  const bool whole = end == digits.data() + digits.size() && error != std::errc::invalid_argument;
-  if (!whole)
-    throw CLI::ValidationError(
-        fmt::format("'{}' is no {}number", text, std::is_integral_v<Number> ? "whole " : ""));
-  if (error != std::errc{} || !(value >= least && value <= greatest)) {
-    throw CLI::ValidationError(fmt::format("{} is not within {} to {}", text, least, greatest));
-  }
-  return value;
-}
-
-template <class Number>
-CLI::Option* add_number(CLI::App& app, const std::string& name, const std::string& description,
-                        Number& into, Number least = std::numeric_limits<Number>::lowest(),
-                        Number greatest = std::numeric_limits<Number>::max()) {
-  const auto read = [&into, least, greatest](const std::string& text) {
-    into = parse_number<Number>(text, least, greatest);
-  };
-  return app.add_option_function<std::string>(name, read, description)->type_name("");
-}
-
-template <class Number>
-CLI::Option* add_optional(CLI::App& app, const std::string& name, const std::string& description,
-                          std::optional<Number>& into,
-                          Number least = std::numeric_limits<Number>::lowest(),
-                          Number greatest = std::numeric_limits<Number>::max()) {
-  const auto read = [&into, least, greatest](const std::string& text) {
-    into = parse_number<Number>(text, least, greatest);
-  };
-  return app.add_option_function<std::string>(name, read, description);
-}
-
-void read_range(const std::string& text, ScanRange& range) {
-  const auto dash = text.find('-');
-  const auto first = text.substr(0, dash);
-  const auto last = dash == std::string::npos ? first : text.substr(dash + 1);
-  range.first = parse_number<std::uint16_t>(first, 0, greatest_address);
-  range.last = parse_number<std::uint16_t>(last, range.first, greatest_address);
-}
-
-std::vector<double> read_times(const std::vector<std::string>& lists) {
-  std::vector<double> times;
-  for (const auto& list : lists) {
-    for (std::size_t begin = 0; begin <= list.size();) {
-      const auto comma = std::min(list.find(',', begin), list.size());
-      times.push_back(parse_number<double>(std::string_view(list).substr(begin, comma - begin), 0,
-                                           longest_simulated_time));
-      begin = comma + 1;
-    }
-  }
-  return times;
-}
-
-verb::Simulate::Change read_change(const std::string& text) {
-  const auto colon = text.find(':');
-  if (colon == std::string::npos)
-    throw CLI::ValidationError(fmt::format("'{}' is no SECONDS:REGISTER=VALUE", text));
-  return {parse_number<double>(std::string_view(text).substr(0, colon), 0, longest_simulated_time),
-          text.substr(colon + 1)};
-}
-
 bool is_visible(const CLI::App* verb) { return !verb->get_group().empty(); }
 
 /// The visible verbs under this one.
 std::vector<const CLI::App*> verbs_under(const CLI::App& app) {
   return app.get_subcommands(is_visible);
-}
-
-/// As it is typed: "profile simulate".
-std::string full_name(const CLI::App& verb) {
-  const auto* parent = verb.get_parent();
-  const bool outermost = parent == nullptr || parent->get_parent() == nullptr;
-  return outermost ? verb.get_name() : full_name(*parent) + ' ' + verb.get_name();
 }
 
 /// The grammar of the command line, and where its values go.
@@ -112,27 +33,7 @@ class Parser {
   Attempt<std::variant<Options, Information>> parse(const std::vector<std::string>& arguments);
 
  private:
-  CLI::App& add_group(CLI::App& parent, const std::string& name, const std::string& description,
-                      const char* footer);
-  template <class T>
-  CLI::App& add_verb(CLI::App& parent, const std::string& name, const std::string& description,
-                     T& values, const char* footer = "");
-  template <class T>
-  CLI::App& add_verb(const std::string& name, const std::string& description, T& values,
-                     const char* footer = "") {
-    return add_verb(app_, name, description, values, footer);
-  }
-  void add_axis(CLI::App& verb, std::string& into);
-  void add_lists();
-  void add_parameters();
-  void add_motion();
-  void add_watch();
-  void add_plot();
-  void add_raw();
-  void add_profile();
-  void add_program();
   void add_complete();
-
   Information complete() const;
   Failure failure_from(const CLI::ParseError& error) const;
   std::optional<Failure> unknown_word() const;
@@ -144,23 +45,7 @@ class Parser {
 
   CLI::App app_{help_text::description, "tmclctl"};
   Options options_;
-  std::map<const CLI::App*, std::function<Verb()>> verbs_;
-  verb::Scan scan_;
-  verb::Modules modules_;
-  verb::Axes axes_;
-  verb::Params params_;
-  verb::Get get_;
-  verb::Set set_;
-  verb::Move move_;
-  verb::Rotate rotate_;
-  verb::Stop stop_;
-  verb::State state_;
-  verb::Watch watch_;
-  verb::Plot plot_;
-  verb::Raw raw_;
-  verb::Simulate simulate_;
-  verb::Assemble assemble_;
-  verb::Disassemble disassemble_;
+  Grammar grammar_{app_};
   verb::Complete complete_;
   std::vector<std::string> complete_for_;
 };
@@ -180,197 +65,23 @@ Parser::Parser() {
       ->type_name("LINK")
       ->take_last();
   app_.add_flag("--json", options_.json, "One JSON document on standard output, for errors too");
-  add_lists();
-  add_parameters();
-  add_motion();
-  add_watch();
-  add_plot();
-  add_raw();
-  add_profile();
-  add_program();
+  add_lists(grammar_);
+  add_parameters(grammar_);
+  add_motion(grammar_);
+  add_watch(grammar_);
+  add_plot(grammar_);
+  add_raw(grammar_);
+  add_profile(grammar_);
+  add_program(grammar_);
   add_complete();
 }
 
-CLI::App& Parser::add_group(CLI::App& parent, const std::string& name,
-                            const std::string& description, const char* footer) {
-  auto* verb = parent.add_subcommand(name, description);
-  verb->fallthrough();
-  verb->group("Verbs");
-  verb->footer(footer);
-  return *verb;
-}
-
-template <class T>
-CLI::App& Parser::add_verb(CLI::App& parent, const std::string& name,
-                           const std::string& description, T& values, const char* footer) {
-  auto& verb = add_group(parent, name, description, footer);
-  verbs_[&verb] = [&values] { return Verb(values); };
-  return verb;
-}
-
-void Parser::add_axis(CLI::App& verb, std::string& into) {
-  verb.add_option("AXIS", into, "A configured name, or ADDRESS/MOTOR with --direct")
-      ->required()
-      ->type_name("");
-}
-
-void Parser::add_lists() {
-  auto& scan = add_verb("scan", "Look for modules on all addresses", scan_, help_text::scan);
-  scan.add_option_function<std::string>(
-          "--addresses", [this](const std::string& text) { read_range(text, scan_.range); },
-          "Only these addresses (default 1-255)")
-      ->type_name("FIRST-LAST");
-  add_verb("modules", "List the modules that tmcld serves", modules_);
-  add_verb("axes", "List the axes and how they are called", axes_);
-  auto& params = add_verb("params", "List the parameters of an axis", params_);
-  add_axis(params, params_.axis);
-  params.add_flag("--values", params_.values, "Read them all, too");
-}
-
-void Parser::add_parameters() {
-  auto& get = add_verb("get", "Read a parameter: prints one bare value", get_, help_text::get);
-  add_axis(get, get_.axis);
-  get.add_option("PARAM", get_.parameter, "Number or standard name")->required()->type_name("");
-  auto& set = add_verb("set", "Set a parameter", set_, help_text::set);
-  add_axis(set, set_.axis);
-  set.add_option("PARAM", set_.parameter, "Number or standard name")->required()->type_name("");
-  add_number(set, "VALUE", "The new value", set_.value)->required();
-}
-
-void Parser::add_motion() {
-  auto& move = add_verb("move", "Move to a position, or by a distance", move_, help_text::move);
-  add_axis(move, move_.axis);
-  add_number(move, "POSITION", "Where to go, in microsteps; may be negative", move_.position)
-      ->required();
-  move.add_flag("--by", move_.by, "POSITION is the distance from where the axis is now");
-  move.add_flag("--wait", move_.wait, "Wait until the axis stands at its target");
-  add_optional(move, "--timeout", "With --wait: give up after so long; the axis goes on",
-               move_.timeout_s, 0.001, longest_time_s)
-      ->type_name("SECONDS");
-  auto& rotate = add_verb("rotate", "Turn without end", rotate_, help_text::rotate);
-  add_axis(rotate, rotate_.axis);
-  add_number(rotate, "VELOCITY", "In the module's unit; negative: to the left", rotate_.velocity)
-      ->required();
-  auto& stop = add_verb("stop", "Stop an axis, or all of them", stop_, help_text::stop);
-  stop.add_option("AXIS", stop_.axis, "A configured name, or ADDRESS/MOTOR with --direct")
-      ->type_name("");
-  stop.add_flag("--all", stop_.all, "Every axis there is");
-}
-
-void Parser::add_watch() {
-  auto& state = add_verb("state", "Show where an axis is and what it does", state_);
-  add_axis(state, state_.axis);
-  auto& watch = add_verb("watch", "Show every change of an axis", watch_, help_text::watch);
-  add_axis(watch, watch_.axis);
-  watch
-      .add_option_function<std::string>(
-          "--interval",
-          [this](const std::string& text) {
-            watch_.interval = std::chrono::milliseconds(parse_number<int>(text, 10, 60'000));
-          },
-          "At most one line in so many milliseconds (default 100)")
-      ->type_name("MS");
-  add_optional(watch, "--for", "End after so long", watch_.for_s, 0.001, longest_time_s)
-      ->type_name("SECONDS");
-}
-
-void Parser::add_plot() {
-  auto& plot =
-      add_verb("plot", "Record a movement and draw position and velocity", plot_, help_text::plot);
-  add_axis(plot, plot_.axis);
-  add_optional(plot, "--to", "Start a move to this position", plot_.to)->type_name("POSITION");
-  add_optional(plot, "--by", "Start a move by this distance", plot_.by)->type_name("DISTANCE");
-  add_optional(plot, "--for", "Record for so long at most", plot_.for_s, 0.001, longest_time_s)
-      ->type_name("SECONDS");
-  plot.add_option("--svg", plot_.svg, "Write the drawing to this file, too")->type_name("FILE");
-  plot.add_option("--csv", plot_.csv,
-                  "Write the samples to this file, too; '-': to standard output instead")
-      ->type_name("FILE");
-}
-
-void Parser::add_raw() {
-  auto& raw = add_verb("raw", "Send one command as it is", raw_, help_text::raw);
-  raw.add_option("--bus", raw_.bus, "Which of tmcld's buses; needed if there are several")
-      ->type_name("NAME");
-  add_number<std::uint16_t>(raw, "ADDRESS", "The module's address", raw_.address, 0,
-                            greatest_address)
-      ->required();
-  raw.add_option("COMMAND", raw_.command, "Name such as GAP, or number")->required()->type_name("");
-  raw.add_option("TYPE", raw_.type, "Name such as ABS or a parameter's, or number")
-      ->required()
-      ->type_name("");
-  add_number<std::uint8_t>(raw, "MOTOR", "Motor or bank", raw_.motor)->required();
-  add_number(raw, "VALUE", "May be negative", raw_.value)->required();
-}
-
-void Parser::add_profile() {
-  auto& profile =
-      add_group(app_, "profile", "Compute movements, without any module", help_text::profile);
-  profile.require_subcommand(1);
-  auto& simulate = add_verb(profile, "simulate", "What a chip's ramp generator makes of registers",
-                            simulate_, help_text::simulate);
-  std::vector<std::string_view> generators;
-  for (const auto& generator : profile::generators()) generators.push_back(generator.name);
-  simulate
-      .add_option("--generator", simulate_.generator,
-                  fmt::format("One of {}", fmt::join(generators, ", ")))
-      ->required()
-      ->type_name("NAME");
-  simulate
-      .add_option("REGISTER=VALUE", simulate_.settings,
-                  "What is written before it starts; the others stay as at power-up")
-      ->type_name("");
-  simulate
-      .add_option_function<std::vector<std::string>>(
-          "--change",
-          [this](const std::vector<std::string>& texts) {
-            for (const auto& text : texts) simulate_.changes.push_back(read_change(text));
-          },
-          "Write a register at this time; may be given many times")
-      ->allow_extra_args(false)
-      ->type_name("SECONDS:REGISTER=VALUE");
-  simulate
-      .add_option_function<std::vector<std::string>>(
-          "--sample",
-          [this](const std::vector<std::string>& lists) { simulate_.samples = read_times(lists); },
-          "With --json: the motion at these times")
-      ->allow_extra_args(false)
-      ->type_name("SECONDS,...");
-  add_optional(simulate, "--until", "End then, and not when it stands on its target",
-               simulate_.until, 0.0, longest_simulated_time)
-      ->type_name("SECONDS");
-  add_optional(simulate, "--csv", "Print t,x,v,a every so often instead of drawing",
-               simulate_.csv_step, shortest_csv_step, longest_simulated_time)
-      ->type_name("SECONDS");
-  simulate.add_option("--svg", simulate_.svg, "Draw into this file, not on the screen")
-      ->type_name("FILE");
-}
-
-void Parser::add_program() {
-  auto& program = add_group(app_, "program", "Stand-alone programs: from text to bytes and back",
-                            help_text::program);
-  program.require_subcommand(1);
-  auto& assemble = add_verb(program, "assemble", "Make a program file of a program's text",
-                            assemble_, help_text::assemble);
-  assemble.add_option("FILE", assemble_.file, "The text")->required()->type_name("");
-  assemble.add_option("-o,--output", assemble_.output, "Write the program into this file")
-      ->type_name("FILE");
-  assemble.add_flag("--listing", assemble_.listing,
-                    "Print the listing, too: addresses, bytes and text");
-  auto& disassemble = add_verb(program, "disassemble", "Make text of a program file", disassemble_,
-                               help_text::disassemble);
-  disassemble.add_option("FILE", disassemble_.file, "The program file")->required()->type_name("");
-  disassemble
-      .add_option("-o,--output", disassemble_.output,
-                  "Write the text into this file, do not print it")
-      ->type_name("FILE");
-}
-
 void Parser::add_complete() {
-  auto& complete = add_verb("__complete", "", complete_);
-  complete.group("");
-  complete.add_option("WHAT", complete_.what)->required();
-  complete.add_option("FOR", complete_for_);
+  auto* complete = app_.add_subcommand("__complete");
+  complete->fallthrough();
+  complete->group("");
+  complete->add_option("WHAT", complete_.what)->required();
+  complete->add_option("FOR", complete_for_);
 }
 
 const CLI::App& Parser::chosen() const {
@@ -501,33 +212,11 @@ Failure Parser::failure_from(const CLI::ParseError& error) const {
 
 // CLI11's own "excludes" and "needs" would clutter the help.
 std::optional<Failure> Parser::conflicting_options() const {
-  const auto name = full_name(chosen());
   if (!options_.where.socket.empty() && !options_.where.direct.empty()) {
     return usage_failure("usage",
                          "--socket and --direct exclude each other: through tmcld, or without it?");
   }
-  if (name == "stop" && stop_.axis.empty() != stop_.all) {
-    return usage_failure("usage", "stop: name one axis, or say --all",
-                         "'tmclctl axes' lists the axes");
-  }
-  if (name == "move" && move_.timeout_s && !move_.wait) {
-    return usage_failure("usage", "move: --timeout says how long to wait, and that needs --wait");
-  }
-  if (name == "plot" && plot_.to && plot_.by) {
-    return usage_failure("usage", "plot: --to and --by exclude each other");
-  }
-  if (name == "plot" && options_.json && plot_.csv == "-") {
-    return usage_failure("usage", "plot: --json and '--csv -' both want standard output");
-  }
-  const int forms =
-      (options_.json ? 1 : 0) + (simulate_.csv_step ? 1 : 0) + (simulate_.svg.empty() ? 0 : 1);
-  if (name == "profile simulate" && forms > 1) {
-    return usage_failure("usage", "profile simulate: --json, --csv and --svg exclude each other");
-  }
-  if (name == "profile simulate" && !simulate_.samples.empty() && !options_.json) {
-    return usage_failure("usage", "profile simulate: --sample needs --json");
-  }
-  return std::nullopt;
+  return grammar_.objection(chosen(), options_.json);
 }
 
 Attempt<std::variant<Options, Information>> Parser::parse(
@@ -542,9 +231,10 @@ Attempt<std::variant<Options, Information>> Parser::parse(
     return tl::unexpected(failure_from(error));
   }
   const auto& verb = chosen();
-  if (verb.get_name() == "__complete" && complete_.what != "axes") return complete();
+  const bool completes = verb.get_name() == "__complete";
+  if (completes && complete_.what != "axes") return complete();
   if (auto conflict = conflicting_options()) return tl::unexpected(*conflict);
-  options_.verb = verbs_.at(&verb)();
+  options_.verb = completes ? Verb(complete_) : grammar_.said(verb);
   return options_;
 }
 

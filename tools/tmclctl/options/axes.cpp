@@ -1,0 +1,108 @@
+// Everything that is said of axes.
+#include "grammar.hpp"
+#include "help_text.hpp"
+
+namespace tmclctl {
+namespace {
+
+constexpr double shortest_time_s = 0.001;
+constexpr int shortest_interval_ms = 10;
+constexpr int longest_interval_ms = 60'000;
+
+Reading read_range(const std::string& text, ScanRange& range) {
+  const auto dash = text.find('-');
+  const auto first = text.substr(0, dash);
+  const auto last = dash == std::string::npos ? first : text.substr(dash + 1);
+  return number(range.first, 0, greatest_address)(first).and_then(
+      [&] { return number(range.last, range.first, greatest_address)(last); });
+}
+
+Reading read_interval(const std::string& text, std::chrono::milliseconds& interval) {
+  return parse_number<int>(text, shortest_interval_ms, longest_interval_ms).map([&](int value) {
+    interval = std::chrono::milliseconds(value);
+  });
+}
+
+}  // namespace
+
+void add_lists(Grammar& grammar) {
+  auto scan =
+      grammar.verb<verb::Scan>("scan", "Look for modules on all addresses", help_text::scan);
+  auto& range = scan->range;
+  scan.option("--addresses", "FIRST-LAST", "Only these addresses (default 1-255)",
+              [&range](const std::string& text) { return read_range(text, range); });
+  grammar.verb<verb::Modules>("modules", "List the modules that tmcld serves");
+  grammar.verb<verb::Axes>("axes", "List the axes and how they are called");
+  auto params = grammar.verb<verb::Params>("params", "List the parameters of an axis");
+  params.axis(params->axis);
+  params.flag("--values", "Read them all, too", params->values);
+}
+
+void add_parameters(Grammar& grammar) {
+  auto get =
+      grammar.verb<verb::Get>("get", "Read a parameter: prints one bare value", help_text::get);
+  get.axis(get->axis);
+  get.word("PARAM", "Number or standard name", text(get->parameter));
+  auto set = grammar.verb<verb::Set>("set", "Set a parameter", help_text::set);
+  set.axis(set->axis);
+  set.word("PARAM", "Number or standard name", text(set->parameter));
+  set.word("VALUE", "The new value", number(set->value));
+}
+
+void add_motion(Grammar& grammar) {
+  auto move =
+      grammar.verb<verb::Move>("move", "Move to a position, or by a distance", help_text::move);
+  move.axis(move->axis);
+  move.word("POSITION", "Where to go, in microsteps; may be negative", number(move->position));
+  move.flag("--by", "POSITION is the distance from where the axis is now", move->by);
+  move.flag("--wait", "Wait until the axis stands at its target", move->wait);
+  move.option("--timeout", "SECONDS", "With --wait: give up after so long; the axis goes on",
+              number(move->timeout_s, shortest_time_s, longest_time_s));
+  move.object([](const verb::Move& said, bool) {
+    return said.timeout_s && !said.wait ? "--timeout says how long to wait, and that needs --wait"
+                                        : "";
+  });
+  auto rotate = grammar.verb<verb::Rotate>("rotate", "Turn without end", help_text::rotate);
+  rotate.axis(rotate->axis);
+  rotate.word("VELOCITY", "In the module's unit; negative: to the left", number(rotate->velocity));
+  auto stop = grammar.verb<verb::Stop>("stop", "Stop an axis, or all of them", help_text::stop);
+  stop.optional_word("AXIS", "A configured name, or ADDRESS/MOTOR with --direct", text(stop->axis));
+  stop.flag("--all", "Every axis there is", stop->all);
+  stop.object(
+      [](const verb::Stop& said, bool) {
+        return said.axis.empty() != said.all ? "name one axis, or say --all" : "";
+      },
+      "'tmclctl axes' lists the axes");
+}
+
+void add_watch(Grammar& grammar) {
+  auto state = grammar.verb<verb::State>("state", "Show where an axis is and what it does");
+  state.axis(state->axis);
+  auto watch = grammar.verb<verb::Watch>("watch", "Show every change of an axis", help_text::watch);
+  watch.axis(watch->axis);
+  auto& interval = watch->interval;
+  watch.option("--interval", "MS", "At most one line in so many milliseconds (default 100)",
+               [&interval](const std::string& text) { return read_interval(text, interval); });
+  watch.option("--for", "SECONDS", "End after so long",
+               number(watch->for_s, shortest_time_s, longest_time_s));
+}
+
+void add_plot(Grammar& grammar) {
+  auto plot = grammar.verb<verb::Plot>("plot", "Record a movement and draw position and velocity",
+                                       help_text::plot);
+  plot.axis(plot->axis);
+  plot.option("--to", "POSITION", "Start a move to this position", number(plot->to));
+  plot.option("--by", "DISTANCE", "Start a move by this distance", number(plot->by));
+  plot.option("--for", "SECONDS", "Record for so long at most",
+              number(plot->for_s, shortest_time_s, longest_time_s));
+  plot.option("--svg", "FILE", "Write the drawing to this file, too", text(plot->svg));
+  plot.option("--csv", "FILE",
+              "Write the samples to this file, too; '-': to standard output instead",
+              text(plot->csv));
+  plot.object([](const verb::Plot& said, bool json) {
+    if (said.to && said.by) return "--to and --by exclude each other";
+    return json && said.csv == "-" ? "--json and '--csv -' both want standard output" : "";
+  });
+}
+
+}  // namespace tmclctl

@@ -1,0 +1,100 @@
+#include "grammar.hpp"
+
+#include <CLI/App.hpp>
+#include <CLI/Config.hpp>
+#include <CLI/Formatter.hpp>
+
+namespace tmclctl {
+namespace {
+
+void must_be_good(const Reading& reading) {
+  if (!reading) throw CLI::ValidationError(reading.error());
+}
+
+CLI::Option& add_one(CLI::App& app, const std::string& name, const std::string& value,
+                     const std::string& description, const Read& read) {
+  const auto checked = [read](const std::string& text) { must_be_good(read(text)); };
+  return *app.add_option_function<std::string>(name, checked, description)->type_name(value);
+}
+
+CLI::Option& add_many(CLI::App& app, const std::string& name, const std::string& value,
+                      const std::string& description, const Read& read) {
+  const auto checked = [read](const std::vector<std::string>& texts) {
+    for (const auto& text : texts) must_be_good(read(text));
+  };
+  return *app.add_option_function<std::vector<std::string>>(name, checked, description)
+              ->type_name(value);
+}
+
+bool is_outermost(const CLI::App& verb) {
+  return verb.get_parent() == nullptr || verb.get_parent()->get_parent() == nullptr;
+}
+
+}  // namespace
+
+Read text(std::string& into) {
+  return [&into](const std::string& text) -> Reading {
+    into = text;
+    return {};
+  };
+}
+
+void Form::word(const std::string& name, const std::string& description, const Read& read) {
+  add_one(*app_, name, "", description, read).required();
+}
+void Form::optional_word(const std::string& name, const std::string& description,
+                         const Read& read) {
+  add_one(*app_, name, "", description, read);
+}
+void Form::words(const std::string& name, const std::string& description, const Read& read) {
+  add_many(*app_, name, "", description, read);
+}
+void Form::axis(std::string& into) {
+  word("AXIS", "A configured name, or ADDRESS/MOTOR with --direct", text(into));
+}
+void Form::option(const std::string& name, const std::string& value, const std::string& description,
+                  const Read& read) {
+  add_one(*app_, name, value, description, read);
+}
+void Form::required_option(const std::string& name, const std::string& value,
+                           const std::string& description, const Read& read) {
+  add_one(*app_, name, value, description, read).required();
+}
+void Form::repeated_option(const std::string& name, const std::string& value,
+                           const std::string& description, const Read& read) {
+  add_many(*app_, name, value, description, read).allow_extra_args(false);
+}
+void Form::flag(const std::string& name, const std::string& description, bool& into) {
+  app_->add_flag(name, into, description);
+}
+
+CLI::App& Grammar::add(CLI::App& parent, const std::string& name, const std::string& description,
+                       const char* footer) {
+  auto* verb = parent.add_subcommand(name, description);
+  verb->fallthrough();
+  verb->group("Verbs");
+  verb->footer(footer);
+  return *verb;
+}
+
+Form Grammar::group(const std::string& name, const std::string& description, const char* footer) {
+  auto& app = add(app_, name, description, footer);
+  app.require_subcommand(1);
+  return Form(app);
+}
+
+std::optional<Failure> Grammar::objection(const CLI::App& verb, bool json) const {
+  const auto entry = verbs_.find(&verb);
+  if (entry == verbs_.end() || !entry->second.objection) return std::nullopt;
+  const auto complaint = entry->second.objection(json);
+  if (complaint.empty()) return std::nullopt;
+  return usage_failure("usage", fmt::format("{}: {}", full_name(verb), complaint),
+                       entry->second.hint);
+}
+
+std::string full_name(const CLI::App& verb) {
+  return is_outermost(verb) ? verb.get_name()
+                            : full_name(*verb.get_parent()) + ' ' + verb.get_name();
+}
+
+}  // namespace tmclctl

@@ -1,0 +1,94 @@
+// What needs neither a bus nor a module.
+#include "grammar.hpp"
+#include "help_text.hpp"
+#include "profile/generators.hpp"
+
+namespace tmclctl {
+namespace {
+
+constexpr double longest_simulated_time = 1e9;
+constexpr double shortest_csv_step = 1e-9;
+
+Reading read_times(std::string_view list, std::vector<double>& times) {
+  times.clear();
+  for (std::size_t begin = 0; begin <= list.size();) {
+    const auto comma = std::min(list.find(',', begin), list.size());
+    const auto time =
+        parse_number<double>(list.substr(begin, comma - begin), 0, longest_simulated_time);
+    if (!time) return tl::unexpected(time.error());
+    times.push_back(*time);
+    begin = comma + 1;
+  }
+  return {};
+}
+
+Reading read_change(const std::string& text, std::vector<verb::Simulate::Change>& changes) {
+  const auto colon = text.find(':');
+  if (colon == std::string::npos)
+    return tl::unexpected(fmt::format("'{}' is no SECONDS:REGISTER=VALUE", text));
+  return parse_number<double>(std::string_view(text).substr(0, colon), 0, longest_simulated_time)
+      .map([&](double time) {
+        changes.push_back({time, text.substr(colon + 1)});
+      });
+}
+
+std::string generator_names() {
+  std::vector<std::string_view> names;
+  for (const auto& generator : profile::generators()) names.push_back(generator.name);
+  return fmt::format("One of {}", fmt::join(names, ", "));
+}
+
+std::string objection_to(const verb::Simulate& said, bool json) {
+  const int forms = (json ? 1 : 0) + (said.csv_step ? 1 : 0) + (said.svg.empty() ? 0 : 1);
+  if (forms > 1) return "--json, --csv and --svg exclude each other";
+  return !said.samples.empty() && !json ? "--sample needs --json" : "";
+}
+
+}  // namespace
+
+void add_profile(Grammar& grammar) {
+  const auto profile =
+      grammar.group("profile", "Compute movements, without any module", help_text::profile);
+  auto simulate = grammar.verb<verb::Simulate>(
+      profile, "simulate", "What a chip's ramp generator makes of registers", help_text::simulate);
+  simulate.required_option("--generator", "NAME", generator_names(), text(simulate->generator));
+  auto& said = *simulate.operator->();
+  simulate.words("REGISTER=VALUE",
+                 "What is written before it starts; the others stay as at power-up",
+                 [&said](const std::string& text) -> Reading {
+                   said.settings.push_back(text);
+                   return {};
+                 });
+  simulate.repeated_option(
+      "--change", "SECONDS:REGISTER=VALUE",
+      "Write a register at this time; may be given many times",
+      [&said](const std::string& text) { return read_change(text, said.changes); });
+  simulate.repeated_option(
+      "--sample", "SECONDS,...", "With --json: the motion at these times",
+      [&said](const std::string& text) { return read_times(text, said.samples); });
+  simulate.option("--until", "SECONDS", "End then, and not when it stands on its target",
+                  number(simulate->until, 0.0, longest_simulated_time));
+  simulate.option("--csv", "SECONDS", "Print t,x,v,a every so often instead of drawing",
+                  number(simulate->csv_step, shortest_csv_step, longest_simulated_time));
+  simulate.option("--svg", "FILE", "Draw into this file, not on the screen", text(simulate->svg));
+  simulate.object(objection_to);
+}
+
+void add_program(Grammar& grammar) {
+  const auto program = grammar.group("program", "Stand-alone programs: from text to bytes and back",
+                                     help_text::program);
+  auto assemble = grammar.verb<verb::Assemble>(
+      program, "assemble", "Make a program file of a program's text", help_text::assemble);
+  assemble.word("FILE", "The text", text(assemble->file));
+  assemble.option("-o,--output", "FILE", "Write the program into this file",
+                  text(assemble->output));
+  assemble.flag("--listing", "Print the listing, too: addresses, bytes and text",
+                assemble->listing);
+  auto disassemble = grammar.verb<verb::Disassemble>(
+      program, "disassemble", "Make text of a program file", help_text::disassemble);
+  disassemble.word("FILE", "The program file", text(disassemble->file));
+  disassemble.option("-o,--output", "FILE", "Write the text into this file, do not print it",
+                     text(disassemble->output));
+}
+
+}  // namespace tmclctl
