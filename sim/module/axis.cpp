@@ -12,7 +12,7 @@ bool in_range(const ParameterInfo& row, std::int32_t value) {
 }  // namespace
 
 Axis::Axis(Family family, TimePoint power_on)
-    : table_(axis_parameters(family)), motor_(make_motor(family, power_on)) {
+    : table_(axis_parameters(family)), motor_(make_motor(family, power_on)), now_(power_on) {
   // The chip itself starts with zeros; the firmware writes what it has stored.
   for (const auto& row : table_) {
     values_[row.number] = row.initial;
@@ -71,8 +71,12 @@ void Axis::move(std::int64_t position) {
 }
 
 void Axis::advance_to(TimePoint time) {
-  motor_->advance_to(time);
-  if (time >= outlook_.look_again) look_ahead();
+  now_ = time;
+  motor_->advance_to(now_);
+}
+
+void Axis::run_due() {
+  if (now_ >= outlook_.look_again) look_ahead();
 }
 
 }  // namespace tmcl::sim

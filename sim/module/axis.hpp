@@ -31,7 +31,11 @@ class Axis {
   /// What MVP REL answers, likewise for a distance. The target wraps as the chip's positions do.
   Status move_by(std::int32_t distance);
 
+  /// Lets time pass, no further than next_due().
   void advance_to(TimePoint time);
+  /// When run_due() has something to do if no command comes before.
+  TimePoint next_due() const { return outlook_.look_again; }
+  void run_due();
   /// What becomes of the present movement.
   const Outlook& outlook() const { return outlook_; }
 
@@ -43,6 +47,7 @@ class Axis {
   std::span<const ParameterInfo> table_;
   std::unique_ptr<Motor> motor_;
   std::array<std::int32_t, 256> values_{};  // of those parameters that the motor has no part in
+  TimePoint now_;
   Outlook outlook_;
 };
 

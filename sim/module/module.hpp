@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/module/answer.hpp"
 #include "sim/module/axis.hpp"
 #include "sim/module/event_sink.hpp"
 #include "sim/module/globals.hpp"
@@ -20,20 +21,8 @@ namespace tmcl::sim {
 /// Which kind of wire a command came by; each has its own heartbeat.
 enum class Medium : std::uint8_t { serial, can };
 
-struct Answer {
-  enum class Form : std::uint8_t {
-    reply,
-    version_text,  ///< Eight characters instead of status and value.
-    none,          ///< Suppressed by global parameter 255.
-  };
-  Form form = Form::reply;
-  Status status = Status::ok;
-  std::int32_t value = 0;
-  bool operator==(const Answer&) const = default;
-};
-
-/// Does no I/O. Time is that of the clock it was built with; motors are brought up to date whenever
-/// someone looks, to the tick of what happened in between.
+/// Does no I/O. Time is that of the clock it was built with; whatever happens in the module happens
+/// at its own instant, to the tick, even if nobody looks before long after.
 ///
 /// Errors come in the order checksum (found by the receiver), command, type, motor or bank, value.
 /// Except for what a command reads, a reply's value repeats the request's; only a relative movement
@@ -59,28 +48,41 @@ class Module {
   FirmwareVersion version() const;
 
  private:
-  Answer dispatch(const Request& request, EventSink& from);
+  /// Commands that only a host gives.
+  Answer execute_direct(const Request& request, EventSink& from);
+  /// Commands that a stand-alone program gives as well.
+  Answer perform(const Request& request);
+
+  // motion_commands.cpp
   Answer rotate(const Request& request, std::int32_t sign);
   Answer stop(const Request& request);
   Answer move(const Request& request);
+
+  // parameter_commands.cpp
   Answer set_axis_parameter(const Request& request);
   Answer get_axis_parameter(const Request& request) const;
   Answer set_global_parameter(const Request& request);
   Answer get_global_parameter(const Request& request) const;
+
+  // system_commands.cpp
   Answer tell_version(const Request& request) const;
   Answer arm_event(const Request& request, EventSink& from);
 
   bool has_motor(const Request& request) const { return request.motor < axes_.size(); }
+  void stop_motor(std::size_t motor);
+  void stop_all_motors();
+
   Heartbeat& heartbeat(Medium medium) { return medium == Medium::serial ? serial_ : can_; }
   TimePoint serial_due() const;
   TimePoint can_due() const;
-  void stop_if_silent(TimePoint now);
-  void bring_axes_to(TimePoint time);
+  void stop_if_silent();
+
+  void bring_to(TimePoint time);
+  void run_what_is_due_now();
 
   const Model* model_;
   const Clock* clock_;
-  TimePoint power_on_;
-  TimePoint axes_at_;
+  TimePoint now_;  ///< How far the module has come: never later than the clock.
   Globals globals_;
   std::vector<Axis> axes_;
   TargetEvents events_;

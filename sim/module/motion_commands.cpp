@@ -1,0 +1,51 @@
+// ROR, ROL, MST, MVP.
+#include "sim/module/module.hpp"
+
+namespace tmcl::sim {
+namespace {
+
+namespace ap = axis_parameter;
+
+constexpr std::uint8_t move_absolute = 0;
+constexpr std::uint8_t move_relative = 1;
+
+}  // namespace
+
+Answer Module::rotate(const Request& request, std::int32_t sign) {
+  if (!has_motor(request)) return echo(request, Status::invalid_value);
+  const auto status = axes_[request.motor].rotate(std::int64_t{sign} * request.value);
+  if (status == Status::ok) events_.move_abandoned(request.motor);
+  return echo(request, status);
+}
+
+Answer Module::stop(const Request& request) {
+  if (!has_motor(request)) return echo(request, Status::invalid_value);
+  stop_motor(request.motor);
+  return echo(request);
+}
+
+void Module::stop_motor(std::size_t motor) {
+  events_.move_abandoned(motor);
+  axes_[motor].stop();
+}
+
+void Module::stop_all_motors() {
+  for (std::size_t motor = 0; motor < axes_.size(); ++motor) stop_motor(motor);
+}
+
+Answer Module::move(const Request& request) {
+  if (request.type != move_absolute && request.type != move_relative) {
+    return echo(request, Status::wrong_type);
+  }
+  if (!has_motor(request)) return echo(request, Status::invalid_value);
+  auto& axis = axes_[request.motor];
+  const bool relative = request.type == move_relative;
+  const auto status = relative ? axis.move_by(request.value) : axis.move_to(request.value);
+  if (status != Status::ok) return echo(request, status);
+  events_.move_begun(request.motor);
+  // The newer firmware tells where a relative movement goes.
+  return relative && model_->family == Family::sixpoint ? reading(axis.get(ap::target_position))
+                                                        : echo(request);
+}
+
+}  // namespace tmcl::sim
