@@ -21,16 +21,23 @@ namespace tmcl::test {
 /// Ends its program, at the latest when it goes out of scope.
 class Program {
  public:
+  enum class Input { inherited, piped };
+
   /// `words`: the program, by name in the build's folder of programs or by path, and its arguments.
-  explicit Program(std::vector<std::string> words) {
+  explicit Program(std::vector<std::string> words, Input input = Input::inherited) {
     if (words.at(0).find('/') == std::string::npos)
       words[0] = std::string(TMCL_BIN_DIR "/") + words[0];
-    int ends[2];
-    if (pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error("no pipe to be had");
+    int output[2];
+    int talk[2] = {-1, -1};
+    if (pipe2(output, O_CLOEXEC) != 0) throw std::runtime_error("no pipe to be had");
+    if (input == Input::piped && pipe2(talk, O_CLOEXEC) != 0)
+      throw std::runtime_error("no pipe to be had");
     process_ = fork();
-    if (process_ == 0) execute(words, ends[1]);
-    close(ends[1]);
-    output_end_ = ends[0];
+    if (process_ == 0) execute(words, talk[0], output[1]);
+    close(output[1]);
+    if (input == Input::piped) close(talk[0]);
+    output_end_ = output[0];
+    input_end_ = talk[1];
   }
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
@@ -38,6 +45,7 @@ class Program {
     if (process_ > 0) kill(process_, SIGKILL);
     wait();
     close(output_end_);
+    if (input_end_ >= 0) close(input_end_);
   }
 
   pid_t process() const { return process_; }
@@ -51,6 +59,17 @@ class Program {
       if (!read_more(std::chrono::seconds(10))) return false;
     }
     return true;
+  }
+  /// Likewise, until the text has appeared so often.
+  bool wait_for_count(std::string_view text, std::size_t times) {
+    while (count(text) < times) {
+      if (!read_more(std::chrono::seconds(10))) return false;
+    }
+    return true;
+  }
+  /// Writes to its standard input, which must be piped.
+  void say(std::string_view text) const {
+    if (write(input_end_, text.data(), text.size()) < 0) throw std::runtime_error("it has ended");
   }
   void signal(int number) const { kill(process_, number); }
   /// Reads all that it writes and waits for its end; its exit status, or 128 and the signal that
@@ -67,8 +86,9 @@ class Program {
   }
 
  private:
-  [[noreturn]] static void execute(const std::vector<std::string>& words, int output) {
+  [[noreturn]] static void execute(const std::vector<std::string>& words, int input, int output) {
     prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (input >= 0) dup2(input, STDIN_FILENO);
     dup2(output, STDOUT_FILENO);
     dup2(output, STDERR_FILENO);
     std::vector<char*> arguments;
@@ -76,6 +96,13 @@ class Program {
     arguments.push_back(nullptr);
     execv(arguments[0], arguments.data());
     _exit(127);
+  }
+
+  std::size_t count(std::string_view text) const {
+    std::size_t times = 0;
+    for (auto at = output_.find(text); at != std::string::npos; at = output_.find(text, at + 1))
+      ++times;
+    return times;
   }
 
   bool read_more(std::chrono::milliseconds patience) {
@@ -90,6 +117,7 @@ class Program {
 
   pid_t process_ = -1;
   int output_end_ = -1;
+  int input_end_ = -1;
   int status_ = -1;
   std::string output_;
 };
