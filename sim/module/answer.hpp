@@ -6,6 +6,7 @@
 #include <tl/expected.hpp>
 
 #include "tmcl/datagram.hpp"
+#include "tmcl/program.hpp"
 #include "tmcl/status.hpp"
 
 namespace tmcl::sim {
@@ -14,11 +15,13 @@ struct Answer {
   enum class Form : std::uint8_t {
     reply,
     version_text,  ///< Eight characters instead of status and value.
+    program_line,  ///< A command of the stand-alone program instead of status and value.
     none,          ///< Suppressed by global parameter 255, or a command that has no reply.
   };
   Form form = Form::reply;
   Status status = Status::ok;
   std::int32_t value = 0;
+  program::Instruction line{};
   bool operator==(const Answer&) const = default;
 };
 

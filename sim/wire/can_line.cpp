@@ -50,8 +50,10 @@ void CanLine::hand_to(Module& module, const CanFrame& frame, const Request& requ
     std::ranges::copy_n(to_text(module.version()).begin(), format.length, text.data.begin());
     return output_(text);
   }
-  const Reply reply{0, reply_byte(ModuleAddress{static_cast<std::uint16_t>(own)}), answer.status,
-                    request.command, answer.value};
+  const Reply ordinary{0, reply_byte(ModuleAddress{static_cast<std::uint16_t>(own)}), answer.status,
+                       request.command, answer.value};
+  const auto reply =
+      answer.form == Answer::Form::program_line ? program::memory_reply(answer.line) : ordinary;
   output_(encode_can(reply, reply_id, format.extended, format.length));
 }
 

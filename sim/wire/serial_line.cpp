@@ -37,6 +37,9 @@ SerialBytes text_bytes(std::uint8_t host, FirmwareVersion version) {
 
 SerialBytes answer_bytes(Sender from, const Module& module, Command command, const Answer& answer) {
   if (answer.form == Answer::Form::version_text) return text_bytes(from.host, module.version());
+  if (answer.form == Answer::Form::program_line) {
+    return encode_serial(program::memory_reply(answer.line, from.host));
+  }
   return encode_serial(Reply{from.host, from.module, answer.status, command, answer.value});
 }
 
