@@ -46,7 +46,12 @@ TEST(Version, TextAndBack) {
   EXPECT_EQ(std::string_view(text.data(), text.size()), "1110V101");
   EXPECT_EQ(version_from_text("1110V101"), (FirmwareVersion{1110, 1, 1}));
   EXPECT_EQ(version_from_text("6110V10"), (FirmwareVersion{6110, 1, 0}));
-  for (const auto* bad : {"", "1110V1", "1110V1011", "1110v101", "11x0V101", "1110V-01"}) {
+  EXPECT_EQ(version_from_text("142V1.06"), (FirmwareVersion{142, 1, 6}));
+  const auto bootloader = to_text({1110, 1, 1, true});
+  EXPECT_EQ(std::string_view(bootloader.data(), bootloader.size()), "1110B101");
+  EXPECT_EQ(version_from_text("1110B101"), (FirmwareVersion{1110, 1, 1, true}));
+  for (const auto* bad : {"", "1110V1", "1110V1011", "1110v101", "11x0V101", "1110V-01", "1110V.01",
+                          "142V10.6", "142V1..6"}) {
     EXPECT_FALSE(version_from_text(bad)) << bad;
   }
   EXPECT_EQ(to_string(FirmwareVersion{1110, 1, 1}), "1.01");

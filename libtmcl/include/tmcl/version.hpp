@@ -23,6 +23,9 @@ struct FirmwareVersion {
   std::uint16_t model = 0;  ///< Module number, such as 1110 of a TMCM-1110.
   std::uint8_t major = 0;
   std::uint8_t minor = 0;  ///< 0..99
+  /// It is the version of the module's bootloader, which answers while there is no firmware to run
+  /// or while it is exchanged. Only the text says so.
+  bool bootloader = false;
   auto operator<=>(const FirmwareVersion&) const = default;
 };
 
@@ -38,11 +41,13 @@ constexpr FirmwareVersion version_from_value(std::int32_t value) {
           static_cast<std::uint8_t>(bits & 0xFFU)};
 }
 
-/// Eight characters such as "1110V101": four of the model, 'V', one of major, two of minor.
+/// Eight characters such as "1110V101": four of the model, 'V' (or 'B' for a bootloader), one of
+/// major, two of minor.
 std::array<char, version_text_size> to_text(FirmwareVersion version);
 
-/// Reads "1110V101", or "1110V10" as seven-byte CAN frames carry it (the last digit is then taken
-/// as 0). Nothing if the text has another form.
+/// Reads "1110V101" and "1110B101", and "142V1.06" as models with three digits may write it; or
+/// "1110V10" as seven-byte CAN frames carry it (the last digit is then taken as 0). Nothing if the
+/// text has another form.
 std::optional<FirmwareVersion> version_from_text(std::string_view text);
 
 /// "1.01"
