@@ -1,11 +1,16 @@
 #include "sim/bench.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace tmcl::sim {
 
 Module& Bench::add(const Model& model, ModuleAddress address) {
   return *modules_.emplace_back(std::make_unique<Module>(model, address, *clock_));
+}
+
+Module& Bench::add(const Model& model, Eeprom eeprom) {
+  return *modules_.emplace_back(std::make_unique<Module>(model, std::move(eeprom), *clock_));
 }
 
 void Bench::detach(Line& line) {

@@ -18,6 +18,8 @@ class Bench {
   explicit Bench(const Clock& clock) : clock_(&clock) {}
 
   Module& add(const Model& model, ModuleAddress address);
+  /// One that remembers; its address is in the memory.
+  Module& add(const Model& model, Eeprom eeprom);
   const std::vector<std::unique_ptr<Module>>& modules() const { return modules_; }
   const Clock& clock() const { return *clock_; }
 

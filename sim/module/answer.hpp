@@ -25,6 +25,8 @@ struct Answer {
   bool operator==(const Answer&) const = default;
 };
 
+inline constexpr Answer no_answer{Answer::Form::none, Status::ok, 0};
+
 /// Except for what a command reads, a reply's value repeats the request's.
 inline Answer echo(const Request& request, Status status = Status::ok) {
   return {Answer::Form::reply, status, request.value};

@@ -26,6 +26,8 @@ class Axis {
   /// What ROR answers, or ROL with the other sign: invalid_value for more than the chip can do.
   Status rotate(std::int64_t velocity);
   void stop();
+  /// Whether the chip has such a position.
+  bool is_position(std::int32_t value) const;
   /// What MVP ABS answers: invalid_value for a position that the chip does not have.
   Status move_to(std::int32_t position);
   /// What MVP REL answers, likewise for a distance. The target wraps as the chip's positions do.
@@ -40,7 +42,6 @@ class Axis {
   const Outlook& outlook() const { return outlook_; }
 
  private:
-  bool is_position(std::int32_t value) const;
   void move(std::int64_t position);
   void look_ahead() { outlook_ = motor_->outlook(); }
 

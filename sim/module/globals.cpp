@@ -1,41 +1,163 @@
 #include "sim/module/globals.hpp"
 
+#include <limits>
+
+#include "sim/module/io.hpp"
 #include "tmcl/parameter.hpp"
 
 namespace tmcl::sim {
 namespace {
 
+namespace gp = global_parameter;
+
+constexpr std::uint8_t eeprom_lock = 73;
+constexpr std::uint8_t zero_user_variables = 85;
 constexpr std::uint8_t tick_timer_number = 132;
+constexpr std::uint8_t random_number = 133;
+
+constexpr std::int32_t code_to_lock = 1234;
+constexpr std::int32_t code_to_unlock = 4321;
+
+constexpr std::int32_t least = std::numeric_limits<std::int32_t>::min();
+constexpr std::int32_t greatest = std::numeric_limits<std::int32_t>::max();
+
+// Bank 3: periods of the timers in ms, and on which edge (none, rising, falling, both) the other
+// interrupts come.
+constexpr int timers = 3;
+constexpr int first_stop_switch = 27;
+constexpr int first_input = 39;
+constexpr std::int32_t both_edges = 3;
+
+EepromCell cell(std::uint8_t bank, std::uint8_t number) {
+  return {EepromCell::Area::global_parameter, bank, number};
+}
+
+bool lies_in(int number, int first, int count) { return number >= first && number < first + count; }
 
 }  // namespace
 
-Globals::Globals(ModuleAddress address, const Clock& clock)
-    : clock_(&clock), timer_zero_(clock.now()) {
-  for (const auto& row : global_parameters()) values_[row.number] = row.initial;
-  values_[global_parameter::serial_address] = reply_byte(address);
-  values_[global_parameter::can_id] = number(address);
+Globals::Globals(const Model& model, Eeprom& eeprom, TimePoint start)
+    : model_(&model), eeprom_(&eeprom), timer_zero_(start), random_(model.number) {
+  load_addresses();
+  for (int number = 0; number < 256; ++number) {
+    for (const auto bank : {parameter_bank, interrupt_bank}) {
+      const auto n = static_cast<std::uint8_t>(number);
+      if (const auto row = find(bank, n)) load(bank, n, *row);
+    }
+  }
+  if (value(zero_user_variables) != 0) return;
+  for (std::uint8_t n = 0; n < kept_user_variables; ++n)
+    load(variable_bank, n, *find(variable_bank, n));
 }
 
-std::int32_t Globals::tick_timer() const {
+// Every module can be put on every line here, even where its model has no such parameter.
+void Globals::load_addresses() {
+  const auto load_or = [&](std::uint8_t number, std::int32_t factory_setting) {
+    values_[number] = eeprom_->read(cell(parameter_bank, number)).value_or(factory_setting);
+  };
+  load_or(gp::serial_address, 1);
+  load_or(gp::serial_host_address, 2);
+  load_or(gp::can_id, 1);
+  load_or(gp::can_reply_id, 2);
+}
+
+void Globals::load(std::uint8_t bank, std::uint8_t number, const Row& row) {
+  const auto kept = row.stored ? eeprom_->read(cell(bank, number)) : std::nullopt;
+  values_of(bank)[number] = kept.value_or(row.initial);
+}
+
+void Globals::keep(std::uint8_t bank, std::uint8_t number) {
+  eeprom_->write(cell(bank, number), values_of(bank)[number]);
+}
+
+Globals::Values& Globals::values_of(std::uint8_t bank) {
+  if (bank == variable_bank) return variables_;
+  return bank == interrupt_bank ? interrupts_ : values_;
+}
+
+tl::expected<Globals::Row, Status> Globals::find(std::uint8_t bank, std::uint8_t number) const {
+  if (bank == variable_bank) return Row{true, number < kept_user_variables, least, greatest, 0};
+  const auto row = bank == interrupt_bank ? find_interrupt_row(number) : find_parameter_row(number);
+  if (!row) return tl::unexpected(Status::wrong_type);
+  const bool known_bank = bank == interrupt_bank || bank == parameter_bank;
+  if (!known_bank) return tl::unexpected(Status::invalid_value);
+  return *row;
+}
+
+std::optional<Globals::Row> Globals::find_parameter_row(std::uint8_t number) const {
+  const auto* row = find_parameter(global_parameters(), number);
+  if (row == nullptr) return std::nullopt;
+  return Row{row->access == Access::read_write, row->stored, row->minimum, row->maximum,
+             row->initial};
+}
+
+std::optional<Globals::Row> Globals::find_interrupt_row(std::uint8_t number) const {
+  if (lies_in(number, 0, timers)) return Row{true, true, 0, greatest, 0};
+  const bool has_edge = lies_in(number, first_stop_switch, 2 * model_->axes) ||
+                        lies_in(number, first_input, io_ports(*model_).inputs);
+  return has_edge ? std::optional(Row{true, true, 0, both_edges, 0}) : std::nullopt;
+}
+
+tl::expected<std::int32_t, Status> Globals::get(std::uint8_t bank, std::uint8_t number,
+                                                TimePoint now) {
+  const auto row = find(bank, number);
+  if (!row) return tl::unexpected(row.error());
+  if (bank == parameter_bank && number == tick_timer_number) return tick_timer(now);
+  if (bank == parameter_bank && number == random_number) return next_random_number();
+  return values_of(bank)[number];
+}
+
+Status Globals::set(std::uint8_t bank, std::uint8_t number, std::int32_t value, TimePoint now) {
+  const auto row = find(bank, number);
+  if (!row) return row.error();
+  if (!row->writable) return Status::wrong_type;
+  const bool of_module = bank == parameter_bank;
+  if (of_module && number == eeprom_lock) return lock(value);
+  if (value < row->minimum || value > row->maximum) return Status::invalid_value;
+  const bool keeps = of_module && row->stored;
+  if (keeps && eeprom_locked()) return Status::eeprom_locked;
+  values_of(bank)[number] = value;
+  if (keeps) keep(bank, number);
+  if (of_module && number == tick_timer_number)
+    timer_zero_ = now - std::chrono::milliseconds(value);
+  return Status::ok;
+}
+
+Status Globals::store(std::uint8_t bank, std::uint8_t number) {
+  const auto row = find(bank, number);
+  if (!row) return row.error();
+  if (!row->stored) return Status::wrong_type;
+  if (eeprom_locked()) return Status::eeprom_locked;
+  keep(bank, number);
+  return Status::ok;
+}
+
+Status Globals::restore(std::uint8_t bank, std::uint8_t number) {
+  const auto row = find(bank, number);
+  if (!row) return row.error();
+  if (!row->stored) return Status::wrong_type;
+  load(bank, number, *row);
+  return Status::ok;
+}
+
+bool Globals::eeprom_locked() const { return value(eeprom_lock) != 0; }
+
+// The lock itself is kept in the EEPROM, and is the one thing that can be written while it is on.
+Status Globals::lock(std::int32_t code) {
+  if (code != code_to_lock && code != code_to_unlock) return Status::invalid_value;
+  values_[eeprom_lock] = code == code_to_lock ? 1 : 0;
+  keep(parameter_bank, eeprom_lock);
+  return Status::ok;
+}
+
+std::int32_t Globals::tick_timer(TimePoint now) const {
   const auto passed =
-      std::chrono::duration_cast<std::chrono::milliseconds>(clock_->now() - timer_zero_).count();
+      std::chrono::duration_cast<std::chrono::milliseconds>(now - timer_zero_).count();
   return static_cast<std::int32_t>(passed & INT32_MAX);
 }
 
-tl::expected<std::int32_t, Status> Globals::get(std::uint8_t number) const {
-  if (find_parameter(global_parameters(), number) == nullptr) {
-    return tl::unexpected(Status::wrong_type);
-  }
-  return number == tick_timer_number ? tick_timer() : values_[number];
-}
-
-Status Globals::set(std::uint8_t number, std::int32_t value) {
-  const auto* row = find_parameter(global_parameters(), number);
-  if (row == nullptr || row->access == Access::read) return Status::wrong_type;
-  if (value < row->minimum || value > row->maximum) return Status::invalid_value;
-  if (number == tick_timer_number) timer_zero_ = clock_->now() - std::chrono::milliseconds(value);
-  values_[number] = value;
-  return Status::ok;
+std::int32_t Globals::next_random_number() {
+  return std::uniform_int_distribution<std::int32_t>(0, greatest)(random_);
 }
 
 }  // namespace tmcl::sim

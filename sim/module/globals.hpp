@@ -1,30 +1,53 @@
-/// The global parameters of one module (bank 0).
+/// The global parameters of one module, in all banks.
 #pragma once
 
 #include <array>
 #include <chrono>
 #include <cstdint>
+#include <optional>
+#include <random>
 
 #include <tl/expected.hpp>
 
+#include "sim/module/eeprom.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/datagram.hpp"
+#include "tmcl/model.hpp"
 #include "tmcl/status.hpp"
 
 namespace tmcl::sim {
 
+/// Bank 0 are the parameters of the module, bank 2 the user variables of stand-alone programs, and
+/// bank 3 says what their interrupts listen to. Bank 1 is for special firmware, and empty.
+///
+/// What the table calls stored is written to the EEPROM by SGP itself in bank 0, and by STGP in the
+/// others. All of it acts at once, addresses included: manuals do not agree on whether these wait
+/// for the next start, and the reply still carries the old ones.
 class Globals {
  public:
-  /// The address is the one on serial lines and on CAN alike. `clock` drives the tick timer (132).
-  Globals(ModuleAddress address, const Clock& clock);
+  static constexpr std::uint8_t parameter_bank = 0;
+  static constexpr std::uint8_t variable_bank = 2;
+  static constexpr std::uint8_t interrupt_bank = 3;
 
-  /// What GGP answers: wrong_type for a number that is not in the table.
-  tl::expected<std::int32_t, Status> get(std::uint8_t number) const;
-  /// What SGP answers: wrong_type for a number that cannot be written, invalid_value out of range.
-  /// There is no EEPROM to lose: a new value acts at once and lasts as long as the module.
-  Status set(std::uint8_t number, std::int32_t value);
+  /// As they are after a start at this time. The model and the EEPROM must outlive them.
+  Globals(const Model& model, Eeprom& eeprom, TimePoint start);
 
-  /// For the module's own use; the number must be in the table.
+  /// What GGP answers: wrong_type for an unknown number, invalid_value for an unknown bank. Reading
+  /// the random number (133) makes a new one.
+  tl::expected<std::int32_t, Status> get(std::uint8_t bank, std::uint8_t number, TimePoint now);
+  /// What SGP answers: wrong_type for a number that cannot be written, invalid_value for an unknown
+  /// bank or out of range, eeprom_locked.
+  Status set(std::uint8_t bank, std::uint8_t number, std::int32_t value, TimePoint now);
+  /// What STGP answers: wrong_type for what cannot be kept, invalid_value for an unknown bank,
+  /// eeprom_locked.
+  Status store(std::uint8_t bank, std::uint8_t number);
+  /// What RSGP answers, likewise. What was never stored gets its factory setting.
+  Status restore(std::uint8_t bank, std::uint8_t number);
+
+  /// Whether parameter 73 forbids to write anything to the EEPROM.
+  bool eeprom_locked() const;
+
+  /// Of bank 0, for the module's own use; 0 for what it does not have.
   std::int32_t value(std::uint8_t number) const { return values_[number]; }
   std::uint8_t byte(std::uint8_t number) const {
     return static_cast<std::uint8_t>(values_[number] & 0xFF);
@@ -33,12 +56,42 @@ class Globals {
     return std::chrono::milliseconds(values_[number]);
   }
 
- private:
-  std::int32_t tick_timer() const;
+  std::int32_t user_variable(std::uint8_t number) const { return variables_[number]; }
+  void set_user_variable(std::uint8_t number, std::int32_t value) { variables_[number] = value; }
+  /// Of bank 3; 0 for what it does not have.
+  std::int32_t interrupt_setting(std::uint8_t number) const { return interrupts_[number]; }
 
-  const Clock* clock_;
+ private:
+  using Values = std::array<std::int32_t, 256>;
+  /// What the tables say about a number of any bank.
+  struct Row {
+    bool writable;
+    bool stored;
+    std::int32_t minimum;
+    std::int32_t maximum;
+    std::int32_t initial;
+  };
+
+  tl::expected<Row, Status> find(std::uint8_t bank, std::uint8_t number) const;
+  std::optional<Row> find_parameter_row(std::uint8_t number) const;
+  std::optional<Row> find_interrupt_row(std::uint8_t number) const;
+  Values& values_of(std::uint8_t bank);
+
+  void load_addresses();
+  void load(std::uint8_t bank, std::uint8_t number, const Row& row);
+  void keep(std::uint8_t bank, std::uint8_t number);
+  Status lock(std::int32_t code);
+
+  std::int32_t tick_timer(TimePoint now) const;
+  std::int32_t next_random_number();
+
+  const Model* model_;
+  Eeprom* eeprom_;
   TimePoint timer_zero_;
-  std::array<std::int32_t, 256> values_{};
+  std::minstd_rand random_;
+  Values values_{};
+  Values variables_{};
+  Values interrupts_{};
 };
 
 }  // namespace tmcl::sim

@@ -1,6 +1,7 @@
 #include "sim/module/module.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace tmcl::sim {
 namespace {
@@ -8,26 +9,74 @@ namespace {
 namespace gp = global_parameter;
 
 constexpr std::uint8_t suppress_reply = 255;
+constexpr std::int32_t eeprom_is_valid = 228;
+
+EepromCell global_cell(std::uint8_t number) {
+  return {EepromCell::Area::global_parameter, Globals::parameter_bank, number};
+}
+
+Eeprom delivered(ModuleAddress address) {
+  Eeprom eeprom;
+  eeprom.preset(global_cell(gp::serial_address), reply_byte(address));
+  eeprom.preset(global_cell(gp::can_id), number(address));
+  return eeprom;
+}
 
 }  // namespace
 
 Module::Module(const Model& model, ModuleAddress address, const Clock& clock)
+    : Module(model, delivered(address), clock) {}
+
+Module::Module(const Model& model, Eeprom eeprom, const Clock& clock)
     : model_(&model),
       clock_(&clock),
       now_(clock.now()),
-      globals_(address, clock),
+      deaf_until_(now_),
+      eeprom_(std::move(eeprom)),
+      globals_(model, eeprom_, now_),
+      io_(model),
+      coordinates_(model, eeprom_),
       events_(model.axes) {
-  for (int i = 0; i < model.axes; ++i) axes_.emplace_back(model.family, now_);
+  power_up();
+}
+
+void Module::power_up() {
+  const auto magic = eeprom_.read(global_cell(gp::eeprom_magic)).value_or(eeprom_is_valid);
+  if (magic != eeprom_is_valid) eeprom_.erase();
+  globals_ = Globals(*model_, eeprom_, now_);
+  io_.reset();
+  coordinates_ = Coordinates(*model_, eeprom_);
+  if (keeps_coordinates()) coordinates_.load_all(0);
+  build_axes();
+  events_ = TargetEvents(model_->axes);
+  serial_.heard(now_);
+  can_.heard(now_);
+}
+
+void Module::build_axes() {
+  axes_.clear();
+  for (std::size_t motor = 0; motor < model_->axes; ++motor) {
+    axes_.emplace_back(model_->family, now_);
+    restore_axis(motor);
+  }
+}
+
+void Module::restart() {
+  restarts_ = false;
+  power_up();
+  deaf_until_ = now_ + boot_time;
 }
 
 FirmwareVersion Module::version() const { return {model_->number, 1, 1}; }
 
 Answer Module::execute(const Request& request, Medium medium, EventSink& from) {
   run_due();
+  if (now_ < deaf_until_) return no_answer;
   heartbeat(medium).heard(now_);
   auto answer = execute_direct(request, from);
   const bool reads = effect_of(request.command, request.type) == Effect::reads;
-  if (globals_.value(suppress_reply) != 0 && !reads) answer.form = Answer::Form::none;
+  if (globals_.value(suppress_reply) != 0 && !reads) answer = no_answer;
+  if (restarts_) restart();
   return answer;
 }
 
@@ -35,6 +84,8 @@ Answer Module::execute_direct(const Request& request, EventSink& from) {
   switch (request.command) {
     case Command::GET_FIRMWARE_VERSION: return tell_version(request);
     case Command::TARGET_REACHED_EVENT: return arm_event(request, from);
+    case Command::FACTORY_RESET: return reset_to_factory_settings(request);
+    case Command::SOFTWARE_RESET: return restart_after_reply(request);
     default: return perform(request);
   }
 }
@@ -47,8 +98,17 @@ Answer Module::perform(const Request& request) {
     case Command::MVP: return move(request);
     case Command::SAP: return set_axis_parameter(request);
     case Command::GAP: return get_axis_parameter(request);
+    case Command::STAP: return store_axis_parameter(request);
+    case Command::RSAP: return restore_axis_parameter(request);
     case Command::SGP: return set_global_parameter(request);
     case Command::GGP: return get_global_parameter(request);
+    case Command::STGP: return store_global_parameter(request);
+    case Command::RSGP: return restore_global_parameter(request);
+    case Command::SIO: return set_output(request);
+    case Command::GIO: return get_input(request);
+    case Command::SCO: return set_coordinate(request);
+    case Command::GCO: return get_coordinate(request);
+    case Command::CCO: return capture_coordinate(request);
     default: return echo(request, Status::invalid_command);
   }
 }

@@ -3,13 +3,17 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "sim/module/answer.hpp"
 #include "sim/module/axis.hpp"
+#include "sim/module/coordinates.hpp"
+#include "sim/module/eeprom.hpp"
 #include "sim/module/event_sink.hpp"
 #include "sim/module/globals.hpp"
 #include "sim/module/heartbeat.hpp"
+#include "sim/module/io.hpp"
 #include "sim/module/target_events.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/datagram.hpp"
@@ -27,10 +31,23 @@ enum class Medium : std::uint8_t { serial, can };
 /// Errors come in the order checksum (found by the receiver), command, type, motor or bank, value.
 /// Except for what a command reads, a reply's value repeats the request's; only a relative movement
 /// of a sixPoint module tells its target.
+///
+/// After a restart (commands 255 and 137) it is deaf for `boot_time`. Its motors stand at 0 then,
+/// and it knows what is in its EEPROM; what is outside the module, the inputs and whatever the
+/// motors drive, is as before.
 class Module {
  public:
-  /// `address` applies to serial lines and CAN alike. The clock must outlive the module.
+  /// Real modules take about a second. This is long enough to be noticed, and short enough for
+  /// programs that wait too little.
+  static constexpr Duration boot_time = std::chrono::milliseconds(100);
+
+  /// A module as delivered, except for its address on serial lines and CAN alike. The clock must
+  /// outlive the module.
   Module(const Model& model, ModuleAddress address, const Clock& clock);
+  /// One with this memory.
+  Module(const Model& model, Eeprom eeprom, const Clock& clock);
+  Module(const Module&) = delete;
+  Module& operator=(const Module&) = delete;
 
   /// Executes a command that was addressed to this module. `from` is where a later event goes.
   Answer execute(const Request& request, Medium medium, EventSink& from);
@@ -43,6 +60,11 @@ class Module {
 
   const Model& model() const { return *model_; }
   const Globals& globals() const { return globals_; }
+  Eeprom& eeprom() { return eeprom_; }
+  const Io& io() const { return io_; }
+  /// The world outside drives an input now. False for a port or value that does not exist.
+  bool set_input(std::uint8_t port, bool high);
+  bool set_analog(std::uint8_t port, std::int32_t value);
   /// As it was when run_due() or execute() last ran.
   const Axis& axis(std::size_t motor) const { return axes_.at(motor); }
   FirmwareVersion version() const;
@@ -61,12 +83,37 @@ class Module {
   // parameter_commands.cpp
   Answer set_axis_parameter(const Request& request);
   Answer get_axis_parameter(const Request& request) const;
+  Answer store_axis_parameter(const Request& request);
+  Answer restore_axis_parameter(const Request& request);
+  void restore_axis(std::size_t motor);
   Answer set_global_parameter(const Request& request);
-  Answer get_global_parameter(const Request& request) const;
+  Answer get_global_parameter(const Request& request);
+  Answer store_global_parameter(const Request& request);
+  Answer restore_global_parameter(const Request& request);
+
+  // io_commands.cpp
+  Answer set_output(const Request& request);
+  Answer get_input(const Request& request) const;
+
+  // coordinate_commands.cpp
+  Answer set_coordinate(const Request& request);
+  Answer get_coordinate(const Request& request);
+  Answer capture_coordinate(const Request& request);
+  Answer move_to_coordinate(const Request& request);
+  Answer keep_coordinates(const Request& request);
+  bool keeps_coordinates() const;
+  Status put_coordinate(std::uint8_t motor, std::uint8_t number, std::int32_t position);
 
   // system_commands.cpp
   Answer tell_version(const Request& request) const;
   Answer arm_event(const Request& request, EventSink& from);
+  Answer restart_after_reply(const Request& request);
+  Answer reset_to_factory_settings(const Request& request);
+
+  /// What happens when the power comes on.
+  void power_up();
+  void restart();
+  void build_axes();
 
   bool has_motor(const Request& request) const { return request.motor < axes_.size(); }
   void stop_motor(std::size_t motor);
@@ -83,11 +130,16 @@ class Module {
   const Model* model_;
   const Clock* clock_;
   TimePoint now_;  ///< How far the module has come: never later than the clock.
+  TimePoint deaf_until_;
+  Eeprom eeprom_;
   Globals globals_;
+  Io io_;
+  Coordinates coordinates_;
   std::vector<Axis> axes_;
   TargetEvents events_;
   Heartbeat serial_;
   Heartbeat can_;
+  bool restarts_ = false;  ///< As soon as the present command is answered.
 };
 
 }  // namespace tmcl::sim

@@ -8,6 +8,7 @@ namespace ap = axis_parameter;
 
 constexpr std::uint8_t move_absolute = 0;
 constexpr std::uint8_t move_relative = 1;
+constexpr std::uint8_t move_to_stored = 2;
 
 }  // namespace
 
@@ -34,6 +35,7 @@ void Module::stop_all_motors() {
 }
 
 Answer Module::move(const Request& request) {
+  if (request.type == move_to_stored) return move_to_coordinate(request);
   if (request.type != move_absolute && request.type != move_relative) {
     return echo(request, Status::wrong_type);
   }

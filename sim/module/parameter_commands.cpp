@@ -1,10 +1,16 @@
-// SAP, GAP, SGP, GGP.
+// SAP, GAP, STAP, RSAP, SGP, GGP, STGP, RSGP.
 #include "sim/module/module.hpp"
 
 namespace tmcl::sim {
 namespace {
 
 namespace gp = global_parameter;
+
+constexpr std::uint8_t unit_mode = 255;
+
+EepromCell cell(std::size_t motor, std::uint8_t number) {
+  return {EepromCell::Area::axis_parameter, static_cast<std::uint8_t>(motor), number};
+}
 
 }  // namespace
 
@@ -23,20 +29,57 @@ Answer Module::get_axis_parameter(const Request& request) const {
   return known ? echo(request, Status::invalid_value) : reading(tl::unexpected(Status::wrong_type));
 }
 
+Answer Module::store_axis_parameter(const Request& request) {
+  const auto* row = find_parameter(axis_parameters(model_->family), request.type);
+  if (row == nullptr || !row->stored) return echo(request, Status::wrong_type);
+  if (!has_motor(request)) return echo(request, Status::invalid_value);
+  if (globals_.eeprom_locked()) return echo(request, Status::eeprom_locked);
+  eeprom_.write(cell(request.motor, request.type), *axes_[request.motor].get(request.type));
+  return echo(request);
+}
+
+Answer Module::restore_axis_parameter(const Request& request) {
+  const auto* row = find_parameter(axis_parameters(model_->family), request.type);
+  if (row == nullptr || !row->stored) return echo(request, Status::wrong_type);
+  if (!has_motor(request)) return echo(request, Status::invalid_value);
+  const auto kept = eeprom_.read(cell(request.motor, request.type));
+  return echo(request, axes_[request.motor].set(request.type, kept.value_or(row->initial)));
+}
+
+// The unit mode goes first: what was stored is counted in it. A value that the axis does not take,
+// say because it was stored in the other unit, leaves the factory setting.
+void Module::restore_axis(std::size_t motor) {
+  const auto restore = [&](std::uint8_t number) {
+    if (const auto kept = eeprom_.read(cell(motor, number))) axes_[motor].set(number, *kept);
+  };
+  restore(unit_mode);
+  for (const auto& row : axis_parameters(model_->family)) {
+    if (row.stored && row.number != unit_mode) restore(row.number);
+  }
+}
+
 Answer Module::set_global_parameter(const Request& request) {
-  const bool foreign_bank = request.motor != 0 && globals_.get(request.type).has_value();
-  const auto status =
-      foreign_bank ? Status::invalid_value : globals_.set(request.type, request.value);
-  // The time of both heartbeats begins when they are set, whichever wire that came by.
-  if (status == Status::ok && request.type == gp::serial_heartbeat) serial_.heard(now_);
-  if (status == Status::ok && request.type == gp::can_heartbeat) can_.heard(now_);
+  const auto status = globals_.set(request.motor, request.type, request.value, now_);
+  if (status == Status::ok && request.motor == Globals::parameter_bank) {
+    // The time of both heartbeats begins when they are set, whichever wire that came by.
+    if (request.type == gp::serial_heartbeat) serial_.heard(now_);
+    if (request.type == gp::can_heartbeat) can_.heard(now_);
+  }
   return echo(request, status);
 }
 
-Answer Module::get_global_parameter(const Request& request) const {
-  const auto result = globals_.get(request.type);
-  if (result && request.motor != 0) return echo(request, Status::invalid_value);
+Answer Module::get_global_parameter(const Request& request) {
+  const auto result = globals_.get(request.motor, request.type, now_);
+  if (!result && result.error() == Status::invalid_value) return echo(request, result.error());
   return reading(result);
+}
+
+Answer Module::store_global_parameter(const Request& request) {
+  return echo(request, globals_.store(request.motor, request.type));
+}
+
+Answer Module::restore_global_parameter(const Request& request) {
+  return echo(request, globals_.restore(request.motor, request.type));
 }
 
 }  // namespace tmcl::sim

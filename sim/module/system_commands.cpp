@@ -6,6 +6,8 @@ namespace {
 
 constexpr std::uint8_t event_once = 0;
 constexpr std::uint8_t event_always = 1;
+/// The value that makes sure that a reset is meant.
+constexpr std::int32_t reset_code = 1234;
 
 }  // namespace
 
@@ -29,6 +31,20 @@ Answer Module::arm_event(const Request& request, EventSink& from) {
     events_.arm_always(motors, from);
   }
   return echo(request);
+}
+
+Answer Module::restart_after_reply(const Request& request) {
+  if (request.value != reset_code) return echo(request, Status::invalid_value);
+  restarts_ = true;
+  return echo(request);
+}
+
+Answer Module::reset_to_factory_settings(const Request& request) {
+  if (request.value != reset_code) return echo(request, Status::invalid_value);
+  if (globals_.eeprom_locked()) return echo(request, Status::eeprom_locked);
+  eeprom_.erase();
+  restarts_ = true;
+  return no_answer;
 }
 
 }  // namespace tmcl::sim

@@ -58,7 +58,7 @@ TEST_F(SimModule, FindsErrorsInTheOrderOfTheManual) {
   EXPECT_EQ(status_of(Command::SAP, 4, 0, 2048), Status::invalid_value);
   EXPECT_EQ(status_of(Command::GAP, 99, 9), Status::wrong_type);
   EXPECT_EQ(status_of(Command::GAP, 4, 9), Status::invalid_value);
-  EXPECT_EQ(status_of(Command::MVP, 2, 9, 1), Status::wrong_type);
+  EXPECT_EQ(status_of(Command::MVP, 2, 9, 1), Status::invalid_value);
   EXPECT_EQ(status_of(Command::MVP, 3, 0, 1), Status::wrong_type);
   EXPECT_EQ(status_of(Command::MVP, 0, 9, 1), Status::invalid_value);
   EXPECT_EQ(status_of(Command::MVP, 0, 0, 1 << 23), Status::invalid_value);

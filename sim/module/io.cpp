@@ -1,0 +1,90 @@
+#include "sim/module/io.hpp"
+
+namespace tmcl::sim {
+namespace {
+
+constexpr std::int32_t greatest_analog = 65535;
+
+}  // namespace
+
+IoPorts io_ports(const Model& /*model*/) { return {4, 4, 8}; }
+
+void Io::reset() {
+  outputs_ = 0;
+  pull_ups_ = false;
+}
+
+tl::expected<std::int32_t, Status> Io::get(std::uint8_t bank, std::uint8_t port) const {
+  switch (bank) {
+    case input_bank: return get_input(port);
+    case analog_bank: return get_analog(port);
+    case output_bank: return get_output(port);
+    default: return tl::unexpected(Status::invalid_value);
+  }
+}
+
+tl::expected<std::int32_t, Status> Io::get_input(std::uint8_t port) const {
+  if (port == all_ports) return static_cast<std::int32_t>(all_inputs());
+  if (port >= ports_.inputs) return tl::unexpected(Status::wrong_type);
+  return input(port) ? 1 : 0;
+}
+
+tl::expected<std::int32_t, Status> Io::get_analog(std::uint8_t port) const {
+  if (!has_analog(port)) return tl::unexpected(Status::wrong_type);
+  return analog_[port];
+}
+
+tl::expected<std::int32_t, Status> Io::get_output(std::uint8_t port) const {
+  if (port == all_ports) return static_cast<std::int32_t>(outputs_);
+  if (port >= ports_.outputs) return tl::unexpected(Status::wrong_type);
+  return static_cast<std::int32_t>(outputs_ >> port & 1U);
+}
+
+std::uint32_t Io::all_inputs() const {
+  std::uint32_t all = 0;
+  for (std::size_t port = 0; port < inputs(); ++port) all |= (input(port) ? 1U : 0U) << port;
+  return all;
+}
+
+bool Io::has_analog(std::uint8_t port) const {
+  return port < ports_.analog_inputs || port == supply_voltage_port || port == temperature_port;
+}
+
+Status Io::set(std::uint8_t bank, std::uint8_t port, std::int32_t value) {
+  switch (bank) {
+    case input_bank: return set_pull_ups(port, value);
+    case output_bank: return set_output(port, value);
+    default: return Status::invalid_value;
+  }
+}
+
+Status Io::set_pull_ups(std::uint8_t port, std::int32_t value) {
+  if (port != 0) return Status::wrong_type;
+  if (value != 0 && value != 1) return Status::invalid_value;
+  pull_ups_ = value == 1;
+  return Status::ok;
+}
+
+Status Io::set_output(std::uint8_t port, std::int32_t value) {
+  const bool all = port == all_ports;
+  if (!all && port >= ports_.outputs) return Status::wrong_type;
+  const auto greatest = all ? (1 << ports_.outputs) - 1 : 1;
+  if (value < 0 || value > greatest) return Status::invalid_value;
+  const auto bits = static_cast<std::uint32_t>(value);
+  outputs_ = all ? bits : (outputs_ & ~(1U << port)) | bits << port;
+  return Status::ok;
+}
+
+bool Io::set_input(std::uint8_t port, bool high) {
+  if (port >= ports_.inputs) return false;
+  driven_[port] = high;
+  return true;
+}
+
+bool Io::set_analog(std::uint8_t port, std::int32_t value) {
+  if (!has_analog(port) || value < 0 || value > greatest_analog) return false;
+  analog_[port] = value;
+  return true;
+}
+
+}  // namespace tmcl::sim
