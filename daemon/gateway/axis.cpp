@@ -52,8 +52,7 @@ GatewayAxis::GatewayAxis(AxisConfig config, std::shared_ptr<GatewayBus> bus)
 
 std::span<const tmcl::ParameterInfo> GatewayAxis::parameters() const {
   const auto* model = module_.model();
-  return model == nullptr ? std::span<const tmcl::ParameterInfo>{}
-                          : tmcl::axis_parameters(model->family);
+  return model == nullptr ? std::span<const tmcl::ParameterInfo>{} : tmcl::axis_parameters(*model);
 }
 
 template <class T>
@@ -152,7 +151,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::set(std::uint8_t parameter, std::int32
   auto result = co_await run(tmcl::verbs::set(address(), parameter, value), std::move(movement));
   // Also after a failure: the value may have been set all the same.
   const auto* model = module_.model();
-  if (model != nullptr && parameter == tmcl::velocity_unit_parameter(model->family)) {
+  if (model != nullptr && parameter == tmcl::velocity_unit_parameter(*model)) {
     velocity_unit_.reset();
   }
   co_return result;
@@ -171,16 +170,22 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state() {
   co_return reading;
 }
 
+awaitable<std::optional<tmcl::PulsesPerSecond>> GatewayAxis::read_velocity_unit(
+    const tmcl::Model& model) {
+  const auto parameter = tmcl::velocity_unit_parameter(model);
+  if (!parameter) co_return tmcl::velocity_unit(model, 0);
+  RunOptions options;
+  const auto value = co_await run(tmcl::verbs::get(address(), *parameter), std::move(options));
+  if (!value) co_return std::nullopt;
+  co_return tmcl::velocity_unit(model, *value);
+}
+
 awaitable<std::optional<double>> GatewayAxis::to_pps(tmcl::InternalVelocity velocity) {
   const auto* model = module_.model();
   if (model == nullptr) co_return std::nullopt;
   const auto epoch = module_.settings_epoch();
   if (!velocity_unit_ || velocity_unit_->settings_epoch != epoch) {
-    RunOptions options;
-    const auto parameter = tmcl::velocity_unit_parameter(model->family);
-    const auto value = co_await run(tmcl::verbs::get(address(), parameter), std::move(options));
-    if (!value) co_return std::nullopt;
-    const auto unit = tmcl::velocity_unit(model->family, *value);
+    const auto unit = co_await read_velocity_unit(*model);
     if (!unit) co_return std::nullopt;
     velocity_unit_ = VelocityUnit{epoch, *unit};
   }

@@ -75,6 +75,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   template <class T>
   Awaitable<T> run(tmcl::Script<tmcl::Result<T>> script, RunOptions options);
   boost::asio::awaitable<std::optional<double>> to_pps(tmcl::InternalVelocity velocity);
+  boost::asio::awaitable<std::optional<tmcl::PulsesPerSecond>> read_velocity_unit(
+      const tmcl::Model& model);
 
   AxisConfig config_;
   std::shared_ptr<GatewayBus> bus_;

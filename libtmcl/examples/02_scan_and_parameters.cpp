@@ -10,7 +10,7 @@
 namespace {
 
 void list_parameters(tmcl::blocking::Axis axis, const tmcl::Model& model) {
-  for (const auto& parameter : axis_parameters(model.family)) {
+  for (const auto& parameter : axis_parameters(model)) {
     const auto value = axis.get(parameter.number);
     std::cout << "  " << parameter.number + 0 << ' ' << parameter.name << " = ";
     if (value) {

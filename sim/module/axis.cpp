@@ -11,8 +11,8 @@ bool in_range(const ParameterInfo& row, std::int32_t value) {
 
 }  // namespace
 
-Axis::Axis(Family family, TimePoint power_on)
-    : table_(axis_parameters(family)), motor_(make_motor(family, power_on)), now_(power_on) {
+Axis::Axis(const Model& model, TimePoint power_on)
+    : table_(axis_parameters(model)), motor_(make_motor(model.family, power_on)), now_(power_on) {
   // The chip itself starts with zeros; the firmware writes what it has stored.
   for (const auto& row : table_) {
     values_[row.number] = row.initial;

@@ -16,9 +16,9 @@ namespace tmcl::sim {
 
 class Axis {
  public:
-  Axis(Family family, TimePoint power_on);
+  Axis(const Model& model, TimePoint power_on);
 
-  /// What GAP answers: wrong_type for a number that is not in the family's table.
+  /// What GAP answers: wrong_type for a number that is not in the model's table.
   tl::expected<std::int32_t, Status> get(std::uint8_t number) const;
   /// What SAP answers: wrong_type for a number that cannot be written, invalid_value out of range.
   Status set(std::uint8_t number, std::int32_t value);

@@ -85,7 +85,7 @@ tl::expected<Globals::Row, Status> Globals::find(std::uint8_t bank, std::uint8_t
 }
 
 std::optional<Globals::Row> Globals::find_parameter_row(std::uint8_t number) const {
-  const auto* row = find_parameter(global_parameters(), number);
+  const auto* row = find_parameter(global_parameters(*model_), number);
   if (row == nullptr) return std::nullopt;
   return Row{row->access == Access::read_write, row->stored, row->minimum, row->maximum,
              row->initial};

@@ -56,7 +56,7 @@ void Module::power_up() {
 void Module::build_axes() {
   axes_.clear();
   for (std::size_t motor = 0; motor < model_->axes; ++motor) {
-    axes_.emplace_back(model_->family, now_);
+    axes_.emplace_back(*model_, now_);
     restore_axis(motor);
   }
 }

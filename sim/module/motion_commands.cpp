@@ -10,6 +10,11 @@ constexpr std::uint8_t move_absolute = 0;
 constexpr std::uint8_t move_relative = 1;
 constexpr std::uint8_t move_to_stored = 2;
 
+// The newer firmware tells where a relative movement goes.
+bool answers_with_target(Family family) {
+  return family == Family::sixpoint || family == Family::tmc4361;
+}
+
 }  // namespace
 
 Answer Module::rotate(const Request& request, std::int32_t sign) {
@@ -45,9 +50,8 @@ Answer Module::move(const Request& request) {
   const auto status = relative ? axis.move_by(request.value) : axis.move_to(request.value);
   if (status != Status::ok) return echo(request, status);
   events_.move_begun(request.motor);
-  // The newer firmware tells where a relative movement goes.
-  return relative && model_->family == Family::sixpoint ? reading(axis.get(ap::target_position))
-                                                        : echo(request);
+  return relative && answers_with_target(model_->family) ? reading(axis.get(ap::target_position))
+                                                         : echo(request);
 }
 
 }  // namespace tmcl::sim

@@ -10,7 +10,8 @@ std::unique_ptr<Motor> make_motor(Family family, TimePoint power_on) {
   switch (family) {
     case Family::tmc429: return std::make_unique<Tmc429Motor>(power_on);
     case Family::tmc457: return std::make_unique<Tmc457Motor>(power_on);
-    case Family::sixpoint: return std::make_unique<SixPointMotor>(power_on);
+    case Family::sixpoint:
+    case Family::tmc4361: return std::make_unique<SixPointMotor>(family, power_on);
   }
   return nullptr;
 }

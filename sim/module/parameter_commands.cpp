@@ -16,7 +16,7 @@ EepromCell cell(std::size_t motor, std::uint8_t number) {
 
 Answer Module::set_axis_parameter(const Request& request) {
   if (!has_motor(request)) {
-    const auto* row = find_parameter(axis_parameters(model_->family), request.type);
+    const auto* row = find_parameter(axis_parameters(*model_), request.type);
     const bool writable = row != nullptr && row->access == Access::read_write;
     return echo(request, writable ? Status::invalid_value : Status::wrong_type);
   }
@@ -25,12 +25,12 @@ Answer Module::set_axis_parameter(const Request& request) {
 
 Answer Module::get_axis_parameter(const Request& request) const {
   if (has_motor(request)) return reading(axes_[request.motor].get(request.type));
-  const bool known = find_parameter(axis_parameters(model_->family), request.type) != nullptr;
+  const bool known = find_parameter(axis_parameters(*model_), request.type) != nullptr;
   return known ? echo(request, Status::invalid_value) : reading(tl::unexpected(Status::wrong_type));
 }
 
 Answer Module::store_axis_parameter(const Request& request) {
-  const auto* row = find_parameter(axis_parameters(model_->family), request.type);
+  const auto* row = find_parameter(axis_parameters(*model_), request.type);
   if (row == nullptr || !row->stored) return echo(request, Status::wrong_type);
   if (!has_motor(request)) return echo(request, Status::invalid_value);
   if (globals_.eeprom_locked()) return echo(request, Status::eeprom_locked);
@@ -39,7 +39,7 @@ Answer Module::store_axis_parameter(const Request& request) {
 }
 
 Answer Module::restore_axis_parameter(const Request& request) {
-  const auto* row = find_parameter(axis_parameters(model_->family), request.type);
+  const auto* row = find_parameter(axis_parameters(*model_), request.type);
   if (row == nullptr || !row->stored) return echo(request, Status::wrong_type);
   if (!has_motor(request)) return echo(request, Status::invalid_value);
   const auto kept = eeprom_.read(cell(request.motor, request.type));
@@ -53,7 +53,7 @@ void Module::restore_axis(std::size_t motor) {
     if (const auto kept = eeprom_.read(cell(motor, number))) axes_[motor].set(number, *kept);
   };
   restore(unit_mode);
-  for (const auto& row : axis_parameters(model_->family)) {
+  for (const auto& row : axis_parameters(*model_)) {
     if (row.stored && row.number != unit_mode) restore(row.number);
   }
 }

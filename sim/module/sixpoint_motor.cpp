@@ -15,11 +15,12 @@ using Mode = ramp::SixPoint::Mode;
 
 }  // namespace
 
-SixPointMotor::SixPointMotor(TimePoint power_on)
-    : ChipMotor(power_on, mapped(), {sixpoint_velocity_unit, sixpoint_acceleration_unit, true}) {}
+SixPointMotor::SixPointMotor(Family family, TimePoint power_on)
+    : ChipMotor(power_on, mapped(family),
+                {sixpoint_velocity_unit, sixpoint_acceleration_unit, true}) {}
 
-std::span<const SixPointMotor::Mapped> SixPointMotor::mapped() {
-  static constexpr std::array<Mapped, 10> all{{
+std::span<const SixPointMotor::Mapped> SixPointMotor::mapped(Family family) {
+  static constexpr std::array<Mapped, 10> sixpoint{{
       {ap::target_position, R::xtarget},
       {ap::actual_position, R::xactual},
       {ap::max_acceleration, R::amax},
@@ -31,7 +32,21 @@ std::span<const SixPointMotor::Mapped> SixPointMotor::mapped() {
       {20, R::vstop},
       {21, R::tzerowait},
   }};
-  return all;
+  // Below the break velocity a TMC4361 has a start acceleration and a final deceleration, as this
+  // chip has A1 and D1 below V1. Bows have no effect here.
+  static constexpr std::array<Mapped, 9> tmc4361{{
+      {ap::target_position, R::xtarget},
+      {ap::actual_position, R::xactual},
+      {ap::max_acceleration, R::amax},
+      {15, R::vstart},
+      {16, R::a1},
+      {17, R::dmax},
+      {18, R::v1},
+      {19, R::d1},
+      {20, R::vstop},
+  }};
+  if (family == Family::tmc4361) return tmc4361;
+  return sixpoint;
 }
 
 std::optional<std::int32_t> SixPointMotor::read(const ParameterInfo& row) const {

@@ -1,4 +1,4 @@
-/// A motor of a module with a TMC5130 or one of its relatives.
+/// A motor of a module with a TMC5130 or one of its relatives, or with a TMC4361.
 #pragma once
 
 #include "sim/module/chip_motor.hpp"
@@ -11,7 +11,8 @@ namespace tmcl::sim {
 /// the direction, and with the next positioning VMAX is again what parameter 4 says.
 class SixPointMotor final : public ChipMotor<ramp::SixPoint> {
  public:
-  explicit SixPointMotor(TimePoint power_on);
+  /// The family says by which numbers the registers go.
+  SixPointMotor(Family family, TimePoint power_on);
 
   std::optional<std::int32_t> read(const ParameterInfo& row) const override;
   Status write(const ParameterInfo& row, std::int32_t value) override;
@@ -26,7 +27,7 @@ class SixPointMotor final : public ChipMotor<ramp::SixPoint> {
   std::int32_t relative_origin() const override;
 
  private:
-  static std::span<const Mapped> mapped();
+  static std::span<const Mapped> mapped(Family family);
   void set_mode(ramp::SixPoint::Mode mode);
   Status set_max_velocity(Scale scale, std::int32_t value);
   std::int32_t target_velocity(Scale scale) const;

@@ -108,7 +108,7 @@ TEST(Statuses, AreNamedAndExplained) {
 }
 
 TEST(Parameters, GoByStandardNameRegisterNameAndNumber) {
-  const auto table = axis_parameters(Family::tmc429);
+  const auto table = axis_parameters(*find_model(1110));
   for (const auto& row : table) {
     EXPECT_EQ(find_parameter(table, row.number), &row);
     EXPECT_EQ(find_parameter(table, row.name), &row);

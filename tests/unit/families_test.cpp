@@ -10,6 +10,10 @@
 namespace tmcl {
 namespace {
 
+std::span<const ParameterInfo> table_of(std::uint16_t model) {
+  return axis_parameters(*find_model(model));
+}
+
 TEST(Families, HaveModelsThatGoByNameAndNumber) {
   for (const auto* name : {"TMCM-142", "tmcm142", "142"}) {
     ASSERT_NE(find_model(name), nullptr) << name;
@@ -22,88 +26,101 @@ TEST(Families, HaveModelsThatGoByNameAndNumber) {
   EXPECT_EQ(find_model("TMCM-146"), nullptr);
   EXPECT_EQ(find_model("6212")->family, Family::sixpoint);
   EXPECT_EQ(find_model("6212")->axes, 6);
-  for (const auto& model : models()) EXPECT_EQ(find_model(model.number), &model);
+  for (const auto& model : models()) {
+    EXPECT_EQ(find_model(model.number), &model);
+    EXPECT_EQ(find_model(model.name), &model);
+  }
+}
+
+TEST(Families, HaveNoTablesForModelsThatNobodyKnows) {
+  const Model unknown{9999, "TMCM-9999", 1, Family::tmc429};
+  EXPECT_TRUE(axis_parameters(unknown).empty());
+  EXPECT_TRUE(global_parameters(unknown).empty());
 }
 
 TEST(Families, NameEachParameterOnce) {
-  for (const auto family : families) {
-    const auto table = axis_parameters(family);
-    for (const auto& row : table) {
-      EXPECT_EQ(find_parameter(table, row.number), &row);
-      EXPECT_EQ(find_parameter(table, row.name), &row) << row.name;
-      for (const auto alias : row.aliases) {
-        if (alias.empty()) continue;
-        EXPECT_EQ(find_parameter(table, alias), &row) << alias;
+  for (const auto& model : models()) {
+    for (const auto table : {axis_parameters(model), global_parameters(model)}) {
+      for (const auto& row : table) {
+        EXPECT_EQ(find_parameter(table, row.number), &row);
+        EXPECT_EQ(find_parameter(table, row.name), &row) << model.name << ' ' << row.name;
+        for (const auto alias : row.aliases) {
+          if (alias.empty()) continue;
+          EXPECT_EQ(find_parameter(table, alias), &row) << model.name << ' ' << alias;
+        }
       }
     }
   }
 }
 
 TEST(Families, AgreeOnWhatTheLibraryUses) {
-  const auto& first = axis_parameters(Family::tmc429);
-  for (const auto family : families) {
+  const auto first = table_of(1110);
+  for (const auto& model : models()) {
     for (std::uint8_t number = 0; number <= 8; ++number) {
-      EXPECT_EQ(find_parameter(axis_parameters(family), number)->name,
+      EXPECT_EQ(find_parameter(axis_parameters(model), number)->name,
                 find_parameter(first, number)->name);
     }
   }
 }
 
 TEST(Families, NameTheirRegistersAsTheDataSheetsDo) {
-  const auto number = [](Family family, std::string_view name) {
-    const auto* row = find_parameter(axis_parameters(family), name);
+  const auto number = [](std::uint16_t model, std::string_view name) {
+    const auto* row = find_parameter(table_of(model), name);
     return row == nullptr ? -1 : int{row->number};
   };
-  EXPECT_EQ(number(Family::tmc429, "a_max"), 5);
-  EXPECT_EQ(number(Family::tmc457, "a_max"), 16);
-  EXPECT_EQ(number(Family::tmc457, "d_max"), 17);
-  EXPECT_EQ(number(Family::tmc457, "d_stop"), 15);
-  EXPECT_EQ(number(Family::tmc457, "bow_max"), 18);
-  EXPECT_EQ(number(Family::sixpoint, "amax"), 5);
-  EXPECT_EQ(number(Family::sixpoint, "a1"), 15);
-  EXPECT_EQ(number(Family::sixpoint, "v1"), 16);
-  EXPECT_EQ(number(Family::sixpoint, "dmax"), 17);
-  EXPECT_EQ(number(Family::sixpoint, "d1"), 18);
-  EXPECT_EQ(number(Family::sixpoint, "vstart"), 19);
-  EXPECT_EQ(number(Family::sixpoint, "vstop"), 20);
-  EXPECT_EQ(number(Family::sixpoint, "tzerowait"), 21);
+  EXPECT_EQ(number(1110, "a_max"), 5);
+  EXPECT_EQ(number(142, "a_max"), 16);
+  EXPECT_EQ(number(142, "d_max"), 17);
+  EXPECT_EQ(number(142, "d_stop"), 15);
+  EXPECT_EQ(number(142, "bow_max"), 18);
+  EXPECT_EQ(number(6212, "amax"), 5);
+  EXPECT_EQ(number(6212, "a1"), 15);
+  EXPECT_EQ(number(6212, "v1"), 16);
+  EXPECT_EQ(number(6212, "dmax"), 17);
+  EXPECT_EQ(number(6212, "d1"), 18);
+  EXPECT_EQ(number(6212, "vstart"), 19);
+  EXPECT_EQ(number(6212, "vstop"), 20);
+  EXPECT_EQ(number(6212, "tzerowait"), 21);
 }
 
 TEST(Families, HaveTheRangesOfTheirChips) {
-  const auto maximum = [](Family family, std::uint8_t number) {
-    return find_parameter(axis_parameters(family), number)->maximum;
+  const auto maximum = [](std::uint16_t model, std::uint8_t number) {
+    return find_parameter(table_of(model), number)->maximum;
   };
   const auto tmc457 = ramp::Tmc457::registers();
   using R457 = ramp::Tmc457::Register;
-  EXPECT_EQ(maximum(Family::tmc457, 4), tmc457[static_cast<std::size_t>(R457::v_max)].maximum);
-  EXPECT_EQ(maximum(Family::tmc457, 16), tmc457[static_cast<std::size_t>(R457::a_max)].maximum);
-  EXPECT_EQ(maximum(Family::tmc457, 18), tmc457[static_cast<std::size_t>(R457::bow_max)].maximum);
+  EXPECT_EQ(maximum(142, 4), tmc457[static_cast<std::size_t>(R457::v_max)].maximum);
+  EXPECT_EQ(maximum(142, 16), tmc457[static_cast<std::size_t>(R457::a_max)].maximum);
+  EXPECT_EQ(maximum(142, 18), tmc457[static_cast<std::size_t>(R457::bow_max)].maximum);
   // In microsteps per second.
-  EXPECT_EQ(maximum(Family::sixpoint, 4), 7'999'511);
-  EXPECT_EQ(maximum(Family::sixpoint, 16), 999'999);
-  EXPECT_EQ(maximum(Family::sixpoint, 19), 249'999);
-  EXPECT_EQ(maximum(Family::sixpoint, 5), 7'629'278);
+  EXPECT_EQ(maximum(6212, 4), 7'999'511);
+  EXPECT_EQ(maximum(6212, 16), 999'999);
+  EXPECT_EQ(maximum(6212, 19), 249'999);
+  EXPECT_EQ(maximum(6212, 5), 7'629'278);
 }
 
 TEST(Families, CountVelocitiesInUnitsOfTheirOwn) {
-  EXPECT_EQ(velocity_unit_parameter(Family::tmc429), 154);
-  EXPECT_NEAR(velocity_unit(Family::tmc429, 2)->value, 61.035, 0.001);
-  EXPECT_EQ(velocity_unit(Family::tmc429, 14), std::nullopt);
-  EXPECT_EQ(velocity_unit_parameter(Family::tmc457), 255);
-  EXPECT_DOUBLE_EQ(velocity_unit(Family::tmc457, 0)->value, ramp::tmc457_to_pps(1, 16e6).value);
-  EXPECT_EQ(velocity_unit_parameter(Family::sixpoint), 255);
-  EXPECT_DOUBLE_EQ(velocity_unit(Family::sixpoint, 0)->value, 16e6 / (1 << 24));
-  for (const auto family : {Family::tmc457, Family::sixpoint}) {
-    EXPECT_EQ(velocity_unit(family, 1)->value, 1);
-    EXPECT_EQ(velocity_unit(family, 2), std::nullopt);
-    EXPECT_EQ(velocity_unit(family, -1), std::nullopt);
+  EXPECT_EQ(velocity_unit_parameter(*find_model(1110)), 154);
+  EXPECT_NEAR(velocity_unit(*find_model(1110), 2)->value, 61.035, 0.001);
+  EXPECT_EQ(velocity_unit(*find_model(1110), 14), std::nullopt);
+  EXPECT_EQ(velocity_unit_parameter(*find_model(142)), 255);
+  EXPECT_DOUBLE_EQ(velocity_unit(*find_model(142), 0)->value, ramp::tmc457_to_pps(1, 16e6).value);
+  EXPECT_EQ(velocity_unit_parameter(*find_model(6212)), 255);
+  EXPECT_DOUBLE_EQ(velocity_unit(*find_model(6212), 0)->value, 16e6 / (1 << 24));
+  for (const auto number : std::to_array<std::uint16_t>({142, 6212})) {
+    const auto& model = *find_model(number);
+    EXPECT_EQ(velocity_unit(model, 1)->value, 1);
+    EXPECT_EQ(velocity_unit(model, 2), std::nullopt);
+    EXPECT_EQ(velocity_unit(model, -1), std::nullopt);
   }
+  EXPECT_EQ(velocity_unit_parameter(*find_model(1111)), std::nullopt);
+  EXPECT_EQ(velocity_unit(*find_model(1111), 77)->value, 1);
 }
 
-TEST(Families, HaveInCommonWhatNoTwoOfThemDisagreeOn) {
+TEST(Families, HaveInCommonWhatNoTwoModelsDisagreeOn) {
   const auto common = tmclctl::common_parameters();
-  for (const auto family : families) {
-    const auto table = axis_parameters(family);
+  for (const auto& model : models()) {
+    const auto table = axis_parameters(model);
     for (const auto& row : common) {
       const auto* same_number = find_parameter(table, row.number);
       EXPECT_TRUE(same_number == nullptr || same_number->name == row.name) << row.name;
@@ -114,7 +131,6 @@ TEST(Families, HaveInCommonWhatNoTwoOfThemDisagreeOn) {
     }
   }
   EXPECT_EQ(find_parameter(common, "max_velocity")->number, 4);
-  EXPECT_EQ(find_parameter(common, "pulse_divisor")->number, 154);
   EXPECT_EQ(find_parameter(common, "bow_max"), nullptr);  // 18 is D1 elsewhere
   EXPECT_EQ(find_parameter(common, "ramp_mode"), nullptr);
   EXPECT_EQ(find_parameter(common, "a_max"), nullptr);

@@ -68,7 +68,7 @@ TEST_P(SimModels, AnswersEveryAxisParameterOfItsTable) {
     if (value < INT32_MIN || value > INT32_MAX) return no_value;
     return status_of(Command::SAP, row.number, motor, static_cast<std::int32_t>(value));
   };
-  for (const auto& row : axis_parameters(model.family)) {
+  for (const auto& row : axis_parameters(model)) {
     SCOPED_TRACE(row.name);
     EXPECT_EQ(status_of(Command::GAP, row.number, motor), ok);
     if (row.access == Access::read) {
@@ -86,7 +86,7 @@ TEST_P(SimModels, AnswersEveryAxisParameterOfItsTable) {
 TEST_P(SimModels, StartsWithWhatItsTableSays) {
   const auto& model = GetParam();
   add(model.number);
-  for (const auto& row : axis_parameters(model.family)) {
+  for (const auto& row : axis_parameters(model)) {
     if (!row.stored) continue;
     // An acceleration is read back as what its register comes to.
     const double slack = row.scale == Scale::acceleration ? row.initial / 100.0 : 0;
@@ -100,7 +100,7 @@ TEST_P(SimModels, KnowsNoParameterThatItsTableDoesNotHave) {
   add(GetParam().number);
   for (int number = 0; number < 256; ++number) {
     const auto parameter = static_cast<std::uint8_t>(number);
-    if (find_parameter(axis_parameters(GetParam().family), parameter) != nullptr) continue;
+    if (find_parameter(axis_parameters(GetParam()), parameter) != nullptr) continue;
     EXPECT_EQ(status_of(Command::GAP, parameter, 0), no_type) << number;
     EXPECT_EQ(status_of(Command::SAP, parameter, 0, 0), no_type) << number;
   }
@@ -533,7 +533,7 @@ class AnyScript {
                                   Command::SAP, Command::SAP, Command::SAP, Command::GAP,
                                   Command::GAP, Command::GAP, arm};
     const auto command = commands[below(commands.size())];
-    const auto table = axis_parameters(model_.family);
+    const auto table = axis_parameters(model_);
     const bool parameter = command == Command::SAP || command == Command::GAP;
     const auto type = parameter ? table[below(table.size())].number : below(2);
     return {ModuleAddress{1}, command, static_cast<std::uint8_t>(type), 0, value()};

@@ -93,7 +93,7 @@ Attempt<std::span<const tmcl::ParameterInfo>> DirectTarget::table_of(tmcl::Modul
   const auto found = attempt(bus_.module(module).identify());
   if (!found) return tl::unexpected(found.error());
   const auto* model = tmcl::find_model(found->version.model);
-  const auto table = model != nullptr ? tmcl::axis_parameters(model->family) : common_parameters();
+  const auto table = model != nullptr ? tmcl::axis_parameters(*model) : common_parameters();
   return tables_[module] = table;
 }
 

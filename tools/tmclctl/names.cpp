@@ -1,7 +1,11 @@
 #include "names.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cctype>
 #include <charconv>
+#include <map>
+#include <set>
 #include <vector>
 
 #include <fmt/format.h>
@@ -21,43 +25,57 @@ std::optional<Integer> parse_whole(std::string_view text) {
 
 constexpr std::uint16_t greatest_address = 2047;
 
-template <class Condition>
-bool in_all_families(Condition holds) {
-  return std::ranges::all_of(
-      tmcl::families, [&](tmcl::Family family) { return holds(tmcl::axis_parameters(family)); });
+using Tables = std::vector<std::span<const tmcl::ParameterInfo>>;
+
+Tables all_tables(std::span<const tmcl::ParameterInfo> (*parameters)(const tmcl::Model&)) {
+  Tables tables;
+  for (const auto& model : tmcl::models()) tables.push_back(parameters(model));
+  return tables;
 }
 
-bool is_nothing_else(std::string_view name, std::uint8_t number) {
-  return in_all_families([&](auto table) {
-    const auto* row = find_parameter(table, name);
-    return row == nullptr || row->number == number;
-  });
-}
-
-bool has_no_other_name(const tmcl::ParameterInfo& info) {
-  return in_all_families([&](auto table) {
-    const auto* row = find_parameter(table, info.number);
-    return row == nullptr || row->name == info.name;
-  });
-}
-
-void add_common(std::vector<tmcl::ParameterInfo>& common, tmcl::ParameterInfo row) {
-  if (std::ranges::count(common, row.number, &tmcl::ParameterInfo::number) != 0) return;
-  if (!has_no_other_name(row) || !is_nothing_else(row.name, row.number)) return;
-  for (auto& alias : row.aliases) {
-    if (!is_nothing_else(alias, row.number)) alias = {};
+/// As the tables compare names.
+std::string plain(std::string_view name) {
+  std::string plain;
+  for (const auto c : name) {
+    if (c != '_' && c != '-' && c != ' ') plain += static_cast<char>(std::tolower(c));
   }
-  common.push_back(row);
+  return plain;
 }
 
-std::vector<tmcl::ParameterInfo> make_common() {
-  std::vector<tmcl::ParameterInfo> common;
-  for (const auto family : tmcl::families) {
-    for (const auto& row : tmcl::axis_parameters(family)) add_common(common, row);
+/// Which parameters mean the same wherever they exist, and which names do.
+class Common {
+ public:
+  explicit Common(const Tables& tables) {
+    for (const auto table : tables) {
+      for (const auto& row : table) note(row);
+    }
+    for (const auto table : tables) {
+      for (const auto& row : table) add(row);
+    }
+    std::ranges::sort(rows_, {}, &tmcl::ParameterInfo::number);
   }
-  std::ranges::sort(common, {}, &tmcl::ParameterInfo::number);
-  return common;
-}
+  std::span<const tmcl::ParameterInfo> rows() const { return rows_; }
+
+ private:
+  void note(const tmcl::ParameterInfo& row) {
+    names_[row.number].insert(row.name);
+    numbers_[plain(row.name)].insert(row.number);
+    for (const auto alias : row.aliases) numbers_[plain(alias)].insert(row.number);
+  }
+  bool is_one_thing(std::string_view name) const { return numbers_.at(plain(name)).size() == 1; }
+  void add(tmcl::ParameterInfo row) {
+    if (std::ranges::count(rows_, row.number, &tmcl::ParameterInfo::number) != 0) return;
+    if (names_[row.number].size() != 1 || !is_one_thing(row.name)) return;
+    for (auto& alias : row.aliases) {
+      if (!is_one_thing(alias)) alias = {};
+    }
+    rows_.push_back(row);
+  }
+
+  std::array<std::set<std::string_view>, 256> names_;
+  std::map<std::string, std::set<std::uint8_t>> numbers_;
+  std::vector<tmcl::ParameterInfo> rows_;
+};
 
 }  // namespace
 
@@ -105,8 +123,13 @@ Attempt<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> tabl
 }
 
 std::span<const tmcl::ParameterInfo> common_parameters() {
-  static const auto common = make_common();
-  return common;
+  static const Common common(all_tables(tmcl::axis_parameters));
+  return common.rows();
+}
+
+std::span<const tmcl::ParameterInfo> common_global_parameters() {
+  static const Common common(all_tables(tmcl::global_parameters));
+  return common.rows();
 }
 
 }  // namespace tmclctl

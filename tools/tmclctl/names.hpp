@@ -25,5 +25,7 @@ Attempt<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> tabl
 /// The axis parameters of modules whose model is not known: those that mean the same wherever they
 /// exist, with the names that do.
 std::span<const tmcl::ParameterInfo> common_parameters();
+/// The global parameters of bank 0, likewise.
+std::span<const tmcl::ParameterInfo> common_global_parameters();
 
 }  // namespace tmclctl

@@ -144,8 +144,8 @@ Information Parser::complete() const {
     }
   }
   if (complete_.what == "parameters") {
-    for (const auto family : tmcl::families) {
-      for (const auto& row : tmcl::axis_parameters(family)) {
+    for (const auto& model : tmcl::models()) {
+      for (const auto& row : tmcl::axis_parameters(model)) {
         if (std::ranges::count(words, row.name) == 0) words.emplace_back(row.name);
       }
     }

@@ -14,8 +14,10 @@ enum class Family : std::uint8_t {
   tmc429,    ///< Trapezoids; velocities -2047..2047 that dividers scale.
   tmc457,    ///< S-shaped ramps; 32-bit registers, or microsteps per second.
   sixpoint,  ///< The TMC5130 and its relatives; microsteps per second, or the chip's units.
+  tmc4361,   ///< S-shaped ramps and closed loop; always microsteps per second.
 };
-inline constexpr std::array families{Family::tmc429, Family::tmc457, Family::sixpoint};
+inline constexpr std::array families{Family::tmc429, Family::tmc457, Family::sixpoint,
+                                     Family::tmc4361};
 
 struct Model {
   std::uint16_t number;   ///< What the firmware reports, such as 1110.

@@ -33,6 +33,7 @@ struct ParameterInfo {
   std::int32_t initial;  ///< Factory default; 0 where it is a reading.
   std::string_view unit;
   std::string_view meaning;
+  std::string_view chip_register = {};  ///< Where its value ends up; empty if in no one register.
   Scale scale = Scale::fixed;
 };
 
@@ -62,15 +63,18 @@ constexpr std::uint8_t can_secondary_address = 83;
 constexpr std::uint8_t serial_secondary_address = 87;
 }  // namespace global_parameter
 
-/// The axis parameters of a family, ascending by number.
-std::span<const ParameterInfo> axis_parameters(Family family);
-/// The parameter that says what the module counts velocities in.
-std::uint8_t velocity_unit_parameter(Family family);
-/// What one unit of the parameters 2, 3 and 4 is when that parameter has this value; nothing for a
-/// value that it cannot have.
-std::optional<PulsesPerSecond> velocity_unit(Family family, std::int32_t value);
-/// The global parameters of bank 0, ascending by number.
-std::span<const ParameterInfo> global_parameters();
+/// The axis parameters of a model, ascending by number. Empty for a model that is not one of
+/// models().
+std::span<const ParameterInfo> axis_parameters(const Model& model);
+/// The global parameters of bank 0, likewise.
+std::span<const ParameterInfo> global_parameters(const Model& model);
+
+/// The parameter that says what the module counts velocities in. Nothing where that is always
+/// microsteps per second.
+std::optional<std::uint8_t> velocity_unit_parameter(const Model& model);
+/// What one unit of the parameters 2, 3 and 4 is when that parameter has this value, which does not
+/// matter if there is none. Nothing for a value that it cannot have.
+std::optional<PulsesPerSecond> velocity_unit(const Model& model, std::int32_t value);
 
 /// Null if the table has no such number or name. Names compare without regard to case, '_' and '-',
 /// so that "MaxVelocity", "max_velocity" and "max-velocity" are one.

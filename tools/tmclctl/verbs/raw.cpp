@@ -64,7 +64,7 @@ Attempt<std::uint8_t> parse_type(tmcl::Command command, const std::string& text)
   if (takes_axis_parameter(command))
     return parse_parameter(common_parameters(), text).map(number_of);
   if (takes_global_parameter(command))
-    return parse_parameter(tmcl::global_parameters(), text).map(number_of);
+    return parse_parameter(common_global_parameters(), text).map(number_of);
   std::vector<std::string_view> names;
   for (const auto& row : tmcl::subtype_table()) {
     if (row.command == command && !row.name.empty()) names.push_back(row.name);

@@ -1,0 +1,66 @@
+/// How the tables of parameters are written: one row a parameter, or several where models of one
+/// family differ.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <span>
+
+#include "core/model_set.hpp"
+#include "core/text.hpp"
+#include "tmcl/parameter.hpp"
+
+namespace tmcl {
+
+struct ParameterRow {
+  ParameterInfo info;
+  ModelSet models = every_model;  ///< Of those whose table this is.
+};
+
+namespace row {
+inline constexpr auto r = Access::read;
+inline constexpr auto rw = Access::read_write;
+inline constexpr std::int32_t x_least = std::numeric_limits<std::int32_t>::min();
+inline constexpr std::int32_t x_greatest = std::numeric_limits<std::int32_t>::max();
+}  // namespace row
+
+constexpr bool goes_by(const ParameterInfo& info, std::string_view name) {
+  if (text::equal_as_name(info.name, name)) return true;
+  return std::ranges::any_of(info.aliases, [&](std::string_view alias) {
+    return !alias.empty() && text::equal_as_name(alias, name);
+  });
+}
+
+constexpr bool share_a_name(const ParameterInfo& a, const ParameterInfo& b) {
+  if (goes_by(b, a.name)) return true;
+  return std::ranges::any_of(
+      a.aliases, [&](std::string_view alias) { return !alias.empty() && goes_by(b, alias); });
+}
+
+constexpr bool has_sane_range(const ParameterRow& row) {
+  return row.info.minimum <= row.info.initial && row.info.initial <= row.info.maximum;
+}
+
+/// Sorted by number, and on no model a number or a name twice.
+constexpr bool is_sound(std::span<const ParameterRow> rows, ModelSet models) {
+  if (!std::ranges::all_of(rows, has_sane_range)) return false;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    for (std::size_t k = 0; k < i; ++k) {
+      if (rows[k].info.number > rows[i].info.number) return false;
+      if ((rows[k].models & rows[i].models & models) == 0) continue;
+      if (rows[k].info.number == rows[i].info.number) return false;
+      if (share_a_name(rows[k].info, rows[i].info)) return false;
+    }
+  }
+  return true;
+}
+
+std::span<const ParameterRow> tmc429_axis_rows();
+std::span<const ParameterRow> tmc457_axis_rows();
+std::span<const ParameterRow> sixpoint_axis_rows();
+std::span<const ParameterRow> tmc4361_axis_rows();
+std::span<const ParameterRow> global_rows();
+
+}  // namespace tmcl
