@@ -14,7 +14,8 @@ namespace tmcl {
 
 enum class Access : std::uint8_t { read, read_write };
 
-/// Whether axis parameter 255, the unit mode, says what a value is counted in.
+/// Whether axis parameter 255, the unit mode, says what a value is counted in. Modules of these
+/// families that have no such parameter count in microsteps and seconds.
 enum class Scale : std::uint8_t {
   fixed,         ///< It does not.
   velocity,      ///< The chip's units, or microsteps per second.
