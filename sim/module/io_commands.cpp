@@ -13,7 +13,9 @@ Answer Module::get_input(const Request& request) const {
 
 bool Module::set_input(std::uint8_t port, bool high) {
   run_due();
-  return io_.set_input(port, high);
+  const bool exists = io_.set_input(port, high);
+  application_.run_due(now_);
+  return exists;
 }
 
 bool Module::set_analog(std::uint8_t port, std::int32_t value) {

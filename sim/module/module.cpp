@@ -22,6 +22,13 @@ Eeprom delivered(ModuleAddress address) {
   return eeprom;
 }
 
+/// Of what a module does not execute for a host.
+Status refusal_of(Command command) {
+  const auto* row = find_command(static_cast<std::uint8_t>(command));
+  const bool only_in_programs = row != nullptr && row->operands && !is_direct(command);
+  return only_in_programs ? Status::command_not_available : Status::invalid_command;
+}
+
 }  // namespace
 
 Module::Module(const Model& model, ModuleAddress address, const Clock& clock)
@@ -49,6 +56,7 @@ void Module::power_up() {
   if (keeps_coordinates()) coordinates_.load_all(0);
   build_axes();
   events_ = TargetEvents(model_->axes);
+  start_application();
   serial_.heard(now_);
   can_.heard(now_);
 }
@@ -63,8 +71,8 @@ void Module::build_axes() {
 
 void Module::restart() {
   restarts_ = false;
-  power_up();
   deaf_until_ = now_ + boot_time;
+  power_up();
 }
 
 FirmwareVersion Module::version() const { return {model_->number, 1, 1}; }
@@ -77,10 +85,14 @@ Answer Module::execute(const Request& request, Medium medium, EventSink& from) {
   const bool reads = effect_of(request.command, request.type) == Effect::reads;
   if (globals_.value(suppress_reply) != 0 && !reads) answer = no_answer;
   if (restarts_) restart();
+  application_.run_due(now_);
   return answer;
 }
 
 Answer Module::execute_direct(const Request& request, EventSink& from) {
+  if (application_.in_download() && request.command < Command::STOP_APPLICATION)
+    return application_.record(request);
+  if (Application::is_control(request.command)) return control_application(request);
   switch (request.command) {
     case Command::GET_FIRMWARE_VERSION: return tell_version(request);
     case Command::TARGET_REACHED_EVENT: return arm_event(request, from);
@@ -109,7 +121,7 @@ Answer Module::perform(const Request& request) {
     case Command::SCO: return set_coordinate(request);
     case Command::GCO: return get_coordinate(request);
     case Command::CCO: return capture_coordinate(request);
-    default: return echo(request, Status::invalid_command);
+    default: return echo(request, refusal_of(request.command));
   }
 }
 
@@ -128,7 +140,7 @@ void Module::stop_if_silent() {
 }
 
 TimePoint Module::next_due() const {
-  auto due = std::min({serial_due(), can_due(), events_.next_due(axes_)});
+  auto due = std::min({serial_due(), can_due(), events_.next_due(axes_), application_.next_due()});
   for (const auto& axis : axes_) due = std::min(due, axis.next_due());
   return due;
 }
@@ -152,6 +164,7 @@ void Module::run_what_is_due_now() {
   stop_if_silent();
   for (auto& axis : axes_) axis.run_due();
   events_.run_due(now_, axes_, *this);
+  application_.run_due(now_);
 }
 
 }  // namespace tmcl::sim

@@ -15,6 +15,7 @@
 #include "sim/module/heartbeat.hpp"
 #include "sim/module/io.hpp"
 #include "sim/module/target_events.hpp"
+#include "sim/program/application.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/datagram.hpp"
 #include "tmcl/model.hpp"
@@ -35,7 +36,7 @@ enum class Medium : std::uint8_t { serial, can };
 /// After a restart (commands 255 and 137) it is deaf for `boot_time`. Its motors stand at 0 then,
 /// and it knows what is in its EEPROM; what is outside the module, the inputs and whatever the
 /// motors drive, is as before.
-class Module {
+class Module final : private ProgramHost {
  public:
   /// Real modules take about a second. This is long enough to be noticed, and short enough for
   /// programs that wait too little.
@@ -73,7 +74,7 @@ class Module {
   /// Commands that only a host gives.
   Answer execute_direct(const Request& request, EventSink& from);
   /// Commands that a stand-alone program gives as well.
-  Answer perform(const Request& request);
+  Answer perform(const Request& request) override;
 
   // motion_commands.cpp
   Answer rotate(const Request& request, std::int32_t sign);
@@ -103,6 +104,31 @@ class Module {
   Answer keep_coordinates(const Request& request);
   bool keeps_coordinates() const;
   Status put_coordinate(std::uint8_t motor, std::uint8_t number, std::int32_t position);
+
+  // program_commands.cpp
+  void start_application();
+  Answer control_application(const Request& request);
+  void keep_program();
+  void protect_program(std::int32_t before, std::int32_t after);
+  /// What a global parameter of bank 0 tells about the program; nothing if it is about other
+  /// things.
+  std::optional<std::int32_t> application_parameter(std::uint8_t number) const;
+  std::int32_t user_variable(std::uint8_t number) const override {
+    return globals_.user_variable(number);
+  }
+  void set_user_variable(std::uint8_t number, std::int32_t value) override {
+    globals_.set_user_variable(number, value);
+  }
+  std::int32_t interrupt_setting(std::uint8_t number) const override {
+    return globals_.interrupt_setting(number);
+  }
+  std::int32_t code_protection() const override;
+  std::size_t motors() const override { return axes_.size(); }
+  MotorConditions motor(std::size_t number) const override;
+  std::size_t inputs() const override { return io_.inputs(); }
+  bool input(std::size_t number) const override { return io_.input(number); }
+  Alarms alarms() const override { return {}; }  // no model here has an input for them
+  TimePoint next_event() const override;
 
   // system_commands.cpp
   Answer tell_version(const Request& request) const;
@@ -137,6 +163,7 @@ class Module {
   Coordinates coordinates_;
   std::vector<Axis> axes_;
   TargetEvents events_;
+  Application application_{*this};
   Heartbeat serial_;
   Heartbeat can_;
   bool restarts_ = false;  ///< As soon as the present command is answered.

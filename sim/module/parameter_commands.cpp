@@ -59,7 +59,9 @@ void Module::restore_axis(std::size_t motor) {
 }
 
 Answer Module::set_global_parameter(const Request& request) {
+  const auto protection = code_protection();
   const auto status = globals_.set(request.motor, request.type, request.value, now_);
+  protect_program(protection, code_protection());
   if (status == Status::ok && request.motor == Globals::parameter_bank) {
     // The time of both heartbeats begins when they are set, whichever wire that came by.
     if (request.type == gp::serial_heartbeat) serial_.heard(now_);
@@ -69,6 +71,9 @@ Answer Module::set_global_parameter(const Request& request) {
 }
 
 Answer Module::get_global_parameter(const Request& request) {
+  if (request.motor == Globals::parameter_bank) {
+    if (const auto value = application_parameter(request.type)) return reading(*value);
+  }
   const auto result = globals_.get(request.motor, request.type, now_);
   if (!result && result.error() == Status::invalid_value) return echo(request, result.error());
   return reading(result);

@@ -103,8 +103,10 @@ void Application::power_on(bool start, TimePoint now) {
   if (start) processor_.run(now);
 }
 
-void Application::change_protection(std::int32_t from, std::int32_t to) {
-  if ((from & no_reading) != 0 && (to & no_reading) == 0) load({});
+bool Application::change_protection(std::int32_t from, std::int32_t to) {
+  const bool erases = (from & no_reading) != 0 && (to & no_reading) == 0;
+  if (erases) load({});
+  return erases;
 }
 
 void Application::load(std::span<const program::Instruction> lines) {

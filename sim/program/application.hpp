@@ -54,8 +54,8 @@ class Application {
   /// are cleared, and the program starts if global parameter 77 says so.
   void power_on(bool start, TimePoint now);
   /// What global parameter 81 does when it is written: who allows reading again gets an empty
-  /// memory.
-  void change_protection(std::int32_t from, std::int32_t to);
+  /// memory. Whether the memory was emptied.
+  bool change_protection(std::int32_t from, std::int32_t to);
 
   /// Always most_commands commands.
   std::span<const program::Instruction> memory() const { return memory_.lines(); }

@@ -1,0 +1,87 @@
+// The control functions of stand-alone programs, and what a program sees of the module.
+#include <algorithm>
+
+#include "sim/module/module.hpp"
+#include "tmcl/program.hpp"
+
+namespace tmcl::sim {
+namespace {
+
+namespace ap = axis_parameter;
+
+constexpr std::uint8_t auto_start = 77;
+constexpr std::uint8_t protection = 81;
+constexpr std::uint8_t application_status = 128;
+constexpr std::uint8_t download_mode = 129;
+constexpr std::uint8_t program_counter = 130;
+constexpr std::uint8_t last_error = 131;
+
+constexpr std::uint8_t home_switch_state = 9;
+constexpr std::uint8_t right_switch_state = 10;
+constexpr std::uint8_t left_switch_state = 11;
+
+/// A program without the empty memory behind it.
+std::span<const program::Instruction> used(std::span<const program::Instruction> memory) {
+  while (!memory.empty() && memory.back() == program::Instruction{})
+    memory = memory.first(memory.size() - 1);
+  return memory;
+}
+
+}  // namespace
+
+void Module::start_application() {
+  application_.load(program::from_bytes(eeprom_.program()).value_or(program::Program{}));
+  application_.power_on(globals_.value(auto_start) != 0, deaf_until_);
+}
+
+Answer Module::control_application(const Request& request) {
+  const bool changes_memory =
+      request.command == Command::END_DOWNLOAD && application_.in_download();
+  const auto answer = application_.execute(request, now_);
+  if (changes_memory && answer.status == Status::ok) keep_program();
+  return answer;
+}
+
+void Module::keep_program() {
+  eeprom_.write_program(program::to_bytes(used(application_.memory())));
+}
+
+void Module::protect_program(std::int32_t before, std::int32_t after) {
+  if (application_.change_protection(before, after)) keep_program();
+}
+
+std::optional<std::int32_t> Module::application_parameter(std::uint8_t number) const {
+  switch (number) {
+    case application_status: return application_.status();
+    case download_mode: return application_.download_mode();
+    case program_counter: return application_.program_counter();
+    case last_error: return application_.last_error();
+    default: return std::nullopt;
+  }
+}
+
+std::int32_t Module::code_protection() const { return globals_.value(protection); }
+
+MotorConditions Module::motor(std::size_t number) const {
+  const auto is_on = [&axis = axes_.at(number)](std::uint8_t parameter) {
+    return axis.get(parameter).value_or(0) != 0;
+  };
+  MotorConditions conditions;
+  conditions.at_target = is_on(ap::position_reached);
+  conditions.home_switch = is_on(home_switch_state);
+  conditions.left_switch = is_on(left_switch_state);
+  conditions.right_switch = is_on(right_switch_state);
+  return conditions;
+}
+
+TimePoint Module::next_event() const {
+  auto next = never;
+  for (const auto& axis : axes_) {
+    for (const auto time : {axis.outlook().arrival, axis.next_due()}) {
+      if (time > now_) next = std::min(next, time);
+    }
+  }
+  return next;
+}
+
+}  // namespace tmcl::sim
