@@ -10,6 +10,7 @@ namespace gp = global_parameter;
 
 constexpr std::uint8_t suppress_reply = 255;
 constexpr std::int32_t eeprom_is_valid = 228;
+constexpr std::int32_t no_board_error = 0;
 
 EepromCell global_cell(std::uint8_t number) {
   return {EepromCell::Area::global_parameter, Globals::parameter_bank, number};
@@ -97,7 +98,21 @@ Answer Module::execute_direct(const Request& request, EventSink& from) {
     case Command::GET_FIRMWARE_VERSION: return tell_version(request);
     case Command::TARGET_REACHED_EVENT: return arm_event(request, from);
     case Command::FACTORY_RESET: return reset_to_factory_settings(request);
+    case Command::SECURITY_CODE: return echo(request);  // nothing here is hidden without it
+    case Command::MEASURED_SPEED: return tell_measured_speed(request);
+    case Command::BOARD_ERROR: return reading(no_board_error);
+    case Command::BOARD_RESET: return reset_board(request);
+    case Command::GET_INFO: return tell_info(request);
+    case Command::GET_AP_MIN:
+    case Command::GET_AP_MAX: return tell_limit(request);
     case Command::SOFTWARE_RESET: return restart_after_reply(request);
+    // Known, but only to firmware for special boards or customers.
+    case Command::RAM_DEBUG:
+    case Command::GET_IDS:
+    case Command::WRITE_USER_CHANNEL:
+    case Command::READ_USER_CHANNEL:
+    case Command::WRITE_DRV:
+    case Command::READ_DRV: return echo(request, Status::command_not_available);
     default: return perform(request);
   }
 }

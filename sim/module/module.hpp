@@ -135,6 +135,10 @@ class Module final : private ProgramHost {
   Answer arm_event(const Request& request, EventSink& from);
   Answer restart_after_reply(const Request& request);
   Answer reset_to_factory_settings(const Request& request);
+  Answer tell_info(const Request& request) const;
+  Answer tell_limit(const Request& request) const;
+  Answer tell_measured_speed(const Request& request) const;
+  Answer reset_board(const Request& request);
 
   /// What happens when the power comes on.
   void power_up();

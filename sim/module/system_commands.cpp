@@ -9,6 +9,25 @@ constexpr std::uint8_t event_always = 1;
 /// The value that makes sure that a reset is meant.
 constexpr std::int32_t reset_code = 1234;
 
+namespace info {
+constexpr std::uint8_t module_number = 0;
+constexpr std::uint8_t version = 1;
+constexpr std::uint8_t abilities = 2;
+constexpr std::uint8_t release = 3;
+constexpr std::uint8_t bootloader_module = 10;
+constexpr std::uint8_t bootloader_version = 11;
+constexpr std::uint8_t axis_parameter_bits = 20;
+constexpr std::uint8_t register_address_bits = 21;
+constexpr std::uint8_t source_revision = 30;
+}  // namespace info
+
+constexpr std::int32_t has_bootloader = 1;
+constexpr std::int32_t has_programs = 2;
+constexpr std::int32_t public_release = 0;
+constexpr std::int32_t unknown_revision = 0;
+
+constexpr std::int32_t two_halves(std::int32_t high, std::int32_t low) { return high << 16 | low; }
+
 }  // namespace
 
 Answer Module::tell_version(const Request& request) const {
@@ -45,6 +64,44 @@ Answer Module::reset_to_factory_settings(const Request& request) {
   eeprom_.erase();
   restarts_ = true;
   return no_answer;
+}
+
+// Which types there are, and how their values are put together, is what PyTrinamic expects.
+Answer Module::tell_info(const Request& request) const {
+  const auto firmware = version();
+  const auto is = [](std::int32_t value) { return Answer{Answer::Form::reply, Status::ok, value}; };
+  switch (request.type) {
+    case info::module_number:
+    case info::bootloader_module: return is(firmware.model);
+    case info::version: return is(two_halves(firmware.major, firmware.minor));
+    case info::abilities: return is(has_bootloader | has_programs);
+    case info::release: return is(public_release);
+    case info::bootloader_version: return is(two_halves(1, 0));
+    case info::axis_parameter_bits:
+    case info::register_address_bits: return is(8);
+    case info::source_revision: return is(unknown_revision);
+    default: return reading(tl::unexpected(Status::wrong_type));
+  }
+}
+
+Answer Module::tell_limit(const Request& request) const {
+  const auto* row = find_parameter(axis_parameters(*model_), request.type);
+  if (row == nullptr) return reading(tl::unexpected(Status::wrong_type));
+  if (!has_motor(request)) return echo(request, Status::invalid_value);
+  return reading(request.command == Command::GET_AP_MIN ? row->minimum : row->maximum);
+}
+
+Answer Module::tell_measured_speed(const Request& request) const {
+  if (!has_motor(request)) return echo(request, Status::invalid_value);
+  return reading(axes_[request.motor].get(axis_parameter::actual_velocity));
+}
+
+// The evaluation boards' firmware, the only source of this command, resets the chips: motors stop
+// dead and have the parameters they start with.
+Answer Module::reset_board(const Request& request) {
+  for (std::size_t motor = 0; motor < axes_.size(); ++motor) events_.move_abandoned(motor);
+  build_axes();
+  return echo(request);
 }
 
 }  // namespace tmcl::sim
