@@ -136,6 +136,15 @@ Answer Module::perform(const Request& request) {
     case Command::SCO: return set_coordinate(request);
     case Command::GCO: return get_coordinate(request);
     case Command::CCO: return capture_coordinate(request);
+    case Command::SAC:
+    case Command::UF0:
+    case Command::UF1:
+    case Command::UF2:
+    case Command::UF3:
+    case Command::UF4:
+    case Command::UF5:
+    case Command::UF6:
+    case Command::UF7: return echo(request, Status::command_not_available);
     default: return echo(request, refusal_of(request.command));
   }
 }
