@@ -280,7 +280,7 @@ TEST_F(ProgramTest, WhoWaitsNeedsNoAttention) {
 TEST_F(ProgramTest, FlagsStayUntilTheyAreCleared) {
   const std::vector<std::pair<std::string, std::function<void(bool)>>> flags{
       {"EAL", [&](bool on) { host.present_alarms.external = on; }},
-      {"EDV", [&](bool on) { host.motor_conditions[1].deviated = on; }},
+      {"EDV", [&](bool on) { host.present_alarms.deviation = on; }},
       {"EPO", [&](bool on) { host.present_alarms.position = on; }},
       {"ESD", [&](bool on) { host.present_alarms.shutdown = on; }}};
   for (const auto& [name, set] : flags) {
