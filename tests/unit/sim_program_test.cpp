@@ -351,6 +351,10 @@ TEST_F(ProgramErrorTest, ReturnsFromNowhere) {
   expect_error(Status::command_not_available, 0, "RETI");
 }
 
+TEST_F(ProgramErrorTest, ACallThatIsNotMadeLeavesNothingToReturnTo) {
+  expect_error(Status::command_not_available, 2, "CALC LOAD, 1\n CALL ZE, 0\n RSUB");
+}
+
 TEST_F(ProgramErrorTest, WhatTheModuleRefuses) {
   host.answers[Command::SAP] = {Answer::Form::reply, Status::invalid_value, 0};
   expect_error(Status::invalid_value, 1, "MST 0\n SAP 4, 0, 9999\n MST 0");
