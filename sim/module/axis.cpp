@@ -1,5 +1,9 @@
 #include "sim/module/axis.hpp"
 
+#include <algorithm>
+
+#include "sim/module/axis_parameter_numbers.hpp"
+
 namespace tmcl::sim {
 namespace {
 
@@ -11,20 +15,65 @@ bool in_range(const ParameterInfo& row, std::int32_t value) {
 
 }  // namespace
 
-Axis::Axis(const Model& model, TimePoint power_on)
-    : table_(axis_parameters(model)), motor_(make_motor(model.family, power_on)), now_(power_on) {
+Axis::Axis(const Model& model, Stage& stage, TimePoint power_on)
+    : family_(model.family),
+      table_(axis_parameters(model)),
+      motor_(make_motor(model.family, power_on)),
+      coupling_(*motor_, stage),
+      power_on_(power_on),
+      now_(power_on),
+      rest_(power_on) {
   // The chip itself starts with zeros; the firmware writes what it has stored.
   for (const auto& row : table_) {
     values_[row.number] = row.initial;
     if (row.stored) motor_->write(row, row.initial);
+    take_note(row.number, row.initial);
   }
-  look_ahead();
+  encoder_.set_position(0, stage);
+  external_encoder_.set_position(0, stage);
+  scale_encoders();
+  settle();
 }
+
+// ---- Parameters
 
 tl::expected<std::int32_t, Status> Axis::get(std::uint8_t number) const {
   const auto* row = find_parameter(table_, number);
   if (row == nullptr) return tl::unexpected(Status::wrong_type);
+  if (const auto own = reading(number)) return *own;
   return motor_->read(*row).value_or(values_[number]);
+}
+
+std::optional<std::int32_t> Axis::reading(std::uint8_t number) const {
+  const auto position_of = [this](const EncoderWatch& encoder) {
+    return static_cast<std::int32_t>(encoder.position(coupling_.stage()));
+  };
+  switch (number) {
+    case number::home_switch: return switches_.home ? 1 : 0;
+    case number::right_switch: return switches_.right ? 1 : 0;
+    case number::left_switch: return switches_.left ? 1 : 0;
+    case number::measured_speed:
+      if (family_ != Family::sixpoint) return std::nullopt;
+      return coupling_.is_held() ? 0 : get(ap::actual_velocity).value_or(0);
+    case number::tmc457_encoder_position:
+      if (family_ != Family::tmc457) return std::nullopt;
+      return position_of(encoder_);
+    case number::current_scale: return current_scale();
+    case number::latched_encoder: return latched_encoder_;
+    case number::load_value: return load_value();
+    case number::error_flags: return errors_;
+    case number::driver_flags: return driver_flags();
+    case number::encoder_position: return position_of(encoder_);
+    case number::absolute_angle: return coupling_.stage().encoder_angle();
+    case number::external_encoder_position: return position_of(external_encoder_);
+    default: return std::nullopt;
+  }
+}
+
+tl::expected<std::int32_t, Status> Axis::read(std::uint8_t number) {
+  const auto result = get(number);
+  if (result && number == number::error_flags) errors_ = 0;
+  return result;
 }
 
 Status Axis::set(std::uint8_t number, std::int32_t value) {
@@ -34,19 +83,48 @@ Status Axis::set(std::uint8_t number, std::int32_t value) {
   const auto status = motor_->write(*row, value);
   if (status != Status::ok) return status;
   values_[number] = value;
-  look_ahead();
+  take_note(number, value);
+  settle();
   return status;
 }
 
+void Axis::take_note(std::uint8_t number, std::int32_t value) {
+  switch (number) {
+    case number::microstep_resolution: coupling_.set_resolution(value); break;
+    case number::reverse_shaft: coupling_.reverse(value == 1); break;
+    case number::tmc457_encoder_position:
+      if (family_ == Family::tmc457) encoder_.set_position(value, coupling_.stage());
+      break;
+    case number::encoder_position: encoder_.set_position(value, coupling_.stage()); break;
+    case number::external_encoder_position:
+      external_encoder_.set_position(value, coupling_.stage());
+      break;
+    case number::max_deviation: encoder_.set_most_deviation(value); break;
+    case number::external_max_deviation: external_encoder_.set_most_deviation(value); break;
+    default: break;
+  }
+  scale_encoders();
+}
+
+// ---- Motion
+
 Status Axis::rotate(std::int64_t velocity) {
   const auto status = motor_->rotate(velocity);
-  look_ahead();
+  if (status == Status::ok) homing_.abort();
+  settle();
   return status;
 }
 
 void Axis::stop() {
+  homing_.abort();
   motor_->stop();
-  look_ahead();
+  settle();
+}
+
+void Axis::halt() {
+  homing_.abort();
+  motor_->halt();
+  settle();
 }
 
 Status Axis::move_to(std::int32_t position) {
@@ -66,17 +144,89 @@ bool Axis::is_position(std::int32_t value) const {
 }
 
 void Axis::move(std::int64_t position) {
+  homing_.abort();
   motor_->move_to(position);
-  look_ahead();
+  settle();
 }
+
+void Axis::reverse_limit_polarity(bool reversed) {
+  limits_reversed_ = reversed;
+  settle();
+}
+
+void Axis::reverse_shaft(bool reversed) {
+  coupling_.reverse(reversed);
+  settle();
+}
+
+// ---- Time
 
 void Axis::advance_to(TimePoint time) {
   now_ = time;
   motor_->advance_to(now_);
+  coupling_.follow();
 }
 
 void Axis::run_due() {
-  if (now_ >= outlook_.look_again) look_ahead();
+  if (now_ >= due_) settle();
+}
+
+void Axis::stage_changed() {
+  scale_encoders();
+  settle();
+}
+
+void Axis::settle() {
+  coupling_.rebase();
+  look_ahead();
+  sense();
+  run_search();
+  watch_encoders();
+  watch_stall();
+  due_ = next_look();
+}
+
+// A motor that stood and goes on standing has done so for as long as it has.
+void Axis::look_ahead() {
+  outlook_ = motor_->outlook();
+  if (outlook_.rest > now_ || rest_ > now_) rest_ = outlook_.rest;
+}
+
+TimePoint Axis::next_look() const {
+  auto due = std::min(outlook_.look_again, next_stall_check());
+  if (homing_.returns()) due = std::min(due, outlook_.arrival);
+  if (!is_moving()) return due;
+  auto reach = coupling_.reach();
+  for (const auto* encoder : {&encoder_, &external_encoder_}) {
+    if (encoder->is_on()) encoder->limit(reach, deviation(*encoder), coupling_);
+  }
+  const bool watched =
+      !coupling_.stage().is_bare() || encoder_.is_on() || external_encoder_.is_on();
+  if (watched) due = std::min(due, motor_->passing(reach.back, reach.ahead));
+  if (coupling_.is_held()) due = std::min(due, motor_->turning());
+  return due;
+}
+
+// ---- Switches
+
+Switches Axis::sensed() const {
+  const auto inputs = coupling_.stage().inputs();
+  const auto wiring = motor_->wiring();
+  Switches now{inputs.left != (limits_reversed_ != wiring.left_inverted),
+               inputs.right != (limits_reversed_ != wiring.right_inverted), inputs.home};
+  if (wiring.swapped) std::swap(now.left, now.right);
+  return now;
+}
+
+void Axis::sense() {
+  const auto before = std::exchange(switches_, sensed());
+  const bool closes = (switches_.left && !before.left) || (switches_.right && !before.right);
+  if (closes) latched_encoder_ = static_cast<std::int32_t>(encoder_.position(coupling_.stage()));
+  const auto bars = homing_.ignores_ends() ? Switches{} : Switches{switches_.left, switches_.right};
+  if (bars == barring_) return;
+  barring_ = bars;
+  motor_->set_switches(bars.left, bars.right);
+  look_ahead();
 }
 
 }  // namespace tmcl::sim

@@ -1,31 +1,47 @@
-/// One motor of a module and its axis parameters.
+/// One motor of a module, its axis parameters, and how it deals with what it drives.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
+#include <utility>
 
 #include <tl/expected.hpp>
 
+#include "sim/module/coupling.hpp"
+#include "sim/module/encoder_watch.hpp"
+#include "sim/module/homing.hpp"
 #include "sim/module/motor.hpp"
+#include "sim/stage/stage.hpp"
+#include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/status.hpp"
 
 namespace tmcl::sim {
 
+/// Everything happens at its own tick: the axis says when something will, and has to be brought
+/// there and asked to run it. With nothing on its stage, that costs nothing.
 class Axis {
  public:
-  Axis(const Model& model, TimePoint power_on);
+  /// The stage outlives the axis: a module that restarts finds it where it was.
+  Axis(const Model& model, Stage& stage, TimePoint power_on);
 
-  /// What GAP answers: wrong_type for a number that is not in the model's table.
+  /// What GAP answers: wrong_type for a number that is not in the model's table. A reading that is
+  /// cleared by being read stays: see read().
   tl::expected<std::int32_t, Status> get(std::uint8_t number) const;
+  /// GAP itself: error flags (207) are 0 from then on.
+  tl::expected<std::int32_t, Status> read(std::uint8_t number);
   /// What SAP answers: wrong_type for a number that cannot be written, invalid_value out of range.
   Status set(std::uint8_t number, std::int32_t value);
 
-  /// What ROR answers, or ROL with the other sign: invalid_value for more than the chip can do.
+  /// What ROR answers, or ROL with the other sign: invalid_value for more than the chip can do. As
+  /// stop() and a movement, it ends a reference search.
   Status rotate(std::int64_t velocity);
   void stop();
+  /// Stops dead.
+  void halt();
   /// Whether the chip has such a position.
   bool is_position(std::int32_t value) const;
   /// What MVP ABS answers: invalid_value for a position that the chip does not have.
@@ -33,23 +49,89 @@ class Axis {
   /// What MVP REL answers, likewise for a distance. The target wraps as the chip's positions do.
   Status move_by(std::int32_t distance);
 
+  /// What RFS START answers: invalid_value if parameter 193 has no such mode.
+  Status start_search();
+  /// RFS STOP: the motor comes to a stop as well.
+  void stop_search();
+  bool searching() const { return homing_.active(); }
+  /// What RFS STATUS answers: 0, or the step that the search is at.
+  std::int32_t search_step() const { return homing_.step(); }
+
+  /// Global parameters 79 and 90, where a module has them.
+  void reverse_limit_polarity(bool reversed);
+  void reverse_shaft(bool reversed);
+  /// Somebody has changed the stage or its load.
+  void stage_changed();
+
+  /// The active switches, after polarity and swapping.
+  const Switches& switches() const { return switches_; }
+  /// Why it was stopped, until that is read: the bits of parameter 207.
+  bool stalled() const { return (errors_ & stall_error) != 0; }
+  bool deviated() const { return (errors_ & deviation_error) != 0; }
+  bool position_reached() const { return get(axis_parameter::position_reached).value_or(0) != 0; }
+
   /// Lets time pass, no further than next_due().
   void advance_to(TimePoint time);
   /// When run_due() has something to do if no command comes before.
-  TimePoint next_due() const { return outlook_.look_again; }
+  TimePoint next_due() const { return due_; }
   void run_due();
-  /// What becomes of the present movement.
+  /// What becomes of the present movement if nothing stops it.
   const Outlook& outlook() const { return outlook_; }
 
  private:
   void move(std::int64_t position);
-  void look_ahead() { outlook_ = motor_->outlook(); }
+  std::optional<std::int32_t> reading(std::uint8_t number) const;
+  void take_note(std::uint8_t number, std::int32_t value);
 
+  /// Something was written: what follows from it is done, and when to look next is worked out.
+  void settle();
+  void look_ahead();
+  TimePoint next_look() const;
+  bool is_moving() const { return motor_->heading() != 0 || outlook_.rest > now_; }
+  void sense();
+  Switches sensed() const;
+
+  // axis_search.cpp
+  void run_search();
+  void obey(const Homing::Order& order);
+  void drive(int direction, std::uint8_t speed_parameter);
+  void finish_search(std::int32_t reference);
+
+  // axis_watch.cpp: encoders, stalls, currents.
+  void scale_encoders();
+  std::int64_t deviation(const EncoderWatch& encoder) const;
+  void watch_encoders();
+  void watch_stall();
+  bool may_stall() const;
+  TimePoint next_stall_check() const;
+  std::int32_t load_value() const;
+  std::int32_t driver_flags() const;
+  std::int32_t current_scale() const;
+  Duration standstill() const;
+  void emergency_stop(std::int32_t error);
+
+  static constexpr std::int32_t stall_error = 1;
+  static constexpr std::int32_t deviation_error = 2;
+
+  Family family_;
   std::span<const ParameterInfo> table_;
   std::unique_ptr<Motor> motor_;
+  Coupling coupling_;
   std::array<std::int32_t, 256> values_{};  // of those parameters that the motor has no part in
+  TimePoint power_on_;
   TimePoint now_;
   Outlook outlook_;
+  TimePoint due_ = never;
+  TimePoint rest_;  // since when it stands, or when it will
+  Switches switches_;
+  Switches barring_;  // as the chip was told
+  Homing homing_;
+  EncoderWatch encoder_;
+  EncoderWatch external_encoder_;
+  std::int32_t errors_ = 0;
+  bool deviates_ = false;
+  std::int32_t latched_encoder_ = 0;
+  bool limits_reversed_ = false;
 };
 
 }  // namespace tmcl::sim

@@ -8,14 +8,23 @@
 #include "sim/module/tick_clock.hpp"
 #include "sim/module/unit_mode.hpp"
 #include "tmcl/ramp/generator.hpp"
+#include "tmcl/ramp/passing.hpp"
 
 namespace tmcl::sim {
 
-template <ramp::Generator Chip>
+template <ramp::Travelling Chip>
 class ChipMotor : public Motor {
  public:
   void advance_to(TimePoint time) final { chip_.advance_to(clock_.at(time)); }
   Outlook outlook() const final;
+
+  int heading() const final { return chip_.heading(); }
+  bool accelerates() const final { return chip_.heading() * chip_.motion().acceleration > 0; }
+  std::int32_t position() const final { return static_cast<std::int32_t>(chip_.motion().position); }
+  int position_bits() const final { return Chip::position_bits; }
+  TimePoint passing(std::int64_t back, std::int64_t ahead) const final;
+  TimePoint turning() const final { return time_of(ramp::turning(chip_, clock_.at(never))); }
+  void set_switches(bool left, bool right) final { chip_.set_switches(left, right); }
 
   std::optional<std::int32_t> read(const ParameterInfo& row) const override;
   Status write(const ParameterInfo& row, std::int32_t value) override;
@@ -59,6 +68,10 @@ class ChipMotor : public Motor {
   static constexpr std::size_t changes_foreseen = 1000;
   static constexpr auto patience = std::chrono::seconds(1);
 
+  TimePoint time_of(const ramp::Passing& passing) const {
+    return passing.tick == ramp::forever ? never : clock_.of(passing.tick);
+  }
+
   const Mapped* find(std::uint8_t number) const {
     const auto row = std::ranges::find(mapped_, number, &Mapped::number);
     return row == mapped_.end() ? nullptr : &*row;
@@ -70,23 +83,32 @@ class ChipMotor : public Motor {
   UnitMode units_;
 };
 
-template <ramp::Generator Chip>
+template <ramp::Travelling Chip>
 Outlook ChipMotor<Chip>::outlook() const {
   const auto end_of_time = clock_.at(never);
   const auto ahead = ramp::look_ahead(chip_, end_of_time, changes_foreseen);
-  if (ahead.arrived()) return {.arrival = clock_.of(ahead.tick())};
-  if (ahead.settled() || ahead.tick() >= end_of_time) return {};
+  const auto end = clock_.of(ahead.tick());
+  if (ahead.arrived()) return {.arrival = end, .rest = end};
+  if (ahead.settled()) return {.rest = ahead.heading() == 0 ? end : never};
+  if (ahead.tick() >= end_of_time) return {};
   return {.look_again = clock_.of(chip_.tick()) + patience};
 }
 
-template <ramp::Generator Chip>
+template <ramp::Travelling Chip>
+TimePoint ChipMotor<Chip>::passing(std::int64_t back, std::int64_t ahead) const {
+  constexpr auto longest = ramp::longest_way<Chip>;
+  return time_of(
+      ramp::passing(chip_, std::min(back, longest), std::min(ahead, longest), clock_.at(never)));
+}
+
+template <ramp::Travelling Chip>
 std::optional<std::int32_t> ChipMotor<Chip>::read(const ParameterInfo& row) const {
   const auto* mapped = find(row.number);
   if (mapped == nullptr) return std::nullopt;
   return read_register(mapped->name, row.scale);
 }
 
-template <ramp::Generator Chip>
+template <ramp::Travelling Chip>
 Status ChipMotor<Chip>::write(const ParameterInfo& row, std::int32_t value) {
   const auto* mapped = find(row.number);
   return mapped == nullptr ? Status::ok : write_register(mapped->name, row.scale, value);

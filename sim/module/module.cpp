@@ -44,6 +44,7 @@ Module::Module(const Model& model, Eeprom eeprom, const Clock& clock)
       globals_(model, eeprom_, now_),
       io_(model),
       coordinates_(model, eeprom_),
+      stages_(model.axes),
       events_(model.axes) {
   power_up();
 }
@@ -65,9 +66,10 @@ void Module::power_up() {
 void Module::build_axes() {
   axes_.clear();
   for (std::size_t motor = 0; motor < model_->axes; ++motor) {
-    axes_.emplace_back(*model_, now_);
-    restore_axis(motor);
+    axes_.emplace_back(*model_, stages_[motor], now_);
   }
+  wire_axes();
+  for (std::size_t motor = 0; motor < model_->axes; ++motor) restore_axis(motor);
 }
 
 void Module::restart() {
@@ -123,6 +125,7 @@ Answer Module::perform(const Request& request) {
     case Command::ROL: return rotate(request, -1);
     case Command::MST: return stop(request);
     case Command::MVP: return move(request);
+    case Command::RFS: return search(request);
     case Command::SAP: return set_axis_parameter(request);
     case Command::GAP: return get_axis_parameter(request);
     case Command::STAP: return store_axis_parameter(request);
@@ -177,6 +180,16 @@ void Module::run_due() {
     run_what_is_due_now();
   }
   bring_to(present);
+}
+
+void Module::mount(std::size_t motor, const StageSettings& settings) {
+  at_stage(motor, [&](Stage& stage) { stage = Stage(settings); });
+}
+
+void Module::at_stage(std::size_t motor, const std::function<void(Stage&)>& change) {
+  run_due();
+  change(stages_.at(motor));
+  axes_.at(motor).stage_changed();
 }
 
 void Module::bring_to(TimePoint time) {

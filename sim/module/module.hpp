@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "sim/module/io.hpp"
 #include "sim/module/target_events.hpp"
 #include "sim/program/application.hpp"
+#include "sim/stage/stage.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/datagram.hpp"
 #include "tmcl/model.hpp"
@@ -68,6 +70,11 @@ class Module final : private ProgramHost {
   bool set_analog(std::uint8_t port, std::int32_t value);
   /// As it was when run_due() or execute() last ran.
   const Axis& axis(std::size_t motor) const { return axes_.at(motor); }
+  const Stage& stage(std::size_t motor) const { return stages_.at(motor); }
+  /// Gives a motor something to drive.
+  void mount(std::size_t motor, const StageSettings& settings);
+  /// Somebody does something to the stage of a motor, now.
+  void at_stage(std::size_t motor, const std::function<void(Stage&)>& change);
   FirmwareVersion version() const;
 
  private:
@@ -80,14 +87,17 @@ class Module final : private ProgramHost {
   Answer rotate(const Request& request, std::int32_t sign);
   Answer stop(const Request& request);
   Answer move(const Request& request);
+  Answer search(const Request& request);
 
   // parameter_commands.cpp
   Answer set_axis_parameter(const Request& request);
-  Answer get_axis_parameter(const Request& request) const;
+  Answer get_axis_parameter(const Request& request);
   Answer store_axis_parameter(const Request& request);
   Answer restore_axis_parameter(const Request& request);
   void restore_axis(std::size_t motor);
   Answer set_global_parameter(const Request& request);
+  /// As the global parameters say that are about all motors.
+  void wire_axes();
   Answer get_global_parameter(const Request& request);
   Answer store_global_parameter(const Request& request);
   Answer restore_global_parameter(const Request& request);
@@ -165,6 +175,7 @@ class Module final : private ProgramHost {
   Globals globals_;
   Io io_;
   Coordinates coordinates_;
+  std::vector<Stage> stages_;  // what is bolted on stays, whatever happens to the module
   std::vector<Axis> axes_;
   TargetEvents events_;
   Application application_{*this};

@@ -1,4 +1,4 @@
-// ROR, ROL, MST, MVP.
+// ROR, ROL, MST, MVP, RFS.
 #include "sim/module/module.hpp"
 
 namespace tmcl::sim {
@@ -9,6 +9,9 @@ namespace ap = axis_parameter;
 constexpr std::uint8_t move_absolute = 0;
 constexpr std::uint8_t move_relative = 1;
 constexpr std::uint8_t move_to_stored = 2;
+
+constexpr std::uint8_t search_stop = 1;
+constexpr std::uint8_t search_status = 2;
 
 // The newer firmware tells where a relative movement goes.
 bool answers_with_target(Family family) {
@@ -52,6 +55,20 @@ Answer Module::move(const Request& request) {
   events_.move_begun(request.motor);
   return relative && answers_with_target(model_->family) ? reading(axis.get(ap::target_position))
                                                          : echo(request);
+}
+
+Answer Module::search(const Request& request) {
+  if (request.type > search_status) return echo(request, Status::wrong_type);
+  if (!has_motor(request)) return echo(request, Status::invalid_value);
+  auto& axis = axes_[request.motor];
+  if (request.type == search_status) return reading(axis.search_step());
+  if (request.type == search_stop) {
+    axis.stop_search();
+    return echo(request);
+  }
+  const auto status = axis.start_search();
+  if (status == Status::ok) events_.move_abandoned(request.motor);
+  return echo(request, status);
 }
 
 }  // namespace tmcl::sim

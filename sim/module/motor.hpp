@@ -16,9 +16,18 @@ namespace tmcl::sim {
 struct Outlook {
   /// When it stands on its target; `never` if that cannot be foreseen.
   TimePoint arrival = never;
+  /// When it stands for good, on its target or not; likewise.
+  TimePoint rest = never;
   /// When to look again, at a motor that goes to and fro without end: so nobody has to wait one day
   /// until hours of that are worked out. `never` for all others.
   TimePoint look_again = never;
+};
+
+/// What a module makes of its inputs for stop switches.
+struct SwitchWiring {
+  bool left_inverted = false;
+  bool right_inverted = false;
+  bool swapped = false;
 };
 
 class Motor {
@@ -28,6 +37,29 @@ class Motor {
   /// Lets time pass. An earlier time than the present one changes nothing.
   virtual void advance_to(TimePoint time) = 0;
   virtual Outlook outlook() const = 0;
+
+  /// -1, 0 or 1: where it turns in this instant.
+  virtual int heading() const = 0;
+  /// Its speed is just growing.
+  virtual bool accelerates() const = 0;
+  /// The position counter, which wraps at so many bits.
+  virtual std::int32_t position() const = 0;
+  virtual int position_bits() const = 0;
+  /// In microsteps per second.
+  virtual std::int64_t speed() const = 0;
+  /// When to look whether it has gone more than so many microsteps back or ahead from here: exactly
+  /// when it has, or earlier if that is too far to be foreseen; `never` if it never will.
+  virtual TimePoint passing(std::int64_t back, std::int64_t ahead) const = 0;
+  /// Likewise, whether it has come to stand or turned round.
+  virtual TimePoint turning() const = 0;
+
+  virtual SwitchWiring wiring() const { return {}; }
+  /// Which stop switches are active as the chip sees them: the left one bars negative motion.
+  virtual void set_switches(bool left, bool right) = 0;
+  /// Stops dead, and stands until the next command.
+  virtual void halt() = 0;
+  /// Calls the present position so; a motor that stands goes on standing.
+  virtual void set_position(std::int32_t position) = 0;
 
   /// Nothing if the motor has no part in the parameter.
   virtual std::optional<std::int32_t> read(const ParameterInfo& row) const = 0;
@@ -45,6 +77,14 @@ class Motor {
   /// What MVP REL counts from.
   virtual std::int32_t relative_origin() const = 0;
 };
+
+/// The way from one reading of a position counter to another, as long as it is less than half of
+/// what the counter holds.
+inline std::int64_t way_between(std::int32_t from, std::int32_t to, int position_bits) {
+  const int spare = 64 - position_bits;
+  const auto raw = static_cast<std::uint64_t>(std::int64_t{to} - from);
+  return static_cast<std::int64_t>(raw << spare) >> spare;
+}
 
 std::unique_ptr<Motor> make_motor(Family family, TimePoint power_on);
 

@@ -6,6 +6,8 @@ namespace {
 
 namespace gp = global_parameter;
 
+constexpr std::uint8_t end_switch_polarity = 79;
+constexpr std::uint8_t reverse_shaft = 90;
 constexpr std::uint8_t unit_mode = 255;
 
 EepromCell cell(std::size_t motor, std::uint8_t number) {
@@ -23,8 +25,8 @@ Answer Module::set_axis_parameter(const Request& request) {
   return echo(request, axes_[request.motor].set(request.type, request.value));
 }
 
-Answer Module::get_axis_parameter(const Request& request) const {
-  if (has_motor(request)) return reading(axes_[request.motor].get(request.type));
+Answer Module::get_axis_parameter(const Request& request) {
+  if (has_motor(request)) return reading(axes_[request.motor].read(request.type));
   const bool known = find_parameter(axis_parameters(*model_), request.type) != nullptr;
   return known ? echo(request, Status::invalid_value) : reading(tl::unexpected(Status::wrong_type));
 }
@@ -66,8 +68,16 @@ Answer Module::set_global_parameter(const Request& request) {
     // The time of both heartbeats begins when they are set, whichever wire that came by.
     if (request.type == gp::serial_heartbeat) serial_.heard(now_);
     if (request.type == gp::can_heartbeat) can_.heard(now_);
+    if (request.type == end_switch_polarity || request.type == reverse_shaft) wire_axes();
   }
   return echo(request, status);
+}
+
+void Module::wire_axes() {
+  for (auto& axis : axes_) {
+    axis.reverse_limit_polarity(globals_.value(end_switch_polarity) == 1);
+    axis.reverse_shaft(globals_.value(reverse_shaft) == 1);
+  }
 }
 
 Answer Module::get_global_parameter(const Request& request) {

@@ -7,18 +7,12 @@
 namespace tmcl::sim {
 namespace {
 
-namespace ap = axis_parameter;
-
 constexpr std::uint8_t auto_start = 77;
 constexpr std::uint8_t protection = 81;
 constexpr std::uint8_t application_status = 128;
 constexpr std::uint8_t download_mode = 129;
 constexpr std::uint8_t program_counter = 130;
 constexpr std::uint8_t last_error = 131;
-
-constexpr std::uint8_t home_switch_state = 9;
-constexpr std::uint8_t right_switch_state = 10;
-constexpr std::uint8_t left_switch_state = 11;
 
 /// A program without the empty memory behind it.
 std::span<const program::Instruction> used(std::span<const program::Instruction> memory) {
@@ -63,15 +57,17 @@ std::optional<std::int32_t> Module::application_parameter(std::uint8_t number) c
 std::int32_t Module::code_protection() const { return globals_.value(protection); }
 
 MotorConditions Module::motor(std::size_t number) const {
-  const auto is_on = [&axis = axes_.at(number)](std::uint8_t parameter) {
-    return axis.get(parameter).value_or(0) != 0;
+  const auto& axis = axes_.at(number);
+  const auto& switches = axis.switches();
+  return {
+      .at_target = axis.position_reached(),
+      .searching = axis.searching(),
+      .home_switch = switches.home,
+      .left_switch = switches.left,
+      .right_switch = switches.right,
+      .stalled = axis.stalled(),
+      .deviated = axis.deviated(),
   };
-  MotorConditions conditions;
-  conditions.at_target = is_on(ap::position_reached);
-  conditions.home_switch = is_on(home_switch_state);
-  conditions.left_switch = is_on(left_switch_state);
-  conditions.right_switch = is_on(right_switch_state);
-  return conditions;
 }
 
 TimePoint Module::next_event() const {

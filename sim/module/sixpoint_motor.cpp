@@ -1,13 +1,21 @@
 #include "sim/module/sixpoint_motor.hpp"
 
 #include <array>
+#include <cstdlib>
+
+#include "sim/module/axis_parameter_numbers.hpp"
 
 namespace tmcl::sim {
 namespace {
 
 namespace ap = axis_parameter;
 
+constexpr std::uint8_t swap_switches = 14;
+constexpr std::uint8_t right_switch_polarity = 24;
+constexpr std::uint8_t left_switch_polarity = 25;
+constexpr std::uint8_t soft_stop = 26;
 constexpr std::uint8_t relative_positioning_option = 127;
+constexpr std::uint8_t latched_position = 198;
 constexpr std::uint8_t unit_mode = 255;
 
 using R = ramp::SixPoint::Register;
@@ -17,7 +25,11 @@ using Mode = ramp::SixPoint::Mode;
 
 SixPointMotor::SixPointMotor(Family family, TimePoint power_on)
     : ChipMotor(power_on, mapped(family),
-                {sixpoint_velocity_unit, sixpoint_acceleration_unit, true}) {}
+                {sixpoint_velocity_unit, sixpoint_acceleration_unit, true}),
+      family_(family) {
+  // The position is latched whenever a switch becomes active.
+  set_switch_mode(ramp::SixPoint::latch_l_active | ramp::SixPoint::latch_r_active, true);
+}
 
 std::span<const SixPointMotor::Mapped> SixPointMotor::mapped(Family family) {
   static constexpr std::array<Mapped, 10> sixpoint{{
@@ -54,6 +66,7 @@ std::optional<std::int32_t> SixPointMotor::read(const ParameterInfo& row) const 
     case ap::target_velocity: return target_velocity(row.scale);
     case ap::actual_velocity: return units().read(row.scale, chip().motion().velocity);
     case ap::max_velocity: return units().read(row.scale, max_velocity_);
+    case latched_position: return chip().xlatch();
     case ap::position_reached: return chip().status().position_reached ? 1 : 0;
     default: return ChipMotor::read(row);
   }
@@ -64,8 +77,26 @@ Status SixPointMotor::write(const ParameterInfo& row, std::int32_t value) {
     case ap::target_velocity: return rotate(value);
     case ap::max_velocity: return set_max_velocity(row.scale, value);
     case relative_positioning_option: relative_to_actual_ = value == 1; return Status::ok;
+    case number::right_switch_disable:
+      set_switch_mode(ramp::SixPoint::stop_r_enable, value == 0);
+      return Status::ok;
+    case number::left_switch_disable:
+      set_switch_mode(ramp::SixPoint::stop_l_enable, value == 0);
+      return Status::ok;
     case unit_mode: units().set(value == 1); return Status::ok;
-    default: return ChipMotor::write(row, value);
+    default: break;
+  }
+  if (family_ == Family::sixpoint) wire_switches(row.number, value == 1);
+  return ChipMotor::write(row, value);
+}
+
+void SixPointMotor::wire_switches(std::uint8_t number, bool on) {
+  switch (number) {
+    case swap_switches: wiring_.swapped = on; break;
+    case right_switch_polarity: wiring_.right_inverted = on; break;
+    case left_switch_polarity: wiring_.left_inverted = on; break;
+    case soft_stop: set_switch_mode(ramp::SixPoint::en_softstop, on); break;
+    default: break;
   }
 }
 
@@ -108,6 +139,26 @@ void SixPointMotor::move_to(std::int64_t position) {
 
 std::int32_t SixPointMotor::relative_origin() const {
   return static_cast<std::int32_t>(chip().read(relative_to_actual_ ? R::xactual : R::xtarget));
+}
+
+void SixPointMotor::set_switch_mode(std::int32_t bits, bool on) {
+  const auto mode = static_cast<std::int32_t>(chip().read(R::sw_mode));
+  chip().write(R::sw_mode, on ? mode | bits : mode & ~bits);
+}
+
+std::int64_t SixPointMotor::speed() const {
+  constexpr auto unit = sixpoint_velocity_unit;
+  return std::abs(chip().motion().velocity) * unit.numerator / unit.denominator;
+}
+
+void SixPointMotor::halt() {
+  stop();
+  chip().halt();
+}
+
+void SixPointMotor::set_position(std::int32_t position) {
+  chip().write(R::xtarget, position);
+  chip().write(R::xactual, position);
 }
 
 }  // namespace tmcl::sim

@@ -26,14 +26,23 @@ class SixPointMotor final : public ChipMotor<ramp::SixPoint> {
   /// As parameter 127 says.
   std::int32_t relative_origin() const override;
 
+  std::int64_t speed() const override;
+  SwitchWiring wiring() const override { return wiring_; }
+  void halt() override;
+  void set_position(std::int32_t position) override;
+
  private:
   static std::span<const Mapped> mapped(Family family);
   void set_mode(ramp::SixPoint::Mode mode);
   Status set_max_velocity(Scale scale, std::int32_t value);
   std::int32_t target_velocity(Scale scale) const;
+  void wire_switches(std::uint8_t number, bool on);
+  void set_switch_mode(std::int32_t bits, bool on);
 
   std::int64_t max_velocity_ = 0;  // what VMAX is while positioning
   bool relative_to_actual_ = false;
+  SwitchWiring wiring_;
+  Family family_;
 };
 
 }  // namespace tmcl::sim

@@ -1,6 +1,10 @@
 #include "sim/module/tmc429_motor.hpp"
 
 #include <array>
+#include <cmath>
+#include <cstdlib>
+
+#include "sim/module/axis_parameter_numbers.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -19,13 +23,16 @@ using Mode = ramp::Tmc429::Mode;
 Tmc429Motor::Tmc429Motor(TimePoint power_on) : ChipMotor(power_on, mapped()) {}
 
 std::span<const Tmc429Motor::Mapped> Tmc429Motor::mapped() {
-  static constexpr std::array<Mapped, 8> all{{
+  static constexpr std::array<Mapped, 11> all{{
       {ap::target_position, R::x_target},
       {ap::actual_position, R::x_actual},
       {ap::target_velocity, R::v_target},
       {ap::actual_velocity, R::v_actual},
       {ap::max_acceleration, R::a_max},
+      {number::right_switch_disable, R::disable_stop_r},
+      {number::left_switch_disable, R::disable_stop_l},
       {130, R::v_min},
+      {149, R::soft_stop},
       {153, R::ramp_div},
       {154, R::pulse_div},
   }};
@@ -72,6 +79,21 @@ void Tmc429Motor::move_to(std::int64_t position) {
   constexpr std::int64_t turn = 1 << 24;
   chip().write(R::x_target, ((position + turn / 2) & (turn - 1)) - turn / 2);
   set_ramp_mode(Mode::ramp);
+}
+
+std::int64_t Tmc429Motor::speed() const {
+  return std::llround(
+      to_pps(InternalVelocity{std::abs(chip().v_actual())}, chip().dividers()).value);
+}
+
+void Tmc429Motor::halt() {
+  stop();
+  chip().write(R::v_actual, 0);
+}
+
+void Tmc429Motor::set_position(std::int32_t position) {
+  chip().write(R::x_target, position);
+  chip().write(R::x_actual, position);
 }
 
 }  // namespace tmcl::sim

@@ -23,6 +23,10 @@ class Tmc429Motor final : public ChipMotor<ramp::Tmc429> {
   void move_to(std::int64_t position) override;
   std::int32_t relative_origin() const override { return chip().x_actual(); }
 
+  std::int64_t speed() const override;
+  void halt() override;
+  void set_position(std::int32_t position) override;
+
  private:
   static std::span<const Mapped> mapped();
   void set_ramp_mode(ramp::Tmc429::Mode mode);

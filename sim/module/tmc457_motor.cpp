@@ -1,6 +1,9 @@
 #include "sim/module/tmc457_motor.hpp"
 
 #include <array>
+#include <cstdlib>
+
+#include "sim/module/axis_parameter_numbers.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -47,8 +50,12 @@ std::optional<std::int32_t> Tmc457Motor::read(const ParameterInfo& row) const {
 }
 
 Status Tmc457Motor::write(const ParameterInfo& row, std::int32_t value) {
-  if (row.number == unit_mode) units().set(value == 1);
-  return ChipMotor::write(row, value);
+  switch (row.number) {
+    case unit_mode: units().set(value == 1); return Status::ok;
+    case number::right_switch_disable: chip().write(R::enable_stop_r, 1 - value); return Status::ok;
+    case number::left_switch_disable: chip().write(R::enable_stop_l, 1 - value); return Status::ok;
+    default: return ChipMotor::write(row, value);
+  }
 }
 
 std::int32_t Tmc457Motor::status_flags() const {
@@ -70,6 +77,24 @@ void Tmc457Motor::stop() {
 void Tmc457Motor::move_to(std::int64_t position) {
   chip().write(R::x_target, static_cast<std::int32_t>(position));
   chip().write(Mode::position);
+}
+
+std::int64_t Tmc457Motor::speed() const {
+  constexpr auto unit = tmc457_velocity_unit;
+  return std::abs(chip().motion().velocity) * unit.numerator / unit.denominator;
+}
+
+// Only the mode hold takes a speed at once.
+void Tmc457Motor::halt() {
+  chip().write(R::v_target, 0);
+  chip().write(Mode::hold);
+  chip().next_change();
+  chip().write(Mode::velocity);
+}
+
+void Tmc457Motor::set_position(std::int32_t position) {
+  chip().write(R::x_target, position);
+  chip().write(R::x_actual, position);
 }
 
 }  // namespace tmcl::sim

@@ -25,9 +25,12 @@ class Tmc457Motor final : public ChipMotor<ramp::Tmc457> {
   void move_to(std::int64_t position) override;
   std::int32_t relative_origin() const override { return position(); }
 
+  std::int64_t speed() const override;
+  void halt() override;
+  void set_position(std::int32_t position) override;
+
  private:
   static std::span<const Mapped> mapped();
-  std::int32_t position() const { return static_cast<std::int32_t>(chip().motion().position); }
   bool reached() const { return position() == chip().read(Register::x_target); }
   std::int32_t status_flags() const;
 };

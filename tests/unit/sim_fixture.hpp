@@ -23,6 +23,12 @@ class SimTest : public testing::Test {
   Module& add(std::uint16_t model, std::uint16_t address = 1) {
     return bench.add(*find_model(model), ModuleAddress{address});
   }
+  // With a stage for its first motor.
+  Module& add(std::uint16_t model, const StageSettings& stage) {
+    auto& module = add(model);
+    module.mount(0, stage);
+    return module;
+  }
 
   // Lets time pass, with the bench awake whenever it asked to be.
   void pass(Duration duration) {

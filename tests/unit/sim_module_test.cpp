@@ -51,7 +51,7 @@ TEST_F(SimModule, FindsErrorsInTheOrderOfTheManual) {
   add(1110);
   const auto undefined = static_cast<Command>(250);
   EXPECT_EQ(status_of(undefined, 99, 9, 1), Status::invalid_command);
-  EXPECT_EQ(status_of(Command::RFS, 2, 0), Status::invalid_command);
+  EXPECT_EQ(status_of(Command::RFS, 99, 9, 1), Status::wrong_type);
   EXPECT_EQ(status_of(Command::SAP, 99, 9, 1), Status::wrong_type);
   EXPECT_EQ(status_of(Command::SAP, 8, 9, 1), Status::wrong_type);  // cannot be written
   EXPECT_EQ(status_of(Command::SAP, 4, 9, 1), Status::invalid_value);

@@ -9,6 +9,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 
+#include "console_input.hpp"
 #include "options.hpp"
 #include "sim/bench.hpp"
 #include "sim/ports/can_port.hpp"
@@ -28,7 +29,10 @@ void add_modules(sim::Bench& bench, const std::vector<tmclsim::ModuleSpec>& spec
     std::cerr << "tmclsim: warning: " << sentence << '\n';
   }
   for (const auto& spec : specs) {
-    const auto& module = bench.add(*spec.model, spec.address);
+    auto& module = bench.add(*spec.model, spec.address);
+    for (std::size_t motor = 0; motor < spec.stages.size(); ++motor) {
+      module.mount(motor, spec.stages[motor]);
+    }
     std::cout << "module " << number(spec.address) << " " << spec.model->name << ", "
               << int{spec.model->axes} << (spec.model->axes == 1 ? " motor" : " motors")
               << ", firmware " << to_string(module.version()) << '\n';
@@ -71,6 +75,8 @@ int run(const tmclsim::Options& options) {
   Ports ports;
   add_modules(bench, options.modules);
   if (!open_ports(io, scheduler, options, ports)) return exit_failed;
+  tmclsim::ConsoleInput console(io, scheduler);
+  if (options.console) console.listen();
   std::cout << "ready" << std::endl;
   io.run();
   return 0;

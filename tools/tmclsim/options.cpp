@@ -4,13 +4,14 @@
 #include <array>
 #include <string_view>
 
+#include "bench_file.hpp"
 #include "tmcl/nearest.hpp"
 
 namespace tmclsim {
 namespace {
 
-constexpr auto known_options =
-    std::to_array<std::string_view>({"--module", "--pty", "--can", "--tcp", "--help", "--version"});
+constexpr auto known_options = std::to_array<std::string_view>(
+    {"--module", "--bench", "--pty", "--can", "--tcp", "--console", "--help", "--version"});
 
 constexpr auto description =
     "Simulates TMCL modules: what talks to a module on a wire can talk to this instead.\n"
@@ -32,6 +33,32 @@ Examples
       sudo ip link add dev vcan0 type vcan && sudo ip link set up vcan0
       tmclsim --module TMCM-3110 --can vcan0
 
+With --bench, motors have something to drive. FILE is TOML; all its keys but model are optional:
+    [[module]]
+    model = "TMCM-1110"
+    address = 1
+      [[module.axis]]
+      motor = 0
+      left_switch = -51200           # closed here and to the left; right_switch likewise
+      home = [-100, 100]             # closed from here to there
+      switch_tolerance = 20          # a closed switch opens so much later
+      normally_closed = false        # limit switches; home_normally_closed likewise
+      left_stop = -60000             # a mechanical end; right_stop likewise
+      position = 1000                # where it stands at first
+      encoder_counts_per_turn = 1024
+      encoder_sign = -1              # counts down where the motor turns up
+      full_steps_per_turn = 200
+      load = 100                     # in 1/1000 of what the motor can drive
+      load_per_velocity = 5          # more of it for each full step per second, in 1/1000
+Places are microsteps of 1/256 of a full step, counted from where the motor stands at first unless
+position says otherwise. The modules of the file come before those of --module.
+
+With --console, each line on standard input is answered with "ok" or "error: ...":
+    load 1/0 500         put so much load on motor 0 of module 1
+    slip 1/0 200         shift its encoder by so many counts
+    press 1/0 right      hold a switch with a finger: left, right or home
+    release 1/0 right
+
 When all is set up it prints a line for each module and each port, and then "ready".
 Exit status: 0 ended as asked, 1 a port could not be opened, 2 the command line is wrong.)";
 
@@ -47,6 +74,7 @@ EarlyExit unexpected_word(const std::string& word) {
 
 struct Words {
   std::vector<std::string> modules;
+  std::string bench;
   std::vector<std::string> tcp;
   Options options;
 };
@@ -65,16 +93,38 @@ void describe(CLI::App& app, Words& words) {
   };
   repeatable("--module", words.modules, "MODEL[@ADDRESS]",
              "Simulate this module (see below); repeat it for more");
+  app.add_option("--bench", words.bench,
+                 "Simulate the modules of this file, and what their motors drive (see below)")
+      ->type_name("FILE");
   repeatable("--pty", words.options.ptys, "PATH",
              "Serve them on a pseudo terminal, and make PATH a link to it");
   repeatable("--can", words.options.can_interfaces, "INTERFACE",
              "Serve them on a CAN interface of Linux, such as vcan0");
   repeatable("--tcp", words.tcp, "HOST:PORT",
              "Serve them to TCP clients; port 0 takes any that is free");
+  app.add_flag("--console", words.options.console,
+               "Take commands on standard input: loads, switches (see below)");
+}
+
+// The modules of the file, then those of the command line.
+tl::expected<std::vector<ModuleSpec>, std::string> all_modules(const Words& words) {
+  std::vector<BenchModule> bench;
+  if (!words.bench.empty()) {
+    auto file = read_bench_file(words.bench);
+    if (!file) return tl::unexpected(file.error());
+    bench = std::move(*file);
+  }
+  std::vector<std::string> texts;
+  for (const auto& module : bench) texts.push_back(module.spec);
+  texts.insert(texts.end(), words.modules.begin(), words.modules.end());
+  auto modules = parse_modules(texts);
+  if (!modules) return modules;
+  for (std::size_t i = 0; i < bench.size(); ++i) (*modules)[i].stages = std::move(bench[i].axes);
+  return modules;
 }
 
 tl::expected<Options, EarlyExit> check(Words words) {
-  if (words.modules.empty()) {
+  if (words.modules.empty() && words.bench.empty()) {
     return tl::unexpected(wrong("no module to simulate. Add one: --module TMCM-1110"));
   }
   const auto& ports = words.options;
@@ -83,8 +133,9 @@ tl::expected<Options, EarlyExit> check(Words words) {
         wrong("no way to reach the modules. Add one: --pty PATH, --can INTERFACE "
               "or --tcp HOST:PORT"));
   }
-  auto modules = parse_modules(words.modules);
+  auto modules = all_modules(words);
   if (!modules) return tl::unexpected(wrong(modules.error()));
+  if (modules->empty()) return tl::unexpected(wrong(words.bench + " describes no module."));
   words.options.modules = std::move(*modules);
   for (const auto& text : words.tcp) {
     const auto endpoint = tmcl::sim::parse_endpoint(text);

@@ -16,6 +16,7 @@ struct Options {
   std::vector<std::string> ptys;
   std::vector<std::string> can_interfaces;
   std::vector<tmcl::sim::Endpoint> tcp_endpoints;
+  bool console = false;
 };
 
 /// What to say instead of running.

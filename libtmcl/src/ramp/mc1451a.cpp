@@ -104,6 +104,12 @@ Motion Mc1451a::motion() const {
   return {rounded(now.x, 0), rounded(now.v, v_bits), rounded(2 * now.h, a_bits)};
 }
 
+int Mc1451a::heading() const {
+  if (!planned_) return planned().heading();
+  const auto v = static_cast<SignedFixed>(track_.at(tick_).v);
+  return (v > 0) - (v < 0);
+}
+
 std::string_view Mc1451a::phase() const {
   if (!planned_) return planned().phase();
   const auto part = track_.part();

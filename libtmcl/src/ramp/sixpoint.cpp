@@ -214,6 +214,13 @@ void SixPoint::latch(bool before, bool now, std::int32_t on_active, std::int32_t
   event = true;
 }
 
+void SixPoint::halt() {
+  if (velocity_ == 0) return;
+  velocity_ = 0;
+  run_ = {.end = tick_};
+  come_to_rest();
+}
+
 bool SixPoint::blocked(int direction) const {
   const auto enabled = value(Register::sw_mode);
   if (direction < 0) return left_ && (enabled & stop_l_enable) != 0;

@@ -272,6 +272,12 @@ Motion Tmc457::motion() const {
   return {rounded(now.x, 0), rounded(now.v, v_bits), rounded(2 * now.h, a_bits)};
 }
 
+int Tmc457::heading() const {
+  if (!planned_) return planned().heading();
+  const auto v = static_cast<SignedFixed>(track_.at(tick_).v);
+  return (v > 0) - (v < 0);
+}
+
 std::string_view Tmc457::phase() const {
   if (!planned_) return planned().phase();
   if (course_ == Course::stop) return "stop";

@@ -24,6 +24,8 @@ class Mc1451a {
   /// In a cycle of the chipset, which is the unit of time of all its parameters; the clock does not
   /// matter.
   static double ticks_per_second(double /*clock_hz*/) { return ticks_per_cycle; }
+  static constexpr int position_bits = 32;
+  static constexpr std::int64_t velocity_of_a_microstep = 1 << 20;
 
   enum class Shape : std::uint8_t { s_curve, trapezoidal };
   enum class Register : std::uint8_t { profile, position, velocity, acceleration, jerk };
@@ -47,6 +49,8 @@ class Mc1451a {
   }
   /// Steps, 2^-16 steps/cycle and 2^-16 steps/cycle^2, all to the nearest.
   Motion motion() const;
+  /// -1, 0 or 1: where it moves, be it slower than motion() shows.
+  int heading() const;
   /// "I" .. "VII" in an S-curve; "accelerate", "cruise", "decelerate" in a trapezoid; "rest".
   std::string_view phase() const;
   Tick next_change();

@@ -91,6 +91,8 @@ class SixPoint {
   };
 
   static constexpr double ticks_per_second(double clock_hz) { return clock_hz / 512; }
+  static constexpr int position_bits = 32;
+  static constexpr std::int64_t velocity_of_a_microstep = 1 << 15;
   static std::span<const RegisterInfo> registers();
 
   /// Nothing moves after power-up: everything is 0 but VSTOP, which is 10.
@@ -110,6 +112,8 @@ class SixPoint {
   /// Position XACTUAL, velocity VACTUAL (towards zero, without its fraction), acceleration: the
   /// register that changed the speed in the last tick, with the sign of the change.
   Motion motion() const { return {xactual(), velocity_ / 256, acceleration_}; }
+  /// -1, 0 or 1: where it moves, be it slower than VACTUAL shows.
+  int heading() const { return (velocity_ > 0) - (velocity_ < 0); }
   /// What the last tick did: "A1", "AMAX", "VMAX", "DMAX", "D1", "VSTOP" (the creeping end) and
   /// "hold"; at standstill "TZEROWAIT" and "rest".
   std::string_view phase() const;
@@ -125,6 +129,9 @@ class SixPoint {
   /// Tells which switches are active from now on. With an edge that SW_MODE names, XLATCH takes
   /// XACTUAL.
   void set_switches(bool left, bool right);
+  /// Stops dead, as a stall may make it do. The registers stay as they are: it starts again at the
+  /// next tick unless they tell it to stand.
+  void halt();
   std::int32_t xlatch() const { return xlatch_; }
 
   /// What the registers do not show.

@@ -31,6 +31,8 @@ class Tmc429 {
   /// 32 periods of the 16 MHz clock.
   static constexpr Duration base_tick = std::chrono::microseconds(2);
   static double ticks_per_second(double clock_hz) { return clock_hz / 32; }
+  static constexpr int position_bits = 24;
+  static constexpr std::int64_t velocity_of_a_microstep = 2048;  ///< With pulse_div 0.
 
   enum class Mode : std::uint8_t {
     ramp,      ///< Drives to x_target, decelerating at a_max.
@@ -105,6 +107,8 @@ class Tmc429 {
   Tick tick() const { return tick_; }
   void advance_to(Tick tick);
   Motion motion() const { return {x_actual_, v_actual(), a_actual()}; }
+  /// -1, 0 or 1: where it moves, be it slower than v_actual shows.
+  int heading() const { return (velocity_ > 0) - (velocity_ < 0); }
   std::string_view phase() const;
   Tick next_change();
   bool arrived() const { return positioning() && at_target() && velocity_ == 0; }

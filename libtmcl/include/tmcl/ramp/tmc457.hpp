@@ -32,6 +32,8 @@ class Tmc457 {
   static constexpr std::string_view chip = "tmc457";
   /// A tick is one clock.
   static double ticks_per_second(double clock_hz) { return clock_hz; }
+  static constexpr int position_bits = 32;
+  static constexpr std::int64_t velocity_of_a_microstep = 1 << 30;
 
   enum class Mode : std::uint8_t {
     position = 0,  ///< Drives to x_target.
@@ -77,6 +79,8 @@ class Tmc457 {
   /// Position to the nearest microstep; velocity and acceleration to the nearest unit of v_max and
   /// a_max.
   Motion motion() const;
+  /// -1, 0 or 1: where it moves, be it slower than motion() shows.
+  int heading() const;
   /// "I" .. "VII" in an S-shaped ramp; "accelerate", "cruise", "decelerate" in a trapezoid; "stop",
   /// "hold", "oscillate", "rest".
   std::string_view phase() const;

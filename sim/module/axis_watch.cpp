@@ -1,0 +1,128 @@
+// What the module watches while a motor turns: its encoders, its load and its current.
+#include <algorithm>
+#include <cstdlib>
+
+#include "sim/module/axis.hpp"
+#include "sim/module/axis_parameter_numbers.hpp"
+
+namespace tmcl::sim {
+namespace {
+
+namespace ap = axis_parameter;
+
+// The control loop of the vendor's open firmware runs so often; it looks for a stall.
+constexpr auto control_period = std::chrono::milliseconds(10);
+// Parameters 204 and 214 are counted in these.
+constexpr auto delay_unit = std::chrono::milliseconds(10);
+
+// How a load shows: stallGuard2 reads 500 without one, and 0 from half of what the motor can drive;
+// a threshold makes it less sensitive.
+constexpr std::int64_t free_reading = 500;
+constexpr std::int64_t reading_per_threshold = 8;
+constexpr std::int64_t greatest_reading = 1023;
+
+// Of the TMC262 and its relatives.
+constexpr std::int32_t stall_flag = 1 << 0;
+constexpr std::int32_t standstill_flag = 1 << 7;
+
+}  // namespace
+
+// ---- Encoders
+
+// On the modules with a TMC429 a count is worth so many 512ths of a microstep as the prescaler says
+// (manuals of the TMCM-1161 and PD-1160); the others know their encoder's resolution. So does one
+// without a prescaler.
+void Axis::scale_encoders() {
+  const auto& settings = coupling_.stage().settings().encoder;
+  const auto scale = [&](std::uint8_t prescaler) {
+    if (family_ == Family::tmc429 && values_[prescaler] > 0) {
+      return EncoderScale{values_[prescaler], 512};
+    }
+    return EncoderScale{coupling_.microsteps(), settings ? settings->counts_per_turn : 1};
+  };
+  encoder_.set_scale(scale(number::encoder_prescaler));
+  external_encoder_.set_scale(scale(number::external_encoder_prescaler));
+}
+
+std::int64_t Axis::deviation(const EncoderWatch& encoder) const {
+  const auto counted = static_cast<std::int32_t>(encoder.position(coupling_.stage()));
+  return way_between(counted, motor_->position(), motor_->position_bits());
+}
+
+void Axis::watch_encoders() {
+  const bool deviated =
+      std::exchange(deviates_, encoder_.is_exceeded_by(deviation(encoder_)) ||
+                                   external_encoder_.is_exceeded_by(deviation(external_encoder_)));
+  if (!deviates_ || (deviated && !is_moving())) return;
+  emergency_stop(deviation_error);
+}
+
+void Axis::emergency_stop(std::int32_t error) {
+  errors_ |= error;
+  homing_.abort();
+  motor_->halt();
+  look_ahead();
+}
+
+// ---- Load
+
+std::int32_t Axis::load_value() const {
+  if (motor_->heading() == 0 || coupling_.is_held()) return 0;
+  const auto threshold = values_[number::stall_guard_threshold];
+  const auto reading = free_reading + reading_per_threshold * threshold -
+                       coupling_.stage().load_at(coupling_.speed());
+  return static_cast<std::int32_t>(std::clamp<std::int64_t>(reading, 0, greatest_reading));
+}
+
+// Only then is it worth looking.
+bool Axis::may_stall() const {
+  if (values_[number::stop_on_stall] == 0 || !is_moving()) return false;
+  const bool changes_with_speed = coupling_.stage().settings().load_per_velocity != 0;
+  return motor_->heading() == 0 || changes_with_speed || load_value() == 0;
+}
+
+TimePoint Axis::next_stall_check() const {
+  if (!may_stall()) return never;
+  const auto passed = (now_ - power_on_) / control_period;
+  return power_on_ + (passed + 1) * control_period;
+}
+
+void Axis::watch_stall() {
+  if (!may_stall() || load_value() != 0) return;
+  if ((now_ - power_on_) % control_period != Duration::zero()) return;
+  const auto speed = std::abs(get(ap::actual_velocity).value_or(0));
+  if (motor_->heading() == 0 || speed <= values_[number::stop_on_stall]) return;
+  emergency_stop(stall_error);
+}
+
+// ---- Current
+
+Duration Axis::standstill() const { return is_moving() ? Duration::zero() : now_ - rest_; }
+
+std::int32_t Axis::driver_flags() const {
+  if (motor_->heading() == 0) return standstill_flag;
+  return load_value() == 0 ? stall_flag : 0;
+}
+
+// In steps of the driver: 0..31 for 0..255.
+std::int32_t Axis::current_scale() const {
+  constexpr std::int32_t per_step = 8;
+  const auto current = [this] {
+    const auto delay = [this](std::uint8_t parameter) { return values_[parameter] * delay_unit; };
+    const auto stands = standstill();
+    if (is_moving()) {
+      const bool accelerates = motor_->accelerates() && values_[number::boost_current] != 0;
+      return values_[accelerates ? number::boost_current : number::max_current];
+    }
+    const bool at_end = switches_.left || switches_.right;
+    if (at_end && values_[number::end_switch_power_down] == 1) return 0;
+    // On the sixPoint modules this number is a mode, not a delay.
+    const bool freewheels = family_ == Family::tmc429 && values_[number::freewheeling_delay] != 0;
+    if (freewheels && stands >= delay(number::freewheeling_delay)) return 0;
+    const bool down = stands >= delay(number::power_down_delay);
+    return values_[down ? number::standby_current : number::max_current];
+  };
+  return current() / per_step;
+}
+
+}  // namespace tmcl::sim

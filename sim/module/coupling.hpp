@@ -1,0 +1,54 @@
+/// What couples a motor to its stage: microsteps become a way, and ways become microsteps.
+#pragma once
+
+#include <cstdint>
+
+#include "sim/module/motor.hpp"
+#include "sim/stage/stage.hpp"
+
+namespace tmcl::sim {
+
+class Coupling {
+ public:
+  /// Both outlive the coupling.
+  Coupling(Motor& motor, Stage& stage) : motor_(&motor), stage_(&stage), seen_(motor.position()) {}
+
+  Stage& stage() { return *stage_; }
+  const Stage& stage() const { return *stage_; }
+
+  /// Time has passed: the stage goes where the motor went.
+  void follow();
+  /// The motor's position was only called another one.
+  void rebase() { seen_ = motor_->position(); }
+
+  /// So many microsteps of the motor are a full step, as an exponent of two.
+  void set_resolution(std::int32_t exponent) { exponent_ = exponent; }
+  void reverse(bool reversed) { reversed_ = reversed; }
+
+  /// The stage does not follow where the motor turns.
+  bool is_held() const { return stage_->holds(on_stage(motor_->heading())); }
+  /// In microsteps of the motor and its directions: how far it can go before something about the
+  /// stage changes.
+  Reach reach() const;
+  Reach reach_of_encoder() const { return in_microsteps(stage_->encoder_reach()); }
+  /// How far the encoder counts when the motor makes `microsteps()` microsteps.
+  std::int64_t counts() const;
+  std::int64_t microsteps() const;
+  /// In full steps per second.
+  std::int64_t speed() const { return motor_->speed() >> exponent_; }
+
+ private:
+  // Ways on the stage are counted as finely as a microstep can be.
+  static constexpr std::int32_t finest = 8;
+
+  int on_stage(int direction) const { return reversed_ ? -direction : direction; }
+  Reach in_microsteps(Reach reach) const;
+
+  Motor* motor_;
+  Stage* stage_;
+  std::int32_t seen_;
+  std::int32_t exponent_ = finest;
+  bool reversed_ = false;
+};
+
+}  // namespace tmcl::sim

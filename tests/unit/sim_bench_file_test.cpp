@@ -1,0 +1,126 @@
+// The file of tmclsim --bench, and the lines of its console.
+#include <gmock/gmock.h>
+
+#include "sim_fixture.hpp"
+#include "tools/tmclsim/bench_file.hpp"
+#include "tools/tmclsim/console.hpp"
+
+namespace tmclsim {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+std::string error_of(std::string_view text) {
+  const auto file = parse_bench_file(text, "b.toml");
+  return file ? "" : file.error();
+}
+
+TEST(BenchFile, DescribesModulesAndWhatTheirMotorsDrive) {
+  const auto file = parse_bench_file(R"(
+    [[module]]
+    model = "TMCM-6110"
+    address = 7
+    [[module.axis]]
+    motor = 2
+    position = 5
+    left_switch = -100
+    right_switch = 200
+    switch_tolerance = 3
+    normally_closed = true
+    home = [-10, 20]
+    left_stop = -300
+    encoder_counts_per_turn = 400
+    encoder_sign = -1
+    load = 50
+    [[module]]
+    model = "tmcm1110"
+  )",
+                                     "b.toml");
+  ASSERT_TRUE(file) << file.error();
+  ASSERT_EQ(file->size(), 2U);
+  const auto& first = file->front();
+  EXPECT_EQ(first.spec, "TMCM-6110@7");
+  ASSERT_EQ(first.axes.size(), 6U);
+  EXPECT_FALSE(first.axes[0].left_switch);
+  const auto& stage = first.axes[2];
+  EXPECT_EQ(stage.position, 5);
+  EXPECT_EQ(stage.left_switch, -100);
+  EXPECT_EQ(stage.right_switch, 200);
+  EXPECT_EQ(stage.switch_tolerance, 3);
+  EXPECT_TRUE(stage.limits_normally_closed);
+  EXPECT_EQ(stage.home->from, -10);
+  EXPECT_EQ(stage.home->to, 20);
+  EXPECT_EQ(stage.left_stop, -300);
+  EXPECT_FALSE(stage.right_stop);
+  EXPECT_EQ(stage.encoder->counts_per_turn, 400);
+  EXPECT_TRUE(stage.encoder->backwards);
+  EXPECT_EQ(stage.load, 50);
+  EXPECT_EQ(file->back().spec, "TMCM-1110");
+}
+
+TEST(BenchFile, SaysWhereAndWhatIsWrong) {
+  EXPECT_THAT(error_of("[[modul]]\n"), "b.toml:1: there is no key 'modul'. Did you mean 'module'?");
+  EXPECT_THAT(error_of("[[module]]\nmodel = 5\n"), StartsWith("b.toml:2: 'model' must be a name"));
+  EXPECT_THAT(error_of("\n[[module]]\n"), "b.toml:2: this module has no 'model'");
+  EXPECT_THAT(error_of("[[module]]\nmodel = \"TMCM-1111x\"\n"),
+              StartsWith("b.toml:2: there is no module 'TMCM-1111x'."));
+  EXPECT_THAT(error_of("[module]\nmodel = \"TMCM-1110\"\n"), HasSubstr("[[module]]"));
+  EXPECT_THAT(error_of("[[module"), StartsWith("b.toml:1: "));
+  const std::string module = "[[module]]\nmodel = \"TMCM-1110\"\n";
+  EXPECT_THAT(error_of(module + "address = 256\n"),
+              "b.toml:3: 'address' is 256, but must be 1 to 255");
+  const auto axis = module + "[[module.axis]]\n";
+  EXPECT_THAT(error_of(axis + "motor = 1\n"), "b.toml:4: 'motor' is 1, but must be 0 to 0");
+  EXPECT_THAT(error_of(axis + "left_swich = 1\n"), HasSubstr("Did you mean 'left_switch'?"));
+  EXPECT_THAT(error_of(axis + "left_switch = 1.5\n"),
+              "b.toml:4: 'left_switch' must be a whole number");
+  EXPECT_THAT(error_of(axis + "home = 5\n"), StartsWith("b.toml:4: 'home' must be"));
+  EXPECT_THAT(error_of(axis + "home = [5, 4]\n"), "b.toml:4: 'home' ends before it begins");
+  EXPECT_THAT(error_of(axis + "normally_closed = 1\n"), HasSubstr("true or false"));
+  EXPECT_THAT(error_of(axis + "encoder_sign = 1\n"), HasSubstr("encoder_counts_per_turn"));
+  EXPECT_THAT(error_of(axis + "encoder_counts_per_turn = 5\nencoder_sign = 0\n"),
+              "b.toml:5: 'encoder_sign' is 1 or -1");
+  EXPECT_THAT(error_of(axis + "left_stop = 5\nright_stop = 4\n"), StartsWith("b.toml:4: "));
+  EXPECT_THAT(error_of(axis + "motor = 0\n[[module.axis]]\n"),
+              "b.toml:5: motor 0 is described twice");
+}
+
+TEST(BenchFile, SaysWhichFileCannotBeRead) {
+  EXPECT_THAT(read_bench_file("/no/such/file").error(), StartsWith("/no/such/file: "));
+}
+
+constexpr std::uint8_t left_switch = 11;
+
+class Console : public tmcl::sim::SimTest {
+ protected:
+  std::string say(std::string_view words) { return run_console_line(bench, words); }
+};
+
+TEST_F(Console, DoesWhatItIsTold) {
+  auto& module = add(1110, {.encoder = tmcl::sim::EncoderSettings{}});
+  EXPECT_EQ(say("load 1/0 500"), "ok");
+  EXPECT_EQ(module.stage(0).settings().load, 500);
+  EXPECT_EQ(say("  slip  1/0  -200 \r"), "ok");
+  EXPECT_EQ(module.stage(0).encoder_counts(), -200);
+  EXPECT_EQ(say("press 1/0 left"), "ok");
+  EXPECT_EQ(get(left_switch), 1);
+  EXPECT_EQ(say("release 1/0 left"), "ok");
+  EXPECT_EQ(get(left_switch), 0);
+  EXPECT_EQ(say(""), "");
+}
+
+TEST_F(Console, SaysWhatIsWrong) {
+  add(1110);
+  EXPECT_THAT(say("lod 1/0 5"), HasSubstr("Did you mean 'load'?"));
+  EXPECT_EQ(say("load 1/0"), "error: it is: load ADDRESS/MOTOR LOAD");
+  EXPECT_THAT(say("load 1 5"), HasSubstr("'1' is not ADDRESS/MOTOR"));
+  EXPECT_THAT(say("load 2/0 5"), HasSubstr("no module with the address 2"));
+  EXPECT_THAT(say("load 1/1 5"), HasSubstr("TMCM-1110 has no motor 1"));
+  EXPECT_THAT(say("load 1/0 -5"), HasSubstr("'-5' is not a load"));
+  EXPECT_THAT(say("slip 1/0 5"), HasSubstr("no encoder"));
+  EXPECT_THAT(say("press 1/0 rigt"), HasSubstr("Did you mean 'right'?"));
+}
+
+}  // namespace
+}  // namespace tmclsim

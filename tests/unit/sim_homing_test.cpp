@@ -1,0 +1,189 @@
+// The reference search, first as a state machine alone, then on a module with a stage.
+#include "sim/module/homing.hpp"
+
+#include <gmock/gmock.h>
+
+#include <array>
+
+#include "sim_fixture.hpp"
+
+namespace tmcl::sim {
+namespace {
+
+using Kind = Homing::Order::Kind;
+
+MATCHER_P2(Turns, kind, direction, "") { return arg.kind == kind && arg.direction == direction; }
+
+SearchMode mode(std::int32_t value) { return *SearchMode::of(Family::tmc429, value); }
+
+TEST(SearchMode, KnowsTheModesOfTheManuals) {
+  for (const int value : {1, 4, 5, 8, 65, 68, 133, 136}) {
+    EXPECT_TRUE(SearchMode::of(Family::sixpoint, value)) << value;
+  }
+  for (const int value : {0, 9, 64, 69, 129, 132, 137, 197, -1}) {
+    EXPECT_FALSE(SearchMode::of(Family::sixpoint, value)) << value;
+  }
+  EXPECT_TRUE(SearchMode::of(Family::tmc457, 3));
+  EXPECT_FALSE(SearchMode::of(Family::tmc457, 4));
+  EXPECT_EQ(mode(1).direction, -1);
+  EXPECT_EQ(mode(65).direction, 1);
+  EXPECT_EQ(mode(7).direction, 1);
+  EXPECT_EQ(mode(8).direction, -1);
+  EXPECT_TRUE(mode(7).ignores_ends);
+  EXPECT_TRUE(mode(133).home_inverted);
+}
+
+TEST(Homing, BacksOffAndComesBackSlowly) {
+  Homing homing;
+  EXPECT_THAT(homing.start(mode(1), {}, 0), Turns(Kind::search, -1));
+  EXPECT_EQ(homing.see({.right = true, .home = true}, -10).kind, Kind::go_on);
+  EXPECT_THAT(homing.see({.left = true}, -100), Turns(Kind::switching, 1));
+  EXPECT_THAT(homing.see({}, -95), Turns(Kind::switching, -1));
+  const auto back = homing.see({.left = true}, -99);
+  EXPECT_EQ(back.kind, Kind::drive_to);
+  EXPECT_EQ(back.position, -99);
+  EXPECT_TRUE(homing.returns());
+  const auto end = homing.arrived();
+  EXPECT_EQ(end.kind, Kind::finish);
+  EXPECT_EQ(end.position, -99);
+  EXPECT_FALSE(homing.active());
+  EXPECT_EQ(homing.step(), 0);
+}
+
+TEST(Homing, BacksOffFirstWhereTheSwitchIsActiveAlready) {
+  Homing homing;
+  EXPECT_THAT(homing.start(mode(1), {.left = true}, 0), Turns(Kind::switching, 1));
+}
+
+TEST(Homing, MeasuresTheOtherEndFirst) {
+  Homing homing;
+  EXPECT_THAT(homing.start(mode(2), {}, 0), Turns(Kind::search, 1));
+  EXPECT_THAT(homing.see({.right = true}, 500), Turns(Kind::search, -1));
+  EXPECT_THAT(homing.see({.left = true}, -400), Turns(Kind::switching, 1));
+  EXPECT_EQ(homing.other_end(), 500);
+}
+
+TEST(Homing, FromBothSidesTheReferenceIsHalfWay) {
+  Homing homing;
+  homing.start(mode(4), {.left = true}, 0);
+  homing.see({}, 20);
+  EXPECT_EQ(homing.see({.left = true}, 10).position, 15);
+}
+
+TEST(Homing, SwapsSides) {
+  Homing homing;
+  EXPECT_THAT(homing.start(mode(66), {}, 0), Turns(Kind::search, -1));
+  EXPECT_THAT(homing.see({.left = true}, -500), Turns(Kind::search, 1));
+  EXPECT_THAT(homing.see({.right = true}, 500), Turns(Kind::switching, -1));
+}
+
+TEST(Homing, TurnsRoundAtTheEndOfTheWay) {
+  Homing homing;
+  EXPECT_THAT(homing.start(mode(5), {}, 0), Turns(Kind::search, -1));
+  EXPECT_THAT(homing.see({.left = true}, -500), Turns(Kind::search, 1));
+  EXPECT_THAT(homing.see({.home = true}, 100), Turns(Kind::switching, 1));
+  EXPECT_THAT(homing.see({}, 120), Turns(Kind::switching, -1));
+  EXPECT_EQ(homing.see({.home = true}, 119).position, 119);
+}
+
+TEST(Homing, InvertsTheHomeSwitch) {
+  Homing homing;
+  EXPECT_THAT(homing.start(mode(7 + 128), {.home = true}, 0), Turns(Kind::search, 1));
+  EXPECT_TRUE(homing.ignores_ends());
+  EXPECT_THAT(homing.see({}, 100), Turns(Kind::switching, -1));
+}
+
+TEST(Homing, IsNotActiveOnceItIsAborted) {
+  Homing homing;
+  homing.start(mode(1), {}, 0);
+  EXPECT_EQ(homing.step(), 2);
+  homing.abort();
+  EXPECT_EQ(homing.step(), 0);
+  EXPECT_EQ(homing.see({.left = true}, 0).kind, Kind::go_on);
+}
+
+// ---- On a module
+
+namespace ap = axis_parameter;
+using std::chrono::seconds;
+
+constexpr std::uint8_t start = 0;
+constexpr std::uint8_t cancel = 1;
+constexpr std::uint8_t status = 2;
+
+class SimHoming : public SimTest {
+ protected:
+  std::int32_t step() { return ask(Command::RFS, status, 0)->value; }
+  void begin() { EXPECT_EQ(status_of(Command::RFS, start, 0), Status::ok); }
+  // Where on the stage it stands.
+  Place place() { return bench.modules().front()->stage(0).position(); }
+};
+
+TEST_F(SimHoming, FindsTheLeftSwitchAndCallsItZero) {
+  add(1110, StageSettings{.left_switch = -30'000, .switch_tolerance = 40});
+  EXPECT_EQ(step(), 0);
+  begin();
+  EXPECT_GT(step(), 0);
+  pass(seconds(10));
+  EXPECT_EQ(step(), 0);
+  EXPECT_EQ(get(ap::actual_position), 0);
+  EXPECT_EQ(get(ap::position_reached), 1);
+  EXPECT_EQ(place(), -30'000);
+  EXPECT_EQ(bench.next_due(), never);
+  ask(Command::MVP, 0, 0, 12'345);
+  pass(seconds(10));
+  EXPECT_EQ(place(), -30'000 + 12'345);
+}
+
+TEST_F(SimHoming, DoesTheSameOnEveryFamily) {
+  for (const auto model : std::to_array<std::uint16_t>({142, 6212})) {
+    SCOPED_TRACE(model);
+    Bench other(clock);
+    auto& module = other.add(*find_model(model), ModuleAddress{1});
+    module.mount(0, StageSettings{.left_switch = -30'000});
+    struct Nobody : EventSink {
+      void target_reached(const Module&, std::int32_t) override {}
+    } nobody;
+    const Request search{ModuleAddress{1}, Command::RFS, start, 0, 0};
+    EXPECT_EQ(module.execute(search, Medium::serial, nobody).status, Status::ok);
+    for (int due = 0; other.next_due() != never && due < 1000; ++due) {
+      clock.advance_to(other.next_due());
+      other.run_due();
+    }
+    EXPECT_FALSE(module.axis(0).searching());
+    EXPECT_EQ(module.axis(0).get(ap::actual_position), 0);
+    EXPECT_NEAR(static_cast<double>(module.stage(0).position()), -30'000, 1);
+  }
+}
+
+TEST_F(SimHoming, LooksForASwitchThatIsNotThereUntilItIsStopped) {
+  add(1110);
+  begin();
+  pass(seconds(100));
+  EXPECT_EQ(step(), 2);
+  EXPECT_NE(get(ap::actual_velocity), 0);
+  ask(Command::RFS, cancel, 0);
+  pass(seconds(1));
+  EXPECT_EQ(step(), 0);
+  EXPECT_EQ(get(ap::actual_velocity), 0);
+}
+
+TEST_F(SimHoming, EndsWithEveryMotionCommand) {
+  add(1110);
+  for (const auto command : {Command::MST, Command::ROR, Command::ROL, Command::MVP}) {
+    begin();
+    pass(milliseconds(50));
+    EXPECT_GT(step(), 0);
+    EXPECT_EQ(status_of(command, 0, 0, 100), Status::ok);
+    EXPECT_EQ(step(), 0);
+  }
+}
+
+TEST_F(SimHoming, RefusesWhatItDoesNotKnow) {
+  add(1110);
+  EXPECT_EQ(status_of(Command::RFS, 3, 0), Status::wrong_type);
+  EXPECT_EQ(status_of(Command::RFS, start, 1), Status::invalid_value);
+}
+
+}  // namespace
+}  // namespace tmcl::sim

@@ -1,0 +1,217 @@
+#include "bench_file.hpp"
+
+#include <toml++/toml.h>
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <fstream>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+#include "tmcl/model.hpp"
+#include "tmcl/nearest.hpp"
+
+namespace tmclsim {
+namespace {
+
+using tmcl::sim::EncoderSettings;
+using tmcl::sim::Interval;
+using tmcl::sim::Place;
+using tmcl::sim::StageSettings;
+
+constexpr std::int64_t greatest_address = 255;
+// So far that no motor gets there, and near enough to count on.
+constexpr std::int64_t greatest_place = std::int64_t{1} << 50;
+constexpr std::int64_t greatest_count = 1 << 24;
+constexpr std::int64_t greatest_load = 1'000'000;
+
+constexpr auto file_keys = std::to_array<std::string_view>({"module"});
+constexpr auto module_keys = std::to_array<std::string_view>({"model", "address", "axis"});
+constexpr auto axis_keys = std::to_array<std::string_view>(
+    {"motor", "position", "left_switch", "right_switch", "switch_tolerance", "normally_closed",
+     "home", "home_normally_closed", "left_stop", "right_stop", "encoder_counts_per_turn",
+     "encoder_sign", "full_steps_per_turn", "load", "load_per_velocity"});
+
+struct Range {
+  std::int64_t least;
+  std::int64_t most;
+};
+constexpr Range places{-greatest_place, greatest_place};
+
+std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
+
+// Thrown within this file only: the way out of nested tables.
+struct Wrong {
+  toml::source_position where;
+  std::string sentence;
+};
+
+[[noreturn]] void complain(const toml::node& node, std::string sentence) {
+  throw Wrong{node.source().begin, std::move(sentence)};
+}
+
+void want_known_keys(const toml::table& table, std::span<const std::string_view> known) {
+  for (const auto& [key, node] : table) {
+    if (std::ranges::find(known, key.str()) != known.end()) continue;
+    throw Wrong{key.source().begin, "there is no key " + quoted(key.str()) + "." +
+                                        tmcl::did_you_mean(key.str(), known)};
+  }
+}
+
+std::int64_t number(const toml::node& node, std::string_view key, Range range) {
+  const auto* integer = node.as_integer();
+  if (integer == nullptr) complain(node, quoted(key) + " must be a whole number");
+  const auto value = integer->get();
+  if (value < range.least || value > range.most) {
+    complain(node, quoted(key) + " is " + std::to_string(value) + ", but must be " +
+                       std::to_string(range.least) + " to " + std::to_string(range.most));
+  }
+  return value;
+}
+
+std::optional<std::int64_t> number(const toml::table& table, std::string_view key, Range range) {
+  const auto* node = table.get(key);
+  if (node == nullptr) return std::nullopt;
+  return number(*node, key, range);
+}
+
+template <class Integer>
+void take(const toml::table& table, std::string_view key, Range range, Integer& target) {
+  if (const auto value = number(table, key, range)) target = static_cast<Integer>(*value);
+}
+
+void take(const toml::table& table, std::string_view key, std::optional<Place>& target) {
+  if (const auto value = number(table, key, places)) target = *value;
+}
+
+void take(const toml::table& table, std::string_view key, bool& target) {
+  const auto* node = table.get(key);
+  if (node == nullptr) return;
+  if (!node->is_boolean()) complain(*node, quoted(key) + " must be true or false");
+  target = node->as_boolean()->get();
+}
+
+void take_home(const toml::table& table, std::optional<Interval>& home) {
+  const auto* node = table.get("home");
+  if (node == nullptr) return;
+  const auto* ends = node->as_array();
+  if (ends == nullptr || ends->size() != 2) {
+    complain(*node, "'home' must be the places where the switch begins and ends: [-50, 50]");
+  }
+  home = Interval{number(*ends->get(0), "home", places), number(*ends->get(1), "home", places)};
+  if (home->from > home->to) complain(*node, "'home' ends before it begins");
+}
+
+void take_encoder(const toml::table& table, std::optional<EncoderSettings>& encoder) {
+  const auto* sign = table.get("encoder_sign");
+  const auto counts = number(table, "encoder_counts_per_turn", {1, greatest_count});
+  if (!counts && sign != nullptr) {
+    complain(*sign, "'encoder_sign' goes with 'encoder_counts_per_turn'");
+  }
+  if (!counts) return;
+  encoder = EncoderSettings{static_cast<std::int32_t>(*counts), false};
+  if (sign == nullptr) return;
+  const auto value = number(*sign, "encoder_sign", {-1, 1});
+  if (value == 0) complain(*sign, "'encoder_sign' is 1 or -1");
+  encoder->backwards = value < 0;
+}
+
+StageSettings stage_of(const toml::table& table) {
+  StageSettings stage;
+  take(table, "position", places, stage.position);
+  take(table, "left_switch", stage.left_switch);
+  take(table, "right_switch", stage.right_switch);
+  take(table, "switch_tolerance", {0, greatest_place}, stage.switch_tolerance);
+  take(table, "normally_closed", stage.limits_normally_closed);
+  take_home(table, stage.home);
+  take(table, "home_normally_closed", stage.home_normally_closed);
+  take(table, "left_stop", stage.left_stop);
+  take(table, "right_stop", stage.right_stop);
+  take_encoder(table, stage.encoder);
+  take(table, "full_steps_per_turn", {1, greatest_count}, stage.full_steps_per_turn);
+  take(table, "load", {0, greatest_load}, stage.load);
+  take(table, "load_per_velocity", {0, greatest_load}, stage.load_per_velocity);
+  if (stage.left_stop && stage.right_stop && *stage.left_stop > *stage.right_stop) {
+    complain(*table.get("left_stop"), "'left_stop' is to the right of 'right_stop'");
+  }
+  return stage;
+}
+
+// The tables of [[key]].
+std::vector<const toml::table*> tables(const toml::table& parent, std::string_view key) {
+  std::vector<const toml::table*> found;
+  const auto* node = parent.get(key);
+  if (node == nullptr) return found;
+  const auto* array = node->as_array();
+  if (array == nullptr)
+    complain(*node,
+             quoted(key) + " must be written with two brackets: [[" + std::string(key) + "]]");
+  for (const auto& element : *array) {
+    if (!element.is_table()) complain(element, quoted(key) + " must consist of tables");
+    found.push_back(element.as_table());
+  }
+  return found;
+}
+
+const tmcl::Model& model_of(const toml::table& table) {
+  const auto* node = table.get("model");
+  if (node == nullptr) complain(table, "this module has no 'model'");
+  const auto* name = node->as_string();
+  if (name == nullptr) complain(*node, "'model' must be a name, such as \"TMCM-1110\"");
+  const auto* model = tmcl::find_model(name->get());
+  if (model != nullptr) return *model;
+  std::vector<std::string_view> names;
+  for (const auto& known : tmcl::models()) names.push_back(known.name);
+  complain(*node, "there is no module " + quoted(name->get()) + "." +
+                      tmcl::did_you_mean(name->get(), names));
+}
+
+BenchModule module_of(const toml::table& table) {
+  want_known_keys(table, module_keys);
+  const auto& model = model_of(table);
+  BenchModule module{std::string(model.name), std::vector<StageSettings>(model.axes)};
+  if (const auto address = number(table, "address", {1, greatest_address})) {
+    module.spec += "@" + std::to_string(*address);
+  }
+  std::vector<bool> taken(model.axes);
+  for (const auto* axis : tables(table, "axis")) {
+    want_known_keys(*axis, axis_keys);
+    const auto given = number(*axis, "motor", {0, model.axes - 1});
+    const auto motor = static_cast<std::size_t>(given.value_or(0));
+    if (taken[motor]) complain(*axis, "motor " + std::to_string(motor) + " is described twice");
+    taken[motor] = true;
+    module.axes[motor] = stage_of(*axis);
+  }
+  return module;
+}
+
+std::string sentence_at(std::string_view name, toml::source_position where,
+                        std::string_view sentence) {
+  return std::string(name) + ":" + std::to_string(where.line) + ": " + std::string(sentence);
+}
+
+}  // namespace
+
+BenchFile parse_bench_file(std::string_view text, std::string_view name) try {
+  const auto file = toml::parse(text);
+  want_known_keys(file, file_keys);
+  std::vector<BenchModule> modules;
+  for (const auto* table : tables(file, "module")) modules.push_back(module_of(*table));
+  return modules;
+} catch (const toml::parse_error& error) {
+  return tl::unexpected(sentence_at(name, error.source().begin, error.description()));
+} catch (const Wrong& wrong) {
+  return tl::unexpected(sentence_at(name, wrong.where, wrong.sentence));
+}
+
+BenchFile read_bench_file(const std::string& path) {
+  std::ifstream file(path);
+  std::ostringstream text;
+  if (!file || !(text << file.rdbuf())) {
+    return tl::unexpected(path + ": cannot be read, or is empty");
+  }
+  return parse_bench_file(text.str(), path);
+}
+
+}  // namespace tmclsim

@@ -1,0 +1,151 @@
+#include "console.hpp"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "tmcl/nearest.hpp"
+
+namespace tmclsim {
+namespace {
+
+namespace sim = tmcl::sim;
+using Words = std::vector<std::string_view>;
+using Outcome = tl::expected<void, std::string>;
+
+constexpr std::int32_t greatest_load = 1'000'000;
+constexpr auto switch_names = std::to_array<std::string_view>({"left", "right", "home"});
+
+std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
+
+Words split(std::string_view line) {
+  constexpr auto blank = " \t\r";
+  Words words;
+  for (auto begin = line.find_first_not_of(blank); begin != std::string_view::npos;
+       begin = line.find_first_not_of(blank, begin)) {
+    const auto end = std::min(line.find_first_of(blank, begin), line.size());
+    words.push_back(line.substr(begin, end - begin));
+    begin = end;
+  }
+  return words;
+}
+
+std::optional<std::int32_t> parse_number(std::string_view text) {
+  std::int32_t value = 0;
+  const auto* end = text.data() + text.size();
+  const auto parsed = std::from_chars(text.data(), end, value);
+  const bool whole = parsed.ec == std::errc{} && parsed.ptr == end;
+  return whole ? std::optional(value) : std::nullopt;
+}
+
+sim::Module* find_module(sim::Bench& bench, std::int32_t address) {
+  const auto found = std::ranges::find_if(bench.modules(), [&](const auto& module) {
+    return module->globals().value(tmcl::global_parameter::serial_address) == address;
+  });
+  return found == bench.modules().end() ? nullptr : found->get();
+}
+
+struct Motor {
+  sim::Module* module;
+  std::size_t number;
+};
+
+tl::expected<Motor, std::string> find_motor(sim::Bench& bench, std::string_view text) {
+  const auto slash = std::min(text.find('/'), text.size());
+  const auto address = parse_number(text.substr(0, slash));
+  const auto motor = parse_number(slash == text.size() ? "" : text.substr(slash + 1));
+  if (!address || !motor) {
+    return tl::unexpected(quoted(text) + " is not ADDRESS/MOTOR, such as 1/0");
+  }
+  auto* module = find_module(bench, *address);
+  if (module == nullptr) {
+    return tl::unexpected("there is no module with the address " + std::to_string(*address));
+  }
+  if (*motor < 0 || *motor >= module->model().axes) {
+    return tl::unexpected(std::string(module->model().name) + " has no motor " +
+                          std::to_string(*motor));
+  }
+  return Motor{module, static_cast<std::size_t>(*motor)};
+}
+
+Outcome set_load(Motor motor, std::string_view word) {
+  const auto load = parse_number(word);
+  if (!load || *load < 0 || *load > greatest_load) {
+    return tl::unexpected(quoted(word) + " is not a load: they are 0 to " +
+                          std::to_string(greatest_load) + ", in 1/1000 of what it can drive");
+  }
+  motor.module->at_stage(motor.number, [&](sim::Stage& stage) { stage.set_load(*load); });
+  return {};
+}
+
+Outcome slip(Motor motor, std::string_view word) {
+  const auto counts = parse_number(word);
+  if (!counts) return tl::unexpected(quoted(word) + " is not a number of encoder counts");
+  if (!motor.module->stage(motor.number).settings().encoder) {
+    return tl::unexpected(std::string("this motor has no encoder"));
+  }
+  motor.module->at_stage(motor.number, [&](sim::Stage& stage) { stage.slip(*counts); });
+  return {};
+}
+
+Outcome press(Motor motor, std::string_view word, bool pressed) {
+  const auto found = std::ranges::find(switch_names, word);
+  if (found == switch_names.end()) {
+    return tl::unexpected(quoted(word) + " is not a switch: they are left, right and home." +
+                          tmcl::did_you_mean(word, switch_names));
+  }
+  const auto which = static_cast<sim::StageSwitch>(found - switch_names.begin());
+  motor.module->at_stage(motor.number, [&](sim::Stage& stage) { stage.press(which, pressed); });
+  return {};
+}
+
+struct ConsoleCommand {
+  std::string_view name;
+  std::string_view usage;
+  Outcome (*run)(Motor motor, std::string_view operand);
+};
+
+constexpr auto commands = std::to_array<ConsoleCommand>({
+    {"load", "load ADDRESS/MOTOR LOAD", set_load},
+    {"slip", "slip ADDRESS/MOTOR COUNTS", slip},
+    {"press", "press ADDRESS/MOTOR left|right|home",
+     [](Motor motor, std::string_view word) { return press(motor, word, true); }},
+    {"release", "release ADDRESS/MOTOR left|right|home",
+     [](Motor motor, std::string_view word) { return press(motor, word, false); }},
+});
+
+std::string no_such_command(std::string_view word) {
+  std::vector<std::string_view> names;
+  std::string list;
+  for (const auto& command : commands) {
+    names.push_back(command.name);
+    list += (list.empty() ? "" : ", ") + std::string(command.name);
+  }
+  return quoted(word) + " is not one of " + list + "." + tmcl::did_you_mean(word, names);
+}
+
+Outcome run(sim::Bench& bench, const Words& words) {
+  const auto command = std::ranges::find(commands, words[0], &ConsoleCommand::name);
+  if (command == commands.end()) return tl::unexpected(no_such_command(words[0]));
+  if (words.size() != 3) return tl::unexpected("it is: " + std::string(command->usage));
+  const auto motor = find_motor(bench, words[1]);
+  if (!motor) return tl::unexpected(motor.error());
+  return command->run(*motor, words[2]);
+}
+
+}  // namespace
+
+std::string run_console_line(sim::Bench& bench, std::string_view line) {
+  const auto words = split(line);
+  if (words.empty()) return "";
+  const auto outcome = run(bench, words);
+  return outcome ? "ok" : "error: " + outcome.error();
+}
+
+}  // namespace tmclsim

@@ -1,0 +1,19 @@
+/// What a person, or a test, does to the simulated world while it runs: lines on standard input.
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "sim/bench.hpp"
+
+namespace tmclsim {
+
+/// Does what the line says, now. "ok", or "error: " and a sentence; nothing for an empty line.
+///
+///     load 1/0 500        module 1, motor 0: half of what the motor can drive
+///     slip 1/0 200        shift its encoder by so many counts
+///     press 1/0 right     hold a switch with a finger: left, right or home
+///     release 1/0 right
+std::string run_console_line(tmcl::sim::Bench& bench, std::string_view line);
+
+}  // namespace tmclsim
