@@ -28,6 +28,13 @@ class FakeModule {
   }
   /// Called before each request is executed.
   std::function<void(FakeModule&, const Request&)> before;
+  /// Asked before each request is executed: the status with which the module refuses it.
+  std::function<std::optional<Status>(const Request&)> refuse;
+  /// Carries a request out as if nobody had sent it.
+  void execute_quietly(const Request& request) {
+    Reply unread;
+    carry_out(request, unread);
+  }
   /// Requests that were executed.
   const std::vector<Request>& executed() const { return executed_; }
 
@@ -39,12 +46,19 @@ class FakeModule {
       reply.status = Status::invalid_value;
       return reply;
     }
+    if (const auto status = refuse ? refuse(request) : std::nullopt) {
+      reply.status = *status;
+      return reply;
+    }
     carry_out(request, reply);
     return reply;
   }
 
  private:
   static bool concerns_motor(const Request& request) {
+    const bool names_several =
+        request.command == Command::MVP && request.type == 2 && request.motor >= 0x40;
+    if (names_several) return false;
     return static_cast<std::uint8_t>(request.command) <= static_cast<std::uint8_t>(Command::RSAP);
   }
 
@@ -53,11 +67,46 @@ class FakeModule {
       case Command::GAP: reply.value = parameter(request.motor, request.type); break;
       case Command::SAP: parameter(request.motor, request.type) = request.value; break;
       case Command::GGP: reply.value = 2'000'000 + request.type; break;
-      case Command::MVP: arrive(request.motor, request.value); break;
+      case Command::MVP:
+        if (request.type == 0) arrive(request.motor, request.value);
+        break;
       case Command::MST: parameter(request.motor, axis_parameter::actual_velocity) = 0; break;
+      case Command::RFS: search(request.type, reply); break;
+      case Command::SCO: memory_[key(Command::SCO, request)] = request.value; break;
+      case Command::CCO: capture(request); break;
+      case Command::GCO: reply.value = remembered(Command::SCO, request); break;
+      case Command::SIO: memory_[key(Command::SIO, request)] = request.value; break;
+      case Command::GIO: reply.value = remembered(Command::SIO, request); break;
+      case Command::GET_AP_MIN: reply.value = -request.type; break;
+      case Command::GET_AP_MAX: reply.value = request.type; break;
+      case Command::GET_INFO: inform(request.type, reply); break;
       case Command::GET_FIRMWARE_VERSION: reply.value = to_value({3110, 1, 9}); break;
       default: break;
     }
+  }
+
+  static constexpr std::int32_t steps_of_a_search = 3;
+
+  void search(std::uint8_t what, Reply& reply) {
+    if (what == 0) searching_ = steps_of_a_search;
+    if (what == 1) searching_ = 0;
+    if (what != 2) return;
+    reply.value = searching_ == 0 ? 0 : steps_of_a_search + 1 - searching_;
+    if (searching_ > 0) --searching_;
+  }
+  static Request key(Command command, const Request& request) {
+    return {request.address, command, request.type, request.motor, 0};
+  }
+  void capture(const Request& request) {
+    memory_[key(Command::SCO, request)] = parameter(request.motor, axis_parameter::actual_position);
+  }
+  std::int32_t remembered(Command command, const Request& request) {
+    const auto other = 3'000'000 + request.motor * 1'000 + request.type;
+    return memory_.try_emplace(key(command, request), other).first->second;
+  }
+  static void inform(std::uint8_t what, Reply& reply) {
+    if (what >= 20) reply.status = Status::wrong_type;
+    reply.value = 4'000'000 + what;
   }
 
   void arrive(std::uint8_t motor, std::int32_t target) {
@@ -70,6 +119,8 @@ class FakeModule {
   std::uint8_t address_;
   std::uint8_t motors_;
   std::map<std::pair<std::uint8_t, std::uint8_t>, std::int32_t> parameters_;
+  std::map<Request, std::int32_t> memory_;
+  std::int32_t searching_ = 0;
   std::vector<Request> executed_;
 };
 

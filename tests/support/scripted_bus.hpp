@@ -76,6 +76,7 @@ class ScriptedBus {
   /// virtual time.
   void settle() {
     const auto limit = clock_.now() + std::chrono::hours(1);
+    run_actions();
     while (ended_.size() < next_ticket_ && clock_.now() < limit) go_on_until(limit);
   }
   const Result<Answer>& result(engine::Ticket ticket) const { return ended_.at(ticket); }

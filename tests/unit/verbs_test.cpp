@@ -63,6 +63,64 @@ std::vector<Case> all_verbs() {
          bus.module(1).parameter(axis.motor, axis_parameter::actual_velocity) = 0;
          return place(bus.run(verbs::wait_until_reached(axis)));
        }},
+      {"store", [](ScriptedBus& bus) { return done(bus.run(verbs::store(axis, 4))); }},
+      {"restore", [](ScriptedBus& bus) { return done(bus.run(verbs::restore(axis, 4))); }},
+      {"parameter_range",
+       [](ScriptedBus& bus) {
+         return show(bus.run(verbs::parameter_range(axis, 4)), [](const ParameterRange& range) {
+           return std::to_string(range.least) + ".." + std::to_string(range.greatest);
+         });
+       }},
+      {"store_global",
+       [](ScriptedBus& bus) { return done(bus.run(verbs::store_global(axis.module, 2, 5))); }},
+      {"restore_global",
+       [](ScriptedBus& bus) { return done(bus.run(verbs::restore_global(axis.module, 2, 5))); }},
+      {"start_reference_search",
+       [](ScriptedBus& bus) { return done(bus.run(verbs::start_reference_search(axis))); }},
+      {"stop_reference_search",
+       [](ScriptedBus& bus) { return done(bus.run(verbs::stop_reference_search(axis))); }},
+      {"home",
+       [](ScriptedBus& bus) {
+         return show(bus.run(verbs::home(axis, {.mode = 1})), [](const Homed& homed) {
+           return std::to_string(homed.correction->value) + " " +
+                  std::to_string(homed.switch_distance->value);
+         });
+       }},
+      {"set_coordinate",
+       [](ScriptedBus& bus) { return done(bus.run(verbs::set_coordinate(axis, 3, {-77}))); }},
+      {"coordinate", [](ScriptedBus& bus) { return place(bus.run(verbs::coordinate(axis, 3))); }},
+      {"capture_coordinate",
+       [](ScriptedBus& bus) { return place(bus.run(verbs::capture_coordinate(axis, 3))); }},
+      {"store_coordinates",
+       [](ScriptedBus& bus) { return done(bus.run(verbs::store_coordinates(axis.module))); }},
+      {"load_coordinates",
+       [](ScriptedBus& bus) { return done(bus.run(verbs::load_coordinates(axis.module, 3))); }},
+      {"move_to_coordinate",
+       [](ScriptedBus& bus) { return done(bus.run(verbs::move_to_coordinate(axis, 3))); }},
+      {"move_motors_to_coordinate",
+       [](ScriptedBus& bus) {
+         return done(bus.run(
+             verbs::move_motors_to_coordinate(axis.module, {0b110}, Together::interpolated, 3)));
+       }},
+      {"get_io",
+       [](ScriptedBus& bus) {
+         return count(bus.run(verbs::get_io(axis.module, IoBank::analog_inputs, 1)));
+       }},
+      {"set_output",
+       [](ScriptedBus& bus) { return done(bus.run(verbs::set_output(axis.module, 1, 1))); }},
+      {"firmware_info",
+       [](ScriptedBus& bus) {
+         return show(bus.run(verbs::firmware_info(axis.module)), [](const FirmwareInfo& info) {
+           return std::to_string(*info.module_id) + " " + std::to_string(*info.capabilities);
+         });
+       }},
+      {"request_arrival_events",
+       [](ScriptedBus& bus) {
+         return done(
+             bus.run(verbs::request_arrival_events(axis.module, ArrivalEvents::every_move, 7)));
+       }},
+      {"reset_module",
+       [](ScriptedBus& bus) { return done(bus.run(verbs::reset_module(axis.module))); }},
       {"identify",
        [](ScriptedBus& bus) {
          return show(bus.run(verbs::identify(axis.module)), [](const FoundModule& found) {
@@ -118,8 +176,19 @@ TEST_P(EveryStepFails, NoVerbGivesAWrongAnswerOrMovesTwice) {
 }
 
 TEST_P(EveryStepFails, ReadsAndStopsSurviveAnySingleFault) {
-  const std::set<std::string> sturdy{"get",      "set",   "get_global",        "stop",
-                                     "position", "state", "wait_until_reached"};
+  const std::set<std::string> sturdy{"get",
+                                     "set",
+                                     "get_global",
+                                     "stop",
+                                     "position",
+                                     "state",
+                                     "wait_until_reached",
+                                     "parameter_range",
+                                     "stop_reference_search",
+                                     "coordinate",
+                                     "load_coordinates",
+                                     "get_io",
+                                     "firmware_info"};
   for (const auto& verb : all_verbs()) {
     if (!sturdy.contains(verb.name)) continue;
     for (const auto fault : test::all_faults) {

@@ -13,16 +13,14 @@
 #include <string_view>
 #include <vector>
 
+#include "tmcl/address.hpp"
+#include "tmcl/coordinates.hpp"
+#include "tmcl/homing.hpp"
+#include "tmcl/module_verbs.hpp"
 #include "tmcl/script.hpp"
 #include "tmcl/units.hpp"
 
 namespace tmcl {
-
-struct AxisAddress {
-  ModuleAddress module{1};
-  std::uint8_t motor = 0;
-  auto operator<=>(const AxisAddress&) const = default;
-};
 
 /// One look at an axis. The readings are taken one after the other, some milliseconds apart: first
 /// position_reached, last the position.
@@ -32,6 +30,12 @@ struct AxisState {
   Microsteps target;
   bool position_reached =
       false;  ///< Axis parameter 8: position equals target, in any mode and even while passing.
+};
+
+/// What a module lets an axis parameter be.
+struct ParameterRange {
+  std::int32_t least = 0;
+  std::int32_t greatest = 0;
 };
 
 struct WaitOptions {
@@ -70,6 +74,13 @@ Script<Result<std::int32_t>> get(AxisAddress axis, std::uint8_t parameter);
 /// Sets an axis parameter (SAP). When the answer is lost and the parameter does not move the motor,
 /// reading it back settles whether it was set.
 Script<Result<void>> set(AxisAddress axis, std::uint8_t parameter, std::int32_t value);
+/// Copies an axis parameter to the EEPROM (STAP). Outcome::unknown when the answer is lost: it may
+/// be stored.
+Script<Result<void>> store(AxisAddress axis, std::uint8_t parameter);
+/// And back (RSAP); what it restores can move the motor.
+Script<Result<void>> restore(AxisAddress axis, std::uint8_t parameter);
+/// Asks the module itself (GET_AP_MIN, GET_AP_MAX), which not every firmware can tell.
+Script<Result<ParameterRange>> parameter_range(AxisAddress axis, std::uint8_t parameter);
 /// Reads a global parameter (GGP).
 Script<Result<std::int32_t>> get_global(ModuleAddress module, std::uint8_t bank,
                                         std::uint8_t parameter);
@@ -129,6 +140,27 @@ class BasicAxis {
   auto set(std::uint8_t parameter, std::int32_t value) {
     return bus_->run(verbs::set(address_, parameter, value));
   }
+  auto store(std::uint8_t parameter) { return bus_->run(verbs::store(address_, parameter)); }
+  auto restore(std::uint8_t parameter) { return bus_->run(verbs::restore(address_, parameter)); }
+  auto parameter_range(std::uint8_t parameter) {
+    return bus_->run(verbs::parameter_range(address_, parameter));
+  }
+
+  auto home(HomeOptions options = {}) { return bus_->run(verbs::home(address_, options)); }
+  auto start_reference_search() { return bus_->run(verbs::start_reference_search(address_)); }
+  auto stop_reference_search() { return bus_->run(verbs::stop_reference_search(address_)); }
+  auto reference_search_status() { return bus_->run(verbs::reference_search_status(address_)); }
+
+  auto set_coordinate(std::uint8_t number, Microsteps position) {
+    return bus_->run(verbs::set_coordinate(address_, number, position));
+  }
+  auto coordinate(std::uint8_t number) { return bus_->run(verbs::coordinate(address_, number)); }
+  auto capture_coordinate(std::uint8_t number) {
+    return bus_->run(verbs::capture_coordinate(address_, number));
+  }
+  auto move_to_coordinate(std::uint8_t number) {
+    return bus_->run(verbs::move_to_coordinate(address_, number));
+  }
 
  private:
   Bus* bus_;
@@ -151,6 +183,33 @@ class BasicModule {
   auto set_global(std::uint8_t bank, std::uint8_t parameter, std::int32_t value) {
     return bus_->run(verbs::set_global(address_, bank, parameter, value));
   }
+  auto store_global(std::uint8_t bank, std::uint8_t parameter) {
+    return bus_->run(verbs::store_global(address_, bank, parameter));
+  }
+  auto restore_global(std::uint8_t bank, std::uint8_t parameter) {
+    return bus_->run(verbs::restore_global(address_, bank, parameter));
+  }
+  auto get_io(IoBank bank, std::uint8_t port) {
+    return bus_->run(verbs::get_io(address_, bank, port));
+  }
+  auto set_output(std::uint8_t port, std::int32_t value) {
+    return bus_->run(verbs::set_output(address_, port, value));
+  }
+  auto firmware_info() { return bus_->run(verbs::firmware_info(address_)); }
+  auto request_arrival_events(ArrivalEvents events, std::int32_t motors) {
+    return bus_->run(verbs::request_arrival_events(address_, events, motors));
+  }
+  auto store_coordinates(std::optional<std::uint8_t> number = {}) {
+    return bus_->run(verbs::store_coordinates(address_, number));
+  }
+  auto load_coordinates(std::optional<std::uint8_t> number = {}) {
+    return bus_->run(verbs::load_coordinates(address_, number));
+  }
+  auto move_motors_to_coordinate(MotorMask motors, Together together, std::uint8_t number) {
+    return bus_->run(verbs::move_motors_to_coordinate(address_, motors, together, number));
+  }
+  auto reset() { return bus_->run(verbs::reset_module(address_)); }
+  auto factory_reset() { return bus_->run(verbs::factory_reset(address_)); }
 
  private:
   Bus* bus_;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/verb_steps.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/verbs.hpp"
 
@@ -16,18 +17,6 @@ Request axis_request(AxisAddress axis, Command command, std::uint8_t type, std::
 
 bool may_have_been_executed(const Result<Answer>& answer) {
   return !answer && answer.error().outcome == Outcome::unknown;
-}
-
-Script<Result<void>> act(Request request) {
-  const auto answer = co_await exchange(request);
-  if (!answer) co_return tl::unexpected(answer.error());
-  co_return Result<void>{};
-}
-
-Script<Result<std::int32_t>> ask(Request request) {
-  const auto answer = co_await exchange(request);
-  if (!answer) co_return tl::unexpected(answer.error());
-  co_return answer->reply.value;
 }
 
 Error interrupted(AxisAddress axis, const AxisState& state, std::string_view why) {
@@ -72,6 +61,22 @@ Script<Result<void>> set(AxisAddress axis, std::uint8_t parameter, std::int32_t 
   }
   if (!answer) co_return tl::unexpected(answer.error());
   co_return Result<void>{};
+}
+
+Script<Result<void>> store(AxisAddress axis, std::uint8_t parameter) {
+  return act(axis_request(axis, Command::STAP, parameter));
+}
+
+Script<Result<void>> restore(AxisAddress axis, std::uint8_t parameter) {
+  return act(axis_request(axis, Command::RSAP, parameter));
+}
+
+Script<Result<ParameterRange>> parameter_range(AxisAddress axis, std::uint8_t parameter) {
+  const auto least = co_await ask(axis_request(axis, Command::GET_AP_MIN, parameter));
+  if (!least) co_return tl::unexpected(least.error());
+  const auto greatest = co_await ask(axis_request(axis, Command::GET_AP_MAX, parameter));
+  if (!greatest) co_return tl::unexpected(greatest.error());
+  co_return ParameterRange{*least, *greatest};
 }
 
 Script<Result<std::int32_t>> get_global(ModuleAddress module, std::uint8_t bank,

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <chrono>
 
+#include "engine/verb_steps.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/verbs.hpp"
@@ -18,10 +19,6 @@ constexpr Duration second_reply_time = 10ms;
 Request version_request(ModuleAddress module) {
   return {module, Command::GET_FIRMWARE_VERSION, static_cast<std::uint8_t>(VersionForm::binary), 0,
           0};
-}
-
-bool is_silence(const Error& error) {
-  return error.code == Errc::reply_timeout || error.code == Errc::module_silent;
 }
 
 /// For a model that no table knows: motors that exist have a position.

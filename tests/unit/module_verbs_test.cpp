@@ -1,0 +1,170 @@
+// Homing, coordinates, ports and what else is asked of modules: the bytes, and what refusals mean.
+// That no fault makes them wrong is tested in verbs_test.cpp.
+
+#include <gmock/gmock.h>
+
+#include "support/scripted_bus.hpp"
+
+namespace tmcl {
+namespace {
+
+using namespace std::chrono_literals;
+using test::Fault;
+using test::ScriptedBus;
+using testing::ElementsAre;
+
+constexpr ModuleAddress module{1};
+constexpr AxisAddress axis{module, 2};
+
+constexpr Request search(std::uint8_t type) { return {module, Command::RFS, type, 2, 0}; }
+
+TEST(Homing, SetsTheModeStartsAndAsksUntilTheModuleIsDone) {
+  ScriptedBus bus;
+  auto& fake = bus.add_module(1);
+  fake.parameter(2, 197) = -40;
+  fake.parameter(2, 196) = 5000;
+  std::vector<std::int32_t> steps;
+  const auto homed = bus.run(verbs::home(
+      axis, {.mode = 7, .progress = [&](std::int32_t step) { steps.push_back(step); }}));
+  ASSERT_TRUE(homed);
+  EXPECT_EQ(homed->correction, Microsteps{-40});
+  EXPECT_EQ(homed->switch_distance, Microsteps{5000});
+  EXPECT_THAT(steps, ElementsAre(1, 2, 3));
+  EXPECT_EQ(bus.sent()[0], (Request{module, Command::SAP, 193, 2, 7}));
+  EXPECT_EQ(bus.sent()[1], search(0));
+  EXPECT_EQ(bus.sent()[2], search(2));
+}
+
+TEST(Homing, LeavesTheModeAloneUnlessAsked) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  ASSERT_TRUE(bus.run(verbs::home(axis)));
+  EXPECT_EQ(bus.sent()[0], search(0));
+}
+
+TEST(Homing, AModuleThatFallsSilentWhileItSearchesIsAskedAgain) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  bus.chance = [&](std::size_t datagram) {
+    return datagram >= 2 && datagram < 8 ? std::optional(Fault::lost_request) : std::nullopt;
+  };
+  EXPECT_TRUE(bus.run(verbs::home(axis)));
+}
+
+TEST(Homing, ButNotForEver) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  bus.chance = [&](std::size_t datagram) {
+    return datagram >= 2 ? std::optional(Fault::lost_request) : std::nullopt;
+  };
+  const auto homed = bus.run(verbs::home(axis, {.silence_limit = 1s}));
+  ASSERT_FALSE(homed);
+  EXPECT_TRUE(homed.error().code == Errc::reply_timeout ||
+              homed.error().code == Errc::module_silent);
+  EXPECT_LT(bus.clock().now(), TimePoint{} + 20s);
+}
+
+TEST(Homing, EndsAtItsTimeoutAndSaysThatTheSearchGoesOn) {
+  ScriptedBus bus;
+  auto& fake = bus.add_module(1);
+  fake.before = [](test::FakeModule& self, const Request& request) {
+    if (request == search(2)) self.execute_quietly(search(0));
+  };
+  const auto homed = bus.run(verbs::home(axis, {.timeout = 300ms}));
+  ASSERT_FALSE(homed);
+  EXPECT_EQ(homed.error().code, Errc::deadline_passed);
+  EXPECT_EQ(homed.error().outcome, Outcome::done);
+  EXPECT_THAT(homed.error().hint, testing::HasSubstr("goes on"));
+  EXPECT_EQ(std::ranges::count(bus.sent(), search(1)), 0);
+}
+
+TEST(Homing, ALostAnswerToTheStartIsSettledByTheStatus) {
+  ScriptedBus executed;
+  executed.add_module(1);
+  executed.fail(0, Fault::lost_reply);
+  EXPECT_TRUE(executed.run(verbs::start_reference_search(axis)));
+  ScriptedBus lost;
+  lost.add_module(1);
+  lost.fail(0, Fault::lost_request);
+  const auto started = lost.run(verbs::start_reference_search(axis));
+  ASSERT_FALSE(started);
+  EXPECT_EQ(started.error().outcome, Outcome::unknown);
+}
+
+TEST(Homing, AResultThatTheModuleDoesNotHaveIsNoError) {
+  ScriptedBus bus;
+  auto& fake = bus.add_module(1);
+  fake.refuse = [](const Request& request) {
+    return request.command == Command::GAP && request.type == 196
+               ? std::optional(Status::wrong_type)
+               : std::nullopt;
+  };
+  const auto homed = bus.run(verbs::home(axis));
+  ASSERT_TRUE(homed);
+  EXPECT_TRUE(homed->correction);
+  EXPECT_FALSE(homed->switch_distance);
+}
+
+TEST(Coordinates, TheEepromFormsHaveMotor255) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  ASSERT_TRUE(bus.run(verbs::store_coordinates(module)));
+  ASSERT_TRUE(bus.run(verbs::store_coordinates(module, 20)));
+  ASSERT_TRUE(bus.run(verbs::load_coordinates(module)));
+  EXPECT_THAT(bus.sent(), ElementsAre(Request{module, Command::SCO, 0, 255, 0},
+                                      Request{module, Command::SCO, 20, 255, 0},
+                                      Request{module, Command::GCO, 0, 255, 0}));
+}
+
+TEST(Coordinates, NumbersThatDoNotExistAreRefusedUnsent) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  EXPECT_EQ(bus.run(verbs::set_coordinate(axis, 21, {0})).error().code, Errc::bad_argument);
+  EXPECT_EQ(bus.run(verbs::move_to_coordinate(axis, 21)).error().code, Errc::bad_argument);
+  EXPECT_EQ(bus.run(verbs::store_coordinates(module, 0)).error().code, Errc::bad_argument);
+  EXPECT_EQ(bus.run(verbs::move_motors_to_coordinate(module, {0}, Together::interpolated, 1))
+                .error()
+                .code,
+            Errc::bad_argument);
+  EXPECT_TRUE(bus.sent().empty());
+}
+
+TEST(Coordinates, SeveralMotorsAreNamedByAMask) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  ASSERT_TRUE(
+      bus.run(verbs::move_motors_to_coordinate(module, {0b101}, Together::each_for_itself, 4)));
+  ASSERT_TRUE(
+      bus.run(verbs::move_motors_to_coordinate(module, {0b101}, Together::interpolated, 4)));
+  EXPECT_THAT(bus.sent(), ElementsAre(Request{module, Command::MVP, 2, 0x45, 4},
+                                      Request{module, Command::MVP, 2, 0x85, 4}));
+}
+
+TEST(Ports, ALostAnswerToAnOutputIsSettledByReadingIt) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  bus.fail(0, Fault::lost_reply);
+  EXPECT_TRUE(bus.run(verbs::set_output(module, 3, 1)));
+  EXPECT_EQ(std::ranges::count(bus.module(1).executed(), Command::SIO, &Request::command), 1);
+}
+
+TEST(ModuleVerbs, ResetsAreSentWithTheNumberThatMeansThem) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  ASSERT_TRUE(bus.run(verbs::reset_module(module)));
+  ASSERT_TRUE(bus.run(verbs::factory_reset(module)));
+  EXPECT_EQ(bus.sent()[0], (Request{module, Command::SOFTWARE_RESET, 0, 0, 1234}));
+  EXPECT_EQ(bus.sent()[1], (Request{module, Command::FACTORY_RESET, 0, 0, 1234}));
+}
+
+TEST(ModuleVerbs, WhatGetInfoDoesNotKnowIsLeftOut) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  const auto info = bus.run(verbs::firmware_info(module));
+  ASSERT_TRUE(info);
+  EXPECT_EQ(info->bootloader_id, 4'000'010);
+  EXPECT_FALSE(info->git_hash);
+}
+
+}  // namespace
+}  // namespace tmcl
