@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tmcl/parameter.hpp"
+#include "tmcl/program.hpp"
 #include "tmcl/verbs.hpp"
 #include "tmcl/version.hpp"
 
@@ -30,6 +31,16 @@ class FakeModule {
   std::function<void(FakeModule&, const Request&)> before;
   /// Asked before each request is executed: the status with which the module refuses it.
   std::function<std::optional<Status>(const Request&)> refuse;
+  /// The memory of programs; in download mode everything but END_DOWNLOAD is recorded there, also
+  /// what no manual says so of.
+  program::Program& program() { return program_; }
+  /// What was recorded, in this order.
+  const std::vector<Request>& recorded() const { return recorded_; }
+  bool& downloading() { return downloading_; }
+  std::int32_t& global(std::uint8_t type) {
+    return globals_.try_emplace(type, 2'000'000 + type).first->second;
+  }
+  std::int32_t application_status = 0;
   /// Carries a request out as if nobody had sent it.
   void execute_quietly(const Request& request) {
     Reply unread;
@@ -39,9 +50,14 @@ class FakeModule {
   const std::vector<Request>& executed() const { return executed_; }
 
   Reply execute(const Request& request) {
-    executed_.push_back(request);
     if (before) before(*this, request);
     Reply reply{default_host_address, address_, Status::ok, request.command, request.value};
+    if (downloading_ && request.command != Command::END_DOWNLOAD) {
+      record(request);
+      reply.status = Status::command_loaded;
+      return reply;
+    }
+    executed_.push_back(request);
     if (concerns_motor(request) && request.motor >= motors_) {
       reply.status = Status::invalid_value;
       return reply;
@@ -66,7 +82,11 @@ class FakeModule {
     switch (request.command) {
       case Command::GAP: reply.value = parameter(request.motor, request.type); break;
       case Command::SAP: parameter(request.motor, request.type) = request.value; break;
-      case Command::GGP: reply.value = 2'000'000 + request.type; break;
+      case Command::GGP: reply.value = global(request.type); break;
+      case Command::START_DOWNLOAD: begin_download(request.value); break;
+      case Command::END_DOWNLOAD: downloading_ = false; break;
+      case Command::GET_APPLICATION_STATUS: reply.value = application_status; break;
+      case Command::READ_TMCL_MEMORY: read_memory(request, reply); break;
       case Command::MVP:
         if (request.type == 0) arrive(request.motor, request.value);
         break;
@@ -83,6 +103,25 @@ class FakeModule {
       case Command::GET_FIRMWARE_VERSION: reply.value = to_value({3110, 1, 9}); break;
       default: break;
     }
+  }
+
+  void begin_download(std::int32_t address) {
+    downloading_ = true;
+    next_line_ = static_cast<std::size_t>(address);
+  }
+  void record(const Request& request) {
+    recorded_.push_back(request);
+    if (next_line_ >= program_.size()) program_.resize(next_line_ + 1);
+    program_[next_line_++] = {request.command, request.type, request.motor, request.value};
+  }
+  void read_memory(const Request& request, Reply& reply) const {
+    const auto address = static_cast<std::size_t>(request.value);
+    if (address >= program::most_commands) {
+      reply.status = Status::maximum_exceeded;
+      return;
+    }
+    reply = program::memory_reply(address < program_.size() ? program_[address]
+                                                            : program::Instruction{});
   }
 
   static constexpr std::int32_t steps_of_a_search = 3;
@@ -121,6 +160,11 @@ class FakeModule {
   std::map<std::pair<std::uint8_t, std::uint8_t>, std::int32_t> parameters_;
   std::map<Request, std::int32_t> memory_;
   std::int32_t searching_ = 0;
+  std::map<std::uint8_t, std::int32_t> globals_{{81, 0}};
+  program::Program program_;
+  std::vector<Request> recorded_;
+  bool downloading_ = false;
+  std::size_t next_line_ = 0;
   std::vector<Request> executed_;
 };
 

@@ -66,6 +66,24 @@ class ScriptedBus {
     return script.take();
   }
 
+  /// One step of a script, to its end.
+  StepResult perform(const Step& step) {
+    if (const auto* rest = std::get_if<step::Pause>(&step)) {
+      pass(rest->duration);
+      return {};
+    }
+    std::vector<step::Exchange> exchanges;
+    if (const auto* one = std::get_if<step::Exchange>(&step)) exchanges.push_back(*one);
+    if (const auto* many = std::get_if<step::ExchangeAll>(&step)) exchanges = many->exchanges;
+    std::vector<engine::Ticket> tickets;
+    for (const auto& exchange : exchanges)
+      tickets.push_back(submit(exchange.request, exchange.options));
+    settle(tickets);
+    StepResult results;
+    for (const auto ticket : tickets) results.push_back(ended_.at(ticket));
+    return results;
+  }
+
   /// Submits without waiting.
   engine::Ticket submit(const Request& request, const CallOptions& options = {}) {
     const auto ticket = next_ticket_++;
@@ -78,6 +96,14 @@ class ScriptedBus {
     const auto limit = clock_.now() + std::chrono::hours(1);
     run_actions();
     while (ended_.size() < next_ticket_ && clock_.now() < limit) go_on_until(limit);
+  }
+  void settle(const std::vector<engine::Ticket>& tickets) {
+    const auto limit = clock_.now() + std::chrono::hours(1);
+    run_actions();
+    const auto has_all = [&] {
+      return std::ranges::all_of(tickets, [&](auto ticket) { return has_ended(ticket); });
+    };
+    while (!has_all() && clock_.now() < limit) go_on_until(limit);
   }
   const Result<Answer>& result(engine::Ticket ticket) const { return ended_.at(ticket); }
   bool has_ended(engine::Ticket ticket) const { return ended_.contains(ticket); }
@@ -118,23 +144,6 @@ class ScriptedBus {
     Reply reply;
     std::optional<Fault> fault;
   };
-
-  StepResult perform(const Step& step) {
-    if (const auto* rest = std::get_if<step::Pause>(&step)) {
-      pass(rest->duration);
-      return {};
-    }
-    std::vector<step::Exchange> exchanges;
-    if (const auto* one = std::get_if<step::Exchange>(&step)) exchanges.push_back(*one);
-    if (const auto* many = std::get_if<step::ExchangeAll>(&step)) exchanges = many->exchanges;
-    std::vector<engine::Ticket> tickets;
-    for (const auto& exchange : exchanges)
-      tickets.push_back(submit(exchange.request, exchange.options));
-    settle();
-    StepResult results;
-    for (const auto ticket : tickets) results.push_back(ended_.at(ticket));
-    return results;
-  }
 
   void on_sent(const Request& request) {
     const auto datagram = sent_.size();

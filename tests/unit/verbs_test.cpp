@@ -119,6 +119,27 @@ std::vector<Case> all_verbs() {
          return done(
              bus.run(verbs::request_arrival_events(axis.module, ArrivalEvents::every_move, 7)));
        }},
+      {"read_program",
+       [](ScriptedBus& bus) {
+         bus.module(1).program() = {{Command::MVP, 0, 1, 7}, {Command::STOP, 0, 0, 0}};
+         return show(bus.run(verbs::read_program(axis.module, {.length = 3})),
+                     [](const program::Program& program) {
+                       return std::to_string(program.size()) + " " +
+                              std::to_string(program.front().value);
+                     });
+       }},
+      {"run_program",
+       [](ScriptedBus& bus) { return done(bus.run(verbs::run_program(axis.module, 5))); }},
+      {"stop_program",
+       [](ScriptedBus& bus) { return done(bus.run(verbs::stop_program(axis.module))); }},
+      {"program_status",
+       [](ScriptedBus& bus) {
+         return show(bus.run(verbs::program_status(axis.module)), [](const ProgramStatus& status) {
+           return std::to_string(*status.next_address) + " " + std::to_string(*status.last_error);
+         });
+       }},
+      {"add_breakpoint",
+       [](ScriptedBus& bus) { return done(bus.run(verbs::add_breakpoint(axis.module, 5))); }},
       {"reset_module",
        [](ScriptedBus& bus) { return done(bus.run(verbs::reset_module(axis.module))); }},
       {"identify",

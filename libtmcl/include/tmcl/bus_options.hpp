@@ -32,6 +32,9 @@ struct BusOptions {
 /// How many commands may wait for one bus.
 constexpr std::size_t max_queued_calls = 256;
 
+/// A hold that is not used for so long ends.
+constexpr Duration hold_idle_limit = std::chrono::seconds(5);
+
 struct BusCounters {
   std::uint64_t requests = 0;  ///< Datagrams sent.
   std::uint64_t replies = 0;   ///< Answers that were accepted.

@@ -37,6 +37,7 @@ enum class ReplyKind : std::uint8_t {
   normal,   ///< One reply in the ordinary form.
   version,  ///< Ordinary reply or, for type 0, nine bytes of text with neither status nor checksum.
   then_event,  ///< One reply now, and an event (status 128) later.
+  memory,      ///< A line of the program: see memory_reply() in tmcl/program.hpp.
   none,        ///< Nothing: the command counts as done once it is on the wire.
 };
 

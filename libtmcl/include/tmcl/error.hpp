@@ -35,6 +35,8 @@ enum class Errc : std::uint8_t {
   move_interrupted,  ///< The axis stands, or is about to stand, somewhere else than where the move
                      ///< was to end.
   unexpected_value,  ///< The module holds another value than the one that was set.
+  download_broken,   ///< A program could not be loaded; the module is left without one that could
+                     ///< run.
 };
 
 struct Error {

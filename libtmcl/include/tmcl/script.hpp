@@ -25,6 +25,18 @@
 
 namespace tmcl {
 
+/// Keeps a module for whoever made it: from the first exchange that carries it until it is
+/// destroyed, commands of others to that module wait in the queue, except stops.
+///
+/// Of a module in download mode nobody can tell a stop's answer from a stop's recording. So a stop
+/// that comes then ends the download first (END_DOWNLOAD), and with it the hold; so does the engine
+/// when the hold is destroyed in the middle of a download, or not used for hold_idle_limit. Only a
+/// START_DOWNLOAD that carries a hold is watched over like this.
+struct Hold {
+  enum class End : std::uint8_t { not_yet, stop, idle };
+  End ended = End::not_yet;  ///< Set by the engine; then exchanges with this hold are refused.
+};
+
 struct CallOptions {
   /// Refused rather than sent after this instant.
   std::optional<TimePoint> deadline{};
@@ -34,6 +46,11 @@ struct CallOptions {
   /// How often a repeatable command may be sent before it counts as failed; 0: as the bus is set
   /// up.
   unsigned attempts = 0;
+  /// Null: an ordinary call, which waits while someone else holds the module.
+  std::shared_ptr<Hold> hold{};
+  /// To be recorded and not to be executed: sent at most once, and only while the module is in
+  /// download mode for this hold. A success has Status::command_loaded.
+  bool is_program_line = false;
 };
 
 /// A reply, and what the engine noticed about it.

@@ -36,6 +36,8 @@ class SerialDecoder {
   /// While true, a version text is recognised too, and wins over a reply that the same bytes could
   /// be.
   void expect_version_text(bool expected) { version_text_expected_ = expected; }
+  /// While true, a reply may carry any status: it is a line of a program.
+  void expect_program_line(bool expected) { program_line_expected_ = expected; }
   /// Forgets an unfinished datagram; its bytes count as dropped.
   void reset();
 
@@ -47,6 +49,7 @@ class SerialDecoder {
 
   std::uint8_t host_;
   bool version_text_expected_ = false;
+  bool program_line_expected_ = false;
   std::size_t size_ = 0;
   SerialBytes window_{};
   std::uint64_t dropped_ = 0;

@@ -17,6 +17,7 @@
 #include "tmcl/coordinates.hpp"
 #include "tmcl/homing.hpp"
 #include "tmcl/module_verbs.hpp"
+#include "tmcl/program_verbs.hpp"
 #include "tmcl/script.hpp"
 #include "tmcl/units.hpp"
 
@@ -208,6 +209,32 @@ class BasicModule {
   auto move_motors_to_coordinate(MotorMask motors, Together together, std::uint8_t number) {
     return bus_->run(verbs::move_motors_to_coordinate(address_, motors, together, number));
   }
+
+  auto load_program(program::Program program, LoadOptions options = {}) {
+    return bus_->run(verbs::load_program(address_, std::move(program), std::move(options)));
+  }
+  auto read_program(ReadOptions options = {}) {
+    return bus_->run(verbs::read_program(address_, std::move(options)));
+  }
+  auto compare_program(program::Program program, LoadOptions options = {}) {
+    return bus_->run(verbs::compare_program(address_, std::move(program), std::move(options)));
+  }
+  auto run_program(std::optional<std::uint16_t> address = std::nullopt) {
+    return bus_->run(verbs::run_program(address_, address));
+  }
+  auto stop_program() { return bus_->run(verbs::stop_program(address_)); }
+  auto step_program() { return bus_->run(verbs::step_program(address_)); }
+  auto reset_program() { return bus_->run(verbs::reset_program(address_)); }
+  auto program_status() { return bus_->run(verbs::program_status(address_)); }
+  auto add_breakpoint(std::uint16_t address) {
+    return bus_->run(verbs::add_breakpoint(address_, address));
+  }
+  auto delete_breakpoint(std::uint16_t address) {
+    return bus_->run(verbs::delete_breakpoint(address_, address));
+  }
+  auto delete_all_breakpoints() { return bus_->run(verbs::delete_all_breakpoints(address_)); }
+  auto most_breakpoints() { return bus_->run(verbs::most_breakpoints(address_)); }
+
   auto reset() { return bus_->run(verbs::reset_module(address_)); }
   auto factory_reset() { return bus_->run(verbs::factory_reset(address_)); }
 

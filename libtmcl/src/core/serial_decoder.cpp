@@ -28,7 +28,8 @@ std::optional<SerialItem> SerialDecoder::recognise() const {
       return VersionText{host_, *version};
   }
   const auto reply = decode_serial_reply(window_);
-  if (!reply || find_status(reply->status) == nullptr) return std::nullopt;
+  if (!reply) return std::nullopt;
+  if (!program_line_expected_ && find_status(reply->status) == nullptr) return std::nullopt;
   return *reply;
 }
 

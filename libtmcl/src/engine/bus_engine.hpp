@@ -16,6 +16,9 @@
 /// A stop goes first. Where it would have to wait for a fence it is sent at once as well, and then
 /// again, provably. A stop also removes every movement that is queued for the same motor.
 ///
+/// While a module is in download mode everything else waits for the holder of the download, and a
+/// stop sends END_DOWNLOAD ahead of itself: see custody.hpp.
+///
 /// Does no I/O and reads no clock: it is told what happened, and says what to do.
 /// Thread safety: none. Everything it holds is bounded by max_queued_calls and the number of
 /// addresses.
@@ -29,6 +32,7 @@
 #include <variant>
 
 #include "engine/call_queue.hpp"
+#include "engine/custody.hpp"
 #include "engine/lane.hpp"
 #include "tmcl/bus_options.hpp"
 #include "tmcl/link.hpp"
@@ -86,25 +90,37 @@ class BusEngine {
   };
   struct Module {
     Lane lane;
+    Custody custody;
     Channel own_channel;
+    ModuleAddress address{};
   };
 
-  Module& module_of(ModuleAddress address) { return modules_[reply_byte(address)]; }
+  Module& module_of(ModuleAddress address) {
+    return modules_.try_emplace(reply_byte(address), Module{{}, {}, {}, address}).first->second;
+  }
   Channel& channel_of(Module& module) {
     return framing_ == Framing::serial ? line_ : module.own_channel;
   }
   Channel& channel_to(ModuleAddress address) { return channel_of(module_of(address)); }
 
-  std::optional<Error> objection(const Request& request) const;
+  std::optional<Error> objection(const Call& call);
+  std::optional<Error> objection_of_hold(const Call& call);
   void drop_movements_before(const Request& stop);
+  void end_downloads_for(const Request& stop);
   void end_overdue_calls(TimePoint now);
+  void look_after_downloads(TimePoint now);
 
   void go_on(TimePoint now);
   bool is_next(const Call& call, TimePoint now);
+  bool waits_for_download(const Call& call);
+  bool waits_for_memory(const Call& call);
+  bool find_memory_reader();
+  void send_held(const Call* found, TimePoint now);
   bool must_shout(const Call& call);
   void shout(Call& call, TimePoint now);
   void start(Call call, TimePoint now);
   void start_fence(const Call& next, TimePoint now);
+  void start_end(Module& module, TimePoint now);
   void put_in_flight(Channel& channel, InFlight in_flight);
   Duration patience(const CallOptions& options) const;
 
@@ -113,12 +129,18 @@ class BusEngine {
   void repeat_or_give_up(Call call, Error error);
 
   void on_reply(const Reply& reply, TimePoint now);
+  void on_memory(Channel& channel, const Reply& reply, TimePoint now);
+  void on_recorded(Call call, Error error);
+  bool is_late_from_other(const Reply& reply, const InFlight& reading, TimePoint now) const;
   void on_version_text(Channel& channel, FirmwareVersion version, TimePoint now);
   void on_unexplained(const Reply& reply, TimePoint now);
   bool answers(const Reply& reply, const InFlight& in_flight) const;
   void conclude(Channel& channel, Answer answer, TimePoint now);
-  void expect_version_text();
+  InFlight settle(Channel& channel, Status status, TimePoint now);
+  void expect_special_replies();
   Channel* channel_awaiting_version_text();
+  Channel* channel_reading_memory();
+  Channel* find_channel(const std::function<bool(const Request&)>& sent);
 
   Error error_for(const Call& call, Errc code, std::string message, std::string hint) const;
   Error timeout_error(const Call& call) const;
@@ -135,6 +157,8 @@ class BusEngine {
   std::deque<Action> actions_;
   BusCounters counters_;
   std::optional<std::string> lost_;
+  /// CAN: a call that needs the bus for itself waits for the others to end.
+  bool memory_is_wanted_ = false;
   /// The state has been acted upon as of this instant.
   TimePoint last_now_{};
 };

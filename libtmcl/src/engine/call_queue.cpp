@@ -6,7 +6,7 @@ namespace tmcl::engine {
 namespace {
 
 bool has_defaults(const CallOptions& options) {
-  return !options.deadline && !options.reply_timeout && options.attempts == 0;
+  return !options.deadline && !options.reply_timeout && options.attempts == 0 && !options.hold;
 }
 
 }  // namespace

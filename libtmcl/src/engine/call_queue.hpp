@@ -26,10 +26,14 @@ struct Call {
   /// A stop that already went out once, unproven, because the line was not in step.
   bool shouted = false;
 
-  Effect effect = effect_of(request.command, request.type);
+  /// A line of a program does nothing now, whatever it will do when the program runs.
+  Effect effect =
+      options.is_program_line ? Effect::writes : effect_of(request.command, request.type);
 
   bool is_stop() const { return effect == Effect::stops; }
-  bool may_repeat() const { return repeat_rule(request.command, request.type) == Repeat::safe; }
+  bool may_repeat() const {
+    return !options.is_program_line && repeat_rule(request.command, request.type) == Repeat::safe;
+  }
 };
 
 class CallQueue {

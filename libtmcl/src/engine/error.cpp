@@ -28,6 +28,7 @@ std::string_view name_of(Errc code) {
     case Errc::bad_argument: return "bad_argument";
     case Errc::move_interrupted: return "move_interrupted";
     case Errc::unexpected_value: return "unexpected_value";
+    case Errc::download_broken: return "download_broken";
   }
   return "";
 }

@@ -52,6 +52,10 @@ std::optional<Request> Lane::fence(ModuleAddress address, Command next, TimePoin
   return std::nullopt;
 }
 
+bool Lane::may_still_answer(Command command, TimePoint now) const {
+  return has_abandoned(command) && now - last_abandoned_ <= reply_lifetime;
+}
+
 void Lane::answered(Command command, TimePoint now) {
   last_answered_ = command;
   last_answered_at_ = now;

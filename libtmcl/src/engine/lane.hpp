@@ -22,6 +22,8 @@ namespace tmcl::engine {
 class Lane {
  public:
   bool in_step() const { return in_step_; }
+  /// Has answered at least once, under its own address.
+  bool was_heard() const { return last_answered_.has_value(); }
   bool is_silent(TimePoint now) const { return now < silent_until_; }
 
   /// A request may or may not be answered later.
@@ -34,6 +36,8 @@ class Lane {
   /// silent.
   bool fence_failed(unsigned tries, TimePoint silent_until);
 
+  /// A late reply of this command may still come.
+  bool may_still_answer(Command command, TimePoint now) const;
   bool has_abandoned(Command command) const {
     return abandoned_.test(static_cast<std::size_t>(command));
   }
