@@ -46,11 +46,17 @@ class FakeModule {
     Reply unread;
     carry_out(request, unread);
   }
+  /// Asked before each request is executed: the reply, if the test gives it itself.
+  std::function<std::optional<Reply>(const Request&)> play;
   /// Requests that were executed.
   const std::vector<Request>& executed() const { return executed_; }
 
   Reply execute(const Request& request) {
     if (before) before(*this, request);
+    if (const auto played = play ? play(request) : std::nullopt) {
+      executed_.push_back(request);
+      return *played;
+    }
     Reply reply{default_host_address, address_, Status::ok, request.command, request.value};
     if (downloading_ && request.command != Command::END_DOWNLOAD) {
       record(request);

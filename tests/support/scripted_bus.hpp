@@ -157,7 +157,7 @@ class ScriptedBus {
     const auto module = modules_.find(reply_byte(request.address));
     if (module == modules_.end() || fault == Fault::lost_request) return;
     const auto reply = module->second.execute(request);
-    if (fault == Fault::lost_reply) return;
+    if (fault == Fault::lost_reply || reply_kind(request.command) == ReplyKind::none) return;
     if (fault == Fault::late_reply) {
       late_ = reply;
       return;

@@ -3,13 +3,14 @@
 #include <map>
 #include <span>
 
-#include "program/cursor.hpp"
+#include "program/expression.hpp"
 #include "tmcl/datagram.hpp"
 #include "tmcl/firmware.hpp"
 
 namespace tmcl::firmware {
 namespace {
 
+using program::Fault;
 using program::printable;
 
 enum class RecordType : std::uint8_t {
@@ -25,13 +26,6 @@ struct Record {
   RecordType type{};
   std::uint16_t offset = 0;
   std::vector<std::uint8_t> data;
-};
-
-/// What is wrong with a line.
-struct Fault {
-  std::size_t at = 0;  ///< In bytes, from 0.
-  std::string word;
-  std::string message;
 };
 
 // Where the parts of a record stand in its line.

@@ -1,0 +1,450 @@
+#include "tmcl/firmware_verbs.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <span>
+
+#include <fmt/format.h>
+
+#include "tmcl/model.hpp"
+#include "tmcl/verbs.hpp"
+
+namespace tmcl::verbs {
+namespace {
+
+using namespace std::chrono_literals;
+using firmware::address_text;
+using firmware::Image;
+
+// The magic numbers of the command that leaves the firmware.
+constexpr std::uint8_t entry_type = 0x81;
+constexpr std::uint8_t entry_motor = 0x92;
+constexpr std::uint32_t entry_value = 0xA3B4C5D6;
+
+enum BootInfo : std::uint8_t { page_size_info = 0, start_info = 1, size_info = 2 };
+enum Seal : std::uint8_t { length_seal = 0, checksum_seal = 1 };
+
+constexpr std::uint32_t word_size = 4;
+// A word of the page buffer is counted with 16 bits.
+constexpr std::uint32_t largest_page = word_size << 16U;
+
+// The older tools wait ten seconds and longer for these.
+constexpr Duration erase_time = 20s;
+constexpr Duration page_time = 10s;
+constexpr Duration sum_time = 5s;
+constexpr unsigned most_tries = 3;
+// So long a module that did not answer counts as silent, and is not asked.
+constexpr Duration between_tries = 300ms;
+
+constexpr Duration first_look = 200ms;
+constexpr Duration between_looks = 100ms;
+constexpr Duration standstill_time = 10s;
+constexpr Duration standstill_look = 20ms;
+
+constexpr std::string_view rerun =
+    "the module is in its bootloader, without a firmware that it "
+    "could run; start the same upload again";
+constexpr std::string_view still_in_bootloader =
+    "nothing was changed; the module may still be in its bootloader: start the same upload again, "
+    "or switch its power off and on";
+constexpr std::string_view unchanged =
+    "nothing was changed; the module runs its firmware as before";
+
+struct BootMemory {
+  std::uint32_t page_size = 0;
+  std::uint32_t start = 0;
+  std::uint32_t size = 0;
+};
+
+/// What all steps of an upload know.
+struct Upload {
+  ModuleAddress module;
+  Image image;
+  FirmwareOptions options;
+  FirmwareMatch match{};
+  BootMemory memory{};
+
+  void tell(std::string_view step, std::size_t written = 0) const {
+    if (options.progress) options.progress({step, written, image.bytes.size()});
+  }
+};
+
+Request boot_request(ModuleAddress module, Command command, std::uint8_t type = 0,
+                     std::uint32_t value = 0) {
+  return {module, command, type, 0, static_cast<std::int32_t>(value)};
+}
+
+bool is_silence(const Error& error) {
+  return error.code == Errc::reply_timeout || error.code == Errc::module_silent;
+}
+
+bool is_unknown_command(const Error& error) {
+  return error.status == Status::invalid_command || error.status == Status::command_not_available;
+}
+
+Error failed(Errc code, Outcome outcome, std::string message, std::string_view hint) {
+  return {code, outcome, std::move(message), std::string(hint), {}, {}, {}};
+}
+
+Error during(std::string_view step, Error error, std::string_view state) {
+  error.message = fmt::format("{}: {}", step, error.message);
+  error.hint = state;
+  // Something was done to the module, whatever became of the last command.
+  if (state == rerun) error.outcome = Outcome::unknown;
+  return error;
+}
+
+/// For commands that may be given twice: the answer may be lost, the command is not.
+Script<Result<std::uint32_t>> insist(Request request, Duration reply_timeout) {
+  CallOptions options;
+  options.reply_timeout = reply_timeout;
+  for (unsigned tries = 1;; ++tries) {
+    const auto answer = co_await exchange(request, options);
+    if (answer) co_return static_cast<std::uint32_t>(answer->reply.value);
+    const bool lost = is_silence(answer.error()) || answer.error().status == Status::wrong_checksum;
+    if (!lost || tries == most_tries) co_return tl::unexpected(answer.error());
+    co_await pause(between_tries);
+  }
+}
+
+Script<Result<std::uint32_t>> info(ModuleAddress module, std::uint8_t type) {
+  return insist(boot_request(module, Command::BOOT_GET_INFO, type), sum_time);
+}
+
+/// Only a bootloader knows this command.
+Script<Result<bool>> is_in_bootloader(ModuleAddress module) {
+  const auto answer = co_await exchange(boot_request(module, Command::BOOT_GET_INFO));
+  if (answer) co_return true;
+  if (answer.error().outcome == Outcome::refused) co_return false;
+  co_return tl::unexpected(answer.error());
+}
+
+/// Asks until it answers from where it should be.
+Script<Result<void>> wait_until(ModuleAddress module, bool in_bootloader, Duration patience) {
+  co_await pause(first_look);
+  auto waited = first_look;
+  while (true) {
+    const auto there = co_await is_in_bootloader(module);
+    if (!there && !is_silence(there.error())) co_return tl::unexpected(there.error());
+    if (there && *there == in_bootloader) co_return Result<void>{};
+    if (waited >= patience) {
+      if (!there) co_return tl::unexpected(there.error());
+      co_return tl::unexpected(failed(
+          Errc::deadline_passed, Outcome::unknown,
+          in_bootloader ? "the module did not leave its firmware" : "the firmware did not start",
+          {}));
+    }
+    co_await pause(between_looks);
+    waited += between_looks;
+  }
+}
+
+std::string list_of(std::span<const FirmwareVersion> versions) {
+  std::string text;
+  for (const auto& version : versions) {
+    const auto one = to_text(version);
+    text += (text.empty() ? "" : ", ") + std::string(one.begin(), one.end());
+  }
+  return text;
+}
+
+std::string name_of_model(std::uint16_t number) {
+  const auto* model = find_model(number);
+  return model != nullptr ? std::string(model->name) : std::to_string(number);
+}
+
+std::optional<Error> objection(const FoundModule& found, const FirmwareMatch& match, bool force) {
+  if (found.duplicate_suspected) {
+    return bad_argument(
+        fmt::format("more than one module seems to answer at address {}", number(found.address)),
+        "give each its own address, or connect only one");
+  }
+  if (match.version || force) return std::nullopt;
+  const auto who =
+      match.model == 0
+          ? fmt::format("module {} does not say which model it is", number(found.address))
+          : fmt::format("module {} is a {}", number(found.address), name_of_model(match.model));
+  const auto what = match.offered.empty()
+                        ? std::string("the image does not say for which model it is")
+                        : fmt::format("the image is for {}", list_of(match.offered));
+  return bad_argument(fmt::format("{}; {}", what, who),
+                      "nothing was changed; look for the firmware of this model");
+}
+
+/// Some say only as text which model they are.
+Script<Result<FirmwareVersion>> version_of(const FoundModule& found) {
+  if (found.version.model != 0) co_return found.version;
+  const auto answer = co_await exchange(Request{found.address, Command::GET_FIRMWARE_VERSION,
+                                                static_cast<std::uint8_t>(VersionForm::text)});
+  if (!answer && !is_silence(answer.error()) && answer.error().outcome != Outcome::refused)
+    co_return tl::unexpected(answer.error());
+  const bool told = answer && answer->version_text;
+  co_return told ? *answer->version_text : found.version;
+}
+
+Script<Result<FirmwareMatch>> match_found(const FoundModule& found, const Image& image) {
+  const auto version = co_await version_of(found);
+  if (!version) co_return tl::unexpected(version.error());
+  FirmwareMatch match;
+  match.model = version->model;
+  match.running = *version;
+  match.offered = firmware::versions_in(image);
+  match.version = firmware::version_for(image, match.model);
+  const auto in_bootloader = co_await is_in_bootloader(found.address);
+  if (!in_bootloader) co_return tl::unexpected(in_bootloader.error());
+  match.in_bootloader = *in_bootloader;
+  match.running.bootloader = *in_bootloader;
+  co_return match;
+}
+
+Script<Result<void>> wait_for_standstill(AxisAddress axis) {
+  for (Duration waited{}; waited < standstill_time; waited += standstill_look) {
+    const auto velocity = co_await verbs::velocity(axis);
+    if (!velocity) co_return tl::unexpected(velocity.error());
+    if (velocity->value == 0) co_return Result<void>{};
+    co_await pause(standstill_look);
+  }
+  co_return tl::unexpected(failed(Errc::deadline_passed, Outcome::not_sent,
+                                  fmt::format("motor {} does not come to a stop", axis.motor), {}));
+}
+
+Script<Result<void>> stop_motors(const FoundModule& found) {
+  for (std::uint8_t motor = 0; motor < found.axes; ++motor) {
+    const auto stopped = co_await stop({found.address, motor});
+    if (!stopped) co_return tl::unexpected(stopped.error());
+  }
+  for (std::uint8_t motor = 0; motor < found.axes; ++motor) {
+    const auto standing = co_await wait_for_standstill({found.address, motor});
+    if (!standing) co_return tl::unexpected(standing.error());
+  }
+  co_return Result<void>{};
+}
+
+Script<Result<void>> enter_bootloader(const Upload& upload) {
+  const Request entry{upload.module, Command::ENTER_BOOTLOADER, entry_type, entry_motor,
+                      static_cast<std::int32_t>(entry_value)};
+  const auto sent = co_await exchange(entry);
+  if (!sent) co_return tl::unexpected(sent.error());
+  auto there = co_await wait_until(upload.module, true, upload.options.restart_time);
+  co_return there;
+}
+
+Script<Result<BootMemory>> read_memory_layout(ModuleAddress module) {
+  const auto page_size = co_await info(module, page_size_info);
+  if (!page_size) co_return tl::unexpected(page_size.error());
+  const auto start = co_await info(module, start_info);
+  if (!start) co_return tl::unexpected(start.error());
+  const auto size = co_await info(module, size_info);
+  if (!size) co_return tl::unexpected(size.error());
+  co_return BootMemory{*page_size, *start, *size};
+}
+
+std::optional<Error> misfit(const Image& image, const BootMemory& memory) {
+  const auto page = memory.page_size;
+  if (!std::has_single_bit(page) || page < word_size || page > largest_page) {
+    return failed(Errc::unexpected_value, Outcome::refused,
+                  fmt::format("the bootloader has pages of {} bytes, which cannot be", page), {});
+  }
+  if (image.start != memory.start) {
+    return bad_argument(fmt::format("the image begins at {}, the module's firmware at {}",
+                                    address_text(image.start), address_text(memory.start)));
+  }
+  if (image.bytes.size() > memory.size) {
+    return bad_argument(fmt::format("the image has {} bytes, the module's memory {}",
+                                    image.bytes.size(), memory.size));
+  }
+  return std::nullopt;
+}
+
+std::uint32_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
+  std::uint32_t word = 0;
+  for (std::size_t i = word_size; i-- > 0;) {
+    const auto byte = at + i < bytes.size() ? bytes[at + i] : firmware::erased_byte;
+    word = word << 8U | byte;
+  }
+  return word;
+}
+
+Script<Result<void>> put_word(ModuleAddress module, std::uint32_t index, std::uint32_t word) {
+  auto request = boot_request(module, Command::BOOT_WRITE_BUFFER,
+                              static_cast<std::uint8_t>(index & 0xFFU), word);
+  request.motor = static_cast<std::uint8_t>(index >> 8U);
+  const auto put = co_await insist(request, sum_time);
+  if (!put) co_return tl::unexpected(put.error());
+  co_return Result<void>{};
+}
+
+Script<Result<void>> fill_page(const Upload& upload, std::uint32_t offset, std::size_t count) {
+  const auto bytes = std::span(upload.image.bytes).subspan(offset, count);
+  for (std::uint32_t at = 0; at < bytes.size(); at += word_size) {
+    const auto put = co_await put_word(upload.module, at / word_size, word_at(bytes, at));
+    if (!put) co_return tl::unexpected(put.error());
+  }
+  co_return Result<void>{};
+}
+
+/// When the answer is lost, nobody knows what is in the page buffer now: it is filled again.
+Script<Result<void>> write_page(const Upload& upload, std::uint32_t offset, std::size_t count) {
+  CallOptions options;
+  options.reply_timeout = page_time;
+  const auto address = upload.image.start + offset;
+  for (unsigned tries = 1;; ++tries) {
+    const auto filled = co_await fill_page(upload, offset, count);
+    if (!filled) co_return tl::unexpected(filled.error());
+    const auto written = co_await exchange(
+        boot_request(upload.module, Command::BOOT_WRITE_PAGE, 0, address), options);
+    if (written) co_return Result<void>{};
+    if (!is_silence(written.error()) || tries == most_tries)
+      co_return tl::unexpected(written.error());
+    co_await pause(between_tries);
+  }
+}
+
+Script<Result<void>> write_pages(const Upload& upload) {
+  const auto& bytes = upload.image.bytes;
+  const auto page = upload.memory.page_size;
+  for (std::uint32_t offset = 0; offset < bytes.size(); offset += page) {
+    upload.tell("writing", offset);
+    const auto count = std::min<std::size_t>(page, bytes.size() - offset);
+    const auto part = std::span(bytes).subspan(offset, count);
+    const bool is_gap =
+        std::ranges::all_of(part, [](std::uint8_t byte) { return byte == firmware::erased_byte; });
+    if (is_gap) continue;
+    const auto written = co_await write_page(upload, offset, count);
+    if (!written) co_return tl::unexpected(written.error());
+  }
+  upload.tell("writing", bytes.size());
+  co_return Result<void>{};
+}
+
+Script<Result<void>> compare_sum(const Upload& upload) {
+  const auto last = upload.image.start + static_cast<std::uint32_t>(upload.image.bytes.size()) - 1;
+  const auto sum =
+      co_await insist(boot_request(upload.module, Command::BOOT_GET_CHECKSUM, 0, last), sum_time);
+  if (!sum) co_return tl::unexpected(sum.error());
+  const auto expected = firmware::checksum(upload.image);
+  if (*sum == expected) co_return Result<void>{};
+  co_return tl::unexpected(failed(
+      Errc::unexpected_value, Outcome::unknown,
+      fmt::format("what was written has the checksum 0x{:08X}, the image 0x{:08X}", *sum, expected),
+      {}));
+}
+
+/// Bootloaders from before command 208 find both in the last words of the last page.
+Script<Result<void>> seal_by_page(const Upload& upload, std::uint32_t length, std::uint32_t sum) {
+  const auto words = upload.memory.page_size / word_size;
+  const auto last_page = upload.memory.size - upload.memory.page_size;
+  const auto first = co_await put_word(upload.module, words - 2, length);
+  if (!first) co_return tl::unexpected(first.error());
+  const auto second = co_await put_word(upload.module, words - 1, sum);
+  if (!second) co_return tl::unexpected(second.error());
+  CallOptions options;
+  options.reply_timeout = page_time;
+  const auto written = co_await exchange(
+      boot_request(upload.module, Command::BOOT_WRITE_PAGE, 0, last_page), options);
+  if (!written) co_return tl::unexpected(written.error());
+  co_return Result<void>{};
+}
+
+Script<Result<void>> seal(const Upload& upload) {
+  const auto length = static_cast<std::uint32_t>(upload.image.bytes.size());
+  const auto sum = firmware::checksum(upload.image);
+  const auto first = co_await insist(
+      boot_request(upload.module, Command::BOOT_WRITE_LENGTH, length_seal, length), page_time);
+  if (!first && is_unknown_command(first.error())) {
+    auto sealed = co_await seal_by_page(upload, length, sum);
+    co_return sealed;
+  }
+  if (!first) co_return tl::unexpected(first.error());
+  const auto second = co_await insist(
+      boot_request(upload.module, Command::BOOT_WRITE_LENGTH, checksum_seal, sum), page_time);
+  if (!second) co_return tl::unexpected(second.error());
+  co_return Result<void>{};
+}
+
+Script<Result<void>> start_firmware(const Upload& upload) {
+  const auto sent = co_await exchange(boot_request(upload.module, Command::BOOT_START_APPLICATION));
+  if (!sent) co_return tl::unexpected(sent.error());
+  auto there = co_await wait_until(upload.module, false, upload.options.restart_time);
+  co_return there;
+}
+
+/// From the module as it runs to the module in its bootloader, with an image that fits.
+Script<Result<void>> prepare(Upload& upload, const FoundModule& found) {
+  if (!upload.match.in_bootloader) {
+    upload.tell("stopping the motors");
+    const auto stopped = co_await stop_motors(found);
+    if (!stopped) co_return tl::unexpected(during("stopping", stopped.error(), unchanged));
+    upload.tell("entering the bootloader");
+    const auto entered = co_await enter_bootloader(upload);
+    if (!entered) {
+      co_return tl::unexpected(
+          during("entering the bootloader", entered.error(), still_in_bootloader));
+    }
+  }
+  const auto memory = co_await read_memory_layout(upload.module);
+  if (!memory) {
+    co_return tl::unexpected(during("asking the bootloader", memory.error(), still_in_bootloader));
+  }
+  upload.memory = *memory;
+  auto wrong = misfit(upload.image, *memory);
+  if (!wrong) co_return Result<void>{};
+  const auto started = co_await start_firmware(upload);
+  wrong->hint = started ? unchanged : still_in_bootloader;
+  co_return tl::unexpected(*wrong);
+}
+
+/// From the old firmware to the new one, whole and trusted by the bootloader.
+Script<Result<void>> exchange_firmware(const Upload& upload) {
+  upload.tell("erasing");
+  const auto erased =
+      co_await insist(boot_request(upload.module, Command::BOOT_ERASE_ALL), erase_time);
+  if (!erased) co_return tl::unexpected(during("erasing", erased.error(), rerun));
+  const auto written = co_await write_pages(upload);
+  if (!written) co_return tl::unexpected(during("writing", written.error(), rerun));
+  upload.tell("comparing", upload.image.bytes.size());
+  const auto compared = co_await compare_sum(upload);
+  if (!compared) co_return tl::unexpected(during("comparing", compared.error(), rerun));
+  const auto sealed = co_await seal(upload);
+  if (!sealed) {
+    co_return tl::unexpected(during("writing length and checksum", sealed.error(), rerun));
+  }
+  co_return Result<void>{};
+}
+
+}  // namespace
+
+Script<Result<FirmwareMatch>> match_firmware(ModuleAddress module, firmware::Image image) {
+  const auto found = co_await identify(module);
+  if (!found) co_return tl::unexpected(found.error());
+  auto match = co_await match_found(*found, image);
+  co_return match;
+}
+
+Script<Result<FirmwareReport>> upload_firmware(ModuleAddress module, firmware::Image image,
+                                               FirmwareOptions options) {
+  Upload upload{module, std::move(image), std::move(options)};
+  const auto found = co_await identify(module);
+  if (!found) co_return tl::unexpected(found.error());
+  const auto match = co_await match_found(*found, upload.image);
+  if (!match) co_return tl::unexpected(match.error());
+  upload.match = *match;
+  if (auto wrong = objection(*found, *match, upload.options.force)) {
+    co_return tl::unexpected(std::move(*wrong));
+  }
+  const auto prepared = co_await prepare(upload, *found);
+  if (!prepared) co_return tl::unexpected(prepared.error());
+  const auto exchanged = co_await exchange_firmware(upload);
+  if (!exchanged) co_return tl::unexpected(exchanged.error());
+  upload.tell("starting", upload.image.bytes.size());
+  const auto started = co_await start_firmware(upload);
+  constexpr std::string_view state =
+      "the new firmware is written, whole, but does not answer: switch the power off and on, and "
+      "look whether it has another address or baud rate now";
+  if (!started) co_return tl::unexpected(during("starting", started.error(), state));
+  const auto after = co_await identify(module);
+  if (!after) co_return tl::unexpected(during("starting", after.error(), state));
+  co_return FirmwareReport{upload.match, after->version, firmware::checksum(upload.image)};
+}
+
+}  // namespace tmcl::verbs
