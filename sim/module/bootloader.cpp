@@ -1,5 +1,6 @@
 #include "sim/module/bootloader.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 namespace tmcl::sim {
@@ -148,8 +149,7 @@ bool Bootloader::has_firmware() const {
 
 FirmwareVersion Bootloader::firmware_version(FirmwareVersion otherwise) const {
   if (!has_firmware()) return otherwise;
-  const auto bytes = flash_.read(Flash::start, word_at(length_address));
-  const firmware::Image image{Flash::start, {bytes.begin(), bytes.end()}};
+  const firmware::Image image{Flash::start, flash_.read(Flash::start, word_at(length_address))};
   return firmware::version_for(image, model_).value_or(otherwise);
 }
 

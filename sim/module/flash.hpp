@@ -1,9 +1,10 @@
 /// The flash memory that a module's firmware lives in.
 #pragma once
 
-#include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <vector>
 
@@ -24,25 +25,37 @@ class Flash {
   static constexpr std::uint32_t size = 0x40000;  ///< Also where the addresses end.
   static constexpr std::uint32_t word_size = 4;
 
-  Flash() : bytes_(size - start, firmware::erased_byte) {}
-
   static bool contains(std::uint32_t address) { return address >= start && address < size; }
 
-  void erase() { std::ranges::fill(bytes_, firmware::erased_byte); }
+  void erase() { pages_.clear(); }
   /// All of it must be in the memory.
   void write(std::uint32_t address, std::span<const std::uint8_t> data) {
-    auto byte = bytes_.begin() + (address - start);
-    for (const auto written : data) {
-      *byte = static_cast<std::uint8_t>(*byte & written);
-      ++byte;
+    for (const auto byte : data) {
+      auto& page = pages_.try_emplace(address / page_size, erased_page).first->second;
+      auto& cell = page[address++ % page_size];
+      cell = static_cast<std::uint8_t>(cell & byte);
     }
   }
-  std::span<const std::uint8_t> read(std::uint32_t address, std::size_t count) const {
-    return std::span(bytes_).subspan(address - start, count);
+  std::vector<std::uint8_t> read(std::uint32_t address, std::size_t count) const {
+    std::vector<std::uint8_t> bytes(count);
+    for (auto& byte : bytes) byte = at(address++);
+    return bytes;
   }
 
  private:
-  std::vector<std::uint8_t> bytes_;
+  using Page = std::array<std::uint8_t, page_size>;
+  static constexpr Page erased_page = [] {
+    Page page{};
+    page.fill(firmware::erased_byte);
+    return page;
+  }();
+
+  std::uint8_t at(std::uint32_t address) const {
+    const auto page = pages_.find(address / page_size);
+    return page == pages_.end() ? firmware::erased_byte : page->second[address % page_size];
+  }
+
+  std::map<std::uint32_t, Page> pages_;  ///< Those that are not empty.
 };
 
 }  // namespace tmcl::sim

@@ -30,6 +30,8 @@ Status refusal_of(Command command) {
   return only_in_programs ? Status::command_not_available : Status::invalid_command;
 }
 
+FirmwareVersion delivered_firmware(const Model& model) { return {model.number, 1, 1}; }
+
 }  // namespace
 
 Module::Module(const Model& model, ModuleAddress address, const Clock& clock)
@@ -45,11 +47,14 @@ Module::Module(const Model& model, Eeprom eeprom, const Clock& clock)
       io_(model),
       coordinates_(model, eeprom_),
       stages_(model.axes),
-      events_(model.axes) {
+      events_(model.axes),
+      bootloader_(model.number, delivered_firmware(model)) {
   power_up();
 }
 
 void Module::power_up() {
+  in_bootloader_ = std::exchange(bootloader_wanted_, false) || !bootloader_.has_firmware();
+  firmware_ = bootloader_.firmware_version(delivered_firmware(*model_));
   const auto magic = eeprom_.read(global_cell(gp::eeprom_magic)).value_or(eeprom_is_valid);
   if (magic != eeprom_is_valid) eeprom_.erase();
   globals_ = Globals(*model_, eeprom_, now_);
@@ -78,15 +83,14 @@ void Module::restart() {
   power_up();
 }
 
-FirmwareVersion Module::version() const { return {model_->number, 1, 1}; }
-
 Answer Module::execute(const Request& request, Medium medium, EventSink& from) {
   run_due();
   if (now_ < deaf_until_) return no_answer;
   heartbeat(medium).heard(now_);
-  auto answer = execute_direct(request, from);
+  auto answer = in_bootloader_ ? execute_in_bootloader(request) : execute_direct(request, from);
   const bool reads = effect_of(request.command, request.type) == Effect::reads;
-  if (globals_.value(suppress_reply) != 0 && !reads) answer = no_answer;
+  const bool suppressed = globals_.value(suppress_reply) != 0 && !in_bootloader_;
+  if (suppressed && !reads) answer = no_answer;
   if (restarts_) restart();
   application_.run_due(now_);
   return answer;
@@ -108,6 +112,7 @@ Answer Module::execute_direct(const Request& request, EventSink& from) {
     case Command::GET_AP_MIN:
     case Command::GET_AP_MAX: return tell_limit(request);
     case Command::SOFTWARE_RESET: return restart_after_reply(request);
+    case Command::ENTER_BOOTLOADER: return enter_bootloader(request);
     // Known, but only to firmware for special boards or customers.
     case Command::RAM_DEBUG:
     case Command::GET_IDS:

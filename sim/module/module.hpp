@@ -9,6 +9,7 @@
 
 #include "sim/module/answer.hpp"
 #include "sim/module/axis.hpp"
+#include "sim/module/bootloader.hpp"
 #include "sim/module/coordinates.hpp"
 #include "sim/module/eeprom.hpp"
 #include "sim/module/event_sink.hpp"
@@ -38,6 +39,9 @@ enum class Medium : std::uint8_t { serial, can };
 /// After a restart (commands 255 and 137) it is deaf for `boot_time`. Its motors stand at 0 then,
 /// and it knows what is in its EEPROM; what is outside the module, the inputs and whatever the
 /// motors drive, is as before.
+///
+/// In its bootloader it is after command 242, and for as long as it has no firmware that could run.
+/// It knows other commands there, and no motor moves.
 class Module final : private ProgramHost {
  public:
   /// Real modules take about a second. This is long enough to be noticed, and short enough for
@@ -75,7 +79,8 @@ class Module final : private ProgramHost {
   void mount(std::size_t motor, const StageSettings& settings);
   /// Somebody does something to the stage of a motor, now.
   void at_stage(std::size_t motor, const std::function<void(Stage&)>& change);
-  FirmwareVersion version() const;
+  /// Of its firmware or, while it is in there, of its bootloader.
+  FirmwareVersion version() const { return in_bootloader_ ? bootloader_.version() : firmware_; }
 
  private:
   /// Commands that only a host gives.
@@ -150,6 +155,10 @@ class Module final : private ProgramHost {
   Answer tell_measured_speed(const Request& request) const;
   Answer reset_board(const Request& request);
 
+  // mode_commands.cpp
+  Answer enter_bootloader(const Request& request);
+  Answer execute_in_bootloader(const Request& request);
+
   /// What happens when the power comes on.
   void power_up();
   void restart();
@@ -181,7 +190,11 @@ class Module final : private ProgramHost {
   Application application_{*this};
   Heartbeat serial_;
   Heartbeat can_;
-  bool restarts_ = false;  ///< As soon as the present command is answered.
+  Bootloader bootloader_;
+  FirmwareVersion firmware_;
+  bool in_bootloader_ = false;
+  bool bootloader_wanted_ = false;  ///< At the next start.
+  bool restarts_ = false;           ///< As soon as the present command is answered.
 };
 
 }  // namespace tmcl::sim

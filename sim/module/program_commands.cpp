@@ -25,7 +25,7 @@ std::span<const program::Instruction> used(std::span<const program::Instruction>
 
 void Module::start_application() {
   application_.load(program::from_bytes(eeprom_.program()).value_or(program::Program{}));
-  application_.power_on(globals_.value(auto_start) != 0, deaf_until_);
+  application_.power_on(globals_.value(auto_start) != 0 && !in_bootloader_, deaf_until_);
 }
 
 Answer Module::control_application(const Request& request) {

@@ -76,7 +76,8 @@ Answer Module::tell_info(const Request& request) const {
     case info::version: return is(two_halves(firmware.major, firmware.minor));
     case info::abilities: return is(has_bootloader | has_programs);
     case info::release: return is(public_release);
-    case info::bootloader_version: return is(two_halves(1, 0));
+    case info::bootloader_version:
+      return is(two_halves(bootloader_.version().major, bootloader_.version().minor));
     case info::axis_parameter_bits:
     case info::register_address_bits: return is(8);
     case info::source_revision: return is(unknown_revision);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "sim_fixture.hpp"
 #include "support/intel_hex.hpp"
 
 namespace tmcl::sim {
@@ -162,6 +163,118 @@ TEST_F(SimBootloader, IsEnteredWithTheMagicNumbersOnly) {
   wrong = right;
   wrong.value = 1;
   EXPECT_EQ(check_bootloader_entry(wrong), Status::invalid_value);
+}
+
+/// A whole module, over the wire.
+class SimModuleBootloader : public SimTest {
+ protected:
+  void enter() {
+    EXPECT_EQ(ask(Command::ENTER_BOOTLOADER, 0x81, 0x92, static_cast<std::int32_t>(0xA3B4C5D6)),
+              std::nullopt);
+    pass(Module::boot_time);
+  }
+  void start() {
+    EXPECT_EQ(ask(Command::BOOT_START_APPLICATION, 0, 0), std::nullopt);
+    pass(Module::boot_time);
+  }
+  Bytes version_text() {
+    const auto request = encode_serial(Request{ModuleAddress{1}, Command::GET_FIRMWARE_VERSION});
+    return exchange(Bytes(request.begin(), request.end()));
+  }
+  /// 16 bytes of firmware.
+  void write(std::string_view version) {
+    const auto bytes = test::firmware_bytes(16, version);
+    std::int32_t sum = 0;
+    ask(Command::BOOT_ERASE_ALL, 0, 0);
+    for (std::uint8_t i = 0; i < 4; ++i) {
+      std::uint32_t word = 0;
+      for (std::size_t byte = 4; byte-- > 0;) word = word << 8U | bytes[4U * i + byte];
+      ask(Command::BOOT_WRITE_BUFFER, i, 0, static_cast<std::int32_t>(word));
+    }
+    for (const auto byte : bytes) sum += byte;
+    ask(Command::BOOT_WRITE_PAGE, 0, 0, Flash::start);
+    ask(Command::BOOT_WRITE_LENGTH, 0, 0, 16);
+    ask(Command::BOOT_WRITE_LENGTH, 1, 0, sum);
+  }
+};
+
+TEST_F(SimModuleBootloader, IsEnteredSilentlyAndLeftAgain) {
+  add(1110);
+  enter();
+  EXPECT_EQ(version_text(), (Bytes{2, '1', '1', '1', '0', 'B', '1', '0', '1'}));
+  EXPECT_EQ(status_of(Command::GAP, 1, 0), Status::invalid_command);
+  EXPECT_EQ(status_of(Command::BOOT_GET_INFO, 0, 0), Status::ok);
+  start();
+  EXPECT_EQ(version_text(), (Bytes{2, '1', '1', '1', '0', 'V', '1', '0', '1'}));
+  EXPECT_EQ(status_of(Command::GAP, 1, 0), Status::ok);
+  EXPECT_EQ(status_of(Command::BOOT_GET_INFO, 0, 0), Status::invalid_command);
+}
+
+TEST_F(SimModuleBootloader, MotorsStandInIt) {
+  const auto& module = add(1110);
+  ask(Command::ROR, 0, 0, 1000);
+  pass(std::chrono::seconds(2));
+  EXPECT_NE(get(axis_parameter::actual_velocity), 0);
+  enter();
+  pass(std::chrono::seconds(1));
+  EXPECT_EQ(module.axis(0).get(axis_parameter::actual_velocity), 0);
+  EXPECT_EQ(module.axis(0).get(axis_parameter::actual_position), 0);
+}
+
+TEST_F(SimModuleBootloader, NoProgramRunsInIt) {
+  const auto& module = add(1110);
+  ask(Command::START_DOWNLOAD, 0, 0);
+  ask(Command::ROR, 0, 0, 1000);
+  ask(Command::STOP, 0, 0);
+  ask(Command::END_DOWNLOAD, 0, 0);
+  ask(Command::SGP, 77, 0, 1);
+  enter();
+  pass(std::chrono::seconds(1));
+  EXPECT_EQ(module.axis(0).get(axis_parameter::actual_velocity), 0);
+  start();
+  pass(std::chrono::seconds(1));
+  EXPECT_NE(module.axis(0).get(axis_parameter::actual_velocity), 0);
+}
+
+TEST_F(SimModuleBootloader, TellsTheVersionOfTheNewFirmware) {
+  add(1110);
+  enter();
+  write("1110V142");
+  start();
+  EXPECT_EQ(version_text(), (Bytes{2, '1', '1', '1', '0', 'V', '1', '4', '2'}));
+}
+
+TEST_F(SimModuleBootloader, StaysInItWithoutAFirmware) {
+  add(1110);
+  enter();
+  ask(Command::BOOT_ERASE_ALL, 0, 0);
+  start();
+  EXPECT_EQ(status_of(Command::BOOT_GET_INFO, 0, 0), Status::ok);
+  write("1110V142");
+  start();
+  EXPECT_EQ(status_of(Command::GAP, 1, 0), Status::ok);
+}
+
+TEST_F(SimModuleBootloader, ASuppressedReplyIsGivenInIt) {
+  add(1110);
+  ask(Command::SGP, 255, 0, 1);
+  enter();
+  EXPECT_EQ(status_of(Command::BOOT_ERASE_ALL, 0, 0), Status::ok);
+}
+
+TEST_F(SimModuleBootloader, WithoutTheMagicNumbersTheFirmwareGoesOn) {
+  add(1110);
+  EXPECT_EQ(status_of(Command::ENTER_BOOTLOADER, 0x81, 0x92, 1), Status::invalid_value);
+  EXPECT_EQ(status_of(Command::GAP, 1, 0), Status::ok);
+}
+
+TEST_F(SimModuleBootloader, AnswersOnCanAsWell) {
+  add(1110);
+  enter();
+  can.receive(encode_can(Request{ModuleAddress{1}, Command::BOOT_GET_INFO, 1}));
+  const auto sent_frames = frames();
+  ASSERT_EQ(sent_frames.size(), 1U);
+  EXPECT_EQ(decode_can_reply(sent_frames[0])->value, static_cast<std::int32_t>(Flash::start));
 }
 
 }  // namespace
