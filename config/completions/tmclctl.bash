@@ -24,7 +24,7 @@ _tmclctl() {
       : | =) ((i++)) ;;
       -*) ;;
       *)
-        if [[ ${#verb[@]} == 0 || ${verb[*]} == profile || ${verb[*]} == program ]]; then
+        if [[ ${#verb[@]} == 0 || ${verb[*]} == profile || ${verb[*]} == program || ${verb[*]} == firmware ]]; then
           verb+=("${COMP_WORDS[i]}")
         else
           ((arguments++))
@@ -53,7 +53,7 @@ _tmclctl() {
   local words=""
   if [[ $current == -* ]]; then
     words=$(_tmclctl_words options "${verb[@]}")
-  elif [[ ${#verb[@]} == 0 || ${verb[*]} == profile || ${verb[*]} == program ]]; then
+  elif [[ ${#verb[@]} == 0 || ${verb[*]} == profile || ${verb[*]} == program || ${verb[*]} == firmware ]]; then
     words=$(_tmclctl_words verbs "${verb[@]}")
   else
     case ${verb[*]}:$arguments in
@@ -62,6 +62,7 @@ _tmclctl() {
       get:1 | set:1) words=$(_tmclctl_words parameters) ;;
       raw:1) words=$(_tmclctl_words commands) ;;
       "program assemble":0 | "program disassemble":0) compopt -o default ;;
+      "firmware info":0 | "firmware check":0 | "firmware upload":0) compopt -o default ;;
       "profile simulate":*)
         if [[ $current == = || $previous == = ]]; then
           # Which register: it stands before the =.

@@ -33,7 +33,7 @@ class FakePatience final : public Patience {
 };
 
 /// One axis "x" that moves at a constant rate.
-class FakeTarget final : public Target {
+class FakeTarget : public Target {
  public:
   explicit FakeTarget(Patience& patience) : patience_(patience) {}
 

@@ -219,6 +219,17 @@ Attempt<RawAnswer> DirectTarget::raw(const RawCommand& command) {
   });
 }
 
+Attempt<tmcl::FirmwareMatch> DirectTarget::match_firmware(tmcl::ModuleAddress module,
+                                                          const tmcl::firmware::Image& image) {
+  return attempt(bus_.run(tmcl::verbs::match_firmware(module, image)));
+}
+
+Attempt<tmcl::FirmwareReport> DirectTarget::upload_firmware(tmcl::ModuleAddress module,
+                                                            const tmcl::firmware::Image& image,
+                                                            const tmcl::FirmwareOptions& options) {
+  return attempt(bus_.run(tmcl::verbs::upload_firmware(module, image, options)));
+}
+
 std::string DirectTarget::options() const { return " --direct " + bus_.name(); }
 
 }  // namespace tmclctl

@@ -32,6 +32,11 @@ class DirectTarget final : public Target {
   Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
                       const ReadingHandler& on_reading) override;
   Attempt<RawAnswer> raw(const RawCommand& command) override;
+  Attempt<tmcl::FirmwareMatch> match_firmware(tmcl::ModuleAddress module,
+                                              const tmcl::firmware::Image& image) override;
+  Attempt<tmcl::FirmwareReport> upload_firmware(tmcl::ModuleAddress module,
+                                                const tmcl::firmware::Image& image,
+                                                const tmcl::FirmwareOptions& options) override;
   std::string options() const override;
 
  private:

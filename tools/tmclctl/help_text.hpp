@@ -163,6 +163,40 @@ target, null if it does not. What the chip would take but should not be told is 
 standard error; settings that contradict each other are an error (exit code 2).
 )";
 
+constexpr const char* firmware = R"(
+  tmclctl firmware info --help
+  tmclctl firmware check --help
+  tmclctl firmware upload --help
+)";
+
+constexpr const char* firmware_info = R"(
+Reads an Intel HEX file: how long it is, where it goes, its checksum as bootloaders compute it, and
+the versions that it says it is, such as 1110V142. What is wrong with a file comes as
+FILE:LINE:COLUMN: MESSAGE (exit code 2). No module is needed.
+
+  tmclctl firmware info TMCM-1110_V1.42.hex
+)";
+
+constexpr const char* firmware_check = R"(
+Asks the module which model it is and what it runs, and looks in the file for a version of this
+model. Exit code 0 if there is one, otherwise 2. Nothing is changed. Only with --direct.
+
+  tmclctl --direct serial:/dev/ttyACM0 firmware check TMCM-1110_V1.42.hex 1
+)";
+
+constexpr const char* firmware_upload = R"(
+Stops the module's motors, enters its bootloader, erases the firmware, writes the new one, compares
+the checksum and starts it. Only with --direct: nobody else may use the bus meanwhile. A file that
+is not for this model is refused before anything is changed; --force takes it if the file does not
+say what it is for, or says it in an unknown way.
+
+Whatever fails once the firmware is erased, even the power: the module then stays in its bootloader.
+Give the same command again. On USB the module may leave the bus when it enters its bootloader and
+come back as another device: give the command again with that one's name.
+
+  tmclctl --direct serial:/dev/ttyACM0 firmware upload TMCM-1110_V1.42.hex 1
+)";
+
 constexpr const char* program = R"(
 Nothing is sent anywhere: no bus, no tmcld, no module is needed.
 

@@ -71,6 +71,7 @@ Parser::Parser() {
   add_watch(grammar_);
   add_plot(grammar_);
   add_raw(grammar_);
+  add_firmware(grammar_);
   add_profile(grammar_);
   add_program(grammar_);
   add_complete();

@@ -98,6 +98,18 @@ struct Disassemble {
   std::string file;
   std::string output;  ///< Empty: to standard output.
 };
+struct FirmwareInfo {
+  std::string file;
+};
+struct CheckFirmware {
+  std::string file;
+  std::uint16_t address = 0;
+};
+struct UploadFirmware {
+  std::string file;
+  std::uint16_t address = 0;
+  bool force = false;
+};
 /// For the shell's completion: prints words, one a line, and never complains. Only "axes" needs a
 /// target; everything else is answered by the parser.
 struct Complete {
@@ -109,7 +121,8 @@ struct Complete {
 using Verb =
     std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Get, verb::Set,
                  verb::Move, verb::Rotate, verb::Stop, verb::State, verb::Watch, verb::Plot,
-                 verb::Raw, verb::Simulate, verb::Assemble, verb::Disassemble, verb::Complete>;
+                 verb::Raw, verb::Simulate, verb::Assemble, verb::Disassemble, verb::FirmwareInfo,
+                 verb::CheckFirmware, verb::UploadFirmware, verb::Complete>;
 
 struct Options {
   Where where;

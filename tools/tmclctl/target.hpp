@@ -10,6 +10,7 @@
 
 #include "failure.hpp"
 #include "patience.hpp"
+#include "tmcl/firmware_verbs.hpp"
 #include "tmcl/link.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/units.hpp"
@@ -121,6 +122,13 @@ class Target {
   virtual Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
                               const ReadingHandler& on_reading) = 0;
   virtual Attempt<RawAnswer> raw(const RawCommand& command) = 0;
+  /// A module in its bootloader is nobody else's: only a target that has its bus for itself can do
+  /// these. The others say so.
+  virtual Attempt<tmcl::FirmwareMatch> match_firmware(tmcl::ModuleAddress module,
+                                                      const tmcl::firmware::Image& image);
+  virtual Attempt<tmcl::FirmwareReport> upload_firmware(tmcl::ModuleAddress module,
+                                                        const tmcl::firmware::Image& image,
+                                                        const tmcl::FirmwareOptions& options);
 
   /// The options with which another tmclctl reaches the same axes, such as " --direct can:can0";
   /// may be empty.

@@ -30,11 +30,14 @@ VerbResult run(const verb::State& verb, Room& room);
 VerbResult run(const verb::Watch& verb, Room& room);
 VerbResult run(const verb::Plot& verb, Room& room);
 VerbResult run(const verb::Raw& verb, Room& room);
+VerbResult run(const verb::CheckFirmware& verb, Room& room);
+VerbResult run(const verb::UploadFirmware& verb, Room& room);
 VerbResult run(const verb::Complete& verb, Room& room);
 
 /// These need no target.
 VerbResult run(const verb::Simulate& verb, Output& output);
 VerbResult run(const verb::Assemble& verb, Output& output);
 VerbResult run(const verb::Disassemble& verb, Output& output);
+VerbResult run(const verb::FirmwareInfo& verb, Output& output);
 
 }  // namespace tmclctl

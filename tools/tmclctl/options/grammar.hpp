@@ -87,6 +87,7 @@ void add_motion(Grammar& grammar);
 void add_watch(Grammar& grammar);
 void add_plot(Grammar& grammar);
 void add_raw(Grammar& grammar);
+void add_firmware(Grammar& grammar);
 void add_profile(Grammar& grammar);
 void add_program(Grammar& grammar);
 

@@ -15,4 +15,21 @@ void add_raw(Grammar& grammar) {
   raw.word("VALUE", "May be negative", number(raw->value));
 }
 
+void add_firmware(Grammar& grammar) {
+  const auto firmware = grammar.group("firmware", "Firmware files, and new firmware for a module",
+                                      help_text::firmware);
+  auto info = grammar.verb<verb::FirmwareInfo>(firmware, "info", "What is in a firmware file",
+                                               help_text::firmware_info);
+  info.word("FILE", "An Intel HEX file", text(info->file));
+  auto check = grammar.verb<verb::CheckFirmware>(
+      firmware, "check", "Does a firmware file belong to a module?", help_text::firmware_check);
+  check.word("FILE", "An Intel HEX file", text(check->file));
+  check.word("MODULE", "The module's address", number(check->address, 0, greatest_address));
+  auto upload = grammar.verb<verb::UploadFirmware>(
+      firmware, "upload", "Exchange the firmware of a module", help_text::firmware_upload);
+  upload.word("FILE", "An Intel HEX file", text(upload->file));
+  upload.word("MODULE", "The module's address", number(upload->address, 0, greatest_address));
+  upload.flag("--force", "Also a file that does not say that it is for this model", upload->force);
+}
+
 }  // namespace tmclctl

@@ -1,0 +1,70 @@
+// New firmware for simulated modules, over real ptys and sockets.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "support/intel_hex.hpp"
+#include "system/tmclctl_bench.hpp"
+
+namespace tmcl::test {
+namespace {
+
+using testing::HasSubstr;
+
+class TmclctlFirmware : public testing::Test, public CtlBench {
+ protected:
+  TmclctlFirmware() {
+    std::ofstream(file("1110.hex")) << hex_file(0x4000, firmware_bytes(3000, "1110V142"));
+    std::ofstream(file("3110.hex")) << hex_file(0x4000, firmware_bytes(3000, "3110V107"));
+    std::ofstream(file("large.hex")) << hex_file(0x4000, firmware_bytes(200'000, "1110V143"));
+  }
+  std::string version(const std::string& address) {
+    return run({"raw", address, "GET_FIRMWARE_VERSION", "TEXT", "0", "0"}).out;
+  }
+  Ran run(const Words& words) const { return ctl(direct(), words); }
+};
+
+TEST_F(TmclctlFirmware, IsUploadedOverTcpAndASerialLine) {
+  const auto over_tcp = run({"firmware", "upload", file("1110.hex"), "1"});
+  EXPECT_EQ(over_tcp.status, 0) << over_tcp.err;
+  EXPECT_THAT(over_tcp.out, HasSubstr("module 1 runs firmware 1.42 of a TMCM-1110 now"));
+  EXPECT_THAT(version("1"), HasSubstr("<- 1110V142"));
+  const auto serial = ctl({"--direct", pty_link()}, {"firmware", "upload", file("3110.hex"), "3"});
+  EXPECT_EQ(serial.status, 0) << serial.err;
+  EXPECT_THAT(version("3"), HasSubstr("<- 3110V107"));
+  EXPECT_THAT(version("1"), HasSubstr("<- 1110V142")) << "the other module is as before";
+  EXPECT_EQ(run({"get", "1/0", "actual_position"}).out, "0\n");
+}
+
+TEST_F(TmclctlFirmware, IsRefusedForAnotherModel) {
+  EXPECT_EQ(run({"firmware", "check", file("3110.hex"), "3"}).status, 0);
+  EXPECT_EQ(run({"firmware", "check", file("3110.hex"), "1"}).status, 2);
+  const auto wrong = run({"firmware", "upload", file("3110.hex"), "1"});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("the image is for 3110V107; module 1 is a TMCM-1110"));
+  EXPECT_THAT(version("1"), HasSubstr("<- 1110V101"));
+}
+
+TEST_F(TmclctlFirmware, AnUploadThatWasKilledIsDoneAgain) {
+  {
+    OnTerminal half(direct(), {"firmware", "upload", file("large.hex"), "1"});
+    ASSERT_TRUE(half.wait_for("writing"));
+    half.press_ctrl_c();
+    half.wait();
+  }
+  EXPECT_THAT(version("1"), HasSubstr("<- 1110B101"));
+  EXPECT_EQ(run({"get", "1/0", "actual_position"}).status, 1);
+  const auto again = run({"firmware", "upload", file("1110.hex"), "1"});
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_THAT(again.out, HasSubstr("before it was bootloader 1.01 of a TMCM-1110"));
+  EXPECT_EQ(run({"get", "1/0", "actual_position"}).out, "0\n");
+}
+
+TEST_F(TmclctlFirmware, DoesNotGoThroughTheDaemon) {
+  start_daemon();
+  const auto refused = ctl(through_daemon(), {"firmware", "upload", file("1110.hex"), "1"});
+  EXPECT_EQ(refused.status, 2);
+  EXPECT_THAT(refused.err, HasSubstr("not through tmcld"));
+}
+
+}  // namespace
+}  // namespace tmcl::test

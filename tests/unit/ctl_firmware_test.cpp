@@ -1,0 +1,174 @@
+// firmware info, check and upload: files, forms and exit codes.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "ctl_fixture.hpp"
+#include "support/intel_hex.hpp"
+
+namespace tmclctl {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+using tmcl::FirmwareVersion;
+using tmcl::firmware::Image;
+
+/// Module 7 is a TMCM-1110.
+class FirmwareTarget final : public test::FakeTarget {
+ public:
+  using FakeTarget::FakeTarget;
+
+  Attempt<tmcl::FirmwareMatch> match_firmware(tmcl::ModuleAddress module,
+                                              const Image& image) override {
+    if (failure) return tl::unexpected(*failure);
+    asked = number(module);
+    return tmcl::FirmwareMatch{
+        1110, false, {1110, 1, 1}, versions_in(image), version_for(image, 1110)};
+  }
+  Attempt<tmcl::FirmwareReport> upload_firmware(tmcl::ModuleAddress module, const Image& image,
+                                                const tmcl::FirmwareOptions& options) override {
+    auto match = match_firmware(module, image);
+    if (!match) return tl::unexpected(match.error());
+    forced = options.force;
+    for (const auto* step : {"erasing", "writing", "starting"})
+      options.progress({step, image.bytes.size() / 2, image.bytes.size()});
+    return tmcl::FirmwareReport{*match, runs_then, checksum(image)};
+  }
+
+  std::uint16_t asked = 0;
+  bool forced = false;
+  FirmwareVersion runs_then{1110, 1, 42};
+};
+
+class CtlFirmware : public testing::Test {
+ protected:
+  CtlFirmware() {
+    std::string name = std::filesystem::temp_directory_path() / "ctl_firmware-XXXXXX";
+    folder = ::mkdtemp(name.data());
+    write("good.hex", tmcl::test::hex_file(0x4000, tmcl::test::firmware_bytes(100, "1110V142")));
+    write("other.hex", tmcl::test::hex_file(0x4000, tmcl::test::firmware_bytes(100, "3110V142")));
+    write("nameless.hex", tmcl::test::hex_file(0x4000, tmcl::test::firmware_bytes(100, "")));
+    write("cut.hex", ":0400000001020304F2\n");
+    write("bad.hex", ":0400000001020304F2\n:04000400010203G4F2\n");
+  }
+  ~CtlFirmware() override { std::filesystem::remove_all(folder); }
+
+  std::string path(const std::string& name) const { return folder / name; }
+  void write(const std::string& name, const std::string& contents) const {
+    std::ofstream(path(name), std::ios::binary) << contents;
+  }
+  ExitCode run(const std::vector<std::string>& words) {
+    std::ostringstream out_stream;
+    std::ostringstream err_stream;
+    Output output{out_stream, err_stream, screen, screen};
+    const auto exit = tmclctl::run(words, output, patience, target);
+    out = out_stream.str();
+    err = err_stream.str();
+    return exit;
+  }
+  boost::json::object json() const { return boost::json::parse(out).as_object(); }
+
+  std::filesystem::path folder;
+  test::FakePatience patience;
+  FirmwareTarget target{patience};
+  Screen screen;
+  std::string out;
+  std::string err;
+};
+
+TEST_F(CtlFirmware, InfoTellsWhatIsInAFile) {
+  EXPECT_EQ(run({"firmware", "info", path("good.hex")}), ExitCode::done);
+  EXPECT_THAT(out,
+              StartsWith(path("good.hex") + ": 100 bytes, 0x00004000 to 0x00004063, checksum 0x"));
+  EXPECT_THAT(out, HasSubstr("firmware 1.42 of a TMCM-1110 (1110V142)"));
+  run({"firmware", "info", path("nameless.hex")});
+  EXPECT_THAT(out, HasSubstr("does not say for which model it is"));
+}
+
+TEST_F(CtlFirmware, InfoAsJson) {
+  EXPECT_EQ(run({"--json", "firmware", "info", path("good.hex")}), ExitCode::done);
+  EXPECT_EQ(json().at("start"), 0x4000);
+  EXPECT_EQ(json().at("bytes"), 100);
+  const auto version = json().at("versions").at(0);
+  EXPECT_EQ(version.at("text"), "1110V142");
+  EXPECT_EQ(version.at("model"), "TMCM-1110");
+  EXPECT_EQ(version.at("firmware"), "1.42");
+}
+
+TEST_F(CtlFirmware, ABadFileIsToldWithLineAndColumn) {
+  for (const std::vector<std::string>& words :
+       {std::vector<std::string>{"firmware", "info", path("bad.hex")},
+        {"firmware", "check", path("bad.hex"), "7"},
+        {"firmware", "upload", path("bad.hex"), "7"}}) {
+    EXPECT_EQ(run(words), ExitCode::usage);
+    EXPECT_THAT(err, HasSubstr(path("bad.hex") + ":2:16: 'G' is no hexadecimal digit"));
+  }
+  EXPECT_EQ(target.asked, 0) << "nothing was sent";
+  EXPECT_EQ(run({"firmware", "info", path("cut.hex")}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("seems to be cut short"));
+  EXPECT_EQ(run({"firmware", "info", path("none.hex")}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("cannot read " + path("none.hex")));
+  run({"--json", "firmware", "info", path("bad.hex")});
+  EXPECT_EQ(json().at("error").at("line"), 2);
+  EXPECT_EQ(json().at("error").at("name"), "bad_firmware");
+}
+
+TEST_F(CtlFirmware, CheckTellsWhetherAFileBelongsToAModule) {
+  EXPECT_EQ(run({"firmware", "check", path("good.hex"), "7"}), ExitCode::done);
+  EXPECT_EQ(target.asked, 7);
+  EXPECT_EQ(out, "module 7 has firmware 1.01 of a TMCM-1110; " + path("good.hex") +
+                     " is firmware 1.42 of a TMCM-1110\n");
+  EXPECT_EQ(run({"firmware", "check", path("other.hex"), "7"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("is for 3110V142; module 7 has firmware 1.01 of a TMCM-1110"));
+  EXPECT_EQ(run({"firmware", "check", path("nameless.hex"), "7"}), ExitCode::usage);
+  EXPECT_EQ(run({"--json", "firmware", "check", path("good.hex"), "7"}), ExitCode::done);
+  EXPECT_EQ(json().at("module").at("offered"), "1110V142");
+}
+
+TEST_F(CtlFirmware, UploadTellsWhatRunsNow) {
+  EXPECT_EQ(run({"firmware", "upload", path("good.hex"), "7"}), ExitCode::done);
+  EXPECT_EQ(out,
+            "module 7 runs firmware 1.42 of a TMCM-1110 now; before it was firmware 1.01 of a "
+            "TMCM-1110\n");
+  EXPECT_EQ(err, "");
+  EXPECT_FALSE(target.forced);
+  EXPECT_EQ(run({"--json", "firmware", "upload", path("good.hex"), "7", "--force"}),
+            ExitCode::done);
+  EXPECT_TRUE(target.forced);
+  EXPECT_EQ(json().at("running"), "1110V142");
+  EXPECT_EQ(json().at("module").at("running"), "1110V101");
+}
+
+TEST_F(CtlFirmware, AnotherVersionThanTheFilesIsAWarning) {
+  target.runs_then = {1110, 1, 1};
+  EXPECT_EQ(run({"firmware", "upload", path("good.hex"), "7"}), ExitCode::done);
+  EXPECT_THAT(err, HasSubstr("warning"));
+}
+
+TEST_F(CtlFirmware, AFailureKeepsItsHint) {
+  target.failure = Failure{ExitCode::unknown, "reply_timeout", "writing: no answer",
+                           "start the same upload again"};
+  EXPECT_EQ(run({"firmware", "upload", path("good.hex"), "7"}), ExitCode::unknown);
+  EXPECT_THAT(err, HasSubstr("writing: no answer\n  Start the same upload again"));
+}
+
+TEST_F(CtlFirmware, ATargetThatSharesItsBusRefuses) {
+  test::Ctl shared;
+  EXPECT_EQ(shared.run({"firmware", "upload", path("good.hex"), "7"}), ExitCode::usage);
+  EXPECT_THAT(shared.err, HasSubstr("Stop tmcld and name the bus"));
+  EXPECT_EQ(shared.run({"firmware", "check", path("good.hex"), "7"}), ExitCode::usage);
+  EXPECT_EQ(shared.run({"firmware", "info", path("good.hex")}), ExitCode::done);
+}
+
+TEST_F(CtlFirmware, ATerminalShowsHowFarItIs) {
+  screen.terminal = true;
+  screen.width = 80;
+  run({"firmware", "upload", path("good.hex"), "7"});
+  EXPECT_THAT(err, HasSubstr("erasing"));
+}
+
+}  // namespace
+}  // namespace tmclctl
