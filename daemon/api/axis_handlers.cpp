@@ -2,6 +2,7 @@
 
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
+#include "api/quantity.hpp"
 #include "api/state_json.hpp"
 
 namespace tmcld::handlers {
@@ -34,11 +35,10 @@ Answer move_to(Call& call) {
   const auto ready = co_await ready_to_move(call);
   if (!ready) co_return tl::unexpected(ready.error());
   auto& axis = *ready->axis;
-  const auto target = call.params.integer("position_microsteps");
   const auto* row = find_parameter(axis.parameters(), ap::target_position);
-  auto complaint = check_range(row, target, "position_microsteps");
-  if (complaint) co_return tl::unexpected(std::move(*complaint));
-  const auto moved = co_await axis.move_to(tmcl::Microsteps{target}, ready->moves);
+  const auto target = co_await microsteps_of(call, axis, "position_microsteps", "position", row);
+  if (!target) co_return tl::unexpected(target.error());
+  const auto moved = co_await axis.move_to(*target, ready->moves);
   if (!moved) co_return failed(moved.error(), axis);
   co_return with("target_microsteps", *moved);
 }
@@ -47,8 +47,10 @@ Answer move_by(Call& call) {
   const auto ready = co_await ready_to_move(call);
   if (!ready) co_return tl::unexpected(ready.error());
   auto& axis = *ready->axis;
-  const tmcl::Microsteps distance{call.params.integer("distance_microsteps")};
-  const auto moved = co_await axis.move_by(distance, ready->moves);
+  const auto distance =
+      co_await microsteps_of(call, axis, "distance_microsteps", "distance", nullptr);
+  if (!distance) co_return tl::unexpected(distance.error());
+  const auto moved = co_await axis.move_by(*distance, ready->moves);
   if (!moved) co_return failed(moved.error(), axis);
   co_return with("target_microsteps", *moved);
 }
@@ -57,11 +59,9 @@ Answer rotate(Call& call) {
   const auto ready = co_await ready_to_move(call);
   if (!ready) co_return tl::unexpected(ready.error());
   auto& axis = *ready->axis;
-  const auto velocity = call.params.integer("velocity_internal");
-  const auto* row = find_parameter(axis.parameters(), ap::target_velocity);
-  auto complaint = check_range(row, velocity, "velocity_internal");
-  if (complaint) co_return tl::unexpected(std::move(*complaint));
-  const auto turned = co_await axis.rotate(tmcl::InternalVelocity{velocity}, ready->moves);
+  const auto velocity = co_await velocity_of(call, axis);
+  if (!velocity) co_return tl::unexpected(velocity.error());
+  const auto turned = co_await axis.rotate(*velocity, ready->moves);
   if (!turned) co_return failed(turned.error(), axis);
   co_return json::object{};
 }
@@ -89,6 +89,16 @@ Answer wait(Call& call) {
   const auto arrived = co_await (*axis)->wait(options, std::move(objection));
   if (!arrived) co_return failed(arrived.error(), **axis);
   co_return with("position_microsteps", *arrived);
+}
+
+Answer get_units(Call& call) {
+  const auto axis = axis_of(call);
+  if (!axis) co_return tl::unexpected(axis.error());
+  const auto ready = co_await (*axis)->be_ready();
+  if (!ready) co_return failed(ready.error(), **axis);
+  const auto module = co_await (*axis)->module_units();
+  const auto scale = co_await (*axis)->scale();
+  co_return units_json(**axis, module, scale);
 }
 
 Answer get_state(Call& call) {

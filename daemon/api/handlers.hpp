@@ -25,6 +25,7 @@ Answer rotate(Call& call);
 Answer stop(Call& call);
 Answer wait(Call& call);
 Answer get_state(Call& call);
+Answer get_units(Call& call);
 
 Answer get_parameter(Call& call);
 Answer set_parameter(Call& call);

@@ -26,6 +26,7 @@ enum class FieldType : std::uint8_t {
   objects,
   nullable_text,
   nullable_number,
+  nullable_boolean,
 };
 
 constexpr std::int64_t int32_minimum = std::numeric_limits<std::int32_t>::min();

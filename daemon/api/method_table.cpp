@@ -67,14 +67,17 @@ constexpr std::array list_axes_result{
     ResultInfo{"axes", objects,
                "name, bus, address, motor, model, state (unknown, ready, silent, no_such_motor)"}};
 constexpr std::array move_to_params{
-    axis, ParamInfo{"position_microsteps", integer, required, "where to go"}, deadline};
+    axis, ParamInfo{"position_microsteps", integer, optional, "where to go"},
+    ParamInfo{"position", number, optional, "the same in the axis' unit, instead"}, deadline};
 constexpr std::array move_by_params{
-    axis, ParamInfo{"distance_microsteps", integer, required, "how far to go from here"}, deadline};
+    axis, ParamInfo{"distance_microsteps", integer, optional, "how far to go from here"},
+    ParamInfo{"distance", number, optional, "the same in the axis' unit, instead"}, deadline};
 constexpr std::array target_result{ResultInfo{"target_microsteps", integer, "where the move ends"}};
 constexpr std::array rotate_params{
     axis,
-    ParamInfo{"velocity_internal", integer, required,
+    ParamInfo{"velocity_internal", integer, optional,
               "speed in the module's own unit; the sign is the direction"},
+    ParamInfo{"velocity", number, optional, "the same in the axis' unit per second, instead"},
     deadline};
 constexpr std::array only_axis{axis};
 constexpr std::array wait_params{
@@ -90,7 +93,24 @@ constexpr std::array state_result{
     ResultInfo{"target_microsteps", integer, "where it is to go"},
     ResultInfo{"position_reached", boolean, "position equals target, perhaps only in passing"},
     ResultInfo{"moving", boolean, "its speed is not zero"},
+    ResultInfo{"unit", nullable_text, "what the next three are in; null if the axis has none"},
+    ResultInfo{"position", nullable_number, "where it is"},
+    ResultInfo{"velocity", nullable_number, "speed per second"},
+    ResultInfo{"target", nullable_number, "where it is to go"},
     ResultInfo{"age_ms", integer, "how old the oldest of these values is"}};
+
+constexpr std::array units_result{
+    ResultInfo{"axis", text, "name of the axis"},
+    ResultInfo{"model", nullable_text, "model of its module; null if it is not known"},
+    ResultInfo{"unit", nullable_text, "what positions are measured in; null if nothing is set"},
+    ResultInfo{"units_per_revolution", nullable_number, "how many of these a turn is"},
+    ResultInfo{"reverse", nullable_boolean, "they grow in the motor's negative direction"},
+    ResultInfo{"microsteps_per_revolution", nullable_number, "null where the module tells none"},
+    ResultInfo{"full_steps", nullable_number, "full steps of a turn"},
+    ResultInfo{"velocity_unit_pps", nullable_number,
+               "what the module's unit of velocity is, in microsteps per second"},
+    ResultInfo{"acceleration_unit_pps2", nullable_number,
+               "what its unit of acceleration is, in microsteps per second squared"}};
 
 // ---- parameter ----
 
@@ -166,6 +186,8 @@ constexpr auto table = std::to_array<MethodInfo>({
      Effect::reads, handlers::wait},
     {"axis.get_state", "where the axis is and what it does", only_axis, state_result, Effect::reads,
      handlers::get_state},
+    {"axis.get_units", "what the axis counts in", only_axis, units_result, Effect::reads,
+     handlers::get_units},
     {"parameter.get", "reads an axis parameter", get_parameter_params, parameter_result,
      Effect::reads, handlers::get_parameter},
     {"parameter.set", "sets an axis parameter", set_parameter_params, parameter_result,
@@ -202,6 +224,7 @@ std::string_view name_of(FieldType type) {
     case objects: return "array of objects";
     case nullable_text: return "string or null";
     case nullable_number: return "number or null";
+    case nullable_boolean: return "boolean or null";
   }
   return {};
 }

@@ -29,6 +29,7 @@ class Params {
   std::int32_t integer_or(std::string_view name, std::int32_t otherwise) const {
     return has(name) ? integer(name) : otherwise;
   }
+  double number(std::string_view name) const { return object_.at(name).to_number<double>(); }
   bool is_text(std::string_view name) const { return object_.at(name).is_string(); }
   /// Empty if the parameter is absent.
   std::vector<std::string> texts(std::string_view name) const;

@@ -34,6 +34,15 @@ void add_identity(json::object& out, const std::optional<tmcl::FoundModule>& fou
   out["axes"] = found->axes;
 }
 
+void add_user(json::object& out, const GatewayAxis& axis, const std::optional<UserReading>& user) {
+  for (const auto* key : {"unit", "position", "velocity", "target"}) out[key] = nullptr;
+  if (!user) return;
+  out["unit"] = axis.unit();
+  out["position"] = user->position.value;
+  if (user->velocity) out["velocity"] = user->velocity->value;
+  out["target"] = user->target.value;
+}
+
 // A motor that the model does not have is a fault of the configuration, not of the module.
 std::string_view state_of(const GatewayAxis& axis) {
   const auto* model = axis.module().model();
@@ -53,6 +62,7 @@ void add_state(json::object& out, const GatewayAxis& axis, const AxisReading& re
   out["target_microsteps"] = state.target.value;
   out["position_reached"] = state.position_reached;
   out["moving"] = state.velocity.value != 0;
+  add_user(out, axis, reading.user);
   out["age_ms"] = milliseconds(std::chrono::steady_clock::now() - reading.taken);
 }
 
@@ -60,6 +70,32 @@ void add_state(json::object& out, const GatewayAxis& axis, const PublishedReadin
   add_state(out, axis, reading.reading);
   out["seq"] = reading.seq;
   out["event_time_ms"] = milliseconds(reading.reading.taken.time_since_epoch());
+}
+
+json::object units_json(const GatewayAxis& axis, const std::optional<tmcl::ModuleUnits>& module,
+                        const std::optional<tmcl::UserScale>& scale) {
+  json::object out;
+  out["axis"] = axis.name();
+  for (const auto* key :
+       {"model", "unit", "units_per_revolution", "reverse", "microsteps_per_revolution",
+        "full_steps", "velocity_unit_pps", "acceleration_unit_pps2"}) {
+    out[key] = nullptr;
+  }
+  if (const auto* model = axis.module().model()) out["model"] = model->name;
+  if (scale) {
+    out["reverse"] = scale->reverse;
+    out["full_steps"] = scale->steps.full_steps;
+    out["microsteps_per_revolution"] = scale->steps.per_revolution();
+  }
+  if (scale && !scale->unit.empty()) {
+    out["unit"] = scale->unit;
+    out["units_per_revolution"] = scale->units_per_revolution;
+  }
+  if (module) {
+    out["velocity_unit_pps"] = module->velocity.value;
+    out["acceleration_unit_pps2"] = module->acceleration.value;
+  }
+  return out;
 }
 
 json::object to_json(const GatewayBus& bus) {

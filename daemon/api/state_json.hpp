@@ -14,6 +14,11 @@ void add_state(boost::json::object& json, const GatewayAxis& axis, const AxisRea
 /// Also "seq" and "event_time_ms".
 void add_state(boost::json::object& json, const GatewayAxis& axis, const PublishedReading& reading);
 
+/// What an axis counts in, with null for what is not known.
+boost::json::object units_json(const GatewayAxis& axis,
+                               const std::optional<tmcl::ModuleUnits>& module,
+                               const std::optional<tmcl::UserScale>& scale);
+
 boost::json::object to_json(const GatewayBus& bus);
 boost::json::object to_json(const GatewayBus& bus, const GatewayModule& module);
 boost::json::object to_json(const GatewayBus& bus, const tmcl::FoundModule& module);

@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <chrono>
+#include <cmath>
 #include <optional>
 #include <string>
 
+#include "tmcl/conversion.hpp"
 #include "tmcl/nearest.hpp"
 
 namespace tmcld {
@@ -187,7 +190,44 @@ class Builder {
                "axis " + quoted(other.name) + " already is motor " + std::to_string(*motor) +
                    " of module " + std::to_string(*address) + " on bus " + quoted(*bus_name));
     }
-    if (name != nullptr) config_.axes.push_back({*name, *bus_name, where});
+    auto scale = scale_of(section);
+    if (name != nullptr) config_.axes.push_back({*name, *bus_name, where, std::move(scale)});
+  }
+
+  ScaleConfig scale_of(const ConfigSection& section) {
+    ScaleConfig scale;
+    set(section, "full_steps", scale.full_steps);
+    if (const auto* flag = section.get<bool>("reverse")) scale.reverse = *flag;
+    if (const auto* microsteps = section.get<std::int64_t>("microsteps")) {
+      const auto count = static_cast<std::uint64_t>(*microsteps);
+      if (!std::has_single_bit(count)) {
+        complain(section.place_of("microsteps"),
+                 "'microsteps' is " + std::to_string(count) + ", but must be a power of two");
+      }
+      scale.microstep_resolution = std::countr_zero(count);
+    }
+    add_unit(section, scale);
+    return scale;
+  }
+
+  void add_unit(const ConfigSection& section, ScaleConfig& scale) {
+    const auto* unit = section.get<std::string>("unit");
+    const auto* distance = section.get<double>("units_per_revolution");
+    if ((unit == nullptr) != (distance == nullptr)) {
+      return complain(section.place_of(unit != nullptr ? "unit" : "units_per_revolution"),
+                      "'unit' and 'units_per_revolution' belong together: what positions are "
+                      "measured in, and how much of it a turn of the motor is");
+    }
+    if (unit == nullptr) return;
+    if (const auto fault = tmcl::fault_of_unit_name(*unit); !fault.empty())
+      complain(section.place_of("unit"), "the unit " + quoted(*unit) + " " + fault);
+    if (!(*distance > 0) || !std::isfinite(*distance)) {
+      complain(section.place_of("units_per_revolution"),
+               "'units_per_revolution' must be greater than 0; for the other direction say "
+               "reverse = true");
+    }
+    scale.unit = *unit;
+    scale.units_per_revolution = *distance;
   }
 
   const BusConfig* find_bus(const ConfigSection& section, const std::string& name) {

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,10 +32,20 @@ struct BusConfig {
   tmcl::BusOptions bus_options;  ///< `name` is the configured one, so that errors carry it.
 };
 
+/// What an axis is measured in.
+struct ScaleConfig {
+  std::string unit;  ///< Empty: none; positions are told in microsteps only.
+  double units_per_revolution = 1;
+  bool reverse = false;
+  std::int32_t full_steps = 200;
+  std::optional<std::int32_t> microstep_resolution;  ///< Exponent of two; absent: the module's.
+};
+
 struct AxisConfig {
   std::string name;
   std::string bus;
   tmcl::AxisAddress address;
+  ScaleConfig scale{};
 };
 
 /// Every axis is on one of the buses; names are unique, and so are motors.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "tmcl/conversion.hpp"
+
 namespace tmcld {
 namespace {
 
@@ -42,6 +44,15 @@ constexpr auto keys = std::to_array<KeyInfo>({
     {axis, "bus", string, required, 0, 0, any, "name of the bus the module is on"},
     {axis, "address", integer, required, 0, 0x7FF, any, "address of the module"},
     {axis, "motor", integer, required, 0, 255, any, "number of the motor on its module, from 0"},
+    {axis, "unit", string, optional, 0, 0, any, "what its positions are measured in, such as mm"},
+    {axis, "units_per_revolution", number, optional, 0, 0, any,
+     "how many of these units a turn of the motor is"},
+    {axis, "reverse", boolean, optional, 0, 0, any,
+     "positions in the unit grow in the motor's negative direction"},
+    {axis, "full_steps", integer, optional, 1, tmcl::max_full_steps, any,
+     "full steps of a turn of the motor"},
+    {axis, "microsteps", integer, optional, 1, 1 << tmcl::max_microstep_resolution, any,
+     "microsteps of a full step: a power of two"},
 });
 
 }  // namespace
@@ -59,6 +70,7 @@ std::string_view name_of(KeyType type) {
   switch (type) {
     case string: return "a text in quotes";
     case integer: return "a whole number";
+    case number: return "a number";
     case boolean: return "true or false";
   }
   return {};

@@ -14,7 +14,7 @@
 namespace tmcld {
 
 struct ConfigValue {
-  std::variant<std::string, std::int64_t, bool> value;
+  std::variant<std::string, std::int64_t, double, bool> value;
   Place place;
 };
 

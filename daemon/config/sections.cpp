@@ -113,6 +113,9 @@ class Reader {
       case KeyType::integer:
         if (const auto* number = node.as_integer()) return number->get();
         break;
+      case KeyType::number:
+        if (const auto number = node.value<double>(); number && node.is_number()) return *number;
+        break;
       case KeyType::boolean:
         if (const auto* flag = node.as_boolean()) return flag->get();
         break;

@@ -1,7 +1,9 @@
 #include "gateway/axis.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <utility>
+#include <vector>
 
 #include "gateway/poller.hpp"
 #include "tmcl/units.hpp"
@@ -150,10 +152,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::set(std::uint8_t parameter, std::int32
   if (!ready) co_return ready;
   auto result = co_await run(tmcl::verbs::set(address(), parameter, value), std::move(movement));
   // Also after a failure: the value may have been set all the same.
-  const auto* model = module_.model();
-  if (model != nullptr && parameter == tmcl::velocity_unit_parameter(*model)) {
-    velocity_unit_.reset();
-  }
+  forget_units(parameter);
   co_return result;
 }
 
@@ -166,30 +165,70 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state() {
   auto state = co_await run(tmcl::verbs::state(address()), std::move(options));
   if (!state) co_return tl::unexpected(std::move(state.error()));
   reading.state = *state;
-  reading.velocity_pps = co_await to_pps(state->velocity);
+  co_await add_units(reading);
   co_return reading;
 }
 
-awaitable<std::optional<tmcl::PulsesPerSecond>> GatewayAxis::read_velocity_unit(
-    const tmcl::Model& model) {
-  const auto parameter = tmcl::velocity_unit_parameter(model);
-  if (!parameter) co_return tmcl::velocity_unit(model, 0);
-  RunOptions options;
-  const auto value = co_await run(tmcl::verbs::get(address(), *parameter), std::move(options));
-  if (!value) co_return std::nullopt;
-  co_return tmcl::velocity_unit(model, *value);
+awaitable<void> GatewayAxis::add_units(AxisReading& reading) {
+  std::optional<tmcl::PulsesPerSecond> velocity;
+  const auto units = co_await module_units();
+  if (units) {
+    velocity = tmcl::to_pps(reading.state.velocity, *units);
+    reading.velocity_pps = velocity->value;
+  }
+  if (config_.scale.unit.empty()) co_return;
+  const auto scale = co_await this->scale();
+  if (!scale) co_return;
+  reading.user = {tmcl::to_user(reading.state.position, *scale),
+                  tmcl::to_user(reading.state.target, *scale),
+                  {}};
+  if (velocity) reading.user->velocity = tmcl::to_user(*velocity, *scale);
 }
 
-awaitable<std::optional<double>> GatewayAxis::to_pps(tmcl::InternalVelocity velocity) {
+awaitable<std::optional<tmcl::ModuleUnits>> GatewayAxis::module_units() {
   const auto* model = module_.model();
   if (model == nullptr) co_return std::nullopt;
-  const auto epoch = module_.settings_epoch();
-  if (!velocity_unit_ || velocity_unit_->settings_epoch != epoch) {
-    const auto unit = co_await read_velocity_unit(*model);
-    if (!unit) co_return std::nullopt;
-    velocity_unit_ = VelocityUnit{epoch, *unit};
+  const auto epoch = units_epoch();
+  if (module_units_ && module_units_->epoch == epoch) co_return module_units_->value;
+  std::vector<std::int32_t> values;
+  for (const auto parameter : tmcl::unit_parameters(*model)) {
+    RunOptions options;
+    const auto value = co_await run(tmcl::verbs::get(address(), parameter), std::move(options));
+    if (!value) co_return std::nullopt;
+    values.push_back(*value);
   }
-  co_return velocity.value * velocity_unit_->unit.value;
+  const auto units = tmcl::module_units(*model, values);
+  if (units) module_units_ = Known<tmcl::ModuleUnits>{epoch, *units};
+  co_return units;
+}
+
+awaitable<std::optional<tmcl::UserScale>> GatewayAxis::scale() {
+  const auto& config = config_.scale;
+  tmcl::UserScale scale{
+      config.unit, config.units_per_revolution, config.reverse, {config.full_steps, 0}};
+  if (config.microstep_resolution) {
+    scale.steps.resolution = *config.microstep_resolution;
+    co_return scale;
+  }
+  const auto epoch = units_epoch();
+  if (!microstep_resolution_ || microstep_resolution_->epoch != epoch) {
+    auto script = tmcl::verbs::get(address(), tmcl::axis_parameter::microstep_resolution);
+    RunOptions options;
+    const auto value = co_await run(std::move(script), std::move(options));
+    if (!value || *value < 0 || *value > tmcl::max_microstep_resolution) co_return std::nullopt;
+    microstep_resolution_ = Known<std::int32_t>{epoch, *value};
+  }
+  scale.steps.resolution = microstep_resolution_->value;
+  co_return scale;
+}
+
+void GatewayAxis::forget_units(std::uint8_t parameter) {
+  bool counts = parameter == tmcl::axis_parameter::microstep_resolution;
+  if (const auto* model = module_.model()) {
+    const auto units = tmcl::unit_parameters(*model);
+    counts = counts || std::ranges::count(units, parameter) != 0;
+  }
+  if (counts) ++unit_changes_;
 }
 
 const std::shared_ptr<AxisPoller>& GatewayAxis::poller() {

@@ -15,16 +15,26 @@
 #include "config/config.hpp"
 #include "gateway/bus.hpp"
 #include "gateway/module.hpp"
+#include "tmcl/conversion.hpp"
 #include "tmcl/parameter.hpp"
 
 namespace tmcld {
 
 class AxisPoller;
 
+/// The same in the unit that the configuration gives the axis.
+struct UserReading {
+  tmcl::UserPosition position;
+  tmcl::UserPosition target;
+  std::optional<tmcl::UserVelocity> velocity;  ///< Nothing where the model is not known.
+  bool operator==(const UserReading&) const = default;
+};
+
 /// One look at an axis.
 struct AxisReading {
   tmcl::AxisState state;
   std::optional<double> velocity_pps;  ///< Nothing where the model is not known.
+  std::optional<UserReading> user;     ///< Nothing without a unit.
   tmcl::TimePoint taken{};             ///< When the look began: nothing in it is older.
 };
 
@@ -41,6 +51,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
 
   const std::string& name() const { return config_.name; }
   tmcl::AxisAddress address() const { return config_.address; }
+  /// Empty if the configuration gives it none.
+  const std::string& unit() const { return config_.scale.unit; }
   GatewayBus& bus() const { return *bus_; }
   GatewayModule& module() const { return module_; }
   /// The parameters of its model; empty while that is not known.
@@ -63,6 +75,12 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<std::int32_t> get(std::uint8_t parameter, Deadline deadline);
   Awaitable<AxisReading> read_state();
 
+  /// What its module counts in; nothing where the model is not known.
+  boost::asio::awaitable<std::optional<tmcl::ModuleUnits>> module_units();
+  /// As the configuration has it, with the microsteps of the module unless the configuration gives
+  /// them. `unit` is empty if it has none. Nothing where the microsteps cannot be known.
+  boost::asio::awaitable<std::optional<tmcl::UserScale>> scale();
+
   /// Goes out before everything else, whatever is known about the module.
   Awaitable<void> stop();
   /// Calls that began before this have no right to move the axis any more.
@@ -74,20 +92,28 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
  private:
   template <class T>
   Awaitable<T> run(tmcl::Script<tmcl::Result<T>> script, RunOptions options);
-  boost::asio::awaitable<std::optional<double>> to_pps(tmcl::InternalVelocity velocity);
-  boost::asio::awaitable<std::optional<tmcl::PulsesPerSecond>> read_velocity_unit(
-      const tmcl::Model& model);
+  boost::asio::awaitable<void> add_units(AxisReading& reading);
+  void forget_units(std::uint8_t parameter);
 
   AxisConfig config_;
   std::shared_ptr<GatewayBus> bus_;
   GatewayModule& module_;
   std::uint64_t stops_ = 0;
-  /// What the module counts velocities in, until its settings may have changed.
-  struct VelocityUnit {
-    std::uint64_t settings_epoch;
-    tmcl::PulsesPerSecond unit;
+  /// What was read is known until the module's settings may have changed, also while it is read.
+  struct UnitsEpoch {
+    std::uint64_t settings;
+    std::uint64_t changes;
+    bool operator==(const UnitsEpoch&) const = default;
   };
-  std::optional<VelocityUnit> velocity_unit_;
+  UnitsEpoch units_epoch() const { return {module_.settings_epoch(), unit_changes_}; }
+  template <class T>
+  struct Known {
+    UnitsEpoch epoch;
+    T value;
+  };
+  std::uint64_t unit_changes_ = 0;
+  std::optional<Known<tmcl::ModuleUnits>> module_units_;
+  std::optional<Known<std::int32_t>> microstep_resolution_;
   std::shared_ptr<AxisPoller> poller_;
 };
 

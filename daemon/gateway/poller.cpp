@@ -13,7 +13,8 @@ bool is_same(const AxisReading& one, const AxisReading& other) {
   const auto& a = one.state;
   const auto& b = other.state;
   return a.position == b.position && a.velocity == b.velocity && a.target == b.target &&
-         a.position_reached == b.position_reached && one.velocity_pps == other.velocity_pps;
+         a.position_reached == b.position_reached && one.velocity_pps == other.velocity_pps &&
+         one.user == other.user;
 }
 
 }  // namespace

@@ -102,6 +102,51 @@ motor = 5
   EXPECT_EQ(b.link_options.connect_timeout, milliseconds(11));
 }
 
+TEST(DaemonConfig, ReadsTheScaleOfAnAxis) {
+  const auto plain = parse_config(good);
+  ASSERT_TRUE(plain);
+  EXPECT_EQ(plain->axes[0].scale.unit, "");
+  EXPECT_EQ(plain->axes[0].scale.full_steps, 200);
+  EXPECT_FALSE(plain->axes[0].scale.reverse);
+  EXPECT_FALSE(plain->axes[0].scale.microstep_resolution);
+  const auto config = parse_config(std::string(good) +
+                                   "unit = \"mm\"\nunits_per_revolution = 5.5\nreverse = true\n"
+                                   "full_steps = 400\nmicrosteps = 64\n");
+  ASSERT_TRUE(config) << config.error().front().message;
+  const auto& scale = config->axes[0].scale;
+  EXPECT_EQ(scale.unit, "mm");
+  EXPECT_EQ(scale.units_per_revolution, 5.5);
+  EXPECT_TRUE(scale.reverse);
+  EXPECT_EQ(scale.full_steps, 400);
+  EXPECT_EQ(scale.microstep_resolution, 6);
+  const auto whole = parse_config(std::string(good) + "unit = \"µm\"\nunits_per_revolution = 5\n");
+  ASSERT_TRUE(whole) << whole.error().front().message;
+  EXPECT_EQ(whole->axes[0].scale.units_per_revolution, 5);
+}
+
+TEST(DaemonConfig, AScaleThatMakesNoSenseIsRefused) {
+  const auto with = [](const std::string& lines) {
+    const auto all = problems(good + lines);
+    return all.size() == 1 ? all.front() : std::to_string(all.size()) + " problems";
+  };
+  EXPECT_THAT(with("unit = \"mm\"\n"), HasSubstr("belong together"));
+  EXPECT_THAT(with("units_per_revolution = 5\n"), HasSubstr("belong together"));
+  EXPECT_THAT(with("unit = \"mm\"\nunits_per_revolution = 0\n"), HasSubstr("greater than 0"));
+  EXPECT_THAT(with("unit = \"mm\"\nunits_per_revolution = -5\n"), HasSubstr("reverse = true"));
+  EXPECT_THAT(with("unit = \"mm\"\nunits_per_revolution = inf\n"), HasSubstr("greater than 0"));
+  EXPECT_THAT(with("unit = \"mm\"\nunits_per_revolution = nan\n"), HasSubstr("greater than 0"));
+  EXPECT_THAT(with("unit = \"mm\"\nunits_per_revolution = \"5\"\n"), HasSubstr("a number"));
+  EXPECT_THAT(with("unit = \"pps\"\nunits_per_revolution = 5\n"), HasSubstr("already"));
+  EXPECT_THAT(with("unit = \"mm2\"\nunits_per_revolution = 5\n"), HasSubstr("digits"));
+  EXPECT_THAT(with("unit = \"\"\nunits_per_revolution = 5\n"), HasSubstr("is empty"));
+  EXPECT_THAT(with("unit = \"abcdefghijklmnopq\"\nunits_per_revolution = 5\n"),
+              HasSubstr("more than 16"));
+  EXPECT_THAT(with("microsteps = 48\n"), HasSubstr("power of two"));
+  EXPECT_THAT(with("microsteps = 512\n"), HasSubstr("outside 1..256"));
+  EXPECT_THAT(with("full_steps = 0\n"), HasSubstr("outside 1.."));
+  EXPECT_THAT(with("reverse = 1\n"), HasSubstr("true or false"));
+}
+
 struct Mistake {
   int line;
   std::string instead;

@@ -37,6 +37,7 @@ json::object good_params(const MethodInfo& method) {
 // What a parameter of this type must never be.
 std::vector<json::value> bad_values(FieldType type) {
   std::vector<json::value> values{nullptr, true, json::object{}, 1.5, json::array{1}};
+  if (type == FieldType::number) std::erase(values, json::value(1.5));
   if (type == FieldType::text || type == FieldType::texts) values.push_back(7);
   if (type == FieldType::integer || type == FieldType::texts) values.push_back("7");
   return values;

@@ -95,5 +95,166 @@ TEST_F(DaemonUnits, LeaveTheRangeOfWhatTheyScaleToTheModule) {
   EXPECT_THAT(text(error.at("message")), HasSubstr("outside 0..18"));
 }
 
+constexpr auto spindle = R"(
+[[bus]]
+name = "bench"
+link = "serial:/dev/none@115200"
+reply_timeout_ms = 500
+
+[[axis]]
+name = "x"
+bus = "bench"
+address = 1
+motor = 0
+unit = "mm"
+units_per_revolution = 5.0
+
+[[axis]]
+name = "back"
+bus = "bench"
+address = 1
+motor = 1
+unit = "deg"
+units_per_revolution = 360
+reverse = true
+full_steps = 400
+microsteps = 16
+
+[[axis]]
+name = "plain"
+bus = "bench"
+address = 1
+motor = 2
+)";
+
+class DaemonScale : public testing::Test {
+ protected:
+  DaemonScale() {
+    daemon.wire().model = 3110;
+    daemon.start();
+    client = std::make_unique<RpcClient>(daemon.socket());
+    hold(0, 140, 8);
+    for (const std::uint8_t motor : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}}) {
+      hold(motor, 153, 3);
+      hold(motor, 154, 2);
+    }
+  }
+  void hold(std::uint8_t motor, std::uint8_t parameter, std::int32_t value) {
+    daemon.on_reactor(
+        [&] { return daemon.wire().modules.at(1).parameter(motor, parameter) = value; });
+  }
+  tmcl::Request last(Command command) {
+    return daemon.on_reactor([&] {
+      const auto& seen = daemon.wire().seen;
+      const auto found = std::ranges::find(seen.rbegin(), seen.rend(), command,
+                                           [](const auto& request) { return request.command; });
+      return found == seen.rend() ? tmcl::Request{} : *found;
+    });
+  }
+  std::string refusal(std::string_view method, json::object params) {
+    const auto error = client->error(method, std::move(params));
+    EXPECT_EQ(error.at("code"), -32602);
+    return text(error.at("message"));
+  }
+
+  TestDaemon daemon{spindle};
+  std::unique_ptr<RpcClient> client;
+};
+
+TEST_F(DaemonScale, StatesAreToldInTheUnitBesideMicrosteps) {
+  hold(0, 1, 102'400);
+  hold(0, 0, -51'200);
+  hold(0, 3, 1000);
+  const auto state = client->result("axis.get_state", {{"axis", "x"}});
+  EXPECT_EQ(state.at("position_microsteps"), 102'400);
+  EXPECT_EQ(state.at("unit"), "mm");
+  EXPECT_EQ(state.at("position").to_number<double>(), 10);
+  EXPECT_EQ(state.at("target").to_number<double>(), -5);
+  EXPECT_NEAR(state.at("velocity").to_number<double>(), 61'035.156 / 10'240, 1e-6);
+  hold(1, 1, 3'200);
+  hold(1, 0, 0);
+  hold(1, 3, -1000);
+  const auto back = client->result("axis.get_state", {{"axis", "back"}});
+  EXPECT_EQ(back.at("position").to_number<double>(), -180);
+  EXPECT_GT(back.at("velocity").to_number<double>(), 0);
+  const auto plain = client->result("axis.get_state", {{"axis", "plain"}});
+  for (const auto* key : {"unit", "position", "target", "velocity"}) {
+    EXPECT_TRUE(plain.at(key).is_null()) << key;
+  }
+}
+
+TEST_F(DaemonScale, TheMicrostepsOfTheModuleAreReadAgainWhenTheyMayHaveChanged) {
+  hold(0, 1, 51'200);
+  const auto position = [&] {
+    return client->result("axis.get_state", {{"axis", "x"}}).at("position").to_number<double>();
+  };
+  EXPECT_EQ(position(), 5);
+  EXPECT_EQ(position(), 5);
+  client->result("parameter.set", {{"axis", "x"}, {"parameter", 140}, {"value", 6}});
+  EXPECT_EQ(position(), 20);
+  hold(0, 140, 99);
+  client->result("parameter.set", {{"axis", "x"}, {"parameter", 154}, {"value", 3}});
+  EXPECT_TRUE(client->result("axis.get_state", {{"axis", "x"}}).at("position").is_null())
+      << "no module has that";
+}
+
+TEST_F(DaemonScale, MovesAreTakenInTheUnit) {
+  EXPECT_EQ(
+      client->result("axis.move_to", {{"axis", "x"}, {"position", 2.5}}).at("target_microsteps"),
+      25'600);
+  EXPECT_EQ(last(Command::MVP).value, 25'600);
+  EXPECT_EQ(
+      client->result("axis.move_by", {{"axis", "x"}, {"distance", -1}}).at("target_microsteps"),
+      15'360);
+  client->result("axis.rotate", {{"axis", "x"}, {"velocity", -5}});
+  EXPECT_EQ(last(Command::ROL).value, 839);
+  client->result("axis.move_to", {{"axis", "back"}, {"position", 90}});
+  EXPECT_EQ(last(Command::MVP).value, -1'600);
+  client->result("axis.rotate", {{"axis", "back"}, {"velocity", -3600}});
+  EXPECT_EQ(last(Command::ROR).value, 1'049);
+}
+
+TEST_F(DaemonScale, NothingIsSentForWhatDoesNotFit) {
+  EXPECT_THAT(refusal("axis.move_to", {{"axis", "x"}, {"position", 1000}}),
+              HasSubstr("1000 mm is too far; the nearest possible value is 819.199"));
+  EXPECT_THAT(refusal("axis.move_to", {{"axis", "x"}, {"position", 1e300}}), HasSubstr("too far"));
+  EXPECT_THAT(refusal("axis.rotate", {{"axis", "x"}, {"velocity", 50}}),
+              HasSubstr("mm/s is too fast"));
+  EXPECT_THAT(refusal("axis.move_to", {{"axis", "plain"}, {"position", 1}}),
+              HasSubstr("axis 'plain' has no unit"));
+  EXPECT_THAT(refusal("axis.rotate", {{"axis", "plain"}, {"velocity", 1}}), HasSubstr("no unit"));
+  EXPECT_THAT(refusal("axis.move_to", {{"axis", "x"}}), HasSubstr("'position_microsteps' or"));
+  EXPECT_THAT(refusal("axis.move_by", {{"axis", "x"}, {"distance", 1}, {"distance_microsteps", 1}}),
+              HasSubstr("not both"));
+  EXPECT_THAT(refusal("axis.rotate", {{"axis", "x"}}), HasSubstr("'velocity_internal' or"));
+  hold(0, 140, 99);
+  client->result("parameter.set", {{"axis", "x"}, {"parameter", 154}, {"value", 2}});
+  EXPECT_THAT(refusal("axis.move_to", {{"axis", "x"}, {"position", 1}}),
+              HasSubstr("microstep resolution"));
+  EXPECT_EQ(daemon.requests_seen(Command::MVP) + daemon.requests_seen(Command::ROR), 0U);
+}
+
+TEST_F(DaemonScale, UnitsSayWhatAnAxisCountsIn) {
+  const auto x = client->result("axis.get_units", {{"axis", "x"}});
+  EXPECT_EQ(x.at("model"), "TMCM-3110");
+  EXPECT_EQ(x.at("unit"), "mm");
+  EXPECT_EQ(x.at("units_per_revolution").to_number<double>(), 5);
+  EXPECT_EQ(x.at("reverse"), false);
+  EXPECT_EQ(x.at("microsteps_per_revolution"), 51'200);
+  EXPECT_EQ(x.at("full_steps"), 200);
+  EXPECT_EQ(x.at("velocity_unit_pps").to_number<double>(), 61.03515625);
+  EXPECT_NEAR(x.at("acceleration_unit_pps2").to_number<double>(), 14'901.16, 0.01);
+  const auto back = client->result("axis.get_units", {{"axis", "back"}});
+  EXPECT_EQ(back.at("microsteps_per_revolution"), 6'400);
+  EXPECT_EQ(back.at("reverse"), true);
+  hold(2, 140, -1);
+  hold(2, 153, 99);
+  const auto plain = client->result("axis.get_units", {{"axis", "plain"}});
+  for (const auto* key : {"unit", "units_per_revolution", "reverse", "microsteps_per_revolution",
+                          "velocity_unit_pps"}) {
+    EXPECT_TRUE(plain.at(key).is_null()) << key;
+  }
+}
+
 }  // namespace
 }  // namespace tmcld::test

@@ -99,24 +99,6 @@ TEST(Families, HaveTheRangesOfTheirChips) {
   EXPECT_EQ(maximum(6212, 5), 7'629'278);
 }
 
-TEST(Families, CountVelocitiesInUnitsOfTheirOwn) {
-  EXPECT_EQ(velocity_unit_parameter(*find_model(1110)), 154);
-  EXPECT_NEAR(velocity_unit(*find_model(1110), 2)->value, 61.035, 0.001);
-  EXPECT_EQ(velocity_unit(*find_model(1110), 14), std::nullopt);
-  EXPECT_EQ(velocity_unit_parameter(*find_model(142)), 255);
-  EXPECT_DOUBLE_EQ(velocity_unit(*find_model(142), 0)->value, ramp::tmc457_to_pps(1, 16e6).value);
-  EXPECT_EQ(velocity_unit_parameter(*find_model(6212)), 255);
-  EXPECT_DOUBLE_EQ(velocity_unit(*find_model(6212), 0)->value, 16e6 / (1 << 24));
-  for (const auto number : std::to_array<std::uint16_t>({142, 6212})) {
-    const auto& model = *find_model(number);
-    EXPECT_EQ(velocity_unit(model, 1)->value, 1);
-    EXPECT_EQ(velocity_unit(model, 2), std::nullopt);
-    EXPECT_EQ(velocity_unit(model, -1), std::nullopt);
-  }
-  EXPECT_EQ(velocity_unit_parameter(*find_model(1111)), std::nullopt);
-  EXPECT_EQ(velocity_unit(*find_model(1111), 77)->value, 1);
-}
-
 TEST(Families, HaveInCommonWhatNoTwoModelsDisagreeOn) {
   const auto common = tmclctl::common_parameters();
   for (const auto& model : models()) {

@@ -47,6 +47,7 @@ constexpr std::uint8_t actual_velocity = 3;
 constexpr std::uint8_t max_velocity = 4;
 constexpr std::uint8_t max_acceleration = 5;
 constexpr std::uint8_t position_reached = 8;
+constexpr std::uint8_t microstep_resolution = 140;
 }  // namespace axis_parameter
 
 namespace global_parameter {
@@ -69,13 +70,6 @@ constexpr std::uint8_t serial_secondary_address = 87;
 std::span<const ParameterInfo> axis_parameters(const Model& model);
 /// The global parameters of bank 0, likewise.
 std::span<const ParameterInfo> global_parameters(const Model& model);
-
-/// The parameter that says what the module counts velocities in. Nothing where that is always
-/// microsteps per second.
-std::optional<std::uint8_t> velocity_unit_parameter(const Model& model);
-/// What one unit of the parameters 2, 3 and 4 is when that parameter has this value, which does not
-/// matter if there is none. Nothing for a value that it cannot have.
-std::optional<PulsesPerSecond> velocity_unit(const Model& model, std::int32_t value);
 
 /// Null if the table has no such number or name. Names compare without regard to case, '_' and '-',
 /// so that "MaxVelocity", "max_velocity" and "max-velocity" are one.

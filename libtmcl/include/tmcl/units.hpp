@@ -45,7 +45,10 @@ constexpr double tmc429_clock_hz = 16e6;
 struct Tmc429Dividers {
   std::uint8_t pulse = 0;
   std::uint8_t ramp = 0;
+  bool operator==(const Tmc429Dividers&) const = default;
 };
+/// The greatest exponent of either.
+constexpr std::uint8_t tmc429_max_divider = 13;
 
 /// f·v / 2^(pulse_div+16); TMC429 data sheet.
 constexpr PulsesPerSecond to_pps(InternalVelocity velocity, Tmc429Dividers dividers) {
@@ -63,6 +66,7 @@ constexpr PulsesPerSecond2 to_pps2(InternalAcceleration acceleration, Tmc429Divi
 struct RegisterUnit {
   std::int64_t numerator;
   std::int64_t denominator;
+  bool operator==(const RegisterUnit&) const = default;
 };
 
 /// f / 2^30; application note "Motion Control Profile Parameterization".

@@ -4,13 +4,9 @@
 #include <vector>
 
 #include "core/parameter_row.hpp"
-#include "tmcl/units.hpp"
 
 namespace tmcl {
 namespace {
-
-constexpr std::uint8_t pulse_divisor = 154;
-constexpr std::uint8_t unit_mode = 255;
 
 using Table = std::vector<ParameterInfo>;
 using Tables = std::vector<Table>;  // in the order of the models
@@ -55,10 +51,6 @@ std::span<const ParameterInfo> table_of(const Model& model, const Tables& tables
   return tables[static_cast<std::size_t>(row - all_models.data())];
 }
 
-constexpr PulsesPerSecond one_of(RegisterUnit unit) {
-  return {static_cast<double>(unit.numerator) / static_cast<double>(unit.denominator)};
-}
-
 }  // namespace
 
 std::span<const ParameterInfo> axis_parameters(const Model& model) {
@@ -69,28 +61,6 @@ std::span<const ParameterInfo> axis_parameters(const Model& model) {
 std::span<const ParameterInfo> global_parameters(const Model& model) {
   static const auto tables = make_global_tables();
   return table_of(model, tables);
-}
-
-std::optional<std::uint8_t> velocity_unit_parameter(const Model& model) {
-  const auto number = model.family == Family::tmc429 ? pulse_divisor : unit_mode;
-  return find_parameter(axis_parameters(model), number) == nullptr ? std::nullopt
-                                                                   : std::optional(number);
-}
-
-std::optional<PulsesPerSecond> velocity_unit(const Model& model, std::int32_t value) {
-  constexpr PulsesPerSecond pps{1};
-  const auto parameter = velocity_unit_parameter(model);
-  if (!parameter) return pps;
-  const auto* row = find_parameter(axis_parameters(model), *parameter);
-  if (value < row->minimum || value > row->maximum) return std::nullopt;
-  switch (model.family) {
-    case Family::tmc429:
-      return to_pps(InternalVelocity{1}, {.pulse = static_cast<std::uint8_t>(value)});
-    case Family::tmc457: return value == 0 ? one_of(tmc457_velocity_unit) : pps;
-    case Family::sixpoint: return value == 0 ? one_of(sixpoint_velocity_unit) : pps;
-    case Family::tmc4361: return pps;
-  }
-  return std::nullopt;
 }
 
 const ParameterInfo* find_parameter(std::span<const ParameterInfo> table, std::uint8_t number) {

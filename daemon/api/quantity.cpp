@@ -1,0 +1,95 @@
+#include "api/quantity.hpp"
+
+#include <utility>
+
+#include "tmcl/conversion.hpp"
+
+namespace tmcld {
+namespace {
+
+using boost::asio::awaitable;
+
+std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
+
+std::optional<RpcError> check_forms(const Call& call, std::string_view plain,
+                                    std::string_view in_unit) {
+  if (call.params.has(plain) != call.params.has(in_unit)) return std::nullopt;
+  const auto forms = quoted(plain) + " or " + quoted(in_unit);
+  return param_error("bad_argument", plain,
+                     call.params.has(plain) ? "give " + forms + ", not both"
+                                            : "one of the parameters " + forms + " is needed");
+}
+
+RpcError out_of_range(std::string_view param, const tmcl::OutOfReach& error) {
+  return param_error("out_of_range", param, describe(error));
+}
+
+awaitable<Lookup<tmcl::UserScale>> user_scale(GatewayAxis& axis, std::string_view param) {
+  if (axis.unit().empty()) {
+    co_return tl::unexpected(param_error(
+        "bad_argument", param, "axis " + quoted(axis.name()) + " has no unit of its own",
+        "the configuration gives it one by 'unit' and 'units_per_revolution'"));
+  }
+  auto scale = co_await axis.scale();
+  if (scale) co_return std::move(*scale);
+  co_return tl::unexpected(param_error(
+      "bad_argument", param,
+      "the module of axis " + quoted(axis.name()) + " does not tell its microstep resolution",
+      "the configuration can: 'microsteps'"));
+}
+
+}  // namespace
+
+awaitable<Lookup<tmcl::Microsteps>> microsteps_of(const Call& call, GatewayAxis& axis,
+                                                  std::string_view microsteps,
+                                                  std::string_view in_unit,
+                                                  const tmcl::ParameterInfo* row) {
+  if (auto complaint = check_forms(call, microsteps, in_unit))
+    co_return tl::unexpected(std::move(*complaint));
+  if (call.params.has(microsteps)) {
+    const auto value = call.params.integer(microsteps);
+    if (auto complaint = check_range(row, value, microsteps))
+      co_return tl::unexpected(std::move(*complaint));
+    co_return tmcl::Microsteps{value};
+  }
+  const auto scale = co_await user_scale(axis, in_unit);
+  if (!scale) co_return tl::unexpected(scale.error());
+  tmcl::ValueRange range;
+  if (row != nullptr) range = {row->minimum, row->maximum};
+  const tmcl::UserPosition wish{call.params.number(in_unit)};
+  const auto value = tmcl::to_microsteps(wish, *scale, range);
+  if (!value) co_return tl::unexpected(out_of_range(in_unit, value.error()));
+  co_return *value;
+}
+
+awaitable<Lookup<tmcl::InternalVelocity>> velocity_of(const Call& call, GatewayAxis& axis) {
+  constexpr std::string_view plain = "velocity_internal";
+  constexpr std::string_view in_unit = "velocity";
+  if (auto complaint = check_forms(call, plain, in_unit))
+    co_return tl::unexpected(std::move(*complaint));
+  const auto* row = find_parameter(axis.parameters(), tmcl::axis_parameter::target_velocity);
+  if (call.params.has(plain)) {
+    const auto value = call.params.integer(plain);
+    if (auto complaint = check_range(row, value, plain))
+      co_return tl::unexpected(std::move(*complaint));
+    co_return tmcl::InternalVelocity{value};
+  }
+  const auto scale = co_await user_scale(axis, in_unit);
+  if (!scale) co_return tl::unexpected(scale.error());
+  const auto units = co_await axis.module_units();
+  if (!units || row == nullptr) {
+    co_return tl::unexpected(param_error(
+        "bad_argument", in_unit,
+        "what the module of axis " + quoted(axis.name()) + " counts velocities in is not known",
+        "give 'velocity_internal'"));
+  }
+  const auto start = tmcl::initial_units(*axis.module().model());
+  const tmcl::UserVelocity wish{call.params.number(in_unit)};
+  const auto value =
+      tmcl::to_internal(tmcl::to_pps(wish, *scale), *units, range_of(*row, start, *units));
+  if (!value)
+    co_return tl::unexpected(out_of_range(in_unit, in_velocity_units(value.error(), *scale)));
+  co_return *value;
+}
+
+}  // namespace tmcld
