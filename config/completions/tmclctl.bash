@@ -17,7 +17,8 @@ _tmclctl() {
       --socket) where=(--socket "${COMP_WORDS[i+1]}"); ((i++)) ;;
       --generator) generator=${COMP_WORDS[i+1]}; ((i++)) ;;
       --direct | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus | --change | \
-        --sample | --until | -o | --output)
+        --sample | --until | --full-steps | --velocity | --acceleration | --model | --pulse-div | --ramp-div | \
+        --unit-mode | --microsteps | -o | --output)
         # --by of move takes no value.
         [[ ${COMP_WORDS[i]} == --by && ${verb[*]} == move ]] || ((i++)) ;;
       # Bash splits serial:/dev/ttyACM0 at the colon.
@@ -47,7 +48,11 @@ _tmclctl() {
     --generator)
       mapfile -t COMPREPLY < <(compgen -W "$(_tmclctl_words generators)" -- "$current")
       return ;;
-    --addresses | --timeout | --interval | --for | --to | --bus | --change | --sample | --until) return ;;
+    --addresses | --timeout | --interval | --for | --to | --bus | --change | --sample | --until | --full-steps | --velocity | \
+      --acceleration | --pulse-div | --ramp-div | --unit-mode | --microsteps) return ;;
+    --model)
+      mapfile -t COMPREPLY < <(compgen -W "$(_tmclctl_words models)" -- "$current")
+      return ;;
   esac
 
   local words=""
@@ -57,7 +62,7 @@ _tmclctl() {
     words=$(_tmclctl_words verbs "${verb[@]}")
   else
     case ${verb[*]}:$arguments in
-      get:0 | set:0 | move:0 | rotate:0 | stop:0 | state:0 | watch:0 | plot:0 | params:0)
+      get:0 | set:0 | move:0 | rotate:0 | stop:0 | state:0 | watch:0 | plot:0 | params:0 | ramp:0)
         words=$(_tmclctl_words axes) ;;
       get:1 | set:1) words=$(_tmclctl_words parameters) ;;
       raw:1) words=$(_tmclctl_words commands) ;;

@@ -32,6 +32,23 @@ TEST_F(TmclctlDirect, ReadsAndMovesOnASerialLine) {
   EXPECT_EQ(ctl(how, {"get", "3/2", "position"}).out, "-500\n");
 }
 
+TEST_F(TmclctlDirect, CountsInTurnsAndPulses) {
+  const auto ramp =
+      run({"ramp", "3/1", "--velocity", "100000pps", "--acceleration", "1000000pps/s"});
+  EXPECT_EQ(ramp.status, 0) << ramp.err;
+  EXPECT_THAT(ramp.out, HasSubstr("gives 99"));
+  EXPECT_EQ(run({"get", "3/1", "pulse_divisor"}).out, "2\n");
+  EXPECT_EQ(run({"set", "3/1", "microstep_resolution", "4"}).status, 0);
+  EXPECT_EQ(run({"move", "3/1", "-1.5rev", "--wait", "--full-steps", "400"}).out,
+            "3/1 stands at -9600\n");
+  EXPECT_EQ(run({"rotate", "3/1", "1rps"}).status, 0);
+  const auto refused =
+      run({"ramp", "3/1", "--velocity", "50000pps", "--acceleration", "1000000pps/s"});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("moves"));
+  EXPECT_EQ(run({"move", "3/1", "1mm"}).status, 2);
+}
+
 TEST_F(TmclctlDirect, TurnsLeftAndStops) {
   EXPECT_EQ(run({"rotate", "1/0", "-500"}).status, 0);
   EXPECT_EQ(json(direct(), {"state", "1/0"}).at("moving"), true);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -44,6 +45,12 @@ class FakeTarget : public Target {
   std::vector<StoppedAxis> stopped;
   ScanResult found;
   bool duplicate_readings = false;
+  AxisUnits counts{"x", tmcl::find_model("TMCM-1110"),
+                   tmcl::module_units(tmcl::Tmc429Dividers{2, 3}),
+                   tmcl::UserScale{"mm", 5, false, {200, 8}}};
+  std::optional<UserReading> user;             ///< What state() gives.
+  std::map<std::string, std::int32_t> values;  ///< What get() gives, by parameter as asked for.
+  std::string refused_parameter;               ///< set() of it fails.
 
   // What happened.
   std::vector<std::string> calls;
@@ -70,13 +77,22 @@ class FakeTarget : public Target {
     if (!name) return tl::unexpected(name.error());
     if (name->number == 138) return ParameterValue{138, "ramp_mode", stopped_now() ? 2 : 0};
     calls.push_back("get " + axis + ' ' + name->name);
+    if (values.contains(parameter))
+      return ParameterValue{name->number, name->name, values[parameter]};
     return ParameterValue{name->number, name->name, -1500};
   }
   Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
                               std::int32_t value) override {
     if (failure) return tl::unexpected(*failure);
     calls.push_back("set " + axis + ' ' + parameter + ' ' + std::to_string(value));
+    if (parameter == refused_parameter)
+      return tl::unexpected(Failure{ExitCode::refused, "refused_by_module", "it refused"});
     return ParameterValue{4, "max_velocity", value};
+  }
+  Attempt<AxisUnits> units(const std::string& axis) override {
+    if (failure) return tl::unexpected(*failure);
+    calls.push_back("units " + axis);
+    return counts;
   }
   Attempt<tmcl::Microsteps> move_to(const std::string& axis, tmcl::Microsteps position) override {
     if (failure) return tl::unexpected(*failure);
@@ -113,6 +129,7 @@ class FakeTarget : public Target {
     reading.velocity = {reading.moving ? 100 * direction : 0};
     reading.position_reached = at() == target_;
     reading.taken_at = patience_.now();
+    reading.user = user;
     return reading;
   }
   Attempt<void> watch(const std::string& axis, tmcl::Duration interval,

@@ -70,6 +70,20 @@ ParameterValue value_from(const json::object& row) {
   return {number, std::move(name), integer_at<std::int32_t>(row, "value")};
 }
 
+std::optional<tmcl::UserScale> scale_from(const json::object& row) {
+  const auto microsteps = integer_at<std::int32_t>(row, "microsteps_per_revolution");
+  if (microsteps <= 0) return std::nullopt;
+  const auto of_turn = number_at(row, "units_per_revolution").value_or(1);
+  return tmcl::UserScale{text_at(row, "unit"), of_turn, flag_at(row, "reverse"), {microsteps, 0}};
+}
+
+std::optional<tmcl::ModuleUnits> module_units_from(const json::object& row) {
+  const auto velocity = number_at(row, "velocity_unit_pps");
+  const auto acceleration = number_at(row, "acceleration_unit_pps2");
+  if (!velocity || !acceleration) return std::nullopt;
+  return tmcl::ModuleUnits{{*velocity}, {*acceleration}};
+}
+
 UnscannedBus unscanned_from(const json::object& row) {
   return {text_at(row, "bus"), failure_at(row)};
 }
@@ -145,6 +159,13 @@ Attempt<ParameterValue> DaemonTarget::set(const std::string& axis, const std::st
       .map(value_from);
 }
 
+Attempt<AxisUnits> DaemonTarget::units(const std::string& axis) {
+  return call("axis.get_units", {{"axis", axis}}).map([&](const json::object& row) {
+    return AxisUnits{axis, tmcl::find_model(text_at(row, "model")), module_units_from(row),
+                     scale_from(row)};
+  });
+}
+
 Attempt<tmcl::Microsteps> DaemonTarget::move(std::string_view method, json::object params) {
   params["deadline_ms"] = move_deadline_ms;
   return call(method, std::move(params)).map([](const json::object& moved) {
@@ -195,6 +216,10 @@ AxisReading DaemonTarget::reading_from(const json::object& state) const {
   reading.target = {integer_at<std::int32_t>(state, "target_microsteps")};
   reading.position_reached = flag_at(state, "position_reached");
   reading.moving = flag_at(state, "moving");
+  if (const auto position = number_at(state, "position")) {
+    reading.user = {text_at(state, "unit"), *position, number_at(state, "target").value_or(0),
+                    number_at(state, "velocity")};
+  }
   const std::chrono::duration<double, std::milli> age(number_at(state, "age_ms").value_or(0));
   reading.age = std::chrono::duration_cast<tmcl::Duration>(age);
   reading.taken_at = patience_.now() - reading.age;

@@ -22,6 +22,7 @@ class DaemonTarget final : public Target {
   Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) override;
   Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
                               std::int32_t value) override;
+  Attempt<AxisUnits> units(const std::string& axis) override;
   Attempt<tmcl::Microsteps> move_to(const std::string& axis, tmcl::Microsteps position) override;
   Attempt<tmcl::Microsteps> move_by(const std::string& axis, tmcl::Microsteps distance) override;
   Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override;

@@ -39,17 +39,19 @@ ParameterRow row_of(const tmcl::ParameterInfo& info) {
 }  // namespace
 
 Attempt<std::unique_ptr<Target>> DirectTarget::open(const std::string& link_name,
-                                                    Patience& patience) {
+                                                    std::int32_t full_steps, Patience& patience) {
   const auto name = attempt(tmcl::parse_link_name(link_name));
   if (!name) return tl::unexpected(name.error());
   auto link = attempt(tmcl::Link::open(*name));
   if (!link) return tl::unexpected(link.error());
   const auto framing = link->framing();
-  return std::make_unique<DirectTarget>(tmcl::blocking::Bus(std::move(*link)), framing, patience);
+  return std::make_unique<DirectTarget>(tmcl::blocking::Bus(std::move(*link)), framing, full_steps,
+                                        patience);
 }
 
-DirectTarget::DirectTarget(tmcl::blocking::Bus bus, tmcl::Framing framing, Patience& patience)
-    : bus_(std::move(bus)), framing_(framing), patience_(patience) {}
+DirectTarget::DirectTarget(tmcl::blocking::Bus bus, tmcl::Framing framing, std::int32_t full_steps,
+                           Patience& patience)
+    : bus_(std::move(bus)), framing_(framing), full_steps_(full_steps), patience_(patience) {}
 
 Attempt<Axis> DirectTarget::axis_at(const std::string& name) {
   return parse_axis_address(name).map(
@@ -131,6 +133,39 @@ Attempt<ParameterValue> DirectTarget::set(const std::string& axis, const std::st
   return attempt(at->set(name->number, value)).map([&] {
     return ParameterValue{name->number, name->name, value};
   });
+}
+
+namespace {
+
+Attempt<std::optional<tmcl::ModuleUnits>> read_module_units(Axis& at, const AxisUnits& units) {
+  std::vector<std::int32_t> values;
+  for (const auto number : tmcl::unit_parameters(*units.model)) {
+    const auto value = attempt(at.get(number));
+    if (!value) return tl::unexpected(value.error());
+    values.push_back(*value);
+  }
+  return tmcl::module_units(*units.model, values);
+}
+
+}  // namespace
+
+Attempt<AxisUnits> DirectTarget::units(const std::string& axis) {
+  auto at = axis_at(axis);
+  if (!at) return tl::unexpected(at.error());
+  const auto found = attempt(bus_.module(at->address().module).identify());
+  if (!found) return tl::unexpected(found.error());
+  AxisUnits units{axis, tmcl::find_model(found->version.model), {}, {}};
+  if (units.model == nullptr) return units;
+  const auto module = read_module_units(*at, units);
+  if (!module) return tl::unexpected(module.error());
+  units.module = *module;
+  if (find_parameter(units.parameters(), tmcl::axis_parameter::microstep_resolution) == nullptr)
+    return units;
+  const auto resolution = attempt(at->get(tmcl::axis_parameter::microstep_resolution));
+  if (!resolution) return tl::unexpected(resolution.error());
+  if (*resolution >= 0 && *resolution <= tmcl::max_microstep_resolution)
+    units.scale = tmcl::UserScale{"", 1, false, {full_steps_, *resolution}};
+  return units;
 }
 
 Attempt<tmcl::Microsteps> DirectTarget::move_to(const std::string& axis,

@@ -13,8 +13,10 @@ namespace tmclctl {
 
 class DirectTarget final : public Target {
  public:
-  static Attempt<std::unique_ptr<Target>> open(const std::string& link_name, Patience& patience);
-  DirectTarget(tmcl::blocking::Bus bus, tmcl::Framing framing, Patience& patience);
+  static Attempt<std::unique_ptr<Target>> open(const std::string& link_name,
+                                               std::int32_t full_steps, Patience& patience);
+  DirectTarget(tmcl::blocking::Bus bus, tmcl::Framing framing, std::int32_t full_steps,
+               Patience& patience);
 
   Attempt<ScanResult> scan(ScanRange range, const Progress& progress) override;
   Attempt<std::vector<ModuleRow>> modules() override;
@@ -23,6 +25,7 @@ class DirectTarget final : public Target {
   Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) override;
   Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
                               std::int32_t value) override;
+  Attempt<AxisUnits> units(const std::string& axis) override;
   Attempt<tmcl::Microsteps> move_to(const std::string& axis, tmcl::Microsteps position) override;
   Attempt<tmcl::Microsteps> move_by(const std::string& axis, tmcl::Microsteps distance) override;
   Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override;
@@ -47,6 +50,7 @@ class DirectTarget final : public Target {
 
   tmcl::blocking::Bus bus_;
   tmcl::Framing framing_;
+  std::int32_t full_steps_;
   Patience& patience_;
   /// Of the modules that were asked what they are.
   std::map<tmcl::ModuleAddress, std::span<const tmcl::ParameterInfo>> tables_;

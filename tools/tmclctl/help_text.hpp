@@ -9,7 +9,10 @@ constexpr const char* description =
 constexpr const char* footer = R"(
 An AXIS is a name from tmcld's configuration; with --direct it is ADDRESS/MOTOR, such as 1/0.
 A PARAM is a number or a standard name, such as max_velocity: 'tmclctl params AXIS' lists them.
-Positions are microsteps; velocities are what the module counts in: see 'tmclctl params AXIS'.
+A bare number is what the module counts in: microsteps for positions; for velocities see
+'tmclctl params AXIS'. A unit may stand behind it: 1.5rev, 2rps, 120rpm, 61035pps, 100000pps/s, and,
+if tmcld's configuration gives the axis a unit such as mm: 10mm, 5mm/s, 50mm/s2. With --direct, turns
+are counted by the module's microsteps (parameter 140) and --full-steps.
 
 Examples:
   tmclctl scan                                   which modules are there?
@@ -59,10 +62,13 @@ Prints one bare value, so that a script needs no parsing:
 )";
 
 constexpr const char* set = R"(
-The module forgets the value when it loses power ('tmclctl raw' with STAP stores it).
+A position, velocity or acceleration may have a unit, and becomes the nearest value there is. The
+module forgets the value when it loses power ('tmclctl raw' with STAP stores it).
 Writing target_position, target_velocity or ramp_mode can move the motor.
 
   tmclctl set x max_velocity 1500
+  tmclctl set x max_velocity 20000pps
+  tmclctl set x max_acceleration 50mm/s2
 )";
 
 constexpr const char* move = R"(
@@ -71,6 +77,8 @@ target. While it waits it draws a progress line, if standard error is a terminal
 waiting and NOT the move: it tells how to stop the axis and exits with 130.
 
   tmclctl move x 51200
+  tmclctl move x 10mm
+  tmclctl move x 1.5rev
   tmclctl move x -1000 --by --wait
   tmclctl move x 0 --wait --timeout 30
 )";
@@ -80,6 +88,8 @@ Turns until it is stopped: to the right for a positive velocity, to the left for
 
   tmclctl rotate x 500
   tmclctl rotate x -500
+  tmclctl rotate x 2rps
+  tmclctl rotate x 61035pps
 )";
 
 constexpr const char* stop = R"(
@@ -117,6 +127,27 @@ or names. Through tmcld the reply's bytes are put together again from what tmcld
   tmclctl --direct serial:/dev/ttyACM0 raw 1 GAP actual_position 0 0
   tmclctl raw --bus bench 1 GET_FIRMWARE_VERSION 1 0 0
   tmclctl raw 1 MVP ABS 0 51200
+)";
+
+constexpr const char* ramp = R"(
+On a module with a TMC429 it chooses pulse divider, ramp divider, max_velocity and max_acceleration so
+that they come as near to the wish as the chip can; on other modules it sets max_velocity and all
+accelerations of a ramp. It shows what they give, and refuses while the axis moves. A wish that
+cannot be met is refused with the nearest value that can.
+The dividers scale the other speeds of the axis, too, such as those of the reference search.
+
+  tmclctl ramp x --velocity 50000pps --acceleration 200000pps/s
+  tmclctl ramp x --velocity 20mm/s --acceleration 100mm/s2 --dry-run
+)";
+
+constexpr const char* convert = R"(
+Rounds to what such a module can hold, and shows that in all units. A bare number counts in the
+module's own unit, and is shown as a position, a velocity and an acceleration. Dividers and unit
+mode are those that the model starts with, if they are not given.
+
+  tmclctl convert --model TMCM-1110 61035pps
+  tmclctl convert --model TMCM-1110 --pulse-div 5 --ramp-div 7 500
+  tmclctl convert --model TMCM-6212 --microsteps 64 2rps
 )";
 
 constexpr const char* profile = R"(

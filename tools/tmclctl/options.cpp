@@ -64,6 +64,9 @@ Parser::Parser() {
                   "Use a bus without tmcld: serial:DEVICE[@BAUD], can:INTERFACE or tcp:HOST:PORT")
       ->type_name("LINK")
       ->take_last();
+  Form(app_).option("--full-steps", "N",
+                    "With --direct: full steps of a turn, for rev and rps (default 200)",
+                    number(options_.where.full_steps, 1, tmcl::max_full_steps));
   app_.add_flag("--json", options_.json, "One JSON document on standard output, for errors too");
   add_lists(grammar_);
   add_parameters(grammar_);
@@ -74,6 +77,7 @@ Parser::Parser() {
   add_firmware(grammar_);
   add_profile(grammar_);
   add_program(grammar_);
+  add_units(grammar_);
   add_complete();
 }
 
@@ -153,6 +157,9 @@ Information Parser::complete() const {
   }
   if (complete_.what == "commands") {
     for (const auto& row : tmcl::command_table()) words.emplace_back(row.name);
+  }
+  if (complete_.what == "models") {
+    for (const auto& model : tmcl::models()) words.emplace_back(model.name);
   }
   if (complete_.what == "generators") {
     for (const auto& generator : profile::generators()) words.emplace_back(generator.name);

@@ -31,18 +31,18 @@ struct Get {
 struct Set {
   std::string axis;
   std::string parameter;
-  std::int32_t value = 0;
+  Quantity value;
 };
 struct Move {
   std::string axis;
-  std::int32_t position = 0;
+  Quantity position;
   bool by = false;
   bool wait = false;
   std::optional<double> timeout_s;
 };
 struct Rotate {
   std::string axis;
-  std::int32_t velocity = 0;
+  Quantity velocity;
 };
 struct Stop {
   std::string axis;
@@ -58,8 +58,8 @@ struct Watch {
 };
 struct Plot {
   std::string axis;
-  std::optional<std::int32_t> to;
-  std::optional<std::int32_t> by;
+  std::optional<Quantity> to;
+  std::optional<Quantity> by;
   std::optional<double> for_s;
   std::string svg;  ///< Empty: none.
   std::string csv;  ///< Empty: none; "-": standard output instead of the drawing.
@@ -110,6 +110,23 @@ struct UploadFirmware {
   std::uint16_t address = 0;
   bool force = false;
 };
+/// Makes a ramp of a velocity and an acceleration: dividers and registers, or plain parameters.
+struct Ramp {
+  std::string axis;
+  Quantity velocity;
+  Quantity acceleration;
+  bool dry_run = false;
+};
+/// One quantity in all its forms, on a module that need not be there.
+struct Convert {
+  std::string model;
+  std::optional<std::int32_t> pulse_div;
+  std::optional<std::int32_t> ramp_div;
+  std::optional<std::int32_t> unit_mode;
+  std::int32_t microsteps = 256;
+  std::int32_t full_steps = 200;
+  Quantity quantity;
+};
 /// For the shell's completion: prints words, one a line, and never complains. Only "axes" needs a
 /// target; everything else is answered by the parser.
 struct Complete {
@@ -122,7 +139,8 @@ using Verb =
     std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Get, verb::Set,
                  verb::Move, verb::Rotate, verb::Stop, verb::State, verb::Watch, verb::Plot,
                  verb::Raw, verb::Simulate, verb::Assemble, verb::Disassemble, verb::FirmwareInfo,
-                 verb::CheckFirmware, verb::UploadFirmware, verb::Complete>;
+                 verb::CheckFirmware, verb::UploadFirmware, verb::Ramp, verb::Convert,
+                 verb::Complete>;
 
 struct Options {
   Where where;

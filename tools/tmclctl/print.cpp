@@ -69,15 +69,26 @@ json::object to_json(const std::string& axis, const ParameterValue& value) {
 
 json::object to_json(const std::string& axis, const AxisReading& reading) {
   const std::chrono::duration<double, std::milli> age = reading.age;
-  return {{"axis", axis},
-          {"position_microsteps", reading.position.value},
-          {"velocity_internal", reading.velocity.value},
-          {"velocity_pps",
-           reading.velocity_pps ? json::value(*reading.velocity_pps) : json::value(nullptr)},
-          {"target_microsteps", reading.target.value},
-          {"position_reached", reading.position_reached},
-          {"moving", reading.moving},
-          {"age_ms", age.count()}};
+  json::object object{{"axis", axis},
+                      {"position_microsteps", reading.position.value},
+                      {"velocity_internal", reading.velocity.value},
+                      {"velocity_pps", reading.velocity_pps ? json::value(*reading.velocity_pps)
+                                                            : json::value(nullptr)},
+                      {"target_microsteps", reading.target.value},
+                      {"position_reached", reading.position_reached},
+                      {"moving", reading.moving},
+                      {"unit", nullptr},
+                      {"position", nullptr},
+                      {"velocity", nullptr},
+                      {"target", nullptr},
+                      {"age_ms", age.count()}};
+  if (const auto& user = reading.user) {
+    object["unit"] = user->unit;
+    object["position"] = user->position;
+    if (user->velocity) object["velocity"] = *user->velocity;
+    object["target"] = user->target;
+  }
+  return object;
 }
 
 }  // namespace tmclctl

@@ -10,6 +10,7 @@
 
 #include "failure.hpp"
 #include "patience.hpp"
+#include "quantity.hpp"
 #include "tmcl/firmware_verbs.hpp"
 #include "tmcl/link.hpp"
 #include "tmcl/parameter.hpp"
@@ -54,6 +55,15 @@ struct ParameterRow {
   std::string meaning;
 };
 
+/// The same in the unit of the axis.
+struct UserReading {
+  std::string unit;
+  double position = 0;
+  double target = 0;
+  std::optional<double> velocity;
+  bool operator==(const UserReading&) const = default;
+};
+
 struct AxisReading {
   tmcl::Microsteps position;
   tmcl::InternalVelocity velocity;
@@ -61,6 +71,7 @@ struct AxisReading {
   tmcl::Microsteps target;
   bool position_reached = false;
   bool moving = false;
+  std::optional<UserReading> user;  ///< Nothing for an axis without a unit.
   tmcl::TimePoint taken_at{};
   tmcl::Duration age{};
   bool operator==(const AxisReading&) const = default;
@@ -113,6 +124,7 @@ class Target {
   virtual Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) = 0;
   virtual Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
                                       std::int32_t value) = 0;
+  virtual Attempt<AxisUnits> units(const std::string& axis) = 0;
   virtual Attempt<tmcl::Microsteps> move_to(const std::string& axis, tmcl::Microsteps position) = 0;
   virtual Attempt<tmcl::Microsteps> move_by(const std::string& axis, tmcl::Microsteps distance) = 0;
   virtual Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) = 0;
@@ -141,6 +153,7 @@ constexpr std::string_view default_socket = "/run/tmcld/tmcld.sock";
 struct Where {
   std::string socket;  ///< Empty: $TMCLD_SOCKET, else default_socket.
   std::string direct;  ///< Name of a link; empty: through the daemon.
+  std::int32_t full_steps = tmcl::MotorSteps{}.full_steps;  ///< Of a turn, without the daemon.
 };
 
 Attempt<std::unique_ptr<Target>> open_target(const Where& where, Patience& patience);

@@ -33,7 +33,8 @@ bool acts(const Verb& verb) {
       []<class T>(const T&) {
         return std::is_same_v<T, verb::Set> || std::is_same_v<T, verb::Move> ||
                std::is_same_v<T, verb::Rotate> || std::is_same_v<T, verb::Stop> ||
-               std::is_same_v<T, verb::Plot> || std::is_same_v<T, verb::Raw>;
+               std::is_same_v<T, verb::Plot> || std::is_same_v<T, verb::Raw> ||
+               std::is_same_v<T, verb::Ramp>;
       },
       verb);
 }
@@ -47,7 +48,8 @@ Failure with_doubt(Failure failure) {
 template <class V>
 constexpr bool needs_no_target =
     std::is_same_v<V, verb::Simulate> || std::is_same_v<V, verb::Assemble> ||
-    std::is_same_v<V, verb::Disassemble> || std::is_same_v<V, verb::FirmwareInfo>;
+    std::is_same_v<V, verb::Disassemble> || std::is_same_v<V, verb::FirmwareInfo> ||
+    std::is_same_v<V, verb::Convert>;
 
 /// `ready` stands for the target that the command line names, if it is there already.
 template <class V>

@@ -32,6 +32,7 @@ VerbResult run(const verb::Plot& verb, Room& room);
 VerbResult run(const verb::Raw& verb, Room& room);
 VerbResult run(const verb::CheckFirmware& verb, Room& room);
 VerbResult run(const verb::UploadFirmware& verb, Room& room);
+VerbResult run(const verb::Ramp& verb, Room& room);
 VerbResult run(const verb::Complete& verb, Room& room);
 
 /// These need no target.
@@ -39,5 +40,6 @@ VerbResult run(const verb::Simulate& verb, Output& output);
 VerbResult run(const verb::Assemble& verb, Output& output);
 VerbResult run(const verb::Disassemble& verb, Output& output);
 VerbResult run(const verb::FirmwareInfo& verb, Output& output);
+VerbResult run(const verb::Convert& verb, Output& output);
 
 }  // namespace tmclctl

@@ -46,14 +46,15 @@ void add_parameters(Grammar& grammar) {
   auto set = grammar.verb<verb::Set>("set", "Set a parameter", help_text::set);
   set.axis(set->axis);
   set.word("PARAM", "Number or standard name", text(set->parameter));
-  set.word("VALUE", "The new value", number(set->value));
+  set.word("VALUE", "The new value; velocities may have units", quantity(set->value));
 }
 
 void add_motion(Grammar& grammar) {
   auto move =
       grammar.verb<verb::Move>("move", "Move to a position, or by a distance", help_text::move);
   move.axis(move->axis);
-  move.word("POSITION", "Where to go, in microsteps; may be negative", number(move->position));
+  move.word("POSITION", "Where to go: microsteps, or with a unit; may be negative",
+            quantity(move->position));
   move.flag("--by", "POSITION is the distance from where the axis is now", move->by);
   move.flag("--wait", "Wait until the axis stands at its target", move->wait);
   move.option("--timeout", "SECONDS", "With --wait: give up after so long; the axis goes on",
@@ -64,7 +65,8 @@ void add_motion(Grammar& grammar) {
   });
   auto rotate = grammar.verb<verb::Rotate>("rotate", "Turn without end", help_text::rotate);
   rotate.axis(rotate->axis);
-  rotate.word("VELOCITY", "In the module's unit; negative: to the left", number(rotate->velocity));
+  rotate.word("VELOCITY", "In the module's unit, or with another; negative: to the left",
+              quantity(rotate->velocity));
   auto stop = grammar.verb<verb::Stop>("stop", "Stop an axis, or all of them", help_text::stop);
   stop.optional_word("AXIS", "A configured name, or ADDRESS/MOTOR with --direct", text(stop->axis));
   stop.flag("--all", "Every axis there is", stop->all);
@@ -91,8 +93,8 @@ void add_plot(Grammar& grammar) {
   auto plot = grammar.verb<verb::Plot>("plot", "Record a movement and draw position and velocity",
                                        help_text::plot);
   plot.axis(plot->axis);
-  plot.option("--to", "POSITION", "Start a move to this position", number(plot->to));
-  plot.option("--by", "DISTANCE", "Start a move by this distance", number(plot->by));
+  plot.option("--to", "POSITION", "Start a move to this position", quantity(plot->to));
+  plot.option("--by", "DISTANCE", "Start a move by this distance", quantity(plot->by));
   plot.option("--for", "SECONDS", "Record for so long at most",
               number(plot->for_s, shortest_time_s, longest_time_s));
   plot.option("--svg", "FILE", "Write the drawing to this file, too", text(plot->svg));

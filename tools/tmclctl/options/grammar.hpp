@@ -78,6 +78,10 @@ void VerbForm<T>::object(Objection<T> objection, std::string hint) {
   };
 }
 
+/// Reads a number that may have a unit; `into` must live as long as the form.
+Read quantity(Quantity& into);
+Read quantity(std::optional<Quantity>& into);
+
 /// As it is typed: "profile simulate".
 std::string full_name(const CLI::App& verb);
 
@@ -90,5 +94,6 @@ void add_raw(Grammar& grammar);
 void add_firmware(Grammar& grammar);
 void add_profile(Grammar& grammar);
 void add_program(Grammar& grammar);
+void add_units(Grammar& grammar);
 
 }  // namespace tmclctl

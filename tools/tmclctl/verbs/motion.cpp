@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "asked.hpp"
 #include "following.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
@@ -50,8 +51,11 @@ Attempt<tmcl::Microsteps> wait_for_arrival(const verb::Move& verb, tmcl::Microst
 
 VerbResult run(const verb::Move& verb, Room& room) {
   if (auto interrupted = interrupted_before_move(room)) return tl::unexpected(*interrupted);
-  const auto goal = verb.by ? room.target.move_by(verb.axis, {verb.position})
-                            : room.target.move_to(verb.axis, {verb.position});
+  const auto asked = verb.by ? asked_distance(verb.position, verb.axis, room.target)
+                             : asked_position(verb.position, verb.axis, room.target);
+  if (!asked) return tl::unexpected(asked.error());
+  const auto goal =
+      verb.by ? room.target.move_by(verb.axis, *asked) : room.target.move_to(verb.axis, *asked);
   if (!goal) return tl::unexpected(goal.error());
   json::object document{{"axis", verb.axis}, {"target_microsteps", goal->value}};
   auto line = fmt::format("{} moves to {}\n", verb.axis, goal->value);
@@ -71,12 +75,14 @@ VerbResult run(const verb::Move& verb, Room& room) {
 }
 
 VerbResult run(const verb::Rotate& verb, Room& room) {
-  const auto rotating = room.target.rotate(verb.axis, {verb.velocity});
+  const auto velocity = asked_velocity(verb.velocity, verb.axis, room.target);
+  if (!velocity) return tl::unexpected(velocity.error());
+  const auto rotating = room.target.rotate(verb.axis, *velocity);
   if (!rotating) return tl::unexpected(rotating.error());
   if (room.output.json) {
-    print_json({{"axis", verb.axis}, {"velocity_internal", verb.velocity}}, room.output);
+    print_json({{"axis", verb.axis}, {"velocity_internal", velocity->value}}, room.output);
   } else {
-    room.output.out << fmt::format("{} turns with velocity {}. {}\n", verb.axis, verb.velocity,
+    room.output.out << fmt::format("{} turns with velocity {}. {}\n", verb.axis, velocity->value,
                                    how_to_stop(verb.axis, room.target));
   }
   return ExitCode::done;

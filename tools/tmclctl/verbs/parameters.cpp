@@ -1,4 +1,5 @@
 // get, set.
+#include "asked.hpp"
 #include "print.hpp"
 #include "verbs.hpp"
 
@@ -16,7 +17,9 @@ VerbResult run(const verb::Get& verb, Room& room) {
 }
 
 VerbResult run(const verb::Set& verb, Room& room) {
-  const auto set = room.target.set(verb.axis, verb.parameter, verb.value);
+  const auto value = asked_value(verb.value, verb.axis, verb.parameter, room.target);
+  if (!value) return tl::unexpected(value.error());
+  const auto set = room.target.set(verb.axis, verb.parameter, *value);
   if (!set) return tl::unexpected(set.error());
   if (room.output.json) print_json(to_json(verb.axis, *set), room.output);
   return ExitCode::done;

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include "asked.hpp"
 #include "following.hpp"
 #include "output_file.hpp"
 #include "plot/recording.hpp"
@@ -71,8 +72,11 @@ MaybeFailure record_move(const verb::Plot& verb, Recorder& recorder, Room& room)
   if (!before) return before.error();
   recorder.add(*before);
   if (auto interrupted = interrupted_before_move(room)) return interrupted;
-  const auto goal = verb.to ? room.target.move_to(verb.axis, {*verb.to})
-                            : room.target.move_by(verb.axis, {*verb.by});
+  const auto asked = verb.to ? asked_position(*verb.to, verb.axis, room.target)
+                             : asked_distance(*verb.by, verb.axis, room.target);
+  if (!asked) return asked.error();
+  const auto goal =
+      verb.to ? room.target.move_to(verb.axis, *asked) : room.target.move_by(verb.axis, *asked);
   if (!goal) return goal.error();
   Journey journey{verb.axis, *goal, room.patience.now(), sample_interval, {}};
   if (verb.for_s) {

@@ -37,13 +37,20 @@ VerbResult run(const verb::State& verb, Room& room) {
     print_json(to_json(verb.axis, *reading), room.output);
     return ExitCode::done;
   }
+  const auto in_unit = [&](double value, std::string_view per_time = "") {
+    return fmt::format("{:.10g} {}{} = ", value, reading->user->unit, per_time);
+  };
+  const auto& user = reading->user;
   const auto pps =
       reading->velocity_pps ? fmt::format(" ({:.1f} microsteps/s)", *reading->velocity_pps) : "";
   room.output.out << fmt::format(
-      "axis      {}\nposition  {} microsteps\ntarget    {} microsteps{}\nvelocity  {}{}\nmoving    "
+      "axis      {}\nposition  {}{} microsteps\ntarget    {}{} microsteps{}\nvelocity  "
+      "{}{}{}\nmoving    "
       "{}\n",
-      verb.axis, reading->position.value, reading->target.value,
-      reading->position_reached ? ", reached" : "", reading->velocity.value, pps,
+      verb.axis, user ? in_unit(user->position) : "", reading->position.value,
+      user ? in_unit(user->target) : "", reading->target.value,
+      reading->position_reached ? ", reached" : "",
+      user && user->velocity ? in_unit(*user->velocity, "/s") : "", reading->velocity.value, pps,
       reading->moving ? "yes" : "no");
   return ExitCode::done;
 }

@@ -1,0 +1,294 @@
+// Units on the command line, and the verbs that are about them.
+#include <gmock/gmock.h>
+
+#include "unit/ctl_fixture.hpp"
+
+namespace tmclctl::test {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
+
+class CtlUnits : public testing::Test, public Ctl {
+ protected:
+  std::string last_call() const { return target.calls.empty() ? "" : target.calls.back(); }
+  std::string refusal(const std::vector<std::string>& words, ExitCode exit = ExitCode::usage) {
+    EXPECT_EQ(run(words), exit) << out << err;
+    return err;
+  }
+  void be(const char* model, std::initializer_list<std::int32_t> unit_values) {
+    target.counts.model = tmcl::find_model(model);
+    target.counts.module = tmcl::module_units(*target.counts.model, std::vector(unit_values));
+  }
+};
+
+TEST_F(CtlUnits, BareNumbersAreSentAsTheyAreAndAskForNothing) {
+  run({"move", "x", "51200"});
+  run({"rotate", "x", "-500"});
+  run({"set", "x", "4", "1500"});
+  EXPECT_THAT(target.calls, ElementsAre("move_to x 51200", "rotate x -500", "set x 4 1500"));
+}
+
+TEST_F(CtlUnits, PositionsAreInTheUnitOfTheAxisOrInTurns) {
+  EXPECT_EQ(run({"move", "x", "10mm"}), ExitCode::done) << err;
+  EXPECT_EQ(last_call(), "move_to x 102400");
+  run({"move", "x", "-1.5rev"});
+  EXPECT_EQ(last_call(), "move_to x -76800");
+  run({"move", "x", "7microsteps"});
+  EXPECT_EQ(last_call(), "move_to x 7");
+  run({"plot", "x", "--to", "1mm", "--for", "0.01"});
+  EXPECT_THAT(target.calls, testing::Contains("move_to x 10240"));
+}
+
+TEST_F(CtlUnits, DistancesCountFromWhereTheAxisIs) {
+  run({"move", "x", "100", "--wait"});
+  EXPECT_EQ(run({"move", "x", "-1mm", "--by"}), ExitCode::done);
+  EXPECT_EQ(last_call(), "move_to x -10140");
+}
+
+TEST_F(CtlUnits, AReversedAxisTurnsTheOtherWayInEveryUnitButMicrosteps) {
+  target.counts.scale->reverse = true;
+  run({"move", "x", "10mm"});
+  EXPECT_EQ(last_call(), "move_to x -102400");
+  run({"move", "x", "1rev"});
+  EXPECT_EQ(last_call(), "move_to x -51200");
+  run({"rotate", "x", "1rps"});
+  EXPECT_EQ(last_call(), "rotate x -839");
+  run({"rotate", "x", "51200pps"});
+  EXPECT_EQ(last_call(), "rotate x 839");
+  run({"set", "x", "max_velocity", "5mm/s"});
+  EXPECT_EQ(last_call(), "set x max_velocity 839") << "a limit has no direction";
+}
+
+TEST_F(CtlUnits, VelocitiesBecomeWhatTheModuleCounts) {
+  run({"rotate", "x", "61035pps"});
+  EXPECT_EQ(last_call(), "rotate x 1000");
+  run({"rotate", "x", "-1rps"});
+  EXPECT_EQ(last_call(), "rotate x -839");
+  run({"rotate", "x", "60rpm"});
+  EXPECT_EQ(last_call(), "rotate x 839");
+  run({"rotate", "x", "5mm/s"});
+  EXPECT_EQ(last_call(), "rotate x 839");
+  run({"rotate", "x", "1rev/s"});
+  EXPECT_EQ(last_call(), "rotate x 839");
+  be("TMCM-6212", {1});
+  run({"rotate", "x", "-61035pps"});
+  EXPECT_EQ(last_call(), "rotate x -61035");
+  be("TMCM-6212", {0});
+  run({"rotate", "x", "1000000pps"});
+  EXPECT_EQ(last_call(), "rotate x 1048576");
+}
+
+TEST_F(CtlUnits, SetKnowsWhatAParameterMeasures) {
+  EXPECT_EQ(run({"set", "x", "max_velocity", "20000pps"}), ExitCode::done) << err;
+  EXPECT_EQ(last_call(), "set x max_velocity 328");
+  run({"set", "x", "5", "100000pps/s"});
+  EXPECT_EQ(last_call(), "set x 5 7");
+  for (const auto* form : {"50mm/s2", "50mm/s^2", "50mm/s/s", "10rps/s"}) {
+    run({"set", "x", "max_acceleration", form});
+    EXPECT_EQ(last_call(), "set x max_acceleration 34") << form;
+  }
+  run({"set", "x", "actual_position", "1rev"});
+  EXPECT_EQ(last_call(), "set x actual_position 51200");
+}
+
+TEST_F(CtlUnits, NothingIsSentForAUnitThatMeasuresSomethingElse) {
+  EXPECT_THAT(refusal({"rotate", "x", "10mm"}), HasSubstr("'10mm' is no velocity"));
+  EXPECT_THAT(err, HasSubstr("mm/s"));
+  EXPECT_THAT(refusal({"move", "x", "10pps"}), HasSubstr("'10pps' is no position"));
+  EXPECT_THAT(refusal({"set", "x", "max_acceleration", "10rps"}), HasSubstr("no acceleration"));
+  EXPECT_THAT(refusal({"set", "x", "max_current", "10rps"}), HasSubstr("max_current is neither"));
+  EXPECT_THAT(refusal({"set", "x", "max_velocty", "10rps"}), HasSubstr("max_velocity"));
+  EXPECT_THAT(target.calls, testing::Each("units x"));
+}
+
+TEST_F(CtlUnits, NothingIsSentForAUnitThatTheAxisDoesNotHave) {
+  EXPECT_THAT(refusal({"move", "x", "12a"}), HasSubstr("axis x has no unit 'a'"));
+  EXPECT_THAT(refusal({"move", "x", "1revs"}), HasSubstr("Did you mean 'rev'?"));
+  EXPECT_THAT(err, HasSubstr("mm"));
+  target.counts.scale->unit.clear();
+  EXPECT_THAT(refusal({"move", "x", "1mm"}), HasSubstr("units_per_revolution"));
+  EXPECT_EQ(run({"move", "x", "1rev"}), ExitCode::done);
+  target.counts.scale.reset();
+  EXPECT_THAT(refusal({"move", "x", "1rev"}), HasSubstr("how many microsteps a turn"));
+  target.counts.module.reset();
+  EXPECT_THAT(refusal({"rotate", "x", "100pps"}), HasSubstr("counts in is not known"));
+  target.counts.model = nullptr;
+  EXPECT_THAT(refusal({"rotate", "x", "100pps"}), HasSubstr("not known"));
+}
+
+TEST_F(CtlUnits, WhatDoesNotFitIsRefusedWithTheNearestInTheUnitThatWasTyped) {
+  EXPECT_THAT(refusal({"move", "x", "1000mm"}), HasSubstr("1000 mm is too far"));
+  EXPECT_THAT(err, HasSubstr("819.199"));
+  EXPECT_THAT(refusal({"rotate", "x", "1e6pps"}), HasSubstr("1e+06 pps is too fast"));
+  EXPECT_THAT(err, HasSubstr("124938.96"));
+  EXPECT_THAT(refusal({"rotate", "x", "-600rpm"}), HasSubstr("nearest possible value is -146.4"));
+  EXPECT_THAT(refusal({"set", "x", "5", "1e12pps/s"}), HasSubstr("too large"));
+  const auto document = json({"rotate", "x", "9rps"}, ExitCode::usage);
+  EXPECT_EQ(document.at("error").at("name"), "out_of_range");
+  EXPECT_THAT(target.calls, testing::Each("units x"));
+}
+
+TEST_F(CtlUnits, TheNearestThatIsNamedIsTaken) {
+  EXPECT_EQ(run({"rotate", "x", "124938.96484375pps"}), ExitCode::done) << err;
+  EXPECT_EQ(last_call(), "rotate x 2047");
+}
+
+TEST_F(CtlUnits, StateShowsTheUnitOfTheAxis) {
+  EXPECT_EQ(run({"state", "x"}), ExitCode::done);
+  EXPECT_THAT(out, Not(HasSubstr("mm")));
+  EXPECT_TRUE(json({"state", "x"}).at("unit").is_null());
+  target.user = UserReading{"mm", 12.5, -3, 0.25};
+  run({"state", "x"});
+  EXPECT_THAT(out, HasSubstr("position  12.5 mm = 0 microsteps"));
+  EXPECT_THAT(out, HasSubstr("target    -3 mm = "));
+  EXPECT_THAT(out, HasSubstr("velocity  0.25 mm/s = "));
+  const auto document = json({"state", "x"});
+  EXPECT_EQ(document.at("unit"), "mm");
+  EXPECT_EQ(document.at("position"), 12.5);
+  EXPECT_EQ(document.at("target"), -3.0);
+  EXPECT_EQ(document.at("velocity"), 0.25);
+}
+
+class CtlRamp : public CtlUnits {
+ protected:
+  std::vector<std::string> ramp(const std::string& velocity, const std::string& acceleration) {
+    return {"ramp", "x", "--velocity", velocity, "--acceleration", acceleration};
+  }
+};
+
+TEST_F(CtlRamp, ChoosesAndWritesDividersAndRegisters) {
+  target.values["154"] = 2;
+  EXPECT_EQ(run(ramp("50000pps", "200000pps/s")), ExitCode::done) << err;
+  EXPECT_THAT(target.calls, ElementsAre("units x", "get x pulse_divisor", "set x 154 3",
+                                        "set x 153 8", "set x 4 1638", "set x 5 859"));
+  EXPECT_THAT(out, HasSubstr("pulse_divisor      3"));
+  EXPECT_THAT(out, HasSubstr("gives 49987.79297 pps and 200001.5229 pps/s"));
+}
+
+TEST_F(CtlRamp, ALowerDividerIsWrittenAfterTheRegistersSoThatNothingIsFastInBetween) {
+  target.values["154"] = 5;
+  run(ramp("50000pps", "200000pps/s"));
+  EXPECT_THAT(target.calls, ElementsAre("units x", "get x pulse_divisor", "set x 4 1638",
+                                        "set x 5 859", "set x 154 3", "set x 153 8"));
+}
+
+TEST_F(CtlRamp, DryRunWritesNothing) {
+  auto words = ramp("10mm/s", "100mm/s2");
+  words.emplace_back("--dry-run");
+  const auto document = json(words);
+  EXPECT_THAT(target.calls, ElementsAre("units x"));
+  EXPECT_EQ(document.at("written"), false);
+  EXPECT_EQ(document.at("model"), "TMCM-1110");
+  EXPECT_EQ(document.at("parameters").at("pulse_divisor"), 2);
+  EXPECT_NEAR(document.at("velocity_pps").as_double(), 102'400, 31);
+  EXPECT_NEAR(document.at("acceleration_pps2").as_double(), 1'024'000, 500);
+}
+
+TEST_F(CtlRamp, RefusesWhileTheAxisMoves) {
+  run({"move", "x", "10000"});
+  target.calls.clear();
+  EXPECT_THAT(refusal(ramp("50000pps", "200000pps/s"), ExitCode::refused), HasSubstr("x moves"));
+  EXPECT_THAT(target.calls, ElementsAre("units x"));
+}
+
+TEST_F(CtlRamp, RefusesWhatCannotBeHadAndNamesTheNearest) {
+  EXPECT_THAT(refusal(ramp("600000pps", "1e6pps/s")), HasSubstr("499755.859375 pps"));
+  EXPECT_THAT(refusal(ramp("20rps", "1rps/s")), HasSubstr("20 rps is too fast"));
+  EXPECT_THAT(refusal(ramp("400000pps", "1pps/s")), HasSubstr("too small an acceleration"));
+  EXPECT_THAT(refusal(ramp("10pps", "1e9pps/s")), HasSubstr("too large an acceleration"));
+  EXPECT_THAT(refusal(ramp("0pps", "1000pps/s")), HasSubstr("too slow"));
+  EXPECT_THAT(refusal(ramp("-50000pps", "1000pps/s")), HasSubstr("too slow"));
+  EXPECT_THAT(refusal(ramp("50000pps", "1000pps")), HasSubstr("no acceleration"));
+  EXPECT_THAT(target.calls, testing::Each("units x"));
+}
+
+TEST_F(CtlRamp, TellsWhatWasWrittenBeforeAFailure) {
+  target.refused_parameter = "4";
+  target.values["154"] = 2;
+  EXPECT_THAT(refusal(ramp("50000pps", "200000pps/s"), ExitCode::refused),
+              HasSubstr("about max_velocity = 1638, and these were written before: "
+                        "pulse_divisor = 3, ramp_divisor = 8"));
+}
+
+TEST_F(CtlRamp, SetsThePlainParametersOfOtherModules) {
+  be("TMCM-6212", {1});
+  EXPECT_EQ(run(ramp("50000pps", "200000pps/s")), ExitCode::done) << err;
+  EXPECT_THAT(target.calls, ElementsAre("units x", "set x 4 50000", "set x 5 200000",
+                                        "set x 17 200000", "set x 15 200000", "set x 18 200000"));
+  be("TMCM-142", {0});
+  target.calls.clear();
+  run(ramp("1000000pps", "200000pps/s"));
+  EXPECT_THAT(target.calls,
+              ElementsAre("units x", "set x 4 67108864", "set x 5 3436", "set x 17 3436"));
+  EXPECT_THAT(out, HasSubstr("gives 1000000 pps and"));
+  target.counts.model = nullptr;
+  EXPECT_THAT(refusal(ramp("5pps", "5pps/s")), HasSubstr("not known"));
+}
+
+class CtlConvert : public CtlUnits {};
+
+TEST_F(CtlConvert, ShowsAVelocityInEveryUnit) {
+  const auto document = json({"convert", "--model", "TMCM-1110", "61035pps"});
+  EXPECT_EQ(document.at("model"), "TMCM-1110");
+  EXPECT_FALSE(document.contains("position"));
+  const auto& velocity = document.at("velocity").as_object();
+  EXPECT_EQ(velocity.at("internal"), 1000);
+  EXPECT_NEAR(velocity.at("pps").as_double(), 61'035.16, 0.01);
+  EXPECT_NEAR(velocity.at("rps").as_double(), 1.192, 0.001);
+  EXPECT_NEAR(velocity.at("rpm").as_double(), 71.53, 0.01);
+  EXPECT_NEAR(velocity.at("full_steps_per_second").as_double(), 238.4, 0.1);
+  EXPECT_EQ(run({"convert", "--model", "1110", "61035pps"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("61035.15625 pps\n"));
+  EXPECT_THAT(target.calls, IsEmpty()) << "no module is needed";
+}
+
+TEST_F(CtlConvert, ABareNumberIsShownAsEverythingThatItMayMean) {
+  const auto document = json({"convert", "--model", "TMCM-3110", "--pulse-div", "2", "--ramp-div",
+                              "3", "--microsteps", "64", "500"});
+  EXPECT_EQ(document.at("position").at("full_steps").to_number<double>(), 7.8125);
+  EXPECT_NEAR(document.at("velocity").at("pps").to_number<double>(), 30'517.6, 0.1);
+  EXPECT_NEAR(document.at("acceleration").at("pps2").to_number<double>(), 7.45e6, 1e4);
+}
+
+TEST_F(CtlConvert, KnowsUnitModesAndTurns) {
+  EXPECT_EQ(
+      json({"convert", "--model", "TMCM-6212", "--microsteps", "64", "--full-steps", "400", "2rps"})
+          .at("velocity")
+          .at("internal"),
+      51'200);
+  EXPECT_EQ(json({"convert", "--model", "TMCM-6212", "--unit-mode", "0", "1000000pps"})
+                .at("velocity")
+                .at("internal"),
+            1 << 20);
+  EXPECT_EQ(json({"convert", "--model", "TMCM-142", "1.5rev"}).at("position").at("microsteps"),
+            76'800);
+}
+
+TEST_F(CtlConvert, RefusesWhatMakesNoSense) {
+  EXPECT_THAT(refusal({"convert", "--model", "TMCM-1111x", "2rps"}), HasSubstr("no model"));
+  EXPECT_THAT(refusal({"convert", "--model", "TMCM-6212", "--pulse-div", "2", "2rps"}),
+              HasSubstr("--pulse-div means nothing to a TMCM-6212"));
+  EXPECT_THAT(refusal({"convert", "--model", "TMCM-1110", "--unit-mode", "1", "2rps"}),
+              HasSubstr("--unit-mode means nothing"));
+  EXPECT_THAT(refusal({"convert", "--model", "TMCM-1110", "1e6pps"}),
+              HasSubstr("nearest possible value is 124938.96484375 pps"));
+  EXPECT_THAT(refusal({"convert", "--model", "TMCM-1110", "10mm"}),
+              HasSubstr("axis of a TMCM-1110 has no unit 'mm'"));
+}
+
+TEST(CtlQuantity, EveryReservedUnitIsKnownAndRefusedToUsers) {
+  AxisUnits units{"x", tmcl::find_model("TMCM-1110"), tmcl::ModuleUnits{}, tmcl::UserScale{}};
+  for (const auto name : tmcl::reserved_unit_names()) {
+    EXPECT_FALSE(tmcl::fault_of_unit_name(name).empty()) << name;
+    const Quantity one{1, std::string(name)};
+    EXPECT_EQ(parse_quantity("1" + one.unit), one);
+    const bool known = to_microsteps(one, units, {}).has_value() || to_pps(one, units).has_value();
+    EXPECT_TRUE(known) << name;
+  }
+}
+
+}  // namespace
+}  // namespace tmclctl::test

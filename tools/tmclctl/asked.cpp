@@ -1,0 +1,65 @@
+#include "asked.hpp"
+
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "names.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace ap = tmcl::axis_parameter;
+
+Attempt<std::int32_t> in_parameter(const Quantity& quantity, const AxisUnits& units,
+                                   std::uint8_t number) {
+  const auto* row = find_parameter(units.parameters(), number);
+  if (row != nullptr) return to_parameter(quantity, units, *row);
+  return tl::unexpected(
+      usage_failure("unknown_unit",
+                    fmt::format("'{}': what parameter {} of axis {} counts in is not known",
+                                to_string(quantity), number, units.axis),
+                    "Give a bare number, in the module's own unit"));
+}
+
+Attempt<std::int32_t> asked(const Quantity& quantity, const std::string& axis, std::uint8_t number,
+                            Target& target) {
+  if (quantity.unit.empty()) return static_cast<std::int32_t>(quantity.number);
+  return target.units(axis).and_then(
+      [&](const AxisUnits& units) { return in_parameter(quantity, units, number); });
+}
+
+}  // namespace
+
+Attempt<tmcl::Microsteps> asked_position(const Quantity& position, const std::string& axis,
+                                         Target& target) {
+  return asked(position, axis, ap::target_position, target).map([](std::int32_t value) {
+    return tmcl::Microsteps{value};
+  });
+}
+
+Attempt<tmcl::Microsteps> asked_distance(const Quantity& distance, const std::string& axis,
+                                         Target& target) {
+  if (distance.unit.empty()) return tmcl::Microsteps{static_cast<std::int32_t>(distance.number)};
+  return target.units(axis).and_then(
+      [&](const AxisUnits& units) { return to_microsteps(distance, units, {}); });
+}
+
+Attempt<tmcl::InternalVelocity> asked_velocity(const Quantity& velocity, const std::string& axis,
+                                               Target& target) {
+  return asked(velocity, axis, ap::target_velocity, target).map([](std::int32_t value) {
+    return tmcl::InternalVelocity{value};
+  });
+}
+
+Attempt<std::int32_t> asked_value(const Quantity& value, const std::string& axis,
+                                  const std::string& parameter, Target& target) {
+  if (value.unit.empty()) return static_cast<std::int32_t>(value.number);
+  const auto units = target.units(axis);
+  if (!units) return tl::unexpected(units.error());
+  const auto name = parse_parameter(units->parameters(), parameter);
+  if (!name) return tl::unexpected(name.error());
+  return in_parameter(value, *units, name->number);
+}
+
+}  // namespace tmclctl

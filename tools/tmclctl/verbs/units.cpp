@@ -1,0 +1,319 @@
+// ramp, convert.
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <boost/json/array.hpp>
+
+#include "print.hpp"
+#include "tmcl/nearest.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+namespace ap = tmcl::axis_parameter;
+
+// ---- ramp ----
+
+constexpr std::uint8_t pulse_divisor = 154;
+
+struct Setting {
+  const tmcl::ParameterInfo* row;
+  std::int32_t value;
+};
+
+/// What is to be written, and what it gives.
+struct Plan {
+  std::vector<Setting> settings;
+  tmcl::PulsesPerSecond velocity;
+  tmcl::PulsesPerSecond2 acceleration;
+};
+
+Failure unknown_model(const std::string& axis) {
+  return usage_failure("unknown_model",
+                       fmt::format("the model of axis {} is not known, so what its parameters "
+                                   "mean is not, either",
+                                   axis));
+}
+
+Attempt<Plan> plan_dividers(const verb::Ramp& verb, const AxisUnits& units,
+                            tmcl::PulsesPerSecond velocity, tmcl::PulsesPerSecond2 acceleration) {
+  const auto ramp = tmcl::choose_tmc429_ramp(velocity, acceleration);
+  if (!ramp) {
+    const auto& wish = ramp.error().is_velocity ? verb.velocity : verb.acceleration;
+    return tl::unexpected(out_of_reach(wish, units, ramp.error().error));
+  }
+  const auto row = [&](std::string_view name) { return find_parameter(units.parameters(), name); };
+  return Plan{{{row("pulse_divisor"), ramp->dividers.pulse},
+               {row("ramp_divisor"), ramp->dividers.ramp},
+               {row("max_velocity"), ramp->v_max.value},
+               {row("max_acceleration"), ramp->a_max.value}},
+              ramp->velocity(),
+              ramp->acceleration()};
+}
+
+// Every part of a ramp that a model has gets the same acceleration.
+Attempt<Plan> plan_parameters(const verb::Ramp& verb, const AxisUnits& units) {
+  Plan plan;
+  const auto add = [&](std::string_view name, const Quantity& quantity) -> Attempt<void> {
+    const auto* row = find_parameter(units.parameters(), name);
+    if (row == nullptr) return {};
+    return to_parameter(quantity, units, *row).map([&](std::int32_t value) {
+      plan.settings.push_back({row, value});
+    });
+  };
+  if (const auto added = add("max_velocity", verb.velocity); !added)
+    return tl::unexpected(added.error());
+  for (const auto* name :
+       {"max_acceleration", "max_deceleration", "acceleration_a1", "deceleration_d1"}) {
+    if (const auto added = add(name, verb.acceleration); !added)
+      return tl::unexpected(added.error());
+  }
+  plan.velocity = to_pps(tmcl::InternalVelocity{plan.settings[0].value}, *units.module);
+  plan.acceleration = to_pps2(tmcl::InternalAcceleration{plan.settings[1].value}, *units.module);
+  return plan;
+}
+
+Attempt<Plan> plan_ramp(const verb::Ramp& verb, const AxisUnits& units) {
+  if (units.model == nullptr || !units.module) return tl::unexpected(unknown_model(verb.axis));
+  // A ramp is the same in both directions.
+  auto undirected = units;
+  if (undirected.scale) undirected.scale->reverse = false;
+  const auto velocity = to_pps(verb.velocity, undirected);
+  if (!velocity) return tl::unexpected(velocity.error());
+  const auto acceleration = to_pps2(verb.acceleration, undirected);
+  if (!acceleration) return tl::unexpected(acceleration.error());
+  return units.model->family == tmcl::Family::tmc429
+             ? plan_dividers(verb, undirected, *velocity, *acceleration)
+             : plan_parameters(verb, undirected);
+}
+
+Attempt<void> refuse_in_motion(const std::string& axis, Target& target) {
+  const auto state = target.state(axis);
+  if (!state) return tl::unexpected(state.error());
+  if (!state->moving) return {};
+  Failure failure = usage_failure("moving",
+                                  fmt::format("axis {} moves; a ramp is changed at standstill, and "
+                                              "nothing was written",
+                                              axis),
+                                  "'tmclctl stop " + axis + "' stops it");
+  failure.exit = ExitCode::refused;
+  return tl::unexpected(std::move(failure));
+}
+
+// So that no speed in between is faster than both the old and the new one: a module that stops
+// answering half-way must not be left with a fast axis.
+Attempt<void> order_safely(std::vector<Setting>& settings, const std::string& axis,
+                           Target& target) {
+  if (settings.front().row->number != pulse_divisor) return {};
+  const auto present = target.get(axis, std::to_string(pulse_divisor));
+  if (!present) return tl::unexpected(present.error());
+  const bool gets_faster = settings.front().value < present->value;
+  if (gets_faster) std::rotate(settings.begin(), settings.begin() + 2, settings.end());
+  return {};
+}
+
+Attempt<void> write(const std::vector<Setting>& settings, const std::string& axis, Target& target) {
+  std::string written;
+  for (const auto& [row, value] : settings) {
+    const auto set = target.set(axis, std::to_string(row->number), value);
+    if (!set) {
+      auto failure = set.error();
+      failure.message += fmt::format("; it was about {} = {}", row->name, value);
+      if (!written.empty()) failure.message += ", and these were written before: " + written;
+      return tl::unexpected(std::move(failure));
+    }
+    written += fmt::format("{}{} = {}", written.empty() ? "" : ", ", row->name, value);
+  }
+  return {};
+}
+
+void show(const verb::Ramp& verb, const Plan& plan, std::string_view model, Output& output) {
+  if (output.json) {
+    json::object parameters;
+    for (const auto& [row, value] : plan.settings) parameters[row->name] = value;
+    print_json({{"axis", verb.axis},
+                {"model", model},
+                {"velocity_pps", plan.velocity.value},
+                {"acceleration_pps2", plan.acceleration.value},
+                {"parameters", std::move(parameters)},
+                {"written", !verb.dry_run}},
+               output);
+    return;
+  }
+  for (const auto& [row, value] : plan.settings)
+    output.out << fmt::format("{:<18} {}\n", row->name, value);
+  output.out << fmt::format("gives {:.10g} pps and {:.10g} pps/s{}\n", plan.velocity.value,
+                            plan.acceleration.value, verb.dry_run ? "; nothing was written" : "");
+}
+
+}  // namespace
+
+VerbResult run(const verb::Ramp& verb, Room& room) {
+  const auto units = room.target.units(verb.axis);
+  if (!units) return tl::unexpected(units.error());
+  auto plan = plan_ramp(verb, *units);
+  if (!plan) return tl::unexpected(plan.error());
+  if (!verb.dry_run) {
+    auto settings = plan->settings;
+    const auto done = refuse_in_motion(verb.axis, room.target)
+                          .and_then([&] { return order_safely(settings, verb.axis, room.target); })
+                          .and_then([&] { return write(settings, verb.axis, room.target); });
+    if (!done) return tl::unexpected(done.error());
+  }
+  show(verb, *plan, units->model->name, room.output);
+  return ExitCode::done;
+}
+
+// ---- convert ----
+
+namespace {
+
+Attempt<const tmcl::Model*> model_named(const std::string& name) {
+  if (const auto* model = tmcl::find_model(name)) return model;
+  std::vector<std::string_view> names;
+  for (const auto& model : tmcl::models()) names.push_back(model.name);
+  return tl::unexpected(usage_failure(
+      "unknown_model", fmt::format("there is no model '{}'", name),
+      fmt::format("There are: {}.{}", fmt::join(names, ", "), tmcl::did_you_mean(name, names))));
+}
+
+/// The settings that a model has, over what it starts with.
+Attempt<tmcl::ModuleUnits> units_of(const verb::Convert& verb, const tmcl::Model& model,
+                                    std::span<const tmcl::ParameterInfo> table) {
+  const auto numbers = tmcl::unit_parameters(model);
+  std::vector<std::int32_t> values;
+  for (const auto number : numbers) values.push_back(find_parameter(table, number)->initial);
+  const auto refusal = [&](std::string_view option) {
+    return tl::unexpected(usage_failure(
+        "usage", fmt::format("convert: {} means nothing to a {}", option, model.name)));
+  };
+  const bool has_dividers = numbers.size() == 2;
+  const bool has_mode = numbers.size() == 1;
+  if (verb.pulse_div && !has_dividers) return refusal("--pulse-div");
+  if (verb.ramp_div && !has_dividers) return refusal("--ramp-div");
+  if (verb.unit_mode && !has_mode) return refusal("--unit-mode");
+  if (has_dividers)
+    values = {verb.pulse_div.value_or(values[0]), verb.ramp_div.value_or(values[1])};
+  if (has_mode) values = {verb.unit_mode.value_or(values[0])};
+  return tmcl::module_units(model, values).value_or(tmcl::ModuleUnits{});
+}
+
+/// One quantity, in every unit there is for it.
+struct Rendering {
+  const char* key;   // in JSON
+  const char* unit;  // for people
+  double value;
+};
+
+json::object to_object(const std::vector<Rendering>& forms) {
+  json::object object;
+  for (const auto& form : forms) {
+    const bool whole = std::abs(form.value) < 1e9 && form.value == std::round(form.value);
+    object[form.key] =
+        whole ? json::value(static_cast<std::int64_t>(form.value)) : json::value(form.value);
+  }
+  return object;
+}
+
+class Converter {
+ public:
+  Converter(const verb::Convert& verb, AxisUnits units) : verb_(verb), units_(std::move(units)) {}
+
+  Attempt<std::vector<Rendering>> position() const {
+    return parameter(ap::target_position).map([&](std::int32_t value) {
+      const tmcl::Microsteps at{value};
+      return std::vector<Rendering>{{"microsteps", "microsteps", static_cast<double>(value)},
+                                    {"full_steps", "full steps", to_user(at, full_steps()).value},
+                                    {"revolutions", "rev", to_user(at, turns()).value}};
+    });
+  }
+  Attempt<std::vector<Rendering>> velocity() const {
+    return parameter(ap::target_velocity).map([&](std::int32_t value) {
+      const auto pps = to_pps(tmcl::InternalVelocity{value}, *units_.module);
+      const auto rps = to_user(pps, turns()).value;
+      return std::vector<Rendering>{
+          {"internal", "in the module's unit", static_cast<double>(value)},
+          {"pps", "pps", pps.value},
+          {"full_steps_per_second", "full steps/s", to_user(pps, full_steps()).value},
+          {"rps", "rps", rps},
+          {"rpm", "rpm", rps * 60}};
+    });
+  }
+  Attempt<std::vector<Rendering>> acceleration() const {
+    return parameter(ap::max_acceleration).map([&](std::int32_t value) {
+      const auto pps2 = to_pps2(tmcl::InternalAcceleration{value}, *units_.module);
+      return std::vector<Rendering>{
+          {"internal", "in the module's unit", static_cast<double>(value)},
+          {"pps2", "pps/s", pps2.value},
+          {"full_steps_per_second2", "full steps/s^2", to_user(pps2, full_steps()).value},
+          {"rps2", "rps/s", to_user(pps2, turns()).value}};
+    });
+  }
+
+ private:
+  tmcl::UserScale turns() const { return tmcl::revolutions(*units_.scale); }
+  tmcl::UserScale full_steps() const {
+    auto scale = turns();
+    scale.units_per_revolution = scale.steps.full_steps;
+    return scale;
+  }
+  Attempt<std::int32_t> parameter(std::uint8_t number) const {
+    return to_parameter(verb_.quantity, units_, *find_parameter(units_.parameters(), number));
+  }
+
+  const verb::Convert& verb_;
+  AxisUnits units_;
+};
+
+void print(std::string_view title, const std::vector<Rendering>& forms, Output& output) {
+  output.out << title << '\n';
+  for (const auto& form : forms)
+    output.out << fmt::format("  {:>16.10g} {}\n", form.value, form.unit);
+}
+
+}  // namespace
+
+VerbResult run(const verb::Convert& verb, Output& output) {
+  const auto model = model_named(verb.model);
+  if (!model) return tl::unexpected(model.error());
+  AxisUnits units{"", *model, {}, tmcl::UserScale{}};
+  const auto module = units_of(verb, **model, units.parameters());
+  if (!module) return tl::unexpected(module.error());
+  units.axis = "of a " + std::string((*model)->name);
+  units.module = *module;
+  units.scale->unit.clear();
+  units.scale->steps = {verb.full_steps, static_cast<std::int32_t>(std::log2(verb.microsteps))};
+
+  const Converter converter(verb, units);
+  const auto dimension = dimension_of(verb.quantity);
+  json::object document{{"model", (*model)->name}};
+  const auto add = [&](tmcl::Dimension which, const char* key, const char* title,
+                       const auto& convert) -> Attempt<void> {
+    if (dimension != tmcl::Dimension::other && dimension != which) return {};
+    return convert().map([&](const std::vector<Rendering>& forms) {
+      if (output.json) {
+        document[key] = to_object(forms);
+      } else {
+        print(title, forms, output);
+      }
+    });
+  };
+  const auto added =
+      add(tmcl::Dimension::position, "position", "a position", [&] { return converter.position(); })
+          .and_then([&] {
+            return add(tmcl::Dimension::velocity, "velocity", "a velocity",
+                       [&] { return converter.velocity(); });
+          })
+          .and_then([&] {
+            return add(tmcl::Dimension::acceleration, "acceleration", "an acceleration",
+                       [&] { return converter.acceleration(); });
+          });
+  if (!added) return tl::unexpected(added.error());
+  if (output.json) print_json(document, output);
+  return ExitCode::done;
+}
+
+}  // namespace tmclctl
