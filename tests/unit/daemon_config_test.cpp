@@ -135,7 +135,8 @@ TEST(DaemonConfig, AScaleThatMakesNoSenseIsRefused) {
   EXPECT_THAT(with("unit = \"mm\"\nunits_per_revolution = -5\n"), HasSubstr("reverse = true"));
   EXPECT_THAT(with("unit = \"mm\"\nunits_per_revolution = inf\n"), HasSubstr("greater than 0"));
   EXPECT_THAT(with("unit = \"mm\"\nunits_per_revolution = nan\n"), HasSubstr("greater than 0"));
-  EXPECT_THAT(with("unit = \"mm\"\nunits_per_revolution = \"5\"\n"), HasSubstr("a number"));
+  EXPECT_THAT(problems(std::string(good) + "unit = \"mm\"\nunits_per_revolution = \"5\"\n"),
+              testing::Contains(HasSubstr("must be a number")));
   EXPECT_THAT(with("unit = \"pps\"\nunits_per_revolution = 5\n"), HasSubstr("already"));
   EXPECT_THAT(with("unit = \"mm2\"\nunits_per_revolution = 5\n"), HasSubstr("digits"));
   EXPECT_THAT(with("unit = \"\"\nunits_per_revolution = 5\n"), HasSubstr("is empty"));

@@ -36,6 +36,7 @@ class DaemonUnits : public testing::Test {
 
 TEST_F(DaemonUnits, DividersScaleTheVelocitiesOfATmc429) {
   serve(6110);
+  hold(153, 3);
   hold(3, -1000);
   hold(154, 2);
   EXPECT_NEAR(velocity_pps(), -61'035.2, 0.1);
