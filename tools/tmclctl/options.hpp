@@ -135,12 +135,11 @@ struct Complete {
 
 }  // namespace verb
 
-using Verb =
-    std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Get, verb::Set,
-                 verb::Move, verb::Rotate, verb::Stop, verb::State, verb::Watch, verb::Plot,
-                 verb::Raw, verb::Simulate, verb::Assemble, verb::Disassemble, verb::FirmwareInfo,
-                 verb::CheckFirmware, verb::UploadFirmware, verb::Ramp, verb::Convert,
-                 verb::Complete>;
+using Verb = std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Get, verb::Set,
+                          verb::Move, verb::Rotate, verb::Stop, verb::State, verb::Watch,
+                          verb::Plot, verb::Raw, verb::Simulate, verb::Assemble, verb::Disassemble,
+                          verb::FirmwareInfo, verb::CheckFirmware, verb::UploadFirmware, verb::Ramp,
+                          verb::Convert, verb::Complete>;
 
 struct Options {
   Where where;
