@@ -195,6 +195,7 @@ void Module::at_stage(std::size_t motor, const std::function<void(Stage&)>& chan
   run_due();
   change(stages_.at(motor));
   axes_.at(motor).stage_changed();
+  application_.run_due(now_);
 }
 
 void Module::bring_to(TimePoint time) {

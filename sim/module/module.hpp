@@ -142,7 +142,7 @@ class Module final : private ProgramHost {
   MotorConditions motor(std::size_t number) const override;
   std::size_t inputs() const override { return io_.inputs(); }
   bool input(std::size_t number) const override { return io_.input(number); }
-  Alarms alarms() const override { return {}; }  // no model here has an input for them
+  Alarms alarms() const override;
   TimePoint next_event() const override;
 
   // system_commands.cpp

@@ -21,10 +21,11 @@ struct MotorConditions {
   bool deviated = false;  ///< The encoder was too far away from the position.
 };
 
-/// What raises the error flags EAL, EPO and ESD as long as it lasts. (EDV is raised by a motor that
-/// deviated, ETO by a timeout.)
+/// What raises the error flags EAL, EDV, EPO and ESD as long as it lasts. (ETO is raised by a
+/// WAIT.)
 struct Alarms {
   bool external = false;
+  bool deviation = false;  ///< Of any motor.
   bool position = false;
   bool shutdown = false;
 };

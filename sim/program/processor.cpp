@@ -87,11 +87,9 @@ void Processor::observe(TimePoint now) {
   interrupts_.observe(now);
   const auto alarms = host_->alarms();
   if (alarms.external) raise(ErrorFlag::alarm);
+  if (alarms.deviation) raise(ErrorFlag::deviation);
   if (alarms.position) raise(ErrorFlag::position);
   if (alarms.shutdown) raise(ErrorFlag::shutdown);
-  for (std::size_t motor = 0; motor < host_->motors(); ++motor) {
-    if (host_->motor(motor).deviated) raise(ErrorFlag::deviation);
-  }
 }
 
 void Processor::enter_interrupt(TimePoint now) {

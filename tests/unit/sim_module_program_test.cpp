@@ -159,6 +159,26 @@ TEST_F(ModuleProgramTest, ATimerInterrupts) {
   EXPECT_EQ(global(0, variables), 50);
 }
 
+TEST_F(ModuleProgramTest, AStopSwitchInterrupts) {
+  module.mount(1, {.right_switch = 100'000});
+  set_global(30, 1, interrupts);
+  run("VECT 30, Struck\n EI 30\n EI 255\n ROR 1, 500\n Loop: JA Loop\n"
+      "Struck: GAP 1, 1\n AGP 0, 2\n RETI");
+  pass(std::chrono::seconds(10));
+  const auto struck = global(0, variables);
+  EXPECT_GT(struck, 0);
+  EXPECT_EQ(struck, get(axis_parameter::actual_position, 1));
+}
+
+TEST_F(ModuleProgramTest, WhoeverPressesASwitchIsSeenAtOnce) {
+  module.mount(2, {.home = Interval{5000, 6000}});
+  run("WAIT REFSW, 2, 0\n GGP 132, 0\n AGP 0, 2\n STOP");
+  pass(milliseconds(777));
+  module.at_stage(2, [](Stage& stage) { stage.press(StageSwitch::home, true); });
+  pass(milliseconds(1));
+  EXPECT_EQ(global(0, variables), 777);
+}
+
 TEST_F(ModuleProgramTest, AProgramSurvivesARestart) {
   download("SGP 60, 2, 7\n STOP");
   restart();

@@ -280,7 +280,7 @@ TEST_F(ProgramTest, WhoWaitsNeedsNoAttention) {
 TEST_F(ProgramTest, FlagsStayUntilTheyAreCleared) {
   const std::vector<std::pair<std::string, std::function<void(bool)>>> flags{
       {"EAL", [&](bool on) { host.present_alarms.external = on; }},
-      {"EDV", [&](bool on) { host.motor_conditions[1].deviated = on; }},
+      {"EDV", [&](bool on) { host.present_alarms.deviation = on; }},
       {"EPO", [&](bool on) { host.present_alarms.position = on; }},
       {"ESD", [&](bool on) { host.present_alarms.shutdown = on; }}};
   for (const auto& [name, set] : flags) {
@@ -349,6 +349,10 @@ TEST_F(ProgramErrorTest, IndexesBeyondTheVariables) {
 TEST_F(ProgramErrorTest, ReturnsFromNowhere) {
   expect_error(Status::command_not_available, 0, "RSUB");
   expect_error(Status::command_not_available, 0, "RETI");
+}
+
+TEST_F(ProgramErrorTest, ACallThatIsNotMadeLeavesNothingToReturnTo) {
+  expect_error(Status::command_not_available, 2, "CALC LOAD, 1\n CALL ZE, 0\n RSUB");
 }
 
 TEST_F(ProgramErrorTest, WhatTheModuleRefuses) {
