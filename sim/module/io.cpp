@@ -1,11 +1,6 @@
 #include "sim/module/io.hpp"
 
 namespace tmcl::sim {
-namespace {
-
-constexpr std::int32_t greatest_analog = 65535;
-
-}  // namespace
 
 IoPorts io_ports(const Model& /*model*/) { return {4, 4, 8}; }
 

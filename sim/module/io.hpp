@@ -35,6 +35,8 @@ class Io {
   static constexpr std::uint8_t supply_voltage_port = 8;  ///< In 0.1 V.
   static constexpr std::uint8_t temperature_port = 9;     ///< In degrees centigrade.
 
+  static constexpr std::int32_t greatest_analog = 65535;
+
   explicit Io(const Model& model) : ports_(io_ports(model)) {}
 
   /// As after power-on. What the world outside does to the inputs stays.

@@ -110,6 +110,23 @@ TEST_F(Console, DoesWhatItIsTold) {
   EXPECT_EQ(say(""), "");
 }
 
+TEST_F(Console, SetsInputs) {
+  auto& module = add(1110);
+  EXPECT_EQ(say("input 1 2 1"), "ok");
+  EXPECT_TRUE(module.io().input(2));
+  EXPECT_EQ(say("analog 1 0 512"), "ok");
+  EXPECT_EQ(module.io().get(tmcl::sim::Io::analog_bank, 0), 512);
+  EXPECT_EQ(say("input 1 99 1"), "error: TMCM-1110 has no digital input 99");
+  EXPECT_EQ(say("input 1 2 5"), "error: an input is 0 or 1");
+  EXPECT_EQ(say("analog 1 99 1"), "error: TMCM-1110 has no analogue input 99");
+  EXPECT_EQ(say("analog 1 0 65536"), "error: an analogue input is 0 to 65535");
+  EXPECT_EQ(say("analog 9 0 1"), "error: there is no module with the address 9");
+  EXPECT_EQ(say("analog x 0 1"), "error: there is no module with the address x");
+  EXPECT_EQ(say("analog 1 -1 1"), "error: '-1' is not a port");
+  EXPECT_EQ(say("analog 1 0 y"), "error: 'y' is not a number");
+  EXPECT_EQ(say("input 1 0"), "error: it is: input ADDRESS PORT 0|1");
+}
+
 TEST_F(Console, SaysWhatIsWrong) {
   add(1110);
   EXPECT_THAT(say("lod 1/0 5"), HasSubstr("Did you mean 'load'?"));

@@ -51,6 +51,10 @@ sim::Module* find_module(sim::Bench& bench, std::int32_t address) {
   return found == bench.modules().end() ? nullptr : found->get();
 }
 
+std::string no_such_module(std::string_view address) {
+  return "there is no module with the address " + std::string(address);
+}
+
 struct Motor {
   sim::Module* module;
   std::size_t number;
@@ -65,7 +69,7 @@ tl::expected<Motor, std::string> find_motor(sim::Bench& bench, std::string_view 
   }
   auto* module = find_module(bench, *address);
   if (module == nullptr) {
-    return tl::unexpected("there is no module with the address " + std::to_string(*address));
+    return tl::unexpected(no_such_module(std::to_string(*address)));
   }
   if (*motor < 0 || *motor >= module->model().axes) {
     return tl::unexpected(std::string(module->model().name) + " has no motor " +
@@ -94,7 +98,7 @@ Outcome slip(Motor motor, std::string_view word) {
   return {};
 }
 
-Outcome press(Motor motor, std::string_view word, bool pressed) {
+Outcome set_switch(Motor motor, std::string_view word, bool pressed) {
   const auto found = std::ranges::find(switch_names, word);
   if (found == switch_names.end()) {
     return tl::unexpected(quoted(word) + " is not a switch: they are left, right and home." +
@@ -105,19 +109,71 @@ Outcome press(Motor motor, std::string_view word, bool pressed) {
   return {};
 }
 
+Outcome press(Motor motor, std::string_view word) { return set_switch(motor, word, true); }
+
+Outcome release(Motor motor, std::string_view word) { return set_switch(motor, word, false); }
+
+Outcome set_input(sim::Module& module, std::uint8_t port, std::int32_t level) {
+  if (level != 0 && level != 1) return tl::unexpected(std::string("an input is 0 or 1"));
+  if (!module.set_input(port, level == 1)) {
+    return tl::unexpected(std::string(module.model().name) + " has no digital input " +
+                          std::to_string(port));
+  }
+  return {};
+}
+
+Outcome set_analog(sim::Module& module, std::uint8_t port, std::int32_t value) {
+  if (value < 0 || value > sim::Io::greatest_analog) {
+    return tl::unexpected("an analogue input is 0 to " + std::to_string(sim::Io::greatest_analog));
+  }
+  if (!module.set_analog(port, value)) {
+    return tl::unexpected(std::string(module.model().name) + " has no analogue input " +
+                          std::to_string(port));
+  }
+  return {};
+}
+
+Outcome at_motor(sim::Bench& bench, const Words& words,
+                 Outcome (*change)(Motor motor, std::string_view operand)) {
+  const auto motor = find_motor(bench, words[1]);
+  if (!motor) return tl::unexpected(motor.error());
+  return change(*motor, words[2]);
+}
+
+Outcome at_port(sim::Bench& bench, const Words& words,
+                Outcome (*change)(sim::Module& module, std::uint8_t port, std::int32_t value)) {
+  const auto address = parse_number(words[1]);
+  auto* module = address ? find_module(bench, *address) : nullptr;
+  if (module == nullptr) return tl::unexpected(no_such_module(words[1]));
+  const auto port = parse_number(words[2]);
+  if (!port || *port < 0 || *port > UINT8_MAX) {
+    return tl::unexpected(quoted(words[2]) + " is not a port");
+  }
+  const auto value = parse_number(words[3]);
+  if (!value) return tl::unexpected(quoted(words[3]) + " is not a number");
+  return change(*module, static_cast<std::uint8_t>(*port), *value);
+}
+
 struct ConsoleCommand {
   std::string_view name;
   std::string_view usage;
-  Outcome (*run)(Motor motor, std::string_view operand);
+  std::size_t words;
+  Outcome (*run)(sim::Bench& bench, const Words& words);
 };
 
 constexpr auto commands = std::to_array<ConsoleCommand>({
-    {"load", "load ADDRESS/MOTOR LOAD", set_load},
-    {"slip", "slip ADDRESS/MOTOR COUNTS", slip},
-    {"press", "press ADDRESS/MOTOR left|right|home",
-     [](Motor motor, std::string_view word) { return press(motor, word, true); }},
-    {"release", "release ADDRESS/MOTOR left|right|home",
-     [](Motor motor, std::string_view word) { return press(motor, word, false); }},
+    {"load", "load ADDRESS/MOTOR LOAD", 3,
+     [](auto& bench, const auto& words) { return at_motor(bench, words, set_load); }},
+    {"slip", "slip ADDRESS/MOTOR COUNTS", 3,
+     [](auto& bench, const auto& words) { return at_motor(bench, words, slip); }},
+    {"press", "press ADDRESS/MOTOR left|right|home", 3,
+     [](auto& bench, const auto& words) { return at_motor(bench, words, press); }},
+    {"release", "release ADDRESS/MOTOR left|right|home", 3,
+     [](auto& bench, const auto& words) { return at_motor(bench, words, release); }},
+    {"input", "input ADDRESS PORT 0|1", 4,
+     [](auto& bench, const auto& words) { return at_port(bench, words, set_input); }},
+    {"analog", "analog ADDRESS PORT VALUE", 4,
+     [](auto& bench, const auto& words) { return at_port(bench, words, set_analog); }},
 });
 
 std::string no_such_command(std::string_view word) {
@@ -133,10 +189,9 @@ std::string no_such_command(std::string_view word) {
 Outcome run(sim::Bench& bench, const Words& words) {
   const auto command = std::ranges::find(commands, words[0], &ConsoleCommand::name);
   if (command == commands.end()) return tl::unexpected(no_such_command(words[0]));
-  if (words.size() != 3) return tl::unexpected("it is: " + std::string(command->usage));
-  const auto motor = find_motor(bench, words[1]);
-  if (!motor) return tl::unexpected(motor.error());
-  return command->run(*motor, words[2]);
+  if (words.size() != command->words)
+    return tl::unexpected("it is: " + std::string(command->usage));
+  return command->run(bench, words);
 }
 
 }  // namespace

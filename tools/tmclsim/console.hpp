@@ -14,6 +14,8 @@ namespace tmclsim {
 ///     slip 1/0 200        shift its encoder by so many counts
 ///     press 1/0 right     hold a switch with a finger: left, right or home
 ///     release 1/0 right
+///     input 1 0 1         module 1: digital input 0 is high
+///     analog 1 0 512      its analogue input 0 reads so much
 std::string run_console_line(tmcl::sim::Bench& bench, std::string_view line);
 
 }  // namespace tmclsim

@@ -2,8 +2,12 @@
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <filesystem>
 #include <iostream>
 #include <memory>
+#include <set>
+#include <string>
+#include <utility>
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
@@ -13,6 +17,7 @@
 #include "options.hpp"
 #include "sim/bench.hpp"
 #include "sim/ports/can_port.hpp"
+#include "sim/ports/eeprom_file.hpp"
 #include "sim/ports/pty_port.hpp"
 #include "sim/ports/scheduler.hpp"
 #include "sim/ports/tcp_port.hpp"
@@ -24,18 +29,76 @@ using Ports = std::vector<std::unique_ptr<sim::Port>>;
 
 constexpr int exit_failed = 1;
 
-void add_modules(sim::Bench& bench, const std::vector<tmclsim::ModuleSpec>& specs) {
-  for (const auto& sentence : tmclsim::shared_addresses(specs)) {
+struct Memory {
+  sim::Module* module;
+  std::unique_ptr<sim::EepromFile> file;  ///< Null if it forgets everything.
+  std::uint64_t writes_before;
+};
+using Memories = std::vector<Memory>;
+
+/// Modules that share model and address have a file each.
+std::filesystem::path eeprom_path(const std::string& folder, const tmclsim::ModuleSpec& spec,
+                                  std::set<std::string>& taken) {
+  const auto name = std::string(spec.model->name) + "@" + std::to_string(number(spec.address));
+  auto unique = name;
+  for (int twin = 2; !taken.insert(unique).second; ++twin)
+    unique = name + "-" + std::to_string(twin);
+  return std::filesystem::path(folder) / (unique + ".eeprom");
+}
+
+tl::expected<sim::Module*, std::string> add_module(sim::Bench& bench,
+                                                   const tmclsim::ModuleSpec& spec,
+                                                   const std::filesystem::path& file) {
+  if (file.empty()) return &bench.add(*spec.model, spec.address);
+  auto eeprom = sim::read_eeprom_file(file, *spec.model);
+  if (!eeprom) return tl::unexpected(eeprom.error());
+  if (!*eeprom) return &bench.add(*spec.model, spec.address);
+  return &bench.add(*spec.model, std::move(**eeprom));
+}
+
+std::string name_of(const sim::Module& module) {
+  const auto address = module.globals().value(tmcl::global_parameter::serial_address);
+  return "module " + std::to_string(address) + " " + std::string(module.model().name);
+}
+
+void introduce(const sim::Module& module) {
+  const int axes = module.model().axes;
+  std::cout << name_of(module) << ", " << axes << (axes == 1 ? " motor" : " motors")
+            << ", firmware " << to_string(module.version()) << '\n';
+}
+
+bool add_modules(boost::asio::io_context& io, sim::Bench& bench, const tmclsim::Options& options,
+                 Memories& memories) {
+  for (const auto& sentence : tmclsim::shared_addresses(options.modules)) {
     std::cerr << "tmclsim: warning: " << sentence << '\n';
   }
-  for (const auto& spec : specs) {
-    auto& module = bench.add(*spec.model, spec.address);
-    for (std::size_t motor = 0; motor < spec.stages.size(); ++motor) {
-      module.mount(motor, spec.stages[motor]);
+  std::set<std::string> taken;
+  const auto& folder = options.eeprom_folder;
+  for (const auto& spec : options.modules) {
+    const auto path = folder.empty() ? "" : eeprom_path(folder, spec, taken);
+    const auto module = add_module(bench, spec, path);
+    if (!module) {
+      std::cerr << "tmclsim: " << module.error() << '\n';
+      return false;
     }
-    std::cout << "module " << number(spec.address) << " " << spec.model->name << ", "
-              << int{spec.model->axes} << (spec.model->axes == 1 ? " motor" : " motors")
-              << ", firmware " << to_string(module.version()) << '\n';
+    for (std::size_t motor = 0; motor < spec.stages.size(); ++motor) {
+      (*module)->mount(motor, spec.stages[motor]);
+    }
+    introduce(**module);
+    auto file = folder.empty() ? nullptr : std::make_unique<sim::EepromFile>(io, **module, path);
+    memories.push_back({*module, std::move(file), (*module)->eeprom().writes()});
+  }
+  return true;
+}
+
+void tell_of_wear(const Memories& memories) {
+  for (const auto& memory : memories) {
+    const auto writes = memory.module->eeprom().writes();
+    if (writes == memory.writes_before) continue;
+    std::cout << name_of(*memory.module)
+              << ", writes to its EEPROM: " << writes - memory.writes_before;
+    if (memory.file) std::cout << ", in its life: " << writes;
+    std::cout << '\n';
   }
 }
 
@@ -73,12 +136,14 @@ int run(const tmclsim::Options& options) {
   sim::Bench bench(clock);
   sim::Scheduler scheduler(io, bench);
   Ports ports;
-  add_modules(bench, options.modules);
+  Memories memories;
+  if (!add_modules(io, bench, options, memories)) return exit_failed;
   if (!open_ports(io, scheduler, options, ports)) return exit_failed;
   tmclsim::ConsoleInput console(io, scheduler);
   if (options.console) console.listen();
   std::cout << "ready" << std::endl;
   io.run();
+  tell_of_wear(memories);
   return 0;
 }
 

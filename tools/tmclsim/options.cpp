@@ -10,8 +10,9 @@
 namespace tmclsim {
 namespace {
 
-constexpr auto known_options = std::to_array<std::string_view>(
-    {"--module", "--bench", "--pty", "--can", "--tcp", "--console", "--help", "--version"});
+constexpr auto known_options =
+    std::to_array<std::string_view>({"--module", "--bench", "--pty", "--can", "--tcp", "--eeprom",
+                                     "--console", "--help", "--version"});
 
 constexpr auto description =
     "Simulates TMCL modules: what talks to a module on a wire can talk to this instead.\n"
@@ -58,9 +59,14 @@ With --console, each line on standard input is answered with "ok" or "error: ...
     slip 1/0 200         shift its encoder by so many counts
     press 1/0 right      hold a switch with a finger: left, right or home
     release 1/0 right
+    input 1 0 1          digital input 0 of module 1 is high
+    analog 1 0 512       its analogue input 0 reads so much; 8: supply in 0.1 V, 9: temperature
+With --eeprom, what modules store (STAP, SGP, programs, coordinates) is in a file for each, such as
+DIR/TMCM-1110@1.eeprom, and is there again next time. The name is that of the command line; a module
+whose address was changed has the new one.
 
 When all is set up it prints a line for each module and each port, and then "ready".
-Exit status: 0 ended as asked, 1 a port could not be opened, 2 the command line is wrong.)";
+Exit status: 0 ended as asked, 1 a port or file could not be opened, 2 the command line is wrong.)";
 
 EarlyExit wrong(const std::string& sentence) {
   return {2, "tmclsim: " + sentence + "\nSee tmclsim --help.\n"};
@@ -102,8 +108,11 @@ void describe(CLI::App& app, Words& words) {
              "Serve them on a CAN interface of Linux, such as vcan0");
   repeatable("--tcp", words.tcp, "HOST:PORT",
              "Serve them to TCP clients; port 0 takes any that is free");
+  app.add_option("--eeprom", words.options.eeprom_folder,
+                 "Remember what the modules store, in a file for each in this folder")
+      ->type_name("DIR");
   app.add_flag("--console", words.options.console,
-               "Take commands on standard input: loads, switches (see below)");
+               "Take commands on standard input: loads, switches, inputs (see below)");
 }
 
 // The modules of the file, then those of the command line.

@@ -17,6 +17,7 @@ struct Options {
   std::vector<std::string> can_interfaces;
   std::vector<tmcl::sim::Endpoint> tcp_endpoints;
   bool console = false;
+  std::string eeprom_folder;  ///< Empty if modules forget everything at the end.
 };
 
 /// What to say instead of running.
