@@ -15,7 +15,7 @@ TEST_F(SimSystem, TellsOfItself) {
   EXPECT_EQ(info(2), 3);
   EXPECT_EQ(info(3), 0);
   EXPECT_EQ(info(10), 6212);
-  EXPECT_EQ(info(11), 0x00010000);
+  EXPECT_EQ(info(11), 0x00010001);
   EXPECT_EQ(info(20), 8);
   EXPECT_EQ(info(21), 8);
   EXPECT_EQ(status_of(Command::GET_INFO, 30, 0), Status::ok);
