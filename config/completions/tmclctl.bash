@@ -45,6 +45,9 @@ _tmclctl() {
       mapfile -t COMPREPLY < <(compgen -W "serial:/dev/ can: tcp:" -- "$current")
       compopt -o nospace
       return ;;
+    --model)
+      mapfile -t COMPREPLY < <(compgen -W "$(_tmclctl_words models)" -- "$current")
+      return ;;
     --generator)
       mapfile -t COMPREPLY < <(compgen -W "$(_tmclctl_words generators)" -- "$current")
       return ;;

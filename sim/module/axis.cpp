@@ -18,7 +18,7 @@ bool in_range(const ParameterInfo& row, std::int32_t value) {
 Axis::Axis(const Model& model, Stage& stage, TimePoint power_on)
     : family_(model.family),
       table_(axis_parameters(model)),
-      motor_(make_motor(model.family, power_on)),
+      motor_(make_motor(model, power_on)),
       coupling_(*motor_, stage),
       power_on_(power_on),
       now_(power_on),

@@ -115,9 +115,12 @@ std::int32_t Axis::current_scale() const {
       return values_[accelerates ? number::boost_current : number::max_current];
     }
     const bool at_end = switches_.left || switches_.right;
-    if (at_end && values_[number::end_switch_power_down] == 1) return 0;
-    // On the sixPoint modules this number is a mode, not a delay.
-    const bool freewheels = family_ == Family::tmc429 && values_[number::freewheeling_delay] != 0;
+    // These numbers are something else on other families.
+    const bool powers_down =
+        family_ == Family::tmc429 && values_[number::end_switch_power_down] == 1;
+    if (at_end && powers_down) return 0;
+    const bool has_delay = family_ == Family::tmc429 || family_ == Family::firmware;
+    const bool freewheels = has_delay && values_[number::freewheeling_delay] != 0;
     if (freewheels && stands >= delay(number::freewheeling_delay)) return 0;
     const bool down = stands >= delay(number::power_down_delay);
     return values_[down ? number::standby_current : number::max_current];

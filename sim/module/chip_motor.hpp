@@ -111,7 +111,8 @@ std::optional<std::int32_t> ChipMotor<Chip>::read(const ParameterInfo& row) cons
 template <ramp::Travelling Chip>
 Status ChipMotor<Chip>::write(const ParameterInfo& row, std::int32_t value) {
   const auto* mapped = find(row.number);
-  return mapped == nullptr ? Status::ok : write_register(mapped->name, row.scale, value);
+  if (mapped != nullptr) return write_register(mapped->name, row.scale, value);
+  return units_.accepts(row, value) ? Status::ok : Status::invalid_value;
 }
 
 }  // namespace tmcl::sim

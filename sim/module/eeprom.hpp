@@ -17,8 +17,6 @@
 
 namespace tmcl::sim {
 
-/// User variables 0 to 55 of bank 2 can be kept; the others are RAM.
-constexpr std::size_t kept_user_variables = 56;
 /// Number 0 of each motor is RAM only.
 constexpr std::size_t coordinates_per_motor = 21;
 

@@ -2,7 +2,6 @@
 
 #include <limits>
 
-#include "sim/module/io.hpp"
 #include "tmcl/parameter.hpp"
 
 namespace tmcl::sim {
@@ -18,21 +17,9 @@ constexpr std::uint8_t random_number = 133;
 constexpr std::int32_t code_to_lock = 1234;
 constexpr std::int32_t code_to_unlock = 4321;
 
-constexpr std::int32_t least = std::numeric_limits<std::int32_t>::min();
-constexpr std::int32_t greatest = std::numeric_limits<std::int32_t>::max();
-
-// Bank 3: periods of the timers in ms, and on which edge (none, rising, falling, both) the other
-// interrupts come.
-constexpr int timers = 3;
-constexpr int first_stop_switch = 27;
-constexpr int first_input = 39;
-constexpr std::int32_t both_edges = 3;
-
 EepromCell cell(std::uint8_t bank, std::uint8_t number) {
   return {EepromCell::Area::global_parameter, bank, number};
 }
-
-bool lies_in(int number, int first, int count) { return number >= first && number < first + count; }
 
 }  // namespace
 
@@ -61,7 +48,7 @@ void Globals::load_addresses() {
   load_or(gp::can_reply_id, 2);
 }
 
-void Globals::load(std::uint8_t bank, std::uint8_t number, const Row& row) {
+void Globals::load(std::uint8_t bank, std::uint8_t number, const GlobalRange& row) {
   const auto kept = row.stored ? eeprom_->read(cell(bank, number)) : std::nullopt;
   values_of(bank)[number] = kept.value_or(row.initial);
 }
@@ -75,27 +62,12 @@ Globals::Values& Globals::values_of(std::uint8_t bank) {
   return bank == interrupt_bank ? interrupts_ : values_;
 }
 
-tl::expected<Globals::Row, Status> Globals::find(std::uint8_t bank, std::uint8_t number) const {
-  if (bank == variable_bank) return Row{true, number < kept_user_variables, least, greatest, 0};
-  const auto row = bank == interrupt_bank ? find_interrupt_row(number) : find_parameter_row(number);
-  if (!row) return tl::unexpected(Status::wrong_type);
-  const bool known_bank = bank == interrupt_bank || bank == parameter_bank;
-  if (!known_bank) return tl::unexpected(Status::invalid_value);
-  return *row;
-}
-
-std::optional<Globals::Row> Globals::find_parameter_row(std::uint8_t number) const {
-  const auto* row = find_parameter(global_parameters(*model_), number);
-  if (row == nullptr) return std::nullopt;
-  return Row{row->access == Access::read_write, row->stored, row->minimum, row->maximum,
-             row->initial};
-}
-
-std::optional<Globals::Row> Globals::find_interrupt_row(std::uint8_t number) const {
-  if (lies_in(number, 0, timers)) return Row{true, true, 0, greatest, 0};
-  const bool has_edge = lies_in(number, first_stop_switch, 2 * model_->axes) ||
-                        lies_in(number, first_input, io_ports(*model_).inputs);
-  return has_edge ? std::optional(Row{true, true, 0, both_edges, 0}) : std::nullopt;
+// An unknown bank is told from an unknown number by what bank 0 has.
+tl::expected<GlobalRange, Status> Globals::find(std::uint8_t bank, std::uint8_t number) const {
+  if (const auto range = global_range(*model_, bank, number)) return *range;
+  const bool known_bank = bank == parameter_bank || bank == interrupt_bank;
+  const bool known_number = global_range(*model_, parameter_bank, number).has_value();
+  return tl::unexpected(!known_bank && known_number ? Status::invalid_value : Status::wrong_type);
 }
 
 tl::expected<std::int32_t, Status> Globals::get(std::uint8_t bank, std::uint8_t number,
@@ -110,7 +82,7 @@ tl::expected<std::int32_t, Status> Globals::get(std::uint8_t bank, std::uint8_t 
 Status Globals::set(std::uint8_t bank, std::uint8_t number, std::int32_t value, TimePoint now) {
   const auto row = find(bank, number);
   if (!row) return row.error();
-  if (!row->writable) return Status::wrong_type;
+  if (row->access == Access::read) return Status::wrong_type;
   const bool of_module = bank == parameter_bank;
   if (of_module && number == eeprom_lock) return lock(value);
   if (value < row->minimum || value > row->maximum) return Status::invalid_value;
@@ -157,7 +129,8 @@ std::int32_t Globals::tick_timer(TimePoint now) const {
 }
 
 std::int32_t Globals::next_random_number() {
-  return std::uniform_int_distribution<std::int32_t>(0, greatest)(random_);
+  return std::uniform_int_distribution<std::int32_t>(
+      0, std::numeric_limits<std::int32_t>::max())(random_);
 }
 
 }  // namespace tmcl::sim

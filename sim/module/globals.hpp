@@ -13,6 +13,7 @@
 #include "tmcl/clock.hpp"
 #include "tmcl/datagram.hpp"
 #include "tmcl/model.hpp"
+#include "tmcl/parameter.hpp"
 #include "tmcl/status.hpp"
 
 namespace tmcl::sim {
@@ -25,9 +26,9 @@ namespace tmcl::sim {
 /// for the next start, and the reply still carries the old ones.
 class Globals {
  public:
-  static constexpr std::uint8_t parameter_bank = 0;
-  static constexpr std::uint8_t variable_bank = 2;
-  static constexpr std::uint8_t interrupt_bank = 3;
+  static constexpr std::uint8_t parameter_bank = global_bank::parameters;
+  static constexpr std::uint8_t variable_bank = global_bank::user_variables;
+  static constexpr std::uint8_t interrupt_bank = global_bank::interrupts;
 
   /// As they are after a start at this time. The model and the EEPROM must outlive them.
   Globals(const Model& model, Eeprom& eeprom, TimePoint start);
@@ -63,22 +64,11 @@ class Globals {
 
  private:
   using Values = std::array<std::int32_t, 256>;
-  /// What the tables say about a number of any bank.
-  struct Row {
-    bool writable;
-    bool stored;
-    std::int32_t minimum;
-    std::int32_t maximum;
-    std::int32_t initial;
-  };
-
-  tl::expected<Row, Status> find(std::uint8_t bank, std::uint8_t number) const;
-  std::optional<Row> find_parameter_row(std::uint8_t number) const;
-  std::optional<Row> find_interrupt_row(std::uint8_t number) const;
+  tl::expected<GlobalRange, Status> find(std::uint8_t bank, std::uint8_t number) const;
   Values& values_of(std::uint8_t bank);
 
   void load_addresses();
-  void load(std::uint8_t bank, std::uint8_t number, const Row& row);
+  void load(std::uint8_t bank, std::uint8_t number, const GlobalRange& row);
   void keep(std::uint8_t bank, std::uint8_t number);
   Status lock(std::int32_t code);
 

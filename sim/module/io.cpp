@@ -2,8 +2,6 @@
 
 namespace tmcl::sim {
 
-IoPorts io_ports(const Model& /*model*/) { return {4, 4, 8}; }
-
 void Io::reset() {
   outputs_ = 0;
   pull_ups_ = false;
@@ -20,7 +18,7 @@ tl::expected<std::int32_t, Status> Io::get(std::uint8_t bank, std::uint8_t port)
 
 tl::expected<std::int32_t, Status> Io::get_input(std::uint8_t port) const {
   if (port == all_ports) return static_cast<std::int32_t>(all_inputs());
-  if (port >= ports_.inputs) return tl::unexpected(Status::wrong_type);
+  if (port >= ports_.digital_inputs) return tl::unexpected(Status::wrong_type);
   return input(port) ? 1 : 0;
 }
 
@@ -42,7 +40,8 @@ std::uint32_t Io::all_inputs() const {
 }
 
 bool Io::has_analog(std::uint8_t port) const {
-  return port < ports_.analog_inputs || port == supply_voltage_port || port == temperature_port;
+  if (port == supply_voltage_port || port == temperature_port) return true;
+  return port < most_ports && (ports_.analog_inputs >> port & 1) != 0;
 }
 
 Status Io::set(std::uint8_t bank, std::uint8_t port, std::int32_t value) {
@@ -71,7 +70,7 @@ Status Io::set_output(std::uint8_t port, std::int32_t value) {
 }
 
 bool Io::set_input(std::uint8_t port, bool high) {
-  if (port >= ports_.inputs) return false;
+  if (port >= ports_.digital_inputs) return false;
   driven_[port] = high;
   return true;
 }

@@ -13,15 +13,7 @@
 
 namespace tmcl::sim {
 
-/// How many there are; ports count from 0.
-struct IoPorts {
-  std::uint8_t inputs;
-  std::uint8_t analog_inputs;
-  std::uint8_t outputs;
-};
 constexpr std::size_t most_ports = 16;  ///< Of each kind.
-
-IoPorts io_ports(const Model& model);
 
 class Io {
  public:
@@ -37,7 +29,7 @@ class Io {
 
   static constexpr std::int32_t greatest_analog = 65535;
 
-  explicit Io(const Model& model) : ports_(io_ports(model)) {}
+  explicit Io(const Model& model) : ports_(model.ports) {}
 
   /// As after power-on. What the world outside does to the inputs stays.
   void reset();
@@ -54,7 +46,7 @@ class Io {
   /// Likewise. Values are what the converter reads, 0..65535, or those of the two special ports.
   bool set_analog(std::uint8_t port, std::int32_t value);
 
-  std::size_t inputs() const { return ports_.inputs; }
+  std::size_t inputs() const { return ports_.digital_inputs; }
   bool input(std::size_t port) const { return driven_.at(port).value_or(pull_ups_); }
   /// Bit n for port n.
   std::uint32_t outputs() const { return outputs_; }
@@ -70,7 +62,7 @@ class Io {
   Status set_pull_ups(std::uint8_t port, std::int32_t value);
   Status set_output(std::uint8_t port, std::int32_t value);
 
-  IoPorts ports_;
+  Ports ports_;
   bool pull_ups_ = false;
   std::uint32_t outputs_ = 0;
   std::array<std::optional<bool>, most_ports> driven_{};

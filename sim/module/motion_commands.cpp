@@ -15,7 +15,7 @@ constexpr std::uint8_t search_status = 2;
 
 // The newer firmware tells where a relative movement goes.
 bool answers_with_target(Family family) {
-  return family == Family::sixpoint || family == Family::tmc4361;
+  return family == Family::sixpoint || family == Family::tmc4361 || family == Family::firmware;
 }
 
 }  // namespace

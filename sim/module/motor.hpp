@@ -86,6 +86,6 @@ inline std::int64_t way_between(std::int32_t from, std::int32_t to, int position
   return static_cast<std::int64_t>(raw << spare) >> spare;
 }
 
-std::unique_ptr<Motor> make_motor(Family family, TimePoint power_on);
+std::unique_ptr<Motor> make_motor(const Model& model, TimePoint power_on);
 
 }  // namespace tmcl::sim

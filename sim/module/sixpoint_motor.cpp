@@ -21,18 +21,21 @@ constexpr std::uint8_t unit_mode = 255;
 using R = ramp::SixPoint::Register;
 using Mode = ramp::SixPoint::Mode;
 
+// What most modules call the disabling of a switch is its enabling on others.
+bool lets_stop(const ParameterInfo& row, std::int32_t value) {
+  return row.name.ends_with("_disable") == (value == 0);
+}
+
 }  // namespace
 
-SixPointMotor::SixPointMotor(Family family, TimePoint power_on)
-    : ChipMotor(power_on, mapped(family),
-                {sixpoint_velocity_unit, sixpoint_acceleration_unit, true}),
-      family_(family) {
+SixPointMotor::SixPointMotor(TimePoint power_on)
+    : ChipMotor(power_on, mapped(), {sixpoint_velocity_unit, sixpoint_acceleration_unit, true}) {
   // The position is latched whenever a switch becomes active.
   set_switch_mode(ramp::SixPoint::latch_l_active | ramp::SixPoint::latch_r_active, true);
 }
 
-std::span<const SixPointMotor::Mapped> SixPointMotor::mapped(Family family) {
-  static constexpr std::array<Mapped, 10> sixpoint{{
+std::span<const SixPointMotor::Mapped> SixPointMotor::mapped() {
+  static constexpr std::array<Mapped, 10> all{{
       {ap::target_position, R::xtarget},
       {ap::actual_position, R::xactual},
       {ap::max_acceleration, R::amax},
@@ -44,21 +47,7 @@ std::span<const SixPointMotor::Mapped> SixPointMotor::mapped(Family family) {
       {20, R::vstop},
       {21, R::tzerowait},
   }};
-  // Below the break velocity a TMC4361 has a start acceleration and a final deceleration, as this
-  // chip has A1 and D1 below V1. Bows have no effect here.
-  static constexpr std::array<Mapped, 9> tmc4361{{
-      {ap::target_position, R::xtarget},
-      {ap::actual_position, R::xactual},
-      {ap::max_acceleration, R::amax},
-      {15, R::vstart},
-      {16, R::a1},
-      {17, R::dmax},
-      {18, R::v1},
-      {19, R::d1},
-      {20, R::vstop},
-  }};
-  if (family == Family::tmc4361) return tmc4361;
-  return sixpoint;
+  return all;
 }
 
 std::optional<std::int32_t> SixPointMotor::read(const ParameterInfo& row) const {
@@ -78,16 +67,14 @@ Status SixPointMotor::write(const ParameterInfo& row, std::int32_t value) {
     case ap::max_velocity: return set_max_velocity(row.scale, value);
     case relative_positioning_option: relative_to_actual_ = value == 1; return Status::ok;
     case number::right_switch_disable:
-      set_switch_mode(ramp::SixPoint::stop_r_enable, value == 0);
+      set_switch_mode(ramp::SixPoint::stop_r_enable, lets_stop(row, value));
       return Status::ok;
     case number::left_switch_disable:
-      set_switch_mode(ramp::SixPoint::stop_l_enable, value == 0);
+      set_switch_mode(ramp::SixPoint::stop_l_enable, lets_stop(row, value));
       return Status::ok;
     case unit_mode: units().set(value == 1); return Status::ok;
-    default: break;
+    default: wire_switches(row.number, value == 1); return ChipMotor::write(row, value);
   }
-  if (family_ == Family::sixpoint) wire_switches(row.number, value == 1);
-  return ChipMotor::write(row, value);
 }
 
 void SixPointMotor::wire_switches(std::uint8_t number, bool on) {

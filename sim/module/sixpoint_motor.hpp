@@ -1,4 +1,4 @@
-/// A motor of a module with a TMC5130 or one of its relatives, or with a TMC4361.
+/// A motor of a module with a TMC5130 or one of its relatives.
 #pragma once
 
 #include "sim/module/chip_motor.hpp"
@@ -9,10 +9,9 @@ namespace tmcl::sim {
 /// What the firmware does with the chip; behaviour read in the vendor's open firmware of the
 /// TMC5130-HBS-KIT. The chip has no signed target velocity: to turn, the firmware writes VMAX and
 /// the direction, and with the next positioning VMAX is again what parameter 4 says.
-class SixPointMotor final : public ChipMotor<ramp::SixPoint> {
+class SixPointMotor : public ChipMotor<ramp::SixPoint> {
  public:
-  /// The family says by which numbers the registers go.
-  SixPointMotor(Family family, TimePoint power_on);
+  explicit SixPointMotor(TimePoint power_on);
 
   std::optional<std::int32_t> read(const ParameterInfo& row) const override;
   Status write(const ParameterInfo& row, std::int32_t value) override;
@@ -31,18 +30,20 @@ class SixPointMotor final : public ChipMotor<ramp::SixPoint> {
   void halt() override;
   void set_position(std::int32_t position) override;
 
+ protected:
+  SwitchWiring& wiring_to_set() { return wiring_; }
+  void set_switch_mode(std::int32_t bits, bool on);
+
  private:
-  static std::span<const Mapped> mapped(Family family);
+  static std::span<const Mapped> mapped();
   void set_mode(ramp::SixPoint::Mode mode);
   Status set_max_velocity(Scale scale, std::int32_t value);
   std::int32_t target_velocity(Scale scale) const;
   void wire_switches(std::uint8_t number, bool on);
-  void set_switch_mode(std::int32_t bits, bool on);
 
   std::int64_t max_velocity_ = 0;  // what VMAX is while positioning
   bool relative_to_actual_ = false;
   SwitchWiring wiring_;
-  Family family_;
 };
 
 }  // namespace tmcl::sim

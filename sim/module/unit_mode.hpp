@@ -19,7 +19,7 @@ class UnitMode {
   /// For chips whose modules have no such parameter.
   UnitMode() = default;
   UnitMode(RegisterUnit velocity, RegisterUnit acceleration, bool pps)
-      : velocity_(velocity), acceleration_(acceleration), pps_(pps) {}
+      : velocity_(velocity), acceleration_(acceleration), starts_in_pps_(pps), pps_(pps) {}
 
   /// Registers keep their values.
   void set(bool pps) { pps_ = pps; }
@@ -38,6 +38,20 @@ class UnitMode {
     if (value > range.maximum * unit.numerator / unit.denominator) return std::nullopt;
     return value * unit.denominator / unit.numerator;
   }
+  /// The greatest value that a register takes, in the unit of the moment.
+  std::int64_t greatest(Scale scale, const ramp::RegisterInfo& range) const {
+    const auto unit = unit_of(scale);
+    return range.maximum * unit.numerator / unit.denominator;
+  }
+  /// Whether a value is in the row's range, which counts in the unit that the module starts with.
+  bool accepts(const ParameterInfo& row, std::int64_t value) const {
+    if (row.scale != Scale::fixed && pps_ != starts_in_pps_) {
+      const auto unit = row.scale == Scale::velocity ? velocity_ : acceleration_;
+      value = pps_ ? value * unit.denominator / unit.numerator
+                   : value * unit.numerator / unit.denominator;
+    }
+    return value >= row.minimum && value <= row.maximum;
+  }
 
  private:
   RegisterUnit unit_of(Scale scale) const {
@@ -47,6 +61,7 @@ class UnitMode {
 
   RegisterUnit velocity_{1, 1};
   RegisterUnit acceleration_{1, 1};
+  bool starts_in_pps_ = false;
   bool pps_ = false;
 };
 

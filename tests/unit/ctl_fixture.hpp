@@ -73,9 +73,9 @@ class FakeTarget : public Target {
   }
   Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) override {
     if (failure) return tl::unexpected(*failure);
+    if (parameter == "ramp_mode") return ParameterValue{138, parameter, stopped_now() ? 2 : 0};
     const auto name = parse_parameter(common_parameters(), parameter);
     if (!name) return tl::unexpected(name.error());
-    if (name->number == 138) return ParameterValue{138, "ramp_mode", stopped_now() ? 2 : 0};
     calls.push_back("get " + axis + ' ' + name->name);
     if (values.contains(parameter))
       return ParameterValue{name->number, name->name, values[parameter]};

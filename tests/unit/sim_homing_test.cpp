@@ -4,6 +4,8 @@
 #include <gmock/gmock.h>
 
 #include <array>
+#include <ostream>
+#include <string>
 
 #include "sim_fixture.hpp"
 
@@ -154,6 +156,92 @@ TEST_F(SimHoming, DoesTheSameOnEveryFamily) {
     EXPECT_EQ(module.axis(0).get(ap::actual_position), 0);
     EXPECT_NEAR(static_cast<double>(module.stage(0).position()), -30'000, 1);
   }
+}
+
+// What a search on the same stage leaves: where zero is, and how far the ends are apart.
+struct Search {
+  std::int32_t mode;
+  double zero;
+  std::int32_t distance;
+};
+void PrintTo(const Search& search, std::ostream* out) { *out << "mode " << search.mode; }
+
+class SimHomingModes : public SimHoming, public testing::WithParamInterface<Search> {};
+
+// A tolerance of 40 makes 20 between a reference from one side and one from both.
+TEST_P(SimHomingModes, EndAtTheirReference) {
+  const auto& search = GetParam();
+  add(1110, StageSettings{.position = 500,
+                          .left_switch = -30'000,
+                          .right_switch = 50'000,
+                          .home = Interval{10'000, 11'000},
+                          .switch_tolerance = 40});
+  ask(Command::MST, 0, 0);
+  ask(Command::SAP, ap::actual_position, 0, 7'000);
+  EXPECT_EQ(status_of(Command::SAP, 193, 0, search.mode), Status::ok);
+  ask(Command::SAP, 194, 0, 300);
+  ask(Command::SAP, 195, 0, 20);
+  begin();
+  pass(seconds(60));
+  EXPECT_EQ(step(), 0);
+  EXPECT_EQ(get(ap::actual_position), 0);
+  EXPECT_EQ(get(ap::actual_velocity), 0);
+  EXPECT_NEAR(static_cast<double>(place()), search.zero, 1);
+  EXPECT_NEAR(get(197), search.zero + 6'500, 1);
+  EXPECT_NEAR(get(196), search.distance, 2);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, SimHomingModes,
+                         testing::Values(Search{1, -30'000, 0}, Search{2, -30'000, 80'000},
+                                         Search{3, -29'980, 79'980}, Search{4, -29'980, 0},
+                                         Search{65, 50'000, 0}, Search{66, 50'000, 80'000},
+                                         Search{67, 49'980, 79'980}, Search{68, 49'980, 0},
+                                         Search{5, 11'000, 0}, Search{6, 10'000, 0},
+                                         Search{7, 10'000, 0}, Search{5 + 128, 9'959, 0}),
+                         [](const auto& test) { return std::to_string(test.param.mode); });
+
+TEST_F(SimHoming, IgnoresEndSwitchesWhereTheModeSaysSo) {
+  add(1110, StageSettings{.right_switch = 5'000, .home = Interval{10'000, 11'000}});
+  ask(Command::SAP, 193, 0, 7);
+  begin();
+  pass(seconds(60));
+  EXPECT_EQ(step(), 0);
+  EXPECT_NEAR(static_cast<double>(place()), 10'000, 1);
+  // From now on they bar the way again.
+  ask(Command::ROR, 0, 0, 100);
+  pass(seconds(5));
+  EXPECT_NEAR(static_cast<double>(place()), 10'000, 1);
+}
+
+TEST_F(SimHoming, TakesItsSpeedsFromTheParameters) {
+  add(1110);
+  ask(Command::SAP, 194, 0, 123);
+  begin();
+  pass(seconds(1));
+  EXPECT_EQ(get(ap::actual_velocity), -123);
+}
+
+TEST_F(SimHoming, SetsTheEncoderToZeroAsWell) {
+  add(3110, StageSettings{.left_switch = -30'000, .encoder = EncoderSettings{1024, false}});
+  ask(Command::SAP, 212, 0, 2'000);
+  begin();
+  pass(seconds(60));
+  EXPECT_EQ(step(), 0);
+  EXPECT_EQ(get(209), 0);
+  EXPECT_EQ(get(207), 0);
+}
+
+TEST_F(SimHoming, TheStageStaysWhereItIsWhenTheModuleRestarts) {
+  add(1110, StageSettings{.left_switch = -30'000});
+  ask(Command::MVP, 0, 0, 9'000);
+  pass(seconds(5));
+  ask(Command::SOFTWARE_RESET, 0, 0, 1234);
+  pass(seconds(5));
+  EXPECT_EQ(get(ap::actual_position), 0);
+  EXPECT_EQ(place(), 9'000);
+  begin();
+  pass(seconds(60));
+  EXPECT_EQ(place(), -30'000);
 }
 
 TEST_F(SimHoming, LooksForASwitchThatIsNotThereUntilItIsStopped) {

@@ -7,8 +7,9 @@
 namespace tmclctl {
 namespace {
 
-// Axis parameter 138 of every module with a TMC429: 2 after a stop and while turning by velocity.
-constexpr const char* ramp_mode = "138";
+// By name: only where there is a parameter of this name, 2 is the mode after a stop and while
+// turning by velocity.
+constexpr const char* ramp_mode = "ramp_mode";
 constexpr std::int32_t velocity_mode = 2;
 constexpr tmcl::Duration mode_interval = std::chrono::milliseconds(500);
 

@@ -54,6 +54,14 @@ One row for each module that answers. Takes some seconds on a slow serial line.
   tmclctl --direct can:can0 scan --addresses 1-20
 )";
 
+constexpr const char* params = R"(
+An axis has the parameters of its module's model; without a module, --model lists those of any.
+
+  tmclctl params x --values
+  tmclctl params --model TMCM-1276
+  tmclctl params --model TMCM-1276 --globals
+)";
+
 constexpr const char* get = R"(
 Prints one bare value, so that a script needs no parsing:
 

@@ -20,10 +20,14 @@ struct Scan {
 };
 struct Modules {};
 struct Axes {};
+/// Of an axis, or of a model that need not be there.
 struct Params {
   std::string axis;
   bool values = false;
+  std::string model;
+  bool globals = false;
 };
+struct Models {};
 struct Get {
   std::string axis;
   std::string parameter;
@@ -135,11 +139,11 @@ struct Complete {
 
 }  // namespace verb
 
-using Verb = std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Get, verb::Set,
-                          verb::Move, verb::Rotate, verb::Stop, verb::State, verb::Watch,
-                          verb::Plot, verb::Raw, verb::Simulate, verb::Assemble, verb::Disassemble,
-                          verb::FirmwareInfo, verb::CheckFirmware, verb::UploadFirmware, verb::Ramp,
-                          verb::Convert, verb::Complete>;
+using Verb = std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models,
+                          verb::Get, verb::Set, verb::Move, verb::Rotate, verb::Stop, verb::State,
+                          verb::Watch, verb::Plot, verb::Raw, verb::Simulate, verb::Assemble,
+                          verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware,
+                          verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Complete>;
 
 struct Options {
   Where where;

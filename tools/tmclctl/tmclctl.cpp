@@ -49,7 +49,7 @@ template <class V>
 constexpr bool needs_no_target =
     std::is_same_v<V, verb::Simulate> || std::is_same_v<V, verb::Assemble> ||
     std::is_same_v<V, verb::Disassemble> || std::is_same_v<V, verb::FirmwareInfo> ||
-    std::is_same_v<V, verb::Convert>;
+    std::is_same_v<V, verb::Convert> || std::is_same_v<V, verb::Models>;
 
 /// `ready` stands for the target that the command line names, if it is there already.
 template <class V>
@@ -68,6 +68,8 @@ VerbResult run_on_target(const V& verb, const Where& where, Output& output, Pati
 
 VerbResult run(const Options& options, Output& output, Patience& patience, Target* ready) {
   if (waits(options.verb)) patience.catch_signals();
+  const auto* params = std::get_if<verb::Params>(&options.verb);
+  if (params != nullptr && !params->model.empty()) return run_on_model(*params, output);
   return std::visit(
       [&]<class V>(const V& verb) {
         if constexpr (needs_no_target<V>) {

@@ -36,6 +36,7 @@ struct ParameterInfo {
   std::string_view meaning;
   std::string_view chip_register = {};  ///< Where its value ends up; empty if in no one register.
   Scale scale = Scale::fixed;
+  bool operator==(const ParameterInfo&) const = default;
 };
 
 /// Numbers the library itself uses. The same on every family of modules.
@@ -70,6 +71,32 @@ constexpr std::uint8_t serial_secondary_address = 87;
 std::span<const ParameterInfo> axis_parameters(const Model& model);
 /// The global parameters of bank 0, likewise.
 std::span<const ParameterInfo> global_parameters(const Model& model);
+
+/// Bank 0 of the global parameters belongs to the module, bank 2 are the user variables of
+/// stand-alone programs, and bank 3 says what their interrupts listen to. Bank 1 is for special
+/// firmware, and empty.
+namespace global_bank {
+constexpr std::uint8_t parameters = 0;
+constexpr std::uint8_t user_variables = 2;
+constexpr std::uint8_t interrupts = 3;
+}  // namespace global_bank
+
+/// How many of the user variables can be kept in the EEPROM, beginning with 0.
+constexpr std::uint8_t kept_user_variables = 56;
+
+/// What a global parameter of any bank takes.
+struct GlobalRange {
+  Access access;
+  bool stored;  ///< Can be kept in the EEPROM.
+  std::int32_t minimum;
+  std::int32_t maximum;
+  std::int32_t initial;  ///< Factory default.
+  bool operator==(const GlobalRange&) const = default;
+};
+/// Nothing for a bank or a number that the model does not have. In bank 3, 0 to 2 are the periods
+/// of the timers in ms; from 27 the stop switches, left and right of each motor in turn, and from
+/// 39 the inputs: the edge that counts, 0 none, 1 rising, 2 falling, 3 both.
+std::optional<GlobalRange> global_range(const Model& model, std::uint8_t bank, std::uint8_t number);
 
 /// Null if the table has no such number or name. Names compare without regard to case, '_' and '-',
 /// so that "MaxVelocity", "max_velocity" and "max-velocity" are one.

@@ -120,7 +120,8 @@ std::optional<ModuleUnits> module_units(const Model& model, std::span<const std:
       return values.empty() || values[0] == 1
                  ? in_pps
                  : units_of(sixpoint_velocity_unit, sixpoint_acceleration_unit);
-    case Family::tmc4361: return in_pps;
+    case Family::tmc4361:
+    case Family::firmware: return in_pps;
   }
   return std::nullopt;
 }

@@ -7,6 +7,17 @@
 
 namespace tmcl {
 
+std::string_view name_of(Family family) {
+  switch (family) {
+    case Family::tmc429: return "TMC429";
+    case Family::tmc457: return "TMC457";
+    case Family::sixpoint: return "sixPoint";
+    case Family::tmc4361: return "TMC4361";
+    case Family::firmware: return "firmware";
+  }
+  return "";
+}
+
 std::span<const Model> models() { return all_models; }
 
 const Model* find_model(std::uint16_t number) {

@@ -1,6 +1,7 @@
 #include "tmcl/parameter.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <vector>
 
 #include "core/parameter_row.hpp"
@@ -25,6 +26,7 @@ std::span<const ParameterRow> axis_rows(Family family) {
     case Family::tmc457: return tmc457_axis_rows();
     case Family::sixpoint: return sixpoint_axis_rows();
     case Family::tmc4361: return tmc4361_axis_rows();
+    case Family::firmware: return firmware_axis_rows();
   }
   return {};
 }
@@ -51,6 +53,33 @@ std::span<const ParameterInfo> table_of(const Model& model, const Tables& tables
   return tables[static_cast<std::size_t>(row - all_models.data())];
 }
 
+// Bank 3.
+constexpr int timers = 3;
+constexpr int first_stop_switch = 27;
+constexpr int first_input = 39;
+
+constexpr std::int32_t least = std::numeric_limits<std::int32_t>::min();
+constexpr std::int32_t greatest = std::numeric_limits<std::int32_t>::max();
+
+constexpr bool lies_in(int number, int first, int count) {
+  return number >= first && number < first + count;
+}
+
+std::optional<GlobalRange> interrupt_range(const Model& model, std::uint8_t number) {
+  constexpr GlobalRange period{Access::read_write, true, 0, greatest, 0};
+  constexpr GlobalRange edge{Access::read_write, true, 0, 3, 0};
+  if (lies_in(number, 0, timers)) return period;
+  const bool has_edge = lies_in(number, first_stop_switch, 2 * model.axes) ||
+                        lies_in(number, first_input, model.ports.digital_inputs);
+  return has_edge ? std::optional(edge) : std::nullopt;
+}
+
+std::optional<GlobalRange> parameter_range(const Model& model, std::uint8_t number) {
+  const auto* row = find_parameter(global_parameters(model), number);
+  if (row == nullptr) return std::nullopt;
+  return GlobalRange{row->access, row->stored, row->minimum, row->maximum, row->initial};
+}
+
 }  // namespace
 
 std::span<const ParameterInfo> axis_parameters(const Model& model) {
@@ -61,6 +90,17 @@ std::span<const ParameterInfo> axis_parameters(const Model& model) {
 std::span<const ParameterInfo> global_parameters(const Model& model) {
   static const auto tables = make_global_tables();
   return table_of(model, tables);
+}
+
+std::optional<GlobalRange> global_range(const Model& model, std::uint8_t bank,
+                                        std::uint8_t number) {
+  switch (bank) {
+    case global_bank::parameters: return parameter_range(model, number);
+    case global_bank::user_variables:
+      return GlobalRange{Access::read_write, number < kept_user_variables, least, greatest, 0};
+    case global_bank::interrupts: return interrupt_range(model, number);
+    default: return std::nullopt;
+  }
 }
 
 const ParameterInfo* find_parameter(std::span<const ParameterInfo> table, std::uint8_t number) {

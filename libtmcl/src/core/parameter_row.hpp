@@ -61,6 +61,7 @@ std::span<const ParameterRow> tmc429_axis_rows();
 std::span<const ParameterRow> tmc457_axis_rows();
 std::span<const ParameterRow> sixpoint_axis_rows();
 std::span<const ParameterRow> tmc4361_axis_rows();
+std::span<const ParameterRow> firmware_axis_rows();
 std::span<const ParameterRow> global_rows();
 
 }  // namespace tmcl

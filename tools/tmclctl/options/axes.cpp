@@ -33,9 +33,19 @@ void add_lists(Grammar& grammar) {
               [&range](const std::string& text) { return read_range(text, range); });
   grammar.verb<verb::Modules>("modules", "List the modules that tmcld serves");
   grammar.verb<verb::Axes>("axes", "List the axes and how they are called");
-  auto params = grammar.verb<verb::Params>("params", "List the parameters of an axis");
-  params.axis(params->axis);
+  auto params = grammar.verb<verb::Params>("params", "List the parameters of an axis or a model",
+                                           help_text::params);
+  params.optional_word("AXIS", "A configured name, or ADDRESS/MOTOR with --direct",
+                       text(params->axis));
   params.flag("--values", "Read them all, too", params->values);
+  params.option("--model", "MODEL", "Of this model, without any module", text(params->model));
+  params.flag("--globals", "With --model: the global parameters", params->globals);
+  params.object([](const verb::Params& said, bool) {
+    if (said.axis.empty() == said.model.empty()) return "name an axis, or say --model MODEL";
+    if (said.model.empty()) return said.globals ? "--globals needs --model" : "";
+    return said.values ? "--values needs an axis to read from" : "";
+  });
+  grammar.verb<verb::Models>("models", "List the models that are known");
 }
 
 void add_parameters(Grammar& grammar) {

@@ -1,0 +1,116 @@
+#include "sim/module/stand_in_motor.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "sim/module/axis_parameter_numbers.hpp"
+
+namespace tmcl::sim {
+namespace {
+
+namespace ap = axis_parameter;
+using R = ramp::SixPoint::Register;
+
+constexpr std::uint8_t relative_positioning_option = 127;
+constexpr std::uint8_t swap_switches = 33;  // of a TMC4361, as the next two
+constexpr std::uint8_t soft_stop = 34;
+constexpr std::uint8_t latched_position = 198;
+constexpr std::int64_t least_stop_velocity = 10;  // below that the chip may miss its target
+
+const ramp::RegisterInfo& range_of(R name) {
+  return ramp::SixPoint::registers()[static_cast<std::size_t>(name)];
+}
+
+}  // namespace
+
+StandInMotor::StandInMotor(const Model& model, TimePoint power_on)
+    : SixPointMotor(power_on),
+      family_(model.family),
+      greatest_velocity_(find_parameter(axis_parameters(model), ap::max_velocity)->maximum) {
+  chip().write(R::vstop, least_stop_velocity);
+}
+
+// Below the break velocity a TMC4361 has a start acceleration and a final deceleration, as the
+// sixPoint chip has A1 and D1 below V1.
+std::span<const StandInMotor::Edge> StandInMotor::edges(Family family) {
+  static constexpr std::array<Edge, 7> tmc4361{{
+      {ap::max_acceleration, R::amax},
+      {15, R::vstart},
+      {16, R::a1},
+      {17, R::dmax},
+      {18, R::v1},
+      {19, R::d1},
+      {20, R::vstop},
+  }};
+  static constexpr std::array<Edge, 1> firmware{{{ap::max_acceleration, R::amax}}};
+  if (family == Family::firmware) return firmware;
+  return tmc4361;
+}
+
+std::optional<std::int32_t> StandInMotor::read(const ParameterInfo& row) const {
+  switch (row.number) {
+    case ap::target_position:
+    case ap::actual_position:
+    case ap::target_velocity:
+    case ap::actual_velocity:
+    case ap::position_reached: return SixPointMotor::read(row);
+    case latched_position:
+      return family_ == Family::tmc4361 ? SixPointMotor::read(row) : std::nullopt;
+    default: return std::nullopt;
+  }
+}
+
+Status StandInMotor::write(const ParameterInfo& row, std::int32_t value) {
+  if (!units().accepts(row, value)) return Status::invalid_value;
+  switch (row.number) {
+    case ap::target_position:
+    case ap::actual_position:
+    case ap::target_velocity:
+    case number::right_switch_disable:
+    case number::left_switch_disable:
+    case relative_positioning_option: return SixPointMotor::write(row, value);
+    case ap::max_velocity: {
+      const auto fitting = within(R::vmax, row.scale, value);
+      return SixPointMotor::write(row, static_cast<std::int32_t>(fitting));
+    }
+    default: break;
+  }
+  if (family_ == Family::tmc4361) wire_switches(row.number, value == 1);
+  set_edge(row, value);
+  return Status::ok;
+}
+
+void StandInMotor::wire_switches(std::uint8_t number, bool on) {
+  if (number == swap_switches) wiring_to_set().swapped = on;
+  if (number == soft_stop) set_switch_mode(ramp::SixPoint::en_softstop, on);
+}
+
+Status StandInMotor::rotate(std::int64_t velocity) {
+  if (velocity < -greatest_velocity_ || velocity > greatest_velocity_) return Status::invalid_value;
+  const auto most = within(R::vmax, Scale::velocity, greatest_velocity_);
+  return SixPointMotor::rotate(std::clamp(velocity, -most, most));
+}
+
+std::int64_t StandInMotor::within(Register name, Scale scale, std::int64_t value) const {
+  return std::min(value, units().greatest(scale, range_of(name)));
+}
+
+void StandInMotor::set_edge(const ParameterInfo& row, std::int32_t value) {
+  const auto all = edges(family_);
+  const auto edge = std::ranges::find(all, row.number, &Edge::number);
+  if (edge == all.end()) return;
+  const auto fitting = within(edge->name, row.scale, value);
+  const auto number = in_register(edge->name, row.scale, fitting).value_or(0);
+  if (edge->name == R::a1) start_acceleration_ = number;
+  if (edge->name == R::d1) final_deceleration_ = number;
+  chip().write(edge->name, edge->name == R::vstop ? std::max(number, least_stop_velocity) : number);
+  fill_gaps();
+}
+
+void StandInMotor::fill_gaps() {
+  if (family_ == Family::firmware) chip().write(R::dmax, chip().read(R::amax));
+  if (start_acceleration_ == 0) chip().write(R::a1, chip().read(R::amax));
+  if (final_deceleration_ == 0) chip().write(R::d1, chip().read(R::dmax));
+}
+
+}  // namespace tmcl::sim

@@ -1,0 +1,116 @@
+// models, and params of a model: what the tables know, without any module.
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "print.hpp"
+#include "tmcl/nearest.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+
+std::vector<std::string_view> interfaces_of(const tmcl::Model& model) {
+  std::vector<std::string_view> names;
+  if ((model.interfaces & tmcl::usb) != 0) names.emplace_back("USB");
+  if ((model.interfaces & tmcl::rs232) != 0) names.emplace_back("RS232");
+  if ((model.interfaces & tmcl::rs485) != 0) names.emplace_back("RS485");
+  if ((model.interfaces & tmcl::can) != 0) names.emplace_back("CAN");
+  return names;
+}
+
+json::object to_json(const tmcl::Model& model) {
+  json::array interfaces;
+  for (const auto name : interfaces_of(model)) interfaces.push_back(json::value(name));
+  json::array analog_inputs;
+  for (int port = 0; port < 16; ++port) {
+    if ((model.ports.analog_inputs >> port & 1) != 0) analog_inputs.push_back(port);
+  }
+  return {{"number", model.number},
+          {"name", model.name},
+          {"axes", model.axes},
+          {"ramps", name_of(model.family)},
+          {"chips", model.chips},
+          {"interfaces", std::move(interfaces)},
+          {"digital_inputs", model.ports.digital_inputs},
+          {"analog_inputs", std::move(analog_inputs)},
+          {"outputs", model.ports.outputs}};
+}
+
+std::string_view access_of(const tmcl::ParameterInfo& row) {
+  if (row.access == tmcl::Access::read) return "R";
+  return row.stored ? "RWE" : "RW";
+}
+
+json::object to_json(const tmcl::ParameterInfo& row) {
+  json::array aliases;
+  for (const auto alias : row.aliases) {
+    if (!alias.empty()) aliases.push_back(json::value(alias));
+  }
+  return {{"number", row.number},
+          {"name", row.name},
+          {"aliases", std::move(aliases)},
+          {"access", row.access == tmcl::Access::read ? "read" : "read_write"},
+          {"stored", row.stored},
+          {"minimum", row.minimum},
+          {"maximum", row.maximum},
+          {"default", row.initial},
+          {"unit", row.unit},
+          {"register", row.chip_register},
+          {"meaning", row.meaning}};
+}
+
+Attempt<const tmcl::Model*> model_named(const std::string& name) {
+  if (const auto* model = tmcl::find_model(name)) return model;
+  std::vector<std::string_view> names;
+  for (const auto& model : tmcl::models()) names.push_back(model.name);
+  auto hint = tmcl::did_you_mean(name, names);
+  if (!hint.empty()) hint.erase(0, 1);
+  hint += hint.empty() ? "'tmclctl models' lists those that are known"
+                       : " 'tmclctl models' lists all that are known";
+  return tl::unexpected(
+      usage_failure("unknown_model", fmt::format("there is no model '{}'", name), hint));
+}
+
+}  // namespace
+
+VerbResult run(const verb::Models&, Output& output) {
+  json::array array;
+  Table table({"MODEL", "AXES", "RAMPS", "CHIPS", "INTERFACES"});
+  for (const auto& model : tmcl::models()) {
+    array.push_back(to_json(model));
+    table.add({std::string(model.name), std::to_string(model.axes),
+               std::string(name_of(model.family)), std::string(model.chips),
+               fmt::format("{}", fmt::join(interfaces_of(model), " "))});
+  }
+  if (output.json) {
+    print_json({{"models", std::move(array)}}, output);
+  } else {
+    table.print(output.out);
+  }
+  return ExitCode::done;
+}
+
+VerbResult run_on_model(const verb::Params& verb, Output& output) {
+  const auto model = model_named(verb.model);
+  if (!model) return tl::unexpected(model.error());
+  const auto rows =
+      verb.globals ? tmcl::global_parameters(**model) : tmcl::axis_parameters(**model);
+  json::array array;
+  Table table({"NUMBER", "NAME", "ACCESS", "RANGE", "DEFAULT", "UNIT", "MEANING"});
+  for (const auto& row : rows) {
+    array.push_back(to_json(row));
+    table.add({std::to_string(row.number), std::string(row.name), std::string(access_of(row)),
+               fmt::format("{}..{}", row.minimum, row.maximum), std::to_string(row.initial),
+               std::string(row.unit), std::string(row.meaning)});
+  }
+  if (output.json) {
+    print_json({{"model", (*model)->name}, {"parameters", std::move(array)}}, output);
+  } else {
+    table.print(output.out);
+  }
+  return ExitCode::done;
+}
+
+}  // namespace tmclctl
