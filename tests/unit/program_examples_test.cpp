@@ -172,5 +172,51 @@ TEST_F(ExampleProgram, AKnobRulesTheSpeed) {
   EXPECT_EQ(speed_at(2048 - 60), 0);
 }
 
+class HomingProgram : public ExampleProgram {
+ protected:
+  static constexpr std::uint8_t ready = 0;
+  static constexpr std::uint8_t failed = 1;
+
+  /// Loads the program and lets the module run it after its next start.
+  void power_up() {
+    ask(Command::START_DOWNLOAD, 0, 0);
+    for (const auto& [command, type, motor, value] : assembled(example("home_on_power_up")))
+      ASSERT_EQ(status_of(command, type, motor, value), Status::command_loaded);
+    ASSERT_EQ(status_of(Command::END_DOWNLOAD, 0, 0), Status::ok);
+    ASSERT_EQ(status_of(Command::SGP, 77, 0, 1), Status::ok);
+    ASSERT_EQ(status_of(Command::SOFTWARE_RESET, 0, 0, 1234), Status::ok);
+    pass(Module::boot_time);
+  }
+  bool running() { return ask(Command::GGP, 128, 0)->value == 1; }
+};
+
+TEST_F(HomingProgram, FindsItsReferenceAndGoesToWork) {
+  module.mount(0, {.position = 100'000, .left_switch = -30'000});
+  power_up();
+  EXPECT_TRUE(running());
+  EXPECT_FALSE(output(ready));
+  for (int second = 0; second < 100 && running(); ++second) pass(seconds(1));
+  EXPECT_FALSE(running());
+  EXPECT_TRUE(output(ready));
+  EXPECT_FALSE(output(failed));
+  EXPECT_EQ(position(), 5000);
+  // Where that is on the stage: at the finest resolution, which has 256 to a full step.
+  const auto per_microstep = 256 >> get(140);
+  EXPECT_NEAR(static_cast<double>(module.stage(0).position()), -30'000 + 5000 * per_microstep,
+              4 * per_microstep);
+}
+
+TEST_F(HomingProgram, GivesUpAfterAMinuteWithoutASwitch) {
+  power_up();
+  pass(seconds(59));
+  EXPECT_TRUE(running());
+  EXPECT_NE(get(ap::actual_velocity), 0);
+  pass(seconds(2));
+  EXPECT_FALSE(running());
+  EXPECT_TRUE(output(failed));
+  pass(seconds(30));
+  EXPECT_EQ(get(ap::actual_velocity), 0);
+}
+
 }  // namespace
 }  // namespace tmcl::sim

@@ -179,6 +179,50 @@ TEST_F(ModuleProgramTest, WhoeverPressesASwitchIsSeenAtOnce) {
   EXPECT_EQ(global(0, variables), 777);
 }
 
+TEST_F(ModuleProgramTest, AStallInterrupts) {
+  constexpr std::uint8_t stop_on_stall = 181;
+  module.mount(0, {.load = 100});
+  ask(Command::SAP, stop_on_stall, 0, 50);
+  run("VECT 15, Stalled\n EI 15\n EI 255\n ROR 0, 500\n Loop: WAIT TICKS, 0, 1000\n JA Loop\n"
+      "Stalled: CALCV ADD, 0, 1\n RETI");
+  pass(std::chrono::seconds(3));
+  EXPECT_EQ(global(0, variables), 0);
+  module.at_stage(0, [](Stage& stage) { stage.set_load(1000); });
+  pass(std::chrono::seconds(1));
+  EXPECT_EQ(global(0, variables), 1);
+  EXPECT_EQ(get(axis_parameter::actual_velocity), 0);
+}
+
+TEST_F(ModuleProgramTest, WaitsForAReferenceSearch) {
+  module.mount(0, {.left_switch = -20'000});
+  run("SAP 193, 0, 1\n RFS START, 0\n RFS STATUS, 0\n AGP 0, 2\n WAIT RFS, 0, 0\n RFS STATUS, 0\n"
+      "AGP 1, 2\n GAP 1, 0\n AGP 2, 2\n STOP");
+  pass(std::chrono::seconds(60));
+  EXPECT_EQ(global(128), 0);
+  EXPECT_NE(global(0, variables), 0);
+  EXPECT_EQ(global(1, variables), 0);
+}
+
+TEST_F(ModuleProgramTest, StartsByItself) {
+  download("SGP 60, 2, 7\n STOP");
+  ASSERT_EQ(set_global(77, 1), Status::ok);
+  restart();
+  pass(milliseconds(1));
+  EXPECT_EQ(global(60, variables), 7);
+}
+
+TEST_F(ModuleProgramTest, CodeProtection) {
+  download("SGP 60, 2, 7\n STOP");
+  ASSERT_EQ(set_global(81, 3), Status::ok);
+  const Request read{ModuleAddress{1}, Command::READ_TMCL_MEMORY, 0, 0, 0};
+  EXPECT_TRUE(program::refuses_memory(*ask(read), read));
+  EXPECT_EQ(status_of(Command::START_DOWNLOAD, 0, 0), Status::write_protected);
+  ASSERT_EQ(set_global(81, 0), Status::ok);
+  EXPECT_EQ(line_at(0), Instruction{});
+  restart();
+  EXPECT_EQ(line_at(0), Instruction{});
+}
+
 TEST_F(ModuleProgramTest, AProgramSurvivesARestart) {
   download("SGP 60, 2, 7\n STOP");
   restart();
