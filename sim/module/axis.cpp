@@ -40,15 +40,15 @@ Axis::Axis(const Model& model, Stage& stage, TimePoint power_on)
 tl::expected<std::int32_t, Status> Axis::get(std::uint8_t number) const {
   const auto* row = find_parameter(table_, number);
   if (row == nullptr) return tl::unexpected(Status::wrong_type);
-  if (const auto own = reading(number)) return *own;
+  if (const auto own = reading(*row)) return *own;
   return motor_->read(*row).value_or(values_[number]);
 }
 
-std::optional<std::int32_t> Axis::reading(std::uint8_t number) const {
+std::optional<std::int32_t> Axis::reading(const ParameterInfo& row) const {
   const auto position_of = [this](const EncoderWatch& encoder) {
     return static_cast<std::int32_t>(encoder.position(coupling_.stage()));
   };
-  switch (number) {
+  switch (row.number) {
     case number::home_switch: return switches_.home ? 1 : 0;
     case number::right_switch: return switches_.right ? 1 : 0;
     case number::left_switch: return switches_.left ? 1 : 0;
@@ -60,7 +60,7 @@ std::optional<std::int32_t> Axis::reading(std::uint8_t number) const {
       return position_of(encoder_);
     case number::current_scale: return current_scale();
     case number::latched_encoder: return latched_encoder_;
-    case number::load_value: return load_value();
+    case number::load_value: return scaled_load_value(row);
     case number::error_flags: return errors_;
     case number::driver_flags: return driver_flags();
     case number::encoder_position: return position_of(encoder_);

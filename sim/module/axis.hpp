@@ -80,7 +80,7 @@ class Axis {
 
  private:
   void move(std::int64_t position);
-  std::optional<std::int32_t> reading(std::uint8_t number) const;
+  std::optional<std::int32_t> reading(const ParameterInfo& row) const;
   void take_note(std::uint8_t number, std::int32_t value);
 
   /// Something was written: what follows from it is done, and when to look next is worked out.
@@ -99,12 +99,14 @@ class Axis {
 
   // axis_watch.cpp: encoders, stalls, currents.
   void scale_encoders();
+  EncoderScale scale_by(std::uint8_t parameter) const;
   std::int64_t deviation(const EncoderWatch& encoder) const;
   void watch_encoders();
   void watch_stall();
   bool may_stall() const;
   TimePoint next_stall_check() const;
   std::int32_t load_value() const;
+  std::int32_t scaled_load_value(const ParameterInfo& row) const;
   std::int32_t driver_flags() const;
   std::int32_t current_scale() const;
   Duration standstill() const;

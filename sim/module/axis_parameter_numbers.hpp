@@ -32,12 +32,12 @@ constexpr std::uint8_t load_value = 206;
 constexpr std::uint8_t error_flags = 207;
 constexpr std::uint8_t driver_flags = 208;
 constexpr std::uint8_t encoder_position = 209;
-constexpr std::uint8_t encoder_prescaler = 210;
+constexpr std::uint8_t encoder_scale = 210;
 constexpr std::uint8_t max_deviation = 212;
 constexpr std::uint8_t power_down_delay = 214;
 constexpr std::uint8_t absolute_angle = 215;
 constexpr std::uint8_t external_encoder_position = 216;
-constexpr std::uint8_t external_encoder_prescaler = 217;
+constexpr std::uint8_t external_encoder_scale = 217;
 constexpr std::uint8_t external_max_deviation = 218;
 constexpr std::uint8_t reverse_shaft = 251;
 

@@ -29,19 +29,23 @@ constexpr std::int32_t standstill_flag = 1 << 7;
 
 // ---- Encoders
 
-// On the modules with a TMC429 a count is worth so many 512ths of a microstep as the prescaler says
-// (manuals of the TMCM-1161 and PD-1160); the others know their encoder's resolution. So does one
-// without a prescaler.
 void Axis::scale_encoders() {
-  const auto& settings = coupling_.stage().settings().encoder;
-  const auto scale = [&](std::uint8_t prescaler) {
-    if (family_ == Family::tmc429 && values_[prescaler] > 0) {
-      return EncoderScale{values_[prescaler], 512};
-    }
-    return EncoderScale{coupling_.microsteps(), settings ? settings->counts_per_turn : 1};
-  };
-  encoder_.set_scale(scale(number::encoder_prescaler));
-  external_encoder_.set_scale(scale(number::external_encoder_prescaler));
+  encoder_.set_scale(scale_by(number::encoder_scale));
+  external_encoder_.set_scale(scale_by(number::external_encoder_scale));
+}
+
+// With a prescaler, a count is worth so many 512ths of a microstep (manuals of the TMCM-1161 and
+// PD-1160); with a resolution, a turn has so many counts. What was never set fits the encoder.
+EncoderScale Axis::scale_by(std::uint8_t parameter) const {
+  const auto* row = find_parameter(table_, parameter);
+  const auto value = row == nullptr ? 0 : values_[parameter];
+  const bool is_prescaler =
+      family_ == Family::tmc429 || (row != nullptr && row->name.ends_with("_prescaler"));
+  const bool is_resolution = row != nullptr && row->name.ends_with("_resolution");
+  if (value != 0 && is_prescaler) return {value, 512};
+  if (value != 0 && is_resolution) return {coupling_.microsteps(), value};
+  const auto& encoder = coupling_.stage().settings().encoder;
+  return {coupling_.microsteps(), encoder ? encoder->counts_per_turn : 1};
 }
 
 std::int64_t Axis::deviation(const EncoderWatch& encoder) const {
@@ -72,6 +76,11 @@ std::int32_t Axis::load_value() const {
   const auto reading = free_reading + reading_per_threshold * threshold -
                        coupling_.stage().load_at(coupling_.speed());
   return static_cast<std::int32_t>(std::clamp<std::int64_t>(reading, 0, greatest_reading));
+}
+
+// Older drivers have eight of them.
+std::int32_t Axis::scaled_load_value(const ParameterInfo& row) const {
+  return load_value() * row.maximum / static_cast<std::int32_t>(greatest_reading);
 }
 
 // Only then is it worth looking.

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <cstdlib>
 
 #include "sim/module/coupling.hpp"
 
@@ -17,7 +18,7 @@ struct EncoderScale {
     return whole * microsteps + (count - whole * counts) * microsteps / counts;
   }
   /// The most that one count changes a position by.
-  std::int64_t greatest_step() const { return microsteps / counts + 1; }
+  std::int64_t greatest_step() const { return std::abs(microsteps / counts) + 1; }
 };
 
 class EncoderWatch {

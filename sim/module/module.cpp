@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "sim/module/delivered_stage.hpp"
+
 namespace tmcl::sim {
 namespace {
 
@@ -46,7 +48,7 @@ Module::Module(const Model& model, Eeprom eeprom, const Clock& clock)
       globals_(model, eeprom_, now_),
       io_(model),
       coordinates_(model, eeprom_),
-      stages_(model.axes),
+      stages_(model.axes, Stage(delivered_stage(model))),
       events_(model.axes),
       bootloader_(model.number, delivered_firmware(model)) {
   power_up();

@@ -9,6 +9,7 @@
 #include <optional>
 #include <sstream>
 
+#include "sim/module/delivered_stage.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/nearest.hpp"
 
@@ -117,8 +118,7 @@ void take_encoder(const toml::table& table, std::optional<EncoderSettings>& enco
   encoder->backwards = value < 0;
 }
 
-StageSettings stage_of(const toml::table& table) {
-  StageSettings stage;
+StageSettings stage_of(const toml::table& table, StageSettings stage) {
   take(table, "position", places, stage.position);
   take(table, "left_switch", stage.left_switch);
   take(table, "right_switch", stage.right_switch);
@@ -170,7 +170,8 @@ const tmcl::Model& model_of(const toml::table& table) {
 BenchModule module_of(const toml::table& table) {
   want_known_keys(table, module_keys);
   const auto& model = model_of(table);
-  BenchModule module{std::string(model.name), std::vector<StageSettings>(model.axes)};
+  BenchModule module{std::string(model.name),
+                     std::vector<StageSettings>(model.axes, tmcl::sim::delivered_stage(model))};
   if (const auto address = number(table, "address", {1, greatest_address})) {
     module.spec += "@" + std::to_string(*address);
   }
@@ -181,7 +182,7 @@ BenchModule module_of(const toml::table& table) {
     const auto motor = static_cast<std::size_t>(given.value_or(0));
     if (taken[motor]) complain(*axis, "motor " + std::to_string(motor) + " is described twice");
     taken[motor] = true;
-    module.axes[motor] = stage_of(*axis);
+    module.axes[motor] = stage_of(*axis, module.axes[motor]);
   }
   return module;
 }
