@@ -59,6 +59,8 @@ const auto& refusals() {
        "is needed"},
       {call("axis.move_to", R"({"axis":"x","position":1})"), -32602, "bad_argument", "position",
        "has no unit of its own"},
+      {call("axis.move_to", R"({"axis":"x","position_microstep":1})"), -32602, "bad_argument",
+       "position_microstep", "Did you mean 'position_microsteps'?"},
       {call("axis.move_to", R"({"axis":"x","position_microsteps":"1"})"), -32602, "bad_argument",
        "position_microsteps", "integer"},
       {call("axis.move_to", R"({"axis":"x","position_microsteps":1.5})"), -32602, "bad_argument",
