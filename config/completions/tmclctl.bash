@@ -51,11 +51,8 @@ _tmclctl() {
     --generator)
       mapfile -t COMPREPLY < <(compgen -W "$(_tmclctl_words generators)" -- "$current")
       return ;;
-    --addresses | --timeout | --interval | --for | --to | --bus | --change | --sample | --until | --full-steps | --velocity | \
-      --acceleration | --pulse-div | --ramp-div | --unit-mode | --microsteps) return ;;
-    --model)
-      mapfile -t COMPREPLY < <(compgen -W "$(_tmclctl_words models)" -- "$current")
-      return ;;
+    --addresses | --timeout | --interval | --for | --to | --bus | --change | --sample | --until | --full-steps | \
+      --velocity | --acceleration | --pulse-div | --ramp-div | --unit-mode | --microsteps) return ;;
   esac
 
   local words=""

@@ -66,6 +66,22 @@ TEST(ModuleUnits, AreToldByTheParametersThatTheModelHas) {
   EXPECT_EQ(initial_units(model_of(6212)), ModuleUnits{});
 }
 
+TEST(ModuleUnits, AreKnownForEveryModel) {
+  for (const auto& model : models()) {
+    const auto table = axis_parameters(model);
+    for (const auto number : unit_parameters(model)) {
+      EXPECT_NE(find_parameter(table, number), nullptr) << model.name << ' ' << int{number};
+    }
+    const auto start = initial_units(model);
+    for (const auto& row : table) {
+      const bool scaled = dimension_of(row) == Dimension::velocity && row.maximum > 0;
+      if (!scaled) continue;
+      const auto range = range_of(row, start, start);
+      EXPECT_EQ(range, (ValueRange{row.minimum, row.maximum})) << model.name << ' ' << row.name;
+    }
+  }
+}
+
 TEST(Conversion, RoundsToTheNearestAndTiesAwayFromZero) {
   const ModuleUnits twos{{2}, {2}};
   EXPECT_EQ(to_internal(PulsesPerSecond{2.99}, twos).value().value, 1);

@@ -122,6 +122,18 @@ Attempt<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> tabl
       usage_failure("unknown_parameter", fmt::format("there is no parameter '{}'", text), hint));
 }
 
+Attempt<const tmcl::Model*> parse_model(std::string_view name) {
+  if (const auto* model = tmcl::find_model(name)) return model;
+  std::vector<std::string_view> names;
+  for (const auto& model : tmcl::models()) names.push_back(model.name);
+  auto hint = tmcl::did_you_mean(name, names);
+  if (!hint.empty()) hint.erase(0, 1);
+  hint += hint.empty() ? "'tmclctl models' lists those that are known"
+                       : " 'tmclctl models' lists all that are known";
+  return tl::unexpected(
+      usage_failure("unknown_model", fmt::format("there is no model '{}'", name), hint));
+}
+
 std::span<const tmcl::ParameterInfo> common_parameters() {
   static const Common common(all_tables(tmcl::axis_parameters));
   return common.rows();

@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "failure.hpp"
+#include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/verbs.hpp"
 
@@ -21,6 +22,9 @@ struct ParameterName {
 /// A number 0..255, or a name or an alias from the table.
 Attempt<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> table,
                                        std::string_view text);
+
+/// "TMCM-1110", "tmcm1110" or "1110".
+Attempt<const tmcl::Model*> parse_model(std::string_view name);
 
 /// The axis parameters of modules whose model is not known: those that mean the same wherever they
 /// exist, with the names that do.

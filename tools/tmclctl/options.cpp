@@ -155,9 +155,6 @@ Information Parser::complete() const {
       }
     }
   }
-  if (complete_.what == "models") {
-    for (const auto& model : tmcl::models()) words.emplace_back(model.name);
-  }
   if (complete_.what == "commands") {
     for (const auto& row : tmcl::command_table()) words.emplace_back(row.name);
   }

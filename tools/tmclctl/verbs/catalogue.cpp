@@ -2,8 +2,8 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "names.hpp"
 #include "print.hpp"
-#include "tmcl/nearest.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -61,18 +61,6 @@ json::object to_json(const tmcl::ParameterInfo& row) {
           {"meaning", row.meaning}};
 }
 
-Attempt<const tmcl::Model*> model_named(const std::string& name) {
-  if (const auto* model = tmcl::find_model(name)) return model;
-  std::vector<std::string_view> names;
-  for (const auto& model : tmcl::models()) names.push_back(model.name);
-  auto hint = tmcl::did_you_mean(name, names);
-  if (!hint.empty()) hint.erase(0, 1);
-  hint += hint.empty() ? "'tmclctl models' lists those that are known"
-                       : " 'tmclctl models' lists all that are known";
-  return tl::unexpected(
-      usage_failure("unknown_model", fmt::format("there is no model '{}'", name), hint));
-}
-
 }  // namespace
 
 VerbResult run(const verb::Models&, Output& output) {
@@ -93,7 +81,7 @@ VerbResult run(const verb::Models&, Output& output) {
 }
 
 VerbResult run_on_model(const verb::Params& verb, Output& output) {
-  const auto model = model_named(verb.model);
+  const auto model = parse_model(verb.model);
   if (!model) return tl::unexpected(model.error());
   const auto rows =
       verb.globals ? tmcl::global_parameters(**model) : tmcl::axis_parameters(**model);

@@ -5,8 +5,8 @@
 #include <fmt/format.h>
 #include <boost/json/array.hpp>
 
+#include "names.hpp"
 #include "print.hpp"
-#include "tmcl/nearest.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -66,8 +66,8 @@ Attempt<Plan> plan_parameters(const verb::Ramp& verb, const AxisUnits& units) {
   };
   if (const auto added = add("max_velocity", verb.velocity); !added)
     return tl::unexpected(added.error());
-  for (const auto* name :
-       {"max_acceleration", "max_deceleration", "acceleration_a1", "deceleration_d1"}) {
+  for (const auto* name : {"max_acceleration", "max_deceleration", "acceleration_a1",
+                           "deceleration_d1", "acceleration_a2", "deceleration_d2"}) {
     if (const auto added = add(name, verb.acceleration); !added)
       return tl::unexpected(added.error());
   }
@@ -171,15 +171,6 @@ VerbResult run(const verb::Ramp& verb, Room& room) {
 
 namespace {
 
-Attempt<const tmcl::Model*> model_named(const std::string& name) {
-  if (const auto* model = tmcl::find_model(name)) return model;
-  std::vector<std::string_view> names;
-  for (const auto& model : tmcl::models()) names.push_back(model.name);
-  return tl::unexpected(usage_failure(
-      "unknown_model", fmt::format("there is no model '{}'", name),
-      fmt::format("There are: {}.{}", fmt::join(names, ", "), tmcl::did_you_mean(name, names))));
-}
-
 /// The settings that a model has, over what it starts with.
 Attempt<tmcl::ModuleUnits> units_of(const verb::Convert& verb, const tmcl::Model& model,
                                     std::span<const tmcl::ParameterInfo> table) {
@@ -277,7 +268,7 @@ void print(std::string_view title, const std::vector<Rendering>& forms, Output& 
 }  // namespace
 
 VerbResult run(const verb::Convert& verb, Output& output) {
-  const auto model = model_named(verb.model);
+  const auto model = parse_model(verb.model);
   if (!model) return tl::unexpected(model.error());
   AxisUnits units{"", *model, {}, tmcl::UserScale{}};
   const auto module = units_of(verb, **model, units.parameters());
