@@ -148,6 +148,67 @@ TEST_F(SimSwitches, CostNothingWhileTheMotorStands) {
   EXPECT_EQ(bench.next_due(), never);
 }
 
+TEST_F(SimSwitches, StopSoftlyIfTheyAreToldTo) {
+  add(1110, StageSettings{.right_switch = 20'000});
+  set(149, 1);
+  ask(Command::ROR, 0, 0, 1000);
+  pass(seconds(5));
+  EXPECT_EQ(get(ap::actual_velocity), 0);
+  EXPECT_GT(get(ap::actual_position), 20'100);
+}
+
+TEST_F(SimSwitches, AreReadTheOtherWayRoundWithReversedPolarity) {
+  add(1110, StageSettings{.right_switch = 20'000, .limits_normally_closed = true});
+  EXPECT_EQ(get(left_switch), 1);
+  EXPECT_EQ(get(right_switch), 1);
+  EXPECT_EQ(status_of(Command::SGP, 79, 0, 1), Status::ok);
+  EXPECT_EQ(get(left_switch), 0);
+  EXPECT_EQ(get(right_switch), 0);
+  move_to(100'000);
+  pass(seconds(5));
+  EXPECT_EQ(get(right_switch), 1);
+  EXPECT_NEAR(get(ap::actual_position), 20'000, 1);
+}
+
+TEST_F(SimSwitches, AMotorWithAReversedShaftGoesTheOtherWay) {
+  add(1110, StageSettings{.left_switch = -20'000});
+  EXPECT_EQ(status_of(Command::SGP, 90, 0, 1), Status::ok);
+  move_to(5'000);
+  pass(seconds(5));
+  EXPECT_EQ(place(), -5'000);
+  // The left switch bars negative motion, and the motor drives into it with positive.
+  move_to(30'000);
+  pass(seconds(5));
+  EXPECT_EQ(get(left_switch), 1);
+  EXPECT_EQ(place(), -30'000);
+}
+
+TEST_F(SimSwitches, OfASixPointModuleAreInvertedAndSwapped) {
+  add(6212, StageSettings{.right_switch = 30'000});
+  set(25, 1);
+  EXPECT_EQ(get(left_switch), 1);
+  set(25, 0);
+  set(24, 1);
+  EXPECT_EQ(get(right_switch), 1);
+  set(24, 0);
+  set(14, 1);
+  move_to(31'000);
+  pass(seconds(10));
+  EXPECT_EQ(get(left_switch), 1);
+  EXPECT_EQ(get(right_switch), 0);
+  EXPECT_EQ(get(ap::actual_position), 31'000);
+  set(14, 0);
+  EXPECT_EQ(get(right_switch), 1);
+}
+
+TEST_F(SimSwitches, LatchThePositionOfASixPointModule) {
+  add(6212, StageSettings{.right_switch = 30'000, .encoder = EncoderSettings{51'200, false}});
+  ask(Command::ROR, 0, 0, 20'000);
+  pass(seconds(10));
+  EXPECT_EQ(get(198), 30'000);
+  EXPECT_EQ(get(199), 30'000);
+}
+
 TEST_F(SimSwitches, AMotorPressedAgainstAnEndLosesItsSteps) {
   add(1110, StageSettings{.right_stop = 5'000});
   move_to(20'000);
