@@ -13,7 +13,6 @@ class Coupling {
   /// Both outlive the coupling.
   Coupling(Motor& motor, Stage& stage) : motor_(&motor), stage_(&stage), seen_(motor.position()) {}
 
-  Stage& stage() { return *stage_; }
   const Stage& stage() const { return *stage_; }
 
   /// Time has passed: the stage goes where the motor went.

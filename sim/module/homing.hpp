@@ -70,10 +70,9 @@ class Homing {
   /// What RFS STATUS answers: 0 when nothing is searched, otherwise the step.
   std::int32_t step() const { return static_cast<std::int32_t>(step_); }
 
-  /// The other end switch, and the reference, of the last search; as the position was then. The
-  /// first is nothing if the mode does not look for it.
+  /// Where the other end switch of the last search was, as the position was counted then. Nothing
+  /// if its mode does not look for it.
   std::optional<std::int32_t> other_end() const { return other_end_; }
-  std::int32_t reference() const { return reference_; }
 
  private:
   enum class Step : std::uint8_t {
