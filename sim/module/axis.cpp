@@ -149,6 +149,20 @@ void Axis::move(std::int64_t position) {
   settle();
 }
 
+// The ramp itself is asked when it would arrive: that holds for every generator.
+void Axis::arrive_by(TimePoint time) {
+  std::int64_t too_slow = 0;
+  auto fast_enough = motor_->top_speed();
+  while (fast_enough - too_slow > 1) {
+    const auto speed = too_slow + (fast_enough - too_slow) / 2;
+    motor_->limit_positioning(speed);
+    const bool in_time = motor_->outlook().arrival <= time;
+    (in_time ? fast_enough : too_slow) = speed;
+  }
+  motor_->limit_positioning(fast_enough);
+  settle();
+}
+
 void Axis::reverse_limit_polarity(bool reversed) {
   limits_reversed_ = reversed;
   settle();

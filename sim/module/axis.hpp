@@ -49,6 +49,10 @@ class Axis {
   /// What MVP REL answers, likewise for a distance. The target wraps as the chip's positions do.
   Status move_by(std::int32_t distance);
 
+  /// Slows the positioning under way, so that it arrives as late as it can, but not after this
+  /// time.
+  void arrive_by(TimePoint time);
+
   /// What RFS START answers: invalid_value if parameter 193 has no such mode.
   Status start_search();
   /// RFS STOP: the motor comes to a stop as well.

@@ -113,9 +113,9 @@ std::int32_t Axis::driver_flags() const {
   return load_value() == 0 ? stall_flag : 0;
 }
 
-// In steps of the driver: 0..31 for 0..255.
+// In steps of the driver, 0..31; models count currents in different units.
 std::int32_t Axis::current_scale() const {
-  constexpr std::int32_t per_step = 8;
+  constexpr std::int32_t steps = 32;
   const auto current = [this] {
     const auto delay = [this](std::uint8_t parameter) { return values_[parameter] * delay_unit; };
     const auto stands = standstill();
@@ -134,7 +134,8 @@ std::int32_t Axis::current_scale() const {
     const bool down = stands >= delay(number::power_down_delay);
     return values_[down ? number::standby_current : number::max_current];
   };
-  return current() / per_step;
+  const auto greatest = find_parameter(table_, number::max_current)->maximum;
+  return current() * steps / (greatest + 1);
 }
 
 }  // namespace tmcl::sim

@@ -1,4 +1,6 @@
 // SCO, GCO, CCO, MVP COORD.
+#include <algorithm>
+
 #include "sim/module/module.hpp"
 
 namespace tmcl::sim {
@@ -9,6 +11,13 @@ namespace ap = axis_parameter;
 constexpr std::uint8_t coordinate_storage = 84;
 /// In place of a motor's number: between RAM and EEPROM, for all motors.
 constexpr std::uint8_t eeprom_copy = 255;
+
+// Several motors at once for MVP COORD: bit n of the lower six is motor n, and one of the others
+// says how. Manuals tell that modules with several motors can do both, but none at hand how it is
+// coded: this is our reading.
+constexpr std::uint32_t most_motors = 0x3F;
+constexpr std::uint32_t at_once = 0x40;       // each as fast as its own parameters say
+constexpr std::uint32_t interpolated = 0x80;  // and arriving together
 
 bool is_coordinate(std::int64_t number) {
   return number >= 0 && number < std::int64_t{coordinates_per_motor};
@@ -63,13 +72,42 @@ Answer Module::capture_coordinate(const Request& request) {
 }
 
 Answer Module::move_to_coordinate(const Request& request) {
-  if (!has_motor(request) || !is_coordinate(request.value)) {
-    return echo(request, Status::invalid_value);
-  }
+  const auto group = group_of(request.motor);
+  if (!group || !is_coordinate(request.value)) return echo(request, Status::invalid_value);
   const auto number = static_cast<std::uint8_t>(request.value);
-  const auto status = axes_[request.motor].move_to(coordinates_.get(request.motor, number));
-  if (status == Status::ok) events_.move_begun(request.motor);
-  return echo(request, status);
+  const auto moves = [&](std::size_t motor) { return (group->motors >> motor & 1U) != 0; };
+  for (std::size_t motor = 0; motor < axes_.size(); ++motor) {
+    if (!moves(motor)) continue;
+    axes_[motor].move_to(coordinates_.get(motor, number));
+    events_.move_begun(motor);
+  }
+  if (group->together) arrive_together(group->motors);
+  return echo(request);
+}
+
+// All motors start in this instant, whichever way they are addressed.
+std::optional<Module::MotorGroup> Module::group_of(std::uint8_t field) const {
+  if (field < axes_.size()) return MotorGroup{1U << field, false};
+  const std::uint32_t motors = field & most_motors;
+  const std::uint32_t flags = field & ~most_motors;
+  const bool known = flags == at_once || flags == interpolated;
+  if (!known || axes_.size() < 2 || motors == 0 || motors >> axes_.size() != 0) return std::nullopt;
+  return MotorGroup{motors, flags == interpolated};
+}
+
+// The last to arrive rules. One that stands already, or never arrives, is left as it is.
+void Module::arrive_together(std::uint32_t motors) {
+  auto last = now_;
+  for (std::size_t motor = 0; motor < axes_.size(); ++motor) {
+    const auto arrival = axes_[motor].outlook().arrival;
+    if ((motors >> motor & 1U) != 0 && arrival != never) last = std::max(last, arrival);
+  }
+  for (std::size_t motor = 0; motor < axes_.size(); ++motor) {
+    const auto arrival = axes_[motor].outlook().arrival;
+    if ((motors >> motor & 1U) != 0 && arrival > now_ && arrival < last) {
+      axes_[motor].arrive_by(last);
+    }
+  }
 }
 
 }  // namespace tmcl::sim

@@ -116,6 +116,12 @@ class Module final : private ProgramHost {
   Answer get_coordinate(const Request& request);
   Answer capture_coordinate(const Request& request);
   Answer move_to_coordinate(const Request& request);
+  struct MotorGroup {
+    std::uint32_t motors;  ///< Bit n for motor n.
+    bool together;         ///< They shall arrive together.
+  };
+  std::optional<MotorGroup> group_of(std::uint8_t field) const;
+  void arrive_together(std::uint32_t motors);
   Answer keep_coordinates(const Request& request);
   bool keeps_coordinates() const;
   Status put_coordinate(std::uint8_t motor, std::uint8_t number, std::int32_t position);

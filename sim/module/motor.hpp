@@ -74,6 +74,11 @@ class Motor {
   virtual void stop() = 0;
   /// MVP; positions wrap as the chip's do.
   virtual void move_to(std::int64_t position) = 0;
+  /// How fast a positioning goes at most: parameter 4, in the chip's unit.
+  virtual std::int64_t top_speed() const = 0;
+  /// So fast instead, until the next positioning or until parameter 4 is written; that parameter
+  /// stays what it is.
+  virtual void limit_positioning(std::int64_t speed) = 0;
   /// What MVP REL counts from.
   virtual std::int32_t relative_origin() const = 0;
 };

@@ -22,6 +22,8 @@ class SixPointMotor : public ChipMotor<ramp::SixPoint> {
   void stop() override;
   /// Positions wrap at 32 bit.
   void move_to(std::int64_t position) override;
+  std::int64_t top_speed() const override { return max_velocity_; }
+  void limit_positioning(std::int64_t speed) override { chip().write(Register::vmax, speed); }
   /// As parameter 127 says.
   std::int32_t relative_origin() const override;
 

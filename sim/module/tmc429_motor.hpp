@@ -21,6 +21,8 @@ class Tmc429Motor final : public ChipMotor<ramp::Tmc429> {
   void stop() override;
   /// Positions wrap at 24 bit.
   void move_to(std::int64_t position) override;
+  std::int64_t top_speed() const override { return max_velocity_; }
+  void limit_positioning(std::int64_t speed) override { chip().write(Register::v_max, speed); }
   std::int32_t relative_origin() const override { return chip().x_actual(); }
 
   std::int64_t speed() const override;

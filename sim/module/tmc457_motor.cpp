@@ -41,6 +41,7 @@ std::span<const Tmc457Motor::Mapped> Tmc457Motor::mapped() {
 
 std::optional<std::int32_t> Tmc457Motor::read(const ParameterInfo& row) const {
   switch (row.number) {
+    case ap::max_velocity: return units().read(row.scale, max_velocity_);
     case ap::actual_velocity: return units().read(row.scale, chip().motion().velocity);
     case ap::position_reached: return reached() ? 1 : 0;
     case status_flags_number: return status_flags();
@@ -54,8 +55,15 @@ Status Tmc457Motor::write(const ParameterInfo& row, std::int32_t value) {
     case unit_mode: units().set(value == 1); return Status::ok;
     case number::right_switch_disable: chip().write(R::enable_stop_r, 1 - value); return Status::ok;
     case number::left_switch_disable: chip().write(R::enable_stop_l, 1 - value); return Status::ok;
+    case ap::max_velocity: return set_max_velocity(row, value);
     default: return ChipMotor::write(row, value);
   }
+}
+
+Status Tmc457Motor::set_max_velocity(const ParameterInfo& row, std::int32_t value) {
+  const auto status = write_register(R::v_max, row.scale, value);
+  if (status == Status::ok) max_velocity_ = chip().read(R::v_max);
+  return status;
 }
 
 std::int32_t Tmc457Motor::status_flags() const {
@@ -75,6 +83,7 @@ void Tmc457Motor::stop() {
 }
 
 void Tmc457Motor::move_to(std::int64_t position) {
+  chip().write(R::v_max, max_velocity_);
   chip().write(R::x_target, static_cast<std::int32_t>(position));
   chip().write(Mode::position);
 }

@@ -23,6 +23,8 @@ class Tmc457Motor final : public ChipMotor<ramp::Tmc457> {
   void stop() override;
   /// Positions wrap at 32 bit.
   void move_to(std::int64_t position) override;
+  std::int64_t top_speed() const override { return max_velocity_; }
+  void limit_positioning(std::int64_t speed) override { chip().write(Register::v_max, speed); }
   std::int32_t relative_origin() const override { return position(); }
 
   std::int64_t speed() const override;
@@ -33,6 +35,9 @@ class Tmc457Motor final : public ChipMotor<ramp::Tmc457> {
   static std::span<const Mapped> mapped();
   bool reached() const { return position() == chip().read(Register::x_target); }
   std::int32_t status_flags() const;
+  Status set_max_velocity(const ParameterInfo& row, std::int32_t value);
+
+  std::int64_t max_velocity_ = 0;  // what V_MAX is, except in a positioning that is held back
 };
 
 }  // namespace tmcl::sim

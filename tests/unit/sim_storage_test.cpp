@@ -345,6 +345,67 @@ TEST_F(SimStorage, MovesToACoordinate) {
   EXPECT_EQ(get(ap::actual_position, 0), 0);
 }
 
+TEST_F(SimStorage, StartsSeveralMotorsInTheSameInstant) {
+  for (const auto model : std::to_array<std::uint16_t>({3110, 6212})) {
+    const auto address = model;  // only the module addressed moves
+    auto& module = add(model, address);
+    const auto tell = [&](Command command, std::uint8_t type, std::uint8_t motor,
+                          std::int32_t value) {
+      return module.execute({ModuleAddress{address}, command, type, motor, value}, Medium::can,
+                            can);
+    };
+    tell(Command::SCO, 1, 0, 40'000);
+    tell(Command::SCO, 1, 1, 3'000);
+    tell(Command::SCO, 1, 2, -20'000);
+    EXPECT_EQ(tell(Command::MVP, 2, 0x40 | 5, 1).status, Status::ok);
+    const auto first = module.axis(0).outlook().arrival;
+    EXPECT_EQ(module.axis(1).get(ap::target_position), 0);
+    EXPECT_LT(module.axis(2).outlook().arrival, first);
+    pass(std::chrono::seconds(10));
+    EXPECT_EQ(module.axis(0).get(ap::actual_position), 40'000);
+    EXPECT_EQ(module.axis(1).get(ap::actual_position), 0);
+    EXPECT_EQ(module.axis(2).get(ap::actual_position), -20'000);
+  }
+}
+
+TEST_F(SimStorage, LetsSeveralMotorsArriveTogether) {
+  for (const auto model : std::to_array<std::uint16_t>({3110, 6212})) {
+    auto& module = add(model, model);
+    const auto tell = [&](Command command, std::uint8_t type, std::uint8_t motor,
+                          std::int32_t value) {
+      return module.execute({ModuleAddress{model}, command, type, motor, value}, Medium::can, can);
+    };
+    tell(Command::SCO, 1, 0, 200'000);
+    tell(Command::SCO, 1, 1, 30'000);
+    tell(Command::SCO, 1, 2, -100'000);
+    const auto speed = module.axis(1).get(ap::max_velocity);
+    EXPECT_EQ(tell(Command::MVP, 2, 0x80 | 7, 1).status, Status::ok);
+    const auto last = module.axis(0).outlook().arrival;
+    for (std::size_t motor = 1; motor < 3; ++motor) {
+      const auto arrival = module.axis(motor).outlook().arrival;
+      EXPECT_LE(arrival, last);
+      // As near as whole units of speed allow.
+      EXPECT_GT(arrival - clock.now(), (last - clock.now()) * 98 / 100) << model << ' ' << motor;
+      EXPECT_EQ(module.axis(motor).get(ap::max_velocity), speed);
+    }
+    pass(std::chrono::seconds(10));
+    EXPECT_EQ(module.axis(1).get(ap::actual_position), 30'000);
+    tell(Command::MVP, 0, 1, 0);  // at full speed again
+    const auto back = module.axis(1).outlook().arrival - clock.now();
+    EXPECT_LT(back, (last - TimePoint{}) / 2);
+    pass(std::chrono::seconds(10));
+  }
+}
+
+TEST_F(SimStorage, RefusesGroupsOfMotorsThatDoNotExist) {
+  add(3110, 1);
+  add(1110, 2);
+  for (const auto field : std::to_array<std::uint8_t>({0x40, 0x80, 0x48, 0x88, 0xC1, 3})) {
+    EXPECT_EQ(status_of(Command::MVP, 2, field, 1), Status::invalid_value) << int{field};
+  }
+  EXPECT_EQ(ask(to(2, Command::MVP, 2, 0x41, 1))->status, Status::invalid_value);
+}
+
 TEST_F(SimStorage, RefusesCoordinatesThatDoNotExist) {
   add(3110);
   for (const auto command : {Command::SCO, Command::GCO, Command::CCO}) {
