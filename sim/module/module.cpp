@@ -13,6 +13,7 @@ namespace gp = global_parameter;
 constexpr std::uint8_t suppress_reply = 255;
 constexpr std::int32_t eeprom_is_valid = 228;
 constexpr std::int32_t no_board_error = 0;
+constexpr std::int32_t ascii_at_start = 1;
 
 EepromCell global_cell(std::uint8_t number) {
   return {EepromCell::Area::global_parameter, Globals::parameter_bank, number};
@@ -60,6 +61,8 @@ void Module::power_up() {
   const auto magic = eeprom_.read(global_cell(gp::eeprom_magic)).value_or(eeprom_is_valid);
   if (magic != eeprom_is_valid) eeprom_.erase();
   globals_ = Globals(*model_, eeprom_, now_);
+  const bool wants_ascii = (globals_.value(gp::ascii_mode) & ascii_at_start) != 0;
+  in_ascii_mode_ = wants_ascii && has_letter() && !in_bootloader_;
   io_.reset();
   coordinates_ = Coordinates(*model_, eeprom_);
   if (keeps_coordinates()) coordinates_.load_all(0);
@@ -114,6 +117,7 @@ Answer Module::execute_direct(const Request& request, EventSink& from) {
     case Command::GET_AP_MIN:
     case Command::GET_AP_MAX: return tell_limit(request);
     case Command::SOFTWARE_RESET: return restart_after_reply(request);
+    case Command::ENTER_ASCII_MODE: return enter_ascii_mode(request);
     case Command::ENTER_BOOTLOADER: return enter_bootloader(request);
     // Known, but only to firmware for special boards or customers.
     case Command::RAM_DEBUG:

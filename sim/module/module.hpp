@@ -80,6 +80,10 @@ class Module final : private ProgramHost {
   /// Somebody does something to the stage of a motor, now.
   void at_stage(std::size_t motor, const std::function<void(Stage&)>& change);
   /// Of its firmware or, while it is in there, of its bootloader.
+  /// Whether its serial interface speaks ASCII, after command 139 or a start with bit 0 of global
+  /// parameter 67.
+  bool in_ascii_mode() const { return in_ascii_mode_; }
+  void leave_ascii_mode() { in_ascii_mode_ = false; }
   FirmwareVersion version() const { return in_bootloader_ ? bootloader_.version() : firmware_; }
 
  private:
@@ -128,6 +132,7 @@ class Module final : private ProgramHost {
 
   // program_commands.cpp
   void start_application();
+  bool has_letter() const;
   Answer control_application(const Request& request);
   void keep_program();
   void protect_program(std::int32_t before, std::int32_t after);
@@ -162,6 +167,7 @@ class Module final : private ProgramHost {
   Answer reset_board(const Request& request);
 
   // mode_commands.cpp
+  Answer enter_ascii_mode(const Request& request);
   Answer enter_bootloader(const Request& request);
   Answer execute_in_bootloader(const Request& request);
 
@@ -199,6 +205,7 @@ class Module final : private ProgramHost {
   Bootloader bootloader_;
   FirmwareVersion firmware_;
   bool in_bootloader_ = false;
+  bool in_ascii_mode_ = false;
   bool bootloader_wanted_ = false;  ///< At the next start.
   bool restarts_ = false;           ///< As soon as the present command is answered.
 };

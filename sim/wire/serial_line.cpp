@@ -43,19 +43,32 @@ SerialBytes answer_bytes(Sender from, const Module& module, Command command, con
   return encode_serial(Reply{from.host, from.module, answer.status, command, answer.value});
 }
 
+std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
+
 }  // namespace
 
 SerialLine::SerialLine(Bench& bench, Output output) : Line(bench), output_(std::move(output)) {}
 
 void SerialLine::receive(std::span<const std::uint8_t> bytes) {
-  const auto now = bench().clock().now();
+  const auto& modules = bench().modules();
+  ears_.resize(modules.size());
   for (const auto byte : bytes) {
-    if (const auto frame = framer_.push(byte, now)) deliver(*frame);
+    for (std::size_t i = 0; i < modules.size(); ++i) hear(*modules[i], ears_[i], byte);
   }
 }
 
-void SerialLine::deliver(const SerialBytes& frame) {
-  for (const auto& module : bench().modules()) hand_to(*module, frame);
+void SerialLine::hear(Module& module, Ear& ear, std::uint8_t byte) {
+  if (ear.ascii != module.in_ascii_mode()) ear = Ear{{}, {}, module.in_ascii_mode()};
+  if (ear.ascii) return hear_character(module, ear, byte);
+  if (const auto frame = ear.framer.push(byte, bench().clock().now())) hand_to(module, *frame);
+}
+
+void SerialLine::hear_character(Module& module, Ear& ear, std::uint8_t byte) {
+  const auto& globals = module.globals();
+  const auto echo = AsciiTerminal::echo_of(globals.value(gp::ascii_mode));
+  const auto heard = ear.terminal.push(byte, globals.byte(gp::serial_address), echo);
+  if (!heard.echo.empty()) output_(bytes_of(heard.echo));
+  if (heard.line) hand_to(module, *heard.line);
 }
 
 void SerialLine::hand_to(Module& module, const SerialBytes& frame) {
@@ -67,13 +80,36 @@ void SerialLine::hand_to(Module& module, const SerialBytes& frame) {
                               : Answer{Answer::Form::reply, Status::wrong_checksum, 0};
   if (!addressed || answer.form == Answer::Form::none) return;
   const auto command = request ? request->command : Command{};
-  send(module, answer_bytes(from, module, command, answer));
+  const auto bytes = answer_bytes(from, module, command, answer);
+  send(module, Bytes(bytes.begin(), bytes.end()));
 }
 
-void SerialLine::send(const Module& module, const SerialBytes& bytes) {
+void SerialLine::hand_to(Module& module, const std::string& line) {
+  const auto from = sender(module.globals());
+  const auto meant = ascii::address_of(line);
+  if (!meant) return;
+  const bool addressed = reply_byte(*meant) == from.module;
+  if (!addressed && !obeys_silently(module.globals(), reply_byte(*meant))) return;
+  const auto order = ascii::parse(line);
+  const auto answer =
+      order ? execute(module, *order) : Answer{Answer::Form::reply, order.error().status, 0};
+  if (!addressed || answer.form == Answer::Form::none) return;
+  const auto text = ascii::to_text({from.host, from.module, answer.status, {}, answer.value});
+  send(module, bytes_of(text + '\r'));
+}
+
+Answer SerialLine::execute(Module& module, const ascii::Order& order) {
+  if (const auto* request = std::get_if<Request>(&order))
+    return module.execute(*request, Medium::serial, *this);
+  module.leave_ascii_mode();
+  return Answer{};
+}
+
+void SerialLine::send(const Module& module, Bytes bytes) {
   const auto pause = module.globals().milliseconds(gp::telegram_pause_time);
   if (pause.count() == 0) return output_(bytes);
-  if (delayed_.size() < most_delayed) delayed_.push_back({bench().clock().now() + pause, bytes});
+  if (delayed_.size() < most_delayed)
+    delayed_.push_back({bench().clock().now() + pause, std::move(bytes)});
 }
 
 TimePoint SerialLine::next_due() const {
@@ -94,7 +130,9 @@ void SerialLine::run_due() {
 void SerialLine::target_reached(const Module& module, std::int32_t motors) {
   const auto from = sender(module.globals());
   const Reply event{from.host, from.module, Status::delayed, Command::TARGET_REACHED_EVENT, motors};
-  send(module, encode_serial(event));
+  if (module.in_ascii_mode()) return send(module, bytes_of(ascii::to_text(event) + '\r'));
+  const auto bytes = encode_serial(event);
+  send(module, Bytes(bytes.begin(), bytes.end()));
 }
 
 }  // namespace tmcl::sim

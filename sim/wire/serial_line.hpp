@@ -6,8 +6,11 @@
 #include <functional>
 #include <optional>
 #include <span>
+#include <string>
+#include <vector>
 
 #include "sim/module/module.hpp"
+#include "sim/wire/ascii_terminal.hpp"
 #include "sim/wire/line.hpp"
 #include "sim/wire/serial_framer.hpp"
 #include "tmcl/datagram.hpp"
@@ -20,6 +23,9 @@ namespace tmcl::sim {
 ///
 /// A reply is that of the module as it was asked: after SGP 66 or 76 it still carries the old
 /// address, and the next request must use the new one.
+///
+/// A module in ASCII mode hears characters and answers with lines (tmcl/ascii.hpp), as a person in
+/// a terminal likes it; the others go on with datagrams.
 class SerialLine final : public Line {
  public:
   using Output = std::function<void(std::span<const std::uint8_t>)>;
@@ -35,17 +41,27 @@ class SerialLine final : public Line {
   void target_reached(const Module& module, std::int32_t motors) override;
 
  private:
+  using Bytes = std::vector<std::uint8_t>;
   struct Delayed {
     TimePoint at;
-    SerialBytes bytes;
+    Bytes bytes;
+  };
+  /// What a module has heard of something unfinished.
+  struct Ear {
+    SerialFramer framer;
+    AsciiTerminal terminal;
+    bool ascii = false;
   };
 
-  void deliver(const SerialBytes& frame);
+  void hear(Module& module, Ear& ear, std::uint8_t byte);
+  void hear_character(Module& module, Ear& ear, std::uint8_t byte);
   void hand_to(Module& module, const SerialBytes& frame);
-  void send(const Module& module, const SerialBytes& bytes);
+  void hand_to(Module& module, const std::string& line);
+  Answer execute(Module& module, const ascii::Order& order);
+  void send(const Module& module, Bytes bytes);
 
   Output output_;
-  SerialFramer framer_;
+  std::vector<Ear> ears_;  ///< Of the bench's modules, in their order.
   std::deque<Delayed> delayed_;
 };
 

@@ -30,6 +30,9 @@ Examples
       tmclsim --module TMCM-1110 --pty /tmp/tmcm
   Two modules on one line, at addresses 1 and 7, reached over TCP as well:
       tmclsim --module TMCM-1110@1 --module TMCM-6110@7 --pty /tmp/tmcm --tcp 127.0.0.1:4001
+  Commands typed by hand, such as AMVP ABS, 0, 50000, until ABIN goes back to datagrams:
+      tmclctl --direct serial:/tmp/tmcm raw 1 ENTER_ASCII_MODE 0 0 0
+      picocom --imap crcrlf /tmp/tmcm
   A module on a virtual CAN bus:
       sudo ip link add dev vcan0 type vcan && sudo ip link set up vcan0
       tmclsim --module TMCM-3110 --can vcan0

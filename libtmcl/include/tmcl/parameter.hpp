@@ -55,6 +55,7 @@ namespace global_parameter {
 constexpr std::uint8_t eeprom_magic = 64;
 constexpr std::uint8_t serial_baud_rate = 65;
 constexpr std::uint8_t serial_address = 66;
+constexpr std::uint8_t ascii_mode = 67;
 constexpr std::uint8_t serial_heartbeat = 68;
 constexpr std::uint8_t can_bit_rate = 69;
 constexpr std::uint8_t can_reply_id = 70;

@@ -1,0 +1,49 @@
+/// Simulated modules in virtual time, for fuzz targets.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <vector>
+
+#include "require.hpp"
+#include "sim/bench.hpp"
+#include "sim/wire/can_line.hpp"
+#include "sim/wire/serial_line.hpp"
+#include "tmcl/clock.hpp"
+#include "tmcl/model.hpp"
+
+namespace tmcl::fuzz {
+
+class Bench {
+ public:
+  Bench() {
+    bench.add(*find_model(std::uint16_t{1110}), ModuleAddress{1});
+    bench.add(*find_model(std::uint16_t{6212}), ModuleAddress{2});
+  }
+
+  /// However little happens in it, this much time has an end.
+  void pass(Duration duration) {
+    constexpr std::size_t most_turns = 100'000;
+    const auto until = clock.now() + duration;
+    std::size_t turns = 0;
+    bench.run_due();
+    for (auto due = bench.next_due(); due <= until; due = bench.next_due()) {
+      require(++turns < most_turns, "time goes on");
+      clock.advance_to(std::max(due, clock.now()));
+      bench.run_due();
+    }
+    clock.advance_to(until);
+    bench.run_due();
+  }
+
+  VirtualClock clock;
+  sim::Bench bench{clock};
+  std::vector<std::uint8_t> sent;
+  std::vector<CanFrame> frames;
+  sim::SerialLine line{bench, [this](std::span<const std::uint8_t> bytes) {
+                         sent.insert(sent.end(), bytes.begin(), bytes.end());
+                       }};
+  sim::CanLine can{bench, [this](const CanFrame& frame) { frames.push_back(frame); }};
+};
+
+}  // namespace tmcl::fuzz
