@@ -170,19 +170,29 @@ class Reader {
   void interpret(std::string_view line) {
     if (line.empty() || line[0] == '#') return;
     if (take(line, "module")) {
-      model_ = find_model(line);
-      if (model_ == nullptr) throw std::runtime_error("no such module");
+      choose_models(line);
     } else if (take(line, "case")) {
-      cases_.push_back({name_, std::string(line), model_, {}, {}});
+      group_ = cases_.size();
+      for (const auto* model : models_) {
+        cases_.push_back({name_, std::string(line), number_, model, {}, {}});
+      }
     } else {
       if (cases_.empty()) throw std::runtime_error("this belongs to no case");
       interpret_in_case(line);
     }
   }
 
+  void choose_models(std::string_view names) {
+    models_.clear();
+    for (const auto& name : words_of(names, ' ')) {
+      models_.push_back(find_model(name));
+      if (models_.back() == nullptr) throw std::runtime_error("no such module: " + name);
+    }
+  }
+
   void interpret_in_case(std::string_view line) {
     if (take(line, "stage")) {
-      cases_.back().stage.emplace_back(line);
+      for (auto& one : group()) one.stage.emplace_back(line);
     } else if (take(line, "raw")) {
       add(raw_of(line));
     } else if (take(line, "wait")) {
@@ -206,8 +216,11 @@ class Reader {
     }
   }
 
-  void add(decltype(Line::action) action) {
-    cases_.back().lines.push_back({number_, std::move(action)});
+  /// The cases that stand as one in the file: the same on several modules.
+  std::span<Case> group() { return std::span(cases_).subspan(group_); }
+
+  void add(const decltype(Line::action)& action) {
+    for (auto& one : group()) one.lines.push_back({number_, action});
   }
   void add(Command command, std::uint8_t type, std::uint8_t motor, std::int32_t value,
            Expected expected) {
@@ -253,8 +266,9 @@ class Reader {
   std::string name_;
   std::ifstream file_;
   std::size_t number_ = 0;
-  const Model* model_ = find_model(1110);
+  std::vector<const Model*> models_;
   std::vector<Case> cases_;
+  std::size_t group_ = 0;
 };
 
 void put_sum(Bytes& bytes) {

@@ -1,7 +1,7 @@
 /// Conformance cases: what a module answers, written as text that can be read beside its manual.
 ///
 ///     # A comment. Cases of one family of commands are in one file.
-///     module TMCM-1110                     for this case and those below
+///     module TMCM-1110 TMCM-6212           each case below is run on both
 ///
 ///     case MST brings a motor to rest
 ///       stage left_switch = -1000          a line of the axis in the simulator's bench file
@@ -82,6 +82,7 @@ struct Line {
 struct Case {
   std::string file;
   std::string title;
+  std::size_t line = 0;  ///< Where it begins.
   const Model* model = nullptr;
   std::vector<std::string> stage;  ///< Lines for the bench file's axis.
   std::vector<Line> lines;

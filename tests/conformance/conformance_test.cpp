@@ -14,7 +14,7 @@
 namespace tmcl::conformance {
 
 std::ostream& operator<<(std::ostream& out, const Case& text) {
-  return out << text.file << ": " << text.title;
+  return out << text.file << ": " << text.title << ", " << text.model->name;
 }
 
 namespace {
@@ -186,7 +186,7 @@ TEST_P(Conformance, OfTheSimulator) {
 }
 
 std::string test_name(const testing::TestParamInfo<Case>& info) {
-  auto name = info.param.file + "_" + info.param.title;
+  auto name = info.param.file + "_" + info.param.title + "_" + std::string(info.param.model->name);
   std::ranges::replace_if(
       name, [](unsigned char c) { return std::isalnum(c) == 0; }, '_');
   return name;

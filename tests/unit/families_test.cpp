@@ -207,8 +207,8 @@ TEST(Globals, HaveRangesInEveryBank) {
   EXPECT_EQ(global_range(model, 3, 2)->maximum, INT32_MAX);
   EXPECT_EQ(global_range(model, 3, 3), std::nullopt);
   EXPECT_EQ(global_range(model, 3, 26), std::nullopt);
-  EXPECT_EQ(global_range(model, 3, 32)->maximum, 3);
-  EXPECT_EQ(global_range(model, 3, 33), std::nullopt);
+  EXPECT_EQ(global_range(model, 3, 38)->maximum, 3);
+  EXPECT_EQ(global_range(model, 3, 39)->maximum, 3);
   EXPECT_EQ(global_range(model, 3, 46)->maximum, 3);
   EXPECT_EQ(global_range(model, 3, 47), std::nullopt);
 }

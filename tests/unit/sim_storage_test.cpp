@@ -239,7 +239,7 @@ TEST_F(SimStorage, KnowsTheSettingsOfInterrupts) {
   EXPECT_EQ(status_of(Command::SGP, 3, interrupts, 1), Status::wrong_type);
   EXPECT_EQ(status_of(Command::SGP, 28, interrupts, 3), Status::ok);
   EXPECT_EQ(status_of(Command::SGP, 28, interrupts, 4), Status::invalid_value);
-  EXPECT_EQ(status_of(Command::SGP, 29, interrupts, 1), Status::wrong_type);  // a second motor's
+  EXPECT_EQ(status_of(Command::SGP, 26, interrupts, 1), Status::wrong_type);
   EXPECT_EQ(status_of(Command::SGP, 39, interrupts, 1), Status::ok);
   ask(Command::STGP, 39, interrupts);
   restart();

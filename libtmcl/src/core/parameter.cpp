@@ -56,7 +56,9 @@ std::span<const ParameterInfo> table_of(const Model& model, const Tables& tables
 // Bank 3.
 constexpr int timers = 3;
 constexpr int first_stop_switch = 27;
+constexpr int stop_switches = 12;
 constexpr int first_input = 39;
+constexpr int inputs = 8;
 
 constexpr std::int32_t least = std::numeric_limits<std::int32_t>::min();
 constexpr std::int32_t greatest = std::numeric_limits<std::int32_t>::max();
@@ -65,12 +67,14 @@ constexpr bool lies_in(int number, int first, int count) {
   return number >= first && number < first + count;
 }
 
-std::optional<GlobalRange> interrupt_range(const Model& model, std::uint8_t number) {
+// Some models keep settings for stop switches and inputs that they do not have: PyTrinamic's lists
+// name such on the TMCM-1110 and TMCM-1240. So all are kept on all models.
+std::optional<GlobalRange> interrupt_range(std::uint8_t number) {
   constexpr GlobalRange period{Access::read_write, true, 0, greatest, 0};
   constexpr GlobalRange edge{Access::read_write, true, 0, 3, 0};
   if (lies_in(number, 0, timers)) return period;
-  const bool has_edge = lies_in(number, first_stop_switch, 2 * model.axes) ||
-                        lies_in(number, first_input, model.ports.digital_inputs);
+  const bool has_edge =
+      lies_in(number, first_stop_switch, stop_switches) || lies_in(number, first_input, inputs);
   return has_edge ? std::optional(edge) : std::nullopt;
 }
 
@@ -98,7 +102,7 @@ std::optional<GlobalRange> global_range(const Model& model, std::uint8_t bank,
     case global_bank::parameters: return parameter_range(model, number);
     case global_bank::user_variables:
       return GlobalRange{Access::read_write, number < kept_user_variables, least, greatest, 0};
-    case global_bank::interrupts: return interrupt_range(model, number);
+    case global_bank::interrupts: return interrupt_range(number);
     default: return std::nullopt;
   }
 }

@@ -15,6 +15,7 @@ from pytrinamic.connections import ConnectionManager
 
 ARRIVAL_S = 20.0
 MOVE = 2000
+MAX_VELOCITY = 4  # whatever the class calls it
 
 
 def constants(holder):
@@ -60,8 +61,7 @@ def wait_until(condition, seconds):
 
 
 def move(motor, axis, complaints):
-    ap = motor.AP
-    speed = motor.get_axis_parameter(ap.MaxVelocity) // 2
+    speed = motor.get_axis_parameter(MAX_VELOCITY) // 2
     motor.rotate(speed)
     if not wait_until(lambda: motor.actual_velocity == speed, ARRIVAL_S):
         complaints.append(f"motor {axis}: turns at {motor.actual_velocity}, not at {speed}")
