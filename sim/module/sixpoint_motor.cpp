@@ -124,8 +124,12 @@ void SixPointMotor::move_to(std::int64_t position) {
   set_mode(Mode::position);
 }
 
+// A motor that was rotated or stopped since has no target any more: PyTrinamic's demo for the
+// TMCM-1276 moves on from where such a motor stands.
 std::int32_t SixPointMotor::relative_origin() const {
-  return static_cast<std::int32_t>(chip().read(relative_to_actual_ ? R::xactual : R::xtarget));
+  const bool has_target = chip().mode() == Mode::position;
+  const bool from_target = has_target && !relative_to_actual_;
+  return static_cast<std::int32_t>(chip().read(from_target ? R::xtarget : R::xactual));
 }
 
 void SixPointMotor::set_switch_mode(std::int32_t bits, bool on) {
