@@ -33,6 +33,8 @@ constexpr std::size_t serial_datagram_size = 9;
 constexpr std::uint8_t can_datagram_size = 7;
 constexpr std::uint8_t default_host_address = 2;   ///< Global parameter 76 of a new module.
 constexpr std::uint32_t default_can_reply_id = 2;  ///< Global parameter 70 of a new module.
+/// Some modules' bootloaders answer here, whatever parameter 70 says (PyTrinamic's tmclfwupload).
+constexpr std::uint32_t can_bootloader_reply_id = 0x7FF;
 
 using SerialBytes = std::array<std::uint8_t, serial_datagram_size>;
 

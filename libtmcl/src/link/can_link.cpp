@@ -19,12 +19,15 @@ namespace {
 constexpr can_err_mask_t reported_errors = CAN_ERR_TX_TIMEOUT | CAN_ERR_CRTL | CAN_ERR_ACK |
                                            CAN_ERR_BUSOFF | CAN_ERR_BUSERROR | CAN_ERR_RESTARTED;
 
+can_filter only(std::uint32_t id, bool extended) {
+  return {id | (extended ? CAN_EFF_FLAG : 0U),
+          CAN_EFF_FLAG | CAN_RTR_FLAG | (extended ? CAN_EFF_MASK : CAN_SFF_MASK)};
+}
+
 bool accept_only_replies(int descriptor, const LinkOptions& options) {
-  can_filter filter{};
-  filter.can_id = options.can_reply_id | (options.can_extended ? CAN_EFF_FLAG : 0U);
-  filter.can_mask =
-      CAN_EFF_FLAG | CAN_RTR_FLAG | (options.can_extended ? CAN_EFF_MASK : CAN_SFF_MASK);
-  return setsockopt(descriptor, SOL_CAN_RAW, CAN_RAW_FILTER, &filter, sizeof filter) == 0 &&
+  const can_filter filters[] = {only(options.can_reply_id, options.can_extended),
+                                only(can_bootloader_reply_id, options.can_extended)};
+  return setsockopt(descriptor, SOL_CAN_RAW, CAN_RAW_FILTER, filters, sizeof filters) == 0 &&
          setsockopt(descriptor, SOL_CAN_RAW, CAN_RAW_ERR_FILTER, &reported_errors,
                     sizeof reported_errors) == 0;
 }
