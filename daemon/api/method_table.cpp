@@ -126,6 +126,106 @@ constexpr std::array list_parameters_result{
                "number, name, access, minimum, maximum, initial, unit, meaning; none for a model "
                "that is not known"}};
 
+constexpr std::array eeprom_parameter_params{axis, parameter, deadline};
+constexpr std::array eeprom_parameter_result{
+    ResultInfo{"parameter", nullable_text, "standard name; null if the number has none"},
+    ResultInfo{"number", integer, "number of the axis parameter"}};
+
+// ---- reference searches, coordinates ----
+
+constexpr ParamInfo search_mode{
+    "mode", integer, optional, "axis parameter 193, set before; as it is set if absent", 1, 255};
+constexpr std::array home_params{
+    axis, search_mode,
+    ParamInfo{"timeout_ms", integer, optional, "how long at most; 0 or absent: as it takes", 0,
+              86'400'000}};
+constexpr std::array home_result{
+    ResultInfo{
+        "correction_microsteps", nullable_number,
+        "where the axis believed to be at what is zero now; null if the module does not say"},
+    ResultInfo{"switch_distance_microsteps", nullable_number,
+               "from one end switch to the other; null if the module does not say"}};
+constexpr std::array start_home_params{axis, search_mode};
+constexpr ParamInfo coordinate{"number", integer, required, "number of the coordinate", 0, 20};
+constexpr std::array coordinate_params{axis, coordinate, deadline};
+constexpr std::array set_coordinate_params{
+    axis, coordinate, ParamInfo{"position_microsteps", integer, required, "what to remember"},
+    deadline};
+constexpr std::array coordinate_result{
+    ResultInfo{"position_microsteps", integer, "the coordinate"}};
+constexpr std::array eeprom_coordinate_params{
+    axis, ParamInfo{"number", integer, optional, "number of the coordinate; all if absent", 1, 20},
+    deadline};
+
+// ---- global parameters, ports, modules ----
+
+constexpr ParamInfo bus{"bus", text, required, "name of the bus"};
+constexpr ParamInfo address{"address", integer, required, "address of the module", 0, 2047};
+constexpr std::array module_params{bus, address, deadline};
+constexpr ParamInfo global{"parameter", text_or_integer,
+                           required,    "standard name or number of the global parameter",
+                           0,           255};
+constexpr ParamInfo bank{"bank", integer, optional, "bank of the parameter; 0 if absent", 0, 255};
+constexpr std::array global_params{bus, address, global, bank, deadline};
+constexpr std::array set_global_params{
+    bus,     address, global, bank, ParamInfo{"value", integer, required, "what to set it to"},
+    deadline};
+constexpr std::array global_result{
+    ResultInfo{"parameter", nullable_text, "standard name; null if it was given by number"},
+    ResultInfo{"number", integer, "number of the global parameter"},
+    ResultInfo{"bank", integer, "its bank"}};
+constexpr std::array global_value_result{global_result[0], global_result[1], global_result[2],
+                                         ResultInfo{"value", integer, "its value"}};
+constexpr ParamInfo port{"port", integer, required, "number of the port", 0, 255};
+constexpr std::array get_io_params{
+    bus, address, port,
+    ParamInfo{"bank", integer, optional,
+              "0 digital inputs, 1 analog inputs, 2 digital outputs; 0 if absent", 0, 2},
+    deadline};
+constexpr std::array set_io_params{
+    bus, address, port, ParamInfo{"value", integer, required, "what to set it to"}, deadline};
+constexpr std::array io_result{ResultInfo{"value", integer, "value of the port"}};
+constexpr std::array module_info_result{
+    ResultInfo{"module_id", nullable_number, "what the firmware is for"},
+    ResultInfo{"version", nullable_number, "its version"},
+    ResultInfo{"capabilities", nullable_number,
+               "1 bootloader, 2 stand-alone programs, 4 CANopen, 8 EtherCAT, 16 IO-Link"},
+    ResultInfo{"release_type", nullable_number, "kind of release"},
+    ResultInfo{"bootloader_id", nullable_number, "what the bootloader is for"},
+    ResultInfo{"bootloader_version", nullable_number, "its version"},
+    ResultInfo{"axis_parameter_width", nullable_number, "bits of an axis parameter's number"},
+    ResultInfo{"register_address_width", nullable_number, "bits of a register's address"},
+    ResultInfo{"git_hash", nullable_number, "what it was built from"}};
+
+// ---- programs ----
+
+constexpr ParamInfo program{"program", text, required, "a program file, in hexadecimal"};
+constexpr ParamInfo first_address{
+    "first_address", integer, optional, "address of its first command; 0 if absent", 0, 2047};
+constexpr std::array load_params{
+    bus, address, program, first_address,
+    ParamInfo{"compare", boolean, optional, "read it back and compare; true if absent"}};
+constexpr std::array compare_params{bus, address, program, first_address};
+constexpr std::array commands_result{ResultInfo{"commands", integer, "how many commands it has"}};
+constexpr std::array read_program_params{
+    bus, address, first_address,
+    ParamInfo{"length", integer, optional, "how many commands; up to its end if absent", 1, 2048}};
+constexpr std::array read_program_result{
+    ResultInfo{"commands", integer, "how many commands it has"},
+    ResultInfo{"program", text, "a program file, in hexadecimal"}};
+constexpr std::array run_program_params{
+    bus, address,
+    ParamInfo{"first_address", integer, optional, "where it begins; where it stands if absent", 0,
+              2047},
+    deadline};
+constexpr std::array program_status_result{
+    ResultInfo{"state", text, "stopped, running, stepping or reset"},
+    ResultInfo{"next_address", nullable_number,
+               "the next command; null if the module does not say"},
+    ResultInfo{"last_error", nullable_number, "0: none; null if the module does not say"}};
+constexpr std::array breakpoint_params{
+    bus, address, ParamInfo{"at", integer, required, "address in the program", 0, 2047}, deadline};
+
 // ---- system, subscriptions ----
 
 constexpr std::array stop_all_result{
@@ -184,6 +284,20 @@ constexpr auto table = std::to_array<MethodInfo>({
      handlers::stop},
     {"axis.wait", "answers when the axis stands at its target", wait_params, wait_result,
      Effect::reads, handlers::wait},
+    {"axis.home", "searches the reference and answers when that has ended", home_params,
+     home_result, Effect::moves, handlers::home},
+    {"axis.start_home",
+     "starts a reference search; does not wait for its end",
+     start_home_params,
+     {},
+     Effect::moves,
+     handlers::start_home},
+    {"axis.stop_home",
+     "ends a reference search",
+     only_axis,
+     {},
+     Effect::stops,
+     handlers::stop_home},
     {"axis.get_state", "where the axis is and what it does", only_axis, state_result, Effect::reads,
      handlers::get_state},
     {"axis.get_units", "what the axis counts in", only_axis, units_result, Effect::reads,
@@ -192,8 +306,110 @@ constexpr auto table = std::to_array<MethodInfo>({
      Effect::reads, handlers::get_parameter},
     {"parameter.set", "sets an axis parameter", set_parameter_params, parameter_result,
      Effect::moves, handlers::set_parameter},
+    {"parameter.store", "copies an axis parameter to the EEPROM", eeprom_parameter_params,
+     eeprom_parameter_result, Effect::writes, handlers::store_parameter},
+    {"parameter.restore", "copies an axis parameter back from the EEPROM", eeprom_parameter_params,
+     eeprom_parameter_result, Effect::moves, handlers::restore_parameter},
     {"parameter.list", "the parameters that the model of an axis has", only_axis,
      list_parameters_result, Effect::reads, handlers::list_parameters},
+    {"coordinate.get", "reads a coordinate", coordinate_params, coordinate_result, Effect::reads,
+     handlers::get_coordinate},
+    {"coordinate.set",
+     "remembers a position by a number",
+     set_coordinate_params,
+     {},
+     Effect::writes,
+     handlers::set_coordinate},
+    {"coordinate.capture", "remembers where the axis is", coordinate_params, coordinate_result,
+     Effect::writes, handlers::capture_coordinate},
+    {"coordinate.move",
+     "starts a move to a coordinate",
+     coordinate_params,
+     {},
+     Effect::moves,
+     handlers::move_to_coordinate},
+    {"coordinate.store",
+     "copies coordinates of all motors of the axis' module to the EEPROM",
+     eeprom_coordinate_params,
+     {},
+     Effect::writes,
+     handlers::store_coordinates},
+    {"coordinate.load",
+     "copies them back from the EEPROM",
+     eeprom_coordinate_params,
+     {},
+     Effect::writes,
+     handlers::load_coordinates},
+    {"global.get", "reads a global parameter", global_params, global_value_result, Effect::reads,
+     handlers::get_global},
+    {"global.set", "sets a global parameter", set_global_params, global_value_result,
+     Effect::writes, handlers::set_global},
+    {"global.store", "copies a global parameter to the EEPROM", global_params, global_result,
+     Effect::writes, handlers::store_global},
+    {"global.restore", "copies a global parameter back from the EEPROM", global_params,
+     global_result, Effect::writes, handlers::restore_global},
+    {"io.get", "reads an input or output", get_io_params, io_result, Effect::reads,
+     handlers::get_io},
+    {"io.set", "sets a digital output", set_io_params, io_result, Effect::writes, handlers::set_io},
+    {"module.info", "what a module's firmware says of itself", module_params, module_info_result,
+     Effect::reads, handlers::module_info},
+    {"module.reset", "restarts a module", module_params, {}, Effect::moves, handlers::reset_module},
+    {"module.factory_reset",
+     "restores everything in a module to how it was delivered",
+     module_params,
+     {},
+     Effect::moves,
+     handlers::factory_reset},
+    {"program.load", "loads a program into a module; tells its progress by notify_progress",
+     load_params, commands_result, Effect::writes, handlers::load_program},
+    {"program.compare", "compares a program with the one in a module", compare_params,
+     commands_result, Effect::reads, handlers::compare_program},
+    {"program.read", "reads the program in a module", read_program_params, read_program_result,
+     Effect::reads, handlers::read_program},
+    {"program.run",
+     "runs the program in a module",
+     run_program_params,
+     {},
+     Effect::moves,
+     handlers::run_program},
+    {"program.stop",
+     "ends the program; motors go on",
+     module_params,
+     {},
+     Effect::writes,
+     handlers::stop_program},
+    {"program.step",
+     "executes one command of the program",
+     module_params,
+     {},
+     Effect::moves,
+     handlers::step_program},
+    {"program.reset",
+     "ends the program and sets it back to its start",
+     module_params,
+     {},
+     Effect::writes,
+     handlers::reset_program},
+    {"program.status", "what the program does", module_params, program_status_result, Effect::reads,
+     handlers::program_status},
+    {"program.set_breakpoint",
+     "stops the program there from now on",
+     breakpoint_params,
+     {},
+     Effect::writes,
+     handlers::set_breakpoint},
+    {"program.clear_breakpoint",
+     "does not stop it there any more",
+     breakpoint_params,
+     {},
+     Effect::writes,
+     handlers::clear_breakpoint},
+    {"program.clear_breakpoints",
+     "does not stop it anywhere any more",
+     module_params,
+     {},
+     Effect::writes,
+     handlers::clear_breakpoints},
     {"system.stop_all",
      "stops all axes at once",
      {},

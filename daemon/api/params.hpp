@@ -30,6 +30,9 @@ class Params {
     return has(name) ? integer(name) : otherwise;
   }
   double number(std::string_view name) const { return object_.at(name).to_number<double>(); }
+  bool boolean_or(std::string_view name, bool otherwise) const {
+    return has(name) ? object_.at(name).get_bool() : otherwise;
+  }
   bool is_text(std::string_view name) const { return object_.at(name).is_string(); }
   /// Empty if the parameter is absent.
   std::vector<std::string> texts(std::string_view name) const;

@@ -15,6 +15,8 @@ using boost::asio::awaitable;
 using tmcl::Microsteps;
 using tmcl::Result;
 
+constexpr std::uint8_t reference_search_mode = 193;
+
 tmcl::Error superseded(const AxisConfig& axis) {
   tmcl::Error error;
   error.code = tmcl::Errc::superseded_by_stop;
@@ -60,10 +62,7 @@ std::span<const tmcl::ParameterInfo> GatewayAxis::parameters() const {
 template <class T>
 GatewayAxis::Awaitable<T> GatewayAxis::run(tmcl::Script<Result<T>> script, RunOptions options) {
   auto result = co_await bus_->run(std::move(script), std::move(options));
-  if (!result) {
-    module_.note(result.error());
-    if (result.error().bus.empty()) result.error().bus = config_.bus;
-  }
+  note(result);
   co_return result;
 }
 
@@ -121,8 +120,40 @@ GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity
 
 GatewayAxis::Awaitable<void> GatewayAxis::stop() {
   revoke_movements();
+  const bool was_searching = searching_;
   RunOptions options;
   auto result = co_await run(tmcl::verbs::stop(address()), std::move(options));
+  // A firmware that searches on may start the motor again.
+  if (!was_searching || !result) co_return result;
+  auto ended = co_await stop_home();
+  co_return ended;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::stop_home() {
+  revoke_movements();
+  RunOptions options;
+  auto result = co_await run(tmcl::verbs::stop_reference_search(address()), std::move(options));
+  if (result) searching_ = false;
+  co_return result;
+}
+
+GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions home_options,
+                                                      RunOptions movement) {
+  searching_ = true;
+  auto result =
+      co_await run(tmcl::verbs::home(address(), std::move(home_options)), std::move(movement));
+  if (result) searching_ = false;
+  co_return result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t> mode,
+                                                     RunOptions movement) {
+  if (mode) {
+    auto chosen = co_await set(reference_search_mode, *mode, movement);
+    if (!chosen) co_return chosen;
+  }
+  searching_ = true;
+  auto result = co_await run(tmcl::verbs::start_reference_search(address()), std::move(movement));
   co_return result;
 }
 

@@ -81,8 +81,24 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// them. `unit` is empty if it has none. Nothing where the microsteps cannot be known.
   boost::asio::awaitable<std::optional<tmcl::UserScale>> scale();
 
-  /// Goes out before everything else, whatever is known about the module.
+  /// Ends with an error when a stop comes; the search ends with it.
+  Awaitable<tmcl::Homed> home(tmcl::HomeOptions options, RunOptions movement);
+  Awaitable<void> start_home(std::optional<std::int32_t> mode, RunOptions movement);
+  /// Any other verb.
+  template <class T>
+  Awaitable<T> perform(tmcl::Script<tmcl::Result<T>> script, RunOptions options) {
+    auto ready = co_await be_ready();
+    if (!ready) co_return tl::unexpected(std::move(ready.error()));
+    auto result = co_await bus_->run(std::move(script), std::move(options));
+    note(result);
+    co_return result;
+  }
+
+  /// Goes out before everything else, whatever is known about the module. Ends a reference search
+  /// that was begun here, too.
   Awaitable<void> stop();
+  /// Ends a reference search, whoever began it.
+  Awaitable<void> stop_home();
   /// Calls that began before this have no right to move the axis any more.
   void revoke_movements() { ++stops_; }
 
@@ -94,11 +110,19 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<T> run(tmcl::Script<tmcl::Result<T>> script, RunOptions options);
   boost::asio::awaitable<void> add_units(AxisReading& reading);
   void forget_units(std::uint8_t parameter);
+  template <class T>
+  void note(tmcl::Result<T>& result) {
+    if (result) return;
+    module_.note(result.error());
+    if (result.error().bus.empty()) result.error().bus = config_.bus;
+  }
 
   AxisConfig config_;
   std::shared_ptr<GatewayBus> bus_;
   GatewayModule& module_;
   std::uint64_t stops_ = 0;
+  /// A reference search was begun here and has not been seen to end.
+  bool searching_ = false;
   /// What was read is known until the module's settings may have changed, also while it is read.
   struct UnitsEpoch {
     std::uint64_t settings;
