@@ -6,6 +6,11 @@ _tmclctl_words() {
   tmclctl "${where[@]}" __complete "$@" 2>/dev/null
 }
 
+# Whether a verb must follow.
+_tmclctl_is_group() {
+  [[ " '' profile program coordinate global firmware " == *" ${1:-''} "* ]]
+}
+
 _tmclctl() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]}
   local verb=() where=() generator="" arguments=0 i
@@ -18,14 +23,14 @@ _tmclctl() {
       --generator) generator=${COMP_WORDS[i+1]}; ((i++)) ;;
       --direct | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus | --change | \
         --sample | --until | --full-steps | --velocity | --acceleration | --model | --pulse-div | --ramp-div | \
-        --unit-mode | --microsteps | -o | --output)
+        --unit-mode | --microsteps | --mode | --bank | --start | --length | -o | --output)
         # --by of move takes no value.
         [[ ${COMP_WORDS[i]} == --by && ${verb[*]} == move ]] || ((i++)) ;;
       # Bash splits serial:/dev/ttyACM0 at the colon.
       : | =) ((i++)) ;;
       -*) ;;
       *)
-        if [[ ${#verb[@]} == 0 || ${verb[*]} == profile || ${verb[*]} == program || ${verb[*]} == firmware ]]; then
+        if _tmclctl_is_group "${verb[*]}"; then
           verb+=("${COMP_WORDS[i]}")
         else
           ((arguments++))
@@ -52,21 +57,23 @@ _tmclctl() {
       mapfile -t COMPREPLY < <(compgen -W "$(_tmclctl_words generators)" -- "$current")
       return ;;
     --addresses | --timeout | --interval | --for | --to | --bus | --change | --sample | --until | --full-steps | \
-      --velocity | --acceleration | --pulse-div | --ramp-div | --unit-mode | --microsteps) return ;;
+      --velocity | --acceleration | --pulse-div | --ramp-div | --unit-mode | --microsteps | \
+      --mode | --bank | --start | --length) return ;;
   esac
 
   local words=""
   if [[ $current == -* ]]; then
     words=$(_tmclctl_words options "${verb[@]}")
-  elif [[ ${#verb[@]} == 0 || ${verb[*]} == profile || ${verb[*]} == program || ${verb[*]} == firmware ]]; then
+  elif _tmclctl_is_group "${verb[*]}"; then
     words=$(_tmclctl_words verbs "${verb[@]}")
   else
     case ${verb[*]}:$arguments in
-      get:0 | set:0 | move:0 | rotate:0 | stop:0 | state:0 | watch:0 | plot:0 | params:0 | ramp:0)
+      get:0 | set:0 | move:0 | rotate:0 | stop:0 | state:0 | watch:0 | plot:0 | params:0 | ramp:0 | home:0 | \
+        store:0 | restore:0 | "coordinate "*:0)
         words=$(_tmclctl_words axes) ;;
-      get:1 | set:1) words=$(_tmclctl_words parameters) ;;
+      get:1 | set:1 | store:1 | restore:1) words=$(_tmclctl_words parameters) ;;
       raw:1) words=$(_tmclctl_words commands) ;;
-      "program assemble":0 | "program disassemble":0) compopt -o default ;;
+      "program assemble":0 | "program disassemble":0 | "program upload":0 | "program verify":0) compopt -o default ;;
       "firmware info":0 | "firmware check":0 | "firmware upload":0) compopt -o default ;;
       "profile simulate":*)
         if [[ $current == = || $previous == = ]]; then

@@ -1,6 +1,4 @@
 // Stand-alone programs.
-#include <charconv>
-
 #include "api/handlers.hpp"
 #include "api/module_choice.hpp"
 
@@ -10,37 +8,11 @@ namespace {
 namespace json = boost::json;
 using tmcl::program::Program;
 
-std::string to_hex(std::span<const std::uint8_t> bytes) {
-  constexpr std::string_view digits = "0123456789abcdef";
-  std::string text;
-  for (const auto byte : bytes) {
-    text += digits[byte >> 4U];
-    text += digits[byte & 15U];
-  }
-  return text;
-}
-
-std::optional<std::vector<std::uint8_t>> from_hex(std::string_view text) {
-  if (text.size() % 2 != 0) return std::nullopt;
-  std::vector<std::uint8_t> bytes;
-  for (; !text.empty(); text.remove_prefix(2)) {
-    std::uint8_t byte = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + 2, byte, 16);
-    if (error != std::errc{} || end != text.data() + 2) return std::nullopt;
-    bytes.push_back(byte);
-  }
-  return bytes;
-}
-
 Lookup<Program> program_of(const Call& call) {
-  const auto bytes = from_hex(call.params.text("program"));
-  if (!bytes) {
-    return tl::unexpected(param_error("bad_argument", "program", "'program' is not hexadecimal",
-                                      "two digits for each byte of a program file"));
-  }
-  return tmcl::program::from_bytes(*bytes).map_error([](const std::string& problem) {
-    return param_error("bad_argument", "program", "'program': " + problem);
-  });
+  return tmcl::program::from_hex(call.params.text("program"))
+      .map_error([](const std::string& problem) {
+        return param_error("bad_argument", "program", "'program': " + problem);
+      });
 }
 
 std::uint16_t first_address_of(const Call& call) {
@@ -138,7 +110,7 @@ Answer read_program(Call& call) {
   const auto program = co_await run_on(*module, call, std::move(script));
   if (!program) co_return tl::unexpected(program.error());
   auto result = with_commands(*program);
-  result["program"] = to_hex(tmcl::program::to_bytes(*program));
+  result["program"] = tmcl::program::to_hex(*program);
   co_return result;
 }
 

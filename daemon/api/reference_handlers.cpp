@@ -32,6 +32,7 @@ tmcl::HomeOptions home_options(const Call& call) {
     params["axis"] = axis;
     params["step"] = step;
     peer->notify("notify_progress", std::move(params));
+    return true;
   };
   return options;
 }

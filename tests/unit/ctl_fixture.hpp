@@ -148,6 +148,16 @@ class FakeTarget : public Target {
     answer.reply = {2, 1, tmcl::Status::ok, command.request.command, 1000};
     return answer;
   }
+  Attempt<boost::json::object> perform(const std::string& method, boost::json::object params,
+                                       const NewsHandler& on_news) override {
+    if (failure) return tl::unexpected(*failure);
+    calls.push_back(method + ' ' + boost::json::serialize(params));
+    if (on_news && !on_news({{"phase", "writing"}, {"done", 1}, {"of", 2}, {"step", 1}})) {
+      return tl::unexpected(Failure{ExitCode::unknown, "download_broken", "it was cancelled"});
+    }
+    return result;
+  }
+  boost::json::object result;  ///< Of every method.
   std::string options() const override { return " --direct can:can0"; }
 
  private:

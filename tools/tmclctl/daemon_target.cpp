@@ -285,6 +285,22 @@ Attempt<json::object> DaemonTarget::bus_named(const std::string& name) {
       usage_failure("unknown_bus", fmt::format("tmcld has no bus '{}'", name), "It has: " + names));
 }
 
+Attempt<json::object> DaemonTarget::perform(const std::string& method, json::object params,
+                                            const NewsHandler& on_news) {
+  if (params.contains("address")) {
+    const auto bus = bus_named(text_at(params, "bus"));
+    if (!bus) return tl::unexpected(bus.error());
+    params["bus"] = text_at(*bus, "name");
+  }
+  // Whether it is wanted any more is asked of Options::cancelled.
+  daemon_.on_notification([&](std::string_view notification, const json::object& news) {
+    if (notification == "notify_progress" && on_news) on_news(news);
+  });
+  auto result = call(method, std::move(params));
+  daemon_.on_notification({});
+  return result;
+}
+
 Attempt<RawAnswer> DaemonTarget::raw(const RawCommand& command) {
   const auto bus = bus_named(command.bus);
   if (!bus) return tl::unexpected(bus.error());

@@ -32,6 +32,8 @@ class DaemonTarget final : public Target {
   Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
                       const ReadingHandler& on_reading) override;
   Attempt<RawAnswer> raw(const RawCommand& command) override;
+  Attempt<boost::json::object> perform(const std::string& method, boost::json::object params,
+                                       const NewsHandler& on_news) override;
   std::string options() const override { return options_; }
 
  private:

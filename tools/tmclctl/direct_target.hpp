@@ -40,9 +40,37 @@ class DirectTarget final : public Target {
   Attempt<tmcl::FirmwareReport> upload_firmware(tmcl::ModuleAddress module,
                                                 const tmcl::firmware::Image& image,
                                                 const tmcl::FirmwareOptions& options) override;
+  Attempt<boost::json::object> perform(const std::string& method, boost::json::object params,
+                                       const NewsHandler& on_news) override;
   std::string options() const override;
 
  private:
+  /// What direct_methods.cpp has: what one method does.
+  using Do = Attempt<boost::json::object> (DirectTarget::*)(const boost::json::object& params,
+                                                            const NewsHandler& on_news);
+  struct DirectMethod {
+    std::string_view name;
+    Do run;
+  };
+  static std::span<const DirectMethod> methods();
+  Attempt<boost::json::object> home(const boost::json::object& params, const NewsHandler& on_news);
+  Attempt<boost::json::object> start_home(const boost::json::object& params, const NewsHandler&);
+  Attempt<boost::json::object> load(const boost::json::object& params, const NewsHandler& on_news);
+  Attempt<boost::json::object> compare(const boost::json::object& params,
+                                       const NewsHandler& on_news);
+  Attempt<boost::json::object> read(const boost::json::object& params, const NewsHandler& on_news);
+  Attempt<boost::json::object> store_all(const boost::json::object& params, const NewsHandler&);
+  Attempt<boost::json::object> load_all(const boost::json::object& params, const NewsHandler&);
+  /// Verbs of an axis, of a parameter of it, and of a module.
+  template <auto Verb>
+  Attempt<boost::json::object> on_axis(const boost::json::object& params, const NewsHandler&);
+  template <auto Verb>
+  Attempt<boost::json::object> on_parameter(const boost::json::object& params, const NewsHandler&);
+  template <auto Verb>
+  Attempt<boost::json::object> on_global(const boost::json::object& params, const NewsHandler&);
+  template <auto Verb>
+  Attempt<boost::json::object> on_module(const boost::json::object& params, const NewsHandler&);
+
   Attempt<tmcl::blocking::Axis> axis_at(const std::string& name);
   Attempt<std::span<const tmcl::ParameterInfo>> table_of(tmcl::ModuleAddress module);
   Attempt<ParameterName> parameter_of(tmcl::ModuleAddress module, const std::string& text);

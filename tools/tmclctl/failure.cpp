@@ -19,10 +19,18 @@ ExitCode exit_for(tmcl::Outcome outcome) {
   return ExitCode::unknown;
 }
 
+/// What failed although something was done.
+ExitCode exit_for_failure(std::string_view name, tmcl::Outcome outcome) {
+  if (outcome != tmcl::Outcome::done) return exit_for(outcome);
+  if (name == tmcl::name_of(tmcl::Errc::unexpected_value)) return ExitCode::refused;
+  if (name == tmcl::name_of(tmcl::Errc::deadline_passed)) return ExitCode::not_reached;
+  return ExitCode::unknown;
+}
+
 ExitCode exit_for(const tmcl::Error& error) {
   if (error.code == tmcl::Errc::bad_argument) return ExitCode::usage;
   if (error.code == tmcl::Errc::move_interrupted) return ExitCode::not_reached;
-  return exit_for(error.outcome);
+  return exit_for_failure(name_of(error.code), error.outcome);
 }
 
 // JSON-RPC 2.0: the daemon understood the request and did not like it.
@@ -35,7 +43,7 @@ ExitCode exit_for(const tmcl::client::CallError& error) {
   }
   if (error.name == tmcl::name_of(tmcl::Errc::move_interrupted)) return ExitCode::not_reached;
   if (error.code == invalid_params) return ExitCode::refused;
-  return exit_for(error.outcome);
+  return exit_for_failure(error.name, error.outcome);
 }
 
 std::string text_of(const json::object& object, std::string_view key) {

@@ -22,12 +22,14 @@ Examples:
   tmclctl rotate x -500                          turn left without end ...
   tmclctl stop x                                 ... and stop
   tmclctl stop --all                             stop everything
-  tmclctl set x max_velocity 1500                until the module loses power
+  tmclctl set x max_velocity 1500                until the module loses power ...
+  tmclctl store x max_velocity                   ... or for good
+  tmclctl home x                                 search the reference position
   tmclctl plot x --by 51200 --svg move.svg       move and draw how it went
   tmclctl --direct serial:/dev/ttyACM0@115200 get 1/0 actual_position
   tmclctl --json state x                         for scripts: one JSON document
   tmclctl profile simulate --help                how would a chip move?
-  tmclctl program assemble --help                programs that modules run by themselves
+  tmclctl program upload loop.tmc 1 --run        programs that modules run by themselves
 
 Exit codes:
     0  done
@@ -71,7 +73,7 @@ Prints one bare value, so that a script needs no parsing:
 
 constexpr const char* set = R"(
 A position, velocity or acceleration may have a unit, and becomes the nearest value there is. The
-module forgets the value when it loses power ('tmclctl raw' with STAP stores it).
+module forgets the value when it loses power, unless 'tmclctl store' keeps it.
 Writing target_position, target_velocity or ramp_mode can move the motor.
 
   tmclctl set x max_velocity 1500
@@ -126,6 +128,59 @@ records until the axis stands; otherwise it records until the axis stands, or fo
   tmclctl plot x --to 0 --svg move.svg --csv move.csv
   tmclctl rotate x 500; tmclctl plot x --for 3
   tmclctl plot x --by 1000 --csv -               CSV on standard output, no drawing
+)";
+
+constexpr const char* home = R"(
+Waits until the module says that its search has ended, unless --no-wait is given. Ctrl-C ends the
+waiting and NOT the search. A search that someone ends looks like one that has found the switch
+only without tmcld, which tells.
+
+  tmclctl home x
+  tmclctl home x --mode 5 --timeout 60
+  tmclctl home x --stop
+)";
+
+constexpr const char* coordinate = R"(
+Coordinates 0 to 20 are lost with the module's power, unless they are stored; 0 never is.
+
+  tmclctl coordinate capture x 1
+  tmclctl coordinate move x 1
+)";
+
+constexpr const char* global = R"(
+Names are those of bank 0. Parameters 64 to 127 of bank 0 are stored at once; some, such as the
+address, take effect at once, too, or after a reset.
+
+  tmclctl global get 1 can_bit_rate
+  tmclctl global set bench:1 5 4711 --bank 2     user variable 5
+)";
+
+constexpr const char* input = R"(
+Prints one bare value. Port 255 of bank 0 is all digital inputs, a bit each.
+
+  tmclctl input 1 0
+  tmclctl input 1 0 --bank 1                     as the converter gives it
+)";
+
+constexpr const char* factory_reset = R"(
+The module does not answer, and restarts. It may come back with another address and baud rate.
+)";
+
+constexpr const char* upload = R"(
+FILE is assembled (see 'tmclctl program assemble --help') or, if its name ends in .bin, taken as it
+is. While it is loaded, everybody else's commands to that module wait. A stop does not: it ends the
+upload. The first command is loaded last, so no half of a program can ever run. Needs a module
+whose program does not run, and is not protected (global parameter 81).
+
+  tmclctl program upload loop.tmc 1 --run
+  tmclctl --direct serial:/dev/ttyACM0 program upload loop.bin 1
+)";
+
+constexpr const char* download = R"(
+Prints the program as text that 'tmclctl program assemble' makes the same program of. Ends after 16
+empty commands, unless --length says how many there are.
+
+  tmclctl program download 1 -o saved.tmc
 )";
 
 constexpr const char* raw = R"(

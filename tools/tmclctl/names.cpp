@@ -97,6 +97,20 @@ std::string axis_name(tmcl::AxisAddress axis) {
   return fmt::format("{}/{}", number(axis.module), axis.motor);
 }
 
+Attempt<ModuleName> parse_module(std::string_view text) {
+  const auto colon = text.rfind(':');
+  const auto digits = colon == std::string_view::npos ? text : text.substr(colon + 1);
+  ModuleName name;
+  if (colon != std::string_view::npos) name.bus = text.substr(0, colon);
+  constexpr unsigned greatest = 2047;
+  const auto* end = digits.data() + digits.size();
+  const auto read = std::from_chars(digits.data(), end, name.address);
+  if (read.ec == std::errc{} && read.ptr == end && name.address <= greatest) return name;
+  return tl::unexpected(usage_failure(
+      "bad_module", fmt::format("'{}' names no module", text),
+      "A module is its address, 0 to 2047, or BUS:ADDRESS where tmcld has several buses"));
+}
+
 Attempt<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> table,
                                        std::string_view text) {
   if (const auto number = parse_whole<std::uint8_t>(text)) {

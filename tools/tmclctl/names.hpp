@@ -14,6 +14,13 @@ namespace tmclctl {
 Attempt<tmcl::AxisAddress> parse_axis_address(std::string_view text);
 std::string axis_name(tmcl::AxisAddress axis);
 
+struct ModuleName {
+  std::string bus;  ///< Empty: the only one there is.
+  std::uint16_t address = 0;
+};
+/// "1", or "bench:1" where tmcld has several buses.
+Attempt<ModuleName> parse_module(std::string_view text);
+
 struct ParameterName {
   std::uint8_t number = 0;
   std::string name;  ///< The standard name, or the number as text.

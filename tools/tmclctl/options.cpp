@@ -73,10 +73,14 @@ Parser::Parser() {
   add_motion(grammar_);
   add_watch(grammar_);
   add_plot(grammar_);
+  add_home(grammar_);
+  add_coordinates(grammar_);
+  add_eeprom(grammar_);
+  add_modules(grammar_);
   add_raw(grammar_);
   add_firmware(grammar_);
   add_profile(grammar_);
-  add_program(grammar_);
+  add_module_programs(grammar_, add_program(grammar_));
   add_units(grammar_);
   add_complete();
 }

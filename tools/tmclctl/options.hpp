@@ -131,6 +131,37 @@ struct Convert {
   std::int32_t full_steps = 200;
   Quantity quantity;
 };
+/// What is one method of tmcld (docs/PROTOCOL.md), done with or without it.
+struct Ask {
+  std::string method;
+  std::string axis;
+  std::string module;     ///< ADDRESS or BUS:ADDRESS
+  std::string parameter;  ///< Number or name.
+  std::optional<std::int32_t> bank, number, port, value, position, at, first_address;
+  bool sure = false;
+};
+struct Home {
+  std::string axis;
+  std::optional<std::int32_t> mode;
+  std::optional<double> timeout_s;
+  bool no_wait = false;
+  bool stop = false;
+};
+/// A program into a module, or compared with what is there.
+struct Upload {
+  std::string file;
+  std::string module;
+  std::optional<std::int32_t> first_address;
+  bool only_compare = false;
+  bool no_compare = false;
+  bool run = false;
+};
+/// And out of it.
+struct Download {
+  std::string module;
+  std::string output;  ///< Empty: as text to standard output; *.bin: a program file; else text.
+  std::optional<std::int32_t> first_address, length;
+};
 /// For the shell's completion: prints words, one a line, and never complains. Only "axes" needs a
 /// target; everything else is answered by the parser.
 struct Complete {
@@ -143,7 +174,8 @@ using Verb = std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, v
                           verb::Get, verb::Set, verb::Move, verb::Rotate, verb::Stop, verb::State,
                           verb::Watch, verb::Plot, verb::Raw, verb::Simulate, verb::Assemble,
                           verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware,
-                          verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Complete>;
+                          verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask, verb::Home,
+                          verb::Upload, verb::Download, verb::Complete>;
 
 struct Options {
   Where where;

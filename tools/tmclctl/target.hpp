@@ -102,6 +102,9 @@ struct RawAnswer {
   std::string text;  ///< The firmware version when it came as text.
 };
 
+/// Told what comes while a method runs: the parameters of notify_progress. False ends it.
+using NewsHandler = std::function<bool(const boost::json::object& news)>;
+
 struct StoppedAxis {
   std::string axis;
   std::optional<double> milliseconds;
@@ -141,6 +144,12 @@ class Target {
   virtual Attempt<tmcl::FirmwareReport> upload_firmware(tmcl::ModuleAddress module,
                                                         const tmcl::firmware::Image& image,
                                                         const tmcl::FirmwareOptions& options);
+  /// A method of tmcld by its name, with the parameters and the result that docs/PROTOCOL.md has;
+  /// without tmcld the same is done straight on the bus. Modules are "address" and, where tmcld has
+  /// several buses, "bus".
+  virtual Attempt<boost::json::object> perform(const std::string& method,
+                                               boost::json::object params,
+                                               const NewsHandler& on_news) = 0;
 
   /// The options with which another tmclctl reaches the same axes, such as " --direct can:can0";
   /// may be empty.

@@ -24,6 +24,10 @@ ExitCode complain(const Failure& failure, Output& output) {
 
 bool waits(const Verb& verb) {
   const auto* move = std::get_if<verb::Move>(&verb);
+  const auto* home = std::get_if<verb::Home>(&verb);
+  if (home != nullptr) return !home->no_wait && !home->stop;
+  if (std::holds_alternative<verb::Upload>(verb) || std::holds_alternative<verb::Download>(verb))
+    return true;
   return (move != nullptr && move->wait) || std::holds_alternative<verb::Watch>(verb) ||
          std::holds_alternative<verb::Plot>(verb);
 }
@@ -34,7 +38,8 @@ bool acts(const Verb& verb) {
         return std::is_same_v<T, verb::Set> || std::is_same_v<T, verb::Move> ||
                std::is_same_v<T, verb::Rotate> || std::is_same_v<T, verb::Stop> ||
                std::is_same_v<T, verb::Plot> || std::is_same_v<T, verb::Raw> ||
-               std::is_same_v<T, verb::Ramp>;
+               std::is_same_v<T, verb::Ramp> || std::is_same_v<T, verb::Home> ||
+               std::is_same_v<T, verb::Upload> || std::is_same_v<T, verb::Ask>;
       },
       verb);
 }

@@ -33,6 +33,10 @@ VerbResult run(const verb::Raw& verb, Room& room);
 VerbResult run(const verb::CheckFirmware& verb, Room& room);
 VerbResult run(const verb::UploadFirmware& verb, Room& room);
 VerbResult run(const verb::Ramp& verb, Room& room);
+VerbResult run(const verb::Ask& verb, Room& room);
+VerbResult run(const verb::Home& verb, Room& room);
+VerbResult run(const verb::Upload& verb, Room& room);
+VerbResult run(const verb::Download& verb, Room& room);
 VerbResult run(const verb::Complete& verb, Room& room);
 
 /// These need no target.

@@ -24,7 +24,8 @@ struct HomeOptions {
   /// no error.
   Duration silence_limit = std::chrono::seconds(3);
   /// Told after each look: what RFS STATUS gave, which is the step of the search, counted from 1.
-  std::function<void(std::int32_t step)> progress{};
+  /// False ends the waiting, as the timeout does.
+  std::function<bool(std::int32_t step)> progress{};
 };
 
 struct Homed {

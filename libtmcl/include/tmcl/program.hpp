@@ -18,6 +18,7 @@
 #include <cstdint>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -50,6 +51,11 @@ std::vector<std::uint8_t> to_bytes(std::span<const Instruction> program);
 /// without a full stop: a length that is no multiple of eight, more than most_commands, a wrong
 /// sum.
 tl::expected<Program, std::string> from_bytes(std::span<const std::uint8_t> bytes);
+
+/// The bytes of a program file as hexadecimal text, two digits each, for JSON.
+std::string to_hex(std::span<const Instruction> program);
+/// And back; either case. Errors as from_bytes().
+tl::expected<Program, std::string> from_hex(std::string_view text);
 
 /// How a module answers READ_TMCL_MEMORY, whose value is the address of a command; type and motor
 /// mean nothing. All seven bytes of a reply are the stored command: it stands where other replies

@@ -73,9 +73,9 @@ Script<Result<Homed>> home(AxisAddress axis, HomeOptions options) {
     const auto step = co_await patient_status(axis, options);
     if (!step) co_return tl::unexpected(step.error());
     if (*step == 0) break;
-    if (options.progress) options.progress(*step);
-    if (options.timeout > Duration{} && waited >= options.timeout)
-      co_return tl::unexpected(still_searching(axis, *step));
+    const bool wanted = !options.progress || options.progress(*step);
+    const bool late = options.timeout > Duration{} && waited >= options.timeout;
+    if (!wanted || late) co_return tl::unexpected(still_searching(axis, *step));
     co_await pause(options.poll_interval);
   }
   const auto correction = co_await get_if_there(axis, position_before_zeroing);

@@ -1,5 +1,7 @@
 #include "tmcl/program.hpp"
 
+#include <charconv>
+
 #include "tmcl/datagram.hpp"
 
 namespace tmcl::program {
@@ -46,6 +48,31 @@ tl::expected<Program, std::string> from_bytes(std::span<const std::uint8_t> byte
         {static_cast<Command>(in[0]), in[1], in[2], detail::get_value(in.subspan(3, 4))});
   }
   return program;
+}
+
+std::string to_hex(std::span<const Instruction> program) {
+  constexpr std::string_view digits = "0123456789abcdef";
+  std::string text;
+  for (const auto byte : to_bytes(program)) {
+    text += digits[byte >> 4U];
+    text += digits[byte & 15U];
+  }
+  return text;
+}
+
+tl::expected<Program, std::string> from_hex(std::string_view text) {
+  if (text.size() % 2 != 0)
+    return tl::unexpected(std::string("hexadecimal text has two digits for each byte"));
+  std::vector<std::uint8_t> bytes;
+  for (; !text.empty(); text.remove_prefix(2)) {
+    std::uint8_t byte = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + 2, byte, 16);
+    if (error != std::errc{} || end != text.data() + 2) {
+      return tl::unexpected("'" + std::string(text.substr(0, 2)) + "' is no hexadecimal byte");
+    }
+    bytes.push_back(byte);
+  }
+  return from_bytes(bytes);
 }
 
 }  // namespace tmcl::program

@@ -77,6 +77,8 @@ class Form {
   void optional_word(const std::string& name, const std::string& description, const Read& read);
   /// Any number of words, after all others.
   void words(const std::string& name, const std::string& description, const Read& read);
+  /// The word MODULE.
+  void module(std::string& into);
   /// The word AXIS.
   void axis(std::string& into);
   /// `value` is what stands for its value in the help.

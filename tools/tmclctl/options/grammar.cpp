@@ -49,6 +49,9 @@ void Form::optional_word(const std::string& name, const std::string& description
 void Form::words(const std::string& name, const std::string& description, const Read& read) {
   add_many(*app_, name, "", description, read);
 }
+void Form::module(std::string& into) {
+  word("MODULE", "Its address, or BUS:ADDRESS where tmcld has several buses", text(into));
+}
 void Form::axis(std::string& into) {
   word("AXIS", "A configured name, or ADDRESS/MOTOR with --direct", text(into));
 }

@@ -90,10 +90,16 @@ void add_parameters(Grammar& grammar);
 void add_motion(Grammar& grammar);
 void add_watch(Grammar& grammar);
 void add_plot(Grammar& grammar);
+void add_home(Grammar& grammar);
+void add_coordinates(Grammar& grammar);
+void add_eeprom(Grammar& grammar);
+void add_modules(Grammar& grammar);
 void add_raw(Grammar& grammar);
 void add_firmware(Grammar& grammar);
 void add_profile(Grammar& grammar);
-void add_program(Grammar& grammar);
+Form add_program(Grammar& grammar);
+/// Under the group that add_program() made.
+void add_module_programs(Grammar& grammar, const Form& program);
 void add_units(Grammar& grammar);
 
 }  // namespace tmclctl

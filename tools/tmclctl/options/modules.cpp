@@ -4,6 +4,186 @@
 
 namespace tmclctl {
 
+namespace {
+
+using AskForm = VerbForm<verb::Ask>;
+
+constexpr std::int32_t greatest_bank = 255;
+constexpr std::int32_t greatest_port = 255;
+constexpr std::int32_t greatest_coordinate = 20;
+constexpr std::int32_t greatest_place = 2047;
+constexpr std::int32_t most_lines = 2048;
+constexpr std::int32_t greatest_mode = 255;
+constexpr double shortest_time_s = 0.001;
+
+AskForm ask(Grammar& grammar, const Form& group, const std::string& name, const char* method,
+            const std::string& description, const char* footer = "") {
+  auto form = grammar.verb<verb::Ask>(group, name, description, footer);
+  form->method = method;
+  return form;
+}
+
+AskForm ask(Grammar& grammar, const std::string& name, const char* method,
+            const std::string& description, const char* footer = "") {
+  auto form = grammar.verb<verb::Ask>(name, description, footer);
+  form->method = method;
+  return form;
+}
+
+void add_parameter(AskForm& form) {
+  form.word("PARAM", "Number or standard name", text(form->parameter));
+}
+
+AskForm add_global(Grammar& grammar, const Form& group, const std::string& name, const char* method,
+                   const std::string& description) {
+  auto form = ask(grammar, group, name, method, description);
+  form.module(form->module);
+  add_parameter(form);
+  form.option("--bank", "N", "Bank of the parameter (default 0); user variables are in bank 2",
+              number(form->bank, 0, greatest_bank));
+  return form;
+}
+
+AskForm add_coordinate(Grammar& grammar, const Form& group, const std::string& name,
+                       const char* method, const std::string& description) {
+  auto form = ask(grammar, group, name, method, description);
+  form.axis(form->axis);
+  form.word("NUMBER", "Of the coordinate, 0 to 20", number(form->number, 0, greatest_coordinate));
+  return form;
+}
+
+void add_all_coordinates(Grammar& grammar, const Form& group, const std::string& name,
+                         const char* method, const std::string& description) {
+  auto form = ask(grammar, group, name, method, description);
+  form.axis(form->axis);
+  form.optional_word("NUMBER", "Only this one, 1 to 20",
+                     number(form->number, 1, greatest_coordinate));
+}
+
+void add_program_verb(Grammar& grammar, const Form& program, const std::string& name,
+                      const char* method, const std::string& description) {
+  auto form = ask(grammar, program, name, method, description);
+  form.module(form->module);
+}
+
+}  // namespace
+
+void add_home(Grammar& grammar) {
+  auto home = grammar.verb<verb::Home>("home", "Search the reference position", help_text::home);
+  home.axis(home->axis);
+  home.option("--mode", "N", "Which switches are searched how (parameter 193)",
+              number(home->mode, 1, greatest_mode));
+  home.option("--timeout", "SECONDS", "Give up after so long; the search goes on",
+              number(home->timeout_s, shortest_time_s, longest_time_s));
+  home.flag("--no-wait", "Come back as soon as the search has begun", home->no_wait);
+  home.flag("--stop", "End a search", home->stop);
+  home.object([](const verb::Home& said, bool) {
+    if (said.stop && (said.mode || said.timeout_s || said.no_wait))
+      return "--stop goes with no other option";
+    return said.no_wait && said.timeout_s ? "--no-wait and --timeout exclude each other" : "";
+  });
+}
+
+void add_coordinates(Grammar& grammar) {
+  const auto group = grammar.group("coordinate", "Positions that modules remember by number",
+                                   help_text::coordinate);
+  auto set = add_coordinate(grammar, group, "set", "coordinate.set", "Remember a position");
+  set.word("POSITION", "In microsteps; may be negative", number(set->position));
+  add_coordinate(grammar, group, "get", "coordinate.get", "Print a coordinate");
+  add_coordinate(grammar, group, "capture", "coordinate.capture", "Remember where the axis is");
+  add_coordinate(grammar, group, "move", "coordinate.move", "Start a move to a coordinate");
+  add_all_coordinates(grammar, group, "store", "coordinate.store",
+                      "Copy those of the axis's module to its EEPROM");
+  add_all_coordinates(grammar, group, "load", "coordinate.load", "And back");
+}
+
+void add_eeprom(Grammar& grammar) {
+  auto store = ask(grammar, "store", "parameter.store",
+                   "Keep a parameter's value when the module loses power");
+  store.axis(store->axis);
+  add_parameter(store);
+  auto restore = ask(grammar, "restore", "parameter.restore", "Take back what was stored");
+  restore.axis(restore->axis);
+  add_parameter(restore);
+}
+
+void add_modules(Grammar& grammar) {
+  const auto global =
+      grammar.group("global", "Parameters of modules as a whole", help_text::global);
+  add_global(grammar, global, "get", "global.get", "Print one bare value");
+  auto set = add_global(grammar, global, "set", "global.set", "Set it");
+  set.word("VALUE", "The new value", number(set->value));
+  add_global(grammar, global, "store", "global.store", "Keep it when the module loses power");
+  add_global(grammar, global, "restore", "global.restore", "Take back what was stored");
+
+  auto input = ask(grammar, "input", "io.get", "Read an input of a module", help_text::input);
+  input.module(input->module);
+  input.word("PORT", "Its number", number(input->port, 0, greatest_port));
+  input.option("--bank", "N", "0 digital (default), 1 analog, 2 the state of an output",
+               number(input->bank, 0, 2));
+  auto output = ask(grammar, "output", "io.set", "Set an output of a module");
+  output.module(output->module);
+  output.word("PORT", "Its number", number(output->port, 0, greatest_port));
+  output.word("VALUE", "0 or 1", number(output->value));
+  auto info = ask(grammar, "info", "module.info", "Show what a module's firmware says of itself");
+  info.module(info->module);
+  auto reset = ask(grammar, "reset", "module.reset", "Restart a module");
+  reset.module(reset->module);
+  auto factory =
+      ask(grammar, "factory-reset", "module.factory_reset",
+          "Set everything in a module back to how it was delivered", help_text::factory_reset);
+  factory.module(factory->module);
+  factory.flag("--yes", "Really", factory->sure);
+  factory.object(
+      [](const verb::Ask& said, bool) {
+        return said.sure ? "" : "all that is stored in the module would be lost: say --yes";
+      },
+      "Its address and its baud rate change too");
+}
+
+void add_module_programs(Grammar& grammar, const Form& program) {
+  for (const bool compares : {false, true}) {
+    auto upload = grammar.verb<verb::Upload>(
+        program, compares ? "verify" : "upload",
+        compares ? "Compare a file with the program in a module" : "Load a program into a module",
+        compares ? "" : help_text::upload);
+    upload->only_compare = compares;
+    upload.word("FILE", "A program's text, or a program file (*.bin)", text(upload->file));
+    upload.module(upload->module);
+    upload.option("--start", "ADDRESS", "Where its first command is (default 0)",
+                  number(upload->first_address, 0, greatest_place));
+    if (compares) continue;
+    upload.flag("--no-verify", "Do not read it back and compare", upload->no_compare);
+    upload.flag("--run", "Run it then", upload->run);
+  }
+  auto download = grammar.verb<verb::Download>(program, "download", "Read a module's program",
+                                               help_text::download);
+  download.module(download->module);
+  download.option("-o,--output", "FILE", "Write it there: text, or a program file (*.bin)",
+                  text(download->output));
+  download.option("--start", "ADDRESS", "From here on (default 0)",
+                  number(download->first_address, 0, greatest_place));
+  download.option("--length", "N", "So many commands; otherwise up to its end",
+                  number(download->length, 1, most_lines));
+  auto run = ask(grammar, program, "run", "program.run", "Run the program in a module");
+  run.module(run->module);
+  run.option("--start", "ADDRESS", "From there; otherwise from where it stands",
+             number(run->first_address, 0, greatest_place));
+  add_program_verb(grammar, program, "stop", "program.stop", "End it; motors go on");
+  add_program_verb(grammar, program, "step", "program.step", "Execute one command of it");
+  add_program_verb(grammar, program, "reset", "program.reset", "End it, and back to its start");
+  add_program_verb(grammar, program, "status", "program.status", "Show what it does");
+  auto set = ask(grammar, program, "breakpoint", "program.set_breakpoint", "Stop it somewhere");
+  set.module(set->module);
+  set.word("ADDRESS", "Where", number(set->at, 0, greatest_place));
+  auto clear = ask(grammar, program, "clear-breakpoint", "program.clear_breakpoint",
+                   "Do not stop it there any more");
+  clear.module(clear->module);
+  clear.word("ADDRESS", "Where", number(clear->at, 0, greatest_place));
+  add_program_verb(grammar, program, "clear-breakpoints", "program.clear_breakpoints",
+                   "Do not stop it anywhere any more");
+}
+
 void add_raw(Grammar& grammar) {
   auto raw = grammar.verb<verb::Raw>("raw", "Send one command as it is", help_text::raw);
   raw.option("--bus", "NAME", "Which of tmcld's buses; needed if there are several",

@@ -74,9 +74,10 @@ void add_profile(Grammar& grammar) {
   simulate.object(objection_to);
 }
 
-void add_program(Grammar& grammar) {
-  const auto program = grammar.group("program", "Stand-alone programs: from text to bytes and back",
-                                     help_text::program);
+Form add_program(Grammar& grammar) {
+  const auto program =
+      grammar.group("program", "Stand-alone programs: text, bytes, and modules that run them",
+                    help_text::program);
   auto assemble = grammar.verb<verb::Assemble>(
       program, "assemble", "Make a program file of a program's text", help_text::assemble);
   assemble.word("FILE", "The text", text(assemble->file));
@@ -89,6 +90,7 @@ void add_program(Grammar& grammar) {
   disassemble.word("FILE", "The program file", text(disassemble->file));
   disassemble.option("-o,--output", "FILE", "Write the text into this file, do not print it",
                      text(disassemble->output));
+  return program;
 }
 
 }  // namespace tmclctl

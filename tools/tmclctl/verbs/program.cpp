@@ -9,6 +9,7 @@
 #include "input_file.hpp"
 #include "output_file.hpp"
 #include "print.hpp"
+#include "program_file.hpp"
 #include "tmcl/assembler.hpp"
 #include "tmcl/disassembler.hpp"
 #include "verbs.hpp"
@@ -85,6 +86,8 @@ std::string contents_of(const Program& program) {
   return {bytes.begin(), bytes.end()};
 }
 
+}  // namespace
+
 Attempt<Program> read_program(const std::string& path) {
   const auto contents = read_file(path, most_binary);
   if (!contents) {
@@ -97,17 +100,26 @@ Attempt<Program> read_program(const std::string& path) {
   });
 }
 
-}  // namespace
+Attempt<Assembly> assemble_file(const std::string& path, Output& output) {
+  auto assembly = tmcl::program::assemble(
+      path, [](const std::string& name) { return read_file(name, most_text); });
+  if (assembly) return std::move(*assembly);
+  if (!output.json) {
+    for (const auto& problem : assembly.error()) output.err << describe(problem) << '\n';
+  }
+  return tl::unexpected(failure_from(path, assembly.error()));
+}
+
+Attempt<Program> program_from(const std::string& path, Output& output) {
+  if (path.ends_with(".bin")) return read_program(path);
+  return assemble_file(path, output).map([](Assembly assembly) {
+    return std::move(assembly.program);
+  });
+}
 
 VerbResult run(const verb::Assemble& verb, Output& output) {
-  const auto assembly = tmcl::program::assemble(
-      verb.file, [](const std::string& path) { return read_file(path, most_text); });
-  if (!assembly) {
-    if (!output.json) {
-      for (const auto& problem : assembly.error()) output.err << describe(problem) << '\n';
-    }
-    return tl::unexpected(failure_from(verb.file, assembly.error()));
-  }
+  const auto assembly = assemble_file(verb.file, output);
+  if (!assembly) return tl::unexpected(assembly.error());
   return write_output(verb.output, contents_of(assembly->program), assembly->files).map([&] {
     if (output.json) {
       print_json(to_json(verb.file, *assembly), output);

@@ -1,0 +1,136 @@
+// The verbs that are methods of tmcld: what they ask for, and how they show the answer.
+#include <fstream>
+
+#include <gmock/gmock.h>
+
+#include "ctl_fixture.hpp"
+#include "tmcl/program.hpp"
+
+namespace tmclctl {
+namespace {
+
+using test::Ctl;
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class CtlMethods : public testing::Test {
+ protected:
+  Ctl ctl;
+  std::string file(const std::string& name, const std::string& contents) {
+    const auto path = testing::TempDir() + name;
+    std::ofstream(path, std::ios::binary) << contents;
+    return path;
+  }
+};
+
+TEST_F(CtlMethods, EveryVerbAsksForItsMethod) {
+  struct Line {
+    std::vector<std::string> words;
+    std::string call;
+  };
+  const std::vector<Line> lines{
+      {{"store", "x", "max_velocity"},
+       R"(parameter.store {"axis":"x","parameter":"max_velocity"})"},
+      {{"restore", "x", "4"}, R"(parameter.restore {"axis":"x","parameter":"4"})"},
+      {{"global", "get", "1", "66"}, R"(global.get {"address":1,"parameter":"66"})"},
+      {{"global", "set", "b:1", "5", "-7", "--bank", "2"},
+       R"(global.set {"bus":"b","address":1,"parameter":"5","bank":2,"value":-7})"},
+      {{"global", "store", "1", "5"}, R"(global.store {"address":1,"parameter":"5"})"},
+      {{"input", "1", "0", "--bank", "1"}, R"(io.get {"address":1,"bank":1,"port":0})"},
+      {{"output", "1", "2", "1"}, R"(io.set {"address":1,"port":2,"value":1})"},
+      {{"info", "1"}, R"(module.info {"address":1})"},
+      {{"reset", "1"}, R"(module.reset {"address":1})"},
+      {{"factory-reset", "1", "--yes"}, R"(module.factory_reset {"address":1})"},
+      {{"coordinate", "set", "x", "3", "-50"},
+       R"(coordinate.set {"axis":"x","number":3,"position_microsteps":-50})"},
+      {{"coordinate", "move", "x", "3"}, R"(coordinate.move {"axis":"x","number":3})"},
+      {{"coordinate", "store", "x"}, R"(coordinate.store {"axis":"x"})"},
+      {{"program", "run", "1", "--start", "7"}, R"(program.run {"address":1,"first_address":7})"},
+      {{"program", "stop", "1"}, R"(program.stop {"address":1})"},
+      {{"program", "breakpoint", "1", "9"}, R"(program.set_breakpoint {"address":1,"at":9})"},
+      {{"home", "x", "--stop"}, R"(axis.stop_home {"axis":"x"})"},
+      {{"home", "x", "--no-wait", "--mode", "5"}, R"(axis.start_home {"axis":"x","mode":5})"},
+      {{"home", "x", "--timeout", "2.5"}, R"(axis.home {"axis":"x","timeout_ms":2500})"},
+  };
+  for (const auto& line : lines) {
+    Ctl one;
+    EXPECT_EQ(one.run(line.words), ExitCode::done) << line.call << one.err;
+    EXPECT_THAT(one.target.calls, ElementsAre(line.call));
+  }
+}
+
+TEST_F(CtlMethods, OneValueIsPrintedBare) {
+  ctl.target.result = {{"value", 7}, {"number", 66}};
+  ctl.run({"global", "get", "1", "66"});
+  EXPECT_EQ(ctl.out, "7\n");
+  ctl.target.result = {{"position_microsteps", -5}};
+  ctl.run({"coordinate", "get", "x", "1"});
+  EXPECT_EQ(ctl.out, "-5\n");
+}
+
+TEST_F(CtlMethods, ManyAreLines) {
+  ctl.target.result = {{"state", "running"}, {"next_address", nullptr}};
+  ctl.run({"program", "status", "1"});
+  EXPECT_THAT(ctl.out, HasSubstr("state                   running\n"));
+  EXPECT_THAT(ctl.out, HasSubstr("next_address            -\n"));
+}
+
+TEST_F(CtlMethods, CommandsThatWouldDoHarmOrNothingAreRefused) {
+  EXPECT_EQ(ctl.run({"factory-reset", "1"}), ExitCode::usage);
+  EXPECT_THAT(ctl.err, HasSubstr("--yes"));
+  EXPECT_EQ(ctl.run({"info", "one"}), ExitCode::usage);
+  EXPECT_THAT(ctl.err, HasSubstr("'one' names no module"));
+  EXPECT_EQ(ctl.run({"coordinate", "store", "x", "0"}), ExitCode::usage);
+  EXPECT_EQ(ctl.run({"home", "x", "--stop", "--no-wait"}), ExitCode::usage);
+  EXPECT_TRUE(ctl.target.calls.empty());
+}
+
+TEST_F(CtlMethods, UploadAssemblesTextAndTakesBytesAsTheyAre) {
+  const auto source = file("host_ctl.tmc", "MVP ABS, 0, 5\nSTOP\n");
+  const tmcl::program::Program program{{tmcl::Command::MVP, 0, 0, 5}, {tmcl::Command::STOP}};
+  const auto bytes = tmcl::program::to_bytes(program);
+  const auto binary = file("host_ctl.bin", {bytes.begin(), bytes.end()});
+  const auto call =
+      R"(program.load {"address":1,"program":")" + tmcl::program::to_hex(program) + R"("})";
+  for (const auto& path : {source, binary}) {
+    Ctl one;
+    one.target.result = {{"commands", 2}};
+    EXPECT_EQ(one.run({"program", "upload", path, "1"}), ExitCode::done) << one.err;
+    EXPECT_THAT(one.target.calls, ElementsAre(call));
+    EXPECT_EQ(one.out, "2 commands in module 1, compared\n");
+  }
+  ctl.run({"program", "upload", source, "1", "--run", "--start", "4"});
+  ASSERT_EQ(ctl.target.calls.size(), 2U);
+  EXPECT_EQ(ctl.target.calls[1], R"(program.run {"address":1,"first_address":4})");
+}
+
+TEST_F(CtlMethods, AProgramWithProblemsIsNotSent) {
+  EXPECT_EQ(ctl.run({"program", "upload", file("host_bad.tmc", "MVPP ABS, 0, 5\n"), "1"}),
+            ExitCode::usage);
+  EXPECT_THAT(ctl.err, HasSubstr("host_bad.tmc:1:1: there is no command 'MVPP'"));
+  EXPECT_TRUE(ctl.target.calls.empty());
+}
+
+TEST_F(CtlMethods, DownloadPrintsTextThatMakesTheSameProgram) {
+  const tmcl::program::Program program{{tmcl::Command::MVP, 0, 0, 5}, {tmcl::Command::STOP}};
+  ctl.target.result = {{"commands", 2}, {"program", tmcl::program::to_hex(program)}};
+  EXPECT_EQ(ctl.run({"program", "download", "1"}), ExitCode::done);
+  EXPECT_THAT(ctl.out, HasSubstr("MVP"));
+  const auto path = testing::TempDir() + "host_down.bin";
+  EXPECT_EQ(ctl.run({"program", "download", "1", "-o", path}), ExitCode::done);
+  std::ifstream in(path, std::ios::binary);
+  const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(in), {}};
+  EXPECT_EQ(tmcl::program::from_bytes(bytes), program);
+}
+
+TEST_F(CtlMethods, CtrlCEndsAnUploadAndSaysWhatIsLeft) {
+  ctl.patience.press_ctrl_c_after({});
+  const auto path = file("host_ctl2.tmc", "STOP\n");
+  EXPECT_EQ(ctl.run({"program", "upload", path, "1"}), ExitCode::interrupted);
+  EXPECT_THAT(ctl.err, HasSubstr("upload again"));
+  EXPECT_EQ(ctl.run({"home", "x"}), ExitCode::interrupted);
+  EXPECT_THAT(ctl.err, HasSubstr("goes on searching"));
+}
+
+}  // namespace
+}  // namespace tmclctl

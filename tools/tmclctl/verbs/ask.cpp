@@ -1,0 +1,77 @@
+// Whatever is one method of tmcld.
+#include <fmt/format.h>
+
+#include <boost/json/serialize.hpp>
+
+#include "json_read.hpp"
+#include "names.hpp"
+#include "print.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+
+Attempt<json::object> params_of(const verb::Ask& verb) {
+  json::object params;
+  const auto add = [&](const char* key, const std::optional<std::int32_t>& value) {
+    if (value) params[key] = *value;
+  };
+  if (!verb.axis.empty()) params["axis"] = verb.axis;
+  if (!verb.module.empty()) {
+    const auto module = parse_module(verb.module);
+    if (!module) return tl::unexpected(module.error());
+    if (!module->bus.empty()) params["bus"] = module->bus;
+    params["address"] = module->address;
+  }
+  if (!verb.parameter.empty()) params["parameter"] = verb.parameter;
+  add("bank", verb.bank);
+  add("number", verb.number);
+  add("port", verb.port);
+  add("value", verb.value);
+  add("position_microsteps", verb.position);
+  add("at", verb.at);
+  add("first_address", verb.first_address);
+  return params;
+}
+
+std::string text_of(const json::value& value) {
+  if (value.is_null()) return "-";
+  if (const auto* text = value.if_string()) return {text->data(), text->size()};
+  return json::serialize(value);
+}
+
+/// One bare value where there is one, for scripts; else a line for each.
+void print(const json::object& result, std::ostream& out) {
+  for (const auto* bare : {"value", "position_microsteps"}) {
+    if (const auto* value = result.if_contains(bare)) {
+      out << text_of(*value) << '\n';
+      return;
+    }
+  }
+  for (const auto& [key, value] : result)
+    out << fmt::format("{:<24}{}\n", std::string_view(key), text_of(value));
+}
+
+bool is_question(std::string_view method) {
+  return method.ends_with(".get") || method.ends_with(".info") || method.ends_with(".status") ||
+         method.ends_with(".capture");
+}
+
+}  // namespace
+
+VerbResult run(const verb::Ask& verb, Room& room) {
+  auto params = params_of(verb);
+  if (!params) return tl::unexpected(params.error());
+  const auto result = room.target.perform(verb.method, std::move(*params), {});
+  if (!result) return tl::unexpected(result.error());
+  if (room.output.json) {
+    print_json(*result, room.output);
+  } else if (is_question(verb.method)) {
+    print(*result, room.output.out);
+  }
+  return ExitCode::done;
+}
+
+}  // namespace tmclctl

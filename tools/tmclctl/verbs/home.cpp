@@ -1,0 +1,69 @@
+// home.
+#include <fmt/format.h>
+
+#include "following.hpp"
+#include "json_read.hpp"
+#include "print.hpp"
+#include "progress_line.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+
+std::string how_to_end(const verb::Home& verb, const Target& target) {
+  return fmt::format("End it with: tmclctl{} home {} --stop", target.options(), verb.axis);
+}
+
+Failure explained(Failure failure, const verb::Home& verb, Room& room) {
+  if (room.patience.signal() != 0) {
+    return interrupted_failure(
+        room.patience.signal(),
+        fmt::format("no longer waiting; {} goes on searching its reference", verb.axis),
+        how_to_end(verb, room.target));
+  }
+  if (failure.name != "deadline_passed") return failure;
+  failure.exit = ExitCode::not_reached;
+  failure.name = "timeout";
+  failure.hint = "The search goes on. " + how_to_end(verb, room.target);
+  return failure;
+}
+
+void print(const json::object& result, const verb::Home& verb, std::ostream& out) {
+  out << fmt::format("{} stands at its reference\n", verb.axis);
+  if (const auto correction = number_at(result, "correction_microsteps"))
+    out << fmt::format("zero was at {:.0f} microsteps before\n", *correction);
+  if (const auto distance = number_at(result, "switch_distance_microsteps"))
+    out << fmt::format("{:.0f} microsteps between the end switches\n", *distance);
+}
+
+}  // namespace
+
+VerbResult run(const verb::Home& verb, Room& room) {
+  json::object params{{"axis", verb.axis}};
+  if (verb.mode) params["mode"] = *verb.mode;
+  const auto finish = [&](const json::object& result) {
+    if (room.output.json) print_json(result, room.output);
+    return ExitCode::done;
+  };
+  if (verb.stop) return room.target.perform("axis.stop_home", std::move(params), {}).map(finish);
+  if (verb.no_wait)
+    return room.target.perform("axis.start_home", std::move(params), {}).map(finish);
+
+  constexpr double milliseconds = 1000;
+  if (verb.timeout_s)
+    params["timeout_ms"] = static_cast<std::int64_t>(*verb.timeout_s * milliseconds);
+  ProgressLine line(room.output);
+  const auto result =
+      room.target.perform("axis.home", std::move(params), [&](const json::object& news) {
+        line.show(fmt::format("{} searches its reference, step {}", verb.axis,
+                              integer_at<std::int32_t>(news, "step")));
+        return room.patience.signal() == 0;
+      });
+  line.clear();
+  if (!result) return tl::unexpected(explained(result.error(), verb, room));
+  if (!room.output.json) print(*result, verb, room.output.out);
+  return finish(*result);
+}
+
+}  // namespace tmclctl

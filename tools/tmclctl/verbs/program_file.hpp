@@ -1,0 +1,19 @@
+/// Programs in files: text (*.tmc), or the bytes of a program file (*.bin).
+#pragma once
+
+#include <string>
+
+#include "failure.hpp"
+#include "screen.hpp"
+#include "tmcl/assembler.hpp"
+
+namespace tmclctl {
+
+/// The bytes of a program file.
+Attempt<tmcl::program::Program> read_program(const std::string& path);
+/// A program's text. Problems are told on standard error, one a line; with --json in the failure.
+Attempt<tmcl::program::Assembly> assemble_file(const std::string& path, Output& output);
+/// Either, by the ending of its name: *.bin is a program file.
+Attempt<tmcl::program::Program> program_from(const std::string& path, Output& output);
+
+}  // namespace tmclctl
