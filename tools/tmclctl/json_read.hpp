@@ -24,9 +24,13 @@ const boost::json::object& object_at(const boost::json::object& object, std::str
 template <class Integer>
 Integer integer_at(const boost::json::object& object, std::string_view key) {
   const auto* value = object.if_contains(key);
-  const auto* number = value != nullptr ? value->if_int64() : nullptr;
-  return number != nullptr && std::in_range<Integer>(*number) ? static_cast<Integer>(*number)
-                                                              : Integer{};
+  if (value == nullptr) return Integer{};
+  const auto fitting = [](auto number) {
+    return std::in_range<Integer>(number) ? static_cast<Integer>(number) : Integer{};
+  };
+  if (const auto* number = value->if_int64()) return fitting(*number);
+  if (const auto* number = value->if_uint64()) return fitting(*number);
+  return Integer{};
 }
 
 /// Calls `read` for every object in the array.

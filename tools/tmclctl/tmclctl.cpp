@@ -33,13 +33,16 @@ bool waits(const Verb& verb) {
 }
 
 bool acts(const Verb& verb) {
+  const auto* ask = std::get_if<verb::Ask>(&verb);
+  if (ask != nullptr) return !only_reads(ask->method);
+  const auto* upload = std::get_if<verb::Upload>(&verb);
+  if (upload != nullptr) return !upload->only_compare;
   return std::visit(
       []<class T>(const T&) {
         return std::is_same_v<T, verb::Set> || std::is_same_v<T, verb::Move> ||
                std::is_same_v<T, verb::Rotate> || std::is_same_v<T, verb::Stop> ||
                std::is_same_v<T, verb::Plot> || std::is_same_v<T, verb::Raw> ||
-               std::is_same_v<T, verb::Ramp> || std::is_same_v<T, verb::Home> ||
-               std::is_same_v<T, verb::Upload> || std::is_same_v<T, verb::Ask>;
+               std::is_same_v<T, verb::Ramp> || std::is_same_v<T, verb::Home>;
       },
       verb);
 }

@@ -54,12 +54,15 @@ void print(const json::object& result, std::ostream& out) {
     out << fmt::format("{:<24}{}\n", std::string_view(key), text_of(value));
 }
 
-bool is_question(std::string_view method) {
-  return method.ends_with(".get") || method.ends_with(".info") || method.ends_with(".status") ||
-         method.ends_with(".capture");
+bool gives_something(std::string_view method) {
+  return only_reads(method) || method.ends_with(".capture");
 }
 
 }  // namespace
+
+bool only_reads(std::string_view method) {
+  return method.ends_with(".get") || method.ends_with(".info") || method.ends_with(".status");
+}
 
 VerbResult run(const verb::Ask& verb, Room& room) {
   auto params = params_of(verb);
@@ -68,7 +71,7 @@ VerbResult run(const verb::Ask& verb, Room& room) {
   if (!result) return tl::unexpected(result.error());
   if (room.output.json) {
     print_json(*result, room.output);
-  } else if (is_question(verb.method)) {
+  } else if (gives_something(verb.method)) {
     print(*result, room.output.out);
   }
   return ExitCode::done;
