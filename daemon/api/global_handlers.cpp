@@ -35,6 +35,10 @@ boost::asio::awaitable<Lookup<GlobalChoice>> global_of(const Call& call) {
     co_return choice;
   }
   const auto name = call.params.text("parameter");
+  if (const auto number = as_number(name)) {
+    choice.number = *number;
+    co_return choice;
+  }
   if (choice.bank != 0) co_return tl::unexpected(unknown_global(name, {}));
   auto found = co_await run_on(*module, call, tmcl::verbs::identify(module->address));
   if (!found) co_return tl::unexpected(std::move(found.error()));

@@ -27,14 +27,6 @@ Lookup<std::shared_ptr<GatewayAxis>> find_axis(const Call& call, std::string_vie
   return tl::unexpected(unknown("axis", param, name, call.gateway->axes()));
 }
 
-std::optional<std::uint8_t> as_number(const std::string& text) {
-  std::uint8_t number = 0;
-  const auto* end = text.data() + text.size();
-  const auto result = std::from_chars(text.data(), end, number);
-  if (result.ec != std::errc{} || result.ptr != end) return std::nullopt;
-  return number;
-}
-
 RpcError unknown_parameter(const GatewayAxis& axis, const std::string& name) {
   const auto rows = axis.parameters();
   if (rows.empty()) {
@@ -49,6 +41,14 @@ RpcError unknown_parameter(const GatewayAxis& axis, const std::string& name) {
 }
 
 }  // namespace
+
+std::optional<std::uint8_t> as_number(const std::string& text) {
+  std::uint8_t number = 0;
+  const auto* end = text.data() + text.size();
+  const auto result = std::from_chars(text.data(), end, number);
+  if (result.ec != std::errc{} || result.ptr != end) return std::nullopt;
+  return number;
+}
 
 Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call) {
   return find_axis(call, "axis", call.params.text("axis"));

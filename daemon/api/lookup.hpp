@@ -40,6 +40,9 @@ struct ParameterChoice {
 /// The parameter "parameter": a name, or a number also for a model that is not known.
 Lookup<ParameterChoice> parameter_of(const Call& call, const GatewayAxis& axis);
 
+/// 0..255 in decimal digits.
+std::optional<std::uint8_t> as_number(const std::string& text);
+
 /// An error if a value is outside what the row allows; `param` is where the client gave it.
 std::optional<RpcError> check_range(const tmcl::ParameterInfo* row, std::int64_t value,
                                     std::string_view param);

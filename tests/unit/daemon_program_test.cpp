@@ -156,6 +156,8 @@ TEST_F(DaemonProgram, AStopEndsTheSearchToo) {
 
 TEST_F(DaemonProgram, GlobalParametersPortsAndCoordinatesGoThrough) {
   EXPECT_EQ(result_of("global.get", here({{"parameter", 66}})).at("value"), 2'000'066);
+  EXPECT_EQ(result_of("global.get", here({{"parameter", "66"}})).at("value"), 2'000'066);
+  EXPECT_EQ(result_of("global.get", here({{"parameter", "5"}, {"bank", 2}})).at("bank"), 2);
   EXPECT_EQ(result_of("io.set", here({{"port", 3}, {"value", 1}})).at("value"), 1);
   EXPECT_EQ(result_of("io.get", here({{"port", 3}, {"bank", 2}})).at("value"), 1);
   result_of("coordinate.set", {{"axis", "x"}, {"number", 4}, {"position_microsteps", -9}});
