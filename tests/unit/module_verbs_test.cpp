@@ -24,11 +24,10 @@ TEST(Homing, SetsTheModeStartsAndAsksUntilTheModuleIsDone) {
   fake.parameter(2, 197) = -40;
   fake.parameter(2, 196) = 5000;
   std::vector<std::int32_t> steps;
-  const auto homed = bus.run(verbs::home(
-      axis, {.mode = 7, .progress = [&](std::int32_t step) {
-               steps.push_back(step);
-               return true;
-             }}));
+  const auto homed = bus.run(verbs::home(axis, {.mode = 7, .progress = [&](std::int32_t step) {
+                                                  steps.push_back(step);
+                                                  return true;
+                                                }}));
   ASSERT_TRUE(homed);
   EXPECT_EQ(homed->correction, Microsteps{-40});
   EXPECT_EQ(homed->switch_distance, Microsteps{5000});
