@@ -43,6 +43,11 @@ packages_check='
 clang-format|checks the formatting
 '
 
+packages_fuzz='
+clang|a compiler with a fuzzer
+libclang-rt-14-dev|the fuzzer and the sanitizers of that compiler
+'
+
 _say() { printf '%s\n' "$*" >&2; }
 
 _packages_installed() {

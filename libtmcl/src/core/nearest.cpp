@@ -24,6 +24,16 @@ std::size_t edit_distance(std::string_view a, std::string_view b) {
   return row.back();
 }
 
+bool begins(std::string_view whole, std::string_view part) {
+  return whole.size() > part.size() &&
+         text::equal_ignoring_case(whole.substr(0, part.size()), part);
+}
+
+// What only lacks its end is near, however long that is.
+std::size_t distance_between(std::string_view word, std::string_view candidate) {
+  return begins(candidate, word) ? 1 : edit_distance(word, candidate);
+}
+
 // Longer words are not what a person mistyped, and cost time.
 constexpr std::size_t longest_word = 64;
 
@@ -34,7 +44,7 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
   std::string_view best;
   std::size_t best_distance = word.size() / 2 + 1;
   for (const auto candidate : candidates) {
-    const auto distance = edit_distance(word, candidate);
+    const auto distance = distance_between(word, candidate);
     if (distance < best_distance) {
       best = candidate;
       best_distance = distance;
