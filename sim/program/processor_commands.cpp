@@ -297,8 +297,8 @@ Status Processor::restart(std::int32_t address) {
 }
 
 Status Processor::clear_errors(const Instruction& line) {
-  errors_ =
-      line.type == clear_all ? 0 : static_cast<std::uint8_t>(errors_ & ~(1U << (line.type - 1U)));
+  errors_ = line.type == clear_all ? std::uint8_t{0}
+                                   : static_cast<std::uint8_t>(errors_ & ~(1U << (line.type - 1U)));
   return Status::ok;
 }
 

@@ -33,7 +33,8 @@ void print(const json::object& result, const verb::Home& verb, std::ostream& out
   out << fmt::format("{} stands at its reference\n", verb.axis);
   if (const auto correction = number_at(result, "correction_microsteps"))
     out << fmt::format("zero was at {:.0f} microsteps before\n", *correction);
-  if (const auto distance = number_at(result, "switch_distance_microsteps"))
+  if (const auto distance = number_at(result, "switch_distance_microsteps");
+      distance && *distance != 0)
     out << fmt::format("{:.0f} microsteps between the end switches\n", *distance);
 }
 
