@@ -104,9 +104,10 @@ TEST_F(TmclctlDaemon, BashCompletesVerbsAxesAndParameters) {
     return run_program({"/bin/bash", "-c", script}).output;
   };
   const auto how = "tmclctl --socket " + file("tmcld.sock");
-  EXPECT_EQ(complete("tmclctl mo", 1), "modules move\n");
+  EXPECT_EQ(complete("tmclctl mo", 1), "modules models move\n");
   EXPECT_EQ(complete(how + " move g", 4), "ghost\n");
-  EXPECT_EQ(complete(how + " get x max_v", 5), "max_velocity\n");
+  EXPECT_EQ(complete(how + " get x max_v", 5),
+            "max_velocity max_velocity_encoder_deviation max_velocity_minimum_time\n");
   EXPECT_EQ(complete("tmclctl plot x --sv", 3), "--svg\n");
 }
 

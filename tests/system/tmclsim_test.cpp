@@ -342,7 +342,7 @@ struct BadLine {
 TEST_F(TmclsimTest, NamesTheOffenderOnABadCommandLine) {
   const std::vector<BadLine> lines{
       {{"--modul", "TMCM-1110"}, "no option '--modul'. Did you mean '--module'?"},
-      {{"--module", "TMCM-1111", "--tcp", "127.0.0.1:0"}, "no module 'TMCM-1111'. Did you mean"},
+      {{"--module", "TMCM-1112", "--tcp", "127.0.0.1:0"}, "no module 'TMCM-1112'. Did you mean"},
       {{"--module", "TMCM-1110@0", "--tcp", "127.0.0.1:0"}, "'0' in 'TMCM-1110@0'"},
       {{"--module", "TMCM-1110@256", "--tcp", "127.0.0.1:0"}, "'256' in 'TMCM-1110@256'"},
       {{"--module", "TMCM-1110@", "--tcp", "127.0.0.1:0"}, "'' in 'TMCM-1110@'"},
