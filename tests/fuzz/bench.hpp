@@ -3,6 +3,8 @@
 
 #include <chrono>
 #include <cstddef>
+#include <cstdint>
+#include <initializer_list>
 #include <vector>
 
 #include "require.hpp"
@@ -16,9 +18,10 @@ namespace tmcl::fuzz {
 
 class Bench {
  public:
-  Bench() {
-    bench.add(*find_model(std::uint16_t{1110}), ModuleAddress{1});
-    bench.add(*find_model(std::uint16_t{6212}), ModuleAddress{2});
+  /// The first module has the address 1, the next 2.
+  explicit Bench(std::initializer_list<std::uint16_t> models = {1110, 6212}) {
+    std::uint16_t address = 0;
+    for (const auto model : models) bench.add(*find_model(model), ModuleAddress{++address});
   }
 
   /// However little happens in it, this much time has an end.
