@@ -20,17 +20,6 @@ namespace {
 constexpr auto page = TMCL_SOURCE_DIR "/docs/COVERAGE.md";
 constexpr std::string_view nowhere = "—";
 
-std::string_view title(Family family) {
-  switch (family) {
-    case Family::tmc429: return "TMC429";
-    case Family::tmc457: return "TMC457";
-    case Family::sixpoint: return "sixPoint";
-    case Family::tmc4361: return "TMC4361";
-    case Family::firmware: return "firmware";
-  }
-  return {};
-}
-
 /// The first case that proves something about a number, on a module of a family.
 class Proofs {
  public:
@@ -103,7 +92,7 @@ std::string heading(std::string_view what) {
   std::string text = "\n| " + std::string(what) + " |";
   std::string rule = "| --- |";
   for (const auto family : families) {
-    text += " " + std::string(title(family)) + " |";
+    text += " " + std::string(name_of(family)) + " |";
     rule += " --- |";
   }
   return text + "\n" + rule + "\n";
@@ -139,7 +128,7 @@ std::map<int, std::string> names_of(Family family, Table table) {
 std::string parameter_rows(const Proofs& proofs, Table table) {
   std::string text;
   for (const auto family : families) {
-    text += "\n### " + std::string(title(family)) + "\n\n| parameter | proof |\n| --- | --- |\n";
+    text += "\n### " + std::string(name_of(family)) + "\n\n| parameter | proof |\n| --- | --- |\n";
     for (const auto& [number, name] : names_of(family, table)) {
       text +=
           "| " + std::to_string(number) + " " + name + " | " + proofs.link(family, number) + " |\n";
@@ -182,11 +171,11 @@ TEST(Coverage, EveryParameterIsProven) {
   for (const auto family : families) {
     for (const auto& [number, name] : names_of(family, axis_parameters)) {
       EXPECT_TRUE(coverage.axis_parameters.has(family, number))
-          << title(family) << ": axis parameter " << number << " " << name;
+          << name_of(family) << ": axis parameter " << number << " " << name;
     }
     for (const auto& [number, name] : names_of(family, global_parameters)) {
       EXPECT_TRUE(coverage.global_parameters.has(family, number))
-          << title(family) << ": global parameter " << number << " " << name;
+          << name_of(family) << ": global parameter " << number << " " << name;
     }
   }
 }
