@@ -121,12 +121,6 @@ void Axis::stop() {
   settle();
 }
 
-void Axis::halt() {
-  homing_.abort();
-  motor_->halt();
-  settle();
-}
-
 Status Axis::move_to(std::int32_t position) {
   if (!is_position(position)) return Status::invalid_value;
   move(position);

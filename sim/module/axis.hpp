@@ -40,8 +40,6 @@ class Axis {
   /// stop() and a movement, it ends a reference search.
   Status rotate(std::int64_t velocity);
   void stop();
-  /// Stops dead.
-  void halt();
   /// Whether the chip has such a position.
   bool is_position(std::int32_t value) const;
   /// What MVP ABS answers: invalid_value for a position that the chip does not have.
