@@ -83,8 +83,8 @@ Script<Result<void>> step_program(ModuleAddress module);
 Script<Result<void>> reset_program(ModuleAddress module);
 Script<Result<ProgramStatus>> program_status(ModuleAddress module);
 
-// Breakpoints; the types are those of the vendor's TMC-EvalSystem: 0 adds, 1 deletes, 2 deletes
-// all, 3 tells how many there may be.
+// Breakpoints. No document at hand tells the types of command 141; here 0 adds, 1 deletes, 2
+// deletes all, and 3 asks how many there may be.
 Script<Result<void>> add_breakpoint(ModuleAddress module, std::uint16_t address);
 Script<Result<void>> delete_breakpoint(ModuleAddress module, std::uint16_t address);
 Script<Result<void>> delete_all_breakpoints(ModuleAddress module);
