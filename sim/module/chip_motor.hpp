@@ -6,9 +6,9 @@
 
 #include "sim/module/motor.hpp"
 #include "sim/module/tick_clock.hpp"
-#include "sim/module/unit_mode.hpp"
 #include "tmcl/ramp/generator.hpp"
 #include "tmcl/ramp/passing.hpp"
+#include "tmcl/unit_mode.hpp"
 
 namespace tmcl::sim {
 

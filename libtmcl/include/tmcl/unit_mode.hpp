@@ -9,7 +9,7 @@
 #include "tmcl/ramp/generator.hpp"
 #include "tmcl/units.hpp"
 
-namespace tmcl::sim {
+namespace tmcl {
 
 /// Rounds as the vendor's open firmware of the TMC5130-HBS-KIT does: towards zero what is written,
 /// away from zero what is read. So a velocity in microsteps per second reads as it was written.
@@ -65,4 +65,4 @@ class UnitMode {
   bool pps_ = false;
 };
 
-}  // namespace tmcl::sim
+}  // namespace tmcl
