@@ -23,6 +23,7 @@ class UnitMode {
 
   /// Registers keep their values.
   void set(bool pps) { pps_ = pps; }
+  bool in_pps() const { return pps_; }
 
   std::int32_t read(Scale scale, std::int64_t register_value) const {
     const auto unit = unit_of(scale);
@@ -36,6 +37,11 @@ class UnitMode {
     const auto unit = unit_of(scale);
     if (value < range.minimum * unit.numerator / unit.denominator) return std::nullopt;
     if (value > range.maximum * unit.numerator / unit.denominator) return std::nullopt;
+    return in_register(scale, value);
+  }
+  /// Whatever the register's range.
+  std::int64_t in_register(Scale scale, std::int64_t value) const {
+    const auto unit = unit_of(scale);
     return value * unit.denominator / unit.numerator;
   }
   /// The greatest value that a register takes, in the unit of the moment.
