@@ -90,7 +90,7 @@ Status Axis::set(std::uint8_t number, std::int32_t value) {
 
 void Axis::take_note(std::uint8_t number, std::int32_t value) {
   switch (number) {
-    case number::microstep_resolution: coupling_.set_resolution(value); break;
+    case ap::microstep_resolution: coupling_.set_resolution(value); break;
     case number::reverse_shaft: coupling_.reverse(value == 1); break;
     case number::tmc457_encoder_position:
       if (family_ == Family::tmc457) encoder_.set_position(value, coupling_.stage());

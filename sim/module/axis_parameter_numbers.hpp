@@ -15,7 +15,6 @@ constexpr std::uint8_t right_switch_disable = 12;
 constexpr std::uint8_t left_switch_disable = 13;
 constexpr std::uint8_t measured_speed = 29;
 constexpr std::uint8_t tmc457_encoder_position = 41;
-constexpr std::uint8_t microstep_resolution = 140;
 constexpr std::uint8_t end_switch_power_down = 150;
 constexpr std::uint8_t stall_guard_threshold = 174;
 constexpr std::uint8_t current_scale = 180;

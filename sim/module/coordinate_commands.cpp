@@ -8,7 +8,6 @@ namespace {
 
 namespace ap = axis_parameter;
 
-constexpr std::uint8_t coordinate_storage = 84;
 /// In place of a motor's number: between RAM and EEPROM, for all motors.
 constexpr std::uint8_t eeprom_copy = 255;
 
@@ -27,7 +26,8 @@ bool is_coordinate(std::int64_t number) {
 
 // As the manual of the TMCM-142 has it, these modules leave no choice.
 bool Module::keeps_coordinates() const {
-  return model_->family == Family::tmc457 || globals_.value(coordinate_storage) == 1;
+  return model_->family == Family::tmc457 ||
+         globals_.value(global_parameter::coordinate_storage) == 1;
 }
 
 Answer Module::set_coordinate(const Request& request) {

@@ -9,11 +9,6 @@ namespace {
 
 namespace gp = global_parameter;
 
-constexpr std::uint8_t eeprom_lock = 73;
-constexpr std::uint8_t zero_user_variables = 85;
-constexpr std::uint8_t tick_timer_number = 132;
-constexpr std::uint8_t random_number = 133;
-
 constexpr std::int32_t code_to_lock = 1234;
 constexpr std::int32_t code_to_unlock = 4321;
 
@@ -32,7 +27,7 @@ Globals::Globals(const Model& model, Eeprom& eeprom, TimePoint start)
       if (const auto row = find(bank, n)) load(bank, n, *row);
     }
   }
-  if (value(zero_user_variables) != 0) return;
+  if (value(gp::zero_user_variables) != 0) return;
   for (std::uint8_t n = 0; n < kept_user_variables; ++n)
     load(variable_bank, n, *find(variable_bank, n));
 }
@@ -74,8 +69,8 @@ tl::expected<std::int32_t, Status> Globals::get(std::uint8_t bank, std::uint8_t 
                                                 TimePoint now) {
   const auto row = find(bank, number);
   if (!row) return tl::unexpected(row.error());
-  if (bank == parameter_bank && number == tick_timer_number) return tick_timer(now);
-  if (bank == parameter_bank && number == random_number) return next_random_number();
+  if (bank == parameter_bank && number == gp::tick_timer) return tick_timer(now);
+  if (bank == parameter_bank && number == gp::random_number) return next_random_number();
   return values_of(bank)[number];
 }
 
@@ -84,14 +79,13 @@ Status Globals::set(std::uint8_t bank, std::uint8_t number, std::int32_t value, 
   if (!row) return row.error();
   if (row->access == Access::read) return Status::wrong_type;
   const bool of_module = bank == parameter_bank;
-  if (of_module && number == eeprom_lock) return lock(value);
+  if (of_module && number == gp::eeprom_lock) return lock(value);
   if (value < row->minimum || value > row->maximum) return Status::invalid_value;
   const bool keeps = of_module && row->stored;
   if (keeps && eeprom_locked()) return Status::eeprom_locked;
   values_of(bank)[number] = value;
   if (keeps) keep(bank, number);
-  if (of_module && number == tick_timer_number)
-    timer_zero_ = now - std::chrono::milliseconds(value);
+  if (of_module && number == gp::tick_timer) timer_zero_ = now - std::chrono::milliseconds(value);
   return Status::ok;
 }
 
@@ -112,13 +106,13 @@ Status Globals::restore(std::uint8_t bank, std::uint8_t number) {
   return Status::ok;
 }
 
-bool Globals::eeprom_locked() const { return value(eeprom_lock) != 0; }
+bool Globals::eeprom_locked() const { return value(gp::eeprom_lock) != 0; }
 
 // The lock itself is kept in the EEPROM, and is the one thing that can be written while it is on.
 Status Globals::lock(std::int32_t code) {
   if (code != code_to_lock && code != code_to_unlock) return Status::invalid_value;
-  values_[eeprom_lock] = code == code_to_lock ? 1 : 0;
-  keep(parameter_bank, eeprom_lock);
+  values_[gp::eeprom_lock] = code == code_to_lock ? 1 : 0;
+  keep(parameter_bank, gp::eeprom_lock);
   return Status::ok;
 }
 

@@ -10,7 +10,6 @@ namespace {
 
 namespace gp = global_parameter;
 
-constexpr std::uint8_t suppress_reply = 255;
 constexpr std::int32_t eeprom_is_valid = 228;
 constexpr std::int32_t no_board_error = 0;
 constexpr std::int32_t ascii_at_start = 1;
@@ -94,7 +93,7 @@ Answer Module::execute(const Request& request, Medium medium, EventSink& from) {
   heartbeat(medium).heard(now_);
   auto answer = in_bootloader_ ? execute_in_bootloader(request) : execute_direct(request, from);
   const bool reads = effect_of(request.command, request.type) == Effect::reads;
-  const bool suppressed = globals_.value(suppress_reply) != 0 && !in_bootloader_;
+  const bool suppressed = globals_.value(gp::suppress_reply) != 0 && !in_bootloader_;
   if (suppressed && !reads) answer = no_answer;
   if (restarts_) restart();
   application_.run_due(now_);

@@ -6,10 +6,6 @@ namespace {
 
 namespace gp = global_parameter;
 
-constexpr std::uint8_t end_switch_polarity = 79;
-constexpr std::uint8_t reverse_shaft = 90;
-constexpr std::uint8_t unit_mode = 255;
-
 EepromCell cell(std::size_t motor, std::uint8_t number) {
   return {EepromCell::Area::axis_parameter, static_cast<std::uint8_t>(motor), number};
 }
@@ -54,9 +50,9 @@ void Module::restore_axis(std::size_t motor) {
   const auto restore = [&](std::uint8_t number) {
     if (const auto kept = eeprom_.read(cell(motor, number))) axes_[motor].set(number, *kept);
   };
-  restore(unit_mode);
+  restore(axis_parameter::unit_mode);
   for (const auto& row : axis_parameters(*model_)) {
-    if (row.stored && row.number != unit_mode) restore(row.number);
+    if (row.stored && row.number != axis_parameter::unit_mode) restore(row.number);
   }
 }
 
@@ -68,15 +64,15 @@ Answer Module::set_global_parameter(const Request& request) {
     // The time of both heartbeats begins when they are set, whichever wire that came by.
     if (request.type == gp::serial_heartbeat) serial_.heard(now_);
     if (request.type == gp::can_heartbeat) can_.heard(now_);
-    if (request.type == end_switch_polarity || request.type == reverse_shaft) wire_axes();
+    if (request.type == gp::end_switch_polarity || request.type == gp::reverse_shaft) wire_axes();
   }
   return echo(request, status);
 }
 
 void Module::wire_axes() {
   for (auto& axis : axes_) {
-    axis.reverse_limit_polarity(globals_.value(end_switch_polarity) == 1);
-    axis.reverse_shaft(globals_.value(reverse_shaft) == 1);
+    axis.reverse_limit_polarity(globals_.value(gp::end_switch_polarity) == 1);
+    axis.reverse_shaft(globals_.value(gp::reverse_shaft) == 1);
   }
 }
 

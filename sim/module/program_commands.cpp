@@ -7,12 +7,7 @@
 namespace tmcl::sim {
 namespace {
 
-constexpr std::uint8_t auto_start = 77;
-constexpr std::uint8_t protection = 81;
-constexpr std::uint8_t application_status = 128;
-constexpr std::uint8_t download_mode = 129;
-constexpr std::uint8_t program_counter = 130;
-constexpr std::uint8_t last_error = 131;
+namespace gp = global_parameter;
 
 /// A program without the empty memory behind it.
 std::span<const program::Instruction> used(std::span<const program::Instruction> memory) {
@@ -25,7 +20,7 @@ std::span<const program::Instruction> used(std::span<const program::Instruction>
 
 void Module::start_application() {
   application_.load(program::from_bytes(eeprom_.program()).value_or(program::Program{}));
-  application_.power_on(globals_.value(auto_start) != 0 && !in_bootloader_, deaf_until_);
+  application_.power_on(globals_.value(gp::auto_start_mode) != 0 && !in_bootloader_, deaf_until_);
 }
 
 Answer Module::control_application(const Request& request) {
@@ -46,15 +41,15 @@ void Module::protect_program(std::int32_t before, std::int32_t after) {
 
 std::optional<std::int32_t> Module::application_parameter(std::uint8_t number) const {
   switch (number) {
-    case application_status: return application_.status();
-    case download_mode: return application_.download_mode();
-    case program_counter: return application_.program_counter();
-    case last_error: return application_.last_error();
+    case gp::application_status: return application_.status();
+    case gp::download_mode: return application_.download_mode();
+    case gp::program_counter: return application_.program_counter();
+    case gp::tmcl_error: return application_.last_error();
     default: return std::nullopt;
   }
 }
 
-std::int32_t Module::code_protection() const { return globals_.value(protection); }
+std::int32_t Module::code_protection() const { return globals_.value(gp::code_protection); }
 
 MotorConditions Module::motor(std::size_t number) const {
   const auto& axis = axes_.at(number);

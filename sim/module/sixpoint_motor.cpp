@@ -16,7 +16,6 @@ constexpr std::uint8_t left_switch_polarity = 25;
 constexpr std::uint8_t soft_stop = 26;
 constexpr std::uint8_t relative_positioning_option = 127;
 constexpr std::uint8_t latched_position = 198;
-constexpr std::uint8_t unit_mode = 255;
 
 using R = ramp::SixPoint::Register;
 using Mode = ramp::SixPoint::Mode;
@@ -72,7 +71,7 @@ Status SixPointMotor::write(const ParameterInfo& row, std::int32_t value) {
     case number::left_switch_disable:
       set_switch_mode(ramp::SixPoint::stop_l_enable, lets_stop(row, value));
       return Status::ok;
-    case unit_mode: units().set(value == 1); return Status::ok;
+    case ap::unit_mode: units().set(value == 1); return Status::ok;
     default: wire_switches(row.number, value == 1); return ChipMotor::write(row, value);
   }
 }

@@ -13,7 +13,6 @@ namespace ap = axis_parameter;
 constexpr std::uint8_t ramp_mode = 128;
 constexpr std::uint8_t status_flags_number = 129;
 constexpr std::uint8_t velocity_reached = 130;
-constexpr std::uint8_t unit_mode = 255;
 
 using R = ramp::Tmc457::Register;
 using Mode = ramp::Tmc457::Mode;
@@ -52,7 +51,7 @@ std::optional<std::int32_t> Tmc457Motor::read(const ParameterInfo& row) const {
 
 Status Tmc457Motor::write(const ParameterInfo& row, std::int32_t value) {
   switch (row.number) {
-    case unit_mode: units().set(value == 1); return Status::ok;
+    case ap::unit_mode: units().set(value == 1); return Status::ok;
     case number::right_switch_disable: chip().write(R::enable_stop_r, 1 - value); return Status::ok;
     case number::left_switch_disable: chip().write(R::enable_stop_l, 1 - value); return Status::ok;
     case ap::max_velocity: return set_max_velocity(row, value);

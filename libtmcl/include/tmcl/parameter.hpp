@@ -49,6 +49,7 @@ constexpr std::uint8_t max_velocity = 4;
 constexpr std::uint8_t max_acceleration = 5;
 constexpr std::uint8_t position_reached = 8;
 constexpr std::uint8_t microstep_resolution = 140;
+constexpr std::uint8_t unit_mode = 255;
 }  // namespace axis_parameter
 
 namespace global_parameter {
@@ -60,11 +61,26 @@ constexpr std::uint8_t serial_heartbeat = 68;
 constexpr std::uint8_t can_bit_rate = 69;
 constexpr std::uint8_t can_reply_id = 70;
 constexpr std::uint8_t can_id = 71;
+constexpr std::uint8_t eeprom_lock = 73;
 constexpr std::uint8_t telegram_pause_time = 75;
 constexpr std::uint8_t serial_host_address = 76;
+constexpr std::uint8_t auto_start_mode = 77;
+constexpr std::uint8_t end_switch_polarity = 79;
+constexpr std::uint8_t shutdown_pin_function = 80;
+constexpr std::uint8_t code_protection = 81;
 constexpr std::uint8_t can_heartbeat = 82;
 constexpr std::uint8_t can_secondary_address = 83;
+constexpr std::uint8_t coordinate_storage = 84;
+constexpr std::uint8_t zero_user_variables = 85;
 constexpr std::uint8_t serial_secondary_address = 87;
+constexpr std::uint8_t reverse_shaft = 90;
+constexpr std::uint8_t application_status = 128;
+constexpr std::uint8_t download_mode = 129;
+constexpr std::uint8_t program_counter = 130;
+constexpr std::uint8_t tmcl_error = 131;
+constexpr std::uint8_t tick_timer = 132;
+constexpr std::uint8_t random_number = 133;
+constexpr std::uint8_t suppress_reply = 255;
 }  // namespace global_parameter
 
 /// The axis parameters of a model, ascending by number. Empty for a model that is not one of

@@ -23,7 +23,89 @@ constexpr ParameterInfo also_called(ParameterInfo info, std::string_view alias) 
   return info;
 }
 
+/// The same parameter where it has another number.
+constexpr ParameterInfo with_number(std::uint8_t number, ParameterInfo info) {
+  info.number = number;
+  return info;
+}
+
+/// A register of the chip, and how it is called as an alias.
+struct Place {
+  std::string_view chip_register = {};
+  std::string_view alias = {};
+};
+
+struct Positions {
+  std::int32_t least;
+  std::int32_t greatest;
+};
+inline constexpr Positions positions{x_least, x_greatest};
+
+/// Speeds of a family: they go so far in both directions.
+struct Speeds {
+  std::int32_t greatest;
+  std::string_view unit;
+  Scale scale;
+};
+
 // clang-format off
+constexpr ParameterInfo target_position(Positions range, Place place = {}) {
+  return {0, "target_position", {place.alias, ""}, rw, false, range.least, range.greatest, 0, "microstep",
+          "where the motor goes; writing it in position mode starts a ramp", place.chip_register};
+}
+constexpr ParameterInfo actual_position(Positions range, Place place = {}) {
+  return {1, "actual_position", {place.alias, "position"}, rw, false, range.least, range.greatest, 0, "microstep",
+          "where the motor is; in position mode it drives to its target after that", place.chip_register};
+}
+constexpr ParameterInfo turning_velocity(Speeds speed, std::string_view chip_register = {}) {
+  return {2, "target_velocity", {"", "target_speed"}, rw, false, -speed.greatest, speed.greatest, 0, speed.unit,
+          "writing it makes the motor turn, as ROR and ROL do; reads the speed that the ramp goes up to",
+          chip_register, speed.scale};
+}
+constexpr ParameterInfo actual_velocity(Speeds speed, Place place = {}) {
+  return {3, "actual_velocity", {place.alias, "actual_speed"}, r, false, -speed.greatest, speed.greatest, 0, speed.unit,
+          "present speed", place.chip_register, speed.scale};
+}
+constexpr ParameterInfo max_velocity(Speeds speed, std::int32_t initial, Place place = {}) {
+  return {4, "max_velocity", {place.alias, "max_positioning_speed"}, rw, true, 0, speed.greatest, initial, speed.unit,
+          "greatest speed of a positioning move", place.chip_register, speed.scale};
+}
+constexpr ParameterInfo run_current(std::int32_t initial, std::string_view chip_register = {}) {
+  return {6, "max_current", {"run_current", ""}, rw, true, 0, 255, initial, "1/255",
+          "current while moving, as a part of the module's greatest; effective in steps of 8", chip_register};
+}
+constexpr ParameterInfo standby_current(std::int32_t initial, std::string_view chip_register = {}) {
+  return {7, "standby_current", {"", ""}, rw, true, 0, 255, initial, "1/255",
+          "current at standstill", chip_register};
+}
+constexpr ParameterInfo stall_velocity(Speeds speed, std::string_view chip_register = {}) {
+  return {181, "smart_energy_stall_velocity", {"stop_on_stall_velocity", ""}, rw, true, 0, speed.greatest, 0,
+          speed.unit, "above this speed a stall stops the motor; 0: never", chip_register, speed.scale};
+}
+constexpr ParameterInfo threshold_speed(Speeds speed, std::string_view chip_register = {}) {
+  return {182, "smart_energy_threshold_speed", {"", ""}, rw, true, 0, speed.greatest, 0, speed.unit,
+          "above this speed coolStep works", chip_register, speed.scale};
+}
+constexpr ParameterInfo pwm_threshold_speed(Speeds speed) {
+  return {186, "pwm_threshold_speed", {"tpwmthrs", ""}, rw, true, 0, speed.greatest, 0, speed.unit,
+          "stealthChop up to this speed; 0: at all speeds", "TPWMTHRS", speed.scale};
+}
+constexpr ParameterInfo search_speed(Speeds speed, std::int32_t initial) {
+  return {194, "reference_search_speed", {"", ""}, rw, true, 0, speed.greatest, initial, speed.unit,
+          "speed at which a reference search looks for a switch", "", speed.scale};
+}
+constexpr ParameterInfo switch_speed(Speeds speed, std::int32_t initial, std::string_view alias = "ref_switch_speed") {
+  return {195, "reference_switch_speed", {alias, ""}, rw, true, 0, speed.greatest, initial, speed.unit,
+          "speed at which a reference search finds the exact point of the switch", "", speed.scale};
+}
+constexpr ParameterInfo latched_position(Place place) {
+  return {198, "latched_actual_position", {place.alias, ""}, r, false, x_least, x_greatest, 0, "microstep",
+          "position when the null channel of the encoder or a switch was met", place.chip_register};
+}
+inline constexpr ParameterInfo latched_encoder_position{
+    199, "latched_encoder_position", {"enc_latch", ""}, r, false, x_least, x_greatest, 0, "microstep",
+    "what the encoder read when its null channel was met", "ENC_LATCH"};
+
 inline constexpr ParameterInfo position_reached{
     8, "position_reached", {"position_reached_flag", ""}, r, false, 0, 1, 0, "flag",
     "1 while the actual position equals the target"};

@@ -12,7 +12,6 @@ namespace {
 
 constexpr std::uint8_t ramp_divisor = 153;
 constexpr std::uint8_t pulse_divisor = 154;
-constexpr std::uint8_t unit_mode = 255;
 
 constexpr std::int32_t tmc429_max_value = 2047;  // of v_max and a_max
 
@@ -96,7 +95,8 @@ ModuleUnits module_units(Tmc429Dividers dividers) {
 
 std::vector<std::uint8_t> unit_parameters(const Model& model) {
   if (model.family == Family::tmc429) return {pulse_divisor, ramp_divisor};
-  if (find_parameter(axis_parameters(model), unit_mode) != nullptr) return {unit_mode};
+  if (find_parameter(axis_parameters(model), axis_parameter::unit_mode) != nullptr)
+    return {axis_parameter::unit_mode};
   return {};
 }
 

@@ -10,6 +10,7 @@ constexpr auto tmcm1311 = only({1311});
 
 // Greatest frequency in the manual of the TMCM-1311.
 constexpr std::int32_t v_max = 327'679'999;
+constexpr Speeds speed{v_max, "pps", Scale::velocity};
 
 // Numbers from PyTrinamic's lists and from the vendor's ROS driver, meanings and ranges from the
 // firmware manuals of the TMCM-1021 and TMCM-1311 as far as they were at hand (so the currents of
@@ -18,25 +19,17 @@ constexpr std::int32_t v_max = 327'679'999;
 // sixPoint modules, all else is off.
 // clang-format off
 constexpr auto firmware_axis = std::to_array<ParameterRow>({
-    {{0, "target_position", {"", ""}, rw, false, x_least, x_greatest, 0, "microstep",
-      "where the motor goes; writing it in position mode starts a ramp"}},
-    {{1, "actual_position", {"position", ""}, rw, false, x_least, x_greatest, 0, "microstep",
-      "where the motor is; in position mode it drives to its target after that"}},
-    {{2, "target_velocity", {"target_speed", ""}, rw, false, -v_max, v_max, 0, "pps",
-      "writing it makes the motor turn, as ROR and ROL do; reads the speed that the ramp goes up to", "",
-      Scale::velocity}},
-    {{3, "actual_velocity", {"actual_speed", ""}, r, false, -v_max, v_max, 0, "pps",
-      "present speed", "", Scale::velocity}},
-    {{4, "max_velocity", {"max_positioning_speed", ""}, rw, true, 0, v_max, 51200, "pps",
-      "greatest speed of a positioning move", "", Scale::velocity}},
+    {target_position(positions)},
+    {actual_position(positions)},
+    {turning_velocity(speed)},
+    {actual_velocity(speed)},
+    {max_velocity(speed, 51200)},
     {{5, "max_acceleration", {"", ""}, rw, true, 0, x_greatest, 51200, "pps/s",
       "acceleration and deceleration of every ramp", "", Scale::acceleration}},
-    {{6, "max_current", {"run_current", ""}, rw, true, 0, 255, 128, "1/255",
-      "current while moving, as a part of the module's greatest; effective in steps of 8"}, tmcm1021},
+    {run_current(128), tmcm1021},
     {{6, "max_current", {"run_current", ""}, rw, true, 0, 3000, 1000, "mA",
       "current while moving"}, tmcm1311},
-    {{7, "standby_current", {"", ""}, rw, true, 0, 255, 8, "1/255",
-      "current at standstill"}, tmcm1021},
+    {standby_current(8), tmcm1021},
     {{7, "standby_current", {"", ""}, rw, true, 0, 3000, 100, "mA",
       "current at standstill"}, tmcm1311},
     {position_reached},
@@ -174,17 +167,13 @@ constexpr auto firmware_axis = std::to_array<ParameterRow>({
     {short_detection_time},
     {vsense},
     {smart_energy_actual_current},
-    {{181, "smart_energy_stall_velocity", {"stop_on_stall_velocity", ""}, rw, true, 0, v_max, 0, "pps",
-      "above this speed a stall stops the motor; 0: never", "", Scale::velocity}},
-    {{182, "smart_energy_threshold_speed", {"", ""}, rw, true, 0, v_max, 0, "pps",
-      "above this speed coolStep works", "", Scale::velocity}},
+    {stall_velocity(speed)},
+    {threshold_speed(speed)},
     {smart_energy_slow_run_current},
     {random_toff_mode},
     {reference_search_mode},
-    {{194, "reference_search_speed", {"", ""}, rw, true, 0, v_max, 25600, "pps",
-      "speed at which a reference search looks for a switch", "", Scale::velocity}},
-    {{195, "reference_switch_speed", {"", ""}, rw, true, 0, v_max, 5120, "pps",
-      "speed at which a reference search finds the exact point of the switch", "", Scale::velocity}},
+    {search_speed(speed, 25600)},
+    {switch_speed(speed, 5120, "")},
     {reference_switch_distance},
     {last_reference_position, tmcm1021},
     {{198, "clear_on_null", {"", ""}, rw, true, 0, 1, 0, "flag",

@@ -8,6 +8,8 @@ using namespace row;
 constexpr std::int32_t x_max = (1 << 23) - 1;  // 24-bit positions
 constexpr std::int32_t x_min = -(1 << 23);
 constexpr std::int32_t v_max = 2047;  // 11-bit speeds and a sign
+constexpr Positions short_positions{x_min, x_max};
+constexpr Speeds speed{v_max, "internal", Scale::fixed};
 
 // With a TMC236, TMC246 or TMC249, which the motion controller writes itself.
 constexpr auto old_driver = only({351, 610});
@@ -20,22 +22,17 @@ constexpr auto has_encoder = counts_pulses | only({1161});
 // hand says what the speeds of a reference search start with: what is here finds a switch.
 // clang-format off
 constexpr auto tmc429_axis = std::to_array<ParameterRow>({
-    {{0, "target_position", {"x_target", ""}, rw, false, x_min, x_max, 0, "microstep",
-      "where the motor goes; writing it in position mode starts a ramp", "X_TARGET"}},
+    {target_position(short_positions, {"X_TARGET", "x_target"})},
     {{1, "actual_position", {"x_actual", "position"}, rw, false, x_min, x_max, 0, "microstep",
       "where the motor is; set it only at standstill or in velocity mode", "X_ACTUAL"}},
     {{2, "target_velocity", {"v_target", "target_speed"}, rw, false, -v_max, v_max, 0, "internal",
       "speed set-point in velocity mode; in position mode what the ramp asks for", "V_TARGET"}},
-    {{3, "actual_velocity", {"v_actual", "actual_speed"}, r, false, -v_max, v_max, 0, "internal",
-      "present speed", "V_ACTUAL"}},
-    {{4, "max_velocity", {"v_max", "max_positioning_speed"}, rw, true, 0, v_max, 1000, "internal",
-      "greatest speed of a positioning move", "V_MAX"}},
+    {actual_velocity(speed, {"V_ACTUAL", "v_actual"})},
+    {max_velocity(speed, 1000, {"V_MAX", "v_max"})},
     {{5, "max_acceleration", {"a_max", ""}, rw, true, 0, v_max, 500, "internal",
       "acceleration and deceleration of every ramp", "A_MAX"}},
-    {{6, "max_current", {"run_current", ""}, rw, true, 0, 255, 255, "1/255",
-      "current while moving, as a part of the module's greatest; effective in steps of 8"}},
-    {{7, "standby_current", {"", ""}, rw, true, 0, 255, 32, "1/255",
-      "current at standstill"}},
+    {run_current(255)},
+    {standby_current(32)},
     {position_reached},
     {home_switch},
     {right_switch},
@@ -89,17 +86,13 @@ constexpr auto tmc429_axis = std::to_array<ParameterRow>({
     {short_detection_time, new_driver},
     {vsense, new_driver},
     {smart_energy_actual_current, new_driver},
-    {{181, "smart_energy_stall_velocity", {"stop_on_stall_velocity", ""}, rw, true, 0, v_max, 0, "internal",
-      "above this speed a stall stops the motor; 0: never"}, new_driver},
-    {{182, "smart_energy_threshold_speed", {"", ""}, rw, true, 0, v_max, 0, "internal",
-      "above this speed coolStep works"}, new_driver},
+    {stall_velocity(speed), new_driver},
+    {threshold_speed(speed), new_driver},
     {smart_energy_slow_run_current, new_driver},
     {random_toff_mode, new_driver},
     {reference_search_mode},
-    {{194, "reference_search_speed", {"", ""}, rw, true, 0, v_max, 500, "internal",
-      "speed at which a reference search looks for a switch"}},
-    {{195, "reference_switch_speed", {"ref_switch_speed", ""}, rw, true, 0, v_max, 100, "internal",
-      "speed at which a reference search finds the exact point of the switch"}},
+    {search_speed(speed, 500)},
+    {switch_speed(speed, 100)},
     {reference_switch_distance},
     {last_reference_position},
     {boost_current},

@@ -10,21 +10,18 @@ using namespace row;
 // (pages 29 and 39). No document at hand says what a module starts with: what is here makes it move
 // well.
 constexpr std::int32_t v_max = 0x7FFF0000;
+constexpr Speeds speed{v_max, "internal", Scale::velocity};
 constexpr std::int32_t a_max = 0xFFFFFD;
 constexpr std::int32_t v_initial = 5'000'000;
 constexpr std::int32_t a_initial = 0x6030;
 // clang-format off
 constexpr auto tmc457_axis = std::to_array<ParameterRow>({
-    {{0, "target_position", {"x_target", ""}, rw, false, x_least, x_greatest, 0, "microstep",
-      "where the motor goes; writing it in position mode starts a ramp", "X_TARGET"}},
-    {{1, "actual_position", {"x_actual", "position"}, rw, false, x_least, x_greatest, 0, "microstep",
-      "where the motor is; in position mode it drives to its target after that", "X_ACTUAL"}},
+    {target_position(positions, {"X_TARGET", "x_target"})},
+    {actual_position(positions, {"X_ACTUAL", "x_actual"})},
     {{2, "target_velocity", {"v_target", "target_speed"}, rw, false, -v_max, v_max, 0, "internal",
       "speed set-point in velocity and hold mode", "V_TARGET", Scale::velocity}},
-    {{3, "actual_velocity", {"v_actual", "actual_speed"}, r, false, -v_max, v_max, 0, "internal",
-      "present speed", "V_ACTUAL", Scale::velocity}},
-    {{4, "max_velocity", {"v_max", "max_positioning_speed"}, rw, true, 0, v_max, v_initial, "internal",
-      "greatest speed of a positioning move", "V_MAX", Scale::velocity}},
+    {actual_velocity(speed, {"V_ACTUAL", "v_actual"})},
+    {max_velocity(speed, v_initial, {"V_MAX", "v_max"})},
     {{5, "max_acceleration", {"a_max_d_max", ""}, rw, true, 0, a_max, a_initial, "internal",
       "sets acceleration (16) and deceleration (17) together; reads the acceleration", "A_MAX_D_MAX",
       Scale::acceleration}},
@@ -57,10 +54,8 @@ constexpr auto tmc457_axis = std::to_array<ParameterRow>({
     {in_register(microstep_resolution, "USTEP_RES")},
     {{193, "reference_search_mode", {"", ""}, rw, true, 1, 3, 1, "",
       "1 left switch, 2 right switch, then left, 3 right switch, then home"}},
-    {{194, "reference_search_speed", {"", ""}, rw, true, 0, v_max, v_initial / 2, "internal",
-      "speed at which a reference search looks for a switch", "", Scale::velocity}},
-    {{195, "reference_switch_speed", {"ref_switch_speed", ""}, rw, true, 0, v_max, v_initial / 10, "internal",
-      "speed at which a reference search finds the exact point of the switch", "", Scale::velocity}},
+    {search_speed(speed, v_initial / 2)},
+    {switch_speed(speed, v_initial / 10)},
     {reference_switch_distance},
     {extended_error_flags},
     {{212, "max_encoder_deviation", {"", ""}, rw, true, 0, x_greatest, 0, "microstep",

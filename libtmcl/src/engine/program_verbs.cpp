@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "engine/verb_steps.hpp"
+#include "tmcl/parameter.hpp"
 #include "tmcl/verbs.hpp"
 
 namespace tmcl::verbs {
@@ -14,11 +15,8 @@ using program::Instruction;
 using program::Program;
 
 constexpr std::uint8_t first_control_function = 128;
-constexpr std::uint8_t code_protection = 81;
 constexpr std::int32_t no_reading = 1;  // bits of parameter 81
 constexpr std::int32_t no_writing = 2;
-constexpr std::uint8_t program_counter = 130;
-constexpr std::uint8_t last_program_error = 131;
 enum class Breakpoint : std::uint8_t { add = 0, remove = 1, remove_all = 2, limit = 3 };
 
 Request to_request(ModuleAddress module, const Instruction& line) {
@@ -174,7 +172,8 @@ Script<Result<void>> load_section(Loading& loading, std::uint16_t address,
 
 /// 0 for modules that do not know the parameter.
 Script<Result<std::int32_t>> protection_of(ModuleAddress module, CallOptions options) {
-  const auto value = co_await exchange({module, Command::GGP, code_protection, 0, 0}, options);
+  const auto value =
+      co_await exchange({module, Command::GGP, global_parameter::code_protection, 0, 0}, options);
   if (!value && value.error().outcome != Outcome::refused) co_return tl::unexpected(value.error());
   co_return value && value->reply.status == Status::ok ? value->reply.value : 0;
 }
@@ -296,9 +295,9 @@ Script<Result<void>> reset_program(ModuleAddress module) {
 Script<Result<ProgramStatus>> program_status(ModuleAddress module) {
   const auto state = co_await ask({module, Command::GET_APPLICATION_STATUS, 0, 0, 0});
   if (!state) co_return tl::unexpected(state.error());
-  const auto counter = co_await global_if_there(module, program_counter);
+  const auto counter = co_await global_if_there(module, global_parameter::program_counter);
   if (!counter) co_return tl::unexpected(counter.error());
-  const auto error = co_await global_if_there(module, last_program_error);
+  const auto error = co_await global_if_there(module, global_parameter::tmcl_error);
   if (!error) co_return tl::unexpected(error.error());
   co_return ProgramStatus{static_cast<ProgramStatus::State>(*state & 3), *counter, *error};
 }
