@@ -106,6 +106,21 @@ void Axis::take_note(std::uint8_t number, std::int32_t value) {
   scale_encoders();
 }
 
+// ---- Registers
+
+std::int32_t Axis::read_chip(std::uint8_t address) { return motor_->read_chip(address); }
+
+Status Axis::write_chip(std::uint8_t address, std::int32_t value) {
+  const auto status = motor_->write_chip(address, value);
+  settle();
+  return status;
+}
+
+std::int32_t Axis::read_driver(std::uint8_t address) const {
+  const auto word = driver_words_.find(address);
+  return word == driver_words_.end() ? 0 : word->second;
+}
+
 // ---- Motion
 
 Status Axis::rotate(std::int64_t velocity) {

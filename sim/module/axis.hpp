@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <optional>
 #include <span>
@@ -35,6 +36,13 @@ class Axis {
   tl::expected<std::int32_t, Status> read(std::uint8_t number);
   /// What SAP answers: wrong_type for a number that cannot be written, invalid_value out of range.
   Status set(std::uint8_t number, std::int32_t value);
+
+  /// Registers of the motion controller, as Motor has them.
+  std::int32_t read_chip(std::uint8_t address);
+  Status write_chip(std::uint8_t address, std::int32_t value);
+  /// Those of the motor driver: words without effect, 0 at first.
+  std::int32_t read_driver(std::uint8_t address) const;
+  void write_driver(std::uint8_t address, std::int32_t value) { driver_words_[address] = value; }
 
   /// What ROR answers, or ROL with the other sign: invalid_value for more than the chip can do. As
   /// stop() and a movement, it ends a reference search.
@@ -122,6 +130,7 @@ class Axis {
   std::unique_ptr<Motor> motor_;
   Coupling coupling_;
   std::array<std::int32_t, 256> values_{};  // of those parameters that the motor has no part in
+  std::map<std::uint8_t, std::int32_t> driver_words_;
   TimePoint power_on_;
   TimePoint now_;
   Outlook outlook_;

@@ -2,9 +2,12 @@
 #pragma once
 
 #include <algorithm>
+#include <map>
+#include <optional>
 #include <span>
 
 #include "sim/module/motor.hpp"
+#include "sim/module/register_map.hpp"
 #include "sim/module/tick_clock.hpp"
 #include "tmcl/ramp/generator.hpp"
 #include "tmcl/ramp/passing.hpp"
@@ -29,6 +32,9 @@ class ChipMotor : public Motor {
   std::optional<std::int32_t> read(const ParameterInfo& row) const override;
   Status write(const ParameterInfo& row, std::int32_t value) override;
 
+  std::int32_t read_chip(std::uint8_t address) final;
+  Status write_chip(std::uint8_t address, std::int32_t value) final;
+
  protected:
   using Register = typename Chip::Register;
   /// An axis parameter that is a register of the chip.
@@ -42,10 +48,14 @@ class ChipMotor : public Motor {
         mapped_(mapped),
         units_(units) {}
 
+  static const ramp::RegisterInfo& range_of(Register name) {
+    return Chip::registers()[static_cast<std::size_t>(name)];
+  }
+
   /// What is to be written to the register for a value in the unit of the moment; nothing if that
   /// is outside its range.
   std::optional<std::int64_t> in_register(Register name, Scale scale, std::int64_t value) const {
-    return units_.write(scale, value, Chip::registers()[static_cast<std::size_t>(name)]);
+    return units_.write(scale, value, range_of(name));
   }
   Status write_register(Register name, Scale scale, std::int64_t value) {
     const auto number = in_register(name, scale, value);
@@ -54,6 +64,9 @@ class ChipMotor : public Motor {
   std::int32_t read_register(Register name, Scale scale) const {
     return units_.read(scale, chip_.read(name));
   }
+
+  /// A register that only the chip writes; nothing for any other.
+  virtual std::optional<std::int32_t> chip_reading(std::uint8_t address) = 0;
 
   Chip& chip() { return chip_; }
   const Chip& chip() const { return chip_; }
@@ -72,6 +85,14 @@ class ChipMotor : public Motor {
     return passing.tick == ramp::forever ? never : clock_.of(passing.tick);
   }
 
+  using Field = RegisterField<Chip>;
+  static std::int64_t value_of(const Field& field, std::uint32_t word) {
+    const int spare = 64 - field.bits;
+    const auto high = std::uint64_t{word} >> field.shift << spare;
+    if (range_of(field.name).minimum >= 0) return static_cast<std::int64_t>(high >> spare);
+    return static_cast<std::int64_t>(high) >> spare;
+  }
+
   const Mapped* find(std::uint8_t number) const {
     const auto row = std::ranges::find(mapped_, number, &Mapped::number);
     return row == mapped_.end() ? nullptr : &*row;
@@ -81,6 +102,7 @@ class ChipMotor : public Motor {
   TickClock clock_;
   std::span<const Mapped> mapped_;
   UnitMode units_;
+  std::map<std::uint8_t, std::uint32_t> words_;  // as they were written
 };
 
 template <ramp::Travelling Chip>
@@ -113,6 +135,36 @@ Status ChipMotor<Chip>::write(const ParameterInfo& row, std::int32_t value) {
   const auto* mapped = find(row.number);
   if (mapped != nullptr) return write_register(mapped->name, row.scale, value);
   return units_.accepts(row, value) ? Status::ok : Status::invalid_value;
+}
+
+template <ramp::Travelling Chip>
+std::int32_t ChipMotor<Chip>::read_chip(std::uint8_t address) {
+  if (const auto reading = chip_reading(address)) return *reading;
+  const auto kept = words_.find(address);
+  auto word = kept == words_.end() ? 0 : kept->second;
+  for (const auto& field : register_map(chip_).fields) {
+    if (field.address != address) continue;
+    const auto value = chip_.read(field.name);
+    if (range_of(field.name).minimum < 0) return static_cast<std::int32_t>(value);
+    const auto mask = ((std::uint64_t{1} << field.bits) - 1) << field.shift;
+    const auto bits = static_cast<std::uint64_t>(value) << field.shift & mask;
+    word = static_cast<std::uint32_t>((word & ~mask) | bits);
+  }
+  return static_cast<std::int32_t>(word);
+}
+
+template <ramp::Travelling Chip>
+Status ChipMotor<Chip>::write_chip(std::uint8_t address, std::int32_t value) {
+  const auto map = register_map(chip_);
+  const auto word = static_cast<std::uint32_t>(value) & map.word;
+  const auto before = chip_;
+  for (const auto& field : map.fields) {
+    if (field.address != address || chip_.write(field.name, value_of(field, word))) continue;
+    chip_ = before;
+    return Status::invalid_value;
+  }
+  words_[address] = word;
+  return Status::ok;
 }
 
 }  // namespace tmcl::sim

@@ -109,6 +109,10 @@ Answer Module::execute_direct(const Request& request, EventSink& from) {
     case Command::TARGET_REACHED_EVENT: return arm_event(request, from);
     case Command::FACTORY_RESET: return reset_to_factory_settings(request);
     case Command::SECURITY_CODE: return echo(request);  // nothing here is hidden without it
+    case Command::WRITE_MC:
+    case Command::READ_MC: return access_controller(request);
+    case Command::WRITE_DRV:
+    case Command::READ_DRV: return access_driver(request);
     case Command::MEASURED_SPEED: return tell_measured_speed(request);
     case Command::BOARD_ERROR: return reading(no_board_error);
     case Command::BOARD_RESET: return reset_board(request);
@@ -122,9 +126,7 @@ Answer Module::execute_direct(const Request& request, EventSink& from) {
     case Command::RAM_DEBUG:
     case Command::GET_IDS:
     case Command::WRITE_USER_CHANNEL:
-    case Command::READ_USER_CHANNEL:
-    case Command::WRITE_DRV:
-    case Command::READ_DRV: return echo(request, Status::command_not_available);
+    case Command::READ_USER_CHANNEL: return echo(request, Status::command_not_available);
     default: return perform(request);
   }
 }

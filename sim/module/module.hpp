@@ -111,6 +111,15 @@ class Module final : private ProgramHost {
   Answer store_global_parameter(const Request& request);
   Answer restore_global_parameter(const Request& request);
 
+  // register_commands.cpp
+  Answer access_controller(const Request& request);
+  Answer access_driver(const Request& request);
+  struct ChipRegister {
+    std::size_t motor;
+    std::uint8_t address;
+  };
+  std::optional<ChipRegister> controller_register(const Request& request) const;
+
   // io_commands.cpp
   Answer set_output(const Request& request);
   Answer get_input(const Request& request) const;

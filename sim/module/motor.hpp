@@ -68,6 +68,14 @@ class Motor {
   /// do not go together are no error: the chip takes them.
   virtual Status write(const ParameterInfo& row, std::int32_t value) = 0;
 
+  /// A register of the motion controller by its address in the chip. What the ramp generator does
+  /// not have keeps the word that was written, and begins with 0. Reading may clear events.
+  virtual std::int32_t read_chip(std::uint8_t address) = 0;
+  /// Bits that a register does not have are lost, and what only the chip writes stays as it is.
+  /// Errors: invalid_value, and nothing has changed, for what the generator does not take. The
+  /// firmware knows nothing of it: with the next command it writes what the parameters say.
+  virtual Status write_chip(std::uint8_t address, std::int32_t value) = 0;
+
   /// ROR, or ROL with the other sign. Errors: invalid_value for more than the chip can do.
   virtual Status rotate(std::int64_t velocity) = 0;
   /// MST: a ramp to standstill.

@@ -20,6 +20,26 @@ constexpr std::uint8_t latched_position = 198;
 using R = ramp::SixPoint::Register;
 using Mode = ramp::SixPoint::Mode;
 
+/// RAMP_STAT, in the order of its bits. No load ever stops the motor by itself here: bit 6 is 0.
+std::int32_t to_word(const ramp::SixPoint::Status& status) {
+  const std::array<bool, 13> bits{status.status_stop_l,
+                                  status.status_stop_r,
+                                  status.status_latch_l,
+                                  status.status_latch_r,
+                                  status.event_stop_l,
+                                  status.event_stop_r,
+                                  false,
+                                  status.event_pos_reached,
+                                  status.velocity_reached,
+                                  status.position_reached,
+                                  status.vzero,
+                                  status.t_zerowait_active,
+                                  status.second_move};
+  std::int32_t word = 0;
+  for (std::size_t i = 0; i < bits.size(); ++i) word |= bits[i] ? 1 << i : 0;
+  return word;
+}
+
 // What most modules call the disabling of a switch is its enabling on others.
 bool lets_stop(const ParameterInfo& row, std::int32_t value) {
   return row.name.ends_with("_disable") == (value == 0);
@@ -149,6 +169,15 @@ void SixPointMotor::halt() {
 void SixPointMotor::set_position(std::int32_t position) {
   chip().write(R::xtarget, position);
   chip().write(R::xactual, position);
+}
+
+std::optional<std::int32_t> SixPointMotor::chip_reading(std::uint8_t address) {
+  switch (address) {
+    case sixpoint_address::vactual: return static_cast<std::int32_t>(chip().motion().velocity);
+    case sixpoint_address::ramp_stat: return to_word(chip().take_events());
+    case sixpoint_address::xlatch: return chip().xlatch();
+    default: return std::nullopt;
+  }
 }
 
 }  // namespace tmcl::sim

@@ -33,6 +33,7 @@ class SixPointMotor : public ChipMotor<ramp::SixPoint> {
   void set_position(std::int32_t position) override;
 
  protected:
+  std::optional<std::int32_t> chip_reading(std::uint8_t address) override;
   SwitchWiring& wiring_to_set() { return wiring_; }
   void set_switch_mode(std::int32_t bits, bool on);
 

@@ -17,10 +17,6 @@ constexpr std::uint8_t soft_stop = 34;
 constexpr std::uint8_t latched_position = 198;
 constexpr std::int64_t least_stop_velocity = 10;  // below that the chip may miss its target
 
-const ramp::RegisterInfo& range_of(R name) {
-  return ramp::SixPoint::registers()[static_cast<std::size_t>(name)];
-}
-
 }  // namespace
 
 StandInMotor::StandInMotor(const Model& model, TimePoint power_on)

@@ -96,4 +96,12 @@ void Tmc429Motor::set_position(std::int32_t position) {
   chip().write(R::x_actual, position);
 }
 
+std::optional<std::int32_t> Tmc429Motor::chip_reading(std::uint8_t address) {
+  switch (address) {
+    case tmc429_address::a_actual: return chip().a_actual();
+    case tmc429_address::x_latched: return chip().x_latched();
+    default: return std::nullopt;
+  }
+}
+
 }  // namespace tmcl::sim

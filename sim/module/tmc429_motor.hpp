@@ -30,6 +30,7 @@ class Tmc429Motor final : public ChipMotor<ramp::Tmc429> {
   void set_position(std::int32_t position) override;
 
  private:
+  std::optional<std::int32_t> chip_reading(std::uint8_t address) override;
   static std::span<const Mapped> mapped();
   void set_ramp_mode(ramp::Tmc429::Mode mode);
 

@@ -105,4 +105,14 @@ void Tmc457Motor::set_position(std::int32_t position) {
   chip().write(R::x_actual, position);
 }
 
+std::optional<std::int32_t> Tmc457Motor::chip_reading(std::uint8_t address) {
+  const auto motion = chip().motion();
+  switch (address) {
+    case tmc457_address::v_actual: return static_cast<std::int32_t>(motion.velocity);
+    case tmc457_address::a_actual: return static_cast<std::int32_t>(motion.acceleration);
+    case tmc457_address::status: return status_flags();
+    default: return std::nullopt;
+  }
+}
+
 }  // namespace tmcl::sim

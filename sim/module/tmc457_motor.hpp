@@ -32,6 +32,7 @@ class Tmc457Motor final : public ChipMotor<ramp::Tmc457> {
   void set_position(std::int32_t position) override;
 
  private:
+  std::optional<std::int32_t> chip_reading(std::uint8_t address) override;
   static std::span<const Mapped> mapped();
   bool reached() const { return position() == chip().read(Register::x_target); }
   std::int32_t status_flags() const;

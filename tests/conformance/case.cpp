@@ -44,10 +44,14 @@ bool take(std::string_view& line, std::string_view word) {
   return true;
 }
 
+// Decimal, or with 0x in front.
 std::int32_t number(std::string_view text) {
+  const bool hex = text.starts_with("0x");
+  const auto digits = text.substr(hex ? 2 : 0);
   std::int64_t value = 0;
-  const auto parsed = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (parsed.ec != std::errc{} || parsed.ptr != text.data() + text.size()) {
+  const auto parsed =
+      std::from_chars(digits.data(), digits.data() + digits.size(), value, hex ? 16 : 10);
+  if (parsed.ec != std::errc{} || parsed.ptr != digits.data() + digits.size()) {
     throw std::runtime_error("'" + std::string(text) + "' is no number");
   }
   return static_cast<std::int32_t>(value);
