@@ -19,6 +19,9 @@ using ramp::Tmc457;
 constexpr double clock_hz = 16e6;  // of all modules
 constexpr std::int64_t second = 1'000'000'000;
 constexpr std::uint8_t unit_mode = 255;
+// A movement has some hundreds of them. What has more goes to and fro; a prediction that takes
+// longer than a few milliseconds would hold up whoever asked for it.
+constexpr std::size_t most_changes = 10'000;
 
 template <class Chip>
 Tick ticks_per_second() {
@@ -288,9 +291,10 @@ std::optional<Duration> AxisTwin::time_to_arrival(Duration limit) const {
   return std::visit(
       [&](const auto& chip) -> std::optional<Duration> {
         using G = std::remove_cvref_t<decltype(chip)>;
-        const auto arrival = ramp::arrival(chip, origin_ + ticks_in<G>(elapsed_ + limit));
-        if (!arrival) return std::nullopt;
-        return time_of<G>(*arrival - origin_) - elapsed_;
+        const auto end = origin_ + ticks_in<G>(elapsed_ + limit);
+        const auto ahead = ramp::look_ahead(chip, end, most_changes);
+        if (!ahead.arrived()) return std::nullopt;
+        return std::max(time_of<G>(ahead.tick() - origin_) - elapsed_, Duration{});
       },
       chip_);
 }
