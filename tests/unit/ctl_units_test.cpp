@@ -163,7 +163,7 @@ TEST_F(CtlRamp, ChoosesAndWritesDividersAndRegisters) {
   target.values["154"] = 2;
   EXPECT_EQ(run(ramp("50000pps", "200000pps/s")), ExitCode::done) << err;
   EXPECT_THAT(target.calls, ElementsAre("units x", "get x 154", "set x 154 3", "set x 153 8",
-                                        "set x 4 1638", "set x 5 859"));
+                                        "set x 4 1638", "set x 5 859", "set x 130 20"));
   EXPECT_THAT(out, HasSubstr("pulse_divisor      3"));
   EXPECT_THAT(out, HasSubstr("gives 49987.79297 pps and 200001.5229 pps/s"));
 }
@@ -172,7 +172,7 @@ TEST_F(CtlRamp, ALowerDividerIsWrittenAfterTheRegistersSoThatNothingIsFastInBetw
   target.values["154"] = 5;
   run(ramp("50000pps", "200000pps/s"));
   EXPECT_THAT(target.calls, ElementsAre("units x", "get x 154", "set x 4 1638", "set x 5 859",
-                                        "set x 154 3", "set x 153 8"));
+                                        "set x 130 20", "set x 154 3", "set x 153 8"));
 }
 
 TEST_F(CtlRamp, DryRunWritesNothing) {
@@ -217,12 +217,12 @@ TEST_F(CtlRamp, SetsThePlainParametersOfOtherModules) {
   be("TMCM-6212", {1});
   EXPECT_EQ(run(ramp("50000pps", "200000pps/s")), ExitCode::done) << err;
   EXPECT_THAT(target.calls, ElementsAre("units x", "set x 4 50000", "set x 5 200000",
-                                        "set x 17 200000", "set x 15 200000", "set x 18 200000"));
+                                        "set x 15 200000", "set x 17 200000", "set x 18 200000"));
   be("TMCM-142", {0});
   target.calls.clear();
   run(ramp("1000000pps", "200000pps/s"));
-  EXPECT_THAT(target.calls,
-              ElementsAre("units x", "set x 4 67108864", "set x 5 3436", "set x 17 3436"));
+  EXPECT_THAT(target.calls, ElementsAre("units x", "set x 4 67108864", "set x 16 3436",
+                                        "set x 17 3436", "set x 18 0"));
   EXPECT_THAT(out, HasSubstr("gives 1000000 pps and"));
   target.counts.model = nullptr;
   EXPECT_THAT(refusal(ramp("5pps", "5pps/s")), HasSubstr("not known"));

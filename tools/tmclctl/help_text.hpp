@@ -194,7 +194,8 @@ or names. Through tmcld the reply's bytes are put together again from what tmcld
 
 constexpr const char* ramp = R"(
 On a module with a TMC429 it chooses pulse divider, ramp divider, max_velocity and max_acceleration so
-that they come as near to the wish as the chip can; on other modules it sets max_velocity and all
+that they come as near to the wish as the chip can, and a minimum_velocity with which the last
+microstep takes no longer than the others; on other modules it sets max_velocity and all
 accelerations of a ramp. It shows what they give, and refuses while the axis moves. A wish that
 cannot be met is refused with the nearest value that can.
 The dividers scale the other speeds of the axis, too, such as those of the reference search.

@@ -7,6 +7,7 @@
 
 #include "names.hpp"
 #include "print.hpp"
+#include "tmcl/plan/ramp_choice.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -14,22 +15,12 @@ namespace {
 
 namespace json = boost::json;
 namespace ap = tmcl::axis_parameter;
+using tmcl::plan::RampChoice;
+using tmcl::plan::Setting;
 
 // ---- ramp ----
 
 constexpr std::uint8_t pulse_divisor = 154;
-
-struct Setting {
-  const tmcl::ParameterInfo* row;
-  std::int32_t value;
-};
-
-/// What is to be written, and what it gives.
-struct Plan {
-  std::vector<Setting> settings;
-  tmcl::PulsesPerSecond velocity;
-  tmcl::PulsesPerSecond2 acceleration;
-};
 
 Failure unknown_model(const std::string& axis) {
   return usage_failure("unknown_model",
@@ -38,45 +29,7 @@ Failure unknown_model(const std::string& axis) {
                                    axis));
 }
 
-Attempt<Plan> plan_dividers(const verb::Ramp& verb, const AxisUnits& units,
-                            tmcl::PulsesPerSecond velocity, tmcl::PulsesPerSecond2 acceleration) {
-  const auto ramp = tmcl::choose_tmc429_ramp(velocity, acceleration);
-  if (!ramp) {
-    const auto& wish = ramp.error().is_velocity ? verb.velocity : verb.acceleration;
-    return tl::unexpected(out_of_reach(wish, units, ramp.error().error));
-  }
-  const auto row = [&](std::string_view name) { return find_parameter(units.parameters(), name); };
-  return Plan{{{row("pulse_divisor"), ramp->dividers.pulse},
-               {row("ramp_divisor"), ramp->dividers.ramp},
-               {row("max_velocity"), ramp->v_max.value},
-               {row("max_acceleration"), ramp->a_max.value}},
-              ramp->velocity(),
-              ramp->acceleration()};
-}
-
-// Every part of a ramp that a model has gets the same acceleration.
-Attempt<Plan> plan_parameters(const verb::Ramp& verb, const AxisUnits& units) {
-  Plan plan;
-  const auto add = [&](std::string_view name, const Quantity& quantity) -> Attempt<void> {
-    const auto* row = find_parameter(units.parameters(), name);
-    if (row == nullptr) return {};
-    return to_parameter(quantity, units, *row).map([&](std::int32_t value) {
-      plan.settings.push_back({row, value});
-    });
-  };
-  if (const auto added = add("max_velocity", verb.velocity); !added)
-    return tl::unexpected(added.error());
-  for (const auto* name : {"max_acceleration", "max_deceleration", "acceleration_a1",
-                           "deceleration_d1", "acceleration_a2", "deceleration_d2"}) {
-    if (const auto added = add(name, verb.acceleration); !added)
-      return tl::unexpected(added.error());
-  }
-  plan.velocity = to_pps(tmcl::InternalVelocity{plan.settings[0].value}, *units.module);
-  plan.acceleration = to_pps2(tmcl::InternalAcceleration{plan.settings[1].value}, *units.module);
-  return plan;
-}
-
-Attempt<Plan> plan_ramp(const verb::Ramp& verb, const AxisUnits& units) {
+Attempt<RampChoice> choose_ramp(const verb::Ramp& verb, const AxisUnits& units) {
   if (units.model == nullptr || !units.module) return tl::unexpected(unknown_model(verb.axis));
   // A ramp is the same in both directions.
   auto undirected = units;
@@ -85,9 +38,17 @@ Attempt<Plan> plan_ramp(const verb::Ramp& verb, const AxisUnits& units) {
   if (!velocity) return tl::unexpected(velocity.error());
   const auto acceleration = to_pps2(verb.acceleration, undirected);
   if (!acceleration) return tl::unexpected(acceleration.error());
-  return units.model->family == tmcl::Family::tmc429
-             ? plan_dividers(verb, undirected, *velocity, *acceleration)
-             : plan_parameters(verb, undirected);
+  const auto choice = tmcl::plan::choose_ramp(
+      *units.model, {*velocity, *acceleration, *acceleration}, *units.module);
+  if (choice) return *choice;
+  const auto& [is_velocity, error] = choice.error();
+  return tl::unexpected(
+      out_of_reach(is_velocity ? verb.velocity : verb.acceleration, undirected, error));
+}
+
+// The table has a row for everything that is chosen from it.
+std::string_view name_of(Setting setting, const AxisUnits& units) {
+  return find_parameter(units.parameters(), setting.parameter)->name;
 }
 
 Attempt<void> refuse_in_motion(const std::string& axis, Target& target) {
@@ -107,7 +68,7 @@ Attempt<void> refuse_in_motion(const std::string& axis, Target& target) {
 // answering half-way must not be left with a fast axis.
 Attempt<void> order_safely(std::vector<Setting>& settings, const std::string& axis,
                            Target& target) {
-  if (settings.front().row->number != pulse_divisor) return {};
+  if (settings.front().parameter != pulse_divisor) return {};
   const auto present = target.get(axis, std::to_string(pulse_divisor));
   if (!present) return tl::unexpected(present.error());
   const bool gets_faster = settings.front().value < present->value;
@@ -115,38 +76,43 @@ Attempt<void> order_safely(std::vector<Setting>& settings, const std::string& ax
   return {};
 }
 
-Attempt<void> write(const std::vector<Setting>& settings, const std::string& axis, Target& target) {
+Attempt<void> write(const std::vector<Setting>& settings, const AxisUnits& units,
+                    const std::string& axis, Target& target) {
   std::string written;
-  for (const auto& [row, value] : settings) {
-    const auto set = target.set(axis, std::to_string(row->number), value);
+  for (const auto& setting : settings) {
+    const auto set = target.set(axis, std::to_string(setting.parameter), setting.value);
+    const auto assignment = fmt::format("{} = {}", name_of(setting, units), setting.value);
     if (!set) {
       auto failure = set.error();
-      failure.message += fmt::format("; it was about {} = {}", row->name, value);
+      failure.message += "; it was about " + assignment;
       if (!written.empty()) failure.message += ", and these were written before: " + written;
       return tl::unexpected(std::move(failure));
     }
-    written += fmt::format("{}{} = {}", written.empty() ? "" : ", ", row->name, value);
+    written += (written.empty() ? "" : ", ") + assignment;
   }
   return {};
 }
 
-void show(const verb::Ramp& verb, const Plan& plan, std::string_view model, Output& output) {
+void show(const verb::Ramp& verb, const RampChoice& choice, const AxisUnits& units,
+          Output& output) {
   if (output.json) {
     json::object parameters;
-    for (const auto& [row, value] : plan.settings) parameters[row->name] = value;
+    for (const auto& setting : choice.settings) parameters[name_of(setting, units)] = setting.value;
     print_json({{"axis", verb.axis},
-                {"model", model},
-                {"velocity_pps", plan.velocity.value},
-                {"acceleration_pps2", plan.acceleration.value},
+                {"model", units.model->name},
+                {"velocity_pps", choice.velocity.value},
+                {"acceleration_pps2", choice.acceleration.value},
                 {"parameters", std::move(parameters)},
+                {"remarks", json::array(choice.remarks.begin(), choice.remarks.end())},
                 {"written", !verb.dry_run}},
                output);
     return;
   }
-  for (const auto& [row, value] : plan.settings)
-    output.out << fmt::format("{:<18} {}\n", row->name, value);
-  output.out << fmt::format("gives {:.10g} pps and {:.10g} pps/s{}\n", plan.velocity.value,
-                            plan.acceleration.value, verb.dry_run ? "; nothing was written" : "");
+  for (const auto& setting : choice.settings)
+    output.out << fmt::format("{:<18} {}\n", name_of(setting, units), setting.value);
+  output.out << fmt::format("gives {:.10g} pps and {:.10g} pps/s{}\n", choice.velocity.value,
+                            choice.acceleration.value, verb.dry_run ? "; nothing was written" : "");
+  for (const auto& remark : choice.remarks) output.err << "tmclctl: warning: " << remark << '\n';
 }
 
 }  // namespace
@@ -154,16 +120,17 @@ void show(const verb::Ramp& verb, const Plan& plan, std::string_view model, Outp
 VerbResult run(const verb::Ramp& verb, Room& room) {
   const auto units = room.target.units(verb.axis);
   if (!units) return tl::unexpected(units.error());
-  auto plan = plan_ramp(verb, *units);
-  if (!plan) return tl::unexpected(plan.error());
+  const auto choice = choose_ramp(verb, *units);
+  if (!choice) return tl::unexpected(choice.error());
   if (!verb.dry_run) {
-    auto settings = plan->settings;
-    const auto done = refuse_in_motion(verb.axis, room.target)
-                          .and_then([&] { return order_safely(settings, verb.axis, room.target); })
-                          .and_then([&] { return write(settings, verb.axis, room.target); });
+    auto settings = choice->settings;
+    const auto done =
+        refuse_in_motion(verb.axis, room.target)
+            .and_then([&] { return order_safely(settings, verb.axis, room.target); })
+            .and_then([&] { return write(settings, *units, verb.axis, room.target); });
     if (!done) return tl::unexpected(done.error());
   }
-  show(verb, *plan, units->model->name, room.output);
+  show(verb, *choice, *units, room.output);
   return ExitCode::done;
 }
 

@@ -1,0 +1,52 @@
+/// The axis parameters that make a module's ramp as near as it can be to what somebody wants.
+#pragma once
+
+#include <limits>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "tmcl/conversion.hpp"
+#include "tmcl/model.hpp"
+#include "tmcl/plan/axis_twin.hpp"
+#include "tmcl/units.hpp"
+
+namespace tmcl::plan {
+
+/// What a ramp should be like. Everything is greater than 0.
+struct RampWish {
+  PulsesPerSecond velocity;
+  PulsesPerSecond2 acceleration;
+  PulsesPerSecond2 deceleration;
+  /// How fast the acceleration may change, in microsteps/s^3; infinite: trapezoids.
+  double jerk = std::numeric_limits<double>::infinity();
+};
+
+struct RampChoice {
+  /// In the order in which to write them, in the module's units of the moment.
+  std::vector<Setting> settings;
+  // What they give.
+  PulsesPerSecond velocity;
+  PulsesPerSecond2 acceleration;
+  PulsesPerSecond2 deceleration;
+  double jerk = std::numeric_limits<double>::infinity();
+  /// What it will do instead where the module cannot do what was asked; sentences without a full
+  /// stop.
+  std::vector<std::string> remarks;
+};
+
+/// `units` is what the module counts in now; on a TMC429 the choice makes its own.
+///
+///  - TMC429: the dividers of choose_tmc429_ramp(), and as minimum velocity the speed that is
+///    reached within one microstep anyway: sqrt(2048 p), where p is the chip's PMUL / PDIV. With a
+///    minimum velocity of 1 the last microstep takes up to 2^(pulse_div + 16) / f seconds.
+///  - TMC457: the greatest bow that does not exceed the jerk and with which the motor does not
+///    oscillate; with a bow, 16/15 of the deceleration, because the chip uses 15/16 of it.
+///  - others: all stages of the ramp get the same acceleration, or deceleration.
+///
+/// Errors: a velocity or an acceleration that the module does not have, and the nearest it has.
+tl::expected<RampChoice, RampOutOfReach> choose_ramp(const Model& model, const RampWish& wish,
+                                                     const ModuleUnits& units);
+
+}  // namespace tmcl::plan

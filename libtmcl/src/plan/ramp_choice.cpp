@@ -1,0 +1,199 @@
+#include "tmcl/plan/ramp_choice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "tmcl/parameter.hpp"
+
+namespace tmcl::plan {
+namespace {
+
+namespace ap = axis_parameter;
+using Choice = tl::expected<RampChoice, RampOutOfReach>;
+
+constexpr std::uint8_t minimum_velocity = 130;
+constexpr std::uint8_t ramp_divisor = 153;
+constexpr std::uint8_t pulse_divisor = 154;
+constexpr double noticeable = 0.01;  // of a wish
+
+std::string in_words(double value, const char* unit) {
+  char text[48];
+  std::snprintf(text, sizeof text, "%.6g %s", value, unit);
+  return text;
+}
+
+void remark_if_off(RampChoice& choice, const char* what, double wished, double got,
+                   const char* unit) {
+  if (std::abs(got - wished) <= noticeable * wished) return;
+  choice.remarks.push_back("the " + std::string(what) + " is " + in_words(got, unit) + ", not " +
+                           in_words(wished, unit));
+}
+
+void remark(RampChoice& choice, const RampWish& wish) {
+  remark_if_off(choice, "velocity", wish.velocity.value, choice.velocity.value, "microsteps/s");
+  remark_if_off(choice, "acceleration", wish.acceleration.value, choice.acceleration.value,
+                "microsteps/s^2");
+  remark_if_off(choice, "deceleration", wish.deceleration.value, choice.deceleration.value,
+                "microsteps/s^2");
+  if (std::isinf(choice.jerk) && !std::isinf(wish.jerk)) {
+    choice.remarks.push_back(
+        "the acceleration begins and ends at once: the module makes no S-shaped "
+        "ramps");
+  } else if (!std::isinf(wish.jerk)) {
+    remark_if_off(choice, "jerk", wish.jerk, choice.jerk, "microsteps/s^3");
+  }
+}
+
+// ---- TMC429 ----
+
+std::int32_t speed_within_a_microstep(const Tmc429Ramp& ramp) {
+  using R = ramp::Tmc429::Register;
+  ramp::Tmc429 chip;
+  chip.write(R::pulse_div, ramp.dividers.pulse);
+  chip.write(R::ramp_div, ramp.dividers.ramp);
+  chip.write(R::a_max, ramp.a_max.value);
+  const auto p = std::ldexp(128.0 + static_cast<double>(chip.read(R::pmul)),
+                            -static_cast<int>(3 + chip.read(R::pdiv)));
+  const auto speed = static_cast<std::int32_t>(std::sqrt(2048 * p));
+  return std::clamp(speed, 1, ramp.v_max.value);
+}
+
+Choice choose_for_tmc429(const RampWish& wish) {
+  const auto ramp = choose_tmc429_ramp(wish.velocity, wish.acceleration);
+  if (!ramp) return tl::unexpected(ramp.error());
+  RampChoice choice;
+  choice.settings = {{pulse_divisor, ramp->dividers.pulse},
+                     {ramp_divisor, ramp->dividers.ramp},
+                     {ap::max_velocity, ramp->v_max.value},
+                     {ap::max_acceleration, ramp->a_max.value},
+                     {minimum_velocity, speed_within_a_microstep(*ramp)}};
+  choice.velocity = ramp->velocity();
+  choice.acceleration = choice.deceleration = ramp->acceleration();
+  return choice;
+}
+
+// ---- modules whose ramps are parameters in one unit ----
+
+/// Collects settings by the names of the parameters.
+class Chooser {
+ public:
+  Chooser(const Model& model, const ModuleUnits& units)
+      : model_(model), table_(axis_parameters(model)), units_(units) {}
+
+  /// True if the model has such a parameter and it takes the value.
+  bool set(std::string_view name, PulsesPerSecond velocity) {
+    const auto* row = find(name);
+    if (row == nullptr) return false;
+    const auto value = to_internal(velocity, units_, positive(*row));
+    if (!value) return fail(true, value.error());
+    choice_.settings.push_back({row->number, value->value});
+    choice_.velocity = to_pps(*value, units_);
+    return true;
+  }
+  bool set(std::string_view name, PulsesPerSecond2 acceleration, PulsesPerSecond2& got) {
+    const auto* row = find(name);
+    if (row == nullptr) return false;
+    const auto value = to_internal(acceleration, units_, positive(*row));
+    if (!value) return fail(false, value.error());
+    choice_.settings.push_back({row->number, value->value});
+    got = to_pps2(*value, units_);
+    return true;
+  }
+
+  RampChoice& choice() { return choice_; }
+  Choice take() {
+    if (error_) return tl::unexpected(*error_);
+    return std::move(choice_);
+  }
+
+ private:
+  const ParameterInfo* find(std::string_view name) const { return find_parameter(table_, name); }
+  // 0 is a motor that does not move.
+  ValueRange positive(const ParameterInfo& row) const {
+    const auto range = range_of(row, initial_units(model_), units_);
+    return {std::max(range.least, 1), range.greatest};
+  }
+  bool fail(bool is_velocity, const OutOfReach& error) {
+    if (!error_) error_ = RampOutOfReach{is_velocity, error};
+    return false;
+  }
+
+  const Model& model_;
+  std::span<const ParameterInfo> table_;
+  const ModuleUnits& units_;
+  RampChoice choice_;
+  std::optional<RampOutOfReach> error_;
+};
+
+// bow_value * f^3 / 2^52, and the acceleration is changed by bow_value every 1024 clocks.
+double bow_in_pps3(std::int32_t exponent) {
+  constexpr double clock_hz = 16e6;
+  return std::ldexp(clock_hz * clock_hz * clock_hz, exponent - 1 - 52);
+}
+
+double acceleration_register(PulsesPerSecond2 acceleration) {
+  constexpr auto unit = tmc457_acceleration_unit;
+  return acceleration.value * static_cast<double>(unit.denominator) /
+         static_cast<double>(unit.numerator);
+}
+
+std::int32_t choose_bow(const RampWish& wish) {
+  constexpr std::int32_t greatest = 18;
+  if (std::isinf(wish.jerk)) return 0;
+  const auto least_force = acceleration_register(std::min(wish.acceleration, wish.deceleration));
+  std::int32_t bow = 1;
+  while (bow < greatest && bow_in_pps3(bow + 1) <= wish.jerk && std::ldexp(2.0, bow) < least_force)
+    ++bow;
+  return bow;
+}
+
+Choice choose_for_tmc457(const Model& model, const RampWish& wish, const ModuleUnits& units) {
+  constexpr std::uint8_t max_bow = 18;
+  constexpr double part_with_bow = 15.0 / 16;
+  const auto bow = choose_bow(wish);
+  const double part = bow > 0 ? part_with_bow : 1;
+  Chooser chooser(model, units);
+  auto& choice = chooser.choice();
+  chooser.set("max_velocity", wish.velocity);
+  chooser.set("acceleration", wish.acceleration, choice.acceleration);
+  chooser.set("max_deceleration", {wish.deceleration.value / part}, choice.deceleration);
+  choice.deceleration.value *= part;
+  choice.settings.push_back({max_bow, bow});
+  if (bow > 0) choice.jerk = bow_in_pps3(bow);
+  return chooser.take();
+}
+
+Choice choose_for_others(const Model& model, const RampWish& wish, const ModuleUnits& units) {
+  Chooser chooser(model, units);
+  auto& choice = chooser.choice();
+  chooser.set("max_velocity", wish.velocity);
+  for (const auto* name : {"max_acceleration", "acceleration_a1", "acceleration_a2"})
+    chooser.set(name, wish.acceleration, choice.acceleration);
+  choice.deceleration = choice.acceleration;
+  for (const auto* name : {"max_deceleration", "deceleration_d1", "deceleration_d2"})
+    chooser.set(name, wish.deceleration, choice.deceleration);
+  return chooser.take();
+}
+
+Choice choose(const Model& model, const RampWish& wish, const ModuleUnits& units) {
+  switch (model.family) {
+    case Family::tmc429: return choose_for_tmc429(wish);
+    case Family::tmc457: return choose_for_tmc457(model, wish, units);
+    case Family::sixpoint:
+    case Family::tmc4361:
+    case Family::firmware: break;
+  }
+  return choose_for_others(model, wish, units);
+}
+
+}  // namespace
+
+Choice choose_ramp(const Model& model, const RampWish& wish, const ModuleUnits& units) {
+  return choose(model, wish, units).map([&](RampChoice choice) {
+    remark(choice, wish);
+    return choice;
+  });
+}
+
+}  // namespace tmcl::plan
