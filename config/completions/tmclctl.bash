@@ -75,6 +75,11 @@ _tmclctl() {
       raw:1) words=$(_tmclctl_words commands) ;;
       "program assemble":0 | "program disassemble":0 | "program upload":0 | "program verify":0) compopt -o default ;;
       "firmware info":0 | "firmware check":0 | "firmware upload":0) compopt -o default ;;
+      "profile solve":*)
+        # Nobody knows the number behind the =.
+        [[ $current == = || $previous == = ]] && return
+        words=$(_tmclctl_words quantities)
+        compopt -o nospace ;;
       "profile simulate":*)
         if [[ $current == = || $previous == = ]]; then
           # Which register: it stands before the =.

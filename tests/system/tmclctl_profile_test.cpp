@@ -134,7 +134,11 @@ TEST(TmclctlProfile, BashCompletesGeneratorsRegistersAndValues) {
   };
   const std::string simulate = "tmclctl profile simulate ";
   EXPECT_EQ(complete("tmclctl prof", 1), "profile\n");
-  EXPECT_EQ(complete("tmclctl profile s", 2), "simulate\n");
+  EXPECT_EQ(complete("tmclctl profile s", 2), "simulate solve\n");
+  EXPECT_EQ(complete("tmclctl profile solve distance = 2mm a", 6),
+            "acceleration= acceleration_time=\n");
+  EXPECT_EQ(complete("tmclctl profile solve distance =", 4), "\n");
+  EXPECT_EQ(complete("tmclctl profile solve th", 3), "thirds\n");
   EXPECT_EQ(complete(simulate + "--gen", 3), "--generator\n");
   EXPECT_EQ(complete(simulate + "--generator tmc42", 4), "tmc429\n");
   EXPECT_EQ(complete(simulate + "--generator tmc429 v_m", 5), "v_min= v_max=\n");

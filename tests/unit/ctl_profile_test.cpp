@@ -514,7 +514,7 @@ TEST_F(CtlProfile, IsAGroupOfVerbs) {
 }
 
 TEST_F(CtlProfile, TellsTheShellItsWords) {
-  EXPECT_EQ(information({"__complete", "verbs", "profile"}), "simulate\n");
+  EXPECT_EQ(information({"__complete", "verbs", "profile"}), "simulate\nsolve\n");
   EXPECT_THAT(information({"__complete", "options", "profile", "simulate"}),
               HasSubstr("--change\n"));
   EXPECT_THAT(information({"__complete", "generators"}), HasSubstr("tmc429\n"));

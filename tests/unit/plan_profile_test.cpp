@@ -150,7 +150,7 @@ TEST(PlanProfile, ContradictionToAnAssumption) {
 TEST(PlanProfile, SmallContradictionsAreShownWithTheirDigits) {
   const auto words =
       words_for(given({{speed, 8}, {acceleration, 16}, {acceleration_time, 0.50000001}}));
-  EXPECT_THAT(words, HasSubstr("0.50000001 s"));
+  EXPECT_THAT(words, HasSubstr("15.99999968 mm/s2"));
 }
 
 TEST(PlanProfile, TooFastForTheDistance) {

@@ -217,7 +217,8 @@ mode are those that the model starts with, if they are not given.
 constexpr const char* profile = R"(
 Nothing is sent anywhere: no bus, no tmcld, no module is needed.
 
-  tmclctl profile simulate --help
+  tmclctl profile simulate --help      registers of a chip: how it moves
+  tmclctl profile solve --help         some values of a trapezoid: all of them
 )";
 
 constexpr const char* simulate = R"(
@@ -256,6 +257,30 @@ A change acts after everything up to its instant; changes of one instant act in 
 "start_s"}], "samples": [{"t", "x", "v", "a"}]}; duration_s is when it last came to rest on its
 target, null if it does not. What the chip would take but should not be told is a warning on
 standard error; settings that contradict each other are an error (exit code 2).
+)";
+
+constexpr const char* solve = R"(
+A movement from rest to rest that accelerates, goes at constant speed and decelerates has eight
+values, of which four that do not follow from each other determine the rest:
+  distance, speed, acceleration, deceleration, acceleration_time, slew_time (at constant speed),
+  deceleration_time, total_time
+With an assumption, fewer are enough:
+  symmetric  both ramps are equal: one acceleration, one time
+  thirds     symmetric, and each of the three parts takes a third of the time
+
+  tmclctl profile solve distance=20mm total_time=600ms thirds
+  tmclctl profile solve speed=8 acceleration=16 deceleration=16 distance=12
+  tmclctl profile solve distance=90deg speed=1rev/s acceleration=5rev/s2 symmetric
+  tmclctl --json profile solve distance=200mm total_time=1s speed=250mm/s symmetric
+
+Prints all eight as a table and draws position and speed; --svg draws into a file; --json prints the
+eight as plain numbers, and "unit". Lengths may be in any unit, all of them in the same one; mm, um,
+cm, m and in, and deg, rad and rev, can be mixed. Speeds are such as mm/s, accelerations mm/s2 (or
+mm/s^2, mm/s/s); times are in s, ms, us or min. What is printed is in seconds and in the first unit
+of length that was given, and bare numbers are taken as such.
+
+More than enough may be given, as long as it agrees within 1e-9. Too little, values that contradict
+each other, and what is impossible are errors that say so, with a way out (exit code 2).
 )";
 
 constexpr const char* firmware = R"(

@@ -15,6 +15,7 @@
 #include "tmcl/command.hpp"
 #include "tmcl/nearest.hpp"
 #include "tmcl/parameter.hpp"
+#include "tmcl/plan/profile.hpp"
 
 namespace tmclctl {
 namespace {
@@ -143,6 +144,17 @@ std::vector<std::string> register_words(const std::vector<std::string>& names) {
   return words;
 }
 
+/// What profile solve is told.
+std::vector<std::string> quantity_words() {
+  using tmcl::plan::Assumption;
+  std::vector<std::string> words;
+  for (const auto quantity : tmcl::plan::quantities)
+    words.push_back(fmt::format("{}=", name_of(quantity)));
+  for (const auto assumption : {Assumption::symmetric, Assumption::thirds})
+    words.emplace_back(name_of(assumption));
+  return words;
+}
+
 Information Parser::complete() const {
   std::vector<std::string> words;
   if (complete_.what == "verbs") words = verbs(complete_verb());
@@ -168,6 +180,7 @@ Information Parser::complete() const {
   if (complete_.what == "generators") {
     for (const auto& generator : profile::generators()) words.emplace_back(generator.name);
   }
+  if (complete_.what == "quantities") words = quantity_words();
   if (complete_.what == "registers") words = register_words(complete_for_);
   return {words.empty() ? std::string{} : fmt::format("{}\n", fmt::join(words, "\n"))};
 }

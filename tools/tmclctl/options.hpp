@@ -91,6 +91,11 @@ struct Simulate {
   std::optional<double> csv_step;
   std::string svg;  ///< Empty: none.
 };
+/// The whole of a trapezoid from some of its values.
+struct SolveProfile {
+  std::vector<std::string> words;  ///< QUANTITY=VALUE[UNIT], or an assumption.
+  std::string svg;                 ///< Empty: none.
+};
 /// The text of a stand-alone program into a program file.
 struct Assemble {
   std::string file;
@@ -172,10 +177,10 @@ struct Complete {
 
 using Verb = std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models,
                           verb::Get, verb::Set, verb::Move, verb::Rotate, verb::Stop, verb::State,
-                          verb::Watch, verb::Plot, verb::Raw, verb::Simulate, verb::Assemble,
-                          verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware,
-                          verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask, verb::Home,
-                          verb::Upload, verb::Download, verb::Complete>;
+                          verb::Watch, verb::Plot, verb::Raw, verb::Simulate, verb::SolveProfile,
+                          verb::Assemble, verb::Disassemble, verb::FirmwareInfo,
+                          verb::CheckFirmware, verb::UploadFirmware, verb::Ramp, verb::Convert,
+                          verb::Ask, verb::Home, verb::Upload, verb::Download, verb::Complete>;
 
 struct Options {
   Where where;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -193,19 +194,22 @@ SolveError impossible(const Question& question, Set culprits, const Derivation& 
   return error;
 }
 
+constexpr double no_difference_yet = std::numeric_limits<double>::infinity();
+
 double difference(double a, double b) {
   return a == b ? 0 : std::abs(a - b) / std::max(std::abs(a), std::abs(b));
 }
 
-/// The quantity that comes out most differently from what is given.
-void compare(const Question& question, Set set, const Derivation& derivation, double& greatest,
+/// The quantity that comes out differently, but least so: the others need the least belief.
+void compare(const Question& question, Set set, const Derivation& derivation, double& least,
              std::optional<SolveError>& error) {
   for (const auto quantity : members(set_of(question.given) & ~set)) {
     if (!derivation.known()[quantity]) continue;
     const double given = *question.given[quantity];
     const double implied = *derivation.known()[quantity];
-    if (difference(given, implied) <= greatest) continue;
-    greatest = difference(given, implied);
+    const double differs = difference(given, implied);
+    if (differs <= solve_tolerance || differs >= least) continue;
+    least = differs;
     error = question.error(Kind::contradiction, set);
     error->quantity = quantity;
     error->given = given;
@@ -215,7 +219,7 @@ void compare(const Question& question, Set set, const Derivation& derivation, do
 
 /// Values that cannot all be right: the fewest of them that show it.
 SolveError conflict(const Question& question) {
-  double greatest = solve_tolerance;
+  double least = no_difference_yet;
   std::optional<SolveError> contradiction;
   const auto sets = subsets(set_of(question.given));
   for (std::size_t i = 0; i < sets.size(); ++i) {
@@ -223,7 +227,7 @@ SolveError conflict(const Question& question) {
     if (larger && contradiction) break;
     const Derivation derivation(only(sets[i], question.given), question.assumption);
     if (derivation.impossible()) return impossible(question, sets[i], derivation);
-    compare(question, sets[i], derivation, greatest, contradiction);
+    compare(question, sets[i], derivation, least, contradiction);
   }
   return contradiction.value_or(question.error(Kind::contradiction, set_of(question.given)));
 }
@@ -233,12 +237,12 @@ bool agrees(const Question& question, const Derivation& derivation) {
   if (derivation.impossible()) return false;
   if (derivation.complete())
     return residual_of(derivation.known(), question.assumption) <= solve_tolerance;
-  double greatest = solve_tolerance;
+  double least = no_difference_yet;
   std::optional<SolveError> error;
   for (const auto set : subsets(set_of(question.given))) {
     const Derivation part(only(set, question.given), question.assumption);
     if (part.impossible()) return false;
-    compare(question, set, part, greatest, error);
+    compare(question, set, part, least, error);
   }
   return !error;
 }

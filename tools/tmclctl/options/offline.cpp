@@ -44,11 +44,7 @@ std::string objection_to(const verb::Simulate& said, bool json) {
   return !said.samples.empty() && !json ? "--sample needs --json" : "";
 }
 
-}  // namespace
-
-void add_profile(Grammar& grammar) {
-  const auto profile =
-      grammar.group("profile", "Compute movements, without any module", help_text::profile);
+void add_simulate(Grammar& grammar, const Form& profile) {
   auto simulate = grammar.verb<verb::Simulate>(
       profile, "simulate", "What a chip's ramp generator makes of registers", help_text::simulate);
   simulate.required_option("--generator", "NAME", generator_names(), text(simulate->generator));
@@ -72,6 +68,27 @@ void add_profile(Grammar& grammar) {
                   number(simulate->csv_step, shortest_csv_step, longest_simulated_time));
   simulate.option("--svg", "FILE", "Draw into this file, not on the screen", text(simulate->svg));
   simulate.object(objection_to);
+}
+
+void add_solve(Grammar& grammar, const Form& profile) {
+  auto solve = grammar.verb<verb::SolveProfile>(
+      profile, "solve", "All of a trapezoid from as much as determines it", help_text::solve);
+  auto& said = *solve.operator->();
+  solve.words("QUANTITY=VALUE[UNIT]", "What is known, and the words symmetric or thirds",
+              [&said](const std::string& text) -> Reading {
+                said.words.push_back(text);
+                return {};
+              });
+  solve.option("--svg", "FILE", "Draw into this file, not on the screen", text(solve->svg));
+}
+
+}  // namespace
+
+void add_profile(Grammar& grammar) {
+  const auto profile =
+      grammar.group("profile", "Compute movements, without any module", help_text::profile);
+  add_simulate(grammar, profile);
+  add_solve(grammar, profile);
 }
 
 Form add_program(Grammar& grammar) {

@@ -188,11 +188,6 @@ std::string to_svg(const Picture& picture) {
   return svg + "</svg>\n";
 }
 
-std::string to_svg(const Recording& recording) {
-  return to_svg({summary(recording),
-                 recording.time_unit,
-                 {position_curve(recording), velocity_curve(recording)},
-                 {}});
-}
+std::string to_svg(const Recording& recording) { return to_svg(picture_of(recording)); }
 
 }  // namespace tmclctl::plot

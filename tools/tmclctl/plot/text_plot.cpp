@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <map>
 
 #include <fmt/format.h>
@@ -26,8 +27,7 @@ struct Strokes {
 constexpr Strokes lines{"│", "┤", "└", "─", "┬"};
 constexpr Strokes ascii_lines{"|", "+", "+", "-", "+"};
 
-constexpr const char* position_colour = "36";
-constexpr const char* velocity_colour = "33";
+constexpr const char* curve_colours[] = {"36", "33"};
 constexpr const char* frame_colour = "2";
 
 int dot_of(double fraction, int dots) {
@@ -127,17 +127,23 @@ std::string heading(const Curve& curve, int indent) {
 
 }  // namespace
 
-std::string to_text(const Recording& recording, const Screen& screen) {
-  const auto position = position_curve(recording);
-  const auto velocity = velocity_curve(recording);
-  const int labels = std::max(label_width(position), label_width(velocity));
+std::string to_text(const Picture& picture, const Screen& screen) {
+  int labels = 0;
+  for (const auto& curve : picture.curves) labels = std::max(labels, label_width(curve));
   const int columns = std::min(screen.width, widest_plot);
-  const Scale time(position.times, std::max(2, columns / columns_per_time_tick));
-  const Panel above(position, time, screen, labels);
-  const Panel below(velocity, time, screen, labels);
-  return summary(recording) + "\n\n" + heading(position, labels + 2) + above.text(position_colour) +
-         heading(velocity, labels + 2) + below.text(velocity_colour) +
-         below.time_labels(recording.time_unit);
+  const Scale time(picture.curves.front().times, std::max(2, columns / columns_per_time_tick));
+  auto text = picture.title + "\n\n";
+  for (std::size_t i = 0; i < picture.curves.size(); ++i) {
+    const auto& curve = picture.curves[i];
+    const Panel panel(curve, time, screen, labels);
+    text += heading(curve, labels + 2) + panel.text(curve_colours[i % std::size(curve_colours)]);
+    if (&curve == &picture.curves.back()) text += panel.time_labels(picture.time_unit);
+  }
+  return text;
+}
+
+std::string to_text(const Recording& recording, const Screen& screen) {
+  return to_text(picture_of(recording), screen);
 }
 
 }  // namespace tmclctl::plot

@@ -1,0 +1,112 @@
+// profile solve.
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "output_file.hpp"
+#include "plot/svg_plot.hpp"
+#include "plot/text_plot.hpp"
+#include "print.hpp"
+#include "profile/known_values.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+namespace plan = tmcl::plan;
+
+// Of each of the three parts: a ramp's position is a parabola.
+constexpr int points_of_a_part = 100;
+
+std::string_view failure_name(plan::SolveError::Kind kind) {
+  switch (kind) {
+    case plan::SolveError::Kind::invalid: return "bad_value";
+    case plan::SolveError::Kind::insufficient: return "insufficient";
+    case plan::SolveError::Kind::contradiction: return "contradiction";
+    case plan::SolveError::Kind::impossible: return "impossible";
+  }
+  return "";
+}
+
+Failure failure_from(const plan::SolveError& error, std::string_view unit) {
+  auto failure = usage_failure(std::string(failure_name(error.kind)), describe(error, unit, "s"));
+  json::array quantities;
+  for (const auto quantity :
+       error.kind == plan::SolveError::Kind::insufficient ? error.candidates : error.culprits)
+    quantities.emplace_back(name_of(quantity));
+  failure.details["quantities"] = std::move(quantities);
+  return failure;
+}
+
+json::object to_json(const plan::Profile& profile, const std::string& unit) {
+  json::object document;
+  for (const auto quantity : plan::quantities) document[name_of(quantity)] = profile[quantity];
+  document["unit"] = unit.empty() ? json::value(nullptr) : json::value(unit);
+  return document;
+}
+
+void print_table(const plan::Profile& profile, const profile::KnownValues& known, Output& output) {
+  Table table({"QUANTITY", "VALUE", ""});
+  for (const auto quantity : plan::quantities) {
+    table.add({std::string(name_of(quantity)),
+               plan::with_unit(quantity, profile[quantity], known.unit, "s"),
+               known.given[quantity] ? "given" : ""});
+  }
+  table.print(output.out);
+}
+
+std::vector<double> curve_times(const plan::Profile& profile) {
+  std::vector<double> times;
+  double begin = 0;
+  for (const double duration :
+       {profile.acceleration_time, profile.slew_time, profile.deceleration_time}) {
+    for (int i = 0; i < points_of_a_part; ++i)
+      times.push_back(begin + duration * i / points_of_a_part);
+    begin += duration;
+  }
+  times.push_back(profile.total_time);
+  return times;
+}
+
+plot::Picture picture_of(const plan::Profile& profile, const std::string& unit) {
+  const auto times = curve_times(profile);
+  plot::Curve position{"position", unit.empty() ? "units" : unit, times, {}};
+  plot::Curve velocity{"velocity", position.unit + "/s", times, {}};
+  for (const double time : times) {
+    position.values.push_back(profile.position_at(time));
+    velocity.values.push_back(profile.speed_at(time));
+  }
+  auto title = fmt::format("{:.6g} {} in {:.6g} s, greatest velocity {:.6g} {}", profile.distance,
+                           position.unit, profile.total_time, profile.speed, velocity.unit);
+  return {std::move(title), "s", {std::move(position), std::move(velocity)}, {}};
+}
+
+Attempt<void> show(const verb::SolveProfile& verb, const plan::Profile& profile,
+                   const profile::KnownValues& known, Output& output) {
+  const auto picture = picture_of(profile, known.unit);
+  if (!verb.svg.empty()) {
+    OutputFile svg;
+    auto written = svg.open(verb.svg).and_then([&] { return svg.write(plot::to_svg(picture)); });
+    if (!written) return written;
+  }
+  if (output.json) {
+    print_json(to_json(profile, known.unit), output);
+    return {};
+  }
+  print_table(profile, known, output);
+  if (verb.svg.empty()) output.out << '\n' << plot::to_text(picture, output.out_screen);
+  return {};
+}
+
+}  // namespace
+
+VerbResult run(const verb::SolveProfile& verb, Output& output) {
+  const auto known = profile::read_known_values(verb.words);
+  if (!known) return tl::unexpected(known.error());
+  const auto solved = plan::solve(known->given, known->assumption);
+  if (!solved) return tl::unexpected(failure_from(solved.error(), known->unit));
+  return show(verb, *solved, *known, output).map([] { return ExitCode::done; });
+}
+
+}  // namespace tmclctl
