@@ -19,8 +19,8 @@ constexpr auto description =
     "The motors ramp as the real chip's do, in real time. Ends with Ctrl-C.";
 
 constexpr auto explanation = R"(
-MODEL is TMCM-1110, TMCM-3110 or TMCM-6110 (one, three or six motors with the ramps of a TMC429),
-TMCM-142 or PD-146 (one motor, TMC457) or TMCM-6212 (six motors, sixPoint ramps). ADDRESS is 1 to
+MODEL is one of those that `tmclctl models` lists, such as TMCM-3110 (three motors with the ramps of
+a TMC429), TMCM-142 (one motor, TMC457) or TMCM-6212 (six motors, sixPoint ramps). ADDRESS is 1 to
 255, on serial lines and on CAN alike; without it a module gets the next free one from 1 on. Every
 port reaches every module, and a module answers by the port that asked. Ports can be repeated as
 well.
