@@ -69,12 +69,6 @@ json::value or_null(std::optional<std::int32_t> value) {
   return value ? json::value(*value) : json::value(nullptr);
 }
 
-/// What was known about the module is old now.
-void expect_news(const ModuleChoice& module) {
-  auto* known = module.bus->find_module(module.address);
-  if (known != nullptr) known->forget_state();
-}
-
 }  // namespace
 
 Answer get_global(Call& call) {

@@ -60,6 +60,10 @@ Answer set_breakpoint(Call& call);
 Answer clear_breakpoint(Call& call);
 Answer clear_breakpoints(Call& call);
 
+Answer firmware_status(Call& call);
+Answer stage_firmware(Call& call);
+Answer upload_firmware(Call& call);
+
 Answer get_parameter(Call& call);
 Answer set_parameter(Call& call);
 Answer store_parameter(Call& call);

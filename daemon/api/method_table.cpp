@@ -226,6 +226,31 @@ constexpr std::array program_status_result{
 constexpr std::array breakpoint_params{
     bus, address, ParamInfo{"at", integer, required, "address in the program", 0, 2047}, deadline};
 
+// ---- firmware ----
+
+constexpr ResultInfo module_model{"model", nullable_text,
+                                  "model of the module; null if it has no name"};
+constexpr ResultInfo module_model_number{"model_number", integer, "its number"};
+constexpr std::array firmware_status_result{
+    module_model, module_model_number,
+    ResultInfo{"running", text, "what answers: 1110V142, or 1110B101 for its bootloader"},
+    ResultInfo{"in_bootloader", boolean, "no firmware runs"}};
+constexpr std::array stage_firmware_params{
+    ParamInfo{"offset", integer, required, "how many bytes were handed over before; 0: a new image",
+              0, ImageShelf::most_bytes},
+    ParamInfo{"data", text, required, "the next bytes, in hexadecimal"}};
+constexpr std::array stage_firmware_result{ResultInfo{"bytes", integer, "how many there are now"}};
+constexpr std::array upload_firmware_params{
+    bus, address,
+    ParamInfo{"start", integer, required, "address of the image's first byte", 0, int32_maximum},
+    ParamInfo{"bytes", integer, required, "how many bytes were handed over", 1,
+              ImageShelf::most_bytes},
+    ParamInfo{"force", boolean, optional,
+              "also an image that does not say that it is for this model"}};
+constexpr std::array upload_firmware_result{
+    module_model, module_model_number, ResultInfo{"before", text, "what ran before: 1110V101"},
+    ResultInfo{"running", text, "what runs now"}, ResultInfo{"checksum", integer, "of the image"}};
+
 // ---- system, subscriptions ----
 
 constexpr std::array stop_all_result{
@@ -410,6 +435,14 @@ constexpr auto table = std::to_array<MethodInfo>({
      {},
      Effect::writes,
      handlers::clear_breakpoints},
+    {"firmware.status", "what runs in a module, as its updates need to know", module_params,
+     firmware_status_result, Effect::reads, handlers::firmware_status},
+    {"firmware.stage", "hands over the next part of a firmware image", stage_firmware_params,
+     stage_firmware_result, Effect::reads, handlers::stage_firmware},
+    {"firmware.upload",
+     "exchanges the firmware of a module for the image that was handed over; tells its progress by "
+     "notify_progress",
+     upload_firmware_params, upload_firmware_result, Effect::moves, handlers::upload_firmware},
     {"system.stop_all",
      "stops all axes at once",
      {},

@@ -9,4 +9,9 @@ Lookup<ModuleChoice> module_of(const Call& call) {
   });
 }
 
+void expect_news(const ModuleChoice& module) {
+  auto* known = module.bus->find_module(module.address);
+  if (known != nullptr) known->forget_state();
+}
+
 }  // namespace tmcld

@@ -15,6 +15,9 @@ struct ModuleChoice {
 /// The parameters "bus" and "address".
 Lookup<ModuleChoice> module_of(const Call& call);
 
+/// What is known about the module is old now.
+void expect_news(const ModuleChoice& module);
+
 /// Runs a verb on a module, within the call's deadline.
 template <class T>
 boost::asio::awaitable<Lookup<T>> run_on(const ModuleChoice& module, const Call& call,

@@ -13,6 +13,7 @@
 #include "config/config.hpp"
 #include "gateway/axis.hpp"
 #include "gateway/bus.hpp"
+#include "gateway/image_shelf.hpp"
 
 namespace tmcld {
 
@@ -47,6 +48,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
 
   /// How many stops are on their way; the end of the daemon waits a little for them.
   int stops_in_progress = 0;
+
+  ImageShelf image_shelf;
 
  private:
   Gateway() = default;

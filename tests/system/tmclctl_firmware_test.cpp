@@ -59,11 +59,24 @@ TEST_F(TmclctlFirmware, AnUploadThatWasKilledIsDoneAgain) {
   EXPECT_EQ(run({"get", "1/0", "actual_position"}).out, "0\n");
 }
 
-TEST_F(TmclctlFirmware, DoesNotGoThroughTheDaemon) {
+TEST_F(TmclctlFirmware, GoesThroughTheDaemonWhoseOtherClientsAreToldSo) {
   start_daemon();
-  const auto refused = ctl(through_daemon(), {"firmware", "upload", file("1110.hex"), "1"});
-  EXPECT_EQ(refused.status, 2);
-  EXPECT_THAT(refused.err, HasSubstr("not through tmcld"));
+  EXPECT_EQ(ctl(through_daemon(), {"firmware", "check", file("1110.hex"), "1"}).status, 0);
+  EXPECT_EQ(ctl(through_daemon(), {"firmware", "check", file("1110.hex"), "3"}).status, 2);
+  {
+    OnTerminal upload(through_daemon(), {"firmware", "upload", file("large.hex"), "bench:1"});
+    ASSERT_TRUE(upload.wait_for("writing"));
+    const auto stopped = ctl(through_daemon(), {"stop", "x"});
+    EXPECT_EQ(stopped.status, 3) << stopped.out;
+    EXPECT_THAT(stopped.err, HasSubstr("module 1 is in its bootloader and gets new firmware"));
+    EXPECT_EQ(ctl(through_daemon(), {"stop", "y"}).status, 0) << "another module";
+    EXPECT_EQ(upload.wait(), 0) << upload.output();
+    EXPECT_THAT(upload.output(), HasSubstr("module 1 runs firmware 1.43 of a TMCM-1110 now"));
+  }
+  EXPECT_EQ(ctl(through_daemon(), {"get", "x", "actual_position"}).out, "0\n");
+  const auto wrong = ctl(through_daemon(), {"firmware", "upload", file("3110.hex"), "1"});
+  EXPECT_EQ(wrong.status, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("the image is for 3110V107; module 1 is a TMCM-1110"));
 }
 
 }  // namespace

@@ -13,35 +13,6 @@ namespace {
 
 using testing::HasSubstr;
 using testing::StartsWith;
-using tmcl::FirmwareVersion;
-using tmcl::firmware::Image;
-
-/// Module 7 is a TMCM-1110.
-class FirmwareTarget final : public test::FakeTarget {
- public:
-  using FakeTarget::FakeTarget;
-
-  Attempt<tmcl::FirmwareMatch> match_firmware(tmcl::ModuleAddress module,
-                                              const Image& image) override {
-    if (failure) return tl::unexpected(*failure);
-    asked = number(module);
-    return tmcl::FirmwareMatch{
-        1110, false, {1110, 1, 1}, versions_in(image), version_for(image, 1110)};
-  }
-  Attempt<tmcl::FirmwareReport> upload_firmware(tmcl::ModuleAddress module, const Image& image,
-                                                const tmcl::FirmwareOptions& options) override {
-    auto match = match_firmware(module, image);
-    if (!match) return tl::unexpected(match.error());
-    forced = options.force;
-    for (const auto* step : {"erasing", "writing", "starting"})
-      options.progress({step, image.bytes.size() / 2, image.bytes.size()});
-    return tmcl::FirmwareReport{*match, runs_then, checksum(image)};
-  }
-
-  std::uint16_t asked = 0;
-  bool forced = false;
-  FirmwareVersion runs_then{1110, 1, 42};
-};
 
 class CtlFirmware : public testing::Test {
  protected:
@@ -60,23 +31,16 @@ class CtlFirmware : public testing::Test {
   void write(const std::string& name, const std::string& contents) const {
     std::ofstream(path(name), std::ios::binary) << contents;
   }
-  ExitCode run(const std::vector<std::string>& words) {
-    std::ostringstream out_stream;
-    std::ostringstream err_stream;
-    Output output{out_stream, err_stream, screen, screen};
-    const auto exit = tmclctl::run(words, output, patience, target);
-    out = out_stream.str();
-    err = err_stream.str();
-    return exit;
+  ExitCode run(const std::vector<std::string>& words) { return ctl.run(words); }
+  boost::json::object json(std::vector<std::string> words, ExitCode expected = ExitCode::done) {
+    return ctl.json(std::move(words), expected);
   }
-  boost::json::object json() const { return boost::json::parse(out).as_object(); }
 
   std::filesystem::path folder;
-  test::FakePatience patience;
-  FirmwareTarget target{patience};
-  Screen screen;
-  std::string out;
-  std::string err;
+  test::Ctl ctl;
+  test::FakeTarget& target = ctl.target;
+  std::string& out = ctl.out;
+  std::string& err = ctl.err;
 };
 
 TEST_F(CtlFirmware, InfoTellsWhatIsInAFile) {
@@ -89,10 +53,10 @@ TEST_F(CtlFirmware, InfoTellsWhatIsInAFile) {
 }
 
 TEST_F(CtlFirmware, InfoAsJson) {
-  EXPECT_EQ(run({"--json", "firmware", "info", path("good.hex")}), ExitCode::done);
-  EXPECT_EQ(json().at("start"), 0x4000);
-  EXPECT_EQ(json().at("bytes"), 100);
-  const auto version = json().at("versions").at(0);
+  const auto told = json({"firmware", "info", path("good.hex")});
+  EXPECT_EQ(told.at("start"), 0x4000);
+  EXPECT_EQ(told.at("bytes"), 100);
+  const auto version = told.at("versions").at(0);
   EXPECT_EQ(version.at("text"), "1110V142");
   EXPECT_EQ(version.at("model"), "TMCM-1110");
   EXPECT_EQ(version.at("firmware"), "1.42");
@@ -106,26 +70,27 @@ TEST_F(CtlFirmware, ABadFileIsToldWithLineAndColumn) {
     EXPECT_EQ(run(words), ExitCode::usage);
     EXPECT_THAT(err, HasSubstr(path("bad.hex") + ":2:16: 'G' is no hexadecimal digit"));
   }
-  EXPECT_EQ(target.asked, 0) << "nothing was sent";
+  EXPECT_TRUE(target.calls.empty()) << "nothing was sent";
   EXPECT_EQ(run({"firmware", "info", path("cut.hex")}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("seems to be cut short"));
   EXPECT_EQ(run({"firmware", "info", path("none.hex")}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("cannot read " + path("none.hex")));
-  run({"--json", "firmware", "info", path("bad.hex")});
-  EXPECT_EQ(json().at("error").at("line"), 2);
-  EXPECT_EQ(json().at("error").at("name"), "bad_firmware");
+  const auto told = json({"firmware", "info", path("bad.hex")}, ExitCode::usage);
+  EXPECT_EQ(told.at("error").at("line"), 2);
+  EXPECT_EQ(told.at("error").at("name"), "bad_firmware");
 }
 
 TEST_F(CtlFirmware, CheckTellsWhetherAFileBelongsToAModule) {
   EXPECT_EQ(run({"firmware", "check", path("good.hex"), "7"}), ExitCode::done);
-  EXPECT_EQ(target.asked, 7);
+  EXPECT_EQ(target.calls, std::vector<std::string>{"match_firmware :7"});
   EXPECT_EQ(out, "module 7 has firmware 1.01 of a TMCM-1110; " + path("good.hex") +
                      " is firmware 1.42 of a TMCM-1110\n");
   EXPECT_EQ(run({"firmware", "check", path("other.hex"), "7"}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("is for 3110V142; module 7 has firmware 1.01 of a TMCM-1110"));
   EXPECT_EQ(run({"firmware", "check", path("nameless.hex"), "7"}), ExitCode::usage);
-  EXPECT_EQ(run({"--json", "firmware", "check", path("good.hex"), "7"}), ExitCode::done);
-  EXPECT_EQ(json().at("module").at("offered"), "1110V142");
+  const auto told = json({"firmware", "check", path("good.hex"), "b:7"});
+  EXPECT_EQ(told.at("module").at("offered"), "1110V142");
+  EXPECT_EQ(target.calls.back(), "match_firmware b:7");
 }
 
 TEST_F(CtlFirmware, UploadTellsWhatRunsNow) {
@@ -134,12 +99,11 @@ TEST_F(CtlFirmware, UploadTellsWhatRunsNow) {
             "module 7 runs firmware 1.42 of a TMCM-1110 now; before it was firmware 1.01 of a "
             "TMCM-1110\n");
   EXPECT_EQ(err, "");
-  EXPECT_FALSE(target.forced);
-  EXPECT_EQ(run({"--json", "firmware", "upload", path("good.hex"), "7", "--force"}),
-            ExitCode::done);
-  EXPECT_TRUE(target.forced);
-  EXPECT_EQ(json().at("running"), "1110V142");
-  EXPECT_EQ(json().at("module").at("running"), "1110V101");
+  EXPECT_EQ(target.calls.back(), "upload_firmware");
+  const auto told = json({"firmware", "upload", path("good.hex"), "7", "--force"});
+  EXPECT_EQ(target.calls.back(), "upload_firmware by force");
+  EXPECT_EQ(told.at("running"), "1110V142");
+  EXPECT_EQ(told.at("module").at("running"), "1110V101");
 }
 
 TEST_F(CtlFirmware, AnotherVersionThanTheFilesIsAWarning) {
@@ -155,17 +119,16 @@ TEST_F(CtlFirmware, AFailureKeepsItsHint) {
   EXPECT_THAT(err, HasSubstr("writing: no answer\n  Start the same upload again"));
 }
 
-TEST_F(CtlFirmware, ATargetThatSharesItsBusRefuses) {
-  test::Ctl shared;
-  EXPECT_EQ(shared.run({"firmware", "upload", path("good.hex"), "7"}), ExitCode::usage);
-  EXPECT_THAT(shared.err, HasSubstr("Stop tmcld and name the bus"));
-  EXPECT_EQ(shared.run({"firmware", "check", path("good.hex"), "7"}), ExitCode::usage);
-  EXPECT_EQ(shared.run({"firmware", "info", path("good.hex")}), ExitCode::done);
+TEST_F(CtlFirmware, WhatNamesNoModuleIsRefused) {
+  EXPECT_EQ(run({"firmware", "upload", path("good.hex"), "seven"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("'seven' names no module"));
+  EXPECT_EQ(run({"firmware", "check", path("good.hex"), "b:"}), ExitCode::usage);
+  EXPECT_TRUE(target.calls.empty());
 }
 
 TEST_F(CtlFirmware, ATerminalShowsHowFarItIs) {
-  screen.terminal = true;
-  screen.width = 80;
+  ctl.screen.terminal = true;
+  ctl.screen.width = 80;
   run({"firmware", "upload", path("good.hex"), "7"});
   EXPECT_THAT(err, HasSubstr("erasing"));
 }

@@ -33,7 +33,8 @@ class FakePatience final : public Patience {
   bool caught_ = false;
 };
 
-/// One axis "x" that moves at a constant rate.
+/// One axis "x" that moves at a constant rate. Every module is a TMCM-1110, as far as firmware
+/// goes.
 class FakeTarget : public Target {
  public:
   explicit FakeTarget(Patience& patience) : patience_(patience) {}
@@ -48,9 +49,10 @@ class FakeTarget : public Target {
   AxisUnits counts{"x", tmcl::find_model("TMCM-1110"),
                    tmcl::module_units(tmcl::Tmc429Dividers{2, 3}),
                    tmcl::UserScale{"mm", 5, false, {200, 8}}};
-  std::optional<UserReading> user;             ///< What state() gives.
-  std::map<std::string, std::int32_t> values;  ///< What get() gives, by parameter as asked for.
-  std::string refused_parameter;               ///< set() of it fails.
+  std::optional<UserReading> user;               ///< What state() gives.
+  std::map<std::string, std::int32_t> values;    ///< What get() gives, by parameter as asked for.
+  std::string refused_parameter;                 ///< set() of it fails.
+  tmcl::FirmwareVersion runs_then{1110, 1, 42};  ///< After an upload.
 
   // What happened.
   std::vector<std::string> calls;
@@ -158,6 +160,23 @@ class FakeTarget : public Target {
     return result;
   }
   boost::json::object result;  ///< Of every method.
+  Attempt<tmcl::FirmwareMatch> match_firmware(const ModuleName& module,
+                                              const tmcl::firmware::Image& image) override {
+    if (failure) return tl::unexpected(*failure);
+    calls.push_back("match_firmware " + module.bus + ':' + std::to_string(module.address));
+    return tmcl::FirmwareMatch{
+        1110, false, {1110, 1, 1}, versions_in(image), version_for(image, 1110)};
+  }
+  Attempt<tmcl::FirmwareReport> upload_firmware(const ModuleName& module,
+                                                const tmcl::firmware::Image& image,
+                                                const tmcl::FirmwareOptions& options) override {
+    auto match = match_firmware(module, image);
+    if (!match) return tl::unexpected(match.error());
+    calls.back() = options.force ? "upload_firmware by force" : "upload_firmware";
+    for (const auto* step : {"erasing", "writing", "starting"})
+      options.progress({step, image.bytes.size() / 2, image.bytes.size()});
+    return tmcl::FirmwareReport{*match, runs_then, checksum(image)};
+  }
   std::string options() const override { return " --direct can:can0"; }
 
  private:

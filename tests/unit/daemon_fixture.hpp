@@ -95,7 +95,7 @@ class FakeWire {
     const auto module = modules.find(tmcl::reply_byte(request.address));
     if (module == modules.end() || !end_) return;
     auto reply = module->second.execute(request);
-    if (request.command == tmcl::Command::GET_FIRMWARE_VERSION) {
+    if (request.command == tmcl::Command::GET_FIRMWARE_VERSION && !module->second.play) {
       reply.value = tmcl::to_value({model, 1, 9});
     }
     const auto bytes = tmcl::encode_serial(reply);

@@ -4,18 +4,16 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "sim/module/bootloader.hpp"
+#include "support/bootable.hpp"
 #include "support/intel_hex.hpp"
 #include "support/scripted_bus.hpp"
 
 namespace tmcl {
 namespace {
 
-using sim::Bootloader;
 using sim::Flash;
 using test::Fault;
 using test::ScriptedBus;
-using testing::AllOf;
 using testing::HasSubstr;
 
 constexpr ModuleAddress address{1};
@@ -26,14 +24,11 @@ firmware::Image image(std::string_view version = "3110V123",
   return {Flash::start, test::firmware_bytes(size, version)};
 }
 
-/// A bus with one TMCM-3110, firmware 1.09, that has a bootloader.
-class Bench {
+/// A bus with one module that has a bootloader.
+class Bench : public test::Bootable {
  public:
   explicit Bench(Framing framing = Framing::serial) : bus(framing, {.name = "bench"}) {
-    auto& module = bus.add_module(1);
-    module.play = [this](const Request& request) { return play(request); };
-    for (std::uint8_t motor = 0; motor < 3; ++motor)
-      module.parameter(motor, axis_parameter::actual_velocity) = 0;
+    be_played_by(bus.add_module(1));
   }
 
   Result<FirmwareReport> upload(const FirmwareOptions& options = {}) {
@@ -42,50 +37,15 @@ class Bench {
   Result<FirmwareReport> upload(const firmware::Image& what, const FirmwareOptions& options = {}) {
     return bus.run(verbs::upload_firmware(address, what, options));
   }
-  FirmwareVersion runs() const { return bootloader.firmware_version({}); }
+  /// Called once, before the module executes the first request of this command.
+  void when(Command command, std::function<void()> act) {
+    bus.module(1).before = [command, act = std::move(act), done = false](
+                               test::FakeModule&, const Request& request) mutable {
+      if (request.command == command && !std::exchange(done, true)) act();
+    };
+  }
 
   ScriptedBus bus;
-  Bootloader bootloader{3110, {3110, 1, 9}};
-  bool in_bootloader = false;
-  bool enters = true;
-  bool starts = true;
-  /// What the bootloader answers instead.
-  std::function<std::optional<Status>(const Request&)> refuse;
-  std::vector<Command> changes;  ///< Commands to the bootloader that change something.
-
- private:
-  std::optional<Reply> play(const Request& request) {
-    Reply reply{default_host_address, 1, Status::ok, request.command, request.value};
-    if (!in_bootloader) return play_firmware(request, reply);
-    if (const auto status = refuse ? refuse(request) : std::nullopt) {
-      reply.status = *status;
-      return reply;
-    }
-    if (effect_of(request.command, request.type) != Effect::reads)
-      changes.push_back(request.command);
-    const auto answer = bootloader.execute(request);
-    if (request.command == Command::BOOT_START_APPLICATION)
-      in_bootloader = !(starts && bootloader.has_firmware());
-    reply.status = answer.status;
-    reply.value = answer.value;
-    return reply;
-  }
-
-  std::optional<Reply> play_firmware(const Request& request, Reply reply) {
-    const auto number = static_cast<int>(request.command);
-    if (request.command == Command::GET_FIRMWARE_VERSION) {
-      reply.value = to_value(runs());
-      return reply;
-    }
-    if (request.command == Command::ENTER_BOOTLOADER) {
-      EXPECT_EQ(sim::check_bootloader_entry(request), Status::ok);
-      in_bootloader = enters;
-      return reply;
-    }
-    if (number < 200) return std::nullopt;
-    reply.status = Status::invalid_command;
-    return reply;
-  }
 };
 
 TEST(FirmwareUpload, TheNewFirmwareRunsAfterwards) {
@@ -332,6 +292,109 @@ TEST(FirmwareUpload, SilenceFromAnyPointOnEndsWithAHint) {
     bench.bus.pass(std::chrono::seconds(3));
     const auto again = bench.upload();
     ASSERT_TRUE(again) << last << ": " << describe(again.error());
+  }
+}
+
+// ---- others on the same bus ----
+
+constexpr Request read_by_other{address, Command::GAP, 1, 0, 0};
+constexpr Request stop_by_other{address, Command::MST, 0, 2, 0};
+constexpr Request move_by_other{address, Command::MVP, 0, 0, 777};
+
+TEST(FirmwareUpload, OthersEndAtOnceWhileTheModuleIsInItsBootloader) {
+  for (const auto framing : {Framing::serial, Framing::can}) {
+    for (const auto during : {Command::BOOT_ERASE_ALL, Command::BOOT_WRITE_BUFFER,
+                              Command::BOOT_GET_CHECKSUM, Command::BOOT_WRITE_LENGTH}) {
+      Bench bench(framing);
+      std::vector<engine::Ticket> others;
+      bench.when(during, [&] {
+        for (const auto& request : {read_by_other, stop_by_other, move_by_other})
+          others.push_back(bench.bus.submit(request));
+      });
+      const auto report = bench.upload();
+      ASSERT_TRUE(report) << describe(report.error());
+      ASSERT_EQ(others.size(), 3U);
+      for (const auto other : others) {
+        ASSERT_TRUE(bench.bus.has_ended(other));
+        const auto& answer = bench.bus.result(other);
+        ASSERT_FALSE(answer);
+        EXPECT_EQ(answer.error().code, Errc::in_bootloader);
+        EXPECT_EQ(answer.error().outcome, Outcome::not_sent);
+        EXPECT_THAT(answer.error().message, HasSubstr("module 1 is in its bootloader"));
+      }
+      EXPECT_EQ(std::ranges::count(bench.bus.sent(), move_by_other), 0);
+      EXPECT_EQ(std::ranges::count(bench.bus.sent(), stop_by_other), 1) << "its own, before";
+    }
+  }
+}
+
+// A motor that somebody starts once more would turn while the module has no firmware.
+TEST(FirmwareUpload, NobodyStartsAMotorBetweenItsStopAndTheBootloader) {
+  Bench bench;
+  std::optional<engine::Ticket> other;
+  bench.when(Command::MST, [&] { other = bench.bus.submit(move_by_other); });
+  ASSERT_TRUE(bench.upload());
+  ASSERT_TRUE(other && bench.bus.has_ended(*other));
+  ASSERT_FALSE(bench.bus.result(*other));
+  EXPECT_EQ(bench.bus.result(*other).error().code, Errc::in_bootloader);
+  EXPECT_EQ(std::ranges::count(bench.bus.sent(), move_by_other), 0);
+}
+
+TEST(FirmwareUpload, AStopBeforeTheBootloaderGoesOut) {
+  Bench bench;
+  std::optional<engine::Ticket> other;
+  bench.when(Command::MST, [&] { other = bench.bus.submit(stop_by_other); });
+  ASSERT_TRUE(bench.upload());
+  ASSERT_TRUE(other && bench.bus.has_ended(*other));
+  EXPECT_TRUE(bench.bus.result(*other));
+}
+
+TEST(FirmwareUpload, AStopIsOfUseAgainWhenTheFirmwareStarts) {
+  Bench bench;
+  std::optional<engine::Ticket> other;
+  bench.when(Command::BOOT_START_APPLICATION, [&] { other = bench.bus.submit(stop_by_other); });
+  ASSERT_TRUE(bench.upload());
+  ASSERT_TRUE(other && bench.bus.has_ended(*other));
+  EXPECT_TRUE(bench.bus.result(*other));
+}
+
+TEST(FirmwareUpload, OtherModulesOfTheBusGoOn) {
+  Bench bench;
+  bench.bus.add_module(2);
+  std::optional<engine::Ticket> other;
+  bench.when(Command::BOOT_WRITE_PAGE, [&] {
+    other = bench.bus.submit({ModuleAddress{2}, Command::MST, 0, 0, 0});
+  });
+  ASSERT_TRUE(bench.upload());
+  ASSERT_TRUE(other && bench.bus.has_ended(*other));
+  EXPECT_TRUE(bench.bus.result(*other));
+}
+
+TEST(FirmwareUpload, EndsTheHoldHoweverItEnds) {
+  Bench bench;
+  bench.refuse = [](const Request& request) {
+    return request.command == Command::BOOT_WRITE_PAGE ? std::optional(Status::invalid_value)
+                                                       : std::nullopt;
+  };
+  ASSERT_FALSE(bench.upload());
+  const auto answer = bench.bus.run(verbs::command(stop_by_other));
+  ASSERT_FALSE(answer);
+  EXPECT_EQ(answer.error().code, Errc::refused_by_module) << "the bootloader itself";
+}
+
+TEST(FirmwareUpload, AScanByOthersLeavesTheModuleOut) {
+  for (const auto framing : {Framing::serial, Framing::can}) {
+    Bench bench(framing);
+    bench.bus.add_module(2);
+    auto hold = std::make_shared<Hold>();
+    hold->in_bootloader = true;
+    ASSERT_TRUE(bench.bus.run(verbs::command(read_by_other, {.hold = hold})));
+    ScanOptions options;
+    options.last = 3;
+    const auto found = bench.bus.run(verbs::scan(options));
+    ASSERT_TRUE(found) << describe(found.error());
+    ASSERT_EQ(found->size(), 1U);
+    EXPECT_EQ(found->front().address, ModuleAddress{2});
   }
 }
 

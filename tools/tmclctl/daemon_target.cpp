@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "json_read.hpp"
+#include "tmcl/hex.hpp"
 
 namespace tmclctl {
 namespace {
@@ -19,6 +20,10 @@ constexpr int move_deadline_ms = 5000;
 constexpr auto longest_silence = std::chrono::milliseconds(100);
 // An axis that says nothing for so long while it is watched is asked whether it is still there.
 constexpr auto doubtful_silence = std::chrono::seconds(1);
+// Of a firmware image, in one line of the protocol: a third of what that may have.
+constexpr std::size_t staged_at_once = 16'384;
+// A module may say nothing for so long while it erases its firmware, three times.
+constexpr auto longest_firmware_step = std::chrono::seconds(75);
 
 // The contract takes a number or a name; a number must not travel as text.
 json::value parameter_value(const std::string& text) {
@@ -82,6 +87,21 @@ std::optional<tmcl::ModuleUnits> module_units_from(const json::object& row) {
   const auto acceleration = number_at(row, "acceleration_unit_pps2");
   if (!velocity || !acceleration) return std::nullopt;
   return tmcl::ModuleUnits{{*velocity}, {*acceleration}};
+}
+
+tmcl::FirmwareVersion version_at(const json::object& row, std::string_view key) {
+  return tmcl::version_from_text(text_at(row, key)).value_or(tmcl::FirmwareVersion{});
+}
+
+tmcl::FirmwareMatch match_from(const json::object& row, std::string_view running,
+                               const tmcl::firmware::Image& image) {
+  tmcl::FirmwareMatch match;
+  match.model = integer_at<std::uint16_t>(row, "model_number");
+  match.running = version_at(row, running);
+  match.in_bootloader = match.running.bootloader;
+  match.offered = versions_in(image);
+  match.version = version_for(image, match.model);
+  return match;
 }
 
 UnscannedBus unscanned_from(const json::object& row) {
@@ -299,6 +319,57 @@ Attempt<json::object> DaemonTarget::perform(const std::string& method, json::obj
   auto result = call(method, std::move(params));
   daemon_.on_notification({});
   return result;
+}
+
+Attempt<json::object> DaemonTarget::params_for(const ModuleName& module) {
+  return bus_named(module.bus).map([&](const json::object& bus) {
+    return json::object{{"bus", text_at(bus, "name")}, {"address", module.address}};
+  });
+}
+
+Attempt<tmcl::FirmwareMatch> DaemonTarget::match_firmware(const ModuleName& module,
+                                                          const tmcl::firmware::Image& image) {
+  auto params = params_for(module);
+  if (!params) return tl::unexpected(params.error());
+  return call("firmware.status", std::move(*params)).map([&](const json::object& status) {
+    return match_from(status, "running", image);
+  });
+}
+
+Attempt<json::object> DaemonTarget::stage(const std::vector<std::uint8_t>& bytes) {
+  json::object staged;
+  for (std::size_t offset = 0; offset < bytes.size(); offset += staged_at_once) {
+    const auto count = std::min(staged_at_once, bytes.size() - offset);
+    const auto part = std::span(bytes).subspan(offset, count);
+    auto taken = call("firmware.stage", {{"offset", offset}, {"data", tmcl::to_hex(part)}});
+    if (!taken) return taken;
+    staged = std::move(*taken);
+  }
+  return staged;
+}
+
+Attempt<tmcl::FirmwareReport> DaemonTarget::upload_firmware(const ModuleName& module,
+                                                            const tmcl::firmware::Image& image,
+                                                            const tmcl::FirmwareOptions& options) {
+  auto params = params_for(module);
+  if (!params) return tl::unexpected(params.error());
+  const auto staged = stage(image.bytes);
+  if (!staged) return tl::unexpected(staged.error());
+  (*params)["start"] = image.start;
+  (*params)["bytes"] = image.bytes.size();
+  (*params)["force"] = options.force;
+  daemon_.on_notification([&](std::string_view method, const json::object& news) {
+    if (method != "notify_progress" || !options.progress) return;
+    options.progress({text_at(news, "phase"), integer_at<std::size_t>(news, "done"),
+                      integer_at<std::size_t>(news, "of")});
+  });
+  const auto done =
+      attempt(daemon_.call("firmware.upload", std::move(*params), longest_firmware_step));
+  daemon_.on_notification({});
+  return done.map([&](const json::object& report) {
+    return tmcl::FirmwareReport{match_from(report, "before", image), version_at(report, "running"),
+                                integer_at<std::uint32_t>(report, "checksum")};
+  });
 }
 
 Attempt<RawAnswer> DaemonTarget::raw(const RawCommand& command) {

@@ -32,6 +32,11 @@ class DaemonTarget final : public Target {
   Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
                       const ReadingHandler& on_reading) override;
   Attempt<RawAnswer> raw(const RawCommand& command) override;
+  Attempt<tmcl::FirmwareMatch> match_firmware(const ModuleName& module,
+                                              const tmcl::firmware::Image& image) override;
+  Attempt<tmcl::FirmwareReport> upload_firmware(const ModuleName& module,
+                                                const tmcl::firmware::Image& image,
+                                                const tmcl::FirmwareOptions& options) override;
   Attempt<boost::json::object> perform(const std::string& method, boost::json::object params,
                                        const NewsHandler& on_news) override;
   std::string options() const override { return options_; }
@@ -40,6 +45,9 @@ class DaemonTarget final : public Target {
   Attempt<boost::json::object> call(std::string_view method, boost::json::object params);
   Attempt<tmcl::Microsteps> move(std::string_view method, boost::json::object params);
   AxisReading reading_from(const boost::json::object& state) const;
+  Attempt<boost::json::object> stage(const std::vector<std::uint8_t>& bytes);
+  /// The parameters "bus" and "address".
+  Attempt<boost::json::object> params_for(const ModuleName& module);
   Attempt<boost::json::object> bus_named(const std::string& name);
 
   tmcl::client::Connection daemon_;

@@ -328,10 +328,8 @@ std::span<const DirectTarget::DirectMethod> DirectTarget::methods() {
 
 Attempt<json::object> DirectTarget::perform(const std::string& method, json::object params,
                                             const NewsHandler& on_news) {
-  if (!text_at(params, "bus").empty()) {
-    return tl::unexpected(usage_failure("usage", "with --direct there is one bus, without a name",
-                                        "Name the module by its address only"));
-  }
+  const auto named = address_of({text_at(params, "bus"), place_at(params, "address")});
+  if (!named) return tl::unexpected(named.error());
   const auto known = methods();
   const auto found = std::ranges::find(known, method, &DirectMethod::name);
   if (found == known.end()) {

@@ -254,15 +254,25 @@ Attempt<RawAnswer> DirectTarget::raw(const RawCommand& command) {
   });
 }
 
-Attempt<tmcl::FirmwareMatch> DirectTarget::match_firmware(tmcl::ModuleAddress module,
-                                                          const tmcl::firmware::Image& image) {
-  return attempt(bus_.run(tmcl::verbs::match_firmware(module, image)));
+Attempt<tmcl::ModuleAddress> DirectTarget::address_of(const ModuleName& module) {
+  if (module.bus.empty()) return tmcl::ModuleAddress{module.address};
+  return tl::unexpected(usage_failure("usage", "with --direct there is one bus, without a name",
+                                      "Name the module by its address only"));
 }
 
-Attempt<tmcl::FirmwareReport> DirectTarget::upload_firmware(tmcl::ModuleAddress module,
+Attempt<tmcl::FirmwareMatch> DirectTarget::match_firmware(const ModuleName& module,
+                                                          const tmcl::firmware::Image& image) {
+  return address_of(module).and_then([&](tmcl::ModuleAddress address) {
+    return attempt(bus_.run(tmcl::verbs::match_firmware(address, image)));
+  });
+}
+
+Attempt<tmcl::FirmwareReport> DirectTarget::upload_firmware(const ModuleName& module,
                                                             const tmcl::firmware::Image& image,
                                                             const tmcl::FirmwareOptions& options) {
-  return attempt(bus_.run(tmcl::verbs::upload_firmware(module, image, options)));
+  return address_of(module).and_then([&](tmcl::ModuleAddress address) {
+    return attempt(bus_.run(tmcl::verbs::upload_firmware(address, image, options)));
+  });
 }
 
 std::string DirectTarget::options() const { return " --direct " + bus_.name(); }

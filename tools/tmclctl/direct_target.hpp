@@ -35,9 +35,9 @@ class DirectTarget final : public Target {
   Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
                       const ReadingHandler& on_reading) override;
   Attempt<RawAnswer> raw(const RawCommand& command) override;
-  Attempt<tmcl::FirmwareMatch> match_firmware(tmcl::ModuleAddress module,
+  Attempt<tmcl::FirmwareMatch> match_firmware(const ModuleName& module,
                                               const tmcl::firmware::Image& image) override;
-  Attempt<tmcl::FirmwareReport> upload_firmware(tmcl::ModuleAddress module,
+  Attempt<tmcl::FirmwareReport> upload_firmware(const ModuleName& module,
                                                 const tmcl::firmware::Image& image,
                                                 const tmcl::FirmwareOptions& options) override;
   Attempt<boost::json::object> perform(const std::string& method, boost::json::object params,
@@ -71,6 +71,8 @@ class DirectTarget final : public Target {
   template <auto Verb>
   Attempt<boost::json::object> on_module(const boost::json::object& params, const NewsHandler&);
 
+  /// Errors: the name of a bus.
+  static Attempt<tmcl::ModuleAddress> address_of(const ModuleName& module);
   Attempt<tmcl::blocking::Axis> axis_at(const std::string& name);
   Attempt<std::span<const tmcl::ParameterInfo>> table_of(tmcl::ModuleAddress module);
   Attempt<ParameterName> parameter_of(tmcl::ModuleAddress module, const std::string& text);

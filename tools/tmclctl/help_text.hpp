@@ -299,21 +299,24 @@ FILE:LINE:COLUMN: MESSAGE (exit code 2). No module is needed.
 
 constexpr const char* firmware_check = R"(
 Asks the module which model it is and what it runs, and looks in the file for a version of this
-model. Exit code 0 if there is one, otherwise 2. Nothing is changed. Only with --direct.
+model. Exit code 0 if there is one, otherwise 2. Nothing is changed.
 
-  tmclctl --direct serial:/dev/ttyACM0 firmware check TMCM-1110_V1.42.hex 1
+  tmclctl firmware check TMCM-1110_V1.42.hex 1
 )";
 
 constexpr const char* firmware_upload = R"(
 Stops the module's motors, enters its bootloader, erases the firmware, writes the new one, compares
-the checksum and starts it. Only with --direct: nobody else may use the bus meanwhile. A file that
-is not for this model is refused before anything is changed; --force takes it if the file does not
-say what it is for, or says it in an unknown way.
+the checksum and starts it. A file that is not for this model is refused before anything is changed;
+--force takes it if the file does not say what it is for, or says it in an unknown way.
+Through tmcld, everybody else's commands to the module fail meanwhile, stops too: in its bootloader
+it can neither start nor stop a motor. The upload goes on to its end even if tmclctl is ended. On a
+serial line everything waits while the module erases, which may take some seconds.
 
 Whatever fails once the firmware is erased, even the power: the module then stays in its bootloader.
 Give the same command again. On USB the module may leave the bus when it enters its bootloader and
 come back as another device: give the command again with that one's name.
 
+  tmclctl firmware upload TMCM-1110_V1.42.hex 1
   tmclctl --direct serial:/dev/ttyACM0 firmware upload TMCM-1110_V1.42.hex 1
 )";
 

@@ -112,11 +112,11 @@ struct FirmwareInfo {
 };
 struct CheckFirmware {
   std::string file;
-  std::uint16_t address = 0;
+  std::string module;
 };
 struct UploadFirmware {
   std::string file;
-  std::uint16_t address = 0;
+  std::string module;
   bool force = false;
 };
 /// Makes a ramp of a velocity and an acceleration: dividers and registers, or plain parameters.

@@ -23,25 +23,4 @@ Attempt<std::unique_ptr<Target>> open_target(const Where& where, Patience& patie
   return DaemonTarget::open(socket_path(where), std::move(options), patience);
 }
 
-namespace {
-
-tl::unexpected<Failure> needs_own_bus() {
-  return tl::unexpected(usage_failure(
-      "needs_direct", "firmware goes over a bus that nobody else uses meanwhile, not through tmcld",
-      "Stop tmcld and name the bus, as in 'tmclctl --direct serial:/dev/ttyACM0 firmware ...'"));
-}
-
-}  // namespace
-
-Attempt<tmcl::FirmwareMatch> Target::match_firmware(tmcl::ModuleAddress,
-                                                    const tmcl::firmware::Image&) {
-  return needs_own_bus();
-}
-
-Attempt<tmcl::FirmwareReport> Target::upload_firmware(tmcl::ModuleAddress,
-                                                      const tmcl::firmware::Image&,
-                                                      const tmcl::FirmwareOptions&) {
-  return needs_own_bus();
-}
-
 }  // namespace tmclctl

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "failure.hpp"
+#include "names.hpp"
 #include "patience.hpp"
 #include "quantity.hpp"
 #include "tmcl/firmware_verbs.hpp"
@@ -137,13 +138,11 @@ class Target {
   virtual Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
                               const ReadingHandler& on_reading) = 0;
   virtual Attempt<RawAnswer> raw(const RawCommand& command) = 0;
-  /// A module in its bootloader is nobody else's: only a target that has its bus for itself can do
-  /// these. The others say so.
-  virtual Attempt<tmcl::FirmwareMatch> match_firmware(tmcl::ModuleAddress module,
-                                                      const tmcl::firmware::Image& image);
-  virtual Attempt<tmcl::FirmwareReport> upload_firmware(tmcl::ModuleAddress module,
+  virtual Attempt<tmcl::FirmwareMatch> match_firmware(const ModuleName& module,
+                                                      const tmcl::firmware::Image& image) = 0;
+  virtual Attempt<tmcl::FirmwareReport> upload_firmware(const ModuleName& module,
                                                         const tmcl::firmware::Image& image,
-                                                        const tmcl::FirmwareOptions& options);
+                                                        const tmcl::FirmwareOptions& options) = 0;
   /// A method of tmcld by its name, with the parameters and the result that docs/PROTOCOL.md has;
   /// without tmcld the same is done straight on the bus. Modules are "address" and, where tmcld has
   /// several buses, "bus".

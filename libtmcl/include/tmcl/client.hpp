@@ -76,6 +76,9 @@ class Connection {
   /// One request and its answer. What comes unasked meanwhile goes to the handler.
   /// A call that was sent and not answered has Outcome::unknown.
   CallResult<boost::json::object> call(std::string_view method, boost::json::object params = {});
+  /// The same for a method that takes longer than Options::call_timeout.
+  CallResult<boost::json::object> call(std::string_view method, boost::json::object params,
+                                       Duration timeout);
   /// Hands out what comes unasked until the time has passed, or at once after the first message.
   CallResult<void> listen(Duration at_most);
   /// At most one handler; an empty one removes it.

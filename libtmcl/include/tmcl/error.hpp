@@ -37,6 +37,7 @@ enum class Errc : std::uint8_t {
   unexpected_value,  ///< The module holds another value than the one that was set.
   download_broken,   ///< A program could not be loaded; the module is left without one that could
                      ///< run.
+  in_bootloader,     ///< Somebody gives the module new firmware: it executes nothing meanwhile.
 };
 
 struct Error {

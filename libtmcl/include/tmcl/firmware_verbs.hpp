@@ -11,8 +11,10 @@
 ///     length and sum     now the bootloader trusts the firmware
 ///     start              until it answers
 ///
-/// Nobody else may speak to the module meanwhile: it would be told that all commands are invalid.
-/// What the commands mean is from PyTrinamic's tmclfwupload and the older tools for the stepRocker.
+/// The module is held meanwhile (Hold): before it is in its bootloader commands of others wait, and
+/// once it is there they end with Errc::in_bootloader, stops too. Of a serial bus nobody gets a
+/// turn while one exchange takes its time: erasing may take some seconds. What the commands mean is
+/// from PyTrinamic's tmclfwupload and the older tools for the stepRocker.
 #pragma once
 
 #include <chrono>

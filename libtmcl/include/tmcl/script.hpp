@@ -35,6 +35,9 @@ namespace tmcl {
 struct Hold {
   enum class End : std::uint8_t { not_yet, stop, idle };
   End ended = End::not_yet;  ///< Set by the engine; then exchanges with this hold are refused.
+  /// Set by whoever made it: nobody else's commands mean anything to the module now. They end with
+  /// Errc::in_bootloader instead of waiting; so do stops, for there is nothing that could obey one.
+  bool in_bootloader = false;
 };
 
 struct CallOptions {

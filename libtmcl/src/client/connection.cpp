@@ -74,7 +74,8 @@ class Connection::State {
       : socket_(std::move(socket)), options_(std::move(options)) {}
 
   CallResult<void> read_hello();
-  CallResult<json::object> call(std::string_view method, json::object params);
+  CallResult<json::object> call(std::string_view method, json::object params, Duration timeout);
+  const Options& options() const { return options_; }
   CallResult<void> listen(Duration at_most);
 
   Handler handler_;
@@ -138,11 +139,12 @@ CallResult<void> Connection::State::send(std::string_view method, json::object p
   return sent;
 }
 
-CallResult<json::object> Connection::State::call(std::string_view method, json::object params) {
+CallResult<json::object> Connection::State::call(std::string_view method, json::object params,
+                                                 Duration timeout) {
   const auto id = ++last_id_;
   if (auto sent = send(method, std::move(params), id); !sent)
     return tl::unexpected(std::move(sent.error()));
-  auto deadline = from_now(options_.call_timeout);
+  auto deadline = from_now(timeout);
   while (true) {
     auto message = next_message(deadline);
     if (!message) {
@@ -155,7 +157,7 @@ CallResult<json::object> Connection::State::call(std::string_view method, json::
                                       "Look at its log; 'tmclctl axes' shows which axes answer"});
     }
     if ((*message)->contains("method")) {
-      if (hand_out(**message, id)) deadline = from_now(options_.call_timeout);
+      if (hand_out(**message, id)) deadline = from_now(timeout);
       continue;
     }
     // An error without an id is about a line that the daemon could not read, and only ours can be
@@ -192,7 +194,11 @@ Connection& Connection::operator=(Connection&&) noexcept = default;
 Connection::~Connection() = default;
 
 CallResult<json::object> Connection::call(std::string_view method, json::object params) {
-  return state_->call(method, std::move(params));
+  return state_->call(method, std::move(params), state_->options().call_timeout);
+}
+CallResult<json::object> Connection::call(std::string_view method, json::object params,
+                                          Duration timeout) {
+  return state_->call(method, std::move(params), timeout);
 }
 CallResult<void> Connection::listen(Duration at_most) { return state_->listen(at_most); }
 void Connection::on_notification(Handler handler) { state_->handler_ = std::move(handler); }

@@ -377,6 +377,7 @@ void BusEngine::go_on(TimePoint now) {
   last_now_ = now;
   end_overdue_calls(now);
   look_after_downloads(now);
+  end_calls_to_bootloaders();
   memory_is_wanted_ = find_memory_reader();
   while (auto* call = queue_.find([&](const Call& queued) { return is_next(queued, now); })) {
     const auto& lane = module_of(call->request.address).lane;
@@ -401,6 +402,20 @@ void BusEngine::look_after_downloads(TimePoint now) {
     auto& channel = channel_of(module);
     module.custody.look_after(now, channel.in_flight.has_value());
     if (module.custody.must_end() && channel.is_free(now)) start_end(module, now);
+  }
+}
+
+void BusEngine::end_calls_to_bootloaders() {
+  const auto is_lost = [&](const Call& call) {
+    return module_of(call.request.address).custody.is_lost_on_bootloader(call);
+  };
+  for (const auto& call : queue_.remove_if(is_lost)) {
+    complete(call, tl::unexpected(error_for(
+                       call, Errc::in_bootloader,
+                       fmt::format("module {} is in its bootloader and gets new firmware: it can "
+                                   "neither start nor stop a motor",
+                                   number(call.request.address)),
+                       "wait until that has ended")));
   }
 }
 

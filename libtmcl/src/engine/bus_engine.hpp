@@ -17,7 +17,8 @@
 /// again, provably. A stop also removes every movement that is queued for the same motor.
 ///
 /// While a module is in download mode everything else waits for the holder of the download, and a
-/// stop sends END_DOWNLOAD ahead of itself: see custody.hpp.
+/// stop sends END_DOWNLOAD ahead of itself: see custody.hpp. While a module is in its bootloader
+/// everybody else's calls to it end at once.
 ///
 /// Does no I/O and reads no clock: it is told what happened, and says what to do.
 /// Thread safety: none. Everything it holds is bounded by max_queued_calls and the number of
@@ -109,6 +110,7 @@ class BusEngine {
   void end_downloads_for(const Request& stop);
   void end_overdue_calls(TimePoint now);
   void look_after_downloads(TimePoint now);
+  void end_calls_to_bootloaders();
 
   void go_on(TimePoint now);
   bool is_next(const Call& call, TimePoint now);

@@ -20,6 +20,11 @@ bool Custody::admits(const Call& call) const {
   return !hold || call.options.hold == hold || call.is_stop();
 }
 
+bool Custody::is_lost_on_bootloader(const Call& call) const {
+  const auto hold = holder();
+  return hold && hold->in_bootloader && call.options.hold != hold;
+}
+
 void Custody::on_sent(const Call& call, TimePoint now) {
   if (!call.options.hold) return;
   holder_ = call.options.hold;

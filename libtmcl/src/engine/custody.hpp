@@ -21,6 +21,8 @@ class Custody {
  public:
   /// Whether the module takes this call now, as far as custody is concerned.
   bool admits(const Call& call) const;
+  /// Waiting would not help this call: the module's holder has it in its bootloader.
+  bool is_lost_on_bootloader(const Call& call) const;
   bool is_recording() const { return recording_; }
   bool is_recording_for(const std::shared_ptr<Hold>& hold) const {
     return recording_ && hold && hold == holder();

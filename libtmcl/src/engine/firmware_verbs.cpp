@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
+#include "engine/verb_steps.hpp"
 #include "tmcl/model.hpp"
+#include "tmcl/parameter.hpp"
 #include "tmcl/verbs.hpp"
 
 namespace tmcl::verbs {
@@ -63,7 +65,12 @@ struct Upload {
   FirmwareOptions options;
   FirmwareMatch match{};
   BootMemory memory{};
+  /// From the first stop to the start of the firmware.
+  std::shared_ptr<Hold> hold = std::make_shared<Hold>();
 
+  CallOptions call(std::optional<Duration> reply_timeout = std::nullopt) const {
+    return {.reply_timeout = reply_timeout, .hold = hold};
+  }
   void tell(std::string_view step, std::size_t written = 0) const {
     if (options.progress) options.progress({step, written, image.bytes.size()});
   }
@@ -72,10 +79,6 @@ struct Upload {
 Request boot_request(ModuleAddress module, Command command, std::uint8_t type = 0,
                      std::uint32_t value = 0) {
   return {module, command, type, 0, static_cast<std::int32_t>(value)};
-}
-
-bool is_silence(const Error& error) {
-  return error.code == Errc::reply_timeout || error.code == Errc::module_silent;
 }
 
 bool is_unknown_command(const Error& error) {
@@ -95,9 +98,7 @@ Error during(std::string_view step, Error error, std::string_view state) {
 }
 
 /// For commands that may be given twice: the answer may be lost, the command is not.
-Script<Result<std::uint32_t>> insist(Request request, Duration reply_timeout) {
-  CallOptions options;
-  options.reply_timeout = reply_timeout;
+Script<Result<std::uint32_t>> insist(Request request, CallOptions options) {
   for (unsigned tries = 1;; ++tries) {
     const auto answer = co_await exchange(request, options);
     if (answer) co_return static_cast<std::uint32_t>(answer->reply.value);
@@ -107,27 +108,27 @@ Script<Result<std::uint32_t>> insist(Request request, Duration reply_timeout) {
   }
 }
 
-Script<Result<std::uint32_t>> info(ModuleAddress module, std::uint8_t type) {
-  return insist(boot_request(module, Command::BOOT_GET_INFO, type), sum_time);
+Script<Result<std::uint32_t>> info(const Upload& upload, BootInfo type) {
+  return insist(boot_request(upload.module, Command::BOOT_GET_INFO, type), upload.call(sum_time));
 }
 
 /// Only a bootloader knows this command.
-Script<Result<bool>> is_in_bootloader(ModuleAddress module) {
-  const auto answer = co_await exchange(boot_request(module, Command::BOOT_GET_INFO));
+Script<Result<bool>> is_in_bootloader(ModuleAddress module, CallOptions options) {
+  const auto answer = co_await exchange(boot_request(module, Command::BOOT_GET_INFO), options);
   if (answer) co_return true;
   if (answer.error().outcome == Outcome::refused) co_return false;
   co_return tl::unexpected(answer.error());
 }
 
 /// Asks until it answers from where it should be.
-Script<Result<void>> wait_until(ModuleAddress module, bool in_bootloader, Duration patience) {
+Script<Result<void>> wait_until(const Upload& upload, bool in_bootloader) {
   co_await pause(first_look);
   auto waited = first_look;
   while (true) {
-    const auto there = co_await is_in_bootloader(module);
+    const auto there = co_await is_in_bootloader(upload.module, upload.call());
     if (!there && !is_silence(there.error())) co_return tl::unexpected(there.error());
     if (there && *there == in_bootloader) co_return Result<void>{};
-    if (waited >= patience) {
+    if (waited >= upload.options.restart_time) {
       if (!there) co_return tl::unexpected(there.error());
       co_return tl::unexpected(failed(
           Errc::deadline_passed, Outcome::unknown,
@@ -190,31 +191,33 @@ Script<Result<FirmwareMatch>> match_found(const FoundModule& found, const Image&
   match.running = *version;
   match.offered = firmware::versions_in(image);
   match.version = firmware::version_for(image, match.model);
-  const auto in_bootloader = co_await is_in_bootloader(found.address);
+  const auto in_bootloader = co_await is_in_bootloader(found.address, {});
   if (!in_bootloader) co_return tl::unexpected(in_bootloader.error());
   match.in_bootloader = *in_bootloader;
   match.running.bootloader = *in_bootloader;
   co_return match;
 }
 
-Script<Result<void>> wait_for_standstill(AxisAddress axis) {
+Script<Result<void>> wait_for_standstill(const Upload& upload, std::uint8_t motor) {
+  const Request velocity{upload.module, Command::GAP, axis_parameter::actual_velocity, motor, 0};
   for (Duration waited{}; waited < standstill_time; waited += standstill_look) {
-    const auto velocity = co_await verbs::velocity(axis);
-    if (!velocity) co_return tl::unexpected(velocity.error());
-    if (velocity->value == 0) co_return Result<void>{};
+    const auto now = co_await exchange(velocity, upload.call());
+    if (!now) co_return tl::unexpected(now.error());
+    if (now->reply.value == 0) co_return Result<void>{};
     co_await pause(standstill_look);
   }
   co_return tl::unexpected(failed(Errc::deadline_passed, Outcome::not_sent,
-                                  fmt::format("motor {} does not come to a stop", axis.motor), {}));
+                                  fmt::format("motor {} does not come to a stop", motor), {}));
 }
 
-Script<Result<void>> stop_motors(const FoundModule& found) {
-  for (std::uint8_t motor = 0; motor < found.axes; ++motor) {
-    const auto stopped = co_await stop({found.address, motor});
+Script<Result<void>> stop_motors(const Upload& upload, std::uint8_t motors) {
+  for (std::uint8_t motor = 0; motor < motors; ++motor) {
+    const Request stop{upload.module, Command::MST, 0, motor, 0};
+    const auto stopped = co_await exchange(stop, upload.call());
     if (!stopped) co_return tl::unexpected(stopped.error());
   }
-  for (std::uint8_t motor = 0; motor < found.axes; ++motor) {
-    const auto standing = co_await wait_for_standstill({found.address, motor});
+  for (std::uint8_t motor = 0; motor < motors; ++motor) {
+    const auto standing = co_await wait_for_standstill(upload, motor);
     if (!standing) co_return tl::unexpected(standing.error());
   }
   co_return Result<void>{};
@@ -223,18 +226,18 @@ Script<Result<void>> stop_motors(const FoundModule& found) {
 Script<Result<void>> enter_bootloader(const Upload& upload) {
   const Request entry{upload.module, Command::ENTER_BOOTLOADER, entry_type, entry_motor,
                       static_cast<std::int32_t>(entry_value)};
-  const auto sent = co_await exchange(entry);
+  const auto sent = co_await exchange(entry, upload.call());
   if (!sent) co_return tl::unexpected(sent.error());
-  auto there = co_await wait_until(upload.module, true, upload.options.restart_time);
+  auto there = co_await wait_until(upload, true);
   co_return there;
 }
 
-Script<Result<BootMemory>> read_memory_layout(ModuleAddress module) {
-  const auto page_size = co_await info(module, page_size_info);
+Script<Result<BootMemory>> read_memory_layout(const Upload& upload) {
+  const auto page_size = co_await info(upload, page_size_info);
   if (!page_size) co_return tl::unexpected(page_size.error());
-  const auto start = co_await info(module, start_info);
+  const auto start = co_await info(upload, start_info);
   if (!start) co_return tl::unexpected(start.error());
-  const auto size = co_await info(module, size_info);
+  const auto size = co_await info(upload, size_info);
   if (!size) co_return tl::unexpected(size.error());
   co_return BootMemory{*page_size, *start, *size};
 }
@@ -265,11 +268,11 @@ std::uint32_t word_at(std::span<const std::uint8_t> bytes, std::size_t at) {
   return word;
 }
 
-Script<Result<void>> put_word(ModuleAddress module, std::uint32_t index, std::uint32_t word) {
-  auto request = boot_request(module, Command::BOOT_WRITE_BUFFER,
+Script<Result<void>> put_word(const Upload& upload, std::uint32_t index, std::uint32_t word) {
+  auto request = boot_request(upload.module, Command::BOOT_WRITE_BUFFER,
                               static_cast<std::uint8_t>(index & 0xFFU), word);
   request.motor = static_cast<std::uint8_t>(index >> 8U);
-  const auto put = co_await insist(request, sum_time);
+  const auto put = co_await insist(request, upload.call(sum_time));
   if (!put) co_return tl::unexpected(put.error());
   co_return Result<void>{};
 }
@@ -277,7 +280,7 @@ Script<Result<void>> put_word(ModuleAddress module, std::uint32_t index, std::ui
 Script<Result<void>> fill_page(const Upload& upload, std::uint32_t offset, std::size_t count) {
   const auto bytes = std::span(upload.image.bytes).subspan(offset, count);
   for (std::uint32_t at = 0; at < bytes.size(); at += word_size) {
-    const auto put = co_await put_word(upload.module, at / word_size, word_at(bytes, at));
+    const auto put = co_await put_word(upload, at / word_size, word_at(bytes, at));
     if (!put) co_return tl::unexpected(put.error());
   }
   co_return Result<void>{};
@@ -285,14 +288,12 @@ Script<Result<void>> fill_page(const Upload& upload, std::uint32_t offset, std::
 
 /// When the answer is lost, nobody knows what is in the page buffer now: it is filled again.
 Script<Result<void>> write_page(const Upload& upload, std::uint32_t offset, std::size_t count) {
-  CallOptions options;
-  options.reply_timeout = page_time;
   const auto address = upload.image.start + offset;
   for (unsigned tries = 1;; ++tries) {
     const auto filled = co_await fill_page(upload, offset, count);
     if (!filled) co_return tl::unexpected(filled.error());
     const auto written = co_await exchange(
-        boot_request(upload.module, Command::BOOT_WRITE_PAGE, 0, address), options);
+        boot_request(upload.module, Command::BOOT_WRITE_PAGE, 0, address), upload.call(page_time));
     if (written) co_return Result<void>{};
     if (!is_silence(written.error()) || tries == most_tries)
       co_return tl::unexpected(written.error());
@@ -319,8 +320,8 @@ Script<Result<void>> write_pages(const Upload& upload) {
 
 Script<Result<void>> compare_sum(const Upload& upload) {
   const auto last = upload.image.start + static_cast<std::uint32_t>(upload.image.bytes.size()) - 1;
-  const auto sum =
-      co_await insist(boot_request(upload.module, Command::BOOT_GET_CHECKSUM, 0, last), sum_time);
+  const auto sum = co_await insist(boot_request(upload.module, Command::BOOT_GET_CHECKSUM, 0, last),
+                                   upload.call(sum_time));
   if (!sum) co_return tl::unexpected(sum.error());
   const auto expected = firmware::checksum(upload.image);
   if (*sum == expected) co_return Result<void>{};
@@ -334,14 +335,12 @@ Script<Result<void>> compare_sum(const Upload& upload) {
 Script<Result<void>> seal_by_page(const Upload& upload, std::uint32_t length, std::uint32_t sum) {
   const auto words = upload.memory.page_size / word_size;
   const auto last_page = upload.memory.size - upload.memory.page_size;
-  const auto first = co_await put_word(upload.module, words - 2, length);
+  const auto first = co_await put_word(upload, words - 2, length);
   if (!first) co_return tl::unexpected(first.error());
-  const auto second = co_await put_word(upload.module, words - 1, sum);
+  const auto second = co_await put_word(upload, words - 1, sum);
   if (!second) co_return tl::unexpected(second.error());
-  CallOptions options;
-  options.reply_timeout = page_time;
   const auto written = co_await exchange(
-      boot_request(upload.module, Command::BOOT_WRITE_PAGE, 0, last_page), options);
+      boot_request(upload.module, Command::BOOT_WRITE_PAGE, 0, last_page), upload.call(page_time));
   if (!written) co_return tl::unexpected(written.error());
   co_return Result<void>{};
 }
@@ -349,23 +348,28 @@ Script<Result<void>> seal_by_page(const Upload& upload, std::uint32_t length, st
 Script<Result<void>> seal(const Upload& upload) {
   const auto length = static_cast<std::uint32_t>(upload.image.bytes.size());
   const auto sum = firmware::checksum(upload.image);
-  const auto first = co_await insist(
-      boot_request(upload.module, Command::BOOT_WRITE_LENGTH, length_seal, length), page_time);
+  const auto first =
+      co_await insist(boot_request(upload.module, Command::BOOT_WRITE_LENGTH, length_seal, length),
+                      upload.call(page_time));
   if (!first && is_unknown_command(first.error())) {
     auto sealed = co_await seal_by_page(upload, length, sum);
     co_return sealed;
   }
   if (!first) co_return tl::unexpected(first.error());
-  const auto second = co_await insist(
-      boot_request(upload.module, Command::BOOT_WRITE_LENGTH, checksum_seal, sum), page_time);
+  const auto second =
+      co_await insist(boot_request(upload.module, Command::BOOT_WRITE_LENGTH, checksum_seal, sum),
+                      upload.call(page_time));
   if (!second) co_return tl::unexpected(second.error());
   co_return Result<void>{};
 }
 
 Script<Result<void>> start_firmware(const Upload& upload) {
-  const auto sent = co_await exchange(boot_request(upload.module, Command::BOOT_START_APPLICATION));
+  // From here on a stop may be of use again.
+  upload.hold->in_bootloader = false;
+  const auto sent = co_await exchange(boot_request(upload.module, Command::BOOT_START_APPLICATION),
+                                      upload.call());
   if (!sent) co_return tl::unexpected(sent.error());
-  auto there = co_await wait_until(upload.module, false, upload.options.restart_time);
+  auto there = co_await wait_until(upload, false);
   co_return there;
 }
 
@@ -373,7 +377,7 @@ Script<Result<void>> start_firmware(const Upload& upload) {
 Script<Result<void>> prepare(Upload& upload, const FoundModule& found) {
   if (!upload.match.in_bootloader) {
     upload.tell("stopping the motors");
-    const auto stopped = co_await stop_motors(found);
+    const auto stopped = co_await stop_motors(upload, found.axes);
     if (!stopped) co_return tl::unexpected(during("stopping", stopped.error(), unchanged));
     upload.tell("entering the bootloader");
     const auto entered = co_await enter_bootloader(upload);
@@ -382,7 +386,8 @@ Script<Result<void>> prepare(Upload& upload, const FoundModule& found) {
           during("entering the bootloader", entered.error(), still_in_bootloader));
     }
   }
-  const auto memory = co_await read_memory_layout(upload.module);
+  upload.hold->in_bootloader = true;
+  const auto memory = co_await read_memory_layout(upload);
   if (!memory) {
     co_return tl::unexpected(during("asking the bootloader", memory.error(), still_in_bootloader));
   }
@@ -397,8 +402,8 @@ Script<Result<void>> prepare(Upload& upload, const FoundModule& found) {
 /// From the old firmware to the new one, whole and trusted by the bootloader.
 Script<Result<void>> exchange_firmware(const Upload& upload) {
   upload.tell("erasing");
-  const auto erased =
-      co_await insist(boot_request(upload.module, Command::BOOT_ERASE_ALL), erase_time);
+  const auto erased = co_await insist(boot_request(upload.module, Command::BOOT_ERASE_ALL),
+                                      upload.call(erase_time));
   if (!erased) co_return tl::unexpected(during("erasing", erased.error(), rerun));
   const auto written = co_await write_pages(upload);
   if (!written) co_return tl::unexpected(during("writing", written.error(), rerun));
@@ -442,6 +447,7 @@ Script<Result<FirmwareReport>> upload_firmware(ModuleAddress module, firmware::I
       "the new firmware is written, whole, but does not answer: switch the power off and on, and "
       "look whether it has another address or baud rate now";
   if (!started) co_return tl::unexpected(during("starting", started.error(), state));
+  upload.hold.reset();
   const auto after = co_await identify(module);
   if (!after) co_return tl::unexpected(during("starting", after.error(), state));
   co_return FirmwareReport{upload.match, after->version, firmware::checksum(upload.image)};

@@ -34,6 +34,11 @@ Script<Result<std::uint8_t>> count_axes(ModuleAddress module) {
   co_return axes;
 }
 
+/// A module that gets new firmware is not there for anybody else.
+bool is_absence(const Error& error) {
+  return is_silence(error) || error.code == Errc::in_bootloader;
+}
+
 }  // namespace
 
 Script<Result<FoundModule>> identify(ModuleAddress module) {
@@ -73,10 +78,10 @@ Script<Result<std::vector<FoundModule>>> scan(ScanOptions options) {
     const auto requests = group;
     const auto answers = co_await exchange_all(std::move(group));
     for (std::size_t i = 0; i < size; ++i) {
-      if (!answers[i] && is_silence(answers[i].error())) continue;
+      if (!answers[i] && is_absence(answers[i].error())) continue;
       const auto module = co_await identify(requests[i].request.address);
       // What fell silent again since is noise rather than a module.
-      if (!module && is_silence(module.error())) continue;
+      if (!module && is_absence(module.error())) continue;
       if (!module) co_return tl::unexpected(module.error());
       found.push_back(*module);
     }

@@ -1,8 +1,7 @@
 #include "tmcl/program.hpp"
 
-#include <charconv>
-
 #include "tmcl/datagram.hpp"
+#include "tmcl/hex.hpp"
 
 namespace tmcl::program {
 namespace {
@@ -50,29 +49,11 @@ tl::expected<Program, std::string> from_bytes(std::span<const std::uint8_t> byte
   return program;
 }
 
-std::string to_hex(std::span<const Instruction> program) {
-  constexpr std::string_view digits = "0123456789abcdef";
-  std::string text;
-  for (const auto byte : to_bytes(program)) {
-    text += digits[byte >> 4U];
-    text += digits[byte & 15U];
-  }
-  return text;
-}
+std::string to_hex(std::span<const Instruction> program) { return tmcl::to_hex(to_bytes(program)); }
 
 tl::expected<Program, std::string> from_hex(std::string_view text) {
-  if (text.size() % 2 != 0)
-    return tl::unexpected(std::string("hexadecimal text has two digits for each byte"));
-  std::vector<std::uint8_t> bytes;
-  for (; !text.empty(); text.remove_prefix(2)) {
-    std::uint8_t byte = 0;
-    const auto [end, error] = std::from_chars(text.data(), text.data() + 2, byte, 16);
-    if (error != std::errc{} || end != text.data() + 2) {
-      return tl::unexpected("'" + std::string(text.substr(0, 2)) + "' is no hexadecimal byte");
-    }
-    bytes.push_back(byte);
-  }
-  return from_bytes(bytes);
+  return tmcl::from_hex(text).and_then(
+      [](const std::vector<std::uint8_t>& bytes) { return from_bytes(bytes); });
 }
 
 }  // namespace tmcl::program

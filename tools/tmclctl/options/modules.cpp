@@ -204,11 +204,11 @@ void add_firmware(Grammar& grammar) {
   auto check = grammar.verb<verb::CheckFirmware>(
       firmware, "check", "Does a firmware file belong to a module?", help_text::firmware_check);
   check.word("FILE", "An Intel HEX file", text(check->file));
-  check.word("MODULE", "The module's address", number(check->address, 0, greatest_address));
+  check.module(check->module);
   auto upload = grammar.verb<verb::UploadFirmware>(
       firmware, "upload", "Exchange the firmware of a module", help_text::firmware_upload);
   upload.word("FILE", "An Intel HEX file", text(upload->file));
-  upload.word("MODULE", "The module's address", number(upload->address, 0, greatest_address));
+  upload.module(upload->module);
   upload.flag("--force", "Also a file that does not say that it is for this model", upload->force);
 }
 

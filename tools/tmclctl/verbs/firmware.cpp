@@ -79,15 +79,15 @@ void print_image(const std::string& path, const Image& image, std::ostream& out)
   if (versions.empty()) out << "  it does not say for which model it is\n";
 }
 
-json::object to_json(std::uint16_t address, const FirmwareMatch& match) {
-  return {{"address", address},
+json::object to_json(const ModuleName& module, const FirmwareMatch& match) {
+  return {{"address", module.address},
           {"model_number", match.model},
           {"running", text_of(match.running)},
           {"in_bootloader", match.in_bootloader},
           {"offered", match.version ? json::value(text_of(*match.version)) : json::value(nullptr)}};
 }
 
-Failure mismatch(const std::string& path, std::uint16_t address, const FirmwareMatch& match) {
+Failure mismatch(const std::string& path, const ModuleName& module, const FirmwareMatch& match) {
   std::string offered;
   for (const auto& version : match.offered)
     offered += (offered.empty() ? "" : ", ") + text_of(version);
@@ -95,9 +95,9 @@ Failure mismatch(const std::string& path, std::uint16_t address, const FirmwareM
       usage_failure("wrong_firmware",
                     fmt::format("{} is {}; module {} has {}", path,
                                 offered.empty() ? "for no model that it names" : "for " + offered,
-                                address, describe(match.running)),
+                                module.address, describe(match.running)),
                     "Look for the firmware of this model");
-  failure.details["module"] = to_json(address, match);
+  failure.details["module"] = to_json(module, match);
   return failure;
 }
 
@@ -108,19 +108,19 @@ void show(const tmcl::FirmwareProgress& progress, ProgressLine& line) {
                         progress.written, progress.of));
 }
 
-void report(const verb::UploadFirmware& verb, const Image& image,
+void report(const verb::UploadFirmware& verb, const ModuleName& module, const Image& image,
             const tmcl::FirmwareReport& report, Output& output) {
   const auto& offered = report.before.version;
   if (output.json) {
     print_json({{"file", verb.file},
-                {"module", to_json(verb.address, report.before)},
+                {"module", to_json(module, report.before)},
                 {"bytes", image.bytes.size()},
                 {"checksum", report.checksum},
                 {"running", text_of(report.after)}},
                output);
     return;
   }
-  output.out << fmt::format("module {} runs {} now; before it was {}\n", verb.address,
+  output.out << fmt::format("module {} runs {} now; before it was {}\n", module.address,
                             describe(report.after), describe(report.before.running));
   if (offered && *offered != report.after)
     output.err << fmt::format("tmclctl: warning: {} says that it is {}\n", verb.file,
@@ -143,13 +143,15 @@ VerbResult run(const verb::FirmwareInfo& verb, Output& output) {
 VerbResult run(const verb::CheckFirmware& verb, Room& room) {
   const auto image = read_image(verb.file);
   if (!image) return tl::unexpected(image.error());
-  const auto match = room.target.match_firmware(tmcl::ModuleAddress{verb.address}, *image);
+  const auto module = parse_module(verb.module);
+  if (!module) return tl::unexpected(module.error());
+  const auto match = room.target.match_firmware(*module, *image);
   if (!match) return tl::unexpected(match.error());
-  if (!match->version) return tl::unexpected(mismatch(verb.file, verb.address, *match));
+  if (!match->version) return tl::unexpected(mismatch(verb.file, *module, *match));
   if (room.output.json) {
-    print_json({{"file", verb.file}, {"module", to_json(verb.address, *match)}}, room.output);
+    print_json({{"file", verb.file}, {"module", to_json(*module, *match)}}, room.output);
   } else {
-    room.output.out << fmt::format("module {} has {}; {} is {}\n", verb.address,
+    room.output.out << fmt::format("module {} has {}; {} is {}\n", module->address,
                                    describe(match->running), verb.file, describe(*match->version));
   }
   return ExitCode::done;
@@ -158,14 +160,16 @@ VerbResult run(const verb::CheckFirmware& verb, Room& room) {
 VerbResult run(const verb::UploadFirmware& verb, Room& room) {
   const auto image = read_image(verb.file);
   if (!image) return tl::unexpected(image.error());
+  const auto module = parse_module(verb.module);
+  if (!module) return tl::unexpected(module.error());
   ProgressLine line(room.output);
   tmcl::FirmwareOptions options;
   options.force = verb.force;
   options.progress = [&](const tmcl::FirmwareProgress& progress) { show(progress, line); };
-  const auto done = room.target.upload_firmware(tmcl::ModuleAddress{verb.address}, *image, options);
+  const auto done = room.target.upload_firmware(*module, *image, options);
   line.clear();
   if (!done) return tl::unexpected(done.error());
-  report(verb, *image, *done, room.output);
+  report(verb, *module, *image, *done, room.output);
   return ExitCode::done;
 }
 
