@@ -8,7 +8,7 @@ _tmclctl_words() {
 
 # Whether a verb must follow.
 _tmclctl_is_group() {
-  [[ " '' profile program coordinate global firmware " == *" ${1:-''} "* ]]
+  [[ " '' profile mint program coordinate global firmware " == *" ${1:-''} "* ]]
 }
 
 _tmclctl() {
@@ -74,7 +74,7 @@ _tmclctl() {
       get:1 | set:1 | store:1 | restore:1) words=$(_tmclctl_words parameters) ;;
       raw:1) words=$(_tmclctl_words commands) ;;
       "program assemble":0 | "program disassemble":0 | "program upload":0 | "program verify":0) compopt -o default ;;
-      "firmware info":0 | "firmware check":0 | "firmware upload":0) compopt -o default ;;
+      "firmware info":0 | "firmware check":0 | "firmware upload":0 | "mint check":0) compopt -o default ;;
       "profile solve":*)
         # Nobody knows the number behind the =.
         [[ $current == = || $previous == = ]] && return

@@ -283,6 +283,29 @@ More than enough may be given, as long as it agrees within 1e-9. Too little, val
 each other, and what is impossible are errors that say so, with a way out (exit code 2).
 )";
 
+constexpr const char* mint = R"(
+  tmclctl mint check --help
+)";
+
+constexpr const char* mint_check = R"(
+Reads a program of SCALE, SPEED, ACCEL, DECEL, MOVEA, MOVER and GO as application note AN00115-001
+prints it, and says for each GO which axes go where, and when; all in the user units that SCALE
+makes, and in seconds. No module is needed. What is wrong comes as FILE:LINE:COLUMN: MESSAGE (exit
+code 2); a move that no GO starts is a warning.
+
+  SCALE = 1200             ' counts of a user unit (1 if there is no SCALE)
+  SPEED = 250              ' DECEL is ACCEL if it is not given
+  ACCEL = 1250
+  MOVER = 200              ' loads a move by 200; MOVEA one to 200
+  GO                       ' starts all that are loaded
+
+SPEED = 1, 2 is of the axes 0 and 1; SPEED.2 = 1 of axis 2; SPEED[0,2] = 1, 2 of the listed ones,
+SPEED[0,2] = 1; the same for them. GO[0,2] starts those together.
+
+  tmclctl mint check exercise.mint
+  tmclctl --json mint check exercise.mint
+)";
+
 constexpr const char* firmware = R"(
   tmclctl firmware info --help
   tmclctl firmware check --help

@@ -96,6 +96,10 @@ struct SolveProfile {
   std::vector<std::string> words;  ///< QUANTITY=VALUE[UNIT], or an assumption.
   std::string svg;                 ///< Empty: none.
 };
+/// A Mint program, run without axes.
+struct CheckMint {
+  std::string file;
+};
 /// The text of a stand-alone program into a program file.
 struct Assemble {
   std::string file;
@@ -178,7 +182,7 @@ struct Complete {
 using Verb = std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models,
                           verb::Get, verb::Set, verb::Move, verb::Rotate, verb::Stop, verb::State,
                           verb::Watch, verb::Plot, verb::Raw, verb::Simulate, verb::SolveProfile,
-                          verb::Assemble, verb::Disassemble, verb::FirmwareInfo,
+                          verb::CheckMint, verb::Assemble, verb::Disassemble, verb::FirmwareInfo,
                           verb::CheckFirmware, verb::UploadFirmware, verb::Ramp, verb::Convert,
                           verb::Ask, verb::Home, verb::Upload, verb::Download, verb::Complete>;
 

@@ -56,9 +56,9 @@ Failure with_doubt(Failure failure) {
 template <class V>
 constexpr bool needs_no_target =
     std::is_same_v<V, verb::Simulate> || std::is_same_v<V, verb::SolveProfile> ||
-    std::is_same_v<V, verb::Assemble> || std::is_same_v<V, verb::Disassemble> ||
-    std::is_same_v<V, verb::FirmwareInfo> || std::is_same_v<V, verb::Convert> ||
-    std::is_same_v<V, verb::Models>;
+    std::is_same_v<V, verb::CheckMint> || std::is_same_v<V, verb::Assemble> ||
+    std::is_same_v<V, verb::Disassemble> || std::is_same_v<V, verb::FirmwareInfo> ||
+    std::is_same_v<V, verb::Convert> || std::is_same_v<V, verb::Models>;
 
 /// `ready` stands for the target that the command line names, if it is there already.
 template <class V>

@@ -44,6 +44,7 @@ VerbResult run(const verb::Complete& verb, Room& room);
 /// These need no target.
 VerbResult run(const verb::Simulate& verb, Output& output);
 VerbResult run(const verb::SolveProfile& verb, Output& output);
+VerbResult run(const verb::CheckMint& verb, Output& output);
 VerbResult run(const verb::Assemble& verb, Output& output);
 VerbResult run(const verb::Disassemble& verb, Output& output);
 VerbResult run(const verb::FirmwareInfo& verb, Output& output);

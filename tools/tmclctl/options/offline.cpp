@@ -91,6 +91,13 @@ void add_profile(Grammar& grammar) {
   add_solve(grammar, profile);
 }
 
+void add_mint(Grammar& grammar) {
+  const auto mint = grammar.group("mint", "Movements in the words of Mint", help_text::mint);
+  auto check = grammar.verb<verb::CheckMint>(
+      mint, "check", "What a Mint program would do, without doing it", help_text::mint_check);
+  check.word("FILE", "The program", text(check->file));
+}
+
 Form add_program(Grammar& grammar) {
   const auto program =
       grammar.group("program", "Stand-alone programs: text, bytes, and modules that run them",

@@ -1,0 +1,117 @@
+/// Reading texts line by line and word by word.
+#pragma once
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+
+#include "tmcl/plan/text_problem.hpp"
+
+namespace tmcl::plan {
+
+constexpr bool is_blank(char c) { return c == ' ' || c == '\t'; }
+constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
+constexpr bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+constexpr char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
+
+/// Printable and not too long, whatever someone wrote.
+inline std::string shown(std::string_view word) {
+  constexpr std::size_t longest = 30;
+  std::string text;
+  for (const char c : word.substr(0, longest)) text += c >= ' ' && c <= '~' ? c : '?';
+  return word.size() > longest ? text + "..." : text;
+}
+
+/// A place in one line.
+class TextCursor {
+ public:
+  explicit TextCursor(std::string_view line) : line_(line) {}
+
+  std::size_t column() const { return at_ + 1; }
+  bool at_end() const { return at_ == line_.size(); }
+  char peek() const { return at_end() ? '\0' : line_[at_]; }
+  std::string_view rest() const { return line_.substr(at_); }
+  void skip(std::size_t count = 1) { at_ = std::min(at_ + count, line_.size()); }
+  void skip_blanks() {
+    while (is_blank(peek())) skip();
+  }
+  /// Takes this character, if it is the next after blanks.
+  bool take(char wanted) {
+    skip_blanks();
+    if (at_end() || peek() != wanted) return false;
+    skip();
+    return true;
+  }
+  template <class Predicate>
+  std::string_view take_while(Predicate belongs) {
+    const auto begin = at_;
+    while (!at_end() && belongs(peek())) skip();
+    return line_.substr(begin, at_ - begin);
+  }
+  /// What stands here until the next blank or separator, to be shown.
+  std::string_view word() const {
+    const auto text = rest();
+    return text.substr(0, std::max<std::size_t>(1, text.find_first_of(" \t,;:=")));
+  }
+  /// A finite decimal number; nothing is taken if there is none.
+  std::optional<double> take_number(std::chars_format format = std::chars_format::general) {
+    auto text = rest();
+    const bool plus = text.starts_with('+');
+    if (plus) text.remove_prefix(1);
+    const auto digits = text.substr(!plus && text.starts_with('-') ? 1 : 0);
+    // Names such as inf and nan are no numbers.
+    if (digits.empty() || !(is_digit(digits.front()) || digits.front() == '.')) return std::nullopt;
+    double value = 0;
+    const auto [end, error] =
+        std::from_chars(text.data(), text.data() + text.size(), value, format);
+    if (error != std::errc{} || !std::isfinite(value)) return std::nullopt;
+    skip(static_cast<std::size_t>(end - text.data()) + (plus ? 1 : 0));
+    return value;
+  }
+
+ private:
+  std::string_view line_;
+  std::size_t at_ = 0;
+};
+
+/// Gathers what is wrong.
+class ProblemList {
+ public:
+  void add(std::size_t line, std::size_t column, std::string message) {
+    if (!full()) problems_.push_back({line, column, std::move(message)});
+  }
+  bool full() const { return problems_.size() >= most_text_problems; }
+  bool empty() const { return problems_.empty(); }
+  TextProblems take() { return std::move(problems_); }
+
+ private:
+  TextProblems problems_;
+};
+
+/// Calls `read(line, number)` for each line, without its end, until `problems` are many or `read`
+/// returns false.
+template <class Read>
+void for_each_line(std::string_view text, ProblemList& problems, Read read) {
+  for (std::size_t number = 1; !text.empty() && !problems.full(); ++number) {
+    if (number > most_text_lines)
+      return problems.add(
+          number, 0, "there are too many lines; " + std::to_string(most_text_lines) + " at most");
+    const auto length = std::min(text.find('\n'), text.size());
+    auto line = text.substr(0, length);
+    text.remove_prefix(std::min(length + 1, text.size()));
+    if (line.ends_with('\r')) line.remove_suffix(1);
+    if (line.size() > most_text_line_bytes) {
+      problems.add(
+          number, most_text_line_bytes + 1,
+          "the line is too long; " + std::to_string(most_text_line_bytes) + " bytes at most");
+    } else if (!read(line, number)) {
+      return;
+    }
+  }
+}
+
+}  // namespace tmcl::plan

@@ -1,0 +1,111 @@
+// mint check.
+#include <fmt/format.h>
+
+#include "input_file.hpp"
+#include "print.hpp"
+#include "tmcl/plan/mint.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+namespace plan = tmcl::plan;
+namespace mint = tmcl::plan::mint;
+
+constexpr std::size_t most_bytes = 1 << 20;
+
+Failure failure_from(const std::string& file, const plan::TextProblems& problems, Output& output) {
+  const bool all = problems.size() < plan::most_text_problems;
+  auto failure = usage_failure(
+      "bad_program", fmt::format("{}{} problem{} in {}", all ? "" : "at least ", problems.size(),
+                                 problems.size() == 1 ? "" : "s", file));
+  json::array list;
+  for (const auto& problem : problems) {
+    if (!output.json) output.err << describe(problem, file) << '\n';
+    list.push_back(json::object{
+        {"line", problem.line}, {"column", problem.column}, {"message", problem.message}});
+  }
+  failure.details["problems"] = std::move(list);
+  return failure;
+}
+
+json::object to_json(const mint::Move& move) {
+  json::object document{{"axis", move.axis},   {"line", move.line},
+                        {"scale", move.scale}, {"start", move.start},
+                        {"end", move.end},     {"duration_s", move.duration()}};
+  if (!move.profile) return document;
+  json::object profile;
+  for (const auto quantity : plan::quantities)
+    profile[name_of(quantity)] = (*move.profile)[quantity];
+  document["profile"] = std::move(profile);
+  return document;
+}
+
+json::object to_json(const std::string& file, const mint::DryRun& run) {
+  json::array groups;
+  for (const auto& group : run.groups) {
+    json::array moves;
+    for (const auto& move : group.moves) moves.push_back(to_json(move));
+    groups.push_back(json::object{{"line", group.line},
+                                  {"start_s", group.start_time},
+                                  {"duration_s", group.duration},
+                                  {"moves", std::move(moves)}});
+  }
+  json::array warnings;
+  for (const auto& warning : run.warnings) warnings.emplace_back(describe(warning, file));
+  return {{"file", file},
+          {"duration_s", run.duration},
+          {"groups", std::move(groups)},
+          {"warnings", std::move(warnings)}};
+}
+
+void print_table(const mint::DryRun& run, Output& output) {
+  Table table({"GO", "START", "AXIS", "FROM", "TO", "TIME", "SPEED", "ACCEL", "SLEW", "DECEL"});
+  const auto number = [](double value) { return fmt::format("{:.6g}", value); };
+  const auto seconds = [](double value) { return fmt::format("{:.6g} s", value); };
+  for (const auto& group : run.groups) {
+    for (const auto& move : group.moves) {
+      const auto profile = move.profile.value_or(plan::Profile{});
+      table.add({fmt::format("line {}", group.line), seconds(group.start_time),
+                 fmt::format("{}", move.axis), number(move.start), number(move.end),
+                 seconds(move.duration()), number(profile.speed),
+                 seconds(profile.acceleration_time), seconds(profile.slew_time),
+                 seconds(profile.deceleration_time)});
+    }
+  }
+  table.print(output.out);
+}
+
+Attempt<mint::DryRun> dry_run(const std::string& file, Output& output) {
+  const auto text = read_file(file, most_bytes + 1);
+  if (!text) {
+    return tl::unexpected(
+        usage_failure("cannot_read", fmt::format("cannot read {}: {}", file, text.error())));
+  }
+  if (text->size() > most_bytes) {
+    return tl::unexpected(usage_failure(
+        "bad_program", fmt::format("{} is too long; {} bytes at most", file, most_bytes)));
+  }
+  return mint::read(*text)
+      .and_then([](const mint::Program& program) { return mint::dry_run(program); })
+      .map_error(
+          [&](const plan::TextProblems& problems) { return failure_from(file, problems, output); });
+}
+
+}  // namespace
+
+VerbResult run(const verb::CheckMint& verb, Output& output) {
+  return dry_run(verb.file, output).map([&](const mint::DryRun& run) {
+    if (output.json) {
+      print_json(to_json(verb.file, run), output);
+    } else {
+      for (const auto& warning : run.warnings)
+        output.err << "tmclctl: warning: " << describe(warning, verb.file) << '\n';
+      print_table(run, output);
+    }
+    return ExitCode::done;
+  });
+}
+
+}  // namespace tmclctl
