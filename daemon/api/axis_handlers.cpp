@@ -21,6 +21,17 @@ RpcResult with(std::string_view key, tmcl::Microsteps value) {
   return result;
 }
 
+bool wants_prediction(const Call& call) { return call.params.boolean_or("predict", true); }
+
+json::object to_json(const StartedMove& started) {
+  json::object result;
+  result["target_microsteps"] = started.target.value;
+  result["predicted_s"] = nullptr;
+  if (started.predicted)
+    result["predicted_s"] = std::chrono::duration<double>(*started.predicted).count();
+  return result;
+}
+
 }  // namespace
 
 Answer list_axes(Call& call) {
@@ -38,9 +49,9 @@ Answer move_to(Call& call) {
   const auto* row = find_parameter(axis.parameters(), ap::target_position);
   const auto target = co_await microsteps_of(call, axis, "position_microsteps", "position", row);
   if (!target) co_return tl::unexpected(target.error());
-  const auto moved = co_await axis.move_to(*target, ready->moves);
+  const auto moved = co_await axis.move_to(*target, wants_prediction(call), ready->moves);
   if (!moved) co_return failed(moved.error(), axis);
-  co_return with("target_microsteps", *moved);
+  co_return to_json(*moved);
 }
 
 Answer move_by(Call& call) {
@@ -50,9 +61,9 @@ Answer move_by(Call& call) {
   const auto distance =
       co_await microsteps_of(call, axis, "distance_microsteps", "distance", nullptr);
   if (!distance) co_return tl::unexpected(distance.error());
-  const auto moved = co_await axis.move_by(*distance, ready->moves);
+  const auto moved = co_await axis.move_by(*distance, wants_prediction(call), ready->moves);
   if (!moved) co_return failed(moved.error(), axis);
-  co_return with("target_microsteps", *moved);
+  co_return to_json(*moved);
 }
 
 Answer rotate(Call& call) {

@@ -66,13 +66,21 @@ constexpr std::array execute_result{
 constexpr std::array list_axes_result{
     ResultInfo{"axes", objects,
                "name, bus, address, motor, model, state (unknown, ready, silent, no_such_motor)"}};
+constexpr ParamInfo predict{"predict", boolean, optional,
+                            "foresee how long it takes; true if absent. Costs two readings, and "
+                            "more after a change of settings"};
 constexpr std::array move_to_params{
     axis, ParamInfo{"position_microsteps", integer, optional, "where to go"},
-    ParamInfo{"position", number, optional, "the same in the axis' unit, instead"}, deadline};
+    ParamInfo{"position", number, optional, "the same in the axis' unit, instead"}, predict,
+    deadline};
 constexpr std::array move_by_params{
     axis, ParamInfo{"distance_microsteps", integer, optional, "how far to go from here"},
-    ParamInfo{"distance", number, optional, "the same in the axis' unit, instead"}, deadline};
+    ParamInfo{"distance", number, optional, "the same in the axis' unit, instead"}, predict,
+    deadline};
 constexpr std::array target_result{ResultInfo{"target_microsteps", integer, "where the move ends"}};
+constexpr std::array started_move_result{
+    target_result.front(), ResultInfo{"predicted_s", nullable_number,
+                                      "how many seconds it will take; null where nobody can tell"}};
 constexpr std::array rotate_params{
     axis,
     ParamInfo{"velocity_internal", integer, optional,
@@ -297,9 +305,9 @@ constexpr auto table = std::to_array<MethodInfo>({
      Effect::reads,
      handlers::list_axes},
     {"axis.move_to", "starts a move to a position; does not wait for its end", move_to_params,
-     target_result, Effect::moves, handlers::move_to},
+     started_move_result, Effect::moves, handlers::move_to},
     {"axis.move_by", "starts a move over a distance; does not wait for its end", move_by_params,
-     target_result, Effect::moves, handlers::move_by},
+     started_move_result, Effect::moves, handlers::move_by},
     {"axis.rotate", "turns without end", rotate_params, {}, Effect::moves, handlers::rotate},
     {"axis.stop",
      "ramps down to standstill; goes out before everything else",

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gateway/poller.hpp"
+#include "tmcl/prediction.hpp"
 #include "tmcl/units.hpp"
 
 namespace tmcld {
@@ -90,14 +91,16 @@ GatewayAxis::Awaitable<void> GatewayAxis::be_ready() {
   co_return tl::unexpected(std::move(error));
 }
 
-GatewayAxis::Awaitable<Microsteps> GatewayAxis::move_to(Microsteps target, RunOptions movement) {
+GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_to(Microsteps target, bool predict,
+                                                         RunOptions movement) {
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
-  auto result = co_await run(tmcl::verbs::move_to(address(), target), std::move(movement));
+  auto result = co_await start(tmcl::verbs::move_to(address(), target), predict, movement);
   co_return result;
 }
 
-GatewayAxis::Awaitable<Microsteps> GatewayAxis::move_by(Microsteps distance, RunOptions movement) {
+GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Microsteps distance, bool predict,
+                                                         RunOptions movement) {
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
   Range range;
@@ -106,20 +109,56 @@ GatewayAxis::Awaitable<Microsteps> GatewayAxis::move_by(Microsteps distance, Run
     range.least = row->minimum;
     range.greatest = row->maximum;
   }
-  auto result = co_await run(move_by_within(address(), distance, range), std::move(movement));
+  auto script = move_by_within(address(), distance, range);
+  auto result = co_await start(std::move(script), predict, movement);
   co_return result;
+}
+
+GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Microsteps>> script,
+                                                       bool predict, RunOptions movement) {
+  std::optional<tmcl::plan::AxisTwin> twin;
+  if (predict) twin = co_await this->twin(movement);
+  expected_arrival_ = {};
+  const auto begin = std::chrono::steady_clock::now();
+  const auto target = co_await run(std::move(script), std::move(movement));
+  if (!target) co_return tl::unexpected(target.error());
+  StartedMove started{*target, {}};
+  if (twin) {
+    twin->move_to(*target);
+    started.predicted = twin->time_to_arrival();
+  }
+  if (started.predicted) expected_arrival_ = begin + *started.predicted;
+  co_return started;
+}
+
+// Whatever comes of the readings: they only serve to tell more about the move.
+awaitable<std::optional<tmcl::plan::AxisTwin>> GatewayAxis::twin(RunOptions options) {
+  const auto* model = module_.model();
+  if (model == nullptr || !tmcl::plan::AxisTwin::of(*model)) co_return std::nullopt;
+  const auto epoch = ramp_epoch();
+  if (!ramp_ || ramp_->epoch != epoch) {
+    auto ramp = co_await run(tmcl::verbs::read_ramp(address(), *model), options);
+    if (!ramp) co_return std::nullopt;
+    ramp_ = Known<std::vector<tmcl::plan::Setting>>{epoch, std::move(*ramp)};
+  }
+  auto script = tmcl::verbs::read_twin(address(), *model, ramp_->value);
+  auto twin = co_await run(std::move(script), std::move(options));
+  if (!twin) co_return std::nullopt;
+  co_return std::move(*twin);
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity,
                                                  RunOptions movement) {
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
+  expected_arrival_ = {};
   auto result = co_await run(tmcl::verbs::rotate(address(), velocity), std::move(movement));
   co_return result;
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::stop() {
   revoke_movements();
+  expected_arrival_ = {};
   const bool was_searching = searching_;
   RunOptions options;
   auto result = co_await run(tmcl::verbs::stop(address()), std::move(options));
@@ -140,6 +179,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::stop_home() {
 GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions home_options,
                                                       RunOptions movement) {
   searching_ = true;
+  expected_arrival_ = {};
   auto result =
       co_await run(tmcl::verbs::home(address(), std::move(home_options)), std::move(movement));
   if (result) searching_ = false;
@@ -153,6 +193,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t>
     if (!chosen) co_return chosen;
   }
   searching_ = true;
+  expected_arrival_ = {};
   auto result = co_await run(tmcl::verbs::start_reference_search(address()), std::move(movement));
   co_return result;
 }
@@ -163,6 +204,8 @@ GatewayAxis::Awaitable<Microsteps> GatewayAxis::wait(tmcl::WaitOptions wait_opti
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
   RunOptions options;
   options.objection = std::move(objection);
+  const auto left = expected_arrival_ - std::chrono::steady_clock::now();
+  wait_options.expected = std::max(left, tmcl::Duration{});
   auto script = tmcl::verbs::wait_until_reached(address(), wait_options);
   auto result = co_await run(std::move(script), std::move(options));
   co_return result;
@@ -183,7 +226,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::set(std::uint8_t parameter, std::int32
   if (!ready) co_return ready;
   auto result = co_await run(tmcl::verbs::set(address(), parameter, value), std::move(movement));
   // Also after a failure: the value may have been set all the same.
-  forget_units(parameter);
+  note_set(parameter);
   co_return result;
 }
 
@@ -253,7 +296,8 @@ awaitable<std::optional<tmcl::UserScale>> GatewayAxis::scale() {
   co_return scale;
 }
 
-void GatewayAxis::forget_units(std::uint8_t parameter) {
+void GatewayAxis::note_set(std::uint8_t parameter) {
+  ++changes_;
   bool counts = parameter == tmcl::axis_parameter::microstep_resolution;
   if (const auto* model = module_.model()) {
     const auto units = tmcl::unit_parameters(*model);

@@ -17,6 +17,7 @@
 #include "gateway/module.hpp"
 #include "tmcl/conversion.hpp"
 #include "tmcl/parameter.hpp"
+#include "tmcl/plan/axis_twin.hpp"
 
 namespace tmcld {
 
@@ -36,6 +37,13 @@ struct AxisReading {
   std::optional<double> velocity_pps;  ///< Nothing where the model is not known.
   std::optional<UserReading> user;     ///< Nothing without a unit.
   tmcl::TimePoint taken{};             ///< When the look began: nothing in it is older.
+};
+
+/// A move that a module has taken.
+struct StartedMove {
+  tmcl::Microsteps target;
+  /// How long it will take; nothing where that was not asked for or cannot be foreseen.
+  std::optional<tmcl::Duration> predicted;
 };
 
 /// Ends a call early: gives an error once the caller has lost interest.
@@ -66,9 +74,10 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   RunOptions begin_movement(Deadline deadline) const;
 
   // Each of these begins with be_ready().
-  Awaitable<tmcl::Microsteps> move_to(tmcl::Microsteps target, RunOptions movement);
+  /// To predict a move, the axis is looked at before it.
+  Awaitable<StartedMove> move_to(tmcl::Microsteps target, bool predict, RunOptions movement);
   /// Errors: also Errc::bad_argument for a target outside what the model can hold.
-  Awaitable<tmcl::Microsteps> move_by(tmcl::Microsteps distance, RunOptions movement);
+  Awaitable<StartedMove> move_by(tmcl::Microsteps distance, bool predict, RunOptions movement);
   Awaitable<void> rotate(tmcl::InternalVelocity velocity, RunOptions movement);
   Awaitable<void> set(std::uint8_t parameter, std::int32_t value, RunOptions movement);
   Awaitable<tmcl::Microsteps> wait(tmcl::WaitOptions options, Objection objection);
@@ -109,7 +118,10 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   template <class T>
   Awaitable<T> run(tmcl::Script<tmcl::Result<T>> script, RunOptions options);
   boost::asio::awaitable<void> add_units(AxisReading& reading);
-  void forget_units(std::uint8_t parameter);
+  boost::asio::awaitable<std::optional<tmcl::plan::AxisTwin>> twin(RunOptions options);
+  Awaitable<StartedMove> start(tmcl::Script<tmcl::Result<tmcl::Microsteps>> script, bool predict,
+                               RunOptions movement);
+  void note_set(std::uint8_t parameter);
   template <class T>
   void note(tmcl::Result<T>& result) {
     if (result) return;
@@ -124,20 +136,25 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// A reference search was begun here and has not been seen to end.
   bool searching_ = false;
   /// What was read is known until the module's settings may have changed, also while it is read.
-  struct UnitsEpoch {
+  struct Epoch {
     std::uint64_t settings;
     std::uint64_t changes;
-    bool operator==(const UnitsEpoch&) const = default;
+    bool operator==(const Epoch&) const = default;
   };
-  UnitsEpoch units_epoch() const { return {module_.settings_epoch(), unit_changes_}; }
+  Epoch units_epoch() const { return {module_.settings_epoch(), unit_changes_}; }
+  Epoch ramp_epoch() const { return {module_.settings_epoch(), changes_}; }
   template <class T>
   struct Known {
-    UnitsEpoch epoch;
+    Epoch epoch;
     T value;
   };
   std::uint64_t unit_changes_ = 0;
+  std::uint64_t changes_ = 0;
   std::optional<Known<tmcl::ModuleUnits>> module_units_;
   std::optional<Known<std::int32_t>> microstep_resolution_;
+  std::optional<Known<std::vector<tmcl::plan::Setting>>> ramp_;
+  /// When the move under way should end; in the past if that is not known.
+  tmcl::TimePoint expected_arrival_{};
   std::shared_ptr<AxisPoller> poller_;
 };
 

@@ -54,9 +54,11 @@ TEST_F(DaemonLink, ComesBackAsAnotherModuleThatIsAskedBeforeItIsMoved) {
 
 TEST_F(DaemonLink, EndsWhatIsInProgressWithHowFarItGot) {
   daemon.on_reactor([&] { return daemon.wire().holds = true; });
-  const auto sent = client.send("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}});
+  const auto sent =
+      client.send("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}, {"predict", false}});
   ASSERT_TRUE(daemon.eventually([&] { return !daemon.wire().held.empty(); }));
-  const auto queued = client.send("axis.move_to", {{"axis", "y"}, {"position_microsteps", 1}});
+  const auto queued =
+      client.send("axis.move_to", {{"axis", "y"}, {"position_microsteps", 1}, {"predict", false}});
   client.result("axis.list");  // the daemon has taken it in
   daemon.on_reactor([&] { return daemon.wire().unplug(), 0; });
   EXPECT_EQ(text(client.answer_to(sent).at("error").at("data").at("outcome")), "unknown");
@@ -140,9 +142,11 @@ TEST(DaemonModel, UnknownWorksByNumber) {
 
 TEST_F(DaemonLink, EndsWithinASecondAndAnswersWhatIsQueued) {
   daemon.on_reactor([&] { return daemon.wire().holds = true; });
-  const auto sent = client.send("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}});
+  const auto sent =
+      client.send("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}, {"predict", false}});
   ASSERT_TRUE(daemon.eventually([&] { return !daemon.wire().held.empty(); }));
-  const auto queued = client.send("axis.move_to", {{"axis", "y"}, {"position_microsteps", 1}});
+  const auto queued =
+      client.send("axis.move_to", {{"axis", "y"}, {"position_microsteps", 1}, {"predict", false}});
   client.result("axis.list");
   const auto began = std::chrono::steady_clock::now();
   daemon.end();

@@ -30,8 +30,10 @@ TEST_F(DaemonStop, OvertakesAndEndsQueuedMovements) {
   hold();
   const auto read = client.send("parameter.get", {{"axis", "x"}, {"parameter", 4}});
   wait_for_held(1);
-  const auto moves = client.send("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}});
-  const auto other = client.send("axis.move_to", {{"axis", "y"}, {"position_microsteps", 2}});
+  const auto moves =
+      client.send("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}, {"predict", false}});
+  const auto other =
+      client.send("axis.move_to", {{"axis", "y"}, {"position_microsteps", 2}, {"predict", false}});
   const auto stop = client.send("axis.stop", {{"axis", "x"}});
   EXPECT_EQ(name_in(client.answer_to(moves)), "superseded_by_stop");
   release();
@@ -46,6 +48,19 @@ TEST_F(DaemonStop, OvertakesAndEndsQueuedMovements) {
   ASSERT_GE(order.size(), 2U);
   EXPECT_EQ(order[order.size() - 2], Command::MST);
   EXPECT_EQ(order.back(), Command::MVP);
+}
+
+TEST_F(DaemonStop, EndsAMoveThatIsBeingPredicted) {
+  hold();
+  const auto move = client.send("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}});
+  wait_for_held(1);
+  RpcClient other(daemon.socket());
+  const auto stop = other.send("axis.stop", {{"axis", "x"}});
+  ASSERT_TRUE(daemon.eventually([&] { return daemon.daemon().gateway().stops_in_progress == 1; }));
+  release();
+  EXPECT_TRUE(other.answer_to(stop).contains("result"));
+  EXPECT_EQ(name_in(client.answer_to(move)), "superseded_by_stop");
+  EXPECT_EQ(daemon.requests_seen(Command::MVP), 0U);
 }
 
 TEST_F(DaemonStop, EndsAMoveByBetweenItsHalves) {

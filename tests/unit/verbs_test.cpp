@@ -317,6 +317,26 @@ TEST(Verbs, WaitingGivesTheTargetWheneverTheAxisArrives) {
   }
 }
 
+// Once a second as long as nothing can be expected, and often from shortly before.
+TEST(Verbs, WaitingSparesTheBusUntilTheMoveShouldEnd) {
+  ScriptedBus bus;
+  auto& module = bus.add_module(1);
+  module.parameter(axis.motor, axis_parameter::position_reached) = 0;
+  const auto begin = bus.clock().now();
+  std::vector<double> looks;
+  module.before = [&](test::FakeModule& self, const Request& request) {
+    const auto passed = std::chrono::duration<double>(bus.clock().now() - begin).count();
+    if (request.type == axis_parameter::position_reached) looks.push_back(passed);
+    if (passed < 3.5) return;
+    self.parameter(axis.motor, axis_parameter::position_reached) = 1;
+    self.parameter(axis.motor, axis_parameter::actual_velocity) = 0;
+  };
+  EXPECT_TRUE(
+      bus.run(verbs::wait_until_reached(axis, {.expected = std::chrono::milliseconds(3500)})));
+  EXPECT_LE(std::ranges::count_if(looks, [](double at) { return at < 3.4; }), 4);
+  EXPECT_LT(looks.back(), 3.55);
+}
+
 TEST(Verbs, WaitingEndsAtItsTimeout) {
   ScriptedBus bus;
   auto& module = bus.add_module(1);

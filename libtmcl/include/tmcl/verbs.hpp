@@ -44,6 +44,10 @@ struct WaitOptions {
   /// Gives up with Errc::deadline_passed; zero: waits as long as the axis moves. Counts the pauses
   /// between the looks, not the looks themselves, so on a slow bus it is longer.
   Duration timeout{};
+  /// How long the move is expected to take from now on: until shortly before that the axis is
+  /// looked at once a second only, so that an interruption is noticed all the same. Zero: not
+  /// known.
+  Duration expected{};
   /// An axis that has not moved for so long without having arrived counts as interrupted.
   Duration standstill_limit = std::chrono::seconds(1);
 };

@@ -38,6 +38,17 @@ Error still_moving(AxisAddress axis, const AxisState& state) {
   return error;
 }
 
+// A look that comes too late costs as much as one that comes too early, so what is predicted for
+// now is looked at as if nothing were.
+Duration next_pause(const WaitOptions& options, Duration waited) {
+  constexpr Duration longest = std::chrono::seconds(1);
+  const auto early = 2 * options.poll_interval;
+  const auto pause = std::clamp(options.expected - waited - early, options.poll_interval,
+                                std::max(longest, options.poll_interval));
+  if (options.timeout == Duration{}) return pause;
+  return std::min(pause, std::max(options.timeout - waited, options.poll_interval));
+}
+
 }  // namespace
 
 Script<Result<Answer>> command(Request request, CallOptions options) {
@@ -147,6 +158,7 @@ Script<Result<AxisState>> state(AxisAddress axis) {
 Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions options) {
   Duration waited{};
   Duration standing{};
+  Duration paused{};
   std::optional<Microsteps> last_position;
   while (true) {
     const auto now = co_await state(axis);
@@ -154,14 +166,15 @@ Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions opti
     if (now->position_reached && now->velocity.value == 0) co_return now->position;
 
     const bool stands = now->velocity.value == 0 && last_position == now->position;
-    standing = stands ? standing + options.poll_interval : Duration{};
+    standing = stands ? standing + paused : Duration{};
     last_position = now->position;
     if (standing >= options.standstill_limit)
       co_return tl::unexpected(interrupted(axis, *now, "stands still"));
     if (options.timeout > Duration{} && waited >= options.timeout)
       co_return tl::unexpected(still_moving(axis, *now));
-    co_await pause(options.poll_interval);
-    waited += options.poll_interval;
+    paused = next_pause(options, waited);
+    co_await pause(paused);
+    waited += paused;
   }
 }
 

@@ -1,0 +1,34 @@
+#include "tmcl/prediction.hpp"
+
+#include <fmt/format.h>
+
+#include "tmcl/verbs.hpp"
+
+namespace tmcl::verbs {
+
+Script<Result<std::vector<plan::Setting>>> read_ramp(AxisAddress axis, const Model& model) {
+  std::vector<plan::Setting> ramp;
+  for (const auto parameter : plan::AxisTwin::parameters(model)) {
+    const auto value = co_await get(axis, parameter);
+    if (!value) co_return tl::unexpected(value.error());
+    ramp.push_back({parameter, *value});
+  }
+  co_return ramp;
+}
+
+Script<Result<plan::AxisTwin>> read_twin(AxisAddress axis, const Model& model,
+                                         std::vector<plan::Setting> ramp) {
+  auto twin = plan::AxisTwin::of(model);
+  if (!twin || !twin->set(ramp)) {
+    co_return tl::unexpected(
+        bad_argument(fmt::format("what the ramps of a {} look like is not known", model.name)));
+  }
+  const auto speed = co_await velocity(axis);
+  if (!speed) co_return tl::unexpected(speed.error());
+  const auto here = co_await position(axis);
+  if (!here) co_return tl::unexpected(here.error());
+  twin->place(*here, *speed);
+  co_return std::move(*twin);
+}
+
+}  // namespace tmcl::verbs
