@@ -211,6 +211,8 @@ TEST(PlanMint, WhatCannotBeRun) {
   EXPECT_EQ(objection("GO.1"), "text:1:1: axis 1 has no move loaded");
   EXPECT_EQ(objection("MOVER = 1\nMOVEA = 2"),
             "text:2:1: axis 0 has a move loaded already, on line 1; GO starts it");
+  EXPECT_EQ(objection("SCALE = 1e200 : MOVER = 1e200 : GO"),
+            "text:1:33: axis 0 would go beyond all numbers");
   EXPECT_THAT(objection("SPEED = 1e300 : ACCEL = 1e-300 : MOVER = 1e300 : GO"),
               HasSubstr("axis 0: "));
 }

@@ -273,6 +273,10 @@ class Runner {
     Move move{number, loaded.line, axis.scale, axis.counts / axis.scale, loaded.value, {}};
     if (loaded.keyword == Keyword::mover) move.end += move.start;
     axis.counts = move.end * axis.scale;
+    if (!std::isfinite(axis.counts)) {
+      object(statement, fmt::format("axis {} would go beyond all numbers", number));
+      return std::nullopt;
+    }
     if (move.end == move.start) return move;
     for (const auto* missing : {axis.speed ? nullptr : "SPEED", axis.accel ? nullptr : "ACCEL"}) {
       if (missing == nullptr) continue;

@@ -1,0 +1,93 @@
+/// Files that describe a path through several axes: tables, and the core of G-code.
+///
+/// Both become the same list of elements, in the units of the file's axes and in seconds. What
+/// speeds the axes can really take there is for a planner to say.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "tmcl/plan/text_problem.hpp"
+
+namespace tmcl::plan::path_file {
+
+constexpr std::size_t most_axes = 6;
+constexpr std::size_t most_elements = 1'000'000;
+constexpr std::size_t most_chords_of_an_arc = 100'000;
+
+/// In the order of Path::axes; what is behind those is 0.
+using Point = std::array<double, most_axes>;
+
+/// Straight to a point, along all axes together.
+struct LineTo {
+  Point target{};
+  std::optional<double> feed{};  ///< Units/s along the path; nothing: as fast as possible.
+  std::optional<double>
+      duration{};        ///< In seconds: when it arrives is prescribed. Never with feed.
+  std::size_t line = 0;  ///< Of the file.
+
+  bool operator==(const LineTo&) const = default;
+};
+
+/// In the plane of the first two axes; the others go along evenly (a helix).
+struct ArcTo {
+  Point target{};
+  double centre_x = 0;
+  double centre_y = 0;
+  double sweep = 0;  ///< In radians, counter-clockwise; never 0, -2 pi to 2 pi.
+  double feed = 0;   ///< Units/s in this plane.
+  std::size_t line = 0;
+
+  bool operator==(const ArcTo&) const = default;
+};
+
+struct Dwell {
+  double duration = 0;  ///< In seconds.
+  std::size_t line = 0;
+
+  bool operator==(const Dwell&) const = default;
+};
+
+using Element = std::variant<LineTo, ArcTo, Dwell>;
+
+struct Path {
+  std::vector<std::string> axes;  ///< 1 to most_axes.
+  Point start{};
+  std::vector<Element> elements{};
+
+  bool operator==(const Path&) const = default;
+};
+
+/// A table with commas; its first row names the columns. Either a column t, in ascending seconds,
+/// and one for each axis: where the axes are when. Or axes only: corners of a polyline, with a
+/// column speed for how fast the way to this row is made, if it is there. The first row of numbers
+/// is the start; its speed means nothing, and may be missing. Empty lines, and those that begin
+/// with #, are skipped; so are rows without t that repeat the one before.
+///
+/// All that is wrong, by line, up to most_text_problems.
+tl::expected<Path, TextProblems> read_csv(std::string_view text);
+
+/// G0, G1, G2, G3 (with I and J or R), G4 P, G20, G21, G90, G91, F and M2; axes X Y Z A B C. Also
+/// N, a line of % alone, and comments in ( ) or behind a semicolon, which mean nothing. Lengths
+/// become mm, X Y Z from inches after G20; A B C are degrees. F is in units per minute: of X Y Z if
+/// one of them moves, otherwise of A B C. P is in seconds. At first G21 and G90 hold, and nothing
+/// is known of F. Nothing behind M2 is read. A move that goes nowhere is left out.
+///
+/// The axes are those that the program names, in the order X Y Z A B C, X and Y together if there
+/// is an arc. `start` is in the order X Y Z A B C, whatever the program names.
+///
+/// The first problem only: what is wrong behind it may follow from it.
+tl::expected<Path, TextProblems> read_gcode(std::string_view text, const Point& start = {});
+
+/// With lines for the arcs, nowhere farther from them than this. A sentence if that takes more than
+/// most_chords_of_an_arc or most_elements, or if the tolerance is none.
+tl::expected<Path, std::string> flatten(const Path& path, double tolerance);
+
+}  // namespace tmcl::plan::path_file
