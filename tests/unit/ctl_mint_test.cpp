@@ -34,7 +34,8 @@ TEST_F(CtlMint, PrintsWhereEachGoMoves) {
       << err;
   EXPECT_EQ(err, "");
   EXPECT_THAT(out, HasSubstr("GO      START  AXIS  FROM  TO   TIME"));
-  EXPECT_THAT(out, HasSubstr("line 6  0 s    0     0     200  1 s   250    0.2 s  0.6 s  0.2 s"));
+  EXPECT_THAT(out,
+              HasSubstr("line 6  0 s    0     0     200  1 s   250    0.2 s        0.6 s  0.2 s"));
   EXPECT_THAT(out, HasSubstr("line 7  1 s    0     200   0    1 s"));
   EXPECT_THAT(out, HasSubstr("line 7  1 s    1     0     0    0 s"));
 }

@@ -61,7 +61,8 @@ json::object to_json(const std::string& file, const mint::DryRun& run) {
 }
 
 void print_table(const mint::DryRun& run, Output& output) {
-  Table table({"GO", "START", "AXIS", "FROM", "TO", "TIME", "SPEED", "ACCEL", "SLEW", "DECEL"});
+  Table table({"GO", "START", "AXIS", "FROM", "TO", "TIME", "SPEED", "ACCELERATES", "SLEWS",
+               "DECELERATES"});
   const auto number = [](double value) { return fmt::format("{:.6g}", value); };
   const auto seconds = [](double value) { return fmt::format("{:.6g} s", value); };
   for (const auto& group : run.groups) {
