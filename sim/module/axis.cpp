@@ -90,7 +90,12 @@ Status Axis::set(std::uint8_t number, std::int32_t value) {
 
 void Axis::take_note(std::uint8_t number, std::int32_t value) {
   switch (number) {
-    case ap::microstep_resolution: coupling_.set_resolution(value); break;
+    case ap::microstep_resolution:
+      coupling_.set_resolution(value);
+      scale_encoders();
+      break;
+    case number::encoder_scale:
+    case number::external_encoder_scale: scale_encoders(); break;
     case number::reverse_shaft: coupling_.reverse(value == 1); break;
     case number::tmc457_encoder_position:
       if (family_ == Family::tmc457) encoder_.set_position(value, coupling_.stage());
@@ -103,7 +108,6 @@ void Axis::take_note(std::uint8_t number, std::int32_t value) {
     case number::external_max_deviation: external_encoder_.set_most_deviation(value); break;
     default: break;
   }
-  scale_encoders();
 }
 
 // ---- Registers
@@ -146,6 +150,11 @@ Status Axis::move_by(std::int32_t distance) {
   if (!is_position(distance)) return Status::invalid_value;
   move(std::int64_t{motor_->relative_origin()} + distance);
   return Status::ok;
+}
+
+// A model that has no groups has nothing under the number of its family.
+std::int32_t Axis::group() const {
+  return values_[family_ == Family::tmc4361 ? number::tmc4361_group_index : number::group_index];
 }
 
 bool Axis::is_position(std::int32_t value) const {

@@ -78,6 +78,8 @@ class Axis {
   /// Why it was stopped, until that is read: the bits of parameter 207.
   bool stalled() const { return (errors_ & stall_error) != 0; }
   bool deviated() const { return (errors_ & deviation_error) != 0; }
+  /// The group that it moves with; 0 for none.
+  std::int32_t group() const;
   bool position_reached() const { return get(axis_parameter::position_reached).value_or(0) != 0; }
 
   /// Lets time pass, no further than next_due().

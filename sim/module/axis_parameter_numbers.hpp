@@ -33,11 +33,13 @@ constexpr std::uint8_t driver_flags = 208;
 constexpr std::uint8_t encoder_position = 209;
 constexpr std::uint8_t encoder_scale = 210;
 constexpr std::uint8_t max_deviation = 212;
+constexpr std::uint8_t group_index = 213;
 constexpr std::uint8_t power_down_delay = 214;
 constexpr std::uint8_t absolute_angle = 215;
 constexpr std::uint8_t external_encoder_position = 216;
 constexpr std::uint8_t external_encoder_scale = 217;
 constexpr std::uint8_t external_max_deviation = 218;
+constexpr std::uint8_t tmc4361_group_index = 249;
 constexpr std::uint8_t reverse_shaft = 251;
 
 }  // namespace tmcl::sim::number

@@ -8,15 +8,15 @@ namespace {
 
 namespace ap = axis_parameter;
 
-/// In place of a motor's number: between RAM and EEPROM, for all motors.
-constexpr std::uint8_t eeprom_copy = 255;
+/// In place of a motor's number. For SCO and GCO: between RAM and EEPROM.
+constexpr std::uint8_t all_motors = 255;
 
 // Several motors at once for MVP COORD: bit n of the lower six is motor n, and one of the others
-// says how. Manuals tell that modules with several motors can do both, but none at hand how it is
-// coded: this is our reading.
+// says how. The vendor gives $43 for motors 0 and 1 with interpolation (TMCL-IDE-Nightly, issue 2);
+// what stands for none is in no document at hand.
 constexpr std::uint32_t most_motors = 0x3F;
-constexpr std::uint32_t at_once = 0x40;       // each as fast as its own parameters say
-constexpr std::uint32_t interpolated = 0x80;  // and arriving together
+constexpr std::uint32_t interpolated = 0x40;  // arriving together
+constexpr std::uint32_t at_once = 0x80;       // each as fast as its own parameters say
 
 bool is_coordinate(std::int64_t number) {
   return number >= 0 && number < std::int64_t{coordinates_per_motor};
@@ -32,7 +32,7 @@ bool Module::keeps_coordinates() const {
 
 Answer Module::set_coordinate(const Request& request) {
   if (!is_coordinate(request.type)) return echo(request, Status::wrong_type);
-  if (request.motor == eeprom_copy) return keep_coordinates(request);
+  if (request.motor == all_motors) return keep_coordinates(request);
   if (!has_motor(request) || !axes_[request.motor].is_position(request.value)) {
     return echo(request, Status::invalid_value);
   }
@@ -56,7 +56,7 @@ Answer Module::keep_coordinates(const Request& request) {
 
 Answer Module::get_coordinate(const Request& request) {
   if (!is_coordinate(request.type)) return reading(tl::unexpected(Status::wrong_type));
-  if (request.motor == eeprom_copy) {
+  if (request.motor == all_motors) {
     coordinates_.load_all(request.type);
     return echo(request);
   }
@@ -66,18 +66,29 @@ Answer Module::get_coordinate(const Request& request) {
 
 Answer Module::capture_coordinate(const Request& request) {
   if (!is_coordinate(request.type)) return echo(request, Status::wrong_type);
+  if (request.motor == all_motors) return echo(request, capture_all(request.type));
   if (!has_motor(request)) return echo(request, Status::invalid_value);
-  const auto position = *axes_[request.motor].get(ap::actual_position);
-  return echo(request, put_coordinate(request.motor, request.type, position));
+  return echo(request, capture(request.motor, request.type));
+}
+
+Status Module::capture(std::uint8_t motor, std::uint8_t number) {
+  return put_coordinate(motor, number, *axes_[motor].get(ap::actual_position));
+}
+
+Status Module::capture_all(std::uint8_t number) {
+  auto status = Status::ok;
+  for (std::uint8_t motor = 0; motor < axes_.size() && status == Status::ok; ++motor) {
+    status = capture(motor, number);
+  }
+  return status;
 }
 
 Answer Module::move_to_coordinate(const Request& request) {
   const auto group = group_of(request.motor);
   if (!group || !is_coordinate(request.value)) return echo(request, Status::invalid_value);
   const auto number = static_cast<std::uint8_t>(request.value);
-  const auto moves = [&](std::size_t motor) { return (group->motors >> motor & 1U) != 0; };
   for (std::size_t motor = 0; motor < axes_.size(); ++motor) {
-    if (!moves(motor)) continue;
+    if ((group->motors >> motor & 1U) == 0) continue;
     axes_[motor].move_to(coordinates_.get(motor, number));
     events_.move_begun(motor);
   }
@@ -87,7 +98,7 @@ Answer Module::move_to_coordinate(const Request& request) {
 
 // All motors start in this instant, whichever way they are addressed.
 std::optional<Module::MotorGroup> Module::group_of(std::uint8_t field) const {
-  if (field < axes_.size()) return MotorGroup{1U << field, false};
+  if (field < axes_.size()) return MotorGroup{companions(field), false};
   const std::uint32_t motors = field & most_motors;
   const std::uint32_t flags = field & ~most_motors;
   const bool known = flags == at_once || flags == interpolated;

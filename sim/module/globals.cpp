@@ -12,6 +12,13 @@ namespace gp = global_parameter;
 constexpr std::int32_t code_to_lock = 1234;
 constexpr std::int32_t code_to_unlock = 4321;
 
+// A number that none has stands for models without such an address.
+std::uint8_t secondary_address_parameter(const Model& model) {
+  constexpr std::uint8_t no_parameter = 0;
+  const auto* row = find_parameter(global_parameters(model), "serial_secondary_address");
+  return row == nullptr ? no_parameter : row->number;
+}
+
 EepromCell cell(std::uint8_t bank, std::uint8_t number) {
   return {EepromCell::Area::global_parameter, bank, number};
 }
@@ -19,17 +26,22 @@ EepromCell cell(std::uint8_t bank, std::uint8_t number) {
 }  // namespace
 
 Globals::Globals(const Model& model, Eeprom& eeprom, TimePoint start)
-    : model_(&model), eeprom_(&eeprom), timer_zero_(start), random_(model.number) {
+    : model_(&model),
+      eeprom_(&eeprom),
+      timer_zero_(start),
+      random_(model.number),
+      secondary_address_number_(secondary_address_parameter(model)) {
   load_addresses();
+  for (const auto& row : global_parameters(model)) {
+    load(parameter_bank, row.number, row.stored, row.initial);
+  }
   for (int number = 0; number < 256; ++number) {
-    for (const auto bank : {parameter_bank, interrupt_bank}) {
-      const auto n = static_cast<std::uint8_t>(number);
-      if (const auto row = find(bank, n)) load(bank, n, *row);
-    }
+    const auto n = static_cast<std::uint8_t>(number);
+    const auto row = global_range(model, interrupt_bank, n);
+    if (row) load(interrupt_bank, n, row->stored, row->initial);
   }
   if (value(gp::zero_user_variables) != 0) return;
-  for (std::uint8_t n = 0; n < kept_user_variables; ++n)
-    load(variable_bank, n, *find(variable_bank, n));
+  for (std::uint8_t n = 0; n < kept_user_variables; ++n) load(variable_bank, n, true, 0);
 }
 
 // Every module can be put on every line here, even where its model has no such parameter.
@@ -43,9 +55,9 @@ void Globals::load_addresses() {
   load_or(gp::can_reply_id, 2);
 }
 
-void Globals::load(std::uint8_t bank, std::uint8_t number, const GlobalRange& row) {
-  const auto kept = row.stored ? eeprom_->read(cell(bank, number)) : std::nullopt;
-  values_of(bank)[number] = kept.value_or(row.initial);
+void Globals::load(std::uint8_t bank, std::uint8_t number, bool stored, std::int32_t initial) {
+  const auto kept = stored ? eeprom_->read(cell(bank, number)) : std::nullopt;
+  values_of(bank)[number] = kept.value_or(initial);
 }
 
 void Globals::keep(std::uint8_t bank, std::uint8_t number) {
@@ -102,7 +114,7 @@ Status Globals::restore(std::uint8_t bank, std::uint8_t number) {
   const auto row = find(bank, number);
   if (!row) return row.error();
   if (!row->stored) return Status::wrong_type;
-  load(bank, number, *row);
+  load(bank, number, row->stored, row->initial);
   return Status::ok;
 }
 

@@ -53,6 +53,8 @@ class Globals {
   std::uint8_t byte(std::uint8_t number) const {
     return static_cast<std::uint8_t>(values_[number] & 0xFF);
   }
+  /// Whose number differs between models; 0 if none is set.
+  std::uint8_t serial_secondary_address() const { return byte(secondary_address_number_); }
   std::chrono::milliseconds milliseconds(std::uint8_t number) const {
     return std::chrono::milliseconds(values_[number]);
   }
@@ -68,7 +70,7 @@ class Globals {
   Values& values_of(std::uint8_t bank);
 
   void load_addresses();
-  void load(std::uint8_t bank, std::uint8_t number, const GlobalRange& row);
+  void load(std::uint8_t bank, std::uint8_t number, bool stored, std::int32_t initial);
   void keep(std::uint8_t bank, std::uint8_t number);
   Status lock(std::int32_t code);
 
@@ -79,6 +81,7 @@ class Globals {
   Eeprom* eeprom_;
   TimePoint timer_zero_;
   std::minstd_rand random_;
+  std::uint8_t secondary_address_number_;
   Values values_{};
   Values variables_{};
   Values interrupts_{};

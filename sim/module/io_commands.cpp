@@ -2,6 +2,15 @@
 #include "sim/module/module.hpp"
 
 namespace tmcl::sim {
+namespace {
+
+namespace gp = global_parameter;
+
+// No document at hand says which is which.
+constexpr std::int32_t shuts_down_when_high = 1;
+constexpr std::int32_t shuts_down_when_low = 2;
+
+}  // namespace
 
 Answer Module::set_output(const Request& request) {
   return echo(request, io_.set(request.motor, request.type, request.value));
@@ -14,13 +23,30 @@ Answer Module::get_input(const Request& request) const {
 bool Module::set_input(std::uint8_t port, bool high) {
   run_due();
   const bool exists = io_.set_input(port, high);
-  application_.run_due(now_);
+  run_application();
   return exists;
 }
 
 bool Module::set_analog(std::uint8_t port, std::int32_t value) {
   run_due();
   return io_.set_analog(port, value);
+}
+
+bool Module::set_shutdown_input(bool high) {
+  if (!global_range(*model_, Globals::parameter_bank, gp::shutdown_pin_function)) return false;
+  run_due();
+  shutdown_input_ = high;
+  run_application();
+  return true;
+}
+
+// For as long as it is met, no motor goes on.
+bool Module::shut_down() const {
+  switch (globals_.value(gp::shutdown_pin_function)) {
+    case shuts_down_when_high: return shutdown_input_ == true;
+    case shuts_down_when_low: return shutdown_input_ == false;
+    default: return false;
+  }
 }
 
 }  // namespace tmcl::sim

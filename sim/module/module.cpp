@@ -74,6 +74,7 @@ void Module::power_up() {
 
 void Module::build_axes() {
   axes_.clear();
+  axes_.reserve(model_->axes);
   for (std::size_t motor = 0; motor < model_->axes; ++motor) {
     axes_.emplace_back(*model_, stages_[motor], now_);
   }
@@ -96,7 +97,7 @@ Answer Module::execute(const Request& request, Medium medium, EventSink& from) {
   const bool suppressed = globals_.value(gp::suppress_reply) != 0 && !in_bootloader_;
   if (suppressed && !reads) answer = no_answer;
   if (restarts_) restart();
-  application_.run_due(now_);
+  run_application();
   return answer;
 }
 
@@ -202,7 +203,12 @@ void Module::at_stage(std::size_t motor, const std::function<void(Stage&)>& chan
   run_due();
   change(stages_.at(motor));
   axes_.at(motor).stage_changed();
+  run_application();
+}
+
+void Module::run_application() {
   application_.run_due(now_);
+  if (shut_down()) stop_all_motors();
 }
 
 void Module::bring_to(TimePoint time) {
@@ -214,7 +220,7 @@ void Module::run_what_is_due_now() {
   stop_if_silent();
   for (auto& axis : axes_) axis.run_due();
   events_.run_due(now_, axes_, *this);
-  application_.run_due(now_);
+  run_application();
 }
 
 }  // namespace tmcl::sim

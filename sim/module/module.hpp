@@ -72,6 +72,8 @@ class Module final : private ProgramHost {
   /// The world outside drives an input now. False for a port or value that does not exist.
   bool set_input(std::uint8_t port, bool high);
   bool set_analog(std::uint8_t port, std::int32_t value);
+  /// Likewise its shutdown input, for global parameter 80; false for a model without.
+  bool set_shutdown_input(bool high);
   /// As it was when run_due() or execute() last ran.
   const Axis& axis(std::size_t motor) const { return axes_.at(motor); }
   const Stage& stage(std::size_t motor) const { return stages_.at(motor); }
@@ -97,6 +99,8 @@ class Module final : private ProgramHost {
   Answer stop(const Request& request);
   Answer move(const Request& request);
   Answer search(const Request& request);
+  /// The motors that an MVP of this one moves: bit n for motor n.
+  std::uint32_t companions(std::size_t motor) const;
 
   // parameter_commands.cpp
   Answer set_axis_parameter(const Request& request);
@@ -135,6 +139,8 @@ class Module final : private ProgramHost {
   };
   std::optional<MotorGroup> group_of(std::uint8_t field) const;
   void arrive_together(std::uint32_t motors);
+  Status capture(std::uint8_t motor, std::uint8_t number);
+  Status capture_all(std::uint8_t number);
   Answer keep_coordinates(const Request& request);
   bool keeps_coordinates() const;
   Status put_coordinate(std::uint8_t motor, std::uint8_t number, std::int32_t position);
@@ -188,6 +194,9 @@ class Module final : private ProgramHost {
   bool has_motor(const Request& request) const { return request.motor < axes_.size(); }
   void stop_motor(std::size_t motor);
   void stop_all_motors();
+  /// Lets the stand-alone program run; a shutdown has the last word.
+  void run_application();
+  bool shut_down() const;
 
   Heartbeat& heartbeat(Medium medium) { return medium == Medium::serial ? serial_ : can_; }
   TimePoint serial_due() const;
@@ -209,6 +218,7 @@ class Module final : private ProgramHost {
   std::vector<Axis> axes_;
   TargetEvents events_;
   Application application_{*this};
+  std::optional<bool> shutdown_input_;  // nothing connected: it does not act
   Heartbeat serial_;
   Heartbeat can_;
   Bootloader bootloader_;

@@ -48,13 +48,31 @@ Answer Module::move(const Request& request) {
     return echo(request, Status::wrong_type);
   }
   if (!has_motor(request)) return echo(request, Status::invalid_value);
-  auto& axis = axes_[request.motor];
+  if (!axes_[request.motor].is_position(request.value)) return echo(request, Status::invalid_value);
   const bool relative = request.type == move_relative;
-  const auto status = relative ? axis.move_by(request.value) : axis.move_to(request.value);
-  if (status != Status::ok) return echo(request, status);
-  events_.move_begun(request.motor);
-  return relative && answers_with_target(model_->family) ? reading(axis.get(ap::target_position))
-                                                         : echo(request);
+  for (std::size_t motor = 0; motor < axes_.size(); ++motor) {
+    if ((companions(request.motor) >> motor & 1U) == 0) continue;
+    if (relative) {
+      axes_[motor].move_by(request.value);
+    } else {
+      axes_[motor].move_to(request.value);
+    }
+    events_.move_begun(motor);
+  }
+  return relative && answers_with_target(model_->family)
+             ? reading(axes_[request.motor].get(ap::target_position))
+             : echo(request);
+}
+
+// Facts are few: the numbers of the parameter, and that motors with the same one move together. So
+// each does what the command says, and 0, with which all begin, makes no group.
+std::uint32_t Module::companions(std::size_t motor) const {
+  const auto group = axes_[motor].group();
+  std::uint32_t motors = 1U << motor;
+  for (std::size_t other = 0; group != 0 && other < axes_.size(); ++other) {
+    if (axes_[other].group() == group) motors |= 1U << other;
+  }
+  return motors;
 }
 
 Answer Module::search(const Request& request) {

@@ -66,7 +66,9 @@ MotorConditions Module::motor(std::size_t number) const {
 }
 
 // No model here has inputs for the others.
-Alarms Module::alarms() const { return {.deviation = std::ranges::any_of(axes_, &Axis::deviated)}; }
+Alarms Module::alarms() const {
+  return {.deviation = std::ranges::any_of(axes_, &Axis::deviated), .shutdown = shut_down()};
+}
 
 TimePoint Module::next_event() const {
   auto next = never;

@@ -25,7 +25,7 @@ Sender sender(const Globals& globals) {
 }
 
 bool obeys_silently(const Globals& globals, std::uint8_t address) {
-  const auto secondary = globals.byte(gp::serial_secondary_address);
+  const auto secondary = globals.serial_secondary_address();
   return secondary != 0 && address == secondary;
 }
 

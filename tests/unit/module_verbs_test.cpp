@@ -138,8 +138,8 @@ TEST(Coordinates, SeveralMotorsAreNamedByAMask) {
       bus.run(verbs::move_motors_to_coordinate(module, {0b101}, Together::each_for_itself, 4)));
   ASSERT_TRUE(
       bus.run(verbs::move_motors_to_coordinate(module, {0b101}, Together::interpolated, 4)));
-  EXPECT_THAT(bus.sent(), ElementsAre(Request{module, Command::MVP, 2, 0x45, 4},
-                                      Request{module, Command::MVP, 2, 0x85, 4}));
+  EXPECT_THAT(bus.sent(), ElementsAre(Request{module, Command::MVP, 2, 0x85, 4},
+                                      Request{module, Command::MVP, 2, 0x45, 4}));
 }
 
 TEST(Ports, ALostAnswerToAnOutputIsSettledByReadingIt) {

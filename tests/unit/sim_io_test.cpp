@@ -70,5 +70,17 @@ TEST_F(SimIo, SwitchesOutputsOffAtARestartAndLeavesTheInputs) {
   EXPECT_EQ(ask(Command::GIO, 255, 0)->value, 2);
 }
 
+TEST_F(SimIo, AShutdownInputThatNothingDrivesDoesNotAct) {
+  EXPECT_FALSE(add(1110, 2).set_shutdown_input(true));  // it has none
+  auto& module = add(351);
+  EXPECT_EQ(status_of(Command::SGP, global_parameter::shutdown_pin_function, 0, 2), Status::ok);
+  ask(Command::ROR, 0, 0, 100);
+  pass(milliseconds(100));
+  EXPECT_EQ(get(axis_parameter::actual_velocity), 100);
+  EXPECT_TRUE(module.set_shutdown_input(false));
+  pass(milliseconds(100));
+  EXPECT_EQ(get(axis_parameter::actual_velocity), 0);
+}
+
 }  // namespace
 }  // namespace tmcl::sim

@@ -357,7 +357,7 @@ TEST_F(SimStorage, StartsSeveralMotorsInTheSameInstant) {
     tell(Command::SCO, 1, 0, 40'000);
     tell(Command::SCO, 1, 1, 3'000);
     tell(Command::SCO, 1, 2, -20'000);
-    EXPECT_EQ(tell(Command::MVP, 2, 0x40 | 5, 1).status, Status::ok);
+    EXPECT_EQ(tell(Command::MVP, 2, 0x80 | 5, 1).status, Status::ok);
     const auto first = module.axis(0).outlook().arrival;
     EXPECT_EQ(module.axis(1).get(ap::target_position), 0);
     EXPECT_LT(module.axis(2).outlook().arrival, first);
@@ -379,7 +379,7 @@ TEST_F(SimStorage, LetsSeveralMotorsArriveTogether) {
     tell(Command::SCO, 1, 1, 30'000);
     tell(Command::SCO, 1, 2, -100'000);
     const auto speed = module.axis(1).get(ap::max_velocity);
-    EXPECT_EQ(tell(Command::MVP, 2, 0x80 | 7, 1).status, Status::ok);
+    EXPECT_EQ(tell(Command::MVP, 2, 0x40 | 7, 1).status, Status::ok);
     const auto last = module.axis(0).outlook().arrival;
     for (std::size_t motor = 1; motor < 3; ++motor) {
       const auto arrival = module.axis(motor).outlook().arrival;

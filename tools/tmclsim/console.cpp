@@ -133,6 +133,17 @@ Outcome set_analog(sim::Module& module, std::uint8_t port, std::int32_t value) {
   return {};
 }
 
+Outcome shut_down(sim::Bench& bench, const Words& words) {
+  const auto address = parse_number(words[1]);
+  auto* module = address ? find_module(bench, *address) : nullptr;
+  if (module == nullptr) return tl::unexpected(no_such_module(words[1]));
+  if (words[2] != "0" && words[2] != "1") return tl::unexpected(std::string("an input is 0 or 1"));
+  if (!module->set_shutdown_input(words[2] == "1")) {
+    return tl::unexpected(std::string(module->model().name) + " has no shutdown input");
+  }
+  return {};
+}
+
 Outcome at_motor(sim::Bench& bench, const Words& words,
                  Outcome (*change)(Motor motor, std::string_view operand)) {
   const auto motor = find_motor(bench, words[1]);
@@ -172,6 +183,7 @@ constexpr auto commands = std::to_array<ConsoleCommand>({
      [](auto& bench, const auto& words) { return at_motor(bench, words, release); }},
     {"input", "input ADDRESS PORT 0|1", 4,
      [](auto& bench, const auto& words) { return at_port(bench, words, set_input); }},
+    {"shutdown", "shutdown ADDRESS 0|1", 3, shut_down},
     {"analog", "analog ADDRESS PORT VALUE", 4,
      [](auto& bench, const auto& words) { return at_port(bench, words, set_analog); }},
 });

@@ -64,6 +64,7 @@ With --console, each line on standard input is answered with "ok" or "error: ...
     release 1/0 right
     input 1 0 1          digital input 0 of module 1 is high
     analog 1 0 512       its analogue input 0 reads so much; 8: supply in 0.1 V, 9: temperature
+    shutdown 1 1         its shutdown input is high, for global parameter 80
 With --eeprom, what modules store (STAP, SGP, programs, coordinates) is in a file for each, such as
 DIR/TMCM-1110@1.eeprom, and is there again next time. The name is that of the command line; a module
 whose address was changed has the new one.

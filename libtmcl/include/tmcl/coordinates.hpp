@@ -42,9 +42,9 @@ Script<Result<void>> load_coordinates(ModuleAddress module,
 
 /// Starts a move to a coordinate (MVP COORD).
 Script<Result<void>> move_to_coordinate(AxisAddress axis, std::uint8_t number);
-/// Starts several motors of a module together, each to its own coordinate of this number. No public
-/// document settles how the motor byte names them; our reading: 64 plus the mask, each for itself;
-/// 128 plus the mask, interpolated.
+/// Starts several motors of a module together, each to its own coordinate of this number. The motor
+/// byte is 64 plus the mask for interpolation (the vendor's word: TMCL-IDE-Nightly, issue 2), and
+/// 128 plus the mask without, which no public document settles.
 Script<Result<void>> move_motors_to_coordinate(ModuleAddress module, MotorMask motors,
                                                Together together, std::uint8_t number);
 

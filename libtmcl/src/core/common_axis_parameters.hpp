@@ -177,7 +177,7 @@ inline constexpr ParameterInfo smart_energy_hysteresis_start{
     "coolStep: lower threshold of the load value; 0: no coolStep", "SMARTEN.SEMIN"};
 inline constexpr ParameterInfo stallguard2_filter_enable{
     173, "stallguard2_filter_enable", {"sg2_filter_enable", "sfilt"}, rw, true, 0, 1, 0, "flag",
-    "1: the load value is the mean over four full steps", "SGCSCONF.SFILT"};
+    "1: the load value is the mean over four full steps; simulated loads show no difference", "SGCSCONF.SFILT"};
 inline constexpr ParameterInfo stallguard2_threshold{
     174, "stallguard2_threshold", {"sg2_threshold", "sgt"}, rw, true, -64, 63, 0, "",
     "the higher, the more load it takes until the load value is 0", "SGCSCONF.SGT"};
@@ -264,7 +264,8 @@ inline constexpr ParameterInfo max_encoder_deviation{
     212, "max_encoder_deviation", {"max_position_encoder_deviation", "encoder_deviation_max"}, rw, true, 0, 65535, 0,
     "microstep", "the motor stops where encoder and position differ by more; 0: never"};
 inline constexpr ParameterInfo group_index{
-    213, "group_index", {"", ""}, rw, false, 0, 255, 0, "", "motors with the same index move together by MVP COORD"};
+    213, "group_index", {"", ""}, rw, false, 0, 255, 0, "",
+    "an MVP of one motor moves all that have the same index; 0: it alone"};
 inline constexpr ParameterInfo power_down_delay{
     214, "power_down_delay", {"setting_delay", ""}, rw, true, 1, 65535, 200, "10 ms",
     "how long after a stop the standby current takes over"};

@@ -180,7 +180,7 @@ constexpr auto firmware_axis = std::to_array<ParameterRow>({
       "1: the null channel of the encoder sets its position to 0"}, tmcm1311},
     {boost_current},
     {{201, "encoder_mode", {"", ""}, rw, true, 0, 65535, 0, "bits",
-      "what the null channel of the encoder does"}, tmcm1311},
+      "what the null channel of the encoder does; simulated ones have none"}, tmcm1311},
     {full_step_resolution, tmcm1311},
     {{204, "freewheeling_delay", {"freewheeling", ""}, rw, true, 0, 65535, 0, "10 ms",
       "how long after a stop the current goes off altogether; 0: never"}},

@@ -61,7 +61,7 @@ constexpr auto global_bank0 = std::to_array<ParameterRow>({
     {{79, "end_switch_polarity", {"limit_switch_polarity", ""}, rw, true, 0, 1, 0, "flag",
       "1: a switch is met when its input is low"}, has_old_switches},
     {{80, "shutdown_pin_function", {"", ""}, rw, true, 0, 2, 0, "",
-      "the shutdown input: 0 does nothing, 1 and 2 stops the motors when it is low or high"},
+      "the shutdown input: 0 does nothing, 1 and 2 stops the motors when it is high or low"},
      only({351, 1378}) | unlisted},
     {{81, "code_protection", {"tmcl_code_protection", "protection_mode"}, rw, true, 0, 3, 0, "bits",
       "the stand-alone program: 1 cannot be read, 2 cannot be overwritten; clearing it erases the program"}},

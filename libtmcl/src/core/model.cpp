@@ -21,8 +21,8 @@ std::string_view name_of(Family family) {
 std::span<const Model> models() { return all_models; }
 
 const Model* find_model(std::uint16_t number) {
-  const auto* row = std::ranges::find(all_models, number, &Model::number);
-  return row == all_models.end() ? nullptr : row;
+  const auto* row = std::ranges::lower_bound(all_models, number, {}, &Model::number);
+  return row != all_models.end() && row->number == number ? row : nullptr;
 }
 
 const Model* find_model(std::string_view name) {

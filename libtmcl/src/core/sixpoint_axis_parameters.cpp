@@ -174,7 +174,7 @@ constexpr auto sixpoint_axis = std::to_array<ParameterRow>({
     {latched_position({"XLATCH", "xlatch"}), only({1210, 1211, 6212, 6214})},
     {latched_encoder_position, only({1210, 1211, 6212, 6214})},
     {{201, "encoder_mode", {"encmode", ""}, rw, true, 0, 65535, 0, "bits",
-      "what the null channel of the encoder does", "ENCMODE"}, except({1240, 1241, 1260})},
+      "what the null channel of the encoder does; simulated ones have none", "ENCMODE"}, except({1240, 1241, 1260})},
     {full_step_resolution},
     {{203, "pwm_symmetric", {"", ""}, rw, true, 0, 1, 0, "flag",
       "stealthChop: 1: symmetric pulses", "PWMCONF.PWM_SYMMETRIC"}, only({1270, 1276, 1278})},

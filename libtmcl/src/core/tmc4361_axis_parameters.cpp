@@ -196,7 +196,7 @@ constexpr auto tmc4361_axis = std::to_array<ParameterRow>({
     {latched_encoder_position, only({3351})},
     {in_register(boost_current, "SCALE_VALUES.BOOST_SCALE")},
     {{201, "encoder_mode", {"", ""}, rw, true, 0, 65535, 0, "bits",
-      "what the null channel of the encoder does", "ENC_IN_CONF"}, board},
+      "what the null channel of the encoder does; simulated ones have none", "ENC_IN_CONF"}, board},
     {full_step_resolution},
     {freewheeling_mode, except({1111})},
     {load_value},

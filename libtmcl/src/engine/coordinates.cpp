@@ -9,8 +9,8 @@ namespace {
 
 constexpr std::uint8_t eeprom = 255;  // in place of the motor
 constexpr std::uint8_t coordinate_move = 2;
-constexpr std::uint8_t each_for_itself = 0x40;
-constexpr std::uint8_t interpolated = 0x80;
+constexpr std::uint8_t each_for_itself = 0x80;
+constexpr std::uint8_t interpolated = 0x40;
 constexpr std::uint8_t greatest_mask = 0x3F;
 
 std::optional<Error> objection(std::uint8_t number) {
