@@ -19,7 +19,7 @@ namespace tmcl::fuzz {
 class Bench {
  public:
   /// The first module has the address 1, the next 2.
-  explicit Bench(std::initializer_list<std::uint16_t> models = {1110, 6212}) {
+  explicit Bench(std::initializer_list<std::uint16_t> models) {
     std::uint16_t address = 0;
     for (const auto model : models) bench.add(*find_model(model), ModuleAddress{++address});
   }

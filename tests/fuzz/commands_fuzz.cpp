@@ -50,7 +50,7 @@ void give(tmcl::fuzz::Bench& bench, Bytes bytes) {
 }  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
-  tmcl::fuzz::Bench bench;
+  tmcl::fuzz::Bench bench{3110, 1276};
   Bytes bytes(data, size);
   for (std::size_t i = 0; i < most_commands && bytes.size() >= bytes_per_command; ++i) {
     give(bench, bytes);

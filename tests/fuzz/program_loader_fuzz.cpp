@@ -25,12 +25,12 @@ void as_file(Bytes bytes) {
 void tell(tmcl::fuzz::Bench& bench, tmcl::Command command, std::uint8_t type = 0,
           std::uint8_t motor = 0, std::int32_t value = 0) {
   bench.line.receive(
-      encode_serial(tmcl::Request{tmcl::ModuleAddress{2}, command, type, motor, value}));
+      encode_serial(tmcl::Request{tmcl::ModuleAddress{1}, command, type, motor, value}));
 }
 
 // Jumps within the program are likelier than any others.
 void as_program(Bytes bytes) {
-  tmcl::fuzz::Bench bench;
+  tmcl::fuzz::Bench bench{3110};
   tell(bench, tmcl::Command::START_DOWNLOAD);
   for (std::size_t i = 0; i < most_commands && bytes.size() >= bytes_per_command; ++i) {
     const auto far = tmcl::detail::get_value(bytes.subspan(3, 4));
