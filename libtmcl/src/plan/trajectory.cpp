@@ -16,6 +16,7 @@ namespace {
 // may be planned again on its way, from a state that is off by its last bits; where the target
 // moves that must not make a detour of it.
 constexpr double unnoticed = 1e-12;
+constexpr double sixth = 1. / 6;
 constexpr double last_bits = 0x1p-48;
 
 struct Motion {
@@ -29,8 +30,9 @@ struct Frame {
   double up;
   double down;
   double jerk;
+  double per_jerk = 1 / jerk;
 
-  Frame mirrored() const { return {speed, down, up, jerk}; }
+  Frame mirrored() const { return {speed, down, up, jerk, per_jerk}; }
 };
 
 Motion mirrored(Motion motion) { return {-motion.velocity, -motion.acceleration}; }
@@ -46,21 +48,25 @@ struct Change {
 
 double square(double x) { return x * x; }
 
-// By a peak of the acceleration, which is not below that of `from` and of `to`.
-Change rise(Motion from, Motion to, const Frame& frame) {
-  const double gain = to.velocity - from.velocity;
-  const double ends = (square(from.acceleration) + square(to.acceleration)) / 2;
+// By a peak of the acceleration within its limit, which is not below what it is at the ends.
+Change change(double gain, double from, double to, double limit, const Frame& frame) {
+  const double ends = (square(from) + square(to)) / 2;
   const double enough = std::sqrt(std::max(0.0, frame.jerk * gain + ends));
-  const double peak = std::min(std::max({enough, from.acceleration, to.acceleration}), frame.up);
-  const double kept = peak < frame.up ? 0 : (gain + (ends - square(peak)) / frame.jerk) / frame.up;
-  return {std::max(0.0, (peak - from.acceleration) / frame.jerk), std::max(0.0, kept),
-          std::max(0.0, (peak - to.acceleration) / frame.jerk), peak};
+  const double peak = std::min(std::max({enough, from, to}), limit);
+  const double kept = peak < limit ? 0 : (gain + (ends - square(peak)) * frame.per_jerk) / limit;
+  return {std::max(0.0, (peak - from) * frame.per_jerk), std::max(0.0, kept),
+          std::max(0.0, (peak - to) * frame.per_jerk), peak};
+}
+
+Change rise(Motion from, Motion to, const Frame& frame) {
+  return change(to.velocity - from.velocity, from.acceleration, to.acceleration, frame.up, frame);
 }
 
 Change fall(Motion from, Motion to, const Frame& frame) {
-  auto change = rise(mirrored(from), mirrored(to), frame.mirrored());
-  change.peak = -change.peak;
-  return change;
+  auto fall =
+      change(from.velocity - to.velocity, -from.acceleration, -to.acceleration, frame.down, frame);
+  fall.peak = -fall.peak;
+  return fall;
 }
 
 // Whether the acceleration must rise first, rather than fall, on the fastest way to `to`. If it
@@ -80,7 +86,7 @@ struct Run {
 
   void advance(double t, double jerk) {
     auto& [v, a] = motion;
-    distance += t * (v + t * (a / 2 + t * jerk / 6));
+    distance += t * (v + t * (a / 2 + t * jerk * sixth));
     v += t * (a + t * jerk / 2);
     a += t * jerk;
   }
@@ -144,8 +150,8 @@ class Family {
   }
 
   // What that one goes at least, without a stretch of constant velocity.
-  double distance_at_speed() const {
-    auto run = this->run(greatest());
+  double distance_at_speed(double greatest) const {
+    auto run = this->run(greatest);
     run.advance(std::max(0.0, run.motion.acceleration / frame().jerk), -frame().jerk);
     return distance_through({run.distance, {frame().speed, 0}});
   }
@@ -156,11 +162,10 @@ class Family {
   }
 
   // Of the greatest one, with a stretch of constant velocity.
-  Route route_at_speed(double distance) const {
-    const double extra = greatest();
-    const double first = std::max(0.0, run(extra).motion.acceleration / frame().jerk);
+  Route route_at_speed(double greatest, double distance) const {
+    const double first = std::max(0.0, run(greatest).motion.acceleration / frame().jerk);
     const auto rest = fall({frame().speed, 0}, problem_->to, frame());
-    return with(extra, {first, distance / frame().speed, rest.first, rest.kept, rest.last});
+    return with(greatest, {first, distance / frame().speed, rest.first, rest.kept, rest.last});
   }
 
  private:
@@ -183,7 +188,7 @@ class Family {
     run.advance(change.kept, 0);
     const auto [v, a] = problem_->to;
     const double t = change.last;
-    return run.distance + t * (v - t * (a / 2 - t * frame().jerk / 6));
+    return run.distance + t * (v - t * (a / 2 - t * frame().jerk * sixth));
   }
 
   Route with(double extra, const std::array<double, 5>& rest) const {
@@ -218,9 +223,10 @@ double extra_for(const Problem& problem, Point low, Point high) {
 
 Route go_farther(const Problem& problem, Point low) {
   const Family family(problem);
-  const double rest = problem.distance - family.distance_at_speed();
-  if (rest >= 0) return family.route_at_speed(rest);
-  return family.route(extra_for(problem, low, {family.greatest(), -rest}));
+  const double greatest = family.greatest();
+  const double rest = problem.distance - family.distance_at_speed(greatest);
+  if (rest >= 0) return family.route_at_speed(greatest, rest);
+  return family.route(extra_for(problem, low, {greatest, -rest}));
 }
 
 bool moving(Motion motion) { return motion.velocity != 0 || motion.acceleration != 0; }
@@ -267,7 +273,9 @@ std::optional<double> longest_fall(const Problem& problem) {
 // the derivative of the distance has the sign of 2 a^2 - a b + 2 c; b^2 - a^2 and c are the same
 // for the whole family, until b is at its limit.
 std::optional<double> first_summit(const Problem& problem) {
-  const auto& [from, to, frame, distance, mirrored, reversed] = problem;
+  const auto& from = problem.from;
+  const auto& to = problem.to;
+  const auto& frame = problem.frame;
   const double c = frame.jerk * from.velocity - square(from.acceleration) / 2;
   const double squares = frame.jerk * (from.velocity - to.velocity) +
                          (square(to.acceleration) - square(from.acceleration)) / 2;

@@ -113,7 +113,7 @@ class Trajectory {
   State reached() const;
 
  private:
-  std::array<Phase, most_phases> phases_;  // the first count_ of them have values
+  std::array<Phase, most_phases> phases_{};  // the first count_ of them mean something
   std::size_t count_ = 0;
   double duration_ = 0;
   State start_;
