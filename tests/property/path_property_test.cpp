@@ -260,10 +260,13 @@ TEST(PathProperty, AStraightLineTakesTheSameTimeHoweverItIsCut) {
     Leg whole;
     for (auto& value : whole.target) value = random.between(-10, 10);
     if (random.one_in(2)) whole.feed = random.magnitude();
+    // Legs that are not so short that the last bits of the coordinates turn them.
     std::vector<double> cuts(random.count(1, 100));
-    for (auto& cut : cuts) cut = random.between(0.001, 0.999);
+    const double pieces = static_cast<double>(cuts.size());
+    for (std::size_t i = 0; i < cuts.size(); ++i) {
+      cuts[i] = (static_cast<double>(i) + random.between(0.001, 0.999)) / pieces;
+    }
     cuts.push_back(1);
-    std::sort(cuts.begin(), cuts.end());
     std::vector<Leg> legs;
     for (const double cut : cuts) {
       legs.push_back(whole);

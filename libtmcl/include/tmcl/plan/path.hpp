@@ -10,7 +10,8 @@
 /// at that speed within its limits of velocity and acceleration. The plan itself stays on the legs:
 /// in the corner the velocity of an axis changes at once, by no more than its acceleration changes
 /// it in the time that the arc would take. So a tolerance of 0 stops at each corner, and a path
-/// that turns back stops in any case. A corner that turns by less than `straight` is none.
+/// that turns back stops in any case. A corner that turns by less than `straight` is none; a leg so
+/// short that the last bits of its coordinates turn it by more has corners.
 #pragma once
 
 #include <array>
@@ -19,8 +20,9 @@
 #include <limits>
 #include <span>
 #include <string>
-#include <tl/expected.hpp>
 #include <vector>
+
+#include <tl/expected.hpp>
 
 namespace tmcl::plan {
 
