@@ -152,6 +152,18 @@ Answer module_info(Call& call) {
   co_return result;
 }
 
+Answer report_arrivals(Call& call) {
+  const auto module = module_of(call);
+  if (!module) co_return tl::unexpected(module.error());
+  const auto events = call.params.boolean_or("every", false) ? tmcl::ArrivalEvents::every_move
+                                                             : tmcl::ArrivalEvents::next_move;
+  const auto motors = static_cast<std::int32_t>(call.params.mask("motors"));
+  auto script = tmcl::verbs::request_arrival_events(module->address, events, motors);
+  auto done = co_await run_on(*module, call, std::move(script));
+  if (!done) co_return tl::unexpected(std::move(done.error()));
+  co_return json::object{};
+}
+
 Answer reset_module(Call& call) {
   const auto module = module_of(call);
   if (!module) co_return tl::unexpected(module.error());

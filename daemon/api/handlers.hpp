@@ -35,6 +35,7 @@ Answer get_coordinate(Call& call);
 Answer set_coordinate(Call& call);
 Answer capture_coordinate(Call& call);
 Answer move_to_coordinate(Call& call);
+Answer start_coordinate(Call& call);
 Answer store_coordinates(Call& call);
 Answer load_coordinates(Call& call);
 
@@ -45,6 +46,7 @@ Answer restore_global(Call& call);
 Answer get_io(Call& call);
 Answer set_io(Call& call);
 Answer module_info(Call& call);
+Answer report_arrivals(Call& call);
 Answer reset_module(Call& call);
 Answer factory_reset(Call& call);
 

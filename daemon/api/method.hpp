@@ -21,7 +21,8 @@ enum class FieldType : std::uint8_t {
   number,
   boolean,
   text_or_integer,
-  texts,  ///< An array of texts.
+  texts,     ///< An array of texts.
+  integers,  ///< An array of integers.
   object,
   objects,
   nullable_text,

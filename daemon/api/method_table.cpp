@@ -161,6 +161,14 @@ constexpr std::array set_coordinate_params{
     deadline};
 constexpr std::array coordinate_result{
     ResultInfo{"position_microsteps", integer, "the coordinate"}};
+constexpr std::array start_coordinate_params{
+    ParamInfo{"bus", text, required, "name of the bus"},
+    ParamInfo{"address", integer, required, "address of the module", 0, 2047},
+    ParamInfo{"number", integer, required, "number of the coordinate", 0, 20},
+    ParamInfo{"motors", integers, required, "which motors", 0, 5},
+    ParamInfo{"interpolated", boolean, optional,
+              "scale their velocities so that they arrive together; false if absent"},
+    deadline};
 constexpr std::array eeprom_coordinate_params{
     axis, ParamInfo{"number", integer, optional, "number of the coordinate; all if absent", 1, 20},
     deadline};
@@ -204,6 +212,12 @@ constexpr std::array module_info_result{
     ResultInfo{"axis_parameter_width", nullable_number, "bits of an axis parameter's number"},
     ResultInfo{"register_address_width", nullable_number, "bits of a register's address"},
     ResultInfo{"git_hash", nullable_number, "what it was built from"}};
+
+constexpr std::array report_arrivals_params{
+    bus, address,
+    ParamInfo{"motors", integers, required, "which motors; none of them if empty", 0, 30},
+    ParamInfo{"every", boolean, optional, "every move from now on; only the next one if absent"},
+    deadline};
 
 // ---- programs ----
 
@@ -361,6 +375,12 @@ constexpr auto table = std::to_array<MethodInfo>({
      {},
      Effect::moves,
      handlers::move_to_coordinate},
+    {"coordinate.start",
+     "starts motors of a module together, each to its own coordinate of this number",
+     start_coordinate_params,
+     {},
+     Effect::moves,
+     handlers::start_coordinate},
     {"coordinate.store",
      "copies coordinates of all motors of the axis' module to the EEPROM",
      eeprom_coordinate_params,
@@ -386,6 +406,12 @@ constexpr auto table = std::to_array<MethodInfo>({
     {"io.set", "sets a digital output", set_io_params, io_result, Effect::writes, handlers::set_io},
     {"module.info", "what a module's firmware says of itself", module_params, module_info_result,
      Effect::reads, handlers::module_info},
+    {"module.report_arrivals",
+     "lets a module tell when motors arrive: events of the kind target_reached",
+     report_arrivals_params,
+     {},
+     Effect::writes,
+     handlers::report_arrivals},
     {"module.reset", "restarts a module", module_params, {}, Effect::moves, handlers::reset_module},
     {"module.factory_reset",
      "restores everything in a module to how it was delivered",
@@ -477,6 +503,7 @@ std::string_view name_of(FieldType type) {
     case boolean: return "boolean";
     case text_or_integer: return "string or integer";
     case texts: return "array of strings";
+    case integers: return "array of integers";
     case object: return "object";
     case objects: return "array of objects";
     case nullable_text: return "string or null";

@@ -28,6 +28,8 @@ bool has_type(const json::value& value, FieldType type) {
     case FieldType::integer: return is_whole_number(value);
     case FieldType::number: return value.is_number();
     case FieldType::boolean: return value.is_bool();
+    case FieldType::integers:
+      return value.is_array() && std::ranges::all_of(value.get_array(), is_whole_number);
     case FieldType::text_or_integer: return value.is_string() || is_whole_number(value);
     case FieldType::texts:
       return value.is_array() &&
@@ -52,10 +54,14 @@ std::optional<RpcError> check_value(const ParamInfo& row, const json::value& val
     return param_error("bad_argument", row.name,
                        quoted(row.name) + " must be of type " + std::string(name_of(row.type)));
   }
+  const auto fits = [&](const json::value& number) {
+    return is_within(number, row.minimum, row.maximum);
+  };
   const bool counts = row.type == FieldType::integer || row.type == FieldType::text_or_integer;
-  if (!counts || value.is_string() || is_within(value, row.minimum, row.maximum)) {
+  if (counts && (value.is_string() || fits(value))) return std::nullopt;
+  if (row.type == FieldType::integers && std::ranges::all_of(value.get_array(), fits))
     return std::nullopt;
-  }
+  if (!counts && row.type != FieldType::integers) return std::nullopt;
   return param_error("out_of_range", row.name,
                      quoted(row.name) + " is outside " + std::to_string(row.minimum) + ".." +
                          std::to_string(row.maximum));
@@ -92,11 +98,22 @@ std::string Params::text(std::string_view name) const {
   return std::string(value.data(), value.size());
 }
 
-std::int32_t Params::integer(std::string_view name) const {
-  const auto& value = object_.at(name);
+namespace {
+
+std::int32_t as_integer(const json::value& value) {
   if (value.is_double()) return static_cast<std::int32_t>(value.get_double());
   if (value.is_uint64()) return static_cast<std::int32_t>(value.get_uint64());
   return static_cast<std::int32_t>(value.get_int64());
+}
+
+}  // namespace
+
+std::int32_t Params::integer(std::string_view name) const { return as_integer(object_.at(name)); }
+
+std::uint32_t Params::mask(std::string_view name) const {
+  std::uint32_t mask = 0;
+  for (const auto& value : object_.at(name).get_array()) mask |= 1U << as_integer(value);
+  return mask;
 }
 
 std::vector<std::string> Params::texts(std::string_view name) const {

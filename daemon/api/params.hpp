@@ -36,6 +36,8 @@ class Params {
   bool is_text(std::string_view name) const { return object_.at(name).is_string(); }
   /// Empty if the parameter is absent.
   std::vector<std::string> texts(std::string_view name) const;
+  /// An array of numbers below 32, as a mask: bit n for the number n.
+  std::uint32_t mask(std::string_view name) const;
 
  private:
   boost::json::object object_;

@@ -1,6 +1,7 @@
 // Reference searches, coordinates, and parameters in the EEPROM: what else an axis can do.
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
+#include "api/module_choice.hpp"
 
 namespace tmcld::handlers {
 namespace {
@@ -160,6 +161,20 @@ Answer move_to_coordinate(Call& call) {
   const auto done = co_await axis.perform(
       tmcl::verbs::move_to_coordinate(axis.address(), coordinate_of(call)), ready->moves);
   co_return nothing_or(done, axis);
+}
+
+Answer start_coordinate(Call& call) {
+  const auto module = module_of(call);
+  if (!module) co_return tl::unexpected(module.error());
+  const tmcl::MotorMask motors{static_cast<std::uint8_t>(call.params.mask("motors"))};
+  const auto together = call.params.boolean_or("interpolated", false)
+                            ? tmcl::Together::interpolated
+                            : tmcl::Together::each_for_itself;
+  auto script = tmcl::verbs::move_motors_to_coordinate(module->address, motors, together,
+                                                       coordinate_of(call));
+  auto started = co_await run_on(*module, call, std::move(script));
+  if (!started) co_return tl::unexpected(std::move(started.error()));
+  co_return json::object{};
 }
 
 Answer store_coordinates(Call& call) { return act_on_eeprom(call, tmcl::verbs::store_coordinates); }

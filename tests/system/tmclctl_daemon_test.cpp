@@ -124,5 +124,25 @@ TEST_F(TmclctlDaemon, ADaemonThatDiesIsNoticed) {
   EXPECT_THAT(waiting.output(), HasSubstr("lost sight of x"));
 }
 
+TEST_F(TmclctlDaemon, MotorsOfAModuleStartTogetherAndTellWhenTheyArrive) {
+  for (const auto& how : {through_daemon(), direct()}) {
+    const bool through_tmcld = how == through_daemon();
+    const auto number = through_tmcld ? "1" : "2";
+    for (const auto* motor : {"0", "1"}) {
+      ASSERT_EQ(ctl(direct(), {"coordinate", "set", std::string("3/") + motor, number,
+                               through_tmcld ? "3000" : "0"})
+                    .status,
+                0);
+    }
+    OnTerminal arrivals(how, {"arrivals", "3", "0", "1", "--next", "--for", "15"});
+    ::usleep(300'000);
+    ASSERT_EQ(ctl(how, {"coordinate", "start", "3", number, "0", "1", "--arrive-together"}).status,
+              0);
+    EXPECT_EQ(arrivals.wait(), 0);
+    EXPECT_THAT(arrivals.output(), HasSubstr("motor 0"));
+    EXPECT_THAT(arrivals.output(), HasSubstr("motor 1"));
+  }
+}
+
 }  // namespace
 }  // namespace tmcl::test

@@ -160,6 +160,18 @@ class FakeTarget : public Target {
     return result;
   }
   boost::json::object result;  ///< Of every method.
+  Attempt<void> hear_arrivals(const ModuleName&, const std::function<Attempt<void>()>& ask,
+                              const ArrivalHandler& on_arrival) override {
+    auto asked = ask();
+    if (!asked) return asked;
+    for (const auto& motors : arrivals) {
+      patience_.sleep(std::chrono::seconds(1));
+      if (!on_arrival(&motors)) return {};
+    }
+    while (on_arrival(nullptr)) patience_.sleep(std::chrono::seconds(1));
+    return {};
+  }
+  std::vector<std::vector<std::uint8_t>> arrivals;  ///< One a second.
   Attempt<tmcl::FirmwareMatch> match_firmware(const ModuleName& module,
                                               const tmcl::firmware::Image& image) override {
     if (failure) return tl::unexpected(*failure);

@@ -38,6 +38,13 @@ TEST_F(CtlMethods, EveryVerbAsksForItsMethod) {
       {{"global", "store", "1", "5"}, R"(global.store {"address":1,"parameter":"5"})"},
       {{"input", "1", "0", "--bank", "1"}, R"(io.get {"address":1,"bank":1,"port":0})"},
       {{"output", "1", "2", "1"}, R"(io.set {"address":1,"port":2,"value":1})"},
+      {{"output", "1", "2"}, R"(io.get {"address":1,"bank":2,"port":2})"},
+      {{"coordinate", "start", "1", "3", "0", "2", "--arrive-together"},
+       R"(coordinate.start {"address":1,"motors":[0,2],"interpolated":true,"number":3})"},
+      {{"coordinate", "start", "b:1", "0", "5"},
+       R"(coordinate.start {"bus":"b","address":1,"motors":[5],"number":0})"},
+      {{"arrivals", "1", "--off"},
+       R"(module.report_arrivals {"address":1,"motors":[],"every":true})"},
       {{"info", "1"}, R"(module.info {"address":1})"},
       {{"reset", "1"}, R"(module.reset {"address":1})"},
       {{"factory-reset", "1", "--yes"}, R"(module.factory_reset {"address":1})"},
@@ -75,6 +82,35 @@ TEST_F(CtlMethods, ManyAreLines) {
   EXPECT_THAT(ctl.out, HasSubstr("next_address            -\n"));
 }
 
+TEST_F(CtlMethods, VersionsAreShownAsPeopleReadThem) {
+  ctl.target.result = {{"version", 65537}, {"bootloader_version", nullptr}, {"module_id", 65537}};
+  ctl.run({"info", "1"});
+  EXPECT_THAT(ctl.out, HasSubstr("version                 1.1\n"));
+  EXPECT_THAT(ctl.out, HasSubstr("bootloader_version      -\n"));
+  EXPECT_THAT(ctl.out, HasSubstr("module_id               65537\n"));
+  EXPECT_EQ(ctl.json({"info", "1"}).at("version"), 65537);
+}
+
+TEST_F(CtlMethods, ArrivalsAreShownUntilTheTimeIsUp) {
+  ctl.target.arrivals = {{0}, {1, 2}};
+  EXPECT_EQ(ctl.run({"arrivals", "1", "0", "1", "2", "--for", "5"}), ExitCode::done);
+  EXPECT_EQ(ctl.out,
+            "    1.000 s  module 1: motor 0 arrived\n"
+            "    2.000 s  module 1: motor 1 and motor 2 arrived\n");
+  EXPECT_THAT(ctl.target.calls,
+              ElementsAre(R"(module.report_arrivals {"address":1,"motors":[0,1,2],"every":true})"));
+}
+
+TEST_F(CtlMethods, ArrivalsOfTheNextMoveEndWhenAllHaveArrived) {
+  ctl.target.arrivals = {{1}, {0}, {1}};
+  EXPECT_EQ(ctl.json({"arrivals", "b:1", "1", "--next"}).at("motors").at(0), 1);
+  ctl.patience.press_ctrl_c_after(std::chrono::seconds(60));
+  EXPECT_EQ(ctl.run({"arrivals", "1", "0", "1", "--next"}), ExitCode::done);
+  EXPECT_THAT(ctl.out, testing::EndsWith("motor 0 arrived\n"));
+  ctl.target.failure = Failure{ExitCode::refused, "refused_by_module", "it does not know that"};
+  EXPECT_EQ(ctl.run({"arrivals", "1", "0"}), ExitCode::refused);
+}
+
 TEST_F(CtlMethods, CommandsThatWouldDoHarmOrNothingAreRefused) {
   EXPECT_EQ(ctl.run({"factory-reset", "1"}), ExitCode::usage);
   EXPECT_THAT(ctl.err, HasSubstr("--yes"));
@@ -82,6 +118,11 @@ TEST_F(CtlMethods, CommandsThatWouldDoHarmOrNothingAreRefused) {
   EXPECT_THAT(ctl.err, HasSubstr("'one' names no module"));
   EXPECT_EQ(ctl.run({"coordinate", "store", "x", "0"}), ExitCode::usage);
   EXPECT_EQ(ctl.run({"home", "x", "--stop", "--no-wait"}), ExitCode::usage);
+  EXPECT_EQ(ctl.run({"coordinate", "start", "1", "3"}), ExitCode::usage);
+  EXPECT_EQ(ctl.run({"coordinate", "start", "1", "3", "6"}), ExitCode::usage);
+  EXPECT_EQ(ctl.run({"arrivals", "1"}), ExitCode::usage);
+  EXPECT_EQ(ctl.run({"arrivals", "1", "0", "--off"}), ExitCode::usage);
+  EXPECT_EQ(ctl.run({"output", "1", "2", "on"}), ExitCode::usage);
   EXPECT_TRUE(ctl.target.calls.empty());
 }
 

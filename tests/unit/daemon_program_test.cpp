@@ -171,5 +171,27 @@ TEST_F(DaemonProgram, GlobalParametersPortsAndCoordinatesGoThrough) {
   EXPECT_EQ(name_in(unknown), "unknown_parameter");
 }
 
+TEST_F(DaemonProgram, SeveralMotorsStartTogether) {
+  result_of("coordinate.start", here({{"number", 3}, {"motors", json::array{0, 2}}}));
+  result_of("coordinate.start",
+            here({{"number", 3}, {"motors", json::array{1, 1.0}}, {"interpolated", true}}));
+  result_of("module.report_arrivals", here({{"motors", json::array{0, 2}}, {"every", true}}));
+  result_of("module.report_arrivals", here({{"motors", json::array{}}}));
+  daemon.on_reactor([&] {
+    const auto& seen = daemon.wire().seen;
+    EXPECT_EQ(std::ranges::count(seen, Request{module, Command::MVP, 2, 0x45, 3}), 1);
+    EXPECT_EQ(std::ranges::count(seen, Request{module, Command::MVP, 2, 0x82, 3}), 1);
+    EXPECT_EQ(std::ranges::count(seen, Request{module, Command::TARGET_REACHED_EVENT, 1, 0, 5}), 1);
+    EXPECT_EQ(std::ranges::count(seen, Request{module, Command::TARGET_REACHED_EVENT, 0, 0, 0}), 1);
+    return 0;
+  });
+  for (const auto& motors : {json::array{6}, json::array{-1}, json::array{"0"}, json::array{0.5},
+                             json::array{}, json::array{0, 1'000'000'000'000}}) {
+    const auto answer = client.answer_to(
+        client.send("coordinate.start", here({{"number", 3}, {"motors", motors}})));
+    EXPECT_THAT(name_in(answer), testing::AnyOf("out_of_range", "bad_argument"));
+  }
+}
+
 }  // namespace
 }  // namespace tmcld::test

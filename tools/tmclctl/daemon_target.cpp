@@ -372,6 +372,36 @@ Attempt<tmcl::FirmwareReport> DaemonTarget::upload_firmware(const ModuleName& mo
   });
 }
 
+Attempt<void> DaemonTarget::hear_arrivals(const ModuleName& module,
+                                          const std::function<Attempt<void>()>& ask,
+                                          const ArrivalHandler& on_arrival) {
+  const auto named = params_for(module);
+  if (!named) return tl::unexpected(named.error());
+  // Whoever subscribes, to no axis even, is told of events.
+  const auto subscribed = call("subscribe", {{"axes", json::array{}}});
+  if (!subscribed) return tl::unexpected(subscribed.error());
+  auto result = ask();
+  bool wanted = true;
+  daemon_.on_notification([&](std::string_view method, const json::object& event) {
+    const bool concerns_us = method == "notify_event" &&
+                             text_at(event, "kind") == "target_reached" &&
+                             text_at(event, "bus") == text_at(*named, "bus") &&
+                             integer_at<std::uint16_t>(event, "address") == module.address;
+    if (!concerns_us || !wanted) return;
+    std::vector<std::uint8_t> motors;
+    for (const auto& motor : array_at(event, "motors"))
+      motors.push_back(static_cast<std::uint8_t>(motor.to_number<unsigned>()));
+    wanted = on_arrival(&motors);
+  });
+  while (result && wanted) {
+    result = attempt(daemon_.listen(longest_silence));
+    if (!result && result.error().name == tmcl::client::error_name::cancelled) result = {};
+    if (wanted) wanted = on_arrival(nullptr);
+  }
+  daemon_.on_notification({});
+  return result;
+}
+
 Attempt<RawAnswer> DaemonTarget::raw(const RawCommand& command) {
   const auto bus = bus_named(command.bus);
   if (!bus) return tl::unexpected(bus.error());

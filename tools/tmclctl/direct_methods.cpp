@@ -92,6 +92,24 @@ auto move_to_coordinate(Axis axis, const json::object& params) {
   return axis.move_to_coordinate(byte_at(params, "number"));
 }
 
+std::uint32_t mask_at(const json::object& params, std::string_view key) {
+  std::uint32_t mask = 0;
+  for (const auto& number : array_at(params, key)) mask |= 1U << number.to_number<unsigned>();
+  return mask;
+}
+auto start_coordinate(Module module, const json::object& params) {
+  const tmcl::MotorMask motors{static_cast<std::uint8_t>(mask_at(params, "motors"))};
+  const auto together = flag_at(params, "interpolated") ? tmcl::Together::interpolated
+                                                        : tmcl::Together::each_for_itself;
+  return module.move_motors_to_coordinate(motors, together, byte_at(params, "number"));
+}
+auto report_arrivals(Module module, const json::object& params) {
+  const auto events =
+      flag_at(params, "every") ? tmcl::ArrivalEvents::every_move : tmcl::ArrivalEvents::next_move;
+  return module.request_arrival_events(events,
+                                       static_cast<std::int32_t>(mask_at(params, "motors")));
+}
+
 auto store(Axis axis, std::uint8_t parameter) { return axis.store(parameter); }
 auto restore(Axis axis, std::uint8_t parameter) { return axis.restore(parameter); }
 
@@ -300,6 +318,7 @@ std::span<const DirectTarget::DirectMethod> DirectTarget::methods() {
       DirectMethod{"coordinate.set", &T::on_axis<set_coordinate>},
       DirectMethod{"coordinate.capture", &T::on_axis<capture_coordinate>},
       DirectMethod{"coordinate.move", &T::on_axis<move_to_coordinate>},
+      DirectMethod{"coordinate.start", &T::on_module<start_coordinate>},
       DirectMethod{"coordinate.store", &T::store_all},
       DirectMethod{"coordinate.load", &T::load_all},
       DirectMethod{"global.get", &T::on_global<get_global>},
@@ -309,6 +328,7 @@ std::span<const DirectTarget::DirectMethod> DirectTarget::methods() {
       DirectMethod{"io.get", &T::on_module<get_io>},
       DirectMethod{"io.set", &T::on_module<set_io>},
       DirectMethod{"module.info", &T::on_module<info>},
+      DirectMethod{"module.report_arrivals", &T::on_module<report_arrivals>},
       DirectMethod{"module.reset", &T::on_module<reset>},
       DirectMethod{"module.factory_reset", &T::on_module<factory_reset>},
       DirectMethod{"program.load", &T::load},

@@ -12,6 +12,13 @@ using tmcl::blocking::Axis;
 // been looked for.
 constexpr std::uint16_t stop_scan_step = 16;
 constexpr std::uint16_t stop_scan_last = 255;
+// How often who waits for arrivals gets to look at the clock and at signals.
+constexpr auto listening_time = std::chrono::milliseconds(100);
+
+tmcl::Script<tmcl::Result<void>> listen_a_while() {
+  co_await tmcl::pause(listening_time);
+  co_return tmcl::Result<void>{};
+}
 
 ModuleRow row_of(const tmcl::FoundModule& found, const std::string& bus) {
   ModuleRow row{bus,
@@ -273,6 +280,31 @@ Attempt<tmcl::FirmwareReport> DirectTarget::upload_firmware(const ModuleName& mo
   return address_of(module).and_then([&](tmcl::ModuleAddress address) {
     return attempt(bus_.run(tmcl::verbs::upload_firmware(address, image, options)));
   });
+}
+
+Attempt<void> DirectTarget::hear_arrivals(const ModuleName& module,
+                                          const std::function<Attempt<void>()>& ask,
+                                          const ArrivalHandler& on_arrival) {
+  const auto address = address_of(module);
+  if (!address) return tl::unexpected(address.error());
+  bool wanted = true;
+  bus_.on_event([&](const tmcl::BusEvent& event) {
+    if (event.kind != tmcl::BusEvent::Kind::target_reached || event.module != *address) return;
+    std::vector<std::uint8_t> motors;
+    for (std::uint8_t motor = 0; motor < 32; ++motor) {
+      if ((static_cast<std::uint32_t>(event.value) >> motor & 1U) != 0) motors.push_back(motor);
+    }
+    if (wanted) wanted = on_arrival(&motors);
+  });
+  auto result = ask();
+  while (result && wanted && bus_.is_open()) {
+    wanted = on_arrival(nullptr);
+    if (wanted) result = attempt(bus_.run(listen_a_while()));
+  }
+  // Why the bus is not open any more.
+  if (result && wanted) result = attempt(bus_.module(*address).identify()).map([](const auto&) {});
+  bus_.on_event({});
+  return result;
 }
 
 std::string DirectTarget::options() const { return " --direct " + bus_.name(); }

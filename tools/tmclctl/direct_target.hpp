@@ -40,6 +40,8 @@ class DirectTarget final : public Target {
   Attempt<tmcl::FirmwareReport> upload_firmware(const ModuleName& module,
                                                 const tmcl::firmware::Image& image,
                                                 const tmcl::FirmwareOptions& options) override;
+  Attempt<void> hear_arrivals(const ModuleName& module, const std::function<Attempt<void>()>& ask,
+                              const ArrivalHandler& on_arrival) override;
   Attempt<boost::json::object> perform(const std::string& method, boost::json::object params,
                                        const NewsHandler& on_news) override;
   std::string options() const override;

@@ -132,8 +132,8 @@ records until the axis stands; otherwise it records until the axis stands, or fo
 
 constexpr const char* home = R"(
 Waits until the module says that its search has ended, unless --no-wait is given. Ctrl-C ends the
-waiting and NOT the search. A search that someone ends looks like one that has found the switch
-only without tmcld, which tells.
+waiting and NOT the search. If somebody else ends the search, tmcld tells so; with --direct that
+looks as if the search had found its switch.
 
   tmclctl home x
   tmclctl home x --mode 5 --timeout 60
@@ -145,6 +145,24 @@ Coordinates 0 to 20 are lost with the module's power, unless they are stored; 0 
 
   tmclctl coordinate capture x 1
   tmclctl coordinate move x 1
+)";
+
+constexpr const char* coordinate_start = R"(
+Each motor goes to its own coordinate of this number. Only modules with several motors know this,
+and how they are named on the wire is our reading of the manuals: try it where nothing can break.
+
+  tmclctl coordinate set x 1 51200; tmclctl coordinate set y 1 25600
+  tmclctl coordinate start 1 1 0 1 --arrive-together
+)";
+
+constexpr const char* arrivals = R"(
+Asks the module to tell whenever one of these motors reaches the target of a move that starts from
+now on, and shows that until Ctrl-C or the end of --for; with --next until each has arrived once. The
+module goes on telling then: --off ends that. With --json, one document a line.
+
+  tmclctl arrivals 1 0 1 2
+  tmclctl arrivals 1 0 --next
+  tmclctl arrivals 1 --off
 )";
 
 constexpr const char* global = R"(

@@ -76,6 +76,7 @@ Parser::Parser() {
   add_plot(grammar_);
   add_home(grammar_);
   add_coordinates(grammar_);
+  add_arrivals(grammar_);
   add_eeprom(grammar_);
   add_modules(grammar_);
   add_raw(grammar_);

@@ -147,7 +147,17 @@ struct Ask {
   std::string module;     ///< ADDRESS or BUS:ADDRESS
   std::string parameter;  ///< Number or name.
   std::optional<std::int32_t> bank, number, port, value, position, at, first_address;
+  std::vector<std::uint8_t> motors;
+  bool interpolated = false;
   bool sure = false;
+};
+/// Lets a module tell when motors arrive, and shows that.
+struct Arrivals {
+  std::string module;
+  std::vector<std::uint8_t> motors;
+  bool next = false;
+  bool off = false;
+  std::optional<double> for_s;
 };
 struct Home {
   std::string axis;
@@ -179,12 +189,13 @@ struct Complete {
 
 }  // namespace verb
 
-using Verb = std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models,
-                          verb::Get, verb::Set, verb::Move, verb::Rotate, verb::Stop, verb::State,
-                          verb::Watch, verb::Plot, verb::Raw, verb::Simulate, verb::SolveProfile,
-                          verb::CheckMint, verb::Assemble, verb::Disassemble, verb::FirmwareInfo,
-                          verb::CheckFirmware, verb::UploadFirmware, verb::Ramp, verb::Convert,
-                          verb::Ask, verb::Home, verb::Upload, verb::Download, verb::Complete>;
+using Verb =
+    std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models, verb::Get,
+                 verb::Set, verb::Move, verb::Rotate, verb::Stop, verb::State, verb::Watch,
+                 verb::Plot, verb::Raw, verb::Simulate, verb::SolveProfile, verb::CheckMint,
+                 verb::Assemble, verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware,
+                 verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask, verb::Arrivals,
+                 verb::Home, verb::Upload, verb::Download, verb::Complete>;
 
 struct Options {
   Where where;

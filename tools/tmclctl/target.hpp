@@ -106,6 +106,10 @@ struct RawAnswer {
 /// Told what comes while a method runs: the parameters of notify_progress. False ends it.
 using NewsHandler = std::function<bool(const boost::json::object& news)>;
 
+/// Told the motors of a module that have just arrived; null when a while went by without any.
+/// False ends the waiting.
+using ArrivalHandler = std::function<bool(const std::vector<std::uint8_t>* motors)>;
+
 struct StoppedAxis {
   std::string axis;
   std::optional<double> milliseconds;
@@ -143,6 +147,10 @@ class Target {
   virtual Attempt<tmcl::FirmwareReport> upload_firmware(const ModuleName& module,
                                                         const tmcl::firmware::Image& image,
                                                         const tmcl::FirmwareOptions& options) = 0;
+  /// Hears the arrivals that a module tells of: `ask` lets it do so, once they can be heard.
+  virtual Attempt<void> hear_arrivals(const ModuleName& module,
+                                      const std::function<Attempt<void>()>& ask,
+                                      const ArrivalHandler& on_arrival) = 0;
   /// A method of tmcld by its name, with the parameters and the result that docs/PROTOCOL.md has;
   /// without tmcld the same is done straight on the bus. Modules are "address" and, where tmcld has
   /// several buses, "bus".

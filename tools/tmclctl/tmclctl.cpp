@@ -28,6 +28,8 @@ bool waits(const Verb& verb) {
   if (home != nullptr) return !home->no_wait && !home->stop;
   if (std::holds_alternative<verb::Upload>(verb) || std::holds_alternative<verb::Download>(verb))
     return true;
+  const auto* arrivals = std::get_if<verb::Arrivals>(&verb);
+  if (arrivals != nullptr) return !arrivals->off;
   return (move != nullptr && move->wait) || std::holds_alternative<verb::Watch>(verb) ||
          std::holds_alternative<verb::Plot>(verb);
 }

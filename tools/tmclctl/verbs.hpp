@@ -36,6 +36,7 @@ VerbResult run(const verb::Ramp& verb, Room& room);
 VerbResult run(const verb::Ask& verb, Room& room);
 /// Whether a method of tmcld changes nothing.
 bool only_reads(std::string_view method);
+VerbResult run(const verb::Arrivals& verb, Room& room);
 VerbResult run(const verb::Home& verb, Room& room);
 VerbResult run(const verb::Upload& verb, Room& room);
 VerbResult run(const verb::Download& verb, Room& room);

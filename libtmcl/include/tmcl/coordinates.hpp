@@ -24,6 +24,9 @@ enum class Together : std::uint8_t {
   interpolated,     ///< Velocities are scaled so that all of them arrive together.
 };
 
+/// Whether this is a move to a coordinate (MVP COORD) of several motors, `motor` among them.
+bool moves_together(const Request& request, std::uint8_t motor);
+
 namespace verbs {
 
 /// Remembers a position (SCO); lost when the module loses power, unless global parameter 84 is 1.

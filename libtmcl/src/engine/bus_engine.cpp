@@ -6,6 +6,7 @@
 
 #include <fmt/format.h>
 
+#include "tmcl/coordinates.hpp"
 #include "tmcl/program.hpp"
 
 namespace tmcl::engine {
@@ -29,7 +30,8 @@ bool is_ended_by(const Request& stop, const Call& call) {
   if (reply_byte(request.address) != reply_byte(stop.address)) return false;
   if (call.effect != Effect::moves) return false;
   // Commands above 127 control programs and chips: they know no motor, so they may concern any.
-  return request.motor == stop.motor || static_cast<std::uint8_t>(request.command) >= 128;
+  return request.motor == stop.motor || moves_together(request, stop.motor) ||
+         static_cast<std::uint8_t>(request.command) >= 128;
 }
 
 Outcome outcome_so_far(const Call& call) {

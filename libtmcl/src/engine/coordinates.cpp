@@ -4,7 +4,7 @@
 
 #include "engine/verb_steps.hpp"
 
-namespace tmcl::verbs {
+namespace tmcl {
 namespace {
 
 constexpr std::uint8_t eeprom = 255;  // in place of the motor
@@ -12,6 +12,17 @@ constexpr std::uint8_t coordinate_move = 2;
 constexpr std::uint8_t each_for_itself = 0x80;
 constexpr std::uint8_t interpolated = 0x40;
 constexpr std::uint8_t greatest_mask = 0x3F;
+
+}  // namespace
+
+bool moves_together(const Request& request, std::uint8_t motor) {
+  const bool names_several = request.command == Command::MVP && request.type == coordinate_move &&
+                             (request.motor & (each_for_itself | interpolated)) != 0;
+  return names_several && motor < 6 && (request.motor >> motor & 1) != 0;
+}
+
+namespace verbs {
+namespace {
 
 std::optional<Error> objection(std::uint8_t number) {
   if (number <= greatest_coordinate) return std::nullopt;
@@ -87,4 +98,5 @@ Script<Result<void>> move_motors_to_coordinate(ModuleAddress module, MotorMask m
   co_return moved;
 }
 
-}  // namespace tmcl::verbs
+}  // namespace verbs
+}  // namespace tmcl

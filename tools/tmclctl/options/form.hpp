@@ -10,6 +10,7 @@
 #include <string>
 #include <string_view>
 #include <type_traits>
+#include <vector>
 
 #include <fmt/format.h>
 #include <tl/expected.hpp>
@@ -62,6 +63,16 @@ Read number(std::optional<Number>& into,
             std::type_identity_t<Number> greatest = std::numeric_limits<Number>::max()) {
   return [&into, least, greatest](const std::string& text) {
     return parse_number<Number>(text, least, greatest).map([&](Number value) { into = value; });
+  };
+}
+/// Each time one more.
+template <class Number>
+Read numbers(std::vector<Number>& into, std::type_identity_t<Number> least,
+             std::type_identity_t<Number> greatest) {
+  return [&into, least, greatest](const std::string& text) {
+    return parse_number<Number>(text, least, greatest).map([&](Number value) {
+      into.push_back(value);
+    });
   };
 }
 Read text(std::string& into);

@@ -14,6 +14,8 @@ constexpr std::int32_t greatest_coordinate = 20;
 constexpr std::int32_t greatest_place = 2047;
 constexpr std::int32_t most_lines = 2048;
 constexpr std::int32_t greatest_mode = 255;
+constexpr std::uint8_t last_motor_to_start = 5;
+constexpr std::uint8_t last_motor_to_tell = 30;
 constexpr double shortest_time_s = 0.001;
 
 AskForm ask(Grammar& grammar, const Form& group, const std::string& name, const char* method,
@@ -92,9 +94,35 @@ void add_coordinates(Grammar& grammar) {
   add_coordinate(grammar, group, "get", "coordinate.get", "Print a coordinate");
   add_coordinate(grammar, group, "capture", "coordinate.capture", "Remember where the axis is");
   add_coordinate(grammar, group, "move", "coordinate.move", "Start a move to a coordinate");
+  auto start = ask(grammar, group, "start", "coordinate.start",
+                   "Start several motors of a module together", help_text::coordinate_start);
+  start.module(start->module);
+  start.word("NUMBER", "Of the coordinate, 0 to 20", number(start->number, 0, greatest_coordinate));
+  start.words("MOTOR", "One or more, 0 to 5", numbers(start->motors, 0, last_motor_to_start));
+  start.flag("--arrive-together", "The nearer ones go slower, so that all arrive at once",
+             start->interpolated);
+  start.object([](const verb::Ask& said, bool) {
+    return said.motors.empty() ? "name at least one motor" : "";
+  });
   add_all_coordinates(grammar, group, "store", "coordinate.store",
                       "Copy those of the axis's module to its EEPROM");
   add_all_coordinates(grammar, group, "load", "coordinate.load", "And back");
+}
+
+void add_arrivals(Grammar& grammar) {
+  auto arrivals = grammar.verb<verb::Arrivals>("arrivals", "Let a module tell when motors arrive",
+                                               help_text::arrivals);
+  arrivals.module(arrivals->module);
+  arrivals.words("MOTOR", "One or more", numbers(arrivals->motors, 0, last_motor_to_tell));
+  arrivals.flag("--next", "Only of the next move of each", arrivals->next);
+  arrivals.flag("--off", "Let it tell no more", arrivals->off);
+  arrivals.option("--for", "SECONDS", "End after so long",
+                  number(arrivals->for_s, shortest_time_s, longest_time_s));
+  arrivals.object([](const verb::Arrivals& said, bool) {
+    if (!said.off) return said.motors.empty() ? "name at least one motor, or say --off" : "";
+    const bool says_more = !said.motors.empty() || said.next || said.for_s;
+    return says_more ? "--off goes with nothing else" : "";
+  });
 }
 
 void add_eeprom(Grammar& grammar) {
@@ -121,10 +149,17 @@ void add_modules(Grammar& grammar) {
   input.word("PORT", "Its number", number(input->port, 0, greatest_port));
   input.option("--bank", "N", "0 digital (default), 1 analog, 2 the state of an output",
                number(input->bank, 0, 2));
-  auto output = ask(grammar, "output", "io.set", "Set an output of a module");
+  auto output = ask(grammar, "output", "io.get", "Set an output of a module, or read it");
+  constexpr std::int32_t digital_outputs = 2;
+  output->bank = digital_outputs;
   output.module(output->module);
   output.word("PORT", "Its number", number(output->port, 0, greatest_port));
-  output.word("VALUE", "0 or 1", number(output->value));
+  output.optional_word("VALUE", "0 or 1; without it, the output is read",
+                       [output](const std::string& text) {
+                         output->method = "io.set";
+                         output->bank.reset();
+                         return number(output->value)(text);
+                       });
   auto info = ask(grammar, "info", "module.info", "Show what a module's firmware says of itself");
   info.module(info->module);
   auto reset = ask(grammar, "reset", "module.reset", "Restart a module");

@@ -25,6 +25,8 @@ Attempt<json::object> params_of(const verb::Ask& verb) {
     if (!module->bus.empty()) params["bus"] = module->bus;
     params["address"] = module->address;
   }
+  if (!verb.motors.empty()) params["motors"] = json::array(verb.motors.begin(), verb.motors.end());
+  if (verb.interpolated) params["interpolated"] = true;
   if (!verb.parameter.empty()) params["parameter"] = verb.parameter;
   add("bank", verb.bank);
   add("number", verb.number);
@@ -36,7 +38,13 @@ Attempt<json::object> params_of(const verb::Ask& verb) {
   return params;
 }
 
-std::string text_of(const json::value& value) {
+/// 65537 is 1.1: GET_INFO has major and minor version in a half each.
+std::string version_text(std::int64_t version) {
+  return fmt::format("{}.{}", version >> 16U & 0xFFFF, version & 0xFFFF);
+}
+
+std::string text_of(std::string_view key, const json::value& value) {
+  if (key.ends_with("version") && value.is_int64()) return version_text(value.get_int64());
   if (value.is_null()) return "-";
   if (const auto* text = value.if_string()) return {text->data(), text->size()};
   return json::serialize(value);
@@ -46,12 +54,12 @@ std::string text_of(const json::value& value) {
 void print(const json::object& result, std::ostream& out) {
   for (const auto* bare : {"value", "position_microsteps"}) {
     if (const auto* value = result.if_contains(bare)) {
-      out << text_of(*value) << '\n';
+      out << text_of(bare, *value) << '\n';
       return;
     }
   }
   for (const auto& [key, value] : result)
-    out << fmt::format("{:<24}{}\n", std::string_view(key), text_of(value));
+    out << fmt::format("{:<24}{}\n", std::string_view(key), text_of(key, value));
 }
 
 bool gives_something(std::string_view method) {
