@@ -20,6 +20,18 @@ std::optional<RpcError> check_forms(const Call& call, std::string_view plain,
                                             : "one of the parameters " + forms + " is needed");
 }
 
+/// What stands in the parameter `plain`, in the module's own unit; nothing if `in_unit` is given.
+Lookup<std::optional<std::int32_t>> plain_value(const Call& call, std::string_view plain,
+                                                std::string_view in_unit,
+                                                const tmcl::ParameterInfo* row) {
+  if (auto complaint = check_forms(call, plain, in_unit))
+    return tl::unexpected(std::move(*complaint));
+  if (!call.params.has(plain)) return std::optional<std::int32_t>();
+  const auto value = call.params.integer(plain);
+  if (auto complaint = check_range(row, value, plain)) return tl::unexpected(std::move(*complaint));
+  return std::optional(value);
+}
+
 RpcError out_of_range(std::string_view param, const tmcl::OutOfReach& error) {
   return param_error("out_of_range", param, describe(error));
 }
@@ -44,14 +56,9 @@ awaitable<Lookup<tmcl::Microsteps>> microsteps_of(const Call& call, GatewayAxis&
                                                   std::string_view microsteps,
                                                   std::string_view in_unit,
                                                   const tmcl::ParameterInfo* row) {
-  if (auto complaint = check_forms(call, microsteps, in_unit))
-    co_return tl::unexpected(std::move(*complaint));
-  if (call.params.has(microsteps)) {
-    const auto value = call.params.integer(microsteps);
-    if (auto complaint = check_range(row, value, microsteps))
-      co_return tl::unexpected(std::move(*complaint));
-    co_return tmcl::Microsteps{value};
-  }
+  const auto plain = plain_value(call, microsteps, in_unit, row);
+  if (!plain) co_return tl::unexpected(plain.error());
+  if (*plain) co_return tmcl::Microsteps{**plain};
   const auto scale = co_await user_scale(axis, in_unit);
   if (!scale) co_return tl::unexpected(scale.error());
   tmcl::ValueRange range;
@@ -63,17 +70,11 @@ awaitable<Lookup<tmcl::Microsteps>> microsteps_of(const Call& call, GatewayAxis&
 }
 
 awaitable<Lookup<tmcl::InternalVelocity>> velocity_of(const Call& call, GatewayAxis& axis) {
-  constexpr std::string_view plain = "velocity_internal";
   constexpr std::string_view in_unit = "velocity";
-  if (auto complaint = check_forms(call, plain, in_unit))
-    co_return tl::unexpected(std::move(*complaint));
   const auto* row = find_parameter(axis.parameters(), tmcl::axis_parameter::target_velocity);
-  if (call.params.has(plain)) {
-    const auto value = call.params.integer(plain);
-    if (auto complaint = check_range(row, value, plain))
-      co_return tl::unexpected(std::move(*complaint));
-    co_return tmcl::InternalVelocity{value};
-  }
+  const auto plain = plain_value(call, "velocity_internal", in_unit, row);
+  if (!plain) co_return tl::unexpected(plain.error());
+  if (*plain) co_return tmcl::InternalVelocity{**plain};
   const auto scale = co_await user_scale(axis, in_unit);
   if (!scale) co_return tl::unexpected(scale.error());
   const auto units = co_await axis.module_units();

@@ -234,12 +234,6 @@ tmcl::Error GatewayBus::not_open() const {
   return error;
 }
 
-std::optional<tmcl::Error> GatewayBus::object(const std::shared_ptr<tmcl::Bus>& bus,
-                                              const RunOptions& options) const {
-  if (!bus || bus != bus_) return not_open();
-  return options.objection ? options.objection() : std::nullopt;
-}
-
 awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
                                                           tmcl::CallOptions options) {
   const auto bus = bus_;
@@ -256,36 +250,6 @@ awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
     }
   }
   co_return answer;
-}
-
-awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::exchange(
-    std::shared_ptr<tmcl::Bus> bus, tmcl::step::Exchange exchange,
-    std::optional<tmcl::TimePoint> deadline) {
-  if (!exchange.options.deadline) exchange.options.deadline = deadline;
-  // The bus must live until its verb has ended, even if the link is lost meanwhile.
-  auto answer = co_await bus->execute(exchange.request, exchange.options);
-  co_return answer;
-}
-
-awaitable<tmcl::StepResult> GatewayBus::perform(std::shared_ptr<tmcl::Bus> bus, tmcl::Step step,
-                                                std::optional<tmcl::TimePoint> deadline) {
-  tmcl::StepResult results;
-  if (const auto* pause = std::get_if<tmcl::step::Pause>(&step)) {
-    boost::asio::steady_timer timer(executor_, pause->duration);
-    co_await timer.async_wait(use_awaitable);
-    co_return results;
-  }
-  if (auto* one = std::get_if<tmcl::step::Exchange>(&step)) {
-    auto answer = co_await exchange(bus, *one, deadline);
-    results.push_back(std::move(answer));
-    co_return results;
-  }
-  std::vector<awaitable<tmcl::Result<tmcl::Answer>>> all;
-  for (auto& one : std::get<tmcl::step::ExchangeAll>(step).exchanges) {
-    all.push_back(exchange(bus, one, deadline));
-  }
-  results = co_await gather(std::move(all));
-  co_return results;
 }
 
 }  // namespace tmcld

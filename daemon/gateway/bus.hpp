@@ -28,12 +28,7 @@ namespace tmcld {
 /// How a link is opened. May block; called on a thread of its own.
 using OpenLink = std::function<tmcl::Result<tmcl::Link>(const BusConfig&)>;
 
-struct RunOptions {
-  /// Goes into every exchange of the script.
-  std::optional<tmcl::TimePoint> deadline{};
-  /// Asked before every step; an error ends the script there, before anything more is sent.
-  std::function<std::optional<tmcl::Error>()> objection{};
-};
+using tmcl::RunOptions;
 
 class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
  public:
@@ -75,15 +70,15 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// Errors: besides those of the verb, Errc::link_lost while the link is not open.
   template <class T>
   boost::asio::awaitable<T> run(tmcl::Script<T> script, RunOptions options) {
-    // Steps of one verb all go to the link it began on: after a loss another module may be there.
     const auto bus = bus_;
-    auto step = script.start();
-    while (step) {
-      if (auto objection = object(bus, options)) co_return tl::unexpected(std::move(*objection));
-      auto result = co_await perform(bus, std::move(*step), options.deadline);
-      step = script.resume(std::move(result));
-    }
-    co_return script.take();
+    if (!bus) co_return tl::unexpected(not_open());
+    // Steps of one verb all go to the link it began on: after a loss another module may be there.
+    options.objection = [this, bus, more = std::move(options.objection)]() {
+      if (bus != bus_) return std::optional(not_open());
+      return more ? more() : std::nullopt;
+    };
+    auto result = co_await bus->run(std::move(script), std::move(options));
+    co_return result;
   }
 
   /// One scan at a time: set while one runs.
@@ -93,15 +88,8 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   void emit(GatewayEvent event);
 
  private:
-  std::optional<tmcl::Error> object(const std::shared_ptr<tmcl::Bus>& bus,
-                                    const RunOptions& options) const;
   tmcl::Error not_open() const;
-  boost::asio::awaitable<tmcl::StepResult> perform(std::shared_ptr<tmcl::Bus> bus, tmcl::Step step,
-                                                   std::optional<tmcl::TimePoint> deadline);
   boost::asio::awaitable<void> rest(tmcl::Duration duration);
-  static boost::asio::awaitable<tmcl::Result<tmcl::Answer>> exchange(
-      std::shared_ptr<tmcl::Bus> bus, tmcl::step::Exchange exchange,
-      std::optional<tmcl::TimePoint> deadline);
 
   static boost::asio::awaitable<void> serve(std::shared_ptr<GatewayBus> self);
   boost::asio::awaitable<bool> open();

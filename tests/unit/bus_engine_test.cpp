@@ -87,6 +87,21 @@ TEST(BusEngine, AStopRemovesQueuedMovementsOfItsMotorOnly) {
   EXPECT_EQ(std::ranges::count(bus.sent(), mvp(1, 100)), 0);
 }
 
+TEST(BusEngine, AStopRemovesMovementsOfSeveralMotorsIfItsOwnIsOneOfThem) {
+  constexpr Request first_and_third{ModuleAddress{1}, Command::MVP, 2, 0x45, 7};
+  constexpr Request second{ModuleAddress{1}, Command::MVP, 2, 0x82, 7};
+  ScriptedBus bus;
+  bus.add_module(1);
+  bus.submit(gap(1));
+  const auto doomed = bus.submit(first_and_third);
+  const auto others = bus.submit(second);
+  bus.submit(mst(1));
+  bus.settle();
+  ASSERT_FALSE(bus.result(doomed));
+  EXPECT_EQ(bus.result(doomed).error().code, Errc::superseded_by_stop);
+  EXPECT_TRUE(bus.result(others));
+}
+
 TEST(BusEngine, AStopGoesOutAtOnceWhenTheLineIsNotInStep) {
   ScriptedBus bus;
   bus.submit(mvp(1, 100));

@@ -106,28 +106,26 @@ class FakeWire {
   End end_;
 };
 
-constexpr auto two_axes = R"(
+constexpr std::string_view bench_bus = R"(
 [[bus]]
 name = "bench"
 link = "serial:/dev/none@115200"
 reply_timeout_ms = 500
-
-[[axis]]
-name = "x"
-bus = "bench"
-address = 1
-motor = 0
-
-[[axis]]
-name = "y"
-bus = "bench"
-address = 1
-motor = 1
 )";
+
+/// Of module 1 on the bench; `more` are further lines.
+inline std::string axis_section(const std::string& name, int motor, const std::string& more = {}) {
+  return "[[axis]]\nname = \"" + name +
+         "\"\nbus = \"bench\"\naddress = 1\nmotor = " + std::to_string(motor) + '\n' + more;
+}
+
+inline std::string two_axes() {
+  return std::string(bench_bus) + axis_section("x", 0) + axis_section("y", 1);
+}
 
 class TestDaemon {
  public:
-  explicit TestDaemon(const std::string& toml = two_axes) {
+  explicit TestDaemon(const std::string& toml = two_axes()) {
     silence_log();
     // As in main().
     std::signal(SIGPIPE, SIG_IGN);

@@ -82,7 +82,7 @@ TEST_F(DaemonLink, SilentModuleIsFoundAgain) {
 }
 
 TEST(DaemonLinkMissing, IsToldAndDoesNotKeepOthersWaiting) {
-  TestDaemon daemon(std::string(two_axes) + R"(
+  TestDaemon daemon(two_axes() + R"(
 [[bus]]
 name = "other"
 link = "serial:/dev/none2"

@@ -96,37 +96,17 @@ TEST_F(DaemonUnits, LeaveTheRangeOfWhatTheyScaleToTheModule) {
   EXPECT_THAT(text(error.at("message")), HasSubstr("outside 0..18"));
 }
 
-constexpr auto spindle = R"(
-[[bus]]
-name = "bench"
-link = "serial:/dev/none@115200"
-reply_timeout_ms = 500
-
-[[axis]]
-name = "x"
-bus = "bench"
-address = 1
-motor = 0
-unit = "mm"
-units_per_revolution = 5.0
-
-[[axis]]
-name = "back"
-bus = "bench"
-address = 1
-motor = 1
+std::string spindle() {
+  return std::string(bench_bus) +
+         axis_section("x", 0, "unit = \"mm\"\nunits_per_revolution = 5.0\n") +
+         axis_section("back", 1, R"(
 unit = "deg"
 units_per_revolution = 360
 reverse = true
 full_steps = 400
 microsteps = 16
-
-[[axis]]
-name = "plain"
-bus = "bench"
-address = 1
-motor = 2
-)";
+)") + axis_section("plain", 2);
+}
 
 class DaemonScale : public testing::Test {
  protected:
@@ -158,7 +138,7 @@ class DaemonScale : public testing::Test {
     return text(error.at("message"));
   }
 
-  TestDaemon daemon{spindle};
+  TestDaemon daemon{spindle()};
   std::unique_ptr<RpcClient> client;
 };
 

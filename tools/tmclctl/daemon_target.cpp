@@ -395,7 +395,8 @@ Attempt<void> DaemonTarget::hear_arrivals(const ModuleName& module,
   });
   while (result && wanted) {
     result = attempt(daemon_.listen(longest_silence));
-    if (!result && result.error().name == tmcl::client::error_name::cancelled) result = {};
+    if (!result && result.error().name == tmcl::client::error_name::cancelled)
+      result = Attempt<void>{};
     if (wanted) wanted = on_arrival(nullptr);
   }
   daemon_.on_notification({});

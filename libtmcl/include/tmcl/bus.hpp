@@ -8,6 +8,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
@@ -17,6 +18,13 @@
 #include "tmcl/verbs.hpp"
 
 namespace tmcl {
+
+struct RunOptions {
+  /// Goes into every exchange of the verb that has none of its own.
+  std::optional<TimePoint> deadline{};
+  /// Asked before every step; an error ends the verb there, before anything more is sent.
+  std::function<std::optional<Error>()> objection{};
+};
 
 /// Object lifetimes: verbs that have begun (been awaited) keep what they need alive; they end with
 /// Errc::link_lost when the bus is closed or destroyed. Thread safety: none. Use it from its
@@ -32,13 +40,15 @@ class Bus {
 
   /// One exchange. An answer with an error status is an Error with Outcome::refused.
   boost::asio::awaitable<Result<Answer>> execute(Request request, CallOptions options = {});
-  /// Runs a verb to its end.
+  /// Runs a verb to its end, or until there is an objection.
   template <class T>
-  boost::asio::awaitable<T> run(Script<T> script) {
+  boost::asio::awaitable<T> run(Script<T> script, RunOptions options = {}) {
     const auto state = state_;  // the bus may be gone before the verb has ended
     auto step = script.start();
     while (step) {
-      auto result = co_await perform(state, std::move(*step));
+      auto objection = options.objection ? options.objection() : std::nullopt;
+      if (objection) co_return tl::unexpected(std::move(*objection));
+      auto result = co_await perform(state, std::move(*step), options.deadline);
       step = script.resume(std::move(result));
     }
     co_return script.take();
@@ -56,7 +66,8 @@ class Bus {
 
  private:
   class State;
-  static boost::asio::awaitable<StepResult> perform(std::shared_ptr<State> state, Step step);
+  static boost::asio::awaitable<StepResult> perform(std::shared_ptr<State> state, Step step,
+                                                    std::optional<TimePoint> deadline);
 
   std::shared_ptr<State> state_;
 };

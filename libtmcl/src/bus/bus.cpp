@@ -202,7 +202,8 @@ asio::awaitable<Result<Answer>> Bus::execute(Request request, CallOptions option
   co_return std::move(results.front());
 }
 
-asio::awaitable<StepResult> Bus::perform(std::shared_ptr<State> state, Step step) {
+asio::awaitable<StepResult> Bus::perform(std::shared_ptr<State> state, Step step,
+                                         std::optional<TimePoint> deadline) {
   if (auto* pause = std::get_if<step::Pause>(&step)) {
     asio::steady_timer timer(state->executor(), pause->duration);
     co_await timer.async_wait(asio::use_awaitable);
@@ -213,6 +214,9 @@ asio::awaitable<StepResult> Bus::perform(std::shared_ptr<State> state, Step step
     exchanges.push_back(std::move(*one));
   } else {
     exchanges = std::move(std::get<step::ExchangeAll>(step).exchanges);
+  }
+  for (auto& one : exchanges) {
+    if (!one.options.deadline) one.options.deadline = deadline;
   }
   auto results = co_await exchange(state, std::move(exchanges));
   co_return results;
