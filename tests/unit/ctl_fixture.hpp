@@ -46,6 +46,7 @@ class FakeTarget : public Target {
   std::vector<StoppedAxis> stopped;
   ScanResult found;
   bool duplicate_readings = false;
+  std::optional<double> predicted_s;  ///< What every move is said to take.
   AxisUnits counts{"x", tmcl::find_model("TMCM-1110"),
                    tmcl::module_units(tmcl::Tmc429Dividers{2, 3}),
                    tmcl::UserScale{"mm", 5, false, {200, 8}}};
@@ -96,15 +97,15 @@ class FakeTarget : public Target {
     calls.push_back("units " + axis);
     return counts;
   }
-  Attempt<tmcl::Microsteps> move_to(const std::string& axis, tmcl::Microsteps position) override {
+  Attempt<StartedMove> move_to(const std::string& axis, tmcl::Microsteps position) override {
     if (failure) return tl::unexpected(*failure);
     calls.push_back("move_to " + axis + ' ' + std::to_string(position.value));
     from_ = at();
     target_ = position.value;
     began_ = patience_.now();
-    return position;
+    return StartedMove{position, predicted_s};
   }
-  Attempt<tmcl::Microsteps> move_by(const std::string& axis, tmcl::Microsteps distance) override {
+  Attempt<StartedMove> move_by(const std::string& axis, tmcl::Microsteps distance) override {
     return move_to(axis, {at() + distance.value});
   }
   Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override {

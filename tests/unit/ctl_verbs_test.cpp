@@ -47,6 +47,17 @@ TEST_F(CtlVerbs, MoveSaysWhereItGoes) {
   EXPECT_THAT(target.calls, ElementsAre("move_to x -1000"));
 }
 
+TEST_F(CtlVerbs, MoveSaysHowLongItWillTake) {
+  target.predicted_s = 1.204;
+  EXPECT_EQ(run({"move", "x", "10000"}), ExitCode::done);
+  EXPECT_EQ(out, "x moves to 10000 in 1.20 s\n");
+  EXPECT_EQ(json({"move", "x", "7"}).at("predicted_s"), 1.204);
+  screen.terminal = true;
+  screen.width = 100;
+  run({"move", "x", "15000", "--wait"});
+  EXPECT_THAT(err, HasSubstr(" s left"));
+}
+
 TEST_F(CtlVerbs, MoveWaitComesBackWhenItStands) {
   EXPECT_EQ(run({"move", "x", "10000", "--wait"}), ExitCode::done);
   EXPECT_EQ(out, "x stands at 10000\n");

@@ -186,20 +186,19 @@ Attempt<AxisUnits> DaemonTarget::units(const std::string& axis) {
   });
 }
 
-Attempt<tmcl::Microsteps> DaemonTarget::move(std::string_view method, json::object params) {
+Attempt<StartedMove> DaemonTarget::move(std::string_view method, json::object params) {
   params["deadline_ms"] = move_deadline_ms;
   return call(method, std::move(params)).map([](const json::object& moved) {
-    return tmcl::Microsteps{integer_at<std::int32_t>(moved, "target_microsteps")};
+    return StartedMove{{integer_at<std::int32_t>(moved, "target_microsteps")},
+                       number_at(moved, "predicted_s")};
   });
 }
 
-Attempt<tmcl::Microsteps> DaemonTarget::move_to(const std::string& axis,
-                                                tmcl::Microsteps position) {
+Attempt<StartedMove> DaemonTarget::move_to(const std::string& axis, tmcl::Microsteps position) {
   return move("axis.move_to", {{"axis", axis}, {"position_microsteps", position.value}});
 }
 
-Attempt<tmcl::Microsteps> DaemonTarget::move_by(const std::string& axis,
-                                                tmcl::Microsteps distance) {
+Attempt<StartedMove> DaemonTarget::move_by(const std::string& axis, tmcl::Microsteps distance) {
   return move("axis.move_by", {{"axis", axis}, {"distance_microsteps", distance.value}});
 }
 

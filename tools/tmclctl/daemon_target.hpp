@@ -23,8 +23,8 @@ class DaemonTarget final : public Target {
   Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
                               std::int32_t value) override;
   Attempt<AxisUnits> units(const std::string& axis) override;
-  Attempt<tmcl::Microsteps> move_to(const std::string& axis, tmcl::Microsteps position) override;
-  Attempt<tmcl::Microsteps> move_by(const std::string& axis, tmcl::Microsteps distance) override;
+  Attempt<StartedMove> move_to(const std::string& axis, tmcl::Microsteps position) override;
+  Attempt<StartedMove> move_by(const std::string& axis, tmcl::Microsteps distance) override;
   Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override;
   Attempt<void> stop(const std::string& axis) override;
   Attempt<std::vector<StoppedAxis>> stop_all() override;
@@ -45,7 +45,7 @@ class DaemonTarget final : public Target {
 
  private:
   Attempt<boost::json::object> call(std::string_view method, boost::json::object params);
-  Attempt<tmcl::Microsteps> move(std::string_view method, boost::json::object params);
+  Attempt<StartedMove> move(std::string_view method, boost::json::object params);
   AxisReading reading_from(const boost::json::object& state) const;
   Attempt<boost::json::object> stage(const std::vector<std::uint8_t>& bytes);
   /// The parameters "bus" and "address".

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "tmcl/prediction.hpp"
+
 namespace tmclctl {
 namespace {
 
@@ -96,14 +98,18 @@ Attempt<std::vector<AxisRow>> DirectTarget::axes() {
   });
 }
 
-Attempt<std::span<const tmcl::ParameterInfo>> DirectTarget::table_of(tmcl::ModuleAddress module) {
-  const auto known = tables_.find(module);
-  if (known != tables_.end()) return known->second;
+Attempt<const tmcl::Model*> DirectTarget::model_of(tmcl::ModuleAddress module) {
+  const auto known = models_.find(module);
+  if (known != models_.end()) return known->second;
   const auto found = attempt(bus_.module(module).identify());
   if (!found) return tl::unexpected(found.error());
-  const auto* model = tmcl::find_model(found->version.model);
-  const auto table = model != nullptr ? tmcl::axis_parameters(*model) : common_parameters();
-  return tables_[module] = table;
+  return models_[module] = tmcl::find_model(found->version.model);
+}
+
+Attempt<std::span<const tmcl::ParameterInfo>> DirectTarget::table_of(tmcl::ModuleAddress module) {
+  return model_of(module).map([](const tmcl::Model* model) {
+    return model != nullptr ? tmcl::axis_parameters(*model) : common_parameters();
+  });
 }
 
 Attempt<ParameterName> DirectTarget::parameter_of(tmcl::ModuleAddress module,
@@ -159,9 +165,9 @@ Attempt<std::optional<tmcl::ModuleUnits>> read_module_units(Axis& at, const Axis
 Attempt<AxisUnits> DirectTarget::units(const std::string& axis) {
   auto at = axis_at(axis);
   if (!at) return tl::unexpected(at.error());
-  const auto found = attempt(bus_.module(at->address().module).identify());
-  if (!found) return tl::unexpected(found.error());
-  AxisUnits units{axis, tmcl::find_model(found->version.model), {}, {}};
+  const auto model = model_of(at->address().module);
+  if (!model) return tl::unexpected(model.error());
+  AxisUnits units{axis, *model, {}, {}};
   if (units.model == nullptr) return units;
   const auto module = read_module_units(*at, units);
   if (!module) return tl::unexpected(module.error());
@@ -175,14 +181,36 @@ Attempt<AxisUnits> DirectTarget::units(const std::string& axis) {
   return units;
 }
 
-Attempt<tmcl::Microsteps> DirectTarget::move_to(const std::string& axis,
-                                                tmcl::Microsteps position) {
-  return axis_at(axis).and_then([&](Axis at) { return attempt(at.move_to(position)); });
+// Whatever comes of the readings: they only serve to tell more about a move.
+std::optional<tmcl::plan::AxisTwin> DirectTarget::twin_of(Axis& at) {
+  const auto model = model_of(at.address().module);
+  if (!model || *model == nullptr || !tmcl::plan::AxisTwin::of(**model)) return std::nullopt;
+  auto ramp = bus_.run(tmcl::verbs::read_ramp(at.address(), **model));
+  if (!ramp) return std::nullopt;
+  const auto twin = bus_.run(tmcl::verbs::read_twin(at.address(), **model, std::move(*ramp)));
+  return twin ? std::optional(*twin) : std::nullopt;
 }
 
-Attempt<tmcl::Microsteps> DirectTarget::move_by(const std::string& axis,
-                                                tmcl::Microsteps distance) {
-  return axis_at(axis).and_then([&](Axis at) { return attempt(at.move_by(distance)); });
+template <class Move>
+Attempt<StartedMove> DirectTarget::start(const std::string& axis, Move move) {
+  auto at = axis_at(axis);
+  if (!at) return tl::unexpected(at.error());
+  auto twin = twin_of(*at);
+  return attempt(move(*at)).map([&](tmcl::Microsteps goal) {
+    StartedMove started{goal, {}};
+    if (twin) twin->move_to(goal);
+    const auto arrival = twin ? twin->time_to_arrival() : std::nullopt;
+    if (arrival) started.predicted_s = std::chrono::duration<double>(*arrival).count();
+    return started;
+  });
+}
+
+Attempt<StartedMove> DirectTarget::move_to(const std::string& axis, tmcl::Microsteps position) {
+  return start(axis, [&](Axis& at) { return at.move_to(position); });
+}
+
+Attempt<StartedMove> DirectTarget::move_by(const std::string& axis, tmcl::Microsteps distance) {
+  return start(axis, [&](Axis& at) { return at.move_by(distance); });
 }
 
 Attempt<void> DirectTarget::rotate(const std::string& axis, tmcl::InternalVelocity velocity) {

@@ -8,6 +8,7 @@
 #include "names.hpp"
 #include "target.hpp"
 #include "tmcl/blocking.hpp"
+#include "tmcl/plan/axis_twin.hpp"
 
 namespace tmclctl {
 
@@ -26,8 +27,8 @@ class DirectTarget final : public Target {
   Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
                               std::int32_t value) override;
   Attempt<AxisUnits> units(const std::string& axis) override;
-  Attempt<tmcl::Microsteps> move_to(const std::string& axis, tmcl::Microsteps position) override;
-  Attempt<tmcl::Microsteps> move_by(const std::string& axis, tmcl::Microsteps distance) override;
+  Attempt<StartedMove> move_to(const std::string& axis, tmcl::Microsteps position) override;
+  Attempt<StartedMove> move_by(const std::string& axis, tmcl::Microsteps distance) override;
   Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override;
   Attempt<void> stop(const std::string& axis) override;
   Attempt<std::vector<StoppedAxis>> stop_all() override;
@@ -76,6 +77,11 @@ class DirectTarget final : public Target {
   /// Errors: the name of a bus.
   static Attempt<tmcl::ModuleAddress> address_of(const ModuleName& module);
   Attempt<tmcl::blocking::Axis> axis_at(const std::string& name);
+  /// Null for a model that is not known.
+  Attempt<const tmcl::Model*> model_of(tmcl::ModuleAddress module);
+  std::optional<tmcl::plan::AxisTwin> twin_of(tmcl::blocking::Axis& at);
+  template <class Move>
+  Attempt<StartedMove> start(const std::string& axis, Move move);
   Attempt<std::span<const tmcl::ParameterInfo>> table_of(tmcl::ModuleAddress module);
   Attempt<ParameterName> parameter_of(tmcl::ModuleAddress module, const std::string& text);
   void stop_motors(const tmcl::FoundModule& module, std::vector<StoppedAxis>& stopped);
@@ -85,7 +91,7 @@ class DirectTarget final : public Target {
   std::int32_t full_steps_;
   Patience& patience_;
   /// Of the modules that were asked what they are.
-  std::map<tmcl::ModuleAddress, std::span<const tmcl::ParameterInfo>> tables_;
+  std::map<tmcl::ModuleAddress, const tmcl::Model*> models_;
 };
 
 }  // namespace tmclctl

@@ -124,7 +124,11 @@ Records position and velocity, and draws both over time. With --to or --by it st
 records until the axis stands; otherwise it records until the axis stands, or for the time that
 --for gives. Ctrl-C ends the recording, not the move, and draws what there is.
 
+--compare draws beside the movement what the module's ramp generator should make of it, and says by
+how much the two differ: beyond what the time can explain that command and readings took.
+
   tmclctl plot x --by 51200
+  tmclctl plot x --by 51200 --compare
   tmclctl plot x --to 0 --svg move.svg --csv move.csv
   tmclctl rotate x 500; tmclctl plot x --for 3
   tmclctl plot x --by 1000 --csv -               CSV on standard output, no drawing

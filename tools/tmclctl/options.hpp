@@ -67,6 +67,7 @@ struct Plot {
   std::optional<double> for_s;
   std::string svg;  ///< Empty: none.
   std::string csv;  ///< Empty: none; "-": standard output instead of the drawing.
+  bool compare = false;
 };
 struct Raw {
   std::string bus;

@@ -78,6 +78,12 @@ struct AxisReading {
   bool operator==(const AxisReading&) const = default;
 };
 
+/// A move that a module has taken.
+struct StartedMove {
+  tmcl::Microsteps goal;
+  std::optional<double> predicted_s;  ///< How long it will take; nothing where nobody can tell.
+};
+
 struct ScanRange {
   std::uint16_t first = 1;
   std::uint16_t last = 255;
@@ -133,8 +139,8 @@ class Target {
   virtual Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
                                       std::int32_t value) = 0;
   virtual Attempt<AxisUnits> units(const std::string& axis) = 0;
-  virtual Attempt<tmcl::Microsteps> move_to(const std::string& axis, tmcl::Microsteps position) = 0;
-  virtual Attempt<tmcl::Microsteps> move_by(const std::string& axis, tmcl::Microsteps distance) = 0;
+  virtual Attempt<StartedMove> move_to(const std::string& axis, tmcl::Microsteps position) = 0;
+  virtual Attempt<StartedMove> move_by(const std::string& axis, tmcl::Microsteps distance) = 0;
   virtual Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) = 0;
   virtual Attempt<void> stop(const std::string& axis) = 0;
   virtual Attempt<std::vector<StoppedAxis>> stop_all() = 0;

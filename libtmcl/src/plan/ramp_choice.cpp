@@ -47,27 +47,17 @@ void remark(RampChoice& choice, const RampWish& wish) {
 
 // ---- TMC429 ----
 
-std::int32_t speed_within_a_microstep(const Tmc429Ramp& ramp) {
-  using R = ramp::Tmc429::Register;
-  ramp::Tmc429 chip;
-  chip.write(R::pulse_div, ramp.dividers.pulse);
-  chip.write(R::ramp_div, ramp.dividers.ramp);
-  chip.write(R::a_max, ramp.a_max.value);
-  const auto p = std::ldexp(128.0 + static_cast<double>(chip.read(R::pmul)),
-                            -static_cast<int>(3 + chip.read(R::pdiv)));
-  const auto speed = static_cast<std::int32_t>(std::sqrt(2048 * p));
-  return std::clamp(speed, 1, ramp.v_max.value);
-}
-
 Choice choose_for_tmc429(const RampWish& wish) {
   const auto ramp = choose_tmc429_ramp(wish.velocity, wish.acceleration);
   if (!ramp) return tl::unexpected(ramp.error());
   RampChoice choice;
-  choice.settings = {{pulse_divisor, ramp->dividers.pulse},
-                     {ramp_divisor, ramp->dividers.ramp},
-                     {ap::max_velocity, ramp->v_max.value},
-                     {ap::max_acceleration, ramp->a_max.value},
-                     {minimum_velocity, speed_within_a_microstep(*ramp)}};
+  choice.settings = {
+      {pulse_divisor, ramp->dividers.pulse},
+      {ramp_divisor, ramp->dividers.ramp},
+      {ap::max_velocity, ramp->v_max.value},
+      {ap::max_acceleration, ramp->a_max.value},
+      {minimum_velocity,
+       std::min(speed_within_a_microstep(ramp->dividers, ramp->a_max), ramp->v_max).value}};
   choice.velocity = ramp->velocity();
   choice.acceleration = choice.deceleration = ramp->acceleration();
   return choice;
@@ -188,6 +178,18 @@ Choice choose(const Model& model, const RampWish& wish, const ModuleUnits& units
 }
 
 }  // namespace
+
+InternalVelocity speed_within_a_microstep(Tmc429Dividers dividers,
+                                          InternalAcceleration acceleration) {
+  using R = ramp::Tmc429::Register;
+  ramp::Tmc429 chip;
+  chip.write(R::pulse_div, dividers.pulse);
+  chip.write(R::ramp_div, dividers.ramp);
+  chip.write(R::a_max, acceleration.value);
+  const auto p = std::ldexp(128.0 + static_cast<double>(chip.read(R::pmul)),
+                            -static_cast<int>(3 + chip.read(R::pdiv)));
+  return {std::max(1, static_cast<std::int32_t>(std::sqrt(2048 * p)))};
+}
 
 Choice choose_ramp(const Model& model, const RampWish& wish, const ModuleUnits& units) {
   return choose(model, wish, units).map([&](RampChoice choice) {

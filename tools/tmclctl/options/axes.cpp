@@ -111,7 +111,10 @@ void add_plot(Grammar& grammar) {
   plot.option("--csv", "FILE",
               "Write the samples to this file, too; '-': to standard output instead",
               text(plot->csv));
+  plot.flag("--compare", "Draw the plan of the move as well, and how far the axis was off it",
+            plot->compare);
   plot.object([](const verb::Plot& said, bool json) {
+    if (said.compare && !said.to && !said.by) return "--compare needs a move: --to or --by";
     if (said.to && said.by) return "--to and --by exclude each other";
     return json && said.csv == "-" ? "--json and '--csv -' both want standard output" : "";
   });

@@ -18,7 +18,8 @@ struct Mark {
 struct Picture {
   std::string title;
   std::string time_unit;
-  std::vector<Curve> curves;  ///< At least one; named position, velocity, acceleration or jerk.
+  std::vector<Curve> curves;  ///< At least one; named position, velocity, acceleration, jerk
+                              ///< or difference.
   std::vector<Mark> marks;    ///< Ascending by time.
 };
 

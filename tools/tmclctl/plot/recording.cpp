@@ -11,7 +11,7 @@ namespace {
 
 Curve curve(const Recording& recording, std::string name, std::string unit,
             std::int64_t Sample::*value) {
-  Curve made{std::move(name), std::move(unit), {}, {}};
+  Curve made{std::move(name), std::move(unit), {}, {}, {}};
   for (const auto& sample : recording.samples) {
     made.times.push_back(sample.time);
     made.values.push_back(static_cast<double>(sample.*value));

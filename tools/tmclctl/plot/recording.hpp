@@ -11,6 +11,7 @@ struct Sample {
   double time = 0;
   std::int64_t position = 0;
   std::int64_t velocity = 0;
+  double took = 0;  ///< To read it: it is of some instant between `time` and `took` later.
 };
 
 struct Recording {
@@ -27,6 +28,7 @@ struct Curve {
   std::string unit;
   std::vector<double> times;
   std::vector<double> values;
+  std::vector<double> planned{};  ///< What the values should have been; may be empty.
 };
 
 Curve position_curve(const Recording& recording);

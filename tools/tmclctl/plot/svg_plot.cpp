@@ -39,11 +39,14 @@ constexpr const char* style =
     "    .velocity { stroke: #d9730d }\n"
     "    .acceleration { stroke: #1f9d55 }\n"
     "    .jerk { stroke: #a35bd0 }\n"
+    "    .difference { stroke: #c8413b }\n"
+    "    .planned { stroke-dasharray: 7 5; stroke: #808080 }\n"
     "    .mark { stroke: #808080; stroke-dasharray: 4 3; stroke-width: 1 }\n"
     "    text.position { fill: #2e86de; stroke: none }\n"
     "    text.velocity { fill: #d9730d; stroke: none }\n"
     "    text.acceleration { fill: #1f9d55; stroke: none }\n"
     "    text.jerk { fill: #a35bd0; stroke: none }\n"
+    "    text.difference { fill: #c8413b; stroke: none }\n"
     "  </style>\n";
 
 class Panel {
@@ -51,7 +54,12 @@ class Panel {
   Panel(const Curve& curve, const Scale& time, double top)
       : curve_(curve), time_(time), values_(curve.values, value_ticks), top_(top) {}
 
-  std::string text() const { return frame() + value_axis() + time_grid() + name() + polyline(); }
+  std::string text() const {
+    auto text =
+        frame() + value_axis() + time_grid() + name() + polyline(curve_.values, curve_.name);
+    if (!curve_.planned.empty()) text += polyline(curve_.planned, "planned");
+    return text;
+  }
 
   std::string marks(const std::vector<Mark>& marks) const {
     std::string text;
@@ -132,13 +140,13 @@ class Panel {
     return text;
   }
 
-  std::string polyline() const {
+  std::string polyline(const std::vector<double>& values, const std::string& name) const {
     std::string points;
-    for (std::size_t i = 0; i < curve_.values.size(); ++i) {
+    for (std::size_t i = 0; i < values.size(); ++i) {
       fmt::format_to(std::back_inserter(points), "{}{:.2f},{:.2f}", i == 0 ? "" : " ",
-                     x_of(curve_.times[i]), y_of(curve_.values[i]));
+                     x_of(curve_.times[i]), y_of(values[i]));
     }
-    return fmt::format("  <polyline class=\"curve {}\" points=\"{}\"/>\n", curve_.name, points);
+    return fmt::format("  <polyline class=\"curve {}\" points=\"{}\"/>\n", name, points);
   }
 
   const Curve& curve_;

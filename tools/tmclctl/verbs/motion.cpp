@@ -18,7 +18,7 @@ constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
 constexpr int narrowest_bar = 10;
 constexpr int widest_bar = 40;
 // Of the progress line without its bar.
-constexpr int words_width = 60;
+constexpr int words_width = 72;
 
 tmcl::Duration seconds(double count) {
   return std::chrono::duration_cast<tmcl::Duration>(std::chrono::duration<double>(count));
@@ -29,8 +29,16 @@ double fraction_done(std::int64_t start, std::int64_t goal, std::int64_t positio
                        : static_cast<double>(position - start) / static_cast<double>(goal - start);
 }
 
-Attempt<tmcl::Microsteps> wait_for_arrival(const verb::Move& verb, tmcl::Microsteps goal,
+// "1.4 s left"; empty where nobody can tell.
+std::string time_left(const StartedMove& move, tmcl::Duration passed) {
+  if (!move.predicted_s) return "";
+  const auto passed_s = std::chrono::duration<double>(passed).count();
+  return fmt::format("  {:.1f} s left", std::max(*move.predicted_s - passed_s, 0.0));
+}
+
+Attempt<tmcl::Microsteps> wait_for_arrival(const verb::Move& verb, const StartedMove& move,
                                            Room& room) {
+  const auto goal = move.goal;
   Journey journey{verb.axis, goal, room.patience.now(), follow_interval, {}};
   if (verb.timeout_s) journey.timeout = seconds(*verb.timeout_s);
   ProgressLine line(room.output);
@@ -41,8 +49,9 @@ Attempt<tmcl::Microsteps> wait_for_arrival(const verb::Move& verb, tmcl::Microst
     const auto done =
         std::clamp(fraction_done(*start, goal.value, reading.position.value), 0.0, 1.0);
     const int width = std::clamp(line.screen().width - words_width, narrowest_bar, widest_bar);
-    line.show(fmt::format("{} {} {:3}%  {} of {}  velocity {}", verb.axis,
+    line.show(fmt::format("{} {} {:3}%{}  {} of {}  velocity {}", verb.axis,
                           bar(done, width, line.screen().utf8), static_cast<int>(done * 100),
+                          time_left(move, room.patience.now() - journey.started_at),
                           reading.position.value, goal.value, reading.velocity.value));
   });
 }
@@ -54,13 +63,17 @@ VerbResult run(const verb::Move& verb, Room& room) {
   const auto asked = verb.by ? asked_distance(verb.position, verb.axis, room.target)
                              : asked_position(verb.position, verb.axis, room.target);
   if (!asked) return tl::unexpected(asked.error());
-  const auto goal =
+  const auto move =
       verb.by ? room.target.move_by(verb.axis, *asked) : room.target.move_to(verb.axis, *asked);
-  if (!goal) return tl::unexpected(goal.error());
-  json::object document{{"axis", verb.axis}, {"target_microsteps", goal->value}};
-  auto line = fmt::format("{} moves to {}\n", verb.axis, goal->value);
+  if (!move) return tl::unexpected(move.error());
+  json::object document{
+      {"axis", verb.axis},
+      {"target_microsteps", move->goal.value},
+      {"predicted_s", move->predicted_s ? json::value(*move->predicted_s) : nullptr}};
+  auto line = fmt::format("{} moves to {}{}\n", verb.axis, move->goal.value,
+                          move->predicted_s ? fmt::format(" in {:.2f} s", *move->predicted_s) : "");
   if (verb.wait) {
-    const auto position = wait_for_arrival(verb, *goal, room);
+    const auto position = wait_for_arrival(verb, *move, room);
     if (!position) return tl::unexpected(position.error());
     document["position_microsteps"] = position->value;
     document["reached"] = true;

@@ -5,8 +5,9 @@
 
 #include "asked.hpp"
 #include "following.hpp"
+#include "foresight.hpp"
 #include "output_file.hpp"
-#include "plot/recording.hpp"
+#include "plot/comparison.hpp"
 #include "plot/svg_plot.hpp"
 #include "plot/text_plot.hpp"
 #include "print.hpp"
@@ -42,7 +43,8 @@ class Recorder {
     // The first one counts for the beginning, although it may be a little older or younger.
     const double time_s = samples.empty() ? 0 : since_begin_s;
     if (full() || (!samples.empty() && time_s < samples.back().time + least_distance_s)) return;
-    samples.push_back({time_s, reading.position.value, reading.velocity.value});
+    samples.push_back({time_s, reading.position.value, reading.velocity.value,
+                       std::chrono::duration<double>(reading.age).count()});
     line_.show(fmt::format("recording {}: {:.1f} s  position {}  velocity {}", recording_.axis,
                            time_s, reading.position.value, reading.velocity.value));
   }
@@ -50,6 +52,16 @@ class Recorder {
   bool full() const { return recording_.samples.size() >= most_samples; }
   double seconds() const {
     return std::chrono::duration<double>(room_.patience.now() - begin_).count();
+  }
+
+  /// What the recording is to be compared with.
+  void expect(const tmcl::plan::AxisTwin& twin, plot::Start start) {
+    twin_ = twin;
+    start_ = start;
+  }
+  std::optional<plot::Comparison> comparison() const {
+    if (!twin_ || recording_.samples.empty()) return std::nullopt;
+    return plot::compare(recording_, *twin_, start_);
   }
 
   const plot::Recording& finish() {
@@ -63,6 +75,8 @@ class Recorder {
   tmcl::Duration usual_age_ = tmcl::Duration::max() / 2;
   ProgressLine line_;
   plot::Recording recording_;
+  std::optional<tmcl::plan::AxisTwin> twin_;
+  plot::Start start_;
 };
 
 using MaybeFailure = std::optional<Failure>;
@@ -75,10 +89,21 @@ MaybeFailure record_move(const verb::Plot& verb, Recorder& recorder, Room& room)
   const auto asked = verb.to ? asked_position(*verb.to, verb.axis, room.target)
                              : asked_distance(*verb.by, verb.axis, room.target);
   if (!asked) return asked.error();
-  const auto goal =
+  std::optional<tmcl::plan::AxisTwin> twin;
+  if (verb.compare) {
+    const auto found = twin_of(verb.axis, room.target);
+    if (!found) return found.error();
+    twin = *found;
+  }
+  const double asked_at = recorder.seconds();
+  const auto move =
       verb.to ? room.target.move_to(verb.axis, *asked) : room.target.move_by(verb.axis, *asked);
-  if (!goal) return goal.error();
-  Journey journey{verb.axis, *goal, room.patience.now(), sample_interval, {}};
+  if (!move) return move.error();
+  if (twin) {
+    twin->move_to(move->goal);
+    recorder.expect(*twin, {asked_at, recorder.seconds()});
+  }
+  Journey journey{verb.axis, move->goal, room.patience.now(), sample_interval, {}};
   if (verb.for_s) {
     journey.timeout =
         std::chrono::duration_cast<tmcl::Duration>(std::chrono::duration<double>(*verb.for_s));
@@ -110,7 +135,14 @@ MaybeFailure record_as_it_is(const verb::Plot& verb, Recorder& recorder, Room& r
                              "If it moves, it goes on. " + how_to_stop(verb.axis, room.target));
 }
 
-json::object to_json(const verb::Plot& verb, const plot::Recording& recording) {
+json::object to_json(const plot::Comparison& comparison) {
+  return {{"planned_microsteps", json::array(comparison.planned.begin(), comparison.planned.end())},
+          {"largest_difference_microsteps", comparison.largest},
+          {"largest_difference_at_s", comparison.largest_at}};
+}
+
+json::object to_json(const verb::Plot& verb, const plot::Recording& recording,
+                     const std::optional<plot::Comparison>& comparison) {
   json::array times;
   json::array positions;
   json::array velocities;
@@ -123,15 +155,17 @@ json::object to_json(const verb::Plot& verb, const plot::Recording& recording) {
           {"time_s", std::move(times)},
           {"position_microsteps", std::move(positions)},
           {"velocity_internal", std::move(velocities)},
+          {"comparison", comparison ? json::value(to_json(*comparison)) : json::value(nullptr)},
           {"svg", verb.svg.empty() ? json::value(nullptr) : json::value(verb.svg)},
           {"csv", verb.csv.empty() ? json::value(nullptr) : json::value(verb.csv)}};
 }
 
-void show(const verb::Plot& verb, const plot::Recording& recording, Output& output) {
+void show(const verb::Plot& verb, const plot::Recording& recording, const plot::Picture& picture,
+          Output& output) {
   if (verb.csv == "-") {
     output.out << plot::to_csv(recording);
   } else {
-    output.out << plot::to_text(recording, output.out_screen);
+    output.out << plot::to_text(picture, output.out_screen);
   }
 }
 
@@ -149,15 +183,18 @@ VerbResult run(const verb::Plot& verb, Room& room) {
   const auto failure =
       starts_move ? record_move(verb, recorder, room) : record_as_it_is(verb, recorder, room);
   const auto& recording = recorder.finish();
+  const auto comparison = recorder.comparison();
   if (!recording.samples.empty()) {
-    if (auto written = svg.write(plot::to_svg(recording)); !written)
+    const auto picture =
+        comparison ? plot::picture_of(recording, *comparison) : plot::picture_of(recording);
+    if (auto written = svg.write(plot::to_svg(picture)); !written)
       return tl::unexpected(written.error());
     if (auto written = csv.write(plot::to_csv(recording)); !written)
       return tl::unexpected(written.error());
-    if (!room.output.json) show(verb, recording, room.output);
+    if (!room.output.json) show(verb, recording, picture, room.output);
   }
   if (failure) return tl::unexpected(*failure);
-  if (room.output.json) print_json(to_json(verb, recording), room.output);
+  if (room.output.json) print_json(to_json(verb, recording, comparison), room.output);
   return ExitCode::done;
 }
 

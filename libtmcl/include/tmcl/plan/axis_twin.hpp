@@ -49,6 +49,10 @@ class AxisTwin {
   /// The axis parameters that make a difference to a ramp, in the order in which to set() them.
   static std::vector<std::uint8_t> parameters(const Model& model);
 
+  const Model& model() const { return *model_; }
+  /// Null if it is another generator.
+  const ramp::Tmc429* tmc429() const { return std::get_if<ramp::Tmc429>(&chip_); }
+
   /// As SAP does, for the parameters of a ramp; others make no difference. False, and nothing has
   /// changed, for what the module would refuse.
   bool set(Setting setting);

@@ -49,4 +49,9 @@ struct RampChoice {
 tl::expected<RampChoice, RampOutOfReach> choose_ramp(const Model& model, const RampWish& wish,
                                                      const ModuleUnits& units);
 
+/// The speed that a TMC429 reaches within one microstep: floor(sqrt(2048 p)), where p is what PMUL
+/// and PDIV make. 1 at least.
+InternalVelocity speed_within_a_microstep(Tmc429Dividers dividers,
+                                          InternalAcceleration acceleration);
+
 }  // namespace tmcl::plan

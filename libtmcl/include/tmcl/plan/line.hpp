@@ -1,0 +1,70 @@
+/// Several axes on a straight line: they start together and arrive together.
+///
+/// Every axis gets the part of one common speed and acceleration that its way is of the longest way
+/// (application note AN-035), in register values. What rounding does to the times of arrival is
+/// corrected: the slowest axis rules, and the others get those register values with which their
+/// twins arrive when it does.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "tmcl/clock.hpp"
+#include "tmcl/plan/axis_twin.hpp"
+#include "tmcl/units.hpp"
+
+namespace tmcl::plan {
+
+constexpr std::size_t most_line_axes = 16;
+
+struct LineAxis {
+  AxisTwin twin;  ///< Set as the axis is; stands where the line begins.
+  Microsteps target;
+  PulsesPerSecond velocity;       ///< What the axis may do at most; greater than 0.
+  PulsesPerSecond2 acceleration;  ///< Likewise.
+};
+
+/// How far apart the starts are. The commands go out in the order of Line::order.
+struct StartTimes {
+  Duration interval{};  ///< From one start to the next; 0 where one command starts them all.
+};
+
+/// How an axis moves in a line.
+struct AxisOfLine {
+  std::vector<Setting> settings;  ///< To be written before, in this order; none if it stays.
+  AxisTwin twin;                  ///< With these settings, on its way to the target.
+  Duration start{};               ///< After the first of them.
+  Duration arrival{};             ///< After the start of the first of them; 0 if it stays.
+  bool moves = false;
+};
+
+struct Line {
+  std::vector<AxisOfLine> axes;    ///< As they were given.
+  std::vector<std::size_t> order;  ///< Those that move, in the order in which to start them.
+  Duration duration{};             ///< Until the last of them has arrived.
+  Duration spread{};               ///< Between the first and the last arrival.
+  /// How far off the line it gets at most, as a part of the longest way.
+  double deviation = 0;
+};
+
+/// Why there is no such line, and of which axis that is the fault.
+struct LineError {
+  std::size_t axis = 0;
+  std::string message;  ///< One sentence without a full stop.
+};
+
+/// The dividers of TMC429 modules stay as they are.
+/// Errors: no axis or more than most_line_axes; limits that are not greater than 0; an axis that
+/// would have to be slower than its registers can say; one that does not arrive.
+tl::expected<Line, LineError> plan_line(std::vector<LineAxis> axes, StartTimes starts = {});
+
+/// The settings for a plain trapezoid with these values of the parameters max_velocity and
+/// max_acceleration, with everything else that makes a difference to it: the other accelerations,
+/// bow, minimum velocity.
+std::vector<Setting> trapezoid_settings(const AxisTwin& twin, InternalVelocity velocity,
+                                        InternalAcceleration acceleration);
+
+}  // namespace tmcl::plan

@@ -1,0 +1,316 @@
+#include "tmcl/plan/line.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+#include <optional>
+
+#include <fmt/format.h>
+
+#include "tmcl/conversion.hpp"
+#include "tmcl/parameter.hpp"
+#include "tmcl/plan/ramp_choice.hpp"
+
+namespace tmcl::plan {
+namespace {
+
+namespace ap = axis_parameter;
+using Seconds = std::chrono::duration<double>;
+
+// Register values that come about as near to a time as the ramp generator's ticks allow.
+constexpr Duration near_enough = std::chrono::microseconds(50);
+// What a candidate is worth is only known once a twin has tried it; so many are tried.
+constexpr std::size_t tried_first = 8;
+constexpr std::size_t tried_then = 24;
+// A ramp that is less steep or steeper than the line wants by more than this leaves the line too
+// far.
+constexpr double most_acceleration_change = 0.15;
+constexpr std::int32_t least_speeds_tried = 3;  // to either side
+constexpr std::int32_t speeds_tried_part = 60;
+constexpr int deviation_samples = 200;
+
+std::int64_t way_of(const LineAxis& axis) {
+  return std::int64_t{axis.target.value} - axis.twin.motion().position.value;
+}
+
+double seconds(Duration time) { return Seconds(time).count(); }
+
+/// Values of parameters.
+struct Registers {
+  std::int32_t velocity;      // max_velocity
+  std::int32_t acceleration;  // max_acceleration
+  std::int32_t minimum = 0;   // minimum_velocity of a TMC429; 0: the one that does not creep
+};
+
+// Of a trapezoid or a triangle.
+double time_of(double way, double velocity, double acceleration) {
+  if (velocity * velocity > way * acceleration) return 2 * std::sqrt(way / acceleration);
+  return way / velocity + velocity / acceleration;
+}
+
+/// One axis on its line.
+class Runner {
+ public:
+  Runner(const LineAxis& axis, double part_of_longest)
+      : axis_(axis),
+        way_(static_cast<double>(std::abs(way_of(axis)))),
+        part_(part_of_longest),
+        v_unit_(axis.twin.to_pps(InternalVelocity{1}).value),
+        a_unit_(axis.twin.to_pps2(InternalAcceleration{1}).value),
+        v_range_(range(ap::max_velocity, axis.velocity.value / v_unit_)),
+        a_range_(range(ap::max_acceleration, axis.acceleration.value / a_unit_)) {
+    const auto* chip = axis.twin.tmc429();
+    if (chip == nullptr) return;
+    const auto valid = tmc429_acceleration_range(chip->dividers());
+    a_range_.least = std::max(a_range_.least, valid.least);
+    a_range_.greatest = std::min(a_range_.greatest, valid.greatest);
+  }
+
+  /// Its part of the common speed and acceleration. False if its registers cannot say that.
+  bool choose(double velocity, double acceleration) {
+    v_ideal_ = velocity * part_ / v_unit_;
+    a_ideal_ = acceleration * part_ / a_unit_;
+    const auto v = std::round(std::min<double>(v_ideal_, v_range_.greatest));
+    const auto a = std::round(std::min<double>(a_ideal_, a_range_.greatest));
+    if (v < v_range_.least || a < a_range_.least) return false;
+    return take({static_cast<std::int32_t>(v), static_cast<std::int32_t>(a)});
+  }
+
+  /// The registers with which it takes nearest to this time.
+  void fit(Duration wanted) {
+    if (try_out(chosen_, wanted)) return;
+    for (const auto count : {tried_first, tried_then}) {
+      const double bias = seconds(arrival_) - formula(chosen_);
+      for (const auto& candidate : candidates(seconds(wanted) - bias, count)) {
+        if (try_out(candidate, wanted)) return;
+      }
+    }
+  }
+
+  Duration arrival() const { return arrival_; }
+  AxisOfLine result(Duration start) const {
+    return {trapezoid_settings(axis_.twin, {chosen_.velocity}, {chosen_.acceleration}),
+            run(chosen_), start, start + arrival_, true};
+  }
+
+ private:
+  ValueRange range(std::uint8_t parameter, double limit) const {
+    const auto& row = *find_parameter(axis_parameters(axis_.twin.model()), parameter);
+    return {1, static_cast<std::int32_t>(
+                   std::min<double>(row.maximum, std::floor(limit * (1 + 1e-9))))};
+  }
+
+  std::vector<Setting> settings_of(Registers registers) const {
+    auto settings = trapezoid_settings(axis_.twin, {registers.velocity}, {registers.acceleration});
+    if (registers.minimum != 0) settings.back().value = registers.minimum;
+    return settings;
+  }
+
+  AxisTwin run(Registers registers) const {
+    auto twin = axis_.twin;
+    twin.set(settings_of(registers));
+    twin.move_to(axis_.target);
+    return twin;
+  }
+
+  bool take(Registers registers) {
+    const auto arrival = run(registers).time_to_arrival();
+    if (!arrival) return false;
+    chosen_ = registers;
+    arrival_ = *arrival;
+    return true;
+  }
+
+  // True if that is near enough.
+  bool try_out(Registers registers, Duration wanted) {
+    const auto arrival = run(registers).time_to_arrival();
+    if (!arrival) return false;
+    keep_if_nearer(registers, *arrival, wanted);
+    if (*arrival < wanted) creep_at_the_end(registers, wanted);
+    return std::chrono::abs(arrival_ - wanted) <= near_enough;
+  }
+
+  void keep_if_nearer(Registers registers, Duration arrival, Duration wanted) {
+    if (std::chrono::abs(arrival - wanted) >= std::chrono::abs(arrival_ - wanted)) return;
+    chosen_ = registers;
+    arrival_ = arrival;
+  }
+
+  // What is missing to the time is spent on the last microsteps, where it takes nobody off the
+  // line: the lower a TMC429's minimum velocity, the later it arrives.
+  void creep_at_the_end(Registers registers, Duration wanted) {
+    if (axis_.twin.tmc429() == nullptr) return;
+    std::int32_t late = 0;
+    auto early = settings_of(registers).back().value;
+    while (early - late > 1) {
+      registers.minimum = (early + late) / 2;
+      const auto arrival = run(registers).time_to_arrival();
+      if (!arrival) return;
+      keep_if_nearer(registers, *arrival, wanted);
+      (*arrival < wanted ? early : late) = registers.minimum;
+    }
+  }
+
+  double formula(Registers registers) const {
+    return time_of(way_, registers.velocity * v_unit_, registers.acceleration * a_unit_);
+  }
+
+  // The best first.
+  std::vector<Registers> candidates(double time_s, std::size_t count) const {
+    std::vector<std::pair<double, Registers>> ranked;
+    const auto consider = [&](double velocity, double acceleration) {
+      for (const double a : {std::floor(acceleration), std::ceil(acceleration)}) {
+        if (!(a >= a_range_.least && a <= a_range_.greatest)) continue;
+        if (std::abs(a / a_ideal_ - 1) > most_acceleration_change) continue;
+        const Registers registers{static_cast<std::int32_t>(velocity),
+                                  static_cast<std::int32_t>(a)};
+        ranked.emplace_back(std::abs(formula(registers) - time_s), registers);
+      }
+    };
+    const auto middle = static_cast<std::int32_t>(std::lround(v_ideal_));
+    const auto reach = std::max(least_speeds_tried, middle / speeds_tried_part);
+    const auto last = std::min(middle + reach, v_range_.greatest);
+    const auto step = std::max(1, reach / 50);
+    for (auto v = std::max(middle - reach, v_range_.least); v <= last; v += step) {
+      const double velocity = v * v_unit_;
+      const double ramp_s = time_s - way_ / velocity;
+      const double triangle = 4 * way_ / (time_s * time_s);
+      const bool is_triangle = velocity * velocity > way_ * triangle;
+      if (!is_triangle && ramp_s <= 0) continue;
+      consider(v, (is_triangle ? triangle : velocity / ramp_s) / a_unit_);
+    }
+    const auto end = ranked.begin() + static_cast<std::ptrdiff_t>(std::min(count, ranked.size()));
+    std::partial_sort(ranked.begin(), end, ranked.end(),
+                      [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<Registers> best;
+    for (auto it = ranked.begin(); it != end; ++it) best.push_back(it->second);
+    return best;
+  }
+
+  const LineAxis& axis_;
+  double way_;
+  double part_;
+  double v_unit_;
+  double a_unit_;
+  ValueRange v_range_;
+  ValueRange a_range_;
+  double v_ideal_ = 0;
+  double a_ideal_ = 0;
+  Registers chosen_{};
+  Duration arrival_{};
+};
+
+std::optional<LineError> fault_of(std::span<const LineAxis> axes) {
+  if (axes.empty() || axes.size() > most_line_axes)
+    return LineError{0,
+                     fmt::format("a line has 1 to {} axes, not {}", most_line_axes, axes.size())};
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (!(axes[i].velocity.value > 0 && std::isfinite(axes[i].velocity.value)))
+      return LineError{i, "its greatest velocity must be greater than 0"};
+    if (!(axes[i].acceleration.value > 0 && std::isfinite(axes[i].acceleration.value)))
+      return LineError{i, "its greatest acceleration must be greater than 0"};
+    if (axes[i].twin.motion().velocity.value != 0)
+      return LineError{i, "it moves; a line begins at standstill"};
+  }
+  return std::nullopt;
+}
+
+/// How far off the line it gets when all go their own ways in time.
+double deviation_of(const Line& line, std::span<const LineAxis> axes, std::size_t longest) {
+  const double longest_way = static_cast<double>(std::abs(way_of(axes[longest])));
+  std::vector<AxisTwin> twins;
+  for (const auto& axis : line.axes) twins.push_back(axis.twin);
+  std::vector<double> done(axes.size());
+  double worst = 0;
+  const auto step = line.duration / deviation_samples;
+  for (int sample = 0; sample <= deviation_samples; ++sample) {
+    const auto now = step * sample;
+    for (const auto i : line.order) {
+      const auto since_start = now - line.axes[i].start;
+      const auto past = twins[i].elapsed() - line.axes[i].twin.elapsed();
+      if (since_start > past) twins[i].advance(since_start - past);
+      const auto gone = twins[i].motion().position.value - axes[i].twin.motion().position.value;
+      done[i] = gone / static_cast<double>(way_of(axes[i]));
+    }
+    for (const auto i : line.order) {
+      const double way = static_cast<double>(std::abs(way_of(axes[i])));
+      worst = std::max(worst, std::abs(done[i] - done[longest]) * way / longest_way);
+    }
+  }
+  return worst;
+}
+
+}  // namespace
+
+std::vector<Setting> trapezoid_settings(const AxisTwin& twin, InternalVelocity velocity,
+                                        InternalAcceleration acceleration) {
+  const auto v = velocity.value;
+  const auto a = acceleration.value;
+  if (const auto* chip = twin.tmc429()) {
+    return {{ap::max_velocity, v},
+            {ap::max_acceleration, a},
+            {130, std::min(speed_within_a_microstep(chip->dividers(), acceleration).value, v)}};
+  }
+  if (twin.model().family == Family::tmc457)
+    return {{ap::max_velocity, v}, {16, a}, {17, a}, {18, 0}};
+  return {{ap::max_velocity, v}, {ap::max_acceleration, a}, {16, 0}, {17, a}, {18, a}};
+}
+
+tl::expected<Line, LineError> plan_line(std::vector<LineAxis> axes, StartTimes starts) {
+  if (auto fault = fault_of(axes)) return tl::unexpected(std::move(*fault));
+  Line line;
+  for (const auto& axis : axes) line.axes.push_back({{}, axis.twin, {}, {}, false});
+  std::int64_t longest_way = 0;
+  std::size_t longest = 0;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    if (way_of(axes[i]) != 0) line.order.push_back(i);
+    if (std::abs(way_of(axes[i])) <= longest_way) continue;
+    longest_way = std::abs(way_of(axes[i]));
+    longest = i;
+  }
+  if (line.order.empty()) return line;
+
+  const auto part_of = [&](std::size_t i) {
+    return static_cast<double>(std::abs(way_of(axes[i]))) / static_cast<double>(longest_way);
+  };
+  auto velocity = std::numeric_limits<double>::infinity();
+  auto acceleration = velocity;
+  for (const auto i : line.order) {
+    velocity = std::min(velocity, axes[i].velocity.value / part_of(i));
+    acceleration = std::min(acceleration, axes[i].acceleration.value / part_of(i));
+  }
+  std::vector<Runner> runners;
+  for (std::size_t i = 0; i < axes.size(); ++i) runners.emplace_back(axes[i], part_of(i));
+  for (const auto i : line.order) {
+    if (runners[i].choose(velocity, acceleration)) continue;
+    return tl::unexpected(LineError{
+        i, fmt::format("its part of the line, {:.3g} of the longest way, is too slow for its "
+                       "registers: {:.4g} microsteps/s, {:.4g} microsteps/s^2",
+                       part_of(i), velocity * part_of(i), acceleration * part_of(i))});
+  }
+
+  // The slowest goes first, so that a late start costs nothing.
+  std::ranges::stable_sort(line.order, std::greater{},
+                           [&](std::size_t i) { return runners[i].arrival(); });
+  const auto start_of = [&](std::size_t place) {
+    return starts.interval * static_cast<int>(place);
+  };
+  for (std::size_t place = 0; place < line.order.size(); ++place)
+    line.duration = std::max(line.duration, start_of(place) + runners[line.order[place]].arrival());
+  const auto end = line.duration;
+  auto earliest = end;
+  for (std::size_t place = 0; place < line.order.size(); ++place) {
+    const auto i = line.order[place];
+    runners[i].fit(end - start_of(place));
+    line.axes[i] = runners[i].result(start_of(place));
+    earliest = std::min(earliest, line.axes[i].arrival);
+    line.duration = std::max(line.duration, line.axes[i].arrival);
+  }
+  line.spread = line.duration - earliest;
+  line.deviation = deviation_of(line, axes, longest);
+  return line;
+}
+
+}  // namespace tmcl::plan

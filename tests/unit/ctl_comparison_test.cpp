@@ -1,0 +1,74 @@
+// A movement beside its plan.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "ctl_fixture.hpp"
+#include "plot/comparison.hpp"
+#include "plot/svg_plot.hpp"
+
+namespace tmclctl::plot {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+using tmcl::plan::AxisTwin;
+
+AxisTwin moving_twin() {
+  auto twin = *AxisTwin::of(*tmcl::find_model("TMCM-1110"));
+  twin.place({1000});
+  twin.move_to({60'000});
+  return twin;
+}
+
+// What somebody sees who looks every 10 ms and began 50 ms before the command.
+Recording seen(AxisTwin twin, double start) {
+  Recording recording{"x", {}};
+  for (int i = 0; i < 300; ++i) {
+    const double time = 0.01 * i;
+    const double since = time - start;
+    if (since > 0) {
+      const auto past = std::chrono::duration<double>(since);
+      twin.advance(std::chrono::duration_cast<tmcl::Duration>(past) - twin.elapsed());
+    }
+    recording.samples.push_back({time, twin.motion().position.value, 0});
+  }
+  return recording;
+}
+
+TEST(CtlComparison, FindsWhenTheModuleTookTheCommand) {
+  const auto recording = seen(moving_twin(), 0.0537);
+  const auto comparison = compare(recording, moving_twin(), {0.04, 0.07});
+  EXPECT_NEAR(comparison.start, 0.0537, 0.0002);
+  // Within the 0.15 ms between two starts that are tried, at 61 microsteps a millisecond.
+  EXPECT_LT(comparison.largest, 10);
+}
+
+TEST(CtlComparison, SaysWhereTheAxisWasOffThePlan) {
+  auto recording = seen(moving_twin(), 0.05);
+  recording.samples[60].position -= 700;
+  const auto comparison = compare(recording, moving_twin(), {0.05, 0.05});
+  EXPECT_NEAR(comparison.largest, 700, 10);
+  EXPECT_DOUBLE_EQ(comparison.largest_at, recording.samples[60].time);
+  const auto picture = picture_of(recording, comparison);
+  EXPECT_THAT(picture.title, HasSubstr("differ by"));
+  EXPECT_THAT(picture.title, HasSubstr("at 0.60 s"));
+  EXPECT_EQ(picture.curves.size(), 3U);
+  const auto svg = to_svg(picture);
+  EXPECT_THAT(svg, HasSubstr("class=\"curve planned\""));
+  EXPECT_THAT(svg, HasSubstr("class=\"curve difference\""));
+}
+
+TEST(CtlComparison, IsOfMovesOfModulesThatAreKnown) {
+  test::Ctl ctl;
+  EXPECT_EQ(ctl.run({"plot", "x", "--compare"}), ExitCode::usage);
+  EXPECT_THAT(ctl.err, HasSubstr("--to or --by"));
+  // The fake axis holds values that no TMCM-1110 can hold.
+  EXPECT_NE(ctl.run({"plot", "x", "--to", "100", "--compare"}), ExitCode::done);
+  EXPECT_THAT(ctl.err, HasSubstr("cannot be foreseen"));
+  ctl.target.counts.model = nullptr;
+  EXPECT_NE(ctl.run({"plot", "x", "--to", "100", "--compare"}), ExitCode::done);
+  EXPECT_THAT(ctl.err, HasSubstr("is not known"));
+}
+
+}  // namespace
+}  // namespace tmclctl::plot

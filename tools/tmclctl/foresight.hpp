@@ -1,0 +1,15 @@
+/// The twin of an axis, whichever way the axis is reached.
+#pragma once
+
+#include <string>
+
+#include "target.hpp"
+#include "tmcl/plan/axis_twin.hpp"
+
+namespace tmclctl {
+
+/// Set as the module is, where the axis is now. Errors: also for a model that is not known, and for
+/// one whose ramp generator nobody has described.
+Attempt<tmcl::plan::AxisTwin> twin_of(const std::string& axis, Target& target);
+
+}  // namespace tmclctl
