@@ -111,14 +111,22 @@ constexpr std::array units_result{
     ResultInfo{"axis", text, "name of the axis"},
     ResultInfo{"model", nullable_text, "model of its module; null if it is not known"},
     ResultInfo{"unit", nullable_text, "what positions are measured in; null if nothing is set"},
-    ResultInfo{"units_per_revolution", nullable_number, "how many of these a turn is"},
+    ResultInfo{"units_per_revolution", nullable_number, "how many of these a turn of the motor is"},
+    ResultInfo{"units_per_output_revolution", nullable_number,
+               "how many of these a turn of what its gear drives is"},
+    ResultInfo{"gear_ratio", nullable_number, "turns of the motor for one of those"},
     ResultInfo{"reverse", nullable_boolean, "they grow in the motor's negative direction"},
     ResultInfo{"microsteps_per_revolution", nullable_number, "null where the module tells none"},
     ResultInfo{"full_steps", nullable_number, "full steps of a turn"},
     ResultInfo{"velocity_unit_pps", nullable_number,
                "what the module's unit of velocity is, in microsteps per second"},
     ResultInfo{"acceleration_unit_pps2", nullable_number,
-               "what its unit of acceleration is, in microsteps per second squared"}};
+               "what its unit of acceleration is, in microsteps per second squared"},
+    ResultInfo{"soft_limit_minimum", nullable_number,
+               "least position that moves may end at, in the unit; null without soft limits"},
+    ResultInfo{"soft_limit_maximum", nullable_number, "the greatest"},
+    ResultInfo{"encoder_counts_per_unit", nullable_number,
+               "what encoder positions count in; null where that is microsteps"}};
 
 // ---- parameter ----
 

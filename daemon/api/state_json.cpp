@@ -43,6 +43,14 @@ void add_user(json::object& out, const GatewayAxis& axis, const std::optional<Us
   out["target"] = user->target.value;
 }
 
+void add_mechanics(json::object& out, const GatewayAxis& axis) {
+  if (const auto& limits = axis.soft_limits()) {
+    out["soft_limit_minimum"] = limits->least.value;
+    out["soft_limit_maximum"] = limits->greatest.value;
+  }
+  if (const auto& counts = axis.encoder_counts_per_unit()) out["encoder_counts_per_unit"] = *counts;
+}
+
 // A motor that the model does not have is a fault of the configuration, not of the module.
 std::string_view state_of(const GatewayAxis& axis) {
   const auto* model = axis.module().model();
@@ -76,9 +84,10 @@ json::object units_json(const GatewayAxis& axis, const std::optional<tmcl::Modul
                         const std::optional<tmcl::UserScale>& scale) {
   json::object out;
   out["axis"] = axis.name();
-  for (const auto* key :
-       {"model", "unit", "units_per_revolution", "reverse", "microsteps_per_revolution",
-        "full_steps", "velocity_unit_pps", "acceleration_unit_pps2"}) {
+  for (const auto* key : {"model", "unit", "units_per_revolution", "units_per_output_revolution",
+                          "gear_ratio", "reverse", "microsteps_per_revolution", "full_steps",
+                          "velocity_unit_pps", "acceleration_unit_pps2", "soft_limit_minimum",
+                          "soft_limit_maximum", "encoder_counts_per_unit"}) {
     out[key] = nullptr;
   }
   if (const auto* model = axis.module().model()) out["model"] = model->name;
@@ -89,7 +98,10 @@ json::object units_json(const GatewayAxis& axis, const std::optional<tmcl::Modul
   }
   if (scale && !scale->unit.empty()) {
     out["unit"] = scale->unit;
-    out["units_per_revolution"] = scale->units_per_revolution;
+    out["units_per_revolution"] = scale->units_per_motor_revolution();
+    out["units_per_output_revolution"] = scale->units_per_revolution;
+    out["gear_ratio"] = scale->gear_ratio;
+    add_mechanics(out, axis);
   }
   if (module) {
     out["velocity_unit_pps"] = module->velocity.value;

@@ -8,7 +8,9 @@
 #include <optional>
 #include <string>
 
-#include "tmcl/conversion.hpp"
+#include <fmt/format.h>
+
+#include "tmcl/mechanics.hpp"
 #include "tmcl/nearest.hpp"
 
 namespace tmcld {
@@ -212,22 +214,82 @@ class Builder {
 
   void add_unit(const ConfigSection& section, ScaleConfig& scale) {
     const auto* unit = section.get<std::string>("unit");
-    const auto* distance = section.get<double>("units_per_revolution");
-    if ((unit == nullptr) != (distance == nullptr)) {
-      return complain(section.place_of(unit != nullptr ? "unit" : "units_per_revolution"),
-                      "'unit' and 'units_per_revolution' belong together: what positions are "
-                      "measured in, and how much of it a turn of the motor is");
+    const auto distance_key = distance_key_of(section);
+    const bool has_distance = section.find(distance_key) != nullptr;
+    if ((unit == nullptr) == has_distance) {
+      return complain(section.place_of(has_distance ? distance_key : "unit"),
+                      "'unit' and 'units_per_revolution' (or 'screw_pitch') belong together: what "
+                      "positions are measured in, and how much of it a turn is");
     }
-    if (unit == nullptr) return;
+    if (unit == nullptr) return complain_without_unit(section);
     if (const auto fault = tmcl::fault_of_unit_name(*unit); !fault.empty())
       complain(section.place_of("unit"), "the unit " + quoted(*unit) + " " + fault);
-    if (!(*distance > 0) || !std::isfinite(*distance)) {
-      complain(section.place_of("units_per_revolution"),
-               "'units_per_revolution' must be greater than 0; for the other direction say "
-               "reverse = true");
-    }
     scale.unit = *unit;
-    scale.units_per_revolution = *distance;
+    constexpr std::string_view other_direction = "; for the other direction say reverse = true";
+    set_positive(section, distance_key, other_direction, scale.units_per_revolution);
+    set_positive(section, "gear_ratio", other_direction, scale.gear_ratio);
+    add_limits(section, scale);
+    add_encoder(section, scale);
+  }
+
+  std::string_view distance_key_of(const ConfigSection& section) {
+    const bool pitch = section.find("screw_pitch") != nullptr;
+    if (pitch && section.find("units_per_revolution") != nullptr) {
+      complain(section.place_of("screw_pitch"),
+               "'screw_pitch' and 'units_per_revolution' both say how much a turn is: give one");
+    }
+    return pitch ? "screw_pitch" : "units_per_revolution";
+  }
+
+  void complain_without_unit(const ConfigSection& section) {
+    for (const std::string_view key : {"gear_ratio", "soft_limits", "encoder_lines",
+                                       "encoder_quadrature", "encoder_counts_per_unit"}) {
+      if (section.find(key) == nullptr) continue;
+      complain(section.place_of(key), quoted(key) + " means nothing without 'unit'");
+    }
+  }
+
+  void set_positive(const ConfigSection& section, std::string_view key, std::string_view advice,
+                    double& target) {
+    const auto* value = section.get<double>(key);
+    if (value == nullptr) return;
+    target = *value;
+    if (*value > 0 && std::isfinite(*value)) return;
+    complain(section.place_of(key),
+             fmt::format("'{}' is {}, but must be greater than 0{}", key, *value, advice));
+  }
+
+  void add_limits(const ConfigSection& section, ScaleConfig& scale) {
+    const auto* limits = section.get<ConfigRange>("soft_limits");
+    if (limits == nullptr) return;
+    const auto [least, greatest] = *limits;
+    if (!(least < greatest) || !std::isfinite(least) || !std::isfinite(greatest)) {
+      complain(section.place_of("soft_limits"),
+               fmt::format("'soft_limits' is [{}, {}], but the first must be less than the second",
+                           least, greatest));
+    }
+    scale.limits = tmcl::SoftLimits{{least}, {greatest}};
+  }
+
+  void add_encoder(const ConfigSection& section, ScaleConfig& scale) {
+    const auto* lines = section.get<std::int64_t>("encoder_lines");
+    const auto* quadrature = section.get<bool>("encoder_quadrature");
+    const bool linear = section.find("encoder_counts_per_unit") != nullptr;
+    if (linear && lines != nullptr) {
+      complain(section.place_of("encoder_counts_per_unit"),
+               "'encoder_counts_per_unit' is for a linear encoder and 'encoder_lines' for one on "
+               "the motor's shaft: give one");
+    }
+    if (quadrature != nullptr && lines == nullptr) {
+      complain(section.place_of("encoder_quadrature"),
+               "'encoder_quadrature' means nothing without 'encoder_lines'");
+    }
+    if (linear)
+      set_positive(section, "encoder_counts_per_unit", "", scale.encoder_counts_per_unit.emplace());
+    if (lines == nullptr || linear) return;
+    const tmcl::ShaftEncoder encoder{static_cast<std::int32_t>(*lines),
+                                     quadrature == nullptr || *quadrature};
+    scale.encoder_counts_per_unit = counts_per_unit(encoder, scale.with_resolution(0));
   }
 
   const BusConfig* find_bus(const ConfigSection& section, const std::string& name) {

@@ -10,6 +10,7 @@
 #include "tmcl/bus_options.hpp"
 #include "tmcl/link.hpp"
 #include "tmcl/link_name.hpp"
+#include "tmcl/mechanics.hpp"
 #include "tmcl/verbs.hpp"
 
 namespace tmcld {
@@ -34,11 +35,20 @@ struct BusConfig {
 
 /// What an axis is measured in.
 struct ScaleConfig {
-  std::string unit;  ///< Empty: none; positions are told in microsteps only.
-  double units_per_revolution = 1;
+  std::string unit;                 ///< Empty: none; positions are told in microsteps only.
+  double units_per_revolution = 1;  ///< Behind the gear.
+  double gear_ratio = 1;
   bool reverse = false;
   std::int32_t full_steps = 200;
   std::optional<std::int32_t> microstep_resolution;  ///< Exponent of two; absent: the module's.
+  std::optional<tmcl::SoftLimits> limits;            ///< Only with a unit; so is the next one.
+  /// Nothing: what the encoder reads is in microsteps, or there is none.
+  std::optional<double> encoder_counts_per_unit;
+
+  /// With so many microsteps of a full step, as an exponent of two.
+  tmcl::UserScale with_resolution(std::int32_t resolution) const {
+    return {unit, units_per_revolution, reverse, {full_steps, resolution}, gear_ratio};
+  }
 };
 
 struct AxisConfig {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "tmcl/conversion.hpp"
+#include "tmcl/mechanics.hpp"
 
 namespace tmcld {
 namespace {
@@ -46,13 +46,24 @@ constexpr auto keys = std::to_array<KeyInfo>({
     {axis, "motor", integer, required, 0, 255, any, "number of the motor on its module, from 0"},
     {axis, "unit", string, optional, 0, 0, any, "what its positions are measured in, such as mm"},
     {axis, "units_per_revolution", number, optional, 0, 0, any,
-     "how many of these units a turn of the motor is"},
+     "how many of these units a turn is: of the motor, or of what its gear drives"},
+    {axis, "screw_pitch", number, optional, 0, 0, any,
+     "how many of these units a turn of the screw is; instead of units_per_revolution"},
+    {axis, "gear_ratio", number, optional, 0, 0, any,
+     "turns of the motor for one turn of what it drives"},
     {axis, "reverse", boolean, optional, 0, 0, any,
      "positions in the unit grow in the motor's negative direction"},
     {axis, "full_steps", integer, optional, 1, tmcl::max_full_steps, any,
      "full steps of a turn of the motor"},
     {axis, "microsteps", integer, optional, 1, 1 << tmcl::max_microstep_resolution, any,
      "microsteps of a full step: a power of two"},
+    {axis, "soft_limits", range, optional, 0, 0, any,
+     "least and greatest position in the unit: moves to beyond are refused"},
+    {axis, "encoder_lines", integer, optional, 1, tmcl::max_encoder_lines, any,
+     "lines of an encoder on the motor's shaft, if its position is read in counts"},
+    {axis, "encoder_quadrature", boolean, optional, 0, 0, any, "four counts to each of its lines"},
+    {axis, "encoder_counts_per_unit", number, optional, 0, 0, any,
+     "counts of a linear encoder in one unit; instead of encoder_lines"},
 });
 
 }  // namespace
@@ -72,6 +83,7 @@ std::string_view name_of(KeyType type) {
     case integer: return "a whole number";
     case number: return "a number";
     case boolean: return "true or false";
+    case range: return "two numbers in brackets, [least, greatest]";
   }
   return {};
 }

@@ -9,7 +9,7 @@
 namespace tmcld {
 
 enum class SectionKind : std::uint8_t { daemon, bus, axis };
-enum class KeyType : std::uint8_t { string, integer, number, boolean };
+enum class KeyType : std::uint8_t { string, integer, number, boolean, range };
 /// On which links a key of [[bus]] means something.
 enum class LinkScope : std::uint8_t { any, can, tcp, serial_framing };
 

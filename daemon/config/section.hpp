@@ -1,6 +1,7 @@
 /// The sections of a configuration file as they stand there, free of the TOML library.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <map>
 #include <string>
@@ -13,8 +14,10 @@
 
 namespace tmcld {
 
+using ConfigRange = std::array<double, 2>;
+
 struct ConfigValue {
-  std::variant<std::string, std::int64_t, double, bool> value;
+  std::variant<std::string, std::int64_t, double, bool, ConfigRange> value;
   Place place;
 };
 

@@ -119,8 +119,17 @@ class Reader {
       case KeyType::boolean:
         if (const auto* flag = node.as_boolean()) return flag->get();
         break;
+      case KeyType::range:
+        if (const auto* list = node.as_array()) return to_range(*list);
+        break;
     }
     return std::nullopt;
+  }
+
+  static std::optional<decltype(ConfigValue::value)> to_range(const toml::array& list) {
+    const bool two = list.size() == 2 && list[0].is_number() && list[1].is_number();
+    if (!two) return std::nullopt;
+    return ConfigRange{*list[0].value<double>(), *list[1].value<double>()};
   }
 
   ConfigText& text_;

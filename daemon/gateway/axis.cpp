@@ -278,12 +278,7 @@ awaitable<std::optional<tmcl::ModuleUnits>> GatewayAxis::module_units() {
 
 awaitable<std::optional<tmcl::UserScale>> GatewayAxis::scale() {
   const auto& config = config_.scale;
-  tmcl::UserScale scale{
-      config.unit, config.units_per_revolution, config.reverse, {config.full_steps, 0}};
-  if (config.microstep_resolution) {
-    scale.steps.resolution = *config.microstep_resolution;
-    co_return scale;
-  }
+  if (config.microstep_resolution) co_return config.with_resolution(*config.microstep_resolution);
   const auto epoch = units_epoch();
   if (!microstep_resolution_ || microstep_resolution_->epoch != epoch) {
     auto script = tmcl::verbs::get(address(), tmcl::axis_parameter::microstep_resolution);
@@ -292,8 +287,7 @@ awaitable<std::optional<tmcl::UserScale>> GatewayAxis::scale() {
     if (!value || *value < 0 || *value > tmcl::max_microstep_resolution) co_return std::nullopt;
     microstep_resolution_ = Known<std::int32_t>{epoch, *value};
   }
-  scale.steps.resolution = microstep_resolution_->value;
-  co_return scale;
+  co_return config.with_resolution(microstep_resolution_->value);
 }
 
 void GatewayAxis::note_set(std::uint8_t parameter) {

@@ -61,6 +61,11 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   tmcl::AxisAddress address() const { return config_.address; }
   /// Empty if the configuration gives it none.
   const std::string& unit() const { return config_.scale.unit; }
+  const std::optional<tmcl::SoftLimits>& soft_limits() const { return config_.scale.limits; }
+  /// Nothing where what the encoder reads is in microsteps.
+  const std::optional<double>& encoder_counts_per_unit() const {
+    return config_.scale.encoder_counts_per_unit;
+  }
   GatewayBus& bus() const { return *bus_; }
   GatewayModule& module() const { return module_; }
   /// The parameters of its model; empty while that is not known.

@@ -124,6 +124,63 @@ TEST(DaemonConfig, ReadsTheScaleOfAnAxis) {
   EXPECT_EQ(whole->axes[0].scale.units_per_revolution, 5);
 }
 
+TEST(DaemonConfig, ReadsWhatAnAxisDrives) {
+  const auto screw =
+      parse_config(std::string(good) +
+                   "unit = \"mm\"\nscrew_pitch = 10\ngear_ratio = 3\nsoft_limits = [-2.5, 300]\n"
+                   "encoder_lines = 1000\n");
+  ASSERT_TRUE(screw) << screw.error().front().message;
+  const auto& scale = screw->axes[0].scale;
+  EXPECT_EQ(scale.units_per_revolution, 10);
+  EXPECT_EQ(scale.gear_ratio, 3);
+  ASSERT_TRUE(scale.limits);
+  EXPECT_EQ(*scale.limits, (tmcl::SoftLimits{{-2.5}, {300}}));
+  EXPECT_EQ(scale.encoder_counts_per_unit, 1200);
+  const auto single = parse_config(std::string(good) +
+                                   "unit = \"deg\"\nunits_per_revolution = 360\n"
+                                   "encoder_lines = 900\nencoder_quadrature = false\n");
+  ASSERT_TRUE(single) << single.error().front().message;
+  EXPECT_EQ(single->axes[0].scale.encoder_counts_per_unit, 2.5);
+  const auto linear = parse_config(
+      std::string(good) + "unit = \"mm\"\nscrew_pitch = 10\nencoder_counts_per_unit = 1000\n");
+  ASSERT_TRUE(linear) << linear.error().front().message;
+  EXPECT_EQ(linear->axes[0].scale.encoder_counts_per_unit, 1000);
+  EXPECT_FALSE(linear->axes[0].scale.limits);
+}
+
+TEST(DaemonConfig, MechanicsThatMakeNoSenseAreRefused) {
+  const auto with = [](const std::string& lines) {
+    return problems(std::string(good) + "unit = \"mm\"\nscrew_pitch = 10\n" + lines);
+  };
+  const auto one = [](std::string_view message) {
+    return ElementsAre(HasSubstr(std::string(message)));
+  };
+  EXPECT_THAT(with("gear_ratio = 0\n"),
+              ElementsAre("f:15:14: 'gear_ratio' is 0, but must be greater than 0; for the other "
+                          "direction say reverse = true"));
+  EXPECT_THAT(with("gear_ratio = nan\n"), one("'gear_ratio' is nan"));
+  EXPECT_THAT(with("units_per_revolution = 10\n"), one("give one"));
+  EXPECT_THAT(with("soft_limits = [5, 5]\n"),
+              ElementsAre("f:15:15: 'soft_limits' is [5, 5], but the first must be less than the "
+                          "second"));
+  EXPECT_THAT(with("soft_limits = [0, inf]\n"), one("[0, inf]"));
+  for (const auto* list : {"5", "[5]", "[1, 2, 3]", "[1, \"2\"]", "[]"}) {
+    EXPECT_THAT(with("soft_limits = " + std::string(list) + "\n"),
+                ElementsAre("f:15:15: 'soft_limits' must be two numbers in brackets, [least, "
+                            "greatest]"))
+        << list;
+  }
+  EXPECT_THAT(with("encoder_lines = 0\n"), one("outside 1.."));
+  EXPECT_THAT(with("encoder_quadrature = true\n"), one("without 'encoder_lines'"));
+  EXPECT_THAT(with("encoder_counts_per_unit = -1\n"), one("greater than 0"));
+  EXPECT_THAT(with("encoder_counts_per_unit = 1\nencoder_lines = 1\n"), one("give one"));
+  for (const auto* line : {"gear_ratio = 2", "soft_limits = [0, 1]", "encoder_lines = 5",
+                           "encoder_counts_per_unit = 5"}) {
+    EXPECT_THAT(problems(std::string(good) + line + '\n'), one("means nothing without 'unit'"));
+  }
+  EXPECT_THAT(problems(std::string(good) + "screw_pitch = 10\n"), one("belong together"));
+}
+
 TEST(DaemonConfig, AScaleThatMakesNoSenseIsRefused) {
   const auto with = [](const std::string& lines) {
     const auto all = problems(good + lines);

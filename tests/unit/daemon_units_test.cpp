@@ -231,8 +231,9 @@ TEST_F(DaemonScale, UnitsSayWhatAnAxisCountsIn) {
   hold(2, 140, -1);
   hold(2, 153, 99);
   const auto plain = client->result("axis.get_units", {{"axis", "plain"}});
-  for (const auto* key : {"unit", "units_per_revolution", "reverse", "microsteps_per_revolution",
-                          "velocity_unit_pps"}) {
+  for (const auto* key :
+       {"unit", "units_per_revolution", "reverse", "microsteps_per_revolution", "velocity_unit_pps",
+        "gear_ratio", "soft_limit_minimum", "encoder_counts_per_unit"}) {
     EXPECT_TRUE(plain.at(key).is_null()) << key;
   }
 }

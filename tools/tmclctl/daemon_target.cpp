@@ -78,8 +78,19 @@ ParameterValue value_from(const json::object& row) {
 std::optional<tmcl::UserScale> scale_from(const json::object& row) {
   const auto microsteps = integer_at<std::int32_t>(row, "microsteps_per_revolution");
   if (microsteps <= 0) return std::nullopt;
-  const auto of_turn = number_at(row, "units_per_revolution").value_or(1);
-  return tmcl::UserScale{text_at(row, "unit"), of_turn, flag_at(row, "reverse"), {microsteps, 0}};
+  const auto of_turn = number_at(row, "units_per_output_revolution").value_or(1);
+  return tmcl::UserScale{text_at(row, "unit"),
+                         of_turn,
+                         flag_at(row, "reverse"),
+                         {microsteps, 0},
+                         number_at(row, "gear_ratio").value_or(1)};
+}
+
+std::optional<tmcl::SoftLimits> limits_from(const json::object& row) {
+  const auto least = number_at(row, "soft_limit_minimum");
+  const auto greatest = number_at(row, "soft_limit_maximum");
+  if (!least || !greatest) return std::nullopt;
+  return tmcl::SoftLimits{{*least}, {*greatest}};
 }
 
 std::optional<tmcl::ModuleUnits> module_units_from(const json::object& row) {
@@ -181,8 +192,12 @@ Attempt<ParameterValue> DaemonTarget::set(const std::string& axis, const std::st
 
 Attempt<AxisUnits> DaemonTarget::units(const std::string& axis) {
   return call("axis.get_units", {{"axis", axis}}).map([&](const json::object& row) {
-    return AxisUnits{axis, tmcl::find_model(text_at(row, "model")), module_units_from(row),
-                     scale_from(row)};
+    return AxisUnits{axis,
+                     tmcl::find_model(text_at(row, "model")),
+                     module_units_from(row),
+                     scale_from(row),
+                     limits_from(row),
+                     number_at(row, "encoder_counts_per_unit")};
   });
 }
 

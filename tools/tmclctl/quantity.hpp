@@ -7,7 +7,7 @@
 #include <string_view>
 
 #include "failure.hpp"
-#include "tmcl/conversion.hpp"
+#include "tmcl/mechanics.hpp"
 #include "tmcl/model.hpp"
 
 namespace tmclctl {
@@ -33,6 +33,9 @@ struct AxisUnits {
   std::optional<tmcl::ModuleUnits> module;  ///< Nothing where they are not known.
   /// Nothing where the microsteps of a turn are not known. Its unit is empty if the axis has none.
   std::optional<tmcl::UserScale> scale;
+  std::optional<tmcl::SoftLimits> limits{};  ///< Only tmcld's configuration has them.
+  /// Nothing where what the encoder reads is in microsteps.
+  std::optional<double> encoder_counts_per_unit{};
 
   /// The parameters of the model; empty for one that is not known.
   std::span<const tmcl::ParameterInfo> parameters() const;

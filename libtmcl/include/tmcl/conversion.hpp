@@ -112,13 +112,16 @@ struct UserAcceleration {
 /// How the units of a user lie along an axis.
 struct UserScale {
   std::string unit = "rev";         ///< What people call it.
-  double units_per_revolution = 1;  ///< Of the motor; greater than 0.
+  double units_per_revolution = 1;  ///< Of what the motor drives, behind the gear; greater than 0.
   bool reverse = false;             ///< Positive positions lie in the motor's negative direction.
   MotorSteps steps;
+  double gear_ratio = 1;  ///< Turns of the motor for one of what it drives; greater than 0.
+
+  double units_per_motor_revolution() const { return units_per_revolution / gear_ratio; }
 
   bool operator==(const UserScale&) const = default;
 };
-/// The same motor and direction, measured in revolutions.
+/// The same motor and direction, measured in revolutions of the motor.
 UserScale revolutions(const UserScale& scale);
 /// Why a unit of a user cannot be called this, such as "is too long"; empty if it can. A name has 1
 /// to 16 bytes, letters, '%', '_' and whatever is not ASCII, and is none of the units that there

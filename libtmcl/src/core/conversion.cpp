@@ -62,12 +62,16 @@ bool is_acceleration(std::string_view name) {
          name.find("deceleration") != std::string_view::npos;
 }
 
+double microsteps_per_turn(const UserScale& scale) {
+  return scale.steps.per_revolution() * scale.gear_ratio;
+}
+
 double in_user_units(double microsteps, const UserScale& scale) {
-  return microsteps * scale.units_per_revolution / scale.steps.per_revolution();
+  return microsteps * scale.units_per_revolution / microsteps_per_turn(scale);
 }
 
 double in_microsteps(double user_units, const UserScale& scale) {
-  return user_units * scale.steps.per_revolution() / scale.units_per_revolution;
+  return user_units * microsteps_per_turn(scale) / scale.units_per_revolution;
 }
 
 bool may_be_in_unit(char c) {
