@@ -27,6 +27,8 @@ Answer wait(Call& call);
 Answer get_state(Call& call);
 Answer get_units(Call& call);
 
+Answer move_line(Call& call);
+
 Answer home(Call& call);
 Answer start_home(Call& call);
 Answer stop_home(Call& call);

@@ -23,6 +23,7 @@ enum class FieldType : std::uint8_t {
   text_or_integer,
   texts,     ///< An array of texts.
   integers,  ///< An array of integers.
+  numbers,   ///< An array of numbers.
   object,
   objects,
   nullable_text,

@@ -81,6 +81,18 @@ constexpr std::array target_result{ResultInfo{"target_microsteps", integer, "whe
 constexpr std::array started_move_result{
     target_result.front(), ResultInfo{"predicted_s", nullable_number,
                                       "how many seconds it will take; null where nobody can tell"}};
+constexpr std::array move_line_params{
+    ParamInfo{"axes", texts, required, "names of the axes, on any buses"},
+    ParamInfo{"positions_microsteps", integers, optional, "where each of them is to go"},
+    ParamInfo{"positions", numbers, optional, "the same in the axes' units, instead"}, deadline};
+constexpr std::array move_line_result{
+    ResultInfo{"axes", objects, "axis, target_microsteps and predicted_s of each"},
+    ResultInfo{"predicted_s", number, "when the last of them arrives"},
+    ResultInfo{"spread_s", number, "how much earlier the first of them does, as predicted"},
+    ResultInfo{"deviation", number,
+               "how far off the line they get, as predicted; a part of the longest way"},
+    ResultInfo{"one_command", boolean, "one command has started them all"},
+    ResultInfo{"skew_s", number, "from the first answer to a start to the last one"}};
 constexpr std::array rotate_params{
     axis,
     ParamInfo{"velocity_internal", integer, optional,
@@ -339,6 +351,8 @@ constexpr auto table = std::to_array<MethodInfo>({
      handlers::stop},
     {"axis.wait", "answers when the axis stands at its target", wait_params, wait_result,
      Effect::reads, handlers::wait},
+    {"line.move", "moves several axes so that they start and arrive together", move_line_params,
+     move_line_result, Effect::moves, handlers::move_line},
     {"axis.home", "searches the reference and answers when that has ended", home_params,
      home_result, Effect::moves, handlers::home},
     {"axis.start_home",
@@ -512,6 +526,7 @@ std::string_view name_of(FieldType type) {
     case text_or_integer: return "string or integer";
     case texts: return "array of strings";
     case integers: return "array of integers";
+    case numbers: return "array of numbers";
     case object: return "object";
     case objects: return "array of objects";
     case nullable_text: return "string or null";

@@ -30,6 +30,9 @@ bool has_type(const json::value& value, FieldType type) {
     case FieldType::boolean: return value.is_bool();
     case FieldType::integers:
       return value.is_array() && std::ranges::all_of(value.get_array(), is_whole_number);
+    case FieldType::numbers:
+      return value.is_array() &&
+             std::ranges::all_of(value.get_array(), [](const auto& e) { return e.is_number(); });
     case FieldType::text_or_integer: return value.is_string() || is_whole_number(value);
     case FieldType::texts:
       return value.is_array() &&
@@ -124,6 +127,14 @@ std::vector<std::string> Params::texts(std::string_view name) const {
     all.emplace_back(text.data(), text.size());
   }
   return all;
+}
+
+std::size_t Params::count(std::string_view name) const {
+  return has(name) ? object_.at(name).get_array().size() : 0;
+}
+
+double Params::number_at(std::string_view name, std::size_t index) const {
+  return object_.at(name).get_array().at(index).to_number<double>();
 }
 
 }  // namespace tmcld

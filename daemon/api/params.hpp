@@ -36,6 +36,10 @@ class Params {
   bool is_text(std::string_view name) const { return object_.at(name).is_string(); }
   /// Empty if the parameter is absent.
   std::vector<std::string> texts(std::string_view name) const;
+  /// How many elements an array has; 0 if the parameter is absent.
+  std::size_t count(std::string_view name) const;
+  /// An element of an array, which must be there.
+  double number_at(std::string_view name, std::size_t index) const;
   /// An array of numbers below 32, as a mask: bit n for the number n.
   std::uint32_t mask(std::string_view name) const;
 

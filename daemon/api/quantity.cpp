@@ -52,6 +52,22 @@ awaitable<Lookup<tmcl::UserScale>> user_scale(GatewayAxis& axis, std::string_vie
 
 }  // namespace
 
+namespace {
+
+awaitable<Lookup<tmcl::Microsteps>> in_microsteps(GatewayAxis& axis, std::string_view param,
+                                                  tmcl::UserPosition wish,
+                                                  const tmcl::ParameterInfo* row) {
+  const auto scale = co_await user_scale(axis, param);
+  if (!scale) co_return tl::unexpected(scale.error());
+  tmcl::ValueRange range;
+  if (row != nullptr) range = {row->minimum, row->maximum};
+  const auto value = tmcl::to_microsteps(wish, *scale, range);
+  if (!value) co_return tl::unexpected(out_of_range(param, value.error()));
+  co_return *value;
+}
+
+}  // namespace
+
 awaitable<Lookup<tmcl::Microsteps>> microsteps_of(const Call& call, GatewayAxis& axis,
                                                   std::string_view microsteps,
                                                   std::string_view in_unit,
@@ -59,14 +75,22 @@ awaitable<Lookup<tmcl::Microsteps>> microsteps_of(const Call& call, GatewayAxis&
   const auto plain = plain_value(call, microsteps, in_unit, row);
   if (!plain) co_return tl::unexpected(plain.error());
   if (*plain) co_return tmcl::Microsteps{**plain};
-  const auto scale = co_await user_scale(axis, in_unit);
-  if (!scale) co_return tl::unexpected(scale.error());
-  tmcl::ValueRange range;
-  if (row != nullptr) range = {row->minimum, row->maximum};
-  const tmcl::UserPosition wish{call.params.number(in_unit)};
-  const auto value = tmcl::to_microsteps(wish, *scale, range);
-  if (!value) co_return tl::unexpected(out_of_range(in_unit, value.error()));
-  co_return *value;
+  auto value = co_await in_microsteps(axis, in_unit, {call.params.number(in_unit)}, row);
+  co_return value;
+}
+
+awaitable<Lookup<tmcl::Microsteps>> position_for(const Call& call, GatewayAxis& axis,
+                                                 std::string_view list, std::size_t index) {
+  const auto* row = find_parameter(axis.parameters(), tmcl::axis_parameter::target_position);
+  const double number = call.params.number_at(list, index);
+  if (list == "positions") {
+    auto value = co_await in_microsteps(axis, list, {number}, row);
+    co_return value;
+  }
+  const auto value = static_cast<std::int32_t>(number);
+  if (auto complaint = check_range(row, value, list))
+    co_return tl::unexpected(std::move(*complaint));
+  co_return tmcl::Microsteps{value};
 }
 
 awaitable<Lookup<tmcl::InternalVelocity>> velocity_of(const Call& call, GatewayAxis& axis) {

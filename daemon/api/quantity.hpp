@@ -18,6 +18,11 @@ boost::asio::awaitable<Lookup<tmcl::Microsteps>> microsteps_of(const Call& call,
                                                                std::string_view in_unit,
                                                                const tmcl::ParameterInfo* row);
 
+/// An element of "positions_microsteps", or of "positions": within the range of target_position.
+boost::asio::awaitable<Lookup<tmcl::Microsteps>> position_for(const Call& call, GatewayAxis& axis,
+                                                              std::string_view list,
+                                                              std::size_t index);
+
 /// The parameter "velocity_internal" or the parameter "velocity".
 boost::asio::awaitable<Lookup<tmcl::InternalVelocity>> velocity_of(const Call& call,
                                                                    GatewayAxis& axis);

@@ -95,6 +95,18 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// them. `unit` is empty if it has none. Nothing where the microsteps cannot be known.
   boost::asio::awaitable<std::optional<tmcl::UserScale>> scale();
 
+  /// The twin of the axis as it is now; nothing where it cannot be had, for whatever reason.
+  boost::asio::awaitable<std::optional<tmcl::plan::AxisTwin>> twin(RunOptions options);
+  /// The settings of its ramp, as twin() has found them.
+  std::vector<tmcl::plan::Setting> ramp_settings() const {
+    return ramp_ ? ramp_->value : std::vector<tmcl::plan::Setting>{};
+  }
+  /// When a move that was started in another way should end.
+  void expect_arrival(tmcl::TimePoint time) { expected_arrival_ = time; }
+  /// Whether somebody moves it together with others.
+  bool is_on_line() const { return on_line_; }
+  void set_on_line(bool on_line) { on_line_ = on_line; }
+
   /// Ends with an error when a stop comes; the search ends with it.
   Awaitable<tmcl::Homed> home(tmcl::HomeOptions options, RunOptions movement);
   Awaitable<void> start_home(std::optional<std::int32_t> mode, RunOptions movement);
@@ -123,7 +135,6 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   template <class T>
   Awaitable<T> run(tmcl::Script<tmcl::Result<T>> script, RunOptions options);
   boost::asio::awaitable<void> add_units(AxisReading& reading);
-  boost::asio::awaitable<std::optional<tmcl::plan::AxisTwin>> twin(RunOptions options);
   Awaitable<StartedMove> start(tmcl::Script<tmcl::Result<tmcl::Microsteps>> script, bool predict,
                                RunOptions movement);
   void note_set(std::uint8_t parameter);
@@ -140,6 +151,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   std::uint64_t stops_ = 0;
   /// A reference search was begun here and has not been seen to end.
   bool searching_ = false;
+  bool on_line_ = false;
   /// What was read is known until the module's settings may have changed, also while it is read.
   struct Epoch {
     std::uint64_t settings;

@@ -17,6 +17,7 @@ struct GatewayEvent {
     link_lost,
     link_restored,
     module_silent,   ///< A module that answered before does not any more.
+    line_broken,     ///< Axes that moved together were stopped, because one did not go as planned.
     module_answers,  ///< A module was identified, for the first time or again.
   };
   Kind kind;

@@ -24,6 +24,8 @@ json::value good_value(const ParamInfo& row) {
     case FieldType::text: return "word";
     case FieldType::text_or_integer: return row.minimum;
     case FieldType::texts: return json::array{"word"};
+    case FieldType::integers:
+    case FieldType::numbers: return json::array{0};
     case FieldType::boolean: return true;
     default: return row.minimum;
   }
@@ -38,10 +40,12 @@ json::object good_params(const MethodInfo& method) {
 // What a parameter of this type must never be.
 std::vector<json::value> bad_values(FieldType type) {
   std::vector<json::value> values{nullptr, json::object{}, 1.5, json::array{1}};
-  if (type != FieldType::boolean) values.push_back(true);
   if (type == FieldType::number) std::erase(values, json::value(1.5));
-  if (type == FieldType::text || type == FieldType::texts) values.push_back(7);
+  const bool is_numbers = type == FieldType::integers || type == FieldType::numbers;
+  if (is_numbers) values.back() = json::array{"1"};
+  if (type == FieldType::text || type == FieldType::texts || is_numbers) values.push_back(7);
   if (type == FieldType::integer || type == FieldType::texts) values.push_back("7");
+  if (type != FieldType::boolean) values.push_back(true);
   return values;
 }
 

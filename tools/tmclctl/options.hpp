@@ -44,6 +44,16 @@ struct Move {
   bool wait = false;
   std::optional<double> timeout_s;
 };
+/// Several axes at once.
+struct Line {
+  struct Goal {
+    std::string axis;
+    Quantity position;
+  };
+  std::vector<Goal> goals;
+  bool wait = false;
+  std::optional<double> timeout_s;
+};
 struct Rotate {
   std::string axis;
   Quantity velocity;
@@ -192,11 +202,11 @@ struct Complete {
 
 using Verb =
     std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models, verb::Get,
-                 verb::Set, verb::Move, verb::Rotate, verb::Stop, verb::State, verb::Watch,
-                 verb::Plot, verb::Raw, verb::Simulate, verb::SolveProfile, verb::CheckMint,
-                 verb::Assemble, verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware,
-                 verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask, verb::Arrivals,
-                 verb::Home, verb::Upload, verb::Download, verb::Complete>;
+                 verb::Set, verb::Move, verb::Line, verb::Rotate, verb::Stop, verb::State,
+                 verb::Watch, verb::Plot, verb::Raw, verb::Simulate, verb::SolveProfile,
+                 verb::CheckMint, verb::Assemble, verb::Disassemble, verb::FirmwareInfo,
+                 verb::CheckFirmware, verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask,
+                 verb::Arrivals, verb::Home, verb::Upload, verb::Download, verb::Complete>;
 
 struct Options {
   Where where;

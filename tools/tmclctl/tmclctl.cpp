@@ -30,8 +30,9 @@ bool waits(const Verb& verb) {
     return true;
   const auto* arrivals = std::get_if<verb::Arrivals>(&verb);
   if (arrivals != nullptr) return !arrivals->off;
-  return (move != nullptr && move->wait) || std::holds_alternative<verb::Watch>(verb) ||
-         std::holds_alternative<verb::Plot>(verb);
+  const auto* line = std::get_if<verb::Line>(&verb);
+  return (move != nullptr && move->wait) || (line != nullptr && line->wait) ||
+         std::holds_alternative<verb::Watch>(verb) || std::holds_alternative<verb::Plot>(verb);
 }
 
 bool acts(const Verb& verb) {
@@ -42,9 +43,10 @@ bool acts(const Verb& verb) {
   return std::visit(
       []<class T>(const T&) {
         return std::is_same_v<T, verb::Set> || std::is_same_v<T, verb::Move> ||
-               std::is_same_v<T, verb::Rotate> || std::is_same_v<T, verb::Stop> ||
-               std::is_same_v<T, verb::Plot> || std::is_same_v<T, verb::Raw> ||
-               std::is_same_v<T, verb::Ramp> || std::is_same_v<T, verb::Home>;
+               std::is_same_v<T, verb::Line> || std::is_same_v<T, verb::Rotate> ||
+               std::is_same_v<T, verb::Stop> || std::is_same_v<T, verb::Plot> ||
+               std::is_same_v<T, verb::Raw> || std::is_same_v<T, verb::Ramp> ||
+               std::is_same_v<T, verb::Home>;
       },
       verb);
 }

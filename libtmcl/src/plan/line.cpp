@@ -91,8 +91,7 @@ class Runner {
 
   Duration arrival() const { return arrival_; }
   AxisOfLine result(Duration start) const {
-    return {trapezoid_settings(axis_.twin, {chosen_.velocity}, {chosen_.acceleration}),
-            run(chosen_), start, start + arrival_, true};
+    return {settings_of(chosen_), run(chosen_), start, start + arrival_, true};
   }
 
  private:
@@ -163,7 +162,8 @@ class Runner {
     const auto consider = [&](double velocity, double acceleration) {
       for (const double a : {std::floor(acceleration), std::ceil(acceleration)}) {
         if (!(a >= a_range_.least && a <= a_range_.greatest)) continue;
-        if (std::abs(a / a_ideal_ - 1) > most_acceleration_change) continue;
+        const bool is_near = std::abs(a / a_ideal_ - 1) <= most_acceleration_change;
+        if (!is_near && a != chosen_.acceleration) continue;
         const Registers registers{static_cast<std::int32_t>(velocity),
                                   static_cast<std::int32_t>(a)};
         ranked.emplace_back(std::abs(formula(registers) - time_s), registers);

@@ -23,6 +23,15 @@ Reading read_interval(const std::string& text, std::chrono::milliseconds& interv
   });
 }
 
+Reading read_goal(const std::string& text, std::vector<verb::Line::Goal>& goals) {
+  const auto equals = text.find('=');
+  if (equals == 0 || equals == std::string::npos)
+    return tl::unexpected("'" + text + "' is no AXIS=POSITION");
+  return parse_quantity(std::string_view(text).substr(equals + 1)).map([&](Quantity position) {
+    goals.push_back({text.substr(0, equals), std::move(position)});
+  });
+}
+
 }  // namespace
 
 void add_lists(Grammar& grammar) {
@@ -70,6 +79,18 @@ void add_motion(Grammar& grammar) {
   move.option("--timeout", "SECONDS", "With --wait: give up after so long; the axis goes on",
               number(move->timeout_s, shortest_time_s, longest_time_s));
   move.object([](const verb::Move& said, bool) {
+    return said.timeout_s && !said.wait ? "--timeout says how long to wait, and that needs --wait"
+                                        : "";
+  });
+  auto line = grammar.verb<verb::Line>("line", "Move several axes together along a straight line",
+                                       help_text::line);
+  line.words("AXIS=POSITION", "Where each of them is to go: microsteps, or with a unit",
+             [&goals = line->goals](const std::string& text) { return read_goal(text, goals); });
+  line.flag("--wait", "Wait until all of them stand at their targets", line->wait);
+  line.option("--timeout", "SECONDS", "With --wait: give up after so long; the axes go on",
+              number(line->timeout_s, shortest_time_s, longest_time_s));
+  line.object([](const verb::Line& said, bool) {
+    if (said.goals.empty()) return "name at least one AXIS=POSITION";
     return said.timeout_s && !said.wait ? "--timeout says how long to wait, and that needs --wait"
                                         : "";
   });

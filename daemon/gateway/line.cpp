@@ -1,0 +1,365 @@
+#include "gateway/line.hpp"
+
+#include <algorithm>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/use_awaitable.hpp>
+
+#include "async/gather.hpp"
+
+namespace tmcld {
+namespace {
+
+using boost::asio::awaitable;
+using std::chrono::milliseconds;
+using tmcl::Duration;
+using tmcl::Microsteps;
+using tmcl::plan::Setting;
+using Fault = std::optional<LineFailure>;
+
+namespace ap = tmcl::axis_parameter;
+
+constexpr Duration look_interval = milliseconds(20);
+// A motor may stand for so long at the beginning; a reading may be older than the start.
+constexpr Duration time_to_begin = milliseconds(200);
+constexpr Duration tolerated_delay = std::chrono::seconds(2);
+constexpr Duration time_to_stand = std::chrono::seconds(10);
+// Coordinate 0 is never kept in the EEPROM.
+constexpr std::uint8_t scratch_coordinate = 0;
+constexpr std::uint8_t tmc457_acceleration = 16;
+
+tmcl::TimePoint now() { return std::chrono::steady_clock::now(); }
+
+awaitable<void> rest(Duration duration) {
+  boost::asio::steady_timer timer(co_await boost::asio::this_coro::executor);
+  timer.expires_after(duration);
+  co_await timer.async_wait(boost::asio::use_awaitable);
+}
+
+tmcl::Error broken(std::string message, std::string hint = {}) {
+  tmcl::Error error;
+  error.code = tmcl::Errc::move_interrupted;
+  error.outcome = tmcl::Outcome::done;
+  error.message = std::move(message);
+  error.hint = std::move(hint);
+  return error;
+}
+
+/// What one axis has to do with the line.
+struct Member {
+  std::shared_ptr<GatewayAxis> axis;
+  Microsteps target;
+  RunOptions movement;
+  std::optional<tmcl::plan::AxisTwin> twin{};
+  std::vector<Setting> before{};   // its ramp's settings
+  std::vector<Setting> changed{};  // those that the line has changed, as they were
+  bool moves = false;
+  bool arrived = false;
+  int stood = 0;  // how many looks
+
+  LineFailure failure(tmcl::Error error) const { return {std::move(error), axis->name()}; }
+};
+
+class LineRun : public std::enable_shared_from_this<LineRun> {
+ public:
+  LineRun(std::vector<LineMember> members, Deadline deadline) {
+    for (auto& member : members) {
+      auto movement = member.axis->begin_movement(deadline);
+      members_.push_back({std::move(member.axis), member.target, std::move(movement)});
+    }
+  }
+
+  awaitable<tl::expected<StartedLine, LineFailure>> start() {
+    if (auto fault = co_await take_axes()) co_return tl::unexpected(std::move(*fault));
+    auto fault = co_await look();
+    if (!fault) fault = plan();
+    if (!fault) fault = co_await load();
+    if (!fault) fault = co_await go();
+    if (fault) {
+      if (started_) co_await stop_all();
+      co_await end();
+      co_return tl::unexpected(std::move(*fault));
+    }
+    const auto executor = co_await boost::asio::this_coro::executor;
+    boost::asio::co_spawn(executor, guard(shared_from_this()), boost::asio::detached);
+    co_return line_;
+  }
+
+ private:
+  // The line before may still be about to set the settings back.
+  awaitable<Fault> take_axes() {
+    const auto limit = now() + tolerated_delay;
+    for (auto& member : members_) {
+      while (member.axis->is_on_line() && now() < limit) co_await rest(milliseconds(5));
+      if (!member.axis->is_on_line()) continue;
+      co_return member.failure(
+          tmcl::bad_argument("axis '" + member.axis->name() + "' is on its way along another line",
+                             "wait for it, or stop it"));
+    }
+    for (auto& member : members_) member.axis->set_on_line(true);
+    co_return std::nullopt;
+  }
+
+  awaitable<Fault> look() {
+    for (auto& member : members_) {
+      auto ready = co_await member.axis->be_ready();
+      if (!ready) co_return member.failure(std::move(ready.error()));
+      member.twin = co_await member.axis->twin(member.movement);
+      if (!member.twin) {
+        co_return member.failure(
+            tmcl::bad_argument("how axis '" + member.axis->name() + "' moves cannot be foreseen",
+                               "its module does not answer, or nobody has described its ramps"));
+      }
+      member.before = member.axis->ramp_settings();
+    }
+    auto& first = members_.front();
+    const auto asked = now();
+    const auto answer = co_await first.axis->get(ap::actual_position, {});
+    if (!answer) co_return first.failure(answer.error());
+    round_trip_ = now() - asked;
+    co_return std::nullopt;
+  }
+
+  static std::int32_t setting(const Member& member, std::uint8_t parameter) {
+    const auto found = std::ranges::find(member.before, parameter, &Setting::parameter);
+    return found == member.before.end() ? 0 : found->value;
+  }
+
+  Fault plan() {
+    std::vector<tmcl::plan::LineAxis> axes;
+    for (const auto& member : members_) {
+      const bool is_tmc457 = member.twin->model().family == tmcl::Family::tmc457;
+      const auto acceleration = is_tmc457 ? tmc457_acceleration : ap::max_acceleration;
+      axes.push_back(
+          {*member.twin, member.target,
+           member.twin->to_pps(tmcl::InternalVelocity{setting(member, ap::max_velocity)}),
+           member.twin->to_pps2(tmcl::InternalAcceleration{setting(member, acceleration)})});
+    }
+    line_.one_command = fits_one_command();
+    const bool in_turn = !line_.one_command && is_on_one_bus();
+    auto planned = tmcl::plan::plan_line(std::move(axes), {in_turn ? round_trip_ : Duration{}});
+    if (!planned) {
+      const auto& member = members_[planned.error().axis];
+      return member.failure(
+          tmcl::bad_argument("axis '" + member.axis->name() + "': " + planned.error().message));
+    }
+    line_.plan = std::move(*planned);
+    for (const auto i : line_.plan.order) members_[i].moves = true;
+    return std::nullopt;
+  }
+
+  bool is_on_one_bus() const {
+    return std::ranges::all_of(members_, [&](const Member& member) {
+      return &member.axis->bus() == &members_.front().axis->bus();
+    });
+  }
+
+  bool fits_one_command() const {
+    return members_.size() > 1 && is_on_one_bus() &&
+           std::ranges::all_of(members_, [&](const Member& member) {
+             return member.axis->address().module == members_.front().axis->address().module;
+           });
+  }
+
+  awaitable<Fault> load() {
+    for (const auto i : line_.plan.order) {
+      auto& member = members_[i];
+      for (const auto wanted : line_.plan.axes[i].settings) {
+        const Setting before{wanted.parameter, setting(member, wanted.parameter)};
+        if (before == wanted) continue;
+        member.changed.push_back(before);
+        const auto set = co_await member.axis->set(wanted.parameter, wanted.value, member.movement);
+        if (!set) co_return member.failure(set.error());
+      }
+      if (!line_.one_command) continue;
+      auto script =
+          tmcl::verbs::set_coordinate(member.axis->address(), scratch_coordinate, member.target);
+      const auto told = co_await member.axis->perform(std::move(script), member.movement);
+      if (!told) co_return member.failure(told.error());
+    }
+    co_return std::nullopt;
+  }
+
+  // ---- the starts ----
+
+  struct Started {
+    Fault fault;
+    tmcl::TimePoint first = tmcl::TimePoint::max();
+    tmcl::TimePoint last = tmcl::TimePoint::min();
+  };
+
+  awaitable<Fault> go() {
+    started_ = true;
+    begin_ = now();
+    std::map<GatewayBus*, std::vector<std::size_t>> by_bus;
+    for (const auto i : line_.plan.order) by_bus[&members_[i].axis->bus()].push_back(i);
+    std::vector<awaitable<Started>> tasks;
+    for (const auto& [bus, axes] : by_bus)
+      tasks.push_back(line_.one_command ? start_at_once(axes) : start_in_turn(axes));
+    Started all;
+    for (auto& one : co_await gather(std::move(tasks))) {
+      if (one.fault && !all.fault) all.fault = std::move(one.fault);
+      all.first = std::min(all.first, one.first);
+      all.last = std::max(all.last, one.last);
+    }
+    if (all.last > all.first) line_.skew = all.last - all.first;
+    for (const auto i : line_.plan.order)
+      members_[i].axis->expect_arrival(begin_ + line_.plan.axes[i].arrival);
+    co_return std::move(all.fault);
+  }
+
+  awaitable<Started> start_in_turn(std::vector<std::size_t> axes) {
+    Started started;
+    for (const auto i : axes) {
+      auto& member = members_[i];
+      auto script = tmcl::verbs::move_to(member.axis->address(), member.target);
+      const auto moved = co_await member.axis->perform(std::move(script), member.movement);
+      if (!moved) {
+        started.fault = member.failure(moved.error());
+        break;
+      }
+      started.last = now();
+      started.first = std::min(started.first, started.last);
+    }
+    co_return started;
+  }
+
+  // A stop of any of them is an objection to the command.
+  awaitable<Started> start_at_once(std::vector<std::size_t> axes) {
+    Started started;
+    tmcl::MotorMask motors{};
+    for (const auto i : axes)
+      motors.bits =
+          static_cast<std::uint8_t>(motors.bits | (1U << members_[i].axis->address().motor));
+    RunOptions options;
+    options.deadline = members_.front().movement.deadline;
+    options.objection = [this] { return objection(); };
+    auto& first = members_[axes.front()];
+    auto script = tmcl::verbs::move_motors_to_coordinate(
+        first.axis->address().module, motors, tmcl::Together::each_for_itself, scratch_coordinate);
+    const auto moved = co_await first.axis->perform(std::move(script), std::move(options));
+    if (!moved) started.fault = first.failure(moved.error());
+    started.first = started.last = now();
+    co_return started;
+  }
+
+  std::optional<tmcl::Error> objection() const {
+    for (const auto& member : members_) {
+      if (auto error = member.movement.objection()) return error;
+    }
+    return std::nullopt;
+  }
+
+  // ---- on the way ----
+
+  static awaitable<void> guard(std::shared_ptr<LineRun> self) {
+    Fault fault;
+    while (!fault && !self->all_arrived()) {
+      co_await rest(look_interval);
+      fault = co_await self->look_at_all();
+    }
+    if (fault) {
+      co_await self->stop_all();
+      self->tell(*fault);
+      co_await self->wait_for_standstill();
+    }
+    co_await self->end();
+  }
+
+  bool all_arrived() const {
+    return std::ranges::all_of(
+        members_, [](const Member& member) { return !member.moves || member.arrived; });
+  }
+
+  void tell(const LineFailure& failure) const {
+    const auto member = std::ranges::find(members_, failure.axis,
+                                          [](const Member& one) { return one.axis->name(); });
+    auto& axis = *member->axis;
+    axis.bus().emit({GatewayEvent::Kind::line_broken, axis.bus().name(),
+                     number(axis.address().module), 1 << axis.address().motor,
+                     failure.error.message});
+  }
+
+  awaitable<Fault> look_at_all() {
+    for (auto& member : members_) {
+      if (!member.moves || member.arrived) continue;
+      if (auto stop = member.movement.objection()) co_return member.failure(std::move(*stop));
+      const auto reading = co_await member.axis->read_state();
+      if (!reading) co_return member.failure(reading.error());
+      if (auto fault = judge(member, reading->state)) co_return fault;
+    }
+    co_return std::nullopt;
+  }
+
+  Fault judge(Member& member, const tmcl::AxisState& state) const {
+    const auto name = "axis '" + member.axis->name() + "' ";
+    const bool stands = state.velocity.value == 0;
+    if (stands && state.position == member.target) {
+      member.arrived = true;
+      return std::nullopt;
+    }
+    const auto passed = now() - begin_;
+    if (passed < time_to_begin) return std::nullopt;
+    if (state.target != member.target)
+      return member.failure(broken(name + "was sent elsewhere", "the other axes were stopped"));
+    member.stood = stands ? member.stood + 1 : 0;
+    if (member.stood > 2) {
+      return member.failure(broken(name + "stands at " + std::to_string(state.position.value) +
+                                       ", short of its target " +
+                                       std::to_string(member.target.value),
+                                   "the other axes were stopped"));
+    }
+    if (passed > line_.plan.duration + tolerated_delay) {
+      return member.failure(
+          broken(name + "has not arrived when it should have", "all axes were stopped"));
+    }
+    return std::nullopt;
+  }
+
+  awaitable<void> stop_all() {
+    std::vector<awaitable<tmcl::Result<void>>> stops;
+    for (auto& member : members_) stops.push_back(member.axis->stop());
+    co_await gather(std::move(stops));
+  }
+
+  awaitable<void> wait_for_standstill() {
+    const auto limit = now() + time_to_stand;
+    for (auto& member : members_) {
+      while (now() < limit) {
+        const auto reading = co_await member.axis->read_state();
+        if (!reading || reading->state.velocity.value == 0) break;
+        co_await rest(look_interval);
+      }
+    }
+  }
+
+  awaitable<void> end() {
+    for (auto& member : members_) {
+      for (const auto setting : member.changed)
+        co_await member.axis->set(setting.parameter, setting.value, RunOptions{});
+      member.axis->set_on_line(false);
+    }
+  }
+
+  std::vector<Member> members_;
+  StartedLine line_;
+  Duration round_trip_{};
+  bool started_ = false;
+  tmcl::TimePoint begin_{};
+};
+
+}  // namespace
+
+awaitable<tl::expected<StartedLine, LineFailure>> start_line(std::vector<LineMember> members,
+                                                             Deadline deadline) {
+  const auto run = std::make_shared<LineRun>(std::move(members), deadline);
+  auto started = co_await run->start();
+  co_return started;
+}
+
+}  // namespace tmcld

@@ -1,0 +1,42 @@
+/// Several axes on a straight line: started together, watched until they have arrived together.
+///
+/// The speeds and accelerations of the axes' own settings are the limits. For the line some of them
+/// are lowered, and set back when it is over. Nothing starts before every module has taken its
+/// settings; if one does not go as planned, all are stopped.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/asio/awaitable.hpp>
+#include <tl/expected.hpp>
+
+#include "gateway/axis.hpp"
+#include "tmcl/plan/line.hpp"
+
+namespace tmcld {
+
+struct LineMember {
+  std::shared_ptr<GatewayAxis> axis;
+  tmcl::Microsteps target;
+};
+
+struct LineFailure {
+  tmcl::Error error;
+  std::string axis;  ///< Whose fault it is.
+};
+
+struct StartedLine {
+  tmcl::plan::Line plan;
+  bool one_command = false;  ///< One MVP COORD started all of them.
+  tmcl::Duration skew{};     ///< Between the first and the last module's answer to its start.
+};
+
+/// Returns when all of them have started, and goes on watching; a line that does not end as it
+/// should is told by a GatewayEvent. Different axes, at least one. Errors: nothing has started, or
+/// what had started has been stopped.
+boost::asio::awaitable<tl::expected<StartedLine, LineFailure>> start_line(
+    std::vector<LineMember> members, Deadline deadline);
+
+}  // namespace tmcld

@@ -1,0 +1,102 @@
+// Several axes on a straight line, through the daemon, on simulated modules.
+#include <gmock/gmock.h>
+
+#include "tmcld_fixture.hpp"
+
+namespace tmcl::test {
+namespace {
+
+namespace json = boost::json;
+using testing::HasSubstr;
+
+class TmcldLine : public TmcldTest {
+ protected:
+  void SetUp() override {
+    start_simulator_on_pty();
+    write_config(pty_link());
+    start_daemon();
+    client = std::make_unique<RpcClient>(socket());
+  }
+
+  json::object move(json::array axes, json::array positions) {
+    return client->result("line.move", {{"axes", axes}, {"positions_microsteps", positions}});
+  }
+  std::int64_t setting(const std::string& axis, const std::string& parameter) {
+    return client->result("parameter.get", {{"axis", axis}, {"parameter", parameter}})
+        .at("value")
+        .as_int64();
+  }
+  std::int64_t wait_for(const std::string& axis) {
+    return client->result("axis.wait", {{"axis", axis}, {"timeout_ms", 20'000}})
+        .at("position_microsteps")
+        .as_int64();
+  }
+  // The settings are set back when all of them stand.
+  bool has_its_settings_again(const std::string& axis) {
+    for (int i = 0; i < 200; ++i) {
+      if (setting(axis, "max_velocity") == 1000 && setting(axis, "max_acceleration") == 500)
+        return true;
+      std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    return false;
+  }
+
+  std::unique_ptr<RpcClient> client;
+};
+
+TEST_F(TmcldLine, MotorsOfOneModuleStartWithOneCommand) {
+  const auto line = move({"y", "z"}, {60'000, -15'000});
+  EXPECT_TRUE(line.at("one_command").as_bool());
+  EXPECT_LT(line.at("spread_s").to_number<double>(), 0.01);
+  EXPECT_LT(line.at("deviation").to_number<double>(), 0.012);
+  EXPECT_LT(setting("z", "max_velocity"), 400) << "a quarter of the way, a quarter of the speed";
+  EXPECT_EQ(wait_for("y"), 60'000);
+  EXPECT_EQ(wait_for("z"), -15'000);
+  EXPECT_TRUE(has_its_settings_again("y"));
+  EXPECT_TRUE(has_its_settings_again("z"));
+}
+
+TEST_F(TmcldLine, MotorsOfSeveralModulesStartInTurn) {
+  const auto line = move({"x", "y"}, {30'000, 60'000});
+  EXPECT_FALSE(line.at("one_command").as_bool());
+  EXPECT_GT(line.at("skew_s").to_number<double>(), 0);
+  // At once, along the way back: the settings come back before the next line begins.
+  EXPECT_EQ(wait_for("x"), 30'000);
+  EXPECT_EQ(wait_for("y"), 60'000);
+  move({"x", "y"}, {0, 0});
+  EXPECT_EQ(wait_for("x"), 0);
+  EXPECT_EQ(wait_for("y"), 0);
+  EXPECT_TRUE(has_its_settings_again("x"));
+}
+
+TEST_F(TmcldLine, AStopOfOneStopsAll) {
+  client->result("subscribe", {{"axes", json::array{"x"}}, {"interval_ms", 60'000}});
+  move({"x", "y"}, {4'000'000, 2'000'000});
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  client->result("axis.stop", {{"axis", "x"}});
+  const auto error = client->error("axis.wait", {{"axis", "y"}, {"timeout_ms", 20'000}});
+  EXPECT_EQ(error.at("data").at("name"), "move_interrupted");
+  while (client->notification("notify_event").at("kind") != "line_broken") {
+  }
+  EXPECT_TRUE(has_its_settings_again("x"));
+  EXPECT_TRUE(has_its_settings_again("y"));
+}
+
+TEST_F(TmcldLine, IfOneIsRefusedNoneMoves) {
+  const auto refused = [&](json::array axes, json::array positions) {
+    const auto error =
+        client->error("line.move", {{"axes", axes}, {"positions_microsteps", positions}});
+    return std::string(error.at("message").as_string());
+  };
+  EXPECT_THAT(refused({"y", "z"}, {1000, 9'000'000}), HasSubstr("8388607"));
+  EXPECT_THAT(refused({"y", "z"}, {1'000'000, 10}), HasSubstr("too slow for its registers"));
+  EXPECT_THAT(refused({"y", "z"}, {1000}), HasSubstr("one position for each axis"));
+  EXPECT_THAT(refused({"y", "y"}, {1000, 2000}), HasSubstr("each axis once"));
+  for (const auto* axis : {"y", "z"}) {
+    EXPECT_EQ(client->result("axis.get_state", {{"axis", axis}}).at("position_microsteps"), 0);
+    EXPECT_TRUE(has_its_settings_again(axis));
+  }
+}
+
+}  // namespace
+}  // namespace tmcl::test

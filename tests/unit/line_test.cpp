@@ -1,0 +1,86 @@
+// Lines: the note's figures, axes that stay, and wishes that make no line.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tmcl/plan/line.hpp"
+
+namespace tmcl::plan {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::IsEmpty;
+using Seconds = std::chrono::duration<double>;
+
+LineAxis axis(std::int32_t target, double velocity, double acceleration,
+              const char* model = "TMCM-6212") {
+  auto twin = *AxisTwin::of(*find_model(model));
+  twin.place({0});
+  return {twin, {target}, {velocity}, {acceleration}};
+}
+
+std::int32_t value(const AxisOfLine& axis, std::uint8_t parameter) {
+  const auto found = std::ranges::find(axis.settings, parameter, &Setting::parameter);
+  return found == axis.settings.end() ? -1 : found->value;
+}
+
+// AN-035, equation 1.
+TEST(Line, GivesEachAxisItsPartOfTheLongestWay) {
+  const auto line = plan_line({axis(40'000, 50'000, 200'000), axis(-10'000, 50'000, 200'000),
+                               axis(2'500, 50'000, 200'000)});
+  ASSERT_TRUE(line);
+  EXPECT_NEAR(value(line->axes[0], 4), 50'000, 1);
+  EXPECT_NEAR(value(line->axes[1], 4), 12'500, 12'500 * 0.02);
+  EXPECT_NEAR(value(line->axes[2], 4), 3'125, 3'125 * 0.02);
+  EXPECT_NEAR(value(line->axes[1], 5), 50'000, 50'000 * 0.15);
+  EXPECT_NEAR(value(line->axes[2], 17), 12'500, 12'500 * 0.15);
+  EXPECT_NEAR(Seconds(line->duration).count(), 1.05, 0.005);
+  EXPECT_LT(line->spread, std::chrono::milliseconds(1));
+}
+
+TEST(Line, TheSlowestAxisRules) {
+  const auto line = plan_line(
+      {axis(40'000, 50'000, 200'000), axis(-10'000, 5'000, 200'000), axis(2'500, 50'000, 2'000)});
+  ASSERT_TRUE(line);
+  EXPECT_NEAR(Seconds(line->duration).count(), 2.625, 0.01);
+}
+
+TEST(Line, AnAxisThatIsThereAlreadyStays) {
+  const auto line = plan_line({axis(0, 50'000, 200'000), axis(10'000, 50'000, 200'000)});
+  ASSERT_TRUE(line);
+  EXPECT_THAT(line->order, ElementsAre(1));
+  EXPECT_FALSE(line->axes[0].moves);
+  EXPECT_THAT(line->axes[0].settings, IsEmpty());
+  EXPECT_THAT(plan_line({axis(0, 1, 1)})->order, IsEmpty());
+}
+
+TEST(Line, TheSlowestStartsFirstAndNobodyWaitsForALateStart) {
+  const StartTimes starts{std::chrono::milliseconds(2)};
+  const auto line = plan_line(
+      {axis(2'500, 50'000, 1'500'000, "TMCM-6110"), axis(40'000, 50'000, 1'500'000, "TMCM-6110"),
+       axis(-10'000, 50'000, 1'500'000, "TMCM-6110")},
+      starts);
+  ASSERT_TRUE(line);
+  EXPECT_EQ(line->axes[line->order[1]].start, starts.interval);
+  EXPECT_EQ(line->axes[line->order[2]].start, 2 * starts.interval);
+  EXPECT_LT(line->spread, std::chrono::milliseconds(9));
+}
+
+TEST(Line, SaysWhoseFaultItIsThatThereIsNone) {
+  const auto fault = [](std::vector<LineAxis> axes) { return plan_line(std::move(axes)).error(); };
+  EXPECT_THAT(fault({}).message, HasSubstr("1 to 16 axes"));
+  EXPECT_EQ(fault({axis(1, 1, 1), axis(1, 0, 1)}).axis, 1U);
+  EXPECT_THAT(fault({axis(1, 1, -1)}).message, HasSubstr("acceleration must be greater than 0"));
+  EXPECT_THAT(fault({axis(1, NAN, 1)}).message, HasSubstr("velocity must be"));
+  auto moving = axis(1000, 1000, 1000);
+  moving.twin.rotate({500});
+  moving.twin.advance(std::chrono::seconds(1));
+  EXPECT_THAT(fault({moving}).message, HasSubstr("it moves"));
+  const auto slow = fault(
+      {axis(1'000'000, 50'000, 200'000, "TMCM-6110"), axis(100, 50'000, 200'000, "TMCM-6110")});
+  EXPECT_EQ(slow.axis, 1U);
+  EXPECT_THAT(slow.message, HasSubstr("too slow for its registers"));
+}
+
+}  // namespace
+}  // namespace tmcl::plan

@@ -1,0 +1,104 @@
+// line.
+#include <fmt/format.h>
+#include <boost/json/array.hpp>
+
+#include "asked.hpp"
+#include "following.hpp"
+#include "json_read.hpp"
+#include "print.hpp"
+#include "progress_line.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+
+constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
+
+Attempt<json::object> asked_line(const verb::Line& verb, Target& target) {
+  json::array axes;
+  json::array positions;
+  for (const auto& [axis, position] : verb.goals) {
+    const auto microsteps = asked_position(position, axis, target);
+    if (!microsteps) return tl::unexpected(microsteps.error());
+    axes.emplace_back(axis);
+    positions.emplace_back(microsteps->value);
+  }
+  return json::object{{"axes", std::move(axes)}, {"positions_microsteps", std::move(positions)}};
+}
+
+std::vector<Journey> journeys_of(const verb::Line& verb, const json::object& line,
+                                 tmcl::TimePoint started_at) {
+  std::vector<Journey> journeys;
+  for (const auto& value : array_at(line, "axes")) {
+    const auto& row = value.as_object();
+    Journey journey{text_at(row, "axis"),
+                    {integer_at<std::int32_t>(row, "target_microsteps")},
+                    started_at,
+                    follow_interval,
+                    {}};
+    if (verb.timeout_s) {
+      journey.timeout = std::chrono::duration_cast<tmcl::Duration>(
+          std::chrono::duration<double>(*verb.timeout_s));
+    }
+    journeys.push_back(std::move(journey));
+  }
+  return journeys;
+}
+
+Attempt<void> wait_for_all(const verb::Line& verb, const json::object& line,
+                           tmcl::TimePoint started_at, Room& room) {
+  const double predicted_s = number_at(line, "predicted_s").value_or(0);
+  ProgressLine progress(room.output);
+  for (const auto& journey : journeys_of(verb, line, started_at)) {
+    const auto arrived = follow(journey, room, [&](const AxisReading&) {
+      const auto passed = std::chrono::duration<double>(room.patience.now() - started_at).count();
+      const double done = predicted_s > 0 ? std::clamp(passed / predicted_s, 0.0, 1.0) : 1;
+      constexpr int bar_width = 30;
+      progress.show(fmt::format("{} {:3}%  {:.1f} s left",
+                                bar(done, bar_width, progress.screen().utf8),
+                                static_cast<int>(done * 100), std::max(predicted_s - passed, 0.0)));
+    });
+    if (!arrived) return tl::unexpected(arrived.error());
+  }
+  return {};
+}
+
+void print(const json::object& line, bool arrived, std::ostream& out) {
+  for (const auto& value : array_at(line, "axes")) {
+    const auto& row = value.as_object();
+    out << fmt::format("{} {} {}\n", text_at(row, "axis"), arrived ? "stands at" : "moves to",
+                       integer_at<std::int32_t>(row, "target_microsteps"));
+  }
+  const auto milliseconds = [&](const char* key) { return 1e3 * number_at(line, key).value_or(0); };
+  out << fmt::format(
+      "{:.2f} s; arrivals within {:.2f} ms and {:.2f} % off the line, as predicted; started {}\n",
+      number_at(line, "predicted_s").value_or(0), milliseconds("spread_s"),
+      100 * number_at(line, "deviation").value_or(0),
+      flag_at(line, "one_command") ? "by one command"
+                                   : fmt::format("within {:.2f} ms", milliseconds("skew_s")));
+}
+
+}  // namespace
+
+VerbResult run(const verb::Line& verb, Room& room) {
+  if (auto interrupted = interrupted_before_move(room)) return tl::unexpected(*interrupted);
+  auto params = asked_line(verb, room.target);
+  if (!params) return tl::unexpected(params.error());
+  const auto line = room.target.perform("line.move", std::move(*params), {});
+  if (!line) return tl::unexpected(line.error());
+  const auto started_at = room.patience.now();
+  if (verb.wait) {
+    if (const auto arrived = wait_for_all(verb, *line, started_at, room); !arrived)
+      return tl::unexpected(arrived.error());
+  }
+  if (room.output.json) {
+    print_json(*line, room.output);
+  } else {
+    print(*line, verb.wait, room.output.out);
+  }
+  return ExitCode::done;
+}
+
+}  // namespace tmclctl
