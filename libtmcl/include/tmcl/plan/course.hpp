@@ -1,0 +1,109 @@
+/// A path file as a function of time: where each axis is to be when.
+///
+/// Lines are passed by path.hpp's plans, from rest to rest between dwells. A table with times is
+/// passed as it says: between its rows each axis follows a cubic that meets the rows with a common
+/// velocity, stands at both ends, and never leaves the range between two rows (Fritsch and Carlson,
+/// "Monotone piecewise cubic interpolation", 1980).
+#pragma once
+
+#include <cstddef>
+#include <limits>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "tmcl/plan/path.hpp"
+#include "tmcl/plan/path_file.hpp"
+
+namespace tmcl::plan {
+
+/// How much faster than its limits an axis may be in a table with times: rounding of what was
+/// typed.
+constexpr double timetable_slack = 1e-6;
+
+/// One leg of a course, in the values of ramp generators.
+struct CourseLeg {
+  double begin = 0;
+  double end = 0;
+  std::size_t line = 0;  ///< Of the file.
+  bool speeds_up = false;
+  bool slows_down = false;
+  double start_speed = 0;  ///< Along the path, as the other speeds.
+  double peak_speed = 0;
+  double end_speed = 0;
+  double mean_speed = 0;
+  double acceleration = 0;
+  std::array<AxisRamp, most_path_axes> axis{};
+};
+
+/// Where two legs meet.
+struct Corner {
+  double time = 0;
+  double speed = 0;
+  std::size_t line = 0;  ///< Of the leg that ends here.
+  AxisValues position{};
+};
+
+class Course {
+ public:
+  /// `path` has no arcs. No line is passed faster than `feed`. Errors: a sentence that names the
+  /// line.
+  static tl::expected<Course, std::string> of(
+      const path_file::Path& path, const PathLimits& limits,
+      double feed = std::numeric_limits<double>::infinity());
+
+  std::size_t axes() const { return axes_; }
+  double duration() const;
+  double length() const { return length_; }
+  /// Before 0 the start, after the duration the end; both at rest.
+  PathState at(double t) const;
+  /// The greatest magnitude of an axis' velocity.
+  double top_speed(std::size_t axis) const { return top_speed_[axis]; }
+  AxisValues least() const { return least_; }
+  AxisValues greatest() const { return greatest_; }
+
+  /// Of a table with times there are none.
+  bool has_legs() const { return !timed_; }
+  std::size_t legs() const { return legs_.size(); }
+  CourseLeg leg(std::size_t index) const;
+  /// The slowest corners between two legs, at most so many, ascending by speed.
+  std::vector<Corner> slowest_corners(std::size_t most) const;
+
+ private:
+  struct Rest {
+    AxisValues position{};
+    double duration = 0;
+  };
+  struct Row {
+    double time = 0;
+    AxisValues position{};
+    AxisValues velocity{};
+  };
+  using Timetable = std::vector<Row>;
+  struct Piece {
+    double begin = 0;
+    std::variant<PathPlan, Rest, Timetable> what;
+  };
+  struct LegPlace {
+    std::size_t piece = 0;
+    std::size_t leg = 0;
+    std::size_t line = 0;
+  };
+  class Maker;
+
+  static double duration_of(const Piece& piece);
+  static PathState at(const Timetable& rows, double t);
+
+  std::size_t axes_ = 0;
+  bool timed_ = false;
+  double length_ = 0;
+  AxisValues top_speed_{};
+  AxisValues least_{};
+  AxisValues greatest_{};
+  std::vector<Piece> pieces_;
+  std::vector<LegPlace> legs_;
+};
+
+}  // namespace tmcl::plan

@@ -1,0 +1,172 @@
+/// A course, carried out on the axes of modules: what to tell which axis when, without I/O.
+///
+/// Whoever runs it asks for the next step, does it, and tells what came of it:
+///
+///     while (true) {
+///       const auto step = stream.next(clock.now());
+///       if (std::holds_alternative<StreamEnd>(step)) break;
+///       if (const auto* wait = std::get_if<StreamWait>(&step)) sleep until wait->until;
+///       if (const auto* command = std::get_if<StreamCommand>(&step))
+///         stream.answered(clock.now(), do(*command));
+///     }
+///
+/// First it measures how long a command takes, and that the axes stand where the course starts.
+///
+/// StreamMode::velocity streams velocities (ROR, ROL) of any module. Each update brings the axis to
+/// where the course will be one update later; what the readings of its position differ from that is
+/// corrected slowly. The acceleration parameter is raised while it runs where it has to be. It ends
+/// with a move to the exact end.
+///
+/// StreamMode::position loads the legs of the course one after the other into ramp generators with
+/// start and stop speeds (family sixpoint). The next leg is loaded a little before the present one
+/// ends, so that nothing stands still in between, and with the speed that brings the axis to its
+/// end in time from where its twin is now. Targets are written as parameter 0, which does not start
+/// a motor that somebody stopped.
+///
+/// Before an axis is told anything new, it is asked what it does (parameter 2). If that is not what
+/// it was told, somebody else stopped or turned it, and all axes are stopped. That is the case,
+/// too, when a command fails, when updates come too late, and when a reading is off the course by
+/// too much.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <variant>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "tmcl/clock.hpp"
+#include "tmcl/conversion.hpp"
+#include "tmcl/plan/axis_twin.hpp"
+#include "tmcl/plan/course.hpp"
+
+namespace tmcl::plan {
+
+/// So many updates may be missing before a stream has starved.
+constexpr int most_late_updates = 3;
+/// What part of a difference between course and axis one update makes up for.
+constexpr double correction_of_an_update = 0.5;
+/// What part of a difference between reading and expectation is believed.
+constexpr double trust_in_a_reading = 0.2;
+/// How much of the bus a stream leaves to others, and to chance.
+constexpr double spare_part_of_bus = 0.25;
+constexpr Duration shortest_stream_period = std::chrono::milliseconds(5);
+
+enum class StreamMode : std::uint8_t { velocity, position };
+
+/// An axis of the course, and how its module counts.
+struct StreamAxis {
+  double microsteps_per_unit = 1;  ///< Negative where the axis counts the other way.
+  ModuleUnits units{};
+  std::int32_t greatest_velocity = 0;       ///< That ROR takes, in the module's unit.
+  std::int32_t greatest_acceleration = 0;   ///< That parameter 5 takes, likewise.
+  std::int32_t greatest_stop_velocity = 0;  ///< That parameter 20 takes; position mode only.
+  std::optional<AxisTwin> twin{};           ///< Set as the axis is; position mode only.
+};
+
+struct StreamOptions {
+  StreamMode mode = StreamMode::velocity;
+  /// How far a reading of an axis may be off the course, in its units.
+  double most_deviation = 1;
+  /// Position mode: a leg on which a constant speed stays so close to the course is passed with it,
+  /// and takes fewer commands.
+  double even_within = 0.005;
+};
+
+struct StreamCommand {
+  enum class Kind : std::uint8_t {
+    get,      ///< Read an axis parameter.
+    set,      ///< Write one.
+    rotate,   ///< ROR, or ROL for a negative value.
+    move_to,  ///< MVP ABS.
+    stop,     ///< MST.
+  };
+  Kind kind = Kind::get;
+  std::size_t axis = 0;
+  std::uint8_t parameter = 0;  ///< Of get and set.
+  std::int32_t value = 0;      ///< Of all but get and stop.
+  bool operator==(const StreamCommand&) const = default;
+};
+struct StreamWait {
+  TimePoint until;
+};
+struct StreamEnd {};
+using StreamStep = std::variant<StreamCommand, StreamWait, StreamEnd>;
+/// What get read, 0 for the others; otherwise a sentence without a full stop.
+using StreamAnswer = tl::expected<std::int32_t, std::string>;
+
+/// Why a course was not passed to its end.
+struct StreamFault {
+  enum class Kind : std::uint8_t {
+    asked,         ///< stop() was called.
+    refused,       ///< A command failed.
+    foreign,       ///< An axis does not do what it was told.
+    starved,       ///< Updates came too late.
+    off_course,    ///< A reading was too far off.
+    not_at_start,  ///< Nothing has moved.
+    unsuited,      ///< The course or an axis is not for this mode. Nothing has moved.
+    slow_bus,      ///< The bus does not carry this course in this mode. Nothing has moved.
+    no_end,        ///< An axis did not come to its end, or to rest.
+  };
+  Kind kind = Kind::asked;
+  std::size_t axis = 0;  ///< Of what concerns one axis.
+  std::string message;   ///< One sentence without a full stop; axes are {0}, {1} ...
+};
+
+struct AxisTracking {
+  std::size_t readings = 0;
+  double largest = 0;  ///< The largest difference between reading and course, in units.
+  double squares = 0;
+  double rms() const;
+};
+
+struct StreamReport {
+  Duration round_trip{};        ///< Mean of a command's.
+  Duration worst_round_trip{};  ///< Before anything moved.
+  Duration period{};            ///< Of updates; position mode: the least time for a leg.
+  Duration worst_delay{};       ///< Of an update, or of a leg's load.
+  std::size_t updates = 0;      ///< Velocity mode: of all axes; position mode: legs.
+  std::size_t commands = 0;     ///< While the course was passed.
+  double passed_s = 0;          ///< How long that took.
+  double busy_s = 0;            ///< How much of that commands took.
+  std::vector<AxisTracking> axes;
+  std::optional<StreamFault> fault;
+  /// Sentences without a full stop, such as of a parameter that could not be restored.
+  std::vector<std::string> remarks;
+};
+
+class PathStream {
+ public:
+  enum class Phase : std::uint8_t { before, running, pausing, after, ended };
+
+  /// `course` must outlive it; one StreamAxis for each of its axes.
+  PathStream(const Course& course, std::vector<StreamAxis> axes, StreamOptions options);
+  ~PathStream();
+  PathStream(PathStream&&) noexcept;
+  PathStream& operator=(PathStream&&) noexcept;
+
+  /// Never the same command twice: the answer comes before the next step.
+  StreamStep next(TimePoint now);
+  void answered(TimePoint now, StreamAnswer answer);
+
+  /// All axes are stopped, and the parameters restored.
+  void stop();
+  /// The course is left at no point: time on it goes slower until it stands. In position mode it
+  /// stands where the course itself does next.
+  void pause(bool on);
+
+  Phase phase() const;
+  /// How much of the course has been passed, in its seconds.
+  double passed() const;
+  const StreamReport& report() const;
+
+ private:
+  class Runner;
+  std::unique_ptr<Runner> runner_;
+};
+
+}  // namespace tmcl::plan

@@ -1,0 +1,142 @@
+// A stream of velocities.
+#include <algorithm>
+#include <cmath>
+
+#include "plan/stream_runner.hpp"
+
+namespace tmcl::plan {
+namespace {
+
+namespace ap = axis_parameter;
+using Kind = StreamCommand::Kind;
+
+// A change of velocity is over in this part of an update.
+constexpr double ramp_part_of_update = 0.5;
+// A pause brakes half as hard as the axis' own ramp would: the course may need the rest.
+constexpr double pause_ramps = 2;
+// How many updates are looked at to know how steep a course is.
+constexpr double most_samples = 1e6;
+
+}  // namespace
+
+Script<PathStream::Runner::Fault> PathStream::Runner::prepare_velocities() {
+  const auto commands = static_cast<double>(2 * axes_.size() + 1);
+  const auto needed = duration(seconds(report_.round_trip) * commands / (1 - spare_part_of_bus));
+  report_.period = std::max(shortest_stream_period, needed);
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    auto unknown = co_await know(axis, ap::max_acceleration);
+    if (unknown) co_return unknown;
+    const auto& info = axes_[axis].info;
+    const double wanted =
+        std::ceil(steepest(axis) / ramp_part_of_update * std::abs(info.microsteps_per_unit) /
+                  info.units.acceleration.value);
+    const auto own = axes_[axis].before[ap::max_acceleration];
+    const auto most = std::max(own, info.greatest_acceleration);
+    const auto value = wanted < most ? std::max(own, static_cast<std::int32_t>(wanted)) : most;
+    auto refused = co_await set(axis, ap::max_acceleration, value);
+    if (refused) co_return refused;
+  }
+  set_pause_ramp();
+  co_return std::nullopt;
+}
+
+// In units of the axis per second squared.
+double PathStream::Runner::steepest(std::size_t axis) const {
+  const double step = std::max(seconds(report_.period), course_.duration() / most_samples);
+  double greatest = 0, before = course_.at(0).position[axis], speed = 0;
+  for (double t = step; t < course_.duration() + 2 * step; t += step) {
+    const double position = course_.at(t).position[axis];
+    const double now = (position - before) / step;
+    greatest = std::max(greatest, std::abs(now - speed) / step);
+    before = position;
+    speed = now;
+  }
+  return greatest;
+}
+
+void PathStream::Runner::set_pause_ramp() {
+  double longest = seconds(report_.period);
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    const auto& info = axes_[axis].info;
+    const double acceleration =
+        axes_[axis].before[ap::max_acceleration] * info.units.acceleration.value;
+    const double top = course_.top_speed(axis) * std::abs(info.microsteps_per_unit);
+    if (acceleration > 0) longest = std::max(longest, top / acceleration);
+  }
+  clock_.set_ramp(pause_ramps * longest);
+}
+
+Script<PathStream::Runner::Fault> PathStream::Runner::by_velocity() {
+  const auto start = course_.at(0).position;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    axes_[axis].position = start[axis] * axes_[axis].info.microsteps_per_unit;
+    axes_[axis].at = axes_[axis].due = now_;
+  }
+  clock_.start(now_, clock_.paused());
+  for (std::size_t round = 0;; ++round) {
+    const auto begin = now_;
+    for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+      auto wrong = co_await update(axis);
+      if (wrong) co_return wrong;
+    }
+    ++report_.updates;
+    const auto read = round % axes_.size();
+    auto off = co_await read_position(read);
+    if (off) co_return off;
+    correct(read);
+    clock_.advance(now_);
+    if (clock_.passed() >= course_.duration()) co_return std::nullopt;
+    co_await until(begin + report_.period);
+  }
+}
+
+Script<PathStream::Runner::Fault> PathStream::Runner::update(std::size_t axis) {
+  auto wrong = co_await check(axis);
+  if (!wrong) wrong = asked_to_stop();
+  if (!wrong) wrong = note_delay(now_ - axes_[axis].due, report_.period);
+  if (wrong) co_return wrong;
+  axes_[axis].due = now_ + report_.period;
+  clock_.advance(now_);
+  const auto velocity = velocity_for(axis);
+  if (axes_[axis].velocity == velocity) co_return std::nullopt;
+  co_await command({Kind::rotate, axis, 0, velocity});
+  if (!answer_) co_return refusal(axis);
+  note_velocity(axis, velocity);
+  co_return std::nullopt;
+}
+
+double PathStream::Runner::expected(std::size_t axis, TimePoint at) const {
+  return axes_[axis].position + axes_[axis].pps * seconds(at - axes_[axis].at);
+}
+
+std::int32_t PathStream::Runner::velocity_for(std::size_t axis) const {
+  const auto& info = axes_[axis].info;
+  const double planned = course_.at(clock_.passed()).position[axis];
+  const double next = course_.at(clock_.passed_in(report_.period)).position[axis];
+  double behind = planned * info.microsteps_per_unit - expected(axis, now_);
+  if (std::abs(behind) < 1) behind = 0;  // readings are whole microsteps
+  const double way = (next - planned) * info.microsteps_per_unit + correction_of_an_update * behind;
+  const double value = way / seconds(report_.period) / info.units.velocity.value;
+  const double most = info.greatest_velocity;
+  return static_cast<std::int32_t>(std::lround(std::clamp(value, -most, most)));
+}
+
+// The ramp to the new velocity costs, or brings, half of what the change makes in its time.
+void PathStream::Runner::note_velocity(std::size_t axis, std::int32_t velocity) {
+  auto& here = axes_[axis];
+  const double pps = velocity * here.info.units.velocity.value;
+  const double change = pps - here.pps;
+  const double acceleration =
+      here.parameters[ap::max_acceleration] * here.info.units.acceleration.value;
+  here.position = expected(axis, middle());
+  if (acceleration > 0) here.position -= change * std::abs(change) / (2 * acceleration);
+  here.pps = pps;
+  here.at = middle();
+  here.velocity = velocity;
+}
+
+void PathStream::Runner::correct(std::size_t axis) {
+  axes_[axis].position += trust_in_a_reading * (*answer_ - expected(axis, middle()));
+}
+
+}  // namespace tmcl::plan

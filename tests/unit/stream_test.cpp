@@ -1,0 +1,527 @@
+// Courses on simulated modules, in virtual time: every command takes a while, and every millisecond
+// the simulated axes are looked at.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "sim/module/module.hpp"
+#include "tmcl/parameter.hpp"
+#include "tmcl/plan/stream.hpp"
+
+namespace tmcl::plan {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using testing::HasSubstr;
+namespace ap = axis_parameter;
+using Kind = StreamCommand::Kind;
+using FaultKind = StreamFault::Kind;
+
+constexpr double microsteps_per_mm = 51200 / 5.0;
+constexpr double radius = 10;
+constexpr std::int32_t acceleration = 5'119'946;  // 500 mm/s2
+
+class NoEvents final : public sim::EventSink {
+ public:
+  void target_reached(const sim::Module&, std::int32_t) override {}
+};
+
+/// A circle of 10 mm radius around (10, 0), from and to (0, 0).
+path_file::Path circle(double feed, double chord) {
+  path_file::Path path{{"X", "Y"}, {}, {}};
+  const auto chords = static_cast<int>(std::ceil(2 * std::numbers::pi * radius / chord));
+  for (int i = 1; i <= chords; ++i) {
+    const double angle = 2 * std::numbers::pi * i / chords;
+    path.elements.push_back(path_file::LineTo{
+        {radius - radius * std::cos(angle), radius * std::sin(angle)}, feed, {}, 1});
+  }
+  return path;
+}
+
+/// Two axes of one module, and somebody who carries out what a stream says.
+class Bench {
+ public:
+  explicit Bench(std::uint16_t model = 6212)
+      : model_(*find_model(model)), module_(model_, ModuleAddress{1}, clock_) {
+    limits_.axes = 2;
+    limits_.axis[0] = limits_.axis[1] = {24, 500};
+    limits_.corner_tolerance = 0.025;
+  }
+
+  Duration round_trip = microseconds(450);
+  std::function<void()> every_ms = [] {};
+  /// May answer instead of the module, and let time pass.
+  std::function<std::optional<StreamAnswer>(const StreamCommand&)> instead = [](const auto&) {
+    return std::nullopt;
+  };
+  double most_deviation = 1;
+  std::vector<StreamCommand> commands;
+
+  StreamReport pass(const path_file::Path& path, StreamMode mode) {
+    const auto course = Course::of(path, limits_);
+    EXPECT_TRUE(course) << course.error();
+    stream_.emplace(*course, std::vector<StreamAxis>{info(0), info(1)},
+                    StreamOptions{mode, most_deviation});
+    while (true) {
+      const auto step = stream_->next(clock_.now());
+      if (std::holds_alternative<StreamEnd>(step)) return stream_->report();
+      if (const auto* wait = std::get_if<StreamWait>(&step))
+        let_pass(std::min<Duration>(milliseconds(1), wait->until - clock_.now()));
+      if (const auto* command = std::get_if<StreamCommand>(&step)) {
+        let_pass(round_trip / 2);
+        auto answer = carry_out(*command);
+        let_pass(round_trip - round_trip / 2);
+        stream_->answered(clock_.now(), std::move(answer));
+      }
+    }
+  }
+
+  PathStream& stream() { return *stream_; }
+  sim::Module& module() { return module_; }
+  void let_pass(Duration time) {
+    clock_.advance(std::max(time, Duration(1)));
+    module_.run_due();
+    if (clock_.now() >= looked_at_ + milliseconds(1)) {
+      looked_at_ = clock_.now();
+      every_ms();
+    }
+  }
+  double mm(std::uint8_t axis) { return get(axis, ap::actual_position) / microsteps_per_mm; }
+  std::int32_t get(std::uint8_t axis, std::uint8_t parameter) {
+    return *module_.axis(axis).get(parameter);
+  }
+  StreamAnswer ask(Command command, std::uint8_t type, std::uint8_t axis, std::int32_t value) {
+    const auto reply = module_.execute({ModuleAddress{1}, command, type, axis, value},
+                                       sim::Medium::serial, events_);
+    if (reply.status != Status::ok) return tl::unexpected(std::string("refused"));
+    return reply.value;
+  }
+  bool moving() { return get(0, ap::actual_velocity) != 0 || get(1, ap::actual_velocity) != 0; }
+
+ private:
+  StreamAxis info(std::uint8_t axis) {
+    StreamAxis made{microsteps_per_mm, initial_units(model_), 0, 0, 0, AxisTwin::of(model_)};
+    const auto most = [&](std::uint8_t parameter) {
+      const auto* row = find_parameter(axis_parameters(model_), parameter);
+      return row != nullptr ? row->maximum : 0;
+    };
+    made.greatest_velocity = most(ap::target_velocity);
+    made.greatest_acceleration = most(ap::max_acceleration);
+    made.greatest_stop_velocity = most(20);
+    for (const auto parameter : AxisTwin::parameters(model_))
+      made.twin->set({parameter, get(axis, parameter)});
+    return made;
+  }
+
+  StreamAnswer carry_out(const StreamCommand& command) {
+    commands.push_back(command);
+    if (auto other = instead(command)) return *other;
+    const auto axis = static_cast<std::uint8_t>(command.axis);
+    switch (command.kind) {
+      case Kind::get: return ask(Command::GAP, command.parameter, axis, 0);
+      case Kind::set: return ask(Command::SAP, command.parameter, axis, command.value);
+      case Kind::rotate:
+        return ask(command.value < 0 ? Command::ROL : Command::ROR, 0, axis,
+                   std::abs(command.value));
+      case Kind::move_to: return ask(Command::MVP, 0, axis, command.value);
+      case Kind::stop: return ask(Command::MST, 0, axis, 0);
+    }
+    return 0;
+  }
+
+  const Model& model_;
+  VirtualClock clock_;
+  NoEvents events_;
+  sim::Module module_;
+  PathLimits limits_;
+  TimePoint looked_at_{};
+  std::optional<PathStream> stream_;
+};
+
+path_file::Path square() {
+  path_file::Path path{{"X", "Y"}, {}, {}};
+  path.elements = {path_file::LineTo{{5, 0}, 20.0, {}, 1}, path_file::LineTo{{5, 5}, 20.0, {}, 2},
+                   path_file::Dwell{0.1, 3}, path_file::LineTo{{0, 5}, {}, {}, 4},
+                   path_file::LineTo{{0, 0}, 20.0, {}, 5}};
+  return path;
+}
+
+void set_limits(Bench& bench) {
+  for (std::uint8_t axis = 0; axis < 2; ++axis) {
+    bench.ask(Command::SAP, ap::max_acceleration, axis, acceleration);
+    bench.ask(Command::SAP, 17, axis, acceleration);
+    bench.ask(Command::SAP, ap::max_velocity, axis, 240'000);
+  }
+}
+
+class BothModes : public testing::TestWithParam<StreamMode> {
+ protected:
+  BothModes() { set_limits(bench); }
+
+  void expect_as_before() {
+    EXPECT_FALSE(bench.moving());
+    for (std::uint8_t axis = 0; axis < 2; ++axis) {
+      EXPECT_EQ(bench.get(axis, ap::max_acceleration), acceleration);
+      EXPECT_EQ(bench.get(axis, ap::max_velocity), 240'000);
+      EXPECT_EQ(bench.get(axis, 16), 25600);
+      EXPECT_EQ(bench.get(axis, 17), acceleration);
+      EXPECT_EQ(bench.get(axis, 20), 10);
+    }
+  }
+  StreamReport pass() { return bench.pass(circle(20, 0.1), GetParam()); }
+  bool half_way() { return bench.mm(0) > radius; }
+
+  Bench bench;
+};
+
+TEST_P(BothModes, ACircleStaysWithinItsTolerance) {
+  double farthest = 0;
+  int looks = 0;
+  bench.every_ms = [&] {
+    farthest = std::max(farthest, std::abs(std::hypot(bench.mm(0) - radius, bench.mm(1)) - radius));
+    ++looks;
+  };
+  const auto report = pass();
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  RecordProperty("farthest_um", std::to_string(farthest * 1e3));
+  RecordProperty("commands_per_s",
+                 std::to_string(static_cast<double>(report.commands) / report.passed_s));
+  EXPECT_GT(looks, 2000);
+  EXPECT_LT(farthest, 0.005);
+  EXPECT_EQ(bench.mm(0), 0);
+  EXPECT_EQ(bench.mm(1), 0);
+  EXPECT_NEAR(report.passed_s, 2 * std::numbers::pi * radius / 20, 0.1);
+  EXPECT_LT(report.busy_s, report.passed_s * (1 - spare_part_of_bus));
+  for (const auto& axis : report.axes) {
+    EXPECT_GT(axis.readings, 300U);
+    EXPECT_LT(axis.largest, 0.03);
+    EXPECT_LT(axis.rms(), 0.003);
+  }
+  expect_as_before();
+}
+
+TEST_P(BothModes, AStopOfAnyAxisStopsAll) {
+  for (std::uint8_t axis = 0; axis < 2; ++axis) {
+    SCOPED_TRACE(axis);
+    Bench fresh;
+    set_limits(fresh);
+    bool stopped = false;
+    fresh.every_ms = [&] {
+      if (stopped || fresh.mm(0) < 5) return;
+      stopped = true;
+      fresh.ask(Command::MST, 0, axis, 0);
+    };
+    const auto report = fresh.pass(circle(20, 0.1), GetParam());
+    ASSERT_TRUE(report.fault);
+    EXPECT_EQ(report.fault->kind, FaultKind::foreign);
+    EXPECT_EQ(report.fault->axis, axis);
+    EXPECT_THAT(report.fault->message, HasSubstr("was stopped by somebody else"));
+    EXPECT_FALSE(fresh.moving());
+    EXPECT_LT(fresh.mm(0), 6);
+    EXPECT_EQ(fresh.get(axis, ap::max_acceleration), acceleration);
+  }
+}
+
+TEST_P(BothModes, ARefusedCommandStopsAll) {
+  bench.instead = [&](const StreamCommand& command) -> std::optional<StreamAnswer> {
+    const bool moves = command.kind == Kind::rotate ||
+                       (command.kind == Kind::set && command.parameter == ap::target_position);
+    if (!moves || !half_way() || command.axis != 1) return std::nullopt;
+    return tl::unexpected(std::string("no reply"));
+  };
+  const auto report = pass();
+  ASSERT_TRUE(report.fault);
+  EXPECT_EQ(report.fault->kind, FaultKind::refused);
+  EXPECT_EQ(report.fault->message, "{1}: no reply");
+  EXPECT_LT(bench.mm(0), radius + 1.5);
+  expect_as_before();
+}
+
+TEST_P(BothModes, AnAxisThatCannotBeStoppedDoesNotKeepTheOtherOneTurning) {
+  int stops = 0;
+  bench.instead = [&](const StreamCommand& command) -> std::optional<StreamAnswer> {
+    if (half_way()) bench.stream().stop();
+    if (command.kind != Kind::stop || command.axis != 0) return std::nullopt;
+    ++stops;
+    return tl::unexpected(std::string("no reply"));
+  };
+  const auto report = pass();
+  ASSERT_TRUE(report.fault);
+  EXPECT_EQ(report.fault->kind, FaultKind::asked);
+  EXPECT_EQ(stops, 3);
+  EXPECT_EQ(bench.get(1, ap::actual_velocity), 0);
+  EXPECT_THAT(report.remarks, testing::Contains("{0} could not be stopped"));
+}
+
+TEST_P(BothModes, AStarvedStreamStops) {
+  bool slept = false;
+  bench.instead = [&](const StreamCommand&) -> std::optional<StreamAnswer> {
+    if (half_way() && !slept) {
+      slept = true;
+      bench.let_pass(milliseconds(40));
+    }
+    return std::nullopt;
+  };
+  const auto report = pass();
+  ASSERT_TRUE(report.fault);
+  EXPECT_EQ(report.fault->kind, FaultKind::starved) << report.fault->message;
+  EXPECT_THAT(report.fault->message, HasSubstr("ms late"));
+  expect_as_before();
+}
+
+TEST_P(BothModes, ALittleLateIsMadeUpFor) {
+  int slept = 0;
+  bench.instead = [&](const StreamCommand&) -> std::optional<StreamAnswer> {
+    if (half_way() && slept++ % 100 == 0) bench.let_pass(milliseconds(2));
+    return std::nullopt;
+  };
+  const auto report = pass();
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  EXPECT_GT(report.worst_delay, microseconds(100));
+  EXPECT_EQ(bench.mm(0), 0);
+  for (const auto& axis : report.axes) EXPECT_LT(axis.largest, 0.2);
+}
+
+TEST_P(BothModes, WhoeverIsAskedToStopStops) {
+  bench.every_ms = [&] {
+    if (half_way()) bench.stream().stop();
+  };
+  const auto report = pass();
+  ASSERT_TRUE(report.fault);
+  EXPECT_EQ(report.fault->kind, FaultKind::asked);
+  EXPECT_LT(bench.mm(0), radius + 1.5);
+  expect_as_before();
+}
+
+TEST_P(BothModes, AnAxisThatIsHeldIsNoticed) {
+  bench.most_deviation = 0.5;
+  std::int32_t held = 0;
+  bench.instead = [&](const StreamCommand& command) -> std::optional<StreamAnswer> {
+    const bool looks = command.kind == Kind::get && command.parameter == ap::actual_position;
+    if (!looks || command.axis != 0 || bench.mm(0) < 5) return std::nullopt;
+    if (held == 0) held = bench.get(0, ap::actual_position);
+    return held;
+  };
+  const auto report = pass();
+  ASSERT_TRUE(report.fault);
+  EXPECT_EQ(report.fault->kind, FaultKind::off_course);
+  EXPECT_THAT(report.fault->message, HasSubstr("{0} is 0.5"));
+  expect_as_before();
+}
+
+TEST_P(BothModes, NothingMovesThatIsNotAtTheStart) {
+  bench.ask(Command::MVP, 0, 1, 100);
+  bench.let_pass(std::chrono::seconds(2));
+  const auto report = pass();
+  ASSERT_TRUE(report.fault);
+  EXPECT_EQ(report.fault->kind, FaultKind::not_at_start);
+  EXPECT_THAT(report.fault->message, HasSubstr("{1} is at 100 and not at 0"));
+  for (const auto& command : bench.commands) EXPECT_EQ(command.kind, Kind::get);
+}
+
+TEST_P(BothModes, WhatStaysBehindIsTold) {
+  bool ended = false;
+  bench.instead = [&](const StreamCommand& command) -> std::optional<StreamAnswer> {
+    if (half_way() && !ended) {
+      ended = true;
+      bench.stream().stop();
+    }
+    const bool restores =
+        ended && command.kind == Kind::set && command.parameter == ap::max_acceleration;
+    if (!restores) return std::nullopt;
+    return tl::unexpected(std::string("no reply"));
+  };
+  const auto report = pass();
+  ASSERT_TRUE(report.fault);
+  for (const auto& remark : report.remarks) EXPECT_THAT(remark, HasSubstr("5119946 before"));
+}
+
+// How far a point is from the way through (5, 0), (5, 5) and (0, 5), from and to (0, 0).
+double off_square(double x, double y) {
+  const auto beside = [](double along, double across) {
+    return std::hypot(across, along - std::clamp(along, 0.0, 5.0));
+  };
+  return std::min({beside(x, y), beside(y, x - 5), beside(x, y - 5), beside(y, x)});
+}
+
+TEST_P(BothModes, CornersStayWithinTheirTolerance) {
+  double farthest = 0;
+  bench.every_ms = [&] { farthest = std::max(farthest, off_square(bench.mm(0), bench.mm(1))); };
+  const auto report = bench.pass(square(), GetParam());
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  RecordProperty("farthest_um", std::to_string(farthest * 1e3));
+  EXPECT_LT(farthest, 0.05);
+  expect_as_before();
+}
+
+INSTANTIATE_TEST_SUITE_P(Streams, BothModes,
+                         testing::Values(StreamMode::velocity, StreamMode::position),
+                         [](const auto& mode) {
+                           return mode.param == StreamMode::velocity ? "Velocity" : "Position";
+                         });
+
+TEST(Stream, APauseStaysOnThePath) {
+  Bench bench;
+  set_limits(bench);
+  double farthest = 0;
+  int standing = 0;
+  int ms = 0;
+  bench.every_ms = [&] {
+    farthest = std::max(farthest, std::abs(std::hypot(bench.mm(0) - radius, bench.mm(1)) - radius));
+    ++ms;
+    if (ms == 500) bench.stream().pause(true);
+    if (ms > 500 && ms < 1500) standing += bench.moving() ? 0 : 1;
+    if (ms == 1500) bench.stream().pause(false);
+  };
+  const auto report = bench.pass(circle(20, 0.1), StreamMode::velocity);
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  EXPECT_GT(standing, 700);
+  EXPECT_LT(farthest, 0.005);
+  EXPECT_EQ(bench.mm(0), 0);
+}
+
+TEST(Stream, PositionModePausesWhereThePathStands) {
+  Bench bench;
+  set_limits(bench);
+  bool at_corner = false;
+  int ms = 0;
+  bench.every_ms = [&] {
+    ++ms;
+    if (ms == 350) bench.stream().pause(true);
+    if (ms == 1300) at_corner = bench.mm(0) == 5 && bench.mm(1) == 5 && !bench.moving();
+    if (ms == 1500) bench.stream().pause(false);
+  };
+  const auto report = bench.pass(square(), StreamMode::position);
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  EXPECT_TRUE(at_corner);
+  EXPECT_EQ(bench.mm(0), 0);
+  EXPECT_EQ(bench.mm(1), 0);
+}
+
+TEST(Stream, ABusThatIsTooSlowForPositionsIsToldBeforeAnythingMoves) {
+  Bench bench;
+  set_limits(bench);
+  bench.round_trip = microseconds(1760);  // RS485 at 115200
+  const auto report = bench.pass(circle(20, 0.1), StreamMode::position);
+  ASSERT_TRUE(report.fault);
+  EXPECT_EQ(report.fault->kind, FaultKind::slow_bus);
+  EXPECT_THAT(report.fault->message, HasSubstr("commands of 1760 us"));
+  for (const auto& command : bench.commands) EXPECT_EQ(command.kind, Kind::get);
+}
+
+TEST(Stream, VelocitiesHoldTheCircleOnASlowBusToo) {
+  Bench bench;
+  set_limits(bench);
+  bench.round_trip = microseconds(1760);
+  double farthest = 0;
+  bench.every_ms = [&] {
+    farthest = std::max(farthest, std::abs(std::hypot(bench.mm(0) - radius, bench.mm(1)) - radius));
+  };
+  const auto report = bench.pass(circle(20, 0.1), StreamMode::velocity);
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  RecordProperty("farthest_um", std::to_string(farthest * 1e3));
+  EXPECT_GT(report.period, milliseconds(11));
+  EXPECT_LT(farthest, 0.02);
+}
+
+TEST(Stream, VelocitiesOfATmc429) {
+  Bench bench(3110);
+  double farthest = 0;
+  bench.every_ms = [&] {
+    farthest = std::max(farthest, std::abs(std::hypot(bench.mm(0) - radius, bench.mm(1)) - radius));
+  };
+  const auto report = bench.pass(circle(5, 0.1), StreamMode::velocity);
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  RecordProperty("farthest_um", std::to_string(farthest * 1e3));
+  EXPECT_LT(farthest, 0.05);
+  EXPECT_EQ(bench.mm(0), 0);
+  const auto by_positions = Bench(3110).pass(circle(5, 0.1), StreamMode::position);
+  ASSERT_TRUE(by_positions.fault);
+  EXPECT_EQ(by_positions.fault->kind, FaultKind::unsuited);
+}
+
+path_file::Path timetable() {
+  path_file::Path path{{"X", "Y"}, {}, {}};
+  path.elements = {path_file::LineTo{{2, 1}, {}, 0.5, 2}, path_file::LineTo{{6, 3}, {}, 0.5, 3},
+                   path_file::LineTo{{8, 4}, {}, 0.5, 4}};
+  return path;
+}
+
+TEST(Stream, ATableWithTimesIsAVelocityStream) {
+  Bench bench;
+  set_limits(bench);
+  const auto report = bench.pass(timetable(), StreamMode::velocity);
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  EXPECT_NEAR(report.passed_s, 1.5, 0.01);
+  EXPECT_EQ(bench.mm(0), 8);
+  Bench other;
+  const auto refused = other.pass(timetable(), StreamMode::position);
+  ASSERT_TRUE(refused.fault);
+  EXPECT_EQ(refused.fault->kind, FaultKind::unsuited);
+}
+
+// ---- courses ----
+
+PathLimits limits(double velocity, double acceleration_limit) {
+  PathLimits made;
+  made.axes = 2;
+  made.axis[0] = made.axis[1] = {velocity, acceleration_limit};
+  made.corner_tolerance = 0.05;
+  return made;
+}
+
+TEST(Course, ATimetableMeetsItsRowsAndNeverLeavesTheirRange) {
+  const auto course = Course::of(timetable(), limits(24, 500));
+  ASSERT_TRUE(course) << course.error();
+  EXPECT_DOUBLE_EQ(course->duration(), 1.5);
+  EXPECT_DOUBLE_EQ(course->at(0.5).position[0], 2);
+  EXPECT_DOUBLE_EQ(course->at(1).position[1], 3);
+  double before = 0;
+  for (double t = 0; t <= 1.6; t += 0.001) {
+    const auto state = course->at(t);
+    EXPECT_GE(state.position[0], before - 1e-12);
+    EXPECT_LE(std::abs(state.velocity[0]), course->top_speed(0) + 1e-9);
+    before = state.position[0];
+  }
+  EXPECT_EQ(course->at(0).velocity[0], 0);
+  EXPECT_FALSE(course->has_legs());
+}
+
+TEST(Course, ATimetableThatIsTooFastNamesItsLine) {
+  const auto fast = Course::of(timetable(), limits(5, 500));
+  ASSERT_FALSE(fast);
+  EXPECT_THAT(fast.error(), HasSubstr("line 2: too fast for axis X"));
+  const auto steep = Course::of(timetable(), limits(24, 20));
+  ASSERT_FALSE(steep);
+  EXPECT_THAT(steep.error(), HasSubstr("line 2: too steep for axis X"));
+}
+
+TEST(Course, DwellsStand) {
+  const auto course = Course::of(square(), limits(24, 500));
+  ASSERT_TRUE(course) << course.error();
+  ASSERT_EQ(course->legs(), 4U);
+  const auto gap_begin = course->leg(1).end;
+  EXPECT_NEAR(course->leg(2).begin - gap_begin, 0.1, 1e-12);
+  EXPECT_EQ(course->at(gap_begin + 0.05).position[1], 5);
+  EXPECT_EQ(course->at(gap_begin + 0.05).velocity[1], 0);
+  EXPECT_DOUBLE_EQ(course->length(), 20);
+  EXPECT_EQ(course->greatest()[0], 5);
+  EXPECT_EQ(course->least()[0], 0);
+  const auto corners = course->slowest_corners(2);
+  ASSERT_EQ(corners.size(), 2U);
+  EXPECT_EQ(corners[0].line, 2U);
+  EXPECT_EQ(corners[0].speed, 0);
+}
+
+TEST(Course, NoFasterThanTheFeed) {
+  const auto course = Course::of(square(), limits(24, 500), 10);
+  ASSERT_TRUE(course);
+  EXPECT_DOUBLE_EQ(course->top_speed(0), 10);
+}
+
+}  // namespace
+}  // namespace tmcl::plan
