@@ -53,6 +53,7 @@ json::object to_json(const StartedLine& line, const std::vector<LineMember>& mem
           {"spread_s", seconds(line.plan.spread)},
           {"deviation", line.plan.deviation},
           {"one_command", line.one_command},
+          {"predicted_skew_s", seconds(line.predicted_skew)},
           {"skew_s", seconds(line.skew)}};
 }
 

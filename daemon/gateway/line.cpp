@@ -142,7 +142,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     }
     line_.one_command = fits_one_command();
     const bool in_turn = !line_.one_command && is_on_one_bus();
-    auto planned = tmcl::plan::plan_line(std::move(axes), {in_turn ? round_trip_ : Duration{}});
+    auto planned = tmcl::plan::plan_line(axes, {in_turn ? round_trip_ : Duration{}});
     if (!planned) {
       const auto& member = members_[planned.error().axis];
       return member.failure(
@@ -150,6 +150,8 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     }
     line_.plan = std::move(*planned);
     for (const auto i : line_.plan.order) members_[i].moves = true;
+    if (!line_.plan.order.empty())
+      line_.predicted_skew = line_.plan.axes[line_.plan.order.back()].start;
     return std::nullopt;
   }
 

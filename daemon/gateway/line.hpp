@@ -29,8 +29,9 @@ struct LineFailure {
 
 struct StartedLine {
   tmcl::plan::Line plan;
-  bool one_command = false;  ///< One MVP COORD started all of them.
-  tmcl::Duration skew{};     ///< Between the first and the last module's answer to its start.
+  bool one_command = false;         ///< One MVP COORD started all of them.
+  tmcl::Duration predicted_skew{};  ///< What the plan allows for, from round trips that were timed.
+  tmcl::Duration skew{};  ///< Between the first and the last module's answer to its start.
 };
 
 /// Returns when all of them have started, and goes on watching; a line that does not end as it

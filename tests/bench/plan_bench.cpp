@@ -3,6 +3,7 @@
 //   plan/trapezoid               from rest to rest without jerk
 //   plan/scurve                  from rest to rest
 //   plan/scurve_state_to_state   between states that move and accelerate
+//   plan/coordinated_6           six axes on a straight line, from rest to rest without jerk
 //   plan/.../ruckig              the same movements through Ruckig, if it was found;
 //   `ours_to_ruckig`
 //                                is the ratio of the times of both in the same run
@@ -11,12 +12,15 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <limits>
 #include <random>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "tmcl/plan/line.hpp"
 #include "tmcl/plan/trajectory.hpp"
 
 #ifdef TMCL_WITH_RUCKIG
@@ -81,6 +85,27 @@ void ours(benchmark::State& run, std::vector<Case> (*make)()) {
   }
 }
 
+// Each axis has its part of the speed and the acceleration that they share.
+void six_axes(benchmark::State& run) {
+  constexpr std::size_t axes = 6;
+  const auto all = trapezoids();
+  std::vector<Way> ways;
+  for (const auto& c : all)
+    ways.push_back({c.target.position, c.limits.velocity, c.limits.acceleration});
+  std::size_t next = 0;
+  for (auto _ : run) {
+    const std::span line(&ways[next], axes);
+    next = (next + axes) % (many - axes);
+    const auto ramp = share_ramp(line);
+    for (const auto& way : line) {
+      const double part = std::abs(way.distance / line[ramp.longest].distance);
+      const double acceleration = part * ramp.acceleration;
+      benchmark::DoNotOptimize(
+          plan_move({}, {way.distance, 0, 0}, {part * ramp.velocity, acceleration, acceleration}));
+    }
+  }
+}
+
 #ifdef TMCL_WITH_RUCKIG
 ruckig::InputParameter<1> input(const Case& c) {
   ruckig::InputParameter<1> in;
@@ -126,6 +151,8 @@ void theirs(benchmark::State& run, std::vector<Case> (*make)()) {
   run.counters["ours_to_ruckig"] = own / seconds(plan);
 }
 #endif
+
+BENCHMARK(six_axes)->Name("plan/coordinated_6");
 
 [[maybe_unused]] const bool registered = [] {
   using Make = std::vector<Case> (*)();

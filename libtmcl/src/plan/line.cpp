@@ -1,10 +1,9 @@
 #include "tmcl/plan/line.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdlib>
-#include <numeric>
+#include <functional>
 #include <optional>
 
 #include <fmt/format.h>
@@ -258,59 +257,95 @@ std::vector<Setting> trapezoid_settings(const AxisTwin& twin, InternalVelocity v
   return {{ap::max_velocity, v}, {ap::max_acceleration, a}, {16, 0}, {17, a}, {18, a}};
 }
 
-tl::expected<Line, LineError> plan_line(std::vector<LineAxis> axes, StartTimes starts) {
+SharedRamp share_ramp(std::span<const Way> ways) {
+  SharedRamp ramp;
+  for (std::size_t i = 0; i < ways.size(); ++i) {
+    if (std::abs(ways[i].distance) > std::abs(ways[ramp.longest].distance)) ramp.longest = i;
+  }
+  const double longest_way = std::abs(ways[ramp.longest].distance);
+  for (const auto& way : ways) {
+    const double part = std::abs(way.distance) / longest_way;
+    if (!(part > 0)) continue;
+    ramp.velocity = std::min(ramp.velocity, way.velocity / part);
+    ramp.acceleration = std::min(ramp.acceleration, way.acceleration / part);
+  }
+  return ramp;
+}
+
+namespace {
+
+/// A line in the making.
+class Planner {
+ public:
+  Planner(std::span<const LineAxis> axes, StartTimes starts) : axes_(axes), starts_(starts) {
+    for (std::size_t i = 0; i < axes.size(); ++i) {
+      ways_.push_back({static_cast<double>(way_of(axes[i])), axes[i].velocity.value,
+                       axes[i].acceleration.value});
+      line_.axes.push_back({{}, axes[i].twin, {}, {}, false});
+      if (way_of(axes[i]) != 0) line_.order.push_back(i);
+    }
+    ramp_ = share_ramp(ways_);
+  }
+
+  tl::expected<Line, LineError> plan() {
+    if (line_.order.empty()) return std::move(line_);
+    if (auto fault = choose_registers()) return tl::unexpected(std::move(*fault));
+    // The slowest goes first, so that a late start costs nothing.
+    std::ranges::stable_sort(line_.order, std::greater{},
+                             [&](std::size_t i) { return runners_[i].arrival(); });
+    fit_to_the_last();
+    line_.deviation = deviation_of(line_, axes_, ramp_.longest);
+    return std::move(line_);
+  }
+
+ private:
+  double part_of(std::size_t i) const {
+    return std::abs(ways_[i].distance) / std::abs(ways_[ramp_.longest].distance);
+  }
+  Duration start_of(std::size_t place) const {
+    return starts_.interval * static_cast<Duration::rep>(place);
+  }
+
+  std::optional<LineError> choose_registers() {
+    for (std::size_t i = 0; i < axes_.size(); ++i) runners_.emplace_back(axes_[i], part_of(i));
+    for (const auto i : line_.order) {
+      if (runners_[i].choose(ramp_.velocity, ramp_.acceleration)) continue;
+      return LineError{
+          i, fmt::format("its part of the line, {:.3g} of the longest way, is too slow for its "
+                         "registers: {:.4g} microsteps/s, {:.4g} microsteps/s^2",
+                         part_of(i), ramp_.velocity * part_of(i), ramp_.acceleration * part_of(i))};
+    }
+    return std::nullopt;
+  }
+
+  void fit_to_the_last() {
+    Duration end{};
+    for (std::size_t place = 0; place < line_.order.size(); ++place)
+      end = std::max(end, start_of(place) + runners_[line_.order[place]].arrival());
+    auto earliest = end;
+    for (std::size_t place = 0; place < line_.order.size(); ++place) {
+      const auto i = line_.order[place];
+      runners_[i].fit(end - start_of(place));
+      line_.axes[i] = runners_[i].result(start_of(place));
+      earliest = std::min(earliest, line_.axes[i].arrival);
+      line_.duration = std::max(line_.duration, line_.axes[i].arrival);
+    }
+    line_.spread = line_.duration - earliest;
+  }
+
+  std::span<const LineAxis> axes_;
+  StartTimes starts_;
+  std::vector<Way> ways_;
+  SharedRamp ramp_;
+  std::vector<Runner> runners_;
+  Line line_;
+};
+
+}  // namespace
+
+tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes, StartTimes starts) {
   if (auto fault = fault_of(axes)) return tl::unexpected(std::move(*fault));
-  Line line;
-  for (const auto& axis : axes) line.axes.push_back({{}, axis.twin, {}, {}, false});
-  std::int64_t longest_way = 0;
-  std::size_t longest = 0;
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    if (way_of(axes[i]) != 0) line.order.push_back(i);
-    if (std::abs(way_of(axes[i])) <= longest_way) continue;
-    longest_way = std::abs(way_of(axes[i]));
-    longest = i;
-  }
-  if (line.order.empty()) return line;
-
-  const auto part_of = [&](std::size_t i) {
-    return static_cast<double>(std::abs(way_of(axes[i]))) / static_cast<double>(longest_way);
-  };
-  auto velocity = std::numeric_limits<double>::infinity();
-  auto acceleration = velocity;
-  for (const auto i : line.order) {
-    velocity = std::min(velocity, axes[i].velocity.value / part_of(i));
-    acceleration = std::min(acceleration, axes[i].acceleration.value / part_of(i));
-  }
-  std::vector<Runner> runners;
-  for (std::size_t i = 0; i < axes.size(); ++i) runners.emplace_back(axes[i], part_of(i));
-  for (const auto i : line.order) {
-    if (runners[i].choose(velocity, acceleration)) continue;
-    return tl::unexpected(LineError{
-        i, fmt::format("its part of the line, {:.3g} of the longest way, is too slow for its "
-                       "registers: {:.4g} microsteps/s, {:.4g} microsteps/s^2",
-                       part_of(i), velocity * part_of(i), acceleration * part_of(i))});
-  }
-
-  // The slowest goes first, so that a late start costs nothing.
-  std::ranges::stable_sort(line.order, std::greater{},
-                           [&](std::size_t i) { return runners[i].arrival(); });
-  const auto start_of = [&](std::size_t place) {
-    return starts.interval * static_cast<int>(place);
-  };
-  for (std::size_t place = 0; place < line.order.size(); ++place)
-    line.duration = std::max(line.duration, start_of(place) + runners[line.order[place]].arrival());
-  const auto end = line.duration;
-  auto earliest = end;
-  for (std::size_t place = 0; place < line.order.size(); ++place) {
-    const auto i = line.order[place];
-    runners[i].fit(end - start_of(place));
-    line.axes[i] = runners[i].result(start_of(place));
-    earliest = std::min(earliest, line.axes[i].arrival);
-    line.duration = std::max(line.duration, line.axes[i].arrival);
-  }
-  line.spread = line.duration - earliest;
-  line.deviation = deviation_of(line, axes, longest);
-  return line;
+  return Planner(axes, starts).plan();
 }
 
 }  // namespace tmcl::plan

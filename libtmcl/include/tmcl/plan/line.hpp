@@ -7,6 +7,8 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,24 @@
 namespace tmcl::plan {
 
 constexpr std::size_t most_line_axes = 16;
+
+/// How far one axis goes, and what it may do at most; in any units that go together.
+struct Way {
+  double distance = 0;
+  double velocity = 0;      ///< Greater than 0.
+  double acceleration = 0;  ///< Greater than 0.
+};
+
+/// The speed and the acceleration of the longest way with which no axis exceeds its limits. Each
+/// axis gets the part of them that its way is of the longest.
+struct SharedRamp {
+  std::size_t longest = 0;
+  double velocity = std::numeric_limits<double>::infinity();
+  double acceleration = std::numeric_limits<double>::infinity();
+};
+
+/// Application note AN-035, equation 1. One way at least.
+SharedRamp share_ramp(std::span<const Way> ways);
 
 struct LineAxis {
   AxisTwin twin;  ///< Set as the axis is; stands where the line begins.
@@ -59,7 +79,7 @@ struct LineError {
 /// The dividers of TMC429 modules stay as they are.
 /// Errors: no axis or more than most_line_axes; limits that are not greater than 0; an axis that
 /// would have to be slower than its registers can say; one that does not arrive.
-tl::expected<Line, LineError> plan_line(std::vector<LineAxis> axes, StartTimes starts = {});
+tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes, StartTimes starts = {});
 
 /// The settings for a plain trapezoid with these values of the parameters max_velocity and
 /// max_acceleration, with everything else that makes a difference to it: the other accelerations,
