@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "plot/canvas.hpp"
+#include "plot/plane.hpp"
 #include "plot/recording.hpp"
 #include "plot/scale.hpp"
 #include "plot/svg_plot.hpp"
@@ -66,6 +67,11 @@ TEST(CtlScale, TicksAreRoundAndWithin) {
       EXPECT_NEAR(std::stod(scale.label(tick)), tick, 1e-9) << "a label says what the tick is";
     }
   }
+}
+
+TEST(CtlScale, HasTwoTicksWhereTheFirstStepFindsOne) {
+  EXPECT_EQ(Scale(std::array{-36.0, 46.0}, 2).ticks(), (std::vector<double>{-20, 0, 20, 40}));
+  EXPECT_EQ(Scale(std::array{-0.4, 0.4}, 1).ticks().size(), 5U);
 }
 
 TEST(CtlScale, NothingAndOneValueHaveARange) {
@@ -223,6 +229,41 @@ TEST(CtlCsv, OneLineForEachSample) {
   const Recording recording{"x", {{0, -5, 0}, {0.0125, 7, 100}}};
   EXPECT_EQ(to_csv(recording),
             "time_s,position_microsteps,velocity_internal\n0.000000,-5,0\n0.012500,7,100\n");
+}
+
+TEST(CtlSvg, ALongTitleThatSaysTwoThingsHasTwoLines) {
+  Picture picture{"short; title", "s", {position_curve(trapezoid())}, {}};
+  EXPECT_THAT(to_svg(picture), HasSubstr(">short; title</text>"));
+  picture.title = std::string(60, 'a') + "; " + std::string(60, 'b');
+  const auto svg = to_svg(picture);
+  EXPECT_THAT(svg, HasSubstr(">" + std::string(60, 'a') + "</text>"));
+  EXPECT_THAT(svg, HasSubstr(">" + std::string(60, 'b') + "</text>"));
+}
+
+TEST(CtlPlane, BothAxesHaveOneScale) {
+  const auto svg = to_svg({"a line", "x [mm]", "y [mm]", {{0, 400}, {0, -100}}, {}});
+  // 716 wide between the paddings, and a quarter of that high.
+  EXPECT_THAT(svg, HasSubstr("points=\"106.0,82.0 822.0,261.0\""));
+  EXPECT_THAT(svg, HasSubstr("width=\"744.0\" height=\"207.0\""));
+  EXPECT_THAT(svg, HasSubstr(">x [mm]<"));
+  EXPECT_THAT(svg, Not(HasSubstr(">seen<")));
+  EXPECT_THAT(to_svg({"a tower", "x", "y", {}, {{0, 0}, {0, 1000}}}),
+              HasSubstr("width=\"110.0\" height=\"520.0\""));
+}
+
+TEST(CtlPlane, DotsThatWouldHideEachOtherAreLeftOut) {
+  Plane plane{"dense", "x", "y", {}, {}};
+  for (int i = 0; i <= 10'000; ++i) {
+    plane.seen.x.push_back(i);
+    plane.seen.y.push_back(i);
+  }
+  const auto svg = to_svg(plane);
+  EXPECT_LT(svg.size(), 8'000U);
+  EXPECT_THAT(svg, HasSubstr(">seen<"));
+  EXPECT_THAT(svg, Not(HasSubstr(">planned<")));
+  const auto point = to_svg({"<nowhere>", "x", "y", {}, {{5, 5}, {7, 7}}});
+  EXPECT_THAT(point, HasSubstr("&lt;nowhere&gt;"));
+  for (const auto* wrong : {"nan", "inf"}) EXPECT_THAT(point + svg, Not(HasSubstr(wrong)));
 }
 
 }  // namespace

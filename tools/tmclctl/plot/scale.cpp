@@ -41,7 +41,7 @@ Scale::Scale(std::span<const double> values, int ticks_wished) {
   double step = round_step((high_ - low_) / ticks_wished);
   ticks_ = multiples_within(step, low_, high_);
   while (ticks_.size() < 2) {
-    step = round_step(step / 2.1);
+    step = round_step(step / 2.5);  // the next smaller one, for any of them
     ticks_ = multiples_within(step, low_, high_);
   }
   decimals_ = std::max(0, static_cast<int>(std::ceil(-std::log10(step) - 1e-9)));

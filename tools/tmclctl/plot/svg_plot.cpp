@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "plot/scale.hpp"
+#include "plot/svg_document.hpp"
 
 namespace tmclctl::plot {
 namespace {
@@ -22,32 +23,6 @@ constexpr double below_panels = 56;  // the times
 constexpr double padding = 8;
 constexpr int value_ticks = 5;
 constexpr int time_ticks = 8;
-
-// Greys and colours of middle brightness: about as far from white as from black.
-constexpr const char* style =
-    "  <style>\n"
-    "    text { font: 12px 'DejaVu Sans', 'Segoe UI', Helvetica, Arial, sans-serif; fill: #787878 "
-    "}\n"
-    "    .title { font-size: 15px; font-weight: bold }\n"
-    "    .name { font-size: 13px; font-weight: bold }\n"
-    "    .value { text-anchor: end }\n"
-    "    .time { text-anchor: middle }\n"
-    "    .frame { fill: none; stroke: #808080; stroke-width: 1 }\n"
-    "    .grid { stroke: #808080; stroke-opacity: 0.3; stroke-width: 1 }\n"
-    "    .curve { fill: none; stroke-width: 2; stroke-linejoin: round; stroke-linecap: round }\n"
-    "    .position { stroke: #2e86de }\n"
-    "    .velocity { stroke: #d9730d }\n"
-    "    .acceleration { stroke: #1f9d55 }\n"
-    "    .jerk { stroke: #a35bd0 }\n"
-    "    .difference { stroke: #c8413b }\n"
-    "    .planned { stroke-dasharray: 7 5; stroke: #808080 }\n"
-    "    .mark { stroke: #808080; stroke-dasharray: 4 3; stroke-width: 1 }\n"
-    "    text.position { fill: #2e86de; stroke: none }\n"
-    "    text.velocity { fill: #d9730d; stroke: none }\n"
-    "    text.acceleration { fill: #1f9d55; stroke: none }\n"
-    "    text.jerk { fill: #a35bd0; stroke: none }\n"
-    "    text.difference { fill: #c8413b; stroke: none }\n"
-    "  </style>\n";
 
 class Panel {
  public:
@@ -157,35 +132,12 @@ class Panel {
 
 }  // namespace
 
-std::string escape_xml(const std::string& text) {
-  std::string escaped;
-  for (const char c : text) {
-    switch (c) {
-      case '&': escaped += "&amp;"; break;
-      case '<': escaped += "&lt;"; break;
-      case '>': escaped += "&gt;"; break;
-      case '"': escaped += "&quot;"; break;
-      case '\'': escaped += "&apos;"; break;
-      default:
-        if (static_cast<unsigned char>(c) >= 0x20) escaped += c;
-    }
-  }
-  return escaped;
-}
-
 std::string to_svg(const Picture& picture) {
   const Scale time(picture.curves.front().times, time_ticks);
-  const auto title = escape_xml(picture.title);
   double top = below_title + (picture.marks.empty() ? 0 : below_mark_labels);
   const auto bottom =
       top + panel_distance * static_cast<double>(picture.curves.size() - 1) + panel_height;
-  auto svg =
-      fmt::format(
-          "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 "
-          "{0} {1}\" "
-          "role=\"img\">\n  <title>{2}</title>\n",
-          picture_width, bottom + below_panels, title) +
-      style + fmt::format("  <text class=\"title\" x=\"{}\" y=\"26\">{}</text>\n", left, title);
+  std::string svg;
   for (const auto& curve : picture.curves) {
     const Panel panel(curve, time, top);
     svg += panel.text() + panel.marks(picture.marks);
@@ -193,7 +145,7 @@ std::string to_svg(const Picture& picture) {
     if (&curve == &picture.curves.back()) svg += panel.time_labels(picture.time_unit);
     top += panel_distance;
   }
-  return svg + "</svg>\n";
+  return svg_document(picture.title, picture_width, bottom + below_panels, left, svg);
 }
 
 std::string to_svg(const Recording& recording) { return to_svg(picture_of(recording)); }

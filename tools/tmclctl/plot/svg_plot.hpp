@@ -12,7 +12,4 @@ std::string to_svg(const Picture& picture);
 /// Position above velocity.
 std::string to_svg(const Recording& recording);
 
-/// With &, <, >, " and ' replaced, and without what XML does not allow at all.
-std::string escape_xml(const std::string& text);
-
 }  // namespace tmclctl::plot

@@ -1,0 +1,26 @@
+/// Two axes in their plane: y over x, both on the same scale.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace tmclctl::plot {
+
+/// Points in the order in which they are passed; as many x as y.
+struct Way {
+  std::vector<double> x;
+  std::vector<double> y;
+};
+
+/// At least one of the two ways has points.
+struct Plane {
+  std::string title;
+  std::string x_name;  ///< With its unit: "x [mm]".
+  std::string y_name;
+  Way planned;  ///< Drawn as a dashed line.
+  Way seen;     ///< Drawn as dots; one that would hide another is left out.
+};
+
+std::string to_svg(const Plane& plane);
+
+}  // namespace tmclctl::plot
