@@ -1,4 +1,6 @@
 // mint check: a table, JSON, and where a program is wrong.
+#include <unistd.h>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -22,7 +24,9 @@ class CtlMint : public testing::Test, public test::Ctl {
     return {"mint", "check", path};
   }
 
-  const std::string path = std::filesystem::path(testing::TempDir()) / "ctl_mint_test.mint";
+  // Tests run side by side.
+  const std::string path = std::filesystem::path(testing::TempDir()) /
+                           ("ctl_mint_test_" + std::to_string(::getpid()) + ".mint");
 };
 
 const std::string exercise =

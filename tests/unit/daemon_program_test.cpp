@@ -179,8 +179,8 @@ TEST_F(DaemonProgram, SeveralMotorsStartTogether) {
   result_of("module.report_arrivals", here({{"motors", json::array{}}}));
   daemon.on_reactor([&] {
     const auto& seen = daemon.wire().seen;
-    EXPECT_EQ(std::ranges::count(seen, Request{module, Command::MVP, 2, 0x45, 3}), 1);
-    EXPECT_EQ(std::ranges::count(seen, Request{module, Command::MVP, 2, 0x82, 3}), 1);
+    EXPECT_EQ(std::ranges::count(seen, Request{module, Command::MVP, 2, 0x85, 3}), 1);
+    EXPECT_EQ(std::ranges::count(seen, Request{module, Command::MVP, 2, 0x42, 3}), 1);
     EXPECT_EQ(std::ranges::count(seen, Request{module, Command::TARGET_REACHED_EVENT, 1, 0, 5}), 1);
     EXPECT_EQ(std::ranges::count(seen, Request{module, Command::TARGET_REACHED_EVENT, 0, 0, 0}), 1);
     return 0;
