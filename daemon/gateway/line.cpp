@@ -94,11 +94,15 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   // The line before may still be about to set the settings back.
   awaitable<Fault> take_axes() {
     const auto limit = now() + tolerated_delay;
-    for (auto& member : members_) {
-      while (member.axis->is_on_line() && now() < limit) co_await rest(milliseconds(5));
-      if (!member.axis->is_on_line()) continue;
-      co_return member.failure(
-          tmcl::bad_argument("axis '" + member.axis->name() + "' is on its way along another line",
+    const auto is_taken = [](const Member& member) { return member.axis->is_on_line(); };
+    auto taken = std::ranges::find_if(members_, is_taken);
+    while (taken != members_.end() && now() < limit) {
+      co_await rest(milliseconds(5));
+      taken = std::ranges::find_if(members_, is_taken);
+    }
+    if (taken != members_.end()) {
+      co_return taken->failure(
+          tmcl::bad_argument("axis '" + taken->axis->name() + "' is on its way along another line",
                              "wait for it, or stop it"));
     }
     for (auto& member : members_) member.axis->set_on_line(true);

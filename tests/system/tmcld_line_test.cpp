@@ -82,6 +82,16 @@ TEST_F(TmcldLine, AStopOfOneStopsAll) {
   EXPECT_TRUE(has_its_settings_again("y"));
 }
 
+TEST_F(TmcldLine, AnAxisIsOnOneLineAtATime) {
+  move({"y", "z"}, {4'000'000, 2'000'000});
+  RpcClient other(socket());
+  const auto error = other.error(
+      "line.move", {{"axes", json::array{"x", "z"}}, {"positions_microsteps", json::array{1, 2}}});
+  EXPECT_THAT(std::string(error.at("message").as_string()), HasSubstr("along another line"));
+  client->result("axis.stop", {{"axis", "y"}});
+  EXPECT_TRUE(has_its_settings_again("z"));
+}
+
 TEST_F(TmcldLine, IfOneIsRefusedNoneMoves) {
   const auto refused = [&](json::array axes, json::array positions) {
     const auto error =
