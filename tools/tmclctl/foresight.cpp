@@ -35,7 +35,9 @@ Attempt<AxisTwin> twin_of(const std::string& axis, Target& target) {
   }
   const auto state = target.state(axis);
   if (!state) return tl::unexpected(state.error());
-  twin->place(state->position, state->velocity);
+  // Where it is when the command comes could only be guessed.
+  if (state->moving) return tl::unexpected(not_foreseeable(axis, "it moves already"));
+  twin->place(state->position);
   return *twin;
 }
 

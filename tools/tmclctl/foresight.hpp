@@ -8,8 +8,8 @@
 
 namespace tmclctl {
 
-/// Set as the module is, where the axis is now. Errors: also for a model that is not known, and for
-/// one whose ramp generator nobody has described.
+/// Set as the module is, where the axis stands. Errors: also for an axis that moves, for a model
+/// that is not known, and for one whose ramp generator nobody has described.
 Attempt<tmcl::plan::AxisTwin> twin_of(const std::string& axis, Target& target);
 
 }  // namespace tmclctl

@@ -35,9 +35,10 @@ class Recorder {
   }
 
   void add(const AxisReading& reading) {
-    // One that took much longer than usual does not say when exactly it was taken.
+    // One that took much longer than usual does not say when exactly it was taken; of an axis that
+    // stands, that does not matter.
     usual_age_ = std::min(usual_age_, reading.age);
-    if (reading.age > usual_age_ + tolerated_delay) return;
+    if (reading.moving && reading.age > usual_age_ + tolerated_delay) return;
     auto& samples = recording_.samples;
     const double since_begin_s = std::chrono::duration<double>(reading.taken_at - begin_).count();
     // The first one counts for the beginning, although it may be a little older or younger.
