@@ -31,7 +31,7 @@ constexpr const char* style =
     "    text.difference { fill: #c8413b; stroke: none }\n"
     "  </style>\n";
 
-constexpr std::size_t most_characters_of_a_line = 80;
+constexpr std::size_t most_characters_of_a_line = 72;
 
 std::string title_line(const std::string& text, double left, double y) {
   return fmt::format("  <text class=\"title\" x=\"{}\" y=\"{}\">{}</text>\n", left, y,
@@ -43,7 +43,7 @@ std::string title_lines(const std::string& title, double left) {
   const auto end = title.find("; ");
   if (title.size() <= most_characters_of_a_line || end == std::string::npos)
     return title_line(title, left, 26);
-  return title_line(title.substr(0, end), left, 20) + title_line(title.substr(end + 2), left, 40);
+  return title_line(title.substr(0, end), left, 18) + title_line(title.substr(end + 2), left, 36);
 }
 
 }  // namespace
