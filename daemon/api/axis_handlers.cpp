@@ -47,7 +47,7 @@ Answer move_to(Call& call) {
   if (!ready) co_return tl::unexpected(ready.error());
   auto& axis = *ready->axis;
   const auto* row = find_parameter(axis.parameters(), ap::target_position);
-  const auto target = co_await microsteps_of(call, axis, "position_microsteps", "position", row);
+  const auto target = co_await length_of(call, axis, "position_microsteps", "position", row);
   if (!target) co_return tl::unexpected(target.error());
   const auto moved = co_await axis.move_to(*target, wants_prediction(call), ready->moves);
   if (!moved) co_return failed(moved.error(), axis);
@@ -58,8 +58,7 @@ Answer move_by(Call& call) {
   const auto ready = co_await ready_to_move(call);
   if (!ready) co_return tl::unexpected(ready.error());
   auto& axis = *ready->axis;
-  const auto distance =
-      co_await microsteps_of(call, axis, "distance_microsteps", "distance", nullptr);
+  const auto distance = co_await length_of(call, axis, "distance_microsteps", "distance", nullptr);
   if (!distance) co_return tl::unexpected(distance.error());
   const auto moved = co_await axis.move_by(*distance, wants_prediction(call), ready->moves);
   if (!moved) co_return failed(moved.error(), axis);

@@ -68,15 +68,16 @@ awaitable<Lookup<tmcl::Microsteps>> in_microsteps(GatewayAxis& axis, std::string
 
 }  // namespace
 
-awaitable<Lookup<tmcl::Microsteps>> microsteps_of(const Call& call, GatewayAxis& axis,
-                                                  std::string_view microsteps,
-                                                  std::string_view in_unit,
-                                                  const tmcl::ParameterInfo* row) {
+awaitable<Lookup<Length>> length_of(const Call& call, GatewayAxis& axis,
+                                    std::string_view microsteps, std::string_view in_unit,
+                                    const tmcl::ParameterInfo* row) {
   const auto plain = plain_value(call, microsteps, in_unit, row);
   if (!plain) co_return tl::unexpected(plain.error());
-  if (*plain) co_return tmcl::Microsteps{**plain};
-  auto value = co_await in_microsteps(axis, in_unit, {call.params.number(in_unit)}, row);
-  co_return value;
+  if (*plain) co_return Length{{**plain}};
+  const tmcl::UserPosition wish{call.params.number(in_unit)};
+  const auto value = co_await in_microsteps(axis, in_unit, wish, row);
+  if (!value) co_return tl::unexpected(value.error());
+  co_return Length{*value, wish};
 }
 
 awaitable<Lookup<tmcl::Microsteps>> position_for(const Call& call, GatewayAxis& axis,

@@ -158,15 +158,37 @@ Answer move_to_coordinate(Call& call) {
   const auto ready = co_await ready_to_move(call);
   if (!ready) co_return tl::unexpected(ready.error());
   auto& axis = *ready->axis;
-  const auto done = co_await axis.perform(
-      tmcl::verbs::move_to_coordinate(axis.address(), coordinate_of(call)), ready->moves);
+  const auto done = co_await axis.move_to_coordinate(coordinate_of(call), ready->moves);
   co_return nothing_or(done, axis);
 }
+
+namespace {
+
+/// Why one of these motors must not go to its coordinate.
+boost::asio::awaitable<std::optional<RpcError>> check_limits(const Call& call,
+                                                             const ModuleChoice& module,
+                                                             tmcl::MotorMask motors) {
+  for (const auto& axis : call.gateway->axes()) {
+    const auto [address, motor] = axis->address();
+    const bool starts = &axis->bus() == module.bus.get() && address == module.address &&
+                        motor < 8 && (motors.bits >> motor & 1U) != 0;
+    if (!starts) continue;
+    RunOptions options;
+    options.deadline = call.deadline();
+    const auto checked = co_await axis->check_coordinate(coordinate_of(call), std::move(options));
+    if (!checked) co_return call_error(checked.error(), axis->name());
+  }
+  co_return std::nullopt;
+}
+
+}  // namespace
 
 Answer start_coordinate(Call& call) {
   const auto module = module_of(call);
   if (!module) co_return tl::unexpected(module.error());
   const tmcl::MotorMask motors{static_cast<std::uint8_t>(call.params.mask("motors"))};
+  auto complaint = co_await check_limits(call, *module, motors);
+  if (complaint) co_return tl::unexpected(std::move(*complaint));
   const auto together = call.params.boolean_or("interpolated", false)
                             ? tmcl::Together::interpolated
                             : tmcl::Together::each_for_itself;

@@ -31,7 +31,8 @@ RpcError param_error(std::string_view name, std::string_view param, std::string 
 }
 
 RpcError call_error(const tmcl::Error& error, std::string_view axis) {
-  const bool callers_fault = error.code == tmcl::Errc::bad_argument;
+  const bool callers_fault =
+      error.code == tmcl::Errc::bad_argument || error.code == tmcl::Errc::beyond_soft_limit;
   auto result = rpc_error(callers_fault ? rpc_code::invalid_params : rpc_code::call_failed,
                           name_of(error.code), error.message, error.hint);
   auto& data = result.data;

@@ -1,7 +1,9 @@
 #include "gateway/axis.hpp"
 
 #include <algorithm>
-#include <limits>
+#include <functional>
+#include <memory>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -27,24 +29,52 @@ tmcl::Error superseded(const AxisConfig& axis) {
   return error;
 }
 
-struct Range {
-  std::int32_t least = std::numeric_limits<std::int32_t>::min();
-  std::int32_t greatest = std::numeric_limits<std::int32_t>::max();
-};
+constexpr std::string_view beyond_range_hint = "move less far, or set another actual position";
 
-tmcl::Script<Result<Microsteps>> move_by_within(tmcl::AxisAddress axis, Microsteps distance,
-                                                Range range) {
+Result<Microsteps> sum(Microsteps here, Microsteps distance, tmcl::ValueRange range) {
+  const auto target = std::int64_t{here.value} + distance.value;
+  if (target >= range.least && target <= range.greatest)
+    return Microsteps{static_cast<std::int32_t>(target)};
+  return tl::unexpected(tmcl::bad_argument(
+      std::to_string(distance.value) + " microsteps from " + std::to_string(here.value) +
+          " ends outside " + std::to_string(range.least) + ".." + std::to_string(range.greatest),
+      std::string(beyond_range_hint)));
+}
+
+/// Where an axis is in its unit: exactly where it was wished to be, if it stands there.
+tmcl::UserPosition place_of(Microsteps here, const std::optional<tmcl::UserPosition>& wished,
+                            const tmcl::UserScale& scale) {
+  const bool stands_there = wished && tmcl::to_microsteps(*wished, scale) == here;
+  return stands_there ? *wished : tmcl::to_user(here, scale);
+}
+
+tmcl::Error beyond_soft_limit(const AxisConfig& axis, const std::string& what, std::string hint) {
+  tmcl::Error error;
+  error.code = tmcl::Errc::beyond_soft_limit;
+  error.outcome = tmcl::Outcome::not_sent;
+  error.message = "axis '" + axis.name + "': " + what;
+  error.hint = std::move(hint);
+  error.bus = axis.bus;
+  return error;
+}
+
+std::optional<tmcl::Error> objection_to(const Length& target, const AxisConfig& axis,
+                                        const tmcl::UserScale& scale) {
+  auto beyond = tmcl::beyond(*axis.scale.limits, target.microsteps, scale);
+  if (!beyond) return std::nullopt;
+  if (target.in_unit) beyond->position = target.in_unit->value;
+  return beyond_soft_limit(axis, describe(*beyond), "the configuration has it: 'soft_limits'");
+}
+
+/// Where a distance from a place ends, or why it must not be gone.
+using Destination = std::function<Result<Microsteps>(Microsteps here)>;
+
+tmcl::Script<Result<Microsteps>> move_from_here(tmcl::AxisAddress axis, Destination destination) {
   const auto here = co_await tmcl::verbs::position(axis);
   if (!here) co_return tl::unexpected(here.error());
-  const auto target = std::int64_t{here->value} + distance.value;
-  if (target < range.least || target > range.greatest) {
-    co_return tl::unexpected(tmcl::bad_argument(
-        std::to_string(distance.value) + " microsteps from " + std::to_string(here->value) +
-            " ends outside " + std::to_string(range.least) + ".." + std::to_string(range.greatest),
-        "move less far, or set another actual position"));
-  }
-  const Microsteps there{static_cast<std::int32_t>(target)};
-  const auto moved = co_await tmcl::verbs::move_to(axis, there);
+  const auto there = destination(*here);
+  if (!there) co_return there;
+  const auto moved = co_await tmcl::verbs::move_to(axis, *there);
   co_return moved;
 }
 
@@ -91,26 +121,106 @@ GatewayAxis::Awaitable<void> GatewayAxis::be_ready() {
   co_return tl::unexpected(std::move(error));
 }
 
-GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_to(Microsteps target, bool predict,
+GatewayAxis::Awaitable<tmcl::UserScale> GatewayAxis::known_scale() {
+  auto scale = co_await this->scale();
+  if (scale) co_return std::move(*scale);
+  auto error = tmcl::bad_argument(
+      "the module of axis '" + name() + "' does not tell its microstep resolution",
+      "the configuration can: 'microsteps'");
+  error.bus = config_.bus;
+  co_return tl::unexpected(std::move(error));
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::check_limits(Length target) {
+  if (!config_.scale.limits) co_return Result<void>{};
+  const auto scale = co_await known_scale();
+  if (!scale) co_return tl::unexpected(scale.error());
+  auto objection = objection_to(target, config_, *scale);
+  if (objection) co_return tl::unexpected(std::move(*objection));
+  co_return Result<void>{};
+}
+
+Result<void> GatewayAxis::check_endless(std::int32_t velocity) const {
+  if (!config_.scale.limits || velocity == 0) return {};
+  return tl::unexpected(
+      beyond_soft_limit(config_, "it has soft limits, which it would pass by turning without end",
+                        "move it to one of them instead, with a lower max_velocity"));
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::check_setting(std::uint8_t parameter,
+                                                        std::int32_t value) {
+  if (parameter == tmcl::axis_parameter::target_velocity) co_return check_endless(value);
+  if (parameter != tmcl::axis_parameter::target_position) co_return Result<void>{};
+  auto checked = co_await check_limits({{value}});
+  co_return checked;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::check_coordinate(std::uint8_t number,
+                                                           RunOptions options) {
+  if (!config_.scale.limits) co_return Result<void>{};
+  auto ready = co_await be_ready();
+  if (!ready) co_return ready;
+  const auto place = co_await run(tmcl::verbs::coordinate(address(), number), std::move(options));
+  if (!place) co_return tl::unexpected(place.error());
+  auto checked = co_await check_limits({*place});
+  co_return checked;
+}
+
+GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_to(Length target, bool predict,
                                                          RunOptions movement) {
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
-  auto result = co_await start(tmcl::verbs::move_to(address(), target), predict, movement);
+  auto checked = co_await check_limits(target);
+  if (!checked) co_return tl::unexpected(std::move(checked.error()));
+  auto script = tmcl::verbs::move_to(address(), target.microsteps);
+  auto result = co_await start(std::move(script), predict, movement);
+  if (result) wished_ = target.in_unit;
   co_return result;
 }
 
-GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Microsteps distance, bool predict,
+GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Length distance, bool predict,
                                                          RunOptions movement) {
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
-  Range range;
+  tmcl::ValueRange range;
   const auto* row = find_parameter(parameters(), tmcl::axis_parameter::target_position);
-  if (row != nullptr) {
-    range.least = row->minimum;
-    range.greatest = row->maximum;
+  if (row != nullptr) range = {row->minimum, row->maximum};
+  std::optional<tmcl::UserScale> scale;
+  if (distance.in_unit || config_.scale.limits) {
+    auto known = co_await known_scale();
+    if (!known) co_return tl::unexpected(std::move(known.error()));
+    scale = std::move(*known);
   }
-  auto script = move_by_within(address(), distance, range);
-  auto result = co_await start(std::move(script), predict, movement);
+  // The script may outlive this call.
+  const auto wish = std::make_shared<std::optional<tmcl::UserPosition>>();
+  const auto in_unit = [=, before = wished_](Microsteps here) -> Result<Microsteps> {
+    const auto from = place_of(here, before, *scale);
+    *wish = tmcl::UserPosition{from.value + distance.in_unit->value};
+    return tmcl::to_microsteps(**wish, *scale, range).map_error([](const auto& error) {
+      return tmcl::bad_argument(describe(error), std::string(beyond_range_hint));
+    });
+  };
+  const auto destination = [=, config = config_](Microsteps here) -> Result<Microsteps> {
+    const auto there = distance.in_unit ? in_unit(here) : sum(here, distance.microsteps, range);
+    if (!there || !config.scale.limits) return there;
+    auto objection = objection_to({*there, *wish}, config, *scale);
+    if (objection) return tl::unexpected(std::move(*objection));
+    return there;
+  };
+  auto result = co_await start(move_from_here(address(), destination), predict, movement);
+  if (result) wished_ = *wish;
+  co_return result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::move_to_coordinate(std::uint8_t number,
+                                                             RunOptions movement) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return ready;
+  auto checked = co_await check_coordinate(number, movement);
+  if (!checked) co_return checked;
+  forget_move();
+  auto script = tmcl::verbs::move_to_coordinate(address(), number);
+  auto result = co_await run(std::move(script), std::move(movement));
   co_return result;
 }
 
@@ -118,7 +228,7 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Micro
                                                        bool predict, RunOptions movement) {
   std::optional<tmcl::plan::AxisTwin> twin;
   if (predict) twin = co_await this->twin(movement);
-  expected_arrival_ = {};
+  forget_move();
   const auto begin = std::chrono::steady_clock::now();
   const auto target = co_await run(std::move(script), std::move(movement));
   if (!target) co_return tl::unexpected(target.error());
@@ -151,7 +261,9 @@ GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity
                                                  RunOptions movement) {
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
-  expected_arrival_ = {};
+  auto checked = check_endless(velocity.value);
+  if (!checked) co_return checked;
+  forget_move();
   auto result = co_await run(tmcl::verbs::rotate(address(), velocity), std::move(movement));
   co_return result;
 }
@@ -179,7 +291,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::stop_home() {
 GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions home_options,
                                                       RunOptions movement) {
   searching_ = true;
-  expected_arrival_ = {};
+  forget_move();
   auto result =
       co_await run(tmcl::verbs::home(address(), std::move(home_options)), std::move(movement));
   if (result) searching_ = false;
@@ -193,7 +305,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t>
     if (!chosen) co_return chosen;
   }
   searching_ = true;
-  expected_arrival_ = {};
+  forget_move();
   auto result = co_await run(tmcl::verbs::start_reference_search(address()), std::move(movement));
   co_return result;
 }
@@ -224,6 +336,8 @@ GatewayAxis::Awaitable<void> GatewayAxis::set(std::uint8_t parameter, std::int32
                                               RunOptions movement) {
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
+  auto checked = co_await check_setting(parameter, value);
+  if (!checked) co_return checked;
   auto result = co_await run(tmcl::verbs::set(address(), parameter, value), std::move(movement));
   // Also after a failure: the value may have been set all the same.
   note_set(parameter);
@@ -290,8 +404,14 @@ awaitable<std::optional<tmcl::UserScale>> GatewayAxis::scale() {
   co_return config.with_resolution(microstep_resolution_->value);
 }
 
+void GatewayAxis::forget_move() {
+  expected_arrival_ = {};
+  wished_.reset();
+}
+
 void GatewayAxis::note_set(std::uint8_t parameter) {
   ++changes_;
+  if (parameter == tmcl::axis_parameter::actual_position) wished_.reset();
   bool counts = parameter == tmcl::axis_parameter::microstep_resolution;
   if (const auto* model = module_.model()) {
     const auto units = tmcl::unit_parameters(*model);

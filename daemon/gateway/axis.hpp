@@ -39,6 +39,13 @@ struct AxisReading {
   tmcl::TimePoint taken{};             ///< When the look began: nothing in it is older.
 };
 
+/// A position or a distance.
+struct Length {
+  tmcl::Microsteps microsteps;
+  /// What it is exactly, where it was said in the axis' own unit.
+  std::optional<tmcl::UserPosition> in_unit{};
+};
+
 /// A move that a module has taken.
 struct StartedMove {
   tmcl::Microsteps target;
@@ -78,13 +85,22 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// is waited for: a stop that comes meanwhile must win.
   RunOptions begin_movement(Deadline deadline) const;
 
-  // Each of these begins with be_ready().
+  // Each of these begins with be_ready(). An axis with soft limits is not sent beyond them: those
+  // that might do so end with Errc::beyond_soft_limit, and nothing is sent.
   /// To predict a move, the axis is looked at before it.
-  Awaitable<StartedMove> move_to(tmcl::Microsteps target, bool predict, RunOptions movement);
+  Awaitable<StartedMove> move_to(Length target, bool predict, RunOptions movement);
+  /// From where the axis is. A distance in the axis' unit is added to what the last move in that
+  /// unit was to reach, if the axis stands there: what that was rounded by does not add up.
   /// Errors: also Errc::bad_argument for a target outside what the model can hold.
-  Awaitable<StartedMove> move_by(tmcl::Microsteps distance, bool predict, RunOptions movement);
+  Awaitable<StartedMove> move_by(Length distance, bool predict, RunOptions movement);
+  Awaitable<void> move_to_coordinate(std::uint8_t number, RunOptions movement);
+  /// Not for an axis with soft limits, which it would pass sooner or later; zero is.
   Awaitable<void> rotate(tmcl::InternalVelocity velocity, RunOptions movement);
   Awaitable<void> set(std::uint8_t parameter, std::int32_t value, RunOptions movement);
+  /// Whether the soft limits let the axis go there.
+  Awaitable<void> check_limits(Length target);
+  /// Whether the axis may go to this coordinate of its module.
+  Awaitable<void> check_coordinate(std::uint8_t number, RunOptions options);
   Awaitable<tmcl::Microsteps> wait(tmcl::WaitOptions options, Objection objection);
   Awaitable<std::int32_t> get(std::uint8_t parameter, Deadline deadline);
   Awaitable<AxisReading> read_state();
@@ -135,8 +151,14 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   template <class T>
   Awaitable<T> run(tmcl::Script<tmcl::Result<T>> script, RunOptions options);
   boost::asio::awaitable<void> add_units(AxisReading& reading);
+  tmcl::Result<void> check_endless(std::int32_t velocity) const;
+  Awaitable<void> check_setting(std::uint8_t parameter, std::int32_t value);
+  /// The scale that soft limits and distances in the unit need; an error where it cannot be known.
+  Awaitable<tmcl::UserScale> known_scale();
   Awaitable<StartedMove> start(tmcl::Script<tmcl::Result<tmcl::Microsteps>> script, bool predict,
                                RunOptions movement);
+  /// The axis goes, or may go, somewhere else than it was sent before.
+  void forget_move();
   void note_set(std::uint8_t parameter);
   template <class T>
   void note(tmcl::Result<T>& result) {
@@ -172,6 +194,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   std::optional<Known<std::vector<tmcl::plan::Setting>>> ramp_;
   /// When the move under way should end; in the past if that is not known.
   tmcl::TimePoint expected_arrival_{};
+  /// Where the last move was to end, in the unit, before that was rounded.
+  std::optional<tmcl::UserPosition> wished_;
   std::shared_ptr<AxisPoller> poller_;
 };
 

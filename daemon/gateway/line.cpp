@@ -113,6 +113,8 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     for (auto& member : members_) {
       auto ready = co_await member.axis->be_ready();
       if (!ready) co_return member.failure(std::move(ready.error()));
+      auto allowed = co_await member.axis->check_limits({member.target});
+      if (!allowed) co_return member.failure(std::move(allowed.error()));
       member.twin = co_await member.axis->twin(member.movement);
       if (!member.twin) {
         co_return member.failure(

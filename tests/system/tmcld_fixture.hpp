@@ -46,8 +46,8 @@ class TmcldTest : public testing::Test {
   }
   std::string pty_link() const { return "serial:" + path("pty") + "@115200"; }
 
-  /// Axes x on the first module, y and z on the second.
-  void write_config(const std::string& link) const {
+  /// Axes x on the first module, y and z on the second; `of_z` are further lines of z.
+  void write_config(const std::string& link, const std::string& of_z = {}) const {
     std::ofstream file(config());
     file << "[daemon]\nsocket = \"" << socket() << "\"\n";
     file << "[[bus]]\nname = \"bench\"\nlink = \"" << link << "\"\n";
@@ -56,6 +56,7 @@ class TmcldTest : public testing::Test {
     write_axis(file, "x", 1, 0);
     write_axis(file, "y", 2, 0);
     write_axis(file, "z", 2, 1);
+    file << of_z;
   }
 
   void start_daemon(int modules = 2) {

@@ -57,6 +57,7 @@ class FakeTarget : public Target {
 
   // What happened.
   std::vector<std::string> calls;
+  std::optional<double> said_in_unit;  ///< The position or distance of the last move.
 
   Attempt<ScanResult> scan(ScanRange, const Progress& progress) override {
     if (failure) return tl::unexpected(*failure);
@@ -97,16 +98,18 @@ class FakeTarget : public Target {
     calls.push_back("units " + axis);
     return counts;
   }
-  Attempt<StartedMove> move_to(const std::string& axis, tmcl::Microsteps position) override {
+  Attempt<StartedMove> move_to(const std::string& axis, Length length) override {
     if (failure) return tl::unexpected(*failure);
+    const auto position = length.microsteps;
+    said_in_unit = length.in_unit;
     calls.push_back("move_to " + axis + ' ' + std::to_string(position.value));
     from_ = at();
     target_ = position.value;
     began_ = patience_.now();
     return StartedMove{position, predicted_s};
   }
-  Attempt<StartedMove> move_by(const std::string& axis, tmcl::Microsteps distance) override {
-    return move_to(axis, {at() + distance.value});
+  Attempt<StartedMove> move_by(const std::string& axis, Length distance) override {
+    return move_to(axis, {{at() + distance.microsteps.value}, distance.in_unit});
   }
   Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override {
     if (failure) return tl::unexpected(*failure);

@@ -48,6 +48,18 @@ TEST_F(CtlUnits, DistancesCountFromWhereTheAxisIs) {
   EXPECT_EQ(last_call(), "move_to x -10140");
 }
 
+// So that tmcld can add up what is not rounded yet.
+TEST_F(CtlUnits, OnlyWhatIsSaidInTheUnitOfTheAxisIsPassedOnInIt) {
+  run({"move", "x", "10.03mm"});
+  EXPECT_EQ(target.said_in_unit, 10.03);
+  run({"move", "x", "-0.1mm", "--by"});
+  EXPECT_EQ(target.said_in_unit, -0.1);
+  for (const auto* other : {"1rev", "100microsteps", "100"}) {
+    run({"move", "x", other, "--by"});
+    EXPECT_FALSE(target.said_in_unit) << other;
+  }
+}
+
 TEST_F(CtlUnits, AReversedAxisTurnsTheOtherWayInEveryUnitButMicrosteps) {
   target.counts.scale->reverse = true;
   run({"move", "x", "10mm"});

@@ -110,7 +110,7 @@ microsteps = 16
 
 class DaemonScale : public testing::Test {
  protected:
-  DaemonScale() {
+  explicit DaemonScale(const std::string& axes = spindle()) : daemon(axes) {
     daemon.wire().model = 3110;
     daemon.start();
     client = std::make_unique<RpcClient>(daemon.socket());
@@ -138,7 +138,7 @@ class DaemonScale : public testing::Test {
     return text(error.at("message"));
   }
 
-  TestDaemon daemon{spindle()};
+  TestDaemon daemon;
   std::unique_ptr<RpcClient> client;
 };
 
@@ -236,6 +236,158 @@ TEST_F(DaemonScale, UnitsSayWhatAnAxisCountsIn) {
         "gear_ratio", "soft_limit_minimum", "encoder_counts_per_unit"}) {
     EXPECT_TRUE(plain.at(key).is_null()) << key;
   }
+}
+
+std::string mechanics() {
+  return std::string(bench_bus) + axis_section("screw", 0, R"(
+unit = "mm"
+screw_pitch = 7.3
+gear_ratio = 3.71
+microsteps = 16
+soft_limits = [-2.5, 120]
+encoder_lines = 1000
+)") + axis_section("table", 1, R"(
+unit = "deg"
+units_per_revolution = 360
+reverse = true
+microsteps = 16
+soft_limits = [-90, 180]
+)") + axis_section("free", 2, "unit = \"mm\"\nscrew_pitch = 7.3\ngear_ratio = 3.71\n");
+}
+
+class DaemonMechanics : public DaemonScale {
+ protected:
+  DaemonMechanics() : DaemonScale(mechanics()) {
+    hold(2, 140, 4);
+    for (const std::uint8_t motor : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}})
+      hold(motor, 1, 0);
+  }
+  std::int64_t target_of(std::string_view method, json::object params) {
+    return client->result(method, std::move(params)).at("target_microsteps").as_int64();
+  }
+  json::object beyond(std::string_view method, json::object params) {
+    auto error = client->error(method, std::move(params));
+    EXPECT_EQ(error.at("code"), -32602);
+    EXPECT_EQ(error.at("data").at("name"), "beyond_soft_limit") << error;
+    EXPECT_EQ(error.at("data").at("outcome"), "not_sent");
+    return error;
+  }
+  void expect_nothing_sent() {
+    for (const auto command : {Command::MVP, Command::ROR, Command::ROL, Command::SAP})
+      EXPECT_EQ(daemon.requests_seen(command), 0U) << name_of(command);
+  }
+};
+
+TEST_F(DaemonMechanics, UnitsTellOfGearLimitsAndEncoder) {
+  const auto units = client->result("axis.get_units", {{"axis", "screw"}});
+  EXPECT_EQ(units.at("gear_ratio"), 3.71);
+  EXPECT_EQ(units.at("units_per_output_revolution"), 7.3);
+  EXPECT_DOUBLE_EQ(units.at("units_per_revolution").to_number<double>(), 7.3 / 3.71);
+  EXPECT_EQ(units.at("soft_limit_minimum").to_number<double>(), -2.5);
+  EXPECT_EQ(units.at("soft_limit_maximum").to_number<double>(), 120);
+  EXPECT_DOUBLE_EQ(units.at("encoder_counts_per_unit").to_number<double>(), 4000 * 3.71 / 7.3);
+  const auto free = client->result("axis.get_units", {{"axis", "free"}});
+  EXPECT_TRUE(free.at("soft_limit_minimum").is_null());
+  EXPECT_TRUE(free.at("encoder_counts_per_unit").is_null());
+}
+
+TEST_F(DaemonMechanics, AThousandTenthsOfAMillimetreAreAHundred) {
+  const auto by = [&](double distance) {
+    return target_of("axis.move_by",
+                     {{"axis", "screw"}, {"distance", distance}, {"predict", false}});
+  };
+  const auto hundred = target_of("axis.move_to", {{"axis", "screw"}, {"position", 100}});
+  client->result("axis.move_to", {{"axis", "screw"}, {"position", 0}});
+  const auto tenth = by(0.1);
+  std::int64_t there = tenth;
+  for (int i = 1; i < 1000; ++i) there = by(0.1);
+  EXPECT_EQ(there, hundred);
+  EXPECT_NE(1000 * tenth, hundred) << "the scale is one where it matters";
+  for (int i = 0; i < 1000; ++i) there = by(-0.1);
+  EXPECT_EQ(there, 0);
+}
+
+TEST_F(DaemonMechanics, ADistanceCountsFromWhereTheAxisReallyIs) {
+  client->result("axis.move_to", {{"axis", "free"}, {"position", 10.0003}});
+  hold(2, 1, 500);  // somebody stopped it
+  const auto expected = std::lround(500 + 0.1 * 3200 * 3.71 / 7.3);
+  EXPECT_EQ(target_of("axis.move_by", {{"axis", "free"}, {"distance", 0.1}}), expected);
+  client->result("axis.move_to", {{"axis", "free"}, {"position", 0.0003}});
+  client->result("parameter.set", {{"axis", "free"}, {"parameter", 1}, {"value", 0}});
+  EXPECT_EQ(target_of("axis.move_by", {{"axis", "free"}, {"distance", 1}}),
+            std::lround(3200 * 3.71 / 7.3));
+}
+
+TEST_F(DaemonMechanics, ADistanceThatTheModuleCannotHoldIsRefused) {
+  EXPECT_THAT(refusal("axis.move_by", {{"axis", "free"}, {"distance", 1e6}}),
+              HasSubstr("1e+06 mm is too far"));
+  expect_nothing_sent();
+}
+
+TEST_F(DaemonMechanics, NoMoveEndsBeyondASoftLimit) {
+  EXPECT_THAT(text(beyond("axis.move_to", {{"axis", "screw"}, {"position", 120.5}}).at("message")),
+              HasSubstr("axis 'screw': 120.5 mm is beyond the soft limit of 120 mm"));
+  EXPECT_THAT(text(beyond("axis.move_to", {{"axis", "screw"}, {"position", -3}}).at("message")),
+              HasSubstr("-3 mm is beyond the soft limit of -2.5 mm"));
+  beyond("axis.move_to", {{"axis", "screw"}, {"position_microsteps", 1'000'000}});
+  beyond("axis.move_by", {{"axis", "screw"}, {"distance", 121}});
+  beyond("axis.move_by", {{"axis", "screw"}, {"distance_microsteps", -1'000'000}});
+  EXPECT_THAT(text(beyond("axis.move_by", {{"axis", "table"}, {"distance", -91}}).at("message")),
+              HasSubstr("-91 deg is beyond the soft limit of -90 deg"));
+  beyond("parameter.set",
+         {{"axis", "screw"}, {"parameter", "target_position"}, {"value", 999'999}});
+  beyond("parameter.set", {{"axis", "screw"}, {"parameter", "target_velocity"}, {"value", 1}});
+  EXPECT_THAT(text(beyond("axis.rotate", {{"axis", "screw"}, {"velocity", 1}}).at("message")),
+              HasSubstr("without end"));
+  beyond("axis.rotate", {{"axis", "screw"}, {"velocity_internal", -1}});
+  beyond("line.move", {{"axes", {"screw", "table"}}, {"positions", {121, 0}}});
+  expect_nothing_sent();
+}
+
+TEST_F(DaemonMechanics, EverythingWithinSoftLimitsGoes) {
+  for (const double place : {-2.5, 120.0, 0.0})
+    client->result("axis.move_to", {{"axis", "screw"}, {"position", place}});
+  EXPECT_EQ(target_of("axis.move_to", {{"axis", "table"}, {"position", -90}}), 800);
+  client->result("axis.rotate", {{"axis", "screw"}, {"velocity_internal", 0}});
+  client->result("axis.rotate", {{"axis", "free"}, {"velocity", 1}});
+  client->result("parameter.set",
+                 {{"axis", "screw"}, {"parameter", "target_position"}, {"value", 5}});
+  client->result("axis.start_home", {{"axis", "screw"}});
+  client->result("module.execute",
+                 {{"bus", "bench"}, {"address", 1}, {"command", "ROR"}, {"value", 5}});
+}
+
+TEST_F(DaemonMechanics, CoordinatesBeyondASoftLimitAreNotGoneTo) {
+  const auto coordinate = [](const char* axis, int place) {
+    return json::object{{"axis", axis}, {"number", 3}, {"position_microsteps", place}};
+  };
+  client->result("coordinate.set", coordinate("screw", 1'000'000));
+  client->result("coordinate.set", coordinate("table", 800));
+  client->result("coordinate.set", coordinate("free", 1'000'000));
+  const json::object both{{"bus", "bench"}, {"address", 1}, {"number", 3}, {"motors", {0, 1}}};
+  beyond("coordinate.move", {{"axis", "screw"}, {"number", 3}});
+  EXPECT_THAT(text(beyond("coordinate.start", both).at("message")), HasSubstr("'screw'"));
+  expect_nothing_sent();
+  client->result("coordinate.move", {{"axis", "table"}, {"number", 3}});
+  client->result("coordinate.move", {{"axis", "free"}, {"number", 3}});
+  client->result("coordinate.set", coordinate("screw", 0));
+  client->result("coordinate.start", both);
+}
+
+TEST_F(DaemonMechanics, SoftLimitsThatCannotBeKeptLetNothingMove) {
+  TestDaemon other{std::string(bench_bus) +
+                   axis_section("x", 0, "unit = \"mm\"\nscrew_pitch = 5\nsoft_limits = [0, 10]\n")};
+  other.start();
+  other.on_reactor([&] { return other.wire().modules.at(1).parameter(0, 140) = 99; });
+  RpcClient caller(other.socket());
+  for (const auto* method : {"axis.move_to", "axis.move_by"}) {
+    json::object params{{"axis", "x"}};
+    params[method == std::string("axis.move_to") ? "position_microsteps" : "distance_microsteps"] =
+        1;
+    EXPECT_THAT(text(caller.error(method, params).at("message")),
+                HasSubstr("microstep resolution"));
+  }
+  EXPECT_EQ(other.requests_seen(Command::MVP), 0U);
 }
 
 }  // namespace

@@ -29,20 +29,31 @@ Attempt<std::int32_t> asked(const Quantity& quantity, const std::string& axis, s
       [&](const AxisUnits& units) { return in_parameter(quantity, units, number); });
 }
 
+Length bare(const Quantity& length) { return {{static_cast<std::int32_t>(length.number)}}; }
+
+std::optional<double> in_own_unit(const Quantity& length, const AxisUnits& units) {
+  const bool own = units.scale && units.scale->unit == length.unit;
+  return own ? std::optional(length.number) : std::nullopt;
+}
+
 }  // namespace
 
-Attempt<tmcl::Microsteps> asked_position(const Quantity& position, const std::string& axis,
-                                         Target& target) {
-  return asked(position, axis, ap::target_position, target).map([](std::int32_t value) {
-    return tmcl::Microsteps{value};
+Attempt<Length> asked_position(const Quantity& position, const std::string& axis, Target& target) {
+  if (position.unit.empty()) return bare(position);
+  return target.units(axis).and_then([&](const AxisUnits& units) {
+    return in_parameter(position, units, ap::target_position).map([&](std::int32_t value) {
+      return Length{{value}, in_own_unit(position, units)};
+    });
   });
 }
 
-Attempt<tmcl::Microsteps> asked_distance(const Quantity& distance, const std::string& axis,
-                                         Target& target) {
-  if (distance.unit.empty()) return tmcl::Microsteps{static_cast<std::int32_t>(distance.number)};
-  return target.units(axis).and_then(
-      [&](const AxisUnits& units) { return to_microsteps(distance, units, {}); });
+Attempt<Length> asked_distance(const Quantity& distance, const std::string& axis, Target& target) {
+  if (distance.unit.empty()) return bare(distance);
+  return target.units(axis).and_then([&](const AxisUnits& units) {
+    return to_microsteps(distance, units, {}).map([&](tmcl::Microsteps value) {
+      return Length{value, in_own_unit(distance, units)};
+    });
+  });
 }
 
 Attempt<tmcl::InternalVelocity> asked_velocity(const Quantity& velocity, const std::string& axis,

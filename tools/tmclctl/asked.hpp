@@ -7,10 +7,8 @@
 namespace tmclctl {
 
 /// Within the range of the parameter target_position.
-Attempt<tmcl::Microsteps> asked_position(const Quantity& position, const std::string& axis,
-                                         Target& target);
-Attempt<tmcl::Microsteps> asked_distance(const Quantity& distance, const std::string& axis,
-                                         Target& target);
+Attempt<Length> asked_position(const Quantity& position, const std::string& axis, Target& target);
+Attempt<Length> asked_distance(const Quantity& distance, const std::string& axis, Target& target);
 /// Within the range of the parameter target_velocity.
 Attempt<tmcl::InternalVelocity> asked_velocity(const Quantity& velocity, const std::string& axis,
                                                Target& target);

@@ -115,6 +115,16 @@ tmcl::FirmwareMatch match_from(const json::object& row, std::string_view running
   return match;
 }
 
+json::object with_length(const std::string& axis, const std::string& name, const Length& length) {
+  json::object params{{"axis", axis}};
+  if (length.in_unit) {
+    params[name] = *length.in_unit;
+  } else {
+    params[name + "_microsteps"] = length.microsteps.value;
+  }
+  return params;
+}
+
 UnscannedBus unscanned_from(const json::object& row) {
   return {text_at(row, "bus"), failure_at(row)};
 }
@@ -209,12 +219,12 @@ Attempt<StartedMove> DaemonTarget::move(std::string_view method, json::object pa
   });
 }
 
-Attempt<StartedMove> DaemonTarget::move_to(const std::string& axis, tmcl::Microsteps position) {
-  return move("axis.move_to", {{"axis", axis}, {"position_microsteps", position.value}});
+Attempt<StartedMove> DaemonTarget::move_to(const std::string& axis, Length position) {
+  return move("axis.move_to", with_length(axis, "position", position));
 }
 
-Attempt<StartedMove> DaemonTarget::move_by(const std::string& axis, tmcl::Microsteps distance) {
-  return move("axis.move_by", {{"axis", axis}, {"distance_microsteps", distance.value}});
+Attempt<StartedMove> DaemonTarget::move_by(const std::string& axis, Length distance) {
+  return move("axis.move_by", with_length(axis, "distance", distance));
 }
 
 Attempt<void> DaemonTarget::rotate(const std::string& axis, tmcl::InternalVelocity velocity) {

@@ -23,8 +23,8 @@ class DaemonTarget final : public Target {
   Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
                               std::int32_t value) override;
   Attempt<AxisUnits> units(const std::string& axis) override;
-  Attempt<StartedMove> move_to(const std::string& axis, tmcl::Microsteps position) override;
-  Attempt<StartedMove> move_by(const std::string& axis, tmcl::Microsteps distance) override;
+  Attempt<StartedMove> move_to(const std::string& axis, Length position) override;
+  Attempt<StartedMove> move_by(const std::string& axis, Length distance) override;
   Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override;
   Attempt<void> stop(const std::string& axis) override;
   Attempt<std::vector<StoppedAxis>> stop_all() override;

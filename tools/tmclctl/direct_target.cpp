@@ -205,12 +205,12 @@ Attempt<StartedMove> DirectTarget::start(const std::string& axis, Move move) {
   });
 }
 
-Attempt<StartedMove> DirectTarget::move_to(const std::string& axis, tmcl::Microsteps position) {
-  return start(axis, [&](Axis& at) { return at.move_to(position); });
+Attempt<StartedMove> DirectTarget::move_to(const std::string& axis, Length position) {
+  return start(axis, [&](Axis& at) { return at.move_to(position.microsteps); });
 }
 
-Attempt<StartedMove> DirectTarget::move_by(const std::string& axis, tmcl::Microsteps distance) {
-  return start(axis, [&](Axis& at) { return at.move_by(distance); });
+Attempt<StartedMove> DirectTarget::move_by(const std::string& axis, Length distance) {
+  return start(axis, [&](Axis& at) { return at.move_by(distance.microsteps); });
 }
 
 Attempt<void> DirectTarget::rotate(const std::string& axis, tmcl::InternalVelocity velocity) {

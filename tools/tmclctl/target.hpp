@@ -78,6 +78,13 @@ struct AxisReading {
   bool operator==(const AxisReading&) const = default;
 };
 
+/// A position or a distance.
+struct Length {
+  tmcl::Microsteps microsteps;
+  /// What it is exactly, where it was said in the axis' own unit.
+  std::optional<double> in_unit{};
+};
+
 /// A move that a module has taken.
 struct StartedMove {
   tmcl::Microsteps goal;
@@ -139,8 +146,10 @@ class Target {
   virtual Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
                                       std::int32_t value) = 0;
   virtual Attempt<AxisUnits> units(const std::string& axis) = 0;
-  virtual Attempt<StartedMove> move_to(const std::string& axis, tmcl::Microsteps position) = 0;
-  virtual Attempt<StartedMove> move_by(const std::string& axis, tmcl::Microsteps distance) = 0;
+  virtual Attempt<StartedMove> move_to(const std::string& axis, Length position) = 0;
+  /// What a distance in the axis' own unit is rounded by does not add up; only tmcld can see to
+  /// that.
+  virtual Attempt<StartedMove> move_by(const std::string& axis, Length distance) = 0;
   virtual Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) = 0;
   virtual Attempt<void> stop(const std::string& axis) = 0;
   virtual Attempt<std::vector<StoppedAxis>> stop_all() = 0;

@@ -32,12 +32,13 @@ enum class Errc : std::uint8_t {
   link_open_failed,    ///< The link could not be opened.
   link_busy,           ///< Another program uses the link.
   bad_argument,        ///< The caller asked for something that cannot be; nothing was sent.
-  move_interrupted,  ///< The axis stands, or is about to stand, somewhere else than where the move
-                     ///< was to end.
-  unexpected_value,  ///< The module holds another value than the one that was set.
-  download_broken,   ///< A program could not be loaded; the module is left without one that could
-                     ///< run.
-  in_bootloader,     ///< Somebody gives the module new firmware: it executes nothing meanwhile.
+  move_interrupted,   ///< The axis stands, or is about to stand, somewhere else than where the move
+                      ///< was to end.
+  unexpected_value,   ///< The module holds another value than the one that was set.
+  download_broken,    ///< A program could not be loaded; the module is left without one that could
+                      ///< run.
+  beyond_soft_limit,  ///< The axis was to go where its soft limits do not let it; nothing was sent.
+  in_bootloader,      ///< Somebody gives the module new firmware: it executes nothing meanwhile.
 };
 
 struct Error {

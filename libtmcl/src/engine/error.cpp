@@ -29,6 +29,7 @@ std::string_view name_of(Errc code) {
     case Errc::move_interrupted: return "move_interrupted";
     case Errc::unexpected_value: return "unexpected_value";
     case Errc::download_broken: return "download_broken";
+    case Errc::beyond_soft_limit: return "beyond_soft_limit";
     case Errc::in_bootloader: return "in_bootloader";
   }
   return "";

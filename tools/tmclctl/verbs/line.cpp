@@ -20,10 +20,10 @@ Attempt<json::object> asked_line(const verb::Line& verb, Target& target) {
   json::array axes;
   json::array positions;
   for (const auto& [axis, position] : verb.goals) {
-    const auto microsteps = asked_position(position, axis, target);
-    if (!microsteps) return tl::unexpected(microsteps.error());
+    const auto length = asked_position(position, axis, target);
+    if (!length) return tl::unexpected(length.error());
     axes.emplace_back(axis);
-    positions.emplace_back(microsteps->value);
+    positions.emplace_back(length->microsteps.value);
   }
   return json::object{{"axes", std::move(axes)}, {"positions_microsteps", std::move(positions)}};
 }
