@@ -60,12 +60,13 @@ class CtlBench {
   Words through_daemon() const { return {"--socket", file("tmcld.sock")}; }
   Program& simulator() { return *simulator_; }
 
-  /// Serves x, y (motor 0 and 1 of module 1 and 3) and "ghost", behind which there is no module.
-  Program& start_daemon() {
+  /// Serves x, y (motor 0 and 1 of module 1 and 3) and "ghost", behind which there is no module;
+  /// `of_y` are further lines of y.
+  Program& start_daemon(const std::string& of_y = {}) {
     std::ofstream(file("tmcld.toml"))
         << "[daemon]\nsocket = \"" << file("tmcld.sock")
         << "\"\n[[bus]]\nname = \"bench\"\nlink = \"" << tcp_link() << "\"\n"
-        << axis("x", 1, 0) << axis("y", 3, 1) << axis("ghost", 9, 0);
+        << axis("x", 1, 0) << axis("y", 3, 1) << of_y << axis("ghost", 9, 0);
     daemon_ = std::make_unique<Program>(Words{"tmcld", "--config", file("tmcld.toml")});
     for (int i = 0; i < 100 && !std::filesystem::exists(file("tmcld.sock")); ++i) ::usleep(50'000);
     return *daemon_;

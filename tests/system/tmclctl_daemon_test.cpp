@@ -95,6 +95,37 @@ TEST_F(TmclctlDaemon, PlotsAndSendsRawCommands) {
   EXPECT_EQ(raw.at("bus"), "bench");
 }
 
+TEST(TmclctlUnits, AnAxisThatSaysWhatItDrivesSpeaksItsUnit) {
+  CtlBench bench;
+  bench.start_daemon("unit = \"mm\"\nscrew_pitch = 10\ngear_ratio = 3.7\nsoft_limits = [-5, 20]\n");
+  const auto run = [&](const Words& words) { return bench.ctl(bench.through_daemon(), words); };
+  const auto document = [&](const Words& words) {
+    return bench.json(bench.through_daemon(), words);
+  };
+  // A millimetre is 18944 microsteps, a tenth 1894.4.
+  EXPECT_EQ(run({"move", "y", "2mm", "--wait"}).out, "y stands at 37888\n");
+  for (int i = 0; i < 10; ++i) EXPECT_EQ(run({"move", "y", "0.1mm", "--by", "--wait"}).status, 0);
+  const auto state = document({"state", "y"});
+  EXPECT_EQ(state.at("position_microsteps"), 3 * 18'944);
+  EXPECT_DOUBLE_EQ(state.at("position").to_number<double>(), 3);
+  EXPECT_EQ(run({"get", "y", "actual_position", "--in-units"}).out, "3mm\n");
+  EXPECT_THAT(run({"get", "y", "max_velocity", "--in-units"}).out, HasSubstr("mm/s\n"));
+  EXPECT_THAT(run({"watch", "y", "--for", "0.05"}).out,
+              HasSubstr("position 3 mm  velocity 0 mm/s"));
+
+  const auto refused = run({"move", "y", "21mm"});
+  EXPECT_EQ(refused.status, 1);
+  EXPECT_THAT(refused.err, HasSubstr("21 mm is beyond the soft limit of 20 mm"));
+  EXPECT_THAT(run({"move", "y", "-9mm", "--by"}).err, HasSubstr("-6 mm is beyond"));
+  EXPECT_EQ(run({"rotate", "y", "100"}).status, 1);
+  EXPECT_EQ(document({"state", "y"}).at("target_microsteps"), 3 * 18'944) << "nothing was sent";
+
+  const auto recorded = document({"plot", "y", "--by", "1mm"});
+  EXPECT_EQ(recorded.at("unit"), "mm");
+  EXPECT_DOUBLE_EQ(recorded.at("position").as_array().back().to_number<double>(), 4);
+  EXPECT_EQ(recorded.at("position_microsteps").as_array().back(), 4 * 18'944);
+}
+
 TEST_F(TmclctlDaemon, BashCompletesVerbsAxesAndParameters) {
   const auto complete = [this](const std::string& words, int cursor) {
     const std::string script = "PATH='" TMCL_BIN_DIR "':$PATH; source '" TMCL_SOURCE_DIR

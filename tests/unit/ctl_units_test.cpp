@@ -148,6 +148,70 @@ TEST_F(CtlUnits, TheNearestThatIsNamedIsTaken) {
   EXPECT_EQ(last_call(), "rotate x 2047");
 }
 
+TEST_F(CtlUnits, GetPrintsInTheUnitOfTheAxis) {
+  target.values = {{"actual_position", 25'600},
+                   {"max_velocity", 1000},
+                   {"max_acceleration", 100},
+                   {"max_current", 5},
+                   {"209", -1200}};
+  run({"get", "x", "actual_position"});
+  EXPECT_EQ(out, "25600\n");
+  const auto in_units = [&](const char* parameter) {
+    EXPECT_EQ(run({"get", "x", parameter, "--in-units"}), ExitCode::done) << err;
+    return out;
+  };
+  target.counts.scale->reverse = true;
+  EXPECT_EQ(in_units("actual_position"), "-2.5mm\n");
+  EXPECT_EQ(in_units("max_velocity"), "5.96046447754mm/s\n") << "a limit has no direction";
+  EXPECT_THAT(in_units("max_acceleration"), HasSubstr("mm/s^2\n"));
+  EXPECT_EQ(in_units("209"), "0.1171875mm\n") << "in microsteps";
+  target.counts.encoder_counts_per_unit = 1200;
+  EXPECT_EQ(in_units("209"), "1mm\n") << "in counts";
+  const auto document = json({"get", "x", "actual_position", "--in-units"});
+  EXPECT_EQ(document.at("value"), 25'600);
+  EXPECT_EQ(document.at("value_in_unit"), -2.5);
+  EXPECT_EQ(document.at("unit"), "mm");
+  target.counts.scale->unit.clear();
+  EXPECT_EQ(in_units("actual_position"), "-0.5rev\n");
+  EXPECT_THAT(refusal({"get", "x", "max_current", "--in-units"}), HasSubstr("is neither"));
+  target.counts.scale.reset();
+  EXPECT_THAT(refusal({"get", "x", "actual_position", "--in-units"}), HasSubstr("a turn of axis"));
+}
+
+TEST_F(CtlUnits, AnEncoderInCountsIsSetInTheUnit) {
+  target.counts.model = tmcl::find_model("TMCM-3110");
+  target.counts.encoder_counts_per_unit = 1200;
+  EXPECT_EQ(run({"set", "x", "encoder_position", "2.5mm"}), ExitCode::done) << err;
+  EXPECT_EQ(last_call(), "set x encoder_position 3000");
+  EXPECT_THAT(refusal({"set", "x", "encoder_position", "1rev"}),
+              HasSubstr("counts of the encoder"));
+}
+
+TEST_F(CtlUnits, WatchAndPlotAreInTheUnitOfTheAxis) {
+  target.user = UserReading{"mm", 12.5, -3, 0.25};
+  run({"watch", "x", "--for", "0.01"});
+  EXPECT_THAT(out, HasSubstr("x  position 12.5 mm  velocity 0.25 mm/s  target -3 mm  "));
+  run({"watch", "x", "--for", "0.01", "--internal"});
+  EXPECT_THAT(out, HasSubstr("x  position 0  velocity 0  target 0  "));
+  run({"plot", "x", "--by", "10240"});
+  EXPECT_THAT(out,
+              HasSubstr("x went from 0 to 1 mm in 1.03 s, greatest velocity 0.596046447754 mm/s"));
+  EXPECT_THAT(out, HasSubstr("position [mm]"));
+  EXPECT_THAT(out, HasSubstr("velocity [mm/s]"));
+  run({"plot", "x", "--by", "-10240", "--internal"});
+  EXPECT_THAT(out, HasSubstr("x went from 10240 to 0 microsteps"));
+  const auto document = json({"plot", "x", "--by", "10240"});
+  EXPECT_EQ(document.at("unit"), "mm");
+  EXPECT_EQ(document.at("position").as_array().back().to_number<double>(), 1);
+  EXPECT_EQ(document.at("position_microsteps").as_array().back(), 10'240);
+  run({"plot", "x", "--by", "10240", "--csv", "-"});
+  EXPECT_THAT(out, testing::StartsWith("time_s,position_microsteps,velocity_internal,position_mm,"
+                                       "velocity_mm_per_s\n0.000000,10240,"));
+  EXPECT_THAT(out, HasSubstr(",20480,0,2,0\n"));
+  target.user.reset();
+  EXPECT_TRUE(json({"plot", "x", "--by", "-10240"}).at("unit").is_null());
+}
+
 TEST_F(CtlUnits, StateShowsTheUnitOfTheAxis) {
   EXPECT_EQ(run({"state", "x"}), ExitCode::done);
   EXPECT_THAT(out, Not(HasSubstr("mm")));

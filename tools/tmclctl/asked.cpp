@@ -11,15 +11,18 @@ namespace {
 
 namespace ap = tmcl::axis_parameter;
 
+Failure unknown_parameter(const Quantity& quantity, const AxisUnits& units, std::uint8_t number) {
+  return usage_failure("unknown_unit",
+                       fmt::format("'{}': what parameter {} of axis {} counts in is not known",
+                                   to_string(quantity), number, units.axis),
+                       "Give a bare number, in the module's own unit");
+}
+
 Attempt<std::int32_t> in_parameter(const Quantity& quantity, const AxisUnits& units,
                                    std::uint8_t number) {
   const auto* row = find_parameter(units.parameters(), number);
   if (row != nullptr) return to_parameter(quantity, units, *row);
-  return tl::unexpected(
-      usage_failure("unknown_unit",
-                    fmt::format("'{}': what parameter {} of axis {} counts in is not known",
-                                to_string(quantity), number, units.axis),
-                    "Give a bare number, in the module's own unit"));
+  return tl::unexpected(unknown_parameter(quantity, units, number));
 }
 
 Attempt<std::int32_t> asked(const Quantity& quantity, const std::string& axis, std::uint8_t number,
@@ -60,6 +63,16 @@ Attempt<tmcl::InternalVelocity> asked_velocity(const Quantity& velocity, const s
                                                Target& target) {
   return asked(velocity, axis, ap::target_velocity, target).map([](std::int32_t value) {
     return tmcl::InternalVelocity{value};
+  });
+}
+
+Attempt<Quantity> shown_value(const ParameterValue& value, const std::string& axis,
+                              Target& target) {
+  return target.units(axis).and_then([&](const AxisUnits& units) -> Attempt<Quantity> {
+    const auto* row = find_parameter(units.parameters(), value.number);
+    if (row != nullptr) return from_parameter(value.value, units, *row);
+    const Quantity bare{static_cast<double>(value.value), {}};
+    return tl::unexpected(unknown_parameter(bare, units, value.number));
   });
 }
 

@@ -68,6 +68,7 @@ constexpr const char* get = R"(
 Prints one bare value, so that a script needs no parsing:
 
   position=$(tmclctl get x actual_position)
+  tmclctl get x max_velocity --in-units          5.9604644775mm/s, as set takes it
   tmclctl --direct tcp:127.0.0.1:4001 get 1/0 4
 )";
 
@@ -90,6 +91,7 @@ waiting and NOT the move: it tells how to stop the axis and exits with 130.
   tmclctl move x 10mm
   tmclctl move x 1.5rev
   tmclctl move x -1000 --by --wait
+  tmclctl move x 0.1mm --by --wait               again and again: what is rounded does not add up
   tmclctl move x 0 --wait --timeout 30
 )";
 
@@ -104,7 +106,8 @@ whose axes may be on any of its buses. Several motors of one module start with o
 )";
 
 constexpr const char* rotate = R"(
-Turns until it is stopped: to the right for a positive velocity, to the left for a negative one.
+Turns until it is stopped: to the right for a positive velocity, to the left for a negative one. An
+axis with soft limits does not turn without end.
 
   tmclctl rotate x 500
   tmclctl rotate x -500
@@ -122,8 +125,8 @@ Ramps down to standstill. A stop goes out before everything else.
 )";
 
 constexpr const char* watch = R"(
-One line for each change, until Ctrl-C (exit code 0) or the end of --for. With --json, one document
-a line.
+One line for each change, until Ctrl-C (exit code 0) or the end of --for, in the unit of the axis if
+it has one. With --json, one document a line.
 
   tmclctl watch x
   tmclctl --json watch x --interval 50 --for 10
@@ -132,7 +135,8 @@ a line.
 constexpr const char* plot = R"(
 Records position and velocity, and draws both over time. With --to or --by it starts that move and
 records until the axis stands; otherwise it records until the axis stands, or for the time that
---for gives. Ctrl-C ends the recording, not the move, and draws what there is.
+--for gives. Ctrl-C ends the recording, not the move, and draws what there is. An axis with a unit is
+drawn in that, and its CSV has two columns more.
 
 --compare draws beside the movement what the module's ramp generator should make of it, and says by
 how much the two differ: beyond what the time can explain that command and readings took.

@@ -31,6 +31,7 @@ struct Models {};
 struct Get {
   std::string axis;
   std::string parameter;
+  bool in_units = false;
 };
 struct Set {
   std::string axis;
@@ -69,6 +70,7 @@ struct Watch {
   std::string axis;
   std::chrono::milliseconds interval{100};
   std::optional<double> for_s;
+  bool internal = false;
 };
 struct Plot {
   std::string axis;
@@ -78,6 +80,7 @@ struct Plot {
   std::string svg;  ///< Empty: none.
   std::string csv;  ///< Empty: none; "-": standard output instead of the drawing.
   bool compare = false;
+  bool internal = false;
 };
 struct Raw {
   std::string bus;

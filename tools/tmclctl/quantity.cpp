@@ -136,6 +136,38 @@ Failure unknown_counting(const Quantity& quantity, const AxisUnits& units) {
                        "Give a bare number, in the module's own unit");
 }
 
+Failure measures_nothing(const Quantity& quantity, const tmcl::ParameterInfo& row) {
+  return usage_failure("wrong_unit",
+                       fmt::format("'{}': {} is neither a position nor a velocity nor an "
+                                   "acceleration",
+                                   to_string(quantity), row.name),
+                       "Give a bare number");
+}
+
+bool is_in_counts(const tmcl::ParameterInfo& row, const AxisUnits& units) {
+  return units.encoder_counts_per_unit && is_encoder_position(row);
+}
+
+// How many counts a turn has is not known, only how many a unit.
+Attempt<std::int32_t> to_counts(const Quantity& quantity, const AxisUnits& units,
+                                const tmcl::ParameterInfo& row) {
+  if (!units.scale) return tl::unexpected(unknown_turn(quantity, units));
+  const auto& unit = units.scale->unit;
+  if (quantity.unit != unit) {
+    return tl::unexpected(usage_failure(
+        "wrong_unit",
+        fmt::format("'{}': {} is in counts of the encoder", to_string(quantity), row.name),
+        fmt::format("Give it in {}, or a bare number of counts", unit)));
+  }
+  const auto scale = encoder_scale(*units.encoder_counts_per_unit, *units.scale);
+  return Attempt<std::int32_t>(
+      tmcl::to_microsteps(tmcl::UserPosition{quantity.number}, scale, {row.minimum, row.maximum})
+          .map([](tmcl::Microsteps counts) { return counts.value; })
+          .map_error([](const tmcl::OutOfReach& error) {
+            return usage_failure("out_of_range", describe(error));
+          }));
+}
+
 tmcl::ValueRange range_of(const tmcl::ParameterInfo& row, const AxisUnits& units) {
   const auto start = tmcl::initial_units(*units.model);
   return tmcl::range_of(row, start, *units.module);
@@ -226,14 +258,8 @@ Attempt<std::int32_t> to_parameter(const Quantity& quantity, const AxisUnits& un
   auto undirected = units;
   if (row.minimum >= 0 && undirected.scale) undirected.scale->reverse = false;
   const auto dimension = dimension_of(row);
-  if (dimension == Dimension::other) {
-    return tl::unexpected(
-        usage_failure("wrong_unit",
-                      fmt::format("'{}': {} is neither a position nor a velocity nor an "
-                                  "acceleration",
-                                  to_string(quantity), row.name),
-                      "Give a bare number"));
-  }
+  if (dimension == Dimension::other) return tl::unexpected(measures_nothing(quantity, row));
+  if (is_in_counts(row, units)) return to_counts(quantity, units, row);
   if (dimension == Dimension::position) {
     return to_microsteps(quantity, undirected, {row.minimum, row.maximum})
         .map([](tmcl::Microsteps value) { return value.value; });
@@ -255,6 +281,27 @@ Attempt<std::int32_t> to_parameter(const Quantity& quantity, const AxisUnits& un
                                      .map([](auto value) { return value.value; })
                                      .map_error(fails));
   });
+}
+
+Attempt<Quantity> from_parameter(std::int32_t value, const AxisUnits& units,
+                                 const tmcl::ParameterInfo& row) {
+  const Quantity bare{static_cast<double>(value), {}};
+  const auto dimension = dimension_of(row);
+  if (dimension == Dimension::other) return tl::unexpected(measures_nothing(bare, row));
+  if (!units.scale) return tl::unexpected(unknown_turn(bare, units));
+  auto scale = units.scale->unit.empty() ? tmcl::revolutions(*units.scale) : *units.scale;
+  // A limit holds in both directions.
+  if (row.minimum >= 0) scale.reverse = false;
+  if (is_in_counts(row, units)) scale = encoder_scale(*units.encoder_counts_per_unit, scale);
+  if (dimension == Dimension::position)
+    return Quantity{to_user(tmcl::Microsteps{value}, scale).value, scale.unit};
+  if (!units.module) return tl::unexpected(unknown_counting(bare, units));
+  if (dimension == Dimension::velocity) {
+    const auto pps = tmcl::to_pps(tmcl::InternalVelocity{value}, *units.module);
+    return Quantity{to_user(pps, scale).value, scale.unit + "/s"};
+  }
+  const auto pps2 = tmcl::to_pps2(tmcl::InternalAcceleration{value}, *units.module);
+  return Quantity{to_user(pps2, scale).value, scale.unit + "/s^2"};
 }
 
 }  // namespace tmclctl

@@ -53,6 +53,11 @@ Attempt<tmcl::PulsesPerSecond2> to_pps2(const Quantity& quantity, const AxisUnit
 Attempt<std::int32_t> to_parameter(const Quantity& quantity, const AxisUnits& units,
                                    const tmcl::ParameterInfo& row);
 
+/// And back: in the unit of the axis, or in turns if it has none. Errors: a parameter that is
+/// neither a position nor a velocity nor an acceleration; units that are not known.
+Attempt<Quantity> from_parameter(std::int32_t value, const AxisUnits& units,
+                                 const tmcl::ParameterInfo& row);
+
 /// What the library says of this velocity or acceleration, told in the unit that it was typed in.
 Failure out_of_reach(const Quantity& quantity, const AxisUnits& units, tmcl::OutOfReach error);
 

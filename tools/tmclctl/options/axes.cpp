@@ -62,6 +62,8 @@ void add_parameters(Grammar& grammar) {
       grammar.verb<verb::Get>("get", "Read a parameter: prints one bare value", help_text::get);
   get.axis(get->axis);
   get.word("PARAM", "Number or standard name", text(get->parameter));
+  get.flag("--in-units", "Print it in the unit of the axis, or in turns if it has none",
+           get->in_units);
   auto set = grammar.verb<verb::Set>("set", "Set a parameter", help_text::set);
   set.axis(set->axis);
   set.word("PARAM", "Number or standard name", text(set->parameter));
@@ -118,6 +120,8 @@ void add_watch(Grammar& grammar) {
                [&interval](const std::string& text) { return read_interval(text, interval); });
   watch.option("--for", "SECONDS", "End after so long",
                number(watch->for_s, shortest_time_s, longest_time_s));
+  watch.flag("--internal", "Show what the module counts in, even if the axis has a unit",
+             watch->internal);
 }
 
 void add_plot(Grammar& grammar) {
@@ -134,6 +138,8 @@ void add_plot(Grammar& grammar) {
               text(plot->csv));
   plot.flag("--compare", "Draw the plan of the move as well, and how far the axis was off it",
             plot->compare);
+  plot.flag("--internal", "Draw what the module counts in, even if the axis has a unit",
+            plot->internal);
   plot.object([](const verb::Plot& said, bool json) {
     if (said.compare && !said.to && !said.by) return "--compare needs a move: --to or --by";
     if (said.to && said.by) return "--to and --by exclude each other";

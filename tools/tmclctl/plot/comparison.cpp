@@ -104,10 +104,14 @@ std::string summary(const Comparison& comparison) {
 Picture picture_of(const Recording& recording, const Comparison& comparison) {
   auto picture = picture_of(recording);
   picture.title += "; " + summary(comparison);
+  const auto shown = [&](std::vector<double> microsteps) {
+    for (auto& value : microsteps) value = shown_position(value, recording);
+    return microsteps;
+  };
   auto& position = picture.curves.front();
-  position.planned = comparison.planned;
+  position.planned = shown(comparison.planned);
   picture.curves.push_back(
-      {"difference", recording.position_unit, position.times, comparison.difference, {}});
+      {"difference", recording.position_unit, position.times, shown(comparison.difference), {}});
   return picture;
 }
 

@@ -9,24 +9,52 @@
 namespace tmclctl::plot {
 namespace {
 
+using Shown = double (*)(double recorded, const Recording&);
+
 Curve curve(const Recording& recording, std::string name, std::string unit,
-            std::int64_t Sample::*value) {
+            std::int64_t Sample::*value, Shown shown) {
   Curve made{std::move(name), std::move(unit), {}, {}, {}};
   for (const auto& sample : recording.samples) {
     made.times.push_back(sample.time);
-    made.values.push_back(static_cast<double>(sample.*value));
+    made.values.push_back(shown(static_cast<double>(sample.*value), recording));
   }
   return made;
 }
 
+double position_of(const Sample& sample, const Recording& recording) {
+  return shown_position(static_cast<double>(sample.position), recording);
+}
+
+double velocity_of(const Sample& sample, const Recording& recording) {
+  return shown_velocity(static_cast<double>(sample.velocity), recording);
+}
+
 }  // namespace
 
+void use(UserUnit unit, Recording& recording) {
+  recording.position_unit = unit.scale.unit;
+  recording.velocity_unit = unit.scale.unit + "/s";
+  recording.user = std::move(unit);
+}
+
+double shown_position(double recorded, const Recording& recording) {
+  if (!recording.user) return recorded;
+  // As a speed, because that need not be whole.
+  return to_user(tmcl::PulsesPerSecond{recorded}, recording.user->scale).value;
+}
+
+double shown_velocity(double recorded, const Recording& recording) {
+  if (!recording.user) return recorded;
+  const auto pps = recorded * recording.user->module.velocity.value;
+  return to_user(tmcl::PulsesPerSecond{pps}, recording.user->scale).value;
+}
+
 Curve position_curve(const Recording& recording) {
-  return curve(recording, "position", recording.position_unit, &Sample::position);
+  return curve(recording, "position", recording.position_unit, &Sample::position, shown_position);
 }
 
 Curve velocity_curve(const Recording& recording) {
-  return curve(recording, "velocity", recording.velocity_unit, &Sample::velocity);
+  return curve(recording, "velocity", recording.velocity_unit, &Sample::velocity, shown_velocity);
 }
 
 std::string summary(const Recording& recording) {
@@ -35,16 +63,26 @@ std::string summary(const Recording& recording) {
   const auto& last = recording.samples.back();
   const auto fastest = std::ranges::max_element(
       recording.samples, {}, [](const Sample& sample) { return std::abs(sample.velocity); });
-  return fmt::format("{} went from {} to {} {} in {:.2f} {}, greatest velocity {}", recording.axis,
-                     first.position, last.position, recording.position_unit, last.time - first.time,
-                     recording.time_unit, fastest->velocity);
+  return fmt::format("{} went from {:.12g} to {:.12g} {} in {:.2f} {}, greatest velocity {:.12g}{}",
+                     recording.axis, position_of(first, recording), position_of(last, recording),
+                     recording.position_unit, last.time - first.time, recording.time_unit,
+                     velocity_of(*fastest, recording),
+                     recording.user ? ' ' + recording.velocity_unit : "");
 }
 
 std::string to_csv(const Recording& recording) {
-  std::string text = "time_s,position_microsteps,velocity_internal\n";
+  std::string text = "time_s,position_microsteps,velocity_internal";
+  if (const auto& user = recording.user)
+    text += fmt::format(",position_{0},velocity_{0}_per_s", user->scale.unit);
+  text += '\n';
   for (const auto& sample : recording.samples) {
-    fmt::format_to(std::back_inserter(text), "{:.6f},{},{}\n", sample.time, sample.position,
-                   sample.velocity);
+    auto end = std::back_inserter(text);
+    fmt::format_to(end, "{:.6f},{},{}", sample.time, sample.position, sample.velocity);
+    if (recording.user) {
+      fmt::format_to(end, ",{:.12g},{:.12g}", position_of(sample, recording),
+                     velocity_of(sample, recording));
+    }
+    text += '\n';
   }
   return text;
 }

@@ -2,8 +2,11 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
+
+#include "tmcl/conversion.hpp"
 
 namespace tmclctl::plot {
 
@@ -14,13 +17,27 @@ struct Sample {
   double took = 0;  ///< To read it: it is of some instant between `time` and `took` later.
 };
 
+/// What an axis that has a unit of its own is drawn in.
+struct UserUnit {
+  tmcl::UserScale scale;
+  tmcl::ModuleUnits module;
+};
+
 struct Recording {
   std::string axis;
   std::vector<Sample> samples;  ///< Ascending by time.
   std::string time_unit = "s";
   std::string position_unit = "microsteps";
   std::string velocity_unit = "internal";
+  std::optional<UserUnit> user{};  ///< Nothing: it is drawn in what it was recorded in.
 };
+
+/// Draws it in the unit of its axis from now on.
+void use(UserUnit unit, Recording& recording);
+
+/// What was recorded, in the units that the recording is drawn in.
+double shown_position(double recorded, const Recording& recording);
+double shown_velocity(double recorded, const Recording& recording);
 
 /// One curve of a recording.
 struct Curve {
@@ -37,7 +54,8 @@ Curve velocity_curve(const Recording& recording);
 /// "x went from 0 to 51200 microsteps in 3.42 s, greatest velocity 1000"
 std::string summary(const Recording& recording);
 
-/// A line of column names, and one line for each sample; of a recording in the usual units.
+/// A line of column names, and one line for each sample; of a recording in the usual units. What is
+/// drawn in the unit of the axis has two more columns with that.
 std::string to_csv(const Recording& recording);
 
 }  // namespace tmclctl::plot

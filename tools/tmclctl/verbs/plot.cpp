@@ -35,6 +35,7 @@ class Recorder {
   }
 
   void add(const AxisReading& reading) {
+    has_unit_ = has_unit_ || reading.user;
     // One that took much longer than usual does not say when exactly it was taken; of an axis that
     // stands, that does not matter.
     usual_age_ = std::min(usual_age_, reading.age);
@@ -65,8 +66,14 @@ class Recorder {
     return plot::compare(recording_, *twin_, start_);
   }
 
-  const plot::Recording& finish() {
+  /// Drawn in the unit of the axis if `in_unit`, and if it has one.
+  const plot::Recording& finish(bool in_unit) {
     line_.clear();
+    if (!in_unit || !has_unit_) return recording_;
+    auto units = room_.target.units(recording_.axis);
+    // Whatever comes of it: there is something to draw.
+    if (units && units->scale && units->module)
+      plot::use({std::move(*units->scale), *units->module}, recording_);
     return recording_;
   }
 
@@ -76,6 +83,7 @@ class Recorder {
   tmcl::Duration usual_age_ = tmcl::Duration::max() / 2;
   ProgressLine line_;
   plot::Recording recording_;
+  bool has_unit_ = false;
   std::optional<tmcl::plan::AxisTwin> twin_;
   plot::Start start_;
 };
@@ -152,10 +160,17 @@ json::object to_json(const verb::Plot& verb, const plot::Recording& recording,
     positions.push_back(sample.position);
     velocities.push_back(sample.velocity);
   }
+  const auto values_of = [&](const plot::Curve& curve) -> json::value {
+    if (!recording.user) return nullptr;
+    return json::array(curve.values.begin(), curve.values.end());
+  };
   return {{"axis", verb.axis},
           {"time_s", std::move(times)},
           {"position_microsteps", std::move(positions)},
           {"velocity_internal", std::move(velocities)},
+          {"unit", recording.user ? json::value(recording.user->scale.unit) : json::value(nullptr)},
+          {"position", values_of(plot::position_curve(recording))},
+          {"velocity", values_of(plot::velocity_curve(recording))},
           {"comparison", comparison ? json::value(to_json(*comparison)) : json::value(nullptr)},
           {"svg", verb.svg.empty() ? json::value(nullptr) : json::value(verb.svg)},
           {"csv", verb.csv.empty() ? json::value(nullptr) : json::value(verb.csv)}};
@@ -183,7 +198,7 @@ VerbResult run(const verb::Plot& verb, Room& room) {
   const bool starts_move = verb.to || verb.by;
   const auto failure =
       starts_move ? record_move(verb, recorder, room) : record_as_it_is(verb, recorder, room);
-  const auto& recording = recorder.finish();
+  const auto& recording = recorder.finish(!verb.internal);
   const auto comparison = recorder.comparison();
   if (!recording.samples.empty()) {
     const auto picture =

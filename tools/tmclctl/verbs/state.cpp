@@ -12,19 +12,34 @@ bool same(const AxisReading& a, const AxisReading& b) {
          a.moving == b.moving && a.position_reached == b.position_reached;
 }
 
-void print_change(const std::string& axis, const AxisReading& reading, double at_s,
+// "position 12.5 mm  velocity 0.25 mm/s  target 20 mm"
+std::string in_unit(const UserReading& user, tmcl::InternalVelocity velocity) {
+  const auto speed = user.velocity ? fmt::format("{:.10g} {}/s", *user.velocity, user.unit)
+                                   : fmt::format("{}", velocity.value);
+  return fmt::format("position {:.10g} {}  velocity {}  target {:.10g} {}", user.position,
+                     user.unit, speed, user.target, user.unit);
+}
+
+std::string in_module_units(const AxisReading& reading) {
+  return fmt::format("position {}  velocity {}  target {}", reading.position.value,
+                     reading.velocity.value, reading.target.value);
+}
+
+void print_change(const verb::Watch& verb, const AxisReading& reading, double at_s,
                   Output& output) {
   if (output.json) {
-    auto document = to_json(axis, reading);
+    auto document = to_json(verb.axis, reading);
     document["time_s"] = at_s;
     print_json(document, output);
     return;
   }
-  output.out << fmt::format("{:9.3f} s  {}  position {}  velocity {}  target {}  {}", at_s, axis,
-                            reading.position.value, reading.velocity.value, reading.target.value,
-                            reading.moving             ? "moving"
-                            : reading.position_reached ? "at target"
-                                                       : "standing")
+  const bool has_unit = reading.user && !verb.internal;
+  output.out << fmt::format(
+                    "{:9.3f} s  {}  {}  {}", at_s, verb.axis,
+                    has_unit ? in_unit(*reading.user, reading.velocity) : in_module_units(reading),
+                    reading.moving             ? "moving"
+                    : reading.position_reached ? "at target"
+                                               : "standing")
              << std::endl;
 }
 
@@ -63,7 +78,7 @@ VerbResult run(const verb::Watch& verb, Room& room) {
   std::optional<AxisReading> last;
   const auto watched = room.target.watch(verb.axis, verb.interval, [&](const AxisReading* reading) {
     if (reading != nullptr && !(last && same(*last, *reading))) {
-      print_change(verb.axis, *reading, seconds_since_begin(room.patience.now()), room.output);
+      print_change(verb, *reading, seconds_since_begin(room.patience.now()), room.output);
       last = *reading;
     }
     // Ending it is what Ctrl-C is for here, so that is no failure.
