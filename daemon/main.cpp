@@ -25,9 +25,26 @@ int report(const std::vector<std::string>& problems) {
   return exit_code::bad_usage;
 }
 
+void print_mechanics(const AxisConfig& axis) {
+  const auto& scale = axis.scale;
+  const auto* unit = scale.unit.c_str();
+  std::printf("%s: %g %s a turn", axis.name.c_str(), scale.units_per_revolution, unit);
+  if (scale.gear_ratio != 1) std::printf(" behind a gear of %g:1", scale.gear_ratio);
+  if (scale.limits) {
+    std::printf(", from %g to %g %s", scale.limits->least.value, scale.limits->greatest.value,
+                unit);
+  }
+  if (scale.encoder_counts_per_unit)
+    std::printf(", %g encoder counts a %s", *scale.encoder_counts_per_unit, unit);
+  std::printf("\n");
+}
+
 int check(const Config& config) {
   std::printf("ok: %s, %s\n", counted(config.buses.size(), "bus", "buses").c_str(),
               counted(config.axes.size(), "axis", "axes").c_str());
+  for (const auto& axis : config.axes) {
+    if (!axis.scale.unit.empty()) print_mechanics(axis);
+  }
   return exit_code::ok;
 }
 

@@ -189,6 +189,14 @@ TEST_F(Tmcld, ChecksItsConfiguration) {
   EXPECT_EQ(bad.status, 2);
   EXPECT_EQ(bad.output,
             config() + ":22:1: unknown key 'moter' in [[axis]]. Did you mean 'motor'?\n");
+
+  write_config("can:can0",
+               "unit = \"mm\"\nscrew_pitch = 10\ngear_ratio = 3\nsoft_limits = [-2.5, 300]\n"
+               "encoder_lines = 1000\n");
+  const auto screw = run_program({"tmcld", "--config", config(), "--check"});
+  EXPECT_EQ(screw.output,
+            "ok: 1 bus, 3 axes\nz: 10 mm a turn behind a gear of 3:1, from -2.5 to 300 mm, 1200 "
+            "encoder counts a mm\n");
 }
 
 TEST_F(Tmcld, ExplainsItself) {

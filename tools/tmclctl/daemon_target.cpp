@@ -78,7 +78,9 @@ ParameterValue value_from(const json::object& row) {
 std::optional<tmcl::UserScale> scale_from(const json::object& row) {
   const auto microsteps = integer_at<std::int32_t>(row, "microsteps_per_revolution");
   if (microsteps <= 0) return std::nullopt;
-  const auto of_turn = number_at(row, "units_per_output_revolution").value_or(1);
+  // A tmcld that knows of no gears tells the second one only.
+  const auto of_turn = number_at(row, "units_per_output_revolution")
+                           .value_or(number_at(row, "units_per_revolution").value_or(1));
   return tmcl::UserScale{text_at(row, "unit"),
                          of_turn,
                          flag_at(row, "reverse"),
