@@ -54,7 +54,7 @@ using TmcldProtocol = TmcldTest;
 
 TEST_F(TmcldProtocol, EveryExampleIsTrue) {
   start_simulator_on_pty();
-  write_config(pty_link(), "unit = \"mm\"\nscrew_pitch = 5\nsoft_limits = [0, 300]\n");
+  write_config(pty_link(), "unit = \"mm\"\nscrew_pitch = 5\nsoft_limits = [-10, 300]\n");
   start_daemon();
   RpcClient client(socket(), false);
   const auto lines = example_lines();
