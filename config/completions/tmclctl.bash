@@ -8,7 +8,7 @@ _tmclctl_words() {
 
 # Whether a verb must follow.
 _tmclctl_is_group() {
-  [[ " '' profile mint program coordinate global firmware " == *" ${1:-''} "* ]]
+  [[ " '' profile mint path program coordinate global firmware " == *" ${1:-''} "* ]]
 }
 
 _tmclctl() {
@@ -23,7 +23,8 @@ _tmclctl() {
       --generator) generator=${COMP_WORDS[i+1]}; ((i++)) ;;
       --direct | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus | --change | \
         --sample | --until | --full-steps | --velocity | --acceleration | --model | --pulse-div | --ramp-div | \
-        --unit-mode | --microsteps | --mode | --bank | --start | --length | -o | --output)
+        --unit-mode | --microsteps | --mode | --bank | --start | --length | --axis | --tolerance | --deviation | --feed | --per-turn | --period | \
+        -o | --output)
         # --by of move takes no value.
         [[ ${COMP_WORDS[i]} == --by && ${verb[*]} == move ]] || ((i++)) ;;
       # Bash splits serial:/dev/ttyACM0 at the colon.
@@ -53,12 +54,22 @@ _tmclctl() {
     --model)
       mapfile -t COMPREPLY < <(compgen -W "$(_tmclctl_words models)" -- "$current")
       return ;;
+    =)
+      # --axis X=AXIS: what stands before the = belongs to --axis.
+      if [[ ${COMP_WORDS[COMP_CWORD-3]:-} == --axis ]]; then
+        mapfile -t COMPREPLY < <(compgen -W "$(_tmclctl_words axes)" -- "$current")
+        return
+      fi ;;
+    --axis) return ;;
     --generator)
       mapfile -t COMPREPLY < <(compgen -W "$(_tmclctl_words generators)" -- "$current")
       return ;;
     --addresses | --timeout | --interval | --for | --to | --bus | --change | --sample | --until | --full-steps | \
       --velocity | --acceleration | --pulse-div | --ramp-div | --unit-mode | --microsteps | \
-      --mode | --bank | --start | --length) return ;;
+      --bank | --start | --length | --tolerance | --deviation | --feed | --per-turn | --period) return ;;
+    --mode)
+      [[ ${verb[*]} == "path run" ]] && mapfile -t COMPREPLY < <(compgen -W "velocity position" -- "$current")
+      return ;;
   esac
 
   local words=""
@@ -75,7 +86,8 @@ _tmclctl() {
       get:1 | set:1 | store:1 | restore:1) words=$(_tmclctl_words parameters) ;;
       raw:1) words=$(_tmclctl_words commands) ;;
       "program assemble":0 | "program disassemble":0 | "program upload":0 | "program verify":0) compopt -o default ;;
-      "firmware info":0 | "firmware check":0 | "firmware upload":0 | "mint check":0) compopt -o default ;;
+      "firmware info":0 | "firmware check":0 | "firmware upload":0 | "mint check":0 | "mint run":0 | \
+        "path check":0 | "path run":0) compopt -o default ;;
       "profile solve":*)
         # Nobody knows the number behind the =.
         [[ $current == = || $previous == = ]] && return

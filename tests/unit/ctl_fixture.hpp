@@ -24,6 +24,13 @@ class FakePatience final : public Patience {
   void sleep(tmcl::Duration duration) override { now_ += std::max(duration, tmcl::Duration{}); }
   void catch_signals() override { caught_ = true; }
   int signal() const override { return caught_ && now_ >= ctrl_c_at_ ? SIGINT : 0; }
+  int take_signal() override {
+    const int number = signal();
+    if (number != 0) ctrl_c_at_ = tmcl::TimePoint::max();
+    return number;
+  }
+  void catch_pauses() override {}
+  bool pause_asked() const override { return false; }
 
   void press_ctrl_c_after(tmcl::Duration duration) { ctrl_c_at_ = now_ + duration; }
 

@@ -321,6 +321,49 @@ each other, and what is impossible are errors that say so, with a way out (exit 
 
 constexpr const char* mint = R"(
   tmclctl mint check --help
+  tmclctl mint run --help
+)";
+
+constexpr const char* mint_run = R"(
+Runs a program as 'tmclctl mint check' reads it. Positions are counts: SCALE microsteps are a user unit.
+Each GO sets the ramps of its axes to SPEED, ACCEL and DECEL, starts them together, and waits until all
+stand. Nothing moves unless every axis is given, stands, and can go everywhere the program sends it.
+Ctrl-C stops all axes. The ramps' parameters are set back at the end.
+
+  tmclctl mint run exercise.mint --axis 0=x
+  tmclctl mint run two.mint --axis 0=x --axis 1=y
+)";
+
+constexpr const char* path = R"(
+  tmclctl path check --help
+  tmclctl path run --help
+)";
+
+constexpr const char* path_check = R"(
+Plans a path as 'tmclctl path run' would, for axes that can do what --velocity and --acceleration say,
+and says how long it is and takes, where it goes, and where it is slowest. Lengths are in the units of
+the file; G-code's are mm (deg for A B C). What is wrong comes as FILE:LINE:COLUMN: MESSAGE.
+
+  tmclctl path check part.ngc --velocity 20 --acceleration 500
+  tmclctl path check part.csv --svg part.svg
+  tmclctl --json path check part.ngc
+)";
+
+constexpr const char* path_run = R"(
+Moves the axes to the start of the path and along it, and says then how far off it they were seen, and
+what the bus was used for. Nothing moves before everything is checked: units, limits, where the path
+goes, that all axes stand, and what the bus can carry. Files are those of 'tmclctl path check'.
+
+  --mode velocity   any module: a new velocity for each axis every 5 ms, or as fast as the bus can
+  --mode position   modules with start and stop velocities (TMC5130, TMC5160 ...): line by line; no table
+                    with times
+Ctrl-C stops all axes. So does a stop of one of them by somebody else, an axis that does not do what it
+is told, and a computer or bus that is too slow. Ctrl-Z pauses on the path, and goes on.
+Velocity mode: if this program is killed, the axes turn on.
+
+  tmclctl path run part.ngc --axis X=left --axis Y=front
+  tmclctl path run part.csv --axis x=left --axis y=front --mode position --tolerance 0.02
+  tmclctl --direct can:can0 path run part.ngc --axis X=1/0 --axis Y=1/1 --per-turn 5 --dry-run
 )";
 
 constexpr const char* mint_check = R"(

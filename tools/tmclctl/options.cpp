@@ -83,6 +83,7 @@ Parser::Parser() {
   add_firmware(grammar_);
   add_profile(grammar_);
   add_mint(grammar_);
+  add_path(grammar_);
   add_module_programs(grammar_, add_program(grammar_));
   add_units(grammar_);
   add_complete();

@@ -114,6 +114,31 @@ struct SolveProfile {
 struct CheckMint {
   std::string file;
 };
+/// And on axes.
+struct RunMint {
+  std::string file;
+  std::vector<std::string> axes;  ///< NUMBER=AXIS
+};
+/// A path file, planned without axes. Limits are in its units.
+struct CheckPath {
+  std::string file;
+  double tolerance = 0.05;
+  double velocity = 100;
+  double acceleration = 1000;
+  std::optional<double> feed;
+  std::string svg;  ///< Empty: none.
+};
+/// And run on axes.
+struct RunPath {
+  std::string file;
+  std::vector<std::string> axes;  ///< LETTER=AXIS
+  bool by_position = false;
+  double tolerance = 0.05;
+  std::optional<double> velocity, acceleration, feed, per_turn, deviation;
+  std::chrono::milliseconds period{5};
+  bool dry_run = false;
+  std::string svg;  ///< Empty: none.
+};
 /// The text of a stand-alone program into a program file.
 struct Assemble {
   std::string file;
@@ -207,9 +232,10 @@ using Verb =
     std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models, verb::Get,
                  verb::Set, verb::Move, verb::Line, verb::Rotate, verb::Stop, verb::State,
                  verb::Watch, verb::Plot, verb::Raw, verb::Simulate, verb::SolveProfile,
-                 verb::CheckMint, verb::Assemble, verb::Disassemble, verb::FirmwareInfo,
-                 verb::CheckFirmware, verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask,
-                 verb::Arrivals, verb::Home, verb::Upload, verb::Download, verb::Complete>;
+                 verb::CheckMint, verb::RunMint, verb::CheckPath, verb::RunPath, verb::Assemble,
+                 verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware, verb::UploadFirmware,
+                 verb::Ramp, verb::Convert, verb::Ask, verb::Arrivals, verb::Home, verb::Upload,
+                 verb::Download, verb::Complete>;
 
 struct Options {
   Where where;

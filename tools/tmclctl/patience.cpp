@@ -9,8 +9,10 @@ namespace tmclctl {
 namespace {
 
 volatile std::sig_atomic_t caught_signal = 0;
+volatile std::sig_atomic_t pause_wanted = 0;
 
 void note_signal(int number) { caught_signal = number; }
+void note_pause(int number) { pause_wanted = number == SIGTSTP && pause_wanted == 0 ? 1 : 0; }
 
 // A signal that comes just before the sleep begins is noticed after so long at the latest.
 constexpr auto longest_sleep = std::chrono::milliseconds(100);
@@ -31,12 +33,28 @@ void RealPatience::sleep(tmcl::Duration duration) {
   while (signal() == 0) {
     const auto left = until - now();
     if (left <= tmcl::Duration::zero()) return;
-    const auto slice =
-        std::chrono::ceil<std::chrono::milliseconds>(std::min<tmcl::Duration>(left, longest_sleep));
-    ::poll(nullptr, 0, static_cast<int>(slice.count()));
+    const auto slice = std::min<tmcl::Duration>(left, longest_sleep);
+    const timespec time{0, static_cast<long>(slice.count())};
+    ::ppoll(nullptr, 0, &time, nullptr);
   }
 }
 
 int RealPatience::signal() const { return caught_signal; }
+
+int RealPatience::take_signal() {
+  const int number = caught_signal;
+  caught_signal = 0;
+  return number;
+}
+
+void RealPatience::catch_pauses() {
+  struct sigaction action {};
+  action.sa_handler = note_pause;
+  sigemptyset(&action.sa_mask);
+  ::sigaction(SIGTSTP, &action, nullptr);
+  ::sigaction(SIGCONT, &action, nullptr);
+}
+
+bool RealPatience::pause_asked() const { return pause_wanted != 0; }
 
 }  // namespace tmclctl

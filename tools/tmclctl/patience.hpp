@@ -16,6 +16,13 @@ class Patience {
   virtual void catch_signals() = 0;
   /// The signal that asked to end; 0 if none did.
   virtual int signal() const = 0;
+  /// Likewise, and from then on it counts as noticed: calls work again, and the next signal ends
+  /// the program.
+  virtual int take_signal() = 0;
+  /// From here on Ctrl-Z (SIGTSTP) does not suspend the program: it asks for a pause, or for its
+  /// end; SIGCONT asks for its end, too.
+  virtual void catch_pauses() = 0;
+  virtual bool pause_asked() const = 0;
 };
 
 /// Real time and real signals.
@@ -25,6 +32,9 @@ class RealPatience final : public Patience {
   void sleep(tmcl::Duration duration) override;
   void catch_signals() override;
   int signal() const override;
+  int take_signal() override;
+  void catch_pauses() override;
+  bool pause_asked() const override;
 
  private:
   tmcl::RealClock clock_;

@@ -26,6 +26,8 @@ bool waits(const Verb& verb) {
   const auto* move = std::get_if<verb::Move>(&verb);
   const auto* home = std::get_if<verb::Home>(&verb);
   if (home != nullptr) return !home->no_wait && !home->stop;
+  if (std::holds_alternative<verb::RunPath>(verb) || std::holds_alternative<verb::RunMint>(verb))
+    return true;
   if (std::holds_alternative<verb::Upload>(verb) || std::holds_alternative<verb::Download>(verb))
     return true;
   const auto* arrivals = std::get_if<verb::Arrivals>(&verb);
@@ -60,9 +62,10 @@ Failure with_doubt(Failure failure) {
 template <class V>
 constexpr bool needs_no_target =
     std::is_same_v<V, verb::Simulate> || std::is_same_v<V, verb::SolveProfile> ||
-    std::is_same_v<V, verb::CheckMint> || std::is_same_v<V, verb::Assemble> ||
-    std::is_same_v<V, verb::Disassemble> || std::is_same_v<V, verb::FirmwareInfo> ||
-    std::is_same_v<V, verb::Convert> || std::is_same_v<V, verb::Models>;
+    std::is_same_v<V, verb::CheckMint> || std::is_same_v<V, verb::CheckPath> ||
+    std::is_same_v<V, verb::Assemble> || std::is_same_v<V, verb::Disassemble> ||
+    std::is_same_v<V, verb::FirmwareInfo> || std::is_same_v<V, verb::Convert> ||
+    std::is_same_v<V, verb::Models>;
 
 /// `ready` stands for the target that the command line names, if it is there already.
 template <class V>

@@ -41,12 +41,16 @@ VerbResult run(const verb::Arrivals& verb, Room& room);
 VerbResult run(const verb::Home& verb, Room& room);
 VerbResult run(const verb::Upload& verb, Room& room);
 VerbResult run(const verb::Download& verb, Room& room);
+VerbResult run(const verb::RunPath& verb, Room& room);
+VerbResult run(const verb::RunMint& verb, Room& room);
+
 VerbResult run(const verb::Complete& verb, Room& room);
 
 /// These need no target.
 VerbResult run(const verb::Simulate& verb, Output& output);
 VerbResult run(const verb::SolveProfile& verb, Output& output);
 VerbResult run(const verb::CheckMint& verb, Output& output);
+VerbResult run(const verb::CheckPath& verb, Output& output);
 VerbResult run(const verb::Assemble& verb, Output& output);
 VerbResult run(const verb::Disassemble& verb, Output& output);
 VerbResult run(const verb::FirmwareInfo& verb, Output& output);

@@ -103,7 +103,9 @@ PathStream::Runner::Fault PathStream::Runner::fault(StreamFault::Kind kind, std:
   return StreamFault{kind, axis, std::move(message)};
 }
 
+// A command that fails because its sender wants to stop is none that was refused.
 PathStream::Runner::Fault PathStream::Runner::refusal(std::size_t axis) const {
+  if (stop_asked_) return asked_to_stop();
   return fault(StreamFault::Kind::refused, axis, fmt::format("{{{}}}: {}", axis, answer_.error()));
 }
 

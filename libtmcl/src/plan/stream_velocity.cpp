@@ -22,7 +22,7 @@ constexpr double most_samples = 1e6;
 Script<PathStream::Runner::Fault> PathStream::Runner::prepare_velocities() {
   const auto commands = static_cast<double>(2 * axes_.size() + 1);
   const auto needed = duration(seconds(report_.round_trip) * commands / (1 - spare_part_of_bus));
-  report_.period = std::max(shortest_stream_period, needed);
+  report_.period = std::max(options_.least_period, needed);
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     auto unknown = co_await know(axis, ap::max_acceleration);
     if (unknown) co_return unknown;
@@ -115,8 +115,12 @@ std::int32_t PathStream::Runner::velocity_for(std::size_t axis) const {
   const double next = course_.at(clock_.passed_in(report_.period)).position[axis];
   double behind = planned * info.microsteps_per_unit - expected(axis, now_);
   if (std::abs(behind) < 1) behind = 0;  // readings are whole microsteps
-  const double way = (next - planned) * info.microsteps_per_unit + correction_of_an_update * behind;
-  const double value = way / seconds(report_.period) / info.units.velocity.value;
+  const double period = seconds(report_.period);
+  const double most_way =
+      most_correction * course_.top_speed(axis) * std::abs(info.microsteps_per_unit) * period;
+  const double way = (next - planned) * info.microsteps_per_unit +
+                     std::clamp(correction_of_an_update * behind, -most_way, most_way);
+  const double value = way / period / info.units.velocity.value;
   const double most = info.greatest_velocity;
   return static_cast<std::int32_t>(std::lround(std::clamp(value, -most, most)));
 }

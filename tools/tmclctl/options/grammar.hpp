@@ -99,6 +99,7 @@ void add_raw(Grammar& grammar);
 void add_firmware(Grammar& grammar);
 void add_profile(Grammar& grammar);
 void add_mint(Grammar& grammar);
+void add_path(Grammar& grammar);
 Form add_program(Grammar& grammar);
 /// Under the group that add_program() made.
 void add_module_programs(Grammar& grammar, const Form& program);

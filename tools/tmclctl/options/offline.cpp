@@ -8,6 +8,18 @@ namespace {
 
 constexpr double longest_simulated_time = 1e9;
 constexpr double shortest_csv_step = 1e-9;
+constexpr double least_of_path = 1e-9;
+constexpr double most_of_path = 1e9;
+constexpr int shortest_period_ms = 1;
+constexpr int longest_period_ms = 1000;
+
+Reading read_choice(const std::string& text, std::vector<std::string>& choices) {
+  const auto equals = text.find('=');
+  if (equals == 0 || equals == std::string::npos || equals + 1 == text.size())
+    return tl::unexpected(fmt::format("'{}' is no NAME=AXIS", text));
+  choices.push_back(text);
+  return {};
+}
 
 Reading read_times(std::string_view list, std::vector<double>& times) {
   times.clear();
@@ -96,6 +108,63 @@ void add_mint(Grammar& grammar) {
   auto check = grammar.verb<verb::CheckMint>(
       mint, "check", "What a Mint program would do, without doing it", help_text::mint_check);
   check.word("FILE", "The program", text(check->file));
+  auto run = grammar.verb<verb::RunMint>(mint, "run", "Move axes as a Mint program says",
+                                         help_text::mint_run);
+  run.word("FILE", "The program", text(run->file));
+  auto& said = *run.operator->();
+  run.repeated_option("--axis", "NUMBER=AXIS", "Which axis the program's axis of this number is",
+                      [&said](const std::string& text) { return read_choice(text, said.axes); });
+}
+
+void add_path(Grammar& grammar) {
+  const auto path =
+      grammar.group("path", "Paths through several axes, from tables and G-code", help_text::path);
+  auto check = grammar.verb<verb::CheckPath>(
+      path, "check", "How a path would be passed, without axes", help_text::path_check);
+  check.word("FILE", "A table (.csv) or G-code", text(check->file));
+  check.option("--tolerance", "UNITS", "How far from it the path may be passed (default 0.05)",
+               number(check->tolerance, least_of_path, most_of_path));
+  check.option("--velocity", "UNITS", "What an axis can do, a second (default 100)",
+               number(check->velocity, least_of_path, most_of_path));
+  check.option("--acceleration", "UNITS", "Likewise, a second squared (default 1000)",
+               number(check->acceleration, least_of_path, most_of_path));
+  check.option("--feed", "UNITS", "No faster along the path, a second",
+               number(check->feed, least_of_path, most_of_path));
+  check.option("--svg", "FILE", "Draw the path and its axes into this file", text(check->svg));
+  auto run =
+      grammar.verb<verb::RunPath>(path, "run", "Move axes along a path", help_text::path_run);
+  run.word("FILE", "A table (.csv) or G-code", text(run->file));
+  auto& said = *run.operator->();
+  run.repeated_option("--axis", "LETTER=AXIS", "Which axis the file's axis of this name is",
+                      [&said](const std::string& text) { return read_choice(text, said.axes); });
+  run.option("--mode", "MODE", "velocity (default), or position",
+             [&said](const std::string& text) -> Reading {
+               said.by_position = text == "position";
+               if (said.by_position || text == "velocity") return {};
+               return tl::unexpected(fmt::format("'{}' is neither velocity nor position", text));
+             });
+  run.option("--tolerance", "UNITS", "How far from it the path may be passed (default 0.05)",
+             number(run->tolerance, least_of_path, most_of_path));
+  run.option("--deviation", "UNITS",
+             "Stop when an axis is seen so far off its plan (default 20 tolerances)",
+             number(run->deviation, least_of_path, most_of_path));
+  run.option("--velocity", "UNITS", "No axis faster than this, a second; otherwise max_velocity",
+             number(run->velocity, least_of_path, most_of_path));
+  run.option("--acceleration", "UNITS", "Likewise, a second squared; otherwise max_acceleration",
+             number(run->acceleration, least_of_path, most_of_path));
+  run.option("--feed", "UNITS", "No faster along the path, a second",
+             number(run->feed, least_of_path, most_of_path));
+  run.option("--per-turn", "UNITS", "What a turn of the motor is, for axes without a unit",
+             number(run->per_turn, least_of_path, most_of_path));
+  run.option(
+      "--period", "MS", "In velocity mode, no updates more often than this (default 5)",
+      [&said](const std::string& text) {
+        return parse_number<int>(text, shortest_period_ms, longest_period_ms).map([&](int value) {
+          said.period = std::chrono::milliseconds(value);
+        });
+      });
+  run.flag("--dry-run", "Plan and check everything; move nothing", run->dry_run);
+  run.option("--svg", "FILE", "Draw the path and its axes into this file", text(run->svg));
 }
 
 Form add_program(Grammar& grammar) {

@@ -1,7 +1,7 @@
 // mint check.
 #include <fmt/format.h>
 
-#include "input_file.hpp"
+#include "path/path_source.hpp"
 #include "print.hpp"
 #include "tmcl/plan/mint.hpp"
 #include "verbs.hpp"
@@ -14,21 +14,6 @@ namespace plan = tmcl::plan;
 namespace mint = tmcl::plan::mint;
 
 constexpr std::size_t most_bytes = 1 << 20;
-
-Failure failure_from(const std::string& file, const plan::TextProblems& problems, Output& output) {
-  const bool all = problems.size() < plan::most_text_problems;
-  auto failure = usage_failure(
-      "bad_program", fmt::format("{}{} problem{} in {}", all ? "" : "at least ", problems.size(),
-                                 problems.size() == 1 ? "" : "s", file));
-  json::array list;
-  for (const auto& problem : problems) {
-    if (!output.json) output.err << describe(problem, file) << '\n';
-    list.push_back(json::object{
-        {"line", problem.line}, {"column", problem.column}, {"message", problem.message}});
-  }
-  failure.details["problems"] = std::move(list);
-  return failure;
-}
 
 json::object to_json(const mint::Move& move) {
   json::object document{{"axis", move.axis},   {"line", move.line},
@@ -79,19 +64,13 @@ void print_table(const mint::DryRun& run, Output& output) {
 }
 
 Attempt<mint::DryRun> dry_run(const std::string& file, Output& output) {
-  const auto text = read_file(file, most_bytes + 1);
-  if (!text) {
-    return tl::unexpected(
-        usage_failure("cannot_read", fmt::format("cannot read {}: {}", file, text.error())));
-  }
-  if (text->size() > most_bytes) {
-    return tl::unexpected(usage_failure(
-        "bad_program", fmt::format("{} is too long; {} bytes at most", file, most_bytes)));
-  }
+  const auto text = path::text_of(file, most_bytes);
+  if (!text) return tl::unexpected(text.error());
   return mint::read(*text)
       .and_then([](const mint::Program& program) { return mint::dry_run(program); })
-      .map_error(
-          [&](const plan::TextProblems& problems) { return failure_from(file, problems, output); });
+      .map_error([&](const plan::TextProblems& problems) {
+        return path::failure_from(file, problems, output);
+      });
 }
 
 }  // namespace

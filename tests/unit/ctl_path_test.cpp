@@ -1,0 +1,105 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+
+#include "ctl_fixture.hpp"
+
+namespace tmclctl {
+namespace {
+
+using testing::HasSubstr;
+
+class CtlPath : public testing::Test, protected test::Ctl {
+ protected:
+  ~CtlPath() override { std::filesystem::remove(path); }
+
+  std::string file(const std::string& text) const {
+    std::ofstream(path, std::ios::binary) << text;
+    return path;
+  }
+
+  const std::string path = std::filesystem::path(testing::TempDir()) / "ctl_path_test";
+};
+
+TEST_F(CtlPath, CheckTellsWhatAPathIs) {
+  const auto square = file("G1 X10 F1200\nG1 Y10\nG4 P1\nG1 X0 Y0\n");
+  EXPECT_EQ(run({"path", "check", square, "--velocity", "20", "--acceleration", "500"}),
+            ExitCode::done)
+      << err;
+  EXPECT_THAT(out, HasSubstr("34.1421 units"));
+  EXPECT_THAT(out, HasSubstr("X     0     10  20"));
+  EXPECT_THAT(out, HasSubstr("end of line 2"));
+  const auto document = json({"path", "check", square});
+  EXPECT_EQ(document.at("legs"), 3);
+  EXPECT_EQ(document.at("axes").at(1).at("greatest").to_number<double>(), 10);
+  EXPECT_EQ(document.at("slowest_corners").at(0).at("speed").to_number<double>(), 0);
+}
+
+TEST_F(CtlPath, ATableIsKnownByItsFirstLine) {
+  const auto table = file("# where when\nt,x,y\n0,0,0\n1,5,5\n");
+  EXPECT_EQ(json({"path", "check", table}).at("duration_s").to_number<double>(), 1);
+  EXPECT_EQ(run({"path", "check", table, "--velocity", "2"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("line 4: too fast for axis x"));
+}
+
+TEST_F(CtlPath, ProblemsHaveTheirPlaces) {
+  EXPECT_EQ(run({"path", "check", file("G1 X1 F600\nG99\n")}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr(path + ":2:1: "));
+  EXPECT_EQ(run({"path", "check", file("M2\n")}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("moves nothing"));
+}
+
+TEST_F(CtlPath, RunChecksBeforeItMoves) {
+  const auto line = file("G1 X10 F600\n");
+  target.values = {{"4", 1000}, {"5", 500}};
+  EXPECT_EQ(run({"path", "run", line}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("the file moves X: which axis is that?"));
+  EXPECT_EQ(run({"path", "run", line, "--axis", "Q=x"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("has no axis Q"));
+  EXPECT_EQ(run({"path", "run", line, "--axis", "x"}), ExitCode::usage);
+  EXPECT_EQ(run({"path", "run", line, "--axis", "X=x", "--mode", "fast"}), ExitCode::usage);
+  EXPECT_EQ(run({"path", "run", line, "--axis", "X=x", "--dry-run"}), ExitCode::done) << err;
+  target.counts.limits = tmcl::SoftLimits{{0}, {5}};
+  EXPECT_EQ(run({"path", "run", line, "--axis", "X=x", "--dry-run"}), ExitCode::refused);
+  EXPECT_THAT(err, HasSubstr("--mode position"));
+  target.counts.limits.reset();
+  target.counts.scale->unit = "deg";
+  EXPECT_EQ(run({"path", "run", line, "--axis", "X=x", "--dry-run"}), ExitCode::refused);
+  EXPECT_THAT(err, HasSubstr("axis X of G-code is in mm, and x in deg"));
+  for (const auto& call : target.calls) {
+    EXPECT_THAT(call, testing::Not(testing::AnyOf(HasSubstr("move"), HasSubstr("set"))));
+  }
+}
+
+TEST_F(CtlPath, MintRunRefusesWhatItCannotDo) {
+  const auto program = file("SPEED = 100\nACCEL = 1000\nMOVER = 200\nGO\n");
+  EXPECT_EQ(run({"mint", "run", program}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("line 3 moves axis 0: which axis is that?"));
+  EXPECT_EQ(run({"mint", "run", program, "--axis", "9=x"}), ExitCode::usage);
+  const auto fast = file("SCALE = 1000\nSPEED = 9000\nACCEL = 9000\nMOVEA = 8000\nGO\n");
+  EXPECT_EQ(run({"mint", "run", fast, "--axis", "0=x"}), ExitCode::refused);
+  EXPECT_THAT(err, HasSubstr("line 4"));
+  for (const auto& call : target.calls) EXPECT_THAT(call, testing::Not(HasSubstr("move")));
+}
+
+TEST_F(CtlPath, MintRunMovesAndSetsTheRampBack) {
+  const auto program = file("SPEED = 1000\nACCEL = 10000\nMOVER = 200\nGO\n");
+  target.values = {{"4", 1000}};
+  EXPECT_EQ(run({"mint", "run", program, "--axis", "0=x"}), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("GO of line 4"));
+  EXPECT_THAT(target.calls, testing::Contains("move_to x 200"));
+  EXPECT_THAT(target.calls, testing::Contains("set x 4 1000"));
+}
+
+TEST_F(CtlPath, CtrlCStopsAMintProgram) {
+  const auto program = file("SPEED = 1000\nACCEL = 10000\nMOVER = 20000\nGO\nMOVER = 1\nGO\n");
+  patience.press_ctrl_c_after(std::chrono::milliseconds(500));
+  EXPECT_EQ(run({"mint", "run", program, "--axis", "0=x"}), ExitCode::interrupted);
+  EXPECT_THAT(target.calls, testing::Contains("stop x"));
+  EXPECT_THAT(target.calls, testing::Not(testing::Contains("move_to x 20001")));
+}
+
+}  // namespace
+}  // namespace tmclctl

@@ -1,0 +1,170 @@
+#include "path/drive.hpp"
+
+#include <algorithm>
+#include <csignal>
+
+#include <fmt/format.h>
+
+#include "following.hpp"
+#include "progress_line.hpp"
+
+namespace tmclctl::path {
+namespace {
+
+namespace plan = tmcl::plan;
+using plan::PathStream;
+using plan::StreamCommand;
+using plan::StreamFault;
+
+constexpr int bar_width = 30;
+constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
+constexpr tmcl::Duration longest_way_to_rest = std::chrono::seconds(10);
+constexpr tmcl::Duration longest_sleep = std::chrono::milliseconds(100);
+
+plan::StreamAnswer nothing(const Attempt<void>& done) {
+  if (done) return 0;
+  return tl::unexpected(done.error().message);
+}
+
+plan::StreamAnswer carry_out(const StreamCommand& command, const std::string& axis,
+                             Target& target) {
+  const auto parameter = std::to_string(command.parameter);
+  switch (command.kind) {
+    case StreamCommand::Kind::get: {
+      const auto read = target.get(axis, parameter);
+      if (!read) return tl::unexpected(read.error().message);
+      return read->value;
+    }
+    case StreamCommand::Kind::set:
+      return nothing(target.set(axis, parameter, command.value).map([](const auto&) {}));
+    case StreamCommand::Kind::rotate:
+      return nothing(target.rotate(axis, tmcl::InternalVelocity{command.value}));
+    case StreamCommand::Kind::move_to:
+      return nothing(target.move_to(axis, {.microsteps = {command.value}}).map([](const auto&) {}));
+    case StreamCommand::Kind::stop: return nothing(target.stop(axis));
+  }
+  return 0;
+}
+
+std::string_view word_for(const PathStream& stream) {
+  switch (stream.phase()) {
+    case PathStream::Phase::before: return "measuring";
+    case PathStream::Phase::running: return "running";
+    case PathStream::Phase::pausing: return "pausing";
+    case PathStream::Phase::after:
+    case PathStream::Phase::ended: return "ending";
+  }
+  return "";
+}
+
+}  // namespace
+
+int drive(PathStream& stream, const std::vector<std::string>& axes, double duration, Room& room) {
+  ProgressLine progress(room.output);
+  int signal = 0;
+  while (true) {
+    // Taken, so that the commands that stop the axes are not held up by it.
+    if (const int caught = room.patience.take_signal(); caught != 0) {
+      signal = caught;
+      stream.stop();
+    }
+    stream.pause(room.patience.pause_asked());
+    const auto step = stream.next(room.patience.now());
+    if (std::holds_alternative<plan::StreamEnd>(step)) return signal;
+    if (const auto* wait = std::get_if<plan::StreamWait>(&step)) {
+      room.patience.sleep(std::min(wait->until - room.patience.now(), longest_sleep));
+    }
+    if (const auto* command = std::get_if<StreamCommand>(&step)) {
+      auto answer = carry_out(*command, axes[command->axis], room.target);
+      if (room.patience.signal() != 0) stream.stop();
+      stream.answered(room.patience.now(), std::move(answer));
+    }
+    if (!progress.visible()) continue;
+    const double done = duration > 0 ? std::clamp(stream.passed() / duration, 0.0, 1.0) : 1;
+    progress.show(
+        fmt::format("{} {:3}%  {:.1f} s left  {}", bar(done, bar_width, progress.screen().utf8),
+                    static_cast<int>(done * 100), (1 - done) * duration, word_for(stream)));
+  }
+}
+
+std::string with_names(std::string text, const std::vector<std::string>& axes) {
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const auto placeholder = fmt::format("{{{}}}", i);
+    for (auto at = text.find(placeholder); at != std::string::npos;
+         at = text.find(placeholder, at + axes[i].size()))
+      text.replace(at, placeholder.size(), axes[i]);
+  }
+  return text;
+}
+
+Failure failure_from(const StreamFault& fault, const std::vector<std::string>& axes, int signal) {
+  using Kind = StreamFault::Kind;
+  if (fault.kind == Kind::asked)
+    return interrupted_failure(signal, "stopped before the end of the path", "");
+  Failure failure{ExitCode::not_reached, "", with_names(fault.message, axes), {}, {}};
+  switch (fault.kind) {
+    case Kind::not_at_start: failure.name = "not_at_start"; break;
+    case Kind::unsuited: failure.name = "unsuited"; break;
+    case Kind::slow_bus: failure.name = "slow_bus"; break;
+    case Kind::refused: failure.name = "command_failed"; break;
+    case Kind::foreign: failure.name = "stopped_by_other"; break;
+    case Kind::starved: failure.name = "starved"; break;
+    case Kind::off_course: failure.name = "off_path"; break;
+    case Kind::asked:
+    case Kind::no_end: failure.name = "not_at_end"; break;
+  }
+  const bool nothing_moved = fault.kind == Kind::not_at_start || fault.kind == Kind::unsuited ||
+                             fault.kind == Kind::slow_bus;
+  if (nothing_moved) {
+    failure.exit = ExitCode::refused;
+  } else {
+    failure.hint = "All axes of the path were stopped";
+  }
+  return failure;
+}
+
+void stop_axes(const std::vector<std::string>& axes, Room& room) {
+  room.patience.take_signal();
+  for (const auto& axis : axes) {
+    if (const auto stopped = room.target.stop(axis); !stopped)
+      room.output.err << "tmclctl: " << axis << " NOT stopped: " << describe(stopped.error())
+                      << '\n';
+  }
+  const auto patience = room.patience.now() + longest_way_to_rest;
+  for (const auto& axis : axes) {
+    while (room.patience.now() < patience) {
+      const auto state = room.target.state(axis);
+      if (!state || !state->moving) break;
+      room.patience.sleep(follow_interval);
+    }
+  }
+}
+
+Attempt<void> go_to(const std::vector<std::string>& axes,
+                    const std::vector<tmcl::Microsteps>& positions, const std::string& what,
+                    Room& room) {
+  if (auto interrupted = interrupted_before_move(room)) return tl::unexpected(*interrupted);
+  const auto begin = room.patience.now();
+  const auto give_up = [&](const Failure& failure) -> Attempt<void> {
+    const int signal = room.patience.signal();
+    stop_axes(axes, room);
+    if (signal == 0) return tl::unexpected(failure);
+    return tl::unexpected(interrupted_failure(signal, "stopped " + what, ""));
+  };
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const auto moved = room.target.move_to(axes[i], {.microsteps = positions[i]});
+    if (!moved) return give_up(moved.error());
+  }
+  ProgressLine progress(room.output);
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const Journey journey{axes[i], positions[i], begin, follow_interval, {}};
+    const auto arrived = follow(journey, room, [&](const AxisReading& reading) {
+      progress.show(fmt::format("{}: {} at {} of {}", what, axes[i], reading.position.value,
+                                positions[i].value));
+    });
+    if (!arrived) return give_up(arrived.error());
+  }
+  return {};
+}
+
+}  // namespace tmclctl::path

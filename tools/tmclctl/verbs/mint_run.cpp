@@ -1,0 +1,222 @@
+// mint run.
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <map>
+
+#include <fmt/format.h>
+#include <boost/json/array.hpp>
+
+#include "path/drive.hpp"
+#include "path/path_source.hpp"
+#include "path/run_axes.hpp"
+#include "print.hpp"
+#include "tmcl/plan/mint.hpp"
+#include "tmcl/plan/ramp_choice.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace ap = tmcl::axis_parameter;
+namespace json = boost::json;
+namespace plan = tmcl::plan;
+namespace mint = tmcl::plan::mint;
+
+constexpr std::size_t most_bytes = 1 << 20;
+
+struct MintAxis {
+  std::string name;
+  AxisUnits units;
+  std::vector<plan::Setting> before{};  // the ramp's parameters, in the order of their first change
+};
+using MintAxes = std::map<unsigned, MintAxis>;
+
+Attempt<MintAxes> axes_named(const std::vector<std::string>& choices, Target& target) {
+  MintAxes axes;
+  for (const auto& choice : choices) {
+    const auto equals = choice.find('=');
+    unsigned number = mint::most_axes;
+    const auto [end, error] = std::from_chars(choice.data(), choice.data() + equals, number);
+    const bool whole = error == std::errc{} && end == choice.data() + equals;
+    if (!whole || number >= mint::most_axes) {
+      return tl::unexpected(usage_failure(
+          "unknown_axis",
+          fmt::format("--axis {}: Mint's axes are 0 to {}", choice, mint::most_axes - 1)));
+    }
+    const auto name = choice.substr(equals + 1);
+    auto units = target.units(name);
+    if (!units) return tl::unexpected(units.error());
+    if (units->model == nullptr || !units->module) {
+      return tl::unexpected(path::impossible(
+          "unknown_units", fmt::format("what the module of {} counts in is not known", name)));
+    }
+    if (!axes.emplace(number, MintAxis{name, *units}).second)
+      return tl::unexpected(usage_failure("usage", fmt::format("axis {} is named twice", number)));
+  }
+  return axes;
+}
+
+Attempt<mint::Positions> positions_of(const MintAxes& axes, Target& target) {
+  mint::Positions positions{};
+  for (const auto& [number, axis] : axes) {
+    const auto state = target.state(axis.name);
+    if (!state) return tl::unexpected(state.error());
+    if (state->moving)
+      return tl::unexpected(path::impossible("moving", fmt::format("{} is moving", axis.name)));
+    positions[number] = state->position.value;
+  }
+  return positions;
+}
+
+Attempt<mint::DryRun> planned(const std::string& file, const mint::Positions& start,
+                              Output& output) {
+  const auto text = path::text_of(file, most_bytes);
+  if (!text) return tl::unexpected(text.error());
+  return mint::read(*text)
+      .and_then([&](const mint::Program& program) { return mint::dry_run(program, start); })
+      .map_error([&](const plan::TextProblems& problems) {
+        return path::failure_from(file, problems, output);
+      });
+}
+
+double target_of(const mint::Move& move) { return std::round(move.end * move.scale); }
+
+Attempt<void> check_reach(const mint::Move& move, const MintAxis& axis) {
+  const auto* row = find_parameter(axis.units.parameters(), ap::target_position);
+  const double there = target_of(move);
+  const bool reachable = row != nullptr && there >= row->minimum && there <= row->maximum;
+  if (!reachable) {
+    return tl::unexpected(path::impossible(
+        "out_of_range", fmt::format("line {} moves {} to {:.0f} microsteps, where it cannot go",
+                                    move.line, axis.name, there)));
+  }
+  const auto& soft = axis.units.limits;
+  if (!soft || !axis.units.scale) return {};
+  const auto position =
+      to_user(tmcl::Microsteps{static_cast<std::int32_t>(there)}, *axis.units.scale).value;
+  if (position >= soft->least.value && position <= soft->greatest.value) return {};
+  return tl::unexpected(path::impossible(
+      "soft_limit",
+      fmt::format("line {} moves {} to {:.6g}, and its soft limits are {:.6g} to {:.6g}", move.line,
+                  axis.name, position, soft->least.value, soft->greatest.value)));
+}
+
+Attempt<plan::RampChoice> ramp_of(const mint::Move& move, const MintAxis& axis) {
+  const auto& profile = *move.profile;
+  const plan::RampWish wish{{profile.speed * move.scale},
+                            {profile.acceleration * move.scale},
+                            {profile.deceleration * move.scale}};
+  return plan::choose_ramp(*axis.units.model, wish, *axis.units.module)
+      .map_error([&](const tmcl::RampOutOfReach& error) {
+        return path::impossible("out_of_range", fmt::format("line {}: {} of {}: {}", move.line,
+                                                            error.is_velocity ? "SPEED" : "ACCEL",
+                                                            axis.name, describe(error.error)));
+      });
+}
+
+/// Everything that can be known to be impossible before anything moves.
+Attempt<void> check(const mint::DryRun& run, const MintAxes& axes, Output& output) {
+  for (const auto& group : run.groups) {
+    for (const auto& move : group.moves) {
+      const auto axis = axes.find(move.axis);
+      if (axis == axes.end()) {
+        return tl::unexpected(usage_failure(
+            "missing_axis",
+            fmt::format("line {} moves axis {}: which axis is that?", move.line, move.axis),
+            fmt::format("--axis {}=NAME", move.axis)));
+      }
+      if (const auto reach = check_reach(move, axis->second); !reach) return reach;
+      if (!move.profile) continue;
+      const auto ramp = ramp_of(move, axis->second);
+      if (!ramp) return tl::unexpected(ramp.error());
+      for (const auto& remark : ramp->remarks)
+        output.err << fmt::format("tmclctl: warning: line {}: {}\n", move.line, remark);
+    }
+  }
+  return {};
+}
+
+Attempt<void> remember(std::uint8_t parameter, MintAxis& axis, Target& target) {
+  if (std::ranges::find(axis.before, parameter, &plan::Setting::parameter) != axis.before.end())
+    return {};
+  return target.get(axis.name, std::to_string(parameter)).map([&](const ParameterValue& value) {
+    axis.before.push_back({parameter, value.value});
+  });
+}
+
+Attempt<void> set_ramp(const mint::Move& move, MintAxis& axis, Target& target) {
+  const auto ramp = ramp_of(move, axis);
+  if (!ramp) return tl::unexpected(ramp.error());
+  for (const auto& setting : ramp->settings) {
+    if (const auto known = remember(setting.parameter, axis, target); !known) return known;
+    const auto set = target.set(axis.name, std::to_string(setting.parameter), setting.value);
+    if (!set) return tl::unexpected(set.error());
+  }
+  return {};
+}
+
+void restore(const MintAxes& axes, Room& room) {
+  for (const auto& [number, axis] : axes) {
+    for (const auto& setting : axis.before) {
+      const auto set = room.target.set(axis.name, std::to_string(setting.parameter), setting.value);
+      if (set) continue;
+      room.output.err << fmt::format("tmclctl: warning: parameter {} of {} was {} before: {}\n",
+                                     setting.parameter, axis.name, setting.value,
+                                     set.error().message);
+    }
+  }
+}
+
+Attempt<void> go(const mint::Group& group, MintAxes& axes, Room& room) {
+  std::vector<std::string> names;
+  std::vector<tmcl::Microsteps> positions;
+  for (const auto& move : group.moves) {
+    auto& axis = axes.at(move.axis);
+    if (!move.profile) continue;
+    if (auto set = set_ramp(move, axis, room.target); !set) return set;
+    names.push_back(axis.name);
+    positions.push_back({static_cast<std::int32_t>(target_of(move))});
+  }
+  return path::go_to(names, positions, fmt::format("at the GO of line {}", group.line), room);
+}
+
+Attempt<void> pass(const mint::DryRun& run, MintAxes& axes, Room& room, json::array& groups) {
+  for (const auto& group : run.groups) {
+    const auto begin = room.patience.now();
+    if (auto gone = go(group, axes, room); !gone) return gone;
+    const auto took = std::chrono::duration<double>(room.patience.now() - begin).count();
+    groups.push_back(
+        json::object{{"line", group.line}, {"planned_s", group.duration}, {"took_s", took}});
+    if (!room.output.json) {
+      room.output.out << fmt::format("GO of line {}: {:.3f} s, planned {:.3f} s", group.line, took,
+                                     group.duration)
+                      << std::endl;
+    }
+  }
+  return {};
+}
+
+}  // namespace
+
+VerbResult run(const verb::RunMint& verb, Room& room) {
+  auto axes = axes_named(verb.axes, room.target);
+  if (!axes) return tl::unexpected(axes.error());
+  const auto start = positions_of(*axes, room.target);
+  if (!start) return tl::unexpected(start.error());
+  const auto run = planned(verb.file, *start, room.output);
+  if (!run) return tl::unexpected(run.error());
+  for (const auto& warning : run->warnings)
+    room.output.err << "tmclctl: warning: " << describe(warning, verb.file) << '\n';
+  if (const auto possible = check(*run, *axes, room.output); !possible)
+    return tl::unexpected(possible.error());
+  json::array groups;
+  const auto passed = pass(*run, *axes, room, groups);
+  restore(*axes, room);
+  if (!passed) return tl::unexpected(passed.error());
+  if (room.output.json)
+    print_json({{"file", verb.file}, {"groups", std::move(groups)}}, room.output);
+  return ExitCode::done;
+}
+
+}  // namespace tmclctl
