@@ -157,8 +157,10 @@ Script<PathStream::Runner::Fault> PathStream::Runner::by_position() {
     ++report_.updates;
     clock_.advance(now_);
     clock_.pause(false);
-    wrong = co_await read_position(i % axes_.size());
+    const auto read = i % axes_.size();
+    wrong = co_await read_position(read);
     if (wrong) co_return wrong;
+    correct_twin(read);
   }
   clock_.advance(now_);
   co_await until(now_ + duration(course_.duration() - clock_.passed()));
@@ -201,7 +203,7 @@ PathStream::Runner::Load PathStream::Runner::load_for(const CourseLeg& leg, std:
   load.target = microsteps(axis, ramp.target);
   const double begin = course_.at(leg.begin).position[axis];
   const double planned = course_.at(clock_.passed()).position[axis];
-  const double is = here.info.twin->motion().position.value / here.info.microsteps_per_unit;
+  const double is = expected_of_twin(axis) / here.info.microsteps_per_unit;
   const double part = 1 + (planned - is) / (ramp.target - begin);
   load.vmax = in_units(ramp.vmax * std::clamp(part, slowest_part, fastest_part),
                        here.info.units.velocity.value);
@@ -213,6 +215,18 @@ PathStream::Runner::Load PathStream::Runner::load_for(const CourseLeg& leg, std:
                    ? std::max(least_vstop, in_units(ramp.vstop, here.info.units.velocity.value))
                    : here.info.greatest_stop_velocity;
   return load;
+}
+
+double PathStream::Runner::expected_of_twin(std::size_t axis) const {
+  return axes_[axis].info.twin->motion().position.value + axes_[axis].position;
+}
+
+// A command takes effect earlier or later than its twin is told; where that makes a motor stand for
+// a moment, it is behind its twin for longer.
+void PathStream::Runner::correct_twin(std::size_t axis) {
+  const double position = *answer_;
+  let_twin_run(axis, middle());
+  axes_[axis].position += trust_in_a_reading * (position - expected_of_twin(axis));
 }
 
 // What matters for braking comes after the target: written before, it would brake for the old one.

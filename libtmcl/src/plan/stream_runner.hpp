@@ -62,6 +62,7 @@ class PathStream::Runner {
     std::map<std::uint8_t, std::int32_t> parameters;  // as they are
     std::optional<std::int32_t> velocity;             // what parameter 2 is to read
     // Velocity mode: where it should be by what it was told, in microsteps, and when that was.
+    // Position mode: how far it is ahead of its twin.
     double position = 0;
     double pps = 0;
     TimePoint at{};
@@ -130,6 +131,8 @@ class PathStream::Runner {
   std::size_t commands_of(std::size_t leg) const;
   Load load_for(const CourseLeg& leg, std::size_t axis);
   Duration lead_of(std::size_t leg) const;
+  double expected_of_twin(std::size_t axis) const;
+  void correct_twin(std::size_t axis);
   void let_twin_run(std::size_t axis, TimePoint to);
 
   const Course& course_;
