@@ -24,8 +24,9 @@ constexpr double slowest_part = 0.8;
 constexpr double fastest_part = 1.25;
 constexpr Duration look_interval = std::chrono::milliseconds(10);
 
-// So much earlier than it has to be, in case that it takes longer.
-constexpr Duration loaded_ahead = std::chrono::milliseconds(2);
+// A leg is loaded earlier than it has to be, in case that it takes longer; by so much at most.
+constexpr double most_ahead_s = 0.02;
+constexpr double instant_s = 1e-7;
 
 // That every moving axis of a leg gets: it is checked, velocity and target are written.
 constexpr std::size_t commands_of_an_axis = 3;
@@ -73,6 +74,21 @@ std::size_t PathStream::Runner::commands_of(std::size_t index) const {
 Duration PathStream::Runner::lead_of(std::size_t index) const {
   return duration(seconds(report_.round_trip) * static_cast<double>(commands_of(index)) /
                   (1 - spare_part_of_bus));
+}
+
+// Whoever turns a corner early leaves the path by what the velocity changes there, times how early
+// that is. Not before the leg that comes before has begun.
+Duration PathStream::Runner::ahead_of(std::size_t index) const {
+  if (index == 0) return {};
+  const auto before = course_.leg(index - 1);
+  const auto from = course_.at(before.end - instant_s).velocity;
+  const auto to = course_.at(course_.leg(index).begin + instant_s).velocity;
+  double change = 0;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis)
+    change = std::hypot(change, to[axis] - from[axis]);
+  const double room = before.end - before.begin - seconds(lead_of(index));
+  const double tolerable = change > 0 ? options_.even_within / change : most_ahead_s;
+  return duration(std::clamp(std::min(room, tolerable), 0.0, most_ahead_s));
 }
 
 PathStream::Runner::Fault PathStream::Runner::fault_of_legs() {
@@ -145,7 +161,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::by_position() {
   for (std::size_t i = 0; i < course_.legs(); ++i) {
     const auto leg = leg_at(i);
     clock_.advance(now_);
-    const auto due = now_ + duration(leg.begin - clock_.passed()) - lead_of(i) - loaded_ahead;
+    const auto due = now_ + duration(leg.begin - clock_.passed()) - lead_of(i) - ahead_of(i);
     if (i > 0) co_await until(due);
     wrong = asked_to_stop();
     if (!wrong && i > 0)

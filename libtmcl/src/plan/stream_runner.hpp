@@ -131,6 +131,7 @@ class PathStream::Runner {
   std::size_t commands_of(std::size_t leg) const;
   Load load_for(const CourseLeg& leg, std::size_t axis);
   Duration lead_of(std::size_t leg) const;
+  Duration ahead_of(std::size_t leg) const;
   double expected_of_twin(std::size_t axis) const;
   void correct_twin(std::size_t axis);
   void let_twin_run(std::size_t axis, TimePoint to);
