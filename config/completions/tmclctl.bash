@@ -39,6 +39,11 @@ _tmclctl() {
     esac
   done
 
+  # --axis X=AXIS: what stands before the = belongs to --axis.
+  if [[ $current == = && ${COMP_WORDS[COMP_CWORD-2]} == --axis ]]; then
+    mapfile -t COMPREPLY < <(_tmclctl_words axes)
+    return
+  fi
   case $previous in
     --csv)
       # The one of simulate is a time.
@@ -55,7 +60,6 @@ _tmclctl() {
       mapfile -t COMPREPLY < <(compgen -W "$(_tmclctl_words models)" -- "$current")
       return ;;
     =)
-      # --axis X=AXIS: what stands before the = belongs to --axis.
       if [[ ${COMP_WORDS[COMP_CWORD-3]:-} == --axis ]]; then
         mapfile -t COMPREPLY < <(compgen -W "$(_tmclctl_words axes)" -- "$current")
         return
