@@ -1,59 +1,111 @@
-/// Two axes on a line, as somebody sees them who reads their positions in turn.
+/// Two axes, as somebody sees them who reads their positions in turn.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <functional>
 #include <iterator>
+#include <map>
+#include <thread>
 #include <vector>
 
+#include "support/rpc_client.hpp"
+
 namespace tmcl::test {
+
+struct Motor {
+  int address;
+  int number;
+};
 
 /// A position, and between which two times the module told it.
 struct Reading {
   double before_s;
   double after_s;
-  std::int64_t position;
+  double position;
 };
 using Readings = std::vector<Reading>;
 
-/// Where both axes were at one time.
-struct PointOfLine {
+/// Where both axes were at one time, in microsteps.
+struct PointSeen {
   double time_s;
   double x;
-  std::int64_t y;
-  double doubt;      ///< How far x may be from the truth, for the time that reading takes.
-  double off_line;   ///< How far y is off the line, as far as it cannot come from that.
-  double y_on_line;  ///< Where the line has y.
+  double y;
+  double doubt;  ///< How far x may be from the truth, for the time that reading takes.
 };
+using PointsSeen = std::vector<PointSeen>;
 
-/// From (0, 0) to the targets; x has the longer way.
-struct LineTargets {
-  std::int64_t x;
-  std::int64_t y;
-  double slope() const { return static_cast<double>(y) / static_cast<double>(x); }
-};
-
-/// The points at which y was read and x was known before and after. Both start at 0 and do not turn
-/// round; neither has been left out.
-inline std::vector<PointOfLine> points_of_line(const Readings& x, const Readings& y,
-                                               const LineTargets& targets) {
-  std::vector<PointOfLine> points;
+/// The points at which y was read and x was known before and after.
+inline PointsSeen points_of(const Readings& x, const Readings& y) {
+  PointsSeen points;
   for (const auto& reading : y) {
     const auto after = std::ranges::lower_bound(x, reading.after_s, {}, &Reading::before_s);
     const auto beyond = std::ranges::upper_bound(x, reading.before_s, {}, &Reading::after_s);
     if (after == x.end() || beyond == x.begin()) continue;
-    const auto low = static_cast<double>(std::prev(beyond)->position);
-    const auto high = static_cast<double>(after->position);
-    const auto [least, greatest] = std::minmax({low * targets.slope(), high * targets.slope()});
-    const auto seen = static_cast<double>(reading.position);
-    const double middle = (low + high) / 2;
-    points.push_back({(reading.before_s + reading.after_s) / 2, middle, reading.position,
-                      std::abs(high - low) / 2, seen - std::clamp(seen, least, greatest),
-                      middle * targets.slope()});
+    const double before = std::prev(beyond)->position;
+    points.push_back({(reading.before_s + reading.after_s) / 2, (before + after->position) / 2,
+                      reading.position, std::abs(after->position - before) / 2});
   }
   return points;
+}
+
+/// Reads the positions of two motors of `bench` in turn until told to stop, `pause` after each two.
+inline PointsSeen observe(RpcClient& client, const std::array<Motor, 2>& motors,
+                          const std::function<bool()>& is_over,
+                          std::chrono::milliseconds pause = {}) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto now = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  };
+  std::array<Readings, 2> readings;
+  // Once more when it is over: the end is seen, too.
+  for (bool over = false; !over;) {
+    over = is_over();
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double before = now();
+      const auto answer = client.result("module.execute", {{"bus", "bench"},
+                                                           {"address", motors[i].address},
+                                                           {"command", "GAP"},
+                                                           {"type", 1},
+                                                           {"motor", motors[i].number}});
+      readings[i].push_back({before, now(), answer.at("value").to_number<double>()});
+    }
+    std::this_thread::sleep_for(pause);
+  }
+  return points_of(readings[0], readings[1]);
+}
+
+/// From the last point before the start, where times begin, to the first at the end; in between, of
+/// points that are near each other in time, the one that is known best.
+inline PointsSeen thinned(const PointsSeen& points, double apart_s) {
+  const auto differs = [](const PointSeen& point, const PointSeen& next) {
+    return point.x != next.x || point.y != next.y;
+  };
+  const auto first = std::ranges::adjacent_find(points, differs);
+  const auto last = std::adjacent_find(points.rbegin(), points.rend(), differs);
+  if (first == points.end()) return {};
+  std::map<int, PointSeen> best;
+  for (auto point = first; point != last.base(); ++point) {
+    const auto [known, is_first] =
+        best.try_emplace(static_cast<int>((point->time_s - first->time_s) / apart_s), *point);
+    if (!is_first && point->doubt < known->second.doubt) known->second = *point;
+  }
+  PointsSeen kept;
+  for (const auto& [_, point] : best) kept.push_back(point);
+  kept.push_back(*std::prev(last.base()));
+  for (auto& point : kept) point.time_s -= first->time_s;
+  return kept;
+}
+
+/// Whether nothing was seen for so long that a picture would lie.
+inline bool has_gap(const PointsSeen& points) {
+  constexpr double longest_gap_s = 0.1;
+  return std::ranges::adjacent_find(points, [](const PointSeen& point, const PointSeen& next) {
+           return next.time_s > point.time_s + longest_gap_s;
+         }) != points.end();
 }
 
 }  // namespace tmcl::test
