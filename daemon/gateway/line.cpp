@@ -81,7 +81,10 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     if (!fault) fault = co_await load();
     if (!fault) fault = co_await go();
     if (fault) {
-      if (started_) co_await stop_all();
+      if (started_) {
+        co_await stop_all();
+        co_await wait_for_standstill();
+      }
       co_await end();
       co_return tl::unexpected(std::move(*fault));
     }
