@@ -171,7 +171,7 @@ boost::asio::awaitable<std::optional<RpcError>> check_limits(const Call& call,
   for (const auto& axis : call.gateway->axes()) {
     const auto [address, motor] = axis->address();
     const bool starts = &axis->bus() == module.bus.get() && address == module.address &&
-                        motor < 8 && (motors.bits >> motor & 1U) != 0;
+                        motor < 8 && (unsigned{motors.bits} >> motor & 1U) != 0;
     if (!starts) continue;
     RunOptions options;
     options.deadline = call.deadline();
