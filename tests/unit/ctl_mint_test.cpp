@@ -1,6 +1,4 @@
 // mint check: a table, JSON, and where a program is wrong.
-#include <unistd.h>
-
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,6 +7,7 @@
 #include <string>
 
 #include "ctl_fixture.hpp"
+#include "support/temp_path.hpp"
 
 namespace tmclctl {
 namespace {
@@ -24,9 +23,7 @@ class CtlMint : public testing::Test, public test::Ctl {
     return {"mint", "check", path};
   }
 
-  // Tests run side by side.
-  const std::string path = std::filesystem::path(testing::TempDir()) /
-                           ("ctl_mint_test_" + std::to_string(::getpid()) + ".mint");
+  const std::string path = tmcl::test::temp_path("ctl_mint_test.mint");
 };
 
 const std::string exercise =

@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "ctl_fixture.hpp"
+#include "support/temp_path.hpp"
 
 namespace tmclctl {
 namespace {
@@ -20,7 +21,7 @@ class CtlPath : public testing::Test, protected test::Ctl {
     return path;
   }
 
-  const std::string path = std::filesystem::path(testing::TempDir()) / "ctl_path_test";
+  const std::string path = tmcl::test::temp_path("ctl_path_test");
 };
 
 TEST_F(CtlPath, CheckTellsWhatAPathIs) {
