@@ -222,6 +222,8 @@ TEST(PlanGcode, WhatIsWrongHasAPlace) {
             "text:1:10: the arc begins 1 mm from its centre and ends 4 mm from it");
   EXPECT_EQ(gcode_complaint("F1 G2 X5 R1"),
             "text:1:10: the radius is too small: the ends are 5 mm apart");
+  EXPECT_EQ(gcode_complaint("F1 G3 Y-1 R10000000000000000000000000"),
+            "text:1:11: the radius is too large: nothing tells the arc from a line");
   EXPECT_EQ(gcode_complaint("F1 G2 R1"), "text:1:7: an arc to where it begins needs I and J");
   EXPECT_THAT(gcode_complaint("G0 (" + std::string(most_text_line_bytes, 'x')),
               HasSubstr("too long"));

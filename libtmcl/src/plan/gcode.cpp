@@ -300,6 +300,9 @@ class Interpreter {
     if (whole) sweep = turn;
     arc.sweep = motion_ == 3 ? sweep : -sweep;
     if (!std::isfinite(arc.sweep)) return wrong(column, "the arc is beyond all numbers");
+    // Of a centre so far away, both ends lie in the same direction.
+    if (sweep == 0)
+      return wrong(column, "the radius is too large: nothing tells the arc from a line");
     return {};
   }
 
