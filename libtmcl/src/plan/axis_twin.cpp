@@ -18,7 +18,6 @@ using ramp::Tmc457;
 
 constexpr double clock_hz = 16e6;  // of all modules
 constexpr std::int64_t second = 1'000'000'000;
-constexpr std::uint8_t unit_mode = 255;
 // A movement has some hundreds of them. What has more goes to and fro; a prediction that takes
 // longer than a few milliseconds would hold up whoever asked for it.
 constexpr std::size_t most_changes = 10'000;
@@ -165,7 +164,7 @@ ModuleUnits chip_units(const SixPoint&) {
 }
 
 bool starts_in_pps(const Model& model) {
-  const auto* row = find_parameter(axis_parameters(model), unit_mode);
+  const auto* row = find_parameter(axis_parameters(model), ap::unit_mode);
   return row == nullptr || row->initial == 1;
 }
 
@@ -201,7 +200,7 @@ std::vector<std::uint8_t> AxisTwin::parameters(const Model& model) {
   const auto add_all = [&](const auto& map) {
     for (const auto& mapped : map) add(mapped.parameter);
   };
-  if (model.family == Family::sixpoint || model.family == Family::tmc457) add(unit_mode);
+  if (model.family == Family::sixpoint || model.family == Family::tmc457) add(ap::unit_mode);
   if (model.family == Family::sixpoint) add_all(sixpoint_map);
   if (model.family == Family::tmc429) add_all(tmc429_map);
   if (model.family == Family::tmc457) {
@@ -222,7 +221,7 @@ bool AxisTwin::set(std::span<const Setting> settings) {
 }
 
 bool AxisTwin::take(const ParameterInfo& row, std::int32_t value) {
-  if (row.number == unit_mode) {
+  if (row.number == ap::unit_mode) {
     units_.set(value == 1);
     return true;
   }
