@@ -58,7 +58,6 @@ struct Member {
   std::optional<tmcl::plan::AxisTwin> twin{};
   std::vector<Setting> before{};   // its ramp's settings
   std::vector<Setting> changed{};  // those that the line has changed, as they were
-  bool moves = false;
   bool arrived = false;
   int stood = 0;  // how many looks
 
@@ -158,7 +157,6 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
           tmcl::bad_argument("axis '" + member.axis->name() + "': " + planned.error().message));
     }
     line_.plan = std::move(*planned);
-    for (const auto i : line_.plan.order) members_[i].moves = true;
     if (!line_.plan.order.empty())
       line_.predicted_skew = line_.plan.axes[line_.plan.order.back()].start;
     return std::nullopt;
@@ -283,8 +281,8 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   }
 
   bool all_arrived() const {
-    return std::ranges::all_of(
-        members_, [](const Member& member) { return !member.moves || member.arrived; });
+    return std::ranges::all_of(line_.plan.order,
+                               [&](std::size_t i) { return members_[i].arrived; });
   }
 
   void tell(const LineFailure& failure) const {
@@ -297,8 +295,9 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   }
 
   awaitable<Fault> look_at_all() {
-    for (auto& member : members_) {
-      if (!member.moves || member.arrived) continue;
+    for (const auto i : line_.plan.order) {
+      auto& member = members_[i];
+      if (member.arrived) continue;
       if (auto stop = member.movement.objection()) co_return member.failure(std::move(*stop));
       const auto reading = co_await member.axis->read_state();
       if (!reading) co_return member.failure(reading.error());

@@ -53,7 +53,6 @@ TEST(Line, AnAxisThatIsThereAlreadyStays) {
   const auto line = plan({axis(0, 50'000, 200'000), axis(10'000, 50'000, 200'000)});
   ASSERT_TRUE(line);
   EXPECT_THAT(line->order, ElementsAre(1));
-  EXPECT_FALSE(line->axes[0].moves);
   EXPECT_THAT(line->axes[0].settings, IsEmpty());
   EXPECT_THAT(plan({axis(0, 1, 1)})->order, IsEmpty());
 }

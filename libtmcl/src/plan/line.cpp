@@ -49,6 +49,22 @@ double time_of(double way, double velocity, double acceleration) {
   return way / velocity + velocity / acceleration;
 }
 
+/// What makes a plain trapezoid, with everything else that makes a difference to it: the other
+/// accelerations, bow, minimum velocity.
+std::vector<Setting> trapezoid_settings(const AxisTwin& twin, InternalVelocity velocity,
+                                        InternalAcceleration acceleration) {
+  const auto v = velocity.value;
+  const auto a = acceleration.value;
+  if (const auto* chip = twin.tmc429()) {
+    return {{ap::max_velocity, v},
+            {ap::max_acceleration, a},
+            {130, std::min(speed_within_a_microstep(chip->dividers(), acceleration).value, v)}};
+  }
+  if (twin.model().family == Family::tmc457)
+    return {{ap::max_velocity, v}, {16, a}, {17, a}, {18, 0}};
+  return {{ap::max_velocity, v}, {ap::max_acceleration, a}, {16, 0}, {17, a}, {18, a}};
+}
+
 /// One axis on its line.
 class Runner {
  public:
@@ -90,7 +106,7 @@ class Runner {
 
   Duration arrival() const { return arrival_; }
   AxisOfLine result(Duration start) const {
-    return {settings_of(chosen_), run(chosen_), start, start + arrival_, true};
+    return {settings_of(chosen_), run(chosen_), start, start + arrival_};
   }
 
  private:
@@ -243,20 +259,6 @@ double deviation_of(const Line& line, std::span<const LineAxis> axes, std::size_
 
 }  // namespace
 
-std::vector<Setting> trapezoid_settings(const AxisTwin& twin, InternalVelocity velocity,
-                                        InternalAcceleration acceleration) {
-  const auto v = velocity.value;
-  const auto a = acceleration.value;
-  if (const auto* chip = twin.tmc429()) {
-    return {{ap::max_velocity, v},
-            {ap::max_acceleration, a},
-            {130, std::min(speed_within_a_microstep(chip->dividers(), acceleration).value, v)}};
-  }
-  if (twin.model().family == Family::tmc457)
-    return {{ap::max_velocity, v}, {16, a}, {17, a}, {18, 0}};
-  return {{ap::max_velocity, v}, {ap::max_acceleration, a}, {16, 0}, {17, a}, {18, a}};
-}
-
 SharedRamp share_ramp(std::span<const Way> ways) {
   SharedRamp ramp;
   for (std::size_t i = 0; i < ways.size(); ++i) {
@@ -281,7 +283,7 @@ class Planner {
     for (std::size_t i = 0; i < axes.size(); ++i) {
       ways_.push_back({static_cast<double>(way_of(axes[i])), axes[i].velocity.value,
                        axes[i].acceleration.value});
-      line_.axes.push_back({{}, axes[i].twin, {}, {}, false});
+      line_.axes.push_back({{}, axes[i].twin, {}, {}});
       if (way_of(axes[i]) != 0) line_.order.push_back(i);
     }
     ramp_ = share_ramp(ways_);

@@ -58,7 +58,6 @@ struct AxisOfLine {
   AxisTwin twin;                  ///< With these settings, on its way to the target.
   Duration start{};               ///< After the first of them.
   Duration arrival{};             ///< After the start of the first of them; 0 if it stays.
-  bool moves = false;
 };
 
 struct Line {
@@ -80,11 +79,5 @@ struct LineError {
 /// Errors: no axis or more than most_line_axes; limits that are not greater than 0; an axis that
 /// would have to be slower than its registers can say; one that does not arrive.
 tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes, StartTimes starts = {});
-
-/// The settings for a plain trapezoid with these values of the parameters max_velocity and
-/// max_acceleration, with everything else that makes a difference to it: the other accelerations,
-/// bow, minimum velocity.
-std::vector<Setting> trapezoid_settings(const AxisTwin& twin, InternalVelocity velocity,
-                                        InternalAcceleration acceleration);
 
 }  // namespace tmcl::plan
