@@ -244,7 +244,7 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Micro
 // Whatever comes of the readings: they only serve to tell more about the move.
 awaitable<std::optional<tmcl::plan::AxisTwin>> GatewayAxis::twin(RunOptions options) {
   const auto* model = module_.model();
-  if (model == nullptr || !tmcl::plan::AxisTwin::of(*model)) co_return std::nullopt;
+  if (model == nullptr) co_return std::nullopt;
   const auto epoch = ramp_epoch();
   if (!ramp_ || ramp_->epoch != epoch) {
     auto ramp = co_await run(tmcl::verbs::read_ramp(address(), *model), options);

@@ -184,7 +184,7 @@ Attempt<AxisUnits> DirectTarget::units(const std::string& axis) {
 // Whatever comes of the readings: they only serve to tell more about a move.
 std::optional<tmcl::plan::AxisTwin> DirectTarget::twin_of(Axis& at) {
   const auto model = model_of(at.address().module);
-  if (!model || *model == nullptr || !tmcl::plan::AxisTwin::of(**model)) return std::nullopt;
+  if (!model || *model == nullptr) return std::nullopt;
   auto ramp = bus_.run(tmcl::verbs::read_ramp(at.address(), **model));
   if (!ramp) return std::nullopt;
   const auto twin = bus_.run(tmcl::verbs::read_twin(at.address(), **model, std::move(*ramp)));
