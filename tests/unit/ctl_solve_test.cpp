@@ -123,7 +123,7 @@ TEST_F(CtlSolve, WordsThatAreWrong) {
   EXPECT_THAT(complaint("symetric"), HasSubstr("Did you mean 'symmetric'?"));
   EXPECT_THAT(complaint("distance=abc"), HasSubstr("'abc' is no number"));
   EXPECT_THAT(complaint("distance="), HasSubstr("'' is no number"));
-  EXPECT_THAT(complaint("distance=nan"), HasSubstr("nan is not within"));
+  EXPECT_THAT(complaint("distance=nan"), HasSubstr("'nan' is not finite"));
   EXPECT_THAT(complaint("distance=1 distance=1"), HasSubstr("given twice"));
   EXPECT_THAT(complaint("distance=-1"), HasSubstr("above 0"));
 }

@@ -52,6 +52,14 @@ TEST(PlanCsv, TimesAndPositions) {
   EXPECT_EQ(line(path, 1), (LineTo{{7, -8}, {}, 1.0, 6}));
 }
 
+TEST(PlanCsv, AByteOrderMarkIsNoPartOfAName) {
+  EXPECT_THAT(csv("\xEF\xBB\xBFt,x\n0,0\n1,2\n").axes, ElementsAre("x"));
+}
+
+TEST(PlanCsv, SemicolonsBetweenColumnsAreNamed) {
+  EXPECT_THAT(csv_complaint("t;x\n0;0\n"), HasSubstr("commas must stand between them"));
+}
+
 TEST(PlanCsv, TimeMayStandInAnyColumn) {
   const auto path = csv("left,t\n1,0\n2,4");
   EXPECT_THAT(path.axes, ElementsAre("left"));

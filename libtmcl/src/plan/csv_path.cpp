@@ -73,7 +73,9 @@ class CsvReader {
     while (row.next()) {
       const std::string name(row.name());
       if (name.empty() || !row.cell_ends()) {
-        wrong(row.column(), fmt::format("'{}{}' is no name of a column", name, row.word()));
+        const bool semicolons = line.find(';') != std::string_view::npos;
+        wrong(row.column(), fmt::format("'{}{}' is no name of a column{}", name, row.word(),
+                                        semicolons ? "; commas must stand between them" : ""));
         return false;
       }
       if (std::ranges::find(columns_, name) != columns_.end()) {

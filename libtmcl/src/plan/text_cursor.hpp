@@ -92,10 +92,14 @@ class ProblemList {
   TextProblems problems_;
 };
 
+/// What spreadsheets write before the first line of UTF-8.
+constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+
 /// Calls `read(line, number)` for each line, without its end, until `problems` are many or `read`
 /// returns false.
 template <class Read>
 void for_each_line(std::string_view text, ProblemList& problems, Read read) {
+  if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
   for (std::size_t number = 1; !text.empty() && !problems.full(); ++number) {
     if (number > most_text_lines)
       return problems.add(

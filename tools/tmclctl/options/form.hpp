@@ -3,6 +3,7 @@
 #pragma once
 
 #include <charconv>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -41,6 +42,9 @@ tl::expected<Number, std::string> parse_number(
   if (!whole) {
     return tl::unexpected(
         fmt::format("'{}' is no {}number", text, std::is_integral_v<Number> ? "whole " : ""));
+  }
+  if constexpr (std::is_floating_point_v<Number>) {
+    if (!std::isfinite(value)) return tl::unexpected(fmt::format("'{}' is not finite", text));
   }
   if (error != std::errc{} || !(value >= least && value <= greatest)) {
     return tl::unexpected(fmt::format("{} is not within {} to {}", text, least, greatest));
