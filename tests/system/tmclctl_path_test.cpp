@@ -83,7 +83,7 @@ TEST_F(PathBench, ADryRunMovesNothingAndDraws) {
       ctl("path run " + part + on_both_axes + "--dry-run --svg '" + file("path.svg") + "'");
   EXPECT_EQ(ran.status, 0) << ran.err;
   EXPECT_THAT(ran.out, HasSubstr("TOP SPEED"));
-  EXPECT_THAT(contents(file("path.svg")), HasSubstr("position path"));
+  EXPECT_THAT(contents(file("path.svg")), HasSubstr("curve position"));
   EXPECT_EQ(get("1/0", "1"), "0\n");
 }
 

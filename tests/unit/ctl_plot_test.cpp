@@ -266,5 +266,26 @@ TEST(CtlPlane, DotsThatWouldHideEachOtherAreLeftOut) {
   for (const auto* wrong : {"nan", "inf"}) EXPECT_THAT(point + svg, Not(HasSubstr(wrong)));
 }
 
+TEST(CtlPlane, WhatWasOnlyPlannedIsNoDashedLine) {
+  const auto plan = to_svg({"plan", "x", "y", {{0, 400}, {0, -100}}, {}});
+  EXPECT_THAT(plan, HasSubstr("<polyline class=\"curve position\""));
+  EXPECT_THAT(plan, Not(HasSubstr(">planned<")));
+  const auto both = to_svg({"both", "x", "y", {{0, 400}, {0, -100}}, {{0, 400}, {0, -100}}});
+  EXPECT_THAT(both, HasSubstr("<polyline class=\"curve planned\""));
+  EXPECT_THAT(both, HasSubstr(">planned<"));
+}
+
+TEST(CtlPlane, IsAboveAPictureThatEndsWithTheDocument) {
+  const Plane plane{"a line", "x", "y", {{0, 400}, {0, -100}}, {}};
+  const Picture picture{"", "s", {position_curve(trapezoid()), velocity_curve(trapezoid())}, {}};
+  const auto svg = to_svg(plane, picture);
+  // The plane's picture is 331 high, that of two curves 540.
+  EXPECT_THAT(to_svg(plane), HasSubstr("viewBox=\"0 0 860 331\""));
+  EXPECT_THAT(to_svg(picture), HasSubstr("viewBox=\"0 0 860 540\""));
+  EXPECT_THAT(svg, HasSubstr("viewBox=\"0 0 860 871\""));
+  EXPECT_THAT(svg, HasSubstr("<svg y=\"331\""));
+  EXPECT_THAT(svg, HasSubstr("width=\"744.0\" height=\"207.0\""));
+}
+
 }  // namespace
 }  // namespace tmclctl::plot

@@ -94,6 +94,17 @@ void add_solve(Grammar& grammar, const Form& profile) {
   solve.option("--svg", "FILE", "Draw into this file, not on the screen", text(solve->svg));
 }
 
+/// What is asked of a path, whether it is passed or only checked.
+template <class T>
+void add_path_file(VerbForm<T>& form) {
+  const auto in_units = [](auto& into) { return number(into, least_of_path, most_of_path); };
+  form.word("FILE", "A table (.csv) or G-code", text(form->file));
+  form.option("--tolerance", "UNITS", "How far from it the path may be passed (default 0.05)",
+              in_units(form->tolerance));
+  form.option("--feed", "UNITS", "No faster along the path, a second", in_units(form->feed));
+  form.option("--svg", "FILE", "Draw the path and its axes into this file", text(form->svg));
+}
+
 }  // namespace
 
 void add_profile(Grammar& grammar) {
@@ -121,19 +132,14 @@ void add_path(Grammar& grammar) {
       grammar.group("path", "Paths through several axes, from tables and G-code", help_text::path);
   auto check = grammar.verb<verb::CheckPath>(
       path, "check", "How a path would be passed, without axes", help_text::path_check);
-  check.word("FILE", "A table (.csv) or G-code", text(check->file));
-  check.option("--tolerance", "UNITS", "How far from it the path may be passed (default 0.05)",
-               number(check->tolerance, least_of_path, most_of_path));
+  add_path_file(check);
   check.option("--velocity", "UNITS", "What an axis can do, a second (default 100)",
                number(check->velocity, least_of_path, most_of_path));
   check.option("--acceleration", "UNITS", "Likewise, a second squared (default 1000)",
                number(check->acceleration, least_of_path, most_of_path));
-  check.option("--feed", "UNITS", "No faster along the path, a second",
-               number(check->feed, least_of_path, most_of_path));
-  check.option("--svg", "FILE", "Draw the path and its axes into this file", text(check->svg));
   auto run =
       grammar.verb<verb::RunPath>(path, "run", "Move axes along a path", help_text::path_run);
-  run.word("FILE", "A table (.csv) or G-code", text(run->file));
+  add_path_file(run);
   auto& said = *run.operator->();
   run.repeated_option("--axis", "LETTER=AXIS", "Which axis the file's axis of this name is",
                       [&said](const std::string& text) { return read_choice(text, said.axes); });
@@ -143,8 +149,6 @@ void add_path(Grammar& grammar) {
                if (said.by_position || text == "velocity") return {};
                return tl::unexpected(fmt::format("'{}' is neither velocity nor position", text));
              });
-  run.option("--tolerance", "UNITS", "How far from it the path may be passed (default 0.05)",
-             number(run->tolerance, least_of_path, most_of_path));
   run.option("--deviation", "UNITS",
              "Stop when an axis is seen so far off its plan (default 20 tolerances)",
              number(run->deviation, least_of_path, most_of_path));
@@ -152,8 +156,6 @@ void add_path(Grammar& grammar) {
              number(run->velocity, least_of_path, most_of_path));
   run.option("--acceleration", "UNITS", "Likewise, a second squared; otherwise max_acceleration",
              number(run->acceleration, least_of_path, most_of_path));
-  run.option("--feed", "UNITS", "No faster along the path, a second",
-             number(run->feed, least_of_path, most_of_path));
   run.option("--per-turn", "UNITS", "What a turn of the motor is, for axes without a unit",
              number(run->per_turn, least_of_path, most_of_path));
   run.option(
@@ -164,7 +166,6 @@ void add_path(Grammar& grammar) {
         });
       });
   run.flag("--dry-run", "Plan and check everything; move nothing", run->dry_run);
-  run.option("--svg", "FILE", "Draw the path and its axes into this file", text(run->svg));
 }
 
 Form add_program(Grammar& grammar) {

@@ -8,8 +8,7 @@
 #include <boost/json/array.hpp>
 
 #include "input_file.hpp"
-#include "plot/path_drawing.hpp"
-#include "plot/svg_plot.hpp"
+#include "plot/plane.hpp"
 
 namespace tmclctl::path {
 namespace {
@@ -100,7 +99,7 @@ Attempt<plan::Course> course_of(const Source& source, plan::PathLimits limits, d
 
 std::string to_svg(const Source& source, const plan::Course& course) {
   const std::size_t second = std::min<std::size_t>(1, course.axes() - 1);
-  plot::Drawing drawing{
+  plot::Plane plane{
       fmt::format("{}: {:.6g} units in {:.6g} s", source.file, course.length(), course.duration()),
       source.path.axes[0],
       source.path.axes[second],
@@ -112,14 +111,14 @@ std::string to_svg(const Source& source, const plan::Course& course) {
   for (int i = 0; i <= curve_points; ++i) {
     const double time = course.duration() * i / curve_points;
     const auto position = course.at(time).position;
-    drawing.x.push_back(position[0]);
-    drawing.y.push_back(position[second]);
+    plane.planned.x.push_back(position[0]);
+    plane.planned.y.push_back(position[second]);
     for (std::size_t axis = 0; axis < course.axes(); ++axis) {
       picture.curves[axis].times.push_back(time);
       picture.curves[axis].values.push_back(position[axis]);
     }
   }
-  return plot::to_svg(drawing, picture);
+  return plot::to_svg(plane, picture);
 }
 
 }  // namespace tmclctl::path

@@ -4,6 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "plot/picture.hpp"
+
 namespace tmclctl::plot {
 
 /// Points in the order in which they are passed; as many x as y.
@@ -17,10 +19,12 @@ struct Plane {
   std::string title;
   std::string x_name;  ///< With its unit: "x [mm]".
   std::string y_name;
-  Way planned;  ///< Drawn as a dashed line.
+  Way planned;  ///< Drawn as a line, a dashed one if something was seen.
   Way seen;     ///< Drawn as dots; one that would hide another is left out.
 };
 
 std::string to_svg(const Plane& plane);
+/// The plane above the picture, under the plane's title.
+std::string to_svg(const Plane& plane, const Picture& picture);
 
 }  // namespace tmclctl::plot

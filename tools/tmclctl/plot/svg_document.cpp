@@ -1,5 +1,7 @@
 #include "plot/svg_document.hpp"
 
+#include <string_view>
+
 #include <fmt/format.h>
 
 namespace tmclctl::plot {
@@ -71,6 +73,11 @@ std::string svg_document(const std::string& title, double width, double height, 
              "{0} {1}\" role=\"img\">\n  <title>{2}</title>\n",
              width, height, escape_xml(title)) +
          style + title_lines(title, left) + body + "</svg>\n";
+}
+
+std::string svg_part(std::string document, double top) {
+  constexpr std::string_view opening = "<svg";
+  return document.insert(opening.size(), fmt::format(" y=\"{}\"", top));
 }
 
 }  // namespace tmclctl::plot

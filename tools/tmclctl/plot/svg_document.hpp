@@ -12,5 +12,7 @@ std::string escape_xml(const std::string& text);
 /// white and on black.
 std::string svg_document(const std::string& title, double width, double height, double left,
                          const std::string& body);
+/// A document as a part of another one, so far below its top.
+std::string svg_part(std::string document, double top);
 
 }  // namespace tmclctl::plot

@@ -7,6 +7,7 @@
 #include "plot/plane.hpp"
 #include "plot/scale.hpp"
 #include "plot/svg_document.hpp"
+#include "plot/svg_plot.hpp"
 
 namespace tmclctl::plot {
 namespace {
@@ -69,11 +70,9 @@ class Drawing {
     y_.draw(scale);
   }
 
-  std::string svg() const {
-    const double width = left + widest + right;
-    return svg_document(plane_.title, width, bottom() + below, left,
-                        frame() + grid() + names() + dots() + line() + legend());
-  }
+  static double width() { return left + widest + right; }
+  double height() const { return bottom() + below; }
+  std::string body() const { return frame() + grid() + names() + dots() + line() + legend(); }
 
  private:
   double bottom() const { return top + y_.length(); }
@@ -124,8 +123,10 @@ class Drawing {
                      x_of(plane_.planned.x[i]), y_of(plane_.planned.y[i]));
     }
     if (points.empty()) return "";
-    return fmt::format("  <polyline class=\"curve planned\" points=\"{}\"/>\n", points);
+    return fmt::format("  <polyline class=\"curve {}\" points=\"{}\"/>\n",
+                       is_compared() ? "planned" : "position", points);
   }
+  bool is_compared() const { return !plane_.seen.x.empty(); }
 
   // Each is a line without length and with a round end.
   std::string dots() const {
@@ -150,6 +151,7 @@ class Drawing {
 
   /// At the right, above the widest frame.
   std::string legend() const {
+    if (!is_compared()) return "";
     std::string text;
     double x = left + widest - 90;
     const auto name = [&](const char* what) {
@@ -161,11 +163,8 @@ class Drawing {
                           top - 14, x + 26, top - 14);
       name("planned");
     }
-    if (!plane_.seen.x.empty()) {
-      text +=
-          dotted(fmt::format("M{0} {1}h0M{2} {1}h0M{3} {1}h0", x + 6, top - 14, x + 15, x + 24));
-      name("seen");
-    }
+    text += dotted(fmt::format("M{0} {1}h0M{2} {1}h0M{3} {1}h0", x + 6, top - 14, x + 15, x + 24));
+    name("seen");
     return text;
   }
 
@@ -176,6 +175,15 @@ class Drawing {
 
 }  // namespace
 
-std::string to_svg(const Plane& plane) { return Drawing(plane).svg(); }
+std::string to_svg(const Plane& plane) {
+  const Drawing drawing(plane);
+  return svg_document(plane.title, Drawing::width(), drawing.height(), left, drawing.body());
+}
+
+std::string to_svg(const Plane& plane, const Picture& picture) {
+  const Drawing drawing(plane);
+  return svg_document(plane.title, Drawing::width(), drawing.height() + svg_height(picture), left,
+                      drawing.body() + svg_part(to_svg(picture), drawing.height()));
+}
 
 }  // namespace tmclctl::plot

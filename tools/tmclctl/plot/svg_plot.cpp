@@ -130,13 +130,20 @@ class Panel {
   double top_;
 };
 
+double first_panel(const Picture& picture) {
+  return below_title + (picture.marks.empty() ? 0 : below_mark_labels);
+}
+
 }  // namespace
+
+double svg_height(const Picture& picture) {
+  return first_panel(picture) + panel_distance * static_cast<double>(picture.curves.size() - 1) +
+         panel_height + below_panels;
+}
 
 std::string to_svg(const Picture& picture) {
   const Scale time(picture.curves.front().times, time_ticks);
-  double top = below_title + (picture.marks.empty() ? 0 : below_mark_labels);
-  const auto bottom =
-      top + panel_distance * static_cast<double>(picture.curves.size() - 1) + panel_height;
+  double top = first_panel(picture);
   std::string svg;
   for (const auto& curve : picture.curves) {
     const Panel panel(curve, time, top);
@@ -145,7 +152,7 @@ std::string to_svg(const Picture& picture) {
     if (&curve == &picture.curves.back()) svg += panel.time_labels(picture.time_unit);
     top += panel_distance;
   }
-  return svg_document(picture.title, picture_width, bottom + below_panels, left, svg);
+  return svg_document(picture.title, picture_width, svg_height(picture), left, svg);
 }
 
 std::string to_svg(const Recording& recording) { return to_svg(picture_of(recording)); }

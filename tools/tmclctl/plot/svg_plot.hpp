@@ -9,6 +9,8 @@ namespace tmclctl::plot {
 
 /// One SVG document without anything from outside. Its colours can be read on white and on black.
 std::string to_svg(const Picture& picture);
+/// How high it becomes.
+double svg_height(const Picture& picture);
 /// Position above velocity.
 std::string to_svg(const Recording& recording);
 
