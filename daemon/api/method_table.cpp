@@ -93,7 +93,7 @@ constexpr std::array move_line_result{
                "how far off the line they get, as predicted; a part of the longest way"},
     ResultInfo{"one_command", boolean, "one command has started them all"},
     ResultInfo{"predicted_skew_s", number, "how long the starts were expected to take"},
-    ResultInfo{"skew_s", number, "from the first answer to a start to the last one"}};
+    ResultInfo{"skew_s", number, "from the first start to the last, as the answers tell"}};
 constexpr std::array rotate_params{
     axis,
     ParamInfo{"velocity_internal", integer, optional,

@@ -50,6 +50,23 @@ tmcl::Error broken(std::string message, std::string hint = {}) {
   return error;
 }
 
+/// How long the exchanges of a line have taken on one bus.
+class Traffic {
+ public:
+  void note(Duration exchange) { exchanges_.push_back(exchange); }
+  /// The median: a busy moment makes no difference.
+  Duration exchange() const {
+    if (exchanges_.empty()) return {};
+    auto sorted = exchanges_;
+    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
+    std::ranges::nth_element(sorted, middle);
+    return *middle;
+  }
+
+ private:
+  std::vector<Duration> exchanges_;
+};
+
 /// What one axis has to do with the line.
 struct Member {
   std::shared_ptr<GatewayAxis> axis;
@@ -69,6 +86,8 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   LineRun(std::vector<LineMember> members, Deadline deadline) {
     for (auto& member : members) {
       auto movement = member.axis->begin_movement(deadline);
+      auto& traffic = traffic_[&member.axis->bus()];
+      movement.on_answer = [&traffic](Duration exchange) { traffic.note(exchange); };
       members_.push_back({std::move(member.axis), member.target, std::move(movement)});
     }
   }
@@ -125,11 +144,6 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
       }
       member.before = member.axis->ramp_settings();
     }
-    auto& first = members_.front();
-    const auto asked = now();
-    const auto answer = co_await first.axis->get(ap::actual_position, {});
-    if (!answer) co_return first.failure(answer.error());
-    round_trip_ = now() - asked;
     co_return std::nullopt;
   }
 
@@ -146,20 +160,37 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
       axes.push_back(
           {*member.twin, member.target,
            member.twin->to_pps(tmcl::InternalVelocity{setting(member, ap::max_velocity)}),
-           member.twin->to_pps2(tmcl::InternalAcceleration{setting(member, acceleration)})});
+           member.twin->to_pps2(tmcl::InternalAcceleration{setting(member, acceleration)}),
+           bus_of(member)});
     }
     line_.one_command = fits_one_command();
-    const bool in_turn = !line_.one_command && is_on_one_bus();
-    auto planned = tmcl::plan::plan_line(axes, {in_turn ? round_trip_ : Duration{}});
+    auto planned = tmcl::plan::plan_line(axes, exchanges());
     if (!planned) {
       const auto& member = members_[planned.error().axis];
       return member.failure(
           tmcl::bad_argument("axis '" + member.axis->name() + "': " + planned.error().message));
     }
     line_.plan = std::move(*planned);
-    if (!line_.plan.order.empty())
-      line_.predicted_skew = line_.plan.axes[line_.plan.order.back()].start;
     return std::nullopt;
+  }
+
+  std::size_t bus_of(const Member& member) const {
+    const auto bus = traffic_.find(&member.axis->bus());
+    return static_cast<std::size_t>(std::distance(traffic_.begin(), bus));
+  }
+
+  tmcl::plan::Exchanges exchanges() const {
+    tmcl::plan::Exchanges exchanges;
+    if (line_.one_command) return exchanges;
+    for (const auto& [bus, traffic] : traffic_) exchanges.push_back(traffic.exchange());
+    return exchanges;
+  }
+
+  void predict_skew() {
+    std::vector<std::size_t> buses;
+    for (const auto i : line_.plan.order) buses.push_back(bus_of(members_[i]));
+    const auto starts = tmcl::plan::start_times(buses, exchanges());
+    if (!starts.empty()) line_.predicted_skew = std::ranges::max(starts);
   }
 
   bool is_on_one_bus() const {
@@ -203,6 +234,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   };
 
   awaitable<Fault> go() {
+    predict_skew();
     started_ = true;
     begin_ = now();
     std::map<GatewayBus*, std::vector<std::size_t>> by_bus;
@@ -226,13 +258,14 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     Started started;
     for (const auto i : axes) {
       auto& member = members_[i];
+      const auto asked = now();
       auto script = tmcl::verbs::move_to(member.axis->address(), member.target);
       const auto moved = co_await member.axis->perform(std::move(script), member.movement);
       if (!moved) {
         started.fault = member.failure(moved.error());
         break;
       }
-      started.last = now();
+      started.last = asked + (now() - asked) / 2;
       started.first = std::min(started.first, started.last);
     }
     co_return started;
@@ -358,7 +391,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
 
   std::vector<Member> members_;
   StartedLine line_;
-  Duration round_trip_{};
+  std::map<GatewayBus*, Traffic> traffic_;
   bool started_ = false;
   tmcl::TimePoint begin_{};
 };

@@ -29,9 +29,11 @@ struct LineFailure {
 
 struct StartedLine {
   tmcl::plan::Line plan;
-  bool one_command = false;         ///< One MVP COORD started all of them.
-  tmcl::Duration predicted_skew{};  ///< What the plan allows for, from round trips that were timed.
-  tmcl::Duration skew{};  ///< Between the first and the last module's answer to its start.
+  bool one_command = false;  ///< One MVP COORD started all of them.
+  /// From how long the checks and the settings took on each bus.
+  tmcl::Duration predicted_skew{};
+  /// Between the first and the last start: the middle between a command and its answer counts.
+  tmcl::Duration skew{};
 };
 
 /// Returns when all of them have started, and goes on watching; a line that does not end as it

@@ -31,6 +31,15 @@ class TmcldLine : public TmcldTest {
         .at("position_microsteps")
         .as_int64();
   }
+  void set_answer_pause(int module, int milliseconds) {
+    constexpr int telegram_pause_time = 75;
+    client->result("module.execute", {{"bus", "bench"},
+                                      {"address", module},
+                                      {"command", "SGP"},
+                                      {"type", telegram_pause_time},
+                                      {"motor", 0},
+                                      {"value", milliseconds}});
+  }
   // The settings are set back when all of them stand.
   bool has_its_settings_again(const std::string& axis) {
     for (int i = 0; i < 200; ++i) {
@@ -67,6 +76,27 @@ TEST_F(TmcldLine, MotorsOfSeveralModulesStartInTurn) {
   EXPECT_EQ(wait_for("x"), 0);
   EXPECT_EQ(wait_for("y"), 0);
   EXPECT_TRUE(has_its_settings_again("x"));
+}
+
+// Modules that wait so long with their answers make a wire that is as slow.
+TEST_F(TmcldLine, ForeseesHowFarApartTheStartsAre) {
+  constexpr double pause_s = 0.006;
+  for (const int module : {1, 2}) set_answer_pause(module, 6);
+  int foreseen = 0;
+  int rounds = 0;
+  // Whoever takes the processor away in the moment of the starts cannot be foreseen.
+  for (; rounds < 7 && foreseen < 2; ++rounds) {
+    const int way = rounds % 2 == 0 ? 2000 : 0;
+    const auto line = move({"x", "y"}, {way, 2 * way});
+    const auto predicted = line.at("predicted_skew_s").to_number<double>();
+    const auto skew = line.at("skew_s").to_number<double>();
+    EXPECT_GE(skew, pause_s);
+    EXPECT_NEAR(predicted, 1.2 * pause_s, 0.3 * pause_s);
+    if (std::abs(predicted - skew) <= 0.2 * skew) ++foreseen;
+    EXPECT_EQ(wait_for("x"), way);
+    EXPECT_EQ(wait_for("y"), 2 * way);
+  }
+  EXPECT_GE(foreseen, 2) << "in " << rounds << " lines";
 }
 
 TEST_F(TmcldLine, AStopOfOneStopsAll) {

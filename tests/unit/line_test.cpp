@@ -12,8 +12,9 @@ using testing::HasSubstr;
 using testing::IsEmpty;
 using Seconds = std::chrono::duration<double>;
 
-tl::expected<Line, LineError> plan(const std::vector<LineAxis>& axes, StartTimes starts = {}) {
-  return plan_line(axes, starts);
+tl::expected<Line, LineError> plan(const std::vector<LineAxis>& axes,
+                                   const Exchanges& exchanges = {}) {
+  return plan_line(axes, exchanges);
 }
 
 LineAxis axis(std::int32_t target, double velocity, double acceleration,
@@ -58,15 +59,24 @@ TEST(Line, AnAxisThatIsThereAlreadyStays) {
 }
 
 TEST(Line, TheSlowestStartsFirstAndNobodyWaitsForALateStart) {
-  const StartTimes starts{std::chrono::milliseconds(2)};
+  const Exchanges starts{std::chrono::milliseconds(2)};
   const auto line = plan(
       {axis(2'500, 50'000, 1'500'000, "TMCM-6110"), axis(40'000, 50'000, 1'500'000, "TMCM-6110"),
        axis(-10'000, 50'000, 1'500'000, "TMCM-6110")},
       starts);
   ASSERT_TRUE(line);
-  EXPECT_EQ(line->axes[line->order[1]].start, starts.interval);
-  EXPECT_EQ(line->axes[line->order[2]].start, 2 * starts.interval);
+  EXPECT_EQ(line->axes[line->order[1]].start, starts[0]);
+  EXPECT_EQ(line->axes[line->order[2]].start, 2 * starts[0]);
   EXPECT_LT(line->spread, std::chrono::milliseconds(9));
+}
+
+TEST(Line, StartsGoOutOnAllBusesAtTheSameTimeAndOneAfterTheOtherOnEach) {
+  using namespace std::chrono_literals;
+  const std::vector<std::size_t> buses{0, 1, 0, 1};
+  EXPECT_THAT(start_times(buses, {2ms, 10ms}), ElementsAre(0ms, 4ms, 2ms, 14ms));
+  EXPECT_THAT(start_times(buses, {2ms}), ElementsAre(1ms, 0ms, 3ms, 0ms));
+  EXPECT_THAT(start_times(buses, {}), ElementsAre(0ms, 0ms, 0ms, 0ms));
+  EXPECT_THAT(start_times({}, {2ms}), IsEmpty());
 }
 
 TEST(Line, SaysWhoseFaultItIsThatThereIsNone) {

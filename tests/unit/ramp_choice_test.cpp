@@ -98,6 +98,16 @@ TEST(AxisTwin, GoesOnFromASpeed) {
   }
 }
 
+TEST(RampChoice, IsWrittenSoThatNoSpeedInBetweenIsFasterThanBothTheOldAndTheNewOne) {
+  const std::vector<Setting> settings{{154, 5}, {153, 7}, {4, 1500}, {5, 100}, {130, 3}};
+  EXPECT_EQ(in_safe_order(settings, 3), settings) << "it gets slower: the dividers first";
+  EXPECT_THAT(in_safe_order(settings, 8),
+              ElementsAre(Setting{4, 1500}, Setting{5, 100}, Setting{130, 3}, Setting{154, 5},
+                          Setting{153, 7}));
+  const std::vector<Setting> without_dividers{{4, 1500}, {5, 100}};
+  EXPECT_EQ(in_safe_order(without_dividers, 8), without_dividers);
+}
+
 TEST(AxisTwin, TakesWhatTheModuleTakes) {
   auto twin = *AxisTwin::of(*find_model("TMCM-1110"));
   EXPECT_TRUE(twin.set({5, 2047}));

@@ -24,6 +24,8 @@ struct RunOptions {
   std::optional<TimePoint> deadline{};
   /// Asked before every step; an error ends the verb there, before anything more is sent.
   std::function<std::optional<Error>()> objection{};
+  /// Told of every answer how long the module took for it, the time in the queue included.
+  std::function<void(Duration)> on_answer{};
 };
 
 /// Object lifetimes: verbs that have begun (been awaited) keep what they need alive; they end with
@@ -48,7 +50,11 @@ class Bus {
     while (step) {
       auto objection = options.objection ? options.objection() : std::nullopt;
       if (objection) co_return tl::unexpected(std::move(*objection));
+      const bool is_exchange = std::holds_alternative<step::Exchange>(*step);
+      const auto asked = RealClock().now();
       auto result = co_await perform(state, std::move(*step), options.deadline);
+      if (options.on_answer && is_exchange && result.front())
+        options.on_answer(RealClock().now() - asked);
       step = script.resume(std::move(result));
     }
     co_return script.take();

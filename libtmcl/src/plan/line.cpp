@@ -1,6 +1,7 @@
 #include "tmcl/plan/line.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <functional>
@@ -279,7 +280,8 @@ namespace {
 /// A line in the making.
 class Planner {
  public:
-  Planner(std::span<const LineAxis> axes, StartTimes starts) : axes_(axes), starts_(starts) {
+  Planner(std::span<const LineAxis> axes, const Exchanges& exchanges)
+      : axes_(axes), exchanges_(exchanges) {
     for (std::size_t i = 0; i < axes.size(); ++i) {
       ways_.push_back({static_cast<double>(way_of(axes[i])), axes[i].velocity.value,
                        axes[i].acceleration.value});
@@ -304,9 +306,6 @@ class Planner {
   double part_of(std::size_t i) const {
     return std::abs(ways_[i].distance) / std::abs(ways_[ramp_.longest].distance);
   }
-  Duration start_of(std::size_t place) const {
-    return starts_.interval * static_cast<Duration::rep>(place);
-  }
 
   std::optional<LineError> choose_registers() {
     for (std::size_t i = 0; i < axes_.size(); ++i) runners_.emplace_back(axes_[i], part_of(i));
@@ -321,14 +320,17 @@ class Planner {
   }
 
   void fit_to_the_last() {
+    std::vector<std::size_t> buses;
+    for (const auto i : line_.order) buses.push_back(axes_[i].bus);
+    const auto starts = start_times(buses, exchanges_);
     Duration end{};
     for (std::size_t place = 0; place < line_.order.size(); ++place)
-      end = std::max(end, start_of(place) + runners_[line_.order[place]].arrival());
+      end = std::max(end, starts[place] + runners_[line_.order[place]].arrival());
     auto earliest = end;
     for (std::size_t place = 0; place < line_.order.size(); ++place) {
       const auto i = line_.order[place];
-      runners_[i].fit(end - start_of(place));
-      line_.axes[i] = runners_[i].result(start_of(place));
+      runners_[i].fit(end - starts[place]);
+      line_.axes[i] = runners_[i].result(starts[place]);
       earliest = std::min(earliest, line_.axes[i].arrival);
       line_.duration = std::max(line_.duration, line_.axes[i].arrival);
     }
@@ -336,7 +338,7 @@ class Planner {
   }
 
   std::span<const LineAxis> axes_;
-  StartTimes starts_;
+  const Exchanges& exchanges_;
   std::vector<Way> ways_;
   SharedRamp ramp_;
   std::vector<Runner> runners_;
@@ -345,9 +347,23 @@ class Planner {
 
 }  // namespace
 
-tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes, StartTimes starts) {
+std::vector<Duration> start_times(std::span<const std::size_t> buses, const Exchanges& exchanges) {
+  std::vector<Duration> times;
+  std::array<Duration, most_line_axes> asked{};
+  for (const auto bus : buses) {
+    const auto exchange = bus < exchanges.size() ? exchanges[bus] : Duration{};
+    times.push_back(asked.at(bus) + exchange / 2);
+    asked.at(bus) += exchange;
+  }
+  const auto first = times.empty() ? Duration{} : *std::ranges::min_element(times);
+  for (auto& time : times) time -= first;
+  return times;
+}
+
+tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes,
+                                        const Exchanges& exchanges) {
   if (auto fault = fault_of(axes)) return tl::unexpected(std::move(*fault));
-  return Planner(axes, starts).plan();
+  return Planner(axes, exchanges).plan();
 }
 
 }  // namespace tmcl::plan

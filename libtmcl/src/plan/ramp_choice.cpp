@@ -179,6 +179,17 @@ Choice choose(const Model& model, const RampWish& wish, const ModuleUnits& units
 
 }  // namespace
 
+std::vector<Setting> in_safe_order(std::vector<Setting> settings, std::int32_t pulse_div) {
+  const auto divider = std::ranges::find(settings, pulse_divisor, &Setting::parameter);
+  if (divider == settings.end()) return settings;
+  const bool gets_faster = divider->value < pulse_div;
+  std::ranges::stable_partition(settings, [&](Setting setting) {
+    const bool is_divider = setting.parameter == pulse_divisor || setting.parameter == ramp_divisor;
+    return is_divider != gets_faster;
+  });
+  return settings;
+}
+
 InternalVelocity speed_within_a_microstep(Tmc429Dividers dividers,
                                           InternalAcceleration acceleration) {
   using R = ramp::Tmc429::Register;

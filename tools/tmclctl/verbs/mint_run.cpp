@@ -11,6 +11,7 @@
 #include "path/path_source.hpp"
 #include "path/run_axes.hpp"
 #include "print.hpp"
+#include "safe_order.hpp"
 #include "tmcl/plan/mint.hpp"
 #include "tmcl/plan/ramp_choice.hpp"
 #include "verbs.hpp"
@@ -148,7 +149,9 @@ Attempt<void> remember(std::uint8_t parameter, MintAxis& axis, Target& target) {
 Attempt<void> set_ramp(const mint::Move& move, MintAxis& axis, Target& target) {
   const auto ramp = ramp_of(move, axis);
   if (!ramp) return tl::unexpected(ramp.error());
-  for (const auto& setting : ramp->settings) {
+  const auto settings = in_safe_order(ramp->settings, axis.name, target);
+  if (!settings) return tl::unexpected(settings.error());
+  for (const auto& setting : *settings) {
     if (const auto known = remember(setting.parameter, axis, target); !known) return known;
     const auto set = target.set(axis.name, std::to_string(setting.parameter), setting.value);
     if (!set) return tl::unexpected(set.error());
@@ -158,7 +161,8 @@ Attempt<void> set_ramp(const mint::Move& move, MintAxis& axis, Target& target) {
 
 void restore(const MintAxes& axes, Room& room) {
   for (const auto& [number, axis] : axes) {
-    for (const auto& setting : axis.before) {
+    const auto settings = in_safe_order(axis.before, axis.name, room.target);
+    for (const auto& setting : settings.value_or(axis.before)) {
       const auto set = room.target.set(axis.name, std::to_string(setting.parameter), setting.value);
       if (set) continue;
       room.output.err << fmt::format("tmclctl: warning: parameter {} of {} was {} before: {}\n",

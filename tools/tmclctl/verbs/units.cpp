@@ -7,6 +7,7 @@
 
 #include "names.hpp"
 #include "print.hpp"
+#include "safe_order.hpp"
 #include "tmcl/plan/ramp_choice.hpp"
 #include "verbs.hpp"
 
@@ -19,8 +20,6 @@ using tmcl::plan::RampChoice;
 using tmcl::plan::Setting;
 
 // ---- ramp ----
-
-constexpr std::uint8_t pulse_divisor = 154;
 
 Failure unknown_model(const std::string& axis) {
   return usage_failure("unknown_model",
@@ -62,18 +61,6 @@ Attempt<void> refuse_in_motion(const std::string& axis, Target& target) {
                                   "'tmclctl stop " + axis + "' stops it");
   failure.exit = ExitCode::refused;
   return tl::unexpected(std::move(failure));
-}
-
-// So that no speed in between is faster than both the old and the new one: a module that stops
-// answering half-way must not be left with a fast axis.
-Attempt<void> order_safely(std::vector<Setting>& settings, const std::string& axis,
-                           Target& target) {
-  if (settings.front().parameter != pulse_divisor) return {};
-  const auto present = target.get(axis, std::to_string(pulse_divisor));
-  if (!present) return tl::unexpected(present.error());
-  const bool gets_faster = settings.front().value < present->value;
-  if (gets_faster) std::rotate(settings.begin(), settings.begin() + 2, settings.end());
-  return {};
 }
 
 Attempt<void> write(const std::vector<Setting>& settings, const AxisUnits& units,
@@ -123,11 +110,12 @@ VerbResult run(const verb::Ramp& verb, Room& room) {
   const auto choice = choose_ramp(verb, *units);
   if (!choice) return tl::unexpected(choice.error());
   if (!verb.dry_run) {
-    auto settings = choice->settings;
     const auto done =
         refuse_in_motion(verb.axis, room.target)
-            .and_then([&] { return order_safely(settings, verb.axis, room.target); })
-            .and_then([&] { return write(settings, *units, verb.axis, room.target); });
+            .and_then([&] { return in_safe_order(choice->settings, verb.axis, room.target); })
+            .and_then([&](const std::vector<Setting>& settings) {
+              return write(settings, *units, verb.axis, room.target);
+            });
     if (!done) return tl::unexpected(done.error());
   }
   show(verb, *choice, *units, room.output);

@@ -45,12 +45,17 @@ struct LineAxis {
   Microsteps target;
   PulsesPerSecond velocity;       ///< What the axis may do at most; greater than 0.
   PulsesPerSecond2 acceleration;  ///< Likewise.
+  std::size_t bus = 0;            ///< Index into Exchanges; less than most_line_axes.
 };
 
-/// How far apart the starts are. The commands go out in the order of Line::order.
-struct StartTimes {
-  Duration interval{};  ///< From one start to the next; 0 where one command starts them all.
-};
+/// How long an exchange takes on each bus, from the request to the answer. Starts go out on all
+/// buses at the same time, and on each bus one after the other. What is not there counts as 0,
+/// as it is where one command starts them all.
+using Exchanges = std::vector<Duration>;
+
+/// When a module acts: half-way between the request and the answer. After the first of them, in the
+/// same order, if those on each of these buses start in that order.
+std::vector<Duration> start_times(std::span<const std::size_t> buses, const Exchanges& exchanges);
 
 /// How an axis moves in a line.
 struct AxisOfLine {
@@ -78,6 +83,7 @@ struct LineError {
 /// The dividers of TMC429 modules stay as they are.
 /// Errors: no axis or more than most_line_axes; limits that are not greater than 0; an axis that
 /// would have to be slower than its registers can say; one that does not arrive.
-tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes, StartTimes starts = {});
+tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes,
+                                        const Exchanges& exchanges = {});
 
 }  // namespace tmcl::plan

@@ -24,7 +24,7 @@ struct RampWish {
 };
 
 struct RampChoice {
-  /// In the order in which to write them, in the module's units of the moment.
+  /// In the module's units of the moment; to be written in_safe_order().
   std::vector<Setting> settings;
   // What they give.
   PulsesPerSecond velocity;
@@ -48,6 +48,11 @@ struct RampChoice {
 /// Errors: a velocity or an acceleration that the module does not have, and the nearest it has.
 tl::expected<RampChoice, RampOutOfReach> choose_ramp(const Model& model, const RampWish& wish,
                                                      const ModuleUnits& units);
+
+/// In the order in which to write them, so that no speed in between is faster than both the old and
+/// the new one: a module that stops answering half-way must not be left with a fast axis.
+/// `pulse_div` is what a TMC429 has now; it makes no difference to settings without dividers.
+std::vector<Setting> in_safe_order(std::vector<Setting> settings, std::int32_t pulse_div);
 
 /// The speed that a TMC429 reaches within one microstep: floor(sqrt(2048 p)), where p is what PMUL
 /// and PDIV make. 1 at least.
