@@ -7,6 +7,8 @@
 #include <functional>
 #include <numbers>
 
+#include <fmt/format.h>
+
 #include "sim/module/module.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/plan/stream.hpp"
@@ -60,6 +62,18 @@ class Bench {
   };
   double most_deviation = 1;
   std::vector<StreamCommand> commands;
+
+  /// In mm and seconds.
+  void limit(double velocity, double acceleration_limit) {
+    limits_.axis[0] = limits_.axis[1] = {velocity, acceleration_limit};
+    const auto pps = static_cast<std::int32_t>(velocity * microsteps_per_mm);
+    const auto pps2 = static_cast<std::int32_t>(acceleration_limit * microsteps_per_mm);
+    for (std::uint8_t axis = 0; axis < 2; ++axis) {
+      ask(Command::SAP, ap::max_velocity, axis, pps);
+      ask(Command::SAP, ap::max_acceleration, axis, pps2);
+      ask(Command::SAP, 17, axis, pps2);
+    }
+  }
 
   StreamReport pass(const path_file::Path& path, StreamMode mode) {
     const auto course = Course::of(path, limits_);
@@ -357,6 +371,42 @@ TEST_P(BothModes, CornersStayWithinTheirTolerance) {
   RecordProperty("farthest_um", std::to_string(farthest * 1e3));
   EXPECT_LT(farthest, 0.05);
   expect_as_before();
+}
+
+// How far a point is from the lines of a path that begins at (0, 0).
+double off(const path_file::Path& path, double x, double y) {
+  double nearest = std::hypot(x, y);
+  path_file::Point from{};
+  for (const auto& element : path.elements) {
+    const auto* line = std::get_if<path_file::LineTo>(&element);
+    if (line == nullptr) continue;
+    const double dx = line->target[0] - from[0], dy = line->target[1] - from[1];
+    const double along = ((x - from[0]) * dx + (y - from[1]) * dy) / (dx * dx + dy * dy);
+    const double part = std::clamp(along, 0.0, 1.0);
+    nearest = std::min(nearest, std::hypot(from[0] + part * dx - x, from[1] + part * dy - y));
+    from = line->target;
+  }
+  return nearest;
+}
+
+// The turns of the path need all the acceleration that its axes have.
+TEST_P(BothModes, AxesThatAreSlowForThePathStayOnIt) {
+  const auto file = path_file::read_gcode("G1 X10 F600\nG1 Y10\nG2 X0 Y0 I-5 J-5\n");
+  ASSERT_TRUE(file);
+  const auto path = path_file::flatten(*file, 0.0125);
+  ASSERT_TRUE(path);
+  for (const double limit : {2.0, 5.0, 20.0}) {
+    SCOPED_TRACE(limit);
+    Bench slow;
+    slow.limit(5, limit);
+    double farthest = 0;
+    slow.every_ms = [&] { farthest = std::max(farthest, off(*path, slow.mm(0), slow.mm(1))); };
+    const auto report = slow.pass(*path, GetParam());
+    ASSERT_FALSE(report.fault) << report.fault->message;
+    RecordProperty(fmt::format("farthest_um_{}", limit), std::to_string(farthest * 1e3));
+    EXPECT_LT(farthest, 0.05);
+    for (const auto& axis : report.axes) EXPECT_LT(axis.largest, 0.1);
+  }
 }
 
 INSTANTIATE_TEST_SUITE_P(Streams, BothModes,

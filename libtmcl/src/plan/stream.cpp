@@ -288,7 +288,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::arrive() {
 // Whoever reads a position, reads it somewhere between question and answer.
 PathStream::Runner::Fault PathStream::Runner::take_reading(std::size_t axis) {
   clock_.advance(middle());
-  const auto planned = course_.at(clock_.passed()).position[axis];
+  const auto planned = planned_position(axis);
   const double position = *answer_ / axes_[axis].info.microsteps_per_unit;
   const double off = position - planned;
   auto& tracking = report_.axes[axis];

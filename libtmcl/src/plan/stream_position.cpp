@@ -26,10 +26,16 @@ constexpr Duration look_interval = std::chrono::milliseconds(10);
 
 // A leg is loaded earlier than it has to be, in case that it takes longer; by so much at most.
 constexpr double most_ahead_s = 0.02;
-constexpr double instant_s = 1e-7;
 
 // That every moving axis of a leg gets: it is checked, velocity and target are written.
 constexpr std::size_t commands_of_an_axis = 3;
+// Both accelerations and the stop velocity.
+constexpr std::size_t commands_of_ramps = 3;
+// That it gets once more if ramps follow its joint: it is checked, and its velocity is written.
+constexpr std::size_t commands_after_joint = commands_of_ramps + 2;
+// What part of a leg the axes may take for the joint before it; with ramps, they need the rest.
+constexpr double joint_part_of_even_leg = 1. / 2;
+constexpr double joint_part_of_ramps = 1. / 8;
 
 }  // namespace
 
@@ -44,36 +50,108 @@ Script<PathStream::Runner::Fault> PathStream::Runner::prepare_legs() {
       if (unknown) co_return unknown;
     }
   }
+  set_joint_accelerations();
   co_return std::nullopt;
 }
 
-// A short leg that does not end at rest is passed with its mean speed.
-CourseLeg PathStream::Runner::leg_at(std::size_t index) const {
-  auto leg = course_.leg(index);
+// By its ramps, a leg that begins on the way is loaded twice. First come the speeds at the joint,
+// which the axes change with an acceleration of the joint's own: that of the ramp is in proportion
+// to where the leg goes, and would keep an axis that the turn makes faster or slower off the path.
+PathStream::Runner::Passage PathStream::Runner::passage(std::size_t index) const {
+  Passage made{course_.leg(index), Drive::by_ramps};
+  const auto& leg = made.leg;
   const double time = leg.end - leg.begin;
   const double off = std::abs(leg.acceleration) * time * time / 8;
-  if (leg.end_speed == 0 || off > options_.even_within) return leg;
-  leg.speeds_up = leg.slows_down = false;
-  for (auto& ramp : leg.axis) ramp.vmax *= leg.mean_speed / leg.peak_speed;
-  return leg;
+  const bool loadable_twice = time_to_send(commands_after_joint * axes_.size()) < time / 4;
+  const bool on_the_way = leg.start_speed > 0;
+  if (leg.end_speed > 0 && (off <= options_.even_within || (on_the_way && !loadable_twice))) {
+    made.drive = Drive::evenly;
+    for (auto& ramp : made.leg.axis) ramp.vmax *= leg.mean_speed / leg.peak_speed;
+    for (auto& ramp : made.leg.axis) ramp.vstart = ramp.vstop = ramp.vmax;
+  } else if (on_the_way && loadable_twice) {
+    made.drive = Drive::by_ramps_after_joint;
+  }
+  return made;
 }
 
-// An acceleration is written for a leg that needs it, and again after it.
+// The velocities that the axes gain or lose where a leg begins.
+AxisValues PathStream::Runner::changes_at(std::size_t index) const {
+  const auto velocity = [&](const CourseLeg& leg, const AxisValues& begin, std::size_t axis,
+                            double speed) {
+    return std::copysign(speed, leg.axis[axis].target - begin[axis]);
+  };
+  AxisValues changes{};
+  const auto next = passage(index).leg;
+  const auto begin = course_.at(next.begin).position;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis)
+    changes[axis] = velocity(next, begin, axis, next.axis[axis].vstart);
+  if (index == 0) return changes;
+  const auto before = passage(index - 1).leg;
+  const auto before_begin = course_.at(before.begin).position;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis)
+    changes[axis] -= velocity(before, before_begin, axis, before.axis[axis].vstop);
+  return changes;
+}
+
+// An axis that changes its speed at a joint falls behind by half of the change, times the time that
+// takes.
+void PathStream::Runner::set_joint_accelerations() {
+  AxisValues needed{};
+  for (std::size_t i = 0; i < course_.legs(); ++i) {
+    const auto changes = changes_at(i);
+    const double longest = longest_joint(passage(i));
+    for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+      const double change = std::abs(changes[axis]);
+      if (change == 0) continue;
+      const double time = std::min(longest, 2 * options_.even_within / change);
+      needed[axis] = std::max(needed[axis], change / time);
+    }
+  }
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    auto& here = axes_[axis];
+    const auto own = here.before[ap::max_acceleration];
+    const auto most = std::max(own, here.info.greatest_acceleration);
+    here.joint_acceleration =
+        std::max(own, in_units(axis, needed[axis], here.info.units.acceleration, most));
+  }
+}
+
+double PathStream::Runner::longest_joint(const Passage& passage) {
+  const bool evenly = passage.drive == Drive::evenly;
+  return (evenly ? joint_part_of_even_leg : joint_part_of_ramps) *
+         (passage.leg.end - passage.leg.begin);
+}
+
+Duration PathStream::Runner::time_of_joint(std::size_t index) const {
+  const auto changes = changes_at(index);
+  double time = 0;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    const double acceleration = axes_[axis].joint_acceleration *
+                                axes_[axis].info.units.acceleration.value /
+                                std::abs(axes_[axis].info.microsteps_per_unit);
+    time = std::max(time, std::abs(changes[axis]) / acceleration);
+  }
+  return duration(std::min(time, longest_joint(passage(index))));
+}
+
+// What belongs to ramps is written for a leg that has them, and again after it.
 std::size_t PathStream::Runner::commands_of(std::size_t index) const {
-  const auto leg = leg_at(index);
-  const auto before = index > 0 ? leg_at(index - 1) : CourseLeg{};
-  std::size_t of_axis = commands_of_an_axis;
-  if (leg.speeds_up || before.speeds_up) of_axis += 1;
-  if (leg.slows_down || before.slows_down || index == 0) of_axis += 2;
+  const auto [leg, drive] = passage(index);
+  const bool ramps =
+      drive == Drive::by_ramps || index == 0 || passage(index - 1).drive != Drive::evenly;
+  const auto of_axis = commands_of_an_axis + (ramps ? commands_of_ramps : 0);
   std::size_t moving = 0;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis)
     moving += leg.axis[axis].vmax > 0 ? 1U : 0U;
   return 1 + moving * of_axis;
 }
 
+double PathStream::Runner::time_to_send(std::size_t commands) const {
+  return seconds(report_.round_trip) * static_cast<double>(commands) / (1 - spare_part_of_bus);
+}
+
 Duration PathStream::Runner::lead_of(std::size_t index) const {
-  return duration(seconds(report_.round_trip) * static_cast<double>(commands_of(index)) /
-                  (1 - spare_part_of_bus));
+  return duration(time_to_send(commands_of(index)));
 }
 
 // Whoever turns a corner early leaves the path by what the velocity changes there, times how early
@@ -81,11 +159,10 @@ Duration PathStream::Runner::lead_of(std::size_t index) const {
 Duration PathStream::Runner::ahead_of(std::size_t index) const {
   if (index == 0) return {};
   const auto before = course_.leg(index - 1);
-  const auto from = course_.at(before.end - instant_s).velocity;
-  const auto to = course_.at(course_.leg(index).begin + instant_s).velocity;
+  const auto changes = changes_at(index);
   double change = 0;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis)
-    change = std::hypot(change, to[axis] - from[axis]);
+    change = std::hypot(change, changes[axis]);
   const double room = before.end - before.begin - seconds(lead_of(index));
   const double tolerable = change > 0 ? options_.even_within / change : most_ahead_s;
   return duration(std::clamp(std::min(room, tolerable), 0.0, most_ahead_s));
@@ -115,7 +192,7 @@ PathStream::Runner::Fault PathStream::Runner::fault_of_legs() {
   Duration free{};
   report_.period = Duration::max();
   for (std::size_t i = 0; i < course_.legs(); ++i) {
-    const auto leg = leg_at(i);
+    const auto [leg, drive] = passage(i);
     const auto lead = lead_of(i);
     const auto begin = duration(leg.begin);
     free = std::max(free, begin - lead) + lead;
@@ -128,6 +205,8 @@ PathStream::Runner::Fault PathStream::Runner::fault_of_legs() {
                                leg.line, (leg.end - leg.begin) * 1e3, seconds(lead) * 1e3,
                                commands_of(i), seconds(report_.round_trip) * 1e6));
     }
+    if (drive == Drive::by_ramps_after_joint)
+      free = begin + time_of_joint(i) + duration(time_to_send(commands_after_joint * axes_.size()));
   }
   return std::nullopt;
 }
@@ -159,20 +238,27 @@ Script<PathStream::Runner::Fault> PathStream::Runner::by_position() {
   clock_.start(now_, true);
   clock_.pause(true);  // until the first leg is loaded
   for (std::size_t i = 0; i < course_.legs(); ++i) {
-    const auto leg = leg_at(i);
+    const auto here = passage(i);
     clock_.advance(now_);
-    const auto due = now_ + duration(leg.begin - clock_.passed()) - lead_of(i) - ahead_of(i);
+    const auto due = now_ + duration(here.leg.begin - clock_.passed()) - lead_of(i) - ahead_of(i);
     if (i > 0) co_await until(due);
     wrong = asked_to_stop();
     if (!wrong && i > 0)
       wrong = note_delay(now_ - due, std::max(shortest_stream_period, lead_of(i)));
-    if (!wrong) wrong = co_await pause_between(leg);
+    if (!wrong) wrong = co_await pause_between(here.leg);
     if (wrong) co_return wrong;
-    wrong = co_await load(leg);
+    wrong = co_await load(here);
     if (wrong) co_return wrong;
     ++report_.updates;
     clock_.advance(now_);
     clock_.pause(false);
+    if (here.drive == Drive::by_ramps_after_joint) {
+      co_await until(now_ + duration(here.leg.begin - clock_.passed()) + time_of_joint(i));
+      wrong = co_await load_ramps(here);
+      if (wrong) co_return wrong;
+    }
+    even_leg_.reset();
+    if (here.drive == Drive::evenly) even_leg_ = here.leg;
     const auto read = i % axes_.size();
     wrong = co_await read_position(read);
     if (wrong) co_return wrong;
@@ -195,42 +281,58 @@ Script<PathStream::Runner::Fault> PathStream::Runner::pause_between(const Course
   co_return asked_to_stop();
 }
 
-Script<PathStream::Runner::Fault> PathStream::Runner::load(const CourseLeg& leg) {
+Script<PathStream::Runner::Fault> PathStream::Runner::load(const Passage& passage) {
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
-    if (leg.axis[axis].vmax == 0) continue;
+    if (passage.leg.axis[axis].vmax == 0) continue;
     auto wrong = co_await check(axis);
     if (!wrong) wrong = asked_to_stop();
-    if (!wrong) wrong = co_await load_axis(leg, axis);
+    if (!wrong) wrong = co_await load_axis(passage, axis);
     if (wrong) co_return wrong;
   }
   co_return std::nullopt;
 }
 
-PathStream::Runner::Load PathStream::Runner::load_for(const CourseLeg& leg, std::size_t axis) {
-  auto& here = axes_[axis];
-  const auto& ramp = leg.axis[axis];
-  const double scale = std::abs(here.info.microsteps_per_unit);
-  const auto in_units = [&](double value, double unit) {
-    return std::max(1, static_cast<std::int32_t>(std::ceil(value * scale / unit - 1e-6)));
-  };
+// Even legs are passed evenly, whatever the course does between their ends.
+double PathStream::Runner::planned_position(std::size_t axis) const {
+  const double passed = clock_.passed();
+  if (!even_leg_ || passed < even_leg_->begin || passed > even_leg_->end)
+    return course_.at(passed).position[axis];
+  const auto& [begin, end] = std::pair(even_leg_->begin, even_leg_->end);
+  const double from = course_.at(begin).position[axis];
+  return std::lerp(from, even_leg_->axis[axis].target, (passed - begin) / (end - begin));
+}
+
+std::int32_t PathStream::Runner::velocity_in(const CourseLeg& leg, double speed, std::size_t axis) {
   let_twin_run(axis, now_);
   clock_.advance(now_);
-  Load load;
-  load.target = microsteps(axis, ramp.target);
   const double begin = course_.at(leg.begin).position[axis];
-  const double planned = course_.at(clock_.passed()).position[axis];
-  const double is = expected_of_twin(axis) / here.info.microsteps_per_unit;
-  const double part = 1 + (planned - is) / (ramp.target - begin);
-  load.vmax = in_units(ramp.vmax * std::clamp(part, slowest_part, fastest_part),
-                       here.info.units.velocity.value);
-  load.amax = leg.speeds_up ? in_units(ramp.amax, here.info.units.acceleration.value)
-                            : here.before[ap::max_acceleration];
-  load.dmax = leg.slows_down ? in_units(ramp.dmax, here.info.units.acceleration.value)
-                             : here.before[ap::max_acceleration];
-  load.vstop = leg.slows_down
-                   ? std::max(least_vstop, in_units(ramp.vstop, here.info.units.velocity.value))
-                   : here.info.greatest_stop_velocity;
-  return load;
+  const double planned = planned_position(axis);
+  const double is = expected_of_twin(axis) / axes_[axis].info.microsteps_per_unit;
+  const double part = 1 + (planned - is) / (leg.axis[axis].target - begin);
+  return in_units(axis, speed * std::clamp(part, slowest_part, fastest_part),
+                  axes_[axis].info.units.velocity);
+}
+
+PathStream::Runner::Ramps PathStream::Runner::no_ramps(std::size_t axis) const {
+  const auto& here = axes_[axis];
+  return {here.joint_acceleration, here.joint_acceleration, here.info.greatest_stop_velocity};
+}
+
+// A leg that is late, or that had a joint before it, has less way left to brake on than planned.
+PathStream::Runner::Ramps PathStream::Runner::ramps_for(const CourseLeg& leg, std::size_t axis) {
+  const auto& here = axes_[axis];
+  const auto& ramp = leg.axis[axis];
+  auto ramps = no_ramps(axis);
+  if (leg.speeds_up) ramps.amax = in_units(axis, ramp.amax, here.info.units.acceleration);
+  if (!leg.slows_down) return ramps;
+  const double left =
+      std::abs(ramp.target - expected_of_twin(axis) / here.info.microsteps_per_unit);
+  const double needed = (ramp.vstart * ramp.vstart - ramp.vstop * ramp.vstop) / (2 * left);
+  const double dmax_wanted = left > 0 ? std::max(ramp.dmax, needed) : ramp.dmax;
+  const auto most = std::max(here.joint_acceleration, here.info.greatest_acceleration);
+  ramps.dmax = in_units(axis, dmax_wanted, here.info.units.acceleration, most);
+  ramps.vstop = std::max(least_vstop, in_units(axis, ramp.vstop, here.info.units.velocity));
+  return ramps;
 }
 
 double PathStream::Runner::expected_of_twin(std::size_t axis) const {
@@ -246,21 +348,53 @@ void PathStream::Runner::correct_twin(std::size_t axis) {
 }
 
 // What matters for braking comes after the target: written before, it would brake for the old one.
-Script<PathStream::Runner::Fault> PathStream::Runner::load_axis(const CourseLeg& leg,
+Script<PathStream::Runner::Fault> PathStream::Runner::load_axis(const Passage& passage,
                                                                 std::size_t axis) {
-  const auto load = load_for(leg, axis);
-  auto refused = co_await set(axis, ap::max_velocity, load.vmax);
+  const auto& [leg, drive] = passage;
+  const auto& ramp = leg.axis[axis];
+  const bool joint_only = drive == Drive::by_ramps_after_joint;
+  const auto ramps = drive == Drive::by_ramps ? ramps_for(leg, axis) : no_ramps(axis);
+  const auto velocity = velocity_in(leg, joint_only ? ramp.vstart : ramp.vmax, axis);
+  const auto target = microsteps(axis, ramp.target);
+  auto refused = co_await set_velocity(axis, velocity);
   if (refused) co_return refused;
-  axes_[axis].velocity = load.vmax;
-  refused = co_await set(axis, ap::max_acceleration, load.amax);
+  refused = co_await set(axis, ap::max_acceleration, ramps.amax);
   if (refused) co_return refused;
-  co_await command({Kind::set, axis, ap::target_position, load.target});
+  co_await command({Kind::set, axis, ap::target_position, target});
   if (!answer_) co_return refusal(axis);
   let_twin_run(axis, middle());
-  axes_[axis].info.twin->move_to({load.target});
-  refused = co_await set(axis, dmax, load.dmax);
+  axes_[axis].info.twin->move_to({target});
+  co_return co_await set_braking(axis, ramps);
+}
+
+Script<PathStream::Runner::Fault> PathStream::Runner::load_ramps(const Passage& passage) {
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    const auto& ramp = passage.leg.axis[axis];
+    if (ramp.vmax == 0) continue;
+    auto wrong = co_await check(axis);
+    if (!wrong) wrong = asked_to_stop();
+    if (wrong) co_return wrong;
+    const auto velocity = velocity_in(passage.leg, ramp.vmax, axis);
+    const auto ramps = ramps_for(passage.leg, axis);
+    wrong = co_await set_braking(axis, ramps);
+    if (!wrong) wrong = co_await set(axis, ap::max_acceleration, ramps.amax);
+    if (!wrong) wrong = co_await set_velocity(axis, velocity);
+    if (wrong) co_return wrong;
+  }
+  co_return std::nullopt;
+}
+
+Script<PathStream::Runner::Fault> PathStream::Runner::set_velocity(std::size_t axis,
+                                                                   std::int32_t value) {
+  auto refused = co_await set(axis, ap::max_velocity, value);
+  if (!refused) axes_[axis].velocity = value;
+  co_return refused;
+}
+
+Script<PathStream::Runner::Fault> PathStream::Runner::set_braking(std::size_t axis, Ramps ramps) {
+  auto refused = co_await set(axis, dmax, ramps.dmax);
   if (refused) co_return refused;
-  refused = co_await set(axis, vstop, load.vstop);
+  refused = co_await set(axis, vstop, ramps.vstop);
   co_return refused;
 }
 

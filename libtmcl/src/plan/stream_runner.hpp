@@ -1,6 +1,9 @@
 /// What is behind a PathStream: a script whose steps are commands to axes, and pauses.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 
 #include "tmcl/plan/stream.hpp"
@@ -67,7 +70,8 @@ class PathStream::Runner {
     double pps = 0;
     TimePoint at{};
     TimePoint due{};
-    Duration twin_begin{};  // what its twin counted at twin_start_
+    Duration twin_begin{};                // what its twin counted at twin_start_
+    std::int32_t joint_acceleration = 0;  // position mode
   };
 
   struct Awaiter {
@@ -102,6 +106,7 @@ class PathStream::Runner {
   Script<Fault> set(std::size_t axis, std::uint8_t parameter, std::int32_t value);
   Script<Fault> check(std::size_t axis);
   Script<Fault> read_position(std::size_t axis);
+  double planned_position(std::size_t axis) const;
   Fault take_reading(std::size_t axis);
   Fault note_delay(Duration late, Duration period);
 
@@ -117,19 +122,41 @@ class PathStream::Runner {
   void set_pause_ramp();
 
   // Position mode.
-  struct Load {
-    std::int32_t vmax = 0, amax = 0, dmax = 0, vstop = 0, target = 0;
+  /// How a leg is passed.
+  enum class Drive : std::uint8_t { evenly, by_ramps, by_ramps_after_joint };
+  struct Passage {
+    CourseLeg leg;
+    Drive drive;
+  };
+  struct Ramps {
+    std::int32_t amax, dmax, vstop;
   };
   Script<Fault> prepare_legs();
   Script<Fault> by_position();
   Script<Fault> start_ramps();
   Script<Fault> pause_between(const CourseLeg& next);
-  Script<Fault> load(const CourseLeg& leg);
-  Script<Fault> load_axis(const CourseLeg& leg, std::size_t axis);
-  CourseLeg leg_at(std::size_t index) const;
+  Script<Fault> load(const Passage& passage);
+  Script<Fault> load_axis(const Passage& passage, std::size_t axis);
+  Script<Fault> load_ramps(const Passage& passage);
+  Script<Fault> set_velocity(std::size_t axis, std::int32_t value);
+  Script<Fault> set_braking(std::size_t axis, Ramps ramps);
+  Passage passage(std::size_t index) const;
+  AxisValues changes_at(std::size_t index) const;
+  void set_joint_accelerations();
+  static double longest_joint(const Passage& passage);
+  Duration time_of_joint(std::size_t index) const;
   Fault fault_of_legs();
   std::size_t commands_of(std::size_t leg) const;
-  Load load_for(const CourseLeg& leg, std::size_t axis);
+  std::int32_t velocity_in(const CourseLeg& leg, double speed, std::size_t axis);
+  Ramps no_ramps(std::size_t axis) const;
+  Ramps ramps_for(const CourseLeg& leg, std::size_t axis);
+  template <class Unit>
+  std::int32_t in_units(std::size_t axis, double value, Unit unit,
+                        std::int32_t most = std::numeric_limits<std::int32_t>::max()) const {
+    const double scale = std::abs(axes_[axis].info.microsteps_per_unit) / unit.value;
+    return static_cast<std::int32_t>(std::clamp(std::ceil(value * scale - 1e-6), 1., 1. * most));
+  }
+  double time_to_send(std::size_t commands) const;
   Duration lead_of(std::size_t leg) const;
   Duration ahead_of(std::size_t leg) const;
   double expected_of_twin(std::size_t axis) const;
@@ -146,6 +173,7 @@ class PathStream::Runner {
   TimePoint now_{};
   TimePoint asked_at_{};
   TimePoint twin_start_{};
+  std::optional<CourseLeg> even_leg_;  // position mode: the one that is passed evenly
   CourseClock clock_;
   bool stop_asked_ = false;
   bool pause_asked_ = false;
