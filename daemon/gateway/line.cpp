@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <ranges>
 #include <utility>
 
 #include <boost/asio/co_spawn.hpp>
@@ -383,7 +384,8 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
 
   awaitable<void> end() {
     for (auto& member : members_) {
-      for (const auto setting : member.changed)
+      // Backwards, as they were written: that order was a safe one.
+      for (const auto setting : std::views::reverse(member.changed))
         co_await member.axis->set(setting.parameter, setting.value, RunOptions{});
       member.axis->set_on_line(false);
     }

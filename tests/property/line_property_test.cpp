@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "support/random.hpp"
+#include "support/rounds.hpp"
 #include "support/seed.hpp"
 #include "tmcl/plan/line.hpp"
 
@@ -19,9 +20,9 @@ constexpr std::size_t axes_of_a_line = 6;
 constexpr std::int64_t greatest_ratio = 20;
 
 // The ways of a line: the longest is the first one's, the others down to a twentieth of it.
-std::vector<std::int32_t> ways(test::Random<>& random) {
+std::vector<std::int32_t> ways(test::Random<>& random, std::int64_t from, std::int64_t to) {
   std::vector<std::int32_t> ways;
-  const auto longest = random.between(20'000, 100'000);
+  const auto longest = random.between(from, to);
   for (std::size_t i = 0; i < axes_of_a_line; ++i) {
     const auto way = i == 0 ? longest : random.between(longest / greatest_ratio, longest);
     ways.push_back(static_cast<std::int32_t>(random.either_way(way)));
@@ -50,20 +51,34 @@ double part(std::vector<double> values, double quantile) {
   return values[static_cast<std::size_t>(quantile * static_cast<double>(values.size() - 1))];
 }
 
-TEST(LineProperty, SixAxesOfATmc429ModuleArriveTogetherOnAStraightLine) {
+struct Length {
+  std::int64_t from;
+  std::int64_t to;
+};
+
+class LineSpread : public testing::TestWithParam<Length> {};
+
+TEST_P(LineSpread, SixAxesOfATmc429ModuleArriveTogetherOnAStraightLine) {
   test::Random<> random(test::seed());
   const auto twin = tmc429_axis();
   std::vector<double> spreads;
-  for (int i = 0; i < lines; ++i) {
-    const auto line = plan_line(axes_for(twin, ways(random), {1500}, {150}));
+  for (int i = 0; i < test::rounds(lines); ++i) {
+    const auto all = ways(random, GetParam().from, GetParam().to);
+    const auto line = plan_line(axes_for(twin, all, {1500}, {150}));
     ASSERT_TRUE(line) << line.error().message;
     spreads.push_back(Milliseconds(line->spread).count());
     EXPECT_LE(line->deviation, 0.012);
   }
-  EXPECT_LE(part(spreads, 0.5), 1.0);
-  EXPECT_LE(part(spreads, 0.95), 4.0);
-  EXPECT_LE(part(spreads, 1.0), 8.5);
+  EXPECT_LE(part(spreads, 0.5), 0.5);
+  EXPECT_LE(part(spreads, 0.95), 1.0);
+  EXPECT_LE(part(spreads, 1.0), 2.0);
 }
+
+INSTANTIATE_TEST_SUITE_P(LineProperty, LineSpread,
+                         testing::Values(Length{20'000, 100'000}, Length{100'000, 400'000}),
+                         [](const auto& length) {
+                           return "UpTo" + std::to_string(length.param.to) + "Microsteps";
+                         });
 
 TEST(LineProperty, SaysWhenEachAxisArrivesAndThatIsWhatItsSettingsMakeItDo) {
   test::Random<> random(test::seed());
@@ -75,7 +90,7 @@ TEST(LineProperty, SaysWhenEachAxisArrivesAndThatIsWhatItsSettingsMakeItDo) {
     const auto velocity = is_tmc429 ? InternalVelocity{1500} : InternalVelocity{40'000};
     const auto acceleration = is_tmc429 ? InternalAcceleration{500} : InternalAcceleration{120'000};
     for (int i = 0; i < 20; ++i) {
-      const auto all = ways(random);
+      const auto all = ways(random, 20'000, 100'000);
       const auto interval = std::chrono::microseconds(random.between(0, 3000));
       const auto line = plan_line(axes_for(twin, all, velocity, acceleration), Exchanges{interval});
       if (!line) continue;  // too slow for some axis, which the unit tests are about

@@ -1,5 +1,5 @@
 /// How often a random test does what it does: as often as TMCL_ROUNDS says, which is how the
-/// nightly run has it done a million times, otherwise as often as is fit for every day.
+/// nightly run has it done many more times, otherwise as often as is fit for every day.
 #pragma once
 
 #include <cstdlib>

@@ -99,6 +99,19 @@ TEST_F(TmcldLine, ForeseesHowFarApartTheStartsAre) {
   EXPECT_GE(foreseen, 2) << "in " << rounds << " lines";
 }
 
+TEST_F(TmcldLine, AnAxisThatIsTooSlowForItsDividersGetsOthersAndThenItsOwn) {
+  const auto pulse = setting("z", "pulse_divisor");
+  const auto ramp = setting("z", "ramp_divisor");
+  const auto line = move({"y", "z"}, {60'000, 15});
+  EXPECT_LT(line.at("spread_s").to_number<double>(), 0.002);
+  EXPECT_GT(setting("z", "pulse_divisor"), pulse);
+  EXPECT_EQ(wait_for("y"), 60'000);
+  EXPECT_EQ(wait_for("z"), 15);
+  EXPECT_TRUE(has_its_settings_again("z"));
+  EXPECT_EQ(setting("z", "pulse_divisor"), pulse);
+  EXPECT_EQ(setting("z", "ramp_divisor"), ramp);
+}
+
 TEST_F(TmcldLine, AStopOfOneStopsAll) {
   client->result("subscribe", {{"axes", json::array{"x"}}, {"interval_ms", 60'000}});
   move({"x", "y"}, {4'000'000, 2'000'000});
@@ -129,7 +142,7 @@ TEST_F(TmcldLine, IfOneIsRefusedNoneMoves) {
     return std::string(error.at("message").as_string());
   };
   EXPECT_THAT(refused({"y", "z"}, {1000, 9'000'000}), HasSubstr("8388607"));
-  EXPECT_THAT(refused({"y", "z"}, {1'000'000, 10}), HasSubstr("too slow for its registers"));
+  EXPECT_THAT(refused({"y", "z"}, {8'000'000, 1}), HasSubstr("too slow for its registers"));
   EXPECT_THAT(refused({"y", "z"}, {1000}), HasSubstr("one position for each axis"));
   EXPECT_THAT(refused({"y", "y"}, {1000, 2000}), HasSubstr("each axis once"));
   for (const auto* axis : {"y", "z"}) {

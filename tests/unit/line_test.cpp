@@ -79,6 +79,19 @@ TEST(Line, StartsGoOutOnAllBusesAtTheSameTimeAndOneAfterTheOtherOnEach) {
   EXPECT_THAT(start_times({}, {2ms}), IsEmpty());
 }
 
+TEST(Line, ASlowTmc429GetsOtherDividersBeforeItsSpeed) {
+  const auto line =
+      plan({axis(100'000, 50'000, 200'000, "TMCM-6110"), axis(25, 50'000, 200'000, "TMCM-6110")});
+  ASSERT_TRUE(line) << line.error().message;
+  EXPECT_EQ(value(line->axes[0], 154), -1) << "the longest way keeps its own";
+  const auto& slow = line->axes[1];
+  EXPECT_EQ(slow.settings[0].parameter, 154);
+  EXPECT_EQ(slow.settings[1].parameter, 153);
+  EXPECT_GT(slow.settings[0].value, 2);
+  EXPECT_GE(value(slow, 5), 64);
+  EXPECT_LT(line->spread, std::chrono::milliseconds(2));
+}
+
 TEST(Line, SaysWhoseFaultItIsThatThereIsNone) {
   const auto fault = [](const std::vector<LineAxis>& axes) { return plan(axes).error(); };
   EXPECT_THAT(fault({}).message, HasSubstr("1 to 16 axes"));
@@ -89,8 +102,8 @@ TEST(Line, SaysWhoseFaultItIsThatThereIsNone) {
   moving.twin.rotate({500});
   moving.twin.advance(std::chrono::seconds(1));
   EXPECT_THAT(fault({moving}).message, HasSubstr("it moves"));
-  const auto slow = fault(
-      {axis(1'000'000, 50'000, 200'000, "TMCM-6110"), axis(100, 50'000, 200'000, "TMCM-6110")});
+  const auto slow =
+      fault({axis(8'000'000, 50'000, 200'000, "TMCM-6110"), axis(1, 50'000, 200'000, "TMCM-6110")});
   EXPECT_EQ(slow.axis, 1U);
   EXPECT_THAT(slow.message, HasSubstr("too slow for its registers"));
 }

@@ -30,6 +30,15 @@ constexpr double most_acceleration_change = 0.15;
 constexpr std::int32_t least_speeds_tried = 3;  // to either side
 constexpr std::int32_t speeds_tried_part = 60;
 constexpr int deviation_samples = 200;
+constexpr std::uint8_t ramp_divisor = 153;
+constexpr std::uint8_t pulse_divisor = 154;
+constexpr std::uint8_t greatest_divider = 13;
+constexpr std::int32_t greatest_register = 2047;
+// So that it can be chosen to 1 %.
+constexpr std::int32_t fine_acceleration = 64;
+constexpr std::size_t dividers_tried = 2;
+// They cost four commands more.
+constexpr Duration not_worth_other_dividers = std::chrono::microseconds(500);
 
 std::int64_t way_of(const LineAxis& axis) {
   return std::int64_t{axis.target.value} - axis.twin.motion().position.value;
@@ -66,18 +75,57 @@ std::vector<Setting> trapezoid_settings(const AxisTwin& twin, InternalVelocity v
   return {{ap::max_velocity, v}, {ap::max_acceleration, a}, {16, 0}, {17, a}, {18, a}};
 }
 
+/// The smallest ramp divider with which the acceleration is fine: arrivals are on the grid of the
+/// ramp's ticks.
+std::optional<Tmc429Dividers> least_ramp_divider(std::uint8_t pulse,
+                                                 PulsesPerSecond2 acceleration) {
+  for (std::uint8_t ramp = 0; ramp <= greatest_divider; ++ramp) {
+    const Tmc429Dividers dividers{pulse, ramp};
+    const auto value = acceleration.value / module_units(dividers).acceleration.value;
+    const auto valid = tmc429_acceleration_range(dividers);
+    if (value >= std::max(valid.least, fine_acceleration) && value <= valid.greatest)
+      return dividers;
+  }
+  return std::nullopt;
+}
+
+/// Those with which a TMC429's registers can say the speed of a slow axis, the finest first.
+std::vector<Tmc429Dividers> finer_dividers(Tmc429Dividers present, PulsesPerSecond velocity,
+                                           PulsesPerSecond2 acceleration) {
+  std::vector<Tmc429Dividers> all;
+  for (auto pulse = greatest_divider; pulse >= present.pulse; --pulse) {
+    const auto unit = module_units(Tmc429Dividers{pulse, 0}).velocity.value;
+    if (velocity.value / unit > greatest_register) continue;
+    const auto dividers = least_ramp_divider(pulse, acceleration);
+    if (dividers && *dividers != present) all.push_back(*dividers);
+    if (all.size() == dividers_tried || pulse == 0) break;
+  }
+  return all;
+}
+
+AxisTwin with_dividers(AxisTwin twin, std::optional<Tmc429Dividers> dividers) {
+  if (!dividers) return twin;
+  twin.set({pulse_divisor, dividers->pulse});
+  twin.set({ramp_divisor, dividers->ramp});
+  return twin;
+}
+
 /// One axis on its line.
 class Runner {
  public:
-  Runner(const LineAxis& axis, double part_of_longest)
-      : axis_(axis),
+  /// With the dividers that its module has, or with others.
+  Runner(const LineAxis& axis, double part_of_longest,
+         std::optional<Tmc429Dividers> dividers = std::nullopt)
+      : axis_(&axis),
+        dividers_(dividers),
+        standing_(with_dividers(axis.twin, dividers)),
         way_(static_cast<double>(std::abs(way_of(axis)))),
         part_(part_of_longest),
-        v_unit_(axis.twin.to_pps(InternalVelocity{1}).value),
-        a_unit_(axis.twin.to_pps2(InternalAcceleration{1}).value),
+        v_unit_(standing_.to_pps(InternalVelocity{1}).value),
+        a_unit_(standing_.to_pps2(InternalAcceleration{1}).value),
         v_range_(range(ap::max_velocity, axis.velocity.value / v_unit_)),
         a_range_(range(ap::max_acceleration, axis.acceleration.value / a_unit_)) {
-    const auto* chip = axis.twin.tmc429();
+    const auto* chip = standing_.tmc429();
     if (chip == nullptr) return;
     const auto valid = tmc429_acceleration_range(chip->dividers());
     a_range_.least = std::max(a_range_.least, valid.least);
@@ -107,26 +155,34 @@ class Runner {
 
   Duration arrival() const { return arrival_; }
   AxisOfLine result(Duration start) const {
-    return {settings_of(chosen_), run(chosen_), start, start + arrival_};
+    return {settings_to_write(), run(chosen_), start, start + arrival_};
   }
 
  private:
   ValueRange range(std::uint8_t parameter, double limit) const {
-    const auto& row = *find_parameter(axis_parameters(axis_.twin.model()), parameter);
+    const auto& row = *find_parameter(axis_parameters(axis_->twin.model()), parameter);
     return {1, static_cast<std::int32_t>(
                    std::min<double>(row.maximum, std::floor(limit * (1 + 1e-9))))};
   }
 
+  std::vector<Setting> settings_to_write() const {
+    auto settings = settings_of(chosen_);
+    if (!dividers_) return settings;
+    settings.insert(settings.begin(),
+                    {{pulse_divisor, dividers_->pulse}, {ramp_divisor, dividers_->ramp}});
+    return in_safe_order(std::move(settings), axis_->twin.tmc429()->dividers().pulse);
+  }
+
   std::vector<Setting> settings_of(Registers registers) const {
-    auto settings = trapezoid_settings(axis_.twin, {registers.velocity}, {registers.acceleration});
+    auto settings = trapezoid_settings(standing_, {registers.velocity}, {registers.acceleration});
     if (registers.minimum != 0) settings.back().value = registers.minimum;
     return settings;
   }
 
   AxisTwin run(Registers registers) const {
-    auto twin = axis_.twin;
+    auto twin = standing_;
     twin.set(settings_of(registers));
-    twin.move_to(axis_.target);
+    twin.move_to(axis_->target);
     return twin;
   }
 
@@ -156,7 +212,7 @@ class Runner {
   // What is missing to the time is spent on the last microsteps, where it takes nobody off the
   // line: the lower a TMC429's minimum velocity, the later it arrives.
   void creep_at_the_end(Registers registers, Duration wanted) {
-    if (axis_.twin.tmc429() == nullptr) return;
+    if (axis_->twin.tmc429() == nullptr) return;
     std::int32_t late = 0;
     auto early = settings_of(registers).back().value;
     while (early - late > 1) {
@@ -205,7 +261,9 @@ class Runner {
     return best;
   }
 
-  const LineAxis& axis_;
+  const LineAxis* axis_;
+  std::optional<Tmc429Dividers> dividers_;
+  AxisTwin standing_;
   double way_;
   double part_;
   double v_unit_;
@@ -311,12 +369,44 @@ class Planner {
     for (std::size_t i = 0; i < axes_.size(); ++i) runners_.emplace_back(axes_[i], part_of(i));
     for (const auto i : line_.order) {
       if (runners_[i].choose(ramp_.velocity, ramp_.acceleration)) continue;
+      if (auto finer = finer_runners(i); !finer.empty()) {
+        runners_[i] = std::move(finer.front());
+        continue;
+      }
       return LineError{
           i, fmt::format("its part of the line, {:.3g} of the longest way, is too slow for its "
                          "registers: {:.4g} microsteps/s, {:.4g} microsteps/s^2",
                          part_of(i), ramp_.velocity * part_of(i), ramp_.acceleration * part_of(i))};
     }
     return std::nullopt;
+  }
+
+  /// The same axis with other dividers.
+  std::vector<Runner> finer_runners(std::size_t i) const {
+    std::vector<Runner> runners;
+    const auto* chip = axes_[i].twin.tmc429();
+    if (chip == nullptr) return runners;
+    for (const auto dividers : finer_dividers(chip->dividers(), {ramp_.velocity * part_of(i)},
+                                              {ramp_.acceleration * part_of(i)})) {
+      Runner runner(axes_[i], part_of(i), dividers);
+      if (runner.choose(ramp_.velocity, ramp_.acceleration)) runners.push_back(std::move(runner));
+    }
+    return runners;
+  }
+
+  void fit(std::size_t i, Duration wanted) {
+    runners_[i].fit(wanted);
+    for (auto& finer : finer_runners(i)) {
+      if (is_near_enough(runners_[i], wanted)) return;
+      finer.fit(wanted);
+      if (std::chrono::abs(finer.arrival() - wanted) <
+          std::chrono::abs(runners_[i].arrival() - wanted))
+        runners_[i] = std::move(finer);
+    }
+  }
+
+  static bool is_near_enough(const Runner& runner, Duration wanted) {
+    return std::chrono::abs(runner.arrival() - wanted) <= not_worth_other_dividers;
   }
 
   void fit_to_the_last() {
@@ -329,7 +419,7 @@ class Planner {
     auto earliest = end;
     for (std::size_t place = 0; place < line_.order.size(); ++place) {
       const auto i = line_.order[place];
-      runners_[i].fit(end - starts[place]);
+      fit(i, end - starts[place]);
       line_.axes[i] = runners_[i].result(starts[place]);
       earliest = std::min(earliest, line_.axes[i].arrival);
       line_.duration = std::max(line_.duration, line_.axes[i].arrival);

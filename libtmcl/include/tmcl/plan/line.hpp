@@ -80,7 +80,8 @@ struct LineError {
   std::string message;  ///< One sentence without a full stop.
 };
 
-/// The dividers of TMC429 modules stay as they are.
+/// The dividers of a TMC429 are changed only where its registers would otherwise be too coarse for
+/// the part of the line that the axis has.
 /// Errors: no axis or more than most_line_axes; limits that are not greater than 0; an axis that
 /// would have to be slower than its registers can say; one that does not arrive.
 tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes,
