@@ -56,6 +56,7 @@ class Bench {
 
   Duration round_trip = microseconds(450);
   std::function<void()> every_ms = [] {};
+  std::function<void()> at_wait = [] {};
   /// May answer instead of the module, and let time pass.
   std::function<std::optional<StreamAnswer>(const StreamCommand&)> instead = [](const auto&) {
     return std::nullopt;
@@ -83,6 +84,7 @@ class Bench {
     while (true) {
       const auto step = stream_->next(clock_.now());
       if (std::holds_alternative<StreamEnd>(step)) return stream_->report();
+      if (std::holds_alternative<StreamWait>(step)) at_wait();
       if (const auto* wait = std::get_if<StreamWait>(&step))
         let_pass(std::min<Duration>(milliseconds(1), wait->until - clock_.now()));
       if (const auto* command = std::get_if<StreamCommand>(&step)) {
@@ -407,6 +409,22 @@ TEST_P(BothModes, AxesThatAreSlowForThePathStayOnIt) {
     EXPECT_LT(farthest, 0.05);
     for (const auto& axis : report.axes) EXPECT_LT(axis.largest, 0.1);
   }
+}
+
+// Whoever runs the stream has other things to do, too.
+TEST_P(BothModes, ALongPathIsNotLookedAtAllAtOnce) {
+  path_file::Path path{{"X", "Y"}, {}, {}};
+  for (int i = 1; i <= 20'000; ++i)
+    path.elements.push_back(path_file::LineTo{{i % 2 * 0.5, i * 0.02}, 20.0, {}, 1});
+  int waits = 0;
+  bench.at_wait = [&] {
+    if (++waits == 15) bench.stream().stop();
+  };
+  const auto report = bench.pass(path, GetParam());
+  ASSERT_TRUE(report.fault);
+  EXPECT_EQ(report.fault->kind, FaultKind::asked) << report.fault->message;
+  EXPECT_EQ(waits, 15);
+  for (const auto& command : bench.commands) EXPECT_EQ(command.kind, Kind::get);
 }
 
 INSTANTIATE_TEST_SUITE_P(Streams, BothModes,

@@ -40,8 +40,7 @@ constexpr double joint_part_of_ramps = 1. / 8;
 }  // namespace
 
 Script<PathStream::Runner::Fault> PathStream::Runner::prepare_legs() {
-  auto wrong = fault_of_legs();
-  if (wrong) co_return wrong;
+  if (auto unsuited = fault_of_axes()) co_return unsuited;
   constexpr std::uint8_t needed[] = {
       ap::max_velocity, ap::max_acceleration, v1, dmax, vstart, vstop, tzerowait};
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
@@ -50,8 +49,9 @@ Script<PathStream::Runner::Fault> PathStream::Runner::prepare_legs() {
       if (unknown) co_return unknown;
     }
   }
-  set_joint_accelerations();
-  co_return std::nullopt;
+  auto wrong = co_await set_joint_accelerations();
+  if (!wrong) wrong = co_await fit_legs_to_bus();
+  co_return wrong;
 }
 
 // By its ramps, a leg that begins on the way is loaded twice. First come the speeds at the joint,
@@ -95,7 +95,7 @@ AxisValues PathStream::Runner::changes_at(std::size_t index) const {
 
 // An axis that changes its speed at a joint falls behind by half of the change, times the time that
 // takes.
-void PathStream::Runner::set_joint_accelerations() {
+Script<PathStream::Runner::Fault> PathStream::Runner::set_joint_accelerations() {
   AxisValues needed{};
   for (std::size_t i = 0; i < course_.legs(); ++i) {
     const auto changes = changes_at(i);
@@ -106,6 +106,8 @@ void PathStream::Runner::set_joint_accelerations() {
       const double time = std::min(longest, 2 * options_.even_within / change);
       needed[axis] = std::max(needed[axis], change / time);
     }
+    if (takes_a_breath(i)) co_await until(now_);
+    if (auto asked = asked_to_stop()) co_return asked;
   }
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     auto& here = axes_[axis];
@@ -114,6 +116,7 @@ void PathStream::Runner::set_joint_accelerations() {
     here.joint_acceleration =
         std::max(own, in_units(axis, needed[axis], here.info.units.acceleration, most));
   }
+  co_return std::nullopt;
 }
 
 double PathStream::Runner::longest_joint(const Passage& passage) {
@@ -168,7 +171,7 @@ Duration PathStream::Runner::ahead_of(std::size_t index) const {
   return duration(std::clamp(std::min(room, tolerable), 0.0, most_ahead_s));
 }
 
-PathStream::Runner::Fault PathStream::Runner::fault_of_legs() {
+PathStream::Runner::Fault PathStream::Runner::fault_of_axes() const {
   using FaultKind = StreamFault::Kind;
   if (!course_.has_legs())
     return fault(FaultKind::unsuited, 0, "a table with times has no legs; velocity mode takes it");
@@ -189,6 +192,10 @@ PathStream::Runner::Fault PathStream::Runner::fault_of_legs() {
                                axis, top, most));
     }
   }
+  return std::nullopt;
+}
+
+Script<PathStream::Runner::Fault> PathStream::Runner::fit_legs_to_bus() {
   Duration free{};
   report_.period = Duration::max();
   for (std::size_t i = 0; i < course_.legs(); ++i) {
@@ -198,17 +205,19 @@ PathStream::Runner::Fault PathStream::Runner::fault_of_legs() {
     free = std::max(free, begin - lead) + lead;
     report_.period = std::min(report_.period, duration(leg.end - leg.begin));
     if (i > 0 && free > begin + lead / 2) {
-      return fault(FaultKind::slow_bus, 0,
-                   fmt::format("line {}: its leg takes {:.2f} ms, and to load it takes {:.2f} ms: "
-                               "{} commands of {:.0f} us, and a quarter spare; velocity mode needs "
-                               "fewer",
-                               leg.line, (leg.end - leg.begin) * 1e3, seconds(lead) * 1e3,
-                               commands_of(i), seconds(report_.round_trip) * 1e6));
+      co_return fault(
+          StreamFault::Kind::slow_bus, 0,
+          fmt::format("line {}: its leg takes {:.2f} ms, and to load it takes {:.2f} ms: {} "
+                      "commands of {:.0f} us, and a quarter spare; velocity mode needs fewer",
+                      leg.line, (leg.end - leg.begin) * 1e3, seconds(lead) * 1e3, commands_of(i),
+                      seconds(report_.round_trip) * 1e6));
     }
     if (drive == Drive::by_ramps_after_joint)
       free = begin + time_of_joint(i) + duration(time_to_send(commands_after_joint * axes_.size()));
+    if (takes_a_breath(i)) co_await until(now_);
+    if (auto asked = asked_to_stop()) co_return asked;
   }
-  return std::nullopt;
+  co_return std::nullopt;
 }
 
 // A move to where it stands brings a motor into the mode in which targets count.

@@ -39,6 +39,13 @@ class CourseClock {
   bool paused_ = false;
 };
 
+/// A long course is not looked at all at once, which would take seconds: whoever runs the stream is
+/// waited for after so many legs, or points.
+constexpr std::size_t looks_at_once = 1000;
+constexpr bool takes_a_breath(std::size_t look) {
+  return look % looks_at_once == looks_at_once - 1;
+}
+
 class PathStream::Runner {
  public:
   Runner(const Course& course, std::vector<StreamAxis> axes, StreamOptions options);
@@ -70,7 +77,8 @@ class PathStream::Runner {
     double pps = 0;
     TimePoint at{};
     TimePoint due{};
-    Duration twin_begin{};                // what its twin counted at twin_start_
+    double steepest = 0;    // in velocity mode, between updates; in units a second squared
+    Duration twin_begin{};  // what its twin counted at twin_start_
     std::int32_t joint_acceleration = 0;  // position mode
   };
 
@@ -118,7 +126,7 @@ class PathStream::Runner {
   double expected(std::size_t axis, TimePoint at) const;
   void note_velocity(std::size_t axis, std::int32_t velocity);
   void correct(std::size_t axis);
-  double steepest(std::size_t axis) const;
+  Script<Fault> find_steepest();
   void set_pause_ramp();
 
   // Position mode.
@@ -142,10 +150,11 @@ class PathStream::Runner {
   Script<Fault> set_braking(std::size_t axis, Ramps ramps);
   Passage passage(std::size_t index) const;
   AxisValues changes_at(std::size_t index) const;
-  void set_joint_accelerations();
+  Script<Fault> set_joint_accelerations();
   static double longest_joint(const Passage& passage);
   Duration time_of_joint(std::size_t index) const;
-  Fault fault_of_legs();
+  Fault fault_of_axes() const;
+  Script<Fault> fit_legs_to_bus();
   std::size_t commands_of(std::size_t leg) const;
   std::int32_t velocity_in(const CourseLeg& leg, double speed, std::size_t axis);
   Ramps no_ramps(std::size_t axis) const;

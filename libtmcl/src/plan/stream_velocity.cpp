@@ -23,12 +23,14 @@ Script<PathStream::Runner::Fault> PathStream::Runner::prepare_velocities() {
   const auto commands = static_cast<double>(2 * axes_.size() + 1);
   const auto needed = duration(seconds(report_.round_trip) * commands / (1 - spare_part_of_bus));
   report_.period = std::max(options_.least_period, needed);
+  auto asked = co_await find_steepest();
+  if (asked) co_return asked;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     auto unknown = co_await know(axis, ap::max_acceleration);
     if (unknown) co_return unknown;
     const auto& info = axes_[axis].info;
     const double wanted =
-        std::ceil(steepest(axis) / ramp_part_of_update * std::abs(info.microsteps_per_unit) /
+        std::ceil(axes_[axis].steepest / ramp_part_of_update * std::abs(info.microsteps_per_unit) /
                   info.units.acceleration.value);
     const auto own = axes_[axis].before[ap::max_acceleration];
     const auto most = std::max(own, info.greatest_acceleration);
@@ -40,18 +42,23 @@ Script<PathStream::Runner::Fault> PathStream::Runner::prepare_velocities() {
   co_return std::nullopt;
 }
 
-// In units of the axis per second squared.
-double PathStream::Runner::steepest(std::size_t axis) const {
+Script<PathStream::Runner::Fault> PathStream::Runner::find_steepest() {
   const double step = std::max(seconds(report_.period), course_.duration() / most_samples);
-  double greatest = 0, before = course_.at(0).position[axis], speed = 0;
-  for (double t = step; t < course_.duration() + 2 * step; t += step) {
-    const double position = course_.at(t).position[axis];
-    const double now = (position - before) / step;
-    greatest = std::max(greatest, std::abs(now - speed) / step);
+  auto before = course_.at(0).position;
+  AxisValues speed{};
+  for (std::size_t look = 0; static_cast<double>(look) * step < course_.duration() + step; ++look) {
+    const auto position = course_.at(static_cast<double>(look + 1) * step).position;
+    for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+      const double now = (position[axis] - before[axis]) / step;
+      auto& steepest = axes_[axis].steepest;
+      steepest = std::max(steepest, std::abs(now - speed[axis]) / step);
+      speed[axis] = now;
+    }
     before = position;
-    speed = now;
+    if (takes_a_breath(look)) co_await until(now_);
+    if (auto asked = asked_to_stop()) co_return asked;
   }
-  return greatest;
+  co_return std::nullopt;
 }
 
 void PathStream::Runner::set_pause_ramp() {
