@@ -27,12 +27,14 @@ int report(const std::vector<std::string>& problems) {
 
 void print_mechanics(const AxisConfig& axis) {
   const auto& scale = axis.scale;
-  const auto* unit = scale.unit.c_str();
-  std::printf("%s: %g %s a turn", axis.name.c_str(), scale.units_per_revolution, unit);
+  const bool has_unit = !scale.unit.empty();
+  const auto* unit = has_unit ? scale.unit.c_str() : "microsteps";
+  std::printf("%s:", axis.name.c_str());
+  if (has_unit) std::printf(" %g %s a turn", scale.units_per_revolution, unit);
   if (scale.gear_ratio != 1) std::printf(" behind a gear of %g:1", scale.gear_ratio);
   if (scale.limits) {
-    std::printf(", from %g to %g %s", scale.limits->least.value, scale.limits->greatest.value,
-                unit);
+    std::printf("%s from %g to %g %s", has_unit ? "," : "", scale.limits->least.value,
+                scale.limits->greatest.value, unit);
   }
   if (scale.encoder_counts_per_unit)
     std::printf(", %g encoder counts a %s", *scale.encoder_counts_per_unit, unit);
@@ -43,7 +45,7 @@ int check(const Config& config) {
   std::printf("ok: %s, %s\n", counted(config.buses.size(), "bus", "buses").c_str(),
               counted(config.axes.size(), "axis", "axes").c_str());
   for (const auto& axis : config.axes) {
-    if (!axis.scale.unit.empty()) print_mechanics(axis);
+    if (!axis.scale.unit.empty() || axis.scale.limits) print_mechanics(axis);
   }
   return exit_code::ok;
 }

@@ -138,6 +138,9 @@ constexpr std::array units_result{
     ResultInfo{"soft_limit_minimum", nullable_number,
                "least position that moves may end at, in the unit; null without soft limits"},
     ResultInfo{"soft_limit_maximum", nullable_number, "the greatest"},
+    ResultInfo{"soft_limit_minimum_microsteps", nullable_number,
+               "the least one in microsteps; also without a unit"},
+    ResultInfo{"soft_limit_maximum_microsteps", nullable_number, "the greatest"},
     ResultInfo{"encoder_counts_per_unit", nullable_number,
                "what encoder positions count in; null where that is microsteps"}};
 

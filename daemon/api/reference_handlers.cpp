@@ -83,16 +83,16 @@ Answer act_on_eeprom(Call& call,
   co_return nothing_or(done, **axis);
 }
 
-Answer act_on_parameter(Call& call,
-                        tmcl::Script<tmcl::Result<void>> (*verb)(tmcl::AxisAddress, std::uint8_t)) {
+using ParameterVerb = GatewayAxis::Awaitable<void> (GatewayAxis::*)(std::uint8_t, RunOptions);
+
+Answer act_on_parameter(Call& call, ParameterVerb verb) {
   // What is restored can move the motor.
   const auto ready = co_await ready_to_move(call);
   if (!ready) co_return tl::unexpected(ready.error());
   auto& axis = *ready->axis;
   const auto choice = parameter_of(call, axis);
   if (!choice) co_return tl::unexpected(choice.error());
-  const auto done = co_await axis.perform(verb(axis.address(), choice->number), ready->moves);
-  axis.module().note_settings_changed();
+  const auto done = co_await (axis.*verb)(choice->number, ready->moves);
   if (!done) co_return failed(done.error(), axis);
   json::object result;
   result["parameter"] = nullptr;
@@ -134,8 +134,8 @@ Answer stop_home(Call& call) {
   co_return nothing_or(stopped, **axis);
 }
 
-Answer store_parameter(Call& call) { return act_on_parameter(call, tmcl::verbs::store); }
-Answer restore_parameter(Call& call) { return act_on_parameter(call, tmcl::verbs::restore); }
+Answer store_parameter(Call& call) { return act_on_parameter(call, &GatewayAxis::store); }
+Answer restore_parameter(Call& call) { return act_on_parameter(call, &GatewayAxis::restore); }
 
 Answer get_coordinate(Call& call) { return position_from(call, tmcl::verbs::coordinate); }
 Answer capture_coordinate(Call& call) {

@@ -51,6 +51,16 @@ void add_mechanics(json::object& out, const GatewayAxis& axis) {
   if (const auto& counts = axis.encoder_counts_per_unit()) out["encoder_counts_per_unit"] = *counts;
 }
 
+void add_limits(json::object& out, const GatewayAxis& axis,
+                const std::optional<tmcl::UserScale>& scale) {
+  const auto& limits = axis.soft_limits();
+  if (!limits || (!scale && !axis.unit().empty())) return;
+  const auto range =
+      microsteps_within(*limits, axis.unit().empty() ? tmcl::microsteps_scale() : *scale);
+  out["soft_limit_minimum_microsteps"] = range.least;
+  out["soft_limit_maximum_microsteps"] = range.greatest;
+}
+
 // A motor that the model does not have is a fault of the configuration, not of the module.
 std::string_view state_of(const GatewayAxis& axis) {
   const auto* model = axis.module().model();
@@ -87,7 +97,8 @@ json::object units_json(const GatewayAxis& axis, const std::optional<tmcl::Modul
   for (const auto* key : {"model", "unit", "units_per_revolution", "units_per_output_revolution",
                           "gear_ratio", "reverse", "microsteps_per_revolution", "full_steps",
                           "velocity_unit_pps", "acceleration_unit_pps2", "soft_limit_minimum",
-                          "soft_limit_maximum", "encoder_counts_per_unit"}) {
+                          "soft_limit_maximum", "soft_limit_minimum_microsteps",
+                          "soft_limit_maximum_microsteps", "encoder_counts_per_unit"}) {
     out[key] = nullptr;
   }
   if (const auto* model = axis.module().model()) out["model"] = model->name;
@@ -103,6 +114,7 @@ json::object units_json(const GatewayAxis& axis, const std::optional<tmcl::Modul
     out["gear_ratio"] = scale->gear_ratio;
     add_mechanics(out, axis);
   }
+  add_limits(out, axis, scale);
   if (module) {
     out["velocity_unit_pps"] = module->velocity.value;
     out["acceleration_unit_pps2"] = module->acceleration.value;

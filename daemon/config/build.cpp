@@ -221,6 +221,7 @@ class Builder {
                       "'unit' and 'units_per_revolution' (or 'screw_pitch') belong together: what "
                       "positions are measured in, and how much of it a turn is");
     }
+    add_limits(section, scale);
     if (unit == nullptr) return complain_without_unit(section);
     if (const auto fault = tmcl::fault_of_unit_name(*unit); !fault.empty())
       complain(section.place_of("unit"), "the unit " + quoted(*unit) + " " + fault);
@@ -228,7 +229,6 @@ class Builder {
     constexpr std::string_view other_direction = "; for the other direction say reverse = true";
     set_positive(section, distance_key, other_direction, scale.units_per_revolution);
     set_positive(section, "gear_ratio", other_direction, scale.gear_ratio);
-    add_limits(section, scale);
     add_encoder(section, scale);
   }
 
@@ -242,8 +242,8 @@ class Builder {
   }
 
   void complain_without_unit(const ConfigSection& section) {
-    for (const std::string_view key : {"gear_ratio", "soft_limits", "encoder_lines",
-                                       "encoder_quadrature", "encoder_counts_per_unit"}) {
+    for (const std::string_view key :
+         {"gear_ratio", "encoder_lines", "encoder_quadrature", "encoder_counts_per_unit"}) {
       if (section.find(key) == nullptr) continue;
       complain(section.place_of(key), quoted(key) + " means nothing without 'unit'");
     }

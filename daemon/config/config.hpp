@@ -41,8 +41,8 @@ struct ScaleConfig {
   bool reverse = false;
   std::int32_t full_steps = 200;
   std::optional<std::int32_t> microstep_resolution;  ///< Exponent of two; absent: the module's.
-  std::optional<tmcl::SoftLimits> limits;            ///< Only with a unit; so is the next one.
-  /// Nothing: what the encoder reads is in microsteps, or there is none.
+  std::optional<tmcl::SoftLimits> limits;            ///< In the unit; without one in microsteps.
+  /// Only with a unit. Nothing: what the encoder reads is in microsteps, or there is none.
   std::optional<double> encoder_counts_per_unit;
 
   /// With so many microsteps of a full step, as an exponent of two.

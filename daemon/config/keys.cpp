@@ -58,7 +58,8 @@ constexpr auto keys = std::to_array<KeyInfo>({
     {axis, "microsteps", integer, optional, 1, 1 << tmcl::max_microstep_resolution, any,
      "microsteps of a full step: a power of two"},
     {axis, "soft_limits", range, optional, 0, 0, any,
-     "least and greatest position in the unit: moves to beyond are refused"},
+     "least and greatest position in the unit, or in microsteps without one: moves to beyond are "
+     "refused"},
     {axis, "encoder_lines", integer, optional, 1, tmcl::max_encoder_lines, any,
      "lines of an encoder on the motor's shaft, if its position is read in counts"},
     {axis, "encoder_quadrature", boolean, optional, 0, 0, any, "four counts to each of its lines"},

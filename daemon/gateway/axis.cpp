@@ -122,6 +122,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::be_ready() {
 }
 
 GatewayAxis::Awaitable<tmcl::UserScale> GatewayAxis::known_scale() {
+  if (config_.scale.unit.empty()) co_return tmcl::microsteps_scale();
   auto scale = co_await this->scale();
   if (scale) co_return std::move(*scale);
   auto error = tmcl::bad_argument(
@@ -147,12 +148,74 @@ Result<void> GatewayAxis::check_endless(std::int32_t velocity) const {
                         "move it to one of them instead, with a lower max_velocity"));
 }
 
-GatewayAxis::Awaitable<void> GatewayAxis::check_setting(std::uint8_t parameter,
-                                                        std::int32_t value) {
-  if (parameter == tmcl::axis_parameter::target_velocity) co_return check_endless(value);
-  if (parameter != tmcl::axis_parameter::target_position) co_return Result<void>{};
-  auto checked = co_await check_limits({{value}});
+GatewayAxis::Awaitable<void> GatewayAxis::check_setting(std::uint8_t parameter, std::int32_t value,
+                                                        RunOptions options) {
+  if (!config_.scale.limits) co_return Result<void>{};
+  switch (tmcl::set_off_by(parameter, parameters())) {
+    case tmcl::SetOff::nothing: co_return Result<void>{};
+    case tmcl::SetOff::turning_at_value: co_return check_endless(value);
+    case tmcl::SetOff::move_to_value: {
+      auto checked = co_await check_limits({{value}});
+      co_return checked;
+    }
+    case tmcl::SetOff::held_move: {
+      const auto turns = co_await turns_by_velocity(options);
+      if (!turns) co_return tl::unexpected(turns.error());
+      if (*turns) co_return Result<void>{};
+      break;
+    }
+    case tmcl::SetOff::held_move_or_turning: {
+      auto checked = co_await check_held_velocity(options);
+      if (!checked) co_return checked;
+      break;
+    }
+  }
+  // An axis that is told to be at its target does not leave.
+  const bool may_be_there = parameter == tmcl::axis_parameter::actual_position;
+  auto checked = co_await check_held_target(may_be_there ? std::optional(value) : std::nullopt,
+                                            std::move(options));
   co_return checked;
+}
+
+Result<void> GatewayAxis::check_restoring(std::uint8_t parameter) const {
+  const bool is_still = tmcl::set_off_by(parameter, parameters()) == tmcl::SetOff::nothing;
+  if (!config_.scale.limits || is_still) return {};
+  return tl::unexpected(beyond_soft_limit(
+      config_, "it has soft limits, and what the EEPROM holds could send it anywhere",
+      "set the parameter to a value instead"));
+}
+
+GatewayAxis::Awaitable<bool> GatewayAxis::turns_by_velocity(RunOptions options) {
+  const auto mode = tmcl::mode_parameter(parameters());
+  if (!mode) co_return false;
+  auto value = co_await run(tmcl::verbs::get(address(), mode->number), std::move(options));
+  co_return value.map([&](std::int32_t now) { return now == mode->velocity; });
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::check_held_velocity(RunOptions options) {
+  auto script = tmcl::verbs::get(address(), tmcl::axis_parameter::target_velocity);
+  const auto velocity = co_await run(std::move(script), std::move(options));
+  if (!velocity) co_return tl::unexpected(velocity.error());
+  if (*velocity == 0) co_return Result<void>{};
+  co_return tl::unexpected(
+      beyond_soft_limit(config_,
+                        "its target_velocity is " + std::to_string(*velocity) +
+                            ", and turning without end it would pass its soft limits",
+                        "stop it first"));
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::check_held_target(std::optional<std::int32_t> here,
+                                                            RunOptions options) {
+  auto script = tmcl::verbs::get(address(), tmcl::axis_parameter::target_position);
+  const auto target = co_await run(std::move(script), std::move(options));
+  if (!target) co_return tl::unexpected(target.error());
+  if (here == *target) co_return Result<void>{};
+  auto checked = co_await check_limits({Microsteps{*target}});
+  if (checked || checked.error().code != tmcl::Errc::beyond_soft_limit) co_return checked;
+  auto error = std::move(checked.error());
+  error.message += ", and it would go on to there: that is its target_position";
+  error.hint = "move it to within its limits first";
+  co_return tl::unexpected(std::move(error));
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::check_coordinate(std::uint8_t number,
@@ -336,11 +399,27 @@ GatewayAxis::Awaitable<void> GatewayAxis::set(std::uint8_t parameter, std::int32
                                               RunOptions movement) {
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
-  auto checked = co_await check_setting(parameter, value);
+  auto checked = co_await check_setting(parameter, value, movement);
   if (!checked) co_return checked;
   auto result = co_await run(tmcl::verbs::set(address(), parameter, value), std::move(movement));
   // Also after a failure: the value may have been set all the same.
   note_set(parameter);
+  co_return result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::store(std::uint8_t parameter, RunOptions options) {
+  auto result = co_await perform(tmcl::verbs::store(address(), parameter), std::move(options));
+  co_return result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::restore(std::uint8_t parameter, RunOptions movement) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return ready;
+  auto checked = check_restoring(parameter);
+  if (!checked) co_return checked;
+  forget_move();
+  auto result = co_await run(tmcl::verbs::restore(address(), parameter), std::move(movement));
+  module_.note_settings_changed();
   co_return result;
 }
 

@@ -68,6 +68,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   tmcl::AxisAddress address() const { return config_.address; }
   /// Empty if the configuration gives it none.
   const std::string& unit() const { return config_.scale.unit; }
+  /// In its unit, in microsteps without one.
   const std::optional<tmcl::SoftLimits>& soft_limits() const { return config_.scale.limits; }
   /// Nothing where what the encoder reads is in microsteps.
   const std::optional<double>& encoder_counts_per_unit() const {
@@ -97,6 +98,9 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Not for an axis with soft limits, which it would pass sooner or later; zero is.
   Awaitable<void> rotate(tmcl::InternalVelocity velocity, RunOptions movement);
   Awaitable<void> set(std::uint8_t parameter, std::int32_t value, RunOptions movement);
+  /// To the EEPROM of its module, and back.
+  Awaitable<void> store(std::uint8_t parameter, RunOptions options);
+  Awaitable<void> restore(std::uint8_t parameter, RunOptions movement);
   /// Whether the soft limits let the axis go there.
   Awaitable<void> check_limits(Length target);
   /// Whether the axis may go to this coordinate of its module.
@@ -152,8 +156,15 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<T> run(tmcl::Script<tmcl::Result<T>> script, RunOptions options);
   boost::asio::awaitable<void> add_units(AxisReading& reading);
   tmcl::Result<void> check_endless(std::int32_t velocity) const;
-  Awaitable<void> check_setting(std::uint8_t parameter, std::int32_t value);
-  /// The scale that soft limits and distances in the unit need; an error where it cannot be known.
+  Awaitable<void> check_setting(std::uint8_t parameter, std::int32_t value, RunOptions options);
+  tmcl::Result<void> check_restoring(std::uint8_t parameter) const;
+  /// Whether the soft limits let the axis go on to the target that its module holds, unless it is
+  /// `here` already.
+  Awaitable<void> check_held_target(std::optional<std::int32_t> here, RunOptions options);
+  Awaitable<void> check_held_velocity(RunOptions options);
+  Awaitable<bool> turns_by_velocity(RunOptions options);
+  /// The scale that soft limits and distances in the unit need; microsteps without a unit. An error
+  /// where it cannot be known.
   Awaitable<tmcl::UserScale> known_scale();
   Awaitable<StartedMove> start(tmcl::Script<tmcl::Result<tmcl::Microsteps>> script, bool predict,
                                RunOptions movement);

@@ -8,6 +8,7 @@
 
 #include "sim/ports/link_file.hpp"
 #include "sim/ports/pty.hpp"
+#include "sim/ports/silence.hpp"
 #include "sim/wire/serial_line.hpp"
 
 namespace tmcl::sim {
@@ -20,6 +21,7 @@ class PtyPort final : public Port {
   PtyPort(asio::io_context& io, Scheduler& scheduler, Pty pty, LinkFile link)
       : scheduler_(&scheduler),
         master_(io, pty.master.release()),
+        silence_(io, master_.native_handle()),
         slave_(std::move(pty.slave)),
         slave_name_(std::move(pty.slave_name)),
         link_(std::move(link)),
@@ -36,8 +38,9 @@ class PtyPort final : public Port {
   void read() {
     master_.async_read_some(asio::buffer(input_), [this](const auto& error, std::size_t size) {
       if (error) return;
-      line_.receive(std::span(input_).first(size));
+      line_.receive(std::span(input_).first(size), silence_.seen_at());
       scheduler_->touch();
+      if (line_.is_unfinished()) silence_.look_later();
       read();
     });
   }
@@ -49,6 +52,7 @@ class PtyPort final : public Port {
 
   Scheduler* scheduler_;
   asio::posix::stream_descriptor master_;
+  Silence silence_;
   FileDescriptor slave_;
   std::string slave_name_;
   LinkFile link_;

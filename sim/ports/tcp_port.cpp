@@ -8,6 +8,7 @@
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/ip/tcp.hpp>
 
+#include "sim/ports/silence.hpp"
 #include "sim/wire/serial_line.hpp"
 
 namespace tmcl::sim {
@@ -19,8 +20,9 @@ using boost::system::error_code;
 
 class Client {
  public:
-  Client(tcp::socket socket, Scheduler& scheduler)
+  Client(asio::io_context& io, tcp::socket socket, Scheduler& scheduler)
       : socket_(std::move(socket)),
+        silence_(io, socket_.native_handle()),
         scheduler_(&scheduler),
         line_(scheduler.bench(), [this](auto bytes) { write(bytes); }) {
     error_code ignored;
@@ -35,8 +37,9 @@ class Client {
                             [this, gone](const error_code& error, std::size_t size) {
                               if (error == asio::error::operation_aborted && !closed_by_us_) return;
                               if (error) return gone();
-                              line_.receive(std::span(input_).first(size));
+                              line_.receive(std::span(input_).first(size), silence_.seen_at());
                               scheduler_->touch();
+                              if (line_.is_unfinished()) silence_.look_later();
                               serve(gone);
                             });
   }
@@ -52,6 +55,7 @@ class Client {
   }
 
   tcp::socket socket_;
+  Silence silence_;
   Scheduler* scheduler_;
   bool closed_by_us_ = false;
   SerialLine line_;
@@ -60,8 +64,8 @@ class Client {
 
 class TcpPort final : public Port {
  public:
-  TcpPort(Scheduler& scheduler, tcp::acceptor acceptor)
-      : scheduler_(&scheduler), acceptor_(std::move(acceptor)) {
+  TcpPort(asio::io_context& io, Scheduler& scheduler, tcp::acceptor acceptor)
+      : io_(&io), scheduler_(&scheduler), acceptor_(std::move(acceptor)) {
     accept();
   }
 
@@ -82,11 +86,12 @@ class TcpPort final : public Port {
   }
 
   void admit(tcp::socket socket) {
-    const auto client =
-        clients_.insert(clients_.end(), std::make_unique<Client>(std::move(socket), *scheduler_));
+    const auto client = clients_.insert(
+        clients_.end(), std::make_unique<Client>(*io_, std::move(socket), *scheduler_));
     (*client)->serve([this, client] { clients_.erase(client); });
   }
 
+  asio::io_context* io_;
   Scheduler* scheduler_;
   tcp::acceptor acceptor_;
   std::list<std::unique_ptr<Client>> clients_;
@@ -110,7 +115,7 @@ OpenedPort open_tcp_port(asio::io_context& io, Scheduler& scheduler, const Endpo
   if (error)
     return tl::unexpected("cannot listen on " + endpoint.host + ":" + endpoint.port + ": " +
                           error.message());
-  return std::make_unique<TcpPort>(scheduler, std::move(acceptor));
+  return std::make_unique<TcpPort>(io, scheduler, std::move(acceptor));
 }
 
 }  // namespace tmcl::sim

@@ -17,14 +17,18 @@ class SerialFramer {
  public:
   static constexpr Duration longest_gap = std::chrono::milliseconds(5);
 
-  std::optional<SerialBytes> push(std::uint8_t byte, TimePoint now) {
-    if (now - last_ > longest_gap) size_ = 0;
-    last_ = now;
+  /// The byte came between these two times.
+  std::optional<SerialBytes> push(std::uint8_t byte, TimePoint earliest, TimePoint latest) {
+    if (earliest - last_ > longest_gap) size_ = 0;
+    last_ = latest;
     bytes_[size_++] = byte;
     if (size_ < bytes_.size()) return std::nullopt;
     size_ = 0;
     return bytes_;
   }
+
+  /// Some bytes of a datagram are there.
+  bool has_begun() const { return size_ != 0; }
 
  private:
   SerialBytes bytes_{};

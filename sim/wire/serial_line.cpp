@@ -50,17 +50,26 @@ std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin
 SerialLine::SerialLine(Bench& bench, Output output) : Line(bench), output_(std::move(output)) {}
 
 void SerialLine::receive(std::span<const std::uint8_t> bytes) {
+  receive(bytes, bench().clock().now());
+}
+
+void SerialLine::receive(std::span<const std::uint8_t> bytes, TimePoint earliest) {
   const auto& modules = bench().modules();
   ears_.resize(modules.size());
   for (const auto byte : bytes) {
-    for (std::size_t i = 0; i < modules.size(); ++i) hear(*modules[i], ears_[i], byte);
+    for (std::size_t i = 0; i < modules.size(); ++i) hear(*modules[i], ears_[i], byte, earliest);
   }
 }
 
-void SerialLine::hear(Module& module, Ear& ear, std::uint8_t byte) {
+bool SerialLine::is_unfinished() const {
+  return std::ranges::any_of(ears_, [](const Ear& ear) { return ear.framer.has_begun(); });
+}
+
+void SerialLine::hear(Module& module, Ear& ear, std::uint8_t byte, TimePoint earliest) {
   if (ear.ascii != module.in_ascii_mode()) ear = Ear{{}, {}, module.in_ascii_mode()};
   if (ear.ascii) return hear_character(module, ear, byte);
-  if (const auto frame = ear.framer.push(byte, bench().clock().now())) hand_to(module, *frame);
+  const auto frame = ear.framer.push(byte, earliest, bench().clock().now());
+  if (frame) hand_to(module, *frame);
 }
 
 void SerialLine::hear_character(Module& module, Ear& ear, std::uint8_t byte) {

@@ -35,6 +35,10 @@ class SerialLine final : public Line {
 
   /// Bytes from the host, in the instant that the bench's clock shows.
   void receive(std::span<const std::uint8_t> bytes);
+  /// Bytes that have come since `earliest`, together.
+  void receive(std::span<const std::uint8_t> bytes, TimePoint earliest);
+  /// A module has heard a part of a datagram.
+  bool is_unfinished() const;
 
   TimePoint next_due() const override;
   void run_due() override;
@@ -53,7 +57,7 @@ class SerialLine final : public Line {
     bool ascii = false;
   };
 
-  void hear(Module& module, Ear& ear, std::uint8_t byte);
+  void hear(Module& module, Ear& ear, std::uint8_t byte, TimePoint earliest);
   void hear_character(Module& module, Ear& ear, std::uint8_t byte);
   void hand_to(Module& module, const SerialBytes& frame);
   void hand_to(Module& module, const std::string& line);

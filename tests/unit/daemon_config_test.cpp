@@ -148,6 +148,14 @@ TEST(DaemonConfig, ReadsWhatAnAxisDrives) {
   EXPECT_FALSE(linear->axes[0].scale.limits);
 }
 
+TEST(DaemonConfig, SoftLimitsNeedNoUnit) {
+  const auto bare = parse_config(std::string(good) + "soft_limits = [-1000, 2000]\n");
+  ASSERT_TRUE(bare) << bare.error().front().message;
+  EXPECT_EQ(bare->axes[0].scale.limits, (tmcl::SoftLimits{{-1000}, {2000}}));
+  EXPECT_THAT(problems(std::string(good) + "soft_limits = [5, 5]\n"),
+              ElementsAre(HasSubstr("the first must be less than the second")));
+}
+
 TEST(DaemonConfig, MechanicsThatMakeNoSenseAreRefused) {
   const auto with = [](const std::string& lines) {
     return problems(std::string(good) + "unit = \"mm\"\nscrew_pitch = 10\n" + lines);
@@ -174,8 +182,7 @@ TEST(DaemonConfig, MechanicsThatMakeNoSenseAreRefused) {
   EXPECT_THAT(with("encoder_quadrature = true\n"), one("without 'encoder_lines'"));
   EXPECT_THAT(with("encoder_counts_per_unit = -1\n"), one("greater than 0"));
   EXPECT_THAT(with("encoder_counts_per_unit = 1\nencoder_lines = 1\n"), one("give one"));
-  for (const auto* line : {"gear_ratio = 2", "soft_limits = [0, 1]", "encoder_lines = 5",
-                           "encoder_counts_per_unit = 5"}) {
+  for (const auto* line : {"gear_ratio = 2", "encoder_lines = 5", "encoder_counts_per_unit = 5"}) {
     EXPECT_THAT(problems(std::string(good) + line + '\n'), one("means nothing without 'unit'"));
   }
   EXPECT_THAT(problems(std::string(good) + "screw_pitch = 10\n"), one("belong together"));

@@ -64,8 +64,6 @@ struct Unit {
   int per_seconds = 0;
 };
 
-tmcl::UserScale microsteps_scale() { return {std::string(microsteps_name), 1, false, {1, 0}}; }
-
 std::string units_of(const AxisUnits& units) {
   std::string text = "microsteps, rev, pps, rps, rpm";
   if (units.scale && !units.scale->unit.empty())
@@ -98,7 +96,7 @@ Attempt<Unit> unit_of(const Quantity& quantity, const AxisUnits& units) {
   const auto name = split(quantity.unit);
   const auto* known = std::ranges::find(known_units, name.base, &KnownUnit::name);
   if (known != known_units.end() && known->base == microsteps_name)
-    return Unit{microsteps_scale(), known->per_seconds + name.per_seconds};
+    return Unit{tmcl::microsteps_scale(), known->per_seconds + name.per_seconds};
   const bool own = units.scale && !name.base.empty() && units.scale->unit == name.base;
   if (known == known_units.end() && !own)
     return tl::unexpected(unknown_unit(quantity, name.base, units));

@@ -123,6 +123,8 @@ struct UserScale {
 };
 /// The same motor and direction, measured in revolutions of the motor.
 UserScale revolutions(const UserScale& scale);
+/// Microsteps as units, in the motor's own direction.
+UserScale microsteps_scale();
 /// Why a unit of a user cannot be called this, such as "is too long"; empty if it can. A name has 1
 /// to 16 bytes, letters, '%', '_' and whatever is not ASCII, and is none of the units that there
 /// are already, such as "rev" or "pps".

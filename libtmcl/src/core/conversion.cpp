@@ -184,6 +184,8 @@ Dimension dimension_of(const ParameterInfo& row) {
 
 UserScale revolutions(const UserScale& scale) { return {"rev", 1, scale.reverse, scale.steps}; }
 
+UserScale microsteps_scale() { return {"microsteps", 1, false, {1, 0}}; }
+
 std::span<const std::string_view> reserved_unit_names() {
   static constexpr std::array<std::string_view, 6> names{"microstep", "microsteps", "rev",
                                                          "pps",       "rps",        "rpm"};

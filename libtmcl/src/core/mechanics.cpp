@@ -1,11 +1,17 @@
 #include "tmcl/mechanics.hpp"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <limits>
+#include <string_view>
 
 namespace tmcl {
 namespace {
+
+constexpr std::string_view ramp_mode = "ramp_mode";
+// The numbers that it has.
+constexpr std::array<std::uint8_t, 2> ramp_modes{128, 138};
 
 // Twelve digits: what is behind them comes from the conversion, not from the user.
 std::string number_text(double value) {
@@ -35,6 +41,26 @@ UserScale encoder_scale(double counts_per_unit, const UserScale& scale) {
 
 bool is_encoder_position(const ParameterInfo& row) {
   return row.name == "encoder_position" || row.name == "latched_encoder_position";
+}
+
+std::optional<ModeParameter> mode_parameter(std::span<const ParameterInfo> table) {
+  constexpr std::int32_t velocity_mode = 2;  // of every model that has the parameter
+  const auto* row = find_parameter(table, ramp_mode);
+  if (row == nullptr) return std::nullopt;
+  return ModeParameter{row->number, velocity_mode};
+}
+
+SetOff set_off_by(std::uint8_t parameter, std::span<const ParameterInfo> table) {
+  switch (parameter) {
+    case axis_parameter::target_position: return SetOff::move_to_value;
+    case axis_parameter::actual_position: return SetOff::held_move;
+    case axis_parameter::target_velocity: return SetOff::turning_at_value;
+    default: break;
+  }
+  const auto mode = mode_parameter(table);
+  const bool is_mode = table.empty() ? std::ranges::count(ramp_modes, parameter) != 0
+                                     : mode && mode->number == parameter;
+  return is_mode ? SetOff::held_move_or_turning : SetOff::nothing;
 }
 
 ValueRange microsteps_within(const SoftLimits& limits, const UserScale& scale) {
