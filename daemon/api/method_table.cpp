@@ -84,9 +84,19 @@ constexpr std::array started_move_result{
 constexpr std::array move_line_params{
     ParamInfo{"axes", texts, required, "names of the axes, on any buses"},
     ParamInfo{"positions_microsteps", integers, optional, "where each of them is to go"},
-    ParamInfo{"positions", numbers, optional, "the same in the axes' units, instead"}, deadline};
+    ParamInfo{"positions", numbers, optional, "the same in the axes' units, instead"},
+    ParamInfo{"velocity", number, optional, "what no axis exceeds, in the unit that all have"},
+    ParamInfo{"velocity_pps", number, optional, "the same in microsteps per second, instead"},
+    ParamInfo{"acceleration", number, optional, "what no axis exceeds, in the unit that all have"},
+    ParamInfo{"acceleration_pps2", number, optional,
+              "the same in microsteps per second squared, instead"},
+    ParamInfo{"time_s", number, optional,
+              "how long it takes, up to 86400; as short as possible if absent"},
+    deadline};
 constexpr std::array move_line_result{
-    ResultInfo{"axes", objects, "axis, target_microsteps and predicted_s of each"},
+    ResultInfo{"axes", objects,
+               "axis, target_microsteps, target in its unit or null, unit or null "
+               "and predicted_s of each"},
     ResultInfo{"predicted_s", number, "when the last of them arrives"},
     ResultInfo{"spread_s", number, "how much earlier the first of them does, as predicted"},
     ResultInfo{"deviation", number,

@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "gateway/line.hpp"
 #include "tmcl/conversion.hpp"
 
 namespace tmcld {
@@ -92,6 +93,91 @@ awaitable<Lookup<tmcl::Microsteps>> position_for(const Call& call, GatewayAxis& 
   if (auto complaint = check_range(row, value, list))
     co_return tl::unexpected(std::move(*complaint));
   co_return tmcl::Microsteps{value};
+}
+
+namespace {
+
+/// One of two forms of a limit, as it was said.
+struct SaidLimit {
+  std::string_view param;
+  double value;
+  bool in_unit;
+};
+
+Lookup<std::optional<SaidLimit>> said_limit(const Call& call, std::string_view in_unit,
+                                            std::string_view plain) {
+  if (!call.params.has(in_unit) && !call.params.has(plain)) return std::nullopt;
+  if (auto complaint = check_forms(call, plain, in_unit))
+    return tl::unexpected(std::move(*complaint));
+  const bool has_unit = call.params.has(in_unit);
+  const auto param = has_unit ? in_unit : plain;
+  const SaidLimit said{param, call.params.number(param), has_unit};
+  if (said.value > 0) return said;
+  return tl::unexpected(
+      param_error("out_of_range", param, quoted(param) + " must be greater than 0"));
+}
+
+/// A velocity or an acceleration, and its two forms.
+template <class Value>
+struct LimitKind {
+  std::string_view in_unit;
+  std::string_view plain;
+  Value (*from_unit)(double, const tmcl::UserScale&);
+  tmcl::OutOfReach (*told_in_unit)(const tmcl::OutOfReach&, const tmcl::UserScale&);
+};
+constexpr LimitKind<tmcl::PulsesPerSecond> velocity_limit{
+    "velocity", "velocity_pps",
+    [](double value, const tmcl::UserScale& scale) {
+      return tmcl::to_pps(tmcl::UserVelocity{value}, scale);
+    },
+    tmcl::in_velocity_units};
+constexpr LimitKind<tmcl::PulsesPerSecond2> acceleration_limit{
+    "acceleration", "acceleration_pps2",
+    [](double value, const tmcl::UserScale& scale) {
+      return tmcl::to_pps2(tmcl::UserAcceleration{value}, scale);
+    },
+    tmcl::in_acceleration_units};
+
+/// `parameter` is what holds such a limit.
+template <class Value>
+awaitable<Lookup<std::optional<Value>>> limit_of(const Call& call, GatewayAxis& axis,
+                                                 const LimitKind<Value>& kind,
+                                                 std::uint8_t parameter) {
+  const auto said = said_limit(call, kind.in_unit, kind.plain);
+  if (!said) co_return tl::unexpected(said.error());
+  if (!*said) co_return std::nullopt;
+  const auto [param, value, in_unit] = **said;
+  std::optional<tmcl::UserScale> scale;
+  if (in_unit) {
+    auto known = co_await user_scale(axis, param);
+    if (!known) co_return tl::unexpected(known.error());
+    scale = std::move(*known);
+    scale->reverse = false;  // a limit holds in both directions
+  }
+  const auto limit = scale ? kind.from_unit(value, *scale) : Value{value};
+  const auto units = co_await axis.module_units();
+  const auto* row = find_parameter(axis.parameters(), parameter);
+  if (!units || row == nullptr) co_return limit;
+  const auto start = tmcl::initial_units(*axis.module().model());
+  const auto fits = tmcl::to_internal(limit, *units, range_of(*row, start, *units));
+  if (fits) co_return limit;
+  const auto error = scale ? kind.told_in_unit(fits.error(), *scale) : fits.error();
+  co_return tl::unexpected(
+      param_error("out_of_range", param, "axis " + quoted(axis.name()) + ": " + describe(error)));
+}
+
+}  // namespace
+
+awaitable<Lookup<MotionLimits>> motion_limits_of(const Call& call, GatewayAxis& axis) {
+  const auto velocity =
+      co_await limit_of(call, axis, velocity_limit, tmcl::axis_parameter::max_velocity);
+  if (!velocity) co_return tl::unexpected(velocity.error());
+  const auto* model = axis.module().model();
+  const auto parameter =
+      model == nullptr ? tmcl::axis_parameter::max_acceleration : greatest_acceleration_of(*model);
+  const auto acceleration = co_await limit_of(call, axis, acceleration_limit, parameter);
+  if (!acceleration) co_return tl::unexpected(acceleration.error());
+  co_return MotionLimits{*velocity, *acceleration};
 }
 
 awaitable<Lookup<tmcl::InternalVelocity>> velocity_of(const Call& call, GatewayAxis& axis) {

@@ -1,6 +1,7 @@
 /// Positions and velocities of a call, which may come in the unit of the axis as well.
 #pragma once
 
+#include <optional>
 #include <string_view>
 
 #include <boost/asio/awaitable.hpp>
@@ -22,6 +23,16 @@ boost::asio::awaitable<Lookup<Length>> length_of(const Call& call, GatewayAxis& 
 boost::asio::awaitable<Lookup<tmcl::Microsteps>> position_for(const Call& call, GatewayAxis& axis,
                                                               std::string_view list,
                                                               std::size_t index);
+
+/// What an axis may do at most.
+struct MotionLimits {
+  std::optional<tmcl::PulsesPerSecond> velocity;
+  std::optional<tmcl::PulsesPerSecond2> acceleration;
+};
+/// The parameters "velocity" and "acceleration", in the axis' unit, or "velocity_pps" and
+/// "acceleration_pps2". Nothing for what is absent. Errors: both forms of one; not above 0, or
+/// above what the axis can do.
+boost::asio::awaitable<Lookup<MotionLimits>> motion_limits_of(const Call& call, GatewayAxis& axis);
 
 /// The parameter "velocity_internal" or the parameter "velocity".
 boost::asio::awaitable<Lookup<tmcl::InternalVelocity>> velocity_of(const Call& call,

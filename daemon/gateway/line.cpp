@@ -6,6 +6,7 @@
 #include <ranges>
 #include <utility>
 
+#include <fmt/format.h>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/steady_timer.hpp>
@@ -32,7 +33,6 @@ constexpr Duration tolerated_delay = std::chrono::seconds(2);
 constexpr Duration time_to_stand = std::chrono::seconds(10);
 // Coordinate 0 is never kept in the EEPROM.
 constexpr std::uint8_t scratch_coordinate = 0;
-constexpr std::uint8_t tmc457_acceleration = 16;
 
 tmcl::TimePoint now() { return std::chrono::steady_clock::now(); }
 
@@ -69,10 +69,8 @@ class Traffic {
 };
 
 /// What one axis has to do with the line.
-struct Member {
-  std::shared_ptr<GatewayAxis> axis;
-  Microsteps target;
-  RunOptions movement;
+struct Member : LineMember {
+  RunOptions movement{};
   std::optional<tmcl::plan::AxisTwin> twin{};
   std::vector<Setting> before{};   // its ramp's settings
   std::vector<Setting> changed{};  // those that the line has changed, as they were
@@ -84,12 +82,12 @@ struct Member {
 
 class LineRun : public std::enable_shared_from_this<LineRun> {
  public:
-  LineRun(std::vector<LineMember> members, Deadline deadline) {
-    for (auto& member : members) {
-      auto movement = member.axis->begin_movement(deadline);
+  explicit LineRun(LineOrder order) : duration_(order.duration) {
+    for (auto& member : order.members) {
+      auto movement = member.axis->begin_movement(order.deadline);
       auto& traffic = traffic_[&member.axis->bus()];
       movement.on_answer = [&traffic](Duration exchange) { traffic.note(exchange); };
-      members_.push_back({std::move(member.axis), member.target, std::move(movement)});
+      members_.push_back({std::move(member), std::move(movement)});
     }
   }
 
@@ -153,19 +151,26 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     return found == member.before.end() ? 0 : found->value;
   }
 
+  static tmcl::PulsesPerSecond velocity_limit(const Member& member) {
+    const tmcl::InternalVelocity own{setting(member, ap::max_velocity)};
+    const auto limit = member.twin->to_pps(own);
+    return std::min(limit, member.velocity.value_or(limit));
+  }
+  static tmcl::PulsesPerSecond2 acceleration_limit(const Member& member) {
+    const auto parameter = greatest_acceleration_of(member.twin->model());
+    const tmcl::InternalAcceleration own{setting(member, parameter)};
+    const auto limit = member.twin->to_pps2(own);
+    return std::min(limit, member.acceleration.value_or(limit));
+  }
+
   Fault plan() {
     std::vector<tmcl::plan::LineAxis> axes;
     for (const auto& member : members_) {
-      const bool is_tmc457 = member.twin->model().family == tmcl::Family::tmc457;
-      const auto acceleration = is_tmc457 ? tmc457_acceleration : ap::max_acceleration;
-      axes.push_back(
-          {*member.twin, member.target,
-           member.twin->to_pps(tmcl::InternalVelocity{setting(member, ap::max_velocity)}),
-           member.twin->to_pps2(tmcl::InternalAcceleration{setting(member, acceleration)}),
-           bus_of(member)});
+      axes.push_back({*member.twin, member.target, velocity_limit(member),
+                      acceleration_limit(member), bus_of(member)});
     }
     line_.one_command = fits_one_command();
-    auto planned = tmcl::plan::plan_line(axes, exchanges());
+    auto planned = tmcl::plan::plan_line(axes, exchanges(), duration_);
     if (!planned) {
       const auto& member = members_[planned.error().axis];
       return member.failure(
@@ -335,12 +340,23 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
       if (auto stop = member.movement.objection()) co_return member.failure(std::move(*stop));
       const auto reading = co_await member.axis->read_state();
       if (!reading) co_return member.failure(reading.error());
-      if (auto fault = judge(member, reading->state)) co_return fault;
+      if (auto fault = judge(member, *reading)) co_return fault;
     }
     co_return std::nullopt;
   }
 
-  Fault judge(Member& member, const tmcl::AxisState& state) const {
+  // Its target is the line's.
+  static std::string stands_short(const Member& member, const AxisReading& reading) {
+    if (const auto& user = reading.user) {
+      return fmt::format("stands at {0:.10g} {2}, short of its target {1:.10g} {2}",
+                         user->position.value, user->target.value, member.axis->unit());
+    }
+    return fmt::format("stands at {}, short of its target {}", reading.state.position.value,
+                       reading.state.target.value);
+  }
+
+  Fault judge(Member& member, const AxisReading& reading) const {
+    const auto& state = reading.state;
     const auto name = "axis '" + member.axis->name() + "' ";
     const bool stands = state.velocity.value == 0;
     if (stands && state.position == member.target) {
@@ -353,10 +369,8 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
       return member.failure(broken(name + "was sent elsewhere", "the other axes were stopped"));
     member.stood = stands ? member.stood + 1 : 0;
     if (member.stood > 2) {
-      return member.failure(broken(name + "stands at " + std::to_string(state.position.value) +
-                                       ", short of its target " +
-                                       std::to_string(member.target.value),
-                                   "the other axes were stopped"));
+      return member.failure(
+          broken(name + stands_short(member, reading), "the other axes were stopped"));
     }
     if (passed > line_.plan.duration + tolerated_delay) {
       return member.failure(
@@ -392,6 +406,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   }
 
   std::vector<Member> members_;
+  std::optional<Duration> duration_;
   StartedLine line_;
   std::map<GatewayBus*, Traffic> traffic_;
   bool started_ = false;
@@ -400,9 +415,13 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
 
 }  // namespace
 
-awaitable<tl::expected<StartedLine, LineFailure>> start_line(std::vector<LineMember> members,
-                                                             Deadline deadline) {
-  const auto run = std::make_shared<LineRun>(std::move(members), deadline);
+std::uint8_t greatest_acceleration_of(const tmcl::Model& model) {
+  constexpr std::uint8_t tmc457_acceleration = 16;
+  return model.family == tmcl::Family::tmc457 ? tmc457_acceleration : ap::max_acceleration;
+}
+
+awaitable<tl::expected<StartedLine, LineFailure>> start_line(LineOrder order) {
+  const auto run = std::make_shared<LineRun>(std::move(order));
   auto started = co_await run->start();
   co_return started;
 }

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,15 @@ namespace tmcld {
 struct LineMember {
   std::shared_ptr<GatewayAxis> axis;
   tmcl::Microsteps target;
+  // What it may do at most, beside the settings of its ramp.
+  std::optional<tmcl::PulsesPerSecond> velocity{};
+  std::optional<tmcl::PulsesPerSecond2> acceleration{};
+};
+
+struct LineOrder {
+  std::vector<LineMember> members;           ///< Different axes, at least one.
+  std::optional<tmcl::Duration> duration{};  ///< As short as possible if absent.
+  Deadline deadline{};
 };
 
 struct LineFailure {
@@ -36,10 +46,12 @@ struct StartedLine {
   tmcl::Duration skew{};
 };
 
+/// The axis parameter that says how fast this model speeds up.
+std::uint8_t greatest_acceleration_of(const tmcl::Model& model);
+
 /// Returns when all of them have started, and goes on watching; a line that does not end as it
-/// should is told by a GatewayEvent. Different axes, at least one. Errors: nothing has started, or
-/// what had started has been stopped.
-boost::asio::awaitable<tl::expected<StartedLine, LineFailure>> start_line(
-    std::vector<LineMember> members, Deadline deadline);
+/// should is told by a GatewayEvent. Errors: nothing has started, or what had started has been
+/// stopped.
+boost::asio::awaitable<tl::expected<StartedLine, LineFailure>> start_line(LineOrder order);
 
 }  // namespace tmcld

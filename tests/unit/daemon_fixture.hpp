@@ -43,6 +43,8 @@ class FakeWire {
   std::map<std::uint8_t, FakeModule> modules;
   /// While set, requests are taken and kept; release() answers them.
   bool holds = false;
+  /// Asked about every request that is not held: whether the answer to it gets lost.
+  std::function<bool(const tmcl::Request&)> loses;
   /// While set, opening the link fails.
   std::atomic<bool> is_absent = false;
   /// What the modules say they are.
@@ -98,6 +100,7 @@ class FakeWire {
     if (request.command == tmcl::Command::GET_FIRMWARE_VERSION && !module->second.play) {
       reply.value = tmcl::to_value({model, 1, 9});
     }
+    if (loses && loses(request)) return;
     const auto bytes = tmcl::encode_serial(reply);
     boost::system::error_code ignored;
     boost::asio::write(*end_, boost::asio::buffer(bytes), ignored);

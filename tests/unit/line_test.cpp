@@ -50,6 +50,17 @@ TEST(Line, TheSlowestAxisRules) {
   EXPECT_NEAR(Seconds(line->duration).count(), 2.625, 0.01);
 }
 
+TEST(Line, TakesAsLongAsItIsAskedTo) {
+  const std::vector<LineAxis> axes{axis(40'000, 50'000, 200'000), axis(-10'000, 50'000, 200'000)};
+  const auto line = plan_line(axes, {}, std::chrono::seconds(3));
+  ASSERT_TRUE(line);
+  EXPECT_NEAR(Seconds(line->duration).count(), 3, 0.001);
+  EXPECT_LT(line->spread, std::chrono::milliseconds(1));
+  const auto too_short = plan_line(axes, {}, std::chrono::milliseconds(900));
+  EXPECT_THAT(too_short.error().message,
+              HasSubstr("after 0.9 s; the shortest time possible is 1.0"));
+}
+
 TEST(Line, AnAxisThatIsThereAlreadyStays) {
   const auto line = plan({axis(0, 50'000, 200'000), axis(10'000, 50'000, 200'000)});
   ASSERT_TRUE(line);

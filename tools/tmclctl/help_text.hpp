@@ -97,12 +97,15 @@ waiting and NOT the move: it tells how to stop the axis and exits with 130.
 
 constexpr const char* line = R"(
 The axes start together and arrive together: each gets the part of speed and acceleration that its
-way is of the longest. Their own settings are the limits, and are set back at the end. If one cannot
-take part, none moves; if one is stopped or does not go as planned, all are stopped. It needs tmcld,
-whose axes may be on any of its buses. Several motors of one module start with one command.
+way is of the longest. Their own settings are the limits, and are set back at the end; --velocity and
+--acceleration are limits of each axis, too. If one cannot take part, none moves; if one is stopped or
+does not go as planned, all are stopped. It needs tmcld, whose axes may be on any of its buses.
+Several motors of one module start with one command.
 
   tmclctl line x=51200 y=-10000 --wait
   tmclctl line x=10mm y=2.5mm z=0
+  tmclctl line x=10mm y=2.5mm --velocity 5mm/s
+  tmclctl line x=10mm y=2.5mm --time 4
 )";
 
 constexpr const char* rotate = R"(

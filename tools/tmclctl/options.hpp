@@ -52,6 +52,8 @@ struct Line {
     Quantity position;
   };
   std::vector<Goal> goals;
+  std::optional<Quantity> velocity, acceleration;
+  std::optional<double> time_s;
   bool wait = false;
   std::optional<double> timeout_s;
 };

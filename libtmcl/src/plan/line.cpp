@@ -59,6 +59,14 @@ double time_of(double way, double velocity, double acceleration) {
   return way / velocity + velocity / acceleration;
 }
 
+// With which a trapezoid takes so long, but no more than the greatest.
+double velocity_for(double way, double time_s, double greatest, double acceleration) {
+  const double ramps = acceleration * time_s;
+  const double below_root = ramps * ramps - 4 * acceleration * way;
+  if (below_root <= 0) return greatest;
+  return std::min(greatest, (ramps - std::sqrt(below_root)) / 2);
+}
+
 /// What makes a plain trapezoid, with everything else that makes a difference to it: the other
 /// accelerations, bow, minimum velocity.
 std::vector<Setting> trapezoid_settings(const AxisTwin& twin, InternalVelocity velocity,
@@ -349,6 +357,14 @@ class Planner {
     ramp_ = share_ramp(ways_);
   }
 
+  /// Greater than what the line takes at least.
+  void stretch_to(Duration duration) {
+    if (line_.order.empty()) return;
+    duration_ = duration;
+    const double way = std::abs(ways_[ramp_.longest].distance);
+    ramp_.velocity = velocity_for(way, seconds(duration), ramp_.velocity, ramp_.acceleration);
+  }
+
   tl::expected<Line, LineError> plan() {
     if (line_.order.empty()) return std::move(line_);
     if (auto fault = choose_registers()) return tl::unexpected(std::move(*fault));
@@ -413,7 +429,7 @@ class Planner {
     std::vector<std::size_t> buses;
     for (const auto i : line_.order) buses.push_back(axes_[i].bus);
     const auto starts = start_times(buses, exchanges_);
-    Duration end{};
+    Duration end = duration_;
     for (std::size_t place = 0; place < line_.order.size(); ++place)
       end = std::max(end, starts[place] + runners_[line_.order[place]].arrival());
     auto earliest = end;
@@ -431,6 +447,7 @@ class Planner {
   const Exchanges& exchanges_;
   std::vector<Way> ways_;
   SharedRamp ramp_;
+  Duration duration_{};  // 0: as short as possible
   std::vector<Runner> runners_;
   Line line_;
 };
@@ -450,10 +467,20 @@ std::vector<Duration> start_times(std::span<const std::size_t> buses, const Exch
   return times;
 }
 
-tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes,
-                                        const Exchanges& exchanges) {
+tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes, const Exchanges& exchanges,
+                                        std::optional<Duration> duration) {
   if (auto fault = fault_of(axes)) return tl::unexpected(std::move(*fault));
-  return Planner(axes, exchanges).plan();
+  auto shortest = Planner(axes, exchanges).plan();
+  if (!duration || !shortest || shortest->order.empty()) return shortest;
+  if (*duration < shortest->duration) {
+    return tl::unexpected(LineError{
+        shortest->order.front(),
+        fmt::format("it cannot be there after {:.6g} s; the shortest time possible is {:.6g} s",
+                    seconds(*duration), seconds(shortest->duration))});
+  }
+  Planner planner(axes, exchanges);
+  planner.stretch_to(*duration);
+  return planner.plan();
 }
 
 }  // namespace tmcl::plan

@@ -6,6 +6,7 @@ namespace tmclctl {
 namespace {
 
 constexpr double shortest_time_s = 0.001;
+constexpr double longest_line_s = 86'400;
 constexpr int shortest_interval_ms = 10;
 constexpr int longest_interval_ms = 60'000;
 
@@ -88,6 +89,12 @@ void add_motion(Grammar& grammar) {
                                        help_text::line);
   line.words("AXIS=POSITION", "Where each of them is to go: microsteps, or with a unit",
              [&goals = line->goals](const std::string& text) { return read_goal(text, goals); });
+  line.option("--velocity", "VELOCITY", "What no axis exceeds, such as 20mm/s or 50000pps",
+              quantity(line->velocity));
+  line.option("--acceleration", "ACCELERATION", "Likewise, such as 100mm/s^2 or 200000pps/s",
+              quantity(line->acceleration));
+  line.option("--time", "SECONDS", "Take so long; without it, as short as possible",
+              number(line->time_s, shortest_time_s, longest_line_s));
   line.flag("--wait", "Wait until all of them stand at their targets", line->wait);
   line.option("--timeout", "SECONDS", "With --wait: give up after so long; the axes go on",
               number(line->timeout_s, shortest_time_s, longest_time_s));

@@ -16,6 +16,70 @@ namespace json = boost::json;
 
 constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
 
+Attempt<std::vector<AxisUnits>> units_of(const verb::Line& verb, Target& target) {
+  std::vector<AxisUnits> all;
+  for (const auto& goal : verb.goals) {
+    auto units = target.units(goal.axis);
+    if (!units) return tl::unexpected(units.error());
+    // A limit holds in both directions.
+    if (units->scale) units->scale->reverse = false;
+    all.push_back(std::move(*units));
+  }
+  return all;
+}
+
+/// The two parameters that say the same.
+struct LimitNames {
+  const char* in_unit;
+  const char* plain;
+};
+
+/// One number for all axes: in microsteps if it is the same for all of them, else in the unit that
+/// they share.
+template <class Value>
+Attempt<void> put_limit(json::object& params, LimitNames names, const Quantity& said,
+                        const std::vector<AxisUnits>& axes,
+                        Attempt<Value> (*convert)(const Quantity&, const AxisUnits&)) {
+  std::vector<double> values;
+  for (const auto& units : axes) {
+    const auto value = convert(said, units);
+    if (!value) return tl::unexpected(value.error());
+    values.push_back(value->value);
+  }
+  const auto& first = axes.front();
+  if (std::ranges::count(values, values.front()) == std::ssize(values)) {
+    params[names.plain] = values.front();
+    return {};
+  }
+  const bool same_unit = std::ranges::all_of(axes, [&](const AxisUnits& units) {
+    return units.scale && !units.scale->unit.empty() && units.scale->unit == first.scale->unit;
+  });
+  if (!same_unit) {
+    return tl::unexpected(usage_failure(
+        "wrong_unit",
+        fmt::format("'{}' is not the same for all of these axes, and they have no unit in common",
+                    to_string(said)),
+        "Give it in pps or pps/s"));
+  }
+  params[names.in_unit] = tmcl::to_user(Value{values.front()}, *first.scale).value;
+  return {};
+}
+
+Attempt<void> put_limits(json::object& params, const verb::Line& verb, Target& target) {
+  if (verb.time_s) params["time_s"] = *verb.time_s;
+  if (!verb.velocity && !verb.acceleration) return {};
+  const auto units = units_of(verb, target);
+  if (!units) return tl::unexpected(units.error());
+  Attempt<void> put;
+  if (verb.velocity)
+    put = put_limit(params, {"velocity", "velocity_pps"}, *verb.velocity, *units, to_pps);
+  if (put && verb.acceleration) {
+    put = put_limit(params, {"acceleration", "acceleration_pps2"}, *verb.acceleration, *units,
+                    to_pps2);
+  }
+  return put;
+}
+
 Attempt<json::object> asked_line(const verb::Line& verb, Target& target) {
   json::array axes;
   json::array positions;
@@ -25,7 +89,8 @@ Attempt<json::object> asked_line(const verb::Line& verb, Target& target) {
     axes.emplace_back(axis);
     positions.emplace_back(length->microsteps.value);
   }
-  return json::object{{"axes", std::move(axes)}, {"positions_microsteps", std::move(positions)}};
+  json::object params{{"axes", std::move(axes)}, {"positions_microsteps", std::move(positions)}};
+  return put_limits(params, verb, target).map([&] { return std::move(params); });
 }
 
 std::vector<Journey> journeys_of(const verb::Line& verb, const json::object& line,
@@ -68,8 +133,11 @@ Attempt<void> wait_for_all(const verb::Line& verb, const json::object& line,
 void print(const json::object& line, bool arrived, std::ostream& out) {
   for (const auto& value : array_at(line, "axes")) {
     const auto& row = value.as_object();
+    const auto unit = text_at(row, "unit");
+    const auto target = number_at(row, "target");
     out << fmt::format("{} {} {}\n", text_at(row, "axis"), arrived ? "stands at" : "moves to",
-                       integer_at<std::int32_t>(row, "target_microsteps"));
+                       target ? fmt::format("{:.10g} {}", *target, unit)
+                              : std::to_string(integer_at<std::int32_t>(row, "target_microsteps")));
   }
   const auto milliseconds = [&](const char* key) { return 1e3 * number_at(line, key).value_or(0); };
   out << fmt::format(

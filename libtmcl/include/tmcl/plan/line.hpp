@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -84,7 +85,10 @@ struct LineError {
 /// the part of the line that the axis has.
 /// Errors: no axis or more than most_line_axes; limits that are not greater than 0; an axis that
 /// would have to be slower than its registers can say; one that does not arrive.
+/// `duration`: how long it is to take; as short as possible if absent. Also an error: a shorter one
+/// than that.
 tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes,
-                                        const Exchanges& exchanges = {});
+                                        const Exchanges& exchanges = {},
+                                        std::optional<Duration> duration = std::nullopt);
 
 }  // namespace tmcl::plan

@@ -1,0 +1,266 @@
+// line.move on simulated modules: its limits, its units, and what becomes of it when something goes
+// wrong at any of its steps.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "sim/bench.hpp"
+#include "sim/wire/serial_line.hpp"
+#include "unit/daemon_fixture.hpp"
+
+namespace tmcld::test {
+namespace {
+
+using testing::HasSubstr;
+using tmcl::Command;
+using tmcl::Request;
+
+namespace ap = tmcl::axis_parameter;
+
+constexpr std::string_view quick_bench = R"(
+[[bus]]
+name = "bench"
+link = "serial:/dev/none@115200"
+reply_timeout_ms = 40
+)";
+
+std::string axis(const std::string& name, int module, int motor, const std::string& more = {}) {
+  return "[[axis]]\nname = \"" + name + "\"\nbus = \"bench\"\naddress = " + std::to_string(module) +
+         "\nmotor = " + std::to_string(motor) + '\n' + more;
+}
+
+std::string in(const std::string& unit, int per_revolution) {
+  return "unit = \"" + unit + "\"\nunits_per_revolution = " + std::to_string(per_revolution) +
+         "\nreverse = true\n";
+}
+
+std::string axes_without_units() {
+  return std::string(quick_bench) + axis("x", 1, 0) + axis("y", 1, 1) + axis("z", 2, 0);
+}
+
+/// Two TMCM-3110, on which motors move in real time. The requests of a line are counted, and one of
+/// them can be made to go wrong.
+class LineBench {
+ public:
+  explicit LineBench(const std::string& config = axes_without_units()) : daemon_(config) {
+    auto& modules = daemon_.wire().modules;
+    modules.emplace(std::uint8_t{2}, FakeModule(2));
+    for (std::uint16_t address = 1; address <= 2; ++address) {
+      bench_.add(*tmcl::find_model("TMCM-3110"), tmcl::ModuleAddress{address});
+      modules.at(static_cast<std::uint8_t>(address)).play = [this](const Request& request) {
+        return std::optional(play(request));
+      };
+    }
+    daemon_.wire().loses = [this](const Request&) { return count_ == loses_at; };
+    daemon_.start();
+    client = std::make_unique<RpcClient>(daemon_.socket());
+  }
+
+  // What the tests arrange; the first request is 1.
+  std::size_t refuses_at = 0;
+  std::size_t loses_at = 0;
+  std::size_t stops_at = 0;
+
+  /// The next line reads everything anew, so that its requests are always the same.
+  void begin() {
+    for (const auto* axis : {"x", "y", "z"}) {
+      client->result("parameter.set",
+                     {{"axis", axis}, {"parameter", "max_velocity"}, {"value", 1000}});
+    }
+    daemon_.on_reactor([&] { return count_ = started_at_ = 0; });
+  }
+  /// The number of the last request that has started a motor; 0 if none has.
+  std::size_t started_at() {
+    return daemon_.on_reactor([&] { return started_at_; });
+  }
+  std::int32_t value(const std::string& axis, std::uint8_t parameter) {
+    const std::uint16_t module = axis == "z" ? 2 : 1;
+    const std::uint8_t motor = axis == "y" ? 1 : 0;
+    const Request request{tmcl::ModuleAddress{module}, Command::GAP, parameter, motor, 0};
+    return daemon_.on_reactor([&] { return carry_out(request).value; });
+  }
+  /// Nothing moves, no line goes on, and all settings are what they were at first.
+  bool is_at_rest(const std::string& axis) {
+    const auto& model = *tmcl::find_model("TMCM-3110");
+    const auto is_as_before = [&](std::uint8_t parameter) {
+      return value(axis, parameter) ==
+             find_parameter(tmcl::axis_parameters(model), parameter)->initial;
+    };
+    return value(axis, ap::actual_velocity) == 0 &&
+           std::ranges::all_of(tmcl::plan::AxisTwin::parameters(model), is_as_before) &&
+           daemon_.on_reactor(
+               [&] { return !daemon_.daemon().gateway().find_axis(axis)->is_on_line(); });
+  }
+  void expect_rest() {
+    const auto all_rest = [&] { return is_at_rest("x") && is_at_rest("y") && is_at_rest("z"); };
+    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(5);
+    while (!all_rest() && std::chrono::steady_clock::now() < limit)
+      std::this_thread::sleep_for(std::chrono::milliseconds(5));
+    EXPECT_TRUE(all_rest());
+  }
+
+  json::object line(json::array axes, json::array positions, json::object more = {}) {
+    more["axes"] = std::move(axes);
+    more["positions_microsteps"] = std::move(positions);
+    return client->call("line.move", std::move(more));
+  }
+
+  std::unique_ptr<RpcClient> client;
+
+ private:
+  tmcl::Reply play(const Request& request) {
+    ++count_;
+    if (count_ == stops_at) stop();
+    if (count_ == refuses_at)
+      return {2, tmcl::reply_byte(request.address), tmcl::Status::invalid_value, request.command,
+              0};
+    if (request.command == Command::MVP) started_at_ = count_;
+    return carry_out(request);
+  }
+  tmcl::Reply carry_out(const Request& request) {
+    bench_.run_due();
+    answer_.clear();
+    line_.receive(tmcl::encode_serial(request));
+    return *tmcl::decode_serial_reply(std::span<const std::uint8_t, 9>(answer_.data(), 9));
+  }
+  // Somebody else does it.
+  void stop() {
+    const auto axis = daemon_.daemon().gateway().find_axis("x");
+    boost::asio::co_spawn(
+        daemon_.daemon().context(),
+        [axis]() -> boost::asio::awaitable<void> { co_await axis->stop(); }, boost::asio::detached);
+  }
+
+  const tmcl::RealClock clock_;
+  tmcl::sim::Bench bench_{clock_};
+  std::vector<std::uint8_t> answer_;
+  tmcl::sim::SerialLine line_{bench_,
+                              [this](auto bytes) { answer_.assign(bytes.begin(), bytes.end()); }};
+  std::size_t count_ = 0;
+  std::size_t started_at_ = 0;
+  TestDaemon daemon_;
+};
+
+std::string axes_with_units() {
+  return std::string(quick_bench) + axis("x", 1, 0, in("mm", 5)) + axis("y", 1, 1, in("mm", 10)) +
+         axis("z", 2, 0, in("deg", 360));
+}
+
+std::string message_of(const json::object& answer) {
+  return answer.contains("error") ? text(answer.at("error").at("message")) : "no error";
+}
+double predicted(const json::object& answer) {
+  return answer.at("result").at("predicted_s").to_number<double>();
+}
+
+TEST(DaemonLineLimits, NoAxisExceedsAVelocityInTheUnitOfAll) {
+  LineBench bench(axes_with_units());
+  const json::object at_5_mm_per_s{{"velocity", 2.5}};
+  // 0.5 mm with 2.5 mm/s; without that it is a triangle of 0.05 s.
+  const auto answer = bench.line({"x", "y"}, {-5120, -2560}, at_5_mm_per_s);
+  ASSERT_FALSE(answer.contains("error")) << json::serialize(answer);
+  EXPECT_NEAR(predicted(answer), 0.2, 0.03);
+  const auto& axes = answer.at("result").at("axes");
+  EXPECT_DOUBLE_EQ(axes.at(0).at("target").to_number<double>(), 0.5);
+  EXPECT_DOUBLE_EQ(axes.at(1).at("target").to_number<double>(), 0.5);
+  EXPECT_EQ(axes.at(0).at("unit"), "mm");
+  bench.expect_rest();
+}
+
+TEST(DaemonLineLimits, NoAxisExceedsAVelocityAndAnAccelerationInMicrosteps) {
+  LineBench bench;
+  const auto answer =
+      bench.line({"x", "z"}, {1000, 500}, {{"velocity_pps", 5000}, {"acceleration_pps2", 50'000}});
+  ASSERT_FALSE(answer.contains("error")) << json::serialize(answer);
+  EXPECT_NEAR(predicted(answer), 0.2 + 0.1, 0.02);
+  EXPECT_TRUE(answer.at("result").at("axes").at(0).at("target").is_null());
+  bench.expect_rest();
+}
+
+TEST(DaemonLineLimits, ALineTakesAsLongAsItIsSaidTo) {
+  LineBench bench;
+  EXPECT_NEAR(predicted(bench.line({"x", "z"}, {1000, 500}, {{"time_s", 0.3}})), 0.3, 0.01);
+  bench.expect_rest();
+  EXPECT_THAT(message_of(bench.line({"x", "z"}, {0, 0}, {{"time_s", 0.01}})),
+              HasSubstr("cannot be there after 0.01 s; the shortest time possible is 0.0"));
+  EXPECT_THAT(message_of(bench.line({"x", "z"}, {0, 0}, {{"time_s", 0}})),
+              HasSubstr("'time_s' must be greater than 0"));
+  bench.expect_rest();
+}
+
+TEST(DaemonLineLimits, SaysWhatIsWrongWithThem) {
+  LineBench bench(axes_with_units());
+  const auto refusal = [&](json::array axes, json::object limits) {
+    bench.begin();
+    const auto message = message_of(bench.line(axes, {100, 100}, limits));
+    EXPECT_EQ(bench.started_at(), 0U);
+    return message;
+  };
+  EXPECT_THAT(refusal({"x", "y"}, {{"velocity", 0}}), HasSubstr("'velocity' must be greater"));
+  EXPECT_THAT(refusal({"x", "y"}, {{"acceleration_pps2", -1}}),
+              HasSubstr("'acceleration_pps2' must be greater than 0"));
+  EXPECT_THAT(refusal({"x", "y"}, {{"velocity", 1}, {"velocity_pps", 1}}), HasSubstr("not both"));
+  EXPECT_THAT(refusal({"x", "y"}, {{"velocity", 13}}),
+              HasSubstr("axis 'x': 13 mm/s is too fast; the nearest possible value is 12.2"));
+  EXPECT_THAT(refusal({"y", "z"}, {{"velocity", 1}}),
+              HasSubstr("axis 'y' is in mm and axis 'z' is in deg"));
+  EXPECT_THAT(refusal({"x", "y"}, {{"acceleration_pps2", 1e12}}), HasSubstr("axis 'x': 1e+12"));
+  LineBench without(axes_without_units());
+  EXPECT_THAT(message_of(without.line({"x", "y"}, {1, 1}, {{"velocity", 1}})),
+              HasSubstr("axis 'x' has no unit of its own"));
+}
+
+struct Axes {
+  std::string name;
+  json::array axes;
+  json::array targets;
+};
+void PrintTo(const Axes& axes, std::ostream* out) { *out << axes.name; }
+
+class LineFaults : public testing::TestWithParam<Axes> {
+ protected:
+  json::object move() { return bench.line(GetParam().axes, GetParam().targets); }
+  json::object back() { return bench.line(GetParam().axes, {0, 0}); }
+  bool is_at_start() {
+    return bench.value("x", ap::actual_position) == 0 &&
+           bench.value("y", ap::actual_position) == 0 && bench.value("z", ap::actual_position) == 0;
+  }
+  /// How many requests a line takes until all have started.
+  std::size_t steps() {
+    bench.begin();
+    EXPECT_FALSE(move().contains("error"));
+    bench.expect_rest();
+    const auto steps = bench.started_at();
+    go_back();
+    return steps;
+  }
+  void go_back() {
+    EXPECT_FALSE(back().contains("error"));
+    bench.expect_rest();
+    EXPECT_TRUE(is_at_start());
+  }
+
+  LineBench bench;
+};
+
+TEST_P(LineFaults, WhateverIsRefusedNothingMovesOrAllStop) {
+  const auto all = steps();
+  for (std::size_t step = 1; step <= all; ++step) {
+    SCOPED_TRACE("request " + std::to_string(step));
+    bench.begin();
+    bench.refuses_at = step;
+    const auto answer = move();
+    EXPECT_TRUE(answer.contains("error")) << json::serialize(answer);
+    bench.refuses_at = 0;
+    bench.expect_rest();
+    EXPECT_TRUE(bench.started_at() > 0 || is_at_start());
+    go_back();
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(DaemonLine, LineFaults,
+                         testing::Values(Axes{"OfOneModule", {"x", "y"}, {600, -200}},
+                                         Axes{"OfTwoModules", {"x", "z"}, {600, -200}}),
+                         [](const auto& axes) { return axes.param.name; });
+
+}  // namespace
+}  // namespace tmcld::test
