@@ -264,11 +264,13 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     Started started;
     for (const auto i : axes) {
       auto& member = members_[i];
+      if (broken_) break;  // on another bus
       const auto asked = now();
       auto script = tmcl::verbs::move_to(member.axis->address(), member.target);
-      const auto moved = co_await member.axis->perform(std::move(script), member.movement);
+      const auto moved = co_await member.axis->perform(std::move(script), start_options());
       if (!moved) {
-        started.fault = member.failure(moved.error());
+        started.fault = failure_of_start(member, moved.error());
+        broken_ = true;
         break;
       }
       started.last = asked + (now() - asked) / 2;
@@ -277,30 +279,42 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     co_return started;
   }
 
-  // A stop of any of them is an objection to the command.
   awaitable<Started> start_at_once(std::vector<std::size_t> axes) {
     Started started;
     tmcl::MotorMask motors{};
     for (const auto i : axes)
       motors.bits =
           static_cast<std::uint8_t>(motors.bits | (1U << members_[i].axis->address().motor));
-    RunOptions options;
-    options.deadline = members_.front().movement.deadline;
-    options.objection = [this] { return objection(); };
     auto& first = members_[axes.front()];
     auto script = tmcl::verbs::move_motors_to_coordinate(
         first.axis->address().module, motors, tmcl::Together::each_for_itself, scratch_coordinate);
-    const auto moved = co_await first.axis->perform(std::move(script), std::move(options));
-    if (!moved) started.fault = first.failure(moved.error());
+    const auto moved = co_await first.axis->perform(std::move(script), start_options());
+    if (!moved) started.fault = failure_of_start(first, moved.error());
     started.first = started.last = now();
     co_return started;
   }
 
-  std::optional<tmcl::Error> objection() const {
+  // A stop of any of them is an objection to the start of each.
+  RunOptions start_options() const {
+    RunOptions options;
+    options.deadline = members_.front().movement.deadline;
+    options.objection = [this]() -> std::optional<tmcl::Error> {
+      const auto stopped = stopped_by_other();
+      return stopped ? std::optional(stopped->error) : std::nullopt;
+    };
+    return options;
+  }
+
+  Fault stopped_by_other() const {
     for (const auto& member : members_) {
-      if (auto error = member.movement.objection()) return error;
+      if (auto stop = member.movement.objection()) return member.failure(std::move(*stop));
     }
     return std::nullopt;
+  }
+
+  LineFailure failure_of_start(const Member& member, const tmcl::Error& error) const {
+    const bool was_stopped = error.code == tmcl::Errc::superseded_by_stop;
+    return was_stopped ? stopped_by_other().value_or(member.failure(error)) : member.failure(error);
   }
 
   // ---- on the way ----
@@ -398,11 +412,22 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
 
   awaitable<void> end() {
     for (auto& member : members_) {
-      // Backwards, as they were written: that order was a safe one.
-      for (const auto setting : std::views::reverse(member.changed))
-        co_await member.axis->set(setting.parameter, setting.value, RunOptions{});
+      co_await set_back(member);
       member.axis->set_on_line(false);
     }
+  }
+
+  // Backwards, as they were written: that order was a safe one.
+  awaitable<void> set_back(Member& member) {
+    Fault fault;
+    for (const auto setting : std::views::reverse(member.changed)) {
+      const auto set = co_await member.axis->set(setting.parameter, setting.value, RunOptions{});
+      if (set || fault) continue;
+      fault = member.failure(broken(
+          fmt::format("axis '{}' keeps settings of the line: parameter {} was {} before: {}",
+                      member.axis->name(), setting.parameter, setting.value, set.error().message)));
+    }
+    if (fault) tell(*fault);
   }
 
   std::vector<Member> members_;
@@ -410,6 +435,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   StartedLine line_;
   std::map<GatewayBus*, Traffic> traffic_;
   bool started_ = false;
+  bool broken_ = false;
   tmcl::TimePoint begin_{};
 };
 

@@ -20,7 +20,7 @@ constexpr std::string_view quick_bench = R"(
 [[bus]]
 name = "bench"
 link = "serial:/dev/none@115200"
-reply_timeout_ms = 40
+reply_timeout_ms = 100
 )";
 
 std::string axis(const std::string& name, int module, int motor, const std::string& more = {}) {
@@ -50,15 +50,20 @@ class LineBench {
         return std::optional(play(request));
       };
     }
-    daemon_.wire().loses = [this](const Request&) { return count_ == loses_at; };
+    daemon_.wire().loses = [this](const Request& request) {
+      return count_ == loses_at || count_ == ignores_at ||
+             tmcl::reply_byte(request.address) == silent_module;
+    };
     daemon_.start();
     client = std::make_unique<RpcClient>(daemon_.socket());
   }
 
   // What the tests arrange; the first request is 1.
   std::size_t refuses_at = 0;
-  std::size_t loses_at = 0;
-  std::size_t stops_at = 0;
+  std::size_t loses_at = 0;    // the answer
+  std::size_t ignores_at = 0;  // as if the module had not heard it
+  std::size_t stops_at = 0;    // somebody stops x
+  std::atomic<int> silent_module = 0;
 
   /// The next line reads everything anew, so that its requests are always the same.
   void begin() {
@@ -66,11 +71,15 @@ class LineBench {
       client->result("parameter.set",
                      {{"axis", axis}, {"parameter", "max_velocity"}, {"value", 1000}});
     }
-    daemon_.on_reactor([&] { return count_ = started_at_ = 0; });
+    daemon_.on_reactor([&] { return count_ = started_at_ = first_set_at_ = 0; });
   }
   /// The number of the last request that has started a motor; 0 if none has.
   std::size_t started_at() {
     return daemon_.on_reactor([&] { return started_at_; });
+  }
+  /// The number of the first request that has changed a setting.
+  std::size_t first_set_at() {
+    return daemon_.on_reactor([&] { return first_set_at_; });
   }
   std::int32_t value(const std::string& axis, std::uint8_t parameter) {
     const std::uint16_t module = axis == "z" ? 2 : 1;
@@ -104,6 +113,15 @@ class LineBench {
     return client->call("line.move", std::move(more));
   }
 
+  /// As a stop switch does: the module itself ends the movement.
+  void limit_x(std::int32_t velocity) {
+    daemon_.on_reactor([&] {
+      return carry_out({tmcl::ModuleAddress{1}, Command::SAP, ap::max_velocity, 0, velocity})
+          .status;
+    });
+  }
+  std::string socket() const { return daemon_.socket(); }
+
   std::unique_ptr<RpcClient> client;
 
  private:
@@ -113,6 +131,8 @@ class LineBench {
     if (count_ == refuses_at)
       return {2, tmcl::reply_byte(request.address), tmcl::Status::invalid_value, request.command,
               0};
+    if (count_ == ignores_at) return {};
+    if (request.command == Command::SAP && first_set_at_ == 0) first_set_at_ = count_;
     if (request.command == Command::MVP) started_at_ = count_;
     return carry_out(request);
   }
@@ -137,6 +157,7 @@ class LineBench {
                               [this](auto bytes) { answer_.assign(bytes.begin(), bytes.end()); }};
   std::size_t count_ = 0;
   std::size_t started_at_ = 0;
+  std::size_t first_set_at_ = 0;
   TestDaemon daemon_;
 };
 
@@ -209,6 +230,9 @@ TEST(DaemonLineLimits, SaysWhatIsWrongWithThem) {
               HasSubstr("axis 'x' has no unit of its own"));
 }
 
+constexpr std::int32_t whole_way = 6000;
+constexpr std::int32_t way_of_others = 2000;
+
 struct Axes {
   std::string name;
   json::array axes;
@@ -230,37 +254,124 @@ class LineFaults : public testing::TestWithParam<Axes> {
     EXPECT_FALSE(move().contains("error"));
     bench.expect_rest();
     const auto steps = bench.started_at();
+    first_setting_ = bench.first_set_at();
     go_back();
     return steps;
   }
   void go_back() {
-    EXPECT_FALSE(back().contains("error"));
+    const auto answer = back();
+    EXPECT_FALSE(answer.contains("error")) << json::serialize(answer);
     bench.expect_rest();
     EXPECT_TRUE(is_at_start());
   }
+  /// A line to which the same happens at each of its requests.
+  template <class Check>
+  void at_each_step(std::size_t LineBench::*fault, const Check& check, bool with_readings = true) {
+    const auto all = steps();
+    const auto first = with_readings ? 1 : first_setting_ - 1;
+    for (std::size_t step = first; step <= all; ++step) {
+      SCOPED_TRACE("request " + std::to_string(step));
+      bench.begin();
+      bench.*fault = step;
+      const auto answer = move();
+      bench.expect_rest();
+      bench.*fault = 0;
+      EXPECT_TRUE(bench.started_at() > 0 || is_at_start());
+      check(answer);
+      go_back();
+    }
+  }
+  std::int32_t way_of_x() { return bench.value("x", ap::actual_position); }
 
   LineBench bench;
+
+ private:
+  std::size_t first_setting_ = 0;
 };
 
 TEST_P(LineFaults, WhateverIsRefusedNothingMovesOrAllStop) {
-  const auto all = steps();
-  for (std::size_t step = 1; step <= all; ++step) {
-    SCOPED_TRACE("request " + std::to_string(step));
-    bench.begin();
-    bench.refuses_at = step;
-    const auto answer = move();
+  at_each_step(&LineBench::refuses_at, [&](const json::object& answer) {
     EXPECT_TRUE(answer.contains("error")) << json::serialize(answer);
-    bench.refuses_at = 0;
-    bench.expect_rest();
-    EXPECT_TRUE(bench.started_at() > 0 || is_at_start());
-    go_back();
-  }
+    EXPECT_LT(way_of_x(), whole_way);
+  });
 }
 
-INSTANTIATE_TEST_SUITE_P(DaemonLine, LineFaults,
-                         testing::Values(Axes{"OfOneModule", {"x", "y"}, {600, -200}},
-                                         Axes{"OfTwoModules", {"x", "z"}, {600, -200}}),
-                         [](const auto& axes) { return axes.param.name; });
+// Readings and settings are repeated; what starts a motor is not, and then all stop.
+TEST_P(LineFaults, WhicheverAnswerIsLostAllArriveOrAllStop) {
+  at_each_step(
+      &LineBench::loses_at,
+      [&](const json::object& answer) {
+        EXPECT_TRUE(answer.contains("error") || way_of_x() == whole_way) << json::serialize(answer);
+      },
+      false);
+}
+
+TEST_P(LineFaults, WhicheverRequestIsNotHeardAllArriveOrAllStop) {
+  at_each_step(
+      &LineBench::ignores_at,
+      [&](const json::object& answer) {
+        EXPECT_TRUE(answer.contains("error") || way_of_x() == whole_way) << json::serialize(answer);
+      },
+      false);
+}
+
+TEST_P(LineFaults, WheneverSomebodyStopsOneAllStop) {
+  at_each_step(&LineBench::stops_at, [&](const json::object& answer) {
+    EXPECT_TRUE(answer.contains("error") || bench.started_at() > 0) << json::serialize(answer);
+    EXPECT_LT(way_of_x(), whole_way);
+    for (const auto* axis : {"y", "z"})
+      EXPECT_GT(bench.value(axis, ap::actual_position), -way_of_others);
+  });
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    DaemonLine, LineFaults,
+    testing::Values(Axes{"OfOneModule", {"x", "y"}, {whole_way, -way_of_others}},
+                    Axes{"OfTwoModules", {"x", "z"}, {whole_way, -way_of_others}}),
+    [](const auto& axes) { return axes.param.name; });
+
+class LineOnTheWay : public testing::Test {
+ protected:
+  LineOnTheWay() {
+    bench.client->result("subscribe", {{"axes", json::array{"x"}}, {"interval_ms", 60'000}});
+    EXPECT_FALSE(bench.line({"x", "z"}, {40'000, 20'000}).contains("error"));
+  }
+  std::string event() {
+    while (true) {
+      const auto news = bench.client->notification("notify_event");
+      if (news.at("kind") == "line_broken") return text(news.at("text"));
+    }
+  }
+
+  LineBench bench{axes_with_units()};
+};
+
+TEST_F(LineOnTheWay, AModuleThatFallsSilentStopsTheOthers) {
+  bench.silent_module = 2;
+  EXPECT_THAT(event(), HasSubstr("module 2"));
+  EXPECT_THAT(event(), HasSubstr("axis 'z' keeps settings of the line: parameter"));
+  EXPECT_LT(bench.value("x", ap::actual_position), 40'000);
+  EXPECT_EQ(bench.value("x", ap::actual_velocity), 0);
+  EXPECT_EQ(bench.value("x", ap::max_acceleration), 500);
+}
+
+TEST_F(LineOnTheWay, SomebodyElsesMoveOfOneStopsAll) {
+  RpcClient other(bench.socket());
+  other.result("axis.move_to", {{"axis", "x"}, {"position_microsteps", -40'000}});
+  EXPECT_THAT(event(), HasSubstr("axis 'x' was sent elsewhere"));
+  bench.expect_rest();
+  EXPECT_LT(bench.value("z", ap::actual_position), 20'000);
+}
+
+TEST_F(LineOnTheWay, AnAxisThatStandsShortIsToldInItsUnit) {
+  while (bench.value("x", ap::actual_position) < 5'000) std::this_thread::yield();
+  bench.limit_x(0);
+  EXPECT_THAT(event(), testing::MatchesRegex(
+                           "axis 'x' stands at -[0-9.]+ mm, short of its target -3.90625 mm"));
+  bench.limit_x(1000);
+  bench.expect_rest();
+  EXPECT_LT(bench.value("z", ap::actual_position), 20'000);
+}
 
 }  // namespace
 }  // namespace tmcld::test
