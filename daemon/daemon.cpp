@@ -25,6 +25,8 @@ using boost::asio::use_awaitable;
 constexpr auto time_for_stops = 300ms;
 constexpr auto time_for_answers = 300ms;
 constexpr auto look_interval = 5ms;
+// Axes on lines and paths brake as they are set up to, and then get their settings back.
+constexpr auto time_for_journeys = 12s;
 
 template <class Condition>
 awaitable<void> wait_until(boost::asio::io_context& context, Condition condition,
@@ -53,6 +55,7 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(const Config& 
 
 Daemon::~Daemon() {
   for (const auto& bus : gateway_->buses()) bus->wait_for_opener();
+  gateway_->planner.join();
 }
 
 void Daemon::run() {
@@ -85,6 +88,14 @@ awaitable<void> Daemon::end(Daemon& daemon) {
   auto& server = *daemon.server_;
   server.stop_accepting();
   gateway.refuse_new_calls();
+  if (gateway.has_journeys()) {
+    gateway.end_journeys();
+    co_await wait_until(
+        daemon.context_, [&] { return !gateway.has_journeys(); }, time_for_journeys);
+    if (gateway.has_journeys())
+      log(LogLevel::error,
+          "ending, although an axis on a line or path did not come to rest in time");
+  }
   co_await wait_until(
       daemon.context_, [&] { return gateway.stops_in_progress == 0; }, time_for_stops);
   gateway.close();

@@ -21,13 +21,15 @@ class Daemon {
 
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
-  /// Waits for links that are being opened: what comes of them still needs the reactor.
+  /// Waits for links that are being opened, and for paths that are being planned: what comes of
+  /// them still needs the reactor.
   ~Daemon();
 
   /// Serves until stop() is called or, after end_on_signals(), SIGTERM or SIGINT comes.
   void run();
   /// From any thread. Ends run() within a second: stops on their way are given a moment, whatever
-  /// else is in progress is answered with how far it got.
+  /// else is in progress is answered with how far it got. Axes on lines and paths are stopped
+  /// before that, for which they may take some seconds.
   void stop();
   void end_on_signals();
 

@@ -1,8 +1,8 @@
 // New firmware for modules.
 #include "api/handlers.hpp"
 #include "api/module_choice.hpp"
+#include "api/staging.hpp"
 #include "tmcl/firmware_verbs.hpp"
-#include "tmcl/hex.hpp"
 #include "tmcl/model.hpp"
 
 namespace tmcld::handlers {
@@ -21,36 +21,10 @@ json::value name_of_model(std::uint16_t number) {
   return model == nullptr ? json::value(nullptr) : json::value(model->name);
 }
 
-/// Bytes "offset" and following.
-Lookup<std::vector<std::uint8_t>> part_of(const Call& call) {
-  const auto held = call.gateway->image_shelf.size_for(call.peer);
-  const auto offset = static_cast<std::size_t>(call.params.integer("offset"));
-  if (offset != 0 && offset != held) {
-    return tl::unexpected(param_error("bad_argument", "offset",
-                                      "of this client's image there are " + std::to_string(held) +
-                                          " bytes, so these cannot be those from " +
-                                          std::to_string(offset) + " on",
-                                      "begin again with offset 0"));
-  }
-  auto bytes = tmcl::from_hex(call.params.text("data"));
-  if (!bytes)
-    return tl::unexpected(param_error("bad_argument", "data", "'data': " + bytes.error()));
-  if (offset + bytes->size() <= ImageShelf::most_bytes) return std::move(*bytes);
-  return tl::unexpected(
-      param_error("out_of_range", "data",
-                  "an image has at most " + std::to_string(ImageShelf::most_bytes) + " bytes"));
-}
-
 Lookup<Image> take_image(const Call& call) {
-  auto& shelf = call.gateway->image_shelf;
-  const auto held = shelf.size_for(call.peer);
-  const auto wanted = static_cast<std::size_t>(call.params.integer("bytes"));
-  if (held == wanted)
-    return Image{static_cast<std::uint32_t>(call.params.integer("start")), shelf.take()};
-  return tl::unexpected(param_error("bad_argument", "bytes",
-                                    "of this client's image there are " + std::to_string(held) +
-                                        " bytes, and not " + std::to_string(wanted),
-                                    "hand it over by firmware.stage, all of it, right before"));
+  return take_staged(call, staged_image).map([&](std::vector<std::uint8_t> bytes) {
+    return Image{static_cast<std::uint32_t>(call.params.integer("start")), std::move(bytes)};
+  });
 }
 
 /// Goes on when nobody listens any more: a firmware in part is of no use to anyone.
@@ -87,16 +61,7 @@ Answer firmware_status(Call& call) {
   co_return result;
 }
 
-Answer stage_firmware(Call& call) {
-  const auto part = part_of(call);
-  if (!part) co_return tl::unexpected(part.error());
-  auto& shelf = call.gateway->image_shelf;
-  if (call.params.integer("offset") == 0) shelf.begin(call.peer);
-  shelf.append(*part);
-  json::object result;
-  result["bytes"] = shelf.size_for(call.peer);
-  co_return result;
-}
+Answer stage_firmware(Call& call) { co_return stage_part(call, staged_image); }
 
 Answer upload_firmware(Call& call) {
   const auto module = module_of(call);

@@ -29,6 +29,12 @@ Answer get_units(Call& call);
 
 Answer move_line(Call& call);
 
+Answer stage_path(Call& call);
+Answer run_path(Call& call);
+Answer pause_path(Call& call);
+Answer resume_path(Call& call);
+Answer stop_path(Call& call);
+
 Answer home(Call& call);
 Answer start_home(Call& call);
 Answer stop_home(Call& call);

@@ -3,6 +3,7 @@
 
 #include "api/handlers.hpp"
 #include "api/method.hpp"
+#include "api/staging.hpp"
 
 namespace tmcld {
 namespace {
@@ -293,19 +294,62 @@ constexpr std::array firmware_status_result{
     ResultInfo{"in_bootloader", boolean, "no firmware runs"}};
 constexpr std::array stage_firmware_params{
     ParamInfo{"offset", integer, required, "how many bytes were handed over before; 0: a new image",
-              0, ImageShelf::most_bytes},
+              0, staged_image.most_bytes},
     ParamInfo{"data", text, required, "the next bytes, in hexadecimal"}};
 constexpr std::array stage_firmware_result{ResultInfo{"bytes", integer, "how many there are now"}};
 constexpr std::array upload_firmware_params{
     bus, address,
     ParamInfo{"start", integer, required, "address of the image's first byte", 0, int32_maximum},
     ParamInfo{"bytes", integer, required, "how many bytes were handed over", 1,
-              ImageShelf::most_bytes},
+              staged_image.most_bytes},
     ParamInfo{"force", boolean, optional,
               "also an image that does not say that it is for this model"}};
 constexpr std::array upload_firmware_result{
     module_model, module_model_number, ResultInfo{"before", text, "what ran before: 1110V101"},
     ResultInfo{"running", text, "what runs now"}, ResultInfo{"checksum", integer, "of the image"}};
+
+// ---- path ----
+
+constexpr std::array stage_path_params{
+    ParamInfo{"offset", integer, required, "how many bytes were handed over before; 0: a new path",
+              0, staged_path.most_bytes},
+    ParamInfo{"data", text, required, "the next bytes, in hexadecimal"}};
+constexpr std::array stage_path_result{ResultInfo{"bytes", integer, "how many there are now"}};
+constexpr std::array run_path_params{
+    ParamInfo{"axes", texts, required, "names of axes that stand at the start; each once"},
+    ParamInfo{"file_axes", texts, optional,
+              "which axis of the file each of them is; in the file's order if absent"},
+    ParamInfo{"text", text, optional, "the file"},
+    ParamInfo{"bytes", integer, optional, "how many were handed over by path.stage, instead", 1,
+              staged_path.most_bytes},
+    ParamInfo{"format", text, optional, "csv or gcode; as the text looks if absent"},
+    ParamInfo{"mode", text, optional, "velocity or position; velocity if absent"},
+    ParamInfo{"tolerance", number, optional,
+              "how far from it the path may be passed, in the file's unit; 0.05 if absent"},
+    ParamInfo{"velocity", number, optional,
+              "no axis faster than this, a second; its max_velocity if absent"},
+    ParamInfo{"acceleration", number, optional,
+              "likewise, a second squared; its max_acceleration if absent"},
+    ParamInfo{"feed", number, optional, "no faster along the path, a second"},
+    ParamInfo{"per_turn", number, optional, "what a turn of the motor is, for axes without a unit"},
+    ParamInfo{"deviation", number, optional,
+              "stop when an axis is seen so far off its plan; 20 tolerances if absent"},
+    ParamInfo{"period_ms", integer, optional,
+              "in velocity mode, no updates more often than this; 5 if absent", 5, 1000}};
+constexpr std::array run_path_result{
+    ResultInfo{"tracking_error", objects, "axis, largest, rms and readings of each"},
+    ResultInfo{"remarks", texts, "what else is to be said, such as of a parameter not set back"},
+    ResultInfo{"passed_s", number, "how long it took"},
+    ResultInfo{"updates", integer, "of velocities; legs in position mode"},
+    ResultInfo{"period_ms", number, "between updates; of the shortest leg in position mode"},
+    ResultInfo{"worst_delay_ms", number, "of an update, or of the load of a leg"},
+    ResultInfo{"commands", integer, "sent meanwhile"},
+    ResultInfo{"commands_per_s", number, "of them"},
+    ResultInfo{"bus_load", number, "part of the time that they took"},
+    ResultInfo{"round_trip_us", number, "of a command, measured before"}};
+constexpr std::array path_choice_params{
+    ParamInfo{"axes", texts, optional, "of paths; all paths if absent"}};
+constexpr std::array path_choice_result{ResultInfo{"axes", texts, "of the paths concerned"}};
 
 // ---- system, subscriptions ----
 
@@ -367,6 +411,17 @@ constexpr auto table = std::to_array<MethodInfo>({
      Effect::reads, handlers::wait},
     {"line.move", "moves several axes so that they start and arrive together", move_line_params,
      move_line_result, Effect::moves, handlers::move_line},
+    {"path.stage", "hands over the next part of a path file", stage_path_params, stage_path_result,
+     Effect::reads, handlers::stage_path},
+    {"path.run",
+     "moves axes along a path and answers at its end; tells its progress by notify_progress",
+     run_path_params, run_path_result, Effect::moves, handlers::run_path},
+    {"path.pause", "lets axes stand on their path", path_choice_params, path_choice_result,
+     Effect::writes, handlers::pause_path},
+    {"path.resume", "lets them go on", path_choice_params, path_choice_result, Effect::moves,
+     handlers::resume_path},
+    {"path.stop", "ends paths: answers when their axes stand and have their settings again",
+     path_choice_params, path_choice_result, Effect::stops, handlers::stop_path},
     {"axis.home", "searches the reference and answers when that has ended", home_params,
      home_result, Effect::moves, handlers::home},
     {"axis.start_home",

@@ -25,6 +25,9 @@ class Params {
   bool has(std::string_view name) const { return object_.contains(name); }
   /// The parameter must be there.
   std::string text(std::string_view name) const;
+  std::string text_or(std::string_view name, std::string_view otherwise) const {
+    return has(name) ? text(name) : std::string(otherwise);
+  }
   std::int32_t integer(std::string_view name) const;
   std::int32_t integer_or(std::string_view name, std::int32_t otherwise) const {
     return has(name) ? integer(name) : otherwise;

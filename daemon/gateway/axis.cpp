@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "gateway/path_run.hpp"
 #include "gateway/poller.hpp"
 #include "tmcl/prediction.hpp"
 #include "tmcl/units.hpp"
@@ -148,6 +149,14 @@ Result<void> GatewayAxis::check_endless(std::int32_t velocity) const {
                         "move it to one of them instead, with a lower max_velocity"));
 }
 
+Result<void> GatewayAxis::check_free() const {
+  if (path_.expired()) return {};
+  auto error = tmcl::bad_argument("axis '" + name() + "' is on its way along a path",
+                                  "wait for its end, or stop it");
+  error.bus = config_.bus;
+  return tl::unexpected(std::move(error));
+}
+
 GatewayAxis::Awaitable<void> GatewayAxis::check_setting(std::uint8_t parameter, std::int32_t value,
                                                         RunOptions options) {
   if (!config_.scale.limits) co_return Result<void>{};
@@ -279,6 +288,8 @@ GatewayAxis::Awaitable<void> GatewayAxis::move_to_coordinate(std::uint8_t number
                                                              RunOptions movement) {
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
+  auto free = check_free();
+  if (!free) co_return free;
   auto checked = co_await check_coordinate(number, movement);
   if (!checked) co_return checked;
   forget_move();
@@ -289,6 +300,8 @@ GatewayAxis::Awaitable<void> GatewayAxis::move_to_coordinate(std::uint8_t number
 
 GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Microsteps>> script,
                                                        bool predict, RunOptions movement) {
+  auto free = check_free();
+  if (!free) co_return tl::unexpected(std::move(free.error()));
   std::optional<tmcl::plan::AxisTwin> twin;
   if (predict) twin = co_await this->twin(movement);
   forget_move();
@@ -324,6 +337,8 @@ GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity
                                                  RunOptions movement) {
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
+  auto free = check_free();
+  if (!free) co_return free;
   auto checked = check_endless(velocity.value);
   if (!checked) co_return checked;
   forget_move();
@@ -343,6 +358,17 @@ GatewayAxis::Awaitable<void> GatewayAxis::stop() {
   co_return ended;
 }
 
+GatewayAxis::Awaitable<void> GatewayAxis::brake() {
+  RunOptions options;
+  auto result = co_await run(tmcl::verbs::stop(address()), std::move(options));
+  co_return result;
+}
+
+void GatewayAxis::revoke_movements() {
+  ++stops_;
+  if (const auto path = path_.lock()) path->look();
+}
+
 GatewayAxis::Awaitable<void> GatewayAxis::stop_home() {
   revoke_movements();
   RunOptions options;
@@ -353,6 +379,8 @@ GatewayAxis::Awaitable<void> GatewayAxis::stop_home() {
 
 GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions home_options,
                                                       RunOptions movement) {
+  auto free = check_free();
+  if (!free) co_return tl::unexpected(std::move(free.error()));
   searching_ = true;
   forget_move();
   auto result =
@@ -363,6 +391,8 @@ GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions home_opt
 
 GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t> mode,
                                                      RunOptions movement) {
+  auto free = check_free();
+  if (!free) co_return free;
   if (mode) {
     auto chosen = co_await set(reference_search_mode, *mode, movement);
     if (!chosen) co_return chosen;
@@ -397,10 +427,20 @@ GatewayAxis::Awaitable<std::int32_t> GatewayAxis::get(std::uint8_t parameter, De
 
 GatewayAxis::Awaitable<void> GatewayAxis::set(std::uint8_t parameter, std::int32_t value,
                                               RunOptions movement) {
+  auto free = check_free();
+  if (!free) co_return free;
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
   auto checked = co_await check_setting(parameter, value, movement);
   if (!checked) co_return checked;
+  auto result = co_await write(parameter, value, std::move(movement));
+  co_return result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::write(std::uint8_t parameter, std::int32_t value,
+                                                RunOptions movement) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return ready;
   auto result = co_await run(tmcl::verbs::set(address(), parameter, value), std::move(movement));
   // Also after a failure: the value may have been set all the same.
   note_set(parameter);
@@ -415,6 +455,8 @@ GatewayAxis::Awaitable<void> GatewayAxis::store(std::uint8_t parameter, RunOptio
 GatewayAxis::Awaitable<void> GatewayAxis::restore(std::uint8_t parameter, RunOptions movement) {
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
+  auto free = check_free();
+  if (!free) co_return free;
   auto checked = check_restoring(parameter);
   if (!checked) co_return checked;
   forget_move();

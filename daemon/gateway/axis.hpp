@@ -22,6 +22,7 @@
 namespace tmcld {
 
 class AxisPoller;
+class PathRun;
 
 /// The same in the unit that the configuration gives the axis.
 struct UserReading {
@@ -101,6 +102,9 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// To the EEPROM of its module, and back.
   Awaitable<void> store(std::uint8_t parameter, RunOptions options);
   Awaitable<void> restore(std::uint8_t parameter, RunOptions movement);
+  /// What set() does, for whoever moves the axis along a path and has checked its limits: all of
+  /// the above are refused meanwhile.
+  Awaitable<void> write(std::uint8_t parameter, std::int32_t value, RunOptions movement);
   /// Whether the soft limits let the axis go there.
   Awaitable<void> check_limits(Length target);
   /// Whether the axis may go to this coordinate of its module.
@@ -124,8 +128,11 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// When a move that was started in another way should end.
   void expect_arrival(tmcl::TimePoint time) { expected_arrival_ = time; }
   /// Whether somebody moves it together with others.
-  bool is_on_line() const { return on_line_; }
+  bool is_on_line() const { return on_line_ || !path_.expired(); }
   void set_on_line(bool on_line) { on_line_ = on_line; }
+  /// The path that it is on; null if there is none.
+  std::shared_ptr<PathRun> path() const { return path_.lock(); }
+  void set_path(std::weak_ptr<PathRun> path) { path_ = std::move(path); }
 
   /// Ends with an error when a stop comes; the search ends with it.
   Awaitable<tmcl::Homed> home(tmcl::HomeOptions options, RunOptions movement);
@@ -143,10 +150,12 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Goes out before everything else, whatever is known about the module. Ends a reference search
   /// that was begun here, too.
   Awaitable<void> stop();
+  /// The same by whoever moves the axis: calls that began before keep their right to move it.
+  Awaitable<void> brake();
   /// Ends a reference search, whoever began it.
   Awaitable<void> stop_home();
   /// Calls that began before this have no right to move the axis any more.
-  void revoke_movements() { ++stops_; }
+  void revoke_movements();
 
   /// The one who reads this axis for all who watch it.
   const std::shared_ptr<AxisPoller>& poller();
@@ -156,6 +165,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<T> run(tmcl::Script<tmcl::Result<T>> script, RunOptions options);
   boost::asio::awaitable<void> add_units(AxisReading& reading);
   tmcl::Result<void> check_endless(std::int32_t velocity) const;
+  tmcl::Result<void> check_free() const;
   Awaitable<void> check_setting(std::uint8_t parameter, std::int32_t value, RunOptions options);
   tmcl::Result<void> check_restoring(std::uint8_t parameter) const;
   /// Whether the soft limits let the axis go on to the target that its module holds, unless it is
@@ -185,6 +195,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// A reference search was begun here and has not been seen to end.
   bool searching_ = false;
   bool on_line_ = false;
+  std::weak_ptr<PathRun> path_;
   /// What was read is known until the module's settings may have changed, also while it is read.
   struct Epoch {
     std::uint64_t settings;

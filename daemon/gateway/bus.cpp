@@ -151,9 +151,10 @@ void GatewayBus::detach() {
 awaitable<void> GatewayBus::look_after_modules() {
   const auto bus = bus_;
   while (!closed_ && bus->is_open()) {
+    // Whoever does not answer keeps a serial line busy, which an axis on a path cannot wait for.
     std::vector<awaitable<tmcl::Result<void>>> questions;
     for (auto& [address, module] : modules_) {
-      if (module->state() == GatewayModule::State::ready) continue;
+      if (streams > 0 || module->state() == GatewayModule::State::ready) continue;
       questions.push_back(module->be_ready());
     }
     if (!questions.empty()) co_await gather(std::move(questions));

@@ -83,6 +83,8 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
 
   /// One scan at a time: set while one runs.
   bool scanning = false;
+  /// How many axes of this bus are on paths. What can wait, waits then: see the poller.
+  int streams = 0;
 
   /// For the parts of this bus: tells everyone.
   void emit(GatewayEvent event);

@@ -3,7 +3,19 @@
 #include <algorithm>
 #include <utility>
 
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+
+#include "gateway/path_run.hpp"
+
 namespace tmcld {
+namespace {
+
+boost::asio::awaitable<void> stop_quietly(std::shared_ptr<GatewayAxis> axis) {
+  co_await axis->stop();
+}
+
+}  // namespace
 
 tmcl::Result<tmcl::Link> open_configured_link(const BusConfig& config) {
   return tmcl::Link::open(config.link, config.link_options);
@@ -27,6 +39,21 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
 
 void Gateway::start() {
   for (const auto& bus : buses_) bus->start();
+}
+
+void Gateway::end_journeys() {
+  for (const auto& axis : axes_) {
+    if (!axis->is_on_line()) continue;
+    if (const auto path = axis->path()) {
+      path->stop({tmcl::plan::StreamFault::Kind::asked, 0, "tmcld is ending"});
+    } else {
+      boost::asio::co_spawn(axis->bus().executor(), stop_quietly(axis), boost::asio::detached);
+    }
+  }
+}
+
+bool Gateway::has_journeys() const {
+  return std::ranges::any_of(axes_, [](const auto& axis) { return axis->is_on_line(); });
 }
 
 void Gateway::close() {

@@ -9,11 +9,12 @@
 #include <vector>
 
 #include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/thread_pool.hpp>
 
 #include "config/config.hpp"
 #include "gateway/axis.hpp"
 #include "gateway/bus.hpp"
-#include "gateway/image_shelf.hpp"
+#include "gateway/shelf.hpp"
 
 namespace tmcld {
 
@@ -33,6 +34,9 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   /// From now on nothing but stops is admitted.
   void refuse_new_calls() { closing_ = true; }
   bool is_closing() const { return closing_; }
+  /// Stops all axes that are on a line or path; whoever moves them sets their settings back.
+  void end_journeys();
+  bool has_journeys() const;
   /// Ends everything in progress with Errc::link_lost.
   void close();
 
@@ -49,7 +53,9 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   /// How many stops are on their way; the end of the daemon waits a little for them.
   int stops_in_progress = 0;
 
-  ImageShelf image_shelf;
+  Shelf shelf;
+  /// Where paths are planned, which may take seconds.
+  boost::asio::thread_pool planner{1};
 
  private:
   Gateway() = default;

@@ -121,9 +121,9 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
       taken = std::ranges::find_if(members_, is_taken);
     }
     if (taken != members_.end()) {
-      co_return taken->failure(
-          tmcl::bad_argument("axis '" + taken->axis->name() + "' is on its way along another line",
-                             "wait for it, or stop it"));
+      co_return taken->failure(tmcl::bad_argument(
+          "axis '" + taken->axis->name() + "' is on its way along another line or path",
+          "wait for it, or stop it"));
     }
     for (auto& member : members_) member.axis->set_on_line(true);
     co_return std::nullopt;

@@ -43,10 +43,10 @@ void AxisPoller::remove(std::uint64_t id) {
   changed_.notify();
 }
 
-tmcl::Duration AxisPoller::interval() const {
+tmcl::Duration AxisPoller::interval(const GatewayAxis& axis) const {
   auto shortest = longest_poll_interval;
   for (const auto& [id, watcher] : watchers_) shortest = std::min(shortest, watcher.interval);
-  return shortest;
+  return axis.bus().streams > 0 ? std::max(shortest, shortest_poll_interval_beside_path) : shortest;
 }
 
 PublishedReading AxisPoller::number(const AxisReading& reading) {
@@ -65,12 +65,12 @@ boost::asio::awaitable<void> AxisPoller::run(std::shared_ptr<AxisPoller> self,
   while (true) {
     // Everyone has gone, or a shorter interval came: recomputed after every wake-up.
     while (!self->watchers_.empty()) {
-      const auto due = tick + self->interval();
+      const auto due = tick + self->interval(*axis);
       if (std::chrono::steady_clock::now() >= due) break;
       co_await self->changed_.wait_until(due);
     }
     if (self->watchers_.empty()) break;
-    const auto interval = self->interval();
+    const auto interval = self->interval(*axis);
     const auto late = std::chrono::steady_clock::now() - tick;
     tick += interval * std::max<tmcl::Duration::rep>(late / interval, 1);
     const auto reading = co_await axis->read_state();

@@ -15,6 +15,8 @@
 namespace tmcld {
 
 constexpr tmcl::Duration shortest_poll_interval = std::chrono::milliseconds(5);
+/// While axes of the same bus are on a path.
+constexpr tmcl::Duration shortest_poll_interval_beside_path = std::chrono::milliseconds(100);
 constexpr tmcl::Duration longest_poll_interval = std::chrono::milliseconds(60000);
 
 /// A look that those who watch are told of.
@@ -67,7 +69,7 @@ class AxisPoller : public std::enable_shared_from_this<AxisPoller> {
   };
 
   void remove(std::uint64_t id);
-  tmcl::Duration interval() const;
+  tmcl::Duration interval(const GatewayAxis& axis) const;
   void tell(const PublishedReading& reading, tmcl::TimePoint tick);
   static boost::asio::awaitable<void> run(std::shared_ptr<AxisPoller> self,
                                           std::shared_ptr<GatewayAxis> axis);

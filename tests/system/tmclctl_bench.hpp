@@ -144,6 +144,7 @@ class OnTerminal {
     return true;
   }
   void press_ctrl_c() const { [[maybe_unused]] const auto written = ::write(terminal_, "\x03", 1); }
+  void press_ctrl_z() const { [[maybe_unused]] const auto written = ::write(terminal_, "\x1a", 1); }
   int wait() {
     while (read_more()) {
     }

@@ -200,6 +200,23 @@ class FakeTarget : public Target {
       options.progress({step, image.bytes.size() / 2, image.bytes.size()});
     return tmcl::FirmwareReport{*match, runs_then, checksum(image)};
   }
+  bool passes_paths() const override { return is_daemon; }
+  Attempt<boost::json::object> pass_path(boost::json::object params, const std::string& file,
+                                         const PathWatcher& watcher) override {
+    path_text = file;
+    calls.push_back("path.run " + boost::json::serialize(params));
+    watcher.on_progress({"running", 0.5, 1});
+    for (int i = 0; i < 20; ++i) {
+      patience_.sleep(std::chrono::milliseconds(100));
+      path_will = watcher.will();
+    }
+    if (path_failure) return tl::unexpected(*path_failure);
+    return result;
+  }
+  bool is_daemon = false;
+  std::string path_text;
+  PathWill path_will = PathWill::go_on;
+  std::optional<Failure> path_failure;
   std::string options() const override { return " --direct can:can0"; }
 
  private:

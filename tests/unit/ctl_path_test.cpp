@@ -64,13 +64,55 @@ TEST_F(CtlPath, RunChecksBeforeItMoves) {
   EXPECT_EQ(run({"path", "run", line, "--axis", "X=x", "--dry-run"}), ExitCode::done) << err;
   target.counts.limits = tmcl::SoftLimits{{0}, {5}};
   EXPECT_EQ(run({"path", "run", line, "--axis", "X=x", "--dry-run"}), ExitCode::refused);
-  EXPECT_THAT(err, HasSubstr("--mode position"));
+  EXPECT_THAT(err, HasSubstr("the path goes to X 10: 10 mm is beyond the soft limit of 5 mm of x"));
   target.counts.limits.reset();
   target.counts.scale->unit = "deg";
   EXPECT_EQ(run({"path", "run", line, "--axis", "X=x", "--dry-run"}), ExitCode::refused);
   EXPECT_THAT(err, HasSubstr("axis X of G-code is in mm, and x in deg"));
   for (const auto& call : target.calls) {
     EXPECT_THAT(call, testing::Not(testing::AnyOf(HasSubstr("move"), HasSubstr("set"))));
+  }
+}
+
+TEST_F(CtlPath, TmcldPassesAPathItself) {
+  const auto line = file("G1 X10 F600\n");
+  target.values = {{"4", 1000}, {"5", 500}};
+  target.is_daemon = true;
+  target.result = {{"tracking_error", {{{"axis", "x"}, {"largest", 0.25}}}},
+                   {"remarks", {"it was late"}},
+                   {"updates", 7}};
+  EXPECT_EQ(run({"path", "run", line, "--axis", "X=x", "--feed", "3"}), ExitCode::done) << err;
+  EXPECT_EQ(target.path_text, "G1 X10 F600\n");
+  EXPECT_THAT(target.calls.back(),
+              HasSubstr(R"(path.run {"axes":["x"],"file_axes":["X"],"format":"gcode",)"
+                        R"("mode":"velocity","tolerance":5E-2,"period_ms":5,"feed":3E0})"));
+  EXPECT_THAT(out, HasSubstr("0.2500"));
+  EXPECT_THAT(out, HasSubstr("7 updates"));
+  EXPECT_THAT(err, HasSubstr("it was late"));
+  for (const auto& call : target.calls) EXPECT_THAT(call, testing::Not(HasSubstr("rotate")));
+}
+
+TEST_F(CtlPath, CtrlCLetsTmcldStop) {
+  const auto line = file("G1 X10 F600\n");
+  target.values = {{"4", 1000}, {"5", 500}};
+  target.is_daemon = true;
+  target.path_failure = Failure{ExitCode::unknown, "stopped", "stopped", "", tmcl::Outcome::done};
+  target.path_failure->details["run"] = boost::json::object{};
+  patience.press_ctrl_c_after(std::chrono::seconds(1));
+  EXPECT_EQ(run({"path", "run", line, "--axis", "X=x"}), ExitCode::interrupted);
+  EXPECT_EQ(target.path_will, PathWill::stop);
+  EXPECT_THAT(err, HasSubstr("stopped before the end of the path"));
+}
+
+TEST_F(CtlPath, WhatTmcldSaysHasTheSameExitCodes) {
+  const auto line = file("G1 X10 F600\n");
+  target.values = {{"4", 1000}, {"5", 500}};
+  target.is_daemon = true;
+  for (const auto& [outcome, exit] : {std::pair{tmcl::Outcome::done, ExitCode::not_reached},
+                                      std::pair{tmcl::Outcome::not_sent, ExitCode::refused}}) {
+    target.path_failure = Failure{ExitCode::unknown, "starved", "late", "", outcome};
+    target.path_failure->details["run"] = boost::json::object{};
+    EXPECT_EQ(run({"path", "run", line, "--axis", "X=x"}), exit);
   }
 }
 

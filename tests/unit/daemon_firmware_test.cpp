@@ -172,7 +172,7 @@ TEST_F(DaemonFirmware, AnImageHasAnEnd) {
   do {
     answer = stage(client, offset, part);
     offset += part.size();
-    ASSERT_LE(offset, ImageShelf::most_bytes + part.size());
+    ASSERT_LE(offset, tmcl::firmware::most_image_bytes + part.size());
   } while (answer.contains("result"));
   EXPECT_EQ(text(error_in(answer).at("name")), "out_of_range");
 }

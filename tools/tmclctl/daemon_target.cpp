@@ -24,6 +24,8 @@ constexpr auto doubtful_silence = std::chrono::seconds(1);
 constexpr std::size_t staged_at_once = 16'384;
 // A module may say nothing for so long while it erases its firmware, three times.
 constexpr auto longest_firmware_step = std::chrono::seconds(75);
+// Planning a long path takes a while.
+constexpr auto longest_path_silence = std::chrono::seconds(120);
 
 // The contract takes a number or a name; a number must not travel as text.
 json::value parameter_value(const std::string& text) {
@@ -131,6 +133,46 @@ UnscannedBus unscanned_from(const json::object& row) {
   return {text_at(row, "bus"), failure_at(row)};
 }
 
+Attempt<void> stage(tmcl::client::Connection& daemon, std::string_view method,
+                    std::span<const std::uint8_t> bytes) {
+  for (std::size_t offset = 0; offset < bytes.size(); offset += staged_at_once) {
+    const auto part = bytes.subspan(offset, std::min(staged_at_once, bytes.size() - offset));
+    const auto taken =
+        attempt(daemon.call(method, {{"offset", offset}, {"data", tmcl::to_hex(part)}}));
+    if (!taken) return tl::unexpected(taken.error());
+  }
+  return {};
+}
+
+std::string_view method_for(PathWill will) {
+  switch (will) {
+    case PathWill::go_on: return "path.resume";
+    case PathWill::pause: return "path.pause";
+    case PathWill::stop: return "path.stop";
+  }
+  return {};
+}
+
+/// Tells tmcld what is to become of the path of some axes, on a connection of its own.
+class Steering {
+ public:
+  Steering(tmcl::client::Connection daemon, json::value axes, const PathWatcher& watcher)
+      : daemon_(std::move(daemon)), axes_(std::move(axes)), watcher_(watcher) {}
+
+  void look() {
+    const auto will = watcher_.will();
+    if (will == told_ || told_ == PathWill::stop) return;
+    // Refused while the path has not begun: then it is told again.
+    if (daemon_.call(method_for(will), {{"axes", axes_}})) told_ = will;
+  }
+
+ private:
+  tmcl::client::Connection daemon_;
+  json::value axes_;
+  const PathWatcher& watcher_;
+  PathWill told_ = PathWill::go_on;
+};
+
 }  // namespace
 
 Attempt<std::unique_ptr<Target>> DaemonTarget::open(const std::string& socket_path,
@@ -146,11 +188,16 @@ Attempt<std::unique_ptr<Target>> DaemonTarget::open(const std::string& socket_pa
     }
     return tl::unexpected(daemon.error());
   }
-  return std::make_unique<DaemonTarget>(std::move(*daemon), std::move(options), patience);
+  return std::make_unique<DaemonTarget>(std::move(*daemon), socket_path, std::move(options),
+                                        patience);
 }
 
-DaemonTarget::DaemonTarget(tmcl::client::Connection daemon, std::string options, Patience& patience)
-    : daemon_(std::move(daemon)), options_(std::move(options)), patience_(patience) {}
+DaemonTarget::DaemonTarget(tmcl::client::Connection daemon, std::string socket_path,
+                           std::string options, Patience& patience)
+    : daemon_(std::move(daemon)),
+      socket_path_(std::move(socket_path)),
+      options_(std::move(options)),
+      patience_(patience) {}
 
 Attempt<json::object> DaemonTarget::call(std::string_view method, json::object params) {
   return attempt(daemon_.call(method, std::move(params)));
@@ -362,24 +409,12 @@ Attempt<tmcl::FirmwareMatch> DaemonTarget::match_firmware(const ModuleName& modu
   });
 }
 
-Attempt<json::object> DaemonTarget::stage(const std::vector<std::uint8_t>& bytes) {
-  json::object staged;
-  for (std::size_t offset = 0; offset < bytes.size(); offset += staged_at_once) {
-    const auto count = std::min(staged_at_once, bytes.size() - offset);
-    const auto part = std::span(bytes).subspan(offset, count);
-    auto taken = call("firmware.stage", {{"offset", offset}, {"data", tmcl::to_hex(part)}});
-    if (!taken) return taken;
-    staged = std::move(*taken);
-  }
-  return staged;
-}
-
 Attempt<tmcl::FirmwareReport> DaemonTarget::upload_firmware(const ModuleName& module,
                                                             const tmcl::firmware::Image& image,
                                                             const tmcl::FirmwareOptions& options) {
   auto params = params_for(module);
   if (!params) return tl::unexpected(params.error());
-  const auto staged = stage(image.bytes);
+  const auto staged = stage(daemon_, "firmware.stage", image.bytes);
   if (!staged) return tl::unexpected(staged.error());
   (*params)["start"] = image.start;
   (*params)["bytes"] = image.bytes.size();
@@ -396,6 +431,30 @@ Attempt<tmcl::FirmwareReport> DaemonTarget::upload_firmware(const ModuleName& mo
     return tmcl::FirmwareReport{match_from(report, "before", image), version_at(report, "running"),
                                 integer_at<std::uint32_t>(report, "checksum")};
   });
+}
+
+Attempt<json::object> DaemonTarget::pass_path(json::object params, const std::string& text,
+                                              const PathWatcher& watcher) {
+  auto steering_daemon = attempt(tmcl::client::Connection::open(socket_path_));
+  if (!steering_daemon) return tl::unexpected(steering_daemon.error());
+  Steering steering(std::move(*steering_daemon), params.at("axes"), watcher);
+  tmcl::client::Options options;
+  options.cancelled = [&] {
+    steering.look();
+    return false;  // its end is waited for, whatever becomes of it
+  };
+  auto daemon = attempt(tmcl::client::Connection::open(socket_path_, std::move(options)));
+  if (!daemon) return tl::unexpected(daemon.error());
+  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  const auto staged = stage(*daemon, "path.stage", bytes);
+  if (!staged) return tl::unexpected(staged.error());
+  params["bytes"] = bytes.size();
+  daemon->on_notification([&](std::string_view method, const json::object& news) {
+    if (method != "notify_progress") return;
+    watcher.on_progress({text_at(news, "phase"), number_at(news, "passed_s").value_or(0),
+                         number_at(news, "duration_s").value_or(0)});
+  });
+  return attempt(daemon->call("path.run", std::move(params), longest_path_silence));
 }
 
 Attempt<void> DaemonTarget::hear_arrivals(const ModuleName& module,

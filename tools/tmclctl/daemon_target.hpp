@@ -13,7 +13,8 @@ class DaemonTarget final : public Target {
   /// `options` is how another tmclctl names the same socket.
   static Attempt<std::unique_ptr<Target>> open(const std::string& socket_path, std::string options,
                                                Patience& patience);
-  DaemonTarget(tmcl::client::Connection daemon, std::string options, Patience& patience);
+  DaemonTarget(tmcl::client::Connection daemon, std::string socket_path, std::string options,
+               Patience& patience);
 
   Attempt<ScanResult> scan(ScanRange range, const Progress& progress) override;
   Attempt<std::vector<ModuleRow>> modules() override;
@@ -41,18 +42,21 @@ class DaemonTarget final : public Target {
                               const ArrivalHandler& on_arrival) override;
   Attempt<boost::json::object> perform(const std::string& method, boost::json::object params,
                                        const NewsHandler& on_news) override;
+  bool passes_paths() const override { return true; }
+  Attempt<boost::json::object> pass_path(boost::json::object params, const std::string& text,
+                                         const PathWatcher& watcher) override;
   std::string options() const override { return options_; }
 
  private:
   Attempt<boost::json::object> call(std::string_view method, boost::json::object params);
   Attempt<StartedMove> move(std::string_view method, boost::json::object params);
   AxisReading reading_from(const boost::json::object& state) const;
-  Attempt<boost::json::object> stage(const std::vector<std::uint8_t>& bytes);
   /// The parameters "bus" and "address".
   Attempt<boost::json::object> params_for(const ModuleName& module);
   Attempt<boost::json::object> bus_named(const std::string& name);
 
   tmcl::client::Connection daemon_;
+  std::string socket_path_;
   std::string options_;
   Patience& patience_;
 };

@@ -340,6 +340,7 @@ Ctrl-C stops all axes. The ramps' parameters are set back at the end.
 constexpr const char* path = R"(
   tmclctl path check --help
   tmclctl path run --help
+  tmclctl path pause --help
 )";
 
 constexpr const char* path_check = R"(
@@ -362,11 +363,20 @@ goes, that all axes stand, and what the bus can carry. Files are those of 'tmclc
                     with times
 Ctrl-C stops all axes. So does a stop of one of them by somebody else, an axis that does not do what it
 is told, and a computer or bus that is too slow. Ctrl-Z pauses on the path, and goes on.
-Velocity mode: if this program is killed, the axes turn on.
+tmcld passes the path: once begun, it goes on to its end also if this program is killed. With --direct
+this program does; if it is killed in velocity mode, the axes turn on.
 
   tmclctl path run part.ngc --axis X=left --axis Y=front
   tmclctl path run part.csv --axis x=left --axis y=front --mode position --tolerance 0.02
   tmclctl --direct can:can0 path run part.ngc --axis X=1/0 --axis Y=1/1 --per-turn 5 --dry-run
+)";
+
+constexpr const char* path_steering = R"(
+For paths that tmcld passes, whoever began them. A path in position mode pauses where it stands itself.
+
+  tmclctl path pause left
+  tmclctl path resume
+  tmclctl path stop
 )";
 
 constexpr const char* mint_check = R"(

@@ -189,6 +189,7 @@ struct Ask {
   std::string parameter;  ///< Number or name.
   std::optional<std::int32_t> bank, number, port, value, position, at, first_address;
   std::vector<std::uint8_t> motors;
+  std::vector<std::string> axes;
   bool interpolated = false;
   bool sure = false;
 };

@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "failure.hpp"
@@ -123,6 +124,19 @@ using NewsHandler = std::function<bool(const boost::json::object& news)>;
 /// False ends the waiting.
 using ArrivalHandler = std::function<bool(const std::vector<std::uint8_t>* motors)>;
 
+/// How far a path has been passed.
+struct PathProgress {
+  std::string phase;  ///< "running"
+  double passed_s = 0;
+  double duration_s = 0;
+};
+enum class PathWill : std::uint8_t { go_on, pause, stop };
+/// Of someone who watches a path being passed.
+struct PathWatcher {
+  std::function<void(const PathProgress&)> on_progress;
+  std::function<PathWill()> will;  ///< Asked ten times a second what is to become of it.
+};
+
 struct StoppedAxis {
   std::string axis;
   std::optional<double> milliseconds;
@@ -172,6 +186,14 @@ class Target {
   virtual Attempt<boost::json::object> perform(const std::string& method,
                                                boost::json::object params,
                                                const NewsHandler& on_news) = 0;
+
+  /// Whether there is somebody who passes paths: tmcld. Otherwise tmcl::plan::PathStream does.
+  virtual bool passes_paths() const { return false; }
+  /// path.run of tmcld, with its result; `text` is the file.
+  virtual Attempt<boost::json::object> pass_path(boost::json::object, const std::string&,
+                                                 const PathWatcher&) {
+    return boost::json::object{};
+  }
 
   /// The options with which another tmclctl reaches the same axes, such as " --direct can:can0";
   /// may be empty.

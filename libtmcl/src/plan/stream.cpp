@@ -105,13 +105,11 @@ PathStream::Runner::Fault PathStream::Runner::fault(StreamFault::Kind kind, std:
 
 // A command that fails because its sender wants to stop is none that was refused.
 PathStream::Runner::Fault PathStream::Runner::refusal(std::size_t axis) const {
-  if (stop_asked_) return asked_to_stop();
+  if (stop_asked_) return stop_asked_;
   return fault(StreamFault::Kind::refused, axis, fmt::format("{{{}}}: {}", axis, answer_.error()));
 }
 
-PathStream::Runner::Fault PathStream::Runner::asked_to_stop() const {
-  return stop_asked_ ? fault(StreamFault::Kind::asked, 0, "stopped") : std::nullopt;
-}
+PathStream::Runner::Fault PathStream::Runner::asked_to_stop() const { return stop_asked_; }
 
 Script<PathStream::Runner::Fault> PathStream::Runner::know(std::size_t axis,
                                                            std::uint8_t parameter) {
@@ -338,7 +336,7 @@ StreamStep PathStream::next(TimePoint now) { return runner_->next(now); }
 void PathStream::answered(TimePoint now, StreamAnswer answer) {
   runner_->answered(now, std::move(answer));
 }
-void PathStream::stop() { runner_->stop(); }
+void PathStream::stop(StreamFault why) { runner_->stop(std::move(why)); }
 void PathStream::pause(bool on) { runner_->pause(on); }
 PathStream::Phase PathStream::phase() const { return runner_->phase(); }
 double PathStream::passed() const { return runner_->passed(); }

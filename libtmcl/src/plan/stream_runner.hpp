@@ -52,7 +52,9 @@ class PathStream::Runner {
 
   StreamStep next(TimePoint now);
   void answered(TimePoint now, StreamAnswer answer);
-  void stop() { stop_asked_ = true; }
+  void stop(StreamFault why) {
+    if (!stop_asked_) stop_asked_ = std::move(why);
+  }
   void pause(bool on) {
     pause_asked_ = on;
     if (options_.mode == StreamMode::velocity) clock_.pause(on);
@@ -184,7 +186,7 @@ class PathStream::Runner {
   TimePoint twin_start_{};
   std::optional<CourseLeg> even_leg_;  // position mode: the one that is passed evenly
   CourseClock clock_;
-  bool stop_asked_ = false;
+  Fault stop_asked_;
   bool pause_asked_ = false;
   Phase phase_ = Phase::before;
 };

@@ -105,6 +105,18 @@ void add_path_file(VerbForm<T>& form) {
   form.option("--svg", "FILE", "Draw the path and its axes into this file", text(form->svg));
 }
 
+void add_steering(Grammar& grammar, const Form& path, const std::string& name, const char* method,
+                  const std::string& description) {
+  auto form = grammar.verb<verb::Ask>(path, name, description, help_text::path_steering);
+  form->method = method;
+  auto& said = *form.operator->();
+  form.words("AXIS", "One of each path; without any, all paths",
+             [&said](const std::string& text) -> Reading {
+               said.axes.push_back(text);
+               return {};
+             });
+}
+
 }  // namespace
 
 void add_profile(Grammar& grammar) {
@@ -166,6 +178,9 @@ void add_path(Grammar& grammar) {
         });
       });
   run.flag("--dry-run", "Plan and check everything; move nothing", run->dry_run);
+  add_steering(grammar, path, "pause", "path.pause", "Let axes stand on their path");
+  add_steering(grammar, path, "resume", "path.resume", "Let them go on");
+  add_steering(grammar, path, "stop", "path.stop", "End paths: the axes stop");
 }
 
 Form add_program(Grammar& grammar) {

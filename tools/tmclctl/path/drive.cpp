@@ -46,18 +46,14 @@ plan::StreamAnswer carry_out(const StreamCommand& command, const std::string& ax
   return 0;
 }
 
-std::string_view word_for(const PathStream& stream) {
-  switch (stream.phase()) {
-    case PathStream::Phase::before: return "measuring";
-    case PathStream::Phase::running: return "running";
-    case PathStream::Phase::pausing: return "pausing";
-    case PathStream::Phase::after:
-    case PathStream::Phase::ended: return "ending";
-  }
-  return "";
-}
-
 }  // namespace
+
+void show(const PathProgress& now, ProgressLine& line) {
+  if (!line.visible()) return;
+  const double done = now.duration_s > 0 ? std::clamp(now.passed_s / now.duration_s, 0.0, 1.0) : 1;
+  line.show(fmt::format("{} {:3}%  {:.1f} s left  {}", bar(done, bar_width, line.screen().utf8),
+                        static_cast<int>(done * 100), (1 - done) * now.duration_s, now.phase));
+}
 
 int drive(PathStream& stream, const std::vector<std::string>& axes, double duration, Room& room) {
   ProgressLine progress(room.output);
@@ -79,48 +75,17 @@ int drive(PathStream& stream, const std::vector<std::string>& axes, double durat
       if (room.patience.signal() != 0) stream.stop();
       stream.answered(room.patience.now(), std::move(answer));
     }
-    if (!progress.visible()) continue;
-    const double done = duration > 0 ? std::clamp(stream.passed() / duration, 0.0, 1.0) : 1;
-    progress.show(
-        fmt::format("{} {:3}%  {:.1f} s left  {}", bar(done, bar_width, progress.screen().utf8),
-                    static_cast<int>(done * 100), (1 - done) * duration, word_for(stream)));
+    show({std::string(name_of(stream.phase())), stream.passed(), duration}, progress);
   }
 }
 
-std::string with_names(std::string text, const std::vector<std::string>& axes) {
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    const auto placeholder = fmt::format("{{{}}}", i);
-    for (auto at = text.find(placeholder); at != std::string::npos;
-         at = text.find(placeholder, at + axes[i].size()))
-      text.replace(at, placeholder.size(), axes[i]);
-  }
-  return text;
-}
-
-Failure failure_from(const StreamFault& fault, const std::vector<std::string>& axes, int signal) {
-  using Kind = StreamFault::Kind;
-  if (fault.kind == Kind::asked)
-    return interrupted_failure(signal, "stopped before the end of the path", "");
-  Failure failure{ExitCode::not_reached, "", with_names(fault.message, axes), {}, {}};
-  switch (fault.kind) {
-    case Kind::not_at_start: failure.name = "not_at_start"; break;
-    case Kind::unsuited: failure.name = "unsuited"; break;
-    case Kind::slow_bus: failure.name = "slow_bus"; break;
-    case Kind::refused: failure.name = "command_failed"; break;
-    case Kind::foreign: failure.name = "stopped_by_other"; break;
-    case Kind::starved: failure.name = "starved"; break;
-    case Kind::off_course: failure.name = "off_path"; break;
-    case Kind::asked:
-    case Kind::no_end: failure.name = "not_at_end"; break;
-  }
-  const bool nothing_moved = fault.kind == Kind::not_at_start || fault.kind == Kind::unsuited ||
-                             fault.kind == Kind::slow_bus;
-  if (nothing_moved) {
-    failure.exit = ExitCode::refused;
-  } else {
-    failure.hint = "All axes of the path were stopped";
-  }
-  return failure;
+Failure failure_from(const StreamFault& fault, const std::vector<std::string>& axes) {
+  const bool nothing_moved = plan::is_before_motion(fault.kind);
+  return {nothing_moved ? ExitCode::refused : ExitCode::not_reached,
+          std::string(name_of(fault.kind)),
+          plan::with_names(fault.message, axes),
+          nothing_moved ? "" : "All axes of the path were stopped",
+          {}};
 }
 
 void stop_axes(const std::vector<std::string>& axes, Room& room) {

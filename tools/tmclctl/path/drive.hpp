@@ -4,7 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "tmcl/plan/stream.hpp"
+#include "progress_line.hpp"
+#include "tmcl/plan/path_run.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl::path {
@@ -13,12 +14,10 @@ namespace tmclctl::path {
 /// pauses and goes on. Returns the signal that ended it; 0 if none did.
 int drive(tmcl::plan::PathStream& stream, const std::vector<std::string>& axes, double duration,
           Room& room);
+void show(const PathProgress& now, ProgressLine& line);
 
 /// Why it did not pass the path, in a sentence with the names of the axes.
-Failure failure_from(const tmcl::plan::StreamFault& fault, const std::vector<std::string>& axes,
-                     int signal);
-/// "{0} is moving" as "x is moving".
-std::string with_names(std::string text, const std::vector<std::string>& axes);
+Failure failure_from(const tmcl::plan::StreamFault& fault, const std::vector<std::string>& axes);
 
 /// Stops all of them, whatever becomes of each, and lets them come to rest. A signal that was
 /// noticed does not keep it from that.

@@ -1,8 +1,6 @@
 #include "path/path_source.hpp"
 
 #include <algorithm>
-#include <array>
-#include <cctype>
 
 #include <fmt/format.h>
 #include <boost/json/array.hpp>
@@ -15,35 +13,10 @@ namespace {
 
 namespace json = boost::json;
 namespace plan = tmcl::plan;
-namespace path_file = tmcl::plan::path_file;
 
 constexpr std::size_t most_bytes = std::size_t{64} << 20;
 // So many points make a curve that looks smooth.
 constexpr int curve_points = 2000;
-
-bool has_ending(std::string name, std::string_view ending) {
-  std::ranges::transform(name, name.begin(), [](unsigned char c) { return std::tolower(c); });
-  return name.ends_with(ending);
-}
-
-// A table begins with the names of its columns, G-code with a word, a comment or a line of %.
-bool looks_like_gcode(std::string_view text) {
-  while (!text.empty()) {
-    const auto line = text.substr(0, text.find('\n'));
-    const auto first = line.find_first_not_of(" \t\r");
-    if (first != std::string_view::npos && line[first] != '#')
-      return line.find(',') == std::string_view::npos;
-    text.remove_prefix(std::min(line.size() + 1, text.size()));
-  }
-  return false;
-}
-
-bool is_gcode(const std::string& file, std::string_view text) {
-  constexpr std::array<std::string_view, 5> endings{".ngc", ".nc", ".gcode", ".gco", ".tap"};
-  if (has_ending(file, ".csv")) return false;
-  const bool named = std::ranges::any_of(endings, [&](auto end) { return has_ending(file, end); });
-  return named || looks_like_gcode(text);
-}
 
 }  // namespace
 
@@ -75,25 +48,31 @@ Attempt<std::string> text_of(const std::string& file, std::size_t most) {
   return std::move(*text);
 }
 
-Attempt<Source> read_source(const std::string& file, double tolerance, Output& output) {
-  const auto text = text_of(file, most_bytes);
-  if (!text) return tl::unexpected(text.error());
-  const bool gcode = is_gcode(file, *text);
-  auto path = gcode ? path_file::read_gcode(*text) : path_file::read_csv(*text);
-  if (!path) return tl::unexpected(failure_from(file, path.error(), output));
-  auto flat = path_file::flatten(*path, tolerance * chords_part);
-  if (!flat) return tl::unexpected(usage_failure("bad_path", file + ": " + flat.error()));
-  if (flat->elements.empty())
-    return tl::unexpected(usage_failure("bad_path", file + " moves nothing"));
-  return Source{file, gcode, std::move(*flat)};
+Failure failure_from(const plan::PathObjection& objection) {
+  auto failure = usage_failure(objection.name, objection.message);
+  if (objection.kind == plan::PathObjection::Kind::impossible) failure.exit = ExitCode::refused;
+  return failure;
 }
 
-Attempt<plan::Course> course_of(const Source& source, plan::PathLimits limits, double tolerance,
-                                double feed) {
-  limits.axes = source.path.axes.size();
-  limits.corner_tolerance = tolerance * corners_part;
-  return plan::Course::of(source.path, limits, feed).map_error([&](const std::string& why) {
-    return usage_failure("bad_path", source.file + ": " + why);
+Attempt<Source> read_source(const std::string& file, double tolerance, Output& output) {
+  auto text = text_of(file, most_bytes);
+  if (!text) return tl::unexpected(text.error());
+  auto source = plan::read_path(*text, plan::format_of(file, *text), tolerance);
+  if (source) return Source{std::move(*source), file, std::move(*text)};
+  const auto& objection = source.error();
+  if (!objection.problems.empty())
+    return tl::unexpected(failure_from(file, objection.problems, output));
+  auto failure = failure_from(objection);
+  failure.message = file + ": " + failure.message;
+  return tl::unexpected(std::move(failure));
+}
+
+Attempt<plan::Course> course_of(const Source& source, const plan::PathLimits& limits,
+                                const plan::PathWish& wish) {
+  return plan::course_of(source, limits, wish).map_error([&](const auto& objection) {
+    auto failure = failure_from(objection);
+    failure.message = source.file + ": " + failure.message;
+    return failure;
   });
 }
 

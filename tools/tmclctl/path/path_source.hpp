@@ -1,34 +1,28 @@
 /// A path file on its way to a course.
 #pragma once
 
-#include <limits>
 #include <string>
 
 #include "failure.hpp"
 #include "screen.hpp"
-#include "tmcl/plan/course.hpp"
+#include "tmcl/plan/path_run.hpp"
 
 namespace tmclctl::path {
 
-/// What part of a tolerance chords may use up, and what part corners; the rest is for the axes.
-constexpr double chords_part = 0.25;
-constexpr double corners_part = 0.5;
-
-struct Source {
+struct Source : tmcl::plan::PathSource {
   std::string file;
-  bool gcode = false;
-  tmcl::plan::path_file::Path path;  ///< Without arcs.
+  std::string text;
 };
 
-/// By its name (.csv; .ngc, .nc, .gcode, .gco, .tap), otherwise by its first line that says
-/// something. What is wrong is printed as FILE:LINE:COLUMN: MESSAGE.
+/// What is wrong with the text is printed as FILE:LINE:COLUMN: MESSAGE.
 Attempt<Source> read_source(const std::string& file, double tolerance, Output& output);
 
 /// `limits` without axes and tolerance of corners.
-Attempt<tmcl::plan::Course> course_of(const Source& source, tmcl::plan::PathLimits limits,
-                                      double tolerance,
-                                      double feed = std::numeric_limits<double>::infinity());
+Attempt<tmcl::plan::Course> course_of(const Source& source, const tmcl::plan::PathLimits& limits,
+                                      const tmcl::plan::PathWish& wish);
 
+/// Without the name of a file.
+Failure failure_from(const tmcl::plan::PathObjection& objection);
 /// Prints each problem, and says how many there are; also for programs in other languages.
 Failure failure_from(const std::string& file, const tmcl::plan::TextProblems& problems,
                      Output& output);

@@ -26,6 +26,7 @@ Attempt<json::object> params_of(const verb::Ask& verb) {
     params["address"] = module->address;
   }
   if (!verb.motors.empty()) params["motors"] = json::array(verb.motors.begin(), verb.motors.end());
+  if (!verb.axes.empty()) params["axes"] = json::array(verb.axes.begin(), verb.axes.end());
   if (verb.interpolated) params["interpolated"] = true;
   if (!verb.parameter.empty()) params["parameter"] = verb.parameter;
   add("bank", verb.bank);

@@ -78,8 +78,10 @@ VerbResult run(const verb::CheckPath& verb, Output& output) {
   if (!source) return tl::unexpected(source.error());
   tmcl::plan::PathLimits limits;
   limits.axis.fill({verb.velocity, verb.acceleration});
-  const auto course = path::course_of(*source, limits, verb.tolerance,
-                                      verb.feed.value_or(std::numeric_limits<double>::infinity()));
+  tmcl::plan::PathWish wish;
+  wish.tolerance = verb.tolerance;
+  wish.feed = verb.feed;
+  const auto course = path::course_of(*source, limits, wish);
   if (!course) return tl::unexpected(course.error());
   if (const auto drawn = path::draw(verb.svg, *source, *course); !drawn)
     return tl::unexpected(drawn.error());

@@ -1,9 +1,9 @@
 // path run.
-#include <algorithm>
-
 #include <fmt/format.h>
 #include <boost/json/array.hpp>
 
+#include "following.hpp"
+#include "json_read.hpp"
 #include "path/drive.hpp"
 #include "path/path_report.hpp"
 #include "path/run_axes.hpp"
@@ -15,28 +15,20 @@ namespace {
 
 namespace json = boost::json;
 namespace plan = tmcl::plan;
-using path::RunAxis;
 
-// How far off its plan an axis may be seen, in tolerances.
-constexpr double deviation_in_tolerances = 20;
-// What part of the tolerance legs that are passed at an even speed may use up.
-constexpr double even_part = 0.1;
-
-double milliseconds(tmcl::Duration time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
-
-path::RunWish wish_of(const verb::RunPath& verb) {
+plan::PathWish wish_of(const verb::RunPath& verb) {
   return {verb.by_position ? plan::StreamMode::position : plan::StreamMode::velocity,
           verb.tolerance,
           verb.velocity,
           verb.acceleration,
           verb.feed,
-          verb.per_turn};
+          verb.per_turn,
+          verb.deviation,
+          verb.period};
 }
 
-std::vector<path::AxisChoice> choices_of(const std::vector<std::string>& words) {
-  std::vector<path::AxisChoice> choices;
+std::vector<plan::PathChoice> choices_of(const std::vector<std::string>& words) {
+  std::vector<plan::PathChoice> choices;
   for (const auto& word : words) {
     const auto equals = word.find('=');
     choices.push_back({word.substr(0, equals), word.substr(equals + 1)});
@@ -44,90 +36,148 @@ std::vector<path::AxisChoice> choices_of(const std::vector<std::string>& words) 
   return choices;
 }
 
-std::vector<std::string> names_of(const std::vector<RunAxis>& axes) {
-  std::vector<std::string> names;
-  for (const auto& axis : axes) names.push_back(axis.name);
-  return names;
-}
-
-Attempt<void> go_to_start(const plan::Course& course, const std::vector<RunAxis>& axes,
+Attempt<void> go_to_start(const plan::Course& course, const std::vector<plan::PathAxis>& axes,
                           Room& room) {
   std::vector<tmcl::Microsteps> positions;
   const auto start = course.at(0).position;
   for (std::size_t i = 0; i < axes.size(); ++i)
-    positions.push_back(path::microsteps(axes[i], start[i]));
-  return path::go_to(names_of(axes), positions, "on the way to the start", room);
+    positions.push_back(plan::microsteps(axes[i], start[i]));
+  return path::go_to(path::names_of(axes), positions, "on the way to the start", room);
 }
 
-double per_second(double count, const plan::StreamReport& report) {
-  return report.passed_s > 0 ? count / report.passed_s : 0;
+// ---- without tmcld ----
+
+json::object to_json(const std::vector<plan::Figure>& figures) {
+  json::object out;
+  for (const auto& figure : figures)
+    std::visit([&](const auto value) { out[figure.first] = value; }, figure.second);
+  return out;
 }
 
-json::object to_json(const plan::StreamReport& report, const std::vector<RunAxis>& axes) {
+json::object to_json(const plan::StreamReport& report, const std::vector<std::string>& names) {
   json::array tracking;
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    tracking.push_back(json::object{{"axis", axes[i].name},
-                                    {"largest", report.axes[i].largest},
-                                    {"rms", report.axes[i].rms()},
-                                    {"readings", report.axes[i].readings}});
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    auto row = to_json(figures_of(report.axes[i]));
+    row["axis"] = names[i];
+    tracking.push_back(std::move(row));
   }
-  return {{"tracking_error", std::move(tracking)},
-          {"passed_s", report.passed_s},
-          {"updates", report.updates},
-          {"period_ms", milliseconds(report.period)},
-          {"worst_delay_ms", milliseconds(report.worst_delay)},
-          {"commands", report.commands},
-          {"commands_per_s", per_second(static_cast<double>(report.commands), report)},
-          {"bus_load", per_second(report.busy_s, report)},
-          {"round_trip_us", 1e3 * milliseconds(report.round_trip)}};
+  json::array remarks;
+  for (const auto& remark : report.remarks) remarks.emplace_back(plan::with_names(remark, names));
+  auto out = to_json(figures_of(report));
+  out["tracking_error"] = std::move(tracking);
+  out["remarks"] = std::move(remarks);
+  return out;
 }
 
-void print(const plan::StreamReport& report, const std::vector<RunAxis>& axes, bool by_position,
-           Output& output) {
+struct Passed {
+  Attempt<json::object> report;
+  int signal = 0;  ///< That ended it; 0 if none did.
+};
+
+Passed pass_alone(const plan::PathWish& wish, const plan::Course& course,
+                  const std::vector<plan::PathAxis>& axes, Room& room) {
+  plan::PathStream stream(course, streamed(axes), options_of(wish));
+  const auto names = path::names_of(axes);
+  const int signal = path::drive(stream, names, course.duration(), room);
+  auto report = to_json(stream.report(), names);
+  const auto& fault = stream.report().fault;
+  if (!fault) return {std::move(report), signal};
+  auto failure = path::failure_from(*fault, names);
+  failure.details["run"] = std::move(report);
+  return {tl::unexpected(std::move(failure)), signal};
+}
+
+// ---- by tmcld ----
+
+json::object params_of(const path::Source& source, const plan::PathWish& wish,
+                       const std::vector<plan::PathAxis>& axes) {
+  json::array names;
+  json::array of_file;
+  for (const auto& axis : axes) {
+    names.emplace_back(axis.choice.axis);
+    of_file.emplace_back(axis.choice.of_file);
+  }
+  json::object params{
+      {"axes", std::move(names)},
+      {"file_axes", std::move(of_file)},
+      {"format", name_of(source.format)},
+      {"mode", wish.mode == plan::StreamMode::position ? "position" : "velocity"},
+      {"tolerance", wish.tolerance},
+      {"period_ms", std::chrono::duration_cast<std::chrono::milliseconds>(wish.period).count()}};
+  const auto add = [&](const char* name, const std::optional<double>& value) {
+    if (value) params[name] = *value;
+  };
+  add("velocity", wish.velocity);
+  add("acceleration", wish.acceleration);
+  add("feed", wish.feed);
+  add("per_turn", wish.per_turn);
+  add("deviation", wish.deviation);
+  return params;
+}
+
+Passed pass_by_daemon(const path::Source& source, const plan::PathWish& wish,
+                      const std::vector<plan::PathAxis>& axes, Room& room) {
+  ProgressLine progress(room.output);
+  int signal = 0;
+  PathWatcher watcher;
+  watcher.on_progress = [&](const PathProgress& now) { path::show(now, progress); };
+  watcher.will = [&] {
+    if (const int caught = room.patience.take_signal(); caught != 0) signal = caught;
+    if (signal != 0) return PathWill::stop;
+    return room.patience.pause_asked() ? PathWill::pause : PathWill::go_on;
+  };
+  auto report = room.target.pass_path(params_of(source, wish, axes), source.text, watcher);
+  // The same as without tmcld.
+  if (!report && report.error().details.contains("run")) {
+    const bool moved = report.error().outcome == tmcl::Outcome::done;
+    report.error().exit = moved ? ExitCode::not_reached : ExitCode::refused;
+    report.error().outcome.reset();
+  }
+  return {std::move(report), signal};
+}
+
+// ---- how it went ----
+
+void print(const json::object& report, bool by_position, Output& output) {
+  const auto number = [&](const char* key) { return number_at(report, key).value_or(0); };
   Table table({"AXIS", "LARGEST ERROR", "RMS", "READINGS"});
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    table.add({axes[i].name, fmt::format("{:.4f}", report.axes[i].largest),
-               fmt::format("{:.4f}", report.axes[i].rms()),
-               fmt::format("{}", report.axes[i].readings)});
+  for (const auto& value : array_at(report, "tracking_error")) {
+    const auto& row = value.as_object();
+    table.add({text_at(row, "axis"), fmt::format("{:.4f}", number_at(row, "largest").value_or(0)),
+               fmt::format("{:.4f}", number_at(row, "rms").value_or(0)),
+               fmt::format("{:.0f}", number_at(row, "readings").value_or(0))});
   }
   table.print(output.out);
-  output.out << fmt::format("{} {} in {:.3f} s, {} {:.1f} ms, at most {:.1f} ms late\n",
-                            report.updates, by_position ? "legs" : "updates", report.passed_s,
-                            by_position ? "the shortest takes" : "one every",
-                            milliseconds(report.period), milliseconds(report.worst_delay));
+  output.out << fmt::format("{:.0f} {} in {:.3f} s, {} {:.1f} ms, at most {:.1f} ms late\n",
+                            number("updates"), by_position ? "legs" : "updates", number("passed_s"),
+                            by_position ? "the shortest takes" : "one every", number("period_ms"),
+                            number("worst_delay_ms"));
   output.out << fmt::format(
       "{:.0f} commands a second, {:.0f} us each: {:.0f} % of what the bus has\n",
-      per_second(static_cast<double>(report.commands), report),
-      1e3 * milliseconds(report.round_trip), 100 * per_second(report.busy_s, report));
+      number("commands_per_s"), number("round_trip_us"), 100 * number("bus_load"));
 }
 
-VerbResult pass(const verb::RunPath& verb, const plan::Course& course,
-                const std::vector<RunAxis>& axes, Room& room) {
-  if (const auto there = go_to_start(course, axes, room); !there)
-    return tl::unexpected(there.error());
-  room.patience.catch_pauses();
-  std::vector<plan::StreamAxis> streamed;
-  for (const auto& axis : axes) streamed.push_back(axis.stream);
-  plan::PathStream stream(
-      course, std::move(streamed),
-      {wish_of(verb).mode, verb.deviation.value_or(deviation_in_tolerances * verb.tolerance),
-       verb.period, even_part * verb.tolerance});
-  const auto names = names_of(axes);
-  const int signal = path::drive(stream, names, course.duration(), room);
-  const auto& report = stream.report();
-  for (const auto& remark : report.remarks)
-    room.output.err << "tmclctl: warning: " << path::with_names(remark, names) << '\n';
-  if (report.fault) {
-    auto failure = path::failure_from(*report.fault, names, signal);
-    failure.details["run"] = to_json(report, axes);
-    return tl::unexpected(failure);
+void warn(const json::object& report, Output& output) {
+  for (const auto& remark : array_at(report, "remarks"))
+    output.err << "tmclctl: warning: " << std::string_view(remark.as_string()) << '\n';
+}
+
+VerbResult tell(Passed passed, bool by_position, Output& output) {
+  if (passed.report) {
+    warn(*passed.report, output);
+    if (output.json) {
+      print_json(*passed.report, output);
+    } else {
+      print(*passed.report, by_position, output);
+    }
+    return ExitCode::done;
   }
-  if (room.output.json) {
-    print_json(to_json(report, axes), room.output);
-  } else {
-    print(report, axes, verb.by_position, room.output);
-  }
-  return ExitCode::done;
+  auto failure = std::move(passed.report.error());
+  warn(object_at(failure.details, "run"), output);
+  if (passed.signal == 0) return tl::unexpected(std::move(failure));
+  auto interrupted = interrupted_failure(passed.signal, "stopped before the end of the path", "");
+  interrupted.details = std::move(failure.details);
+  return tl::unexpected(std::move(interrupted));
 }
 
 }  // namespace
@@ -136,22 +186,30 @@ VerbResult run(const verb::RunPath& verb, Room& room) {
   const auto source = path::read_source(verb.file, verb.tolerance, room.output);
   if (!source) return tl::unexpected(source.error());
   const auto wish = wish_of(verb);
-  const auto axes = path::read_axes(*source, choices_of(verb.axes), wish, room.target);
+  const bool by_daemon = room.target.passes_paths();
+  const bool with_twins = !by_daemon && verb.by_position;
+  const auto axes = path::read_axes(*source, choices_of(verb.axes), wish, with_twins, room.target);
   if (!axes) return tl::unexpected(axes.error());
-  const auto course = path::course_of(*source, path::limits_of(*axes, wish), verb.tolerance,
-                                      verb.feed.value_or(std::numeric_limits<double>::infinity()));
+  const auto course = path::course_of(*source, limits_of(*axes, wish), wish);
   if (!course) return tl::unexpected(course.error());
-  if (const auto reach = path::check_reach(*course, *axes); !reach)
-    return tl::unexpected(reach.error());
+  if (const auto objection = objection_to_reach(*course, *axes))
+    return tl::unexpected(path::failure_from(*objection));
   if (const auto drawn = path::draw(verb.svg, *source, *course); !drawn)
     return tl::unexpected(drawn.error());
-  if (!verb.dry_run) return pass(verb, *course, *axes, room);
-  if (room.output.json) {
-    print_json(path::to_json(*source, *course), room.output);
-  } else {
-    path::print(*source, *course, room.output);
+  if (verb.dry_run) {
+    if (room.output.json) {
+      print_json(path::to_json(*source, *course), room.output);
+    } else {
+      path::print(*source, *course, room.output);
+    }
+    return ExitCode::done;
   }
-  return ExitCode::done;
+  if (const auto there = go_to_start(*course, *axes, room); !there)
+    return tl::unexpected(there.error());
+  room.patience.catch_pauses();
+  auto passed = by_daemon ? pass_by_daemon(*source, wish, *axes, room)
+                          : pass_alone(wish, *course, *axes, room);
+  return tell(std::move(passed), verb.by_position, room.output);
 }
 
 }  // namespace tmclctl

@@ -106,7 +106,7 @@ using StreamAnswer = tl::expected<std::int32_t, std::string>;
 /// Why a course was not passed to its end.
 struct StreamFault {
   enum class Kind : std::uint8_t {
-    asked,         ///< stop() was called.
+    asked,         ///< stop() was called without a reason of its own.
     refused,       ///< A command failed.
     foreign,       ///< An axis does not do what it was told.
     starved,       ///< Updates came too late.
@@ -157,8 +157,9 @@ class PathStream {
   StreamStep next(TimePoint now);
   void answered(TimePoint now, StreamAnswer answer);
 
-  /// All axes are stopped, and the parameters restored.
-  void stop();
+  /// All axes are stopped, and the parameters restored. `why` becomes the report's fault, unless
+  /// there is one already.
+  void stop(StreamFault why = {StreamFault::Kind::asked, 0, "stopped"});
   /// The course is left at no point: time on it goes slower until it stands. In position mode it
   /// stands where the course itself does next.
   void pause(bool on);

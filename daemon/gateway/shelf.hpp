@@ -1,4 +1,5 @@
-/// Where a firmware image is put together: it is longer than a line of the protocol may be.
+/// Where what is longer than a line of the protocol may be is put together: a firmware image, or a
+/// path file.
 #pragma once
 
 #include <cstddef>
@@ -8,18 +9,15 @@
 #include <utility>
 #include <vector>
 
-#include "tmcl/firmware.hpp"
-
 namespace tmcld {
 
-/// One image, of whoever began one last: so it takes a bounded amount of memory, and nobody can
+/// One thing, of whoever began one last: so it takes a bounded amount of memory, and nobody can
 /// keep others from it.
-class ImageShelf {
+class Shelf {
  public:
   using Owner = std::shared_ptr<const void>;
-  static constexpr std::size_t most_bytes = tmcl::firmware::most_image_bytes;
 
-  /// How much there is of this owner's image.
+  /// How much there is of what this owner hands over.
   std::size_t size_for(const Owner& owner) const {
     return owner_.lock() == owner ? bytes_.size() : 0;
   }
@@ -27,7 +25,7 @@ class ImageShelf {
     owner_ = owner;
     bytes_.clear();
   }
-  /// Together at most `most_bytes`, and only by the one who began it.
+  /// Only by the one who began it, who sees to it that there is an end.
   void append(std::span<const std::uint8_t> part) {
     bytes_.insert(bytes_.end(), part.begin(), part.end());
   }

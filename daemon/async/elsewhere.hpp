@@ -1,0 +1,34 @@
+/// What takes long, on another thread: the reactor goes on meanwhile.
+#pragma once
+
+#include <memory>
+#include <type_traits>
+#include <utility>
+
+#include <boost/asio/awaitable.hpp>
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/thread_pool.hpp>
+#include <boost/asio/use_awaitable.hpp>
+
+namespace tmcld {
+
+namespace detail {
+
+// Shared: what a coroutine hands over between threads must be default-constructible.
+template <class Work>
+boost::asio::awaitable<std::shared_ptr<std::invoke_result_t<Work>>> run_now(Work work) {
+  co_return std::make_shared<std::invoke_result_t<Work>>(work());
+}
+
+}  // namespace detail
+
+/// What the function gives. It must hold all that it needs: the caller may be gone before it ends.
+template <class Work>
+boost::asio::awaitable<std::invoke_result_t<Work>> elsewhere(boost::asio::thread_pool& pool,
+                                                             Work work) {
+  auto result = co_await boost::asio::co_spawn(pool, detail::run_now(std::move(work)),
+                                               boost::asio::use_awaitable);
+  co_return std::move(*result);
+}
+
+}  // namespace tmcld

@@ -1,0 +1,79 @@
+/// A course on axes, passed by the daemon itself.
+///
+/// It has been checked before, and it ends; so it needs nobody who watches it. Whatever goes wrong
+/// on the way, all its axes are stopped and their settings are set back: a stop of one of them by
+/// anyone, a command that fails, an axis that is not where it should be.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+#include <tl/expected.hpp>
+
+#include "async/wake.hpp"
+#include "gateway/axis.hpp"
+#include "tmcl/plan/course.hpp"
+#include "tmcl/plan/stream.hpp"
+
+namespace tmcld {
+
+constexpr tmcl::Duration path_progress_interval = std::chrono::milliseconds(200);
+
+struct PathMember {
+  std::shared_ptr<GatewayAxis> axis;
+  RunOptions movement;  ///< Begun when the call came in.
+};
+
+class PathRun : public std::enable_shared_from_this<PathRun> {
+ public:
+  /// Told at the beginning, and then every path_progress_interval.
+  using OnProgress = std::function<void(const PathRun& run)>;
+
+  /// `axes` are those of the members, in the order of the course.
+  PathRun(const boost::asio::any_io_executor& executor, tmcl::plan::Course course,
+          std::vector<PathMember> members, std::vector<tmcl::plan::StreamAxis> axes,
+          tmcl::plan::StreamOptions options, OnProgress on_progress);
+
+  /// Returns when it has ended, whether at its end or not, and nothing moves any more. Once.
+  /// Errors: the name of an axis that moves along another line or path.
+  static boost::asio::awaitable<tl::expected<tmcl::plan::StreamReport, std::string>> pass(
+      std::shared_ptr<PathRun> self);
+
+  void pause(bool on);
+  /// What becomes of it is in the report.
+  void stop(tmcl::plan::StreamFault why);
+  /// One of its axes may have been stopped.
+  void look() { woken_.notify(); }
+
+  bool has_ended() const { return ended_; }
+  tmcl::plan::PathStream::Phase phase() const { return stream_.phase(); }
+  double passed() const { return stream_.passed(); }
+  double duration() const { return course_.duration(); }
+  std::vector<std::string> axis_names() const;
+
+ private:
+  boost::asio::awaitable<std::optional<std::string>> take_axes();
+  void leave_axes();
+  boost::asio::awaitable<void> drive();
+  boost::asio::awaitable<tmcl::plan::StreamAnswer> carry_out(tmcl::plan::StreamCommand command);
+  boost::asio::awaitable<tmcl::plan::StreamAnswer> stop_axis(std::size_t axis);
+  void notice_stops();
+  void tell_progress();
+
+  tmcl::plan::Course course_;
+  std::vector<PathMember> members_;
+  tmcl::plan::PathStream stream_;
+  OnProgress on_progress_;
+  Wake woken_;
+  tmcl::TimePoint progress_due_{};
+  /// What came of stopping all axes at once, until somebody asks for it.
+  std::vector<std::optional<tmcl::plan::StreamAnswer>> stopped_;
+  bool ended_ = false;
+};
+
+}  // namespace tmcld

@@ -1,0 +1,142 @@
+/// From the text of a path file and what is known of some axes to a course that they can pass:
+/// everything that is to be found out, and found wrong, before anything moves.
+///
+///     auto source = read_path(text, PathFormat::gcode, wish.tolerance);
+///     for (const auto& choice : *in_order(*source, choices)) axes.push_back(*path_axis(...));
+///     auto course = course_of(*source, axes, wish);
+///     auto wrong = objection_to_reach(*course, axes);
+///     PathStream stream(*course, streamed(axes), options_of(wish));
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <variant>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+#include "tmcl/mechanics.hpp"
+#include "tmcl/parameter.hpp"
+#include "tmcl/plan/course.hpp"
+#include "tmcl/plan/path_file.hpp"
+#include "tmcl/plan/stream.hpp"
+#include "tmcl/plan/text_problem.hpp"
+
+namespace tmcl::plan {
+
+constexpr double default_path_tolerance = 0.05;
+/// What part of a tolerance chords may use up, what part corners, and what part legs that are
+/// passed at an even speed; the rest is for the axes.
+constexpr double chords_part = 0.25;
+constexpr double corners_part = 0.5;
+constexpr double even_part = 0.1;
+/// How far off its plan an axis may be seen, unless the wish says otherwise.
+constexpr double deviation_in_tolerances = 20;
+/// Between these are all numbers of a wish.
+constexpr double least_of_path = 1e-9;
+constexpr double most_of_path = 1e9;
+constexpr Duration longest_stream_period = std::chrono::seconds(1);
+
+/// Why a path is not run; nothing has moved.
+struct PathObjection {
+  enum class Kind : std::uint8_t {
+    request,     ///< What was asked for makes no sense.
+    impossible,  ///< It does, but not for these axes.
+  };
+  Kind kind = Kind::request;
+  std::string name;         ///< snake_case; part of the stable interface.
+  std::string message;      ///< One sentence without a full stop.
+  TextProblems problems{};  ///< What is wrong with the text, if that is it.
+};
+template <class T>
+using PathResult = tl::expected<T, PathObjection>;
+
+enum class PathFormat : std::uint8_t { csv, gcode };
+std::string_view name_of(PathFormat format);
+
+/// By the file's name (.csv; .ngc, .nc, .gcode, .gco, .tap), otherwise by the first line that says
+/// something.
+PathFormat format_of(std::string file_name, std::string_view text);
+
+struct PathSource {
+  PathFormat format = PathFormat::csv;
+  path_file::Path path;  ///< Without arcs.
+};
+PathResult<PathSource> read_path(std::string_view text, PathFormat format, double tolerance);
+
+/// What somebody wants; lengths in the file's units.
+struct PathWish {
+  StreamMode mode = StreamMode::velocity;
+  double tolerance = default_path_tolerance;
+  std::optional<double> velocity{}, acceleration{}, feed{};
+  std::optional<double> per_turn{};   ///< What a turn of the motor is, for axes without a unit.
+  std::optional<double> deviation{};  ///< How far off its plan an axis may be seen.
+  Duration period = shortest_stream_period;
+};
+StreamOptions options_of(const PathWish& wish);
+
+/// "X=left": which axis of the file is which axis.
+struct PathChoice {
+  std::string of_file;
+  std::string axis;
+};
+/// In the order of the file's axes. Objections: unknown_axis, missing_axis, named_twice.
+PathResult<std::vector<PathChoice>> in_order(const PathSource& source,
+                                             const std::vector<PathChoice>& choices);
+
+/// What is known of an axis, however it is reached.
+struct PathAxisFacts {
+  PathChoice choice;
+  const Model* model = nullptr;        ///< Null for one that is not known.
+  std::optional<ModuleUnits> units{};  ///< Nothing where they are not known.
+  std::optional<UserScale> scale{};    ///< Its unit is empty if the axis has none.
+  std::optional<SoftLimits> limits{};
+  std::int32_t max_velocity = 0;      ///< Parameter 4.
+  std::int32_t max_acceleration = 0;  ///< Parameter 5.
+  bool moving = false;
+};
+
+struct PathAxis {
+  PathChoice choice;
+  StreamAxis stream;  ///< Without a twin, which position mode needs.
+  std::optional<SoftLimits> limits;
+  UserScale scale;
+  ValueRange range;         ///< Of positions, in microsteps.
+  double velocity = 0;      ///< What its parameters allow, in the file's units.
+  double acceleration = 0;  ///< Likewise.
+};
+/// Objections: what is not known of an axis; one whose unit is not the file's, or that moves, or
+/// cannot.
+PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& facts,
+                               const PathWish& wish);
+Microsteps microsteps(const PathAxis& axis, double position);
+std::vector<StreamAxis> streamed(const std::vector<PathAxis>& axes);
+
+PathLimits limits_of(const std::vector<PathAxis>& axes, const PathWish& wish);
+/// For axes that can do what `limits` says; `limits` without a tolerance of corners.
+PathResult<Course> course_of(const PathSource& source, PathLimits limits, const PathWish& wish);
+/// Whether a point is where the axes cannot or may not go.
+std::optional<PathObjection> objection_to_reach(const Course& course,
+                                                const std::vector<PathAxis>& axes);
+
+// ---- how it went ----
+
+/// snake_case; part of the stable interface.
+std::string_view name_of(StreamFault::Kind kind);
+/// "running"; likewise.
+std::string_view name_of(PathStream::Phase phase);
+/// Whether nothing has moved.
+bool is_before_motion(StreamFault::Kind kind);
+/// "{0} is moving" as "x is moving".
+std::string with_names(std::string text, const std::vector<std::string>& axes);
+
+using Figure = std::pair<std::string_view, std::variant<std::uint64_t, double>>;
+/// A report in names and numbers, without its axes.
+std::vector<Figure> figures_of(const StreamReport& report);
+/// Those of one axis.
+std::vector<Figure> figures_of(const AxisTracking& tracking);
+
+}  // namespace tmcl::plan

@@ -1,0 +1,291 @@
+#include "tmcl/plan/path_run.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+namespace tmcl::plan {
+namespace {
+
+namespace ap = axis_parameter;
+using Kind = PathObjection::Kind;
+
+constexpr std::uint8_t stop_velocity = 20;
+
+PathObjection wrong(std::string name, std::string message) {
+  return {Kind::request, std::move(name), std::move(message)};
+}
+
+PathObjection impossible(std::string name, std::string message) {
+  return {Kind::impossible, std::move(name), std::move(message)};
+}
+
+// A table begins with the names of its columns, G-code with a word, a comment or a line of %.
+bool looks_like_gcode(std::string_view text) {
+  while (!text.empty()) {
+    const auto line = text.substr(0, text.find('\n'));
+    const auto first = line.find_first_not_of(" \t\r");
+    if (first != std::string_view::npos && line[first] != '#')
+      return line.find(',') == std::string_view::npos;
+    text.remove_prefix(std::min(line.size() + 1, text.size()));
+  }
+  return false;
+}
+
+// G-code counts in mm, and turns in degrees; the axes of a table are in their own units.
+std::optional<PathObjection> objection_to_unit(const PathSource& source,
+                                               const PathAxisFacts& facts) {
+  if (source.format != PathFormat::gcode || !facts.scale || facts.scale->unit.empty())
+    return std::nullopt;
+  const auto& [of_file, axis] = facts.choice;
+  const std::string needed = of_file < "X" ? "deg" : "mm";
+  if (facts.scale->unit == needed) return std::nullopt;
+  return impossible("wrong_unit", fmt::format("axis {} of G-code is in {}, and {} in {}", of_file,
+                                              needed, axis, facts.scale->unit));
+}
+
+PathResult<double> microsteps_of_unit(const PathAxisFacts& facts, std::optional<double> per_turn) {
+  const auto& name = facts.choice.axis;
+  if (!facts.scale) {
+    return tl::unexpected(impossible(
+        "unknown_units", fmt::format("how many microsteps a turn of {} has is not known", name)));
+  }
+  const double turn = facts.scale->steps.per_revolution();
+  if (!facts.scale->unit.empty()) {
+    const double direction = facts.scale->reverse ? -1 : 1;
+    return direction * turn / facts.scale->units_per_motor_revolution();
+  }
+  if (per_turn) return turn / *per_turn;
+  return tl::unexpected(wrong("unknown_unit", fmt::format("{} has no unit", name)));
+}
+
+ValueRange range_of(const Model& model, const ModuleUnits& units, std::uint8_t parameter) {
+  const auto* row = find_parameter(axis_parameters(model), parameter);
+  if (row == nullptr) return {0, 0};
+  return tmcl::range_of(*row, initial_units(model), units);
+}
+
+std::optional<PathObjection> objection_to(double position, const PathAxis& axis) {
+  const auto& [of_file, name] = axis.choice;
+  const double there = position * axis.stream.microsteps_per_unit;
+  if (there < axis.range.least || there > axis.range.greatest) {
+    return impossible(
+        "out_of_range",
+        fmt::format("the path goes to {} {:.6g}: {:.0f} microsteps, and {} can go to {} to {}",
+                    of_file, position, there, name, axis.range.least, axis.range.greatest));
+  }
+  const auto limit =
+      axis.limits ? beyond(*axis.limits, microsteps(axis, position), axis.scale) : std::nullopt;
+  if (!limit) return std::nullopt;
+  return impossible("beyond_soft_limit", fmt::format("the path goes to {} {:.6g}: {} of {}",
+                                                     of_file, position, describe(*limit), name));
+}
+
+double milliseconds(Duration time) {
+  return std::chrono::duration<double, std::milli>(time).count();
+}
+
+}  // namespace
+
+// ---- the file ----
+
+std::string_view name_of(PathFormat format) {
+  return format == PathFormat::gcode ? "gcode" : "csv";
+}
+
+PathFormat format_of(std::string file_name, std::string_view text) {
+  std::ranges::transform(file_name, file_name.begin(),
+                         [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  if (file_name.ends_with(".csv")) return PathFormat::csv;
+  constexpr std::array<std::string_view, 5> endings{".ngc", ".nc", ".gcode", ".gco", ".tap"};
+  const bool named =
+      std::ranges::any_of(endings, [&](auto ending) { return file_name.ends_with(ending); });
+  return named || looks_like_gcode(text) ? PathFormat::gcode : PathFormat::csv;
+}
+
+PathResult<PathSource> read_path(std::string_view text, PathFormat format, double tolerance) {
+  auto path = format == PathFormat::gcode ? path_file::read_gcode(text) : path_file::read_csv(text);
+  if (!path) {
+    auto objection = wrong("bad_path", "the path cannot be read");
+    objection.problems = std::move(path.error());
+    return tl::unexpected(std::move(objection));
+  }
+  auto flat = path_file::flatten(*path, tolerance * chords_part);
+  if (!flat) return tl::unexpected(wrong("bad_path", flat.error()));
+  if (flat->elements.empty()) return tl::unexpected(wrong("bad_path", "it moves nothing"));
+  return PathSource{format, std::move(*flat)};
+}
+
+StreamOptions options_of(const PathWish& wish) {
+  return {wish.mode, wish.deviation.value_or(deviation_in_tolerances * wish.tolerance), wish.period,
+          even_part * wish.tolerance};
+}
+
+// ---- the axes ----
+
+PathResult<std::vector<PathChoice>> in_order(const PathSource& source,
+                                             const std::vector<PathChoice>& choices) {
+  const auto& known = source.path.axes;
+  for (const auto& choice : choices) {
+    if (std::ranges::find(known, choice.of_file) != known.end()) continue;
+    return tl::unexpected(wrong(
+        "unknown_axis",
+        fmt::format("the file has no axis {}; it has {}", choice.of_file, fmt::join(known, ", "))));
+  }
+  std::vector<PathChoice> ordered;
+  for (const auto& of_file : known) {
+    const auto found = std::ranges::find(choices, of_file, &PathChoice::of_file);
+    if (found == choices.end()) {
+      return tl::unexpected(
+          wrong("missing_axis", fmt::format("the file moves {}: which axis is that?", of_file)));
+    }
+    if (std::ranges::find(ordered, found->axis, &PathChoice::axis) != ordered.end())
+      return tl::unexpected(wrong("named_twice", fmt::format("{} is named twice", found->axis)));
+    ordered.push_back(*found);
+  }
+  return ordered;
+}
+
+PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& facts,
+                               const PathWish& wish) {
+  const auto& name = facts.choice.axis;
+  if (facts.model == nullptr || !facts.units) {
+    return tl::unexpected(impossible(
+        "unknown_units", fmt::format("what the module of {} counts in is not known", name)));
+  }
+  if (auto objection = objection_to_unit(source, facts))
+    return tl::unexpected(std::move(*objection));
+  const auto scale = microsteps_of_unit(facts, wish.per_turn);
+  if (!scale) return tl::unexpected(scale.error());
+  if (facts.moving) return tl::unexpected(impossible("moving", fmt::format("{} is moving", name)));
+  const auto greatest = [&](std::uint8_t parameter) {
+    return range_of(*facts.model, *facts.units, parameter).greatest;
+  };
+  PathAxis axis;
+  axis.choice = facts.choice;
+  axis.stream = {*scale,
+                 *facts.units,
+                 greatest(ap::target_velocity),
+                 greatest(ap::max_acceleration),
+                 greatest(stop_velocity),
+                 {}};
+  axis.limits = facts.limits;
+  axis.scale = *facts.scale;
+  axis.range = range_of(*facts.model, *facts.units, ap::target_position);
+  axis.velocity = facts.max_velocity * facts.units->velocity.value / std::abs(*scale);
+  axis.acceleration = facts.max_acceleration * facts.units->acceleration.value / std::abs(*scale);
+  if (axis.velocity > 0 && axis.acceleration > 0) return axis;
+  return tl::unexpected(impossible(
+      "no_limits", fmt::format("{} has max_velocity {} and max_acceleration {}: it cannot move",
+                               name, facts.max_velocity, facts.max_acceleration)));
+}
+
+Microsteps microsteps(const PathAxis& axis, double position) {
+  return {static_cast<std::int32_t>(std::lround(position * axis.stream.microsteps_per_unit))};
+}
+
+std::vector<StreamAxis> streamed(const std::vector<PathAxis>& axes) {
+  std::vector<StreamAxis> all;
+  for (const auto& axis : axes) all.push_back(axis.stream);
+  return all;
+}
+
+// ---- the course ----
+
+PathLimits limits_of(const std::vector<PathAxis>& axes, const PathWish& wish) {
+  PathLimits limits;
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    limits.axis[i] = {
+        std::min(axes[i].velocity, wish.velocity.value_or(axes[i].velocity)),
+        std::min(axes[i].acceleration, wish.acceleration.value_or(axes[i].acceleration))};
+  }
+  return limits;
+}
+
+PathResult<Course> course_of(const PathSource& source, PathLimits limits, const PathWish& wish) {
+  limits.axes = source.path.axes.size();
+  limits.corner_tolerance = wish.tolerance * corners_part;
+  const double feed = wish.feed.value_or(std::numeric_limits<double>::infinity());
+  return Course::of(source.path, limits, feed).map_error([](const std::string& why) {
+    return wrong("bad_path", why);
+  });
+}
+
+std::optional<PathObjection> objection_to_reach(const Course& course,
+                                                const std::vector<PathAxis>& axes) {
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    for (const double position : {course.least()[i], course.greatest()[i]}) {
+      if (auto objection = objection_to(position, axes[i])) return objection;
+    }
+  }
+  return std::nullopt;
+}
+
+// ---- how it went ----
+
+std::string_view name_of(StreamFault::Kind kind) {
+  switch (kind) {
+    case StreamFault::Kind::asked: return "stopped";
+    case StreamFault::Kind::refused: return "command_failed";
+    case StreamFault::Kind::foreign: return "stopped_by_other";
+    case StreamFault::Kind::starved: return "starved";
+    case StreamFault::Kind::off_course: return "off_path";
+    case StreamFault::Kind::not_at_start: return "not_at_start";
+    case StreamFault::Kind::unsuited: return "unsuited";
+    case StreamFault::Kind::slow_bus: return "slow_bus";
+    case StreamFault::Kind::no_end: return "not_at_end";
+  }
+  return {};
+}
+
+std::string_view name_of(PathStream::Phase phase) {
+  switch (phase) {
+    case PathStream::Phase::before: return "measuring";
+    case PathStream::Phase::running: return "running";
+    case PathStream::Phase::pausing: return "pausing";
+    case PathStream::Phase::after:
+    case PathStream::Phase::ended: return "ending";
+  }
+  return {};
+}
+
+bool is_before_motion(StreamFault::Kind kind) {
+  return kind == StreamFault::Kind::not_at_start || kind == StreamFault::Kind::unsuited ||
+         kind == StreamFault::Kind::slow_bus;
+}
+
+std::string with_names(std::string text, const std::vector<std::string>& axes) {
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const auto placeholder = fmt::format("{{{}}}", i);
+    for (auto at = text.find(placeholder); at != std::string::npos;
+         at = text.find(placeholder, at + axes[i].size()))
+      text.replace(at, placeholder.size(), axes[i]);
+  }
+  return text;
+}
+
+std::vector<Figure> figures_of(const StreamReport& report) {
+  const auto a_second = [&](double count) {
+    return report.passed_s > 0 ? count / report.passed_s : 0;
+  };
+  return {{"passed_s", report.passed_s},
+          {"updates", std::uint64_t{report.updates}},
+          {"period_ms", milliseconds(report.period)},
+          {"worst_delay_ms", milliseconds(report.worst_delay)},
+          {"commands", std::uint64_t{report.commands}},
+          {"commands_per_s", a_second(static_cast<double>(report.commands))},
+          {"bus_load", a_second(report.busy_s)},
+          {"round_trip_us", 1e3 * milliseconds(report.round_trip)}};
+}
+
+std::vector<Figure> figures_of(const AxisTracking& tracking) {
+  return {{"largest", tracking.largest},
+          {"rms", tracking.rms()},
+          {"readings", std::uint64_t{tracking.readings}}};
+}
+
+}  // namespace tmcl::plan

@@ -1,0 +1,405 @@
+// Paths that the daemon passes, on a simulated TMCM-6212 in the test's own process.
+#include <gmock/gmock.h>
+
+#include "sim/module/module.hpp"
+#include "tmcl/hex.hpp"
+#include "tmcl/parameter.hpp"
+#include "unit/daemon_fixture.hpp"
+
+namespace tmcld::test {
+namespace {
+
+using testing::HasSubstr;
+using tmcl::Command;
+namespace ap = tmcl::axis_parameter;
+
+constexpr std::int32_t own_velocity = 240'000;
+constexpr std::int32_t own_acceleration = 4'999'922;
+constexpr double microsteps_per_mm = 51'200 / 5.0;
+
+class NoEvents final : public tmcl::sim::EventSink {
+ public:
+  void target_reached(const tmcl::sim::Module&, std::int32_t) override {}
+};
+
+/// What a FakeModule plays: everything but what the test refuses.
+class Played {
+ public:
+  Played() : module_(*tmcl::find_model("TMCM-6212"), tmcl::ModuleAddress{1}, clock_) {
+    for (std::uint8_t motor = 0; motor < 2; ++motor) {
+      set(motor, ap::max_velocity, own_velocity);
+      set(motor, ap::max_acceleration, own_acceleration);
+      set(motor, 17, own_acceleration);
+    }
+  }
+  /// The module must not outlive this.
+  void be_played_by(FakeModule& module) {
+    module.play = [this](const tmcl::Request& request) -> std::optional<tmcl::Reply> {
+      if (before) before(request);
+      if (refuse && refuse(request)) {
+        return tmcl::Reply{tmcl::default_host_address, 1, tmcl::Status::invalid_value,
+                           request.command, request.value};
+      }
+      return execute(request);
+    };
+  }
+
+  /// Called on the daemon's thread, as what follows.
+  std::function<void(const tmcl::Request&)> before;
+  std::function<bool(const tmcl::Request&)> refuse;
+
+  tmcl::Reply execute(const tmcl::Request& request) {
+    module_.run_due();
+    const auto answer = module_.execute(request, tmcl::sim::Medium::serial, events_);
+    return {tmcl::default_host_address, 1, answer.status, request.command, answer.value};
+  }
+  std::int32_t get(std::uint8_t motor, std::uint8_t parameter) {
+    return execute({tmcl::ModuleAddress{1}, Command::GAP, parameter, motor, 0}).value;
+  }
+  void set(std::uint8_t motor, std::uint8_t parameter, std::int32_t value) {
+    execute({tmcl::ModuleAddress{1}, Command::SAP, parameter, motor, value});
+  }
+  double mm(std::uint8_t motor) { return get(motor, ap::actual_position) / microsteps_per_mm; }
+  bool moves() { return get(0, ap::actual_velocity) != 0 || get(1, ap::actual_velocity) != 0; }
+
+ private:
+  tmcl::RealClock clock_;
+  NoEvents events_;
+  tmcl::sim::Module module_;
+};
+
+std::string bench(const std::string& of_y = {}) {
+  const std::string in_mm = "unit = \"mm\"\nunits_per_revolution = 5\n";
+  return "[[bus]]\nname = \"bench\"\nlink = \"serial:/dev/none@115200\"\nreply_timeout_ms = 60\n" +
+         axis_section("x", 0, in_mm) + axis_section("y", 1, in_mm + of_y);
+}
+
+class DaemonPath : public testing::Test {
+ protected:
+  explicit DaemonPath(const std::string& of_y = {}) : daemon(bench(of_y)) {
+    module.be_played_by(daemon.wire().modules.at(1));
+    daemon.start();
+    client = std::make_unique<RpcClient>(daemon.socket());
+  }
+
+  json::object order(const std::string& text, json::object more = {}) {
+    json::object params{{"axes", json::array{"x", "y"}}, {"text", text}, {"deviation", 4}};
+    for (const auto& [name, value] : more) params[name] = value;
+    return params;
+  }
+  json::object error_of(int id) {
+    const auto answer = client->answer_to(id);
+    if (!answer.contains("error")) throw std::runtime_error(json::serialize(answer));
+    return answer.at("error").as_object();
+  }
+  std::string name_in(const json::object& error) { return text(error.at("data").at("name")); }
+  template <class Function>
+  auto on_module(Function function) {
+    return daemon.on_reactor([&] { return function(module); });
+  }
+  double mm(std::uint8_t motor) {
+    return on_module([&](Played& played) { return played.mm(motor); });
+  }
+  bool until_x_is_beyond(double position) {
+    return daemon.eventually([&] { return module.mm(0) > position; });
+  }
+  void expect_rest_and_own_settings() {
+    for (std::uint8_t motor = 0; motor < 2; ++motor) {
+      const auto read = [&](std::uint8_t parameter) {
+        return on_module([&](Played& played) { return played.get(motor, parameter); });
+      };
+      EXPECT_EQ(read(ap::actual_velocity), 0);
+      EXPECT_EQ(read(ap::max_velocity), own_velocity);
+      EXPECT_EQ(read(ap::max_acceleration), own_acceleration);
+      EXPECT_EQ(read(17), own_acceleration);
+      EXPECT_EQ(read(16), 25'600);
+      EXPECT_EQ(read(20), 10);
+    }
+  }
+
+  Played module;
+  TestDaemon daemon;
+  std::unique_ptr<RpcClient> client;
+};
+
+class DaemonPathInBothModes : public DaemonPath, public testing::WithParamInterface<const char*> {
+ protected:
+  json::object in_mode(json::object more = {}) {
+    more["mode"] = GetParam();
+    return more;
+  }
+};
+
+// 20 mm/s: half a second, and two.
+const std::string short_way = "G1 X8 Y4 F1200\nG1 X9 Y2\n";
+const std::string long_way = "G1 X20 Y10 F1200\nG1 X40 Y0\n";
+constexpr const char* off_its_axes = "and each axis once";
+
+TEST_P(DaemonPathInBothModes, APathIsPassedToItsExactEnd) {
+  const auto id = client->send("path.run", order(short_way, in_mode()));
+  const auto news = client->notification("notify_progress");
+  EXPECT_EQ(news.at("id"), id);
+  EXPECT_GT(news.at("duration_s").to_number<double>(), 0.4);
+  const auto report = client->answer_to(id).at("result").as_object();
+  EXPECT_EQ(mm(0), 9);
+  EXPECT_EQ(mm(1), 2);
+  EXPECT_NEAR(report.at("passed_s").to_number<double>(), news.at("duration_s").to_number<double>(),
+              0.3);
+  const auto& tracking = report.at("tracking_error").as_array();
+  ASSERT_EQ(tracking.size(), 2U);
+  for (const auto& axis : tracking) {
+    EXPECT_GT(axis.at("readings").as_int64() + 0, 0);
+    EXPECT_LT(axis.at("rms").to_number<double>(), 0.5);
+  }
+  EXPECT_TRUE(report.at("remarks").as_array().empty());
+  expect_rest_and_own_settings();
+}
+
+TEST_P(DaemonPathInBothModes, AStopByAnotherClientStopsAll) {
+  RpcClient other(daemon.socket());
+  const auto id = client->send("path.run", order(long_way, in_mode()));
+  ASSERT_TRUE(until_x_is_beyond(2));
+  other.result("axis.stop", {{"axis", "y"}});
+  const auto error = error_of(id);
+  EXPECT_EQ(name_in(error), "stopped_by_other");
+  EXPECT_EQ(text(error.at("message")), "y was stopped by somebody else");
+  EXPECT_EQ(text(error.at("data").at("outcome")), "done");
+  EXPECT_EQ(text(error.at("data").at("axis")), "y");
+  EXPECT_TRUE(error.at("data").at("run").as_object().contains("tracking_error"));
+  EXPECT_LT(mm(0), 15);
+  expect_rest_and_own_settings();
+}
+
+TEST_P(DaemonPathInBothModes, WhatStopsAllStopsPathsToo) {
+  const auto id = client->send("path.run", order(long_way, in_mode()));
+  ASSERT_TRUE(until_x_is_beyond(2));
+  client->result("system.stop_all");
+  EXPECT_EQ(name_in(error_of(id)), "stopped_by_other");
+  expect_rest_and_own_settings();
+}
+
+TEST_P(DaemonPathInBothModes, PathStopAnswersWhenAllIsOver) {
+  RpcClient other(daemon.socket());
+  const auto id = client->send("path.run", order(long_way, in_mode()));
+  ASSERT_TRUE(until_x_is_beyond(2));
+  const auto stopped = other.result("path.stop", {{"axes", json::array{"y"}}});
+  EXPECT_EQ(json::serialize(stopped.at("axes")), R"(["x","y"])");
+  expect_rest_and_own_settings();
+  EXPECT_EQ(name_in(error_of(id)), "stopped");
+}
+
+TEST_P(DaemonPathInBothModes, NobodyElseMovesItsAxes) {
+  RpcClient other(daemon.socket());
+  const auto id = client->send("path.run", order(long_way, in_mode()));
+  ASSERT_TRUE(until_x_is_beyond(1));
+  const std::pair<const char*, json::object> calls[] = {
+      {"axis.move_to", {{"axis", "x"}, {"position_microsteps", 5}}},
+      {"axis.move_by", {{"axis", "y"}, {"distance_microsteps", 5}}},
+      {"axis.rotate", {{"axis", "x"}, {"velocity_internal", 5}}},
+      {"axis.home", {{"axis", "x"}}},
+      {"axis.start_home", {{"axis", "x"}}},
+      {"coordinate.move", {{"axis", "x"}, {"number", 1}}},
+      {"parameter.set", {{"axis", "x"}, {"parameter", "max_velocity"}, {"value", 5}}}};
+  for (const auto& [method, params] : calls) {
+    const auto error = other.error(method, params);
+    EXPECT_EQ(name_in(error), "bad_argument") << method;
+    EXPECT_THAT(text(error.at("message")), HasSubstr("is on its way along a path")) << method;
+  }
+  other.result("path.stop");
+  EXPECT_EQ(name_in(error_of(id)), "stopped") << "none of these ended it";
+}
+
+TEST_P(DaemonPathInBothModes, ACommandThatFailsStopsAll) {
+  on_module([](Played& played) {
+    played.refuse = [&played](const tmcl::Request& request) {
+      const bool moves =
+          request.command == Command::ROR || (request.command == Command::SAP && request.type == 0);
+      return moves && request.motor == 1 && played.mm(0) > 2;
+    };
+    return 0;
+  });
+  const auto winding = "G1 X4 Y2 F1200\nG1 X8 Y5\nG1 X12 Y5.5\nG1 X16 Y9\nG1 X20 Y12\n";
+  const auto error = client->error("path.run", order(winding, in_mode()));
+  EXPECT_EQ(name_in(error), "command_failed");
+  EXPECT_THAT(text(error.at("message")), HasSubstr("y: "));
+  on_module([](Played& played) {
+    played.refuse = {};
+    return 0;
+  });
+  expect_rest_and_own_settings();
+}
+
+TEST_P(DaemonPathInBothModes, AClientThatGoesDoesNotEndIt) {
+  auto gone = std::make_unique<RpcClient>(daemon.socket());
+  gone->send("path.run", order(short_way, in_mode()));
+  ASSERT_TRUE(until_x_is_beyond(1));
+  gone.reset();
+  EXPECT_TRUE(daemon.eventually([&] { return module.mm(0) == 9 && module.mm(1) == 2; }));
+  EXPECT_TRUE(daemon.eventually(
+      [&] { return daemon.daemon().gateway().axes().front()->path() == nullptr; }));
+  expect_rest_and_own_settings();
+}
+
+TEST_P(DaemonPathInBothModes, TheEndOfTheDaemonStopsIt) {
+  const auto id = client->send("path.run", order(long_way, in_mode()));
+  ASSERT_TRUE(until_x_is_beyond(2));
+  daemon.end();
+  EXPECT_EQ(text(error_of(id).at("message")), "tmcld is ending");
+  EXPECT_FALSE(module.moves());
+  EXPECT_LT(module.mm(0), 15);
+  for (std::uint8_t motor = 0; motor < 2; ++motor) {
+    EXPECT_EQ(module.get(motor, ap::max_velocity), own_velocity);
+    EXPECT_EQ(module.get(motor, ap::max_acceleration), own_acceleration);
+    EXPECT_EQ(module.get(motor, 20), 10);
+  }
+}
+
+TEST_P(DaemonPathInBothModes, ItIsNotBegunWhereTheAxesDoNotStand) {
+  const auto away = client->error("path.run", order("x,y\n1,0\n2,2\n", in_mode()));
+  EXPECT_EQ(name_in(away), "not_at_start");
+  EXPECT_EQ(text(away.at("data").at("outcome")), "not_sent");
+  EXPECT_THAT(text(away.at("message")), HasSubstr("x is at 0 and not at 10240"));
+  EXPECT_EQ(mm(0), 0);
+  client->result("axis.rotate", {{"axis", "y"}, {"velocity_internal", 100}});
+  EXPECT_EQ(name_in(client->error("path.run", order(short_way, in_mode()))), "moving");
+}
+
+INSTANTIATE_TEST_SUITE_P(Modes, DaemonPathInBothModes, testing::Values("velocity", "position"),
+                         [](const auto& mode) { return std::string(mode.param); });
+
+TEST_F(DaemonPath, APauseStandsUntilItIsOver) {
+  const auto id = client->send("path.run", order(long_way));
+  ASSERT_TRUE(until_x_is_beyond(2));
+  client->result("path.pause", {{"axes", json::array{"x"}}});
+  ASSERT_TRUE(daemon.eventually([&] { return !module.moves(); }));
+  const auto stood = mm(0);
+  EXPECT_LT(stood, 12);
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  EXPECT_NEAR(mm(0), stood, 0.01);
+  EXPECT_NEAR(mm(0), 2 * mm(1), 0.2) << "on the path";
+  client->result("path.resume");
+  EXPECT_TRUE(client->answer_to(id).contains("result"));
+  EXPECT_EQ(mm(0), 40);
+  expect_rest_and_own_settings();
+}
+
+TEST_F(DaemonPath, ALineEndsWithTheDaemonToo) {
+  client->result("line.move",
+                 {{"axes", json::array{"x", "y"}}, {"positions", json::array{40, 10}}});
+  ASSERT_TRUE(until_x_is_beyond(1));
+  daemon.end();
+  EXPECT_FALSE(module.moves());
+  for (std::uint8_t motor = 0; motor < 2; ++motor)
+    EXPECT_EQ(module.get(motor, ap::max_velocity), own_velocity);
+}
+
+TEST_F(DaemonPath, ALineAndAPathExcludeEachOther) {
+  RpcClient other(daemon.socket());
+  const auto id = client->send("path.run", order(long_way + "G1 X0\nG1 X40\nG1 X0\n"));
+  ASSERT_TRUE(until_x_is_beyond(1));
+  const auto line = other.error(
+      "line.move", {{"axes", json::array{"x", "y"}}, {"positions_microsteps", json::array{0, 0}}});
+  EXPECT_THAT(text(line.at("message")), HasSubstr("along another line or path"));
+  EXPECT_EQ(name_in(other.error("path.run", order(short_way))), "moving");
+  other.result("path.stop");
+  error_of(id);
+}
+
+TEST_F(DaemonPath, ALinkThatComesBackIsUsedToStop) {
+  const auto id = client->send("path.run", order(long_way));
+  ASSERT_TRUE(until_x_is_beyond(2));
+  daemon.on_reactor([&] {
+    daemon.wire().unplug();
+    return 0;
+  });
+  const auto error = error_of(id);
+  EXPECT_EQ(name_in(error), "command_failed");
+  EXPECT_TRUE(error.at("data").at("run").at("remarks").as_array().empty())
+      << json::serialize(error);
+  expect_rest_and_own_settings();
+}
+
+TEST_F(DaemonPath, ASilentModuleIsTold) {
+  const auto id = client->send("path.run", order(long_way));
+  ASSERT_TRUE(until_x_is_beyond(2));
+  daemon.on_reactor([&] {
+    daemon.wire().holds = true;
+    return 0;
+  });
+  const auto error = error_of(id);
+  EXPECT_EQ(name_in(error), "command_failed");
+  EXPECT_THAT(json::serialize(error.at("data").at("run").at("remarks")),
+              HasSubstr("x could not be stopped"));
+}
+
+TEST_F(DaemonPath, BadInputIsNamedAndMovesNothing) {
+  const auto expect = [&](json::object params, const char* name, const char* message) {
+    const auto error = client->error("path.run", params);
+    EXPECT_EQ(name_in(error), name) << json::serialize(params);
+    EXPECT_THAT(text(error.at("message")), HasSubstr(message)) << json::serialize(params);
+    EXPECT_EQ(text(error.at("data").at("outcome")), "not_sent");
+  };
+  const auto with = [&](json::object more) { return order(short_way, std::move(more)); };
+  expect(with({{"axes", json::array{"x", "yy"}}}), "unknown_axis", "'yy'");
+  expect(with({{"axes", json::array{"x", "x"}}}), "bad_argument", off_its_axes);
+  expect(with({{"axes", json::array{"x"}}}), "missing_axis", "the file moves Y");
+  expect(with({{"file_axes", json::array{"X"}}}), "bad_argument", off_its_axes);
+  expect(with({{"file_axes", json::array{"X", "Q"}}}), "unknown_axis", "has no axis Q");
+  expect(with({{"file_axes", json::array{"X", "X"}}}), "missing_axis", "the file moves Y");
+  expect(with({{"tolerance", 0}}), "out_of_range", "'tolerance'");
+  expect(with({{"tolerance", -1}}), "out_of_range", "'tolerance'");
+  expect(with({{"feed", 1e300}}), "out_of_range", "'feed'");
+  expect(with({{"velocity", -1}}), "out_of_range", "'velocity'");
+  expect(with({{"period_ms", 1}}), "out_of_range", "'period_ms'");
+  expect(with({{"mode", "fast"}}), "bad_argument", "'mode' must be");
+  expect(with({{"format", "svg"}}), "bad_argument", "'format' must be");
+  expect(with({{"bytes", 5}}), "bad_argument", "'text' and 'bytes'");
+  expect(order("G1 X1 F600\nG99\n"), "bad_path", "line 2: ");
+  expect(order("M2\n"), "bad_path", "moves nothing");
+  expect(order("G1 X1 Y1 A5 F600\n"), "missing_axis", "the file moves A");
+  expect(order("G1 X900000 Y0 F600\n"), "out_of_range", "the path goes to X 900000");
+  expect(order("t,x,y\n0,0,0\n0.1,50,0\n"), "bad_path", "line 3: too fast");
+  client->send_raw(R"({"jsonrpc":"2.0","id":99,"method":"path.run","params":{"tolerance":NaN}})"
+                   "\n");
+  EXPECT_EQ(text(client->read().at("error").at("data").at("name")), "parse_error");
+  for (const auto command : {Command::ROR, Command::ROL, Command::MVP, Command::SAP})
+    EXPECT_EQ(daemon.requests_seen(command), 0U);
+}
+
+TEST_F(DaemonPath, ALongTextComesInParts) {
+  const std::string part = "G1 X1 F1200\n";
+  const auto stage = [&](std::size_t offset, const std::string& more) {
+    const std::vector<std::uint8_t> bytes(more.begin(), more.end());
+    return client->result("path.stage", {{"offset", offset}, {"data", tmcl::to_hex(bytes)}});
+  };
+  EXPECT_EQ(stage(0, part).at("bytes"), part.size());
+  EXPECT_EQ(stage(part.size(), "G1 Y1\n").at("bytes"), part.size() + 6);
+  json::object params{{"axes", json::array{"x", "y"}}, {"bytes", part.size() + 6}};
+  EXPECT_TRUE(client->call("path.run", params).contains("result"));
+  EXPECT_EQ(mm(1), 1);
+  const auto again = client->error("path.run", params);
+  EXPECT_THAT(text(again.at("message")), HasSubstr("of a path of this client there are 0 bytes"));
+}
+
+TEST_F(DaemonPath, PausesConcernPathsOnly) {
+  EXPECT_EQ(name_in(client->error("path.pause", {{"axes", json::array{"x"}}})), "no_path");
+  EXPECT_EQ(json::serialize(client->result("path.stop")), R"({"axes":[]})");
+}
+
+class DaemonPathWithLimits : public DaemonPath {
+ protected:
+  DaemonPathWithLimits() : DaemonPath("soft_limits = [-1, 6]\n") {}
+};
+
+TEST_F(DaemonPathWithLimits, VelocitiesStayWithinThem) {
+  const auto beyond = client->error("path.run", order("G1 X5 Y7 F1200\n"));
+  EXPECT_EQ(name_in(beyond), "beyond_soft_limit");
+  EXPECT_THAT(text(beyond.at("message")), HasSubstr("the path goes to Y 7"));
+  EXPECT_EQ(daemon.requests_seen(Command::ROR), 0U);
+  EXPECT_EQ(mm(0), 0);
+  EXPECT_TRUE(client->call("path.run", order("G1 X5 Y6 F1200\n")).contains("result"));
+  EXPECT_EQ(mm(1), 6);
+}
+
+}  // namespace
+}  // namespace tmcld::test
