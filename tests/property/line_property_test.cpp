@@ -80,6 +80,25 @@ INSTANTIATE_TEST_SUITE_P(LineProperty, LineSpread,
                            return "UpTo" + std::to_string(length.param.to) + "Microsteps";
                          });
 
+// Slow and fast ones, with ramps that take nearly no time and ramps that are all of it.
+TEST(LineProperty, AxesOfATmc429ModuleArriveTogetherWhateverTheirLimits) {
+  test::Random<> random(test::seed());
+  const auto twin = tmc429_axis();
+  std::vector<double> spreads;
+  for (int i = 0; i < test::rounds(lines); ++i) {
+    const InternalVelocity velocity{static_cast<std::int32_t>(random.between(150, 2047))};
+    const InternalAcceleration acceleration{static_cast<std::int32_t>(random.between(100, 2047))};
+    const auto line =
+        plan_line(axes_for(twin, ways(random, 20'000, 400'000), velocity, acceleration));
+    ASSERT_TRUE(line) << line.error().message;
+    spreads.push_back(Milliseconds(line->spread).count());
+    EXPECT_LE(line->deviation, 0.012);
+  }
+  EXPECT_LE(part(spreads, 0.5), 0.5);
+  EXPECT_LE(part(spreads, 0.95), 2.0);
+  EXPECT_LE(part(spreads, 1.0), 8.5);
+}
+
 TEST(LineProperty, SaysWhenEachAxisArrivesAndThatIsWhatItsSettingsMakeItDo) {
   test::Random<> random(test::seed());
   for (const auto* name : {"TMCM-6110", "TMCM-6212", "TMCM-142"}) {

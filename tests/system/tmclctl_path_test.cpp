@@ -130,5 +130,16 @@ TEST_F(PathBench, TheExerciseOfTheNoteRuns) {
   EXPECT_THAT(again.err, HasSubstr("--axis 0=NAME"));
 }
 
+TEST_F(PathBench, AGoOfTwoAxesStartsThemByOneCommand) {
+  const auto program = written("two.mint",
+                               "SPEED = 100000, 50000\nACCEL = 1000000, 500000\n"
+                               "MOVEA = 20000, -10000\nGO\n");
+  const auto ran = ctl("mint run " + program + " --axis 0=1/0 --axis 1=1/1");
+  ASSERT_EQ(ran.status, 0) << ran.err;
+  EXPECT_EQ(get("1/0", "1"), "20000\n");
+  EXPECT_EQ(get("1/1", "1"), "-10000\n");
+  EXPECT_THAT(ctl("coordinate get 1/1 0").out, HasSubstr("-10000")) << "loaded before the start";
+}
+
 }  // namespace
 }  // namespace tmcl::test

@@ -27,8 +27,11 @@ constexpr std::size_t tried_then = 24;
 // A ramp that is less steep or steeper than the line wants by more than this leaves the line too
 // far.
 constexpr double most_acceleration_change = 0.15;
+// Unless the ramp is such a small part of the time that it does not take it off.
+constexpr double short_ramp = 0.005;
 constexpr std::int32_t least_speeds_tried = 3;  // to either side
 constexpr std::int32_t speeds_tried_part = 60;
+constexpr double most_time_change = 0.005;  // less than 1 / speeds_tried_part
 constexpr int deviation_samples = 200;
 constexpr std::uint8_t ramp_divisor = 153;
 constexpr std::uint8_t pulse_divisor = 154;
@@ -161,6 +164,12 @@ class Runner {
     }
   }
 
+  /// It takes so much more or less than its part should that the others could not follow it.
+  bool is_coarse() const {
+    const double ideal = time_of(way_, v_ideal_ * v_unit_, a_ideal_ * a_unit_);
+    return std::abs(formula(chosen_) / ideal - 1) > most_time_change;
+  }
+
   Duration arrival() const { return arrival_; }
   AxisOfLine result(Duration start) const {
     return {settings_to_write(), run(chosen_), start, start + arrival_};
@@ -242,7 +251,9 @@ class Runner {
     const auto consider = [&](double velocity, double acceleration) {
       for (const double a : {std::floor(acceleration), std::ceil(acceleration)}) {
         if (!(a >= a_range_.least && a <= a_range_.greatest)) continue;
-        const bool is_near = std::abs(a / a_ideal_ - 1) <= most_acceleration_change;
+        const double ramp_s = velocity * v_unit_ / (a * a_unit_);
+        const bool is_near =
+            std::abs(a / a_ideal_ - 1) <= most_acceleration_change || ramp_s <= short_ramp * time_s;
         if (!is_near && a != chosen_.acceleration) continue;
         const Registers registers{static_cast<std::int32_t>(velocity),
                                   static_cast<std::int32_t>(a)};
@@ -384,11 +395,13 @@ class Planner {
   std::optional<LineError> choose_registers() {
     for (std::size_t i = 0; i < axes_.size(); ++i) runners_.emplace_back(axes_[i], part_of(i));
     for (const auto i : line_.order) {
-      if (runners_[i].choose(ramp_.velocity, ramp_.acceleration)) continue;
+      const bool possible = runners_[i].choose(ramp_.velocity, ramp_.acceleration);
+      if (possible && !runners_[i].is_coarse()) continue;
       if (auto finer = finer_runners(i); !finer.empty()) {
         runners_[i] = std::move(finer.front());
         continue;
       }
+      if (possible) continue;
       return LineError{
           i, fmt::format("its part of the line, {:.3g} of the longest way, is too slow for its "
                          "registers: {:.4g} microsteps/s, {:.4g} microsteps/s^2",
@@ -402,8 +415,11 @@ class Planner {
     std::vector<Runner> runners;
     const auto* chip = axes_[i].twin.tmc429();
     if (chip == nullptr) return runners;
-    for (const auto dividers : finer_dividers(chip->dividers(), {ramp_.velocity * part_of(i)},
-                                              {ramp_.acceleration * part_of(i)})) {
+    const double velocity = ramp_.velocity * part_of(i);
+    // A short ramp may be longer, if that lets the speed be finer.
+    const double gentle = velocity * velocity / (std::abs(ways_[i].distance) * short_ramp);
+    const double acceleration = std::min(ramp_.acceleration * part_of(i), gentle);
+    for (const auto dividers : finer_dividers(chip->dividers(), {velocity}, {acceleration})) {
       Runner runner(axes_[i], part_of(i), dividers);
       if (runner.choose(ramp_.velocity, ramp_.acceleration)) runners.push_back(std::move(runner));
     }

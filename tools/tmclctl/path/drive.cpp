@@ -7,6 +7,7 @@
 
 #include "following.hpp"
 #include "progress_line.hpp"
+#include "together.hpp"
 
 namespace tmclctl::path {
 namespace {
@@ -105,9 +106,21 @@ void stop_axes(const std::vector<std::string>& axes, Room& room) {
   }
 }
 
-Attempt<void> go_to(const std::vector<std::string>& axes,
-                    const std::vector<tmcl::Microsteps>& positions, const std::string& what,
-                    Room& room) {
+namespace {
+
+Attempt<void> start_one_by_one(const std::vector<std::string>& axes,
+                               const std::vector<tmcl::Microsteps>& positions, Target& target) {
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    const auto moved = target.move_to(axes[i], {.microsteps = positions[i]});
+    if (!moved) return tl::unexpected(moved.error());
+  }
+  return {};
+}
+
+Attempt<void> start_and_follow(const std::vector<std::string>& axes,
+                               const std::vector<tmcl::Microsteps>& positions,
+                               const std::string& what, decltype(start_one_by_one)& start,
+                               Room& room) {
   if (auto interrupted = interrupted_before_move(room)) return tl::unexpected(*interrupted);
   const auto begin = room.patience.now();
   const auto give_up = [&](const Failure& failure) -> Attempt<void> {
@@ -116,10 +129,8 @@ Attempt<void> go_to(const std::vector<std::string>& axes,
     if (signal == 0) return tl::unexpected(failure);
     return tl::unexpected(interrupted_failure(signal, "stopped " + what, ""));
   };
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    const auto moved = room.target.move_to(axes[i], {.microsteps = positions[i]});
-    if (!moved) return give_up(moved.error());
-  }
+  if (const auto started = start(axes, positions, room.target); !started)
+    return give_up(started.error());
   ProgressLine progress(room.output);
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const Journey journey{axes[i], positions[i], begin, follow_interval, {}};
@@ -130,6 +141,21 @@ Attempt<void> go_to(const std::vector<std::string>& axes,
     if (!arrived) return give_up(arrived.error());
   }
   return {};
+}
+
+}  // namespace
+
+Attempt<void> go_to(const std::vector<std::string>& axes,
+                    const std::vector<tmcl::Microsteps>& positions, const std::string& what,
+                    Room& room) {
+  return start_and_follow(axes, positions, what, start_one_by_one, room);
+}
+
+Attempt<void> go_together(const std::vector<std::string>& axes,
+                          const std::vector<tmcl::Microsteps>& positions, const std::string& what,
+                          Room& room) {
+  auto& start = axes.size() > 1 ? start_together : start_one_by_one;
+  return start_and_follow(axes, positions, what, start, room);
 }
 
 }  // namespace tmclctl::path

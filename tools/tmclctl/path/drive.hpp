@@ -26,5 +26,9 @@ void stop_axes(const std::vector<std::string>& axes, Room& room);
 Attempt<void> go_to(const std::vector<std::string>& axes,
                     const std::vector<tmcl::Microsteps>& positions, const std::string& what,
                     Room& room);
+/// Likewise, all started as nearly at once as their modules can.
+Attempt<void> go_together(const std::vector<std::string>& axes,
+                          const std::vector<tmcl::Microsteps>& positions, const std::string& what,
+                          Room& room);
 
 }  // namespace tmclctl::path

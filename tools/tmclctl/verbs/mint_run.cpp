@@ -182,7 +182,7 @@ Attempt<void> go(const mint::Group& group, MintAxes& axes, Room& room) {
     names.push_back(axis.name);
     positions.push_back({static_cast<std::int32_t>(target_of(move))});
   }
-  return path::go_to(names, positions, fmt::format("at the GO of line {}", group.line), room);
+  return path::go_together(names, positions, fmt::format("at the GO of line {}", group.line), room);
 }
 
 Attempt<void> pass(const mint::DryRun& run, MintAxes& axes, Room& room, json::array& groups) {
