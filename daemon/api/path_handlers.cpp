@@ -153,6 +153,9 @@ awaitable<tmcl::Result<plan::PathAxisFacts>> facts_of(GatewayAxis& axis, std::st
   const auto velocity = co_await axis.get(ap::actual_velocity, {});
   if (!velocity) co_return tl::unexpected(velocity.error());
   facts.moving = *velocity != 0;
+  const auto position = co_await axis.get(ap::actual_position, {});
+  if (!position) co_return tl::unexpected(position.error());
+  facts.position = {*position};
   co_return facts;
 }
 
@@ -280,8 +283,10 @@ Answer run_path(Call& call) {
   const auto axes = co_await path_axes(*source, *members, *wish);
   if (!axes) co_return tl::unexpected(axes.error());
 
-  auto plan_it = [source = *source, limits = limits_of(*axes, *wish), wish = *wish] {
-    return plan::course_of(source, limits, wish);
+  auto plan_it = [source = *source, text = *text, axes = *axes, wish = *wish] {
+    return from_where_axes_stand(source, text, axes, wish).and_then([&](const auto& from_there) {
+      return course_of(from_there, limits_of(axes, wish), wish);
+    });
   };
   auto course = co_await elsewhere(planner, std::move(plan_it));
   if (!course) co_return tl::unexpected(error_of(course.error(), "text"));

@@ -59,6 +59,7 @@ class FakeTarget : public Target {
                    tmcl::UserScale{"mm", 5, false, {200, 8}}};
   std::optional<UserReading> user;               ///< What state() gives.
   std::map<std::string, std::int32_t> values;    ///< What get() gives, by parameter as asked for.
+  std::string known_axis;                        ///< Empty: all of them.
   std::string refused_parameter;                 ///< set() of it fails.
   tmcl::FirmwareVersion runs_then{1110, 1, 42};  ///< After an upload.
 
@@ -103,6 +104,8 @@ class FakeTarget : public Target {
   Attempt<AxisUnits> units(const std::string& axis) override {
     if (failure) return tl::unexpected(*failure);
     calls.push_back("units " + axis);
+    if (axis != known_axis && !known_axis.empty())
+      return tl::unexpected(usage_failure("unknown_axis", "there is no axis '" + axis + "'"));
     return counts;
   }
   Attempt<StartedMove> move_to(const std::string& axis, Length length) override {

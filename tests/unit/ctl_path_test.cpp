@@ -55,8 +55,10 @@ TEST_F(CtlPath, ProblemsHaveTheirPlaces) {
 TEST_F(CtlPath, RunChecksBeforeItMoves) {
   const auto line = file("G1 X10 F600\n");
   target.values = {{"4", 1000}, {"5", 500}};
+  target.known_axis = "left";
   EXPECT_EQ(run({"path", "run", line}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("the file moves X: which axis is that?"));
+  target.known_axis.clear();
   EXPECT_EQ(run({"path", "run", line, "--axis", "Q=x"}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("has no axis Q"));
   EXPECT_EQ(run({"path", "run", line, "--axis", "x"}), ExitCode::usage);
@@ -72,6 +74,28 @@ TEST_F(CtlPath, RunChecksBeforeItMoves) {
   for (const auto& call : target.calls) {
     EXPECT_THAT(call, testing::Not(testing::AnyOf(HasSubstr("move"), HasSubstr("set"))));
   }
+}
+
+TEST_F(CtlPath, XIsTheAxisOfThisName) {
+  const auto line = file("G1 X10 F600\n");
+  target.values = {{"4", 1000}, {"5", 500}};
+  target.known_axis = "x";
+  EXPECT_EQ(run({"path", "run", line, "--dry-run"}), ExitCode::done) << err;
+  EXPECT_EQ(target.calls.back(), "get x max_acceleration");
+}
+
+TEST_F(CtlPath, GCodeBeginsWhereTheAxesStand) {
+  target.values = {{"4", 1000}, {"5", 500}};
+  target.counts.scale->unit = "mm";
+  run({"move", "x", "5000", "--wait"});
+  const double stands = 5000. / target.counts.scale->steps.per_revolution() *
+                        target.counts.scale->units_per_motor_revolution();
+  const auto by = json({"path", "run", file("G91 G1 X10 F600\n"), "--axis", "X=x", "--dry-run"});
+  EXPECT_NEAR(by.at("axes").at(0).at("least").to_number<double>(), stands, 1e-9);
+  EXPECT_NEAR(by.at("axes").at(0).at("greatest").to_number<double>(), stands + 10, 1e-9);
+  const auto table = json(
+      {"path", "run", file("x,y\n0,0\n10,0\n"), "--axis", "x=x", "--axis", "y=y", "--dry-run"});
+  EXPECT_EQ(table.at("axes").at(0).at("least").to_number<double>(), 0);
 }
 
 TEST_F(CtlPath, TmcldPassesAPathItself) {

@@ -264,6 +264,14 @@ TEST_P(DaemonPathInBothModes, ItIsNotBegunWhereTheAxesDoNotStand) {
   EXPECT_EQ(name_in(client->error("path.run", order(short_way, in_mode()))), "moving");
 }
 
+TEST_P(DaemonPathInBothModes, GCodeBeginsWhereTheAxesStand) {
+  client->result("axis.move_to", {{"axis", "x"}, {"position", 2.5}});
+  client->result("axis.wait", {{"axis", "x"}});
+  client->result("path.run", order("G91 G1 X1 Y2 F1200\n", in_mode()));
+  EXPECT_NEAR(mm(0), 3.5, 1e-4);
+  EXPECT_NEAR(mm(1), 2, 1e-4);
+}
+
 INSTANTIATE_TEST_SUITE_P(Modes, DaemonPathInBothModes, testing::Values("velocity", "position"),
                          [](const auto& mode) { return std::string(mode.param); });
 

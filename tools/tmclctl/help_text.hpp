@@ -354,8 +354,9 @@ the file; G-code's are mm (deg for A B C). What is wrong comes as FILE:LINE:COLU
 )";
 
 constexpr const char* path_run = R"(
-Moves the axes to the start of the path and along it, and says then how far off it they were seen, and
-what the bus was used for. Nothing moves before everything is checked: units, limits, where the path
+Moves the axes along the path, and says then how far off it they were seen, and what the bus was used
+for. G-code begins where the axes stand; to the start of a table they are moved first. X is the axis of
+tmcld that is called X or x, unless --axis says otherwise. Nothing moves before everything is checked: units, limits, where the path
 goes, that all axes stand, and what the bus can carry. Files are those of 'tmclctl path check'.
 
   --mode velocity   any module: a new velocity for each axis every 5 ms, or as fast as the bus can

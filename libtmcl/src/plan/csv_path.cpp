@@ -162,6 +162,6 @@ class CsvReader {
 
 }  // namespace
 
-tl::expected<Path, TextProblems> read_csv(std::string_view text) { return CsvReader().read(text); }
+Reading read_csv(std::string_view text) { return CsvReader().read(text); }
 
 }  // namespace tmcl::plan::path_file

@@ -10,7 +10,7 @@
 namespace tmcl::plan::path_file {
 namespace {
 
-constexpr std::string_view axis_letters = "XYZABC";
+constexpr std::string_view axis_letters = gcode_axes;
 constexpr std::size_t linear_axes = 3;
 constexpr double mm_of_an_inch = 25.4;
 constexpr double seconds_of_a_minute = 60;
@@ -415,7 +415,7 @@ class Flattener {
 
 }  // namespace
 
-tl::expected<Path, TextProblems> read_gcode(std::string_view text, const Point& start) {
+Reading read_gcode(std::string_view text, const Point& start) {
   Interpreter interpreter(start);
   ProblemList problems;
   for_each_line(text, problems, [&](std::string_view line, std::size_t number) {

@@ -85,6 +85,19 @@ std::optional<PathObjection> objection_to(double position, const PathAxis& axis)
                                                      of_file, position, describe(*limit), name));
 }
 
+PathResult<PathSource> flattened(const path_file::Reading& path, PathFormat format,
+                                 double tolerance) {
+  if (!path) {
+    auto objection = wrong("bad_path", "the path cannot be read");
+    objection.problems = path.error();
+    return tl::unexpected(std::move(objection));
+  }
+  auto flat = path_file::flatten(*path, tolerance * chords_part);
+  if (!flat) return tl::unexpected(wrong("bad_path", flat.error()));
+  if (flat->elements.empty()) return tl::unexpected(wrong("bad_path", "it moves nothing"));
+  return PathSource{format, std::move(*flat)};
+}
+
 double milliseconds(Duration time) {
   return std::chrono::duration<double, std::milli>(time).count();
 }
@@ -108,16 +121,9 @@ PathFormat format_of(std::string file_name, std::string_view text) {
 }
 
 PathResult<PathSource> read_path(std::string_view text, PathFormat format, double tolerance) {
-  auto path = format == PathFormat::gcode ? path_file::read_gcode(text) : path_file::read_csv(text);
-  if (!path) {
-    auto objection = wrong("bad_path", "the path cannot be read");
-    objection.problems = std::move(path.error());
-    return tl::unexpected(std::move(objection));
-  }
-  auto flat = path_file::flatten(*path, tolerance * chords_part);
-  if (!flat) return tl::unexpected(wrong("bad_path", flat.error()));
-  if (flat->elements.empty()) return tl::unexpected(wrong("bad_path", "it moves nothing"));
-  return PathSource{format, std::move(*flat)};
+  const bool gcode = format == PathFormat::gcode;
+  return flattened(gcode ? path_file::read_gcode(text) : path_file::read_csv(text), format,
+                   tolerance);
 }
 
 StreamOptions options_of(const PathWish& wish) {
@@ -175,6 +181,7 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
                  {}};
   axis.limits = facts.limits;
   axis.scale = *facts.scale;
+  axis.stands_at = facts.position.value / *scale;
   axis.range = range_of(*facts.model, *facts.units, ap::target_position);
   axis.velocity = facts.max_velocity * facts.units->velocity.value / std::abs(*scale);
   axis.acceleration = facts.max_acceleration * facts.units->acceleration.value / std::abs(*scale);
@@ -195,6 +202,16 @@ std::vector<StreamAxis> streamed(const std::vector<PathAxis>& axes) {
 }
 
 // ---- the course ----
+
+PathResult<PathSource> from_where_axes_stand(PathSource source, std::string_view text,
+                                             const std::vector<PathAxis>& axes,
+                                             const PathWish& wish) {
+  if (source.format != PathFormat::gcode) return source;
+  path_file::Point start{};
+  for (const auto& axis : axes)
+    start[path_file::gcode_axes.find(axis.choice.of_file)] = axis.stands_at;
+  return flattened(path_file::read_gcode(text, start), source.format, wish.tolerance);
+}
 
 PathLimits limits_of(const std::vector<PathAxis>& axes, const PathWish& wish) {
   PathLimits limits;

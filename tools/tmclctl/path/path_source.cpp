@@ -18,6 +18,13 @@ constexpr std::size_t most_bytes = std::size_t{64} << 20;
 // So many points make a curve that looks smooth.
 constexpr int curve_points = 2000;
 
+Failure failure_of(const std::string& file, const plan::PathObjection& objection, Output& output) {
+  if (!objection.problems.empty()) return path::failure_from(file, objection.problems, output);
+  auto failure = path::failure_from(objection);
+  failure.message = file + ": " + failure.message;
+  return failure;
+}
+
 }  // namespace
 
 Failure failure_from(const std::string& file, const plan::TextProblems& problems, Output& output) {
@@ -58,13 +65,16 @@ Attempt<Source> read_source(const std::string& file, double tolerance, Output& o
   auto text = text_of(file, most_bytes);
   if (!text) return tl::unexpected(text.error());
   auto source = plan::read_path(*text, plan::format_of(file, *text), tolerance);
-  if (source) return Source{std::move(*source), file, std::move(*text)};
-  const auto& objection = source.error();
-  if (!objection.problems.empty())
-    return tl::unexpected(failure_from(file, objection.problems, output));
-  auto failure = failure_from(objection);
-  failure.message = file + ": " + failure.message;
-  return tl::unexpected(std::move(failure));
+  if (!source) return tl::unexpected(failure_of(file, source.error(), output));
+  return Source{std::move(*source), file, std::move(*text)};
+}
+
+Attempt<void> begin_where_axes_stand(Source& source, const std::vector<plan::PathAxis>& axes,
+                                     const plan::PathWish& wish, Output& output) {
+  auto begun = plan::from_where_axes_stand(source, source.text, axes, wish);
+  if (!begun) return tl::unexpected(failure_of(source.file, begun.error(), output));
+  static_cast<plan::PathSource&>(source) = std::move(*begun);
+  return {};
 }
 
 Attempt<plan::Course> course_of(const Source& source, const plan::PathLimits& limits,

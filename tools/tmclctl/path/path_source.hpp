@@ -17,6 +17,10 @@ struct Source : tmcl::plan::PathSource {
 /// What is wrong with the text is printed as FILE:LINE:COLUMN: MESSAGE.
 Attempt<Source> read_source(const std::string& file, double tolerance, Output& output);
 
+/// G-code begins there; for a table this does nothing.
+Attempt<void> begin_where_axes_stand(Source& source, const std::vector<tmcl::plan::PathAxis>& axes,
+                                     const tmcl::plan::PathWish& wish, Output& output);
+
 /// `limits` without axes and tolerance of corners.
 Attempt<tmcl::plan::Course> course_of(const Source& source, const tmcl::plan::PathLimits& limits,
                                       const tmcl::plan::PathWish& wish);

@@ -1,6 +1,7 @@
 #include "path/run_axes.hpp"
 
 #include <algorithm>
+#include <cctype>
 
 #include <fmt/format.h>
 
@@ -27,8 +28,26 @@ Attempt<plan::PathAxisFacts> facts_of(const plan::PathChoice& choice, Target& ta
   if (!acceleration) return tl::unexpected(acceleration.error());
   const auto state = target.state(choice.axis);
   if (!state) return tl::unexpected(state.error());
-  return plan::PathAxisFacts{choice,        units->model, units->module, units->scale,
-                             units->limits, *velocity,    *acceleration, state->moving};
+  return plan::PathAxisFacts{choice,    units->model,  units->module,   units->scale, units->limits,
+                             *velocity, *acceleration, state->position, state->moving};
+}
+
+// X is the axis X or x, unless something else was said.
+std::vector<plan::PathChoice> with_namesakes(const Source& source,
+                                             std::vector<plan::PathChoice> choices,
+                                             Target& target) {
+  for (const auto& of_file : source.path.axes) {
+    if (std::ranges::find(choices, of_file, &plan::PathChoice::of_file) != choices.end()) continue;
+    auto small = of_file;
+    std::ranges::transform(small, small.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    for (const auto& name : {of_file, small}) {
+      if (!target.units(name)) continue;
+      choices.push_back({of_file, name});
+      break;
+    }
+  }
+  return choices;
 }
 
 // What the command line can do about it.
@@ -58,9 +77,10 @@ Failure impossible(std::string name, std::string message, std::string hint) {
 }
 
 Attempt<std::vector<plan::PathAxis>> read_axes(const Source& source,
-                                               const std::vector<plan::PathChoice>& choices,
+                                               const std::vector<plan::PathChoice>& said,
                                                const plan::PathWish& wish, bool with_twins,
                                                Target& target) {
+  const auto choices = with_namesakes(source, said, target);
   const auto ordered = plan::in_order(source, choices);
   if (!ordered) return tl::unexpected(with_hint(ordered.error(), source, choices));
   std::vector<plan::PathAxis> axes;

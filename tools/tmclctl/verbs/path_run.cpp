@@ -183,13 +183,15 @@ VerbResult tell(Passed passed, bool by_position, Output& output) {
 }  // namespace
 
 VerbResult run(const verb::RunPath& verb, Room& room) {
-  const auto source = path::read_source(verb.file, verb.tolerance, room.output);
+  auto source = path::read_source(verb.file, verb.tolerance, room.output);
   if (!source) return tl::unexpected(source.error());
   const auto wish = wish_of(verb);
   const bool by_daemon = room.target.passes_paths();
   const bool with_twins = !by_daemon && verb.by_position;
   const auto axes = path::read_axes(*source, choices_of(verb.axes), wish, with_twins, room.target);
   if (!axes) return tl::unexpected(axes.error());
+  if (const auto begun = path::begin_where_axes_stand(*source, *axes, wish, room.output); !begun)
+    return tl::unexpected(begun.error());
   const auto course = path::course_of(*source, limits_of(*axes, wish), wish);
   if (!course) return tl::unexpected(course.error());
   if (const auto objection = objection_to_reach(*course, *axes))

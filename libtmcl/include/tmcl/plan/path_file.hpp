@@ -65,6 +65,8 @@ struct Path {
   bool operator==(const Path&) const = default;
 };
 
+using Reading = tl::expected<Path, TextProblems>;
+
 /// A table with commas; its first row names the columns. Either a column t, in ascending seconds,
 /// and one for each axis: where the axes are when. Or axes only: corners of a polyline, with a
 /// column speed for how fast the way to this row is made, if it is there. The first row of numbers
@@ -72,7 +74,9 @@ struct Path {
 /// with #, are skipped; so are rows without t that repeat the one before.
 ///
 /// All that is wrong, by line, up to most_text_problems.
-tl::expected<Path, TextProblems> read_csv(std::string_view text);
+Reading read_csv(std::string_view text);
+
+constexpr std::string_view gcode_axes = "XYZABC";
 
 /// G0, G1, G2, G3 (with I and J or R), G4 P, G20, G21, G90, G91, F and M2; axes X Y Z A B C. Also
 /// N, a line of % alone, and comments in ( ) or behind a semicolon, which mean nothing. Lengths
@@ -84,7 +88,7 @@ tl::expected<Path, TextProblems> read_csv(std::string_view text);
 /// is an arc. `start` is in the order X Y Z A B C, whatever the program names.
 ///
 /// The first problem only: what is wrong behind it may follow from it.
-tl::expected<Path, TextProblems> read_gcode(std::string_view text, const Point& start = {});
+Reading read_gcode(std::string_view text, const Point& start = {});
 
 /// With lines for the arcs, nowhere farther from them than this. A sentence if that takes more than
 /// most_chords_of_an_arc or most_elements, or if the tolerance is none.

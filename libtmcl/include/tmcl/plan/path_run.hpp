@@ -3,7 +3,8 @@
 ///
 ///     auto source = read_path(text, PathFormat::gcode, wish.tolerance);
 ///     for (const auto& choice : *in_order(*source, choices)) axes.push_back(*path_axis(...));
-///     auto course = course_of(*source, axes, wish);
+///     source = from_where_axes_stand(std::move(*source), text, axes, wish);
+///     auto course = course_of(*source, limits_of(axes, wish), wish);
 ///     auto wrong = objection_to_reach(*course, axes);
 ///     PathStream stream(*course, streamed(axes), options_of(wish));
 #pragma once
@@ -65,6 +66,7 @@ struct PathSource {
   PathFormat format = PathFormat::csv;
   path_file::Path path;  ///< Without arcs.
 };
+/// G-code as if all axes stood at zero.
 PathResult<PathSource> read_path(std::string_view text, PathFormat format, double tolerance);
 
 /// What somebody wants; lengths in the file's units.
@@ -96,6 +98,7 @@ struct PathAxisFacts {
   std::optional<SoftLimits> limits{};
   std::int32_t max_velocity = 0;      ///< Parameter 4.
   std::int32_t max_acceleration = 0;  ///< Parameter 5.
+  Microsteps position{};
   bool moving = false;
 };
 
@@ -107,6 +110,7 @@ struct PathAxis {
   ValueRange range;         ///< Of positions, in microsteps.
   double velocity = 0;      ///< What its parameters allow, in the file's units.
   double acceleration = 0;  ///< Likewise.
+  double stands_at = 0;     ///< Likewise.
 };
 /// Objections: what is not known of an axis; one whose unit is not the file's, or that moves, or
 /// cannot.
@@ -114,6 +118,11 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
                                const PathWish& wish);
 Microsteps microsteps(const PathAxis& axis, double position);
 std::vector<StreamAxis> streamed(const std::vector<PathAxis>& axes);
+
+/// The same G-code from where its axes stand; a table says itself where it begins.
+PathResult<PathSource> from_where_axes_stand(PathSource source, std::string_view text,
+                                             const std::vector<PathAxis>& axes,
+                                             const PathWish& wish);
 
 PathLimits limits_of(const std::vector<PathAxis>& axes, const PathWish& wish);
 /// For axes that can do what `limits` says; `limits` without a tolerance of corners.
