@@ -141,10 +141,10 @@ TEST_F(CtlPath, WhatTmcldSaysHasTheSameExitCodes) {
 }
 
 TEST_F(CtlPath, MintRunRefusesWhatItCannotDo) {
-  const auto program = file("SPEED = 100\nACCEL = 1000\nMOVER = 200\nGO\n");
-  EXPECT_EQ(run({"mint", "run", program}), ExitCode::usage);
-  EXPECT_THAT(err, HasSubstr("line 3 moves axis 0: which axis is that?"));
-  EXPECT_EQ(run({"mint", "run", program, "--axis", "9=x"}), ExitCode::usage);
+  const auto second = file("SPEED.1 = 100\nACCEL.1 = 1000\nMOVER.1 = 200\nGO\n");
+  EXPECT_EQ(run({"mint", "run", second}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("line 3 moves axis 1: which axis is that?"));
+  EXPECT_EQ(run({"mint", "run", second, "--axis", "9=x"}), ExitCode::usage);
   const auto fast = file("SCALE = 1000\nSPEED = 9000\nACCEL = 9000\nMOVEA = 8000\nGO\n");
   EXPECT_EQ(run({"mint", "run", fast, "--axis", "0=x"}), ExitCode::refused);
   EXPECT_THAT(err, HasSubstr("line 4"));
@@ -158,6 +158,14 @@ TEST_F(CtlPath, MintRunMovesAndSetsTheRampBack) {
   EXPECT_THAT(out, HasSubstr("GO of line 4"));
   EXPECT_THAT(target.calls, testing::Contains("move_to x 200"));
   EXPECT_THAT(target.calls, testing::Contains("set x 4 1000"));
+}
+
+TEST_F(CtlPath, MintsAxis0IsTheFirstThereIs) {
+  const auto program = file("SPEED = 1000;\nACCEL = 10000;\nMOVER = 200\nGO\n");
+  target.values = {{"4", 1000}};
+  EXPECT_EQ(run({"mint", "run", program}), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("axis 0 is x\n"));
+  EXPECT_THAT(target.calls, testing::Contains("move_to x 200"));
 }
 
 TEST_F(CtlPath, CtrlCStopsAMintProgram) {

@@ -330,10 +330,11 @@ constexpr const char* mint = R"(
 constexpr const char* mint_run = R"(
 Runs a program as 'tmclctl mint check' reads it. Positions are counts: SCALE microsteps are a user unit.
 Each GO sets the ramps of its axes to SPEED, ACCEL and DECEL, starts them together, and waits until all
-stand. Nothing moves unless every axis is given, stands, and can go everywhere the program sends it.
-Ctrl-C stops all axes. The ramps' parameters are set back at the end.
+stand. Axis 0 is the first that 'tmclctl axes' lists, unless --axis says which is which. Nothing moves
+unless every axis is there, stands, and can go everywhere the program sends it. Ctrl-C stops all axes.
+The ramps' parameters are set back at the end.
 
-  tmclctl mint run exercise.mint --axis 0=x
+  tmclctl mint run exercise.mint
   tmclctl mint run two.mint --axis 0=x --axis 1=y
 )";
 
@@ -356,8 +357,9 @@ the file; G-code's are mm (deg for A B C). What is wrong comes as FILE:LINE:COLU
 constexpr const char* path_run = R"(
 Moves the axes along the path, and says then how far off it they were seen, and what the bus was used
 for. G-code begins where the axes stand; to the start of a table they are moved first. X is the axis of
-tmcld that is called X or x, unless --axis says otherwise. Nothing moves before everything is checked: units, limits, where the path
-goes, that all axes stand, and what the bus can carry. Files are those of 'tmclctl path check'.
+tmcld that is called X or x, unless --axis says otherwise. Nothing moves before everything is checked:
+units, limits, where the path goes, that all axes stand, and what the bus can carry. Files are those of
+'tmclctl path check'.
 
   --mode velocity   any module: a new velocity for each axis every 5 ms, or as fast as the bus can
   --mode position   modules with start and stop velocities (TMC5130, TMC5160 ...): line by line; no table

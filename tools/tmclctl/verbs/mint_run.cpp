@@ -58,6 +58,32 @@ Attempt<MintAxes> axes_named(const std::vector<std::string>& choices, Target& ta
   return axes;
 }
 
+bool is_moved(unsigned number, const mint::Program& program) {
+  return std::ranges::any_of(program, [&](const mint::Statement& statement) {
+    const bool moves =
+        statement.keyword == mint::Keyword::movea || statement.keyword == mint::Keyword::mover;
+    return moves && std::ranges::find(statement.values, number, &mint::AxisValue::axis) !=
+                        statement.values.end();
+  });
+}
+
+// Axis 0 is the first that there is, unless somebody says which is which.
+Attempt<std::vector<std::string>> choices_for(const verb::RunMint& verb,
+                                              const mint::Program& program, Room& room) {
+  if (!verb.axes.empty()) return verb.axes;
+  const auto rows = room.target.axes();
+  if (!rows) return tl::unexpected(rows.error());
+  std::vector<std::string> choices;
+  for (unsigned number = 0; number < std::min<std::size_t>(rows->size(), mint::most_axes);
+       ++number) {
+    if (!is_moved(number, program)) continue;
+    choices.push_back(fmt::format("{}={}", number, (*rows)[number].name));
+    if (!room.output.json)
+      room.output.out << fmt::format("axis {} is {}\n", number, (*rows)[number].name);
+  }
+  return choices;
+}
+
 Attempt<mint::Positions> positions_of(const MintAxes& axes, Target& target) {
   mint::Positions positions{};
   for (const auto& [number, axis] : axes) {
@@ -70,15 +96,12 @@ Attempt<mint::Positions> positions_of(const MintAxes& axes, Target& target) {
   return positions;
 }
 
-Attempt<mint::DryRun> planned(const std::string& file, const mint::Positions& start,
-                              Output& output) {
-  const auto text = path::text_of(file, most_bytes);
-  if (!text) return tl::unexpected(text.error());
-  return mint::read(*text)
-      .and_then([&](const mint::Program& program) { return mint::dry_run(program, start); })
-      .map_error([&](const plan::TextProblems& problems) {
-        return path::failure_from(file, problems, output);
-      });
+template <class T>
+Attempt<T> good_in(const std::string& file, tl::expected<T, plan::TextProblems> result,
+                   Output& output) {
+  return std::move(result).map_error([&](const plan::TextProblems& problems) {
+    return path::failure_from(file, problems, output);
+  });
 }
 
 double target_of(const mint::Move& move) { return std::round(move.end * move.scale); }
@@ -204,11 +227,17 @@ Attempt<void> pass(const mint::DryRun& run, MintAxes& axes, Room& room, json::ar
 }  // namespace
 
 VerbResult run(const verb::RunMint& verb, Room& room) {
-  auto axes = axes_named(verb.axes, room.target);
+  const auto text = path::text_of(verb.file, most_bytes);
+  if (!text) return tl::unexpected(text.error());
+  const auto program = good_in(verb.file, mint::read(*text), room.output);
+  if (!program) return tl::unexpected(program.error());
+  const auto choices = choices_for(verb, *program, room);
+  if (!choices) return tl::unexpected(choices.error());
+  auto axes = axes_named(*choices, room.target);
   if (!axes) return tl::unexpected(axes.error());
   const auto start = positions_of(*axes, room.target);
   if (!start) return tl::unexpected(start.error());
-  const auto run = planned(verb.file, *start, room.output);
+  const auto run = good_in(verb.file, mint::dry_run(*program, *start), room.output);
   if (!run) return tl::unexpected(run.error());
   for (const auto& warning : run->warnings)
     room.output.err << "tmclctl: warning: " << describe(warning, verb.file) << '\n';
