@@ -1,6 +1,7 @@
 #include "gateway/line.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <optional>
 #include <ranges>
@@ -94,7 +95,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   awaitable<tl::expected<StartedLine, LineFailure>> start() {
     if (auto fault = co_await take_axes()) co_return tl::unexpected(std::move(*fault));
     auto fault = co_await look();
-    if (!fault) fault = plan();
+    if (!fault) fault = co_await plan();
     if (!fault) fault = co_await load();
     if (!fault) fault = co_await go();
     if (fault) {
@@ -163,7 +164,20 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     return std::min(limit, member.acceleration.value_or(limit));
   }
 
-  Fault plan() {
+  // In the unit of the axis, if it has one.
+  static awaitable<std::string> in_words(std::optional<tmcl::plan::Pace> pace, GatewayAxis& axis) {
+    if (!pace) co_return "";
+    const auto scale = co_await axis.scale();
+    if (!scale || axis.unit().empty()) {
+      co_return fmt::format(": {:.4g} microsteps/s, {:.4g} microsteps/s^2", pace->velocity.value,
+                            pace->acceleration.value);
+    }
+    co_return fmt::format(": {0:.4g} {2}/s, {1:.4g} {2}/s^2",
+                          std::abs(to_user(pace->velocity, *scale).value),
+                          to_user(pace->acceleration, *scale).value, axis.unit());
+  }
+
+  awaitable<Fault> plan() {
     std::vector<tmcl::plan::LineAxis> axes;
     for (const auto& member : members_) {
       axes.push_back({*member.twin, member.target, velocity_limit(member),
@@ -173,11 +187,12 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     auto planned = tmcl::plan::plan_line(axes, exchanges(), duration_);
     if (!planned) {
       const auto& member = members_[planned.error().axis];
-      return member.failure(
-          tmcl::bad_argument("axis '" + member.axis->name() + "': " + planned.error().message));
+      const auto pace = co_await in_words(planned.error().pace, *member.axis);
+      co_return member.failure(tmcl::bad_argument("axis '" + member.axis->name() +
+                                                  "': " + planned.error().message + pace));
     }
     line_.plan = std::move(*planned);
-    return std::nullopt;
+    co_return std::nullopt;
   }
 
   std::size_t bus_of(const Member& member) const {

@@ -403,9 +403,11 @@ class Planner {
       }
       if (possible) continue;
       return LineError{
-          i, fmt::format("its part of the line, {:.3g} of the longest way, is too slow for its "
-                         "registers: {:.4g} microsteps/s, {:.4g} microsteps/s^2",
-                         part_of(i), ramp_.velocity * part_of(i), ramp_.acceleration * part_of(i))};
+          i,
+          fmt::format(
+              "its part of the line, {:.3g} of the longest way, is too slow for its registers",
+              part_of(i)),
+          Pace{{ramp_.velocity * part_of(i)}, {ramp_.acceleration * part_of(i)}}};
     }
     return std::nullopt;
   }

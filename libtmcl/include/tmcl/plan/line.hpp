@@ -75,10 +75,17 @@ struct Line {
   double deviation = 0;
 };
 
+/// Speed and acceleration of one axis.
+struct Pace {
+  PulsesPerSecond velocity;
+  PulsesPerSecond2 acceleration;
+};
+
 /// Why there is no such line, and of which axis that is the fault.
 struct LineError {
   std::size_t axis = 0;
-  std::string message;  ///< One sentence without a full stop.
+  std::string message;         ///< One sentence without a full stop, and without `pace`.
+  std::optional<Pace> pace{};  ///< What it speaks of, if that is what its registers cannot say.
 };
 
 /// The dividers of a TMC429 are changed only where its registers would otherwise be too coarse for
