@@ -15,21 +15,16 @@ RpcResult failed(const tmcl::Error& error, const GatewayAxis& axis) {
   return tl::unexpected(call_error(error, axis.name()));
 }
 
-RpcResult with(std::string_view key, tmcl::Microsteps value) {
-  json::object result;
-  result[key] = value.value;
-  return result;
-}
-
 bool wants_prediction(const Call& call) { return call.params.boolean_or("predict", true); }
 
-json::object to_json(const StartedMove& started) {
+boost::asio::awaitable<json::object> to_result(GatewayAxis& axis, StartedMove started) {
   json::object result;
   result["target_microsteps"] = started.target.value;
+  co_await add_in_unit(result, axis, "target", started.target);
   result["predicted_s"] = nullptr;
   if (started.predicted)
     result["predicted_s"] = std::chrono::duration<double>(*started.predicted).count();
-  return result;
+  co_return result;
 }
 
 }  // namespace
@@ -51,7 +46,8 @@ Answer move_to(Call& call) {
   if (!target) co_return tl::unexpected(target.error());
   const auto moved = co_await axis.move_to(*target, wants_prediction(call), ready->moves);
   if (!moved) co_return failed(moved.error(), axis);
-  co_return to_json(*moved);
+  auto result = co_await to_result(axis, *moved);
+  co_return result;
 }
 
 Answer move_by(Call& call) {
@@ -62,7 +58,8 @@ Answer move_by(Call& call) {
   if (!distance) co_return tl::unexpected(distance.error());
   const auto moved = co_await axis.move_by(*distance, wants_prediction(call), ready->moves);
   if (!moved) co_return failed(moved.error(), axis);
-  co_return to_json(*moved);
+  auto result = co_await to_result(axis, *moved);
+  co_return result;
 }
 
 Answer rotate(Call& call) {
@@ -73,7 +70,10 @@ Answer rotate(Call& call) {
   if (!velocity) co_return tl::unexpected(velocity.error());
   const auto turned = co_await axis.rotate(*velocity, ready->moves);
   if (!turned) co_return failed(turned.error(), axis);
-  co_return json::object{};
+  json::object result;
+  result["velocity_internal"] = velocity->value;
+  co_await add_in_unit(result, axis, *velocity);
+  co_return result;
 }
 
 Answer stop(Call& call) {
@@ -98,7 +98,10 @@ Answer wait(Call& call) {
   };
   const auto arrived = co_await (*axis)->wait(options, std::move(objection));
   if (!arrived) co_return failed(arrived.error(), **axis);
-  co_return with("position_microsteps", *arrived);
+  json::object result;
+  result["position_microsteps"] = arrived->value;
+  co_await add_in_unit(result, **axis, "position", *arrived);
+  co_return result;
 }
 
 Answer get_units(Call& call) {

@@ -64,9 +64,9 @@ constexpr std::array execute_result{
 
 // ---- axis ----
 
-constexpr std::array list_axes_result{
-    ResultInfo{"axes", objects,
-               "name, bus, address, motor, model, state (unknown, ready, silent, no_such_motor)"}};
+constexpr std::array list_axes_result{ResultInfo{
+    "axes", objects,
+    "name, bus, address, motor, model, state (unknown, ready, silent, no_such_motor), unit"}};
 constexpr ParamInfo predict{"predict", boolean, optional,
                             "foresee how long it takes; true if absent. Costs two readings, and "
                             "more after a change of settings"};
@@ -79,9 +79,13 @@ constexpr std::array move_by_params{
     ParamInfo{"distance", number, optional, "the same in the axis' unit, instead"}, predict,
     deadline};
 constexpr std::array target_result{ResultInfo{"target_microsteps", integer, "where the move ends"}};
+constexpr ResultInfo axis_unit{"unit", nullable_text,
+                               "what the next one is in; null if the axis has none"};
 constexpr std::array started_move_result{
-    target_result.front(), ResultInfo{"predicted_s", nullable_number,
-                                      "how many seconds it will take; null where nobody can tell"}};
+    target_result.front(), axis_unit,
+    ResultInfo{"target", nullable_number, "where it ends, in the unit"},
+    ResultInfo{"predicted_s", nullable_number,
+               "how many seconds it will take; null where nobody can tell"}};
 constexpr std::array move_line_params{
     ParamInfo{"axes", texts, required, "names of the axes, on any buses"},
     ParamInfo{"positions_microsteps", integers, optional, "where each of them is to go"},
@@ -111,12 +115,16 @@ constexpr std::array rotate_params{
               "speed in the module's own unit; the sign is the direction"},
     ParamInfo{"velocity", number, optional, "the same in the axis' unit per second, instead"},
     deadline};
+constexpr std::array rotate_result{
+    ResultInfo{"velocity_internal", integer, "speed in the module's own unit"}, axis_unit,
+    ResultInfo{"velocity", nullable_number, "speed in the unit per second"}};
 constexpr std::array only_axis{axis};
 constexpr std::array wait_params{
     axis, ParamInfo{"timeout_ms", integer, optional, "how long at most; 0 or absent: as it takes",
                     0, 86'400'000}};
 constexpr std::array wait_result{
-    ResultInfo{"position_microsteps", integer, "where the axis stands"}};
+    ResultInfo{"position_microsteps", integer, "where the axis stands"}, axis_unit,
+    ResultInfo{"position", nullable_number, "where it stands, in the unit"}};
 constexpr std::array state_result{
     ResultInfo{"axis", text, "name of the axis"},
     ResultInfo{"position_microsteps", integer, "where it is"},
@@ -159,15 +167,19 @@ constexpr std::array units_result{
 
 constexpr std::array get_parameter_params{axis, parameter, deadline};
 constexpr std::array set_parameter_params{
-    axis, parameter, ParamInfo{"value", integer, required, "what to set it to"}, deadline};
+    axis, parameter, ParamInfo{"value", integer, optional, "what to set it to"},
+    ParamInfo{"value_in_unit", number, optional, "the same in the axis' unit, instead"}, deadline};
 constexpr std::array parameter_result{
     ResultInfo{"parameter", nullable_text, "standard name; null if the number has none"},
     ResultInfo{"number", integer, "number of the axis parameter"},
-    ResultInfo{"value", integer, "its value"}};
-constexpr std::array list_parameters_result{
-    ResultInfo{"parameters", objects,
-               "number, name, access, minimum, maximum, initial, unit, meaning; none for a model "
-               "that is not known"}};
+    ResultInfo{"value", integer, "its value"},
+    ResultInfo{"unit", nullable_text,
+               "what the next one is in, such as mm/s; null if there is none"},
+    ResultInfo{"value_in_unit", nullable_number, "its value in the axis' unit"}};
+constexpr std::array list_parameters_result{ResultInfo{
+    "parameters", objects,
+    "number, name, access, minimum, maximum, initial, unit, meaning, axis_unit; none for "
+    "a model that is not known"}};
 
 constexpr std::array eeprom_parameter_params{axis, parameter, deadline};
 constexpr std::array eeprom_parameter_result{
@@ -187,15 +199,19 @@ constexpr std::array home_result{
         "correction_microsteps", nullable_number,
         "where the axis believed to be at what is zero now; null if the module does not say"},
     ResultInfo{"switch_distance_microsteps", nullable_number,
-               "from one end switch to the other; null if the module does not say"}};
+               "from one end switch to the other; null if the module does not say"},
+    ResultInfo{"unit", nullable_text, "what the next two are in; null if the axis has none"},
+    ResultInfo{"correction", nullable_number, "the same correction"},
+    ResultInfo{"switch_distance", nullable_number, "the same way between the switches"}};
 constexpr std::array start_home_params{axis, search_mode};
 constexpr ParamInfo coordinate{"number", integer, required, "number of the coordinate", 0, 20};
 constexpr std::array coordinate_params{axis, coordinate, deadline};
 constexpr std::array set_coordinate_params{
-    axis, coordinate, ParamInfo{"position_microsteps", integer, required, "what to remember"},
-    deadline};
+    axis, coordinate, ParamInfo{"position_microsteps", integer, optional, "what to remember"},
+    ParamInfo{"position", number, optional, "the same in the axis' unit, instead"}, deadline};
 constexpr std::array coordinate_result{
-    ResultInfo{"position_microsteps", integer, "the coordinate"}};
+    ResultInfo{"position_microsteps", integer, "the coordinate"}, axis_unit,
+    ResultInfo{"position", nullable_number, "the same in the unit"}};
 constexpr std::array start_coordinate_params{
     ParamInfo{"bus", text, required, "name of the bus"},
     ParamInfo{"address", integer, required, "address of the module", 0, 2047},
@@ -400,7 +416,8 @@ constexpr auto table = std::to_array<MethodInfo>({
      started_move_result, Effect::moves, handlers::move_to},
     {"axis.move_by", "starts a move over a distance; does not wait for its end", move_by_params,
      started_move_result, Effect::moves, handlers::move_by},
-    {"axis.rotate", "turns without end", rotate_params, {}, Effect::moves, handlers::rotate},
+    {"axis.rotate", "turns without end", rotate_params, rotate_result, Effect::moves,
+     handlers::rotate},
     {"axis.stop",
      "ramps down to standstill; goes out before everything else",
      only_axis,

@@ -2,6 +2,7 @@
 
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
+#include "api/quantity.hpp"
 #include "api/state_json.hpp"
 
 namespace tmcld::handlers {
@@ -9,22 +10,21 @@ namespace {
 
 namespace json = boost::json;
 
-json::object to_result(const ParameterChoice& choice, std::int32_t value) {
+boost::asio::awaitable<json::object> to_result(GatewayAxis& axis, ParameterChoice choice,
+                                               std::int32_t value) {
   json::object result;
   result["parameter"] = nullptr;
   if (choice.row != nullptr) result["parameter"] = choice.row->name;
   result["number"] = choice.number;
   result["value"] = value;
-  return result;
+  co_await add_in_unit(result, axis, choice.row, value);
+  co_return result;
 }
 
-std::optional<RpcError> check_write(const ParameterChoice& choice, std::int32_t value) {
-  if (choice.row == nullptr) return std::nullopt;
-  if (choice.row->access == tmcl::Access::read) {
-    return param_error("read_only", "parameter",
-                       "'" + std::string(choice.row->name) + "' can only be read");
-  }
-  return check_range(choice.row, value, "value");
+std::optional<RpcError> check_write(const ParameterChoice& choice) {
+  if (choice.row == nullptr || choice.row->access != tmcl::Access::read) return std::nullopt;
+  return param_error("read_only", "parameter",
+                     "'" + std::string(choice.row->name) + "' can only be read");
 }
 
 }  // namespace
@@ -40,7 +40,8 @@ Answer get_parameter(Call& call) {
   if (!choice) co_return tl::unexpected(choice.error());
   const auto value = co_await it.get(choice->number, call.deadline());
   if (!value) co_return tl::unexpected(call_error(value.error(), it.name()));
-  co_return to_result(*choice, *value);
+  auto result = co_await to_result(it, *choice, *value);
+  co_return result;
 }
 
 Answer set_parameter(Call& call) {
@@ -49,12 +50,14 @@ Answer set_parameter(Call& call) {
   auto& axis = *ready->axis;
   const auto choice = parameter_of(call, axis);
   if (!choice) co_return tl::unexpected(choice.error());
-  const auto value = call.params.integer("value");
-  auto complaint = check_write(*choice, value);
+  auto complaint = check_write(*choice);
   if (complaint) co_return tl::unexpected(std::move(*complaint));
-  const auto done = co_await axis.set(choice->number, value, ready->moves);
+  const auto value = co_await parameter_value_of(call, axis, *choice);
+  if (!value) co_return tl::unexpected(value.error());
+  const auto done = co_await axis.set(choice->number, *value, ready->moves);
   if (!done) co_return tl::unexpected(call_error(done.error(), axis.name()));
-  co_return to_result(*choice, value);
+  auto result = co_await to_result(axis, *choice, *value);
+  co_return result;
 }
 
 Answer list_parameters(Call& call) {
@@ -63,7 +66,7 @@ Answer list_parameters(Call& call) {
   const auto ready = co_await (*axis)->be_ready();
   if (!ready) co_return tl::unexpected(call_error(ready.error(), (*axis)->name()));
   json::array rows;
-  for (const auto& row : (*axis)->parameters()) rows.push_back(to_json(row));
+  for (const auto& row : (*axis)->parameters()) rows.push_back(to_json(row, (*axis)->unit()));
   json::object result;
   result["parameters"] = std::move(rows);
   co_return result;

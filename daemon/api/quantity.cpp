@@ -4,10 +4,12 @@
 
 #include "gateway/line.hpp"
 #include "tmcl/conversion.hpp"
+#include "tmcl/parameter_units.hpp"
 
 namespace tmcld {
 namespace {
 
+namespace json = boost::json;
 using boost::asio::awaitable;
 
 std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
@@ -202,6 +204,86 @@ awaitable<Lookup<tmcl::InternalVelocity>> velocity_of(const Call& call, GatewayA
   if (!value)
     co_return tl::unexpected(out_of_range(in_unit, in_velocity_units(value.error(), *scale)));
   co_return *value;
+}
+
+namespace {
+
+/// Nothing for an axis without a unit, and where the microsteps of a turn are not known.
+awaitable<std::optional<tmcl::UserScale>> unit_scale(GatewayAxis& axis) {
+  if (axis.unit().empty()) co_return std::nullopt;
+  auto scale = co_await axis.scale();
+  co_return scale;
+}
+
+awaitable<tmcl::AxisScale> axis_scale(GatewayAxis& axis, tmcl::UserScale scale) {
+  auto module = co_await axis.module_units();
+  co_return tmcl::AxisScale{axis.module().model(), std::move(scale), module,
+                            axis.encoder_counts_per_unit()};
+}
+
+RpcError has_no_unit(const ParameterChoice& choice) {
+  const auto name =
+      choice.row == nullptr ? std::to_string(choice.number) : std::string(choice.row->name);
+  return param_error(
+      "bad_argument", "value_in_unit",
+      "parameter " + quoted(name) + " is not known to be a position, a velocity or an acceleration",
+      "give 'value'");
+}
+
+}  // namespace
+
+awaitable<Lookup<std::int32_t>> parameter_value_of(const Call& call, GatewayAxis& axis,
+                                                   const ParameterChoice& choice) {
+  constexpr std::string_view in_unit = "value_in_unit";
+  const auto plain = plain_value(call, "value", in_unit, choice.row);
+  if (!plain) co_return tl::unexpected(plain.error());
+  if (*plain) co_return **plain;
+  auto scale = co_await user_scale(axis, in_unit);
+  if (!scale) co_return tl::unexpected(scale.error());
+  const auto* row = choice.row;
+  if (row == nullptr || unit_of(*row, scale->unit).empty())
+    co_return tl::unexpected(has_no_unit(choice));
+  const auto in_module = co_await axis_scale(axis, std::move(*scale));
+  // That it has a unit, and only what its module counts in is not known.
+  if (!to_user(0, *row, in_module)) co_return tl::unexpected(has_no_unit(choice));
+  const auto value = to_parameter(call.params.number(in_unit), *row, in_module);
+  if (!value) co_return tl::unexpected(out_of_range(in_unit, value.error()));
+  co_return *value;
+}
+
+awaitable<void> add_in_unit(json::object& result, GatewayAxis& axis, std::string_view key,
+                            std::optional<tmcl::Microsteps> position) {
+  result["unit"] = nullptr;
+  result[key] = nullptr;
+  const auto scale = co_await unit_scale(axis);
+  if (!scale) co_return;
+  result["unit"] = scale->unit;
+  if (position) result[key] = to_user(*position, *scale).value;
+}
+
+awaitable<void> add_in_unit(json::object& result, GatewayAxis& axis, const tmcl::ParameterInfo* row,
+                            std::int32_t value) {
+  result["unit"] = nullptr;
+  result["value_in_unit"] = nullptr;
+  if (row == nullptr || dimension_of(*row) == tmcl::Dimension::other) co_return;
+  auto scale = co_await unit_scale(axis);
+  if (!scale) co_return;
+  const auto in_module = co_await axis_scale(axis, std::move(*scale));
+  const auto in_unit = to_user(value, *row, in_module);
+  if (!in_unit) co_return;
+  result["unit"] = in_unit->unit;
+  result["value_in_unit"] = in_unit->value;
+}
+
+awaitable<void> add_in_unit(json::object& result, GatewayAxis& axis,
+                            tmcl::InternalVelocity velocity) {
+  result["unit"] = nullptr;
+  result["velocity"] = nullptr;
+  const auto scale = co_await unit_scale(axis);
+  if (!scale) co_return;
+  const auto units = co_await axis.module_units();
+  result["unit"] = scale->unit;
+  if (units) result["velocity"] = to_user(to_pps(velocity, *units), *scale).value;
 }
 
 }  // namespace tmcld

@@ -1,10 +1,12 @@
 /// Positions and velocities of a call, which may come in the unit of the axis as well.
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string_view>
 
 #include <boost/asio/awaitable.hpp>
+#include <boost/json/object.hpp>
 
 #include "api/call.hpp"
 #include "api/lookup.hpp"
@@ -37,5 +39,24 @@ boost::asio::awaitable<Lookup<MotionLimits>> motion_limits_of(const Call& call, 
 /// The parameter "velocity_internal" or the parameter "velocity".
 boost::asio::awaitable<Lookup<tmcl::InternalVelocity>> velocity_of(const Call& call,
                                                                    GatewayAxis& axis);
+
+/// The parameter "value", or the parameter "value_in_unit" as its module wants it.
+boost::asio::awaitable<Lookup<std::int32_t>> parameter_value_of(const Call& call, GatewayAxis& axis,
+                                                                const ParameterChoice& choice);
+
+// What is told in the unit of the axis, beside what its module counts: null for an axis without
+// one, and where the conversion is not known.
+
+/// "unit", and the position as `key`.
+boost::asio::awaitable<void> add_in_unit(boost::json::object& result, GatewayAxis& axis,
+                                         std::string_view key,
+                                         std::optional<tmcl::Microsteps> position);
+/// "unit" and "value_in_unit" of a parameter; null also for one that is neither a position nor a
+/// velocity nor an acceleration. `row` may be null.
+boost::asio::awaitable<void> add_in_unit(boost::json::object& result, GatewayAxis& axis,
+                                         const tmcl::ParameterInfo* row, std::int32_t value);
+/// "unit" and "velocity".
+boost::asio::awaitable<void> add_in_unit(boost::json::object& result, GatewayAxis& axis,
+                                         tmcl::InternalVelocity velocity);
 
 }  // namespace tmcld

@@ -2,6 +2,7 @@
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/module_choice.hpp"
+#include "api/quantity.hpp"
 
 namespace tmcld::handlers {
 namespace {
@@ -68,6 +69,7 @@ Answer position_from(Call& call, tmcl::Script<tmcl::Result<Microsteps>> (*verb)(
   if (!place) co_return failed(place.error(), **axis);
   json::object result;
   result["position_microsteps"] = place->value;
+  co_await add_in_unit(result, **axis, "position", *place);
   co_return result;
 }
 
@@ -112,6 +114,8 @@ Answer home(Call& call) {
   json::object result;
   result["correction_microsteps"] = or_null(homed->correction);
   result["switch_distance_microsteps"] = or_null(homed->switch_distance);
+  co_await add_in_unit(result, axis, "correction", homed->correction);
+  co_await add_in_unit(result, axis, "switch_distance", homed->switch_distance);
   co_return result;
 }
 
@@ -147,9 +151,11 @@ Answer set_coordinate(Call& call) {
   if (!axis) co_return tl::unexpected(axis.error());
   RunOptions options;
   options.deadline = call.deadline();
-  const Microsteps position{call.params.integer("position_microsteps")};
+  const auto position =
+      co_await length_of(call, **axis, "position_microsteps", "position", nullptr);
+  if (!position) co_return tl::unexpected(position.error());
   const auto done = co_await (*axis)->perform(
-      tmcl::verbs::set_coordinate((*axis)->address(), coordinate_of(call), position),
+      tmcl::verbs::set_coordinate((*axis)->address(), coordinate_of(call), position->microsteps),
       std::move(options));
   co_return nothing_or(done, **axis);
 }

@@ -4,6 +4,8 @@
 
 #include <boost/json/value.hpp>
 
+#include "tmcl/parameter_units.hpp"
+
 namespace tmcld {
 namespace {
 
@@ -161,6 +163,8 @@ json::object to_json(const GatewayAxis& axis) {
   out["model"] = nullptr;
   if (const auto* model = axis.module().model()) out["model"] = model->name;
   out["state"] = state_of(axis);
+  out["unit"] = nullptr;
+  if (!axis.unit().empty()) out["unit"] = axis.unit();
   return out;
 }
 
@@ -182,7 +186,7 @@ json::object to_json(const GatewayEvent& event) {
   return out;
 }
 
-json::object to_json(const tmcl::ParameterInfo& row) {
+json::object to_json(const tmcl::ParameterInfo& row, const std::string& axis_unit) {
   json::object out;
   out["number"] = row.number;
   out["name"] = row.name;
@@ -192,6 +196,9 @@ json::object to_json(const tmcl::ParameterInfo& row) {
   out["initial"] = row.initial;
   out["unit"] = row.unit;
   out["meaning"] = row.meaning;
+  out["axis_unit"] = nullptr;
+  const auto unit = axis_unit.empty() ? std::string() : unit_of(row, axis_unit);
+  if (!unit.empty()) out["axis_unit"] = unit;
   return out;
 }
 

@@ -24,6 +24,6 @@ boost::json::object to_json(const GatewayBus& bus, const GatewayModule& module);
 boost::json::object to_json(const GatewayBus& bus, const tmcl::FoundModule& module);
 boost::json::object to_json(const GatewayAxis& axis);
 boost::json::object to_json(const GatewayEvent& event);
-boost::json::object to_json(const tmcl::ParameterInfo& row);
+boost::json::object to_json(const tmcl::ParameterInfo& row, const std::string& axis_unit);
 
 }  // namespace tmcld

@@ -58,6 +58,8 @@ class FakeTarget : public Target {
                    tmcl::module_units(tmcl::Tmc429Dividers{2, 3}),
                    tmcl::UserScale{"mm", 5, false, {200, 8}}};
   std::optional<UserReading> user;               ///< What state() gives.
+  std::optional<InUnit> told_in_unit;            ///< What moves, turns and get() tell beside it.
+  bool tells_position_in_mm = false;             ///< state() gives a user, 10240 microsteps a mm.
   std::map<std::string, std::int32_t> values;    ///< What get() gives, by parameter as asked for.
   std::string known_axis;                        ///< Empty: all of them.
   std::string refused_parameter;                 ///< set() of it fails.
@@ -90,7 +92,7 @@ class FakeTarget : public Target {
     if (!name) return tl::unexpected(name.error());
     calls.push_back("get " + axis + ' ' + name->name);
     if (values.contains(parameter))
-      return ParameterValue{name->number, name->name, values[parameter]};
+      return ParameterValue{name->number, name->name, values[parameter], told_in_unit};
     return ParameterValue{name->number, name->name, -1500};
   }
   Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
@@ -116,15 +118,15 @@ class FakeTarget : public Target {
     from_ = at();
     target_ = position.value;
     began_ = patience_.now();
-    return StartedMove{position, predicted_s};
+    return StartedMove{position, predicted_s, told_in_unit};
   }
   Attempt<StartedMove> move_by(const std::string& axis, Length distance) override {
     return move_to(axis, {{at() + distance.microsteps.value}, distance.in_unit});
   }
-  Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override {
+  Attempt<Turning> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override {
     if (failure) return tl::unexpected(*failure);
     calls.push_back("rotate " + axis + ' ' + std::to_string(velocity.value));
-    return {};
+    return Turning{told_in_unit};
   }
   Attempt<void> stop(const std::string& axis) override {
     if (failure) return tl::unexpected(*failure);
@@ -146,6 +148,7 @@ class FakeTarget : public Target {
     reading.position_reached = at() == target_;
     reading.taken_at = patience_.now();
     reading.user = user;
+    if (tells_position_in_mm) reading.user = {"mm", at() / 10'240.0, target_ / 10'240.0, 0.5};
     return reading;
   }
   Attempt<void> watch(const std::string& axis, tmcl::Duration interval,

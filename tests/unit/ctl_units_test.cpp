@@ -194,8 +194,7 @@ TEST_F(CtlUnits, WatchAndPlotAreInTheUnitOfTheAxis) {
   run({"watch", "x", "--for", "0.01", "--internal"});
   EXPECT_THAT(out, HasSubstr("x  position 0  velocity 0  target 0  "));
   run({"plot", "x", "--by", "10240"});
-  EXPECT_THAT(out,
-              HasSubstr("x went from 0 to 1 mm in 1.03 s, greatest velocity 0.596046447754 mm/s"));
+  EXPECT_THAT(out, HasSubstr("x went from 0 to 1 mm in 1.03 s, greatest velocity 0.596 mm/s"));
   EXPECT_THAT(out, HasSubstr("position [mm]"));
   EXPECT_THAT(out, HasSubstr("velocity [mm/s]"));
   run({"plot", "x", "--by", "-10240", "--internal"});
@@ -228,6 +227,123 @@ TEST_F(CtlUnits, StateShowsTheUnitOfTheAxis) {
   EXPECT_EQ(document.at("velocity"), 0.25);
 }
 
+TEST(CtlShown, HasTheDigitsThatOneMicrostepMakes) {
+  EXPECT_EQ(shown(InUnit{10, "mm"}, 102'400), "10 mm");
+  EXPECT_EQ(shown(InUnit{1 / 10'240.0, "mm"}, 1), "0.0001 mm");
+  EXPECT_EQ(shown(InUnit{102'401 / 10'240.0, "mm"}, 102'401), "10.0001 mm");
+  EXPECT_EQ(shown(InUnit{-33.333333, "deg"}, 4741), "-33.333 deg");
+  EXPECT_EQ(shown(InUnit{1e-7, "mm"}, 1000), "0.0000001 mm");
+  EXPECT_EQ(shown(InUnit{1234567, "um"}, 2), "1234567 um");
+  EXPECT_EQ(shown(InUnit{0, "mm"}, 0), "0 mm");
+  EXPECT_EQ(shown(InUnit{-0.0, "mm"}, 0), "-0 mm") << "no axis is there";
+  EXPECT_EQ(shown(std::nullopt, -17), "-17");
+}
+
+TEST_F(CtlUnits, MovesAreToldInTheUnitOfTheAxis) {
+  target.told_in_unit = InUnit{10, "mm"};
+  target.tells_position_in_mm = true;
+  run({"move", "x", "10mm"});
+  EXPECT_EQ(out, "x moves to 10 mm\n");
+  run({"move", "x", "102400", "--internal"});
+  EXPECT_EQ(out, "x moves to 102400\n");
+  run({"move", "x", "10mm", "--wait"});
+  EXPECT_EQ(out, "x stands at 10 mm\n");
+  run({"move", "x", "10mm", "--wait", "--internal"});
+  EXPECT_EQ(out, "x stands at 102400\n");
+  const auto document = json({"move", "x", "10mm", "--wait"});
+  EXPECT_EQ(document.at("target_microsteps"), 102'400);
+  EXPECT_EQ(document.at("position_microsteps"), 102'400);
+  EXPECT_EQ(document.at("unit"), "mm");
+  EXPECT_EQ(document.at("target"), 10.0);
+  EXPECT_EQ(document.at("position"), 10.0);
+}
+
+TEST_F(CtlUnits, WhereAMoveEndedEarlyIsToldInTheUnitOfTheAxis) {
+  target.told_in_unit = InUnit{10, "mm"};
+  target.tells_position_in_mm = true;
+  target.stopped_by_other_after = std::chrono::milliseconds(1024);
+  EXPECT_EQ(run({"move", "x", "10mm", "--wait"}), ExitCode::not_reached);
+  EXPECT_THAT(err, HasSubstr("at 1 mm, on its way to 10 mm"));
+  EXPECT_EQ(run({"move", "x", "10mm", "--wait", "--internal"}), ExitCode::not_reached);
+  EXPECT_THAT(err, HasSubstr("at 20480, on its way to 102400"));
+  const auto error = json({"move", "x", "10mm", "--wait"}, ExitCode::not_reached).at("error");
+  EXPECT_EQ(error.at("position_microsteps"), 30'720);
+  EXPECT_EQ(error.at("unit"), "mm");
+  EXPECT_EQ(error.at("position"), 3.0);
+  EXPECT_EQ(error.at("target"), 10.0);
+}
+
+TEST_F(CtlUnits, TurnsAreToldInTheUnitOfTheAxis) {
+  target.told_in_unit = InUnit{5.0007, "mm"};
+  run({"rotate", "x", "839"});
+  EXPECT_THAT(out, HasSubstr("x turns with velocity 5.001 mm/s. "));
+  run({"rotate", "x", "839", "--internal"});
+  EXPECT_THAT(out, HasSubstr("x turns with velocity 839. "));
+  const auto document = json({"rotate", "x", "839"});
+  EXPECT_EQ(document.at("velocity_internal"), 839);
+  EXPECT_EQ(document.at("unit"), "mm");
+  EXPECT_EQ(document.at("velocity"), 5.0007);
+  target.told_in_unit.reset();
+  EXPECT_TRUE(json({"rotate", "x", "839"}).at("velocity").is_null());
+}
+
+TEST_F(CtlUnits, StateShowsOnlyWhatTheModuleCountsIfAsked) {
+  target.user = UserReading{"mm", 12.5, -3, 0.25};
+  run({"state", "x", "--internal"});
+  EXPECT_THAT(out, HasSubstr("position  0 microsteps"));
+  EXPECT_THAT(out, Not(HasSubstr("mm")));
+}
+
+TEST_F(CtlUnits, ParametersHaveAColumnInTheUnitOfTheAxis) {
+  target.values = {{"4", 839}};
+  run({"params", "x", "--values"});
+  EXPECT_THAT(out, Not(HasSubstr("IN UNIT")));
+  target.told_in_unit = InUnit{5.0007, "mm/s"};
+  run({"params", "x", "--values"});
+  EXPECT_THAT(out, HasSubstr("VALUE  IN UNIT"));
+  EXPECT_THAT(out, HasSubstr("839    5.001 mm/s"));
+  run({"params", "x", "--values", "--internal"});
+  EXPECT_THAT(out, Not(HasSubstr("mm/s")));
+  const auto row = json({"params", "x", "--values"}).at("parameters").at(0);
+  EXPECT_EQ(row.at("value"), 839);
+  EXPECT_EQ(row.at("value_in_unit"), 5.0007);
+  EXPECT_EQ(row.at("axis_unit"), "mm/s");
+  run({"get", "x", "4"});
+  EXPECT_EQ(out, "839\n") << "scripts rely on that";
+  EXPECT_EQ(json({"get", "x", "4"}).at("value_in_unit"), 5.0007);
+}
+
+TEST_F(CtlUnits, SearchesAreToldInTheUnitOfTheAxis) {
+  target.result = {{"correction_microsteps", -52},
+                   {"switch_distance_microsteps", 102'400},
+                   {"unit", "mm"},
+                   {"correction", -0.005078125},
+                   {"switch_distance", 10}};
+  run({"home", "x"});
+  EXPECT_THAT(out, HasSubstr("zero was at -0.00508 mm before\n10 mm between the end switches\n"));
+  run({"home", "x", "--internal"});
+  EXPECT_THAT(out, HasSubstr("zero was at -52 microsteps before\n102400 microsteps between"));
+  target.result["unit"] = target.result["correction"] = target.result["switch_distance"] = nullptr;
+  run({"home", "x"});
+  EXPECT_THAT(out, HasSubstr("zero was at -52 microsteps before"));
+}
+
+TEST_F(CtlUnits, CoordinatesAreInTheUnitOfTheAxis) {
+  run({"coordinate", "set", "x", "3", "10mm"});
+  EXPECT_THAT(last_call(), HasSubstr("\"position_microsteps\":102400"));
+  run({"coordinate", "set", "x", "3", "-700"});
+  EXPECT_THAT(last_call(), HasSubstr("\"position_microsteps\":-700"));
+  EXPECT_THAT(refusal({"coordinate", "set", "x", "3", "10pps"}), HasSubstr("no position"));
+  target.result = {{"position_microsteps", 25'600}, {"unit", "mm"}, {"position", 2.5}};
+  run({"coordinate", "get", "x", "3"});
+  EXPECT_EQ(out, "2.5mm\n") << "as it can be typed";
+  run({"coordinate", "capture", "x", "3", "--internal"});
+  EXPECT_EQ(out, "25600\n");
+  target.result = {{"position_microsteps", 25'600}, {"unit", nullptr}, {"position", nullptr}};
+  run({"coordinate", "get", "x", "3"});
+  EXPECT_EQ(out, "25600\n");
+}
+
 class CtlRamp : public CtlUnits {
  protected:
   std::vector<std::string> ramp(const std::string& velocity, const std::string& acceleration) {
@@ -241,7 +357,12 @@ TEST_F(CtlRamp, ChoosesAndWritesDividersAndRegisters) {
   EXPECT_THAT(target.calls, ElementsAre("units x", "get x 154", "set x 154 3", "set x 153 8",
                                         "set x 4 1638", "set x 5 859", "set x 130 20"));
   EXPECT_THAT(out, HasSubstr("pulse_divisor      3"));
+  EXPECT_THAT(out, HasSubstr("gives 4.88162 mm/s and 19.5314 mm/s^2\n"));
+  auto internal = ramp("50000pps", "200000pps/s");
+  internal.emplace_back("--internal");
+  run(internal);
   EXPECT_THAT(out, HasSubstr("gives 49987.79297 pps and 200001.5229 pps/s"));
+  EXPECT_NEAR(json(ramp("50000pps", "200000pps/s")).at("velocity").as_double(), 4.8816, 1e-4);
 }
 
 TEST_F(CtlRamp, ALowerDividerIsWrittenAfterTheRegistersSoThatNothingIsFastInBetween) {
@@ -299,7 +420,7 @@ TEST_F(CtlRamp, SetsThePlainParametersOfOtherModules) {
   run(ramp("1000000pps", "200000pps/s"));
   EXPECT_THAT(target.calls, ElementsAre("units x", "set x 4 67108864", "set x 16 3436",
                                         "set x 17 3436", "set x 18 0"));
-  EXPECT_THAT(out, HasSubstr("gives 1000000 pps and"));
+  EXPECT_THAT(out, HasSubstr("gives 97.65625 mm/s and"));
   target.counts.model = nullptr;
   EXPECT_THAT(refusal(ramp("5pps", "5pps/s")), HasSubstr("not known"));
 }

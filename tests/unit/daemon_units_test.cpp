@@ -336,6 +336,8 @@ TEST_F(DaemonMechanics, NoMoveEndsBeyondASoftLimit) {
               HasSubstr("-91 deg is beyond the soft limit of -90 deg"));
   beyond("parameter.set",
          {{"axis", "screw"}, {"parameter", "target_position"}, {"value", 999'999}});
+  beyond("parameter.set",
+         {{"axis", "screw"}, {"parameter", "target_position"}, {"value_in_unit", 121}});
   beyond("parameter.set", {{"axis", "screw"}, {"parameter", "target_velocity"}, {"value", 1}});
   EXPECT_THAT(text(beyond("axis.rotate", {{"axis", "screw"}, {"velocity", 1}}).at("message")),
               HasSubstr("without end"));
@@ -388,6 +390,189 @@ TEST_F(DaemonMechanics, SoftLimitsThatCannotBeKeptLetNothingMove) {
                 HasSubstr("microstep resolution"));
   }
   EXPECT_EQ(other.requests_seen(Command::MVP), 0U);
+}
+
+TEST_F(DaemonScale, MovesAndStandsAreToldInTheUnit) {
+  const auto moved = client->result("axis.move_to", {{"axis", "x"}, {"position", 2.5}});
+  EXPECT_EQ(moved.at("unit"), "mm");
+  EXPECT_EQ(moved.at("target").to_number<double>(), 2.5);
+  hold(0, 1, 25'600);
+  hold(0, 3, 0);
+  const auto stands = client->result("axis.wait", {{"axis", "x"}, {"timeout_ms", 1000}});
+  EXPECT_EQ(stands.at("unit"), "mm");
+  EXPECT_EQ(stands.at("position").to_number<double>(), 2.5);
+  const auto turns = client->result("axis.rotate", {{"axis", "back"}, {"velocity", -3600}});
+  EXPECT_EQ(turns.at("velocity_internal"), 1'049);
+  EXPECT_NEAR(turns.at("velocity").to_number<double>(), -3601.4, 0.1);
+  const auto plain =
+      client->result("axis.move_by", {{"axis", "plain"}, {"distance_microsteps", 1}});
+  EXPECT_TRUE(plain.at("unit").is_null());
+  EXPECT_TRUE(plain.at("target").is_null());
+  const auto axes = client->result("axis.list").at("axes").as_array();
+  EXPECT_EQ(axes.at(0).at("unit"), "mm");
+  EXPECT_TRUE(axes.at(2).at("unit").is_null());
+}
+
+TEST_F(DaemonScale, CoordinatesAreTakenAndToldInTheUnit) {
+  client->result("coordinate.set", {{"axis", "x"}, {"number", 3}, {"position", -2.5}});
+  const auto place = client->result("coordinate.get", {{"axis", "x"}, {"number", 3}});
+  EXPECT_EQ(place.at("position_microsteps"), -25'600);
+  EXPECT_EQ(place.at("position").to_number<double>(), -2.5);
+  EXPECT_EQ(place.at("unit"), "mm");
+  EXPECT_THAT(refusal("coordinate.set", {{"axis", "x"}, {"number", 3}}), HasSubstr("is needed"));
+  EXPECT_THAT(refusal("coordinate.set", {{"axis", "plain"}, {"number", 3}, {"position", 1}}),
+              HasSubstr("no unit"));
+}
+
+TEST_F(DaemonScale, ParametersAreTakenAndToldInTheUnit) {
+  const auto get = [&](const char* axis, json::value parameter) {
+    return client->result("parameter.get", {{"axis", axis}, {"parameter", std::move(parameter)}});
+  };
+  hold(0, 4, 1000);
+  const auto velocity = get("x", "max_velocity");
+  EXPECT_EQ(velocity.at("value"), 1000);
+  EXPECT_EQ(velocity.at("unit"), "mm/s");
+  EXPECT_NEAR(velocity.at("value_in_unit").to_number<double>(), 5.96, 0.001);
+  hold(0, 5, 100);
+  EXPECT_EQ(get("x", "max_acceleration").at("unit"), "mm/s^2");
+  hold(1, 1, 1'600);
+  EXPECT_EQ(get("back", "actual_position").at("value_in_unit").to_number<double>(), -90);
+  for (const auto& none : {get("x", "max_current"), get("x", 250), get("plain", "max_velocity")}) {
+    EXPECT_TRUE(none.at("unit").is_null()) << none;
+    EXPECT_TRUE(none.at("value_in_unit").is_null()) << none;
+  }
+  const auto set = [&](const char* axis, const char* parameter, double value) {
+    return client->result("parameter.set",
+                          {{"axis", axis}, {"parameter", parameter}, {"value_in_unit", value}});
+  };
+  EXPECT_EQ(set("x", "max_velocity", 5).at("value"), 839);
+  EXPECT_EQ(last(Command::SAP).value, 839);
+  EXPECT_EQ(set("x", "target_position", -2.5).at("value"), -25'600);
+  EXPECT_EQ(set("back", "target_position", 90).at("value"), -1'600);
+  EXPECT_EQ(set("back", "max_velocity", 3600).at("value"), 1'049) << "a limit has no direction";
+}
+
+TEST_F(DaemonScale, NothingIsSetToWhatDoesNotFit) {
+  const auto refused = [&](json::object params) {
+    return refusal("parameter.set", std::move(params));
+  };
+  EXPECT_THAT(refused({{"axis", "x"}, {"parameter", "max_velocity"}, {"value_in_unit", 50}}),
+              HasSubstr("50 mm/s is too fast; the nearest possible value is 12.2"));
+  EXPECT_THAT(refused({{"axis", "x"}, {"parameter", "max_current"}, {"value_in_unit", 1}}),
+              HasSubstr("'max_current' is not known to be a position"));
+  EXPECT_THAT(refused({{"axis", "x"}, {"parameter", 250}, {"value_in_unit", 1}}),
+              HasSubstr("'250' is not known"));
+  EXPECT_THAT(refused({{"axis", "plain"}, {"parameter", "max_velocity"}, {"value_in_unit", 1}}),
+              HasSubstr("has no unit"));
+  EXPECT_THAT(refused({{"axis", "x"}, {"parameter", "max_velocity"}}), HasSubstr("is needed"));
+  EXPECT_THAT(
+      refused({{"axis", "x"}, {"parameter", "max_velocity"}, {"value", 1}, {"value_in_unit", 1}}),
+      HasSubstr("not both"));
+  EXPECT_THAT(refused({{"axis", "x"}, {"parameter", "actual_velocity"}, {"value_in_unit", 1}}),
+              HasSubstr("can only be read"));
+  EXPECT_EQ(daemon.requests_seen(Command::SAP), 0U);
+}
+
+TEST_F(DaemonScale, ListsOfParametersSayTheirUnits) {
+  const auto unit_of = [&](const char* axis, std::int64_t number) -> json::value {
+    const auto rows = client->result("parameter.list", {{"axis", axis}}).at("parameters");
+    for (const auto& row : rows.as_array()) {
+      if (row.at("number") == number) return row.at("axis_unit");
+    }
+    return "no such row";
+  };
+  EXPECT_EQ(unit_of("x", 0), "mm");
+  EXPECT_EQ(unit_of("x", 4), "mm/s");
+  EXPECT_EQ(unit_of("x", 5), "mm/s^2");
+  EXPECT_TRUE(unit_of("x", 6).is_null());
+  EXPECT_TRUE(unit_of("plain", 0).is_null());
+}
+
+// Those of application note AN00115, in counts of an encoder; a screw with a sixteenth of its turn
+// for a mm, on which tenths of a mm end between two steps; and one that comes out at nothing even.
+std::string scales() {
+  return std::string(bench_bus) +
+         axis_section("note", 0,
+                      "unit = \"deg\"\nunits_per_revolution = 360\nfull_steps = 4000\n"
+                      "microsteps = 1\nreverse = true\n") +
+         axis_section("even", 1, "unit = \"mm\"\nscrew_pitch = 16\nmicrosteps = 1\n") +
+         axis_section("odd", 2,
+                      "unit = \"mm\"\nscrew_pitch = 7.3\ngear_ratio = 3.71\n"
+                      "microsteps = 4\n");
+}
+
+class DaemonRounding : public DaemonScale {
+ protected:
+  explicit DaemonRounding(const std::string& axes = scales()) : DaemonScale(axes) {
+    for (const std::uint8_t motor : {std::uint8_t{0}, std::uint8_t{1}, std::uint8_t{2}})
+      hold(motor, 1, 0);
+  }
+  std::int64_t move(std::string_view method, const std::string& axis, double way) {
+    const auto* key = method == "axis.move_by" ? "distance" : "position";
+    json::object params{{"axis", axis}, {"predict", false}};
+    params[key] = way;
+    return client->result(method, std::move(params)).at("target_microsteps").as_int64();
+  }
+  std::int64_t target_of(const std::string& axis, double position) {
+    return move("axis.move_to", axis, position);
+  }
+  /// Ends where it began.
+  void expect_no_drift(const std::string& axis) {
+    constexpr int of_a_unit = 10;
+    constexpr int moves = 1000;
+    for (const int direction : {1, -1}) {
+      target_of(axis, 0);
+      std::vector<std::int64_t> there{0};
+      for (int i = 0; i < moves; ++i) there.push_back(move("axis.move_by", axis, direction * 0.1));
+      for (int i = of_a_unit; i <= moves; i += of_a_unit) {
+        EXPECT_EQ(there.at(static_cast<std::size_t>(i)),
+                  target_of(axis, direction * (i / of_a_unit)))
+            << axis << ' ' << i << " moves";
+      }
+      target_of(axis, direction * 100);
+      for (int i = 0; i < moves; ++i) there.back() = move("axis.move_by", axis, direction * -0.1);
+      EXPECT_EQ(there.back(), 0) << axis;
+    }
+  }
+};
+
+TEST_F(DaemonRounding, TenthsThatAreNoWholeNumberOfMicrostepsDoNotAddUp) {
+  for (const auto* axis : {"note", "even", "odd"}) expect_no_drift(axis);
+}
+
+TEST_F(DaemonRounding, TheScalesOfTheNoteAreExact) {
+  EXPECT_EQ(target_of("note", 360), -4000);
+  EXPECT_EQ(target_of("note", 90), -1000);
+  EXPECT_EQ(target_of("note", 100), -1111);
+  EXPECT_EQ(target_of("note", -0.09), 1);
+  hold(0, 0, -4000);
+  const auto state = client->result("axis.get_state", {{"axis", "note"}});
+  EXPECT_EQ(state.at("target").to_number<double>(), 360);
+}
+
+// 1000 counts a mm of a linear encoder, and 1200 of one behind a gear of 3:1 and a pitch of 10 mm.
+class DaemonNoteScale : public DaemonRounding {
+ protected:
+  DaemonNoteScale()
+      : DaemonRounding(std::string(bench_bus) +
+                       axis_section("linear", 0,
+                                    "unit = \"mm\"\nscrew_pitch = 10\n"
+                                    "full_steps = 10000\nmicrosteps = 1\n") +
+                       axis_section("geared", 1,
+                                    "unit = \"mm\"\nscrew_pitch = 10\n"
+                                    "gear_ratio = 3\nfull_steps = 4000\n"
+                                    "microsteps = 1\n") +
+                       axis_section("third", 2)) {}
+};
+
+TEST_F(DaemonNoteScale, MillimetresAreWholeCounts) {
+  EXPECT_EQ(target_of("linear", 1), 1000);
+  EXPECT_EQ(target_of("linear", 0.0005), 1) << "ties go away from zero";
+  EXPECT_EQ(target_of("linear", -123.456), -123'456);
+  EXPECT_EQ(target_of("geared", 1), 1200);
+  EXPECT_EQ(target_of("geared", 200), 240'000);
+  EXPECT_EQ(target_of("geared", -0.1), -120);
+  for (const auto* axis : {"linear", "geared"}) expect_no_drift(axis);
 }
 
 std::string limited() {

@@ -52,7 +52,14 @@ AxisRow axis_from(const json::object& row) {
           integer_at<std::uint16_t>(row, "address"),
           integer_at<std::uint8_t>(row, "motor"),
           text_at(row, "model"),
-          text_at(row, "state")};
+          text_at(row, "state"),
+          text_at(row, "unit")};
+}
+
+std::optional<InUnit> in_unit_at(const json::object& row, std::string_view key) {
+  const auto value = number_at(row, key);
+  if (!value) return std::nullopt;
+  return InUnit{*value, text_at(row, "unit")};
 }
 
 ParameterRow parameter_from(const json::object& row) {
@@ -74,7 +81,8 @@ ParameterValue value_from(const json::object& row) {
   const auto number = integer_at<std::uint8_t>(row, "number");
   auto name = text_at(row, "parameter");
   if (name.empty()) name = std::to_string(number);
-  return {number, std::move(name), integer_at<std::int32_t>(row, "value")};
+  return {number, std::move(name), integer_at<std::int32_t>(row, "value"),
+          in_unit_at(row, "value_in_unit")};
 }
 
 std::optional<tmcl::UserScale> scale_from(const json::object& row) {
@@ -264,7 +272,8 @@ Attempt<StartedMove> DaemonTarget::move(std::string_view method, json::object pa
   params["deadline_ms"] = move_deadline_ms;
   return call(method, std::move(params)).map([](const json::object& moved) {
     return StartedMove{{integer_at<std::int32_t>(moved, "target_microsteps")},
-                       number_at(moved, "predicted_s")};
+                       number_at(moved, "predicted_s"),
+                       in_unit_at(moved, "target")};
   });
 }
 
@@ -276,11 +285,11 @@ Attempt<StartedMove> DaemonTarget::move_by(const std::string& axis, Length dista
   return move("axis.move_by", with_length(axis, "distance", distance));
 }
 
-Attempt<void> DaemonTarget::rotate(const std::string& axis, tmcl::InternalVelocity velocity) {
+Attempt<Turning> DaemonTarget::rotate(const std::string& axis, tmcl::InternalVelocity velocity) {
   return call("axis.rotate", {{"axis", axis},
                               {"velocity_internal", velocity.value},
                               {"deadline_ms", move_deadline_ms}})
-      .map([](const json::object&) {});
+      .map([](const json::object& turning) { return Turning{in_unit_at(turning, "velocity")}; });
 }
 
 Attempt<void> DaemonTarget::stop(const std::string& axis) {

@@ -213,8 +213,10 @@ Attempt<StartedMove> DirectTarget::move_by(const std::string& axis, Length dista
   return start(axis, [&](Axis& at) { return at.move_by(distance.microsteps); });
 }
 
-Attempt<void> DirectTarget::rotate(const std::string& axis, tmcl::InternalVelocity velocity) {
-  return axis_at(axis).and_then([&](Axis at) { return attempt(at.rotate(velocity)); });
+Attempt<Turning> DirectTarget::rotate(const std::string& axis, tmcl::InternalVelocity velocity) {
+  return axis_at(axis).and_then([&](Axis at) { return attempt(at.rotate(velocity)); }).map([] {
+    return Turning{};
+  });
 }
 
 Attempt<void> DirectTarget::stop(const std::string& axis) {

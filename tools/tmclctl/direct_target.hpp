@@ -29,7 +29,7 @@ class DirectTarget final : public Target {
   Attempt<AxisUnits> units(const std::string& axis) override;
   Attempt<StartedMove> move_to(const std::string& axis, Length position) override;
   Attempt<StartedMove> move_by(const std::string& axis, Length distance) override;
-  Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override;
+  Attempt<Turning> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override;
   Attempt<void> stop(const std::string& axis) override;
   Attempt<std::vector<StoppedAxis>> stop_all() override;
   Attempt<AxisReading> state(const std::string& axis) override;

@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "print.hpp"
+
 namespace tmclctl {
 namespace {
 
@@ -13,15 +15,24 @@ constexpr const char* ramp_mode = "ramp_mode";
 constexpr std::int32_t velocity_mode = 2;
 constexpr tmcl::Duration mode_interval = std::chrono::milliseconds(500);
 
+std::string goal_text(const Journey& journey) {
+  return shown(journey.goal_in_unit, journey.goal.value);
+}
+
 Failure not_reached(const Journey& journey, const AxisReading& reading, std::string_view what,
                     std::string hint) {
   Failure failure{
       ExitCode::not_reached, "move_interrupted", {}, std::move(hint), tmcl::Outcome::done};
   failure.message = fmt::format("{} {}: at {}, on its way to {}", journey.axis, what,
-                                reading.position.value, journey.goal.value);
+                                position_text(reading, !journey.goal_in_unit), goal_text(journey));
   failure.details = {{"axis", journey.axis},
                      {"position_microsteps", reading.position.value},
                      {"target_microsteps", journey.goal.value}};
+  if (journey.goal_in_unit && reading.user) {
+    failure.details["unit"] = journey.goal_in_unit->unit;
+    failure.details["position"] = reading.user->position;
+    failure.details["target"] = journey.goal_in_unit->value;
+  }
   return failure;
 }
 
@@ -33,9 +44,10 @@ std::optional<Failure> ended_by_axis(const Journey& journey, const AxisReading& 
                            journey.axis + " --values' shows the switches");
   }
   if (verdict == Arrival::Verdict::sent_elsewhere) {
-    return not_reached(journey, reading,
-                       fmt::format("was sent to {} instead", reading.target.value),
-                       "Another program moves the same axis");
+    return not_reached(
+        journey, reading,
+        fmt::format("was sent to {} instead", target_text(reading, !journey.goal_in_unit)),
+        "Another program moves the same axis");
   }
   return std::nullopt;
 }
@@ -51,7 +63,7 @@ Failure lost_sight(const Journey& journey, Failure failure, const Target& target
   failure.outcome.reset();
   failure.name = "lost_sight";
   failure.message = fmt::format("lost sight of {} on its way to {}: {}", journey.axis,
-                                journey.goal.value, failure.message);
+                                goal_text(journey), failure.message);
   failure.hint = "It may still be moving. " + how_to_stop(journey.axis, target);
   return failure;
 }
@@ -61,7 +73,7 @@ std::optional<Failure> ended_by_user(const Journey& journey, const AxisReading& 
   if (room.patience.signal() != 0) {
     auto failure = interrupted_failure(
         room.patience.signal(),
-        fmt::format("no longer waiting; {} goes on moving to {}", journey.axis, journey.goal.value),
+        fmt::format("no longer waiting; {} goes on moving to {}", journey.axis, goal_text(journey)),
         how_to_stop(journey.axis, room.target));
     failure.details = not_reached(journey, reading, "", "").details;
     return failure;

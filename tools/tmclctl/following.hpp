@@ -15,6 +15,8 @@ struct Journey {
   tmcl::TimePoint started_at;
   tmcl::Duration interval;  ///< Between two looks.
   std::optional<tmcl::Duration> timeout{};
+  /// The goal in the unit of the axis: then everything is told in that.
+  std::optional<InUnit> goal_in_unit{};
 };
 
 /// The position where the axis stands at last, or why it is not going to be watched any longer:

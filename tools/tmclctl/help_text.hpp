@@ -12,7 +12,8 @@ A PARAM is a number or a standard name, such as max_velocity: 'tmclctl params AX
 A bare number is what the module counts in: microsteps for positions; for velocities see
 'tmclctl params AXIS'. A unit may stand behind it: 1.5rev, 2rps, 120rpm, 61035pps, 100000pps/s, and,
 if tmcld's configuration gives the axis a unit such as mm: 10mm, 5mm/s, 50mm/s2. With --direct, turns
-are counted by the module's microsteps (parameter 140) and --full-steps.
+are counted by the module's microsteps (parameter 140) and --full-steps. What is told of an axis with
+a unit is in that unit; with --internal it is what the module counts.
 
 Examples:
   tmclctl scan                                   which modules are there?

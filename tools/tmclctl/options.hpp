@@ -24,6 +24,7 @@ struct Axes {};
 struct Params {
   std::string axis;
   bool values = false;
+  bool internal = false;
   std::string model;
   bool globals = false;
 };
@@ -44,6 +45,7 @@ struct Move {
   bool by = false;
   bool wait = false;
   std::optional<double> timeout_s;
+  bool internal = false;  ///< Tell what the module counts in, here and below.
 };
 /// Several axes at once.
 struct Line {
@@ -60,6 +62,7 @@ struct Line {
 struct Rotate {
   std::string axis;
   Quantity velocity;
+  bool internal = false;
 };
 struct Stop {
   std::string axis;
@@ -67,6 +70,7 @@ struct Stop {
 };
 struct State {
   std::string axis;
+  bool internal = false;
 };
 struct Watch {
   std::string axis;
@@ -170,6 +174,7 @@ struct Ramp {
   Quantity velocity;
   Quantity acceleration;
   bool dry_run = false;
+  bool internal = false;
 };
 /// One quantity in all its forms, on a module that need not be there.
 struct Convert {
@@ -187,11 +192,13 @@ struct Ask {
   std::string axis;
   std::string module;     ///< ADDRESS or BUS:ADDRESS
   std::string parameter;  ///< Number or name.
-  std::optional<std::int32_t> bank, number, port, value, position, at, first_address;
+  std::optional<std::int32_t> bank, number, port, value, at, first_address;
+  std::optional<Quantity> position;
   std::vector<std::uint8_t> motors;
   std::vector<std::string> axes;
   bool interpolated = false;
   bool sure = false;
+  bool internal = false;
 };
 /// Lets a module tell when motors arrive, and shows that.
 struct Arrivals {
@@ -206,6 +213,7 @@ struct Home {
   std::optional<std::int32_t> mode;
   std::optional<double> timeout_s;
   bool no_wait = false;
+  bool internal = false;
   bool stop = false;
 };
 /// A program into a module, or compared with what is there.

@@ -41,6 +41,23 @@ void Table::print(std::ostream& out) const {
   }
 }
 
+std::string position_text(const AxisReading& reading, bool internal) {
+  const bool in_unit = reading.user && !internal;
+  return shown(in_unit ? std::optional(reading.user->position_in_unit()) : std::nullopt,
+               reading.position.value);
+}
+
+std::string target_text(const AxisReading& reading, bool internal) {
+  const bool in_unit = reading.user && !internal;
+  return shown(in_unit ? std::optional(reading.user->target_in_unit()) : std::nullopt,
+               reading.target.value);
+}
+
+std::string velocity_text(const AxisReading& reading, bool internal) {
+  const bool in_unit = reading.user && !internal;
+  return shown(in_unit ? reading.user->velocity_in_unit() : std::nullopt, reading.velocity.value);
+}
+
 json::object to_json(const ModuleRow& row) {
   json::object object{{"bus", row.bus},
                       {"address", row.address},
@@ -59,12 +76,18 @@ json::object to_json(const AxisRow& row) {
           {"address", row.address},
           {"motor", row.motor},
           {"model", text_or_null(row.model)},
-          {"state", row.state}};
+          {"state", row.state},
+          {"unit", text_or_null(row.unit)}};
 }
 
 json::object to_json(const std::string& axis, const ParameterValue& value) {
-  return {
+  json::object object{
       {"axis", axis}, {"parameter", value.name}, {"number", value.number}, {"value", value.value}};
+  if (value.in_unit) {
+    object["value_in_unit"] = value.in_unit->value;
+    object["unit"] = value.in_unit->unit;
+  }
+  return object;
 }
 
 json::object to_json(const std::string& axis, const AxisReading& reading) {

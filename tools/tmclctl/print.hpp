@@ -25,6 +25,11 @@ class Table {
   std::vector<std::vector<std::string>> rows_;
 };
 
+/// In the unit of the axis if it has one, or else, and where `internal`, as the module counts it.
+std::string position_text(const AxisReading& reading, bool internal);
+std::string target_text(const AxisReading& reading, bool internal);
+std::string velocity_text(const AxisReading& reading, bool internal);
+
 boost::json::object to_json(const ModuleRow& row);
 boost::json::object to_json(const AxisRow& row);
 boost::json::object to_json(const std::string& axis, const ParameterValue& value);

@@ -7,6 +7,7 @@
 
 #include "options/form.hpp"
 #include "tmcl/nearest.hpp"
+#include "tmcl/parameter_units.hpp"
 
 namespace tmclctl {
 namespace {
@@ -147,28 +148,24 @@ bool is_in_counts(const tmcl::ParameterInfo& row, const AxisUnits& units) {
 }
 
 // How many counts a turn has is not known, only how many a unit.
-Attempt<std::int32_t> to_counts(const Quantity& quantity, const AxisUnits& units,
-                                const tmcl::ParameterInfo& row) {
+Attempt<Unit> unit_in_counts(const Quantity& quantity, const AxisUnits& units,
+                             const tmcl::ParameterInfo& row) {
   if (!units.scale) return tl::unexpected(unknown_turn(quantity, units));
   const auto& unit = units.scale->unit;
-  if (quantity.unit != unit) {
-    return tl::unexpected(usage_failure(
-        "wrong_unit",
-        fmt::format("'{}': {} is in counts of the encoder", to_string(quantity), row.name),
-        fmt::format("Give it in {}, or a bare number of counts", unit)));
-  }
-  const auto scale = encoder_scale(*units.encoder_counts_per_unit, *units.scale);
-  return Attempt<std::int32_t>(
-      tmcl::to_microsteps(tmcl::UserPosition{quantity.number}, scale, {row.minimum, row.maximum})
-          .map([](tmcl::Microsteps counts) { return counts.value; })
-          .map_error([](const tmcl::OutOfReach& error) {
-            return usage_failure("out_of_range", describe(error));
-          }));
+  if (quantity.unit == unit) return Unit{*units.scale, 0};
+  return tl::unexpected(usage_failure(
+      "wrong_unit",
+      fmt::format("'{}': {} is in counts of the encoder", to_string(quantity), row.name),
+      fmt::format("Give it in {}, or a bare number of counts", unit)));
 }
 
-tmcl::ValueRange range_of(const tmcl::ParameterInfo& row, const AxisUnits& units) {
-  const auto start = tmcl::initial_units(*units.model);
-  return tmcl::range_of(row, start, *units.module);
+const Expected& expected_for(Dimension dimension) {
+  if (dimension == Dimension::position) return a_position;
+  return dimension == Dimension::velocity ? a_velocity : an_acceleration;
+}
+
+tmcl::AxisScale scale_in(const tmcl::UserScale& scale, const AxisUnits& units) {
+  return {units.model, scale, units.module, units.encoder_counts_per_unit};
 }
 
 }  // namespace
@@ -252,33 +249,20 @@ Failure out_of_reach(const Quantity& quantity, const AxisUnits& units, tmcl::Out
 Attempt<std::int32_t> to_parameter(const Quantity& quantity, const AxisUnits& units,
                                    const tmcl::ParameterInfo& row) {
   if (quantity.unit.empty()) return static_cast<std::int32_t>(quantity.number);
-  // A limit holds in both directions.
-  auto undirected = units;
-  if (row.minimum >= 0 && undirected.scale) undirected.scale->reverse = false;
   const auto dimension = dimension_of(row);
   if (dimension == Dimension::other) return tl::unexpected(measures_nothing(quantity, row));
-  if (is_in_counts(row, units)) return to_counts(quantity, units, row);
-  if (dimension == Dimension::position) {
-    return to_microsteps(quantity, undirected, {row.minimum, row.maximum})
-        .map([](tmcl::Microsteps value) { return value.value; });
-  }
-  if (!units.module) return tl::unexpected(unknown_counting(quantity, units));
-  const auto fails = [&](const tmcl::OutOfReach& error) {
-    return out_of_reach(quantity, undirected, error);
-  };
-  const auto range = range_of(row, units);
-  if (dimension == Dimension::velocity) {
-    return to_pps(quantity, undirected).and_then([&](tmcl::PulsesPerSecond pps) {
-      return Attempt<std::int32_t>(to_internal(pps, *units.module, range)
-                                       .map([](auto value) { return value.value; })
-                                       .map_error(fails));
-    });
-  }
-  return to_pps2(quantity, undirected).and_then([&](tmcl::PulsesPerSecond2 pps2) {
-    return Attempt<std::int32_t>(to_internal(pps2, *units.module, range)
-                                     .map([](auto value) { return value.value; })
-                                     .map_error(fails));
-  });
+  const auto unit = is_in_counts(row, units) ? unit_in_counts(quantity, units, row)
+                                             : unit_for(expected_for(dimension), quantity, units);
+  if (!unit) return tl::unexpected(unit.error());
+  if (dimension != Dimension::position && !units.module)
+    return tl::unexpected(unknown_counting(quantity, units));
+  return Attempt<std::int32_t>(
+      tmcl::to_parameter(quantity.number, row, scale_in(unit->scale, units))
+          .map_error([&](tmcl::OutOfReach error) {
+            error.wished = quantity.number;
+            error.unit = quantity.unit;
+            return usage_failure("out_of_range", describe(error));
+          }));
 }
 
 Attempt<Quantity> from_parameter(std::int32_t value, const AxisUnits& units,
@@ -287,19 +271,10 @@ Attempt<Quantity> from_parameter(std::int32_t value, const AxisUnits& units,
   const auto dimension = dimension_of(row);
   if (dimension == Dimension::other) return tl::unexpected(measures_nothing(bare, row));
   if (!units.scale) return tl::unexpected(unknown_turn(bare, units));
-  auto scale = units.scale->unit.empty() ? tmcl::revolutions(*units.scale) : *units.scale;
-  // A limit holds in both directions.
-  if (row.minimum >= 0) scale.reverse = false;
-  if (is_in_counts(row, units)) scale = encoder_scale(*units.encoder_counts_per_unit, scale);
-  if (dimension == Dimension::position)
-    return Quantity{to_user(tmcl::Microsteps{value}, scale).value, scale.unit};
-  if (!units.module) return tl::unexpected(unknown_counting(bare, units));
-  if (dimension == Dimension::velocity) {
-    const auto pps = tmcl::to_pps(tmcl::InternalVelocity{value}, *units.module);
-    return Quantity{to_user(pps, scale).value, scale.unit + "/s"};
-  }
-  const auto pps2 = tmcl::to_pps2(tmcl::InternalAcceleration{value}, *units.module);
-  return Quantity{to_user(pps2, scale).value, scale.unit + "/s^2"};
+  const auto scale = units.scale->unit.empty() ? tmcl::revolutions(*units.scale) : *units.scale;
+  const auto in_unit = to_user(value, row, scale_in(scale, units));
+  if (!in_unit) return tl::unexpected(unknown_counting(bare, units));
+  return Quantity{in_unit->value, in_unit->unit};
 }
 
 }  // namespace tmclctl

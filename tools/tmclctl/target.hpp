@@ -13,6 +13,7 @@
 #include "names.hpp"
 #include "patience.hpp"
 #include "quantity.hpp"
+#include "shown.hpp"
 #include "tmcl/firmware_verbs.hpp"
 #include "tmcl/link.hpp"
 #include "tmcl/parameter.hpp"
@@ -39,12 +40,14 @@ struct AxisRow {
   std::uint8_t motor = 0;
   std::string model;
   std::string state;
+  std::string unit{};  ///< Empty if it has none.
 };
 
 struct ParameterValue {
   std::uint8_t number = 0;
   std::string name;  ///< Standard name; the number as text for a parameter without one.
   std::int32_t value = 0;
+  std::optional<InUnit> in_unit{};  ///< Nothing without a unit, and for what measures nothing.
 };
 
 struct ParameterRow {
@@ -64,6 +67,12 @@ struct UserReading {
   double target = 0;
   std::optional<double> velocity;
   bool operator==(const UserReading&) const = default;
+
+  InUnit position_in_unit() const { return {position, unit}; }
+  InUnit target_in_unit() const { return {target, unit}; }
+  std::optional<InUnit> velocity_in_unit() const {
+    return velocity ? std::optional(InUnit{*velocity, unit + "/s"}) : std::nullopt;
+  }
 };
 
 struct AxisReading {
@@ -89,7 +98,14 @@ struct Length {
 /// A move that a module has taken.
 struct StartedMove {
   tmcl::Microsteps goal;
-  std::optional<double> predicted_s;  ///< How long it will take; nothing where nobody can tell.
+  std::optional<double> predicted_s;     ///< How long it will take; nothing where nobody can tell.
+  std::optional<InUnit> goal_in_unit{};  ///< Nothing for an axis without a unit.
+};
+
+/// A speed that a module has taken.
+struct Turning {
+  /// Per second; nothing for an axis without a unit, and where the conversion is not known.
+  std::optional<InUnit> in_unit{};
 };
 
 struct ScanRange {
@@ -164,7 +180,7 @@ class Target {
   /// What a distance in the axis' own unit is rounded by does not add up; only tmcld can see to
   /// that.
   virtual Attempt<StartedMove> move_by(const std::string& axis, Length distance) = 0;
-  virtual Attempt<void> rotate(const std::string& axis, tmcl::InternalVelocity velocity) = 0;
+  virtual Attempt<Turning> rotate(const std::string& axis, tmcl::InternalVelocity velocity) = 0;
   virtual Attempt<void> stop(const std::string& axis) = 0;
   virtual Attempt<std::vector<StoppedAxis>> stop_all() = 0;
   virtual Attempt<AxisReading> state(const std::string& axis) = 0;

@@ -48,6 +48,7 @@ void add_lists(Grammar& grammar) {
   params.optional_word("AXIS", "A configured name, or ADDRESS/MOTOR with --direct",
                        text(params->axis));
   params.flag("--values", "Read them all, too", params->values);
+  params.internal(params->internal);
   params.option("--model", "MODEL", "Of this model, without any module", text(params->model));
   params.flag("--globals", "With --model: the global parameters", params->globals);
   params.object([](const verb::Params& said, bool) {
@@ -81,6 +82,7 @@ void add_motion(Grammar& grammar) {
   move.flag("--wait", "Wait until the axis stands at its target", move->wait);
   move.option("--timeout", "SECONDS", "With --wait: give up after so long; the axis goes on",
               number(move->timeout_s, shortest_time_s, longest_time_s));
+  move.internal(move->internal);
   move.object([](const verb::Move& said, bool) {
     return said.timeout_s && !said.wait ? "--timeout says how long to wait, and that needs --wait"
                                         : "";
@@ -107,6 +109,7 @@ void add_motion(Grammar& grammar) {
   rotate.axis(rotate->axis);
   rotate.word("VELOCITY", "In the module's unit, or with another; negative: to the left",
               quantity(rotate->velocity));
+  rotate.internal(rotate->internal);
   auto stop = grammar.verb<verb::Stop>("stop", "Stop an axis, or all of them", help_text::stop);
   stop.optional_word("AXIS", "A configured name, or ADDRESS/MOTOR with --direct", text(stop->axis));
   stop.flag("--all", "Every axis there is", stop->all);
@@ -120,6 +123,7 @@ void add_motion(Grammar& grammar) {
 void add_watch(Grammar& grammar) {
   auto state = grammar.verb<verb::State>("state", "Show where an axis is and what it does");
   state.axis(state->axis);
+  state.internal(state->internal);
   auto watch = grammar.verb<verb::Watch>("watch", "Show every change of an axis", help_text::watch);
   watch.axis(watch->axis);
   auto& interval = watch->interval;
@@ -127,8 +131,7 @@ void add_watch(Grammar& grammar) {
                [&interval](const std::string& text) { return read_interval(text, interval); });
   watch.option("--for", "SECONDS", "End after so long",
                number(watch->for_s, shortest_time_s, longest_time_s));
-  watch.flag("--internal", "Show what the module counts in, even if the axis has a unit",
-             watch->internal);
+  watch.internal(watch->internal);
 }
 
 void add_plot(Grammar& grammar) {
@@ -145,8 +148,7 @@ void add_plot(Grammar& grammar) {
               text(plot->csv));
   plot.flag("--compare", "Draw the plan of the move as well, and how far the axis was off it",
             plot->compare);
-  plot.flag("--internal", "Draw what the module counts in, even if the axis has a unit",
-            plot->internal);
+  plot.internal(plot->internal);
   plot.object([](const verb::Plot& said, bool json) {
     if (said.compare && !said.to && !said.by) return "--compare needs a move: --to or --by";
     if (said.to && said.by) return "--to and --by exclude each other";

@@ -105,6 +105,8 @@ class Form {
   void repeated_option(const std::string& name, const std::string& value,
                        const std::string& description, const Read& read);
   void flag(const std::string& name, const std::string& description, bool& into);
+  /// The flag --internal.
+  void internal(bool& into);
 
  private:
   CLI::App* app_;

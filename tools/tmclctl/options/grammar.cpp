@@ -71,6 +71,10 @@ void Form::flag(const std::string& name, const std::string& description, bool& i
   app_->add_flag(name, into, description);
 }
 
+void Form::internal(bool& into) {
+  flag("--internal", "Tell what the module counts in, even if the axis has a unit", into);
+}
+
 CLI::App& Grammar::add(CLI::App& parent, const std::string& name, const std::string& description,
                        const char* footer) {
   auto* verb = parent.add_subcommand(name, description);

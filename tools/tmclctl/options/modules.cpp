@@ -79,6 +79,7 @@ void add_home(Grammar& grammar) {
               number(home->timeout_s, shortest_time_s, longest_time_s));
   home.flag("--no-wait", "Come back as soon as the search has begun", home->no_wait);
   home.flag("--stop", "End a search", home->stop);
+  home.internal(home->internal);
   home.object([](const verb::Home& said, bool) {
     if (said.stop && (said.mode || said.timeout_s || said.no_wait))
       return "--stop goes with no other option";
@@ -90,9 +91,12 @@ void add_coordinates(Grammar& grammar) {
   const auto group = grammar.group("coordinate", "Positions that modules remember by number",
                                    help_text::coordinate);
   auto set = add_coordinate(grammar, group, "set", "coordinate.set", "Remember a position");
-  set.word("POSITION", "In microsteps; may be negative", number(set->position));
-  add_coordinate(grammar, group, "get", "coordinate.get", "Print a coordinate");
-  add_coordinate(grammar, group, "capture", "coordinate.capture", "Remember where the axis is");
+  set.word("POSITION", "Microsteps, or with a unit; may be negative", quantity(set->position));
+  auto get = add_coordinate(grammar, group, "get", "coordinate.get", "Print a coordinate");
+  get.internal(get->internal);
+  auto capture =
+      add_coordinate(grammar, group, "capture", "coordinate.capture", "Remember where the axis is");
+  capture.internal(capture->internal);
   add_coordinate(grammar, group, "move", "coordinate.move", "Start a move to a coordinate");
   auto start = ask(grammar, group, "start", "coordinate.start",
                    "Start several motors of a module together", help_text::coordinate_start);

@@ -37,6 +37,7 @@ void add_units(Grammar& grammar) {
   ramp.required_option("--acceleration", "ACCELERATION", "Of every ramp, such as 200000pps/s",
                        quantity(ramp->acceleration));
   ramp.flag("--dry-run", "Only show what would be set", ramp->dry_run);
+  ramp.internal(ramp->internal);
 
   auto convert = grammar.verb<verb::Convert>(
       "convert", "Show a quantity in all its units, without any module", help_text::convert);

@@ -39,7 +39,7 @@ plan::StreamAnswer carry_out(const StreamCommand& command, const std::string& ax
     case StreamCommand::Kind::set:
       return nothing(target.set(axis, parameter, command.value).map([](const auto&) {}));
     case StreamCommand::Kind::rotate:
-      return nothing(target.rotate(axis, tmcl::InternalVelocity{command.value}));
+      return nothing(target.rotate(axis, {command.value}).map([](const auto&) {}));
     case StreamCommand::Kind::move_to:
       return nothing(target.move_to(axis, {.microsteps = {command.value}}).map([](const auto&) {}));
     case StreamCommand::Kind::stop: return nothing(target.stop(axis));

@@ -5,6 +5,8 @@
 
 #include <fmt/format.h>
 
+#include "shown.hpp"
+
 namespace tmclctl::plot {
 namespace {
 
@@ -96,14 +98,17 @@ Comparison compare(const Recording& recording, const tmcl::plan::AxisTwin& twin,
   return comparison;
 }
 
-std::string summary(const Comparison& comparison) {
-  return fmt::format("plan and axis differ by {:.0f} microsteps at most, at {:.2f} s",
-                     comparison.largest, comparison.largest_at);
+std::string summary(const Comparison& comparison, const Recording& recording) {
+  const auto microsteps = std::round(comparison.largest);
+  const auto in_unit = std::abs(shown_position(microsteps, recording));
+  return fmt::format("plan and axis differ by {} at most, at {:.2f} s",
+                     shown(InUnit{in_unit, recording.position_unit}, microsteps),
+                     comparison.largest_at);
 }
 
 Picture picture_of(const Recording& recording, const Comparison& comparison) {
   auto picture = picture_of(recording);
-  picture.title += "; " + summary(comparison);
+  picture.title += "; " + summary(comparison, recording);
   const auto shown = [&](std::vector<double> microsteps) {
     for (auto& value : microsteps) value = shown_position(value, recording);
     return microsteps;

@@ -6,6 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "shown.hpp"
+
 namespace tmclctl::plot {
 namespace {
 
@@ -63,11 +65,15 @@ std::string summary(const Recording& recording) {
   const auto& last = recording.samples.back();
   const auto fastest = std::ranges::max_element(
       recording.samples, {}, [](const Sample& sample) { return std::abs(sample.velocity); });
-  return fmt::format("{} went from {:.12g} to {:.12g} {} in {:.2f} {}, greatest velocity {:.12g}{}",
-                     recording.axis, position_of(first, recording), position_of(last, recording),
-                     recording.position_unit, last.time - first.time, recording.time_unit,
-                     velocity_of(*fastest, recording),
-                     recording.user ? ' ' + recording.velocity_unit : "");
+  const auto position = [&](const Sample& sample) {
+    return shown_number(position_of(sample, recording), static_cast<double>(sample.position));
+  };
+  return fmt::format(
+      "{} went from {} to {} {} in {:.2f} {}, greatest velocity {}{}", recording.axis,
+      position(first), position(last), recording.position_unit, last.time - first.time,
+      recording.time_unit,
+      shown_number(velocity_of(*fastest, recording), static_cast<double>(fastest->velocity)),
+      recording.user ? ' ' + recording.velocity_unit : "");
 }
 
 std::string to_csv(const Recording& recording) {

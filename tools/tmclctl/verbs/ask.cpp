@@ -3,6 +3,7 @@
 
 #include <boost/json/serialize.hpp>
 
+#include "asked.hpp"
 #include "json_read.hpp"
 #include "names.hpp"
 #include "print.hpp"
@@ -13,7 +14,7 @@ namespace {
 
 namespace json = boost::json;
 
-Attempt<json::object> params_of(const verb::Ask& verb) {
+Attempt<json::object> params_of(const verb::Ask& verb, Target& target) {
   json::object params;
   const auto add = [&](const char* key, const std::optional<std::int32_t>& value) {
     if (value) params[key] = *value;
@@ -33,10 +34,13 @@ Attempt<json::object> params_of(const verb::Ask& verb) {
   add("number", verb.number);
   add("port", verb.port);
   add("value", verb.value);
-  add("position_microsteps", verb.position);
   add("at", verb.at);
   add("first_address", verb.first_address);
-  return params;
+  if (!verb.position) return params;
+  return asked_position(*verb.position, verb.axis, target).map([&](const Length& position) {
+    params["position_microsteps"] = position.microsteps.value;
+    return params;
+  });
 }
 
 /// 65537 is 1.1: GET_INFO has major and minor version in a half each.
@@ -51,8 +55,15 @@ std::string text_of(std::string_view key, const json::value& value) {
   return json::serialize(value);
 }
 
+// "12.5mm", as it can be typed, too.
+void print_position(const Quantity& position, std::ostream& out) {
+  out << fmt::format("{:.12g}{}\n", position.number, position.unit);
+}
+
 /// One bare value where there is one, for scripts; else a line for each.
-void print(const json::object& result, std::ostream& out) {
+void print(const json::object& result, bool internal, std::ostream& out) {
+  const auto in_unit = number_at(result, "position");
+  if (in_unit && !internal) return print_position({*in_unit, text_at(result, "unit")}, out);
   for (const auto* bare : {"value", "position_microsteps"}) {
     if (const auto* value = result.if_contains(bare)) {
       out << text_of(bare, *value) << '\n';
@@ -74,14 +85,14 @@ bool only_reads(std::string_view method) {
 }
 
 VerbResult run(const verb::Ask& verb, Room& room) {
-  auto params = params_of(verb);
+  auto params = params_of(verb, room.target);
   if (!params) return tl::unexpected(params.error());
   const auto result = room.target.perform(verb.method, std::move(*params), {});
   if (!result) return tl::unexpected(result.error());
   if (room.output.json) {
     print_json(*result, room.output);
   } else if (gives_something(verb.method)) {
-    print(*result, room.output.out);
+    print(*result, verb.internal, room.output.out);
   }
   return ExitCode::done;
 }

@@ -29,13 +29,23 @@ Failure explained(Failure failure, const verb::Home& verb, Room& room) {
   return failure;
 }
 
+// Nothing for a module that does not tell.
+std::optional<std::string> length_text(const json::object& result, const std::string& name,
+                                       bool internal) {
+  const auto microsteps = number_at(result, name + "_microsteps");
+  if (!microsteps) return std::nullopt;
+  const auto in_unit = number_at(result, name);
+  if (!in_unit || internal) return fmt::format("{:.0f} microsteps", *microsteps);
+  return shown(InUnit{*in_unit, text_at(result, "unit")}, *microsteps);
+}
+
 void print(const json::object& result, const verb::Home& verb, std::ostream& out) {
   out << fmt::format("{} stands at its reference\n", verb.axis);
-  if (const auto correction = number_at(result, "correction_microsteps"))
-    out << fmt::format("zero was at {:.0f} microsteps before\n", *correction);
-  if (const auto distance = number_at(result, "switch_distance_microsteps");
-      distance && *distance != 0)
-    out << fmt::format("{:.0f} microsteps between the end switches\n", *distance);
+  if (const auto correction = length_text(result, "correction", verb.internal))
+    out << fmt::format("zero was at {} before\n", *correction);
+  const auto distance = length_text(result, "switch_distance", verb.internal);
+  if (distance && number_at(result, "switch_distance_microsteps") != 0)
+    out << fmt::format("{} between the end switches\n", *distance);
 }
 
 }  // namespace

@@ -1,4 +1,6 @@
 // scan, modules, axes, params, and the words for the shell's completion.
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "names.hpp"
@@ -67,7 +69,7 @@ VerbResult show_partial_scan(const ScanResult& result, Output& output) {
   return exit;
 }
 
-json::object to_json(const ParameterRow& row, std::optional<std::int32_t> value) {
+json::object to_json(const ParameterRow& row, const std::optional<ParameterValue>& value) {
   json::object object{{"number", row.number},
                       {"name", row.name},
                       {"access", row.writable ? "read_write" : "read"},
@@ -75,13 +77,28 @@ json::object to_json(const ParameterRow& row, std::optional<std::int32_t> value)
                       {"maximum", row.maximum},
                       {"unit", row.unit},
                       {"meaning", row.meaning}};
-  if (value) object["value"] = *value;
+  if (value) object["value"] = value->value;
+  if (value && value->in_unit) {
+    object["value_in_unit"] = value->in_unit->value;
+    object["axis_unit"] = value->in_unit->unit;
+  }
   return object;
 }
 
-std::vector<std::string> cells_of(const ParameterRow& row, std::optional<std::int32_t> value) {
+std::vector<std::string> headings(bool values, bool in_unit) {
+  std::vector<std::string> names{"NUMBER", "NAME"};
+  if (values) names.push_back("VALUE");
+  if (in_unit) names.push_back("IN UNIT");
+  names.insert(names.end(), {"RANGE", "UNIT", "MEANING"});
+  return names;
+}
+
+std::vector<std::string> cells_of(const ParameterRow& row,
+                                  const std::optional<ParameterValue>& value, bool internal) {
   std::vector<std::string> cells{std::to_string(row.number), row.name};
-  if (value) cells.push_back(std::to_string(*value));
+  if (value) cells.push_back(std::to_string(value->value));
+  if (value && !internal)
+    cells.push_back(value->in_unit ? shown(value->in_unit, value->value) : "");
   cells.push_back(row.writable ? fmt::format("{}..{}", row.minimum, row.maximum) : "read only");
   cells.push_back(row.unit);
   cells.push_back(row.meaning);
@@ -121,10 +138,10 @@ VerbResult run(const verb::Axes&, Room& room) {
     print_json({{"axes", to_json_array(*rows)}}, room.output);
     return ExitCode::done;
   }
-  Table table({"AXIS", "BUS", "ADDRESS", "MOTOR", "MODEL", "STATE"});
+  Table table({"AXIS", "BUS", "ADDRESS", "MOTOR", "MODEL", "STATE", "UNIT"});
   for (const auto& row : *rows) {
     table.add({row.name, row.bus, std::to_string(row.address), std::to_string(row.motor),
-               model_text(row.model, 0), row.state});
+               model_text(row.model, 0), row.state, row.unit.empty() ? "-" : row.unit});
   }
   table.print(room.output.out);
   return ExitCode::done;
@@ -133,19 +150,20 @@ VerbResult run(const verb::Axes&, Room& room) {
 VerbResult run(const verb::Params& verb, Room& room) {
   const auto rows = room.target.parameters(verb.axis);
   if (!rows) return tl::unexpected(rows.error());
+  std::vector<std::optional<ParameterValue>> values(rows->size());
+  for (std::size_t i = 0; verb.values && i < rows->size(); ++i) {
+    const auto got = room.target.get(verb.axis, std::to_string((*rows)[i].number));
+    if (!got) return tl::unexpected(got.error());
+    values[i] = *got;
+  }
+  const bool has_unit = std::ranges::any_of(
+      values, [](const auto& value) { return value && value->in_unit.has_value(); });
+  const bool internal = verb.internal || !has_unit;
   json::array array;
-  Table table(verb.values
-                  ? std::vector<std::string>{"NUMBER", "NAME", "VALUE", "RANGE", "UNIT", "MEANING"}
-                  : std::vector<std::string>{"NUMBER", "NAME", "RANGE", "UNIT", "MEANING"});
-  for (const auto& row : *rows) {
-    std::optional<std::int32_t> value;
-    if (verb.values) {
-      const auto got = room.target.get(verb.axis, std::to_string(row.number));
-      if (!got) return tl::unexpected(got.error());
-      value = got->value;
-    }
-    array.push_back(to_json(row, value));
-    table.add(cells_of(row, value));
+  Table table(headings(verb.values, verb.values && !internal));
+  for (std::size_t i = 0; i < rows->size(); ++i) {
+    array.push_back(to_json((*rows)[i], values[i]));
+    table.add(cells_of((*rows)[i], values[i], internal));
   }
   if (room.output.json) {
     print_json({{"axis", verb.axis}, {"parameters", std::move(array)}}, room.output);

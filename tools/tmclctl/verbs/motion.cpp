@@ -36,24 +36,36 @@ std::string time_left(const StartedMove& move, tmcl::Duration passed) {
   return fmt::format("  {:.1f} s left", std::max(*move.predicted_s - passed_s, 0.0));
 }
 
-Attempt<tmcl::Microsteps> wait_for_arrival(const verb::Move& verb, const StartedMove& move,
-                                           Room& room) {
+/// Where the axis stands at last.
+Attempt<AxisReading> wait_for_arrival(const verb::Move& verb, const StartedMove& move, Room& room) {
   const auto goal = move.goal;
-  Journey journey{verb.axis, goal, room.patience.now(), follow_interval, {}};
+  Journey journey{verb.axis, goal, room.patience.now(), follow_interval, {}, move.goal_in_unit};
   if (verb.timeout_s) journey.timeout = seconds(*verb.timeout_s);
   ProgressLine line(room.output);
   std::optional<std::int32_t> start;
-  return follow(journey, room, [&](const AxisReading& reading) {
+  AxisReading last;
+  const auto arrived = follow(journey, room, [&](const AxisReading& reading) {
+    last = reading;
     if (!line.visible()) return;
     if (!start) start = reading.position.value;
     const auto done =
         std::clamp(fraction_done(*start, goal.value, reading.position.value), 0.0, 1.0);
     const int width = std::clamp(line.screen().width - words_width, narrowest_bar, widest_bar);
-    line.show(fmt::format("{} {} {:3}%{}  {} of {}  velocity {}", verb.axis,
-                          bar(done, width, line.screen().utf8), static_cast<int>(done * 100),
-                          time_left(move, room.patience.now() - journey.started_at),
-                          reading.position.value, goal.value, reading.velocity.value));
+    line.show(fmt::format(
+        "{} {} {:3}%{}  {} of {}  velocity {}", verb.axis, bar(done, width, line.screen().utf8),
+        static_cast<int>(done * 100), time_left(move, room.patience.now() - journey.started_at),
+        position_text(reading, verb.internal), shown(move.goal_in_unit, goal.value),
+        velocity_text(reading, verb.internal)));
   });
+  return arrived.map([&](tmcl::Microsteps) { return last; });
+}
+
+json::value value_or_null(const std::optional<InUnit>& value) {
+  return value ? json::value(value->value) : json::value(nullptr);
+}
+
+json::value unit_or_null(const std::optional<InUnit>& value) {
+  return value ? json::value(value->unit) : json::value(nullptr);
 }
 
 }  // namespace
@@ -63,21 +75,26 @@ VerbResult run(const verb::Move& verb, Room& room) {
   const auto asked = verb.by ? asked_distance(verb.position, verb.axis, room.target)
                              : asked_position(verb.position, verb.axis, room.target);
   if (!asked) return tl::unexpected(asked.error());
-  const auto move =
+  auto move =
       verb.by ? room.target.move_by(verb.axis, *asked) : room.target.move_to(verb.axis, *asked);
   if (!move) return tl::unexpected(move.error());
   json::object document{
       {"axis", verb.axis},
       {"target_microsteps", move->goal.value},
+      {"unit", unit_or_null(move->goal_in_unit)},
+      {"target", value_or_null(move->goal_in_unit)},
       {"predicted_s", move->predicted_s ? json::value(*move->predicted_s) : nullptr}};
-  auto line = fmt::format("{} moves to {}{}\n", verb.axis, move->goal.value,
-                          move->predicted_s ? fmt::format(" in {:.2f} s", *move->predicted_s) : "");
+  if (verb.internal) move->goal_in_unit.reset();
+  auto line =
+      fmt::format("{} moves to {}{}\n", verb.axis, shown(move->goal_in_unit, move->goal.value),
+                  move->predicted_s ? fmt::format(" in {:.2f} s", *move->predicted_s) : "");
   if (verb.wait) {
-    const auto position = wait_for_arrival(verb, *move, room);
-    if (!position) return tl::unexpected(position.error());
-    document["position_microsteps"] = position->value;
+    const auto there = wait_for_arrival(verb, *move, room);
+    if (!there) return tl::unexpected(there.error());
+    document["position_microsteps"] = there->position.value;
+    document["position"] = there->user ? json::value(there->user->position) : nullptr;
     document["reached"] = true;
-    line = fmt::format("{} stands at {}\n", verb.axis, position->value);
+    line = fmt::format("{} stands at {}\n", verb.axis, position_text(*there, verb.internal));
   }
   if (room.output.json) {
     print_json(document, room.output);
@@ -93,9 +110,16 @@ VerbResult run(const verb::Rotate& verb, Room& room) {
   const auto rotating = room.target.rotate(verb.axis, *velocity);
   if (!rotating) return tl::unexpected(rotating.error());
   if (room.output.json) {
-    print_json({{"axis", verb.axis}, {"velocity_internal", velocity->value}}, room.output);
+    print_json({{"axis", verb.axis},
+                {"velocity_internal", velocity->value},
+                {"unit", unit_or_null(rotating->in_unit)},
+                {"velocity", value_or_null(rotating->in_unit)}},
+               room.output);
   } else {
-    room.output.out << fmt::format("{} turns with velocity {}. {}\n", verb.axis, velocity->value,
+    auto speed = verb.internal ? std::nullopt : rotating->in_unit;
+    if (speed) speed->unit += "/s";
+    room.output.out << fmt::format("{} turns with velocity {}. {}\n", verb.axis,
+                                   shown(speed, velocity->value),
                                    how_to_stop(verb.axis, room.target));
   }
   return ExitCode::done;

@@ -1,5 +1,6 @@
 // plot.
 #include <algorithm>
+#include <cmath>
 
 #include <fmt/format.h>
 
@@ -29,8 +30,9 @@ constexpr std::size_t most_samples = 360'000;
 /// Collects samples, and shows that it does.
 class Recorder {
  public:
-  Recorder(std::string axis, Room& room)
-      : room_(room), begin_(room.patience.now()), line_(room.output) {
+  /// `internal`: in what the module counts.
+  Recorder(std::string axis, bool internal, Room& room)
+      : room_(room), internal_(internal), begin_(room.patience.now()), line_(room.output) {
     recording_.axis = std::move(axis);
   }
 
@@ -48,7 +50,8 @@ class Recorder {
     samples.push_back({time_s, reading.position.value, reading.velocity.value,
                        std::chrono::duration<double>(reading.age).count()});
     line_.show(fmt::format("recording {}: {:.1f} s  position {}  velocity {}", recording_.axis,
-                           time_s, reading.position.value, reading.velocity.value));
+                           time_s, position_text(reading, internal_),
+                           velocity_text(reading, internal_)));
   }
 
   bool full() const { return recording_.samples.size() >= most_samples; }
@@ -66,10 +69,10 @@ class Recorder {
     return plot::compare(recording_, *twin_, start_);
   }
 
-  /// Drawn in the unit of the axis if `in_unit`, and if it has one.
-  const plot::Recording& finish(bool in_unit) {
+  /// Drawn in the unit of the axis if it has one.
+  const plot::Recording& finish() {
     line_.clear();
-    if (!in_unit || !has_unit_) return recording_;
+    if (internal_ || !has_unit_) return recording_;
     auto units = room_.target.units(recording_.axis);
     // Whatever comes of it: there is something to draw.
     if (units && units->scale && units->module)
@@ -79,6 +82,7 @@ class Recorder {
 
  private:
   Room& room_;
+  bool internal_;
   tmcl::TimePoint begin_;
   tmcl::Duration usual_age_ = tmcl::Duration::max() / 2;
   ProgressLine line_;
@@ -112,7 +116,8 @@ MaybeFailure record_move(const verb::Plot& verb, Recorder& recorder, Room& room)
     twin->move_to(move->goal);
     recorder.expect(*twin, {asked_at, recorder.seconds()});
   }
-  Journey journey{verb.axis, move->goal, room.patience.now(), sample_interval, {}};
+  Journey journey{verb.axis, move->goal, room.patience.now(), sample_interval, {}, {}};
+  if (!verb.internal) journey.goal_in_unit = move->goal_in_unit;
   if (verb.for_s) {
     journey.timeout =
         std::chrono::duration_cast<tmcl::Duration>(std::chrono::duration<double>(*verb.for_s));
@@ -144,9 +149,11 @@ MaybeFailure record_as_it_is(const verb::Plot& verb, Recorder& recorder, Room& r
                              "If it moves, it goes on. " + how_to_stop(verb.axis, room.target));
 }
 
-json::object to_json(const plot::Comparison& comparison) {
+json::object to_json(const plot::Comparison& comparison, const plot::Recording& recording) {
+  const auto largest = std::abs(plot::shown_position(comparison.largest, recording));
   return {{"planned_microsteps", json::array(comparison.planned.begin(), comparison.planned.end())},
           {"largest_difference_microsteps", comparison.largest},
+          {"largest_difference", recording.user ? json::value(largest) : json::value(nullptr)},
           {"largest_difference_at_s", comparison.largest_at}};
 }
 
@@ -171,7 +178,8 @@ json::object to_json(const verb::Plot& verb, const plot::Recording& recording,
           {"unit", recording.user ? json::value(recording.user->scale.unit) : json::value(nullptr)},
           {"position", values_of(plot::position_curve(recording))},
           {"velocity", values_of(plot::velocity_curve(recording))},
-          {"comparison", comparison ? json::value(to_json(*comparison)) : json::value(nullptr)},
+          {"comparison",
+           comparison ? json::value(to_json(*comparison, recording)) : json::value(nullptr)},
           {"svg", verb.svg.empty() ? json::value(nullptr) : json::value(verb.svg)},
           {"csv", verb.csv.empty() ? json::value(nullptr) : json::value(verb.csv)}};
 }
@@ -194,11 +202,11 @@ VerbResult run(const verb::Plot& verb, Room& room) {
   if (auto opened = svg.open(verb.svg); !opened) return tl::unexpected(opened.error());
   if (auto opened = csv.open(verb.csv == "-" ? "" : verb.csv); !opened)
     return tl::unexpected(opened.error());
-  Recorder recorder(verb.axis, room);
+  Recorder recorder(verb.axis, verb.internal, room);
   const bool starts_move = verb.to || verb.by;
   const auto failure =
       starts_move ? record_move(verb, recorder, room) : record_as_it_is(verb, recorder, room);
-  const auto& recording = recorder.finish(!verb.internal);
+  const auto& recording = recorder.finish();
   const auto comparison = recorder.comparison();
   if (!recording.samples.empty()) {
     const auto picture =

@@ -12,19 +12,6 @@ bool same(const AxisReading& a, const AxisReading& b) {
          a.moving == b.moving && a.position_reached == b.position_reached;
 }
 
-// "position 12.5 mm  velocity 0.25 mm/s  target 20 mm"
-std::string in_unit(const UserReading& user, tmcl::InternalVelocity velocity) {
-  const auto speed = user.velocity ? fmt::format("{:.10g} {}/s", *user.velocity, user.unit)
-                                   : fmt::format("{}", velocity.value);
-  return fmt::format("position {:.10g} {}  velocity {}  target {:.10g} {}", user.position,
-                     user.unit, speed, user.target, user.unit);
-}
-
-std::string in_module_units(const AxisReading& reading) {
-  return fmt::format("position {}  velocity {}  target {}", reading.position.value,
-                     reading.velocity.value, reading.target.value);
-}
-
 void print_change(const verb::Watch& verb, const AxisReading& reading, double at_s,
                   Output& output) {
   if (output.json) {
@@ -33,13 +20,13 @@ void print_change(const verb::Watch& verb, const AxisReading& reading, double at
     print_json(document, output);
     return;
   }
-  const bool has_unit = reading.user && !verb.internal;
-  output.out << fmt::format(
-                    "{:9.3f} s  {}  {}  {}", at_s, verb.axis,
-                    has_unit ? in_unit(*reading.user, reading.velocity) : in_module_units(reading),
-                    reading.moving             ? "moving"
-                    : reading.position_reached ? "at target"
-                                               : "standing")
+  output.out << fmt::format("{:9.3f} s  {}  position {}  velocity {}  target {}  {}", at_s,
+                            verb.axis, position_text(reading, verb.internal),
+                            velocity_text(reading, verb.internal),
+                            target_text(reading, verb.internal),
+                            reading.moving             ? "moving"
+                            : reading.position_reached ? "at target"
+                                                       : "standing")
              << std::endl;
 }
 
@@ -52,8 +39,8 @@ VerbResult run(const verb::State& verb, Room& room) {
     print_json(to_json(verb.axis, *reading), room.output);
     return ExitCode::done;
   }
-  const auto in_unit = [&](double value, std::string_view per_time = "") {
-    return fmt::format("{:.10g} {}{} = ", value, reading->user->unit, per_time);
+  const auto with = [&](std::string text, bool has_unit) {
+    return has_unit && !verb.internal ? text + " = " : "";
   };
   const auto& user = reading->user;
   const auto pps =
@@ -62,10 +49,10 @@ VerbResult run(const verb::State& verb, Room& room) {
       "axis      {}\nposition  {}{} microsteps\ntarget    {}{} microsteps{}\nvelocity  "
       "{}{}{}\nmoving    "
       "{}\n",
-      verb.axis, user ? in_unit(user->position) : "", reading->position.value,
-      user ? in_unit(user->target) : "", reading->target.value,
+      verb.axis, with(position_text(*reading, false), user.has_value()), reading->position.value,
+      with(target_text(*reading, false), user.has_value()), reading->target.value,
       reading->position_reached ? ", reached" : "",
-      user && user->velocity ? in_unit(*user->velocity, "/s") : "", reading->velocity.value, pps,
+      with(velocity_text(*reading, false), user && user->velocity), reading->velocity.value, pps,
       reading->moving ? "yes" : "no");
   return ExitCode::done;
 }

@@ -80,25 +80,49 @@ Attempt<void> write(const std::vector<Setting>& settings, const AxisUnits& units
   return {};
 }
 
+struct RampInUnit {
+  InUnit velocity;
+  InUnit acceleration;
+};
+
+// Nothing for an axis without a unit.
+std::optional<RampInUnit> in_unit(const RampChoice& choice, const AxisUnits& units) {
+  if (!units.scale || units.scale->unit.empty()) return std::nullopt;
+  auto undirected = *units.scale;
+  undirected.reverse = false;
+  return RampInUnit{{to_user(choice.velocity, undirected).value, undirected.unit + "/s"},
+                    {to_user(choice.acceleration, undirected).value, undirected.unit + "/s^2"}};
+}
+
 void show(const verb::Ramp& verb, const RampChoice& choice, const AxisUnits& units,
           Output& output) {
+  const auto ramp = in_unit(choice, units);
   if (output.json) {
     json::object parameters;
     for (const auto& setting : choice.settings) parameters[name_of(setting, units)] = setting.value;
-    print_json({{"axis", verb.axis},
-                {"model", units.model->name},
-                {"velocity_pps", choice.velocity.value},
-                {"acceleration_pps2", choice.acceleration.value},
-                {"parameters", std::move(parameters)},
-                {"remarks", json::array(choice.remarks.begin(), choice.remarks.end())},
-                {"written", !verb.dry_run}},
-               output);
+    print_json(
+        {{"axis", verb.axis},
+         {"model", units.model->name},
+         {"velocity_pps", choice.velocity.value},
+         {"acceleration_pps2", choice.acceleration.value},
+         {"unit", ramp ? json::value(units.scale->unit) : json::value(nullptr)},
+         {"velocity", ramp ? json::value(ramp->velocity.value) : json::value(nullptr)},
+         {"acceleration", ramp ? json::value(ramp->acceleration.value) : json::value(nullptr)},
+         {"parameters", std::move(parameters)},
+         {"remarks", json::array(choice.remarks.begin(), choice.remarks.end())},
+         {"written", !verb.dry_run}},
+        output);
     return;
   }
   for (const auto& setting : choice.settings)
     output.out << fmt::format("{:<18} {}\n", name_of(setting, units), setting.value);
-  output.out << fmt::format("gives {:.10g} pps and {:.10g} pps/s{}\n", choice.velocity.value,
-                            choice.acceleration.value, verb.dry_run ? "; nothing was written" : "");
+  output.out << "gives "
+             << (ramp && !verb.internal
+                     ? shown(ramp->velocity, choice.velocity.value) + " and " +
+                           shown(ramp->acceleration, choice.acceleration.value)
+                     : fmt::format("{:.10g} pps and {:.10g} pps/s", choice.velocity.value,
+                                   choice.acceleration.value))
+             << (verb.dry_run ? "; nothing was written" : "") << '\n';
   for (const auto& remark : choice.remarks) output.err << "tmclctl: warning: " << remark << '\n';
 }
 
