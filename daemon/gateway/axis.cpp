@@ -1,11 +1,16 @@
 #include "gateway/axis.hpp"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <string_view>
 #include <utility>
 #include <vector>
+
+#include <fmt/format.h>
 
 #include "gateway/path_run.hpp"
 #include "gateway/poller.hpp"
@@ -40,6 +45,20 @@ Result<Microsteps> sum(Microsteps here, Microsteps distance, tmcl::ValueRange ra
       std::to_string(distance.value) + " microsteps from " + std::to_string(here.value) +
           " ends outside " + std::to_string(range.least) + ".." + std::to_string(range.greatest),
       std::string(beyond_range_hint)));
+}
+
+/// To the digits that a number can have: ten tenths are one then, and not a little less, which
+/// could be on the other side of the middle between two microsteps.
+tmcl::UserPosition sum(tmcl::UserPosition from, tmcl::UserPosition distance) {
+  constexpr int digits = std::numeric_limits<double>::digits10;
+  const double greater = std::max(std::abs(from.value), std::abs(distance.value));
+  if (greater == 0) return {};
+  const int before_point = static_cast<int>(std::floor(std::log10(greater))) + 1;
+  const auto text =
+      fmt::format("{:.{}f}", from.value + distance.value, std::max(digits - before_point, 0));
+  tmcl::UserPosition rounded;
+  std::from_chars(text.data(), text.data() + text.size(), rounded.value);
+  return rounded;
 }
 
 /// Where an axis is in its unit: exactly where it was wished to be, if it stands there.
@@ -267,7 +286,7 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Length distance, bool p
   const auto wish = std::make_shared<std::optional<tmcl::UserPosition>>();
   const auto in_unit = [=, before = wished_](Microsteps here) -> Result<Microsteps> {
     const auto from = place_of(here, before, *scale);
-    *wish = tmcl::UserPosition{from.value + distance.in_unit->value};
+    *wish = sum(from, *distance.in_unit);
     return tmcl::to_microsteps(**wish, *scale, range).map_error([](const auto& error) {
       return tmcl::bad_argument(describe(error), std::string(beyond_range_hint));
     });

@@ -103,7 +103,8 @@ TEST(TmclctlUnits, AnAxisThatSaysWhatItDrivesSpeaksItsUnit) {
     return bench.json(bench.through_daemon(), words);
   };
   // A millimetre is 18944 microsteps, a tenth 1894.4.
-  EXPECT_EQ(run({"move", "y", "2mm", "--wait"}).out, "y stands at 37888\n");
+  EXPECT_EQ(run({"move", "y", "2mm", "--wait"}).out, "y stands at 2 mm\n");
+  EXPECT_EQ(run({"move", "y", "2mm", "--wait", "--internal"}).out, "y stands at 37888\n");
   for (int i = 0; i < 10; ++i) EXPECT_EQ(run({"move", "y", "0.1mm", "--by", "--wait"}).status, 0);
   const auto state = document({"state", "y"});
   EXPECT_EQ(state.at("position_microsteps"), 3 * 18'944);
@@ -112,6 +113,12 @@ TEST(TmclctlUnits, AnAxisThatSaysWhatItDrivesSpeaksItsUnit) {
   EXPECT_THAT(run({"get", "y", "max_velocity", "--in-units"}).out, HasSubstr("mm/s\n"));
   EXPECT_THAT(run({"watch", "y", "--for", "0.05"}).out,
               HasSubstr("position 3 mm  velocity 0 mm/s"));
+  EXPECT_THAT(run({"state", "y", "--internal"}).out, HasSubstr("position  56832 microsteps\n"));
+  EXPECT_THAT(run({"params", "y", "--values"}).out, HasSubstr("  3 mm  "));
+  EXPECT_EQ(document({"get", "y", "actual_position"}).at("value_in_unit").to_number<double>(), 3);
+  EXPECT_EQ(run({"coordinate", "set", "y", "3", "2.5mm"}).status, 0);
+  EXPECT_EQ(run({"coordinate", "get", "y", "3"}).out, "2.5mm\n");
+  EXPECT_EQ(run({"coordinate", "get", "y", "3", "--internal"}).out, "47360\n");
 
   const auto refused = run({"move", "y", "21mm"});
   EXPECT_EQ(refused.status, 1);
@@ -124,6 +131,8 @@ TEST(TmclctlUnits, AnAxisThatSaysWhatItDrivesSpeaksItsUnit) {
   EXPECT_EQ(recorded.at("unit"), "mm");
   EXPECT_DOUBLE_EQ(recorded.at("position").as_array().back().to_number<double>(), 4);
   EXPECT_EQ(recorded.at("position_microsteps").as_array().back(), 4 * 18'944);
+  EXPECT_THAT(run({"plot", "y", "--by", "1mm", "--compare"}).out,
+              testing::ContainsRegex("differ by [0-9.]+ mm at most"));
 }
 
 TEST_F(TmclctlDaemon, BashCompletesVerbsAxesAndParameters) {
