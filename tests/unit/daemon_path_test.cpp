@@ -68,15 +68,16 @@ class Played {
   tmcl::sim::Module module_;
 };
 
-std::string bench(const std::string& of_y = {}) {
-  const std::string in_mm = "unit = \"mm\"\nunits_per_revolution = 5\n";
+constexpr std::string_view in_mm = "unit = \"mm\"\nunits_per_revolution = 5\n";
+
+std::string bench(const std::string& of_y) {
   return "[[bus]]\nname = \"bench\"\nlink = \"serial:/dev/none@115200\"\nreply_timeout_ms = 60\n" +
-         axis_section("x", 0, in_mm) + axis_section("y", 1, in_mm + of_y);
+         axis_section("x", 0, std::string(in_mm)) + axis_section("y", 1, of_y);
 }
 
 class DaemonPath : public testing::Test {
  protected:
-  explicit DaemonPath(const std::string& of_y = {}) : daemon(bench(of_y)) {
+  explicit DaemonPath(const std::string& of_y = std::string(in_mm)) : daemon(bench(of_y)) {
     module.be_played_by(daemon.wire().modules.at(1));
     daemon.start();
     client = std::make_unique<RpcClient>(daemon.socket());
@@ -396,8 +397,24 @@ TEST_F(DaemonPath, PausesConcernPathsOnly) {
 
 class DaemonPathWithLimits : public DaemonPath {
  protected:
-  DaemonPathWithLimits() : DaemonPath("soft_limits = [-1, 6]\n") {}
+  DaemonPathWithLimits() : DaemonPath(std::string(in_mm) + "soft_limits = [-1, 6]\n") {}
 };
+
+// Of a turn of 51,200 microsteps that is 5 mm.
+class DaemonPathWithLimitsInMicrosteps : public DaemonPath {
+ protected:
+  DaemonPathWithLimitsInMicrosteps() : DaemonPath("soft_limits = [-10240, 61440]\n") {}
+};
+
+TEST_F(DaemonPathWithLimitsInMicrosteps, VelocitiesStayWithinThem) {
+  const auto beyond = client->error("path.run", order("G1 X5 Y7 F1200\n", {{"per_turn", 5}}));
+  EXPECT_EQ(name_in(beyond), "beyond_soft_limit");
+  EXPECT_THAT(text(beyond.at("message")),
+              HasSubstr("71680 microsteps is beyond the soft limit of 61440 microsteps"));
+  EXPECT_EQ(daemon.requests_seen(Command::ROR), 0U);
+  const auto within = client->call("path.run", order("G1 X5 Y6 F1200\n", {{"per_turn", 5}}));
+  EXPECT_TRUE(within.contains("result")) << within;
+}
 
 TEST_F(DaemonPathWithLimits, VelocitiesStayWithinThem) {
   const auto beyond = client->error("path.run", order("G1 X5 Y7 F1200\n"));

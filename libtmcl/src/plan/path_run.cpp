@@ -180,7 +180,7 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
                  greatest(stop_velocity),
                  {}};
   axis.limits = facts.limits;
-  axis.scale = *facts.scale;
+  axis.scale = facts.scale->unit.empty() ? microsteps_scale() : *facts.scale;
   axis.stands_at = facts.position.value / *scale;
   axis.range = range_of(*facts.model, *facts.units, ap::target_position);
   axis.velocity = facts.max_velocity * facts.units->velocity.value / std::abs(*scale);

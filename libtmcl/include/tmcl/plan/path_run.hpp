@@ -95,9 +95,9 @@ struct PathAxisFacts {
   const Model* model = nullptr;        ///< Null for one that is not known.
   std::optional<ModuleUnits> units{};  ///< Nothing where they are not known.
   std::optional<UserScale> scale{};    ///< Its unit is empty if the axis has none.
-  std::optional<SoftLimits> limits{};
-  std::int32_t max_velocity = 0;      ///< Parameter 4.
-  std::int32_t max_acceleration = 0;  ///< Parameter 5.
+  std::optional<SoftLimits> limits{};  ///< In its unit; without one in microsteps.
+  std::int32_t max_velocity = 0;       ///< Parameter 4.
+  std::int32_t max_acceleration = 0;   ///< Parameter 5.
   Microsteps position{};
   bool moving = false;
 };
@@ -106,7 +106,7 @@ struct PathAxis {
   PathChoice choice;
   StreamAxis stream;  ///< Without a twin, which position mode needs.
   std::optional<SoftLimits> limits;
-  UserScale scale;
+  UserScale scale;          ///< What the limits are in.
   ValueRange range;         ///< Of positions, in microsteps.
   double velocity = 0;      ///< What its parameters allow, in the file's units.
   double acceleration = 0;  ///< Likewise.
