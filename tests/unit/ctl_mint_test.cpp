@@ -68,6 +68,19 @@ TEST_F(CtlMint, ProblemsAreJsonToo) {
   EXPECT_EQ(error.at("problems").at(0).at("line"), 1);
 }
 
+TEST_F(CtlMint, NothingMovesForAProgramThatGoesBeyondASoftLimit) {
+  check(exercise);
+  const std::vector<std::string> words{"mint", "run", path, "--axis", "0=x"};
+  target.counts.limits = tmcl::SoftLimits{{0}, {20}};
+  EXPECT_EQ(run(words), ExitCode::refused) << out;
+  EXPECT_THAT(err,
+              HasSubstr("line 5 moves x too far: 23.4375 mm is beyond the soft limit of 20 mm"));
+  target.counts.scale->unit.clear();
+  EXPECT_EQ(run(words), ExitCode::refused) << out;
+  EXPECT_THAT(err, HasSubstr("240000 microsteps is beyond the soft limit of 20 microsteps"));
+  for (const auto& call : target.calls) EXPECT_THAT(call, testing::Not(HasSubstr("move_to")));
+}
+
 TEST_F(CtlMint, AMoveThatNeverStartsIsAWarning) {
   EXPECT_EQ(run(check(exercise + "MOVER = 1")), ExitCode::done);
   EXPECT_EQ(err, "tmclctl: warning: " + path + ":7: no GO starts the move of axis 0\n");

@@ -99,8 +99,9 @@ std::optional<tmcl::UserScale> scale_from(const json::object& row) {
 }
 
 std::optional<tmcl::SoftLimits> limits_from(const json::object& row) {
-  const auto least = number_at(row, "soft_limit_minimum");
-  const auto greatest = number_at(row, "soft_limit_maximum");
+  const std::string in = text_at(row, "unit").empty() ? "_microsteps" : "";
+  const auto least = number_at(row, "soft_limit_minimum" + in);
+  const auto greatest = number_at(row, "soft_limit_maximum" + in);
   if (!least || !greatest) return std::nullopt;
   return tmcl::SoftLimits{{*least}, {*greatest}};
 }

@@ -76,7 +76,7 @@ Prints one bare value, so that a script needs no parsing:
 constexpr const char* set = R"(
 A position, velocity or acceleration may have a unit, and becomes the nearest value there is. The
 module forgets the value when it loses power, unless 'tmclctl store' keeps it.
-Writing target_position, target_velocity or ramp_mode can move the motor.
+Writing target_position, actual_position, target_velocity or ramp_mode can move the motor.
 
   tmclctl set x max_velocity 1500
   tmclctl set x max_velocity 20000pps
@@ -166,6 +166,7 @@ constexpr const char* coordinate = R"(
 Coordinates 0 to 20 are lost with the module's power, unless they are stored; 0 never is.
 
   tmclctl coordinate capture x 1
+  tmclctl coordinate set x 2 12.5mm
   tmclctl coordinate move x 1
 )";
 

@@ -198,6 +198,10 @@ Dimension dimension_of(const Quantity& quantity) {
   return per_seconds == 1 ? Dimension::velocity : Dimension::acceleration;
 }
 
+tmcl::UserScale AxisUnits::limits_scale() const {
+  return scale && !scale->unit.empty() ? *scale : tmcl::microsteps_scale();
+}
+
 std::span<const tmcl::ParameterInfo> AxisUnits::parameters() const {
   return model == nullptr ? std::span<const tmcl::ParameterInfo>{} : tmcl::axis_parameters(*model);
 }

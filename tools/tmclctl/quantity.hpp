@@ -33,10 +33,13 @@ struct AxisUnits {
   std::optional<tmcl::ModuleUnits> module;  ///< Nothing where they are not known.
   /// Nothing where the microsteps of a turn are not known. Its unit is empty if the axis has none.
   std::optional<tmcl::UserScale> scale;
-  std::optional<tmcl::SoftLimits> limits{};  ///< Only tmcld's configuration has them.
+  /// Only tmcld's configuration has them; in its unit, in microsteps for an axis without one.
+  std::optional<tmcl::SoftLimits> limits{};
   /// Nothing where what the encoder reads is in microsteps.
   std::optional<double> encoder_counts_per_unit{};
 
+  /// What the limits are in.
+  tmcl::UserScale limits_scale() const;
   /// The parameters of the model; empty for one that is not known.
   std::span<const tmcl::ParameterInfo> parameters() const;
 };

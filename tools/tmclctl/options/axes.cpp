@@ -69,7 +69,8 @@ void add_parameters(Grammar& grammar) {
   auto set = grammar.verb<verb::Set>("set", "Set a parameter", help_text::set);
   set.axis(set->axis);
   set.word("PARAM", "Number or standard name", text(set->parameter));
-  set.word("VALUE", "The new value; velocities may have units", quantity(set->value));
+  set.word("VALUE", "The new value; positions, velocities and accelerations may have units",
+           quantity(set->value));
 }
 
 void add_motion(Grammar& grammar) {

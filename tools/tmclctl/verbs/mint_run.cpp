@@ -115,15 +115,13 @@ Attempt<void> check_reach(const mint::Move& move, const MintAxis& axis) {
         "out_of_range", fmt::format("line {} moves {} to {:.0f} microsteps, where it cannot go",
                                     move.line, axis.name, there)));
   }
+  const tmcl::Microsteps goal{static_cast<std::int32_t>(there)};
   const auto& soft = axis.units.limits;
-  if (!soft || !axis.units.scale) return {};
-  const auto position =
-      to_user(tmcl::Microsteps{static_cast<std::int32_t>(there)}, *axis.units.scale).value;
-  if (position >= soft->least.value && position <= soft->greatest.value) return {};
+  const auto too_far = soft ? beyond(*soft, goal, axis.units.limits_scale()) : std::nullopt;
+  if (!too_far) return {};
   return tl::unexpected(path::impossible(
       "soft_limit",
-      fmt::format("line {} moves {} to {:.6g}, and its soft limits are {:.6g} to {:.6g}", move.line,
-                  axis.name, position, soft->least.value, soft->greatest.value)));
+      fmt::format("line {} moves {} too far: {}", move.line, axis.name, describe(*too_far))));
 }
 
 Attempt<plan::RampChoice> ramp_of(const mint::Move& move, const MintAxis& axis) {
