@@ -407,7 +407,8 @@ TEST_P(BothModes, AxesThatAreSlowForThePathStayOnIt) {
     ASSERT_FALSE(report.fault) << report.fault->message;
     RecordProperty(fmt::format("farthest_um_{}", limit), std::to_string(farthest * 1e3));
     EXPECT_LT(farthest, 0.05);
-    for (const auto& axis : report.axes) EXPECT_LT(axis.largest, 0.1);
+    // Along the path; readings are taken in the middle of long legs, too.
+    for (const auto& axis : report.axes) EXPECT_LT(axis.largest, 0.15);
   }
 }
 

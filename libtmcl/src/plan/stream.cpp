@@ -51,7 +51,7 @@ using Kind = StreamCommand::Kind;
 constexpr int measuring_rounds = 4;
 constexpr int stop_attempts = 3;
 constexpr Duration look_interval = std::chrono::milliseconds(10);
-constexpr Duration longest_way_to_rest = std::chrono::seconds(30);
+constexpr Duration longest_way_to_rest = std::chrono::seconds(10);
 // Readings at rest that are not on target before an axis counts as stopped by somebody.
 constexpr int looks_at_rest = 5;
 
@@ -217,8 +217,12 @@ Script<PathStream::Runner::Fault> PathStream::Runner::stop_all() {
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     if (!stopped[axis]) report_.remarks.push_back(fmt::format("{{{}}} could not be stopped", axis));
   }
-  auto restless = co_await come_to_rest(stopped);
-  if (restless) result = restless;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    std::vector<bool> only(axes_.size(), false);
+    only[axis] = stopped[axis];
+    auto restless = co_await come_to_rest(only);
+    if (restless && !result) result = std::move(restless);
+  }
   co_return result;
 }
 
@@ -253,8 +257,15 @@ Script<PathStream::Runner::Fault> PathStream::Runner::restore() {
 }
 
 Script<PathStream::Runner::Fault> PathStream::Runner::arrive() {
+  auto wrong = co_await go_to_end();
+  if (wrong) co_await stop_all();
+  co_return wrong;
+}
+
+Script<PathStream::Runner::Fault> PathStream::Runner::go_to_end() {
   const auto end = course_.at(course_.duration()).position;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    if (auto asked = asked_to_stop()) co_return asked;
     co_await command({Kind::move_to, axis, 0, microsteps(axis, end[axis])});
     if (!answer_) co_return refusal(axis);
   }
@@ -269,13 +280,11 @@ Script<PathStream::Runner::Fault> PathStream::Runner::arrive() {
       if (!answer_) co_return refusal(axis);
       if (*answer_ == 0 && position == target) break;
       if (*answer_ == 0) ++at_rest;
-      if (stop_asked_ || at_rest > looks_at_rest || now_ > patience) {
-        auto why = stop_asked_ ? asked_to_stop()
-                               : fault(StreamFault::Kind::no_end, axis,
-                                       fmt::format("{{{}}} stands at {} and not at its end, {}",
-                                                   axis, position, target));
-        co_await stop_all();
-        co_return why;
+      if (auto asked = asked_to_stop()) co_return asked;
+      if (at_rest > looks_at_rest || now_ > patience) {
+        co_return fault(
+            StreamFault::Kind::no_end, axis,
+            fmt::format("{{{}}} stands at {} and not at its end, {}", axis, position, target));
       }
       co_await until(now_ + look_interval);
     }

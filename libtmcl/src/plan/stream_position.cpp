@@ -27,6 +27,15 @@ constexpr Duration look_interval = std::chrono::milliseconds(10);
 // A leg is loaded earlier than it has to be, in case that it takes longer; by so much at most.
 constexpr double most_ahead_s = 0.02;
 
+// On a leg, and between its loads, an axis is looked at so often.
+constexpr Duration watch_interval = std::chrono::milliseconds(20);
+constexpr std::size_t commands_of_a_look = 2;
+
+// An axis on an even leg may go on beyond its end for so long, and be so far off the course then,
+// in even_within.
+constexpr double longest_lead_on_s = 0.05;
+constexpr double farthest_lead_on = 5;
+
 // That every moving axis of a leg gets: it is checked, velocity and target are written.
 constexpr std::size_t commands_of_an_axis = 3;
 // Both accelerations and the stop velocity.
@@ -58,7 +67,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::prepare_legs() {
 // which the axes change with an acceleration of the joint's own: that of the ramp is in proportion
 // to where the leg goes, and would keep an axis that the turn makes faster or slower off the path.
 PathStream::Runner::Passage PathStream::Runner::passage(std::size_t index) const {
-  Passage made{course_.leg(index), Drive::by_ramps};
+  Passage made{course_.leg(index), Drive::by_ramps, index};
   const auto& leg = made.leg;
   const double time = leg.end - leg.begin;
   const double off = std::abs(leg.acceleration) * time * time / 8;
@@ -139,7 +148,7 @@ Duration PathStream::Runner::time_of_joint(std::size_t index) const {
 
 // What belongs to ramps is written for a leg that has them, and again after it.
 std::size_t PathStream::Runner::commands_of(std::size_t index) const {
-  const auto [leg, drive] = passage(index);
+  const auto [leg, drive, place] = passage(index);
   const bool ramps =
       drive == Drive::by_ramps || index == 0 || passage(index - 1).drive != Drive::evenly;
   const auto of_axis = commands_of_an_axis + (ramps ? commands_of_ramps : 0);
@@ -199,7 +208,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::fit_legs_to_bus() {
   Duration free{};
   report_.period = Duration::max();
   for (std::size_t i = 0; i < course_.legs(); ++i) {
-    const auto [leg, drive] = passage(i);
+    const auto [leg, drive, place] = passage(i);
     const auto lead = lead_of(i);
     const auto begin = duration(leg.begin);
     free = std::max(free, begin - lead) + lead;
@@ -250,8 +259,8 @@ Script<PathStream::Runner::Fault> PathStream::Runner::by_position() {
     const auto here = passage(i);
     clock_.advance(now_);
     const auto due = now_ + duration(here.leg.begin - clock_.passed()) - lead_of(i) - ahead_of(i);
-    if (i > 0) co_await until(due);
-    wrong = asked_to_stop();
+    if (i > 0) wrong = co_await watch_until(due);
+    if (!wrong) wrong = asked_to_stop();
     if (!wrong && i > 0)
       wrong = note_delay(now_ - due, std::max(shortest_stream_period, lead_of(i)));
     if (!wrong) wrong = co_await pause_between(here.leg);
@@ -274,8 +283,24 @@ Script<PathStream::Runner::Fault> PathStream::Runner::by_position() {
     correct_twin(read);
   }
   clock_.advance(now_);
-  co_await until(now_ + duration(course_.duration() - clock_.passed()));
+  wrong = co_await watch_until(now_ + duration(course_.duration() - clock_.passed()));
   clock_.advance(now_);
+  if (!wrong) wrong = asked_to_stop();
+  co_return wrong;
+}
+
+// On a long leg nothing is to be told to the axes, but they are looked at.
+Script<PathStream::Runner::Fault> PathStream::Runner::watch_until(TimePoint due) {
+  const auto look_takes = duration(time_to_send(commands_of_a_look));
+  while (due - now_ > watch_interval + look_takes && !stop_asked_) {
+    co_await until(now_ + watch_interval);
+    watched_ = (watched_ + 1) % axes_.size();
+    auto wrong = co_await check(watched_);
+    if (!wrong) wrong = co_await read_position(watched_);
+    if (wrong) co_return wrong;
+    correct_twin(watched_);
+  }
+  co_await until(due);
   co_return asked_to_stop();
 }
 
@@ -359,12 +384,12 @@ void PathStream::Runner::correct_twin(std::size_t axis) {
 // What matters for braking comes after the target: written before, it would brake for the old one.
 Script<PathStream::Runner::Fault> PathStream::Runner::load_axis(const Passage& passage,
                                                                 std::size_t axis) {
-  const auto& [leg, drive] = passage;
+  const auto& [leg, drive, index] = passage;
   const auto& ramp = leg.axis[axis];
   const bool joint_only = drive == Drive::by_ramps_after_joint;
   const auto ramps = drive == Drive::by_ramps ? ramps_for(leg, axis) : no_ramps(axis);
   const auto velocity = velocity_in(leg, joint_only ? ramp.vstart : ramp.vmax, axis);
-  const auto target = microsteps(axis, ramp.target);
+  const auto target = microsteps(axis, target_of(passage, axis));
   auto refused = co_await set_velocity(axis, velocity);
   if (refused) co_return refused;
   refused = co_await set(axis, ap::max_acceleration, ramps.amax);
@@ -374,6 +399,32 @@ Script<PathStream::Runner::Fault> PathStream::Runner::load_axis(const Passage& p
   let_twin_run(axis, middle());
   axes_[axis].info.twin->move_to({target});
   co_return co_await set_braking(axis, ramps);
+}
+
+// What comes next may come late: an axis does not stand then, and need not speed up from rest, if
+// it goes on as it does. So its target is beyond the end of an even leg, as far as that is on the
+// path.
+double PathStream::Runner::target_of(const Passage& passage, std::size_t axis) const {
+  double target = passage.leg.axis[axis].target;
+  if (passage.drive != Drive::evenly) return target;
+  for (std::size_t i = passage.index + 1; i < course_.legs(); ++i) {
+    const auto next = course_.leg(i);
+    if (!leads_on(passage.leg, next, axis)) break;
+    target = next.axis[axis].target;
+    if (next.end_speed == 0) break;
+  }
+  return target;
+}
+
+bool PathStream::Runner::leads_on(const CourseLeg& leg, const CourseLeg& next,
+                                  std::size_t axis) const {
+  const double time = next.end - leg.begin;
+  if (next.end - leg.end > longest_lead_on_s) return false;
+  const double from = course_.at(leg.begin).position[axis];
+  const double speed = (leg.axis[axis].target - from) / (leg.end - leg.begin);
+  const double way = next.axis[axis].target - course_.at(next.begin).position[axis];
+  const double off = std::abs(from + speed * time - next.axis[axis].target);
+  return speed * way > 0 && off <= farthest_lead_on * options_.even_within;
 }
 
 Script<PathStream::Runner::Fault> PathStream::Runner::load_ramps(const Passage& passage) {

@@ -112,6 +112,7 @@ class PathStream::Runner {
   Script<Fault> come_to_rest(std::vector<bool> which);
   Script<Fault> restore();
   Script<Fault> arrive();
+  Script<Fault> go_to_end();
   Script<Fault> know(std::size_t axis, std::uint8_t parameter);
   Script<Fault> set(std::size_t axis, std::uint8_t parameter, std::int32_t value);
   Script<Fault> check(std::size_t axis);
@@ -137,6 +138,7 @@ class PathStream::Runner {
   struct Passage {
     CourseLeg leg;
     Drive drive;
+    std::size_t index;
   };
   struct Ramps {
     std::int32_t amax, dmax, vstop;
@@ -145,6 +147,9 @@ class PathStream::Runner {
   Script<Fault> by_position();
   Script<Fault> start_ramps();
   Script<Fault> pause_between(const CourseLeg& next);
+  Script<Fault> watch_until(TimePoint due);
+  double target_of(const Passage& passage, std::size_t axis) const;
+  bool leads_on(const CourseLeg& leg, const CourseLeg& next, std::size_t axis) const;
   Script<Fault> load(const Passage& passage);
   Script<Fault> load_axis(const Passage& passage, std::size_t axis);
   Script<Fault> load_ramps(const Passage& passage);
@@ -184,6 +189,7 @@ class PathStream::Runner {
   TimePoint now_{};
   TimePoint asked_at_{};
   TimePoint twin_start_{};
+  std::size_t watched_ = 0;            // position mode: the axis that is looked at next
   std::optional<CourseLeg> even_leg_;  // position mode: the one that is passed evenly
   CourseClock clock_;
   Fault stop_asked_;
