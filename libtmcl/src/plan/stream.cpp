@@ -51,7 +51,8 @@ using Kind = StreamCommand::Kind;
 constexpr int measuring_rounds = 4;
 constexpr int stop_attempts = 3;
 constexpr Duration look_interval = std::chrono::milliseconds(10);
-constexpr Duration longest_way_to_rest = std::chrono::seconds(10);
+constexpr Duration longest_braking = std::chrono::seconds(10);
+constexpr Duration longest_way_to_rest = std::chrono::seconds(30);
 // Readings at rest that are not on target before an axis counts as stopped by somebody.
 constexpr int looks_at_rest = 5;
 
@@ -190,7 +191,9 @@ Script<PathStream::Runner::Fault> PathStream::Runner::whole() {
     phase_ = Phase::after;
     report_.passed_s = seconds(now_ - begin);
     if (!result && !by_velocities)
-      result = co_await come_to_rest(std::vector<bool>(axes_.size(), true));
+      result = co_await come_to_rest(std::vector<bool>(axes_.size(), true), longest_way_to_rest);
+    // The last time that a stop by somebody else can be told from one's own.
+    if (!result) result = co_await check_all();
     if (result || by_velocities) {
       auto stopped = co_await stop_all();
       if (!result) result = stopped;
@@ -220,14 +223,15 @@ Script<PathStream::Runner::Fault> PathStream::Runner::stop_all() {
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     std::vector<bool> only(axes_.size(), false);
     only[axis] = stopped[axis];
-    auto restless = co_await come_to_rest(only);
+    auto restless = co_await come_to_rest(only, longest_braking);
     if (restless && !result) result = std::move(restless);
   }
   co_return result;
 }
 
-Script<PathStream::Runner::Fault> PathStream::Runner::come_to_rest(std::vector<bool> which) {
-  const auto patience = now_ + longest_way_to_rest;
+Script<PathStream::Runner::Fault> PathStream::Runner::come_to_rest(std::vector<bool> which,
+                                                                   Duration at_most) {
+  const auto patience = now_ + at_most;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     while (which[axis]) {
       co_await command({Kind::get, axis, ap::actual_velocity, 0});
@@ -317,6 +321,14 @@ Script<PathStream::Runner::Fault> PathStream::Runner::check(std::size_t axis) {
   co_return fault(StreamFault::Kind::foreign, axis,
                   fmt::format("{{{}}} was {} by somebody else", axis,
                               *answer_ == 0 ? "stopped" : "told another velocity"));
+}
+
+Script<PathStream::Runner::Fault> PathStream::Runner::check_all() {
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    auto wrong = co_await check(axis);
+    if (wrong) co_return wrong;
+  }
+  co_return std::nullopt;
 }
 
 Script<PathStream::Runner::Fault> PathStream::Runner::read_position(std::size_t axis) {

@@ -17,6 +17,9 @@ constexpr std::uint8_t dmax = 17;
 constexpr std::uint8_t vstart = 19;
 constexpr std::uint8_t vstop = 20;
 constexpr std::uint8_t tzerowait = 21;
+// What ramp generators can hold: 2^-41 of the square of their clock, 116.4 at 16 MHz. Less is 0,
+// with which a motor does not move.
+constexpr double least_acceleration_pps2 = 128;
 constexpr std::int32_t least_vstop = 10;  // data sheets; below it a motor may not come to rest
 
 // By how much a leg may be faster or slower than planned, to be back on time at its end.
@@ -45,6 +48,8 @@ constexpr std::size_t commands_after_joint = commands_of_ramps + 2;
 // What part of a leg the axes may take for the joint before it; with ramps, they need the rest.
 constexpr double joint_part_of_even_leg = 1. / 2;
 constexpr double joint_part_of_ramps = 1. / 8;
+// What part of its velocity an axis may gain or lose at a joint with the acceleration of a ramp.
+constexpr double turning_part = 1. / 4;
 
 }  // namespace
 
@@ -122,10 +127,16 @@ Script<PathStream::Runner::Fault> PathStream::Runner::set_joint_accelerations() 
     auto& here = axes_[axis];
     const auto own = here.before[ap::max_acceleration];
     const auto most = std::max(own, here.info.greatest_acceleration);
-    here.joint_acceleration =
-        std::max(own, in_units(axis, needed[axis], here.info.units.acceleration, most));
+    here.joint_acceleration = std::max(own, acceleration_in(axis, needed[axis], most));
   }
   co_return std::nullopt;
+}
+
+std::int32_t PathStream::Runner::acceleration_in(std::size_t axis, double value,
+                                                 std::int32_t most) const {
+  const auto unit = axes_[axis].info.units.acceleration;
+  const auto least = static_cast<std::int32_t>(std::ceil(least_acceleration_pps2 / unit.value));
+  return std::clamp(in_units(axis, value, unit), least, std::max(least, most));
 }
 
 double PathStream::Runner::longest_joint(const Passage& passage) {
@@ -178,6 +189,13 @@ Duration PathStream::Runner::ahead_of(std::size_t index) const {
   const double room = before.end - before.begin - seconds(lead_of(index));
   const double tolerable = change > 0 ? options_.even_within / change : most_ahead_s;
   return duration(std::clamp(std::min(room, tolerable), 0.0, most_ahead_s));
+}
+
+// A turn where the course stands is not to be cut short.
+Duration PathStream::Runner::early_by(const Passage& passage) const {
+  const auto early = lead_of(passage.index) + ahead_of(passage.index);
+  if (passage.leg.start_speed > 0 || passage.index == 0) return early;
+  return std::min(early, duration(passage.leg.begin - course_.leg(passage.index - 1).end));
 }
 
 PathStream::Runner::Fault PathStream::Runner::fault_of_axes() const {
@@ -258,13 +276,15 @@ Script<PathStream::Runner::Fault> PathStream::Runner::by_position() {
   for (std::size_t i = 0; i < course_.legs(); ++i) {
     const auto here = passage(i);
     clock_.advance(now_);
-    const auto due = now_ + duration(here.leg.begin - clock_.passed()) - lead_of(i) - ahead_of(i);
+    const auto due = now_ + duration(here.leg.begin - clock_.passed()) - early_by(here);
     if (i > 0) wrong = co_await watch_until(due);
     if (!wrong) wrong = asked_to_stop();
     if (!wrong && i > 0)
       wrong = note_delay(now_ - due, std::max(shortest_stream_period, lead_of(i)));
     if (!wrong) wrong = co_await pause_between(here.leg);
     if (wrong) co_return wrong;
+    clock_.advance(now_);
+    if (i > 0 && early_by(here) < lead_of(i)) clock_.pause(true);  // at rest, until it is loaded
     wrong = co_await load(here);
     if (wrong) co_return wrong;
     ++report_.updates;
@@ -287,6 +307,13 @@ Script<PathStream::Runner::Fault> PathStream::Runner::by_position() {
   clock_.advance(now_);
   if (!wrong) wrong = asked_to_stop();
   co_return wrong;
+}
+
+// An axis that the joint makes much slower or faster needs the joint's acceleration: with that of
+// the ramp, which is in proportion to where the leg goes, it would go far beyond.
+bool PathStream::Runner::must_turn(const Passage& passage, std::size_t axis) const {
+  if (passage.leg.start_speed == 0) return false;
+  return std::abs(changes_at(passage.index)[axis]) > turning_part * passage.leg.axis[axis].vmax;
 }
 
 // On a long leg nothing is to be told to the axes, but they are looked at.
@@ -336,15 +363,21 @@ double PathStream::Runner::planned_position(std::size_t axis) const {
   return std::lerp(from, even_leg_->axis[axis].target, (passed - begin) / (end - begin));
 }
 
-std::int32_t PathStream::Runner::velocity_in(const CourseLeg& leg, double speed, std::size_t axis) {
+// How much faster than planned an axis must be, to be at the end of its leg in time. An axis that
+// is hardly moved by a leg may be off by more than its way.
+double PathStream::Runner::pace(const CourseLeg& leg, double speed, std::size_t axis) {
   let_twin_run(axis, now_);
   clock_.advance(now_);
   const double begin = course_.at(leg.begin).position[axis];
   const double planned = planned_position(axis);
   const double is = expected_of_twin(axis) / axes_[axis].info.microsteps_per_unit;
-  const double part = 1 + (planned - is) / (leg.axis[axis].target - begin);
-  return in_units(axis, speed * std::clamp(part, slowest_part, fastest_part),
-                  axes_[axis].info.units.velocity);
+  const double part = std::abs(1 + (planned - is) / (leg.axis[axis].target - begin));
+  const double slow = options_.even_within / seconds(look_interval);
+  return std::clamp(part, slowest_part, std::max(fastest_part, 1 + slow / speed));
+}
+
+std::int32_t PathStream::Runner::velocity_in(const CourseLeg& leg, double speed, std::size_t axis) {
+  return in_units(axis, speed * pace(leg, speed, axis), axes_[axis].info.units.velocity);
 }
 
 PathStream::Runner::Ramps PathStream::Runner::no_ramps(std::size_t axis) const {
@@ -357,14 +390,17 @@ PathStream::Runner::Ramps PathStream::Runner::ramps_for(const CourseLeg& leg, st
   const auto& here = axes_[axis];
   const auto& ramp = leg.axis[axis];
   auto ramps = no_ramps(axis);
-  if (leg.speeds_up) ramps.amax = in_units(axis, ramp.amax, here.info.units.acceleration);
+  const double in_time = pace(leg, ramp.vmax, axis);
+  const double steeper = in_time > fastest_part ? in_time : 1;
+  const auto most = std::max(here.joint_acceleration, here.info.greatest_acceleration);
+  if (leg.speeds_up) ramps.amax = acceleration_in(axis, ramp.amax * steeper, most);
   if (!leg.slows_down) return ramps;
   const double left =
       std::abs(ramp.target - expected_of_twin(axis) / here.info.microsteps_per_unit);
   const double needed = (ramp.vstart * ramp.vstart - ramp.vstop * ramp.vstop) / (2 * left);
-  const double dmax_wanted = left > 0 ? std::max(ramp.dmax, needed) : ramp.dmax;
-  const auto most = std::max(here.joint_acceleration, here.info.greatest_acceleration);
-  ramps.dmax = in_units(axis, dmax_wanted, here.info.units.acceleration, most);
+  const double planned = ramp.dmax * steeper;
+  const double dmax_wanted = left > 0 ? std::max(planned, needed) : planned;
+  ramps.dmax = acceleration_in(axis, dmax_wanted, most);
   ramps.vstop = std::max(least_vstop, in_units(axis, ramp.vstop, here.info.units.velocity));
   return ramps;
 }
@@ -387,7 +423,12 @@ Script<PathStream::Runner::Fault> PathStream::Runner::load_axis(const Passage& p
   const auto& [leg, drive, index] = passage;
   const auto& ramp = leg.axis[axis];
   const bool joint_only = drive == Drive::by_ramps_after_joint;
-  const auto ramps = drive == Drive::by_ramps ? ramps_for(leg, axis) : no_ramps(axis);
+  auto ramps = drive == Drive::by_ramps ? ramps_for(leg, axis) : no_ramps(axis);
+  if (drive == Drive::by_ramps && must_turn(passage, axis)) {
+    const auto least = axes_[axis].joint_acceleration;
+    ramps.amax = std::max(ramps.amax, least);
+    ramps.dmax = std::max(ramps.dmax, least);
+  }
   const auto velocity = velocity_in(leg, joint_only ? ramp.vstart : ramp.vmax, axis);
   const auto target = microsteps(axis, target_of(passage, axis));
   auto refused = co_await set_velocity(axis, velocity);

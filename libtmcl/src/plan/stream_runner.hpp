@@ -109,13 +109,14 @@ class PathStream::Runner {
   Script<Fault> whole();
   Script<Fault> measure();
   Script<Fault> stop_all();
-  Script<Fault> come_to_rest(std::vector<bool> which);
+  Script<Fault> come_to_rest(std::vector<bool> which, Duration at_most);
   Script<Fault> restore();
   Script<Fault> arrive();
   Script<Fault> go_to_end();
   Script<Fault> know(std::size_t axis, std::uint8_t parameter);
   Script<Fault> set(std::size_t axis, std::uint8_t parameter, std::int32_t value);
   Script<Fault> check(std::size_t axis);
+  Script<Fault> check_all();
   Script<Fault> read_position(std::size_t axis);
   double planned_position(std::size_t axis) const;
   Fault take_reading(std::size_t axis);
@@ -148,6 +149,7 @@ class PathStream::Runner {
   Script<Fault> start_ramps();
   Script<Fault> pause_between(const CourseLeg& next);
   Script<Fault> watch_until(TimePoint due);
+  bool must_turn(const Passage& passage, std::size_t axis) const;
   double target_of(const Passage& passage, std::size_t axis) const;
   bool leads_on(const CourseLeg& leg, const CourseLeg& next, std::size_t axis) const;
   Script<Fault> load(const Passage& passage);
@@ -163,6 +165,7 @@ class PathStream::Runner {
   Fault fault_of_axes() const;
   Script<Fault> fit_legs_to_bus();
   std::size_t commands_of(std::size_t leg) const;
+  double pace(const CourseLeg& leg, double speed, std::size_t axis);
   std::int32_t velocity_in(const CourseLeg& leg, double speed, std::size_t axis);
   Ramps no_ramps(std::size_t axis) const;
   Ramps ramps_for(const CourseLeg& leg, std::size_t axis);
@@ -172,9 +175,11 @@ class PathStream::Runner {
     const double scale = std::abs(axes_[axis].info.microsteps_per_unit) / unit.value;
     return static_cast<std::int32_t>(std::clamp(std::ceil(value * scale - 1e-6), 1., 1. * most));
   }
+  std::int32_t acceleration_in(std::size_t axis, double value, std::int32_t most) const;
   double time_to_send(std::size_t commands) const;
   Duration lead_of(std::size_t leg) const;
   Duration ahead_of(std::size_t leg) const;
+  Duration early_by(const Passage& passage) const;
   double expected_of_twin(std::size_t axis) const;
   void correct_twin(std::size_t axis);
   void let_twin_run(std::size_t axis, TimePoint to);

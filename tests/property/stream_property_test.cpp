@@ -1,0 +1,302 @@
+// Random paths on simulated axes, by a random bus, with random trouble on the way.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "support/random.hpp"
+#include "support/rounds.hpp"
+#include "support/seed.hpp"
+#include "support/stream_bench.hpp"
+
+namespace tmcl::plan {
+namespace {
+
+using std::chrono::microseconds;
+using std::chrono::milliseconds;
+using Kind = StreamCommand::Kind;
+using FaultKind = StreamFault::Kind;
+using Bench = test::StreamBench;
+using Random = tmcl::test::Random<>;
+namespace ap = axis_parameter;
+
+// How far off the lines axes get if nothing is in their way, in mm; with a tolerance of 0.05, of
+// which corners have the half. Half of the paths stay within 0.01. By positions, it is short legs
+// behind sharp corners that cost so much, where the bus is too slow to load a leg twice.
+constexpr double most_off_by_velocity = 0.1;
+constexpr double most_off_by_position = 0.3;
+
+/// What goes wrong, if anything does.
+enum class Trouble {
+  none,
+  lateness,      // now and then a command takes some milliseconds more
+  long_pause,    // once nothing happens for very long
+  refusal,       // one command fails
+  silence,       // all commands to one axis fail from some time on
+  foreign_stop,  // somebody stops an axis
+  stop,          // stop() is called
+  pause,         // and pause(), and it goes on
+};
+
+struct Scene {
+  StreamMode mode = StreamMode::velocity;
+  std::uint16_t model = 6212;
+  path_file::Path path{};
+  double velocity = 20;
+  double acceleration = 500;
+  Duration round_trip{};
+  Trouble trouble = Trouble::none;
+  std::size_t at_command = 0;  // the trouble begins there
+  std::size_t axis = 0;        // whose it is
+};
+
+path_file::Path random_path(Random& random) {
+  path_file::Path path{{"X", "Y"}, {}, {}};
+  std::array<double, 2> at{};
+  const auto lines = random.between(1, 8);
+  for (std::int64_t i = 0; i < lines; ++i) {
+    const auto way = [&] {
+      return static_cast<double>(random.either_way(random.any_size(8000))) / 1e3;
+    };
+    const auto line = static_cast<std::size_t>(i + 1);
+    if (random.one_in(6)) path.elements.push_back(path_file::Dwell{0.05, line});
+    path_file::LineTo to{{at[0] + way(), at[1] + way()}, {}, {}, line};
+    if (to.target[0] == at[0] && to.target[1] == at[1]) to.target[0] += 1;
+    if (random.one_in(2)) to.feed = static_cast<double>(random.between(1, 20));
+    at = {to.target[0], to.target[1]};
+    path.elements.push_back(to);
+  }
+  return path;
+}
+
+Scene random_scene(Random& random) {
+  Scene scene;
+  scene.mode = random.one_in(2) ? StreamMode::velocity : StreamMode::position;
+  if (scene.mode == StreamMode::velocity && random.one_in(3)) scene.model = 3110;
+  scene.path = random_path(random);
+  scene.velocity = static_cast<double>(random.between(4, 20));
+  scene.acceleration = static_cast<double>(random.between(50, 500));
+  if (scene.model == 3110) {  // as it is delivered
+    scene.velocity = 5;
+    scene.acceleration = 50;
+  }
+  scene.round_trip = microseconds(random.between(60, 1500));
+  scene.trouble = static_cast<Trouble>(random.between(0, 7));
+  scene.at_command = static_cast<std::size_t>(random.any_size(3000));
+  scene.axis = static_cast<std::size_t>(random.between(0, 1));
+  return scene;
+}
+
+// How far a point is from the lines of a path that begins at (0, 0).
+double off(const path_file::Path& path, double x, double y) {
+  double nearest = std::hypot(x, y);
+  path_file::Point from{};
+  for (const auto& element : path.elements) {
+    const auto* line = std::get_if<path_file::LineTo>(&element);
+    if (line == nullptr) continue;
+    const double dx = line->target[0] - from[0], dy = line->target[1] - from[1];
+    const double along = ((x - from[0]) * dx + (y - from[1]) * dy) / (dx * dx + dy * dy);
+    const double part = std::clamp(along, 0.0, 1.0);
+    nearest = std::min(nearest, std::hypot(from[0] + part * dx - x, from[1] + part * dy - y));
+    from = line->target;
+  }
+  return nearest;
+}
+
+bool sets_off(const StreamCommand& command) {
+  return (command.kind == Kind::rotate && command.value != 0) || command.kind == Kind::move_to;
+}
+
+class Play {
+ public:
+  Play(Random& random, const Scene& scene) : random_(random), scene_(scene), bench_(scene.model) {
+    bench_.limit(scene.velocity, scene.acceleration);  // a TMC429 keeps its own
+    bench_.round_trip = scene.round_trip;
+    bench_.most_deviation = 3;
+    before_ = settings();
+    bench_.instead = [this](const StreamCommand& command) { return disturb(command); };
+    bench_.every_ms = [this] {
+      farthest_ = std::max(farthest_, off(scene_.path, bench_.mm(0), bench_.mm(1)));
+      if (++ms_ > 200'000) throw std::runtime_error("it does not end");
+      if (scene_.trouble == Trouble::pause && ms_ == paused_at_ + 300) bench_.stream().pause(false);
+    };
+  }
+
+  void run() {
+    const auto report = bench_.pass(scene_.path, scene_.mode);
+    // Whoever stopped it may have done so as the last thing.
+    for (int i = 0; i < 2000 && bench_.moving() && !silent_; ++i) bench_.let_pass(milliseconds(1));
+    if (report.fault) {
+      judge(report, *report.fault);
+    } else {
+      judge_success(report);
+    }
+    if (silent_) return;
+    EXPECT_FALSE(bench_.moving());
+    if (report.remarks.empty()) {
+      EXPECT_EQ(settings(), before_);
+    }
+    EXPECT_LE(set_off_after_foreign_stop_, 1U) << "the one that was on its way";
+  }
+
+ private:
+  std::map<std::pair<int, int>, std::int32_t> settings() {
+    std::map<std::pair<int, int>, std::int32_t> all;
+    for (std::uint8_t axis = 0; axis < 2; ++axis) {
+      for (const std::uint8_t parameter :
+           std::initializer_list<std::uint8_t>{4, 5, 16, 17, 19, 20, 21}) {
+        const auto value = bench_.ask(Command::GAP, parameter, axis, 0);
+        if (value) all[{axis, parameter}] = *value;
+      }
+    }
+    return all;
+  }
+
+  std::optional<StreamAnswer> disturb(const StreamCommand& command) {
+    const bool is_time = ++commands_ >= scene_.at_command && !happened_;
+    if (foreign_stop_ && command.axis == scene_.axis && sets_off(command))
+      ++set_off_after_foreign_stop_;
+    switch (scene_.trouble) {
+      case Trouble::none: break;
+      case Trouble::lateness:
+        if (random_.one_in(60)) bench_.let_pass(microseconds(random_.between(0, 4000)));
+        break;
+      case Trouble::long_pause:
+        if (is_time) happened_ = true, bench_.let_pass(milliseconds(400));
+        break;
+      case Trouble::refusal:
+        if (is_time && command.kind != Kind::stop) {
+          happened_ = true;
+          return tl::unexpected(std::string("refused"));
+        }
+        break;
+      case Trouble::silence:
+        if (is_time) silent_ = true;
+        if (silent_ && command.axis == scene_.axis) return tl::unexpected(std::string("no reply"));
+        break;
+      case Trouble::foreign_stop:
+        // Between a look at its target velocity and the command that follows, it could not be told.
+        if (is_time && command.kind == Kind::get && turns(scene_.axis)) {
+          happened_ = foreign_stop_ = true;
+          bench_.ask(Command::MST, 0, static_cast<std::uint8_t>(scene_.axis), 0);
+        }
+        break;
+      case Trouble::stop:
+        if (is_time) happened_ = true, bench_.stream().stop();
+        break;
+      case Trouble::pause:
+        if (is_time) happened_ = true, paused_at_ = ms_, bench_.stream().pause(true);
+        break;
+    }
+    return std::nullopt;
+  }
+
+  bool turns(std::size_t axis) {
+    const auto motor = static_cast<std::uint8_t>(axis);
+    return bench_.stream().phase() == PathStream::Phase::running &&
+           bench_.get(motor, ap::actual_velocity) != 0 &&
+           bench_.get(motor, ap::target_velocity) != 0;
+  }
+
+  void judge(const StreamReport& report, const StreamFault& fault) {
+    SCOPED_TRACE(fault.message);
+    if (fault.kind != FaultKind::slow_bus) {
+      EXPECT_NE(scene_.trouble, Trouble::none);
+    }
+    switch (fault.kind) {
+      case FaultKind::asked: EXPECT_EQ(scene_.trouble, Trouble::stop); break;
+      case FaultKind::refused:
+        EXPECT_TRUE(scene_.trouble == Trouble::refusal || scene_.trouble == Trouble::silence);
+        break;
+      case FaultKind::foreign: EXPECT_TRUE(foreign_stop_); break;
+      case FaultKind::no_end: EXPECT_TRUE(foreign_stop_ || silent_); break;
+      case FaultKind::starved:
+      case FaultKind::off_course:
+        EXPECT_TRUE(scene_.trouble == Trouble::long_pause || scene_.trouble == Trouble::lateness ||
+                    foreign_stop_);
+        break;
+      case FaultKind::not_at_start:
+      case FaultKind::unsuited: ADD_FAILURE() << "it could have begun"; break;
+      case FaultKind::slow_bus: break;
+    }
+    if (!is_before_motion(fault)) expect_all_were_stopped(report);
+  }
+  static bool is_before_motion(const StreamFault& fault) {
+    return fault.kind == FaultKind::slow_bus || fault.kind == FaultKind::not_at_start;
+  }
+
+  // Each of them, unless nothing had begun to move.
+  void expect_all_were_stopped(const StreamReport& report) {
+    if (report.updates == 0) return;
+    for (std::size_t axis = 0; axis < 2; ++axis) {
+      EXPECT_TRUE(std::ranges::any_of(bench_.commands, [&](const StreamCommand& command) {
+        return command.kind == Kind::stop && command.axis == axis;
+      })) << axis;
+    }
+    const auto after_stop = std::ranges::find(bench_.commands, Kind::stop, &StreamCommand::kind);
+    EXPECT_TRUE(std::none_of(after_stop, bench_.commands.end(), [](const StreamCommand& command) {
+      return command.kind == Kind::rotate;
+    }));
+  }
+
+  void judge_success(const StreamReport& report) {
+    const auto& end = std::get<path_file::LineTo>(scene_.path.elements.back()).target;
+    for (std::uint8_t axis = 0; axis < 2; ++axis)
+      EXPECT_EQ(bench_.get(axis, ap::actual_position),
+                std::lround(end[axis] * microsteps_per_mm()));
+    EXPECT_FALSE(foreign_stop_) << "not noticed";
+    if (scene_.trouble == Trouble::none) {
+      EXPECT_LT(farthest_,
+                scene_.mode == StreamMode::velocity ? most_off_by_velocity : most_off_by_position);
+    }
+    EXPECT_EQ(report.axes.size(), 2U);
+  }
+  static double microsteps_per_mm() { return test::microsteps_per_mm; }
+
+  Random& random_;
+  const Scene& scene_;
+  Bench bench_;
+  std::map<std::pair<int, int>, std::int32_t> before_;
+  std::size_t commands_ = 0;
+  bool happened_ = false;
+  bool silent_ = false;
+  bool foreign_stop_ = false;
+  std::size_t set_off_after_foreign_stop_ = 0;
+  int ms_ = 0;
+  int paused_at_ = -1000;
+  double farthest_ = 0;
+};
+
+std::string describe(const Scene& scene) {
+  std::string text = scene.mode == StreamMode::position ? "position" : "velocity";
+  text += " on " + std::to_string(scene.model) + ", trouble " +
+          std::to_string(static_cast<int>(scene.trouble)) + " at command " +
+          std::to_string(scene.at_command) + " of axis " + std::to_string(scene.axis) + ", " +
+          std::to_string(scene.round_trip.count() / 1000) + " us, " +
+          std::to_string(scene.velocity) + " mm/s, " + std::to_string(scene.acceleration) +
+          " mm/s2:";
+  for (const auto& element : scene.path.elements) {
+    if (const auto* to = std::get_if<path_file::LineTo>(&element)) {
+      text += " (" + std::to_string(to->target[0]) + ", " + std::to_string(to->target[1]) + ")";
+      if (to->feed) text += " F" + std::to_string(*to->feed);
+    } else {
+      text += " dwell";
+    }
+  }
+  return text;
+}
+
+TEST(StreamProperty, WhateverHappensItEndsAsItShould) {
+  Random random(tmcl::test::seed());
+  for (int round = 0; round < tmcl::test::rounds(150); ++round) {
+    const auto scene = random_scene(random);
+    SCOPED_TRACE(describe(scene));
+    Play(random, scene).run();
+    if (HasFailure()) return;
+  }
+}
+
+}  // namespace
+}  // namespace tmcl::plan

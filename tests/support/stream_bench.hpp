@@ -1,0 +1,142 @@
+/// Two simulated axes that pass a course in virtual time: every command takes a while, and every
+/// millisecond the axes are looked at.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <gtest/gtest.h>
+
+#include "sim/module/module.hpp"
+#include "tmcl/parameter.hpp"
+#include "tmcl/plan/stream.hpp"
+
+namespace tmcl::plan::test {
+
+namespace ap = axis_parameter;
+
+constexpr double microsteps_per_mm = 51200 / 5.0;
+
+class NoEvents final : public sim::EventSink {
+ public:
+  void target_reached(const sim::Module&, std::int32_t) override {}
+};
+
+/// Two axes of one module, and somebody who carries out what a stream says.
+class StreamBench {
+ public:
+  explicit StreamBench(std::uint16_t model = 6212)
+      : model_(*find_model(model)), module_(model_, ModuleAddress{1}, clock_) {
+    limits_.axes = 2;
+    limits_.axis[0] = limits_.axis[1] = {24, 500};
+    limits_.corner_tolerance = 0.025;
+  }
+
+  Duration round_trip = std::chrono::microseconds(450);
+  std::function<void()> every_ms = [] {};
+  std::function<void()> at_wait = [] {};
+  /// May answer instead of the module, and let time pass.
+  std::function<std::optional<StreamAnswer>(const StreamCommand&)> instead = [](const auto&) {
+    return std::nullopt;
+  };
+  double most_deviation = 1;
+  std::vector<StreamCommand> commands;
+
+  /// In mm and seconds.
+  void limit(double velocity, double acceleration_limit) {
+    limits_.axis[0] = limits_.axis[1] = {velocity, acceleration_limit};
+    const auto pps = static_cast<std::int32_t>(velocity * microsteps_per_mm);
+    const auto pps2 = static_cast<std::int32_t>(acceleration_limit * microsteps_per_mm);
+    for (std::uint8_t axis = 0; axis < 2; ++axis) {
+      ask(Command::SAP, ap::max_velocity, axis, pps);
+      ask(Command::SAP, ap::max_acceleration, axis, pps2);
+      ask(Command::SAP, 17, axis, pps2);
+    }
+  }
+
+  StreamReport pass(const path_file::Path& path, StreamMode mode) {
+    const auto course = Course::of(path, limits_);
+    EXPECT_TRUE(course) << course.error();
+    stream_.emplace(*course, std::vector<StreamAxis>{info(0), info(1)},
+                    StreamOptions{.mode = mode, .most_deviation = most_deviation});
+    while (true) {
+      const auto step = stream_->next(clock_.now());
+      if (std::holds_alternative<StreamEnd>(step)) return stream_->report();
+      if (std::holds_alternative<StreamWait>(step)) at_wait();
+      if (const auto* wait = std::get_if<StreamWait>(&step))
+        let_pass(std::min<Duration>(std::chrono::milliseconds(1), wait->until - clock_.now()));
+      if (const auto* command = std::get_if<StreamCommand>(&step)) {
+        let_pass(round_trip / 2);
+        auto answer = carry_out(*command);
+        let_pass(round_trip - round_trip / 2);
+        stream_->answered(clock_.now(), std::move(answer));
+      }
+    }
+  }
+
+  PathStream& stream() { return *stream_; }
+  sim::Module& module() { return module_; }
+  void let_pass(Duration time) {
+    clock_.advance(std::max(time, Duration(1)));
+    module_.run_due();
+    if (clock_.now() >= looked_at_ + std::chrono::milliseconds(1)) {
+      looked_at_ = clock_.now();
+      every_ms();
+    }
+  }
+  double mm(std::uint8_t axis) { return get(axis, ap::actual_position) / microsteps_per_mm; }
+  std::int32_t get(std::uint8_t axis, std::uint8_t parameter) {
+    return *module_.axis(axis).get(parameter);
+  }
+  StreamAnswer ask(Command command, std::uint8_t type, std::uint8_t axis, std::int32_t value) {
+    const auto reply = module_.execute({ModuleAddress{1}, command, type, axis, value},
+                                       sim::Medium::serial, events_);
+    if (reply.status != Status::ok) return tl::unexpected(std::string("refused"));
+    return reply.value;
+  }
+  bool moving() { return get(0, ap::actual_velocity) != 0 || get(1, ap::actual_velocity) != 0; }
+
+ private:
+  StreamAxis info(std::uint8_t axis) {
+    StreamAxis made{microsteps_per_mm, initial_units(model_), 0, 0, 0, AxisTwin::of(model_)};
+    const auto most = [&](std::uint8_t parameter) {
+      const auto* row = find_parameter(axis_parameters(model_), parameter);
+      return row != nullptr ? row->maximum : 0;
+    };
+    made.greatest_velocity = most(ap::target_velocity);
+    made.greatest_acceleration = most(ap::max_acceleration);
+    made.greatest_stop_velocity = most(20);
+    for (const auto parameter : AxisTwin::parameters(model_))
+      made.twin->set({parameter, get(axis, parameter)});
+    return made;
+  }
+
+  StreamAnswer carry_out(const StreamCommand& command) {
+    commands.push_back(command);
+    if (auto other = instead(command)) return *other;
+    const auto axis = static_cast<std::uint8_t>(command.axis);
+    switch (command.kind) {
+      case StreamCommand::Kind::get: return ask(Command::GAP, command.parameter, axis, 0);
+      case StreamCommand::Kind::set:
+        return ask(Command::SAP, command.parameter, axis, command.value);
+      case StreamCommand::Kind::rotate:
+        return ask(command.value < 0 ? Command::ROL : Command::ROR, 0, axis,
+                   std::abs(command.value));
+      case StreamCommand::Kind::move_to: return ask(Command::MVP, 0, axis, command.value);
+      case StreamCommand::Kind::stop: return ask(Command::MST, 0, axis, 0);
+    }
+    return 0;
+  }
+
+  const Model& model_;
+  VirtualClock clock_;
+  NoEvents events_;
+  sim::Module module_;
+  PathLimits limits_;
+  TimePoint looked_at_{};
+  std::optional<PathStream> stream_;
+};
+
+}  // namespace tmcl::plan::test
