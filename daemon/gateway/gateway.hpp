@@ -54,8 +54,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   int stops_in_progress = 0;
 
   Shelf shelf;
-  /// Where paths are planned, which may take seconds.
-  boost::asio::thread_pool planner{1};
+  /// Where paths and lines are planned: a path may take seconds, and a line does not wait for it.
+  boost::asio::thread_pool planner{2};
 
  private:
   Gateway() = default;

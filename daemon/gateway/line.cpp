@@ -13,6 +13,7 @@
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
+#include "async/elsewhere.hpp"
 #include "async/gather.hpp"
 
 namespace tmcld {
@@ -83,7 +84,7 @@ struct Member : LineMember {
 
 class LineRun : public std::enable_shared_from_this<LineRun> {
  public:
-  explicit LineRun(LineOrder order) : duration_(order.duration) {
+  explicit LineRun(LineOrder order) : duration_(order.duration), planner_(order.planner) {
     for (auto& member : order.members) {
       auto movement = member.axis->begin_movement(order.deadline);
       auto& traffic = traffic_[&member.axis->bus()];
@@ -184,7 +185,10 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
                       acceleration_limit(member), bus_of(member)});
     }
     line_.one_command = fits_one_command();
-    auto planned = tmcl::plan::plan_line(axes, exchanges(), duration_);
+    auto work = [axes = std::move(axes), exchanges = exchanges(), duration = duration_] {
+      return tmcl::plan::plan_line(axes, exchanges, duration);
+    };
+    auto planned = co_await elsewhere(*planner_, std::move(work));
     if (!planned) {
       const auto& member = members_[planned.error().axis];
       const auto pace = co_await in_words(planned.error().pace, *member.axis);
@@ -447,6 +451,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
 
   std::vector<Member> members_;
   std::optional<Duration> duration_;
+  boost::asio::thread_pool* planner_;
   StartedLine line_;
   std::map<GatewayBus*, Traffic> traffic_;
   bool started_ = false;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include <boost/asio/awaitable.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <tl/expected.hpp>
 
 #include "gateway/axis.hpp"
@@ -30,6 +31,7 @@ struct LineOrder {
   std::vector<LineMember> members;           ///< Different axes, at least one.
   std::optional<tmcl::Duration> duration{};  ///< As short as possible if absent.
   Deadline deadline{};
+  boost::asio::thread_pool* planner = nullptr;  ///< Plans the line; must outlive it.
 };
 
 struct LineFailure {

@@ -112,6 +112,27 @@ TEST_F(CtlVerbs, AStopFromElsewhereEndsTheWaiting) {
   EXPECT_THAT(err, HasSubstr("3000"));
 }
 
+TEST_F(CtlVerbs, WaitComesBackWhenAnAxisStandsWhereItWasSent) {
+  run({"move", "x", "10000"});
+  EXPECT_EQ(run({"wait", "x"}), ExitCode::done) << err;
+  EXPECT_EQ(out, "x stands at 10000\n");
+  EXPECT_EQ(json({"wait", "x"}).at("axes").at(0).at("position_microsteps"), 10000);
+  EXPECT_EQ(run({"wait"}), ExitCode::usage);
+}
+
+TEST_F(CtlVerbs, WaitTellsOfAnAxisThatDoesNotArrive) {
+  run({"move", "x", "100000"});
+  EXPECT_EQ(run({"wait", "x", "--timeout", "0.5"}), ExitCode::not_reached);
+  EXPECT_THAT(err, HasSubstr("goes on moving"));
+}
+
+TEST_F(CtlVerbs, WaitTellsOfAnAxisThatIsStopped) {
+  target.stopped_by_other_after = milliseconds(300);
+  run({"move", "x", "100000"});
+  EXPECT_EQ(run({"wait", "x"}), ExitCode::not_reached);
+  EXPECT_THAT(err, HasSubstr("was stopped"));
+}
+
 TEST_F(CtlVerbs, RotateTakesNegativeVelocities) {
   EXPECT_EQ(run({"rotate", "x", "-500"}), ExitCode::done);
   EXPECT_THAT(target.calls, ElementsAre("rotate x -500"));

@@ -96,6 +96,14 @@ waiting and NOT the move: it tells how to stop the axis and exits with 130.
   tmclctl move x 0 --wait --timeout 30
 )";
 
+constexpr const char* wait = R"(
+Comes back when all of them stand at their targets, whoever sent them there. An axis that is stopped
+short of its target ends it (exit code 5). Ctrl-C ends the waiting and NOT the moves.
+
+  tmclctl move x 10mm; tmclctl move y 0; tmclctl wait x y
+  tmclctl wait x --timeout 30 && echo there
+)";
+
 constexpr const char* line = R"(
 The axes start together and arrive together: each gets the part of speed and acceleration that its
 way is of the longest. Their own settings are the limits, and are set back at the end; --velocity and

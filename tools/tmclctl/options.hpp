@@ -47,6 +47,12 @@ struct Move {
   std::optional<double> timeout_s;
   bool internal = false;  ///< Tell what the module counts in, here and below.
 };
+/// For what somebody else started.
+struct Wait {
+  std::vector<std::string> axes;
+  std::optional<double> timeout_s;
+  bool internal = false;
+};
 /// Several axes at once.
 struct Line {
   struct Goal {
@@ -241,12 +247,12 @@ struct Complete {
 
 using Verb =
     std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models, verb::Get,
-                 verb::Set, verb::Move, verb::Line, verb::Rotate, verb::Stop, verb::State,
-                 verb::Watch, verb::Plot, verb::Raw, verb::Simulate, verb::SolveProfile,
-                 verb::CheckMint, verb::RunMint, verb::CheckPath, verb::RunPath, verb::Assemble,
-                 verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware, verb::UploadFirmware,
-                 verb::Ramp, verb::Convert, verb::Ask, verb::Arrivals, verb::Home, verb::Upload,
-                 verb::Download, verb::Complete>;
+                 verb::Set, verb::Move, verb::Wait, verb::Line, verb::Rotate, verb::Stop,
+                 verb::State, verb::Watch, verb::Plot, verb::Raw, verb::Simulate,
+                 verb::SolveProfile, verb::CheckMint, verb::RunMint, verb::CheckPath, verb::RunPath,
+                 verb::Assemble, verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware,
+                 verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask, verb::Arrivals,
+                 verb::Home, verb::Upload, verb::Download, verb::Complete>;
 
 struct Options {
   Where where;

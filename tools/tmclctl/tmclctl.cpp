@@ -34,7 +34,8 @@ bool waits(const Verb& verb) {
   if (arrivals != nullptr) return !arrivals->off;
   const auto* line = std::get_if<verb::Line>(&verb);
   return (move != nullptr && move->wait) || (line != nullptr && line->wait) ||
-         std::holds_alternative<verb::Watch>(verb) || std::holds_alternative<verb::Plot>(verb);
+         std::holds_alternative<verb::Wait>(verb) || std::holds_alternative<verb::Watch>(verb) ||
+         std::holds_alternative<verb::Plot>(verb);
 }
 
 bool acts(const Verb& verb) {

@@ -24,6 +24,7 @@ VerbResult run(const verb::Params& verb, Room& room);
 VerbResult run(const verb::Get& verb, Room& room);
 VerbResult run(const verb::Set& verb, Room& room);
 VerbResult run(const verb::Move& verb, Room& room);
+VerbResult run(const verb::Wait& verb, Room& room);
 VerbResult run(const verb::Line& verb, Room& room);
 VerbResult run(const verb::Rotate& verb, Room& room);
 VerbResult run(const verb::Stop& verb, Room& room);

@@ -88,6 +88,19 @@ void add_motion(Grammar& grammar) {
     return said.timeout_s && !said.wait ? "--timeout says how long to wait, and that needs --wait"
                                         : "";
   });
+  auto wait =
+      grammar.verb<verb::Wait>("wait", "Wait until axes stand at their targets", help_text::wait);
+  wait.words("AXIS", "A configured name, or ADDRESS/MOTOR with --direct",
+             [&axes = wait->axes](const std::string& text) -> Reading {
+               axes.push_back(text);
+               return {};
+             });
+  wait.option("--timeout", "SECONDS", "Give up after so long; the axes go on",
+              number(wait->timeout_s, shortest_time_s, longest_time_s));
+  wait.internal(wait->internal);
+  wait.object([](const verb::Wait& said, bool) {
+    return said.axes.empty() ? "name at least one AXIS" : "";
+  });
   auto line = grammar.verb<verb::Line>("line", "Move several axes together along a straight line",
                                        help_text::line);
   line.words("AXIS=POSITION", "Where each of them is to go: microsteps, or with a unit",

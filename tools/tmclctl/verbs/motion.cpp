@@ -37,10 +37,9 @@ std::string time_left(const StartedMove& move, tmcl::Duration passed) {
 }
 
 /// Where the axis stands at last.
-Attempt<AxisReading> wait_for_arrival(const verb::Move& verb, const StartedMove& move, Room& room) {
+Attempt<AxisReading> wait_for_arrival(Journey journey, const StartedMove& move, bool internal,
+                                      Room& room) {
   const auto goal = move.goal;
-  Journey journey{verb.axis, goal, room.patience.now(), follow_interval, {}, move.goal_in_unit};
-  if (verb.timeout_s) journey.timeout = seconds(*verb.timeout_s);
   ProgressLine line(room.output);
   std::optional<std::int32_t> start;
   AxisReading last;
@@ -51,13 +50,20 @@ Attempt<AxisReading> wait_for_arrival(const verb::Move& verb, const StartedMove&
     const auto done =
         std::clamp(fraction_done(*start, goal.value, reading.position.value), 0.0, 1.0);
     const int width = std::clamp(line.screen().width - words_width, narrowest_bar, widest_bar);
-    line.show(fmt::format(
-        "{} {} {:3}%{}  {} of {}  velocity {}", verb.axis, bar(done, width, line.screen().utf8),
-        static_cast<int>(done * 100), time_left(move, room.patience.now() - journey.started_at),
-        position_text(reading, verb.internal), shown(move.goal_in_unit, goal.value),
-        velocity_text(reading, verb.internal)));
+    line.show(fmt::format("{} {} {:3}%{}  {} of {}  velocity {}", journey.axis,
+                          bar(done, width, line.screen().utf8), static_cast<int>(done * 100),
+                          time_left(move, room.patience.now() - journey.started_at),
+                          position_text(reading, internal), shown(move.goal_in_unit, goal.value),
+                          velocity_text(reading, internal)));
   });
   return arrived.map([&](tmcl::Microsteps) { return last; });
+}
+
+Journey journey_of(const std::string& axis, const StartedMove& move,
+                   const std::optional<double>& timeout_s, tmcl::TimePoint started_at) {
+  Journey journey{axis, move.goal, started_at, follow_interval, {}, move.goal_in_unit};
+  if (timeout_s) journey.timeout = seconds(*timeout_s);
+  return journey;
 }
 
 json::value value_or_null(const std::optional<InUnit>& value) {
@@ -89,7 +95,9 @@ VerbResult run(const verb::Move& verb, Room& room) {
       fmt::format("{} moves to {}{}\n", verb.axis, shown(move->goal_in_unit, move->goal.value),
                   move->predicted_s ? fmt::format(" in {:.2f} s", *move->predicted_s) : "");
   if (verb.wait) {
-    const auto there = wait_for_arrival(verb, *move, room);
+    const auto there =
+        wait_for_arrival(journey_of(verb.axis, *move, verb.timeout_s, room.patience.now()), *move,
+                         verb.internal, room);
     if (!there) return tl::unexpected(there.error());
     document["position_microsteps"] = there->position.value;
     document["position"] = there->user ? json::value(there->user->position) : nullptr;
@@ -101,6 +109,40 @@ VerbResult run(const verb::Move& verb, Room& room) {
   } else {
     room.output.out << line;
   }
+  return ExitCode::done;
+}
+
+namespace {
+
+Attempt<AxisReading> wait_for(const std::string& axis, const verb::Wait& verb,
+                              tmcl::TimePoint started_at, Room& room) {
+  const auto now = room.target.state(axis);
+  if (!now) return tl::unexpected(now.error());
+  StartedMove move{now->target, {}};
+  if (now->user && !verb.internal) move.goal_in_unit = now->user->target_in_unit();
+  return wait_for_arrival(journey_of(axis, move, verb.timeout_s, started_at), move, verb.internal,
+                          room);
+}
+
+}  // namespace
+
+VerbResult run(const verb::Wait& verb, Room& room) {
+  const auto started_at = room.patience.now();
+  json::array axes;
+  for (const auto& axis : verb.axes) {
+    const auto there = wait_for(axis, verb, started_at, room);
+    if (!there) return tl::unexpected(there.error());
+    axes.push_back(
+        json::object{{"axis", axis},
+                     {"position_microsteps", there->position.value},
+                     {"unit", there->user ? json::value(there->user->unit) : nullptr},
+                     {"position", there->user ? json::value(there->user->position) : nullptr}});
+    if (!room.output.json) {
+      room.output.out << fmt::format("{} stands at {}\n", axis,
+                                     position_text(*there, verb.internal));
+    }
+  }
+  if (room.output.json) print_json({{"axes", std::move(axes)}}, room.output);
   return ExitCode::done;
 }
 
