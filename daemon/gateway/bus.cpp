@@ -203,6 +203,7 @@ std::string_view name_of(GatewayEvent::Kind kind) {
     case GatewayEvent::Kind::link_lost: return "link_lost";
     case GatewayEvent::Kind::link_restored: return "link_restored";
     case GatewayEvent::Kind::line_broken: return "line_broken";
+    case GatewayEvent::Kind::path_broken: return "path_broken";
     case GatewayEvent::Kind::module_silent: return "module_silent";
     case GatewayEvent::Kind::module_answers: return "module_answers";
   }

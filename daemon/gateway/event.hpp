@@ -18,6 +18,7 @@ struct GatewayEvent {
     link_restored,
     module_silent,   ///< A module that answered before does not any more.
     line_broken,     ///< Axes that moved together were stopped, because one did not go as planned.
+    path_broken,     ///< Likewise, axes on a path; also when it was asked for.
     module_answers,  ///< A module was identified, for the first time or again.
   };
   Kind kind;

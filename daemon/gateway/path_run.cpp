@@ -8,6 +8,7 @@
 #include <boost/asio/use_awaitable.hpp>
 
 #include "async/gather.hpp"
+#include "tmcl/plan/path_run.hpp"
 
 namespace tmcld {
 namespace {
@@ -77,6 +78,7 @@ awaitable<tl::expected<tmcl::plan::StreamReport, std::string>> PathRun::pass(
   if (auto taken = co_await self->take_axes()) co_return tl::unexpected(std::move(*taken));
   co_await self->drive();
   self->leave_axes();
+  self->tell_fault();
   self->ended_ = true;
   co_return self->stream_.report();
 }
@@ -142,6 +144,15 @@ void PathRun::tell_progress() {
   if (now() < progress_due_) return;
   progress_due_ = now() + path_progress_interval;
   on_progress_(*this);
+}
+
+void PathRun::tell_fault() const {
+  const auto& fault = stream_.report().fault;
+  if (!fault || is_before_motion(fault->kind)) return;
+  const auto& axis = *members_[fault->axis].axis;
+  axis.bus().emit({GatewayEvent::Kind::path_broken, axis.bus().name(),
+                   number(axis.address().module), 1 << axis.address().motor,
+                   tmcl::plan::with_names(fault->message, axis_names())});
 }
 
 awaitable<StreamAnswer> PathRun::carry_out(StreamCommand command) {

@@ -64,6 +64,8 @@ class PathRun : public std::enable_shared_from_this<PathRun> {
   boost::asio::awaitable<tmcl::plan::StreamAnswer> stop_axis(std::size_t axis);
   void notice_stops();
   void tell_progress();
+  /// Whoever asked for the path may be gone.
+  void tell_fault() const;
 
   tmcl::plan::Course course_;
   std::vector<PathMember> members_;

@@ -171,6 +171,20 @@ TEST_P(DaemonPathInBothModes, AStopByAnotherClientStopsAll) {
   expect_rest_and_own_settings();
 }
 
+TEST_P(DaemonPathInBothModes, WhoWatchesIsToldWhyItEnded) {
+  RpcClient other(daemon.socket());
+  other.result("subscribe", {{"axes", json::array{}}});
+  auto gone = std::make_unique<RpcClient>(daemon.socket());
+  gone->send("path.run", order(long_way, in_mode()));
+  ASSERT_TRUE(until_x_is_beyond(2));
+  gone.reset();
+  client->result("axis.stop", {{"axis", "y"}});
+  const auto event = other.notification("notify_event");
+  EXPECT_EQ(text(event.at("kind")), "path_broken");
+  EXPECT_EQ(text(event.at("text")), "y was stopped by somebody else");
+  EXPECT_EQ(json::serialize(event.at("motors")), "[1]");
+}
+
 TEST_P(DaemonPathInBothModes, WhatStopsAllStopsPathsToo) {
   const auto id = client->send("path.run", order(long_way, in_mode()));
   ASSERT_TRUE(until_x_is_beyond(2));
