@@ -29,6 +29,8 @@ TEST_F(CtlLine, TellsPositionsInTheUnitsOfTheAxes) {
   EXPECT_EQ(asked(), R"(line.move {"axes":["x","y"],"positions_microsteps":[102400,-500]})");
   EXPECT_THAT(out, HasSubstr("x moves to 10 mm\n"));
   EXPECT_THAT(out, HasSubstr("y moves to -500\n"));
+  run({"line", "x=10mm", "y=-500", "--internal"});
+  EXPECT_THAT(out, HasSubstr("x moves to 102400\ny moves to -500\n"));
   const auto document = json({"line", "x=10mm", "y=-500"});
   EXPECT_EQ(document.at("axes").at(0).at("target_microsteps"), 102'400);
   EXPECT_EQ(document.at("axes").at(0).at("target").to_number<double>(), 10);

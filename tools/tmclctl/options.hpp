@@ -64,6 +64,7 @@ struct Line {
   std::optional<double> time_s;
   bool wait = false;
   std::optional<double> timeout_s;
+  bool internal = false;
 };
 struct Rotate {
   std::string axis;

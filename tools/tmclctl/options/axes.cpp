@@ -114,6 +114,7 @@ void add_motion(Grammar& grammar) {
   line.flag("--wait", "Wait until all of them stand at their targets", line->wait);
   line.option("--timeout", "SECONDS", "With --wait: give up after so long; the axes go on",
               number(line->timeout_s, shortest_time_s, longest_time_s));
+  line.internal(line->internal);
   line.object([](const verb::Line& said, bool) {
     if (said.goals.empty()) return "name at least one AXIS=POSITION";
     return said.timeout_s && !said.wait ? "--timeout says how long to wait, and that needs --wait"

@@ -93,6 +93,13 @@ Attempt<json::object> asked_line(const verb::Line& verb, Target& target) {
   return put_limits(params, verb, target).map([&] { return std::move(params); });
 }
 
+// Nothing for an axis without a unit.
+std::optional<InUnit> goal_in_unit(const json::object& row, bool internal) {
+  const auto target = number_at(row, "target");
+  if (!target || internal) return std::nullopt;
+  return InUnit{*target, text_at(row, "unit")};
+}
+
 std::vector<Journey> journeys_of(const verb::Line& verb, const json::object& line,
                                  tmcl::TimePoint started_at) {
   std::vector<Journey> journeys;
@@ -102,7 +109,8 @@ std::vector<Journey> journeys_of(const verb::Line& verb, const json::object& lin
                     {integer_at<std::int32_t>(row, "target_microsteps")},
                     started_at,
                     follow_interval,
-                    {}};
+                    {},
+                    goal_in_unit(row, verb.internal)};
     if (verb.timeout_s) {
       journey.timeout = std::chrono::duration_cast<tmcl::Duration>(
           std::chrono::duration<double>(*verb.timeout_s));
@@ -130,14 +138,12 @@ Attempt<void> wait_for_all(const verb::Line& verb, const json::object& line,
   return {};
 }
 
-void print(const json::object& line, bool arrived, std::ostream& out) {
+void print(const json::object& line, const verb::Line& verb, std::ostream& out) {
   for (const auto& value : array_at(line, "axes")) {
     const auto& row = value.as_object();
-    const auto unit = text_at(row, "unit");
-    const auto target = number_at(row, "target");
-    out << fmt::format("{} {} {}\n", text_at(row, "axis"), arrived ? "stands at" : "moves to",
-                       target ? fmt::format("{:.10g} {}", *target, unit)
-                              : std::to_string(integer_at<std::int32_t>(row, "target_microsteps")));
+    out << fmt::format("{} {} {}\n", text_at(row, "axis"), verb.wait ? "stands at" : "moves to",
+                       shown(goal_in_unit(row, verb.internal),
+                             integer_at<std::int32_t>(row, "target_microsteps")));
   }
   const auto milliseconds = [&](const char* key) { return 1e3 * number_at(line, key).value_or(0); };
   out << fmt::format(
@@ -164,7 +170,7 @@ VerbResult run(const verb::Line& verb, Room& room) {
   if (room.output.json) {
     print_json(*line, room.output);
   } else {
-    print(*line, verb.wait, room.output.out);
+    print(*line, verb, room.output.out);
   }
   return ExitCode::done;
 }
