@@ -45,6 +45,8 @@ TEST_F(CtlLine, LimitsMayHaveUnits) {
   EXPECT_EQ(run({"line", "x=1", "--velocity", "3mm"}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("'3mm' is no velocity"));
   EXPECT_EQ(run({"line", "x=1", "--velocity", "nan"}), ExitCode::usage);
+  EXPECT_EQ(run({"line", "x=1", "--velocity", "-3mm/s"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("must be above 0"));
   EXPECT_EQ(run({"line", "x=1", "--time", "0"}), ExitCode::usage);
 }
 

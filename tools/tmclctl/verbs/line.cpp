@@ -44,6 +44,10 @@ Attempt<void> put_limit(json::object& params, LimitNames names, const Quantity& 
   for (const auto& units : axes) {
     const auto value = convert(said, units);
     if (!value) return tl::unexpected(value.error());
+    if (!(value->value > 0)) {
+      return tl::unexpected(
+          usage_failure("bad_value", fmt::format("'{}' must be above 0", to_string(said))));
+    }
     values.push_back(value->value);
   }
   const auto& first = axes.front();
