@@ -65,6 +65,7 @@ TEST(CtlComparison, IsOfMovesOfModulesThatAreKnown) {
   // The fake axis holds values that no TMCM-1110 can hold.
   EXPECT_NE(ctl.run({"plot", "x", "--to", "100", "--compare"}), ExitCode::done);
   EXPECT_THAT(ctl.err, HasSubstr("cannot be foreseen"));
+  EXPECT_EQ(ctl.out, "");
   ctl.target.counts.model = nullptr;
   EXPECT_NE(ctl.run({"plot", "x", "--to", "100", "--compare"}), ExitCode::done);
   EXPECT_THAT(ctl.err, HasSubstr("is not known"));

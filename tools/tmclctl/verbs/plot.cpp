@@ -208,7 +208,9 @@ VerbResult run(const verb::Plot& verb, Room& room) {
       starts_move ? record_move(verb, recorder, room) : record_as_it_is(verb, recorder, room);
   const auto& recording = recorder.finish();
   const auto comparison = recorder.comparison();
-  if (!recording.samples.empty()) {
+  // A move that was refused has been seen once, where it did not begin.
+  const bool began = !failure || recording.samples.size() > 1;
+  if (began && !recording.samples.empty()) {
     const auto picture =
         comparison ? plot::picture_of(recording, *comparison) : plot::picture_of(recording);
     if (auto written = svg.write(plot::to_svg(picture)); !written)
