@@ -183,7 +183,7 @@ std::vector<Setting> in_safe_order(std::vector<Setting> settings, std::int32_t p
   const auto divider = std::ranges::find(settings, pulse_divisor, &Setting::parameter);
   if (divider == settings.end()) return settings;
   const bool gets_faster = divider->value < pulse_div;
-  std::ranges::stable_partition(settings, [&](Setting setting) {
+  std::stable_partition(settings.begin(), settings.end(), [&](Setting setting) {
     const bool is_divider = setting.parameter == pulse_divisor || setting.parameter == ramp_divisor;
     return is_divider != gets_faster;
   });
