@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <stdexcept>
 
 #include "support/random.hpp"
@@ -295,6 +296,50 @@ TEST(StreamProperty, WhateverHappensItEndsAsItShould) {
     SCOPED_TRACE(describe(scene));
     Play(random, scene).run();
     if (HasFailure()) return;
+  }
+}
+
+constexpr double radius = 10;
+
+path_file::Path circle_in_chords(int chords) {
+  path_file::Path path{{"X", "Y"}, {}, {}};
+  for (int i = 1; i <= chords; ++i) {
+    const double angle = 2 * std::numbers::pi * i / chords;
+    path.elements.push_back(path_file::LineTo{
+        {radius - radius * std::cos(angle), radius * std::sin(angle)}, 20.0, {}, 1});
+  }
+  return path;
+}
+
+// Each axis turns round twice, and may do so a little before the path does.
+TEST(StreamProperty, ACircleByPositionsBearsCommandsThatAreNotPunctual) {
+  Random random(tmcl::test::seed());
+  const auto path = circle_in_chords(629);
+  for (int round = 0; round < tmcl::test::rounds(100); ++round) {
+    Bench bench;
+    bench.limit(24, 500);
+    const auto least_us = random.between(15, 150);
+    const auto one_in = random.between(10, 1000);
+    const auto late_us = random.between(500, 6000);
+    SCOPED_TRACE(std::to_string(least_us) + " us, one command in " + std::to_string(one_in) +
+                 " takes " + std::to_string(late_us) + " us more");
+    bench.instead = [&](const StreamCommand&) -> std::optional<StreamAnswer> {
+      const auto late = random.between(1, one_in) == 1 ? late_us : 0;
+      bench.round_trip = std::chrono::microseconds(random.between(least_us, 2 * least_us) + late);
+      return std::nullopt;
+    };
+    double farthest = 0;
+    bench.every_ms = [&] {
+      const double off = std::hypot(bench.mm(0) - radius, bench.mm(1)) - radius;
+      farthest = std::max(farthest, std::abs(off));
+    };
+    const auto report = bench.pass(path, StreamMode::position);
+    const auto told = report.fault ? report.fault->kind : FaultKind::asked;
+    ASSERT_TRUE(!report.fault || told == FaultKind::slow_bus || told == FaultKind::starved)
+        << report.fault->message;
+    ASSERT_LT(farthest, 0.2);
+    if (report.fault) continue;
+    for (const auto& axis : report.axes) ASSERT_LT(axis.largest, 0.5);
   }
 }
 

@@ -364,20 +364,24 @@ double PathStream::Runner::planned_position(std::size_t axis) const {
 }
 
 // How much faster than planned an axis must be, to be at the end of its leg in time. An axis that
-// is hardly moved by a leg may be off by more than its way.
-double PathStream::Runner::pace(const CourseLeg& leg, double speed, std::size_t axis) {
+// is hardly moved by a leg may be off by more than its way: with a ramp it comes back to its end
+// then, but on an even leg it goes on, and has to become slower.
+double PathStream::Runner::pace(const Passage& passage, double speed, std::size_t axis) {
+  const auto& leg = passage.leg;
   let_twin_run(axis, now_);
   clock_.advance(now_);
   const double begin = course_.at(leg.begin).position[axis];
   const double planned = planned_position(axis);
   const double is = expected_of_twin(axis) / axes_[axis].info.microsteps_per_unit;
-  const double part = std::abs(1 + (planned - is) / (leg.axis[axis].target - begin));
+  const double needed = 1 + (planned - is) / (leg.axis[axis].target - begin);
+  const double part = passage.drive == Drive::evenly ? needed : std::abs(needed);
   const double slow = options_.even_within / seconds(look_interval);
   return std::clamp(part, slowest_part, std::max(fastest_part, 1 + slow / speed));
 }
 
-std::int32_t PathStream::Runner::velocity_in(const CourseLeg& leg, double speed, std::size_t axis) {
-  return in_units(axis, speed * pace(leg, speed, axis), axes_[axis].info.units.velocity);
+std::int32_t PathStream::Runner::velocity_in(const Passage& passage, double speed,
+                                             std::size_t axis) {
+  return in_units(axis, speed * pace(passage, speed, axis), axes_[axis].info.units.velocity);
 }
 
 PathStream::Runner::Ramps PathStream::Runner::no_ramps(std::size_t axis) const {
@@ -385,12 +389,20 @@ PathStream::Runner::Ramps PathStream::Runner::no_ramps(std::size_t axis) const {
   return {here.joint_acceleration, here.joint_acceleration, here.info.greatest_stop_velocity};
 }
 
+// With ramps in proportion to such a way, an axis could not brake what the leg before it left.
+bool PathStream::Runner::hardly_moves(const CourseLeg& leg, std::size_t axis) const {
+  const double way = leg.axis[axis].target - course_.at(leg.begin).position[axis];
+  return std::abs(way) <= options_.even_within;
+}
+
 // A leg that is late, or that had a joint before it, has less way left to brake on than planned.
-PathStream::Runner::Ramps PathStream::Runner::ramps_for(const CourseLeg& leg, std::size_t axis) {
+PathStream::Runner::Ramps PathStream::Runner::ramps_for(const Passage& passage, std::size_t axis) {
   const auto& here = axes_[axis];
+  const auto& leg = passage.leg;
   const auto& ramp = leg.axis[axis];
   auto ramps = no_ramps(axis);
-  const double in_time = pace(leg, ramp.vmax, axis);
+  if (hardly_moves(leg, axis)) return ramps;
+  const double in_time = pace(passage, ramp.vmax, axis);
   const double steeper = in_time > fastest_part ? in_time : 1;
   const auto most = std::max(here.joint_acceleration, here.info.greatest_acceleration);
   if (leg.speeds_up) ramps.amax = acceleration_in(axis, ramp.amax * steeper, most);
@@ -423,13 +435,13 @@ Script<PathStream::Runner::Fault> PathStream::Runner::load_axis(const Passage& p
   const auto& [leg, drive, index] = passage;
   const auto& ramp = leg.axis[axis];
   const bool joint_only = drive == Drive::by_ramps_after_joint;
-  auto ramps = drive == Drive::by_ramps ? ramps_for(leg, axis) : no_ramps(axis);
+  auto ramps = drive == Drive::by_ramps ? ramps_for(passage, axis) : no_ramps(axis);
   if (drive == Drive::by_ramps && must_turn(passage, axis)) {
     const auto least = axes_[axis].joint_acceleration;
     ramps.amax = std::max(ramps.amax, least);
     ramps.dmax = std::max(ramps.dmax, least);
   }
-  const auto velocity = velocity_in(leg, joint_only ? ramp.vstart : ramp.vmax, axis);
+  const auto velocity = velocity_in(passage, joint_only ? ramp.vstart : ramp.vmax, axis);
   const auto target = microsteps(axis, target_of(passage, axis));
   auto refused = co_await set_velocity(axis, velocity);
   if (refused) co_return refused;
@@ -475,8 +487,8 @@ Script<PathStream::Runner::Fault> PathStream::Runner::load_ramps(const Passage& 
     auto wrong = co_await check(axis);
     if (!wrong) wrong = asked_to_stop();
     if (wrong) co_return wrong;
-    const auto velocity = velocity_in(passage.leg, ramp.vmax, axis);
-    const auto ramps = ramps_for(passage.leg, axis);
+    const auto velocity = velocity_in(passage, ramp.vmax, axis);
+    const auto ramps = ramps_for(passage, axis);
     wrong = co_await set_braking(axis, ramps);
     if (!wrong) wrong = co_await set(axis, ap::max_acceleration, ramps.amax);
     if (!wrong) wrong = co_await set_velocity(axis, velocity);

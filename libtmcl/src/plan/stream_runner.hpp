@@ -149,6 +149,7 @@ class PathStream::Runner {
   Script<Fault> start_ramps();
   Script<Fault> pause_between(const CourseLeg& next);
   Script<Fault> watch_until(TimePoint due);
+  bool hardly_moves(const CourseLeg& leg, std::size_t axis) const;
   bool must_turn(const Passage& passage, std::size_t axis) const;
   double target_of(const Passage& passage, std::size_t axis) const;
   bool leads_on(const CourseLeg& leg, const CourseLeg& next, std::size_t axis) const;
@@ -165,10 +166,10 @@ class PathStream::Runner {
   Fault fault_of_axes() const;
   Script<Fault> fit_legs_to_bus();
   std::size_t commands_of(std::size_t leg) const;
-  double pace(const CourseLeg& leg, double speed, std::size_t axis);
-  std::int32_t velocity_in(const CourseLeg& leg, double speed, std::size_t axis);
+  double pace(const Passage& passage, double speed, std::size_t axis);
+  std::int32_t velocity_in(const Passage& passage, double speed, std::size_t axis);
   Ramps no_ramps(std::size_t axis) const;
-  Ramps ramps_for(const CourseLeg& leg, std::size_t axis);
+  Ramps ramps_for(const Passage& passage, std::size_t axis);
   template <class Unit>
   std::int32_t in_units(std::size_t axis, double value, Unit unit,
                         std::int32_t most = std::numeric_limits<std::int32_t>::max()) const {
