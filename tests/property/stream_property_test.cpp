@@ -90,22 +90,6 @@ Scene random_scene(Random& random) {
   return scene;
 }
 
-// How far a point is from the lines of a path that begins at (0, 0).
-double off(const path_file::Path& path, double x, double y) {
-  double nearest = std::hypot(x, y);
-  path_file::Point from{};
-  for (const auto& element : path.elements) {
-    const auto* line = std::get_if<path_file::LineTo>(&element);
-    if (line == nullptr) continue;
-    const double dx = line->target[0] - from[0], dy = line->target[1] - from[1];
-    const double along = ((x - from[0]) * dx + (y - from[1]) * dy) / (dx * dx + dy * dy);
-    const double part = std::clamp(along, 0.0, 1.0);
-    nearest = std::min(nearest, std::hypot(from[0] + part * dx - x, from[1] + part * dy - y));
-    from = line->target;
-  }
-  return nearest;
-}
-
 bool sets_off(const StreamCommand& command) {
   return (command.kind == Kind::rotate && command.value != 0) || command.kind == Kind::move_to;
 }
@@ -119,7 +103,7 @@ class Play {
     before_ = settings();
     bench_.instead = [this](const StreamCommand& command) { return disturb(command); };
     bench_.every_ms = [this] {
-      farthest_ = std::max(farthest_, off(scene_.path, bench_.mm(0), bench_.mm(1)));
+      farthest_ = std::max(farthest_, test::off(scene_.path, bench_.mm(0), bench_.mm(1)));
       if (++ms_ > 200'000) throw std::runtime_error("it does not end");
       if (scene_.trouble == Trouble::pause && ms_ == paused_at_ + 300) bench_.stream().pause(false);
     };

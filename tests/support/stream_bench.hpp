@@ -2,6 +2,8 @@
 /// millisecond the axes are looked at.
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <functional>
 #include <optional>
 #include <string>
@@ -138,5 +140,21 @@ class StreamBench {
   TimePoint looked_at_{};
   std::optional<PathStream> stream_;
 };
+
+/// How far a point is from the lines of a path that begins at (0, 0).
+inline double off(const path_file::Path& path, double x, double y) {
+  double nearest = std::hypot(x, y);
+  path_file::Point from{};
+  for (const auto& element : path.elements) {
+    const auto* line = std::get_if<path_file::LineTo>(&element);
+    if (line == nullptr) continue;
+    const double dx = line->target[0] - from[0], dy = line->target[1] - from[1];
+    const double along = ((x - from[0]) * dx + (y - from[1]) * dy) / (dx * dx + dy * dy);
+    const double part = std::clamp(along, 0.0, 1.0);
+    nearest = std::min(nearest, std::hypot(from[0] + part * dx - x, from[1] + part * dy - y));
+    from = line->target;
+  }
+  return nearest;
+}
 
 }  // namespace tmcl::plan::test

@@ -254,22 +254,6 @@ TEST_P(BothModes, CornersStayWithinTheirTolerance) {
   expect_as_before();
 }
 
-// How far a point is from the lines of a path that begins at (0, 0).
-double off(const path_file::Path& path, double x, double y) {
-  double nearest = std::hypot(x, y);
-  path_file::Point from{};
-  for (const auto& element : path.elements) {
-    const auto* line = std::get_if<path_file::LineTo>(&element);
-    if (line == nullptr) continue;
-    const double dx = line->target[0] - from[0], dy = line->target[1] - from[1];
-    const double along = ((x - from[0]) * dx + (y - from[1]) * dy) / (dx * dx + dy * dy);
-    const double part = std::clamp(along, 0.0, 1.0);
-    nearest = std::min(nearest, std::hypot(from[0] + part * dx - x, from[1] + part * dy - y));
-    from = line->target;
-  }
-  return nearest;
-}
-
 TEST_P(BothModes, WhereThePathTurnsBackTheAxesDoToo) {
   path_file::Path path{{"X", "Y"}, {}, {}};
   path.elements = {path_file::LineTo{{5, 0}, 20.0, {}, 1}, path_file::LineTo{{1, 0}, 20.0, {}, 2}};
@@ -290,7 +274,9 @@ TEST_P(BothModes, AShortLegIsNoReasonToGoBeyondAJoint) {
                    path_file::LineTo{{-2.108, 5.3}, {}, {}, 3}};
   bench.round_trip = microseconds(1101);
   double farthest = 0;
-  bench.every_ms = [&] { farthest = std::max(farthest, off(path, bench.mm(0), bench.mm(1))); };
+  bench.every_ms = [&] {
+    farthest = std::max(farthest, test::off(path, bench.mm(0), bench.mm(1)));
+  };
   const auto report = bench.pass(path, GetParam());
   ASSERT_FALSE(report.fault) << report.fault->message;
   EXPECT_LT(farthest, 0.2);
@@ -325,7 +311,9 @@ TEST_P(BothModes, AxesThatAreSlowForThePathStayOnIt) {
     Bench slow;
     slow.limit(5, limit);
     double farthest = 0;
-    slow.every_ms = [&] { farthest = std::max(farthest, off(*path, slow.mm(0), slow.mm(1))); };
+    slow.every_ms = [&] {
+      farthest = std::max(farthest, test::off(*path, slow.mm(0), slow.mm(1)));
+    };
     const auto report = slow.pass(*path, GetParam());
     ASSERT_FALSE(report.fault) << report.fault->message;
     RecordProperty(fmt::format("farthest_um_{}", limit), std::to_string(farthest * 1e3));
