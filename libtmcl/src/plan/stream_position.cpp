@@ -276,7 +276,8 @@ Script<PathStream::Runner::Fault> PathStream::Runner::by_position() {
   for (std::size_t i = 0; i < course_.legs(); ++i) {
     const auto here = passage(i);
     clock_.advance(now_);
-    const auto due = now_ + duration(here.leg.begin - clock_.passed()) - early_by(here);
+    const auto early = early_by(here);
+    const auto due = now_ + duration(here.leg.begin - clock_.passed()) - early;
     if (i > 0) wrong = co_await watch_until(due);
     if (!wrong) wrong = asked_to_stop();
     if (!wrong && i > 0)
@@ -284,7 +285,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::by_position() {
     if (!wrong) wrong = co_await pause_between(here.leg);
     if (wrong) co_return wrong;
     clock_.advance(now_);
-    if (i > 0 && early_by(here) < lead_of(i)) clock_.pause(true);  // at rest, until it is loaded
+    if (i > 0 && early < lead_of(i)) clock_.pause(true);  // at rest, until it is loaded
     wrong = co_await load(here);
     if (wrong) co_return wrong;
     ++report_.updates;
