@@ -4,14 +4,21 @@
 
 #include <asm/ioctls.h>
 #include <asm/termbits.h>
+#include <fcntl.h>
 #include <gmock/gmock.h>
 #include <linux/can.h>
 #include <linux/can/error.h>
+#include <netinet/in.h>
 #include <poll.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/time.h>
 #include <unistd.h>
 
+#include <csignal>
+
+#include "support/other_user.hpp"
 #include "support/program.hpp"
 #include "support/pty.hpp"
 
@@ -82,6 +89,23 @@ TEST(SerialLink, ASecondOpenerLearnsWhoHoldsThePort) {
                 HasSubstr("in use by unit_tests (process " + std::to_string(getpid()) + ")"));
   }
   EXPECT_TRUE(Link::open(name)) << "the port stayed locked";
+}
+
+TEST(SerialLink, CanBeOpenedAgainWhileSomebodyElseHasThePortOpen) {
+  const test::Pty pty;
+  ASSERT_EQ(chmod(pty.path().c_str(), 0666), 0);
+  const int bystander = open(pty.path().c_str(), O_RDWR | O_NOCTTY | O_CLOEXEC);
+  ASSERT_GE(bystander, 0);
+  const auto name = "serial:" + pty.path() + "@115200";
+  const auto told = test::told_by_other_user([&] {
+    for (int round = 0; round < 3; ++round) {
+      const auto link = Link::open(name);
+      if (!link) return describe(link.error());
+    }
+    return std::string("opened each time");
+  });
+  EXPECT_EQ(told, "opened each time");
+  close(bystander);
 }
 
 TEST(SerialLink, AHangUpIsALostLink) {

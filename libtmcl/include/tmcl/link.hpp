@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -79,6 +80,8 @@ class Link {
   friend Result<Link> open_tcp(const TcpName&, const std::string&, const LinkOptions&);
 
   int descriptor_ = -1;
+  /// What keeps other programs off the port; undone before the descriptor is closed.
+  std::shared_ptr<void> lock_;
   Framing framing_ = Framing::serial;
   std::string name_;
   Duration wire_time_{};

@@ -39,6 +39,17 @@ tl::unexpected<Error> cannot_open(const std::string& link, const std::string& wh
   return tl::unexpected(std::move(error));
 }
 
+tl::unexpected<Error> busy(const std::string& link, const std::string& holder) {
+  return tl::unexpected(
+      Error{Errc::link_busy,
+            Outcome::not_sent,
+            link + " is in use by " + (holder.empty() ? "another program" : holder),
+            "end that program, or let tmcld own the port and share it",
+            link,
+            {},
+            {}});
+}
+
 Result<Link> Link::open(std::string_view name, const LinkOptions& options) {
   return parse_link_name(name).and_then(
       [&](const LinkName& parsed) { return open(parsed, options); });
@@ -65,6 +76,7 @@ Link::Link(int descriptor, Framing framing, std::string name)
 
 Link::Link(Link&& other) noexcept
     : descriptor_(std::exchange(other.descriptor_, -1)),
+      lock_(std::move(other.lock_)),
       framing_(other.framing_),
       name_(std::move(other.name_)),
       wire_time_(other.wire_time_),
@@ -73,6 +85,7 @@ Link::Link(Link&& other) noexcept
 
 Link& Link::operator=(Link&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
+  std::swap(lock_, other.lock_);
   framing_ = other.framing_;
   std::swap(name_, other.name_);
   wire_time_ = other.wire_time_;
@@ -82,6 +95,7 @@ Link& Link::operator=(Link&& other) noexcept {
 }
 
 Link::~Link() {
+  lock_.reset();
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 

@@ -15,6 +15,9 @@ Result<Link> open_tcp(const TcpName& name, const std::string& text, const LinkOp
 /// "cannot open serial:/dev/ttyACM0@9600: No such file or directory"
 tl::unexpected<Error> cannot_open(const std::string& link, const std::string& why,
                                   const std::string& hint);
+/// "serial:/dev/ttyACM0@9600 is in use by tmcld (process 4711)"; the holder may be unknown, and
+/// empty then.
+tl::unexpected<Error> busy(const std::string& link, const std::string& holder);
 /// What the system says about an errno.
 std::string system_text(int error);
 

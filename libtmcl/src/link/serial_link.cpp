@@ -45,16 +45,11 @@ void prefer_low_latency(int descriptor) {
   ioctl(descriptor, TIOCSSERIAL, &settings);
 }
 
-tl::unexpected<Error> busy(const std::string& device, const std::string& link) {
-  const auto holder = holder_of(device);
-  const auto by = holder.empty() ? std::string("another program") : holder;
-  return tl::unexpected(Error{Errc::link_busy,
-                              Outcome::not_sent,
-                              link + " is in use by " + by,
-                              "end that program, or let tmcld own the port and share it",
-                              link,
-                              {},
-                              {}});
+/// Lets no program open the terminal that is not root's. That stays with the terminal, not with the
+/// descriptor, for as long as anybody has it open: it must be undone.
+std::shared_ptr<void> keep_others_out(int descriptor) {
+  ioctl(descriptor, TIOCEXCL);
+  return {nullptr, [descriptor](std::nullptr_t) { ioctl(descriptor, TIOCNXCL); }};
 }
 
 std::string hint_for(int error) {
@@ -68,7 +63,7 @@ std::string hint_for(int error) {
 
 Result<Link> open_serial(const SerialName& name, const std::string& text) {
   const int descriptor = ::open(name.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
-  if (descriptor < 0 && errno == EBUSY) return busy(name.device, text);
+  if (descriptor < 0 && errno == EBUSY) return busy(text, holder_of(name.device));
   if (descriptor < 0) return cannot_open(text, system_text(errno), hint_for(errno));
   Link link(descriptor, Framing::serial, text);
   // The lock stops programs that look for it, whoever runs them; TIOCEXCL stops all that are not
@@ -76,11 +71,11 @@ Result<Link> open_serial(const SerialName& name, const std::string& text) {
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
     // Closed first, so that the search for the holder does not find this very program.
     { const Link closed = std::move(link); }
-    return busy(name.device, text);
+    return busy(text, holder_of(name.device));
   }
   if (!make_raw(descriptor, name.baud))
     return cannot_open(text, system_text(errno), hint_for(errno));
-  ioctl(descriptor, TIOCEXCL);
+  link.lock_ = keep_others_out(descriptor);
   prefer_low_latency(descriptor);
   ioctl(descriptor, TCFLSH, TCIOFLUSH);
   link.wire_time_ = std::chrono::nanoseconds(std::chrono::seconds(1)) *
