@@ -43,9 +43,10 @@ using CanInput = std::variant<CanFrame, CanCondition>;
 class Link {
  public:
   /// Opens what the name says. May block (name resolution, connecting), so a program with a reactor
-  /// calls it on another thread. Errors: Errc::bad_argument for a bad name; Errc::link_busy, naming
-  /// the program that holds the port where it can be found; Errc::link_open_failed with what the
-  /// system said and what to try.
+  /// calls it on another thread. A serial port is for one program of this computer at a time, a CAN
+  /// interface for one with each reply identifier. Errors: Errc::bad_argument for a bad name;
+  /// Errc::link_busy, naming the program that holds the port where it can be found;
+  /// Errc::link_open_failed with what the system said and what to try.
   static Result<Link> open(std::string_view name, const LinkOptions& options = {});
   static Result<Link> open(const LinkName& name, const LinkOptions& options = {});
   /// Takes over a descriptor: a stream of bytes, or datagrams that each carry one struct can_frame.

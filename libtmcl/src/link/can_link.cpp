@@ -10,6 +10,7 @@
 #include <unistd.h>
 
 #include "link/can_condition.hpp"
+#include "link/can_lock.hpp"
 #include "link/opening.hpp"
 
 namespace tmcl {
@@ -43,6 +44,11 @@ std::string controller_state(std::uint8_t bits) {
   if ((bits & (CAN_ERR_CRTL_RX_WARNING | CAN_ERR_CRTL_TX_WARNING)) != 0) return "error-warning";
   if ((bits & (CAN_ERR_CRTL_RX_OVERFLOW | CAN_ERR_CRTL_TX_OVERFLOW)) != 0) return "overflow";
   return "error-active";
+}
+
+tl::unexpected<Error> refused(const std::string& link, const CanLockRefusal& refusal) {
+  if (refusal.system_error == 0) return busy(link, refusal.holder);
+  return cannot_open(link, "it cannot be locked: " + system_text(refusal.system_error), "");
 }
 
 }  // namespace
@@ -81,6 +87,9 @@ Result<Link> open_can(const CanName& name, const std::string& text, const LinkOp
       bind(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
     return cannot_open(text, system_text(errno), "is " + name.interface + " a CAN interface?");
   }
+  auto lock = lock_can_replies({index, options.can_reply_id, options.can_extended});
+  if (!lock) return refused(text, lock.error());
+  link.lock_ = std::move(*lock);
   return link;
 }
 

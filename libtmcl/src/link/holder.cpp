@@ -2,6 +2,7 @@
 
 #include <sys/stat.h>
 #include <sys/sysmacros.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <cctype>
@@ -60,6 +61,8 @@ std::optional<std::string> process_with_file(const std::string& device) {
 }
 
 }  // namespace
+
+std::string this_process() { return describe_process(std::to_string(getpid())); }
 
 std::string holder_of(const std::string& device) {
   auto process = process_with_lock(device);

@@ -1,0 +1,31 @@
+/// Who may ask on a CAN interface of this computer and take the replies: one program for each reply
+/// identifier. Two of them would take each other's replies for their own, and nothing in a reply
+/// tells them apart.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include <tl/expected.hpp>
+
+namespace tmcl {
+
+struct CanReplies {
+  unsigned interface_index = 0;
+  std::uint32_t id = 0;
+  bool extended = false;
+};
+
+struct CanLockRefusal {
+  /// 0: another program has it.
+  int system_error = 0;
+  /// "tmcld (process 4711)"; empty if it cannot be told.
+  std::string holder{};
+};
+
+/// Held until the last copy of the pointer is gone, at the latest until the process ends. Programs
+/// of every user see it, in the network that the interface is in.
+tl::expected<std::shared_ptr<void>, CanLockRefusal> lock_can_replies(const CanReplies& replies);
+
+}  // namespace tmcl
