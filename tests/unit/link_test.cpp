@@ -120,6 +120,71 @@ TEST(SerialLink, AHangUpIsALostLink) {
   EXPECT_EQ(count.error().code, Errc::link_lost);
 }
 
+/// Listens, but has as many callers as it takes already: whoever calls now waits.
+class BusyListener {
+ public:
+  BusyListener() : listener_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    address_.sin_family = AF_INET;
+    address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address_;
+    const bool listens =
+        bind(listener_, reinterpret_cast<const sockaddr*>(&address_), sizeof address_) == 0 &&
+        listen(listener_, 0) == 0 &&
+        getsockname(listener_, reinterpret_cast<sockaddr*>(&address_), &size) == 0;
+    if (!listens) throw std::runtime_error("cannot listen");
+    for (auto& caller : callers_) {
+      caller = socket(AF_INET, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
+      connect(caller, reinterpret_cast<const sockaddr*>(&address_), sizeof address_);
+    }
+  }
+  BusyListener(const BusyListener&) = delete;
+  BusyListener& operator=(const BusyListener&) = delete;
+  ~BusyListener() {
+    for (const int caller : callers_) close(caller);
+    close(listener_);
+  }
+  std::string link() const { return "tcp:127.0.0.1:" + std::to_string(ntohs(address_.sin_port)); }
+
+ private:
+  int listener_;
+  sockaddr_in address_{};
+  std::array<int, 4> callers_{};
+};
+
+/// A signal every few milliseconds, whose handler does nothing.
+class Signals {
+ public:
+  Signals() {
+    struct sigaction action {};
+    action.sa_handler = [](int) {};
+    sigaction(SIGALRM, &action, &before_);
+    const itimerval often{{0, 5'000}, {0, 5'000}};
+    setitimer(ITIMER_REAL, &often, nullptr);
+  }
+  Signals(const Signals&) = delete;
+  Signals& operator=(const Signals&) = delete;
+  ~Signals() {
+    const itimerval never{};
+    setitimer(ITIMER_REAL, &never, nullptr);
+    sigaction(SIGALRM, &before_, nullptr);
+  }
+
+ private:
+  struct sigaction before_ {};
+};
+
+TEST(TcpLink, SignalsDoNotMakeItOpen) {
+  const BusyListener listener;
+  constexpr auto patience = std::chrono::milliseconds(200);
+  const auto began = RealClock().now();
+  const Signals signals;
+  const auto link = Link::open(listener.link(), {.connect_timeout = patience});
+  ASSERT_FALSE(link);
+  EXPECT_EQ(link.error().code, Errc::link_open_failed);
+  EXPECT_THAT(link.error().message, HasSubstr("timed out"));
+  EXPECT_GE(RealClock().now() - began, patience);
+}
+
 TEST(MemoryLink, JoinsTwoEnds) {
   auto ends = Link::memory_pair(Framing::serial);
   ASSERT_TRUE(ends);

@@ -27,7 +27,7 @@ struct LinkOptions {
   std::uint32_t can_reply_id = default_can_reply_id;
   /// CAN: use 29-bit identifiers.
   bool can_extended = false;
-  /// TCP: how long connecting may take.
+  /// TCP: how long connecting may take, to all addresses of the host together.
   Duration connect_timeout = std::chrono::seconds(3);
 };
 

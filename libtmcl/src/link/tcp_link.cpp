@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <memory>
@@ -15,17 +16,34 @@ namespace {
 
 using AddressList = std::unique_ptr<addrinfo, decltype(&freeaddrinfo)>;
 
-/// 0, or the errno of a connection attempt that may take until `patience` is over.
-int connect_within(int descriptor, const addrinfo& address, Duration patience) {
+/// 0 when the descriptor can be written to, or an errno. Signals do not end the wait.
+int wait_for_room(int descriptor, TimePoint deadline) {
+  pollfd waiting{descriptor, POLLOUT, 0};
+  while (true) {
+    const auto left = std::max(Duration{}, deadline - RealClock().now());
+    const auto timeout = std::chrono::ceil<std::chrono::milliseconds>(left).count();
+    const int ready = poll(&waiting, 1, static_cast<int>(timeout));
+    if (ready > 0) return 0;
+    if (ready == 0) return ETIMEDOUT;
+    if (errno != EINTR) return errno;
+  }
+}
+
+/// 0, or the errno of a connection attempt.
+int connect_until(TimePoint deadline, int descriptor, const addrinfo& address) {
   if (connect(descriptor, address.ai_addr, address.ai_addrlen) == 0) return 0;
   if (errno != EINPROGRESS) return errno;
-  pollfd waiting{descriptor, POLLOUT, 0};
-  const auto timeout = std::chrono::ceil<std::chrono::milliseconds>(patience).count();
-  if (poll(&waiting, 1, static_cast<int>(timeout)) == 0) return ETIMEDOUT;
+  if (const int failure = wait_for_room(descriptor, deadline); failure != 0) return failure;
   int error = 0;
   socklen_t size = sizeof error;
-  getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size);
+  if (getsockopt(descriptor, SOL_SOCKET, SO_ERROR, &error, &size) != 0) return errno;
   return error;
+}
+
+int count(const addrinfo& first) {
+  int addresses = 0;
+  for (const auto* address = &first; address != nullptr; address = address->ai_next) ++addresses;
+  return addresses;
 }
 
 void prefer_speed_and_notice_death(int descriptor) {
@@ -46,7 +64,12 @@ Result<Link> open_tcp(const TcpName& name, const std::string& text, const LinkOp
   const AddressList addresses(first, &freeaddrinfo);
 
   int error = 0;
+  const auto end = RealClock().now() + options.connect_timeout;
+  auto untried = count(*addresses);
   for (const auto* address = addresses.get(); address != nullptr; address = address->ai_next) {
+    // One that does not answer leaves the others their share.
+    const auto now = RealClock().now();
+    const auto deadline = now + (end - now) / untried--;
     const int descriptor =
         socket(address->ai_family, SOCK_STREAM | SOCK_NONBLOCK | SOCK_CLOEXEC, 0);
     if (descriptor < 0) {
@@ -54,7 +77,7 @@ Result<Link> open_tcp(const TcpName& name, const std::string& text, const LinkOp
       continue;
     }
     Link link(descriptor, Framing::serial, text);
-    error = connect_within(descriptor, *address, options.connect_timeout);
+    error = connect_until(deadline, descriptor, *address);
     if (error != 0) continue;
     prefer_speed_and_notice_death(descriptor);
     return link;
