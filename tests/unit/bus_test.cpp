@@ -2,11 +2,14 @@
 
 #include "tmcl/bus.hpp"
 
+#include <fcntl.h>
 #include <gmock/gmock.h>
+#include <sys/socket.h>
 
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
@@ -120,6 +123,36 @@ TEST(AsioBus, ClosingItEndsWhatIsInProgress) {
     EXPECT_EQ(moved.error().code, Errc::link_lost);
     EXPECT_EQ(moved.error().outcome, Outcome::unknown);
   });
+}
+
+Script<Result<void>> wait_for(Duration time) {
+  co_await pause(time);
+  co_return Result<void>{};
+}
+
+TEST(AsioBus, TheLinkCanBeOpenedAgainAsSoonAsItIsClosed) {
+  const test::Pty pty;
+  run([&](asio::io_context& context) -> asio::awaitable<void> {
+    Bus bus(context.get_executor(), open(pty));
+    // A verb that knows nothing of it yet, and keeps what it needs.
+    asio::co_spawn(context, bus.run(wait_for(50ms)), asio::detached);
+    asio::co_spawn(context, bus.module(ModuleAddress{1}).axis(0).position(), asio::detached);
+    co_await asio::post(context, asio::use_awaitable);
+    bus.close();
+    const auto again = Link::open("serial:" + pty.path() + "@115200");
+    EXPECT_TRUE(again) << describe(again.error());
+    bus.close();
+  });
+}
+
+TEST(BlockingBus, ALostLinkLetsGoOfThePort) {
+  int ends[2];
+  ASSERT_EQ(socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends), 0);
+  const auto far = Link::adopt(ends[1], Framing::serial, "far");
+  blocking::Bus bus(Link::adopt(ends[0], Framing::serial, "near"));
+  shutdown(ends[1], SHUT_WR);
+  EXPECT_FALSE(bus.module(ModuleAddress{1}).axis(0).position());
+  EXPECT_EQ(fcntl(ends[0], F_GETFD), -1);
 }
 
 TEST(AsioBus, ALostLinkIsAnEvent) {

@@ -75,6 +75,7 @@ class Bus::State {
         [this](const BusEvent& event) {
           if (on_event) on_event(event);
         });
+    if (!core_.is_open()) core_.drop_link();
   }
 
   RealClock clock_;

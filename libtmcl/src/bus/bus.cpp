@@ -26,7 +26,9 @@ class Bus::State : public std::enable_shared_from_this<State> {
         timer_(executor) {}
 
   // The link closes the descriptor, not Asio.
-  ~State() { readiness_.release(); }
+  ~State() {
+    if (readiness_.is_open()) readiness_.release();
+  }
 
   void start() { await_input(); }
 
@@ -121,9 +123,17 @@ class Bus::State : public std::enable_shared_from_this<State> {
       await_room();
       await_deadline();
     } else {
-      readiness_.cancel();
-      timer_.cancel();
+      let_go();
     }
+  }
+
+  /// Verbs that have not ended yet keep this object alive, but not the link.
+  void let_go() {
+    timer_.cancel();
+    if (!readiness_.is_open()) return;
+    // Waits for the descriptor end here: the reactor does not know it any more, and it can go.
+    readiness_.release();
+    core_.drop_link();
   }
 
   void settle(engine::Completion completion) {

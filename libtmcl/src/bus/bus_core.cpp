@@ -52,6 +52,7 @@ void BusCore::read_frames(TimePoint now) {
 }
 
 void BusCore::on_writable(TimePoint now) {
+  if (!open_) return;
   const auto count = link_.write(unwritten_);
   if (!count) return close(count.error().message);
   unwritten_ = unwritten_.subspan(*count);

@@ -23,8 +23,10 @@ class BusCore {
 
   void on_readable(TimePoint now);
   void on_writable(TimePoint now);
-  /// Ends everything in progress; the descriptor stays open until destruction.
+  /// Ends everything in progress; the descriptor stays open, because somebody may wait on it.
   void close(const std::string& why);
+  /// Closes the descriptor, so that the link can be opened again at once.
+  void drop_link() { const Link closed = std::move(link_); }
 
   /// Does what the engine wants done: writes go to the link, the rest to the two sinks.
   void run_actions(TimePoint now, const std::function<void(engine::Completion)>& on_completion,
