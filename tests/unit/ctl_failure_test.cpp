@@ -81,6 +81,8 @@ TEST(CtlNames, AnAxisWithoutANameIsAddressAndMotor) {
   for (const auto* bad : {"x", "1", "1/", "/0", "1/0/0", "2048/0", "-1/0", "1/256", ""}) {
     EXPECT_EQ(parse_axis_address(bad).error().exit, ExitCode::usage) << bad;
   }
+  for (const auto* beyond : {"2048/0", "70000/0", "1/256"})
+    EXPECT_THAT(parse_axis_address(beyond).error().hint, HasSubstr("from 0 to 2047")) << beyond;
 }
 
 TEST(CtlNames, AParameterIsANumberANameOrAnAlias) {

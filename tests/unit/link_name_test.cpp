@@ -32,6 +32,8 @@ TEST(LinkName, WhatIsWrongIsNamed) {
   EXPECT_THAT(message("serial:/dev/x@49"), HasSubstr("baud rate"));
   EXPECT_THAT(message("can:"), HasSubstr("interface is missing"));
   EXPECT_THAT(message("can:a-name-that-is-too-long"), HasSubstr("15 characters"));
+  EXPECT_THAT(message("can:vcan0@500000"),
+              HasSubstr("`ip link set vcan0 type can bitrate 500000`"));
   EXPECT_THAT(message("tcp:host"), HasSubstr("port is missing"));
   EXPECT_THAT(message("tcp:host:0"), HasSubstr("1 to 65535"));
   EXPECT_THAT(message("tcp::4001"), HasSubstr("host is missing"));

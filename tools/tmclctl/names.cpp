@@ -24,6 +24,7 @@ std::optional<Integer> parse_whole(std::string_view text) {
 }
 
 constexpr std::uint16_t greatest_address = 2047;
+constexpr std::uint8_t greatest_motor = 255;
 
 using Tables = std::vector<std::span<const tmcl::ParameterInfo>>;
 
@@ -77,16 +78,25 @@ class Common {
   std::vector<tmcl::ParameterInfo> rows_;
 };
 
+Failure beyond(std::string_view axis) {
+  return usage_failure("unknown_axis", fmt::format("'{}' is no axis", axis),
+                       fmt::format("Modules have addresses from 0 to {}, and motors numbers from 0 "
+                                   "to {}",
+                                   greatest_address, greatest_motor));
+}
+
 }  // namespace
 
 Attempt<tmcl::AxisAddress> parse_axis_address(std::string_view text) {
   const auto slash = text.find('/');
   if (slash != std::string_view::npos) {
-    const auto address = parse_whole<std::uint16_t>(text.substr(0, slash));
-    const auto motor = parse_whole<std::uint8_t>(text.substr(slash + 1));
-    if (address && motor && *address <= greatest_address) {
-      return tmcl::AxisAddress{tmcl::ModuleAddress{*address}, *motor};
+    const auto address = parse_whole<std::uint32_t>(text.substr(0, slash));
+    const auto motor = parse_whole<std::uint32_t>(text.substr(slash + 1));
+    if (address && motor && *address <= greatest_address && *motor <= greatest_motor) {
+      return tmcl::AxisAddress{tmcl::ModuleAddress{static_cast<std::uint16_t>(*address)},
+                               static_cast<std::uint8_t>(*motor)};
     }
+    if (address && motor) return tl::unexpected(beyond(text));
   }
   return tl::unexpected(usage_failure("unknown_axis", fmt::format("'{}' is no axis", text),
                                       "With --direct an axis is ADDRESS/MOTOR, such as 1/0 for "

@@ -73,12 +73,14 @@ Result<Link> open_can(const CanName& name, const std::string& text, const LinkOp
   const unsigned index = if_nametoindex(name.interface.c_str());
   if (index == 0) {
     return cannot_open(text, "there is no interface " + name.interface,
-                       "`ip -brief link show type can` lists them");
+                       "`ip -brief link show type can` lists controllers, and with `type vcan` "
+                       "virtual ones");
   }
   if (!is_up(descriptor, name.interface)) {
-    return cannot_open(
-        text, "the interface is down",
-        "bring it up: `ip link set " + name.interface + " up type can bitrate 1000000`");
+    return cannot_open(text, "the interface is down",
+                       "bring it up: `ip link set " + name.interface +
+                           " up`; a controller needs its bit rate first: `ip link set " +
+                           name.interface + " type can bitrate 1000000`");
   }
   sockaddr_can address{};
   address.can_family = AF_CAN;
