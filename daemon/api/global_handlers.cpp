@@ -1,4 +1,5 @@
 // Global parameters, ports, and what else concerns a module as a whole.
+#include "api/can_identifiers.hpp"
 #include "api/handlers.hpp"
 #include "api/module_choice.hpp"
 #include "api/suggest.hpp"
@@ -88,6 +89,10 @@ Answer set_global(Call& call) {
   if (auto complaint = check_range(choice->row, value, "value"))
     co_return tl::unexpected(std::move(*complaint));
   const auto& module = choice->module;
+  const tmcl::Request request{module.address, tmcl::Command::SGP, choice->number, choice->bank,
+                              value};
+  if (auto conflict = identifier_conflict(*module.bus, request))
+    co_return tl::unexpected(std::move(*conflict));
   auto done = co_await run_on(
       module, call, tmcl::verbs::set_global(module.address, choice->bank, choice->number, value));
   if (!done) co_return tl::unexpected(std::move(done.error()));

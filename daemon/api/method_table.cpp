@@ -41,7 +41,8 @@ constexpr std::array scan_params{
               0, 2047}};
 constexpr std::array scan_result{
     ResultInfo{"modules", objects,
-               "bus, address, model, model_number, firmware, axes, duplicate_suspected"},
+               "bus, address, model, model_number, firmware, axes, duplicate_suspected, "
+               "address_is_reply_id"},
     ResultInfo{"failed", objects, "bus and error of each bus that could not be scanned"}};
 constexpr std::array list_modules_result{
     ResultInfo{"modules", objects,

@@ -2,6 +2,7 @@
 
 #include <boost/json/array.hpp>
 
+#include "api/can_identifiers.hpp"
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/state_json.hpp"
@@ -90,6 +91,8 @@ Answer execute(Call& call) {
   if (!bus) co_return tl::unexpected(bus.error());
   const auto request = request_of(call);
   if (!request) co_return tl::unexpected(request.error());
+  if (auto conflict = identifier_conflict(**bus, *request))
+    co_return tl::unexpected(std::move(*conflict));
   const bool stops = effect_of(request->command, request->type) == tmcl::Effect::stops;
   if (stops) revoke_movements(call, **bus, *request);
   tmcl::CallOptions options;

@@ -1,5 +1,7 @@
 #include "api/state_json.hpp"
 
+#include "api/can_identifiers.hpp"
+
 #include <string>
 
 #include <boost/json/value.hpp>
@@ -151,6 +153,7 @@ json::object to_json(const GatewayBus& bus, const tmcl::FoundModule& module) {
   out["address"] = number(module.address);
   add_identity(out, module);
   out["duplicate_suspected"] = module.duplicate_suspected;
+  out["address_is_reply_id"] = has_address_of_replies(bus, module.address);
   return out;
 }
 

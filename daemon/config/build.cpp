@@ -184,6 +184,7 @@ class Builder {
                           quoted(bus->name) +
                           " is no CAN bus: modules there have addresses 0..255");
     }
+    check_reply_id(section, *bus, *address);
     const tmcl::AxisAddress where{tmcl::ModuleAddress{static_cast<std::uint16_t>(*address)},
                                   static_cast<std::uint8_t>(*motor)};
     for (const auto& other : config_.axes) {
@@ -194,6 +195,19 @@ class Builder {
     }
     auto scale = scale_of(section);
     if (name != nullptr) config_.axes.push_back({*name, *bus_name, where, std::move(scale)});
+  }
+
+  void check_reply_id(const ConfigSection& section, const BusConfig& bus, std::int64_t address) {
+    const auto reply_id = bus.link_options.can_reply_id;
+    if (scope_of(bus.link) != LinkScope::can || address != reply_id) return;
+    const auto* name = section.get<std::string>("name");
+    complain(section.place_of("address"),
+             fmt::format("{} has the address {}, but replies on bus '{}' come with the identifier "
+                         "{}: its module would take every reply for a command, and move. Give the "
+                         "module another address (global parameter 71), or all modules of the bus "
+                         "another reply identifier (70) and say so with 'can_reply_id'",
+                         name == nullptr ? "this axis" : "axis " + quoted(*name), address, bus.name,
+                         reply_id));
   }
 
   ScaleConfig scale_of(const ConfigSection& section) {

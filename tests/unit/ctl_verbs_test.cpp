@@ -168,6 +168,16 @@ TEST_F(CtlVerbs, ScanListsAndFlagsDuplicates) {
   EXPECT_THAT(err, HasSubstr("16 of 255"));
 }
 
+TEST_F(CtlVerbs, ScanWarnsOfAModuleThatTakesRepliesForCommands) {
+  target.found.modules = {{"bench", 1, "TMCM-1110", 1110, "1.01", 1, false, ""},
+                          {"bench", 2, "TMCM-1110", 1110, "1.01", 1, false, "", true}};
+  EXPECT_EQ(run({"scan"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("DANGER: its address is the identifier of all replies"));
+  const auto modules = json({"scan"}).at("modules").as_array();
+  EXPECT_EQ(modules.at(0).at("address_is_reply_id"), false);
+  EXPECT_EQ(modules.at(1).at("address_is_reply_id"), true);
+}
+
 TEST_F(CtlVerbs, AnEmptyScanSaysWhatToCheck) {
   EXPECT_EQ(run({"scan"}), ExitCode::done);
   EXPECT_EQ(out, "");

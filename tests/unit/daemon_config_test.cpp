@@ -102,6 +102,22 @@ motor = 5
   EXPECT_EQ(b.link_options.connect_timeout, milliseconds(11));
 }
 
+TEST(DaemonConfig, NoModuleHasTheIdentifierOfTheReplies) {
+  const auto with = [](const std::string& link, const std::string& bus_lines, int address) {
+    return problems("[daemon]\nsocket = \"s\"\n[[bus]]\nname = \"cell\"\nlink = \"" + link +
+                    "\"\n" + bus_lines + "[[axis]]\nname = \"z\"\nbus = \"cell\"\naddress = " +
+                    std::to_string(address) + "\nmotor = 0\n");
+  };
+  EXPECT_THAT(with("can:can0", "", 2),
+              ElementsAre(testing::AllOf(
+                  HasSubstr("f:9:11: axis 'z' has the address 2, but replies on bus "
+                            "'cell' come with the identifier 2"),
+                  HasSubstr("would take every reply for a command"), HasSubstr("'can_reply_id'"))));
+  EXPECT_THAT(with("can:can0", "can_reply_id = 9\n", 9), ElementsAre(HasSubstr("identifier 9")));
+  EXPECT_THAT(with("can:can0", "can_reply_id = 9\n", 2), testing::IsEmpty());
+  EXPECT_THAT(with("serial:/dev/x", "", 2), testing::IsEmpty());
+}
+
 TEST(DaemonConfig, ReadsTheScaleOfAnAxis) {
   const auto plain = parse_config(good);
   ASSERT_TRUE(plain);

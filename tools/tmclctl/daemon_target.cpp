@@ -43,7 +43,8 @@ ModuleRow module_from(const json::object& row) {
           text_at(row, "firmware"),
           integer_at<std::uint8_t>(row, "axes"),
           flag_at(row, "duplicate_suspected"),
-          text_at(row, "state")};
+          text_at(row, "state"),
+          flag_at(row, "address_is_reply_id")};
 }
 
 AxisRow axis_from(const json::object& row) {

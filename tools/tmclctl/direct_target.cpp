@@ -22,7 +22,7 @@ tmcl::Script<tmcl::Result<void>> listen_a_while() {
   co_return tmcl::Result<void>{};
 }
 
-ModuleRow row_of(const tmcl::FoundModule& found, const std::string& bus) {
+ModuleRow row_of(const tmcl::FoundModule& found, const std::string& bus, tmcl::Framing framing) {
   ModuleRow row{bus,
                 number(found.address),
                 std::string(found.model),
@@ -32,6 +32,8 @@ ModuleRow row_of(const tmcl::FoundModule& found, const std::string& bus) {
                 found.duplicate_suspected,
                 {}};
   row.firmware = to_string(found.version);
+  row.address_is_reply_id =
+      framing == tmcl::Framing::can && row.address == tmcl::LinkOptions{}.can_reply_id;
   return row;
 }
 
@@ -76,7 +78,8 @@ Attempt<ScanResult> DirectTarget::scan(ScanRange range, const Progress& progress
   }
   return attempt(bus_.run(tmcl::verbs::scan(options))).map([&](const auto& found) {
     ScanResult result;
-    for (const auto& module : found) result.modules.push_back(row_of(module, bus_.name()));
+    for (const auto& module : found)
+      result.modules.push_back(row_of(module, bus_.name(), framing_));
     return result;
   });
 }

@@ -66,7 +66,11 @@ json::object to_json(const ModuleRow& row) {
                       {"firmware", row.firmware},
                       {"axes", row.axes},
                       {"duplicate_suspected", row.duplicate_suspected}};
-  if (!row.state.empty()) object["state"] = row.state;
+  if (row.state.empty()) {
+    object["address_is_reply_id"] = row.address_is_reply_id;
+  } else {
+    object["state"] = row.state;
+  }
   return object;
 }
 

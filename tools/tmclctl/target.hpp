@@ -30,7 +30,8 @@ struct ModuleRow {
   std::string firmware;
   std::uint8_t axes = 0;
   bool duplicate_suspected = false;
-  std::string state;  ///< Empty after a scan.
+  std::string state;                 ///< Empty after a scan.
+  bool address_is_reply_id = false;  ///< On CAN: it takes every reply for a command.
 };
 
 struct AxisRow {

@@ -89,7 +89,9 @@ Script<Result<ParameterRange>> parameter_range(AxisAddress axis, std::uint8_t pa
 /// Reads a global parameter (GGP).
 Script<Result<std::int32_t>> get_global(ModuleAddress module, std::uint8_t bank,
                                         std::uint8_t parameter);
-/// Sets a global parameter (SGP). Parameters 64 to 127 of bank 0 go straight to the EEPROM.
+/// Sets a global parameter (SGP). Parameters 64 to 127 of bank 0 go straight to the EEPROM. An
+/// identifier on CAN that the module listens to must not be that of its replies (70, and 71 or 83):
+/// the module is asked for the other one first, and Errc::bad_argument is the answer.
 Script<Result<void>> set_global(ModuleAddress module, std::uint8_t bank, std::uint8_t parameter,
                                 std::int32_t value);
 

@@ -95,11 +95,6 @@ Script<Result<std::int32_t>> get_global(ModuleAddress module, std::uint8_t bank,
   return ask({module, Command::GGP, parameter, bank, 0});
 }
 
-Script<Result<void>> set_global(ModuleAddress module, std::uint8_t bank, std::uint8_t parameter,
-                                std::int32_t value) {
-  return act({module, Command::SGP, parameter, bank, value});
-}
-
 Script<Result<Microsteps>> move_to(AxisAddress axis, Microsteps target) {
   const auto started = co_await act(axis_request(axis, Command::MVP, 0, target.value));
   if (!started) co_return tl::unexpected(started.error());

@@ -25,6 +25,15 @@ std::string model_text(const std::string& model, unsigned number) {
   return number != 0 ? fmt::format("unknown ({})", number) : "unknown";
 }
 
+std::string remark_on(const ModuleRow& row) {
+  if (row.address_is_reply_id)
+    return "DANGER: its address is the identifier of all replies, so it takes them for commands "
+           "and "
+           "moves. Give it another address (global parameter 71)";
+  if (row.duplicate_suspected) return "DUPLICATE: several modules seem to answer at this address";
+  return "";
+}
+
 void print_modules(const std::vector<ModuleRow>& rows, bool with_state, std::ostream& out) {
   std::vector<std::string> headings{"BUS", "ADDRESS", "MODEL", "FIRMWARE", "AXES"};
   if (with_state) headings.push_back("STATE");
@@ -35,8 +44,7 @@ void print_modules(const std::vector<ModuleRow>& rows, bool with_state, std::ost
                                    model_text(row.model, row.model_number), row.firmware,
                                    row.axes != 0 ? std::to_string(row.axes) : "?"};
     if (with_state) cells.push_back(row.state);
-    cells.push_back(
-        row.duplicate_suspected ? "DUPLICATE: several modules seem to answer at this address" : "");
+    cells.push_back(remark_on(row));
     table.add(std::move(cells));
   }
   table.print(out);
