@@ -1,6 +1,7 @@
 #include "sim/wire/can_line.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <utility>
 
 #include "sim/bench.hpp"
@@ -12,10 +13,20 @@ namespace {
 
 namespace gp = global_parameter;
 
-constexpr std::uint8_t long_frame = 8;
+constexpr std::uint8_t long_frame = sizeof CanFrame::data;
+// Seven bytes at 1 Mbit/s, stuffing included.
+constexpr auto frame_time = std::chrono::microseconds(125);
+// Modules hold few frames back; what more they would send is lost.
+constexpr std::size_t most_on_the_wire = 64;
 
 std::uint32_t identifier(const Globals& globals, std::uint8_t number) {
   return static_cast<std::uint32_t>(globals.value(number));
+}
+
+bool is_for(const Module& module, const CanFrame& frame) {
+  const auto secondary = identifier(module.globals(), gp::can_secondary_address);
+  return frame.id == identifier(module.globals(), gp::can_id) ||
+         (secondary != 0 && frame.id == secondary);
 }
 
 }  // namespace
@@ -23,46 +34,73 @@ std::uint32_t identifier(const Globals& globals, std::uint8_t number) {
 CanLine::CanLine(Bench& bench, Output output) : Line(bench), output_(std::move(output)) {}
 
 void CanLine::receive(const CanFrame& frame) {
-  const Format format{frame.extended,
-                      frame.length == can_datagram_size ? can_datagram_size : long_frame};
-  auto whole = frame;
-  std::ranges::fill(whole.data.begin() + std::min(frame.length, long_frame), whole.data.end(),
-                    std::uint8_t{0});
-  whole.length = long_frame;
-  const auto request = decode_can_request(whole);
-  if (!request) return;
-  for (const auto& module : bench().modules()) hand_to(*module, frame, *request, format);
+  for (const auto& module : bench().modules()) hear(*module, frame);
 }
 
-void CanLine::hand_to(Module& module, const CanFrame& frame, const Request& request,
-                      Format format) {
+void CanLine::hear(Module& module, const CanFrame& frame) {
+  if (!is_for(module, frame)) return;
+  auto& ear = ears_[&module];
+  std::ranges::copy_n(frame.data.begin(), std::min(frame.length, long_frame), ear.bytes.begin());
+  const Format format{frame.extended,
+                      frame.length == can_datagram_size ? can_datagram_size : long_frame};
+  const auto request = decode_can_request({frame.id, frame.extended, long_frame, ear.bytes});
+  if (!request) return;
+  ear.format = format;
   const auto& globals = module.globals();
   const auto own = identifier(globals, gp::can_id);
   const auto reply_id = identifier(globals, gp::can_reply_id);
-  const auto secondary = identifier(globals, gp::can_secondary_address);
-  const bool addressed = frame.id == own;
-  if (!addressed && (secondary == 0 || frame.id != secondary)) return;
-  last_format_[&module] = format;
-  const auto answer = module.execute(request, Medium::can, *this);
-  if (!addressed || answer.form == Answer::Form::none) return;
+  const auto answer = module.execute(*request, Medium::can, *this);
+  if (frame.id != own || answer.form == Answer::Form::none) return;
   if (answer.form == Answer::Form::version_text) {
     CanFrame text{reply_id, format.extended, format.length, {}};
     std::ranges::copy_n(to_text(module.version()).begin(), format.length, text.data.begin());
-    return output_(text);
+    return send(module, text);
   }
   const Reply ordinary{0, reply_byte(ModuleAddress{static_cast<std::uint16_t>(own)}), answer.status,
-                       request.command, answer.value};
+                       request->command, answer.value};
   const auto reply =
       answer.form == Answer::Form::program_line ? program::memory_reply(answer.line) : ordinary;
-  output_(encode_can(reply, reply_id, format.extended, format.length));
+  send(module, encode_can(reply, reply_id, format.extended, format.length));
 }
 
 void CanLine::target_reached(const Module& module, std::int32_t motors) {
   const auto& globals = module.globals();
-  const auto format = last_format_[&module];
+  const auto format = ears_[&module].format;
   const Reply event{0, globals.byte(gp::can_id), Status::delayed, Command::TARGET_REACHED_EVENT,
                     motors};
-  output_(encode_can(event, identifier(globals, gp::can_reply_id), format.extended, format.length));
+  send(module,
+       encode_can(event, identifier(globals, gp::can_reply_id), format.extended, format.length));
+}
+
+void CanLine::send(const Module& sender, const CanFrame& frame) {
+  if (on_the_wire_.size() >= most_on_the_wire) return;
+  output_(frame);
+  if (!is_heard(sender, frame)) return;
+  const auto now = bench().clock().now();
+  const auto begin = on_the_wire_.empty() ? now : std::max(now, on_the_wire_.back().end);
+  on_the_wire_.push_back({begin + frame_time, &sender, frame});
+}
+
+bool CanLine::is_heard(const Module& sender, const CanFrame& frame) const {
+  return std::ranges::any_of(bench().modules(), [&](const auto& module) {
+    return module.get() != &sender && is_for(*module, frame);
+  });
+}
+
+TimePoint CanLine::next_due() const {
+  return on_the_wire_.empty() ? never : on_the_wire_.front().end;
+}
+
+// What is answered to a frame ends later than now: this ends.
+void CanLine::run_due() {
+  const auto now = bench().clock().now();
+  while (next_due() <= now) {
+    const auto sent = on_the_wire_.front();
+    on_the_wire_.pop_front();
+    for (const auto& module : bench().modules()) {
+      if (module.get() != sent.sender) hear(*module, sent.frame);
+    }
+  }
 }
 
 }  // namespace tmcl::sim

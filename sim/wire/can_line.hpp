@@ -1,7 +1,9 @@
 /// A CAN bus with modules on it.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <unordered_map>
 
@@ -15,6 +17,15 @@ namespace tmcl::sim {
 /// obeys its secondary one (83, unless 0) in silence. Replies go out under the identifier of global
 /// parameter 70, in the format of the request, with seven bytes for seven and otherwise eight.
 ///
+/// What a module sends, the others hear: one whose identifier is that of a reply takes it for a
+/// command, and executes it. So two modules may go on answering each other for ever, at the pace of
+/// the wire.
+///
+/// A frame of less than seven bytes is executed like any other (vendor's open firmware: it copies
+/// the whole buffer of its controller and looks at the length for its answer only). What a
+/// controller leaves in the rest of its buffer is nowhere promised; here it is what the module was
+/// sent before.
+///
 /// As on serial lines, a change of identifiers acts after the reply. The bit rate (69) is kept and
 /// has no effect: that is the interface's.
 class CanLine final : public Line {
@@ -24,11 +35,11 @@ class CanLine final : public Line {
   /// `output` must not destroy the line.
   CanLine(Bench& bench, Output output);
 
-  /// A data frame of the host. Bytes that a short frame lacks count as zero.
+  /// A data frame of the host.
   void receive(const CanFrame& frame);
 
-  TimePoint next_due() const override { return never; }
-  void run_due() override {}
+  TimePoint next_due() const override;
+  void run_due() override;
   void target_reached(const Module& module, std::int32_t motors) override;
 
  private:
@@ -37,10 +48,24 @@ class CanLine final : public Line {
     std::uint8_t length = can_datagram_size;
   };
 
-  void hand_to(Module& module, const CanFrame& frame, const Request& request, Format format);
+  /// What a module's CAN controller has of the last frame that was for it.
+  struct Ear {
+    Format format;  ///< Events come as the module was last spoken to.
+    decltype(CanFrame::data) bytes{};
+  };
+  struct Sent {
+    TimePoint end;
+    const Module* sender;
+    CanFrame frame;
+  };
+
+  void hear(Module& module, const CanFrame& frame);
+  void send(const Module& sender, const CanFrame& frame);
+  bool is_heard(const Module& sender, const CanFrame& frame) const;
 
   Output output_;
-  std::unordered_map<const Module*, Format> last_format_;  // events come as the host last spoke
+  std::unordered_map<const Module*, Ear> ears_;
+  std::deque<Sent> on_the_wire_;  ///< What other modules are still to hear, in this order.
 };
 
 }  // namespace tmcl::sim

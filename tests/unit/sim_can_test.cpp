@@ -7,6 +7,7 @@ namespace {
 
 namespace gp = global_parameter;
 
+using std::chrono::seconds;
 using testing::IsEmpty;
 
 class SimCan : public SimTest {
@@ -38,8 +39,8 @@ TEST_F(SimCan, AnswersSevenBytesWithSeven) {
 
 TEST_F(SimCan, AnswersAnyOtherLengthWithEight) {
   add(1110);
+  auto request = encode_can(Request{ModuleAddress{1}, Command::GAP, 4, 0, 0});
   for (const auto length : std::to_array<std::uint8_t>({0, 3, 6, 8})) {
-    auto request = encode_can(Request{ModuleAddress{1}, Command::GAP, 4, 0, 0});
     request.length = length;
     request.data[7] = 0x55;
     const auto reply = ask_frame(request);
@@ -49,12 +50,81 @@ TEST_F(SimCan, AnswersAnyOtherLengthWithEight) {
   }
 }
 
-TEST_F(SimCan, TakesMissingBytesForZeros) {
-  add(1110);
+TEST_F(SimCan, FindsTheBytesThatAShortFrameLacksWhereTheLastFrameWas) {
+  add(3110);
+  auto& other = add(1110, 5);
+  ask_frame(encode_can(Request{ModuleAddress{1}, Command::SAP, 4, 2, 321}));
+  ask_frame(encode_can(Request{ModuleAddress{5}, Command::SAP, 4, 0, 654}));
   auto request = encode_can(Request{ModuleAddress{1}, Command::GAP, 4, 0, 0});
   request.length = 2;
-  request.data[2] = 9;  // beyond the frame
-  EXPECT_EQ(decode_can_reply(*ask_frame(request))->value, 1000);
+  EXPECT_EQ(decode_can_reply(*ask_frame(request))->value, 321);
+  EXPECT_EQ(other.axis(0).get(axis_parameter::max_velocity), 654);
+}
+
+// The value is that of a reply: its first byte the module, then the status, the command.
+TEST_F(SimCan, AModuleWhoseIdentifierIsThatOfTheRepliesExecutesThem) {
+  add(1110, 1);
+  auto& other = add(1110, 2);
+  // ROR motor 0 to module 1 is answered with 1, 100, 1, 300: ROR motor 1. This one has no motor 1.
+  EXPECT_EQ(exchange_frames(encode_can(Request{ModuleAddress{1}, Command::ROR, 0, 0, 300})).size(),
+            1U);
+  pass(milliseconds(100));
+  const auto answers = frames();
+  ASSERT_EQ(answers.size(), 1U);
+  EXPECT_EQ(decode_can_reply(answers[0])->module, 2);
+  EXPECT_EQ(decode_can_reply(answers[0])->command, Command::ROR);
+  EXPECT_EQ(decode_can_reply(answers[0])->status, Status::invalid_value);
+  EXPECT_EQ(other.axis(0).get(axis_parameter::actual_velocity), 0);
+}
+
+TEST_F(SimCan, AForeignMotorTurnsWhereRepliesAreTakenForCommands) {
+  add(1110, 1);
+  auto& other = add(3110, 2);
+  ask_frame(encode_can(Request{ModuleAddress{1}, Command::ROR, 0, 0, 300}));
+  pass(seconds(2));
+  EXPECT_EQ(other.axis(1).get(axis_parameter::actual_velocity), 300);
+  EXPECT_EQ(other.axis(0).get(axis_parameter::actual_velocity), 0);
+}
+
+TEST_F(SimCan, AModuleDoesNotHearItself) {
+  add(1110, 2);
+  EXPECT_EQ(exchange_frames(encode_can(version_request(2, VersionForm::binary))).size(), 1U);
+  pass(seconds(1));
+  EXPECT_THAT(frames(), IsEmpty());
+}
+
+TEST_F(SimCan, TwoModulesAnswerEachOtherAtThePaceOfTheWire) {
+  add(1110, 1);
+  auto& other = add(1110, 2);
+  ask_frame(encode_can(Request{ModuleAddress{2}, Command::SGP, gp::can_reply_id, 0, 1}));
+  frames();
+  can.receive(encode_can(version_request(1, VersionForm::binary)));
+  EXPECT_EQ(frames().size(), 1U);
+  pass(milliseconds(100));
+  EXPECT_NEAR(static_cast<double>(frames().size()), 800, 2);
+  // A clock that leaps, as when the computer was busy, is no reason for a storm.
+  clock.advance(seconds(100));
+  bench.run_due();
+  EXPECT_LE(frames().size(), 2U);
+  ask({ModuleAddress{2}, Command::SGP, gp::can_reply_id, 0, 9});
+  pass(milliseconds(1));
+  frames();
+  pass(seconds(1));
+  EXPECT_THAT(frames(), IsEmpty());
+  EXPECT_EQ(other.globals().value(gp::can_reply_id), 9);
+}
+
+// Each frame is answered by two, and only one fits on the wire meanwhile.
+TEST_F(SimCan, NoMoreFramesWaitThanModulesHold) {
+  for (int pair = 0; pair < 2; ++pair) {
+    add(1110, 1);
+    add(1110, 2);
+  }
+  can.receive(encode_can(Request{ModuleAddress{2}, Command::SGP, gp::can_reply_id, 0, 1}));
+  pass(milliseconds(100));
+  frames();
+  pass(milliseconds(100));
+  EXPECT_NEAR(static_cast<double>(frames().size()), 800, 10);
 }
 
 TEST_F(SimCan, AnswersInTheIdentifierFormatOfTheRequest) {

@@ -1,4 +1,5 @@
 // tmclsim: simulated TMCL modules on ptys, CAN and TCP.
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -102,6 +103,21 @@ void tell_of_wear(const Memories& memories) {
   }
 }
 
+/// As on a real bus, and seldom what is wanted.
+void warn_of_replies_taken_for_commands(const sim::Bench& bench) {
+  using namespace tmcl::global_parameter;
+  for (const auto& module : bench.modules()) {
+    const auto own = module->globals().value(can_id);
+    const bool hears_replies = std::ranges::any_of(bench.modules(), [&](const auto& other) {
+      return other != module && other->globals().value(can_reply_id) == own;
+    });
+    if (!hears_replies) continue;
+    std::cerr << "tmclsim: warning: " << own << " is the address of " << name_of(*module)
+              << " and, on CAN, the identifier of replies: it takes those of the other modules for "
+                 "commands. Give it another address.\n";
+  }
+}
+
 bool keep(Ports& ports, sim::OpenedPort opened) {
   if (!opened) {
     std::cerr << "tmclsim: " << opened.error() << '\n';
@@ -117,6 +133,7 @@ bool open_ports(boost::asio::io_context& io, sim::Scheduler& scheduler,
   for (const auto& path : options.ptys) {
     if (!keep(ports, sim::open_pty_port(io, scheduler, path))) return false;
   }
+  if (!options.can_interfaces.empty()) warn_of_replies_taken_for_commands(scheduler.bench());
   for (const auto& interface : options.can_interfaces) {
     if (!keep(ports, sim::open_can_port(io, scheduler, interface))) return false;
   }

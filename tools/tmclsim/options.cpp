@@ -23,7 +23,8 @@ MODEL is one of those that `tmclctl models` lists, such as TMCM-3110 (three moto
 a TMC429), TMCM-142 (one motor, TMC457) or TMCM-6212 (six motors, sixPoint ramps). ADDRESS is 1 to
 255, on serial lines and on CAN alike; without it a module gets the next free one from 1 on. Every
 port reaches every module, and a module answers by the port that asked. Ports can be repeated as
-well.
+well. On CAN modules hear each other, as real ones do: one with address 2 takes the replies of the
+others, whose identifier that is, for commands.
 
 Examples
   One motor on a serial port that programs open as /tmp/tmcm:
