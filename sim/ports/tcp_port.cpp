@@ -1,12 +1,14 @@
 #include "sim/ports/tcp_port.hpp"
 
 #include <array>
+#include <chrono>
 #include <list>
 #include <memory>
 #include <utility>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/ip/tcp.hpp>
+#include <boost/asio/steady_timer.hpp>
 
 #include "sim/ports/silence.hpp"
 #include "sim/wire/serial_line.hpp"
@@ -17,6 +19,9 @@ namespace {
 namespace asio = boost::asio;
 using asio::ip::tcp;
 using boost::system::error_code;
+
+// With no descriptors left, accepting fails at once and for ever: not so often, then.
+constexpr auto pause_after_failure = std::chrono::milliseconds(100);
 
 class Client {
  public:
@@ -65,7 +70,7 @@ class Client {
 class TcpPort final : public Port {
  public:
   TcpPort(asio::io_context& io, Scheduler& scheduler, tcp::acceptor acceptor)
-      : io_(&io), scheduler_(&scheduler), acceptor_(std::move(acceptor)) {
+      : io_(&io), scheduler_(&scheduler), acceptor_(std::move(acceptor)), pause_(io) {
     accept();
   }
 
@@ -80,8 +85,16 @@ class TcpPort final : public Port {
   void accept() {
     acceptor_.async_accept([this](const error_code& error, tcp::socket socket) {
       if (error == asio::error::operation_aborted) return;
-      if (!error && clients_.size() < most_tcp_clients) admit(std::move(socket));
+      if (error) return accept_later();
+      if (clients_.size() < most_tcp_clients) admit(std::move(socket));
       accept();
+    });
+  }
+
+  void accept_later() {
+    pause_.expires_after(pause_after_failure);
+    pause_.async_wait([this](const error_code& error) {
+      if (!error) accept();
     });
   }
 
@@ -94,6 +107,7 @@ class TcpPort final : public Port {
   asio::io_context* io_;
   Scheduler* scheduler_;
   tcp::acceptor acceptor_;
+  asio::steady_timer pause_;
   std::list<std::unique_ptr<Client>> clients_;
 };
 
