@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <chrono>
+#include <iostream>
 #include <utility>
 
 #include <boost/asio/posix/stream_descriptor.hpp>
@@ -46,11 +47,33 @@ class CanPort final : public Port {
       scheduler_->touch();
     }
     if (got.error == EAGAIN || got.error == EINTR) return wait();
+    look_later();
+  }
+
+  void look_later() {
     pause_.expires_after(look_again);
     pause_.async_wait([this](const auto& error) {
-      if (!error) wait();
+      if (error) return;
+      if (is_on(socket_.native_handle(), interface_)) return wait();
+      open_again();
     });
   }
+
+  // A socket stays with an interface that was deleted, and hears no other of its name.
+  void open_again() {
+    auto socket = open_can_socket(interface_);
+    if (!socket) {
+      if (!std::exchange(gone_, true)) tell(socket.error());
+      return look_later();
+    }
+    socket_.close();
+    socket_.assign(socket->release());
+    gone_ = false;
+    tell("the CAN interface '" + interface_ + "' is there again");
+    wait();
+  }
+
+  static void tell(const std::string& what) { std::cerr << "tmclsim: " << what << '\n'; }
 
   // A frame that does not fit into the interface's queue is lost, as with a controller off the bus.
   void write(const CanFrame& frame) { (void)write_can(socket_.native_handle(), frame); }
@@ -59,6 +82,7 @@ class CanPort final : public Port {
   asio::posix::stream_descriptor socket_;
   asio::steady_timer pause_;
   std::string interface_;
+  bool gone_ = false;
   CanLine line_;
 };
 

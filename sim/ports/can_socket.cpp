@@ -62,6 +62,14 @@ tl::expected<FileDescriptor, std::string> open_can_socket(const std::string& int
   return socket;
 }
 
+bool is_on(int socket, const std::string& interface) {
+  sockaddr_can address{};
+  socklen_t size = sizeof address;
+  auto request = named(interface);
+  return ::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size) == 0 &&
+         ::ioctl(socket, SIOCGIFINDEX, &request) == 0 && address.can_ifindex == request.ifr_ifindex;
+}
+
 CanRead read_can(int socket) {
   can_frame raw{};
   const auto size = ::read(socket, &raw, sizeof raw);

@@ -14,6 +14,9 @@ namespace tmcl::sim {
 /// Non-blocking, bound to one interface. The error is a sentence that says what to do.
 tl::expected<FileDescriptor, std::string> open_can_socket(const std::string& interface);
 
+/// False once the interface is gone, and if another one has its name now.
+bool is_on(int socket, const std::string& interface);
+
 struct CanRead {
   /// A data frame; nothing for a remote or error frame, or when there is none.
   std::optional<CanFrame> frame;
