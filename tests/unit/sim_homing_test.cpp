@@ -231,6 +231,19 @@ TEST_F(SimHoming, SetsTheEncoderToZeroAsWell) {
   EXPECT_EQ(get(207), 0);
 }
 
+TEST_F(SimHoming, SetsTheExternalEncoderToZeroToo) {
+  constexpr std::uint8_t external_position = 216;
+  constexpr std::uint8_t external_most_deviation = 218;
+  add(1140, StageSettings{.left_switch = -30'000, .encoder = EncoderSettings{1024, false}});
+  ask(Command::SAP, external_most_deviation, 0, 2'000);
+  begin();
+  pass(seconds(60));
+  EXPECT_EQ(step(), 0);
+  EXPECT_EQ(get(ap::actual_position), 0);
+  EXPECT_EQ(get(external_position), 0);
+  EXPECT_EQ(get(207), 0);
+}
+
 TEST_F(SimHoming, TheStageStaysWhereItIsWhenTheModuleRestarts) {
   add(1110, StageSettings{.left_switch = -30'000});
   ask(Command::MVP, 0, 0, 9'000);

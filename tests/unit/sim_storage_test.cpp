@@ -323,6 +323,17 @@ TEST(EepromImage, SaysWhatIsWrong) {
   EXPECT_EQ(refusal(eeprom.to_image(*find_model(1110))), "is damaged: its contents make no sense");
 }
 
+TEST(EepromImage, HasTheCoordinatesThatAMotorHas) {
+  const auto& model = *find_model(1110);
+  Eeprom eeprom;
+  eeprom.write({Area::coordinate, 0, 20}, -7);
+  const auto good = Eeprom::from_image(eeprom.to_image(model), model);
+  ASSERT_TRUE(good) << good.error();
+  EXPECT_EQ(good->read({Area::coordinate, 0, 20}), -7);
+  eeprom.write({Area::coordinate, 0, 21}, 0);
+  EXPECT_FALSE(Eeprom::from_image(eeprom.to_image(model), model));
+}
+
 TEST_F(SimStorage, SetsGetsAndCapturesCoordinates) {
   add(3110);
   EXPECT_EQ(ask(Command::SCO, 3, 1, -5000)->value, -5000);
