@@ -134,7 +134,7 @@ constexpr auto commands = std::to_array<CommandInfo>({
     {Command::READ_TMCL_MEMORY, "READ_TMCL_MEMORY", memory, safe, reads, "read a line of the program"},
     {Command::GET_APPLICATION_STATUS, "GET_APPLICATION_STATUS", normal, safe, reads, "is the program running?"},
     {Command::GET_FIRMWARE_VERSION, "GET_FIRMWARE_VERSION", version, safe, reads, "model and firmware version"},
-    {Command::FACTORY_RESET, "FACTORY_RESET", none, never, writes, "restore factory settings"},
+    {Command::FACTORY_RESET, "FACTORY_RESET", none, never, moves, "restore factory settings"},
     {Command::TARGET_REACHED_EVENT, "TARGET_REACHED_EVENT", then_event, never, writes,
      "ask for an event when the target is reached"},
     {Command::ENTER_ASCII_MODE, "ENTER_ASCII_MODE", normal, never, writes, "go over to the ASCII form"},
@@ -154,7 +154,7 @@ constexpr auto commands = std::to_array<CommandInfo>({
     {Command::READ_DRV, "READ_DRV", normal, never, reads, "read a register of the motor driver"},
     {Command::MEASURED_SPEED, "MEASURED_SPEED", normal, safe, reads, "measured speed"},
     {Command::BOARD_ERROR, "BOARD_ERROR", normal, never, reads, "error flags of the board"},
-    {Command::BOARD_RESET, "BOARD_RESET", normal, never, writes, "reset the board"},
+    {Command::BOARD_RESET, "BOARD_RESET", normal, never, moves, "reset the board"},
     {Command::GET_INFO, "GET_INFO", normal, safe, reads, "identity and abilities of the firmware"},
     {Command::WLAN0, "WLAN0", normal, never, writes, "wireless interface, function 0"},
     {Command::WLAN1, "WLAN1", normal, never, writes, "wireless interface, function 1"},
@@ -171,8 +171,8 @@ constexpr auto commands = std::to_array<CommandInfo>({
     {Command::BOOT_START_APPLICATION, "BOOT_START_APPLICATION", none, never, moves, "bootloader: start the firmware"},
     {Command::BOOT_GET_INFO, "BOOT_GET_INFO", normal, safe, reads, "bootloader: page size and memory size"},
     {Command::BOOT_WRITE_LENGTH, "BOOT_WRITE_LENGTH", normal, never, writes, "bootloader: write length and checksum"},
-    {Command::ENTER_BOOTLOADER, "ENTER_BOOTLOADER", none, never, writes, "leave the firmware for the bootloader"},
-    {Command::SOFTWARE_RESET, "SOFTWARE_RESET", normal, never, writes, "restart the module"},
+    {Command::ENTER_BOOTLOADER, "ENTER_BOOTLOADER", none, never, moves, "leave the firmware for the bootloader"},
+    {Command::SOFTWARE_RESET, "SOFTWARE_RESET", normal, never, moves, "restart the module"},
 });
 
 constexpr auto subtypes = std::to_array<SubtypeInfo>({
