@@ -35,6 +35,8 @@ ExitCode exit_for(const tmcl::Error& error) {
 
 // JSON-RPC 2.0: the daemon understood the request and did not like it.
 constexpr int invalid_params = -32602;
+// Of the daemon: not now.
+constexpr int not_allowed = -32003;
 
 ExitCode exit_for(const tmcl::client::CallError& error) {
   if (error.name == tmcl::client::error_name::cancelled) return ExitCode::interrupted;
@@ -42,7 +44,7 @@ ExitCode exit_for(const tmcl::client::CallError& error) {
     if (error.name == name) return ExitCode::usage;
   }
   if (error.name == tmcl::name_of(tmcl::Errc::move_interrupted)) return ExitCode::not_reached;
-  if (error.code == invalid_params) return ExitCode::refused;
+  if (error.code == invalid_params || error.code == not_allowed) return ExitCode::refused;
   return exit_for_failure(error.name, error.outcome);
 }
 
