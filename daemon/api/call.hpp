@@ -17,6 +17,8 @@ struct Call {
   boost::json::value id;
   Params params;
   tmcl::TimePoint received;
+  /// From when the request came in: a stop that came in behind it wins, whatever it waits for.
+  Permit permit;
 
   /// The parameter "deadline_ms", counted from when the request came in.
   Deadline deadline() const {

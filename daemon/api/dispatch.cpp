@@ -20,8 +20,13 @@ std::optional<RpcError> admit(const MethodInfo& method, const Call& call) {
 
 boost::asio::awaitable<RpcResult> dispatch(std::shared_ptr<Gateway> gateway,
                                            std::shared_ptr<Peer> peer, RpcRequest request) {
-  Call call{std::move(gateway), std::move(peer), std::move(request.id),
-            Params(std::move(request.params)), std::chrono::steady_clock::now()};
+  const auto permit = gateway->admit();
+  Call call{std::move(gateway),
+            std::move(peer),
+            std::move(request.id),
+            Params(std::move(request.params)),
+            std::chrono::steady_clock::now(),
+            permit};
   auto refused = admit(*request.method, call);
   if (refused) co_return tl::unexpected(std::move(*refused));
   auto result = co_await request.method->handler(call);

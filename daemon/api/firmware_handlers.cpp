@@ -66,6 +66,10 @@ Answer stage_firmware(Call& call) { co_return stage_part(call, staged_image); }
 Answer upload_firmware(Call& call) {
   const auto module = module_of(call);
   if (!module) co_return tl::unexpected(module.error());
+  // Before its motors are stopped.
+  const tmcl::Request entry{module->address, tmcl::Command::ENTER_BOOTLOADER, 0, 0, 0};
+  auto may_begin = co_await run_on(*module, call, module->bus->may_send(entry, call.permit));
+  if (!may_begin) co_return tl::unexpected(std::move(may_begin.error()));
   auto image = take_image(call);
   if (!image) co_return tl::unexpected(std::move(image.error()));
   auto script =

@@ -102,7 +102,7 @@ Answer move_line(Call& call) {
   if (!members) co_return tl::unexpected(std::move(members.error()));
   const auto duration = duration_of(call);
   if (!duration) co_return tl::unexpected(duration.error());
-  LineOrder order{*members, *duration, call.deadline(), &call.gateway->planner};
+  LineOrder order{*members, *duration, call.permit, call.deadline(), &call.gateway->planner};
   const auto started = co_await start_line(std::move(order));
   if (!started) co_return tl::unexpected(call_error(started.error().error, started.error().axis));
   json::array axes;

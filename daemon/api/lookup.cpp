@@ -57,7 +57,7 @@ Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call) {
 boost::asio::awaitable<Lookup<ReadyToMove>> ready_to_move(const Call& call) {
   const auto axis = axis_of(call);
   if (!axis) co_return tl::unexpected(axis.error());
-  ReadyToMove ready{*axis, (*axis)->begin_movement(call.deadline())};
+  ReadyToMove ready{*axis, (*axis)->begin_movement(call.permit, call.deadline())};
   const auto answered = co_await (*axis)->be_ready();
   if (!answered) co_return tl::unexpected(call_error(answered.error(), (*axis)->name()));
   co_return ready;

@@ -21,7 +21,7 @@ Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call);
 
 struct ReadyToMove {
   std::shared_ptr<GatewayAxis> axis;
-  RunOptions moves;  ///< Ends the movement when a stop comes from here on.
+  RunOptions moves;  ///< Ends the movement when a stop comes behind the call.
 };
 
 /// The parameter "axis", for a call that may move it: on a module that has said what it is.

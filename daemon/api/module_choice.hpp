@@ -24,6 +24,7 @@ boost::asio::awaitable<Lookup<T>> run_on(const ModuleChoice& module, const Call&
                                          tmcl::Script<tmcl::Result<T>> script) {
   RunOptions options;
   options.deadline = call.deadline();
+  options.permit = call.permit;
   auto result = co_await module.bus->run(std::move(script), std::move(options));
   if (result) {
     if constexpr (std::is_void_v<T>) {

@@ -51,8 +51,10 @@ Lookup<tmcl::Request> request_of(const Call& call) {
   return request;
 }
 
-// A stop is a stop, also if it comes as a raw command.
-void revoke_movements(const Call& call, const GatewayBus& bus, const tmcl::Request& request) {
+// A stop is a stop, also if it comes as a raw command, and for a motor that no axis is configured
+// for.
+void revoke_movements(const Call& call, GatewayBus& bus, const tmcl::Request& request) {
+  bus.motors().stop({request.address, request.motor});
   for (const auto& axis : call.gateway->axes()) {
     const bool same = &axis->bus() == &bus && axis->address().module == request.address &&
                       axis->address().motor == request.motor;
@@ -95,8 +97,9 @@ Answer execute(Call& call) {
     co_return tl::unexpected(std::move(*conflict));
   const bool stops = effect_of(request->command, request->type) == tmcl::Effect::stops;
   if (stops) revoke_movements(call, **bus, *request);
-  tmcl::CallOptions options;
+  RunOptions options;
   options.deadline = call.deadline();
+  options.permit = call.permit;
   call.gateway->stops_in_progress += stops ? 1 : 0;
   const auto answer = co_await (*bus)->execute(*request, options);
   call.gateway->stops_in_progress -= stops ? 1 : 0;

@@ -101,7 +101,7 @@ Lookup<std::vector<PathMember>> members_of(const Call& call) {
                                       "each axis once"));
   }
   std::vector<PathMember> members;
-  for (const auto& axis : *axes) members.push_back({axis, axis->begin_movement({})});
+  for (const auto& axis : *axes) members.push_back({axis, axis->begin_movement(call.permit, {})});
   return members;
 }
 
@@ -167,6 +167,9 @@ awaitable<Lookup<std::vector<plan::PathAxis>>> path_axes(const plan::PathSource&
     auto& axis = *members[i].axis;
     const auto facts = co_await facts_of(axis, source.path.axes[i]);
     if (!facts) co_return tl::unexpected(call_error(facts.error(), axis.name()));
+    // It does not move by itself, and will not soon be free.
+    if (facts->moving && axis.mover() != Mover::nobody)
+      co_return tl::unexpected(call_error(axis.claimed(), axis.name()));
     auto made = plan::path_axis(source, *facts, wish);
     if (!made) {
       auto error = error_of(made.error(), "axes");
@@ -301,12 +304,7 @@ Answer run_path(Call& call) {
   const auto run = std::make_shared<PathRun>(executor, std::move(*course), std::move(*members),
                                              streamed(*axes), options_of(*wish), progress_to(call));
   const auto report = co_await PathRun::pass(run);
-  if (!report) {
-    co_return tl::unexpected(
-        param_error("bad_argument", "axes",
-                    "axis '" + report.error() + "' is on its way along another line or path",
-                    "wait for it, or stop it"));
-  }
+  if (!report) co_return tl::unexpected(call_error(report.error().error, report.error().axis));
   if (report->fault) co_return tl::unexpected(error_of(*report, *run));
   co_return to_json(*report, *run);
 }

@@ -13,6 +13,16 @@ boost::json::value text_or_null(std::string_view text) {
   return boost::json::value(text);
 }
 
+int code_of(tmcl::Errc code) {
+  switch (code) {
+    case tmcl::Errc::bad_argument:
+    case tmcl::Errc::beyond_soft_limit: return rpc_code::invalid_params;
+    case tmcl::Errc::axis_claimed: return rpc_code::not_allowed;
+    case tmcl::Errc::daemon_ending: return rpc_code::daemon_ending;
+    default: return rpc_code::call_failed;
+  }
+}
+
 }  // namespace
 
 RpcError rpc_error(int code, std::string_view name, std::string message, std::string hint) {
@@ -31,10 +41,7 @@ RpcError param_error(std::string_view name, std::string_view param, std::string 
 }
 
 RpcError call_error(const tmcl::Error& error, std::string_view axis) {
-  const bool callers_fault =
-      error.code == tmcl::Errc::bad_argument || error.code == tmcl::Errc::beyond_soft_limit;
-  auto result = rpc_error(callers_fault ? rpc_code::invalid_params : rpc_code::call_failed,
-                          name_of(error.code), error.message, error.hint);
+  auto result = rpc_error(code_of(error.code), name_of(error.code), error.message, error.hint);
   auto& data = result.data;
   data["outcome"] = name_of(error.outcome);
   data["bus"] = text_or_null(error.bus);

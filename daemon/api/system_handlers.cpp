@@ -22,6 +22,15 @@ boost::asio::awaitable<StopReport> stop_one(std::shared_ptr<GatewayAxis> axis) {
   co_return report;
 }
 
+/// A raw command may be about to move a motor that no axis is configured for.
+boost::asio::awaitable<StopReport> stop_other(std::shared_ptr<GatewayBus> bus,
+                                              tmcl::AxisAddress motor) {
+  StopReport report;
+  RunOptions options;
+  report.result = co_await bus->run(tmcl::verbs::stop(motor), std::move(options));
+  co_return report;
+}
+
 json::object to_result(std::span<const std::shared_ptr<GatewayAxis>> axes,
                        const std::vector<StopReport>& reports) {
   json::array stopped;
@@ -80,9 +89,13 @@ json::object to_json(const MethodInfo& method) {
 Answer stop_all(Call& call) {
   const auto axes = call.gateway->axes();
   // All of them lose the right to move before the first stop is on its way.
-  for (const auto& axis : axes) axis->revoke_movements();
+  call.gateway->revoke_movements();
   std::vector<boost::asio::awaitable<StopReport>> stops;
   for (const auto& axis : axes) stops.push_back(stop_one(axis));
+  for (const auto& bus : call.gateway->buses()) {
+    for (const auto motor : bus->motors().others_about_to_move())
+      stops.push_back(stop_other(bus, motor));
+  }
   ++call.gateway->stops_in_progress;
   const auto reports = co_await gather(std::move(stops));
   --call.gateway->stops_in_progress;

@@ -26,15 +26,6 @@ using tmcl::Result;
 
 constexpr std::uint8_t reference_search_mode = 193;
 
-tmcl::Error superseded(const AxisConfig& axis) {
-  tmcl::Error error;
-  error.code = tmcl::Errc::superseded_by_stop;
-  error.outcome = tmcl::Outcome::not_sent;
-  error.message = "a stop came first";
-  error.bus = axis.bus;
-  return error;
-}
-
 constexpr std::string_view beyond_range_hint = "move less far, or set another actual position";
 
 Result<Microsteps> sum(Microsteps here, Microsteps distance, tmcl::ValueRange range) {
@@ -103,7 +94,9 @@ tmcl::Script<Result<Microsteps>> move_from_here(tmcl::AxisAddress axis, Destinat
 GatewayAxis::GatewayAxis(AxisConfig config, std::shared_ptr<GatewayBus> bus)
     : config_(std::move(config)),
       bus_(std::move(bus)),
-      module_(bus_->add_module(config_.address.module)) {}
+      module_(bus_->add_module(config_.address.module)) {
+  bus_->motors().add(config_.address, config_.name);
+}
 
 std::span<const tmcl::ParameterInfo> GatewayAxis::parameters() const {
   const auto* model = module_.model();
@@ -117,13 +110,11 @@ GatewayAxis::Awaitable<T> GatewayAxis::run(tmcl::Script<Result<T>> script, RunOp
   co_return result;
 }
 
-RunOptions GatewayAxis::begin_movement(Deadline deadline) const {
+RunOptions GatewayAxis::begin_movement(Permit permit, Deadline deadline) const {
   RunOptions options;
   options.deadline = deadline;
-  options.objection = [this, stops = stops_]() -> std::optional<tmcl::Error> {
-    if (stops_ == stops) return std::nullopt;
-    return superseded(config_);
-  };
+  options.permit = permit;
+  options.objection = [this, permit] { return bus_->motors().objection(address(), permit); };
   return options;
 }
 
@@ -168,12 +159,12 @@ Result<void> GatewayAxis::check_endless(std::int32_t velocity) const {
                         "move it to one of them instead, with a lower max_velocity"));
 }
 
-Result<void> GatewayAxis::check_free() const {
-  if (path_.expired()) return {};
-  auto error = tmcl::bad_argument("axis '" + name() + "' is on its way along a path",
-                                  "wait for its end, or stop it");
-  error.bus = config_.bus;
-  return tl::unexpected(std::move(error));
+GatewayAxis::Awaitable<void> GatewayAxis::be_free(RunOptions movement) {
+  const auto [module, motor] = address();
+  const tmcl::Request move{module, tmcl::Command::MVP, 0, motor, 0};
+  auto script = bus_->may_send(move, movement.permit);
+  auto result = co_await run(std::move(script), std::move(movement));
+  co_return result;
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::check_setting(std::uint8_t parameter, std::int32_t value,
@@ -307,7 +298,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::move_to_coordinate(std::uint8_t number
                                                              RunOptions movement) {
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
-  auto free = check_free();
+  auto free = co_await be_free(movement);
   if (!free) co_return free;
   auto checked = co_await check_coordinate(number, movement);
   if (!checked) co_return checked;
@@ -319,7 +310,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::move_to_coordinate(std::uint8_t number
 
 GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Microsteps>> script,
                                                        bool predict, RunOptions movement) {
-  auto free = check_free();
+  auto free = co_await be_free(movement);
   if (!free) co_return tl::unexpected(std::move(free.error()));
   std::optional<tmcl::plan::AxisTwin> twin;
   if (predict) twin = co_await this->twin(movement);
@@ -356,7 +347,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity
                                                  RunOptions movement) {
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
-  auto free = check_free();
+  auto free = co_await be_free(movement);
   if (!free) co_return free;
   auto checked = check_endless(velocity.value);
   if (!checked) co_return checked;
@@ -368,7 +359,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity
 GatewayAxis::Awaitable<void> GatewayAxis::stop() {
   revoke_movements();
   expected_arrival_ = {};
-  const bool was_searching = searching_;
+  const bool was_searching = mover() == Mover::search;
   RunOptions options;
   auto result = co_await run(tmcl::verbs::stop(address()), std::move(options));
   // A firmware that searches on may start the motor again.
@@ -384,7 +375,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::brake() {
 }
 
 void GatewayAxis::revoke_movements() {
-  ++stops_;
+  bus_->motors().stop(address());
   if (const auto path = path_.lock()) path->look();
 }
 
@@ -392,31 +383,27 @@ GatewayAxis::Awaitable<void> GatewayAxis::stop_home() {
   revoke_movements();
   RunOptions options;
   auto result = co_await run(tmcl::verbs::stop_reference_search(address()), std::move(options));
-  if (result) searching_ = false;
   co_return result;
 }
 
 GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions home_options,
                                                       RunOptions movement) {
-  auto free = check_free();
+  auto free = co_await be_free(movement);
   if (!free) co_return tl::unexpected(std::move(free.error()));
-  searching_ = true;
   forget_move();
   auto result =
       co_await run(tmcl::verbs::home(address(), std::move(home_options)), std::move(movement));
-  if (result) searching_ = false;
   co_return result;
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t> mode,
                                                      RunOptions movement) {
-  auto free = check_free();
+  auto free = co_await be_free(movement);
   if (!free) co_return free;
   if (mode) {
     auto chosen = co_await set(reference_search_mode, *mode, movement);
     if (!chosen) co_return chosen;
   }
-  searching_ = true;
   forget_move();
   auto result = co_await run(tmcl::verbs::start_reference_search(address()), std::move(movement));
   co_return result;
@@ -446,8 +433,11 @@ GatewayAxis::Awaitable<std::int32_t> GatewayAxis::get(std::uint8_t parameter, De
 
 GatewayAxis::Awaitable<void> GatewayAxis::set(std::uint8_t parameter, std::int32_t value,
                                               RunOptions movement) {
-  auto free = check_free();
-  if (!free) co_return free;
+  // A path depends on the settings of its axes; whoever moves them otherwise has read them.
+  if (mover() == Mover::path) {
+    auto free = co_await be_free(movement);
+    if (!free) co_return free;
+  }
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
   auto checked = co_await check_setting(parameter, value, movement);
@@ -474,7 +464,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::store(std::uint8_t parameter, RunOptio
 GatewayAxis::Awaitable<void> GatewayAxis::restore(std::uint8_t parameter, RunOptions movement) {
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
-  auto free = check_free();
+  auto free = co_await be_free(movement);
   if (!free) co_return free;
   auto checked = check_restoring(parameter);
   if (!checked) co_return checked;

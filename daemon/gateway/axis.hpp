@@ -83,12 +83,12 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// The module has said what it is, and has such a motor.
   Awaitable<void> be_ready();
 
-  /// The right to move the axis until it is stopped. Take it when a call comes in, before anything
-  /// is waited for: a stop that comes meanwhile must win.
-  RunOptions begin_movement(Deadline deadline) const;
+  /// The right of a call to move the axis, until the axis is stopped.
+  RunOptions begin_movement(Permit permit, Deadline deadline) const;
 
   // Each of these begins with be_ready(). An axis with soft limits is not sent beyond them: those
-  // that might do so end with Errc::beyond_soft_limit, and nothing is sent.
+  // that might do so end with Errc::beyond_soft_limit, and nothing is sent. Nor is an axis moved
+  // that another call moves on a line, on a path or in a search: Errc::axis_claimed.
   /// To predict a move, the axis is looked at before it.
   Awaitable<StartedMove> move_to(Length target, bool predict, RunOptions movement);
   /// From where the axis is. A distance in the axis' unit is added to what the last move in that
@@ -102,8 +102,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// To the EEPROM of its module, and back.
   Awaitable<void> store(std::uint8_t parameter, RunOptions options);
   Awaitable<void> restore(std::uint8_t parameter, RunOptions movement);
-  /// What set() does, for whoever moves the axis along a path and has checked its limits: all of
-  /// the above are refused meanwhile.
+  /// What set() does, for whoever moves the axis along a path and has checked its limits.
   Awaitable<void> write(std::uint8_t parameter, std::int32_t value, RunOptions movement);
   /// Whether the soft limits let the axis go there.
   Awaitable<void> check_limits(Length target);
@@ -127,9 +126,18 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   }
   /// When a move that was started in another way should end.
   void expect_arrival(tmcl::TimePoint time) { expected_arrival_ = time; }
+  /// Who moves it now.
+  Mover mover() const { return bus_->motors().claim_of(address()).by; }
   /// Whether somebody moves it together with others.
-  bool is_on_line() const { return on_line_ || !path_.expired(); }
-  void set_on_line(bool on_line) { on_line_ = on_line; }
+  bool is_on_line() const { return mover() == Mover::line || mover() == Mover::path; }
+  /// Nobody else moves it from now on. Only for an axis that nobody moves.
+  void claim(Mover by, Permit of) { bus_->motors().claim(address(), by, of); }
+  void release(Permit of) { bus_->motors().release(address(), of); }
+  /// What whoever wants to move it all the same is told.
+  tmcl::Error claimed() const { return bus_->motors().claimed(address()); }
+  /// A reference search may have ended unseen: the module is asked.
+  /// Errors: Errc::axis_claimed if another call moves it.
+  Awaitable<void> be_free(RunOptions movement);
   /// The path that it is on; null if there is none.
   std::shared_ptr<PathRun> path() const { return path_.lock(); }
   void set_path(std::weak_ptr<PathRun> path) { path_ = std::move(path); }
@@ -165,7 +173,6 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<T> run(tmcl::Script<tmcl::Result<T>> script, RunOptions options);
   boost::asio::awaitable<void> add_units(AxisReading& reading);
   tmcl::Result<void> check_endless(std::int32_t velocity) const;
-  tmcl::Result<void> check_free() const;
   Awaitable<void> check_setting(std::uint8_t parameter, std::int32_t value, RunOptions options);
   tmcl::Result<void> check_restoring(std::uint8_t parameter) const;
   /// Whether the soft limits let the axis go on to the target that its module holds, unless it is
@@ -191,10 +198,6 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   AxisConfig config_;
   std::shared_ptr<GatewayBus> bus_;
   GatewayModule& module_;
-  std::uint64_t stops_ = 0;
-  /// A reference search was begun here and has not been seen to end.
-  bool searching_ = false;
-  bool on_line_ = false;
   std::weak_ptr<PathRun> path_;
   /// What was read is known until the module's settings may have changed, also while it is read.
   struct Epoch {

@@ -55,13 +55,15 @@ std::string_view name_of(GatewayBus::State state) {
 }
 
 GatewayBus::GatewayBus(const boost::asio::any_io_executor& executor, BusConfig config,
-                       OpenLink open_link, OnGatewayEvent on_event)
+                       OpenLink open_link, OnGatewayEvent on_event,
+                       std::shared_ptr<Arrivals> arrivals)
     : executor_(executor),
       config_(std::move(config)),
       open_link_(std::move(open_link)),
       on_event_(std::move(on_event)),
       opener_(1),
-      changed_(executor) {}
+      changed_(executor),
+      motors_(config_.name, std::move(arrivals)) {}
 
 void GatewayBus::start() {
   boost::asio::co_spawn(executor_, serve(shared_from_this()), boost::asio::detached);
@@ -238,14 +240,13 @@ tmcl::Error GatewayBus::not_open() const {
 }
 
 awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
-                                                          tmcl::CallOptions options) {
-  const auto bus = bus_;
-  if (!bus) {
+                                                          RunOptions options) {
+  if (!bus_) {
     auto error = not_open();
     error.request = request;
     co_return tl::unexpected(std::move(error));
   }
-  auto answer = co_await bus->execute(request, options);
+  auto answer = co_await run(tmcl::verbs::command(request), std::move(options));
   if (auto* module = find_module(request.address)) {
     if (!answer) module->note(answer.error());
     if (effect_of(request.command, request.type) != tmcl::Effect::reads) {
@@ -253,6 +254,82 @@ awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
     }
   }
   co_return answer;
+}
+
+// ---- what may be sent --------------------------------------------------------------------------
+
+tmcl::Script<tmcl::Result<void>> GatewayBus::may_send(tmcl::Request request, Permit permit) {
+  while (const auto motor = motors_.claimed_by_other(request, permit)) {
+    if (motors_.claim_of(*motor).by != Mover::search)
+      co_return tl::unexpected(motors_.claimed(*motor));
+    auto seen = co_await see_search_end(*motor);
+    if (!seen) co_return seen;
+  }
+  auto objection = motors_.objection(request, permit);
+  if (objection) co_return tl::unexpected(std::move(*objection));
+  co_return tmcl::Result<void>{};
+}
+
+/// Nobody waits for a search that was only started. A module that cannot tell whether it searches
+/// locks nobody out.
+tmcl::Script<tmcl::Result<void>> GatewayBus::see_search_end(tmcl::AxisAddress motor) {
+  const auto claim = motors_.claim_of(motor);
+  auto step = co_await tmcl::verbs::reference_search_status(motor);
+  if (!step && step.error().outcome != tmcl::Outcome::refused) {
+    step.error().outcome = tmcl::Outcome::not_sent;
+    co_return tl::unexpected(std::move(step.error()));
+  }
+  if (motors_.claim_of(motor) != claim) co_return tmcl::Result<void>{};
+  if (step && *step != 0) co_return tl::unexpected(motors_.claimed(motor));
+  motors_.release(motor, claim.of);
+  co_return tmcl::Result<void>{};
+}
+
+tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange exchange,
+                                                          Permit permit) {
+  const auto& request = exchange.request;
+  const auto& options = exchange.options;
+  const tmcl::AxisAddress motor{request.address, request.motor};
+  // A module in its bootloader executes nothing, and must not be left there.
+  const bool is_judged = can_move(request) && !options.is_program_line &&
+                         !(options.hold && options.hold->in_bootloader);
+  if (is_judged) {
+    auto allowed = co_await may_send(request, permit);
+    if (!allowed) {
+      allowed.error().request = request;
+      co_return tl::unexpected(std::move(allowed.error()));
+    }
+    if (starts_search(request)) motors_.claim(motor, Mover::search, permit);
+    motors_.begin(request);
+  }
+  const auto claim = motors_.claim_of(motor);
+  auto answer = co_await tmcl::exchange(request, options);
+  if (is_judged) motors_.end(request);
+  motors_.note(request, answer, claim);
+  co_return answer;
+}
+
+tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Permit permit) {
+  tmcl::StepResult results;
+  if (const auto* pause = std::get_if<tmcl::step::Pause>(&step)) {
+    co_await tmcl::pause(pause->duration);
+  } else if (auto* one = std::get_if<tmcl::step::Exchange>(&step)) {
+    auto answer = co_await send(std::move(*one), permit);
+    results.push_back(std::move(answer));
+  } else {
+    auto& all = std::get<tmcl::step::ExchangeAll>(step).exchanges;
+    const bool moves =
+        std::ranges::any_of(all, [](const auto& each) { return can_move(each.request); });
+    if (!moves) {
+      results = co_await tmcl::exchange_all(std::move(all));
+      co_return results;
+    }
+    for (auto& each : all) {
+      auto answer = co_await send(std::move(each), permit);
+      results.push_back(std::move(answer));
+    }
+  }
+  co_return results;
 }
 
 }  // namespace tmcld

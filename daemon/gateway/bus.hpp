@@ -20,6 +20,7 @@
 #include "config/config.hpp"
 #include "gateway/event.hpp"
 #include "gateway/module.hpp"
+#include "gateway/motors.hpp"
 #include "log/limiter.hpp"
 #include "tmcl/bus.hpp"
 
@@ -28,14 +29,17 @@ namespace tmcld {
 /// How a link is opened. May block; called on a thread of its own.
 using OpenLink = std::function<tmcl::Result<tmcl::Link>(const BusConfig&)>;
 
-using tmcl::RunOptions;
+struct RunOptions : tmcl::RunOptions {
+  /// Of the call that it is for: see Motors.
+  Permit permit{};
+};
 
 class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
  public:
   enum class State : std::uint8_t { opening, open, lost };
 
   GatewayBus(const boost::asio::any_io_executor& executor, BusConfig config, OpenLink open_link,
-             OnGatewayEvent on_event);
+             OnGatewayEvent on_event, std::shared_ptr<Arrivals> arrivals);
 
   /// Begins to open the link; returns at once.
   void start();
@@ -63,11 +67,21 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
     return modules_;
   }
 
+  /// Stops and claims of its motors.
+  Motors& motors() { return motors_; }
+  const Motors& motors() const { return motors_; }
+  /// Whether a request may go out for a call. A search that claims a motor may have ended unseen:
+  /// the module is asked.
+  /// Errors: Errc::superseded_by_stop, axis_claimed, daemon_ending; nothing was sent.
+  tmcl::Script<tmcl::Result<void>> may_send(tmcl::Request request, Permit permit);
+
   /// One exchange, exactly as given.
   boost::asio::awaitable<tmcl::Result<tmcl::Answer>> execute(tmcl::Request request,
-                                                             tmcl::CallOptions options);
-  /// Runs a verb to its end, or until there is an objection.
-  /// Errors: besides those of the verb, Errc::link_lost while the link is not open.
+                                                             RunOptions options);
+  /// Runs a verb to its end, or until there is an objection. What can move a motor goes out only
+  /// if the motors allow it at that moment.
+  /// Errors: besides those of the verb and of may_send(), Errc::link_lost while the link is not
+  /// open.
   template <class T>
   boost::asio::awaitable<T> run(tmcl::Script<T> script, RunOptions options) {
     const auto bus = bus_;
@@ -77,7 +91,8 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
       if (bus != bus_) return std::optional(not_open());
       return more ? more() : std::nullopt;
     };
-    auto result = co_await bus->run(std::move(script), std::move(options));
+    auto allowed = judged(std::move(script), options.permit);
+    auto result = co_await bus->run(std::move(allowed), std::move(options));
     co_return result;
   }
 
@@ -90,6 +105,20 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   void emit(GatewayEvent event);
 
  private:
+  /// The same script; what may not be sent has failed for it, and it ends as it does then.
+  template <class T>
+  tmcl::Script<T> judged(tmcl::Script<T> script, Permit permit) {
+    auto step = script.start();
+    while (step) {
+      auto result = co_await carry_out(std::move(*step), permit);
+      step = script.resume(std::move(result));
+    }
+    co_return script.take();
+  }
+  tmcl::Script<tmcl::StepResult> carry_out(tmcl::Step step, Permit permit);
+  tmcl::Script<tmcl::Result<tmcl::Answer>> send(tmcl::step::Exchange exchange, Permit permit);
+  tmcl::Script<tmcl::Result<void>> see_search_end(tmcl::AxisAddress motor);
+
   tmcl::Error not_open() const;
   boost::asio::awaitable<void> rest(tmcl::Duration duration);
 
@@ -114,6 +143,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   std::shared_ptr<tmcl::Bus> bus_;
   tmcl::BusCounters earlier_counters_;
   std::map<tmcl::ModuleAddress, std::unique_ptr<GatewayModule>> modules_;
+  Motors motors_;
   LogLimiter log_limiter_;
 };
 

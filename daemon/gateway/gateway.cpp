@@ -28,7 +28,8 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
     if (const auto self = weak.lock()) self->tell(event);
   };
   for (const auto& bus : config.buses) {
-    gateway->buses_.push_back(std::make_shared<GatewayBus>(executor, bus, open_link, tell));
+    gateway->buses_.push_back(
+        std::make_shared<GatewayBus>(executor, bus, open_link, tell, gateway->arrivals_));
   }
   for (const auto& axis : config.axes) {
     const auto bus = std::ranges::find(gateway->buses_, axis.bus, &GatewayBus::name);
@@ -39,6 +40,11 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
 
 void Gateway::start() {
   for (const auto& bus : buses_) bus->start();
+}
+
+void Gateway::revoke_movements() {
+  arrivals_->stop_all();
+  for (const auto& axis : axes_) axis->revoke_movements();
 }
 
 void Gateway::end_journeys() {
@@ -57,7 +63,7 @@ bool Gateway::has_journeys() const {
 }
 
 void Gateway::close() {
-  closing_ = true;
+  refuse_new_calls();
   for (const auto& bus : buses_) bus->close();
 }
 

@@ -31,9 +31,13 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
 
   /// Begins to open the buses and to identify the modules; returns at once.
   void start();
-  /// From now on nothing but stops is admitted.
-  void refuse_new_calls() { closing_ = true; }
-  bool is_closing() const { return closing_; }
+  /// The right of a call that comes in now to move motors: until a stop comes behind it.
+  Permit admit() { return arrivals_->admit(); }
+  /// No call that came in before has the right to move anything any more.
+  void revoke_movements();
+  /// From now on nothing but stops is admitted, and nothing is set in motion.
+  void refuse_new_calls() { arrivals_->closing = true; }
+  bool is_closing() const { return arrivals_->closing; }
   /// Stops all axes that are on a line or path; whoever moves them sets their settings back.
   void end_journeys();
   bool has_journeys() const;
@@ -61,11 +65,11 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   Gateway() = default;
   void tell(const GatewayEvent& event);
 
+  std::shared_ptr<Arrivals> arrivals_ = std::make_shared<Arrivals>();
   std::vector<std::shared_ptr<GatewayBus>> buses_;
   std::vector<std::shared_ptr<GatewayAxis>> axes_;
   std::map<std::uint64_t, OnGatewayEvent> listeners_;
   std::uint64_t last_listener_ = 0;
-  bool closing_ = false;
 };
 
 }  // namespace tmcld

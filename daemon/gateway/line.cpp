@@ -84,9 +84,10 @@ struct Member : LineMember {
 
 class LineRun : public std::enable_shared_from_this<LineRun> {
  public:
-  explicit LineRun(LineOrder order) : duration_(order.duration), planner_(order.planner) {
+  explicit LineRun(LineOrder order)
+      : permit_(order.permit), duration_(order.duration), planner_(order.planner) {
     for (auto& member : order.members) {
-      auto movement = member.axis->begin_movement(order.deadline);
+      auto movement = member.axis->begin_movement(permit_, order.deadline);
       auto& traffic = traffic_[&member.axis->bus()];
       movement.on_answer = [&traffic](Duration exchange) { traffic.note(exchange); };
       members_.push_back({std::move(member), std::move(movement)});
@@ -113,22 +114,11 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   }
 
  private:
-  // The line before may still be about to set the settings back.
   awaitable<Fault> take_axes() {
-    const auto limit = now() + tolerated_delay;
-    const auto is_taken = [](const Member& member) { return member.axis->is_on_line(); };
-    auto taken = std::ranges::find_if(members_, is_taken);
-    while (taken != members_.end() && now() < limit) {
-      co_await rest(milliseconds(5));
-      taken = std::ranges::find_if(members_, is_taken);
-    }
-    if (taken != members_.end()) {
-      co_return taken->failure(tmcl::bad_argument(
-          "axis '" + taken->axis->name() + "' is on its way along another line or path",
-          "wait for it, or stop it"));
-    }
-    for (auto& member : members_) member.axis->set_on_line(true);
-    co_return std::nullopt;
+    std::vector<std::shared_ptr<GatewayAxis>> axes;
+    for (const auto& member : members_) axes.push_back(member.axis);
+    auto taken = co_await claim_all(std::move(axes), Mover::line, permit_);
+    co_return taken;
   }
 
   awaitable<Fault> look() {
@@ -139,6 +129,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
       if (!allowed) co_return member.failure(std::move(allowed.error()));
       member.twin = co_await member.axis->twin(member.movement);
       if (!member.twin) {
+        if (auto stop = stopped_by_other()) co_return stop;
         co_return member.failure(
             tmcl::bad_argument("how axis '" + member.axis->name() + "' moves cannot be foreseen",
                                "its module does not answer, or nobody has described its ramps"));
@@ -316,6 +307,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   // A stop of any of them is an objection to the start of each.
   RunOptions start_options() const {
     RunOptions options;
+    options.permit = permit_;
     options.deadline = members_.front().movement.deadline;
     options.objection = [this]() -> std::optional<tmcl::Error> {
       const auto stopped = stopped_by_other();
@@ -432,7 +424,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   awaitable<void> end() {
     for (auto& member : members_) {
       co_await set_back(member);
-      member.axis->set_on_line(false);
+      member.axis->release(permit_);
     }
   }
 
@@ -450,6 +442,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   }
 
   std::vector<Member> members_;
+  Permit permit_;
   std::optional<Duration> duration_;
   boost::asio::thread_pool* planner_;
   StartedLine line_;

@@ -14,7 +14,7 @@
 #include <boost/asio/thread_pool.hpp>
 #include <tl/expected.hpp>
 
-#include "gateway/axis.hpp"
+#include "gateway/claim.hpp"
 #include "tmcl/plan/line.hpp"
 
 namespace tmcld {
@@ -30,14 +30,12 @@ struct LineMember {
 struct LineOrder {
   std::vector<LineMember> members;           ///< Different axes, at least one.
   std::optional<tmcl::Duration> duration{};  ///< As short as possible if absent.
+  Permit permit{};                           ///< Of the call.
   Deadline deadline{};
   boost::asio::thread_pool* planner = nullptr;  ///< Plans the line; must outlive it.
 };
 
-struct LineFailure {
-  tmcl::Error error;
-  std::string axis;  ///< Whose fault it is.
-};
+using LineFailure = AxisFailure;
 
 struct StartedLine {
   tmcl::plan::Line plan;

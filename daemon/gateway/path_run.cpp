@@ -20,11 +20,8 @@ using tmcl::plan::StreamAnswer;
 using tmcl::plan::StreamCommand;
 using tmcl::plan::StreamFault;
 
-// A line or path before may still be about to set settings back.
-constexpr tmcl::Duration time_to_be_free = std::chrono::seconds(2);
 // A link that was lost may come back: an axis that turns must be stopped all the same.
 constexpr tmcl::Duration time_for_link = std::chrono::seconds(5);
-constexpr tmcl::Duration look_interval = milliseconds(5);
 constexpr tmcl::Duration link_look_interval = milliseconds(50);
 
 tmcl::TimePoint now() { return std::chrono::steady_clock::now(); }
@@ -73,7 +70,7 @@ std::vector<std::string> PathRun::axis_names() const {
   return names;
 }
 
-awaitable<tl::expected<tmcl::plan::StreamReport, std::string>> PathRun::pass(
+awaitable<tl::expected<tmcl::plan::StreamReport, AxisFailure>> PathRun::pass(
     std::shared_ptr<PathRun> self) {
   if (auto taken = co_await self->take_axes()) co_return tl::unexpected(std::move(*taken));
   co_await self->drive();
@@ -93,15 +90,11 @@ void PathRun::stop(StreamFault why) {
   woken_.notify();
 }
 
-awaitable<std::optional<std::string>> PathRun::take_axes() {
-  const auto limit = now() + time_to_be_free;
-  const auto is_taken = [](const PathMember& member) { return member.axis->is_on_line(); };
-  auto taken = std::ranges::find_if(members_, is_taken);
-  while (taken != members_.end() && now() < limit) {
-    co_await rest(look_interval);
-    taken = std::ranges::find_if(members_, is_taken);
-  }
-  if (taken != members_.end()) co_return taken->axis->name();
+awaitable<std::optional<AxisFailure>> PathRun::take_axes() {
+  std::vector<std::shared_ptr<GatewayAxis>> axes;
+  for (const auto& member : members_) axes.push_back(member.axis);
+  auto taken = co_await claim_all(std::move(axes), Mover::path, members_.front().movement.permit);
+  if (taken) co_return taken;
   for (auto& member : members_) {
     member.axis->set_path(weak_from_this());
     ++member.axis->bus().streams;
@@ -112,6 +105,7 @@ awaitable<std::optional<std::string>> PathRun::take_axes() {
 void PathRun::leave_axes() {
   for (auto& member : members_) {
     member.axis->set_path({});
+    member.axis->release(member.movement.permit);
     --member.axis->bus().streams;
   }
 }
@@ -165,6 +159,7 @@ awaitable<StreamAnswer> PathRun::carry_out(StreamCommand command) {
     case StreamCommand::Kind::set: {
       const bool moves = command.parameter == tmcl::axis_parameter::target_position;
       auto options = moves ? movement : RunOptions{};
+      options.permit = movement.permit;
       const auto set = co_await axis->write(command.parameter, command.value, std::move(options));
       co_return answer_of(set);
     }

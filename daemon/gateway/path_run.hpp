@@ -16,7 +16,7 @@
 #include <tl/expected.hpp>
 
 #include "async/wake.hpp"
-#include "gateway/axis.hpp"
+#include "gateway/claim.hpp"
 #include "tmcl/plan/course.hpp"
 #include "tmcl/plan/stream.hpp"
 
@@ -40,8 +40,8 @@ class PathRun : public std::enable_shared_from_this<PathRun> {
           tmcl::plan::StreamOptions options, OnProgress on_progress);
 
   /// Returns when it has ended, whether at its end or not, and nothing moves any more. Once.
-  /// Errors: the name of an axis that moves along another line or path.
-  static boost::asio::awaitable<tl::expected<tmcl::plan::StreamReport, std::string>> pass(
+  /// Errors: those of claim_all().
+  static boost::asio::awaitable<tl::expected<tmcl::plan::StreamReport, AxisFailure>> pass(
       std::shared_ptr<PathRun> self);
 
   void pause(bool on);
@@ -57,7 +57,7 @@ class PathRun : public std::enable_shared_from_this<PathRun> {
   std::vector<std::string> axis_names() const;
 
  private:
-  boost::asio::awaitable<std::optional<std::string>> take_axes();
+  boost::asio::awaitable<std::optional<AxisFailure>> take_axes();
   void leave_axes();
   boost::asio::awaitable<void> drive();
   boost::asio::awaitable<tmcl::plan::StreamAnswer> carry_out(tmcl::plan::StreamCommand command);

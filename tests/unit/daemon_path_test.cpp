@@ -217,7 +217,7 @@ TEST_P(DaemonPathInBothModes, NobodyElseMovesItsAxes) {
       {"parameter.set", {{"axis", "x"}, {"parameter", "max_velocity"}, {"value", 5}}}};
   for (const auto& [method, params] : calls) {
     const auto error = other.error(method, params);
-    EXPECT_EQ(name_in(error), "bad_argument") << method;
+    EXPECT_EQ(name_in(error), "axis_claimed") << method;
     EXPECT_THAT(text(error.at("message")), HasSubstr("is on its way along a path")) << method;
   }
   other.result("path.stop");
@@ -322,8 +322,8 @@ TEST_F(DaemonPath, ALineAndAPathExcludeEachOther) {
   ASSERT_TRUE(until_x_is_beyond(1));
   const auto line = other.error(
       "line.move", {{"axes", json::array{"x", "y"}}, {"positions_microsteps", json::array{0, 0}}});
-  EXPECT_THAT(text(line.at("message")), HasSubstr("along another line or path"));
-  EXPECT_EQ(name_in(other.error("path.run", order(short_way))), "moving");
+  EXPECT_THAT(text(line.at("message")), HasSubstr("is on its way along a path"));
+  EXPECT_EQ(name_in(other.error("path.run", order(short_way))), "axis_claimed");
   other.result("path.stop");
   error_of(id);
 }

@@ -2,7 +2,7 @@
 // flood, and over a module that has not said yet what it is.
 #include <gmock/gmock.h>
 
-#include "unit/daemon_fixture.hpp"
+#include "unit/daemon_moves_fixture.hpp"
 
 namespace tmcld::test {
 namespace {
@@ -109,6 +109,21 @@ TEST_F(DaemonStop, RawStopEndsMovementsToo) {
   EXPECT_EQ(daemon.requests_seen(Command::MVP), 0U);
 }
 
+TEST_F(DaemonStop, StopAllEndsRawMovementsOfMotorsWithoutAnAxis) {
+  hold();
+  const auto read = client.send("parameter.get", {{"axis", "x"}, {"parameter", 4}});
+  wait_for_held(1);
+  const auto move = client.send(
+      "module.execute", {{"bus", "bench"}, {"address", 1}, {"command", "ROR"}, {"motor", 2}});
+  const auto stop = client.send("system.stop_all");
+  EXPECT_EQ(name_in(client.answer_to(move)), "superseded_by_stop");
+  release();
+  client.answer_to(read);
+  EXPECT_TRUE(client.answer_to(stop).contains("result"));
+  EXPECT_EQ(daemon.requests_seen(Command::ROR), 0U);
+  EXPECT_EQ(daemon.requests_seen(Command::MST), 3U);
+}
+
 TEST_F(DaemonStop, GetsThroughAClientsOwnFlood) {
   hold();
   std::vector<int> flood;
@@ -129,6 +144,28 @@ TEST_F(DaemonStop, GetsThroughAClientsOwnFlood) {
     return (first_read + 1)->command;
   });
   EXPECT_EQ(second, Command::MST);
+}
+
+// The daemon may have to wait for somebody else's path.
+TEST(DaemonStopAtTheEnd, WhatIsInPreparationDoesNotStart) {
+  for (const auto* method : {"line.move", "axis.move_to"}) {
+    MovesBench bench;
+    bench.daemon.on_reactor([&] { return bench.daemon.wire().holds = true; });
+    const auto id = method == std::string("line.move")
+                        ? bench.client->send(method, {{"axes", json::array{"x", "y"}},
+                                                      {"positions", json::array{5, 3}}})
+                        : bench.client->send(method, {{"axis", "x"}, {"position", 5}});
+    ASSERT_TRUE(bench.daemon.eventually([&] { return !bench.daemon.wire().held.empty(); }));
+    bench.daemon.on_reactor([&] {
+      bench.daemon.daemon().gateway().refuse_new_calls();
+      bench.daemon.wire().release();
+      return 0;
+    });
+    const auto answer = bench.client->answer_to(id);
+    EXPECT_EQ(name_in(answer), "daemon_ending") << method;
+    EXPECT_EQ(answer.at("error").at("code"), -32002);
+    EXPECT_EQ(bench.daemon.requests_seen(Command::MVP), 0U);
+  }
 }
 
 TEST(DaemonStopEarly, GoesOutToAModuleThatHasNotSaidWhatItIs) {

@@ -39,6 +39,8 @@ enum class Errc : std::uint8_t {
                       ///< run.
   beyond_soft_limit,  ///< The axis was to go where its soft limits do not let it; nothing was sent.
   in_bootloader,      ///< Somebody gives the module new firmware: it executes nothing meanwhile.
+  axis_claimed,       ///< Somebody else moves the axis, along a line for instance; nothing was sent.
+  daemon_ending,      ///< The daemon is ending, and nothing is set in motion any more.
 };
 
 struct Error {

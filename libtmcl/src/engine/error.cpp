@@ -31,6 +31,8 @@ std::string_view name_of(Errc code) {
     case Errc::download_broken: return "download_broken";
     case Errc::beyond_soft_limit: return "beyond_soft_limit";
     case Errc::in_bootloader: return "in_bootloader";
+    case Errc::axis_claimed: return "axis_claimed";
+    case Errc::daemon_ending: return "daemon_ending";
   }
   return "";
 }

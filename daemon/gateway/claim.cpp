@@ -1,0 +1,57 @@
+#include "gateway/claim.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <boost/asio/steady_timer.hpp>
+#include <boost/asio/this_coro.hpp>
+#include <boost/asio/use_awaitable.hpp>
+
+namespace tmcld {
+namespace {
+
+using boost::asio::awaitable;
+using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
+
+constexpr tmcl::Duration time_to_be_free = std::chrono::seconds(2);
+constexpr tmcl::Duration look_interval = std::chrono::milliseconds(5);
+
+awaitable<std::optional<AxisFailure>> look(const Axes& axes, Permit permit) {
+  for (const auto& axis : axes) {
+    auto movement = axis->begin_movement(permit, {});
+    auto free = co_await axis->be_free(std::move(movement));
+    if (!free) co_return AxisFailure{std::move(free.error()), axis->name()};
+  }
+  co_return std::nullopt;
+}
+
+bool can_end_soon(const AxisFailure& failure, const Axes& axes) {
+  if (failure.error.code != tmcl::Errc::axis_claimed) return false;
+  const auto axis = std::ranges::find(axes, failure.axis, &GatewayAxis::name);
+  return axis != axes.end() && (*axis)->mover() != Mover::search;
+}
+
+bool are_free(const Axes& axes) {
+  return std::ranges::all_of(axes, [](const auto& axis) { return axis->mover() == Mover::nobody; });
+}
+
+}  // namespace
+
+awaitable<std::optional<AxisFailure>> claim_all(Axes axes, Mover by, Permit of) {
+  const auto limit = std::chrono::steady_clock::now() + time_to_be_free;
+  boost::asio::steady_timer timer(co_await boost::asio::this_coro::executor);
+  while (true) {
+    auto failure = co_await look(axes, of);
+    // While one of them was looked at, somebody may have claimed another.
+    if (!failure && are_free(axes)) break;
+    const bool waits = std::chrono::steady_clock::now() < limit;
+    if (failure && !(waits && can_end_soon(*failure, axes))) co_return failure;
+    timer.expires_after(look_interval);
+    co_await timer.async_wait(boost::asio::use_awaitable);
+  }
+  for (const auto& axis : axes) axis->claim(by, of);
+  co_return std::nullopt;
+}
+
+}  // namespace tmcld

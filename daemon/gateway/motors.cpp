@@ -1,0 +1,197 @@
+#include "gateway/motors.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "tmcl/coordinates.hpp"
+
+namespace tmcld {
+namespace {
+
+using tmcl::AxisAddress;
+using tmcl::Command;
+using tmcl::Errc;
+using tmcl::Request;
+
+constexpr std::uint8_t first_control_function = 128;
+constexpr std::uint8_t positions_of_several = 2;  // the type of MVP
+constexpr std::uint8_t first_mask = 0x40;
+constexpr std::uint8_t motors_in_mask = 6;
+enum class Search : std::uint8_t { start = 0, stop = 1, status = 2 };
+
+bool names_several(const Request& request) {
+  return request.command == Command::MVP && request.type == positions_of_several &&
+         request.motor >= first_mask;
+}
+
+// Commands above 127 control programs and chips, and RST a program: they know no motor, so they may
+// concern any.
+bool knows_no_motor(const Request& request) {
+  return static_cast<std::uint8_t>(request.command) >= first_control_function ||
+         request.command == Command::RST;
+}
+
+std::string_view words_for(Mover by) {
+  switch (by) {
+    case Mover::nobody: break;
+    case Mover::line: return "is on its way along a line";
+    case Mover::path: return "is on its way along a path";
+    case Mover::search: return "searches its reference";
+  }
+  return "is not moved by anybody";
+}
+
+}  // namespace
+
+bool can_move(const Request& request) {
+  return effect_of(request.command, request.type) == tmcl::Effect::moves;
+}
+
+bool can_move(const Request& request, AxisAddress motor) {
+  if (!can_move(request) || request.address != motor.module) return false;
+  if (knows_no_motor(request)) return true;
+  return names_several(request) ? moves_together(request, motor.motor)
+                                : request.motor == motor.motor;
+}
+
+bool starts_search(const Request& request) {
+  return request.command == Command::RFS &&
+         request.type == static_cast<std::uint8_t>(Search::start);
+}
+
+// ---- stops -------------------------------------------------------------------------------------
+
+void Motors::stop(AxisAddress motor) {
+  motors_[motor].last_stop = arrivals_->admit().number;
+  forget_other_motors();
+}
+
+void Motors::forget_other_motors() {
+  const auto is_other = [](const auto& one) { return one.second.axis.empty(); };
+  const auto others = std::ranges::count_if(motors_, is_other);
+  if (static_cast<std::size_t>(others) <= most_other_motors) return;
+  std::erase_if(motors_, is_other);
+  last_stop_of_others_ = arrivals_->last;
+}
+
+bool Motors::is_stopped_since(AxisAddress motor, Permit permit) const {
+  const auto found = motors_.find(motor);
+  const bool is_known = found != motors_.end();
+  if (is_known && found->second.last_stop > permit.number) return true;
+  const bool is_other = !is_known || found->second.axis.empty();
+  return is_other && last_stop_of_others_ > permit.number;
+}
+
+std::optional<tmcl::Error> Motors::objection_to_all(Permit permit) const {
+  if (arrivals_->closing) return error(Errc::daemon_ending, "the daemon is ending", {});
+  if (permit.number == 0)
+    return error(Errc::bad_argument, "nothing moves a motor that no call has asked for", {});
+  if (arrivals_->stop_of_all > permit.number)
+    return error(Errc::superseded_by_stop, "a stop came first", {});
+  return std::nullopt;
+}
+
+std::optional<tmcl::Error> Motors::objection(AxisAddress motor, Permit permit) const {
+  if (auto objection = objection_to_all(permit)) return objection;
+  if (!is_stopped_since(motor, permit)) return std::nullopt;
+  return error(Errc::superseded_by_stop, "a stop came first", {});
+}
+
+std::optional<tmcl::Error> Motors::objection(const Request& request, Permit permit) const {
+  const bool names_one = !names_several(request) && !knows_no_motor(request);
+  if (names_one) return objection(AxisAddress{request.address, request.motor}, permit);
+  if (auto objection = objection_to_all(permit)) return objection;
+  const bool stopped = std::ranges::any_of(motors_, [&](const auto& one) {
+    return one.second.last_stop > permit.number && can_move(request, one.first);
+  });
+  if (!stopped && last_stop_of_others_ <= permit.number) return std::nullopt;
+  return error(Errc::superseded_by_stop, "a stop came first", {});
+}
+
+// ---- requests on their way ---------------------------------------------------------------------
+
+bool Motors::is_axis(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  return found != motors_.end() && !found->second.axis.empty();
+}
+
+void Motors::end(const Request& request) {
+  const auto found = std::ranges::find(on_their_way_, request);
+  if (found != on_their_way_.end()) on_their_way_.erase(found);
+}
+
+std::set<AxisAddress> Motors::others_about_to_move() const {
+  std::set<AxisAddress> others;
+  for (const auto& request : on_their_way_) {
+    // A stop of any motor of the module ends what knows no motor.
+    if (knows_no_motor(request)) others.insert({request.address, 0});
+    for (std::uint8_t motor = 0; names_several(request) && motor < motors_in_mask; ++motor)
+      if (moves_together(request, motor)) others.insert({request.address, motor});
+    if (!knows_no_motor(request) && !names_several(request))
+      others.insert({request.address, request.motor});
+  }
+  std::erase_if(others, [&](AxisAddress motor) { return is_axis(motor); });
+  return others;
+}
+
+// ---- claims ------------------------------------------------------------------------------------
+
+void Motors::claim(AxisAddress motor, Mover by, Permit of) {
+  if (is_axis(motor)) motors_.at(motor).claim = {by, of};
+}
+
+void Motors::release(AxisAddress motor, Permit of) {
+  const auto found = motors_.find(motor);
+  if (found != motors_.end() && found->second.claim.of == of) found->second.claim = {};
+}
+
+Claim Motors::claim_of(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  return found == motors_.end() ? Claim{} : found->second.claim;
+}
+
+std::optional<AxisAddress> Motors::claimed_by_other(const Request& request, Permit permit) const {
+  for (const auto& [address, motor] : motors_) {
+    const bool by_other = motor.claim.by != Mover::nobody && motor.claim.of != permit;
+    if (by_other && can_move(request, address)) return address;
+  }
+  return std::nullopt;
+}
+
+tmcl::Error Motors::claimed(AxisAddress motor) const {
+  const auto& it = motors_.at(motor);
+  return error(Errc::axis_claimed, "axis '" + it.axis + "' " + std::string(words_for(it.claim.by)),
+               "wait for its end, or stop it");
+}
+
+void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answer, Claim before) {
+  if (request.command != Command::RFS) return;
+  const AxisAddress motor{request.address, request.motor};
+  switch (static_cast<Search>(request.type)) {
+    case Search::start: {
+      const bool never_began = !answer && answer.error().outcome != tmcl::Outcome::unknown;
+      if (never_began) release(motor, before.of);
+      return;
+    }
+    case Search::stop:
+      if (answer && before.by == Mover::search) release(motor, before.of);
+      return;
+    case Search::status: {
+      const bool has_ended = answer && answer->reply.value == 0;
+      if (has_ended && before.by == Mover::search) release(motor, before.of);
+      return;
+    }
+  }
+}
+
+tmcl::Error Motors::error(Errc code, std::string message, std::string hint) const {
+  tmcl::Error error;
+  error.code = code;
+  error.outcome = tmcl::Outcome::not_sent;
+  error.message = std::move(message);
+  error.hint = std::move(hint);
+  error.bus = bus_;
+  return error;
+}
+
+}  // namespace tmcld

@@ -1,0 +1,122 @@
+/// Who may move which motor of a bus. Every request that can move one is judged here just before it
+/// goes out, see GatewayBus::run(); so no method has to think of it.
+///
+/// Calls and stops are numbered in the order in which they come in, over all buses, and a stop
+/// leaves its number with the motors that it is for. A request goes out only for a call that came
+/// in behind the last stop of each motor that it can move: however late the call comes to send it.
+///
+/// Whoever moves an axis on a line, on a path or in a reference search claims it, and nobody else
+/// moves it meanwhile. A stop needs no permit and heeds no claim.
+///
+/// Does no I/O. Thread safety: none. Everything it holds is bounded by the number of configured
+/// axes and most_other_motors.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tmcl/address.hpp"
+#include "tmcl/error.hpp"
+#include "tmcl/script.hpp"
+
+namespace tmcld {
+
+/// The right of a call to move motors, from when it came in. Without one nothing moves.
+struct Permit {
+  std::uint64_t number = 0;  ///< Of the call; 0: none.
+  bool operator==(const Permit&) const = default;
+};
+
+/// In which order calls and stops came in: one for all buses.
+struct Arrivals {
+  std::uint64_t last = 0;
+  std::uint64_t stop_of_all = 0;
+  bool closing = false;  ///< Nothing is set in motion any more.
+
+  Permit admit() { return {++last}; }
+  void stop_all() { stop_of_all = ++last; }
+};
+
+/// Who moves an axis now.
+enum class Mover : std::uint8_t { nobody, line, path, search };
+
+struct Claim {
+  Mover by = Mover::nobody;
+  Permit of{};  ///< The call that has begun it.
+  bool operator==(const Claim&) const = default;
+};
+
+/// Whether a request can move a motor, now or when its module starts again.
+bool can_move(const tmcl::Request& request);
+bool can_move(const tmcl::Request& request, tmcl::AxisAddress motor);
+bool starts_search(const tmcl::Request& request);
+
+class Motors {
+ public:
+  /// Motors that no axis is configured for, of which the last stop is known. When there are more,
+  /// all of them count as stopped now.
+  static constexpr std::size_t most_other_motors = 256;
+
+  Motors(std::string bus, std::shared_ptr<Arrivals> arrivals)
+      : bus_(std::move(bus)), arrivals_(std::move(arrivals)) {}
+
+  /// An axis is configured there: it can be claimed.
+  void add(tmcl::AxisAddress motor, const std::string& axis) { motors_[motor].axis = axis; }
+
+  /// Calls that came in before this have no right to move the motor any more.
+  void stop(tmcl::AxisAddress motor);
+  /// Why a call must not move a motor any more: a stop came, or the daemon is ending.
+  std::optional<tmcl::Error> objection(tmcl::AxisAddress motor, Permit permit) const;
+  /// The same for all motors that a request can move.
+  std::optional<tmcl::Error> objection(const tmcl::Request& request, Permit permit) const;
+
+  /// The motor of a configured axis that nobody has claimed.
+  void claim(tmcl::AxisAddress motor, Mover by, Permit of);
+  /// Nothing happens if the call has not claimed it.
+  void release(tmcl::AxisAddress motor, Permit of);
+  Claim claim_of(tmcl::AxisAddress motor) const;
+  /// A motor that a request can move, although it is claimed by another call.
+  std::optional<tmcl::AxisAddress> claimed_by_other(const tmcl::Request& request,
+                                                    Permit permit) const;
+  /// What whoever wants to move it all the same is told.
+  tmcl::Error claimed(tmcl::AxisAddress motor) const;
+
+  /// A request that can move a motor is on its way, from begin() to end(): in the queue of the bus
+  /// perhaps.
+  void begin(const tmcl::Request& request) { on_their_way_.push_back(request); }
+  void end(const tmcl::Request& request);
+  /// Motors that no axis is configured for and that requests on their way can move.
+  std::set<tmcl::AxisAddress> others_about_to_move() const;
+
+  /// Learns from what goes past whether reference searches run: `before` it was sent, the motor
+  /// was claimed like this.
+  void note(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer, Claim before);
+
+ private:
+  struct Motor {
+    std::string axis{};  ///< Empty where none is configured.
+    std::uint64_t last_stop = 0;
+    Claim claim{};
+  };
+
+  bool is_axis(tmcl::AxisAddress motor) const;
+  void forget_other_motors();
+  bool is_stopped_since(tmcl::AxisAddress motor, Permit permit) const;
+  std::optional<tmcl::Error> objection_to_all(Permit permit) const;
+  tmcl::Error error(tmcl::Errc code, std::string message, std::string hint) const;
+
+  std::string bus_;
+  std::shared_ptr<Arrivals> arrivals_;
+  std::map<tmcl::AxisAddress, Motor> motors_;
+  std::vector<tmcl::Request> on_their_way_;
+  /// Of motors that are not in the map, it is not known any better.
+  std::uint64_t last_stop_of_others_ = 0;
+};
+
+}  // namespace tmcld
