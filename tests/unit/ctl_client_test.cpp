@@ -8,12 +8,15 @@
 
 #include <atomic>
 #include <filesystem>
+#include <fstream>
 #include <functional>
+#include <optional>
 #include <string>
 #include <thread>
 
 #include <boost/json.hpp>
 
+#include "support/temp_path.hpp"
 #include "tmcl/client.hpp"
 
 namespace tmcl::client {
@@ -35,11 +38,7 @@ class FakeDaemon {
       : path_(std::filesystem::temp_directory_path() /
               ("ctl_client_" + std::to_string(::getpid()) + ".sock")),
         listener_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
-    std::filesystem::remove(path_);
-    sockaddr_un address{};
-    address.sun_family = AF_UNIX;
-    path_.copy(address.sun_path, sizeof address.sun_path - 1);
-    ::bind(listener_, reinterpret_cast<sockaddr*>(&address), sizeof address);
+    bind_to(path_, listener_);
     ::listen(listener_, 1);
     thread_ = std::thread(
         [this, first = std::move(first), answer = std::move(answer)] { serve(first, answer); });
@@ -55,7 +54,22 @@ class FakeDaemon {
 
   const std::string& path() const { return path_; }
 
+  /// What a daemon that was killed leaves behind.
+  static void leave_stale_socket(const std::string& path) {
+    const int listener = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0);
+    bind_to(path, listener);
+    ::close(listener);
+  }
+
  private:
+  static void bind_to(const std::string& path, int listener) {
+    std::filesystem::remove(path);
+    sockaddr_un address{};
+    address.sun_family = AF_UNIX;
+    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    ::bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address);
+  }
+
   bool readable(int descriptor) const {
     pollfd entry{descriptor, POLLIN, 0};
     while (!ending_) {
@@ -214,6 +228,62 @@ TEST(CtlClient, NamesTheSocketThatIsNotThere) {
   EXPECT_THAT(error.hint, HasSubstr("tmcld"));
   EXPECT_EQ(Connection::open(std::string(500, 'x')).error().name, error_name::unreachable);
   EXPECT_EQ(Connection::open("").error().name, error_name::unreachable);
+}
+
+/// `event` happens while the client waits for the socket. A test whose client does not wait fails,
+/// one whose client waits in vain ends.
+Options patient(std::function<void()> event) {
+  Options options;
+  options.wait_for_socket = std::chrono::seconds(20);
+  options.cancelled = [event = std::move(event), turns = 0]() mutable {
+    if (++turns == 3) event();
+    return false;
+  };
+  return options;
+}
+
+TEST(CtlClient, WaitsForADaemonThatIsStarting) {
+  const auto path = FakeDaemon(greeting).path();
+  ASSERT_FALSE(std::filesystem::exists(path));
+  std::optional<FakeDaemon> daemon;
+  EXPECT_TRUE(Connection::open(path, patient([&] { daemon.emplace(greeting); })));
+}
+
+TEST(CtlClient, WaitsForADaemonThatReplacesTheSocketOfOneThatWasKilled) {
+  const auto path = FakeDaemon(greeting).path();
+  FakeDaemon::leave_stale_socket(path);
+  std::optional<FakeDaemon> daemon;
+  EXPECT_TRUE(Connection::open(path, patient([&] { daemon.emplace(greeting); })));
+}
+
+TEST(CtlClient, SaysHowLongItWaited) {
+  Options options;
+  options.wait_for_socket = milliseconds(60);
+  const auto path = FakeDaemon(greeting).path();
+  const auto error = Connection::open(path, options).error();
+  EXPECT_EQ(error.name, error_name::unreachable);
+  EXPECT_THAT(error.message,
+              testing::ContainsRegex("No such file or directory \\(waited [0-9.]+ s for it\\)"));
+}
+
+TEST(CtlClient, DoesNotWaitForWhatCannotComeRight) {
+  const auto no_socket = tmcl::test::temp_path("no_socket");
+  std::ofstream(no_socket) << "text";
+  for (const auto& path : {std::string("/nowhere/tmcld.sock"), no_socket, std::string("/tmp/"),
+                           std::string(500, 'x'), std::string()}) {
+    const auto error = Connection::open(path, patient([] {})).error();
+    EXPECT_EQ(error.name, error_name::unreachable) << path;
+    EXPECT_THAT(error.message, testing::Not(HasSubstr("waited"))) << path;
+  }
+  std::filesystem::remove(no_socket);
+}
+
+TEST(CtlClient, CanBeCancelledWhileItWaits) {
+  Options options;
+  options.cancelled = [] { return true; };
+  const auto error = Connection::open(FakeDaemon(greeting).path(), options).error();
+  EXPECT_EQ(error.name, error_name::cancelled);
+  EXPECT_EQ(error.outcome, Outcome::not_sent);
 }
 
 }  // namespace

@@ -186,8 +186,10 @@ class Steering {
 }  // namespace
 
 Attempt<std::unique_ptr<Target>> DaemonTarget::open(const std::string& socket_path,
-                                                    std::string options, Patience& patience) {
+                                                    std::string options, tmcl::Duration wait,
+                                                    Patience& patience) {
   tmcl::client::Options client_options;
+  client_options.wait_for_socket = wait;
   client_options.cancelled = [&patience] { return patience.signal() != 0; };
   auto daemon = attempt(tmcl::client::Connection::open(socket_path, std::move(client_options)));
   if (!daemon) {

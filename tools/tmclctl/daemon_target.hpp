@@ -12,7 +12,7 @@ class DaemonTarget final : public Target {
  public:
   /// `options` is how another tmclctl names the same socket.
   static Attempt<std::unique_ptr<Target>> open(const std::string& socket_path, std::string options,
-                                               Patience& patience);
+                                               tmcl::Duration wait, Patience& patience);
   DaemonTarget(tmcl::client::Connection daemon, std::string socket_path, std::string options,
                Patience& patience);
 

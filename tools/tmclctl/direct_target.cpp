@@ -47,14 +47,32 @@ ParameterRow row_of(const tmcl::ParameterInfo& info) {
           std::string(info.meaning)};
 }
 
+/// Lets a pty appear that a simulator is about to make, or an adapter that was just plugged in; a
+/// signal ends that. Returns how long it took.
+tmcl::Duration await_port(const tmcl::LinkName& name, tmcl::Duration wait, Patience& patience) {
+  const auto* port = std::get_if<tmcl::SerialName>(&name);
+  if (port == nullptr) return {};
+  const auto began = patience.now();
+  while (patience.now() - began < wait && patience.signal() == 0 &&
+         tmcl::may_still_appear(port->device)) {
+    patience.sleep(tmcl::file_look_interval);
+  }
+  return patience.now() - began;
+}
+
 }  // namespace
 
 Attempt<std::unique_ptr<Target>> DirectTarget::open(const std::string& link_name,
-                                                    std::int32_t full_steps, Patience& patience) {
+                                                    std::int32_t full_steps, tmcl::Duration wait,
+                                                    Patience& patience) {
   const auto name = attempt(tmcl::parse_link_name(link_name));
   if (!name) return tl::unexpected(name.error());
+  const auto waited = await_port(*name, wait, patience);
   auto link = attempt(tmcl::Link::open(*name));
-  if (!link) return tl::unexpected(link.error());
+  if (!link) {
+    link.error().message += tmcl::waited_text(waited);
+    return tl::unexpected(link.error());
+  }
   const auto framing = link->framing();
   return std::make_unique<DirectTarget>(tmcl::blocking::Bus(std::move(*link)), framing, full_steps,
                                         patience);

@@ -15,7 +15,8 @@ namespace tmclctl {
 class DirectTarget final : public Target {
  public:
   static Attempt<std::unique_ptr<Target>> open(const std::string& link_name,
-                                               std::int32_t full_steps, Patience& patience);
+                                               std::int32_t full_steps, tmcl::Duration wait,
+                                               Patience& patience);
   DirectTarget(tmcl::blocking::Bus bus, tmcl::Framing framing, std::int32_t full_steps,
                Patience& patience);
 

@@ -16,11 +16,13 @@ std::string socket_path(const Where& where) {
 
 }  // namespace
 
-Attempt<std::unique_ptr<Target>> open_target(const Where& where, Patience& patience) {
-  if (!where.direct.empty()) return DirectTarget::open(where.direct, where.full_steps, patience);
+Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait,
+                                             Patience& patience) {
+  if (!where.direct.empty())
+    return DirectTarget::open(where.direct, where.full_steps, wait, patience);
   // What the environment says will hold for the user's next command, too.
   auto options = where.socket.empty() ? std::string{} : " --socket " + where.socket;
-  return DaemonTarget::open(socket_path(where), std::move(options), patience);
+  return DaemonTarget::open(socket_path(where), std::move(options), wait, patience);
 }
 
 }  // namespace tmclctl

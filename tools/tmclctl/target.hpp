@@ -14,6 +14,7 @@
 #include "patience.hpp"
 #include "quantity.hpp"
 #include "shown.hpp"
+#include "tmcl/awaited_file.hpp"
 #include "tmcl/firmware_verbs.hpp"
 #include "tmcl/link.hpp"
 #include "tmcl/parameter.hpp"
@@ -226,6 +227,12 @@ struct Where {
   std::int32_t full_steps = tmcl::MotorSteps{}.full_steps;  ///< Of a turn, without the daemon.
 };
 
-Attempt<std::unique_ptr<Target>> open_target(const Where& where, Patience& patience);
+/// How long is waited for tmcld's socket, or for a serial port, that is not there yet.
+constexpr tmcl::Duration usual_wait = tmcl::longest_wait_for_file;
+/// The same before a stop: nobody starts a daemon in order to stop a motor.
+constexpr tmcl::Duration wait_before_stop = std::chrono::milliseconds(300);
+
+Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait,
+                                             Patience& patience);
 
 }  // namespace tmclctl

@@ -68,13 +68,21 @@ constexpr bool needs_no_target =
     std::is_same_v<V, verb::FirmwareInfo> || std::is_same_v<V, verb::Convert> ||
     std::is_same_v<V, verb::Models>;
 
+template <class V>
+constexpr tmcl::Duration wait_for_target() {
+  if constexpr (std::is_same_v<V, verb::Stop>) return wait_before_stop;
+  // The shell's completion must not hang.
+  if constexpr (std::is_same_v<V, verb::Complete>) return {};
+  return usual_wait;
+}
+
 /// `ready` stands for the target that the command line names, if it is there already.
 template <class V>
 VerbResult run_on_target(const V& verb, const Where& where, Output& output, Patience& patience,
                          Target* ready) {
   std::unique_ptr<Target> opened;
   if (ready == nullptr) {
-    auto target = open_target(where, patience);
+    auto target = open_target(where, wait_for_target<V>(), patience);
     if (!target) return tl::unexpected(target.error());
     opened = std::move(*target);
     ready = opened.get();

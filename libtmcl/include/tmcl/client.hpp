@@ -16,6 +16,7 @@
 
 #include <boost/json/object.hpp>
 
+#include "tmcl/awaited_file.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/error.hpp"
 
@@ -55,10 +56,13 @@ constexpr std::size_t max_line_bytes = std::size_t{4} << 20U;
 constexpr int protocol_major = 1;
 
 struct Options {
+  /// How long a socket is waited for that is not there yet, or that nobody listens on yet, in a
+  /// directory that exists. All else is told at once.
+  Duration wait_for_socket = longest_wait_for_file;
   Duration hello_timeout = std::chrono::seconds(3);
   /// How long a call may take; counted anew from each progress report that the daemon sends for it.
   Duration call_timeout = std::chrono::seconds(15);
-  /// Asked at least ten times a second during a call; true ends it. For Ctrl-C.
+  /// Asked at least ten times a second during a wait or a call; true ends it. For Ctrl-C.
   std::function<bool()> cancelled{};
 };
 
@@ -67,7 +71,7 @@ class Connection {
  public:
   using Handler = std::function<void(std::string_view method, const boost::json::object& params)>;
 
-  /// Connects and reads the daemon's greeting.
+  /// Connects, as soon as there is a socket, and reads the daemon's greeting.
   static CallResult<Connection> open(const std::string& socket_path, Options options = {});
   Connection(Connection&&) noexcept;
   Connection& operator=(Connection&&) noexcept;

@@ -178,7 +178,7 @@ CallResult<void> Connection::State::listen(Duration at_most) {
 }
 
 CallResult<Connection> Connection::open(const std::string& socket_path, Options options) {
-  auto socket = LineSocket::open(socket_path, options.cancelled);
+  auto socket = LineSocket::open(socket_path, options.wait_for_socket, options.cancelled);
   if (!socket) return tl::unexpected(std::move(socket.error()));
   auto state = std::make_unique<State>(std::move(*socket), std::move(options));
   if (auto greeted = state->read_hello(); !greeted) {

@@ -12,6 +12,8 @@
 #include <array>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
+#include <thread>
 #include <utility>
 
 #include <fmt/format.h>
@@ -43,28 +45,56 @@ std::string hint_for(int reason, const std::string& path) {
          "configuration names the socket";
 }
 
-CallError unreachable(const std::string& path, int reason) {
+CallError unreachable(const std::string& path, int reason, Duration waited = {}) {
   return {0, std::string(error_name::unreachable), Outcome::not_sent,
-          fmt::format("cannot connect to tmcld at {}: {}", path, std::strerror(reason)),
+          fmt::format("cannot connect to tmcld at {}: {}{}", path, std::strerror(reason),
+                      waited_text(waited)),
           hint_for(reason, path)};
+}
+
+CallError interrupted(Outcome outcome) {
+  return {0, std::string(error_name::cancelled), outcome, "interrupted before tmcld answered", {}};
+}
+
+/// A connected descriptor, or an errno.
+tl::expected<int, int> connect_to(const sockaddr_un& address) {
+  const int descriptor = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
+  if (descriptor < 0) return tl::unexpected(errno);
+  if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0)
+    return descriptor;
+  const int reason = errno;
+  ::close(descriptor);
+  return tl::unexpected(reason);
+}
+
+/// Whether a daemon that starts at this moment would change that. A socket that refuses is not
+/// listened on yet, or was left by a daemon that was killed: the next one replaces it.
+bool may_come_right(int reason, const std::string& path) {
+  if (reason == ENOENT) return may_still_appear(path);
+  std::error_code unreadable;
+  return reason == ECONNREFUSED && std::filesystem::is_socket(path, unreadable);
 }
 
 }  // namespace
 
-CallResult<LineSocket> LineSocket::open(const std::string& path, std::function<bool()> cancelled) {
+CallResult<LineSocket> LineSocket::open(const std::string& path, Duration wait,
+                                        std::function<bool()> cancelled) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof address.sun_path) {
     return tl::unexpected(unreachable(path, path.empty() ? ENOENT : ENAMETOOLONG));
   }
   std::ranges::copy(path, std::begin(address.sun_path));
-  const int descriptor = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
-  if (descriptor < 0) return tl::unexpected(unreachable(path, errno));
-  LineSocket socket(descriptor, path, std::move(cancelled));
-  if (::connect(descriptor, reinterpret_cast<const sockaddr*>(&address), sizeof address) != 0) {
-    return tl::unexpected(unreachable(path, errno));
+  const auto began = RealClock{}.now();
+  while (true) {
+    const auto connected = connect_to(address);
+    if (connected) return LineSocket(*connected, path, std::move(cancelled));
+    const auto waited = RealClock{}.now() - began;
+    if (waited >= wait || !may_come_right(connected.error(), path))
+      return tl::unexpected(unreachable(path, connected.error(), waited));
+    if (cancelled && cancelled()) return tl::unexpected(interrupted(Outcome::not_sent));
+    std::this_thread::sleep_for(std::min<Duration>(file_look_interval, wait - waited));
   }
-  return socket;
 }
 
 LineSocket::LineSocket(int descriptor, std::string path, std::function<bool()> cancelled)
@@ -96,13 +126,7 @@ CallError LineSocket::lost(std::string_view why) const {
 
 CallResult<bool> LineSocket::wait_for(short events, TimePoint deadline) {
   while (true) {
-    if (cancelled_ && cancelled_()) {
-      return tl::unexpected(CallError{0,
-                                      std::string(error_name::cancelled),
-                                      Outcome::unknown,
-                                      "interrupted before tmcld answered",
-                                      {}});
-    }
+    if (cancelled_ && cancelled_()) return tl::unexpected(interrupted(Outcome::unknown));
     const auto left = deadline - RealClock{}.now();
     if (left <= Duration::zero()) return false;
     const auto slice = std::chrono::ceil<std::chrono::milliseconds>(

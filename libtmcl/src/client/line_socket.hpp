@@ -13,7 +13,9 @@ namespace tmcl::client {
 /// Move-only; closes its descriptor.
 class LineSocket {
  public:
-  static CallResult<LineSocket> open(const std::string& path, std::function<bool()> cancelled);
+  /// Waits so long for a socket that is not there yet.
+  static CallResult<LineSocket> open(const std::string& path, Duration wait,
+                                     std::function<bool()> cancelled);
   LineSocket(LineSocket&& other) noexcept;
   LineSocket& operator=(LineSocket&& other) noexcept;
   ~LineSocket();
