@@ -54,7 +54,7 @@ tmcl::Duration await_port(const tmcl::LinkName& name, tmcl::Duration wait, Patie
   if (port == nullptr) return {};
   const auto began = patience.now();
   while (patience.now() - began < wait && patience.signal() == 0 &&
-         tmcl::may_still_appear(port->device)) {
+         tmcl::is_missing(port->device) && tmcl::may_appear(port->device)) {
     patience.sleep(tmcl::file_look_interval);
   }
   return patience.now() - began;

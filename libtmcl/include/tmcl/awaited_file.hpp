@@ -13,13 +13,17 @@ namespace tmcl {
 constexpr Duration longest_wait_for_file = std::chrono::seconds(2);
 constexpr Duration file_look_interval = std::chrono::milliseconds(20);
 
-/// True if nothing is there yet that could be opened, in a directory that exists.
-inline bool may_still_appear(const std::filesystem::path& path) {
+/// True if somebody may make such a file: its directory exists.
+inline bool may_appear(const std::filesystem::path& path) {
   std::error_code unreadable;
-  if (std::filesystem::status(path, unreadable).type() != std::filesystem::file_type::not_found)
-    return false;
   const auto directory = path.has_parent_path() ? path.parent_path() : ".";
   return path.has_filename() && std::filesystem::is_directory(directory, unreadable);
+}
+
+/// True if nothing is there that could be opened.
+inline bool is_missing(const std::filesystem::path& path) {
+  std::error_code unreadable;
+  return std::filesystem::status(path, unreadable).type() == std::filesystem::file_type::not_found;
 }
 
 /// What the message of a failure adds: " (waited 2.0 s for it)"; nothing if nobody waited.

@@ -2,6 +2,7 @@
 /// Asio.
 ///
 ///     auto bus = tmcl::blocking::Bus::open("serial:/dev/ttyACM0@115200");
+///     if (!bus) return complain(describe(bus.error()));
 ///     auto axis = bus->module(tmcl::ModuleAddress{1}).axis(0);
 ///     axis.move_to(tmcl::Microsteps{51200});
 ///     axis.wait_until_reached();

@@ -1,6 +1,7 @@
 /// A connection to a running tmcld, for scripts and small tools: every call waits for its end.
 ///
 ///     auto daemon = tmcl::client::Connection::open("/run/tmcld/tmcld.sock");
+///     if (!daemon) return complain(daemon.error().message);
 ///     auto moved = daemon->call("axis.move_to", {{"axis", "x"}, {"position_microsteps", 51200}});
 ///
 /// docs/PROTOCOL.md lists the methods. On the wire: JSON-RPC 2.0 on a unix socket, one message a

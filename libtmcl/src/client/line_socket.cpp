@@ -67,10 +67,11 @@ tl::expected<int, int> connect_to(const sockaddr_un& address) {
   return tl::unexpected(reason);
 }
 
-/// Whether a daemon that starts at this moment would change that. A socket that refuses is not
-/// listened on yet, or was left by a daemon that was killed: the next one replaces it.
+/// Whether a daemon that starts at this moment would change that, or has changed it since. A socket
+/// that refuses is not listened on yet, or was left by a daemon that was killed: the next one
+/// replaces it.
 bool may_come_right(int reason, const std::string& path) {
-  if (reason == ENOENT) return may_still_appear(path);
+  if (reason == ENOENT) return may_appear(path);
   std::error_code unreadable;
   return reason == ECONNREFUSED && std::filesystem::is_socket(path, unreadable);
 }
