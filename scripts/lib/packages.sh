@@ -3,7 +3,7 @@
 # When all is there, nothing happens: no apt, no root. When something is missing, it says what and
 # why, and installs it as root or through sudo; without either it names the command to run.
 
-# Each line: package | why the project needs it.
+# Each line: package of Debian 12 | why the project needs it. `build` is what the programs need.
 packages_build='
 g++|the C++20 compiler
 cmake|describes the build
@@ -17,12 +17,12 @@ libfmt-dev|text formatting, under spdlog and in the tools
 libtomlplusplus-dev|reads tmcld.toml
 libcli11-dev|command lines of the tools
 libexpected-dev|tl::expected, results that are a value or an error
-libgtest-dev|unit tests
-libgmock-dev|unit tests
-libbenchmark-dev|benchmarks
 '
 
 packages_test='
+libgtest-dev|unit tests
+libgmock-dev|unit tests
+libbenchmark-dev|benchmarks
 iproute2|sets CAN interfaces up
 can-utils|cansend and candump, which tests compare with
 socat|joins and cuts serial lines
@@ -89,9 +89,20 @@ _packages_refuse_conflict() {
 
 _packages_need_debian() {
   command -v apt-get >/dev/null && command -v dpkg-query >/dev/null && return
-  _say "This machine has no apt. The scripts know Debian and Ubuntu; elsewhere, install what"
-  _say "scripts/lib/packages.sh lists and build with: cmake --preset release && cmake --build --preset release"
+  _say "This machine has no apt. The scripts know Debian 12; elsewhere, install what"
+  _say "scripts/lib/packages.sh lists, with Boost 1.81 or later, and build with:"
+  _say "    cmake --preset release -DTMCL_BUILD_TESTS=OFF && cmake --build --preset release --target programs"
   return 1
+}
+
+# The names are those of one release, Boost's most of all.
+_packages_doubt_release() {
+  local release
+  release=$(. /etc/os-release 2>/dev/null && printf '%s' "${PRETTY_NAME:-}")
+  [[ $release != *"Linux 12 "* ]] || return 0
+  _say "The names above are those of Debian 12, and this is ${release:-another system}. If it has these libraries"
+  _say "by other names (Boost 1.81 or later), install them, and build with:"
+  _say "    cmake --preset release -DTMCL_BUILD_TESTS=OFF && cmake --build --preset release --target programs"
 }
 
 _packages_list() {
@@ -142,6 +153,7 @@ _packages_install() {
     rm -f "$log"
     _say "apt-get could not install them; its last words are above. To see more, run as root:"
     _say "    apt-get update && apt-get install --no-install-recommends $*"
+    _packages_doubt_release
     return 1
   fi
   rm -f "$log"
