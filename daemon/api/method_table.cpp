@@ -41,13 +41,13 @@ constexpr std::array scan_params{
               0, 2047}};
 constexpr std::array scan_result{
     ResultInfo{"modules", objects,
-               "bus, address, model, model_number, firmware, axes, duplicate_suspected, "
-               "address_is_reply_id"},
+               "bus, address, model, model_number, firmware, axes, in_bootloader, "
+               "duplicate_suspected, address_is_reply_id"},
     ResultInfo{"failed", objects, "bus and error of each bus that could not be scanned"}};
 constexpr std::array list_modules_result{
     ResultInfo{"modules", objects,
-               "bus, address, model, model_number, firmware, axes, state (unknown, ready, silent), "
-               "duplicate_suspected"}};
+               "bus, address, model, model_number, firmware, axes, state (unknown, ready, silent, "
+               "in_bootloader), duplicate_suspected"}};
 constexpr std::array execute_params{
     ParamInfo{"bus", text, required, "name of the bus"},
     ParamInfo{"address", integer, required, "address of the module", 0, 2047},
@@ -65,9 +65,10 @@ constexpr std::array execute_result{
 
 // ---- axis ----
 
-constexpr std::array list_axes_result{ResultInfo{
-    "axes", objects,
-    "name, bus, address, motor, model, state (unknown, ready, silent, no_such_motor), unit"}};
+constexpr std::array list_axes_result{
+    ResultInfo{"axes", objects,
+               "name, bus, address, motor, model, state (unknown, ready, silent, in_bootloader, "
+               "no_such_motor), unit"}};
 constexpr ParamInfo predict{"predict", boolean, optional,
                             "foresee how long it takes; true if absent. Costs two readings, and "
                             "more after a change of settings"};

@@ -152,6 +152,7 @@ json::object to_json(const GatewayBus& bus, const tmcl::FoundModule& module) {
   out["bus"] = bus.name();
   out["address"] = number(module.address);
   add_identity(out, module);
+  out["in_bootloader"] = module.version.bootloader;
   out["duplicate_suspected"] = module.duplicate_suspected;
   out["address_is_reply_id"] = has_address_of_replies(bus, module.address);
   return out;

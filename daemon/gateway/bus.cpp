@@ -208,6 +208,7 @@ std::string_view name_of(GatewayEvent::Kind kind) {
     case GatewayEvent::Kind::path_broken: return "path_broken";
     case GatewayEvent::Kind::module_silent: return "module_silent";
     case GatewayEvent::Kind::module_answers: return "module_answers";
+    case GatewayEvent::Kind::module_in_bootloader: return "module_in_bootloader";
   }
   return {};
 }

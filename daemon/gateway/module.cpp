@@ -12,6 +12,7 @@ std::string_view name_of(GatewayModule::State state) {
     case GatewayModule::State::unknown: return "unknown";
     case GatewayModule::State::ready: return "ready";
     case GatewayModule::State::silent: return "silent";
+    case GatewayModule::State::in_bootloader: return "in_bootloader";
   }
   return {};
 }
@@ -26,7 +27,10 @@ boost::asio::awaitable<tmcl::Result<void>> GatewayModule::be_ready() {
   auto found = co_await bus_.run(tmcl::verbs::identify(address_), options);
   if (found) {
     adopt(*found);
-    co_return tmcl::Result<void>{};
+    if (state_ == State::ready) co_return tmcl::Result<void>{};
+    auto error = tmcl::no_firmware(address_);
+    error.bus = bus_.name();
+    co_return tl::unexpected(std::move(error));
   }
   note(found.error());
   auto error = std::move(found.error());
@@ -35,20 +39,26 @@ boost::asio::awaitable<tmcl::Result<void>> GatewayModule::be_ready() {
 }
 
 void GatewayModule::adopt(const tmcl::FoundModule& found) {
-  const bool news = state_ != State::ready;
-  if (identity_ && identity_->version != found.version) {
+  const bool runs = !found.version.bootloader;
+  const auto state = runs ? State::ready : State::in_bootloader;
+  const bool news = state_ != state;
+  const bool ran = identity_ && !identity_->version.bootloader;
+  if (runs && ran && identity_->version != found.version) {
     log(LogLevel::warning, bus_.name() + ": module " + std::to_string(number(address_)) +
                                " is another one than before");
   }
-  state_ = State::ready;
+  state_ = state;
   identity_ = found;
   duplicate_suspected_ = duplicate_suspected_ || found.duplicate_suspected;
   ++settings_epoch_;
   if (!news) return;
   auto name = found.model.empty() ? "unknown model " + std::to_string(found.version.model)
                                   : std::string(found.model);
-  bus_.emit({GatewayEvent::Kind::module_answers, bus_.name(), number(address_), 0,
-             std::move(name) + ", firmware " + to_string(found.version)});
+  const auto kind =
+      runs ? GatewayEvent::Kind::module_answers : GatewayEvent::Kind::module_in_bootloader;
+  bus_.emit(
+      {kind, bus_.name(), number(address_), 0,
+       std::move(name) + (runs ? ", firmware " : ", bootloader ") + to_string(found.version)});
 }
 
 void GatewayModule::note(const tmcl::Error& error) {

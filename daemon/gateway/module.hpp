@@ -17,9 +17,10 @@ class GatewayBus;
 class GatewayModule {
  public:
   enum class State : std::uint8_t {
-    unknown,  ///< Not asked yet, or the link is not open.
-    ready,    ///< Has said what it is, and answers.
-    silent,   ///< Did not answer when last asked.
+    unknown,        ///< Not asked yet, or the link is not open.
+    ready,          ///< Has said what it is, and answers.
+    silent,         ///< Did not answer when last asked.
+    in_bootloader,  ///< Answers, but runs no firmware: it executes nothing.
   };
 
   GatewayModule(GatewayBus& bus, tmcl::ModuleAddress address) : bus_(bus), address_(address) {}
@@ -36,7 +37,8 @@ class GatewayModule {
 
   /// Asks a module what it is unless that is known: nothing else goes to a module whose identity
   /// is not known, except stops and raw commands.
-  /// Errors: those of the exchange, with Outcome::not_sent for what was to follow.
+  /// Errors: those of the exchange, with Outcome::not_sent for what was to follow;
+  /// Errc::in_bootloader.
   boost::asio::awaitable<tmcl::Result<void>> be_ready();
 
   /// Learns from how a call ended.

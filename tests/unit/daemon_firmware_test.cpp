@@ -185,5 +185,73 @@ TEST_F(DaemonFirmware, ForAnotherModelIsRefused) {
   EXPECT_TRUE(module.changes.empty());
 }
 
+// ---- modules that were left in their bootloader ----
+
+class DaemonBootloader : public testing::Test {
+ protected:
+  DaemonBootloader() {
+    module.be_played_by(daemon.wire().modules.at(1));
+    module.in_bootloader = true;
+    daemon.start(false);
+    client = std::make_unique<RpcClient>(daemon.socket());
+  }
+  ~DaemonBootloader() override { daemon.end(); }
+  bool comes_to_be(GatewayModule::State state) {
+    return daemon.eventually(
+        [&] { return daemon.daemon().gateway().axes()[0]->module().state() == state; });
+  }
+
+  tmcl::test::Bootable module;
+  TestDaemon daemon;
+  std::unique_ptr<RpcClient> client;
+};
+
+TEST_F(DaemonBootloader, AreToldOf) {
+  ASSERT_TRUE(comes_to_be(GatewayModule::State::in_bootloader));
+  const auto row = client->result("module.list").at("modules").at(0).as_object();
+  EXPECT_EQ(text(row.at("state")), "in_bootloader");
+  EXPECT_EQ(text(row.at("model")), "TMCM-3110");
+  EXPECT_EQ(text(client->result("axis.list").at("axes").at(0).at("state")), "in_bootloader");
+  const auto found = client->result("bus.scan", {{"last", 2}}).at("modules").at(0).as_object();
+  EXPECT_EQ(found.at("in_bootloader"), true);
+  EXPECT_EQ(
+      text(client->result("firmware.status", {{"bus", "bench"}, {"address", 1}}).at("running")),
+      "3110B101");
+}
+
+TEST_F(DaemonBootloader, NoVerbIsSentToTheirAxesButStops) {
+  ASSERT_TRUE(comes_to_be(GatewayModule::State::in_bootloader));
+  const std::vector<std::pair<std::string, json::object>> verbs{
+      {"axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}}},
+      {"axis.rotate", {{"axis", "x"}, {"velocity_internal", 1}}},
+      {"axis.wait", {{"axis", "x"}}},
+      {"axis.home", {{"axis", "x"}}},
+      {"axis.get_state", {{"axis", "x"}}},
+      {"parameter.get", {{"axis", "x"}, {"parameter", "max_velocity"}}},
+      {"parameter.set", {{"axis", "x"}, {"parameter", 4}, {"value", 1}}},
+  };
+  for (const auto& [method, params] : verbs) {
+    const auto error = client->error(method, params);
+    EXPECT_EQ(text(error.at("data").at("name")), "in_bootloader") << method;
+    EXPECT_EQ(text(error.at("data").at("outcome")), "not_sent") << method;
+    EXPECT_THAT(text(error.at("message")), HasSubstr("no firmware runs")) << method;
+    EXPECT_THAT(text(error.at("data").at("hint")), HasSubstr("tmclctl firmware upload")) << method;
+  }
+  for (const auto command : {Command::MVP, Command::ROR, Command::RFS, Command::SAP})
+    EXPECT_EQ(daemon.requests_seen(command), 0U) << name_of(command);
+  EXPECT_EQ(text(client->error("axis.stop", {{"axis", "x"}}).at("data").at("name")),
+            "refused_by_module");
+  EXPECT_EQ(daemon.requests_seen(Command::MST), 1U);
+}
+
+TEST_F(DaemonBootloader, AreServedWhenTheyRunAFirmwareAgain) {
+  ASSERT_TRUE(comes_to_be(GatewayModule::State::in_bootloader));
+  client->result("subscribe", {{"interval_ms", 60'000}});
+  daemon.on_reactor([&] { return std::exchange(module.in_bootloader, false); });
+  ASSERT_TRUE(comes_to_be(GatewayModule::State::ready));
+  EXPECT_EQ(text(client->notification("notify_event").at("kind")), "module_answers");
+  EXPECT_EQ(client->result("axis.get_state", {{"axis", "x"}}).at("axis"), "x");
+}
+
 }  // namespace
 }  // namespace tmcld::test

@@ -419,5 +419,44 @@ TEST(FirmwareMatchTest, KnowsABootloader) {
   EXPECT_EQ(match->version, (FirmwareVersion{3110, 1, 23}));
 }
 
+TEST(Identifying, SaysThatOnlyABootloaderAnswers) {
+  for (const auto framing : {Framing::serial, Framing::can}) {
+    for (const bool says_nothing_to_motors : {false, true}) {
+      Bench bench(framing);
+      bench.in_bootloader = true;
+      bench.bus.chance = [&](std::size_t) {
+        const bool lost = says_nothing_to_motors && bench.bus.sent().back().command == Command::GAP;
+        return lost ? std::optional(Fault::lost_request) : std::nullopt;
+      };
+      const auto found = bench.bus.run(verbs::identify(address));
+      ASSERT_TRUE(found) << describe(found.error());
+      EXPECT_EQ(found->version, (FirmwareVersion{3110, 1, 1, true}));
+      EXPECT_EQ(found->model, "TMCM-3110");
+      EXPECT_TRUE(bench.changes.empty());
+    }
+  }
+}
+
+// What a firmware says to a question that only bootloaders know is not worth asking for.
+TEST(Identifying, AsksAFirmwareNothingThatIsForBootloaders) {
+  Bench bench;
+  const auto found = bench.bus.run(verbs::identify(address));
+  ASSERT_TRUE(found);
+  EXPECT_EQ(found->version, (FirmwareVersion{3110, 1, 9}));
+  EXPECT_EQ(std::ranges::count(bench.bus.sent(), Command::BOOT_GET_INFO, &Request::command), 0);
+}
+
+TEST(Identifying, AFirmwareThatKnowsNoSuchMotorIsNoBootloader) {
+  for (const auto status : {Status::wrong_type, Status::invalid_value, Status::invalid_command}) {
+    Bench bench;
+    bench.bus.module(1).refuse = [status](const Request& request) {
+      return request.command == Command::GAP ? std::optional(status) : std::nullopt;
+    };
+    const auto found = bench.bus.run(verbs::identify(address));
+    ASSERT_TRUE(found);
+    EXPECT_FALSE(found->version.bootloader) << static_cast<int>(status);
+  }
+}
+
 }  // namespace
 }  // namespace tmcl

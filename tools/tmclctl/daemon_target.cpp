@@ -36,6 +36,8 @@ json::value parameter_value(const std::string& text) {
 }
 
 ModuleRow module_from(const json::object& row) {
+  auto state = text_at(row, "state");
+  const bool in_bootloader = state == "in_bootloader" || flag_at(row, "in_bootloader");
   return {text_at(row, "bus"),
           integer_at<std::uint16_t>(row, "address"),
           text_at(row, "model"),
@@ -43,7 +45,8 @@ ModuleRow module_from(const json::object& row) {
           text_at(row, "firmware"),
           integer_at<std::uint8_t>(row, "axes"),
           flag_at(row, "duplicate_suspected"),
-          text_at(row, "state"),
+          std::move(state),
+          in_bootloader,
           flag_at(row, "address_is_reply_id")};
 }
 

@@ -30,7 +30,8 @@ ModuleRow row_of(const tmcl::FoundModule& found, const std::string& bus, tmcl::F
                 {},
                 found.axes,
                 found.duplicate_suspected,
-                {}};
+                {},
+                found.version.bootloader};
   row.firmware = to_string(found.version);
   row.address_is_reply_id =
       framing == tmcl::Framing::can && row.address == tmcl::LinkOptions{}.can_reply_id;
@@ -124,6 +125,7 @@ Attempt<const tmcl::Model*> DirectTarget::model_of(tmcl::ModuleAddress module) {
   if (known != models_.end()) return known->second;
   const auto found = attempt(bus_.module(module).identify());
   if (!found) return tl::unexpected(found.error());
+  if (found->version.bootloader) return tl::unexpected(failure_from(tmcl::no_firmware(module)));
   return models_[module] = tmcl::find_model(found->version.model);
 }
 

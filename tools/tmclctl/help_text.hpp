@@ -51,7 +51,8 @@ Environment:
 
 constexpr const char* scan = R"(
 Asks every address who is there: through tmcld on all its buses, with --direct on that one.
-One row for each module that answers. Takes some seconds on a slow serial line.
+One row for each module that answers. Takes some seconds on a slow serial line. NO FIRMWARE marks a
+module whose bootloader answers, as after an upload that was cut short.
 
   tmclctl scan
   tmclctl --direct can:can0 scan --addresses 1-20

@@ -65,6 +65,7 @@ json::object to_json(const ModuleRow& row) {
                       {"model_number", row.model_number},
                       {"firmware", row.firmware},
                       {"axes", row.axes},
+                      {"in_bootloader", row.in_bootloader},
                       {"duplicate_suspected", row.duplicate_suspected}};
   if (row.state.empty()) {
     object["address_is_reply_id"] = row.address_is_reply_id;

@@ -32,6 +32,7 @@ struct ModuleRow {
   std::uint8_t axes = 0;
   bool duplicate_suspected = false;
   std::string state;                 ///< Empty after a scan.
+  bool in_bootloader = false;        ///< It answers, but runs no firmware.
   bool address_is_reply_id = false;  ///< On CAN: it takes every reply for a command.
 };
 

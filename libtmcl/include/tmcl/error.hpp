@@ -38,9 +38,10 @@ enum class Errc : std::uint8_t {
   download_broken,    ///< A program could not be loaded; the module is left without one that could
                       ///< run.
   beyond_soft_limit,  ///< The axis was to go where its soft limits do not let it; nothing was sent.
-  in_bootloader,      ///< Somebody gives the module new firmware: it executes nothing meanwhile.
-  axis_claimed,       ///< Somebody else moves the axis, along a line for instance; nothing was sent.
-  daemon_ending,      ///< The daemon is ending, and nothing is set in motion any more.
+  in_bootloader,      ///< No firmware runs in the module: somebody gives it a new one, or has left
+                      ///< it in its bootloader. It executes nothing meanwhile.
+  axis_claimed,   ///< Somebody else moves the axis, along a line for instance; nothing was sent.
+  daemon_ending,  ///< The daemon is ending, and nothing is set in motion any more.
 };
 
 struct Error {

@@ -54,6 +54,7 @@ struct WaitOptions {
 
 struct FoundModule {
   ModuleAddress address;
+  /// Of the bootloader, and said so, where no firmware runs.
   FirmwareVersion version;
   std::string_view model;  ///< "TMCM-3110"; empty for a model that is not known.
   std::uint8_t axes = 0;
@@ -114,13 +115,16 @@ Script<Result<AxisState>> state(AxisAddress axis);
 /// still short of the target; Errc::deadline_passed after the timeout.
 Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions options = {});
 
-/// Model and firmware of one module. `axes` comes from the table of models or, for an unknown one,
-/// by asking.
+/// Model and firmware of one module, or its bootloader. `axes` comes from the table of models or,
+/// for an unknown one, by asking.
 Script<Result<FoundModule>> identify(ModuleAddress module);
 /// Every module that answers, ascending by address. Silence is no error; a broken link is.
 Script<Result<std::vector<FoundModule>>> scan(ScanOptions options = {});
 
 }  // namespace verbs
+
+/// Why a module that is in its bootloader does nothing.
+Error no_firmware(ModuleAddress module);
 
 /// The verbs bound to one axis of one bus. A cheap value; the bus must outlive it.
 ///

@@ -81,10 +81,6 @@ Request boot_request(ModuleAddress module, Command command, std::uint8_t type = 
   return {module, command, type, 0, static_cast<std::int32_t>(value)};
 }
 
-bool is_unknown_command(const Error& error) {
-  return error.status == Status::invalid_command || error.status == Status::command_not_available;
-}
-
 Error failed(Errc code, Outcome outcome, std::string message, std::string_view hint) {
   return {code, outcome, std::move(message), std::string(hint), {}, {}, {}};
 }
@@ -110,14 +106,6 @@ Script<Result<std::uint32_t>> insist(Request request, CallOptions options) {
 
 Script<Result<std::uint32_t>> info(const Upload& upload, BootInfo type) {
   return insist(boot_request(upload.module, Command::BOOT_GET_INFO, type), upload.call(sum_time));
-}
-
-/// Only a bootloader knows this command.
-Script<Result<bool>> is_in_bootloader(ModuleAddress module, CallOptions options) {
-  const auto answer = co_await exchange(boot_request(module, Command::BOOT_GET_INFO), options);
-  if (answer) co_return true;
-  if (answer.error().outcome == Outcome::refused) co_return false;
-  co_return tl::unexpected(answer.error());
 }
 
 /// Asks until it answers from where it should be.
@@ -191,10 +179,8 @@ Script<Result<FirmwareMatch>> match_found(const FoundModule& found, const Image&
   match.running = *version;
   match.offered = firmware::versions_in(image);
   match.version = firmware::version_for(image, match.model);
-  const auto in_bootloader = co_await is_in_bootloader(found.address, {});
-  if (!in_bootloader) co_return tl::unexpected(in_bootloader.error());
-  match.in_bootloader = *in_bootloader;
-  match.running.bootloader = *in_bootloader;
+  match.in_bootloader = found.version.bootloader;
+  match.running.bootloader = match.in_bootloader;
   co_return match;
 }
 

@@ -1,6 +1,8 @@
 #include <algorithm>
 #include <chrono>
 
+#include <fmt/format.h>
+
 #include "engine/verb_steps.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
@@ -34,6 +36,18 @@ Script<Result<std::uint8_t>> count_axes(ModuleAddress module) {
   co_return axes;
 }
 
+/// A bootloader tells its version as a firmware does, but knows no motors. Some say nothing at all
+/// to what they do not know.
+Script<Result<bool>> runs_bootloader(ModuleAddress module) {
+  const auto position = co_await get({module, 0}, axis_parameter::actual_position);
+  if (position) co_return false;
+  const auto& error = position.error();
+  if (!is_silence(error) && error.outcome != Outcome::refused) co_return tl::unexpected(error);
+  if (!is_silence(error) && !is_unknown_command(error)) co_return false;
+  auto answer = co_await is_in_bootloader(module);
+  co_return answer;
+}
+
 /// A module that gets new firmware is not there for anybody else.
 bool is_absence(const Error& error) {
   return is_silence(error) || error.code == Errc::in_bootloader;
@@ -51,6 +65,10 @@ Script<Result<FoundModule>> identify(ModuleAddress module) {
   co_await pause(second_reply_time);
   const auto again = co_await exchange(version_request(module));
   found.duplicate_suspected = again && again->duplicate_suspected;
+
+  const auto in_bootloader = co_await runs_bootloader(module);
+  if (!in_bootloader) co_return tl::unexpected(in_bootloader.error());
+  found.version.bootloader = *in_bootloader;
 
   if (const auto* model = find_model(found.version.model)) {
     found.model = model->name;
@@ -92,3 +110,18 @@ Script<Result<std::vector<FoundModule>>> scan(ScanOptions options) {
 }
 
 }  // namespace tmcl::verbs
+
+namespace tmcl {
+
+Error no_firmware(ModuleAddress module) {
+  Error error{Errc::in_bootloader, Outcome::not_sent, {}, {}, {}, {}, {}};
+  error.message =
+      fmt::format("module {} is in its bootloader: no firmware runs in it that could do anything",
+                  number(module));
+  error.hint =
+      "`tmclctl firmware upload` gives it one; one that is whole starts when the module's power is "
+      "switched off and on";
+  return error;
+}
+
+}  // namespace tmcl
