@@ -89,8 +89,10 @@ Answer stop(Call& call) {
 Answer wait(Call& call) {
   const auto axis = axis_of(call);
   if (!axis) co_return tl::unexpected(axis.error());
+  const auto ready = co_await (*axis)->be_ready();
+  if (!ready) co_return failed(ready.error(), **axis);
   tmcl::WaitOptions options;
-  options.timeout = std::chrono::milliseconds(call.params.integer_or("timeout_ms", 0));
+  options.timeout = call.timeout_left();
   // Nobody else ends a wait without a timeout.
   Objection objection = [peer = call.peer]() -> std::optional<tmcl::Error> {
     if (!peer->is_gone()) return std::nullopt;

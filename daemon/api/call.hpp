@@ -1,6 +1,8 @@
 /// One call in progress: everything its method needs.
 #pragma once
 
+#include <algorithm>
+#include <chrono>
 #include <memory>
 
 #include <boost/json/value.hpp>
@@ -24,6 +26,14 @@ struct Call {
   Deadline deadline() const {
     if (!params.has("deadline_ms")) return std::nullopt;
     return received + std::chrono::milliseconds(params.integer("deadline_ms"));
+  }
+  /// What is left of the parameter "timeout_ms", counted likewise, and never nothing: zero means
+  /// that there is no timeout.
+  tmcl::Duration timeout_left() const {
+    const std::chrono::milliseconds timeout(params.integer_or("timeout_ms", 0));
+    if (timeout == std::chrono::milliseconds{}) return {};
+    const auto left = received + timeout - std::chrono::steady_clock::now();
+    return std::max(left, tmcl::Duration{1});
   }
 };
 

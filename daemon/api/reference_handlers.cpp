@@ -26,7 +26,7 @@ json::value or_null(std::optional<Microsteps> value) {
 tmcl::HomeOptions home_options(const Call& call) {
   tmcl::HomeOptions options;
   if (call.params.has("mode")) options.mode = call.params.integer("mode");
-  options.timeout = std::chrono::milliseconds(call.params.integer_or("timeout_ms", 0));
+  options.timeout = call.timeout_left();
   options.progress = [peer = call.peer, id = call.id,
                       axis = call.params.text("axis")](std::int32_t step) {
     json::object params;

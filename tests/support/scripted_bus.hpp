@@ -50,6 +50,8 @@ class ScriptedBus {
   FakeModule& module(std::uint8_t address) { return modules_.at(address); }
 
   void fail(std::size_t datagram, Fault fault) { faults_[datagram] = fault; }
+  /// How long modules take to answer.
+  Duration answer_time = std::chrono::milliseconds(1);
   /// Decides about every datagram that has no fault of its own.
   std::function<std::optional<Fault>(std::size_t datagram)> chance;
 
@@ -61,8 +63,11 @@ class ScriptedBus {
 
   template <class T>
   T run(Script<T> script) {
-    auto step = script.start();
-    while (step) step = script.resume(perform(*step));
+    auto step = script.start(clock_.now());
+    while (step) {
+      auto result = perform(*step);
+      step = script.resume(std::move(result), clock_.now());
+    }
     return script.take();
   }
 
@@ -137,8 +142,6 @@ class ScriptedBus {
   }
 
  private:
-  static constexpr Duration answer_time = std::chrono::milliseconds(1);
-
   struct Delivery {
     TimePoint at;
     Reply reply;

@@ -20,6 +20,7 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/read.hpp>
+#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 
 #include <gtest/gtest.h>
@@ -45,6 +46,8 @@ class FakeWire {
   bool holds = false;
   /// Asked about every request that is not held: whether the answer to it gets lost.
   std::function<bool(const tmcl::Request&)> loses;
+  /// How long the modules take to answer.
+  tmcl::Duration delay{};
   /// While set, opening the link fails.
   std::atomic<bool> is_absent = false;
   /// What the modules say they are.
@@ -85,6 +88,10 @@ class FakeWire {
       const auto request = tmcl::decode_serial_request(bytes);
       if (!request) continue;
       seen.push_back(*request);
+      if (delay > tmcl::Duration{}) {
+        boost::asio::steady_timer timer(end->get_executor(), delay);
+        co_await timer.async_wait(boost::asio::use_awaitable);
+      }
       if (holds) {
         held.push_back(*request);
       } else {

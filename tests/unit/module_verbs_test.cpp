@@ -80,6 +80,49 @@ TEST(Homing, EndsAtItsTimeoutAndSaysThatTheSearchGoesOn) {
   EXPECT_EQ(std::ranges::count(bus.sent(), search(1)), 0);
 }
 
+TEST(Homing, EndsAtItsTimeoutHoweverLongTheLooksTake) {
+  for (const Duration exchange : {1ms, 81ms, 400ms}) {
+    ScriptedBus bus(Framing::serial, {.name = "bench", .reply_timeout = 500ms});
+    bus.answer_time = exchange;
+    auto& fake = bus.add_module(1);
+    fake.before = [&](test::FakeModule& self, const Request& request) {
+      const bool in_time = bus.clock().now() <= TimePoint{} + 1s + exchange;
+      if (request == search(2) && in_time) self.execute_quietly(search(0));
+    };
+    const auto homed = bus.run(verbs::home(axis, {.mode = 1, .timeout = 1s}));
+    ASSERT_FALSE(homed);
+    EXPECT_EQ(homed.error().code, Errc::deadline_passed);
+    EXPECT_GE(bus.clock().now(), TimePoint{} + 1s);
+    EXPECT_LE(bus.clock().now(), TimePoint{} + 1s + exchange);
+    EXPECT_THAT(homed.error().message, testing::HasSubstr("step 1"));
+  }
+}
+
+TEST(Homing, EndsAtItsTimeoutWhereTheModuleIsSilent) {
+  for (const auto framing : {Framing::serial, Framing::can}) {
+    ScriptedBus bus(framing, {.name = "bench", .reply_timeout = 100ms});
+    bus.add_module(1);
+    bus.chance = [&](std::size_t datagram) {
+      return datagram >= 1 ? std::optional(Fault::lost_request) : std::nullopt;
+    };
+    const auto homed = bus.run(verbs::home(axis, {.timeout = 1s}));
+    ASSERT_FALSE(homed);
+    EXPECT_EQ(homed.error().code, Errc::deadline_passed) << "less than silence_limit";
+    EXPECT_LE(bus.clock().now(), TimePoint{} + 1s + 110ms) << "one exchange, and the wire's quiet";
+  }
+}
+
+TEST(Homing, ASearchForWhichThereIsNoTimeIsNotStarted) {
+  ScriptedBus bus(Framing::serial, {.name = "bench", .reply_timeout = 500ms});
+  bus.add_module(1);
+  bus.answer_time = 400ms;
+  const auto homed = bus.run(verbs::home(axis, {.mode = 1, .timeout = 300ms}));
+  ASSERT_FALSE(homed);
+  EXPECT_EQ(homed.error().code, Errc::deadline_passed);
+  EXPECT_EQ(homed.error().outcome, Outcome::not_sent);
+  EXPECT_EQ(std::ranges::count(bus.sent(), search(0)), 0);
+}
+
 TEST(Homing, ALostAnswerToTheStartIsSettledByTheStatus) {
   ScriptedBus executed;
   executed.add_module(1);

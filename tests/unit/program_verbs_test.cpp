@@ -266,8 +266,9 @@ TEST_P(Loading, WhenItsCallerGoesTheDownloadEnds) {
     auto bus = make_bus();
     {
       auto script = verbs::load_program(module, moving);
-      auto step = script.start();
-      for (int i = 1; i < steps && step; ++i) step = script.resume(bus.perform(*step));
+      auto step = script.start(bus.clock().now());
+      for (int i = 1; i < steps && step; ++i)
+        step = script.resume(bus.perform(*step), bus.clock().now());
     }
     bus.pass(200ms);
     EXPECT_FALSE(bus.module(1).downloading()) << steps;
@@ -279,13 +280,13 @@ TEST_P(Loading, WhenItsCallerGoesTheDownloadEnds) {
 TEST_P(Loading, AHoldThatIsNotUsedEnds) {
   auto bus = make_bus();
   auto script = verbs::load_program(module, moving);
-  auto step = script.start();
+  auto step = script.start(bus.clock().now());
   while (step && std::get<step::Exchange>(*step).request != line(2))
-    step = script.resume(bus.perform(*step));
+    step = script.resume(bus.perform(*step), bus.clock().now());
   ASSERT_TRUE(step);
   bus.pass(hold_idle_limit + 200ms);
   EXPECT_FALSE(bus.module(1).downloading());
-  while (step) step = script.resume(bus.perform(*step));
+  while (step) step = script.resume(bus.perform(*step), bus.clock().now());
   const auto loaded = script.take();
   ASSERT_FALSE(loaded);
   EXPECT_EQ(loaded.error().code, Errc::deadline_passed);

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 
 #include <set>
+#include <tuple>
 
 #include "support/scripted_bus.hpp"
 
@@ -337,14 +338,101 @@ TEST(Verbs, WaitingSparesTheBusUntilTheMoveShouldEnd) {
   EXPECT_LT(looks.back(), 3.55);
 }
 
-TEST(Verbs, WaitingEndsAtItsTimeout) {
+/// An axis on its way, on a bus whose modules take their time.
+class SlowWait : public testing::TestWithParam<std::tuple<Framing, std::chrono::milliseconds>> {
+ protected:
+  SlowWait() : bus(std::get<0>(GetParam()), {.name = "bench", .reply_timeout = patience}) {
+    bus.answer_time = exchange;
+    auto& module = bus.add_module(1);
+    module.parameter(axis.motor, axis_parameter::position_reached) = 0;
+    module.before = [this](test::FakeModule& self, const Request&) {
+      if (bus.clock().now() < TimePoint{} + arrival) return;
+      self.parameter(axis.motor, axis_parameter::position_reached) = 1;
+      self.parameter(axis.motor, axis_parameter::actual_velocity) = 0;
+    };
+  }
+  Result<Microsteps> wait(WaitOptions options = {}) {
+    options.timeout = timeout;
+    return bus.run(verbs::wait_until_reached(axis, options));
+  }
+  Duration passed() { return bus.clock().now() - TimePoint{}; }
+
+  static constexpr Duration patience = std::chrono::milliseconds(500);
+  Duration timeout = std::chrono::seconds(1);
+  const Duration exchange = std::get<1>(GetParam());
+  Duration arrival = std::chrono::hours(1);
   ScriptedBus bus;
-  auto& module = bus.add_module(1);
-  module.parameter(axis.motor, axis_parameter::position_reached) = 0;
-  const auto result =
-      bus.run(verbs::wait_until_reached(axis, {.timeout = std::chrono::milliseconds(200)}));
+};
+
+TEST_P(SlowWait, EndsAtItsTimeoutHoweverLongTheLooksTake) {
+  arrival = timeout + exchange + std::chrono::milliseconds(1);
+  for (const Duration expected : {Duration{}, Duration(std::chrono::hours(1))}) {
+    const auto begin = passed();
+    const auto result = wait({.expected = expected});
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, Errc::deadline_passed);
+    const bool was_seen = 4 * exchange <= timeout;  // in one whole look
+    EXPECT_THAT(result.error().message,
+                testing::HasSubstr(was_seen ? "has not arrived yet" : "there was no time to see"));
+    EXPECT_GE(passed() - begin, timeout);
+    EXPECT_LE(passed() - begin, timeout + exchange);
+    arrival += passed();
+  }
+}
+
+TEST_P(SlowWait, SeesAnArrivalInTimeHoweverLongTheLooksTake) {
+  // There may be the rest of a look that began before, and one whole one is needed.
+  const auto looks = 2 * (4 * exchange + WaitOptions{}.poll_interval);
+  arrival = timeout;
+  timeout += looks;
+  EXPECT_TRUE(wait());
+  EXPECT_GE(passed(), arrival);
+  EXPECT_LE(passed(), timeout + exchange);
+}
+
+TEST_P(SlowWait, EndsAtItsTimeoutWhereTheModuleFallsSilent) {
+  const auto last = timeout - std::chrono::milliseconds(50);
+  bus.chance = [this, last](std::size_t) {
+    return passed() >= last ? std::optional(Fault::lost_request) : std::nullopt;
+  };
+  const auto result = wait();
   ASSERT_FALSE(result);
   EXPECT_EQ(result.error().code, Errc::deadline_passed);
+  EXPECT_LE(passed(), timeout + patience) << "not tried a second time";
+}
+
+TEST_P(SlowWait, NoticesAnInterruptionHoweverLongTheLooksTake) {
+  bus.module(1).parameter(axis.motor, axis_parameter::actual_velocity) = 0;
+  const auto result = bus.run(verbs::wait_until_reached(axis));
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, Errc::move_interrupted);
+  const auto look = 4 * exchange + WaitOptions{}.poll_interval;
+  EXPECT_GE(passed(), WaitOptions{}.standstill_limit);
+  EXPECT_LE(passed(), WaitOptions{}.standstill_limit + 2 * look) << "the first, and the last";
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Links, SlowWait,
+    testing::Combine(testing::Values(Framing::serial, Framing::can),
+                     testing::Values(std::chrono::milliseconds(1), std::chrono::milliseconds(81),
+                                     std::chrono::milliseconds(100),
+                                     std::chrono::milliseconds(400))),
+    [](const auto& parameter) {
+      return std::string(std::get<0>(parameter.param) == Framing::serial ? "serial" : "can") +
+             std::to_string(std::get<1>(parameter.param).count()) + "ms";
+    });
+
+TEST(Verbs, AWaitForWhichThereIsNoTimeSaysSo) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  bus.answer_time = std::chrono::milliseconds(10);
+  const auto result =
+      bus.run(verbs::wait_until_reached(axis, {.timeout = std::chrono::milliseconds(1)}));
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, Errc::deadline_passed);
+  EXPECT_EQ(result.error().message,
+            "there was no time to see whether motor 2 of module 1 has arrived");
+  EXPECT_EQ(bus.sent().size(), 1U);
 }
 
 TEST(Verbs, ScanFindsAddressModelFirmwareAndAxes) {

@@ -35,8 +35,12 @@ class Bus {
   /// Runs a verb to its end.
   template <class T>
   T run(Script<T> script) {
-    auto step = script.start();
-    while (step) step = script.resume(perform(std::move(*step)));
+    const RealClock clock;
+    auto step = script.start(clock.now());
+    while (step) {
+      auto result = perform(std::move(*step));
+      step = script.resume(std::move(result), clock.now());
+    }
     return script.take();
   }
 

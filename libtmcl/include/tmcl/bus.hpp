@@ -46,16 +46,16 @@ class Bus {
   template <class T>
   boost::asio::awaitable<T> run(Script<T> script, RunOptions options = {}) {
     const auto state = state_;  // the bus may be gone before the verb has ended
-    auto step = script.start();
+    auto step = script.start(RealClock().now());
     while (step) {
       auto objection = options.objection ? options.objection() : std::nullopt;
       if (objection) co_return tl::unexpected(std::move(*objection));
       const bool is_exchange = std::holds_alternative<step::Exchange>(*step);
       const auto asked = RealClock().now();
       auto result = co_await perform(state, std::move(*step), options.deadline);
-      if (options.on_answer && is_exchange && result.front())
-        options.on_answer(RealClock().now() - asked);
-      step = script.resume(std::move(result));
+      const auto now = RealClock().now();
+      if (options.on_answer && is_exchange && result.front()) options.on_answer(now - asked);
+      step = script.resume(std::move(result), now);
     }
     co_return script.take();
   }

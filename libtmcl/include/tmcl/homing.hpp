@@ -18,7 +18,9 @@ struct HomeOptions {
   std::optional<std::int32_t> mode{};
   Duration poll_interval = std::chrono::milliseconds(50);
   /// Gives up with Errc::deadline_passed, and the search goes on; zero: waits as long as it takes.
-  /// Counts the pauses between the looks, so on a slow bus it is longer.
+  /// By the clock, from the beginning of the verb: what has not been asked by then is not asked any
+  /// more, and a search that has not been started by then is not started. One that has ended in
+  /// time is told, although what it found is read after that.
   Duration timeout{};
   /// Some modules do not answer now and then while they search (TMCM-6110): for so long silence is
   /// no error.

@@ -3,7 +3,8 @@
 /// A Script is a coroutine that asks for steps (an exchange with a module, several at once, a
 /// pause) and is told what came of each. Whoever runs it does the I/O: a bus on Asio, a blocking
 /// bus, or a test that plays the module. So a verb is the same everywhere, and each of its steps
-/// can be made to fail.
+/// can be made to fail. With each result comes the time, so that a verb can keep to a clock that is
+/// the runner's: a test's may be virtual.
 ///
 ///     Script<Result<Microsteps>> position(AxisAddress axis) {
 ///       const auto answer = co_await exchange(get_request(axis, axis_parameter::actual_position));
@@ -94,6 +95,7 @@ namespace detail {
 struct ScriptState {
   std::optional<Step> step;
   StepResult result;
+  TimePoint now{};
   std::coroutine_handle<> innermost;
 };
 
@@ -149,6 +151,19 @@ struct StepAwaiter {
   }
 };
 
+/// Never suspends: the time came with the last result.
+struct TimeAwaiter {
+  TimePoint now{};
+
+  bool await_ready() const noexcept { return false; }
+  template <class Promise>
+  bool await_suspend(std::coroutine_handle<Promise> script) noexcept {
+    now = script.promise().state->now;
+    return false;
+  }
+  TimePoint await_resume() const noexcept { return now; }
+};
+
 }  // namespace detail
 
 /// A verb in progress. Move-only; destroying it ends it wherever it is.
@@ -171,16 +186,18 @@ class [[nodiscard]] Script {
   }
 
   /// Runs up to the first step; nothing if there was none.
-  std::optional<Step> start() {
+  std::optional<Step> start(TimePoint now) {
     state_ = std::make_unique<detail::ScriptState>();
+    state_->now = now;
     handle_.promise().state = state_.get();
     state_->innermost = handle_;
     return proceed();
   }
   /// Tells what came of the last step and runs up to the next one; nothing when the script has
   /// ended.
-  std::optional<Step> resume(StepResult result) {
+  std::optional<Step> resume(StepResult result, TimePoint now) {
     state_->result = std::move(result);
+    state_->now = now;
     return proceed();
   }
   /// What the script returned; once, after it has ended.
@@ -222,5 +239,7 @@ inline detail::StepAwaiter<StepResult> exchange_all(std::vector<step::Exchange> 
   return {step::ExchangeAll{std::move(exchanges)}};
 }
 inline detail::StepAwaiter<void> pause(Duration duration) { return {step::Pause{duration}}; }
+/// When the last step ended, or the verb began.
+inline detail::TimeAwaiter current_time() { return {}; }
 
 }  // namespace tmcl

@@ -41,8 +41,8 @@ struct ParameterRange {
 
 struct WaitOptions {
   Duration poll_interval = std::chrono::milliseconds(20);
-  /// Gives up with Errc::deadline_passed; zero: waits as long as the axis moves. Counts the pauses
-  /// between the looks, not the looks themselves, so on a slow bus it is longer.
+  /// Gives up with Errc::deadline_passed; zero: waits as long as the axis moves. By the clock: what
+  /// has not been asked by then is not asked any more, so it is late by one exchange at most.
   Duration timeout{};
   /// How long the move is expected to take from now on: until shortly before that the axis is
   /// looked at once a second only, so that an interruption is noticed all the same. Zero: not

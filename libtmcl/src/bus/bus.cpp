@@ -226,7 +226,8 @@ asio::awaitable<StepResult> Bus::perform(std::shared_ptr<State> state, Step step
     exchanges = std::move(std::get<step::ExchangeAll>(step).exchanges);
   }
   for (auto& one : exchanges) {
-    if (!one.options.deadline) one.options.deadline = deadline;
+    auto& own = one.options.deadline;
+    if (!own || (deadline && *deadline < *own)) own = deadline;
   }
   auto results = co_await exchange(state, std::move(exchanges));
   co_return results;

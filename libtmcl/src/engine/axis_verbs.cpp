@@ -29,24 +29,51 @@ Error interrupted(AxisAddress axis, const AxisState& state, std::string_view why
   return error;
 }
 
-Error still_moving(AxisAddress axis, const AxisState& state) {
+/// `last`: how the axis was seen last, if there was time for that.
+Error still_moving(AxisAddress axis, const std::optional<AxisState>& last) {
   Error error{Errc::deadline_passed, Outcome::done, {}, {}, {}, {}, {}};
+  if (!last) {
+    error.message =
+        fmt::format("there was no time to see whether motor {} of module {} has arrived",
+                    axis.motor, number(axis.module));
+    error.hint = "wait longer; if it moves, it goes on moving";
+    return error;
+  }
   error.message =
       fmt::format("motor {} of module {} has not arrived yet: at {} on its way to {}", axis.motor,
-                  number(axis.module), state.position.value, state.target.value);
+                  number(axis.module), last->position.value, last->target.value);
   error.hint = "it goes on moving; wait longer or stop it";
   return error;
 }
 
 // A look that comes too late costs as much as one that comes too early, so what is predicted for
-// now is looked at as if nothing were.
-Duration next_pause(const WaitOptions& options, Duration waited) {
+// now is looked at as if nothing were. `look`: how long the last one took; the last of all is to
+// end with the timeout.
+Duration next_pause(const WaitOptions& options, Duration waited, Duration look) {
+  constexpr Duration shortest = std::chrono::milliseconds(1);
   constexpr Duration longest = std::chrono::seconds(1);
   const auto early = 2 * options.poll_interval;
   const auto pause = std::clamp(options.expected - waited - early, options.poll_interval,
                                 std::max(longest, options.poll_interval));
   if (options.timeout == Duration{}) return pause;
-  return std::min(pause, std::max(options.timeout - waited, options.poll_interval));
+  return std::min(pause, std::max(options.timeout - waited - look, shortest));
+}
+
+Script<Result<AxisState>> look_at(AxisAddress axis, CallOptions options) {
+  const auto read = [&](std::uint8_t parameter) {
+    return ask(axis_request(axis, Command::GAP, parameter), options);
+  };
+  // The position last: when the axis had arrived, it is the place where it arrived.
+  const auto reached = co_await read(ap::position_reached);
+  if (!reached) co_return tl::unexpected(reached.error());
+  const auto speed = co_await read(ap::actual_velocity);
+  if (!speed) co_return tl::unexpected(speed.error());
+  const auto target = co_await read(ap::target_position);
+  if (!target) co_return tl::unexpected(target.error());
+  const auto at = co_await read(ap::actual_position);
+  if (!at) co_return tl::unexpected(at.error());
+  co_return AxisState{Microsteps{*at}, InternalVelocity{*speed}, Microsteps{*target},
+                      *reached != 0};
 }
 
 }  // namespace
@@ -136,40 +163,30 @@ Script<Result<InternalVelocity>> velocity(AxisAddress axis) {
   co_return InternalVelocity{*value};
 }
 
-Script<Result<AxisState>> state(AxisAddress axis) {
-  // The position last: when the axis had arrived, it is the place where it arrived.
-  const auto reached = co_await get(axis, ap::position_reached);
-  if (!reached) co_return tl::unexpected(reached.error());
-  const auto speed = co_await get(axis, ap::actual_velocity);
-  if (!speed) co_return tl::unexpected(speed.error());
-  const auto target = co_await get(axis, ap::target_position);
-  if (!target) co_return tl::unexpected(target.error());
-  const auto at = co_await get(axis, ap::actual_position);
-  if (!at) co_return tl::unexpected(at.error());
-  co_return AxisState{Microsteps{*at}, InternalVelocity{*speed}, Microsteps{*target},
-                      *reached != 0};
-}
+Script<Result<AxisState>> state(AxisAddress axis) { return look_at(axis, {}); }
 
 Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions options) {
-  Duration waited{};
+  const auto begin = co_await current_time();
+  const auto call = until_timeout(begin, options.timeout);
   Duration standing{};
-  Duration paused{};
-  std::optional<Microsteps> last_position;
+  std::optional<AxisState> last;
+  auto seen = begin;  // when `last` was
   while (true) {
-    const auto now = co_await state(axis);
+    const auto look_begin = co_await current_time();
+    const auto now = co_await look_at(axis, call);
+    if (!now && is_too_late(call, now.error())) co_return tl::unexpected(still_moving(axis, last));
     if (!now) co_return tl::unexpected(now.error());
     if (now->position_reached && now->velocity.value == 0) co_return now->position;
 
-    const bool stands = now->velocity.value == 0 && last_position == now->position;
-    standing = stands ? standing + paused : Duration{};
-    last_position = now->position;
+    const auto time = co_await current_time();
+    const bool stands = now->velocity.value == 0 && last && last->position == now->position;
+    standing = stands ? standing + (time - seen) : Duration{};
+    last = *now;
+    seen = time;
     if (standing >= options.standstill_limit)
       co_return tl::unexpected(interrupted(axis, *now, "stands still"));
-    if (options.timeout > Duration{} && waited >= options.timeout)
-      co_return tl::unexpected(still_moving(axis, *now));
-    paused = next_pause(options, waited);
-    co_await pause(paused);
-    waited += paused;
+    if (is_over(call, time)) co_return tl::unexpected(still_moving(axis, last));
+    co_await pause(next_pause(options, time - begin, time - look_begin));
   }
 }
 

@@ -17,24 +17,38 @@ Request search_request(AxisAddress axis, Search what) {
   return {axis.module, Command::RFS, static_cast<std::uint8_t>(what), axis.motor, 0};
 }
 
-Error still_searching(AxisAddress axis, std::int32_t step) {
+/// `step`: the last that was seen, if there was time for that.
+Error still_searching(AxisAddress axis, std::optional<std::int32_t> step) {
   Error error{Errc::deadline_passed, Outcome::done, {}, {}, {}, {}, {}};
-  error.message = fmt::format("motor {} of module {} has not found its reference yet: step {}",
-                              axis.motor, number(axis.module), step);
+  error.message = fmt::format("motor {} of module {} has not found its reference yet", axis.motor,
+                              number(axis.module));
+  if (step) error.message += fmt::format(": step {}", *step);
   error.hint =
       "the search goes on; wait longer, or stop it and check the switches and parameter 193";
   return error;
 }
 
-/// Silence counts as an answer until there has been too much of it.
-Script<Result<std::int32_t>> patient_status(AxisAddress axis, HomeOptions options) {
+/// Silence counts as an answer until there has been too much of it, or the time is over.
+Script<Result<std::int32_t>> patient_status(AxisAddress axis, HomeOptions options,
+                                            CallOptions call) {
+  // In pauses: after several lost answers the bus itself asks nothing for some seconds.
   Duration silent{};
   while (true) {
-    const auto step = co_await reference_search_status(axis);
-    if (step || !is_silence(step.error()) || silent >= options.silence_limit) co_return step;
-    co_await pause(options.poll_interval);
+    const auto step = co_await ask(search_request(axis, Search::status), call);
+    const auto now = co_await current_time();
+    const bool patient = silent < options.silence_limit && !is_over(call, now);
+    if (step || !is_silence(step.error()) || !patient) co_return step;
+    co_await pause(within_deadline(call, now, options.poll_interval));
     silent += options.poll_interval;
   }
+}
+
+Script<Result<void>> start_search(AxisAddress axis, CallOptions call) {
+  const auto started = co_await act(search_request(axis, Search::start), call);
+  if (started || started.error().outcome != Outcome::unknown) co_return started;
+  const auto step = co_await ask(search_request(axis, Search::status), call);
+  if (step && *step != 0) co_return Result<void>{};
+  co_return started;
 }
 
 Script<Result<std::optional<Microsteps>>> get_if_there(AxisAddress axis, std::uint8_t parameter) {
@@ -46,13 +60,7 @@ Script<Result<std::optional<Microsteps>>> get_if_there(AxisAddress axis, std::ui
 
 }  // namespace
 
-Script<Result<void>> start_reference_search(AxisAddress axis) {
-  const auto started = co_await act(search_request(axis, Search::start));
-  if (started || started.error().outcome != Outcome::unknown) co_return started;
-  const auto step = co_await reference_search_status(axis);
-  if (step && *step != 0) co_return Result<void>{};
-  co_return started;
-}
+Script<Result<void>> start_reference_search(AxisAddress axis) { return start_search(axis, {}); }
 
 Script<Result<void>> stop_reference_search(AxisAddress axis) {
   return act(search_request(axis, Search::stop));
@@ -63,20 +71,27 @@ Script<Result<std::int32_t>> reference_search_status(AxisAddress axis) {
 }
 
 Script<Result<Homed>> home(AxisAddress axis, HomeOptions options) {
+  const auto begin = co_await current_time();
+  const auto call = until_timeout(begin, options.timeout);
   if (options.mode) {
     const auto chosen = co_await set(axis, search_mode, *options.mode);
     if (!chosen) co_return tl::unexpected(chosen.error());
   }
-  const auto started = co_await start_reference_search(axis);
+  const auto started = co_await start_search(axis, call);
   if (!started) co_return tl::unexpected(started.error());
-  for (Duration waited{};; waited += options.poll_interval) {
-    const auto step = co_await patient_status(axis, options);
+  std::optional<std::int32_t> last;
+  while (true) {
+    const auto step = co_await patient_status(axis, options, call);
+    const auto now = co_await current_time();
+    const bool late = is_over(call, now);
+    if (!step && (is_too_late(call, step.error()) || (late && is_silence(step.error()))))
+      co_return tl::unexpected(still_searching(axis, last));
     if (!step) co_return tl::unexpected(step.error());
     if (*step == 0) break;
+    last = *step;
     const bool wanted = !options.progress || options.progress(*step);
-    const bool late = options.timeout > Duration{} && waited >= options.timeout;
-    if (!wanted || late) co_return tl::unexpected(still_searching(axis, *step));
-    co_await pause(options.poll_interval);
+    if (!wanted || late) co_return tl::unexpected(still_searching(axis, last));
+    co_await pause(within_deadline(call, now, options.poll_interval));
   }
   const auto correction = co_await get_if_there(axis, position_before_zeroing);
   if (!correction) co_return tl::unexpected(correction.error());

@@ -69,9 +69,9 @@ StreamStep PathStream::Runner::next(TimePoint now) {
   now_ = now;
   if (!script_) {
     script_.emplace(whole());
-    proceed(script_->start());
+    proceed(script_->start(now));
   } else if (std::holds_alternative<StreamWait>(step_) && wait_is_over()) {
-    proceed(script_->resume({}));
+    proceed(script_->resume({}, now));
   }
   return step_;
 }
@@ -88,7 +88,7 @@ void PathStream::Runner::answered(TimePoint now, StreamAnswer answer) {
     ++report_.commands;
     report_.busy_s += seconds(now_ - asked_at_);
   }
-  proceed(script_->resume({}));
+  proceed(script_->resume({}, now));
 }
 
 void PathStream::Runner::proceed(const std::optional<Step>& step) {
