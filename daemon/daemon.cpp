@@ -5,6 +5,7 @@
 #include <csignal>
 #include <utility>
 
+#include <fmt/format.h>
 #include <boost/asio/co_spawn.hpp>
 #include <boost/asio/detached.hpp>
 #include <boost/asio/post.hpp>
@@ -27,6 +28,9 @@ constexpr auto time_for_answers = 300ms;
 constexpr auto look_interval = 5ms;
 // Axes on lines and paths brake as they are set up to, and then get their settings back.
 constexpr auto time_for_journeys = 12s;
+// An image of 240 kB takes about half of it at 115200 baud. A module whose upload is cut short has
+// no firmware.
+constexpr auto time_for_uploads = 300s;
 
 template <class Condition>
 awaitable<void> wait_until(boost::asio::io_context& context, Condition condition,
@@ -38,6 +42,21 @@ awaitable<void> wait_until(boost::asio::io_context& context, Condition condition
     timer.expires_after(look_interval);
     co_await timer.async_wait(use_awaitable);
   } while (!condition() && std::chrono::steady_clock::now() < end);
+}
+
+awaitable<void> wait_for_uploads(boost::asio::io_context& context, const Gateway& gateway) {
+  const auto& uploads = gateway.uploads;
+  if (uploads.empty()) co_return;
+  log(LogLevel::warning, fmt::format("ending later, after the firmware upload to {}: waiting for "
+                                     "that for {} s at most",
+                                     fmt::join(uploads, ", "), time_for_uploads.count()));
+  co_await wait_until(
+      context, [&] { return uploads.empty(); }, time_for_uploads);
+  if (uploads.empty()) co_return;
+  log(LogLevel::error,
+      fmt::format("ending, although the firmware upload to {} is not complete: no firmware runs "
+                  "there until it is uploaded again",
+                  fmt::join(uploads, ", ")));
 }
 
 }  // namespace
@@ -96,6 +115,7 @@ awaitable<void> Daemon::end(Daemon& daemon) {
       log(LogLevel::error,
           "ending, although an axis on a line or path did not come to rest in time");
   }
+  co_await wait_for_uploads(daemon.context_, gateway);
   co_await wait_until(
       daemon.context_, [&] { return gateway.stops_in_progress == 0; }, time_for_stops);
   gateway.close();

@@ -29,7 +29,8 @@ class Daemon {
   void run();
   /// From any thread. Ends run() within a second: stops on their way are given a moment, whatever
   /// else is in progress is answered with how far it got. Axes on lines and paths are stopped
-  /// before that, for which they may take some seconds.
+  /// before that, for which they may take some seconds, and firmware uploads come to their end, for
+  /// which they may take some minutes.
   void stop();
   void end_on_signals();
 

@@ -27,10 +27,39 @@ Lookup<Image> take_image(const Call& call) {
   });
 }
 
+/// Counts as work that the end of the daemon waits for.
+class UploadInProgress {
+ public:
+  UploadInProgress(std::shared_ptr<Gateway> gateway, const ModuleChoice& module)
+      : gateway_(std::move(gateway)),
+        here_(gateway_->uploads.insert("module " + std::to_string(number(module.address)) + " of " +
+                                       module.bus->name())) {}
+  UploadInProgress(const UploadInProgress&) = delete;
+  UploadInProgress& operator=(const UploadInProgress&) = delete;
+  ~UploadInProgress() { gateway_->uploads.erase(here_); }
+
+ private:
+  std::shared_ptr<Gateway> gateway_;
+  std::multiset<std::string>::iterator here_;
+};
+
+tmcl::Error daemon_is_ending() {
+  tmcl::Error error;
+  error.code = tmcl::Errc::link_lost;
+  error.outcome = tmcl::Outcome::not_sent;
+  error.message = "the daemon is ending";
+  error.hint = "nothing was changed; upload it again when the daemon runs";
+  return error;
+}
+
 /// Goes on when nobody listens any more: a firmware in part is of no use to anyone.
 tmcl::FirmwareOptions options_for(const Call& call, const ModuleChoice& module) {
   tmcl::FirmwareOptions options;
   options.force = call.params.boolean_or("force", false);
+  options.objection = [gateway = call.gateway]() -> std::optional<tmcl::Error> {
+    if (!gateway->is_closing()) return std::nullopt;
+    return daemon_is_ending();
+  };
   options.progress = [peer = call.peer, id = call.id, bus = module.bus->name(),
                       address = number(module.address)](const tmcl::FirmwareProgress& progress) {
     json::object params;
@@ -72,6 +101,7 @@ Answer upload_firmware(Call& call) {
   if (!may_begin) co_return tl::unexpected(std::move(may_begin.error()));
   auto image = take_image(call);
   if (!image) co_return tl::unexpected(std::move(image.error()));
+  const UploadInProgress in_progress(call.gateway, *module);
   auto script =
       tmcl::verbs::upload_firmware(module->address, std::move(*image), options_for(call, *module));
   auto report = co_await run_on(*module, call, std::move(script));

@@ -4,7 +4,9 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -56,6 +58,9 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
 
   /// How many stops are on their way; the end of the daemon waits a little for them.
   int stops_in_progress = 0;
+  /// The modules that are given new firmware, in words; the end of the daemon waits for them: a
+  /// module with a firmware in part runs nothing.
+  std::multiset<std::string> uploads;
 
   Shelf shelf;
   /// Where paths and lines are planned: a path may take seconds, and a line does not wait for it.

@@ -52,7 +52,11 @@ TEST_F(TmclctlFirmware, AnUploadThatWasKilledIsDoneAgain) {
     half.wait();
   }
   EXPECT_THAT(version("1"), HasSubstr("<- 1110B101"));
-  EXPECT_EQ(run({"get", "1/0", "actual_position"}).status, 1);
+  const auto useless = run({"get", "1/0", "actual_position"});
+  EXPECT_EQ(useless.status, 3);
+  EXPECT_THAT(useless.err, HasSubstr("module 1 is in its bootloader: no firmware runs in it"));
+  EXPECT_THAT(useless.err, HasSubstr("`tmclctl firmware upload` gives it one"));
+  EXPECT_THAT(run({"scan", "--addresses", "1-3"}).out, HasSubstr("NO FIRMWARE runs"));
   const auto again = run({"firmware", "upload", file("1110.hex"), "1"});
   EXPECT_EQ(again.status, 0) << again.err;
   EXPECT_THAT(again.out, HasSubstr("before it was bootloader 1.01 of a TMCM-1110"));
@@ -77,6 +81,44 @@ TEST_F(TmclctlFirmware, GoesThroughTheDaemonWhoseOtherClientsAreToldSo) {
   const auto wrong = ctl(through_daemon(), {"firmware", "upload", file("3110.hex"), "1"});
   EXPECT_EQ(wrong.status, 2);
   EXPECT_THAT(wrong.err, HasSubstr("the image is for 3110V107; module 1 is a TMCM-1110"));
+}
+
+TEST_F(TmclctlFirmware, TheEndOfTheDaemonWaitsForAnUpload) {
+  auto& daemon = start_daemon();
+  {
+    OnTerminal upload(through_daemon(), {"firmware", "upload", file("large.hex"), "bench:1"});
+    ASSERT_TRUE(upload.wait_for("writing"));
+    daemon.signal(SIGTERM);
+    EXPECT_EQ(upload.wait(), 0) << upload.output();
+    EXPECT_THAT(upload.output(), HasSubstr("module 1 runs firmware 1.43 of a TMCM-1110 now"));
+  }
+  EXPECT_EQ(daemon.wait(), 0);
+  EXPECT_THAT(daemon.output(),
+              HasSubstr("ending later, after the firmware upload to module 1 of bench"));
+  EXPECT_THAT(version("1"), HasSubstr("<- 1110V143"));
+}
+
+TEST_F(TmclctlFirmware, AModuleWithoutFirmwareIsToldOfByTheDaemon) {
+  {
+    OnTerminal half(direct(), {"firmware", "upload", file("large.hex"), "1"});
+    ASSERT_TRUE(half.wait_for("writing"));
+    half.press_ctrl_c();
+    half.wait();
+  }
+  ASSERT_TRUE(start_daemon().wait_for("module_in_bootloader (module 1)"));
+  EXPECT_THAT(ctl(through_daemon(), {"modules"}).out, HasSubstr("in_bootloader  NO FIRMWARE runs"));
+  const auto scanned = ctl(through_daemon(), {"scan", "--addresses", "1-3"});
+  EXPECT_THAT(scanned.out, HasSubstr("NO FIRMWARE runs, only its bootloader"));
+  const auto moved = ctl(through_daemon(), {"move", "x", "100"});
+  EXPECT_EQ(moved.status, 3);
+  EXPECT_THAT(moved.err, HasSubstr("module 1 is in its bootloader: no firmware runs in it"));
+  EXPECT_THAT(moved.err, HasSubstr("`tmclctl firmware upload` gives it one"));
+  EXPECT_THAT(ctl(through_daemon(), {"stop", "x"}).err, HasSubstr("does not know this command"))
+      << "sent, and refused by the bootloader";
+  EXPECT_EQ(ctl(through_daemon(), {"stop", "y"}).status, 0) << "another module";
+  const auto again = ctl(through_daemon(), {"firmware", "upload", file("1110.hex"), "1"});
+  EXPECT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(ctl(through_daemon(), {"get", "x", "actual_position"}).out, "0\n");
 }
 
 }  // namespace

@@ -133,6 +133,58 @@ TEST_F(DaemonFirmware, GoesOnWhenItsClientGoes) {
   }));
 }
 
+TEST_F(DaemonFirmware, TheEndOfTheDaemonWaitsForIt) {
+  RpcClient other(daemon.socket());
+  std::atomic<int> stop_of_other = -1;
+  std::atomic<int> upload_of_other = -1;
+  when(Command::BOOT_WRITE_BUFFER, [&] { daemon.daemon().stop(); });
+  // The daemon has taken notice by now.
+  daemon.on_reactor([&] {
+    auto& fake = daemon.wire().modules.at(1);
+    fake.before = [&, stop = std::move(fake.before), done = false](
+                      FakeModule& self, const tmcl::Request& request) mutable {
+      stop(self, request);
+      if (request.command != Command::BOOT_WRITE_PAGE || std::exchange(done, true)) return;
+      upload_of_other = send_upload(other);
+      stop_of_other = other.send("axis.stop", {{"axis", "x"}});
+    };
+    return 0;
+  });
+  stage(client);
+  const auto answer = client.answer_to(send_upload(client));
+  ASSERT_TRUE(answer.contains("result")) << answer;
+  EXPECT_EQ(text(answer.at("result").at("running")), "3110V123");
+  EXPECT_EQ(text(error_in(other.answer_to(upload_of_other)).at("name")), "daemon_ending");
+  EXPECT_EQ(text(error_in(other.answer_to(stop_of_other)).at("name")), "in_bootloader")
+      << "still served";
+}
+
+TEST_F(DaemonFirmware, AnEndThatComesBeforeTheEraseLeavesTheOldFirmwareRunning) {
+  for (const auto early : {Command::GET_FIRMWARE_VERSION, Command::BOOT_GET_INFO}) {
+    SCOPED_TRACE(name_of(early));
+    tmcl::test::Bootable here;
+    TestDaemon ending;
+    here.be_played_by(ending.wire().modules.at(1));
+    ending.start();
+    RpcClient from(ending.socket());
+    stage(from);
+    ending.on_reactor([&] {
+      ending.wire().modules.at(1).before = [&](FakeModule&, const tmcl::Request& request) {
+        if (request.command == early) ending.daemon().stop();
+      };
+      return 0;
+    });
+    const auto answer = from.answer_to(send_upload(from));
+    ASSERT_TRUE(answer.contains("error")) << answer;
+    EXPECT_EQ(text(answer.at("error").at("message")), "the daemon is ending");
+    EXPECT_EQ(text(error_in(answer).at("outcome")), "not_sent");
+    ending.end();
+    EXPECT_EQ(std::ranges::count(here.changes, Command::BOOT_ERASE_ALL), 0);
+    EXPECT_FALSE(here.in_bootloader);
+    EXPECT_EQ(here.runs(), (FirmwareVersion{3110, 1, 9}));
+  }
+}
+
 TEST_F(DaemonFirmware, AnImageThatIsNotThereAsAWholeIsNotUploaded) {
   const auto without = client.answer_to(send_upload(client));
   EXPECT_EQ(text(error_in(without).at("param")), "bytes");

@@ -149,6 +149,36 @@ TEST(FirmwareUpload, AnImageThatDoesNotFitLeavesTheOldFirmwareRunning) {
   }
 }
 
+TEST(FirmwareUpload, AnObjectionBeforeTheEraseLeavesTheOldFirmwareRunning) {
+  constexpr int questions = 2;  // before the motors are stopped, and before the erase
+  for (int refused = 1; refused <= questions; ++refused) {
+    Bench bench;
+    FirmwareOptions options;
+    options.objection = [&, asked = 0]() mutable -> std::optional<Error> {
+      if (++asked < refused) return std::nullopt;
+      return bad_argument("not now");
+    };
+    const auto report = bench.upload(options);
+    ASSERT_FALSE(report) << refused;
+    EXPECT_EQ(report.error().message, "not now");
+    EXPECT_EQ(std::ranges::count(bench.changes, Command::BOOT_ERASE_ALL), 0);
+    EXPECT_EQ(std::ranges::count(bench.bus.sent(), Command::MST, &Request::command),
+              refused == 1 ? 0 : 3);
+    EXPECT_FALSE(bench.in_bootloader);
+    EXPECT_EQ(bench.runs(), (FirmwareVersion{3110, 1, 9}));
+  }
+}
+
+TEST(FirmwareUpload, AnObjectionIsOfNoUseOnceTheFirmwareIsErased) {
+  Bench bench;
+  FirmwareOptions options;
+  options.objection = [&]() -> std::optional<Error> {
+    if (bench.changes.empty()) return std::nullopt;
+    return bad_argument("too late");
+  };
+  EXPECT_TRUE(bench.upload(options));
+}
+
 TEST(FirmwareUpload, GoesOnInAModuleThatIsInItsBootloader) {
   Bench bench;
   bench.in_bootloader = true;

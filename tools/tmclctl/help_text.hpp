@@ -438,8 +438,9 @@ Stops the module's motors, enters its bootloader, erases the firmware, writes th
 the checksum and starts it. A file that is not for this model is refused before anything is changed;
 --force takes it if the file does not say what it is for, or says it in an unknown way.
 Through tmcld, everybody else's commands to the module fail meanwhile, stops too: in its bootloader
-it can neither start nor stop a motor. The upload goes on to its end even if tmclctl is ended. On a
-serial line everything waits while the module erases, which may take some seconds.
+it can neither start nor stop a motor. The upload goes on to its end even if tmclctl is ended, or
+tmcld is asked to end. On a serial line everything waits while the module erases, which may take
+some seconds.
 
 Whatever fails once the firmware is erased, even the power: the module then stays in its bootloader.
 Give the same command again. On USB the module may leave the bus when it enters its bootloader and

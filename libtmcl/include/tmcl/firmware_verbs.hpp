@@ -21,6 +21,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <optional>
 
 #include "tmcl/firmware.hpp"
 #include "tmcl/script.hpp"
@@ -38,6 +39,9 @@ struct FirmwareOptions {
   bool force = false;
   /// How long a module may take to appear in its bootloader, and to come back out of it.
   Duration restart_time = std::chrono::seconds(10);
+  /// Asked before the motors are stopped, and for the last time before the firmware is erased: an
+  /// error ends the upload there, and the firmware is as before.
+  std::function<std::optional<Error>()> objection{};
   /// Told before each step, and after each page.
   std::function<void(const FirmwareProgress&)> progress{};
 };

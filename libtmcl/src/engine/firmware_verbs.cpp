@@ -71,6 +71,9 @@ struct Upload {
   CallOptions call(std::optional<Duration> reply_timeout = std::nullopt) const {
     return {.reply_timeout = reply_timeout, .hold = hold};
   }
+  std::optional<Error> objection() const {
+    return options.objection ? options.objection() : std::nullopt;
+  }
   void tell(std::string_view step, std::size_t written = 0) const {
     if (options.progress) options.progress({step, written, image.bytes.size()});
   }
@@ -361,6 +364,8 @@ Script<Result<void>> start_firmware(const Upload& upload) {
 
 /// From the module as it runs to the module in its bootloader, with an image that fits.
 Script<Result<void>> prepare(Upload& upload, const FoundModule& found) {
+  auto unwanted = upload.objection();
+  if (unwanted) co_return tl::unexpected(std::move(*unwanted));
   if (!upload.match.in_bootloader) {
     upload.tell("stopping the motors");
     const auto stopped = co_await stop_motors(upload, found.axes);
@@ -379,6 +384,7 @@ Script<Result<void>> prepare(Upload& upload, const FoundModule& found) {
   }
   upload.memory = *memory;
   auto wrong = misfit(upload.image, *memory);
+  if (!wrong) wrong = upload.objection();
   if (!wrong) co_return Result<void>{};
   const auto started = co_await start_firmware(upload);
   wrong->hint = started ? unchanged : still_in_bootloader;
