@@ -112,8 +112,10 @@ Answer get_units(Call& call) {
   const auto ready = co_await (*axis)->be_ready();
   if (!ready) co_return failed(ready.error(), **axis);
   const auto module = co_await (*axis)->module_units();
+  if (!module) co_return failed(module.error(), **axis);
   const auto scale = co_await (*axis)->scale();
-  co_return units_json(**axis, module, scale);
+  if (!scale) co_return failed(scale.error(), **axis);
+  co_return units_json(**axis, *module, *scale);
 }
 
 Answer get_state(Call& call) {

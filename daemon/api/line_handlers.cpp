@@ -77,9 +77,9 @@ boost::asio::awaitable<json::object> to_json(const LineMember& member, Duration 
   json::object axis{{"axis", member.axis->name()}, {"target_microsteps", member.target.value}};
   const auto& unit = member.axis->unit();
   const auto scale = co_await member.axis->scale();
-  const bool has_unit = scale && !unit.empty();
+  const bool has_unit = scale && *scale && !unit.empty();
   axis["target"] =
-      has_unit ? json::value(tmcl::to_user(member.target, *scale).value) : json::value(nullptr);
+      has_unit ? json::value(tmcl::to_user(member.target, **scale).value) : json::value(nullptr);
   axis["unit"] = unit.empty() ? json::value(nullptr) : json::value(unit);
   axis["predicted_s"] = seconds(arrival);
   co_return axis;

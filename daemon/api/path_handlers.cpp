@@ -140,8 +140,12 @@ awaitable<tmcl::Result<plan::PathAxisFacts>> facts_of(GatewayAxis& axis, std::st
   auto ready = co_await axis.be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
   facts.model = axis.module().model();
-  facts.units = co_await axis.module_units();
-  facts.scale = co_await axis.scale();
+  auto units = co_await axis.module_units();
+  if (!units) co_return tl::unexpected(std::move(units.error()));
+  facts.units = *units;
+  auto scale = co_await axis.scale();
+  if (!scale) co_return tl::unexpected(std::move(scale.error()));
+  facts.scale = std::move(*scale);
   facts.limits = axis.soft_limits();
   const std::pair<std::uint8_t, std::int32_t*> settings[] = {
       {ap::max_velocity, &facts.max_velocity}, {ap::max_acceleration, &facts.max_acceleration}};
@@ -176,8 +180,11 @@ awaitable<Lookup<std::vector<plan::PathAxis>>> path_axes(const plan::PathSource&
       error.data["axis"] = axis.name();
       co_return tl::unexpected(std::move(error));
     }
-    if (wish.mode == plan::StreamMode::position)
-      made->stream.twin = co_await axis.twin(members[i].movement);
+    if (wish.mode == plan::StreamMode::position) {
+      auto twin = co_await axis.twin(members[i].movement);
+      if (!twin) co_return tl::unexpected(call_error(twin.error(), axis.name()));
+      made->stream.twin = std::move(*twin);
+    }
     axes.push_back(std::move(*made));
   }
   co_return axes;

@@ -39,6 +39,12 @@ RpcError out_of_range(std::string_view param, const tmcl::OutOfReach& error) {
   return param_error("out_of_range", param, describe(error));
 }
 
+awaitable<Lookup<std::optional<tmcl::ModuleUnits>>> units_of(GatewayAxis& axis) {
+  auto units = co_await axis.module_units();
+  if (!units) co_return tl::unexpected(call_error(units.error(), axis.name()));
+  co_return *units;
+}
+
 awaitable<Lookup<tmcl::UserScale>> user_scale(GatewayAxis& axis, std::string_view param) {
   if (axis.unit().empty()) {
     co_return tl::unexpected(param_error(
@@ -46,7 +52,8 @@ awaitable<Lookup<tmcl::UserScale>> user_scale(GatewayAxis& axis, std::string_vie
         "the configuration gives it one by 'unit' and 'units_per_revolution'"));
   }
   auto scale = co_await axis.scale();
-  if (scale) co_return std::move(*scale);
+  if (!scale) co_return tl::unexpected(call_error(scale.error(), axis.name()));
+  if (*scale) co_return std::move(**scale);
   co_return tl::unexpected(param_error(
       "bad_argument", param,
       "the module of axis " + quoted(axis.name()) + " does not tell its microstep resolution",
@@ -157,7 +164,9 @@ awaitable<Lookup<std::optional<Value>>> limit_of(const Call& call, GatewayAxis& 
     scale->reverse = false;  // a limit holds in both directions
   }
   const auto limit = scale ? kind.from_unit(value, *scale) : Value{value};
-  const auto units = co_await axis.module_units();
+  const auto known = co_await units_of(axis);
+  if (!known) co_return tl::unexpected(known.error());
+  const auto& units = *known;
   const auto* row = find_parameter(axis.parameters(), parameter);
   if (!units || row == nullptr) co_return limit;
   const auto start = tmcl::initial_units(*axis.module().model());
@@ -190,7 +199,9 @@ awaitable<Lookup<tmcl::InternalVelocity>> velocity_of(const Call& call, GatewayA
   if (*plain) co_return tmcl::InternalVelocity{**plain};
   const auto scale = co_await user_scale(axis, in_unit);
   if (!scale) co_return tl::unexpected(scale.error());
-  const auto units = co_await axis.module_units();
+  const auto known = co_await units_of(axis);
+  if (!known) co_return tl::unexpected(known.error());
+  const auto& units = *known;
   if (!units || row == nullptr) {
     co_return tl::unexpected(param_error(
         "bad_argument", in_unit,
@@ -208,17 +219,17 @@ awaitable<Lookup<tmcl::InternalVelocity>> velocity_of(const Call& call, GatewayA
 
 namespace {
 
-/// Nothing for an axis without a unit, and where the microsteps of a turn are not known.
+/// Nothing for an axis without a unit, and where the microsteps of a turn are not known. What has
+/// been done does not fail because they could not be read.
 awaitable<std::optional<tmcl::UserScale>> unit_scale(GatewayAxis& axis) {
   if (axis.unit().empty()) co_return std::nullopt;
   auto scale = co_await axis.scale();
-  co_return scale;
+  co_return scale ? std::move(*scale) : std::nullopt;
 }
 
-awaitable<tmcl::AxisScale> axis_scale(GatewayAxis& axis, tmcl::UserScale scale) {
-  auto module = co_await axis.module_units();
-  co_return tmcl::AxisScale{axis.module().model(), std::move(scale), module,
-                            axis.encoder_counts_per_unit()};
+tmcl::AxisScale axis_scale(const GatewayAxis& axis, tmcl::UserScale scale,
+                           std::optional<tmcl::ModuleUnits> units) {
+  return {axis.module().model(), std::move(scale), units, axis.encoder_counts_per_unit()};
 }
 
 RpcError has_no_unit(const ParameterChoice& choice) {
@@ -243,7 +254,9 @@ awaitable<Lookup<std::int32_t>> parameter_value_of(const Call& call, GatewayAxis
   const auto* row = choice.row;
   if (row == nullptr || unit_of(*row, scale->unit).empty())
     co_return tl::unexpected(has_no_unit(choice));
-  const auto in_module = co_await axis_scale(axis, std::move(*scale));
+  const auto units = co_await units_of(axis);
+  if (!units) co_return tl::unexpected(units.error());
+  const auto in_module = axis_scale(axis, std::move(*scale), *units);
   // That it has a unit, and only what its module counts in is not known.
   if (!to_user(0, *row, in_module)) co_return tl::unexpected(has_no_unit(choice));
   const auto value = to_parameter(call.params.number(in_unit), *row, in_module);
@@ -268,7 +281,8 @@ awaitable<void> add_in_unit(json::object& result, GatewayAxis& axis, const tmcl:
   if (row == nullptr || dimension_of(*row) == tmcl::Dimension::other) co_return;
   auto scale = co_await unit_scale(axis);
   if (!scale) co_return;
-  const auto in_module = co_await axis_scale(axis, std::move(*scale));
+  const auto units = co_await axis.module_units();
+  const auto in_module = axis_scale(axis, std::move(*scale), units.value_or(std::nullopt));
   const auto in_unit = to_user(value, *row, in_module);
   if (!in_unit) co_return;
   result["unit"] = in_unit->unit;
@@ -283,7 +297,7 @@ awaitable<void> add_in_unit(json::object& result, GatewayAxis& axis,
   if (!scale) co_return;
   const auto units = co_await axis.module_units();
   result["unit"] = scale->unit;
-  if (units) result["velocity"] = to_user(to_pps(velocity, *units), *scale).value;
+  if (units && *units) result["velocity"] = to_user(to_pps(velocity, **units), *scale).value;
 }
 
 }  // namespace tmcld

@@ -45,7 +45,7 @@ boost::asio::awaitable<Lookup<std::int32_t>> parameter_value_of(const Call& call
                                                                 const ParameterChoice& choice);
 
 // What is told in the unit of the axis, beside what its module counts: null for an axis without
-// one, and where the conversion is not known.
+// one, and where the conversion is not known or could not be read.
 
 /// "unit", and the position as `key`.
 boost::asio::awaitable<void> add_in_unit(boost::json::object& result, GatewayAxis& axis,

@@ -20,7 +20,6 @@
 namespace tmcld {
 namespace {
 
-using boost::asio::awaitable;
 using tmcl::Microsteps;
 using tmcl::Result;
 
@@ -75,6 +74,21 @@ std::optional<tmcl::Error> objection_to(const Length& target, const AxisConfig& 
   if (!beyond) return std::nullopt;
   if (target.in_unit) beyond->position = target.in_unit->value;
   return beyond_soft_limit(axis, describe(*beyond), "the configuration has it: 'soft_limits'");
+}
+
+/// Not a failure of this one exchange: the module does not have what it was asked for.
+bool has_no_such_value(const tmcl::Error& error) {
+  return error.code == tmcl::Errc::refused_by_module &&
+         error.status != tmcl::Status::wrong_checksum &&
+         error.status != tmcl::Status::command_loaded;
+}
+
+/// Nothing where the module does not have it.
+template <class T>
+Result<std::optional<T>> if_it_tells(Result<T> told) {
+  if (told) return std::optional(std::move(*told));
+  if (has_no_such_value(told.error())) return std::optional<T>();
+  return tl::unexpected(std::move(told.error()));
 }
 
 /// Where a distance from a place ends, or why it must not be gone.
@@ -135,7 +149,8 @@ GatewayAxis::Awaitable<void> GatewayAxis::be_ready() {
 GatewayAxis::Awaitable<tmcl::UserScale> GatewayAxis::known_scale() {
   if (config_.scale.unit.empty()) co_return tmcl::microsteps_scale();
   auto scale = co_await this->scale();
-  if (scale) co_return std::move(*scale);
+  if (!scale) co_return tl::unexpected(std::move(scale.error()));
+  if (*scale) co_return std::move(**scale);
   auto error = tmcl::bad_argument(
       "the module of axis '" + name() + "' does not tell its microstep resolution",
       "the configuration can: 'microsteps'");
@@ -313,7 +328,11 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Micro
   auto free = co_await be_free(movement);
   if (!free) co_return tl::unexpected(std::move(free.error()));
   std::optional<tmcl::plan::AxisTwin> twin;
-  if (predict) twin = co_await this->twin(movement);
+  if (predict) {
+    // Whatever comes of the readings: they only serve to tell more about the move.
+    auto foreseen = co_await this->twin(movement);
+    if (foreseen) twin = std::move(*foreseen);
+  }
   forget_move();
   const auto begin = std::chrono::steady_clock::now();
   const auto target = co_await run(std::move(script), std::move(movement));
@@ -327,20 +346,23 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Micro
   co_return started;
 }
 
-// Whatever comes of the readings: they only serve to tell more about the move.
-awaitable<std::optional<tmcl::plan::AxisTwin>> GatewayAxis::twin(RunOptions options) {
+GatewayAxis::Awaitable<std::optional<tmcl::plan::AxisTwin>> GatewayAxis::twin(RunOptions options) {
+  using Twin = std::optional<tmcl::plan::AxisTwin>;
   const auto* model = module_.model();
-  if (model == nullptr) co_return std::nullopt;
+  if (model == nullptr) co_return Twin{};
   const auto epoch = ramp_epoch();
   if (!ramp_ || ramp_->epoch != epoch) {
-    auto ramp = co_await run(tmcl::verbs::read_ramp(address(), *model), options);
-    if (!ramp) co_return std::nullopt;
-    ramp_ = Known<std::vector<tmcl::plan::Setting>>{epoch, std::move(*ramp)};
+    auto read = co_await run(tmcl::verbs::read_ramp(address(), *model), options);
+    auto ramp = if_it_tells(std::move(read));
+    if (!ramp) co_return tl::unexpected(std::move(ramp.error()));
+    if (!*ramp) co_return Twin{};
+    ramp_ = Known<std::vector<tmcl::plan::Setting>>{epoch, std::move(**ramp)};
   }
   auto script = tmcl::verbs::read_twin(address(), *model, ramp_->value);
   auto twin = co_await run(std::move(script), std::move(options));
-  if (!twin) co_return std::nullopt;
-  co_return std::move(*twin);
+  // Nobody has described its ramps.
+  if (!twin && twin.error().code == tmcl::Errc::bad_argument) co_return Twin{};
+  co_return if_it_tells(std::move(twin));
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity,
@@ -483,55 +505,67 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state() {
   auto state = co_await run(tmcl::verbs::state(address()), std::move(options));
   if (!state) co_return tl::unexpected(std::move(state.error()));
   reading.state = *state;
-  co_await add_units(reading);
+  auto units = co_await add_units(reading);
+  if (!units) co_return tl::unexpected(std::move(units.error()));
   co_return reading;
 }
 
-awaitable<void> GatewayAxis::add_units(AxisReading& reading) {
+GatewayAxis::Awaitable<void> GatewayAxis::add_units(AxisReading& reading) {
   std::optional<tmcl::PulsesPerSecond> velocity;
   const auto units = co_await module_units();
-  if (units) {
-    velocity = tmcl::to_pps(reading.state.velocity, *units);
+  if (!units) co_return tl::unexpected(units.error());
+  if (*units) {
+    velocity = tmcl::to_pps(reading.state.velocity, **units);
     reading.velocity_pps = velocity->value;
   }
-  if (config_.scale.unit.empty()) co_return;
+  if (config_.scale.unit.empty()) co_return Result<void>{};
   const auto scale = co_await this->scale();
-  if (!scale) co_return;
-  reading.user = {tmcl::to_user(reading.state.position, *scale),
-                  tmcl::to_user(reading.state.target, *scale),
+  if (!scale) co_return tl::unexpected(scale.error());
+  if (!*scale) co_return Result<void>{};
+  reading.user = {tmcl::to_user(reading.state.position, **scale),
+                  tmcl::to_user(reading.state.target, **scale),
                   {}};
-  if (velocity) reading.user->velocity = tmcl::to_user(*velocity, *scale);
+  if (velocity) reading.user->velocity = tmcl::to_user(*velocity, **scale);
+  co_return Result<void>{};
 }
 
-awaitable<std::optional<tmcl::ModuleUnits>> GatewayAxis::module_units() {
+GatewayAxis::Awaitable<std::optional<tmcl::ModuleUnits>> GatewayAxis::module_units() {
+  using Units = std::optional<tmcl::ModuleUnits>;
   const auto* model = module_.model();
-  if (model == nullptr) co_return std::nullopt;
+  if (model == nullptr) co_return Units{};
   const auto epoch = units_epoch();
-  if (module_units_ && module_units_->epoch == epoch) co_return module_units_->value;
+  if (module_units_ && module_units_->epoch == epoch) co_return Units{module_units_->value};
   std::vector<std::int32_t> values;
   for (const auto parameter : tmcl::unit_parameters(*model)) {
     RunOptions options;
-    const auto value = co_await run(tmcl::verbs::get(address(), parameter), std::move(options));
-    if (!value) co_return std::nullopt;
-    values.push_back(*value);
+    auto read = co_await run(tmcl::verbs::get(address(), parameter), std::move(options));
+    auto value = if_it_tells(std::move(read));
+    if (!value) co_return tl::unexpected(std::move(value.error()));
+    if (!*value) co_return Units{};
+    values.push_back(**value);
   }
   const auto units = tmcl::module_units(*model, values);
   if (units) module_units_ = Known<tmcl::ModuleUnits>{epoch, *units};
   co_return units;
 }
 
-awaitable<std::optional<tmcl::UserScale>> GatewayAxis::scale() {
+GatewayAxis::Awaitable<std::optional<tmcl::UserScale>> GatewayAxis::scale() {
+  using Scale = std::optional<tmcl::UserScale>;
   const auto& config = config_.scale;
-  if (config.microstep_resolution) co_return config.with_resolution(*config.microstep_resolution);
+  if (config.microstep_resolution)
+    co_return Scale{config.with_resolution(*config.microstep_resolution)};
   const auto epoch = units_epoch();
   if (!microstep_resolution_ || microstep_resolution_->epoch != epoch) {
     auto script = tmcl::verbs::get(address(), tmcl::axis_parameter::microstep_resolution);
     RunOptions options;
-    const auto value = co_await run(std::move(script), std::move(options));
-    if (!value || *value < 0 || *value > tmcl::max_microstep_resolution) co_return std::nullopt;
+    auto read = co_await run(std::move(script), std::move(options));
+    auto told = if_it_tells(std::move(read));
+    if (!told) co_return tl::unexpected(std::move(told.error()));
+    const auto value = *told;
+    if (!value || *value < 0 || *value > tmcl::max_microstep_resolution) co_return Scale{};
     microstep_resolution_ = Known<std::int32_t>{epoch, *value};
   }
-  co_return config.with_resolution(microstep_resolution_->value);
+  co_return Scale{config.with_resolution(microstep_resolution_->value)};
 }
 
 void GatewayAxis::forget_move() {

@@ -112,14 +112,15 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<std::int32_t> get(std::uint8_t parameter, Deadline deadline);
   Awaitable<AxisReading> read_state();
 
-  /// What its module counts in; nothing where the model is not known.
-  boost::asio::awaitable<std::optional<tmcl::ModuleUnits>> module_units();
+  // These give nothing where the module will never tell: it refuses to, or its model is not known.
+  // Errors: those of the exchange, which may succeed the next time.
+  /// What its module counts in.
+  Awaitable<std::optional<tmcl::ModuleUnits>> module_units();
   /// As the configuration has it, with the microsteps of the module unless the configuration gives
-  /// them. `unit` is empty if it has none. Nothing where the microsteps cannot be known.
-  boost::asio::awaitable<std::optional<tmcl::UserScale>> scale();
-
-  /// The twin of the axis as it is now; nothing where it cannot be had, for whatever reason.
-  boost::asio::awaitable<std::optional<tmcl::plan::AxisTwin>> twin(RunOptions options);
+  /// them. `unit` is empty if it has none.
+  Awaitable<std::optional<tmcl::UserScale>> scale();
+  /// The twin of the axis as it is now.
+  Awaitable<std::optional<tmcl::plan::AxisTwin>> twin(RunOptions options);
   /// The settings of its ramp, as twin() has found them.
   std::vector<tmcl::plan::Setting> ramp_settings() const {
     return ramp_ ? ramp_->value : std::vector<tmcl::plan::Setting>{};
@@ -171,7 +172,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
  private:
   template <class T>
   Awaitable<T> run(tmcl::Script<tmcl::Result<T>> script, RunOptions options);
-  boost::asio::awaitable<void> add_units(AxisReading& reading);
+  Awaitable<void> add_units(AxisReading& reading);
   tmcl::Result<void> check_endless(std::int32_t velocity) const;
   Awaitable<void> check_setting(std::uint8_t parameter, std::int32_t value, RunOptions options);
   tmcl::Result<void> check_restoring(std::uint8_t parameter) const;

@@ -127,12 +127,15 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
       if (!ready) co_return member.failure(std::move(ready.error()));
       auto allowed = co_await member.axis->check_limits({member.target});
       if (!allowed) co_return member.failure(std::move(allowed.error()));
-      member.twin = co_await member.axis->twin(member.movement);
+      auto twin = co_await member.axis->twin(member.movement);
+      if (!twin) co_return member.failure(std::move(twin.error()));
+      member.twin = std::move(*twin);
       if (!member.twin) {
         if (auto stop = stopped_by_other()) co_return stop;
         co_return member.failure(
             tmcl::bad_argument("how axis '" + member.axis->name() + "' moves cannot be foreseen",
-                               "its module does not answer, or nobody has described its ramps"));
+                               "nobody has described its ramps, or its module does not tell how "
+                               "they are set"));
       }
       member.before = member.axis->ramp_settings();
     }
@@ -160,13 +163,13 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   static awaitable<std::string> in_words(std::optional<tmcl::plan::Pace> pace, GatewayAxis& axis) {
     if (!pace) co_return "";
     const auto scale = co_await axis.scale();
-    if (!scale || axis.unit().empty()) {
+    if (!scale || !*scale || axis.unit().empty()) {
       co_return fmt::format(": {:.4g} microsteps/s, {:.4g} microsteps/s^2", pace->velocity.value,
                             pace->acceleration.value);
     }
     co_return fmt::format(": {0:.4g} {2}/s, {1:.4g} {2}/s^2",
-                          std::abs(to_user(pace->velocity, *scale).value),
-                          to_user(pace->acceleration, *scale).value, axis.unit());
+                          std::abs(to_user(pace->velocity, **scale).value),
+                          to_user(pace->acceleration, **scale).value, axis.unit());
   }
 
   awaitable<Fault> plan() {
