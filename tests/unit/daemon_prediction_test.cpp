@@ -65,6 +65,33 @@ TEST_F(DaemonPrediction, IsNullForAnAxisThatWillNotArrive) {
   EXPECT_TRUE(move().at("predicted_s").is_null());
 }
 
+// While it is known when a move ends, it is looked at once a second; whoever turns the axis instead
+// may want to know sooner what becomes of it.
+TEST_F(DaemonPrediction, IsForgottenWhenTheAxisIsSentElsewhere) {
+  daemon.on_reactor([&] { return parameter_of_module(tmcl::axis_parameter::max_velocity) = 100; });
+  ASSERT_GT(move().at("predicted_s").as_double(), 5);
+  std::atomic<int> looks = 0;
+  daemon.on_reactor([&] {
+    parameter_of_module(tmcl::axis_parameter::actual_velocity) = 500;
+    parameter_of_module(tmcl::axis_parameter::position_reached) = 0;
+    daemon.wire().modules.at(1).before = [&](FakeModule&, const tmcl::Request& request) {
+      if (request.command != Command::GAP || request.type != tmcl::axis_parameter::position_reached)
+        return;
+      if (++looks < 3) return;
+      parameter_of_module(tmcl::axis_parameter::actual_velocity) = 0;
+      parameter_of_module(tmcl::axis_parameter::position_reached) = 1;
+    };
+    return 0;
+  });
+  client.result("axis.rotate", {{"axis", "x"}, {"velocity_internal", 500}});
+  const auto begin = std::chrono::steady_clock::now();
+  client.result("axis.wait", {{"axis", "x"}});
+  // Two pauses of poll_interval, which is 20 ms; of an end that is foreseen they take a second
+  // each.
+  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
+  EXPECT_EQ(looks, 3);
+}
+
 TEST_F(DaemonPrediction, LetsTheMoveGoOutWhenTheReadingsAreRefused) {
   daemon.on_reactor([&] {
     daemon.wire().modules.at(1).refuse = [](const tmcl::Request& request) {

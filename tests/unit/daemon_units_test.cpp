@@ -77,6 +77,51 @@ TEST_F(DaemonUnits, TheUnitIsAskedForOnceUntilItMayHaveChanged) {
   EXPECT_EQ(reads_of(255), 2U);
 }
 
+/// A parameter that units depend on, and what they are before and after it comes from the EEPROM.
+struct Restored {
+  std::uint16_t model;
+  std::uint8_t parameter;
+  std::int32_t before;
+  std::int32_t after;
+  const char* figure;  ///< Of axis.get_units.
+  double ratio;        ///< What is there afterwards to what was there before.
+};
+
+class DaemonRestored : public DaemonUnits, public testing::WithParamInterface<Restored> {};
+
+TEST_P(DaemonRestored, IsReadAgain) {
+  const auto& [model, parameter, before, after, figure, ratio] = GetParam();
+  serve(model);
+  for (const auto& [number, value] : {std::pair{140, 8}, {153, 3}, {154, 2}, {255, 0}})
+    hold(static_cast<std::uint8_t>(number), value);
+  hold(parameter, before);
+  const auto told = [&] {
+    return client->result("axis.get_units", {{"axis", "x"}}).at(figure).to_number<double>();
+  };
+  const double first = told();
+  daemon.on_reactor([&] {
+    daemon.wire().modules.at(1).before = [&, number = parameter, value = after](
+                                             FakeModule& self, const tmcl::Request& request) {
+      if (request.command == Command::RSAP) self.parameter(0, number) = value;
+    };
+    return 0;
+  });
+  EXPECT_EQ(told(), first);
+  client->result("parameter.restore", {{"axis", "x"}, {"parameter", parameter}});
+  EXPECT_NEAR(told() / first, ratio, 1e-9);
+}
+
+// A microstep resolution of n means 2^n microsteps; a divisor of n divides by 2^n, a ramp divisor
+// the acceleration. A TMCM-6212 counts in units of its chip (0), 2^24 / 16 MHz of a second, or in
+// microsteps (1).
+INSTANTIATE_TEST_SUITE_P(
+    Parameters, DaemonRestored,
+    testing::Values(Restored{3110, 140, 8, 5, "microsteps_per_revolution", 1.0 / 8},
+                    Restored{3110, 154, 2, 4, "velocity_unit_pps", 1.0 / 4},
+                    Restored{3110, 153, 3, 2, "acceleration_unit_pps2", 2.0},
+                    Restored{6212, 255, 0, 1, "velocity_unit_pps", 0x1p24 / 16e6}),
+    [](const auto& parameter) { return "Parameter" + std::to_string(parameter.param.parameter); });
+
 TEST_F(DaemonUnits, AUnitThatNoModuleHasGivesNoVelocity) {
   serve(6212);
   hold(255, 2);
@@ -131,6 +176,46 @@ TEST_F(DaemonScale, TheMicrostepsOfTheModuleAreReadAgainWhenTheyMayHaveChanged) 
   client->result("parameter.set", {{"axis", "x"}, {"parameter", 154}, {"value", 3}});
   EXPECT_TRUE(client->result("axis.get_state", {{"axis", "x"}}).at("position").is_null())
       << "no module has that";
+}
+
+// 102,400 microsteps are 10 mm of 256 to the full step (8), and 40 mm of 64 (6).
+TEST_F(DaemonScale, MicrostepsThatMayHaveBeenSetAreReadAgain) {
+  hold(0, 1, 102'400);
+  const auto position = [&] {
+    return client->result("axis.get_state", {{"axis", "x"}}).at("position").to_number<double>();
+  };
+  ASSERT_EQ(position(), 10);
+  const json::object set{{"axis", "x"}, {"parameter", 140}, {"value", 6}};
+  // The module has executed it, and every answer is lost, also to the question what came of it.
+  daemon.on_reactor([&] {
+    daemon.wire().loses = [](const tmcl::Request& request) { return request.type == 140; };
+    return 0;
+  });
+  const auto lost = client->error("parameter.set", set);
+  EXPECT_EQ(text(lost.at("data").at("outcome")), "unknown") << lost;
+  daemon.on_reactor([&] { return daemon.wire().loses = {}, 0; });
+  EXPECT_EQ(position(), 40);
+}
+
+// And where a stop comes before that question, so that the module counts as one that answers.
+TEST_F(DaemonScale, MicrostepsThatMayHaveBeenSetBeforeAStopAreReadAgain) {
+  hold(0, 1, 102'400);
+  const auto position = [&] {
+    return client->result("axis.get_state", {{"axis", "x"}}).at("position").to_number<double>();
+  };
+  ASSERT_EQ(position(), 10);
+  daemon.on_reactor([&] {
+    daemon.wire().loses = [](const tmcl::Request& request) {
+      return request.command == Command::SAP;
+    };
+    return 0;
+  });
+  const auto set = client->send("parameter.set", {{"axis", "x"}, {"parameter", 140}, {"value", 6}});
+  ASSERT_TRUE(daemon.eventually([&] { return daemon.wire().count(Command::SAP) == 1; }));
+  client->result("axis.stop", {{"axis", "x"}});
+  const auto answer = client->answer_to(set);
+  EXPECT_EQ(text(answer.at("error").at("data").at("name")), "superseded_by_stop");
+  EXPECT_EQ(position(), 40);
 }
 
 TEST_F(DaemonScale, MovesAreTakenInTheUnit) {
