@@ -46,11 +46,24 @@ TEST(Homing, LeavesTheModeAloneUnlessAsked) {
 
 TEST(Homing, AModuleThatFallsSilentWhileItSearchesIsAskedAgain) {
   ScriptedBus bus;
-  bus.add_module(1);
+  auto& fake = bus.add_module(1);
+  fake.parameter(2, 197) = -40;
+  // The start and the first look are answered, the next six datagrams are lost.
   bus.chance = [&](std::size_t datagram) {
     return datagram >= 2 && datagram < 8 ? std::optional(Fault::lost_request) : std::nullopt;
   };
-  EXPECT_TRUE(bus.run(verbs::home(axis)));
+  std::vector<std::int32_t> steps;
+  const auto homed = bus.run(verbs::home(axis, {.progress = [&](std::int32_t step) {
+                                           steps.push_back(step);
+                                           return true;
+                                         }}));
+  ASSERT_TRUE(homed) << describe(homed.error());
+  EXPECT_EQ(homed->correction, Microsteps{-40});
+  EXPECT_THAT(steps, ElementsAre(1, 2, 3)) << "each once: a look that is lost is no look";
+  EXPECT_EQ(std::ranges::count(bus.sent(), search(0)), 1) << "the search is not started again";
+  // What the module was asked: where its search is, four times, the last time that it has ended.
+  EXPECT_EQ(std::ranges::count(fake.executed(), search(2)), 4);
+  EXPECT_EQ(bus.counters().timeouts, 6U);
 }
 
 TEST(Homing, ButNotForEver) {

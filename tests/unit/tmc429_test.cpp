@@ -39,6 +39,11 @@ Tmc429 axis_with(Settings settings) {
   return axis;
 }
 
+// What axis_with({}) makes of it: microsteps a second of one unit of speed, and how long it takes
+// from standstill to 1000 of them.
+constexpr double pps_of_unit = tmc429_clock_hz / 0x1p18;
+constexpr double time_to_speed = 1000 * 0x1p16 / (tmc429_clock_hz * 500);
+
 double seconds(Tick ticks) { return static_cast<double>(ticks) / ticks_per_second; }
 Tick ticks(double seconds) { return static_cast<Tick>(std::llround(seconds * ticks_per_second)); }
 
@@ -209,7 +214,19 @@ TEST(Tmc429, IsSlowerInSoftModeThanInRampMode) {
   soft.write(Mode::soft);
   ramp.write(R::x_target, 50'000);
   soft.write(R::x_target, 50'000);
-  EXPECT_GT(arrival(soft, ticks(100)).value(), arrival(ramp, ticks(100)).value());
+  // Its last step waits for v_min, and so does that of the soft mode.
+  const double last_step = 1 / pps_of_unit;
+  const double at_speed = 50'000 / (1000 * pps_of_unit);
+  EXPECT_NEAR(seconds(arrival(ramp, ticks(100)).value()), at_speed + time_to_speed, last_step);
+  // In soft mode the speed is p times the way that is left, in whole units, once that is less than
+  // v_max; before, speeding up costs half of its time.
+  const double p = (128 + static_cast<double>(soft.read(R::pmul))) /
+                   std::exp2(3 + static_cast<double>(soft.read(R::pdiv)));
+  double expected = time_to_speed / 2;
+  for (int left = 1; left <= 50'000; ++left)
+    expected += 1 / (pps_of_unit * std::clamp(std::floor(p * left), 1.0, 1000.0));
+  EXPECT_NEAR(seconds(arrival(soft, ticks(100)).value()), expected, last_step);
+  EXPECT_GT(expected, at_speed + time_to_speed + 3 * last_step) << "the difference is seen";
 }
 
 TEST(Tmc429, ReversesThroughZeroWhenTheTargetChangesSides) {
@@ -289,7 +306,7 @@ TEST(Tmc429, StopsDeadInHoldModeAndObeysNoLimit) {
   EXPECT_EQ(axis.v_actual(), 2000);
   axis.write(R::v_actual, 0);
   const auto x = axis.x_actual();
-  EXPECT_GT(x, 12'000);
+  EXPECT_NEAR(x, 2000 * pps_of_unit * 0.1, 1);
   axis.advance_to(ticks(1));
   EXPECT_EQ(axis.x_actual(), x);
 }
@@ -310,7 +327,9 @@ TEST(Tmc429, WrapsItsPositionAt24Bit) {
   axis.write(R::x_actual, (1 << 23) - 10);
   axis.write(R::v_target, 1000);
   axis.advance_to(ticks(0.1));
-  EXPECT_LT(axis.x_actual(), -(1 << 23) + 7'000);
+  // 1000 units for 0.1 s, less half of the time in which it got so fast.
+  const double way = 1000 * pps_of_unit * (0.1 - time_to_speed / 2);
+  EXPECT_NEAR(axis.x_actual(), -(1 << 23) - 10 + way, 2);
 }
 
 TEST(Tmc429, GoesTheWrongWayToATargetTooFarAway) {
@@ -360,14 +379,17 @@ TEST(Tmc429, SlowsDownAtASwitchIfToldSoAndLeavesItTheOtherWay) {
   axis.advance_to(ticks(0.5));
   axis.set_switches(false, true);
   axis.advance_to(ticks(0.504));
-  EXPECT_GT(axis.v_actual(), 400);
+  // A step of the ramp takes 16 ticks and more; one of speed is as much of time_to_speed.
+  EXPECT_NEAR(axis.v_actual(), 1000 * (1 - 0.004 / time_to_speed), 4);
   EXPECT_EQ(axis.a_actual(), -500);
   axis.advance_to(ticks(1));
   EXPECT_EQ(axis.v_actual(), 0);
-  const auto stopped_at = axis.x_actual();
+  // What it lost while it sped up it gains while it slows down.
+  EXPECT_NEAR(axis.x_actual(), 1000 * pps_of_unit * 0.5, 10);
   axis.write(R::x_target, 0);
   axis.advance_to(ticks(2));
-  EXPECT_LT(axis.x_actual(), stopped_at);
+  EXPECT_EQ(axis.x_actual(), 0);
+  EXPECT_TRUE(axis.arrived());
 }
 
 TEST(Tmc429, GoesThroughASwitchThatIsDisabled) {
