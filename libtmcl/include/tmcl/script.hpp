@@ -97,6 +97,7 @@ struct ScriptState {
   StepResult result;
   TimePoint now{};
   std::coroutine_handle<> innermost;
+  std::exception_ptr failure;  ///< Of any of them; none goes on after it.
 };
 
 struct ScriptPromiseBase {
@@ -110,15 +111,16 @@ struct ScriptPromiseBase {
     template <class Promise>
     std::coroutine_handle<> await_suspend(std::coroutine_handle<Promise> done) noexcept {
       auto& promise = done.promise();
-      if (!promise.continuation) return std::noop_coroutine();
+      if (!promise.continuation || promise.state->failure) return std::noop_coroutine();
       promise.state->innermost = promise.continuation;
       return promise.continuation;
     }
     void await_resume() noexcept {}
   };
   FinalAwaiter final_suspend() noexcept { return {}; }
-  // The library reports errors as values: an exception in a script is a bug.
-  [[noreturn]] void unhandled_exception() noexcept { std::terminate(); }
+  // The library reports errors as values: an exception in a script is a bug, or memory that is not
+  // to be had. It ends all scripts that wait for each other here, and is thrown to their runner.
+  void unhandled_exception() noexcept { state->failure = std::current_exception(); }
 };
 
 template <class T>
@@ -166,7 +168,8 @@ struct TimeAwaiter {
 
 }  // namespace detail
 
-/// A verb in progress. Move-only; destroying it ends it wherever it is.
+/// A verb in progress. Move-only; destroying it ends it wherever it is. What is thrown in it,
+/// start() or resume() throws; all that can be done with it then is to destroy it.
 template <class T>
 class [[nodiscard]] Script {
  public:
@@ -218,6 +221,7 @@ class [[nodiscard]] Script {
   std::optional<Step> proceed() {
     state_->step.reset();
     state_->innermost.resume();
+    if (state_->failure) std::rethrow_exception(std::exchange(state_->failure, nullptr));
     return std::move(state_->step);
   }
 
