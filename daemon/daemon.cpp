@@ -6,12 +6,11 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "async/spawn.hpp"
 #include "log/log.hpp"
 
 namespace tmcld {
@@ -31,6 +30,11 @@ constexpr auto time_for_journeys = 12s;
 // An image of 240 kB takes about half of it at 115200 baud. A module whose upload is cut short has
 // no firmware.
 constexpr auto time_for_uploads = 300s;
+// After an exception the end may fail, too: it is given all of its times and a little more.
+constexpr auto time_after_failure = time_for_uploads + time_for_journeys + time_for_stops +
+                                    time_for_answers + std::chrono::seconds(1);
+// It goes on after so many more of them.
+constexpr int most_failures_at_the_end = 16;
 
 template <class Condition>
 awaitable<void> wait_until(boost::asio::io_context& context, Condition condition,
@@ -77,22 +81,46 @@ Daemon::~Daemon() {
   gateway_->planner.join();
 }
 
-void Daemon::run() {
-  gateway_->start();
-  server_->start();
-  context_.run();
+bool Daemon::run() {
+  try {
+    gateway_->start();
+    server_->start();
+    context_.run();
+    return true;
+  } catch (...) {
+    end_after(std::current_exception());
+    return false;
+  }
+}
+
+// Whoever threw has ended; all others go on, as long as it takes to stop what moves.
+void Daemon::end_after(const std::exception_ptr& failure) noexcept {
+  log_failure("the reactor, all axes are stopped", failure);
+  const auto limit = std::chrono::steady_clock::now() + time_after_failure;
+  bool has_begun = false;
+  for (int failures = 0; failures <= most_failures_at_the_end; ++failures) {
+    try {
+      if (!has_begun) {
+        gateway_->stop_all_axes();
+        stop();
+        has_begun = true;
+      }
+      context_.run_until(limit);
+      return;
+    } catch (...) {
+      log_failure("the end", std::current_exception());
+    }
+  }
 }
 
 void Daemon::stop() {
   boost::asio::post(context_, [this] {
     if (std::exchange(ending_, true)) return;
-    boost::asio::co_spawn(context_, end(*this), boost::asio::detached);
+    spawn(context_.get_executor(), end(*this));
   });
 }
 
-void Daemon::end_on_signals() {
-  boost::asio::co_spawn(context_, wait_for_signal(*this), boost::asio::detached);
-}
+void Daemon::end_on_signals() { spawn(context_.get_executor(), wait_for_signal(*this)); }
 
 awaitable<void> Daemon::wait_for_signal(Daemon& daemon) {
   boost::asio::signal_set signals(daemon.context_, SIGTERM, SIGINT);

@@ -1,6 +1,7 @@
 /// The whole daemon: buses, axes and fronts around one reactor thread.
 #pragma once
 
+#include <exception>
 #include <memory>
 #include <string>
 
@@ -25,8 +26,9 @@ class Daemon {
   /// them still needs the reactor.
   ~Daemon();
 
-  /// Serves until stop() is called or, after end_on_signals(), SIGTERM or SIGINT comes.
-  void run();
+  /// Serves until stop() is called or, after end_on_signals(), SIGTERM or SIGINT comes. False if
+  /// something was thrown that nobody could see to: then all axes were stopped.
+  bool run();
   /// From any thread. Ends run() within a second: stops on their way are given a moment, whatever
   /// else is in progress is answered with how far it got. Axes on lines and paths are stopped
   /// before that, for which they may take some seconds, and firmware uploads come to their end, for
@@ -43,6 +45,7 @@ class Daemon {
   Daemon() = default;
   static boost::asio::awaitable<void> wait_for_signal(Daemon& daemon);
   static boost::asio::awaitable<void> end(Daemon& daemon);
+  void end_after(const std::exception_ptr& failure) noexcept;
 
   boost::asio::io_context context_{1};
   std::shared_ptr<Gateway> gateway_;

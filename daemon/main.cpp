@@ -3,6 +3,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <exception>
 #include <string>
 
 #include <sys/resource.h>
@@ -72,11 +73,11 @@ int serve(const Config& config) {
   (*daemon)->end_on_signals();
   log(LogLevel::info,
       "serving " + counted(config.axes.size(), "axis", "axes") + " on " + config.daemon.socket);
-  (*daemon)->run();
+  const int code = (*daemon)->run() ? exit_code::ok : exit_code::runtime_failure;
   log(LogLevel::info, "ended");
   // Opening a link cannot be called back; nothing else is left to be done, so nobody waits for it.
-  if ((*daemon)->is_opening_links()) std::_Exit(exit_code::ok);
-  return exit_code::ok;
+  if ((*daemon)->is_opening_links()) std::_Exit(code);
+  return code;
 }
 
 }  // namespace
@@ -87,5 +88,11 @@ int main(int argc, char** argv) {
   const auto& command_line = std::get<CommandLine>(parsed);
   const auto config = load_config(command_line.config_file);
   if (!config) return report(config.error());
-  return command_line.only_check ? check(*config) : serve(*config);
+  if (command_line.only_check) return check(*config);
+  try {
+    return serve(*config);
+  } catch (...) {  // nothing was served yet, or nothing is any more
+    log_failure("tmcld", std::current_exception());
+    return exit_code::runtime_failure;
+  }
 }

@@ -1,9 +1,12 @@
 #include "api/dispatch.hpp"
 
 #include <chrono>
+#include <exception>
+#include <new>
 #include <utility>
 
 #include "api/call.hpp"
+#include "log/log.hpp"
 
 namespace tmcld {
 namespace {
@@ -14,6 +17,14 @@ std::optional<RpcError> admit(const MethodInfo& method, const Call& call) {
   if (method.effect == tmcl::Effect::stops) return std::nullopt;
   if (!call.gateway->is_closing()) return std::nullopt;
   return rpc_error(rpc_code::daemon_ending, "daemon_ending", "the daemon is ending");
+}
+
+RpcError internal_error(const MethodInfo& method, const char* what) {
+  auto error = rpc_error(rpc_code::internal_error, "internal_error",
+                         "tmcld failed in " + std::string(method.name) + ": " + what,
+                         "if it is not memory that is missing, this is a bug; tmcld's log has it");
+  error.data["outcome"] = name_of(tmcl::Outcome::unknown);
+  return error;
 }
 
 }  // namespace
@@ -29,8 +40,16 @@ boost::asio::awaitable<RpcResult> dispatch(std::shared_ptr<Gateway> gateway,
             permit};
   auto refused = admit(*request.method, call);
   if (refused) co_return tl::unexpected(std::move(*refused));
-  auto result = co_await request.method->handler(call);
-  co_return result;
+  std::exception_ptr failure;
+  try {
+    auto result = co_await request.method->handler(call);
+    co_return result;
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  if (call.gateway->failures.admit(std::chrono::steady_clock::now()))
+    log_failure(request.method->name, failure);
+  co_return tl::unexpected(internal_error(*request.method, what_of(failure)));
 }
 
 }  // namespace tmcld

@@ -16,8 +16,9 @@ constexpr int parse_error = -32700;
 constexpr int invalid_request = -32600;
 constexpr int method_not_found = -32601;
 constexpr int invalid_params = -32602;
-constexpr int call_failed = -32000;  ///< What a bus or a module says.
-constexpr int overload = -32001;     ///< A bound of the daemon was reached.
+constexpr int internal_error = -32603;  ///< An exception.
+constexpr int call_failed = -32000;     ///< What a bus or a module says.
+constexpr int overload = -32001;        ///< A bound of the daemon was reached.
 constexpr int daemon_ending = -32002;
 constexpr int not_allowed = -32003;  ///< Not now: somebody else moves the axis.
 }  // namespace rpc_code

@@ -22,7 +22,8 @@ boost::asio::awaitable<std::shared_ptr<std::invoke_result_t<Work>>> run_now(Work
 
 }  // namespace detail
 
-/// What the function gives. It must hold all that it needs: the caller may be gone before it ends.
+/// What the function gives, or throws. It must hold all that it needs: the caller may be gone
+/// before it ends.
 template <class Work>
 boost::asio::awaitable<std::invoke_result_t<Work>> elsewhere(boost::asio::thread_pool& pool,
                                                              Work work) {

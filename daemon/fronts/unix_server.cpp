@@ -4,10 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/steady_timer.hpp>
 
+#include "async/spawn.hpp"
 #include "log/log.hpp"
 
 namespace tmcld {
@@ -28,10 +27,7 @@ UnixServer::UnixServer(const boost::asio::any_io_executor& executor, SocketFile 
       file_(std::move(file)),
       gateway_(std::move(gateway)) {}
 
-void UnixServer::start() {
-  boost::asio::co_spawn(acceptor_.get_executor(), accept(shared_from_this()),
-                        boost::asio::detached);
-}
+void UnixServer::start() { spawn(acceptor_.get_executor(), accept(shared_from_this())); }
 
 void UnixServer::stop_accepting() {
   boost::system::error_code ignored;

@@ -4,11 +4,11 @@
 #include <utility>
 
 #include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
 #include "async/gather.hpp"
+#include "async/spawn.hpp"
 #include "log/log.hpp"
 
 namespace tmcld {
@@ -65,9 +65,7 @@ GatewayBus::GatewayBus(const boost::asio::any_io_executor& executor, BusConfig c
       changed_(executor),
       motors_(config_.name, std::move(arrivals)) {}
 
-void GatewayBus::start() {
-  boost::asio::co_spawn(executor_, serve(shared_from_this()), boost::asio::detached);
-}
+void GatewayBus::start() { spawn(executor_, serve(shared_from_this())); }
 
 void GatewayBus::close() {
   closed_ = true;

@@ -3,16 +3,17 @@
 #include <algorithm>
 #include <utility>
 
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
-
+#include "async/spawn.hpp"
 #include "gateway/path_run.hpp"
 
 namespace tmcld {
 namespace {
 
-boost::asio::awaitable<void> stop_quietly(std::shared_ptr<GatewayAxis> axis) {
+boost::asio::awaitable<void> stop_quietly(std::shared_ptr<Gateway> gateway,
+                                          std::shared_ptr<GatewayAxis> axis) {
+  ++gateway->stops_in_progress;
   co_await axis->stop();
+  --gateway->stops_in_progress;
 }
 
 }  // namespace
@@ -53,13 +54,19 @@ void Gateway::end_journeys() {
     if (const auto path = axis->path()) {
       path->stop({tmcl::plan::StreamFault::Kind::asked, 0, "tmcld is ending"});
     } else {
-      boost::asio::co_spawn(axis->bus().executor(), stop_quietly(axis), boost::asio::detached);
+      spawn(axis->bus().executor(), stop_quietly(shared_from_this(), axis));
     }
   }
 }
 
 bool Gateway::has_journeys() const {
   return std::ranges::any_of(axes_, [](const auto& axis) { return axis->is_on_line(); });
+}
+
+void Gateway::stop_all_axes() {
+  for (const auto& axis : axes_) axis->revoke_movements();
+  for (const auto& axis : axes_)
+    spawn(axis->bus().executor(), stop_quietly(shared_from_this(), axis));
 }
 
 void Gateway::close() {

@@ -17,6 +17,7 @@
 #include "gateway/axis.hpp"
 #include "gateway/bus.hpp"
 #include "gateway/shelf.hpp"
+#include "log/limiter.hpp"
 
 namespace tmcld {
 
@@ -43,6 +44,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   /// Stops all axes that are on a line or path; whoever moves them sets their settings back.
   void end_journeys();
   bool has_journeys() const;
+  /// Begins to stop every axis; see stops_in_progress.
+  void stop_all_axes();
   /// Ends everything in progress with Errc::link_lost.
   void close();
 
@@ -61,6 +64,9 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   /// The modules that are given new firmware, in words; the end of the daemon waits for them: a
   /// module with a firmware in part runs nothing.
   std::multiset<std::string> uploads;
+
+  /// Lines about exceptions: a client may be able to bring them about as often as it likes.
+  LogLimiter failures;
 
   Shelf shelf;
   /// Where paths and lines are planned: a path may take seconds, and a line does not wait for it.

@@ -2,19 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <map>
 #include <optional>
 #include <ranges>
 #include <utility>
 
 #include <fmt/format.h>
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
 #include "async/elsewhere.hpp"
 #include "async/gather.hpp"
+#include "async/spawn.hpp"
 
 namespace tmcld {
 namespace {
@@ -96,24 +96,36 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
 
   awaitable<tl::expected<StartedLine, LineFailure>> start() {
     if (auto fault = co_await take_axes()) co_return tl::unexpected(std::move(*fault));
-    auto fault = co_await look();
-    if (!fault) fault = co_await plan();
-    if (!fault) fault = co_await load();
-    if (!fault) fault = co_await go();
-    if (fault) {
+    Fault fault;
+    std::exception_ptr failure;
+    try {
+      fault = co_await prepare_and_go();
+    } catch (...) {
+      failure = std::current_exception();
+    }
+    if (fault || failure) {
       if (started_) {
         co_await stop_all();
         co_await wait_for_standstill();
       }
       co_await end();
+      if (failure) std::rethrow_exception(failure);
       co_return tl::unexpected(std::move(*fault));
     }
     const auto executor = co_await boost::asio::this_coro::executor;
-    boost::asio::co_spawn(executor, guard(shared_from_this()), boost::asio::detached);
+    spawn(executor, guard(shared_from_this()));
     co_return line_;
   }
 
  private:
+  awaitable<Fault> prepare_and_go() {
+    auto fault = co_await look();
+    if (!fault) fault = co_await plan();
+    if (!fault) fault = co_await load();
+    if (!fault) fault = co_await go();
+    co_return fault;
+  }
+
   awaitable<Fault> take_axes() {
     std::vector<std::shared_ptr<GatewayAxis>> axes;
     for (const auto& member : members_) axes.push_back(member.axis);

@@ -1,6 +1,7 @@
 #include "gateway/path_run.hpp"
 
 #include <algorithm>
+#include <exception>
 #include <set>
 #include <utility>
 
@@ -73,10 +74,17 @@ std::vector<std::string> PathRun::axis_names() const {
 awaitable<tl::expected<tmcl::plan::StreamReport, AxisFailure>> PathRun::pass(
     std::shared_ptr<PathRun> self) {
   if (auto taken = co_await self->take_axes()) co_return tl::unexpected(std::move(*taken));
-  co_await self->drive();
+  std::exception_ptr failure;
+  try {
+    co_await self->drive();
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  if (failure) co_await self->stop_all_axes();
   self->leave_axes();
-  self->tell_fault();
   self->ended_ = true;
+  if (failure) std::rethrow_exception(failure);
+  self->tell_fault();
   co_return self->stream_.report();
 }
 
@@ -182,13 +190,15 @@ awaitable<StreamAnswer> PathRun::carry_out(StreamCommand command) {
 }
 
 // All at once: none waits for one that does not answer.
+awaitable<void> PathRun::stop_all_axes() {
+  std::vector<awaitable<StreamAnswer>> stops;
+  for (const auto& member : members_) stops.push_back(stop_now(member.axis));
+  auto answers = co_await gather(std::move(stops));
+  for (std::size_t i = 0; i < answers.size(); ++i) stopped_[i] = std::move(answers[i]);
+}
+
 awaitable<StreamAnswer> PathRun::stop_axis(std::size_t axis) {
-  if (!stopped_[axis]) {
-    std::vector<awaitable<StreamAnswer>> stops;
-    for (const auto& member : members_) stops.push_back(stop_now(member.axis));
-    auto answers = co_await gather(std::move(stops));
-    for (std::size_t i = 0; i < answers.size(); ++i) stopped_[i] = std::move(answers[i]);
-  }
+  if (!stopped_[axis]) co_await stop_all_axes();
   auto answer = std::move(*stopped_[axis]);
   stopped_[axis].reset();
   co_return answer;

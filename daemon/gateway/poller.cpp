@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
+#include "async/spawn.hpp"
 
 namespace tmcld {
 namespace {
@@ -32,8 +31,7 @@ AxisWatch AxisPoller::watch(std::shared_ptr<GatewayAxis> axis, tmcl::Duration in
     changed_.notify();
   } else {
     running_ = true;
-    boost::asio::co_spawn(executor_, run(shared_from_this(), std::move(axis)),
-                          boost::asio::detached);
+    spawn(executor_, run(shared_from_this(), std::move(axis)));
   }
   return {shared_from_this(), id};
 }

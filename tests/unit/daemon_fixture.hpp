@@ -50,6 +50,9 @@ class FakeWire {
   tmcl::Duration delay{};
   /// While set, opening the link fails.
   std::atomic<bool> is_absent = false;
+  std::string why_absent = "no such device";
+  /// While set, opening the link throws.
+  std::atomic<bool> throws = false;
   /// What the modules say they are.
   std::uint16_t model = 3110;
 
@@ -160,12 +163,17 @@ class TestDaemon {
 
   /// Serves; returns when its modules have been identified, unless told not to wait.
   void start(bool until_ready = true) {
-    thread_ = std::thread([this] { daemon_->run(); });
+    thread_ = std::thread([this] { ended_well_ = daemon_->run(); });
     while (until_ready && !on_reactor([&] { return is_ready(); })) std::this_thread::yield();
   }
   void end() {
     daemon_->stop();
     thread_.join();
+  }
+  /// Waits until the daemon has ended by itself; whether it says that nothing was wrong.
+  bool ends_well() {
+    thread_.join();
+    return ended_well_;
   }
 
   std::string socket() const { return folder_ + "/socket"; }
@@ -204,10 +212,11 @@ class TestDaemon {
     // Called on the bus' own thread, perhaps while the reactor is ending: it must not be waited
     // for.
     auto& wire = wires_.at(bus.name);
+    if (wire.throws) throw std::runtime_error("injected");
     if (wire.is_absent) {
       tmcl::Error error;
       error.code = tmcl::Errc::link_open_failed;
-      error.message = "no such device";
+      error.message = wire.why_absent;
       return tl::unexpected(std::move(error));
     }
     auto ends = tmcl::Link::memory_pair(tmcl::Framing::serial);
@@ -228,6 +237,7 @@ class TestDaemon {
   std::map<std::string, FakeWire> wires_;
   std::unique_ptr<Daemon> daemon_;
   std::thread thread_;
+  bool ended_well_ = false;
 };
 
 struct ServingDaemon : TestDaemon {

@@ -5,6 +5,7 @@
 #include "tmcl/hex.hpp"
 #include "tmcl/parameter.hpp"
 #include "unit/daemon_fixture.hpp"
+#include "unit/throwing_peer.hpp"
 
 namespace tmcld::test {
 namespace {
@@ -242,6 +243,20 @@ TEST_P(DaemonPathInBothModes, ACommandThatFailsStopsAll) {
     return 0;
   });
   expect_rest_and_own_settings();
+}
+
+TEST_P(DaemonPathInBothModes, AnExceptionOnTheWayStopsAll) {
+  const auto result = dispatch_for(daemon, std::make_shared<ThrowingPeer>(3), "path.run",
+                                   order(long_way, in_mode()));
+  ASSERT_FALSE(result);
+  EXPECT_EQ(result.error().code, rpc_code::internal_error);
+  EXPECT_TRUE(daemon.eventually([&] { return !module.moves(); }));
+  EXPECT_LT(mm(0), 35);
+  const auto is_free = [&] {
+    const auto& axis = *daemon.daemon().gateway().axes().front();
+    return axis.path() == nullptr && axis.bus().streams == 0;
+  };
+  EXPECT_TRUE(daemon.on_reactor(is_free));
 }
 
 TEST_P(DaemonPathInBothModes, AClientThatGoesDoesNotEndIt) {
