@@ -24,7 +24,8 @@ RpcError invalid(std::string message, std::string hint = {}) {
 }
 
 bool is_usable_id(const json::value& id) {
-  return id.is_string() || id.is_int64() || id.is_uint64();
+  if (id.is_string()) return id.get_string().size() <= max_id_bytes;
+  return id.is_int64() || id.is_uint64();
 }
 
 std::optional<RpcError> check_members(const json::object& message) {
@@ -39,7 +40,8 @@ std::optional<RpcError> check_members(const json::object& message) {
   }
   const auto* id = message.if_contains("id");
   if (id == nullptr || !is_usable_id(*id)) {
-    return invalid("the member \"id\" must be a string or an integer",
+    return invalid("the member \"id\" must be a string of at most " + std::to_string(max_id_bytes) +
+                       " bytes or an integer",
                    "every request is answered, so that no error goes unseen");
   }
   const auto* params = message.if_contains("params");
@@ -74,6 +76,25 @@ RpcError unreadable(const boost::system::error_code& why) {
                         : "one JSON object a line, in UTF-8, and nothing else on it");
 }
 
+std::string line_of(const json::value& id, RpcResult result) {
+  json::object message;
+  message["jsonrpc"] = "2.0";
+  message["id"] = is_usable_id(id) ? id : json::value(nullptr);
+  if (result) {
+    message["result"] = std::move(*result);
+  } else {
+    message["error"] = to_json(result.error());
+  }
+  return to_text(message);
+}
+
+/// Nobody but the answer has said what became of the call.
+json::value outcome_of(const RpcResult& result, tmcl::Effect effect) {
+  if (!result) return result.error().data.at("outcome");
+  const bool acts = effect != tmcl::Effect::reads;
+  return json::value(name_of(acts ? tmcl::Outcome::unknown : tmcl::Outcome::done));
+}
+
 }  // namespace
 
 RpcError line_too_long() {
@@ -106,21 +127,14 @@ tl::expected<RpcRequest, RpcRefusal> parse_request(std::string_view line) {
   return request;
 }
 
-std::string answer_line(const json::value& id, RpcResult result) {
-  json::object message;
-  message["jsonrpc"] = "2.0";
-  message["id"] = id;
-  if (result) {
-    message["result"] = std::move(*result);
-  } else {
-    message["error"] = to_json(result.error());
-  }
-  auto line = to_text(message);
-  if (line.size() < max_line_bytes) return line;
+std::string answer_line(const json::value& id, RpcResult result, tmcl::Effect effect) {
+  auto outcome = outcome_of(result, effect);
+  auto line = line_of(id, std::move(result));
+  if (line.size() < max_answer_bytes) return line;
   auto error = rpc_error(rpc_code::overload, "answer_too_long",
                          "the answer is longer than a line may be", "ask for less at a time");
-  error.data["outcome"] = name_of(tmcl::Outcome::done);
-  return answer_line(id, tl::unexpected(std::move(error)));
+  error.data["outcome"] = std::move(outcome);
+  return line_of(id, tl::unexpected(std::move(error)));
 }
 
 std::string notification_line(std::string_view method, json::object params) {

@@ -14,7 +14,12 @@
 
 namespace tmcld {
 
+/// Of a line to the daemon.
 constexpr std::size_t max_line_bytes = 64U * 1024U;
+/// Of a line from it: all axes that can be configured fit, each with an error.
+constexpr std::size_t max_answer_bytes = 1024U * 1024U;
+/// Of an id that is a string.
+constexpr std::size_t max_id_bytes = 256;
 constexpr std::size_t max_depth = 16;
 
 struct RpcRequest {
@@ -31,8 +36,10 @@ struct RpcRefusal {
 tl::expected<RpcRequest, RpcRefusal> parse_request(std::string_view line);
 RpcError line_too_long();
 
-/// One line, without its end.
-std::string answer_line(const boost::json::value& id, RpcResult result);
+/// One line, without its end; never longer than max_answer_bytes with it. `effect`: of the method
+/// that gave the result.
+std::string answer_line(const boost::json::value& id, RpcResult result,
+                        tmcl::Effect effect = tmcl::Effect::reads);
 std::string notification_line(std::string_view method, boost::json::object params);
 
 }  // namespace tmcld

@@ -23,20 +23,31 @@ int code_of(tmcl::Errc code) {
   }
 }
 
+/// What a client has sent may be in it, and that may be as long as a line.
+std::string shortened(std::string text) {
+  constexpr std::string_view end = "...";
+  if (text.size() <= max_error_text_bytes) return text;
+  auto size = max_error_text_bytes - end.size();
+  const auto is_within_letter = [&] { return (static_cast<unsigned char>(text[size]) >> 6) == 2; };
+  while (size > 0 && is_within_letter()) --size;
+  text.resize(size);
+  return text += end;
+}
+
 }  // namespace
 
 RpcError rpc_error(int code, std::string_view name, std::string message, std::string hint) {
-  RpcError error{code, std::move(message), {}};
+  RpcError error{code, shortened(std::move(message)), {}};
   error.data["name"] = name;
   error.data["outcome"] = name_of(tmcl::Outcome::not_sent);
-  error.data["hint"] = text_or_null(hint);
+  error.data["hint"] = text_or_null(shortened(std::move(hint)));
   return error;
 }
 
 RpcError param_error(std::string_view name, std::string_view param, std::string message,
                      std::string hint) {
   auto error = rpc_error(rpc_code::invalid_params, name, std::move(message), std::move(hint));
-  error.data["param"] = param;
+  error.data["param"] = shortened(std::string(param));
   return error;
 }
 

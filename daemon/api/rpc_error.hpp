@@ -1,6 +1,7 @@
 /// Errors as clients see them: a JSON-RPC code, a sentence, and data to branch on.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 
@@ -22,6 +23,9 @@ constexpr int overload = -32001;        ///< A bound of the daemon was reached.
 constexpr int daemon_ending = -32002;
 constexpr int not_allowed = -32003;  ///< Not now: somebody else moves the axis.
 }  // namespace rpc_code
+
+/// Of a message and of a hint: an answer with an error for every axis fits a line.
+constexpr std::size_t max_error_text_bytes = 1024;
 
 struct RpcError {
   int code = rpc_code::call_failed;

@@ -1,4 +1,5 @@
 // The method table, and the check of parameters that reads it.
+#include <array>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -11,6 +12,7 @@
 #include "api/json_text.hpp"
 #include "api/params.hpp"
 #include "api/request.hpp"
+#include "support/rounds.hpp"
 #include "support/seed.hpp"
 
 namespace tmcld {
@@ -24,7 +26,7 @@ json::value good_value(const ParamInfo& row) {
     case FieldType::text: return "word";
     case FieldType::text_or_integer: return row.minimum;
     case FieldType::texts: return json::array{"word"};
-    case FieldType::integers:
+    case FieldType::integers: return json::array{row.minimum};
     case FieldType::numbers: return json::array{0};
     case FieldType::boolean: return true;
     default: return row.minimum;
@@ -35,6 +37,19 @@ json::object good_params(const MethodInfo& method) {
   json::object params;
   for (const auto& row : method.params) params[row.name] = good_value(row);
   return params;
+}
+
+bool has_range(const ParamInfo& row) {
+  return row.type == FieldType::integer || row.type == FieldType::text_or_integer ||
+         row.type == FieldType::integers;
+}
+
+double as_double(std::int64_t number) { return static_cast<double>(number); }
+
+/// A number as the parameter takes it.
+json::value as_given(const ParamInfo& row, const json::value& number) {
+  if (row.type != FieldType::integers) return number;
+  return json::array{row.minimum, number};
 }
 
 // What a parameter of this type must never be.
@@ -103,17 +118,37 @@ TEST(DaemonParams, EveryErrorNamesTheOffender) {
         params[row.name] = value;
         expect_offender(method, params, row.name, "bad_argument");
       }
-      if (row.type != FieldType::integer) continue;
+      if (!has_range(row)) continue;
       for (const json::value& value :
            {json::value(row.minimum - 1), json::value(row.maximum + 1), json::value(INT64_MIN),
             json::value(INT64_MAX), json::value(UINT64_MAX), json::value(1e300),
-            json::value(-1e300)}) {
+            json::value(-1e300), json::value(as_double(row.minimum - 1)),
+            json::value(as_double(row.maximum + 1))}) {
         params = good;
-        params[row.name] = value;
+        params[row.name] = as_given(row, value);
         expect_offender(method, params, row.name, "out_of_range");
       }
     }
   }
+}
+
+TEST(DaemonParams, BoundsThemselvesAreAdmitted) {
+  int ranges = 0;
+  for (const auto& method : method_table()) {
+    for (const auto& row : method.params) {
+      if (!has_range(row)) continue;
+      ++ranges;
+      for (const auto bound : {row.minimum, row.maximum}) {
+        for (const json::value& value : {json::value(bound), json::value(as_double(bound))}) {
+          auto params = good_params(method);
+          params[row.name] = as_given(row, value);
+          const auto error = check_params(method, params);
+          EXPECT_FALSE(error) << to_text(params) << ": " << error->message;
+        }
+      }
+    }
+  }
+  EXPECT_GT(ranges, 0);
 }
 
 TEST(DaemonParams, AreReadAsTheNumbersTheyAre) {
@@ -168,6 +203,101 @@ TEST(DaemonRequest, AnyLineIsARequestOrAProperError) {
     ASSERT_EQ(answer.at("error").at("data").at("outcome"), "not_sent") << line;
   }
   EXPECT_GT(requests, 0);  // some damage does no harm
+}
+
+// ---- how long an answer is ---------------------------------------------------------------------
+
+std::string request_line(const json::value& id, std::string_view method, json::object params) {
+  return to_text({{"jsonrpc", "2.0"}, {"id", id}, {"method", method}, {"params", params}});
+}
+
+/// What a line gets for an answer that is an error.
+std::string answer_to_line(const std::string& line) {
+  auto request = parse_request(line);
+  if (request) return "";
+  auto& refusal = request.error();
+  return answer_line(refusal.id, tl::unexpected(std::move(refusal.error)));
+}
+
+/// Letters of one byte, of several, and such as JSON writes with six.
+std::string long_text(std::size_t bytes, std::mt19937_64& random) {
+  static constexpr std::array<std::string_view, 4> letters{"a", "\x01", "\"", "\u20ac"};
+  const auto letter = letters[random() % letters.size()];
+  std::string text;
+  while (text.size() + letter.size() <= bytes) text += letter;
+  return text + std::string(bytes - text.size(), 'b');
+}
+
+std::vector<std::size_t> lengths(std::mt19937_64& random) {
+  std::vector<std::size_t> all;
+  for (std::size_t n = 0; n <= 300; ++n) all.push_back(n);
+  for (std::size_t n = 0; n <= 300; ++n) all.push_back(max_line_bytes - n);
+  for (int i = 0; i < tmcl::test::rounds(300); ++i) all.push_back(random() % max_line_bytes);
+  return all;
+}
+
+TEST(DaemonAnswer, FitsALineHoweverLongTheIdIs) {
+  std::mt19937_64 random(tmcl::test::seed());
+  for (const auto length : lengths(random)) {
+    const json::value id(long_text(length, random));
+    const auto line = answer_line(id, json::object{{"value", 7}});
+    ASSERT_LT(line.size(), max_answer_bytes);
+    const auto answer = json::parse(line);
+    ASSERT_EQ(answer.at("id"), length <= max_id_bytes ? id : json::value(nullptr)) << length;
+    ASSERT_EQ(answer.at("result").at("value"), 7);
+
+    const auto request = parse_request(request_line(id, "bus.list", {}));
+    ASSERT_EQ(request.has_value(), length <= max_id_bytes) << length;
+    if (request) continue;
+    ASSERT_TRUE(request.error().id.is_null());
+    ASSERT_EQ(request.error().error.data.at("name"), "invalid_request");
+  }
+}
+
+TEST(DaemonAnswer, FitsALineHoweverLongAClientsWordsAre) {
+  std::mt19937_64 random(tmcl::test::seed());
+  for (const auto length : lengths(random)) {
+    const auto word = long_text(length, random);
+    const json::object as_member{{"jsonrpc", "2.0"}, {"id", 1}, {word, 1}};
+    for (const auto& line :
+         {to_text(as_member), request_line(1, word, {}), request_line(1, "bus.scan", {{word, 1}}),
+          request_line(1, "module.execute", {{"bus", word}, {"address", word}})}) {
+      const auto answer = json::parse(answer_to_line(line));
+      ASSERT_TRUE(answer.at("error").at("message").is_string()) << length;
+      ASSERT_LT(to_text(answer.as_object()).size(), 24 * max_error_text_bytes);
+    }
+  }
+}
+
+TEST(DaemonAnswer, ThatDoesNotFitSaysWhatIsKnownOfTheCall) {
+  const json::object much{{"much", std::string(max_answer_bytes, 'a')}};
+  const auto error_in = [](const std::string& line) {
+    EXPECT_LT(line.size(), 1000U);
+    const auto answer = json::parse(line);
+    EXPECT_EQ(answer.at("id"), 1);
+    EXPECT_EQ(answer.at("error").at("data").at("name"), "answer_too_long");
+    return answer.at("error").at("data").at("outcome");
+  };
+  using tmcl::Effect;
+  EXPECT_EQ(error_in(answer_line(1, much)), "done");
+  for (const auto effect : {Effect::writes, Effect::moves, Effect::stops})
+    EXPECT_EQ(error_in(answer_line(1, much, effect)), "unknown");
+  auto error = rpc_error(rpc_code::call_failed, "reply_timeout", "no answer");
+  error.data["outcome"] = "refused";
+  error.data["problems"] = much;
+  EXPECT_EQ(error_in(answer_line(1, tl::unexpected(error), Effect::moves)), "refused");
+}
+
+TEST(DaemonAnswer, ShortensTextBetweenLetters) {
+  std::string euros;
+  while (euros.size() < 2 * max_error_text_bytes) euros += "\u20ac";
+  for (const std::string before : {"", "a", "ab"}) {
+    const auto error = rpc_error(rpc_code::call_failed, "any", before + euros, before + euros);
+    EXPECT_LE(error.message.size(), max_error_text_bytes);
+    EXPECT_GT(error.message.size(), max_error_text_bytes - 4);
+    EXPECT_TRUE(error.message.ends_with("\u20ac..."));
+    EXPECT_EQ(error.message, error.data.at("hint").as_string());
+  }
 }
 
 }  // namespace
