@@ -16,10 +16,12 @@ struct Staged {
   std::string_view what;    ///< "an image"
   std::string_view method;  ///< That takes its parts.
   std::size_t most_bytes;
+  Shelf Gateway::*shelf;
 };
 
-constexpr Staged staged_image{"an image", "firmware.stage", tmcl::firmware::most_image_bytes};
-constexpr Staged staged_path{"a path", "path.stage", std::size_t{16} << 20U};
+constexpr Staged staged_image{"an image", "firmware.stage", tmcl::firmware::most_image_bytes,
+                              &Gateway::image_shelf};
+constexpr Staged staged_path{"a path", "path.stage", std::size_t{16} << 20U, &Gateway::path_shelf};
 
 /// Takes a part. Gives how many bytes there are now.
 RpcResult stage_part(const Call& call, const Staged& staged);

@@ -68,7 +68,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   /// Lines about exceptions: a client may be able to bring them about as often as it likes.
   LogLimiter failures;
 
-  Shelf shelf;
+  Shelf image_shelf;
+  Shelf path_shelf;
   /// Where paths and lines are planned: a path may take seconds, and a line does not wait for it.
   boost::asio::thread_pool planner{2};
 

@@ -1,5 +1,5 @@
-/// Where what is longer than a line of the protocol may be is put together: a firmware image, or a
-/// path file.
+/// Where what is longer than a line of the protocol may be is put together. There is one for each
+/// kind of it: firmware images, path files.
 #pragma once
 
 #include <cstddef>

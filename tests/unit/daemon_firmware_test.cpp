@@ -78,6 +78,22 @@ TEST_F(DaemonFirmware, IsHandedOverInPartsAndUploaded) {
   })) << "the daemon has asked the module again what it is";
 }
 
+TEST_F(DaemonFirmware, APathIsNotTakenForAnImage) {
+  const auto hand_over_path = [&] {
+    return client.result("path.stage", {{"offset", 0}, {"data", tmcl::to_hex(bytes)}});
+  };
+  EXPECT_EQ(hand_over_path().at("bytes"), size);
+  const auto error = client.answer_to(send_upload(client)).at("error").as_object();
+  EXPECT_EQ(text(error.at("data").at("name")), "bad_argument");
+  EXPECT_EQ(text(error.at("message")), "of an image of this client there are 0 bytes, and not 700");
+  EXPECT_EQ(text(status().at("running")), "3110V109");
+  // Nor do parts of both become one, and neither takes the other's place.
+  stage(client, 0, std::span(bytes).first(300));
+  hand_over_path();
+  EXPECT_EQ(stage(client, 300, std::span(bytes).subspan(300)).at("result").at("bytes"), size);
+  EXPECT_EQ(text(client.answer_to(send_upload(client)).at("result").at("running")), "3110V123");
+}
+
 TEST_F(DaemonFirmware, TellsItsProgress) {
   stage(client);
   const auto id = send_upload(client);
