@@ -65,6 +65,8 @@ Answer subscribe(Call& call) {
   for (const auto& axis : *axes) looks.push_back(read_one(axis));
   const auto readings = co_await gather(std::move(looks));
   if (call.peer->is_gone()) co_return json::object{};
+  // Others may have begun meanwhile.
+  if (call.peer->subscriptions().size() >= max_subscriptions) co_return tl::unexpected(too_many());
   const std::chrono::milliseconds interval(
       call.params.integer_or("interval_ms", default_interval_ms));
   co_return begin(call.peer->subscriptions(), *axes, readings, interval);

@@ -13,6 +13,9 @@
 namespace tmcld {
 
 constexpr std::size_t max_unsent_answer_bytes = 256U * 1024U;
+/// As many as requests and stops can be in progress: what was let through can be answered, however
+/// long the answers are.
+constexpr std::size_t max_unsent_answers = 128;
 constexpr std::size_t max_unsent_notifications = 64;
 
 class Outbox {
@@ -22,8 +25,9 @@ class Outbox {
   bool push_answer(std::string line) {
     answer_bytes_ += line.size() + 1;
     answers_.push_back(std::move(line));
-    return answer_bytes_ <= max_unsent_answer_bytes;
+    return answer_bytes_ <= max_unsent_answer_bytes || answers_.size() <= max_unsent_answers;
   }
+  std::size_t answer_bytes() const { return answer_bytes_; }
 
   /// The oldest gives way to the newest; the next one that is written says how many did.
   void push_notification(std::string method, boost::json::object params) {

@@ -6,12 +6,11 @@
 #include <poll.h>
 
 #include <boost/asio/buffer.hpp>
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/detached.hpp>
 #include <boost/asio/write.hpp>
 
 #include "api/dispatch.hpp"
 #include "api/state_json.hpp"
+#include "async/spawn.hpp"
 #include "log/log.hpp"
 
 namespace tmcld {
@@ -25,6 +24,8 @@ constexpr std::size_t read_bytes = 16U * 1024U;
 constexpr std::size_t write_batch_bytes = 64U * 1024U;
 // How often a client that has ended its input is looked at, whether it still reads.
 constexpr tmcl::Duration hang_up_check_interval = std::chrono::milliseconds(200);
+
+static_assert(max_unsent_answers >= 2 * max_requests_in_flight);
 
 boost::json::object hello() {
   boost::json::object protocol;
@@ -59,9 +60,9 @@ void Session::start() {
   event_listener_ = gateway_->on_event([this](const GatewayEvent& event) {
     if (subscriptions_.size() > 0) notify("notify_event", to_json(event));
   });
-  const auto executor = socket_.get_executor();
-  boost::asio::co_spawn(executor, write(shared_from_this()), boost::asio::detached);
-  boost::asio::co_spawn(executor, read(shared_from_this()), boost::asio::detached);
+  const auto on_failure = [self = shared_from_this()](const auto& failure) { self->fail(failure); };
+  spawn(socket_.get_executor(), write(shared_from_this()), on_failure);
+  spawn(socket_.get_executor(), read(shared_from_this()), on_failure);
 }
 
 void Session::finish() {
@@ -73,11 +74,18 @@ void Session::close() {
   if (std::exchange(closed_, true)) return;
   gateway_->ignore_events(event_listener_);
   subscriptions_.clear();
+  waiting_.clear();
   boost::system::error_code ignored;
   socket_.close(ignored);
   output_.notify();
   input_ended_.notify();
   on_closed_();
+}
+
+void Session::fail(const std::exception_ptr& failure) {
+  close();
+  if (gateway_->failures.admit(std::chrono::steady_clock::now()))
+    log_failure("a client's connection, which was closed", failure);
 }
 
 // ---- input -------------------------------------------------------------------------------------
@@ -126,23 +134,41 @@ void Session::begin(RpcRequest request) {
     return answer(request.id, tl::unexpected(too_many_requests()));
   }
   ++in_flight;
-  boost::asio::co_spawn(socket_.get_executor(), serve(shared_from_this(), std::move(request)),
-                        boost::asio::detached);
+  if (must_wait(request)) return waiting_.push_back(std::move(request));
+  start_serving(std::move(request));
+}
+
+bool Session::must_wait(const RpcRequest& request) const {
+  if (request.method->effect != tmcl::Effect::reads) return false;
+  return !waiting_.empty() || outbox_.answer_bytes() > reads_wait_at_unsent_bytes;
+}
+
+void Session::start_serving(RpcRequest request) {
+  spawn(socket_.get_executor(), serve(shared_from_this(), std::move(request)),
+        [self = shared_from_this()](const auto& failure) { self->fail(failure); });
+}
+
+void Session::start_waiting() {
+  while (!waiting_.empty() && outbox_.answer_bytes() <= reads_wait_at_unsent_bytes) {
+    auto request = std::move(waiting_.front());
+    waiting_.pop_front();
+    start_serving(std::move(request));
+  }
 }
 
 awaitable<void> Session::serve(std::shared_ptr<Session> self, RpcRequest request) {
   const auto id = request.id;
-  const bool stops = request.method->effect == tmcl::Effect::stops;
+  const auto effect = request.method->effect;
   auto result = co_await dispatch(self->gateway_, self, std::move(request));
-  --(stops ? self->stops_in_flight_ : self->calls_in_flight_);
-  self->answer(id, std::move(result));
+  --(effect == tmcl::Effect::stops ? self->stops_in_flight_ : self->calls_in_flight_);
+  self->answer(id, std::move(result), effect);
 }
 
 // ---- output ------------------------------------------------------------------------------------
 
-void Session::answer(const boost::json::value& id, RpcResult result) {
+void Session::answer(const boost::json::value& id, RpcResult result, tmcl::Effect effect) {
   if (closed_) return;
-  if (!outbox_.push_answer(answer_line(id, std::move(result)))) {
+  if (!outbox_.push_answer(answer_line(id, std::move(result), effect))) {
     log(LogLevel::warning, "a client was cut off: it does not read its answers");
     return close();
   }
@@ -180,6 +206,7 @@ std::string Session::take_output() {
 
 awaitable<void> Session::write(std::shared_ptr<Session> self) {
   while (!self->closed_) {
+    self->start_waiting();
     if (!self->has_output()) {
       if (self->is_done()) break;
       co_await self->output_.wait();

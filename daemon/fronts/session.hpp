@@ -3,6 +3,8 @@
 #pragma once
 
 #include <cstddef>
+#include <deque>
+#include <exception>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -25,6 +27,9 @@ namespace tmcld {
 /// How many requests of one client may be in progress. Stops have a number of their own, so that
 /// no flood of other calls keeps one out.
 constexpr std::size_t max_requests_in_flight = 64;
+/// While more of answers waits to be written, requests that only read wait, too: their answers are
+/// the long ones, and nobody else waits for them. Whatever moves or stops something has its order.
+constexpr std::size_t reads_wait_at_unsent_bytes = 128U * 1024U;
 
 /// Whatever a client does, it costs nobody else anything, and no more memory than the bounds here
 /// and in the outbox allow.
@@ -53,7 +58,14 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   bool has_hung_up();
   void on_line(std::optional<std::string_view> line);
   void begin(RpcRequest request);
-  void answer(const boost::json::value& id, RpcResult result);
+  bool must_wait(const RpcRequest& request) const;
+  void start_serving(RpcRequest request);
+  void start_waiting();
+  void answer(const boost::json::value& id, RpcResult result,
+              tmcl::Effect effect = tmcl::Effect::reads);
+  /// Memory is missing, or there is a bug: costs this client its connection, and nobody else
+  /// anything.
+  void fail(const std::exception_ptr& failure);
   bool has_output() const;
   bool is_done() const;
   std::string take_output();
@@ -67,6 +79,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   Wake output_;
   Wake input_ended_;
   Subscriptions subscriptions_;
+  std::deque<RpcRequest> waiting_;  ///< In progress as far as clients are concerned.
   std::size_t calls_in_flight_ = 0;
   std::size_t stops_in_flight_ = 0;
   bool finishing_ = false;

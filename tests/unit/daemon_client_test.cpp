@@ -1,6 +1,9 @@
 // Clients that do not behave, and what they cost the others: nothing.
+#include <map>
+
 #include <gmock/gmock.h>
 
+#include "api/subscriptions.hpp"
 #include "gateway/poller.hpp"
 #include "unit/daemon_fixture.hpp"
 
@@ -21,6 +24,66 @@ TEST_F(DaemonClients, OneThatNeverReadsIsCutOff) {
   }
   EXPECT_TRUE(deaf.is_cut_off());
   EXPECT_EQ(client.result("axis.list").at("axes").as_array().size(), 2U);
+}
+
+std::string requests(std::string_view method, std::size_t count, std::size_t first_id = 0) {
+  std::string lines;
+  for (auto id = first_id; id < first_id + count; ++id) {
+    lines += R"({"jsonrpc":"2.0","id":)" + std::to_string(id) + R"(,"method":")" +
+             std::string(method) + "\"}\n";
+  }
+  return lines;
+}
+
+/// Reads so many answers; how many of each kind there are, "" being a result.
+std::map<std::string, std::size_t> kinds_of_answers(RpcClient& from, std::size_t count) {
+  std::map<std::string, std::size_t> kinds;
+  while (count > 0) {
+    const auto answer = from.read();
+    if (!answer.is_object()) break;
+    if (answer.as_object().contains("method")) continue;
+    --count;
+    const auto* error = answer.as_object().if_contains("error");
+    ++kinds[error == nullptr ? "" : text(error->at("data").at("name"))];
+  }
+  return kinds;
+}
+
+TEST_F(DaemonClients, OneThatReadsGetsAsManyLongAnswersAsItMayAskForAtOnce) {
+  // Each is some 40 kB long: together far more than may be left unread.
+  for (int round = 0; round < 3; ++round) {
+    client.send_raw(requests("rpc.discover", max_requests_in_flight));
+    EXPECT_EQ(kinds_of_answers(client, max_requests_in_flight)[""], max_requests_in_flight);
+  }
+}
+
+TEST_F(DaemonClients, OneThatReadsIsNotCutOffForAskingTooMuchAtOnce) {
+  constexpr std::size_t count = 4 * max_requests_in_flight;
+  client.send_raw(requests("rpc.discover", count));
+  auto kinds = kinds_of_answers(client, count);
+  EXPECT_GE(kinds[""], max_requests_in_flight);
+  EXPECT_EQ(kinds[""] + kinds["too_many_requests"], count);
+}
+
+TEST_F(DaemonClients, AStopBehindAFloodThatIsNotReadIsServed) {
+  client.send_raw(requests("rpc.discover", max_requests_in_flight - 1, 1000));
+  const auto move =
+      client.send("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}, {"predict", false}});
+  const auto stop = client.send("axis.stop", {{"axis", "x"}});
+  ASSERT_TRUE(daemon.eventually([&] { return daemon.wire().count(tmcl::Command::MST) == 1; }));
+  EXPECT_TRUE(client.answer_to(stop).contains("result"));
+  client.answer_to(move);
+  // Nor does the movement wait, and go out after it.
+  const auto last = daemon.on_reactor([&] { return daemon.wire().seen.back().command; });
+  EXPECT_EQ(last, tmcl::Command::MST);
+}
+
+TEST_F(DaemonClients, AMovementBehindLongAnswersGoesOutAtOnce) {
+  client.send_raw(requests("rpc.discover", max_requests_in_flight - 1, 1000));
+  const auto move =
+      client.send("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}, {"predict", false}});
+  ASSERT_TRUE(daemon.eventually([&] { return daemon.wire().count(tmcl::Command::MVP) == 1; }));
+  EXPECT_TRUE(client.answer_to(move).contains("result"));
 }
 
 TEST_F(DaemonClients, OneThatSendsNoLineEndCostsNoMemory) {
@@ -60,6 +123,9 @@ TEST_F(DaemonClients, OneThatGoesWithRequestsInProgressCostsNobodyAnything) {
 }
 
 TEST_F(DaemonClients, OneThatWaitsInVainIsForgottenWhenItGoes) {
+  // A call that is in progress holds its axis.
+  const auto users_of_x = [&] { return daemon.daemon().gateway().axes().front().use_count(); };
+  const auto before = daemon.on_reactor(users_of_x);
   daemon.on_reactor([&] {
     auto& module = daemon.wire().modules.at(1);
     module.parameter(0, 3) = 100;  // it turns, and never arrives
@@ -69,11 +135,9 @@ TEST_F(DaemonClients, OneThatWaitsInVainIsForgottenWhenItGoes) {
     RpcClient gone(daemon.socket());
     gone.send("axis.wait", {{"axis", "x"}});
     ASSERT_TRUE(daemon.eventually([&] { return daemon.wire().count(tmcl::Command::GAP) > 8; }));
+    EXPECT_GT(daemon.on_reactor(users_of_x), before);
   }
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  const auto before = daemon.requests_seen();
-  std::this_thread::sleep_for(std::chrono::milliseconds(200));
-  EXPECT_EQ(daemon.requests_seen(), before);
+  EXPECT_TRUE(daemon.eventually([&] { return users_of_x() == before; }));
 }
 
 // ---- subscriptions -----------------------------------------------------------------------------
@@ -108,12 +172,23 @@ TEST_F(DaemonClients, ManySubscribersCostOnePoller) {
     clients.push_back(std::make_unique<RpcClient>(daemon.socket()));
     clients.back()->result("subscribe", {{"axes", json::array{"x"}}, {"interval_ms", 100}});
   }
-  const auto before = daemon.requests_seen();
-  std::this_thread::sleep_for(std::chrono::milliseconds(1000));
-  const auto requests = daemon.requests_seen() - before;
-  // Four values ten times a second, and a fifth until the divisor is known.
-  EXPECT_GE(requests, 4U);
-  EXPECT_LE(requests, 5U * 12U);
+  // A look reads the position. A busy machine makes some of them late, and never all of them.
+  std::vector<tmcl::TimePoint> looks;
+  daemon.on_reactor([&] {
+    daemon.wire().modules.at(1).before = [&](FakeModule&, const tmcl::Request& request) {
+      if (request.command == tmcl::Command::GAP && request.type == 1)
+        looks.push_back(std::chrono::steady_clock::now());
+    };
+    return 0;
+  });
+  ASSERT_TRUE(daemon.eventually([&] { return looks.size() >= 11; }));
+  daemon.on_reactor([&] { return daemon.wire().modules.at(1).before = {}, 0; });
+  auto shortest = tmcl::Duration::max();
+  for (std::size_t i = 1; i < looks.size(); ++i)
+    shortest = std::min<tmcl::Duration>(shortest, looks[i] - looks[i - 1]);
+  EXPECT_LT(shortest, std::chrono::milliseconds(150));
+  // Twenty pollers would look so often at once. A late look may be near the next one; not all are.
+  EXPECT_GT(looks.back() - looks.front(), std::chrono::milliseconds(500));
   turn(daemon, 77);
   for (const auto& each : clients) {
     EXPECT_EQ(each->notification("notify_state").at("position_microsteps"), 77);
@@ -139,6 +214,39 @@ TEST_F(DaemonClients, TheLastStateReachesSubscribersOfEveryPace) {
     state = fast.notification("notify_state");
     ASSERT_FALSE(state.is_null());
   }
+}
+
+TEST_F(DaemonClients, NoneHasMoreSubscriptionsThanItMayHoweverItAsks) {
+  constexpr std::size_t before = max_subscriptions - 1;
+  for (std::size_t i = 0; i < before; ++i) client.result("subscribe");
+  // They wait for the same answer of the module.
+  client.send_raw(requests("subscribe", 60, 1000));
+  auto kinds = kinds_of_answers(client, 60);
+  EXPECT_EQ(kinds[""], max_subscriptions - before);
+  EXPECT_EQ(kinds["too_many_subscriptions"], 60 - (max_subscriptions - before));
+}
+
+TEST_F(DaemonClients, SubscriptionsTakeTurns) {
+  daemon.on_reactor([&] { return daemon.wire().modules.at(1).parameter(0, 154) = 2; });
+  // One state after the other, each for two subscriptions, of which one is told each time.
+  turn(daemon, 1);
+  int offers = 0;
+  std::vector<std::int64_t> told;
+  const auto watching = daemon.on_reactor([&] {
+    auto both = std::make_shared<Subscriptions>([&] { ++offers; });
+    const auto axis = daemon.daemon().gateway().find_axis("x");
+    for (int i = 0; i < 2; ++i) both->add({{axis, {}}}, shortest_poll_interval);
+    return both;
+  });
+  for (int position = 1; position <= 8; ++position) {
+    turn(daemon, position);
+    ASSERT_TRUE(daemon.eventually([&] { return offers >= 2 * position; }));
+    const auto state = daemon.on_reactor([&] { return *watching->take_pending(); });
+    told.push_back(state.at("subscription").to_number<std::int64_t>());
+    EXPECT_EQ(state.at("position_microsteps"), position);
+  }
+  EXPECT_THAT(told, testing::ElementsAre(1, 2, 1, 2, 1, 2, 1, 2));
+  daemon.on_reactor([&] { return watching->clear(), 0; });
 }
 
 TEST_F(DaemonClients, SlowSubscribersGetNewStatesAndACountOfWhatTheyMissed) {
