@@ -15,6 +15,7 @@
 
 #include "support/program.hpp"
 #include "tmcl/blocking.hpp"
+#include "tmcl/parameter.hpp"
 
 namespace tmcl {
 namespace {
@@ -174,6 +175,24 @@ TEST_P(OnCan, TheDaemonMovesAnAxis) {
   std::filesystem::remove_all(folder);
 }
 
+TEST_P(OnCan, AModuleWithTheIdentifierOfRepliesObeysThem) {
+  Program simulator(OnCan::simulator({"TMCM-1110@1", "TMCM-3110@2"}));
+  ASSERT_TRUE(simulator.wait_for("ready")) << simulator.output();
+  EXPECT_THAT(simulator.output(), HasSubstr("2 is the address of module 2 TMCM-3110 and, on CAN"));
+  const auto scanned =
+      run_program({"tmclctl", "--direct", "can:" + host(), "scan", "--addresses", "1-3"});
+  EXPECT_EQ(scanned.status, 0);
+  EXPECT_THAT(scanned.output, HasSubstr("DANGER: its address is the identifier of all replies"));
+  auto bus = blocking::Bus::open("can:" + host());
+  ASSERT_TRUE(bus) << describe(bus.error());
+  ASSERT_TRUE(bus->module(ModuleAddress{1}).axis(0).rotate({300}));
+  std::this_thread::sleep_for(1s);
+  EXPECT_EQ(bus->module(ModuleAddress{2}).axis(1).get(axis_parameter::actual_velocity), 300);
+  const auto moved = bus->module(ModuleAddress{1}).set_global(0, global_parameter::can_id, 2);
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().code, Errc::bad_argument);
+}
+
 INSTANTIATE_TEST_SUITE_P(Wires, OnCan,
                          testing::Values(Wires{"vcan", "TMCL_CAN_VCAN", "TMCL_CAN_VCAN"},
                                          Wires{"kvaser", "TMCL_CAN_HOST", "TMCL_CAN_SIM"}),
@@ -191,6 +210,44 @@ TEST(CanLink, SaysWhenTheInterfaceIsMissingOrDown) {
   EXPECT_THAT(down.error().message, HasSubstr("down"));
   EXPECT_THAT(down.error().hint, HasSubstr("ip link set"));
   EXPECT_TRUE(Link::open("can:" + name));
+}
+
+TEST(CanLink, ASecondHostLearnsWhoUsesTheInterface) {
+  const auto name = "can:" + interface("TMCL_CAN_VCAN2");
+  {
+    const auto first = Link::open(name);
+    ASSERT_TRUE(first) << describe(first.error());
+    const auto second = Link::open(name);
+    ASSERT_FALSE(second);
+    EXPECT_EQ(second.error().code, Errc::link_busy);
+    const auto holder = "in use by can_tests (process " + std::to_string(getpid()) + ")";
+    EXPECT_THAT(second.error().message, HasSubstr(holder));
+    const auto program = run_program({"tmclctl", "--direct", name, "scan"});
+    EXPECT_NE(program.status, 0);
+    EXPECT_THAT(program.output, HasSubstr(holder));
+    EXPECT_TRUE(Link::open(name, {.can_reply_id = 9}));
+  }
+  EXPECT_TRUE(Link::open(name)) << "the interface stayed locked";
+}
+
+TEST(CanLink, TheSimulatorFindsAnInterfaceThatWasMadeAnew) {
+  const std::string name = "can60";
+  const auto make = [&] {
+    const auto made = run_program({"/bin/ip", "link", "add", "dev", name, "type", "vcan"});
+    ASSERT_EQ(made.status, 0) << made.output;
+    ip_link_set(name, "up");
+  };
+  make();
+  Program simulator({"tmclsim", "--module", "TMCM-1110@3", "--can", name});
+  ASSERT_TRUE(simulator.wait_for("ready")) << simulator.output();
+  ASSERT_EQ(run_program({"/bin/ip", "link", "delete", name}).status, 0);
+  ASSERT_TRUE(simulator.wait_for("there is no CAN interface 'can60'")) << simulator.output();
+  make();
+  ASSERT_TRUE(simulator.wait_for("the CAN interface 'can60' is there again")) << simulator.output();
+  auto bus = blocking::Bus::open("can:" + name);
+  ASSERT_TRUE(bus) << describe(bus.error());
+  EXPECT_EQ(bus->module(ModuleAddress{3}).axis(0).get(4), 1000);
+  EXPECT_EQ(run_program({"/bin/ip", "link", "delete", name}).status, 0);
 }
 
 TEST(CanLink, AnInterfaceThatGoesDownIsALostLink) {
