@@ -40,9 +40,9 @@ Result<LinkName> parse_can(std::string_view text, std::string_view rest) {
   if (rest.empty()) return bad_link(text, "the interface is missing");
   const auto at = rest.rfind('@');
   if (at != std::string_view::npos && text::parse_integer<std::uint32_t>(rest.substr(at + 1))) {
-    return bad_link(text, fmt::format("its bit rate is the interface's: `ip link set {} type can "
-                                      "bitrate {}`",
-                                      rest.substr(0, at), rest.substr(at + 1)));
+    return bad_link(text,
+                    fmt::format("the bit rate is set with `ip link set {} type can bitrate {}`",
+                                rest.substr(0, at), rest.substr(at + 1)));
   }
   if (rest.size() > longest_interface)
     return bad_link(text, "an interface's name has at most 15 characters");
