@@ -1,5 +1,6 @@
 #include "api/json_text.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -16,6 +17,52 @@ namespace json = boost::json;
 
 void append(std::string& text, const json::value& value);
 
+bool is_between(char byte, int low, int high) {
+  const int value = static_cast<unsigned char>(byte);
+  return value >= low && value <= high;
+}
+
+/// How many bytes the letter has with which the text begins; 0 if they are none in UTF-8.
+std::size_t first_letter(std::string_view text) {
+  const char first = text.front();
+  if (is_between(first, 0x00, 0x7F)) return 1;
+  const std::size_t size = is_between(first, 0xC2, 0xDF)   ? 2
+                           : is_between(first, 0xE0, 0xEF) ? 3
+                           : is_between(first, 0xF0, 0xF4) ? 4
+                                                           : 0;
+  if (size == 0 || text.size() < size) return 0;
+  // Neither longer than it need be, nor a half of a surrogate pair, nor beyond the last letter.
+  const int low = is_between(first, 0xE0, 0xE0)   ? 0xA0
+                  : is_between(first, 0xF0, 0xF0) ? 0x90
+                                                  : 0x80;
+  const int high = is_between(first, 0xED, 0xED)   ? 0x9F
+                   : is_between(first, 0xF4, 0xF4) ? 0x8F
+                                                   : 0xBF;
+  if (!is_between(text[1], low, high)) return 0;
+  for (const char byte : text.substr(2, size - 2)) {
+    if (!is_between(byte, 0x80, 0xBF)) return 0;
+  }
+  return size;
+}
+
+/// A message may quote a part of a letter, or what an operating system says. Nobody could read the
+/// line then.
+std::string as_utf8(std::string_view text) {
+  constexpr std::string_view replacement = "\xEF\xBF\xBD";
+  std::string readable;
+  readable.reserve(text.size());
+  while (!text.empty()) {
+    const auto size = first_letter(text);
+    readable += size == 0 ? replacement : text.substr(0, size);
+    text.remove_prefix(std::max<std::size_t>(size, 1));
+  }
+  return readable;
+}
+
+void append(std::string& text, std::string_view words) {
+  text += json::serialize(json::string_view(as_utf8(words)));
+}
+
 void append(std::string& text, double number) {
   // JSON has no way to write these.
   if (!std::isfinite(number)) {
@@ -31,7 +78,7 @@ void append(std::string& text, const json::object& object) {
   std::string_view separator = "{";
   for (const auto& [key, value] : object) {
     text += separator;
-    text += json::serialize(json::string_view(key.data(), key.size()));
+    append(text, std::string_view(key.data(), key.size()));
     text += ':';
     append(text, value);
     separator = ",";
@@ -54,6 +101,10 @@ void append(std::string& text, const json::value& value) {
     case json::kind::double_: return append(text, value.get_double());
     case json::kind::object: return append(text, value.get_object());
     case json::kind::array: return append(text, value.get_array());
+    case json::kind::string: {
+      const auto& words = value.get_string();
+      return append(text, std::string_view(words.data(), words.size()));
+    }
     default: text += json::serialize(value);
   }
 }

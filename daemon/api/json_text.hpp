@@ -7,7 +7,7 @@
 
 namespace tmcld {
 
-/// On one line, members in the order they were added.
+/// On one line, members in the order they were added. Bytes that are not UTF-8 become U+FFFD.
 std::string to_text(const boost::json::object& object);
 
 }  // namespace tmcld

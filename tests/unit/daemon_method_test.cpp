@@ -166,6 +166,26 @@ TEST(DaemonJsonText, WritesNumbersAsPeopleDo) {
             R"({"a":30517.578125,"b":0,"c":[],"d":"\"\n"})");
 }
 
+TEST(DaemonJsonText, IsUtf8WhateverItIsMadeOf) {
+  const auto written = [](std::string_view text) {
+    const auto line = to_text({{"a", text}});
+    return std::string(json::parse(line).at("a").as_string());
+  };
+  for (const std::string good : {"", "abc", "\u00e4\u20ac", "\U0001F600\u0800\uffff", "\x7f"})
+    EXPECT_EQ(written(good), good);
+  EXPECT_EQ(written("a\xE2\x82z"), "a\uFFFD\uFFFDz");
+  std::mt19937_64 random(tmcl::test::seed());
+  // Such as letters that are cut, too long, surrogates, and what follows the last one.
+  constexpr std::string_view bytes =
+      "a\x80\x8F\x90\x9F\xA0\xBF\xC0\xC2\xDF\xE0\xED\xEF\xF0\xF4\xF5\xFF";
+  for (int round = 0; round < tmcl::test::rounds(20'000); ++round) {
+    std::string text;
+    for (auto size = random() % 8; size > 0; --size) text += bytes[random() % bytes.size()];
+    ASSERT_NO_THROW(written(text));
+    ASSERT_EQ(written(written(text)), written(text));
+  }
+}
+
 // A line of a good request with some of its bytes changed, removed or added.
 std::string damaged(std::string line, std::mt19937_64& random) {
   constexpr std::string_view alphabet = "{}[]\",:0123456789.-eE\\utrfalsn \t\xFF\x80\x01";
