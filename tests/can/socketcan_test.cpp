@@ -37,6 +37,36 @@ void ip_link_set(const std::string& name, const std::string& state) {
   ASSERT_EQ(result.status, 0) << result.output;
 }
 
+/// An interface with room for so few frames; puts back what it was.
+class ShortQueue {
+ public:
+  ShortQueue(std::string name, int frames) : name_(std::move(name)) {
+    std::ifstream("/sys/class/net/" + name_ + "/tx_queue_len") >> before_;
+    set(frames);
+  }
+  ShortQueue(const ShortQueue&) = delete;
+  ShortQueue& operator=(const ShortQueue&) = delete;
+  ~ShortQueue() { set(before_); }
+
+ private:
+  void set(int frames) const {
+    const auto result =
+        run_program({"/bin/ip", "link", "set", name_, "txqueuelen", std::to_string(frames)});
+    EXPECT_EQ(result.status, 0) << result.output;
+  }
+
+  std::string name_;
+  int before_ = 10;
+};
+
+/// Stops motor 0 of all these modules at once.
+Script<StepResult> stop_all(std::vector<ModuleAddress> modules) {
+  std::vector<step::Exchange> stops;
+  for (const auto module : modules) stops.push_back({{module, Command::MST, 0, 0, 0}, {}});
+  auto results = co_await exchange_all(std::move(stops));
+  co_return results;
+}
+
 /// A socket that puts any frame on the bus.
 class RawCan {
  public:
@@ -134,6 +164,27 @@ TEST_P(OnCan, TwoModulesOfOneAddressAreReported) {
   ASSERT_TRUE(found) << describe(found.error());
   ASSERT_EQ(found->size(), 1U);
   EXPECT_TRUE(found->at(0).duplicate_suspected);
+}
+
+TEST_P(OnCan, StopsToMoreModulesThanTheQueueTakesAllArrive) {
+  std::vector<std::string> names;
+  std::vector<ModuleAddress> modules;
+  // Not 2: that is what the replies come with.
+  for (std::uint16_t address = 3; address < 27; ++address) {
+    names.push_back("TMCM-1110@" + std::to_string(address));
+    modules.push_back(ModuleAddress{address});
+  }
+  Program simulator(OnCan::simulator(names));
+  ASSERT_TRUE(simulator.wait_for("ready")) << simulator.output();
+  const ShortQueue queue(host(), 2);
+  auto bus = blocking::Bus::open("can:" + host());
+  ASSERT_TRUE(bus) << describe(bus.error());
+  for (int round = 0; round < 5; ++round) {
+    for (const auto module : modules)
+      ASSERT_TRUE(bus->module(module).axis(0).rotate(InternalVelocity{500}));
+    for (const auto& stopped : bus->run(stop_all(modules)))
+      EXPECT_TRUE(stopped) << describe(stopped.error());
+  }
 }
 
 TEST_P(OnCan, TheDaemonMovesAnAxis) {

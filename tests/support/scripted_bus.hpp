@@ -55,6 +55,9 @@ class ScriptedBus {
   /// Decides about every datagram that has no fault of its own.
   std::function<std::optional<Fault>(std::size_t datagram)> chance;
 
+  /// Whether the link takes a datagram now; always, if nothing is here.
+  std::function<bool(const Request&)> takes;
+
   const std::vector<Request>& sent() const { return sent_; }
   const std::vector<BusEvent>& events() const { return events_; }
   BusCounters counters() const { return engine_.counters(); }
@@ -131,7 +134,11 @@ class ScriptedBus {
   void run_actions() {
     while (auto action = engine_.next_action()) {
       if (auto* send = std::get_if<engine::Send>(&*action)) {
-        on_sent(send->request);
+        if (takes && !takes(send->request)) {
+          engine_.on_send_refused(send->request, clock_.now());
+        } else {
+          on_sent(send->request);
+        }
       } else if (auto* completion = std::get_if<engine::Completion>(&*action)) {
         order_.push_back(completion->ticket);
         ended_.emplace(completion->ticket, std::move(completion->result));

@@ -6,7 +6,6 @@
 
 #include <fmt/format.h>
 
-#include "tmcl/coordinates.hpp"
 #include "tmcl/program.hpp"
 
 namespace tmcl::engine {
@@ -23,16 +22,6 @@ bool wants_version_text(const Request& request) {
 }
 
 bool reads_memory(const Request& request) { return request.command == Command::READ_TMCL_MEMORY; }
-
-/// Whether a stop makes this queued call pointless, or dangerous.
-bool is_ended_by(const Request& stop, const Call& call) {
-  const auto& request = call.request;
-  if (reply_byte(request.address) != reply_byte(stop.address)) return false;
-  if (call.effect != Effect::moves) return false;
-  // Commands above 127 control programs and chips: they know no motor, so they may concern any.
-  return request.motor == stop.motor || moves_together(request, stop.motor) ||
-         static_cast<std::uint8_t>(request.command) >= 128;
-}
 
 Outcome outcome_so_far(const Call& call) {
   return call.times_sent == 0 && !call.shouted ? Outcome::not_sent : Outcome::unknown;
@@ -122,9 +111,13 @@ void BusEngine::end_downloads_for(const Request& stop) {
 void BusEngine::drop_movements_before(const Request& stop) {
   for (const auto& call :
        queue_.remove_if([&](const Call& queued) { return is_ended_by(stop, queued); })) {
-    complete(call,
-             tl::unexpected(error_for(call, Errc::superseded_by_stop, "a stop came first", {})));
+    supersede(call);
   }
+}
+
+void BusEngine::supersede(const Call& movement) {
+  complete(movement,
+           tl::unexpected(error_for(movement, Errc::superseded_by_stop, "a stop came first", {})));
 }
 
 // ---- what comes from the wire
@@ -245,7 +238,7 @@ void BusEngine::on_recorded(Call call, Error error) {
   error.hint = "END_DOWNLOAD ends that; so does a stop, and loading a program anew";
   if (call.is_stop()) {
     module_of(call.request.address).custody.found_recording();
-    if (call.times_sent < options_.attempts) return queue_.push_front(std::move(call));
+    if (call.times_sent < options_.attempts) return queue_.put_back(std::move(call));
   }
   complete(call, tl::unexpected(std::move(error)));
 }
@@ -266,25 +259,10 @@ void BusEngine::on_unexplained(const Reply& reply, TimePoint now) {
                   reply.module)});
 }
 
-void BusEngine::on_send_refused(const Request& request, TimePoint now) {
-  auto& channel = channel_to(request.address);
-  if (!channel.in_flight || channel.in_flight->sent != request) return;
-  auto refused = std::move(*channel.in_flight);
-  channel.in_flight.reset();
-  channel.quiet_until = now + options_.quiet_time;
-  if (refused.call) {
-    --refused.call->times_sent;
-    complete(*refused.call,
-             tl::unexpected(error_for(*refused.call, Errc::queue_full,
-                                      "the interface's transmit queue is full",
-                                      "is another node on the bus, and the bit rate right?")));
-  }
-  go_on(now);
-}
-
 void BusEngine::on_link_lost(const std::string& why) {
   if (lost_) return;
   lost_ = why;
+  handed_out_.reset();
   const auto end = [&](const Call& call, Outcome outcome) {
     auto error = error_for(call, Errc::link_lost, why, "check the cable and the module's power");
     error.outcome = outcome;
@@ -364,6 +342,7 @@ std::optional<TimePoint> BusEngine::next_deadline() const {
       consider(channel.quiet_until);
     }
   };
+  if (full_until_ > last_now_ && queue_.size() > 0) consider(full_until_);
   consider_channel(line_);
   for (const auto& [byte, module] : modules_) {
     consider_channel(module.own_channel);
@@ -403,7 +382,8 @@ void BusEngine::look_after_downloads(TimePoint now) {
   for (auto& [byte, module] : modules_) {
     auto& channel = channel_of(module);
     module.custody.look_after(now, channel.in_flight.has_value());
-    if (module.custody.must_end() && channel.is_free(now)) start_end(module, now);
+    if (module.custody.must_end() && channel.is_free(now) && full_until_ <= now)
+      start_end(module, now);
   }
 }
 
@@ -460,6 +440,7 @@ bool BusEngine::find_memory_reader() {
 }
 
 bool BusEngine::is_next(const Call& call, TimePoint now) {
+  if (full_until_ > now) return false;
   auto& module = module_of(call.request.address);
   if (must_shout(call)) return true;
   if (waits_for_download(call) || waits_for_memory(call)) return false;
@@ -486,7 +467,7 @@ void BusEngine::shout(Call& call, TimePoint now) {
   auto& channel = channel_of(module);
   channel.quiet_until = std::max(channel.quiet_until, now + wire_time_ + options_.quiet_time);
   ++counters_.requests;
-  actions_.push_back(Send{call.request});
+  actions_.push_back(Send{call.request, call.place});
 }
 
 void BusEngine::start(Call call, TimePoint now) {
@@ -495,14 +476,6 @@ void BusEngine::start(Call call, TimePoint now) {
   ++call.times_sent;
   module.custody.on_sent(call, now);
   const auto request = call.request;
-  if (reply_kind(request.command) == ReplyKind::none) {
-    ++counters_.requests;
-    actions_.push_back(Send{request});
-    module.lane.lose_step();
-    channel.quiet_until = now + wire_time_ + options_.quiet_time;
-    return complete(call, Answer{Reply{options_.host_address, reply_byte(request.address),
-                                       Status::ok, request.command, request.value}});
-  }
   const auto deadline = now + patience(call.options);
   put_in_flight(channel, InFlight{request, deadline, std::move(call), 0});
 }
@@ -566,7 +539,7 @@ BusEngine::Channel* BusEngine::find_channel(const std::function<bool(const Reque
 
 void BusEngine::repeat_or_give_up(Call call, Error error) {
   const unsigned attempts = call.options.attempts == 0 ? options_.attempts : call.options.attempts;
-  if (call.may_repeat() && call.times_sent < attempts) return queue_.push_front(std::move(call));
+  if (call.may_repeat() && call.times_sent < attempts) return queue_.put_back(std::move(call));
   complete(call, tl::unexpected(std::move(error)));
 }
 
@@ -598,9 +571,11 @@ void BusEngine::complete(const Call& call, const Result<Answer>& result) {
 }
 
 std::optional<Action> BusEngine::next_action() {
+  confirm_last_send();
   if (actions_.empty()) return std::nullopt;
   auto action = std::move(actions_.front());
   actions_.pop_front();
+  if (const auto* send = std::get_if<Send>(&action)) handed_out_ = *send;
   return action;
 }
 

@@ -16,6 +16,10 @@
 /// A stop goes first. Where it would have to wait for a fence it is sent at once as well, and then
 /// again, provably. A stop also removes every movement that is queued for the same motor.
 ///
+/// A link that takes nothing, such as a CAN interface with a full transmit queue, is tried again
+/// shortly after: calls that it refused go back to their places in the queue, and end when it has
+/// taken nothing for too long.
+///
 /// While a module is in download mode everything else waits for the holder of the download, and a
 /// stop sends END_DOWNLOAD ahead of itself: see custody.hpp. While a module is in its bootloader
 /// everybody else's calls to it end at once.
@@ -44,6 +48,7 @@ namespace tmcl::engine {
 /// Put this request on the wire.
 struct Send {
   Request request;
+  std::uint64_t place = 0;  ///< Of the call that it is for, if that stays in the queue.
 };
 /// The call is over.
 struct Completion {
@@ -64,12 +69,13 @@ class BusEngine {
   void on_frame(const CanFrame& frame, TimePoint now);
   /// The time that next_deadline() told has come; harmless at any other time.
   void on_deadline(TimePoint now);
-  /// The link had no room for a request it was given; nothing of it went out.
+  /// The link had no room for the request that next_action() gave last; nothing of it went out.
   void on_send_refused(const Request& request, TimePoint now);
   /// Everything in progress ends, and nothing more will be accepted.
   void on_link_lost(const std::string& why);
 
-  /// What to do next; call it until it gives nothing.
+  /// What to do next; call it until it gives nothing. A request that is not refused before the next
+  /// call counts as sent.
   std::optional<Action> next_action();
   /// When on_deadline() wants to be called.
   std::optional<TimePoint> next_deadline() const;
@@ -107,8 +113,14 @@ class BusEngine {
   std::optional<Error> objection(const Call& call);
   std::optional<Error> objection_of_hold(const Call& call);
   void drop_movements_before(const Request& stop);
+  void supersede(const Call& movement);
   void end_downloads_for(const Request& stop);
   void end_overdue_calls(TimePoint now);
+  void confirm_last_send();
+  void take_back(Channel& channel);
+  void take_back_shout(std::uint64_t place);
+  void end_refused_calls(TimePoint now);
+  Duration patience_with_link(const Call& call) const;
   void look_after_downloads(TimePoint now);
   void end_calls_to_bootloaders();
 
@@ -147,6 +159,7 @@ class BusEngine {
   Error error_for(const Call& call, Errc code, std::string message, std::string hint) const;
   Error timeout_error(const Call& call) const;
   Error silence_error(const Call& call) const;
+  Error refusal_of_link(const Call& call) const;
   void complete(const Call& call, const Result<Answer>& result);
 
   Framing framing_;
@@ -159,6 +172,11 @@ class BusEngine {
   std::deque<Action> actions_;
   BusCounters counters_;
   std::optional<std::string> lost_;
+  /// What next_action() gave out last: as long as it is not called again, the link may refuse it.
+  std::optional<Send> handed_out_;
+  /// The link refused something, and has taken nothing since.
+  bool link_is_full_ = false;
+  TimePoint full_until_{};
   /// CAN: a call that needs the bus for itself waits for the others to end.
   bool memory_is_wanted_ = false;
   /// The state has been acted upon as of this instant.

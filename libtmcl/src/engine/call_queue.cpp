@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "tmcl/coordinates.hpp"
+
 namespace tmcl::engine {
 namespace {
 
@@ -10,6 +12,15 @@ bool has_defaults(const CallOptions& options) {
 }
 
 }  // namespace
+
+bool is_ended_by(const Request& stop, const Call& call) {
+  const auto& request = call.request;
+  if (reply_byte(request.address) != reply_byte(stop.address)) return false;
+  if (call.effect != Effect::moves) return false;
+  // Commands above 127 control programs and chips: they know no motor, so they may concern any.
+  return request.motor == stop.motor || moves_together(request, stop.motor) ||
+         static_cast<std::uint8_t>(request.command) >= 128;
+}
 
 CallQueue::Calls& CallQueue::level_of(const Call& call) {
   switch (call.effect) {
@@ -20,14 +31,16 @@ CallQueue::Calls& CallQueue::level_of(const Call& call) {
 }
 
 void CallQueue::push_back(Call call) {
+  call.place = next_place_++;
   auto& level = level_of(call);
   level.push_back(std::move(call));
   ++size_;
 }
 
-void CallQueue::push_front(Call call) {
+void CallQueue::put_back(Call call) {
   auto& level = level_of(call);
-  level.push_front(std::move(call));
+  const auto later = std::ranges::upper_bound(level, call.place, {}, &Call::place);
+  level.insert(later, std::move(call));
   ++size_;
 }
 
@@ -52,6 +65,10 @@ Call* CallQueue::find(const std::function<bool(const Call&)>& wanted) {
     if (found != level.end()) return &*found;
   }
   return nullptr;
+}
+
+void CallQueue::for_each(const std::function<void(Call&)>& act) {
+  for (auto& level : levels_) std::ranges::for_each(level, act);
 }
 
 Call CallQueue::take(const Call* found) {

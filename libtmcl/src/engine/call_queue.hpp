@@ -25,6 +25,10 @@ struct Call {
   unsigned times_sent = 0;
   /// A stop that already went out once, unproven, because the line was not in step.
   bool shouted = false;
+  /// Grows with every call that comes in: their order within a level.
+  std::uint64_t place = 0;
+  /// Since then the link has taken nothing at all.
+  std::optional<TimePoint> refused_since{};
 
   /// A line of a program does nothing now, whatever it will do when the program runs.
   Effect effect =
@@ -36,18 +40,22 @@ struct Call {
   }
 };
 
+/// Whether a stop makes this queued call pointless, or dangerous.
+bool is_ended_by(const Request& stop, const Call& call);
+
 class CallQueue {
  public:
   std::size_t size() const { return size_; }
 
   void push_back(Call call);
-  /// Puts a call that is to be repeated before its equals.
-  void push_front(Call call);
+  /// Puts a call that went out, or should have, back to where it was.
+  void put_back(Call call);
   /// Lets `ticket` wait for an identical read that is queued already. False if there is none.
   bool join(const Request& request, const CallOptions& options, Ticket ticket);
 
   /// The first call, in the order of going out, that satisfies `wanted`; null if none does.
   Call* find(const std::function<bool(const Call&)>& wanted);
+  void for_each(const std::function<void(Call&)>& act);
   /// Removes the call that find() gave.
   Call take(const Call* found);
   /// Removes every call that satisfies `doomed`, in the order of going out.
@@ -62,6 +70,7 @@ class CallQueue {
 
   std::array<Calls, 3> levels_;  // stops, acts, reads
   std::size_t size_ = 0;
+  std::uint64_t next_place_ = 0;
 };
 
 }  // namespace tmcl::engine

@@ -43,6 +43,8 @@ class Custody {
   /// END_DOWNLOAD is to go out, without anyone asking for it.
   bool must_end() const { return recording_ && !holder() && !gave_up(); }
   void on_end_sent() { ++ends_sent_; }
+  /// It did not go out after all.
+  void on_end_refused() { ends_sent_ -= ends_sent_ > 0 ? 1 : 0; }
   bool end_was_tried() const { return ends_sent_ > 0; }
   /// END_DOWNLOAD was not answered, as often as it was sent.
   bool gave_up() const;
