@@ -343,6 +343,50 @@ TEST(BusEngine, AnAddressThatCannotBeIsRefusedUnsent) {
   EXPECT_EQ(can.result(1).error().code, Errc::bad_argument);
 }
 
+// A read that has a deadline, is sent once or holds the module can end without an answer: whoever
+// asks the same plainly does not end with it.
+TEST(BusEngine, APlainReadDoesNotJoinOneThatHasLimits) {
+  const std::vector<CallOptions> limits{{.deadline = TimePoint{} + 1s},
+                                        {.reply_timeout = 5ms},
+                                        {.attempts = 1},
+                                        {.hold = std::make_shared<Hold>()}};
+  for (const auto& options : limits) {
+    ScriptedBus bus;
+    bus.add_module(1);
+    bus.submit(gap(1, 0));
+    bus.submit(gap(1), options);
+    bus.submit(gap(1));
+    bus.settle();
+    EXPECT_EQ(std::ranges::count(bus.sent(), gap(1)), 2);
+  }
+  ScriptedBus bus;
+  bus.add_module(1);
+  bus.submit(gap(2));
+  const auto hasty = bus.submit(gap(1), {.deadline = bus.clock().now() + 50ms});
+  const auto plain = bus.submit(gap(1));
+  bus.settle();
+  EXPECT_EQ(bus.result(hasty).error().code, Errc::deadline_passed);
+  EXPECT_TRUE(bus.result(plain));
+}
+
+// The answer may be that of the first one: more could follow.
+TEST(BusEngine, TheAnswerToAnEndThatWasSentTwiceProvesNothing) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  const auto hold = std::make_shared<Hold>();
+  const Request end{ModuleAddress{1}, Command::END_DOWNLOAD, 0, 0, 0};
+  bus.submit({ModuleAddress{1}, Command::START_DOWNLOAD, 0, 0, 0}, {.hold = hold});
+  bus.fail(1, Fault::late_reply);
+  bus.submit(end, {.hold = hold});
+  bus.settle();
+  const auto read = bus.submit(gap(1), {.hold = hold});
+  bus.settle();
+  EXPECT_TRUE(bus.result(read));
+  EXPECT_THAT(commands_of(bus.sent()),
+              ElementsAre(Command::START_DOWNLOAD, Command::END_DOWNLOAD, Command::END_DOWNLOAD,
+                          Command::GET_FIRMWARE_VERSION, Command::GAP));
+}
+
 // ---- a link that takes nothing now
 
 /// Takes so many datagrams at once, and one more each millisecond.

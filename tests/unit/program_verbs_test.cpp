@@ -153,6 +153,11 @@ TEST_P(Loading, AStopAtAnyTimeIsExecutedAtOnceAndNeverRecorded) {
     EXPECT_TRUE(bus.result(*ticket));
     EXPECT_EQ(std::ranges::count(bus.module(1).executed(), stop), 1);
     EXPECT_EQ(std::ranges::count(bus.module(1).recorded(), stop), 0);
+    // Next comes the stop, or the end of the download and then the stop.
+    auto next = bus.sent().begin() + static_cast<std::ptrdiff_t>(when) + 1;
+    ASSERT_NE(next, bus.sent().end());
+    if (*next == end_download && next + 1 != bus.sent().end()) ++next;
+    EXPECT_EQ(*next, stop);
     EXPECT_FALSE(bus.module(1).downloading());
     EXPECT_EQ(executed_lines(bus), 0U);
     if (loaded) {
