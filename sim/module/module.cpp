@@ -1,6 +1,7 @@
 #include "sim/module/module.hpp"
 
 #include <algorithm>
+#include <stdexcept>
 #include <utility>
 
 #include "sim/module/delivered_stage.hpp"
@@ -10,6 +11,8 @@ namespace {
 
 namespace gp = global_parameter;
 
+// Far more than a module has to do at one instant.
+constexpr unsigned most_rounds_at_once = 10'000;
 constexpr std::int32_t eeprom_is_valid = 228;
 constexpr std::int32_t no_board_error = 0;
 constexpr std::int32_t ascii_at_start = 1;
@@ -188,7 +191,13 @@ TimePoint Module::next_due() const {
 // Each thing that is due leaves with a later time, or none, when it is due next.
 void Module::run_due() {
   const auto present = clock_->now();
+  auto latest = TimePoint::min();
+  unsigned rounds_at_once = 0;
   for (auto due = next_due(); due <= present; due = next_due()) {
+    rounds_at_once = due > latest ? 0 : rounds_at_once + 1;
+    if (rounds_at_once > most_rounds_at_once)
+      throw std::logic_error("a module has something to do at one instant for ever");
+    latest = std::max(latest, due);
     bring_to(due);
     run_what_is_due_now();
   }
