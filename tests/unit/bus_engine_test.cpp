@@ -621,5 +621,23 @@ TEST(FullLink, ALineOfAProgramThatWaitsForItEndsWithTheDownload) {
               ElementsAre(Command::START_DOWNLOAD, Command::END_DOWNLOAD, Command::MST));
 }
 
+// ---- reports of arrivals
+
+TEST(ArrivalReports, ComeFromModulesThatWereSpokenToOnly) {
+  ScriptedBus bus(Framing::can);
+  const Reply arrival{2, 1, Status::delayed, Command::TARGET_REACHED_EVENT, 1};
+  bus.deliver(arrival);
+  bus.run_actions();
+  EXPECT_TRUE(bus.events().empty());
+  EXPECT_EQ(bus.counters().unexpected_replies, 1U);
+  // On CAN a reply has only the low byte of the module's address.
+  bus.submit({ModuleAddress{257}, Command::GAP, 1, 0, 0});
+  bus.run_actions();
+  bus.deliver(arrival);
+  bus.run_actions();
+  ASSERT_EQ(bus.events().size(), 1U);
+  EXPECT_EQ(bus.events()[0].module, ModuleAddress{257});
+}
+
 }  // namespace
 }  // namespace tmcl

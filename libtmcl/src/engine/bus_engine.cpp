@@ -152,12 +152,16 @@ void BusEngine::on_frame(const CanFrame& frame, TimePoint now) {
 }
 
 void BusEngine::on_reply(const Reply& reply, TimePoint now) {
+  const auto known = modules_.find(reply.module);
   if (reply.command == Command::TARGET_REACHED_EVENT && reply.status == Status::delayed) {
+    if (known == modules_.end()) {
+      ++counters_.unexpected_replies;
+      return;
+    }
     actions_.push_back(
-        BusEvent{BusEvent::Kind::target_reached, ModuleAddress{reply.module}, reply.value});
+        BusEvent{BusEvent::Kind::target_reached, known->second.address, reply.value});
     return;
   }
-  const auto known = modules_.find(reply.module);
   if (known != modules_.end()) {
     auto& channel = channel_of(known->second);
     if (channel.in_flight && answers(reply, *channel.in_flight))
