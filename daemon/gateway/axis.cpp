@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <functional>
 #include <limits>
 #include <memory>
 #include <string_view>
@@ -15,6 +14,7 @@
 #include "gateway/path_run.hpp"
 #include "gateway/poller.hpp"
 #include "tmcl/prediction.hpp"
+#include "tmcl/relative_move.hpp"
 #include "tmcl/units.hpp"
 
 namespace tmcld {
@@ -89,18 +89,6 @@ Result<std::optional<T>> if_it_tells(Result<T> told) {
   if (told) return std::optional(std::move(*told));
   if (has_no_such_value(told.error())) return std::optional<T>();
   return tl::unexpected(std::move(told.error()));
-}
-
-/// Where a distance from a place ends, or why it must not be gone.
-using Destination = std::function<Result<Microsteps>(Microsteps here)>;
-
-tmcl::Script<Result<Microsteps>> move_from_here(tmcl::AxisAddress axis, Destination destination) {
-  const auto here = co_await tmcl::verbs::position(axis);
-  if (!here) co_return tl::unexpected(here.error());
-  const auto there = destination(*here);
-  if (!there) co_return there;
-  const auto moved = co_await tmcl::verbs::move_to(axis, *there);
-  co_return moved;
 }
 
 }  // namespace
@@ -304,7 +292,8 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Length distance, bool p
     if (objection) return tl::unexpected(std::move(*objection));
     return there;
   };
-  auto result = co_await start(move_from_here(address(), destination), predict, movement);
+  auto result =
+      co_await start(tmcl::verbs::move_from_here(address(), destination), predict, movement);
   if (result) wished_ = *wish;
   co_return result;
 }

@@ -435,6 +435,102 @@ TEST(Verbs, AWaitForWhichThereIsNoTimeSaysSo) {
   EXPECT_EQ(bus.sent().size(), 1U);
 }
 
+// ---- another program that asks on the same bus
+
+/// An answer to somebody else's question, as it is heard here.
+void answer_another(ScriptedBus& bus, std::int32_t value) {
+  bus.deliver({default_host_address, 1, Status::ok, Command::GAP, value});
+}
+
+/// Somebody else's answers have been heard here, and go on coming: at every `period`-th request of
+/// ours, one that says `value`.
+void share_with_another(ScriptedBus& bus, std::size_t period, std::int32_t value) {
+  ASSERT_TRUE(bus.run(verbs::get(axis, 4)));
+  for (int i = 0; i < 3; ++i) answer_another(bus, 0);
+  bus.chance = [&bus, period, value](std::size_t number) -> std::optional<Fault> {
+    if (number % period == 0) answer_another(bus, value);
+    return std::nullopt;
+  };
+}
+
+constexpr std::int32_t foreign = 100'000;
+// A reading and its proof are two requests: where a foreign answer comes with one of them each
+// time, nobody can know anything.
+constexpr std::size_t hopeless = 2;
+
+TEST(SharedBus, MoveByNeverGoesToWhereAForeignAnswerLeads) {
+  for (const auto framing : {Framing::serial, Framing::can}) {
+    for (std::size_t period = 1; period <= 5; ++period) {
+      ScriptedBus bus(framing);
+      auto& here = bus.add_module(1).parameter(axis.motor, axis_parameter::actual_position);
+      here = 0;
+      share_with_another(bus, period, foreign);
+      for (int i = 0; i < 30; ++i) {
+        const auto before = here;
+        const auto moved = bus.run(verbs::move_by(axis, {10}));
+        if (moved) {
+          EXPECT_EQ(here, before + 10);
+        } else {
+          EXPECT_EQ(here, before);
+          EXPECT_EQ(moved.error().outcome, Outcome::not_sent);
+          EXPECT_THAT(describe(moved.error()), testing::HasSubstr("another program asks"));
+        }
+        EXPECT_EQ(moved.has_value(), period > hopeless) << period;
+      }
+    }
+  }
+}
+
+TEST(SharedBus, WaitingTellsNoForgedArrival) {
+  for (std::size_t period = 1; period <= 6; ++period) {
+    SCOPED_TRACE(period);
+    ScriptedBus bus(Framing::can);
+    auto& module = bus.add_module(1);
+    module.parameter(axis.motor, axis_parameter::position_reached) = 0;
+    module.parameter(axis.motor, axis_parameter::actual_position) = 90;
+    module.parameter(axis.motor, axis_parameter::target_position) = 5000;
+    module.parameter(axis.motor, axis_parameter::actual_velocity) = 0;
+    share_with_another(bus, period, 1);
+    const auto begin = bus.clock().now();
+    module.before = [&](test::FakeModule& self, const Request&) {
+      auto& at = self.parameter(axis.motor, axis_parameter::actual_position);
+      if (bus.clock().now() - begin < std::chrono::seconds(1)) {
+        ++at;
+        return;
+      }
+      at = 5000;
+      self.parameter(axis.motor, axis_parameter::position_reached) = 1;
+    };
+    const auto arrived = bus.run(verbs::wait_until_reached(axis));
+    if (period <= hopeless) {
+      ASSERT_FALSE(arrived);
+      EXPECT_EQ(arrived.error().code, Errc::unexpected_value);
+    } else {
+      EXPECT_EQ(arrived, Microsteps{5000});
+      EXPECT_GE(bus.clock().now() - begin, std::chrono::seconds(1));
+    }
+  }
+}
+
+TEST(SharedBus, AScanStillFindsTheModules) {
+  ScriptedBus bus(Framing::can);
+  bus.add_module(1);
+  share_with_another(bus, 1, foreign);
+  const auto found = bus.run(verbs::scan({.first = 1, .last = 3}));
+  ASSERT_TRUE(found);
+  ASSERT_EQ(found->size(), 1U);
+  EXPECT_EQ(found->at(0).model, "TMCM-3110");
+  EXPECT_TRUE(found->at(0).duplicate_suspected);
+}
+
+TEST(Verbs, MoveByWithoutAReadingWasNotSent) {
+  ScriptedBus bus;
+  const auto moved = bus.run(verbs::move_by(axis, {10}));
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().code, Errc::module_silent);
+  EXPECT_EQ(moved.error().outcome, Outcome::not_sent);
+}
+
 TEST(Verbs, ScanFindsAddressModelFirmwareAndAxes) {
   for (const auto framing : {Framing::serial, Framing::can}) {
     ScriptedBus bus(framing);

@@ -51,7 +51,7 @@ struct BusCounters {
 struct BusEvent {
   enum class Kind : std::uint8_t {
     target_reached,     ///< `value` has a bit for each motor that arrived (command 138).
-    duplicate_address,  ///< Two replies came to one request.
+    duplicate_address,  ///< Foreign replies: a second module of the address, or a second host.
     link_condition,     ///< `text` says what the CAN controller reports.
     link_lost,          ///< `text` says why; nothing more comes from this bus.
   };

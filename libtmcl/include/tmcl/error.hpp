@@ -27,14 +27,14 @@ enum class Errc : std::uint8_t {
   module_silent,       ///< The module did not answer lately and was not asked again.
   superseded_by_stop,  ///< A stop came first; the command was dropped from the queue.
   deadline_passed,     ///< The caller's deadline passed while the command was waiting for its turn.
-  queue_full,          ///< Too many commands are waiting for this bus.
+  queue_full,          ///< Too many commands wait for this bus, or its link takes nothing.
   link_lost,           ///< The link broke or was closed.
   link_open_failed,    ///< The link could not be opened.
   link_busy,           ///< Another program uses the link.
   bad_argument,        ///< The caller asked for something that cannot be; nothing was sent.
   move_interrupted,   ///< The axis stands, or is about to stand, somewhere else than where the move
                       ///< was to end.
-  unexpected_value,   ///< The module holds another value than the one that was set.
+  unexpected_value,   ///< Not the value that was set, or nobody knows which of several is right.
   download_broken,    ///< A program could not be loaded; the module is left without one that could
                       ///< run.
   beyond_soft_limit,  ///< The axis was to go where its soft limits do not let it; nothing was sent.

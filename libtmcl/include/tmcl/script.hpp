@@ -63,7 +63,7 @@ struct Answer {
   /// The firmware version where it came as text: `reply` then holds only the module and the
   /// command.
   std::optional<FirmwareVersion> version_text{};
-  /// More than one module seems to answer at this address.
+  /// Foreign replies come from this address: from a second module, or to a second host.
   bool duplicate_suspected = false;
 };
 

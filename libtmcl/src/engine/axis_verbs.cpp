@@ -4,6 +4,7 @@
 
 #include "engine/verb_steps.hpp"
 #include "tmcl/parameter.hpp"
+#include "tmcl/relative_move.hpp"
 #include "tmcl/verbs.hpp"
 
 namespace tmcl::verbs {
@@ -128,18 +129,29 @@ Script<Result<Microsteps>> move_to(AxisAddress axis, Microsteps target) {
   co_return target;
 }
 
-Script<Result<Microsteps>> move_by(AxisAddress axis, Microsteps distance) {
+Script<Result<Microsteps>> move_from_here(AxisAddress axis, Destination destination) {
   const auto here = co_await position(axis);
-  if (!here) co_return tl::unexpected(here.error());
-  const auto target = std::int64_t{here->value} + distance.value;
-  if (target < std::numeric_limits<std::int32_t>::min() ||
-      target > std::numeric_limits<std::int32_t>::max()) {
-    co_return tl::unexpected(
-        bad_argument(fmt::format("{} microsteps from {} is beyond every position a module has",
-                                 distance.value, here->value)));
+  if (!here) {
+    auto error = here.error();
+    error.outcome = Outcome::not_sent;
+    co_return tl::unexpected(std::move(error));
   }
-  const auto moved = co_await move_to(axis, Microsteps{static_cast<std::int32_t>(target)});
+  const auto there = destination(*here);
+  if (!there) co_return there;
+  const auto moved = co_await move_to(axis, *there);
   co_return moved;
+}
+
+Script<Result<Microsteps>> move_by(AxisAddress axis, Microsteps distance) {
+  return move_from_here(axis, [distance](Microsteps here) -> Result<Microsteps> {
+    const auto target = std::int64_t{here.value} + distance.value;
+    if (target >= std::numeric_limits<std::int32_t>::min() &&
+        target <= std::numeric_limits<std::int32_t>::max())
+      return Microsteps{static_cast<std::int32_t>(target)};
+    return tl::unexpected(
+        bad_argument(fmt::format("{} microsteps from {} is beyond every position a module has",
+                                 distance.value, here.value)));
+  });
 }
 
 Script<Result<void>> rotate(AxisAddress axis, InternalVelocity velocity) {

@@ -218,22 +218,32 @@ BusEngine::InFlight BusEngine::settle(Channel& channel, Status status, TimePoint
   module.lane.answered(done.sent.command, now);
   module.custody.on_answered(done.sent.command, status, now);
   const bool proves = !done.call || done.sent.command == Command::END_DOWNLOAD;
-  if (proves && !module.lane.has_abandoned(done.sent.command)) module.lane.prove();
+  if (proves && !module.lane.has_abandoned(done.sent.command)) {
+    module.lane.prove();
+    hand_out_proven(module);
+  }
   return done;
 }
 
 void BusEngine::conclude(Channel& channel, Answer answer, TimePoint now) {
   const auto status = answer.reply.status;
-  const auto done = settle(channel, status, now);
+  auto done = settle(channel, status, now);
   if (!done.call) return;
-  answer.duplicate_suspected = module_of(done.sent.address).lane.duplicate_suspected;
-  const bool wrongly_recorded = status == Status::command_loaded && !done.call->options.hold;
-  if (is_success(status) && !wrongly_recorded) return complete(*done.call, answer);
-  auto error = refusal(done.sent, status);
+  const auto& lane = module_of(done.sent.address).lane;
+  answer.duplicate_suspected = lane.is_duplicate_suspected(now);
+  if (must_prove(*done.call, status, now)) return hold_back(std::move(*done.call), answer, now);
+  finish(std::move(*done.call), answer);
+}
+
+void BusEngine::finish(Call call, const Answer& answer) {
+  const auto status = answer.reply.status;
+  const bool wrongly_recorded = status == Status::command_loaded && !call.options.hold;
+  if (is_success(status) && !wrongly_recorded) return complete(call, answer);
+  auto error = refusal(call.request, status);
   error.bus = options_.name;
-  if (wrongly_recorded) return on_recorded(*done.call, std::move(error));
-  if (status == Status::wrong_checksum) return repeat_or_give_up(*done.call, std::move(error));
-  complete(*done.call, tl::unexpected(std::move(error)));
+  if (wrongly_recorded) return on_recorded(std::move(call), std::move(error));
+  if (status == Status::wrong_checksum) return repeat_or_give_up(std::move(call), std::move(error));
+  complete(call, tl::unexpected(std::move(error)));
 }
 
 /// Nothing was executed: somebody has left the module in download mode. Only a stop ends that.
@@ -245,22 +255,6 @@ void BusEngine::on_recorded(Call call, Error error) {
     if (call.times_sent < options_.attempts) return queue_.put_back(std::move(call));
   }
   complete(call, tl::unexpected(std::move(error)));
-}
-
-void BusEngine::on_unexplained(const Reply& reply, TimePoint now) {
-  auto& lane = modules_.at(reply.module).lane;
-  if (lane.has_abandoned(reply.command)) {
-    ++counters_.late_replies;
-    return;
-  }
-  ++counters_.unexpected_replies;
-  lane.lose_step();
-  if (!lane.is_second_reply(reply.command, now) || lane.duplicate_suspected) return;
-  lane.duplicate_suspected = true;
-  actions_.push_back(BusEvent{
-      BusEvent::Kind::duplicate_address, ModuleAddress{reply.module}, 0,
-      fmt::format("two replies came to one request: probably two modules have the address {}",
-                  reply.module)});
 }
 
 void BusEngine::on_link_lost(const std::string& why) {

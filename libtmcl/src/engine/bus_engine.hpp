@@ -20,6 +20,10 @@
 /// shortly after: calls that it refused go back to their places in the queue, and end when it has
 /// taken nothing for too long.
 ///
+/// Where more replies come than were asked for, two modules have one address or another program
+/// asks on this bus. For a time after that every value that is read is proven: it is given out when
+/// a fence has been answered after it and no second reply of its kind came before that one.
+///
 /// While a module is in download mode everything else waits for the holder of the download, and a
 /// stop sends END_DOWNLOAD ahead of itself: see custody.hpp. While a module is in its bootloader
 /// everybody else's calls to it end at once.
@@ -148,8 +152,13 @@ class BusEngine {
   bool is_late_from_other(const Reply& reply, const InFlight& reading, TimePoint now) const;
   void on_version_text(Channel& channel, FirmwareVersion version, TimePoint now);
   void on_unexplained(const Reply& reply, TimePoint now);
+  void doubt_answers_like(const Reply& reply);
+  bool must_prove(const Call& call, Status status, TimePoint now);
+  void hold_back(Call call, const Answer& answer, TimePoint now);
+  void hand_out_proven(const Module& module);
   bool answers(const Reply& reply, const InFlight& in_flight) const;
   void conclude(Channel& channel, Answer answer, TimePoint now);
+  void finish(Call call, const Answer& answer);
   InFlight settle(Channel& channel, Status status, TimePoint now);
   void expect_special_replies();
   Channel* channel_awaiting_version_text();
@@ -160,6 +169,7 @@ class BusEngine {
   Error timeout_error(const Call& call) const;
   Error silence_error(const Call& call) const;
   Error refusal_of_link(const Call& call) const;
+  Error doubt_error(const Call& call) const;
   void complete(const Call& call, const Result<Answer>& result);
 
   Framing framing_;

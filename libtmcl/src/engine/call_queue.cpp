@@ -51,7 +51,7 @@ bool CallQueue::join(const Request& request, const CallOptions& options, Ticket 
     return false;
   auto& reads = levels_[2];
   const auto twin = std::ranges::find_if(reads, [&](const Call& call) {
-    return call.request == request && has_defaults(call.options);
+    return call.request == request && has_defaults(call.options) && !call.unproven;
   });
   if (twin == reads.end()) return false;
   twin->tickets.push_back(ticket);

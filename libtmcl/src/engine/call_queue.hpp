@@ -29,6 +29,11 @@ struct Call {
   std::uint64_t place = 0;
   /// Since then the link has taken nothing at all.
   std::optional<TimePoint> refused_since{};
+  /// The answer, where it could be somebody else's as long as no fence has been answered after it.
+  std::optional<Answer> unproven{};
+  /// Another reply came besides `unproven`.
+  bool is_doubtful = false;
+  unsigned doubts = 0;  ///< How often that was so.
 
   /// A line of a program does nothing now, whatever it will do when the program runs.
   Effect effect =

@@ -12,6 +12,12 @@ using namespace std::chrono_literals;
 constexpr Duration reply_lifetime = 2s;
 // Two modules of one address answer within a reply time of each other.
 constexpr Duration second_reply_window = 100ms;
+// One reply that nobody asked for may be what another program has left behind. So many within so
+// long have a source.
+constexpr unsigned most_stray_replies = 2;
+constexpr Duration stray_reply_window = 10s;
+// So long after the last such reply its source is thought to be gone.
+constexpr Duration suspicion_lifetime = 60s;
 
 struct Fence {
   Command command;
@@ -59,6 +65,20 @@ bool Lane::may_still_answer(Command command, TimePoint now) const {
 void Lane::answered(Command command, TimePoint now) {
   last_answered_ = command;
   last_answered_at_ = now;
+}
+
+bool Lane::note_surplus(Command command, TimePoint now) {
+  const bool was_suspected = is_duplicate_suspected(now);
+  if (now - surplus_since_ > stray_reply_window) surplus_ = 0;
+  if (surplus_++ == 0) surplus_since_ = now;
+  last_surplus_ = now;
+  duplicate_suspected_ =
+      was_suspected || is_second_reply(command, now) || surplus_ > most_stray_replies;
+  return duplicate_suspected_ && !was_suspected;
+}
+
+bool Lane::is_duplicate_suspected(TimePoint now) const {
+  return duplicate_suspected_ && now - last_surplus_ <= suspicion_lifetime;
 }
 
 bool Lane::is_second_reply(Command command, TimePoint now) const {

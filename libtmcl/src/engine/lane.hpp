@@ -47,12 +47,14 @@ class Lane {
 
   /// Remembers an exchange that ended well, so that a second reply to it is recognised.
   void answered(Command command, TimePoint now);
-  /// Whether this reply looks like a second one to the last exchange.
-  bool is_second_reply(Command command, TimePoint now) const;
-
-  bool duplicate_suspected = false;
+  /// A reply came that no request explains. True when that is the first sign for a while that the
+  /// module is not the only one to answer, or this program not the only one to ask.
+  bool note_surplus(Command command, TimePoint now);
+  bool is_duplicate_suspected(TimePoint now) const;
 
  private:
+  bool is_second_reply(Command command, TimePoint now) const;
+
   bool in_step_ = true;
   unsigned failed_fences_ = 0;
   std::bitset<256> abandoned_;
@@ -60,6 +62,10 @@ class Lane {
   TimePoint silent_until_{};
   std::optional<Command> last_answered_;
   TimePoint last_answered_at_{};
+  bool duplicate_suspected_ = false;
+  unsigned surplus_ = 0;
+  TimePoint surplus_since_{};
+  TimePoint last_surplus_{};
 };
 
 }  // namespace tmcl::engine

@@ -29,7 +29,8 @@ std::string remark_on(const ModuleRow& row) {
   if (row.address_is_reply_id)
     return "DANGER: its address is the identifier of all replies, so it takes them for commands "
            "and moves. Give it another address (global parameter 71)";
-  if (row.duplicate_suspected) return "DUPLICATE: several modules seem to answer at this address";
+  if (row.duplicate_suspected)
+    return "DUPLICATE: several modules answer at this address, or another program asks";
   if (row.in_bootloader)
     return "NO FIRMWARE runs, only its bootloader: see tmclctl firmware upload";
   return "";
