@@ -523,6 +523,30 @@ TEST(SharedBus, AScanStillFindsTheModules) {
   EXPECT_TRUE(found->at(0).duplicate_suspected);
 }
 
+TEST(Verbs, WaitingThatEndsWithTheLinkSaysThatTheAxisGoesOn) {
+  for (const bool in_flight : {false, true}) {
+    ScriptedBus bus;
+    bus.add_module(1).parameter(axis.motor, axis_parameter::position_reached) = 0;
+    auto script = verbs::wait_until_reached(axis);
+    auto step = script.start();
+    for (int i = 0; i < 4; ++i) step = script.resume(bus.perform(*step));
+    if (!in_flight) bus.engine().on_link_lost("the cable is gone");
+    if (in_flight) {
+      bus.chance = [&](std::size_t) -> std::optional<Fault> {
+        bus.engine().on_link_lost("the cable is gone");
+        return Fault::lost_request;
+      };
+    }
+    while (step) step = script.resume(bus.perform(*step));
+    const auto result = script.take();
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, Errc::link_lost);
+    EXPECT_EQ(result.error().outcome, Outcome::unknown);
+    EXPECT_THAT(describe(result.error()), testing::HasSubstr("the cable is gone"));
+    EXPECT_THAT(describe(result.error()), testing::HasSubstr("goes on"));
+  }
+}
+
 TEST(Verbs, MoveByWithoutAReadingWasNotSent) {
   ScriptedBus bus;
   const auto moved = bus.run(verbs::move_by(axis, {10}));

@@ -20,6 +20,16 @@ bool may_have_been_executed(const Result<Answer>& answer) {
   return !answer && answer.error().outcome == Outcome::unknown;
 }
 
+/// Looking moves nothing, so it says nothing about the axis that a look was not sent.
+Error cannot_see(AxisAddress axis, Error error) {
+  if (error.code != Errc::link_lost) return error;
+  error.outcome = Outcome::unknown;
+  error.message = fmt::format("nobody can see whether motor {} of module {} arrives: {}",
+                              axis.motor, number(axis.module), error.message);
+  error.hint = "it goes on with what it was told; wait again when the bus is open";
+  return error;
+}
+
 Error interrupted(AxisAddress axis, const AxisState& state, std::string_view why) {
   Error error{Errc::move_interrupted, Outcome::done, {}, {}, {}, {}, {}};
   error.message =
@@ -187,7 +197,7 @@ Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions opti
     const auto look_begin = co_await current_time();
     const auto now = co_await look_at(axis, call);
     if (!now && is_too_late(call, now.error())) co_return tl::unexpected(still_moving(axis, last));
-    if (!now) co_return tl::unexpected(now.error());
+    if (!now) co_return tl::unexpected(cannot_see(axis, now.error()));
     if (now->position_reached && now->velocity.value == 0) co_return now->position;
 
     const auto time = co_await current_time();
