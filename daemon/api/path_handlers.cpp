@@ -1,11 +1,11 @@
 // Paths through several axes, passed by the daemon.
-#include <boost/asio/steady_timer.hpp>
 #include <boost/json/array.hpp>
 
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/staging.hpp"
 #include "async/elsewhere.hpp"
+#include "async/rest.hpp"
 #include "gateway/path_run.hpp"
 #include "tmcl/plan/path_run.hpp"
 
@@ -224,15 +224,24 @@ json::object to_json(const plan::StreamReport& report, const PathRun& run) {
   return out;
 }
 
+constexpr const char* stop_them =
+    "stop them as soon as their bus can be reached, or by other means";
+
+/// Of axes that were to be stopped.
+void add_outcome(RpcError& error, const std::vector<std::string>& unstopped) {
+  error.data["outcome"] = name_of(unstopped.empty() ? tmcl::Outcome::done : tmcl::Outcome::unknown);
+  if (!unstopped.empty()) error.data["unstopped"] = json::array(unstopped.begin(), unstopped.end());
+}
+
 RpcError error_of(const plan::StreamReport& report, const PathRun& run) {
   const auto& fault = *report.fault;
-  const auto names = run.axis_names();
+  const auto unstopped = run.unstopped();
   const bool moved = !is_before_motion(fault.kind);
+  const auto* hint = unstopped.empty() ? "all axes of the path were stopped" : stop_them;
   auto error =
-      rpc_error(rpc_code::call_failed, name_of(fault.kind), plan::with_names(fault.message, names),
-                moved ? "all axes of the path were stopped" : "");
-  if (moved) error.data["outcome"] = name_of(tmcl::Outcome::done);
-  error.data["axis"] = names[fault.axis];
+      rpc_error(rpc_code::call_failed, name_of(fault.kind), run.text_of(fault), moved ? hint : "");
+  if (moved) add_outcome(error, unstopped);
+  error.data["axis"] = run.axis_names()[fault.axis];
   error.data["run"] = to_json(report, run);
   return error;
 }
@@ -259,6 +268,21 @@ json::object to_json(const std::vector<std::shared_ptr<PathRun>>& runs) {
     for (const auto& name : run->axis_names()) axes.emplace_back(name);
   }
   return {{"axes", std::move(axes)}};
+}
+
+std::optional<RpcError> failure_to_stop(const std::vector<std::shared_ptr<PathRun>>& runs) {
+  std::string text;
+  std::vector<std::string> unstopped;
+  for (const auto& run : runs) {
+    for (auto& axis : run->unstopped()) {
+      text += (text.empty() ? "" : "; ") + not_stopped(axis);
+      unstopped.push_back(std::move(axis));
+    }
+  }
+  if (unstopped.empty()) return std::nullopt;
+  auto error = rpc_error(rpc_code::call_failed, "not_stopped", std::move(text), stop_them);
+  add_outcome(error, unstopped);
+  return error;
 }
 
 Answer pause_all(Call& call, bool on) {
@@ -324,13 +348,10 @@ Answer stop_path(Call& call) {
   if (!runs) co_return tl::unexpected(runs.error());
   for (const auto& run : *runs)
     run->stop({plan::StreamFault::Kind::asked, 0, "the path was stopped by path.stop"});
-  boost::asio::steady_timer timer(co_await boost::asio::this_coro::executor);
   for (const auto& run : *runs) {
-    while (!run->has_ended()) {
-      timer.expires_after(look_interval);
-      co_await timer.async_wait(boost::asio::use_awaitable);
-    }
+    while (!run->has_ended()) co_await rest(look_interval);
   }
+  if (auto failed = failure_to_stop(*runs)) co_return tl::unexpected(std::move(*failed));
   co_return to_json(*runs);
 }
 

@@ -108,10 +108,12 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// The same script; what may not be sent has failed for it, and it ends as it does then.
   template <class T>
   tmcl::Script<T> judged(tmcl::Script<T> script, Permit permit) {
-    auto step = script.start();
+    auto now = co_await tmcl::current_time();
+    auto step = script.start(now);
     while (step) {
       auto result = co_await carry_out(std::move(*step), permit);
-      step = script.resume(std::move(result));
+      now = co_await tmcl::current_time();
+      step = script.resume(std::move(result), now);
     }
     co_return script.take();
   }

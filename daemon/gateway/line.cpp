@@ -9,12 +9,12 @@
 #include <utility>
 
 #include <fmt/format.h>
-#include <boost/asio/steady_timer.hpp>
-#include <boost/asio/use_awaitable.hpp>
 
 #include "async/elsewhere.hpp"
 #include "async/gather.hpp"
+#include "async/rest.hpp"
 #include "async/spawn.hpp"
+#include "gateway/link_patience.hpp"
 
 namespace tmcld {
 namespace {
@@ -37,12 +37,6 @@ constexpr Duration time_to_stand = std::chrono::seconds(10);
 constexpr std::uint8_t scratch_coordinate = 0;
 
 tmcl::TimePoint now() { return std::chrono::steady_clock::now(); }
-
-awaitable<void> rest(Duration duration) {
-  boost::asio::steady_timer timer(co_await boost::asio::this_coro::executor);
-  timer.expires_after(duration);
-  co_await timer.async_wait(boost::asio::use_awaitable);
-}
 
 tmcl::Error broken(std::string message, std::string hint = {}) {
   tmcl::Error error;
@@ -77,7 +71,8 @@ struct Member : LineMember {
   std::vector<Setting> before{};   // its ramp's settings
   std::vector<Setting> changed{};  // those that the line has changed, as they were
   bool arrived = false;
-  int stood = 0;  // how many looks
+  int stood = 0;                           // how many looks
+  std::optional<tmcl::Error> unstopped{};  // why it could not be stopped
 
   LineFailure failure(tmcl::Error error) const { return {std::move(error), axis->name()}; }
 };
@@ -106,6 +101,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     if (fault || failure) {
       if (started_) {
         co_await stop_all();
+        if (fault) add_unstopped(fault->error);
         co_await wait_for_standstill();
       }
       co_await end();
@@ -354,6 +350,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     if (fault) {
       co_await self->stop_all();
       self->tell(*fault);
+      self->tell_unstopped();
       co_await self->wait_for_standstill();
     }
     co_await self->end();
@@ -367,10 +364,8 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   void tell(const LineFailure& failure) const {
     const auto member = std::ranges::find(members_, failure.axis,
                                           [](const Member& one) { return one.axis->name(); });
-    auto& axis = *member->axis;
-    axis.bus().emit({GatewayEvent::Kind::line_broken, axis.bus().name(),
-                     number(axis.address().module), 1 << axis.address().motor,
-                     failure.error.message});
+    const auto& axis = *member->axis;
+    axis.bus().emit(event_of(axis, GatewayEvent::Kind::line_broken, failure.error.message));
   }
 
   awaitable<Fault> look_at_all() {
@@ -419,17 +414,40 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     return std::nullopt;
   }
 
+  // ---- the end ----
+
   awaitable<void> stop_all() {
     std::vector<awaitable<tmcl::Result<void>>> stops;
-    for (auto& member : members_) stops.push_back(member.axis->stop());
-    co_await gather(std::move(stops));
+    for (auto& member : members_)
+      stops.push_back(patience_.insist([axis = member.axis] { return axis->stop(); }));
+    auto results = co_await gather(std::move(stops));
+    for (std::size_t i = 0; i < results.size(); ++i)
+      if (!results[i]) members_[i].unstopped = std::move(results[i].error());
+  }
+
+  void tell_unstopped() const {
+    for (const auto& member : members_) {
+      if (!member.unstopped) continue;
+      tell(member.failure(
+          broken(not_stopped(member.axis->name()) + ": " + member.unstopped->message)));
+    }
+  }
+
+  // To the one who waits for the answer.
+  void add_unstopped(tmcl::Error& error) const {
+    for (const auto& member : members_) {
+      if (!member.unstopped) continue;
+      error.message += "; " + not_stopped(member.axis->name());
+      error.outcome = tmcl::Outcome::unknown;
+    }
   }
 
   awaitable<void> wait_for_standstill() {
     const auto limit = now() + time_to_stand;
     for (auto& member : members_) {
+      const auto look = [axis = member.axis] { return axis->read_state(); };
       while (now() < limit) {
-        const auto reading = co_await member.axis->read_state();
+        const auto reading = co_await patience_.insist(look);
         if (!reading || reading->state.velocity.value == 0) break;
         co_await rest(look_interval);
       }
@@ -440,20 +458,26 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     for (auto& member : members_) {
       co_await set_back(member);
       member.axis->release(permit_);
+      if (member.unstopped) stop_as_soon_as_possible(member.axis, GatewayEvent::Kind::line_broken);
     }
   }
 
   // Backwards, as they were written: that order was a safe one.
   awaitable<void> set_back(Member& member) {
-    Fault fault;
+    std::string kept, why;
     for (const auto setting : std::views::reverse(member.changed)) {
-      const auto set = co_await member.axis->set(setting.parameter, setting.value, RunOptions{});
-      if (set || fault) continue;
-      fault = member.failure(broken(
-          fmt::format("axis '{}' keeps settings of the line: parameter {} was {} before: {}",
-                      member.axis->name(), setting.parameter, setting.value, set.error().message)));
+      const auto write = [axis = member.axis, setting] {
+        return axis->set(setting.parameter, setting.value, RunOptions{});
+      };
+      const auto set = co_await patience_.insist(write);
+      if (set) continue;
+      if (kept.empty()) why = set.error().message;
+      kept += fmt::format("{}parameter {} was {} before", kept.empty() ? "" : ", ",
+                          setting.parameter, setting.value);
     }
-    if (fault) tell(*fault);
+    if (kept.empty()) co_return;
+    tell(member.failure(broken(fmt::format("axis '{}' keeps settings of the line: {}: {}",
+                                           member.axis->name(), kept, why))));
   }
 
   std::vector<Member> members_;
@@ -465,6 +489,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   bool started_ = false;
   bool broken_ = false;
   tmcl::TimePoint begin_{};
+  LinkPatience patience_;
 };
 
 }  // namespace

@@ -5,10 +5,8 @@
 #include <set>
 #include <utility>
 
-#include <boost/asio/steady_timer.hpp>
-#include <boost/asio/use_awaitable.hpp>
-
 #include "async/gather.hpp"
+#include "async/rest.hpp"
 #include "tmcl/plan/path_run.hpp"
 
 namespace tmcld {
@@ -21,35 +19,22 @@ using tmcl::plan::StreamAnswer;
 using tmcl::plan::StreamCommand;
 using tmcl::plan::StreamFault;
 
-// A link that was lost may come back: an axis that turns must be stopped all the same.
-constexpr tmcl::Duration time_for_link = std::chrono::seconds(5);
-constexpr tmcl::Duration link_look_interval = milliseconds(50);
 
 tmcl::TimePoint now() { return std::chrono::steady_clock::now(); }
 
-awaitable<void> rest(tmcl::Duration duration) {
-  boost::asio::steady_timer timer(co_await boost::asio::this_coro::executor);
-  timer.expires_after(duration);
-  co_await timer.async_wait(boost::asio::use_awaitable);
+// A log has one line for it.
+std::string in_one_line(tmcl::Error error) {
+  const auto hint = std::exchange(error.hint, {});
+  return describe(error) + (hint.empty() ? "" : "; " + hint);
 }
 
 template <class T>
 StreamAnswer answer_of(const tmcl::Result<T>& result) {
-  if (!result) return tl::unexpected(describe(result.error()));
+  if (!result) return tl::unexpected(in_one_line(result.error()));
   if constexpr (std::is_same_v<T, std::int32_t>) {
     return *result;
   } else {
     return 0;
-  }
-}
-
-awaitable<StreamAnswer> stop_now(std::shared_ptr<GatewayAxis> axis) {
-  const auto limit = now() + time_for_link;
-  while (true) {
-    const auto stopped = co_await axis->brake();
-    const bool lost = !stopped && stopped.error().code == tmcl::Errc::link_lost;
-    if (!lost || now() > limit) co_return answer_of(stopped);
-    co_await rest(link_look_interval);
   }
 }
 
@@ -82,6 +67,8 @@ awaitable<tl::expected<tmcl::plan::StreamReport, AxisFailure>> PathRun::pass(
   }
   if (failure) co_await self->stop_all_axes();
   self->leave_axes();
+  for (const auto axis : self->stream_.report().unstopped)
+    stop_as_soon_as_possible(self->members_[axis].axis, GatewayEvent::Kind::path_broken);
   self->ended_ = true;
   if (failure) std::rethrow_exception(failure);
   self->tell_fault();
@@ -152,24 +139,50 @@ void PathRun::tell_fault() const {
   const auto& fault = stream_.report().fault;
   if (!fault || is_before_motion(fault->kind)) return;
   const auto& axis = *members_[fault->axis].axis;
-  axis.bus().emit({GatewayEvent::Kind::path_broken, axis.bus().name(),
-                   number(axis.address().module), 1 << axis.address().motor,
-                   tmcl::plan::with_names(fault->message, axis_names())});
+  axis.bus().emit(event_of(axis, GatewayEvent::Kind::path_broken, text_of(*fault)));
+}
+
+std::string PathRun::text_of(const StreamFault& fault) const {
+  auto text = tmcl::plan::with_names(fault.message, axis_names());
+  for (const auto& axis : unstopped()) text += "; " + not_stopped(axis);
+  return text;
+}
+
+std::vector<std::string> PathRun::unstopped() const {
+  const auto names = axis_names();
+  std::vector<std::string> unstopped;
+  for (const auto axis : stream_.report().unstopped) unstopped.push_back(names[axis]);
+  return unstopped;
+}
+
+// What may be done twice waits for a link that was lost: a parameter that is set back, and after
+// the first stop, readings. Before it, no reading does: a stop is to follow at once.
+bool PathRun::may_wait_for_link(const StreamCommand& command) const {
+  const bool sets_back =
+      command.kind == StreamCommand::Kind::set && stream_.phase() == PathStream::Phase::after;
+  return sets_back || (stopping_ && command.kind == StreamCommand::Kind::get);
 }
 
 awaitable<StreamAnswer> PathRun::carry_out(StreamCommand command) {
   const auto& [axis, movement] = members_[command.axis];
+  const bool patient = may_wait_for_link(command);
   switch (command.kind) {
     case StreamCommand::Kind::get: {
-      const auto read = co_await axis->get(command.parameter, {});
+      const auto get = [axis = axis, command] { return axis->get(command.parameter, {}); };
+      auto reading = patient ? patience_.insist(get) : get();
+      const auto read = co_await std::move(reading);
       co_return answer_of(read);
     }
     case StreamCommand::Kind::set: {
       const bool moves = command.parameter == tmcl::axis_parameter::target_position;
       auto options = moves ? movement : RunOptions{};
       options.permit = movement.permit;
-      const auto set = co_await axis->write(command.parameter, command.value, std::move(options));
-      co_return answer_of(set);
+      const auto set = [axis = axis, command, options] {
+        return axis->write(command.parameter, command.value, options);
+      };
+      auto writing = patient ? patience_.insist(set) : set();
+      const auto done = co_await std::move(writing);
+      co_return answer_of(done);
     }
     case StreamCommand::Kind::rotate: {
       auto script = tmcl::verbs::rotate(axis->address(), tmcl::InternalVelocity{command.value});
@@ -191,10 +204,12 @@ awaitable<StreamAnswer> PathRun::carry_out(StreamCommand command) {
 
 // All at once: none waits for one that does not answer.
 awaitable<void> PathRun::stop_all_axes() {
-  std::vector<awaitable<StreamAnswer>> stops;
-  for (const auto& member : members_) stops.push_back(stop_now(member.axis));
-  auto answers = co_await gather(std::move(stops));
-  for (std::size_t i = 0; i < answers.size(); ++i) stopped_[i] = std::move(answers[i]);
+  stopping_ = true;
+  std::vector<awaitable<tmcl::Result<void>>> stops;
+  for (const auto& member : members_)
+    stops.push_back(patience_.insist([axis = member.axis] { return axis->brake(); }));
+  const auto results = co_await gather(std::move(stops));
+  for (std::size_t i = 0; i < results.size(); ++i) stopped_[i] = answer_of(results[i]);
 }
 
 awaitable<StreamAnswer> PathRun::stop_axis(std::size_t axis) {

@@ -17,6 +17,7 @@
 
 #include "async/wake.hpp"
 #include "gateway/claim.hpp"
+#include "gateway/link_patience.hpp"
 #include "tmcl/plan/course.hpp"
 #include "tmcl/plan/stream.hpp"
 
@@ -51,6 +52,10 @@ class PathRun : public std::enable_shared_from_this<PathRun> {
   void look() { woken_.notify(); }
 
   bool has_ended() const { return ended_; }
+  /// Once it has ended: those that could not be stopped and may still move.
+  std::vector<std::string> unstopped() const;
+  /// A fault in words, and what has not been stopped.
+  std::string text_of(const tmcl::plan::StreamFault& fault) const;
   tmcl::plan::PathStream::Phase phase() const { return stream_.phase(); }
   double passed() const { return stream_.passed(); }
   double duration() const { return course_.duration(); }
@@ -60,6 +65,7 @@ class PathRun : public std::enable_shared_from_this<PathRun> {
   boost::asio::awaitable<std::optional<AxisFailure>> take_axes();
   void leave_axes();
   boost::asio::awaitable<void> drive();
+  bool may_wait_for_link(const tmcl::plan::StreamCommand& command) const;
   boost::asio::awaitable<tmcl::plan::StreamAnswer> carry_out(tmcl::plan::StreamCommand command);
   boost::asio::awaitable<void> stop_all_axes();
   boost::asio::awaitable<tmcl::plan::StreamAnswer> stop_axis(std::size_t axis);
@@ -76,6 +82,8 @@ class PathRun : public std::enable_shared_from_this<PathRun> {
   tmcl::TimePoint progress_due_{};
   /// What came of stopping all axes at once, until somebody asks for it.
   std::vector<std::optional<tmcl::plan::StreamAnswer>> stopped_;
+  bool stopping_ = false;  ///< From the first stop on.
+  LinkPatience patience_;
   bool ended_ = false;
 };
 

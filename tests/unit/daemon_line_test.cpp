@@ -10,7 +10,9 @@
 namespace tmcld::test {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
+using testing::Not;
 using tmcl::Command;
 using tmcl::Request;
 
@@ -120,7 +122,28 @@ class LineBench {
           .status;
     });
   }
+  /// The link is lost; unless it `stays_away`, it can be opened again at once.
+  void unplug(bool stays_away = false) {
+    daemon_.on_reactor([&] {
+      daemon_.wire().is_absent = stays_away;
+      return daemon_.wire().unplug(), 0;
+    });
+  }
+  void plug_in() {
+    daemon_.on_reactor([&] { return daemon_.wire().is_absent = false; });
+  }
   std::string socket() const { return daemon_.socket(); }
+  /// The parameters of an axis that have been set, in this order.
+  std::vector<std::uint8_t> parameters_set(std::uint16_t module, std::uint8_t motor) {
+    return daemon_.on_reactor([&] {
+      std::vector<std::uint8_t> set;
+      for (const auto& request : daemon_.wire().seen) {
+        const bool is_of_axis = number(request.address) == module && request.motor == motor;
+        if (is_of_axis && request.command == Command::SAP) set.push_back(request.type);
+      }
+      return set;
+    });
+  }
 
   std::unique_ptr<RpcClient> client;
 
@@ -208,6 +231,20 @@ TEST(DaemonLineLimits, ALineTakesAsLongAsItIsSaidTo) {
   bench.expect_rest();
 }
 
+TEST(DaemonLineLimits, NoPositionIsOutsideWhatAModuleCanHold) {
+  LineBench bench;
+  bench.begin();
+  for (const std::int64_t beyond : {8'388'608, -8'388'609}) {
+    const auto answer = bench.line({"x", "y"}, {1000, beyond});
+    ASSERT_TRUE(answer.contains("error")) << json::serialize(answer);
+    EXPECT_EQ(answer.at("error").at("data").at("name"), "out_of_range");
+    EXPECT_EQ(answer.at("error").at("data").at("param"), "positions_microsteps");
+    EXPECT_THAT(message_of(answer), HasSubstr("-8388608..8388607"));
+  }
+  EXPECT_EQ(bench.started_at(), 0U);
+  EXPECT_EQ(bench.first_set_at(), 0U);
+}
+
 TEST(DaemonLineLimits, SaysWhatIsWrongWithThem) {
   LineBench bench(axes_with_units());
   const auto refusal = [&](json::array axes, json::object limits) {
@@ -232,6 +269,22 @@ TEST(DaemonLineLimits, SaysWhatIsWrongWithThem) {
   LineBench without(axes_without_units());
   EXPECT_THAT(message_of(without.line({"x", "y"}, {1, 1}, {{"velocity", 1}})),
               HasSubstr("axis 'x' has no unit of its own"));
+}
+
+// The order in which they were loaded is a safe one for dividers and what they divide.
+TEST(DaemonLine, SettingsAreSetBackInTheReverseOrder) {
+  constexpr std::uint8_t pulse_divisor = 154;
+  LineBench bench;
+  ASSERT_FALSE(bench.line({"x", "z"}, {60'000, 15}).contains("error"));
+  bench.expect_rest();
+  const auto set = bench.parameters_set(2, 0);
+  const auto half = static_cast<std::ptrdiff_t>(set.size() / 2);
+  const std::vector<std::uint8_t> loaded(set.begin(), set.begin() + half);
+  std::vector<std::uint8_t> set_back(set.begin() + half, set.end());
+  std::ranges::reverse(set_back);
+  EXPECT_EQ(set_back, loaded);
+  EXPECT_GE(loaded.size(), 3U);
+  EXPECT_THAT(loaded, testing::Contains(pulse_divisor)) << "a line with other dividers";
 }
 
 constexpr std::int32_t whole_way = 6000;
@@ -286,6 +339,12 @@ class LineFaults : public testing::TestWithParam<Axes> {
     }
   }
   std::int32_t way_of_x() { return bench.value("x", ap::actual_position); }
+  void expect_that_all_have_arrived() {
+    for (std::size_t i = 0; i < GetParam().axes.size(); ++i) {
+      const auto axis = text(GetParam().axes[i]);
+      EXPECT_EQ(bench.value(axis, ap::actual_position), GetParam().targets[i].as_int64()) << axis;
+    }
+  }
 
   LineBench bench;
 
@@ -305,7 +364,7 @@ TEST_P(LineFaults, WhicheverAnswerIsLostAllArriveOrAllStop) {
   at_each_step(
       &LineBench::loses_at,
       [&](const json::object& answer) {
-        EXPECT_TRUE(answer.contains("error") || way_of_x() == whole_way) << json::serialize(answer);
+        if (!answer.contains("error")) expect_that_all_have_arrived();
       },
       false);
 }
@@ -314,7 +373,7 @@ TEST_P(LineFaults, WhicheverRequestIsNotHeardAllArriveOrAllStop) {
   at_each_step(
       &LineBench::ignores_at,
       [&](const json::object& answer) {
-        EXPECT_TRUE(answer.contains("error") || way_of_x() == whole_way) << json::serialize(answer);
+        if (!answer.contains("error")) expect_that_all_have_arrived();
       },
       false);
 }
@@ -336,9 +395,9 @@ INSTANTIATE_TEST_SUITE_P(
 
 class LineOnTheWay : public testing::Test {
  protected:
-  LineOnTheWay() {
+  explicit LineOnTheWay(std::int32_t way = 40'000) {
     bench.client->result("subscribe", {{"axes", json::array{"x"}}, {"interval_ms", 60'000}});
-    EXPECT_FALSE(bench.line({"x", "z"}, {40'000, 20'000}).contains("error"));
+    EXPECT_FALSE(bench.line({"x", "z"}, {way, way / 2}).contains("error"));
   }
   std::string event() {
     while (true) {
@@ -353,10 +412,45 @@ class LineOnTheWay : public testing::Test {
 TEST_F(LineOnTheWay, AModuleThatFallsSilentStopsTheOthers) {
   bench.silent_module = 2;
   EXPECT_THAT(event(), HasSubstr("module 2"));
-  EXPECT_THAT(event(), HasSubstr("axis 'z' keeps settings of the line: parameter"));
+  EXPECT_THAT(event(), HasSubstr("axis 'z' could not be stopped and may still move"));
+  EXPECT_THAT(event(), AllOf(HasSubstr("axis 'z' keeps settings of the line: parameter"),
+                             HasSubstr("parameter 4 was 1000 before"),
+                             HasSubstr("parameter 5 was 500 before")));
   EXPECT_LT(bench.value("x", ap::actual_position), 40'000);
   EXPECT_EQ(bench.value("x", ap::actual_velocity), 0);
   EXPECT_EQ(bench.value("x", ap::max_acceleration), 500);
+}
+
+class LongLine : public LineOnTheWay {
+ protected:
+  LongLine() : LineOnTheWay(way) {
+    while (bench.value("x", ap::actual_velocity) == 0) std::this_thread::yield();
+  }
+  static constexpr std::int32_t way = 4'000'000;  // of half a minute
+};
+
+TEST_F(LongLine, ALinkThatIsGoneForAMomentIsUsedToStopAllAndToSetBack) {
+  bench.unplug();
+  EXPECT_THAT(event(), Not(HasSubstr("could not be stopped")));
+  bench.expect_rest();
+  EXPECT_LT(bench.value("x", ap::actual_position), way);
+}
+
+// Not only what is told about the first parameter helps whoever has to set them back.
+TEST_F(LongLine, ALinkThatStaysAwayLeavesWhatIsTold) {
+  bench.unplug(true);
+  EXPECT_THAT(event(), HasSubstr("link"));
+  EXPECT_THAT(event(), HasSubstr("axis 'x' could not be stopped and may still move: "));
+  EXPECT_THAT(event(), HasSubstr("axis 'z' could not be stopped and may still move: "));
+  EXPECT_THAT(event(),
+              HasSubstr("axis 'x' keeps settings of the line: parameter 130 was 1 before"));
+  EXPECT_THAT(event(), AllOf(HasSubstr("axis 'z' keeps settings of the line: parameter"),
+                             HasSubstr("parameter 4 was 1000 before"),
+                             HasSubstr("parameter 5 was 500 before")));
+  bench.plug_in();
+  EXPECT_THAT(event(), testing::MatchesRegex("axis '[xz]' could be stopped now"));
+  EXPECT_THAT(event(), testing::MatchesRegex("axis '[xz]' could be stopped now"));
+  EXPECT_LT(bench.value("x", ap::actual_position), way);
 }
 
 TEST_F(LineOnTheWay, SomebodyElsesMoveOfOneStopsAll) {

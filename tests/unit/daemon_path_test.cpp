@@ -1,128 +1,12 @@
 // Paths that the daemon passes, on a simulated TMCM-6212 in the test's own process.
-#include <gmock/gmock.h>
-
-#include "sim/module/module.hpp"
 #include "tmcl/hex.hpp"
-#include "tmcl/parameter.hpp"
-#include "unit/daemon_fixture.hpp"
+#include "unit/daemon_path_fixture.hpp"
 #include "unit/throwing_peer.hpp"
 
 namespace tmcld::test {
 namespace {
 
 using testing::HasSubstr;
-using tmcl::Command;
-namespace ap = tmcl::axis_parameter;
-
-constexpr std::int32_t own_velocity = 240'000;
-constexpr std::int32_t own_acceleration = 4'999'922;
-constexpr double microsteps_per_mm = 51'200 / 5.0;
-
-class NoEvents final : public tmcl::sim::EventSink {
- public:
-  void target_reached(const tmcl::sim::Module&, std::int32_t) override {}
-};
-
-/// What a FakeModule plays: everything but what the test refuses.
-class Played {
- public:
-  Played() : module_(*tmcl::find_model("TMCM-6212"), tmcl::ModuleAddress{1}, clock_) {
-    for (std::uint8_t motor = 0; motor < 2; ++motor) {
-      set(motor, ap::max_velocity, own_velocity);
-      set(motor, ap::max_acceleration, own_acceleration);
-      set(motor, 17, own_acceleration);
-    }
-  }
-  /// The module must not outlive this.
-  void be_played_by(FakeModule& module) {
-    module.play = [this](const tmcl::Request& request) -> std::optional<tmcl::Reply> {
-      if (before) before(request);
-      if (refuse && refuse(request)) {
-        return tmcl::Reply{tmcl::default_host_address, 1, tmcl::Status::invalid_value,
-                           request.command, request.value};
-      }
-      return execute(request);
-    };
-  }
-
-  /// Called on the daemon's thread, as what follows.
-  std::function<void(const tmcl::Request&)> before;
-  std::function<bool(const tmcl::Request&)> refuse;
-
-  tmcl::Reply execute(const tmcl::Request& request) {
-    module_.run_due();
-    const auto answer = module_.execute(request, tmcl::sim::Medium::serial, events_);
-    return {tmcl::default_host_address, 1, answer.status, request.command, answer.value};
-  }
-  std::int32_t get(std::uint8_t motor, std::uint8_t parameter) {
-    return execute({tmcl::ModuleAddress{1}, Command::GAP, parameter, motor, 0}).value;
-  }
-  void set(std::uint8_t motor, std::uint8_t parameter, std::int32_t value) {
-    execute({tmcl::ModuleAddress{1}, Command::SAP, parameter, motor, value});
-  }
-  double mm(std::uint8_t motor) { return get(motor, ap::actual_position) / microsteps_per_mm; }
-  bool moves() { return get(0, ap::actual_velocity) != 0 || get(1, ap::actual_velocity) != 0; }
-
- private:
-  tmcl::RealClock clock_;
-  NoEvents events_;
-  tmcl::sim::Module module_;
-};
-
-constexpr std::string_view in_mm = "unit = \"mm\"\nunits_per_revolution = 5\n";
-
-std::string bench(const std::string& of_y) {
-  return "[[bus]]\nname = \"bench\"\nlink = \"serial:/dev/none@115200\"\nreply_timeout_ms = 60\n" +
-         axis_section("x", 0, std::string(in_mm)) + axis_section("y", 1, of_y);
-}
-
-class DaemonPath : public testing::Test {
- protected:
-  explicit DaemonPath(const std::string& of_y = std::string(in_mm)) : daemon(bench(of_y)) {
-    module.be_played_by(daemon.wire().modules.at(1));
-    daemon.start();
-    client = std::make_unique<RpcClient>(daemon.socket());
-  }
-
-  json::object order(const std::string& text, json::object more = {}) {
-    json::object params{{"axes", json::array{"x", "y"}}, {"text", text}, {"deviation", 4}};
-    for (const auto& [name, value] : more) params[name] = value;
-    return params;
-  }
-  json::object error_of(int id) {
-    const auto answer = client->answer_to(id);
-    if (!answer.contains("error")) throw std::runtime_error(json::serialize(answer));
-    return answer.at("error").as_object();
-  }
-  std::string name_in(const json::object& error) { return text(error.at("data").at("name")); }
-  template <class Function>
-  auto on_module(Function function) {
-    return daemon.on_reactor([&] { return function(module); });
-  }
-  double mm(std::uint8_t motor) {
-    return on_module([&](Played& played) { return played.mm(motor); });
-  }
-  bool until_x_is_beyond(double position) {
-    return daemon.eventually([&] { return module.mm(0) > position; });
-  }
-  void expect_rest_and_own_settings() {
-    for (std::uint8_t motor = 0; motor < 2; ++motor) {
-      const auto read = [&](std::uint8_t parameter) {
-        return on_module([&](Played& played) { return played.get(motor, parameter); });
-      };
-      EXPECT_EQ(read(ap::actual_velocity), 0);
-      EXPECT_EQ(read(ap::max_velocity), own_velocity);
-      EXPECT_EQ(read(ap::max_acceleration), own_acceleration);
-      EXPECT_EQ(read(17), own_acceleration);
-      EXPECT_EQ(read(16), 25'600);
-      EXPECT_EQ(read(20), 10);
-    }
-  }
-
-  Played module;
-  TestDaemon daemon;
-  std::unique_ptr<RpcClient> client;
-};
 
 class DaemonPathInBothModes : public DaemonPath, public testing::WithParamInterface<const char*> {
  protected:
@@ -132,9 +16,6 @@ class DaemonPathInBothModes : public DaemonPath, public testing::WithParamInterf
   }
 };
 
-// 20 mm/s: half a second, and two.
-const std::string short_way = "G1 X8 Y4 F1200\nG1 X9 Y2\n";
-const std::string long_way = "G1 X20 Y10 F1200\nG1 X40 Y0\n";
 constexpr const char* off_its_axes = "and each axis once";
 
 TEST_P(DaemonPathInBothModes, APathIsPassedToItsExactEnd) {
@@ -145,8 +26,11 @@ TEST_P(DaemonPathInBothModes, APathIsPassedToItsExactEnd) {
   const auto report = client->answer_to(id).at("result").as_object();
   EXPECT_EQ(mm(0), 9);
   EXPECT_EQ(mm(1), 2);
-  EXPECT_NEAR(report.at("passed_s").to_number<double>(), news.at("duration_s").to_number<double>(),
-              0.3);
+  // It is late rather than early: the clock of the path begins when that of passed_s runs.
+  const auto late =
+      report.at("passed_s").to_number<double>() - news.at("duration_s").to_number<double>();
+  EXPECT_GE(late, 0);
+  EXPECT_LT(late, 0.3);
   const auto& tracking = report.at("tracking_error").as_array();
   ASSERT_EQ(tracking.size(), 2U);
   for (const auto& axis : tracking) {
@@ -313,8 +197,9 @@ TEST_F(DaemonPath, APauseStandsUntilItIsOver) {
   const auto stood = mm(0);
   EXPECT_LT(stood, 12);
   std::this_thread::sleep_for(std::chrono::milliseconds(300));
-  EXPECT_NEAR(mm(0), stood, 0.01);
-  EXPECT_NEAR(mm(0), 2 * mm(1), 0.2) << "on the path";
+  constexpr double rest = 0.01;  // how far either is from where the path stands
+  EXPECT_NEAR(mm(0), stood, rest);
+  EXPECT_NEAR(mm(0), 2 * mm(1), rest + 2 * rest) << "on the path";
   client->result("path.resume");
   EXPECT_TRUE(client->answer_to(id).contains("result"));
   EXPECT_EQ(mm(0), 40);
@@ -341,33 +226,6 @@ TEST_F(DaemonPath, ALineAndAPathExcludeEachOther) {
   EXPECT_EQ(name_in(other.error("path.run", order(short_way))), "axis_claimed");
   other.result("path.stop");
   error_of(id);
-}
-
-TEST_F(DaemonPath, ALinkThatComesBackIsUsedToStop) {
-  const auto id = client->send("path.run", order(long_way));
-  ASSERT_TRUE(until_x_is_beyond(2));
-  daemon.on_reactor([&] {
-    daemon.wire().unplug();
-    return 0;
-  });
-  const auto error = error_of(id);
-  EXPECT_EQ(name_in(error), "command_failed");
-  EXPECT_TRUE(error.at("data").at("run").at("remarks").as_array().empty())
-      << json::serialize(error);
-  expect_rest_and_own_settings();
-}
-
-TEST_F(DaemonPath, ASilentModuleIsTold) {
-  const auto id = client->send("path.run", order(long_way));
-  ASSERT_TRUE(until_x_is_beyond(2));
-  daemon.on_reactor([&] {
-    daemon.wire().holds = true;
-    return 0;
-  });
-  const auto error = error_of(id);
-  EXPECT_EQ(name_in(error), "command_failed");
-  EXPECT_THAT(json::serialize(error.at("data").at("run").at("remarks")),
-              HasSubstr("x could not be stopped"));
 }
 
 TEST_F(DaemonPath, BadInputIsNamedAndMovesNothing) {

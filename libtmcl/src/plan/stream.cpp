@@ -217,8 +217,11 @@ Script<PathStream::Runner::Fault> PathStream::Runner::stop_all() {
       stopped[axis] = answer_.has_value();
     }
   }
+  report_.unstopped.clear();
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
-    if (!stopped[axis]) report_.remarks.push_back(fmt::format("{{{}}} could not be stopped", axis));
+    if (stopped[axis]) continue;
+    report_.unstopped.push_back(axis);
+    report_.remarks.push_back(fmt::format("{{{}}} could not be stopped", axis));
   }
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     std::vector<bool> only(axes_.size(), false);
@@ -262,7 +265,11 @@ Script<PathStream::Runner::Fault> PathStream::Runner::restore() {
 
 Script<PathStream::Runner::Fault> PathStream::Runner::arrive() {
   auto wrong = co_await go_to_end();
-  if (wrong) co_await stop_all();
+  if (wrong) {
+    co_await stop_all();
+  } else {
+    report_.unstopped.clear();
+  }
   co_return wrong;
 }
 

@@ -15,7 +15,6 @@ namespace {
 namespace plan = tmcl::plan;
 using plan::PathStream;
 using plan::StreamCommand;
-using plan::StreamFault;
 
 constexpr int bar_width = 30;
 constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
@@ -80,12 +79,15 @@ int drive(PathStream& stream, const std::vector<std::string>& axes, double durat
   }
 }
 
-Failure failure_from(const StreamFault& fault, const std::vector<std::string>& axes) {
+Failure failure_from(const plan::StreamReport& report, const std::vector<std::string>& axes) {
+  const auto& fault = *report.fault;
   const bool nothing_moved = plan::is_before_motion(fault.kind);
+  const auto* hint = report.unstopped.empty() ? "All axes of the path were stopped"
+                                              : "Some axes could not be stopped and may still move";
   return {nothing_moved ? ExitCode::refused : ExitCode::not_reached,
           std::string(name_of(fault.kind)),
           plan::with_names(fault.message, axes),
-          nothing_moved ? "" : "All axes of the path were stopped",
+          nothing_moved ? "" : hint,
           {}};
 }
 

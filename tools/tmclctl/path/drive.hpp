@@ -16,8 +16,8 @@ int drive(tmcl::plan::PathStream& stream, const std::vector<std::string>& axes, 
           Room& room);
 void show(const PathProgress& now, ProgressLine& line);
 
-/// Why it did not pass the path, in a sentence with the names of the axes.
-Failure failure_from(const tmcl::plan::StreamFault& fault, const std::vector<std::string>& axes);
+/// Why a stream that has a fault did not pass the path, in a sentence with the names of the axes.
+Failure failure_from(const tmcl::plan::StreamReport& report, const std::vector<std::string>& axes);
 
 /// Stops all of them, whatever becomes of each, and lets them come to rest. A signal that was
 /// noticed does not keep it from that.

@@ -80,9 +80,8 @@ Passed pass_alone(const plan::PathWish& wish, const plan::Course& course,
   const auto names = path::names_of(axes);
   const int signal = path::drive(stream, names, course.duration(), room);
   auto report = to_json(stream.report(), names);
-  const auto& fault = stream.report().fault;
-  if (!fault) return {std::move(report), signal};
-  auto failure = path::failure_from(*fault, names);
+  if (!stream.report().fault) return {std::move(report), signal};
+  auto failure = path::failure_from(stream.report(), names);
   failure.details["run"] = std::move(report);
   return {tl::unexpected(std::move(failure)), signal};
 }

@@ -139,6 +139,8 @@ struct StreamReport {
   double busy_s = 0;            ///< How much of that commands took.
   std::vector<AxisTracking> axes;
   std::optional<StreamFault> fault;
+  /// Axes that could not be stopped and may still move.
+  std::vector<std::size_t> unstopped;
   /// Sentences without a full stop, such as of a parameter that could not be restored.
   std::vector<std::string> remarks;
 };
