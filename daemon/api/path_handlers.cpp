@@ -301,26 +301,29 @@ Answer run_path(Call& call) {
   if (!wish) co_return tl::unexpected(wish.error());
   auto named = members_of(call);
   if (!named) co_return tl::unexpected(named.error());
-  const auto text = text_of(call);
-  if (!text) co_return tl::unexpected(text.error());
-  const auto format = format_of(call, *text);
+  auto given = text_of(call);
+  if (!given) co_return tl::unexpected(given.error());
+  const auto format = format_of(call, *given);
   if (!format) co_return tl::unexpected(format.error());
   auto& planner = call.gateway->planner;
 
-  auto read = [text = *text, format = *format, tolerance = wish->tolerance] {
-    return plan::read_path(text, format, tolerance);
+  // It may have some megabytes, and what is read of it some more: nothing of it is copied here.
+  const auto text = std::make_shared<const std::string>(std::move(*given));
+  auto read = [text, format = *format, tolerance = wish->tolerance] {
+    return plan::read_path(*text, format, tolerance);
   };
-  const auto source = co_await elsewhere(planner, std::move(read));
+  auto source = co_await elsewhere(planner, std::move(read));
   if (!source) co_return tl::unexpected(error_of(source.error(), "text"));
   auto members = ordered(call, *source, std::move(*named));
   if (!members) co_return tl::unexpected(members.error());
   const auto axes = co_await path_axes(*source, *members, *wish);
   if (!axes) co_return tl::unexpected(axes.error());
 
-  auto plan_it = [source = *source, text = *text, axes = *axes, wish = *wish] {
-    return from_where_axes_stand(source, text, axes, wish).and_then([&](const auto& from_there) {
-      return course_of(from_there, limits_of(axes, wish), wish);
-    });
+  auto plan_it = [source = std::move(*source), text, axes = *axes, wish = *wish]() mutable {
+    return from_where_axes_stand(std::move(source), *text, axes, wish)
+        .and_then([&](const auto& from_there) {
+          return course_of(from_there, limits_of(axes, wish), wish);
+        });
   };
   auto course = co_await elsewhere(planner, std::move(plan_it));
   if (!course) co_return tl::unexpected(error_of(course.error(), "text"));

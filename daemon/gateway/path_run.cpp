@@ -5,6 +5,9 @@
 #include <set>
 #include <utility>
 
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_awaitable.hpp>
+
 #include "async/gather.hpp"
 #include "async/rest.hpp"
 #include "tmcl/plan/path_run.hpp"
@@ -111,8 +114,11 @@ awaitable<void> PathRun::drive() {
     tell_progress();
     const auto step = stream_.next(now());
     if (std::holds_alternative<tmcl::plan::StreamEnd>(step)) co_return;
-    if (const auto* wait = std::get_if<tmcl::plan::StreamWait>(&step))
+    if (const auto* wait = std::get_if<tmcl::plan::StreamWait>(&step)) {
+      // A wait that is over is a breath of a long computation: others get their turn in it.
+      if (wait->until <= now()) co_await boost::asio::post(boost::asio::use_awaitable);
       co_await woken_.wait_until(std::min(wait->until, progress_due_));
+    }
     if (const auto* command = std::get_if<StreamCommand>(&step)) {
       auto answer = co_await carry_out(*command);
       notice_stops();

@@ -1,6 +1,7 @@
 // What happens beside a path: links that are lost, modules that fall silent, others who want the
 // reactor and the bus.
 #include "gateway/link_patience.hpp"
+#include "gateway/poller.hpp"
 #include "unit/daemon_path_fixture.hpp"
 
 namespace tmcld::test {
@@ -95,6 +96,78 @@ TEST_F(DaemonPathWithoutLink, ALinkThatComesBackLateIsUsedToStop) {
   while (text(client->notification("notify_event").at("text")) != "axis 'x' could be stopped now") {
   }
   EXPECT_TRUE(daemon.eventually([&] { return !module.moves(); }));
+}
+
+/// Counts how often the reactor takes up a next piece of work, by being one of them.
+class Turns {
+ public:
+  explicit Turns(boost::asio::io_context& context) : context_(context) { take(); }
+  std::size_t count() const { return count_; }
+
+ private:
+  void take() {
+    boost::asio::post(context_, [this, alive = std::weak_ptr(alive_)] {
+      if (alive.expired()) return;
+      ++count_;
+      take();
+    });
+  }
+  boost::asio::io_context& context_;
+  std::size_t count_ = 0;
+  std::shared_ptr<int> alive_ = std::make_shared<int>();
+};
+
+// Before its stream begins, it is looked at a million times for how steep it is.
+TEST_F(DaemonPath, WhileALongPathIsPreparedOthersHaveTheirTurn) {
+  std::unique_ptr<Turns> turns;
+  std::optional<tmcl::Request> last;
+  std::size_t turns_at_last = 0;
+  std::size_t turns_in_preparation = 0;
+  on_module([&](Played& played) {
+    turns = std::make_unique<Turns>(daemon.daemon().context());
+    played.before = [&](const tmcl::Request& request) {
+      // The last that is measured, and the first that is asked when that is known.
+      const bool was_measured = last && last->type == ap::actual_position;
+      if (was_measured && request.type == ap::max_acceleration)
+        turns_in_preparation = turns->count() - turns_at_last;
+      last = request;
+      turns_at_last = turns->count();
+    };
+    return 0;
+  });
+  const auto id = client->send("path.run", order("G1 X40 Y10 F0.05\n"));
+  ASSERT_TRUE(daemon.eventually([&] { return turns_in_preparation > 0; }));
+  RpcClient other(daemon.socket());
+  other.result("path.stop");
+  EXPECT_EQ(name_in(error_of(id)), "stopped");
+  on_module([&](Played& played) { return turns.reset(), played.before = {}, 0; });
+  // One after a thousand looks each; an exchange alone takes some.
+  EXPECT_GE(turns_in_preparation, 900U);
+}
+
+TEST_F(DaemonPath, WhoWatchesItsAxesGetsLessOfTheBus) {
+  constexpr std::uint8_t read_by_watchers_only = ap::position_reached;
+  std::size_t looks = 0;
+  on_module([&](Played& played) {
+    played.before = [&](const tmcl::Request& request) {
+      const bool reads = request.command == Command::GAP && request.motor == 0;
+      if (reads && request.type == read_by_watchers_only) ++looks;
+    };
+    return 0;
+  });
+  client->result("subscribe", {{"axes", json::array{"x"}}, {"interval_ms", 5}});
+  const auto id = client->send("path.run", order(long_way));
+  const auto look_at = [&](double position) {
+    EXPECT_TRUE(until_x_is_beyond(position));
+    return on_module([&](Played&) { return std::pair(looks, std::chrono::steady_clock::now()); });
+  };
+  const auto [looks_before, begin] = look_at(2);
+  const auto [looks_after, end] = look_at(35);
+  EXPECT_GT(looks_after, looks_before);
+  const auto ticks = (end - begin) / shortest_poll_interval_beside_path + 1;
+  EXPECT_LE(looks_after - looks_before, static_cast<std::size_t>(ticks) + 1) << "one may be late";
+  EXPECT_TRUE(client->answer_to(id).contains("result"));
+  on_module([](Played& played) { return played.before = {}, 0; });
 }
 
 TEST_F(DaemonPath, ASilentModuleIsTold) {
