@@ -22,7 +22,6 @@ using tmcl::plan::StreamAnswer;
 using tmcl::plan::StreamCommand;
 using tmcl::plan::StreamFault;
 
-
 tmcl::TimePoint now() { return std::chrono::steady_clock::now(); }
 
 // A log has one line for it.

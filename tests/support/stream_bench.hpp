@@ -59,9 +59,10 @@ class StreamBench {
   }
 
   StreamReport pass(const path_file::Path& path, StreamMode mode) {
-    const auto course = Course::of(path, limits_);
+    auto course = Course::of(path, limits_);
     EXPECT_TRUE(course) << course.error();
-    stream_.emplace(*course, std::vector<StreamAxis>{info(0), info(1)},
+    course_ = std::move(*course);
+    stream_.emplace(*course_, std::vector<StreamAxis>{info(0), info(1)},
                     StreamOptions{.mode = mode, .most_deviation = most_deviation});
     while (true) {
       const auto step = stream_->next(clock_.now());
@@ -79,6 +80,10 @@ class StreamBench {
   }
 
   PathStream& stream() { return *stream_; }
+  TimePoint now() const { return clock_.now(); }
+  const PathLimits& limits() const { return limits_; }
+  /// That was passed last.
+  const Course& course() const { return *course_; }
   sim::Module& module() { return module_; }
   void let_pass(Duration time) {
     clock_.advance(std::max(time, Duration(1)));
@@ -138,6 +143,7 @@ class StreamBench {
   sim::Module module_;
   PathLimits limits_;
   TimePoint looked_at_{};
+  std::optional<Course> course_;
   std::optional<PathStream> stream_;
 };
 

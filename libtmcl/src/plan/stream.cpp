@@ -114,7 +114,7 @@ PathStream::Runner::Fault PathStream::Runner::asked_to_stop() const { return sto
 
 Script<PathStream::Runner::Fault> PathStream::Runner::know(std::size_t axis,
                                                            std::uint8_t parameter) {
-  if (axes_[axis].parameters.contains(parameter)) co_return std::nullopt;
+  if (axes_[axis].before.contains(parameter)) co_return std::nullopt;
   co_await command({Kind::get, axis, parameter, 0});
   if (!answer_) co_return refusal(axis);
   axes_[axis].before[parameter] = *answer_;
@@ -122,11 +122,19 @@ Script<PathStream::Runner::Fault> PathStream::Runner::know(std::size_t axis,
   co_return std::nullopt;
 }
 
+bool PathStream::Runner::is_known_as(std::size_t axis, std::uint8_t parameter,
+                                     std::int32_t value) const {
+  const auto known = axes_[axis].parameters.find(parameter);
+  return known != axes_[axis].parameters.end() && known->second == value;
+}
+
 Script<PathStream::Runner::Fault> PathStream::Runner::set(std::size_t axis, std::uint8_t parameter,
                                                           std::int32_t value) {
   auto unknown = co_await know(axis, parameter);
   if (unknown) co_return unknown;
-  if (axes_[axis].parameters[parameter] == value) co_return std::nullopt;
+  if (is_known_as(axis, parameter, value)) co_return std::nullopt;
+  // Whether or not an answer comes: it may be carried out.
+  axes_[axis].parameters.erase(parameter);
   co_await command({Kind::set, axis, parameter, value});
   if (!answer_) co_return refusal(axis);
   axes_[axis].parameters[parameter] = value;
@@ -252,7 +260,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::come_to_rest(std::vector<b
 Script<PathStream::Runner::Fault> PathStream::Runner::restore() {
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     for (const auto& [parameter, value] : axes_[axis].before) {
-      if (axes_[axis].parameters[parameter] == value) continue;
+      if (is_known_as(axis, parameter, value)) continue;
       co_await command({Kind::set, axis, parameter, value});
       if (!answer_) {
         report_.remarks.push_back(fmt::format("parameter {} of {{{}}} was {} before: {}", parameter,

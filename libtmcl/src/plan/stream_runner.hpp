@@ -71,7 +71,7 @@ class PathStream::Runner {
   struct Axis {
     StreamAxis info;
     std::map<std::uint8_t, std::int32_t> before;      // parameters, as they were
-    std::map<std::uint8_t, std::int32_t> parameters;  // as they are
+    std::map<std::uint8_t, std::int32_t> parameters;  // as they are, where that is known
     std::optional<std::int32_t> velocity;             // what parameter 2 is to read
     // Velocity mode: where it should be by what it was told, in microsteps, and when that was.
     // Position mode: how far it is ahead of its twin.
@@ -114,6 +114,7 @@ class PathStream::Runner {
   Script<Fault> arrive();
   Script<Fault> go_to_end();
   Script<Fault> know(std::size_t axis, std::uint8_t parameter);
+  bool is_known_as(std::size_t axis, std::uint8_t parameter, std::int32_t value) const;
   Script<Fault> set(std::size_t axis, std::uint8_t parameter, std::int32_t value);
   Script<Fault> check(std::size_t axis);
   Script<Fault> check_all();
