@@ -350,7 +350,7 @@ Answer stop_path(Call& call) {
   const auto runs = runs_of(call);
   if (!runs) co_return tl::unexpected(runs.error());
   for (const auto& run : *runs)
-    run->stop({plan::StreamFault::Kind::asked, 0, "the path was stopped by path.stop"});
+    run->stop({plan::StreamFault::Kind::asked, 0, "a client has stopped the path"});
   for (const auto& run : *runs) {
     while (!run->has_ended()) co_await rest(look_interval);
   }

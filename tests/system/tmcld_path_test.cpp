@@ -157,7 +157,7 @@ TEST_F(TmcldPath, AnotherTerminalPausesResumesAndStops) {
   EXPECT_EQ(ctl("path stop left").status, 0);
   expect_rest_and_own_settings();
   EXPECT_EQ(terminal.wait(), 5) << terminal.output();
-  EXPECT_THAT(terminal.output(), HasSubstr("the path was stopped by path.stop"));
+  EXPECT_THAT(terminal.output(), HasSubstr("a client has stopped the path"));
 }
 
 TEST_F(TmcldPath, AClientThatIsKilledDoesNotEndIt) {

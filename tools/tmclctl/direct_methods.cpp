@@ -6,6 +6,7 @@
 
 #include "direct_target.hpp"
 #include "json_read.hpp"
+#include "method_words.hpp"
 
 namespace tmclctl {
 namespace {
@@ -353,8 +354,8 @@ Attempt<json::object> DirectTarget::perform(const std::string& method, json::obj
   const auto known = methods();
   const auto found = std::ranges::find(known, method, &DirectMethod::name);
   if (found == known.end()) {
-    return tl::unexpected(
-        usage_failure("method_not_found", fmt::format("{} needs a running tmcld", method)));
+    return tl::unexpected(usage_failure(
+        "method_not_found", fmt::format("{} needs a running tmcld", with_verbs(method))));
   }
   return (this->*found->run)(params, on_news);
 }

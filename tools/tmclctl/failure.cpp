@@ -4,6 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "method_words.hpp"
+
 namespace tmclctl {
 namespace {
 
@@ -86,7 +88,8 @@ Failure failure_from(const tmcl::Error& error) {
 }
 
 Failure failure_from(const tmcl::client::CallError& error) {
-  Failure failure{exit_for(error), error.name, error.message, error.hint, error.outcome};
+  Failure failure{exit_for(error), error.name, with_verbs(error.message), with_verbs(error.hint),
+                  error.outcome};
   for (const auto& [key, value] : error.data) {
     if (!is_top_level(key) && !value.is_null()) failure.details[key] = value;
   }

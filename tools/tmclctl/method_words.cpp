@@ -1,0 +1,108 @@
+#include "method_words.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include <fmt/format.h>
+
+namespace tmclctl {
+namespace {
+
+constexpr auto table = std::to_array<MethodWord>({
+    {"rpc.discover", "--help"},
+    // No verb lists the buses; this one says which there are modules on.
+    {"bus.list", "modules"},
+    {"bus.scan", "scan"},
+    {"module.list", "modules"},
+    {"module.execute", "raw"},
+    {"axis.list", "axes"},
+    {"axis.move_to", "move"},
+    {"axis.move_by", "move --by"},
+    {"axis.rotate", "rotate"},
+    {"axis.stop", "stop"},
+    {"axis.wait", "wait"},
+    {"line.move", "line"},
+    {"path.stage", "path run"},
+    {"path.run", "path run"},
+    {"path.pause", "path pause"},
+    {"path.resume", "path resume"},
+    {"path.stop", "path stop"},
+    {"axis.home", "home"},
+    {"axis.start_home", "home --no-wait"},
+    {"axis.stop_home", "home --stop"},
+    {"axis.get_state", "state"},
+    {"axis.get_units", "params"},
+    {"parameter.get", "get"},
+    {"parameter.set", "set"},
+    {"parameter.store", "store"},
+    {"parameter.restore", "restore"},
+    {"parameter.list", "params"},
+    {"coordinate.get", "coordinate get"},
+    {"coordinate.set", "coordinate set"},
+    {"coordinate.capture", "coordinate capture"},
+    {"coordinate.move", "coordinate move"},
+    {"coordinate.start", "coordinate start"},
+    {"coordinate.store", "coordinate store"},
+    {"coordinate.load", "coordinate load"},
+    {"global.get", "global get"},
+    {"global.set", "global set"},
+    {"global.store", "global store"},
+    {"global.restore", "global restore"},
+    {"io.get", "input"},
+    {"io.set", "output"},
+    {"module.info", "info"},
+    {"module.report_arrivals", "arrivals"},
+    {"module.reset", "reset"},
+    {"module.factory_reset", "factory-reset"},
+    {"program.load", "program upload"},
+    {"program.compare", "program verify"},
+    {"program.read", "program download"},
+    {"program.run", "program run"},
+    {"program.stop", "program stop"},
+    {"program.step", "program step"},
+    {"program.reset", "program reset"},
+    {"program.status", "program status"},
+    {"program.set_breakpoint", "program breakpoint"},
+    {"program.clear_breakpoint", "program clear-breakpoint"},
+    {"program.clear_breakpoints", "program clear-breakpoints"},
+    {"firmware.status", "firmware check"},
+    {"firmware.stage", "firmware upload"},
+    {"firmware.upload", "firmware upload"},
+    {"system.stop_all", "stop --all"},
+});
+
+bool is_of_a_word(char c) {
+  return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_';
+}
+
+/// A name as it stands in a text: not a part of a longer one, and not of a file's, such as
+/// path.stop.csv; the point at the end of a sentence may follow.
+bool stands_alone(std::string_view text, std::size_t at, std::size_t length) {
+  const auto after = text.substr(at + length);
+  const bool begins = at == 0 || (!is_of_a_word(text[at - 1]) && text[at - 1] != '/');
+  const bool goes_on = !after.empty() && is_of_a_word(after.front());
+  const bool has_ending = after.size() > 1 && after.front() == '.' && is_of_a_word(after[1]);
+  return begins && !goes_on && !has_ending;
+}
+
+}  // namespace
+
+std::span<const MethodWord> method_words() { return table; }
+
+std::string with_verbs(std::string_view text) {
+  std::string words;
+  for (std::size_t at = 0; at < text.size();) {
+    const auto* found = std::ranges::find_if(table, [&](const MethodWord& word) {
+      return text.substr(at).starts_with(word.method) && stands_alone(text, at, word.method.size());
+    });
+    if (found == table.end()) {
+      words += text[at++];
+      continue;
+    }
+    words += fmt::format("'tmclctl {}'", found->verb);
+    at += found->method.size();
+  }
+  return words;
+}
+
+}  // namespace tmclctl
