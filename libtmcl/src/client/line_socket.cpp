@@ -1,10 +1,8 @@
 #include "client/line_socket.hpp"
 
 #include <fcntl.h>
-#include <grp.h>
 #include <poll.h>
 #include <sys/socket.h>
-#include <sys/stat.h>
 #include <sys/un.h>
 #include <unistd.h>
 
@@ -18,32 +16,12 @@
 
 #include <fmt/format.h>
 
+#include "client/socket_hints.hpp"
+
 namespace tmcl::client {
 namespace {
 
 constexpr auto cancel_poll_interval = std::chrono::milliseconds(50);
-
-std::string group_of(const std::string& path) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) return {};
-  const auto* group = ::getgrgid(status.st_gid);
-  return group != nullptr ? group->gr_name : std::to_string(status.st_gid);
-}
-
-std::string hint_for(int reason, const std::string& path) {
-  if (reason == EACCES) {
-    return fmt::format(
-        "The socket belongs to the group '{}': add yourself with 'sudo adduser $USER {}' and log "
-        "in "
-        "again",
-        group_of(path), group_of(path));
-  }
-  if (reason == EAGAIN)
-    return "The daemon does not accept connections: is it stopped or overloaded?";
-  return "Is tmcld running? 'systemctl status tmcld' says so, 'tmcld --config FILE' starts it by "
-         "hand; its "
-         "configuration names the socket";
-}
 
 CallError unreachable(const std::string& path, int reason, Duration waited = {}) {
   return {0, std::string(error_name::unreachable), Outcome::not_sent,
@@ -121,8 +99,7 @@ LineSocket::~LineSocket() {
 
 CallError LineSocket::lost(std::string_view why) const {
   return {0, std::string(error_name::lost), Outcome::unknown,
-          fmt::format("the connection to tmcld at {} broke: {}", path_, why),
-          "'systemctl status tmcld' and its log say what became of the daemon"};
+          fmt::format("the connection to tmcld at {} broke: {}", path_, why), hint_after_loss()};
 }
 
 CallResult<bool> LineSocket::wait_for(short events, TimePoint deadline) {
