@@ -103,12 +103,22 @@ Answer act_on_parameter(Call& call, ParameterVerb verb) {
   co_return result;
 }
 
+/// A mode that the model has not is not even written.
+std::optional<RpcError> check_mode(const Call& call, const GatewayAxis& axis) {
+  constexpr std::uint8_t search_mode = 193;
+  if (!call.params.has("mode")) return std::nullopt;
+  return check_range(find_parameter(axis.parameters(), search_mode), call.params.integer("mode"),
+                     "mode");
+}
+
 }  // namespace
 
 Answer home(Call& call) {
   const auto ready = co_await ready_to_move(call);
   if (!ready) co_return tl::unexpected(ready.error());
   auto& axis = *ready->axis;
+  auto complaint = check_mode(call, axis);
+  if (complaint) co_return tl::unexpected(std::move(*complaint));
   const auto homed = co_await axis.home(home_options(call), with_peer(ready->moves, call.peer));
   if (!homed) co_return failed(homed.error(), axis);
   json::object result;
@@ -123,6 +133,8 @@ Answer start_home(Call& call) {
   const auto ready = co_await ready_to_move(call);
   if (!ready) co_return tl::unexpected(ready.error());
   auto& axis = *ready->axis;
+  auto complaint = check_mode(call, axis);
+  if (complaint) co_return tl::unexpected(std::move(*complaint));
   std::optional<std::int32_t> mode;
   if (call.params.has("mode")) mode = call.params.integer("mode");
   const auto started = co_await axis.start_home(mode, ready->moves);

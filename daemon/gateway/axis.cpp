@@ -23,8 +23,6 @@ namespace {
 using tmcl::Microsteps;
 using tmcl::Result;
 
-constexpr std::uint8_t reference_search_mode = 193;
-
 constexpr std::string_view beyond_range_hint = "move less far, or set another actual position";
 
 Result<Microsteps> sum(Microsteps here, Microsteps distance, tmcl::ValueRange range) {
@@ -411,12 +409,9 @@ GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t>
                                                      RunOptions movement) {
   auto free = co_await be_free(movement);
   if (!free) co_return free;
-  if (mode) {
-    auto chosen = co_await set(reference_search_mode, *mode, movement);
-    if (!chosen) co_return chosen;
-  }
   forget_move();
-  auto result = co_await run(tmcl::verbs::start_reference_search(address()), std::move(movement));
+  auto script = tmcl::verbs::start_reference_search(address(), mode);
+  auto result = co_await run(std::move(script), std::move(movement));
   co_return result;
 }
 

@@ -134,6 +134,14 @@ TEST_F(DaemonProgram, HomingTellsItsSteps) {
   EXPECT_EQ(fake().parameter(0, 193), 5);
 }
 
+TEST_F(DaemonProgram, AModeThatTheModelHasNotIsNotWritten) {
+  for (const auto* method : {"axis.home", "axis.start_home"}) {
+    const auto id = client.send(method, {{"axis", "x"}, {"mode", 137}});
+    EXPECT_EQ(name_in(client.answer_to(id)), "out_of_range");
+  }
+  EXPECT_EQ(daemon.on_reactor([&] { return daemon.wire().count(Command::SAP); }), 0U);
+}
+
 TEST_F(DaemonProgram, AStopEndsTheSearchToo) {
   daemon.on_reactor([&] {
     fake().before = [](FakeModule& self, const Request& request) {

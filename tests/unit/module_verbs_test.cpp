@@ -32,9 +32,38 @@ TEST(Homing, SetsTheModeStartsAndAsksUntilTheModuleIsDone) {
   EXPECT_EQ(homed->correction, Microsteps{-40});
   EXPECT_EQ(homed->switch_distance, Microsteps{5000});
   EXPECT_THAT(steps, ElementsAre(1, 2, 3));
-  EXPECT_EQ(bus.sent()[0], (Request{module, Command::SAP, 193, 2, 7}));
-  EXPECT_EQ(bus.sent()[1], search(0));
-  EXPECT_EQ(bus.sent()[2], search(2));
+  EXPECT_EQ(bus.sent()[0], (Request{module, Command::GAP, 193, 2, 0}));
+  EXPECT_EQ(bus.sent()[1], (Request{module, Command::SAP, 193, 2, 7}));
+  EXPECT_EQ(bus.sent()[2], search(0));
+  EXPECT_EQ(bus.sent()[3], search(2));
+}
+
+TEST(Homing, AModeThatTheModuleRefusesDoesNotStay) {
+  ScriptedBus bus;
+  auto& fake = bus.add_module(1);
+  fake.parameter(2, 193) = 3;
+  fake.refuse = [](const Request& request) {
+    return request == search(0) ? std::optional(Status::invalid_value) : std::nullopt;
+  };
+  const auto homed = bus.run(verbs::home(axis, {.mode = 20}));
+  ASSERT_FALSE(homed);
+  EXPECT_EQ(homed.error().outcome, Outcome::refused);
+  EXPECT_THAT(homed.error().hint, testing::HasSubstr("193 is 3 again"));
+  EXPECT_EQ(fake.parameter(2, 193), 3);
+  ASSERT_FALSE(bus.run(verbs::start_reference_search(axis, 20)));
+  EXPECT_EQ(fake.parameter(2, 193), 3);
+}
+
+TEST(Homing, AModuleThatDoesNotTellItsModeMaySearchAllTheSame) {
+  ScriptedBus bus;
+  auto& fake = bus.add_module(1);
+  fake.refuse = [](const Request& request) {
+    return request.command == Command::GAP && request.type == 193
+               ? std::optional(Status::wrong_type)
+               : std::nullopt;
+  };
+  EXPECT_TRUE(bus.run(verbs::home(axis, {.mode = 5})));
+  EXPECT_EQ(fake.parameter(2, 193), 5);
 }
 
 TEST(Homing, LeavesTheModeAloneUnlessAsked) {

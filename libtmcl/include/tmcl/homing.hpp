@@ -14,7 +14,7 @@ namespace tmcl {
 
 struct HomeOptions {
   /// Axis parameter 193, written before the search: 1..8, with 64 or 128 added as the firmware
-  /// manuals say; nothing: as it is set.
+  /// manuals say; nothing: as it is set. If the module refuses the search, it is set back.
   std::optional<std::int32_t> mode{};
   Duration poll_interval = std::chrono::milliseconds(50);
   /// Gives up with Errc::deadline_passed, and the search goes on; zero: waits as long as it takes.
@@ -42,8 +42,9 @@ struct Homed {
 namespace verbs {
 
 /// Starts a reference search (RFS START). When the answer is lost, RFS STATUS may settle that it
-/// runs; otherwise the error is Outcome::unknown.
-Script<Result<void>> start_reference_search(AxisAddress axis);
+/// runs; otherwise the error is Outcome::unknown. With a mode, that is set before (HomeOptions).
+Script<Result<void>> start_reference_search(AxisAddress axis,
+                                            std::optional<std::int32_t> mode = {});
 /// Ends a reference search (RFS STOP): the axis ramps down.
 Script<Result<void>> stop_reference_search(AxisAddress axis);
 /// RFS STATUS: 0 when no search runs, else the step it is in.

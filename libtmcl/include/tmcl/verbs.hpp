@@ -158,7 +158,9 @@ class BasicAxis {
   }
 
   auto home(HomeOptions options = {}) { return bus_->run(verbs::home(address_, options)); }
-  auto start_reference_search() { return bus_->run(verbs::start_reference_search(address_)); }
+  auto start_reference_search(std::optional<std::int32_t> mode = {}) {
+    return bus_->run(verbs::start_reference_search(address_, mode));
+  }
   auto stop_reference_search() { return bus_->run(verbs::stop_reference_search(address_)); }
   auto reference_search_status() { return bus_->run(verbs::reference_search_status(address_)); }
 

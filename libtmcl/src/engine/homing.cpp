@@ -58,9 +58,33 @@ Script<Result<std::optional<Microsteps>>> get_if_there(AxisAddress axis, std::ui
   co_return tl::unexpected(value.error());
 }
 
+/// Modules take any mode, and refuse only the search: what they refused must not stay, or each
+/// later search would fail.
+Script<Result<void>> start_search_in(AxisAddress axis, std::int32_t mode, CallOptions call) {
+  const auto before = co_await get(axis, search_mode);
+  if (!before && before.error().outcome != Outcome::refused)
+    co_return tl::unexpected(before.error());
+  const auto chosen = co_await set(axis, search_mode, mode);
+  if (!chosen) co_return chosen;
+  auto started = co_await start_search(axis, call);
+  if (started || started.error().outcome != Outcome::refused || !before) co_return started;
+  const auto set_back = co_await set(axis, search_mode, *before);
+  started.error().hint = fmt::format(
+      "Mode {} is perhaps none that this module has. Parameter {} {}", mode, search_mode,
+      set_back ? fmt::format("is {} again, as before", *before) : "could not be set back");
+  co_return started;
+}
+
+Script<Result<void>> start_search(AxisAddress axis, std::optional<std::int32_t> mode,
+                                  CallOptions call) {
+  return mode ? start_search_in(axis, *mode, call) : start_search(axis, call);
+}
+
 }  // namespace
 
-Script<Result<void>> start_reference_search(AxisAddress axis) { return start_search(axis, {}); }
+Script<Result<void>> start_reference_search(AxisAddress axis, std::optional<std::int32_t> mode) {
+  return start_search(axis, mode, {});
+}
 
 Script<Result<void>> stop_reference_search(AxisAddress axis) {
   return act(search_request(axis, Search::stop));
@@ -73,11 +97,7 @@ Script<Result<std::int32_t>> reference_search_status(AxisAddress axis) {
 Script<Result<Homed>> home(AxisAddress axis, HomeOptions options) {
   const auto begin = co_await current_time();
   const auto call = until_timeout(begin, options.timeout);
-  if (options.mode) {
-    const auto chosen = co_await set(axis, search_mode, *options.mode);
-    if (!chosen) co_return tl::unexpected(chosen.error());
-  }
-  const auto started = co_await start_search(axis, call);
+  const auto started = co_await start_search(axis, options.mode, call);
   if (!started) co_return tl::unexpected(started.error());
   std::optional<std::int32_t> last;
   while (true) {
