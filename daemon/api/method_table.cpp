@@ -180,8 +180,8 @@ constexpr std::array parameter_result{
     ResultInfo{"value_in_unit", nullable_number, "its value in the axis' unit"}};
 constexpr std::array list_parameters_result{ResultInfo{
     "parameters", objects,
-    "number, name, access, minimum, maximum, initial, unit, meaning, axis_unit; none for "
-    "a model that is not known"}};
+    "number, name, access, stored, minimum, maximum, initial, unit, meaning, axis_unit, aliases; "
+    "none for a model that is not known"}};
 
 constexpr std::array eeprom_parameter_params{axis, parameter, deadline};
 constexpr std::array eeprom_parameter_result{

@@ -196,6 +196,7 @@ json::object to_json(const tmcl::ParameterInfo& row, const std::string& axis_uni
   out["number"] = row.number;
   out["name"] = row.name;
   out["access"] = row.access == tmcl::Access::read ? "read" : "read_write";
+  out["stored"] = row.stored;
   out["minimum"] = row.minimum;
   out["maximum"] = row.maximum;
   out["initial"] = row.initial;
@@ -204,6 +205,11 @@ json::object to_json(const tmcl::ParameterInfo& row, const std::string& axis_uni
   out["axis_unit"] = nullptr;
   const auto unit = axis_unit.empty() ? std::string() : unit_of(row, axis_unit);
   if (!unit.empty()) out["axis_unit"] = unit;
+  json::array aliases;
+  for (const auto alias : row.aliases) {
+    if (!alias.empty()) aliases.emplace_back(alias);
+  }
+  out["aliases"] = std::move(aliases);
   return out;
 }
 

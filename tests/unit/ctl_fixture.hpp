@@ -63,6 +63,7 @@ class FakeTarget : public Target {
   std::map<std::string, std::int32_t> values;    ///< What get() gives, by parameter as asked for.
   std::string known_axis;                        ///< Empty: all of them.
   std::string refused_parameter;                 ///< set() of it fails.
+  std::string closed_because;                    ///< Why the bus of all axes is not open.
   tmcl::FirmwareVersion runs_then{1110, 1, 42};  ///< After an upload.
 
   // What happened.
@@ -80,10 +81,17 @@ class FakeTarget : public Target {
   }
   Attempt<std::vector<AxisRow>> axes() override {
     if (failure) return tl::unexpected(*failure);
+    if (!closed_because.empty()) {
+      return std::vector<AxisRow>{{"x", "bench", 1, 0, "", "unknown", "", closed_because},
+                                  {"y", "bench", 1, 1, "", "unknown", "", closed_because}};
+    }
     return std::vector<AxisRow>{{"x", "bench", 1, 0, "TMCM-1110", "ready"}};
   }
   Attempt<std::vector<ParameterRow>> parameters(const std::string&) override {
-    return std::vector<ParameterRow>{{4, "max_velocity", true, 0, 2047, "internal", "speed"}};
+    return std::vector<ParameterRow>{
+        {4, "max_velocity", true, 0, 2047, "internal", "speed", true, 1000, {"v_max"}},
+        {0, "target_position", true, -9, 9, "microstep", "where to", false, 0, {"xtarget"}},
+        {3, "actual_velocity", false, -9, 9, "internal", "speed now"}};
   }
   Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) override {
     if (failure) return tl::unexpected(*failure);

@@ -69,6 +69,40 @@ TEST_F(CtlMethods, EveryVerbAsksForItsMethod) {
   }
 }
 
+TEST_F(CtlMethods, WhatGoesOnIsSaid) {
+  ctl.run({"program", "stop", "1"});
+  EXPECT_EQ(ctl.out,
+            "module 1: the program has ended\n"
+            "Motors that turn go on. Stop them with: tmclctl --direct can:can0 stop AXIS\n");
+  ctl.run({"program", "step", "b:1"});
+  EXPECT_EQ(ctl.out, "module b:1: one command of the program was executed\n");
+  ctl.run({"program", "breakpoint", "1", "9"});
+  EXPECT_EQ(ctl.out, "module 1: the program will stand before command 9\n");
+  ctl.target.result = {{"axes", {"x", "y"}}};
+  ctl.run({"path", "pause"});
+  EXPECT_EQ(ctl.out, "x, y: paused on the path\n");
+  ctl.run({"path", "resume"});
+  EXPECT_EQ(ctl.out, "x, y: going on along the path\n");
+  ctl.run({"path", "stop"});
+  EXPECT_EQ(ctl.out, "x, y: the path has ended, and all of its axes were stopped\n");
+  EXPECT_EQ(ctl.json({"path", "stop"}).at("axes").as_array().size(), 2U);
+  ctl.target.result = {{"axes", boost::json::array{}}};
+  ctl.run({"path", "stop"});
+  EXPECT_EQ(ctl.out, "No axis is on a path that tmcld passes\n");
+}
+
+TEST_F(CtlMethods, HomeSaysThatTheMotorSearches) {
+  ctl.run({"home", "x", "--no-wait"});
+  EXPECT_EQ(ctl.out,
+            "x searches its reference. End it with: tmclctl --direct can:can0 home x --stop\n");
+  ctl.run({"home", "x", "--stop"});
+  EXPECT_EQ(ctl.out, "x searches no longer\n");
+  ctl.target.failure = Failure{ExitCode::not_reached, "deadline_passed", "not found yet"};
+  EXPECT_EQ(ctl.run({"home", "x", "--timeout", "1"}), ExitCode::not_reached);
+  EXPECT_THAT(ctl.err, HasSubstr("The motor goes on searching. End it with: tmclctl --direct "
+                                 "can:can0 home x --stop"));
+}
+
 TEST_F(CtlMethods, OneValueIsPrintedBare) {
   ctl.target.result = {{"value", 7}, {"number", 66}};
   ctl.run({"global", "get", "1", "66"});

@@ -24,6 +24,8 @@ constexpr auto doubtful_silence = std::chrono::seconds(1);
 constexpr std::size_t staged_at_once = 16'384;
 // A module may say nothing for so long while it erases its firmware, three times.
 constexpr auto longest_firmware_step = std::chrono::seconds(75);
+// Of an axis whose module was not asked yet.
+constexpr std::string_view unknown_state = "unknown";
 // Planning a long path takes a while.
 constexpr auto longest_path_silence = std::chrono::seconds(120);
 
@@ -68,13 +70,20 @@ std::optional<InUnit> in_unit_at(const json::object& row, std::string_view key) 
 
 ParameterRow parameter_from(const json::object& row) {
   const auto access = text_at(row, "access");
+  std::vector<std::string> aliases;
+  for (const auto& alias : array_at(row, "aliases")) {
+    if (const auto* name = alias.if_string()) aliases.emplace_back(*name);
+  }
   return {integer_at<std::uint8_t>(row, "number"),
           text_at(row, "name"),
           access.find('w') != std::string::npos,
           integer_at<std::int32_t>(row, "minimum"),
           integer_at<std::int32_t>(row, "maximum"),
           text_at(row, "unit"),
-          text_at(row, "meaning")};
+          text_at(row, "meaning"),
+          flag_at(row, "stored"),
+          integer_at<std::int32_t>(row, "initial"),
+          std::move(aliases)};
 }
 
 Failure failure_at(const json::object& row) {
@@ -241,9 +250,26 @@ Attempt<std::vector<ModuleRow>> DaemonTarget::modules() {
 }
 
 Attempt<std::vector<AxisRow>> DaemonTarget::axes() {
-  return call("axis.list", {}).map([](const json::object& found) {
+  auto rows = call("axis.list", {}).map([](const json::object& found) {
     return rows_at<AxisRow>(found, "axes", axis_from);
   });
+  if (rows && std::ranges::count(*rows, unknown_state, &AxisRow::state) != 0) add_reasons(*rows);
+  return rows;
+}
+
+/// For axes whose bus is not open. They are listed all the same if tmcld cannot say more.
+void DaemonTarget::add_reasons(std::vector<AxisRow>& axes) {
+  const auto listed = call("bus.list", {});
+  if (!listed) return;
+  for (const auto& value : array_at(*listed, "buses")) {
+    const auto& bus = value.is_object() ? value.get_object() : json::object{};
+    if (text_at(bus, "state") == "open") continue;
+    const auto error = text_at(bus, "error");
+    for (auto& axis : axes) {
+      if (axis.bus == text_at(bus, "name") && axis.state == unknown_state)
+        axis.why = error.empty() ? "it is being opened" : error;
+    }
+  }
 }
 
 Attempt<std::vector<ParameterRow>> DaemonTarget::parameters(const std::string& axis) {

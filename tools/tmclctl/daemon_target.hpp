@@ -48,6 +48,7 @@ class DaemonTarget final : public Target {
   std::string options() const override { return options_; }
 
  private:
+  void add_reasons(std::vector<AxisRow>& axes);
   Attempt<boost::json::object> call(std::string_view method, boost::json::object params);
   Attempt<StartedMove> move(std::string_view method, boost::json::object params);
   AxisReading reading_from(const boost::json::object& state) const;

@@ -226,20 +226,26 @@ Attempt<json::object> DirectTarget::home(const json::object& params, const NewsH
   options.mode = optional_at<std::int32_t>(params, "mode");
   options.timeout = std::chrono::milliseconds(integer_at<std::int32_t>(params, "timeout_ms"));
   options.progress = [&](std::int32_t step) { return !on_news || on_news({{"step", step}}); };
-  return axis_at(text_at(params, "axis")).and_then([&](Axis axis) {
-    return answer(axis.home(options));
-  });
+  auto axis = axis_at(text_at(params, "axis"));
+  if (!axis) return tl::unexpected(axis.error());
+  const auto allowed = check_mode(axis->address().module, options.mode);
+  if (!allowed) return tl::unexpected(allowed.error());
+  return answer(axis->home(options));
+}
+
+Attempt<void> DirectTarget::check_mode(tmcl::ModuleAddress module,
+                                       std::optional<std::int32_t> mode) {
+  constexpr std::uint8_t search_mode = 193;
+  return mode ? check(module, search_mode, *mode) : Attempt<void>{};
 }
 
 Attempt<json::object> DirectTarget::start_home(const json::object& params, const NewsHandler&) {
   auto axis = axis_at(text_at(params, "axis"));
   if (!axis) return tl::unexpected(axis.error());
-  constexpr std::uint8_t search_mode = 193;
-  if (const auto mode = optional_at<std::int32_t>(params, "mode")) {
-    const auto chosen = attempt(axis->set(search_mode, *mode));
-    if (!chosen) return tl::unexpected(chosen.error());
-  }
-  return answer(axis->start_reference_search());
+  const auto mode = optional_at<std::int32_t>(params, "mode");
+  const auto allowed = check_mode(axis->address().module, mode);
+  if (!allowed) return tl::unexpected(allowed.error());
+  return answer(axis->start_reference_search(mode));
 }
 
 Attempt<json::object> DirectTarget::load(const json::object& params, const NewsHandler& on_news) {

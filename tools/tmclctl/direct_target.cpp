@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <fmt/format.h>
+
 #include "tmcl/prediction.hpp"
 
 namespace tmclctl {
@@ -39,13 +41,34 @@ ModuleRow row_of(const tmcl::FoundModule& found, const std::string& bus, tmcl::F
 }
 
 ParameterRow row_of(const tmcl::ParameterInfo& info) {
+  std::vector<std::string> aliases;
+  for (const auto alias : info.aliases) {
+    if (!alias.empty()) aliases.emplace_back(alias);
+  }
   return {info.number,
           std::string(info.name),
           info.access == tmcl::Access::read_write,
           info.minimum,
           info.maximum,
           std::string(info.unit),
-          std::string(info.meaning)};
+          std::string(info.meaning),
+          info.stored,
+          info.initial,
+          std::move(aliases)};
+}
+
+/// As tmcld does it: a module may take what it cannot do.
+Attempt<void> in_range(const tmcl::ParameterInfo* row, std::int32_t value) {
+  if (row == nullptr) return {};
+  if (row->access == tmcl::Access::read)
+    return tl::unexpected(
+        usage_failure("read_only", fmt::format("'{}' can only be read", row->name)));
+  // Where the range depends on the unit mode, the module is left to judge.
+  const bool within = value >= row->minimum && value <= row->maximum;
+  if (within || row->scale != tmcl::Scale::fixed) return {};
+  return tl::unexpected(
+      usage_failure("out_of_range", fmt::format("{} is outside {}..{}, the range of {}", value,
+                                                row->minimum, row->maximum, row->name)));
 }
 
 /// Lets a pty appear that a simulator is about to make, or an adapter that was just plugged in; a
@@ -140,6 +163,14 @@ Attempt<ParameterName> DirectTarget::parameter_of(tmcl::ModuleAddress module,
   return table_of(module).and_then([&](auto table) { return parse_parameter(table, text); });
 }
 
+Attempt<void> DirectTarget::check(tmcl::ModuleAddress module, std::uint8_t parameter,
+                                  std::int32_t value) {
+  return model_of(module).and_then([&](const tmcl::Model* model) -> Attempt<void> {
+    if (model == nullptr) return {};
+    return in_range(find_parameter(tmcl::axis_parameters(*model), parameter), value);
+  });
+}
+
 Attempt<std::vector<ParameterRow>> DirectTarget::parameters(const std::string& axis) {
   const auto address = parse_axis_address(axis);
   if (!address) return tl::unexpected(address.error());
@@ -166,6 +197,8 @@ Attempt<ParameterValue> DirectTarget::set(const std::string& axis, const std::st
   if (!at) return tl::unexpected(at.error());
   const auto name = parameter_of(at->address().module, parameter);
   if (!name) return tl::unexpected(name.error());
+  const auto allowed = check(at->address().module, name->number, value);
+  if (!allowed) return tl::unexpected(allowed.error());
   return attempt(at->set(name->number, value)).map([&] {
     return ParameterValue{name->number, name->name, value};
   });

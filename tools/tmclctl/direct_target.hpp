@@ -83,6 +83,9 @@ class DirectTarget final : public Target {
   std::optional<tmcl::plan::AxisTwin> twin_of(tmcl::blocking::Axis& at);
   template <class Move>
   Attempt<StartedMove> start(const std::string& axis, Move move);
+  /// Whether a value may be written, as far as the table of the model tells.
+  Attempt<void> check(tmcl::ModuleAddress module, std::uint8_t parameter, std::int32_t value);
+  Attempt<void> check_mode(tmcl::ModuleAddress module, std::optional<std::int32_t> mode);
   Attempt<std::span<const tmcl::ParameterInfo>> table_of(tmcl::ModuleAddress module);
   Attempt<ParameterName> parameter_of(tmcl::ModuleAddress module, const std::string& text);
   void stop_motors(const tmcl::FoundModule& module, std::vector<StoppedAxis>& stopped);

@@ -58,6 +58,11 @@ std::string velocity_text(const AxisReading& reading, bool internal) {
   return shown(in_unit ? reading.user->velocity_in_unit() : std::nullopt, reading.velocity.value);
 }
 
+std::string_view access_text(bool writable, bool stored) {
+  if (!writable) return "R";
+  return stored ? "RWE" : "RW";
+}
+
 json::object to_json(const ModuleRow& row) {
   json::object object{{"bus", row.bus},
                       {"address", row.address},
@@ -82,6 +87,7 @@ json::object to_json(const AxisRow& row) {
           {"motor", row.motor},
           {"model", text_or_null(row.model)},
           {"state", row.state},
+          {"why", text_or_null(row.why)},
           {"unit", text_or_null(row.unit)}};
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <boost/json/object.hpp>
@@ -29,6 +30,9 @@ class Table {
 std::string position_text(const AxisReading& reading, bool internal);
 std::string target_text(const AxisReading& reading, bool internal);
 std::string velocity_text(const AxisReading& reading, bool internal);
+
+/// "R", "RW" or, for what can be kept in the EEPROM, "RWE".
+std::string_view access_text(bool writable, bool stored);
 
 boost::json::object to_json(const ModuleRow& row);
 boost::json::object to_json(const AxisRow& row);

@@ -44,6 +44,7 @@ struct AxisRow {
   std::string model;
   std::string state;
   std::string unit{};  ///< Empty if it has none.
+  std::string why{};   ///< It cannot be reached; empty if nothing is known to be wrong.
 };
 
 struct ParameterValue {
@@ -61,6 +62,9 @@ struct ParameterRow {
   std::int32_t maximum = 0;
   std::string unit;
   std::string meaning;
+  bool stored = false;       ///< Can be kept in the EEPROM.
+  std::int32_t initial = 0;  ///< As it was delivered.
+  std::vector<std::string> aliases{};
 };
 
 /// The same in the unit of the axis.

@@ -1,4 +1,7 @@
 // Whatever is one method of tmcld.
+#include <algorithm>
+#include <array>
+
 #include <fmt/format.h>
 
 #include <boost/json/serialize.hpp>
@@ -78,6 +81,68 @@ bool gives_something(std::string_view method) {
   return only_reads(method) || method.ends_with(".capture");
 }
 
+/// What was done, where that is not what one might expect; {0} is the module or the axes.
+struct Told {
+  std::string_view method;
+  std::string_view text;
+};
+constexpr auto told = std::to_array<Told>({
+    {"program.run", "module {0}: the program runs"},
+    {"program.stop", "module {0}: the program has ended"},
+    {"program.step", "module {0}: one command of the program was executed"},
+    {"program.reset", "module {0}: the program has ended, and is back at its start"},
+    {"program.set_breakpoint", "module {0}: the program will stand before command {1}"},
+    {"program.clear_breakpoint", "module {0}: no breakpoint at command {1} any more"},
+    {"program.clear_breakpoints", "module {0}: no breakpoints any more"},
+    {"path.pause", "{0}: paused on the path"},
+    {"path.resume", "{0}: going on along the path"},
+    {"path.stop", "{0}: the path has ended, and all of its axes were stopped"},
+});
+
+std::string names_in(const json::array& axes) {
+  std::string names;
+  for (const auto& axis : axes)
+    names += (names.empty() ? "" : ", ") + std::string(axis.as_string());
+  return names;
+}
+
+void tell(const verb::Ask& verb, const json::object& result, Room& room) {
+  const auto* line = std::ranges::find(told, verb.method, &Told::method);
+  if (line == told.end()) return;
+  const bool of_path = verb.method.starts_with("path.");
+  const auto whom = of_path ? names_in(array_at(result, "axes")) : verb.module;
+  if (whom.empty()) {
+    room.output.out << "No axis is on a path that tmcld passes\n";
+    return;
+  }
+  room.output.out << fmt::format(fmt::runtime(line->text), whom, verb.at.value_or(0)) << '\n';
+  if (verb.method == "program.stop" || verb.method == "program.reset") {
+    room.output.out << fmt::format("Motors that turn go on. Stop them with: tmclctl{} stop AXIS\n",
+                                   room.target.options());
+  }
+}
+
+bool is_called(const ParameterRow& row, const std::string& name) {
+  return row.name == name || std::to_string(row.number) == name ||
+         std::ranges::count(row.aliases, name) != 0;
+}
+
+/// Modules refuse to store a parameter in the same words as one that they do not know.
+Failure explained(Failure failure, const verb::Ask& verb, Target& target) {
+  const bool of_eeprom = verb.method == "parameter.store" || verb.method == "parameter.restore";
+  if (!of_eeprom || failure.outcome != tmcl::Outcome::refused) return failure;
+  const auto rows = target.parameters(verb.axis);
+  if (!rows) return failure;
+  const auto row = std::ranges::find_if(
+      *rows, [&](const ParameterRow& one) { return is_called(one, verb.parameter); });
+  if (row == rows->end() || row->stored) return failure;
+  failure.message =
+      fmt::format("{} cannot be kept in the EEPROM of {}'s module", row->name, verb.axis);
+  failure.hint = fmt::format("'tmclctl{} params {}' shows RWE at what can be kept",
+                             target.options(), verb.axis);
+  return failure;
+}
+
 }  // namespace
 
 bool only_reads(std::string_view method) {
@@ -88,11 +153,13 @@ VerbResult run(const verb::Ask& verb, Room& room) {
   auto params = params_of(verb, room.target);
   if (!params) return tl::unexpected(params.error());
   const auto result = room.target.perform(verb.method, std::move(*params), {});
-  if (!result) return tl::unexpected(result.error());
+  if (!result) return tl::unexpected(explained(result.error(), verb, room.target));
   if (room.output.json) {
     print_json(*result, room.output);
   } else if (gives_something(verb.method)) {
     print(*result, verb.internal, room.output.out);
+  } else {
+    tell(verb, *result, room);
   }
   return ExitCode::done;
 }

@@ -38,11 +38,6 @@ json::object to_json(const tmcl::Model& model) {
           {"outputs", model.ports.outputs}};
 }
 
-std::string_view access_of(const tmcl::ParameterInfo& row) {
-  if (row.access == tmcl::Access::read) return "R";
-  return row.stored ? "RWE" : "RW";
-}
-
 json::object to_json(const tmcl::ParameterInfo& row) {
   json::array aliases;
   for (const auto alias : row.aliases) {
@@ -89,7 +84,8 @@ VerbResult run_on_model(const verb::Params& verb, Output& output) {
   Table table({"NUMBER", "NAME", "ACCESS", "RANGE", "DEFAULT", "UNIT", "MEANING"});
   for (const auto& row : rows) {
     array.push_back(to_json(row));
-    table.add({std::to_string(row.number), std::string(row.name), std::string(access_of(row)),
+    table.add({std::to_string(row.number), std::string(row.name),
+               std::string(access_text(row.access == tmcl::Access::read_write, row.stored)),
                fmt::format("{}..{}", row.minimum, row.maximum), std::to_string(row.initial),
                std::string(row.unit), std::string(row.meaning)});
   }

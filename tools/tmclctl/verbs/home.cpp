@@ -25,7 +25,7 @@ Failure explained(Failure failure, const verb::Home& verb, Room& room) {
   if (failure.name != "deadline_passed") return failure;
   failure.exit = ExitCode::not_reached;
   failure.name = "timeout";
-  failure.hint = "The search goes on. " + how_to_end(verb, room.target);
+  failure.hint = "The motor goes on searching. " + how_to_end(verb, room.target);
   return failure;
 }
 
@@ -53,13 +53,21 @@ void print(const json::object& result, const verb::Home& verb, std::ostream& out
 VerbResult run(const verb::Home& verb, Room& room) {
   json::object params{{"axis", verb.axis}};
   if (verb.mode) params["mode"] = *verb.mode;
-  const auto finish = [&](const json::object& result) {
-    if (room.output.json) print_json(result, room.output);
-    return ExitCode::done;
+  const auto perform = [&](const char* method, const std::string& told) {
+    return room.target.perform(method, std::move(params), {}).map([&](const json::object& result) {
+      if (room.output.json) {
+        print_json(result, room.output);
+      } else {
+        room.output.out << told << '\n';
+      }
+      return ExitCode::done;
+    });
   };
-  if (verb.stop) return room.target.perform("axis.stop_home", std::move(params), {}).map(finish);
-  if (verb.no_wait)
-    return room.target.perform("axis.start_home", std::move(params), {}).map(finish);
+  if (verb.stop) return perform("axis.stop_home", verb.axis + " searches no longer");
+  if (verb.no_wait) {
+    return perform("axis.start_home", fmt::format("{} searches its reference. {}", verb.axis,
+                                                  how_to_end(verb, room.target)));
+  }
 
   constexpr double milliseconds = 1000;
   if (verb.timeout_s)
@@ -73,8 +81,12 @@ VerbResult run(const verb::Home& verb, Room& room) {
       });
   line.clear();
   if (!result) return tl::unexpected(explained(result.error(), verb, room));
-  if (!room.output.json) print(*result, verb, room.output.out);
-  return finish(*result);
+  if (room.output.json) {
+    print_json(*result, room.output);
+  } else {
+    print(*result, verb, room.output.out);
+  }
+  return ExitCode::done;
 }
 
 }  // namespace tmclctl

@@ -1,5 +1,6 @@
 // scan, modules, axes, params, and the words for the shell's completion.
 #include <algorithm>
+#include <set>
 
 #include <fmt/format.h>
 
@@ -82,9 +83,12 @@ VerbResult show_partial_scan(const ScanResult& result, Output& output) {
 json::object to_json(const ParameterRow& row, const std::optional<ParameterValue>& value) {
   json::object object{{"number", row.number},
                       {"name", row.name},
+                      {"aliases", json::array(row.aliases.begin(), row.aliases.end())},
                       {"access", row.writable ? "read_write" : "read"},
+                      {"stored", row.stored},
                       {"minimum", row.minimum},
                       {"maximum", row.maximum},
+                      {"default", row.initial},
                       {"unit", row.unit},
                       {"meaning", row.meaning}};
   if (value) object["value"] = value->value;
@@ -99,7 +103,7 @@ std::vector<std::string> headings(bool values, bool in_unit) {
   std::vector<std::string> names{"NUMBER", "NAME"};
   if (values) names.push_back("VALUE");
   if (in_unit) names.push_back("IN UNIT");
-  names.insert(names.end(), {"RANGE", "UNIT", "MEANING"});
+  names.insert(names.end(), {"ACCESS", "RANGE", "UNIT", "MEANING"});
   return names;
 }
 
@@ -109,6 +113,7 @@ std::vector<std::string> cells_of(const ParameterRow& row,
   if (value) cells.push_back(std::to_string(value->value));
   if (value && !internal)
     cells.push_back(value->in_unit ? shown(value->in_unit, value->value) : "");
+  cells.emplace_back(access_text(row.writable, row.stored));
   cells.push_back(row.writable ? fmt::format("{}..{}", row.minimum, row.maximum) : "read only");
   cells.push_back(row.unit);
   cells.push_back(row.meaning);
@@ -130,9 +135,11 @@ VerbResult run(const verb::Scan& verb, Room& room) {
     room.output.err << "No module answered. Check the supply, the cabling, the baud rate (new "
                        "modules speak 9600) and "
                        "whether another program holds the port.\n";
-    return ExitCode::done;
+    return ExitCode::not_sent;
   }
-  return show_modules(rows->modules, false, room.output);
+  return show_modules(rows->modules, false, room.output).map([&](ExitCode done) {
+    return rows->modules.empty() ? ExitCode::not_sent : done;
+  });
 }
 
 VerbResult run(const verb::Modules&, Room& room) {
@@ -154,6 +161,11 @@ VerbResult run(const verb::Axes&, Room& room) {
                model_text(row.model, 0), row.state, row.unit.empty() ? "-" : row.unit});
   }
   table.print(room.output.out);
+  std::set<std::string> told;
+  for (const auto& row : *rows) {
+    if (!row.why.empty() && told.insert(row.bus).second)
+      room.output.err << fmt::format("bus {} is not open: {}\n", row.bus, row.why);
+  }
   return ExitCode::done;
 }
 
