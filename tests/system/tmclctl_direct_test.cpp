@@ -73,14 +73,32 @@ TEST_F(TmclctlDirect, Scans) {
 
 TEST_F(TmclctlDirect, ExitCodes) {
   EXPECT_EQ(run({"get", "1/0", "4"}).status, 0);
-  EXPECT_EQ(run({"set", "1/0", "4", "99999"}).status, 1) << "the module refuses";
+  EXPECT_EQ(run({"set", "1/0", "4", "99999"}).status, 2) << "out of range";
   EXPECT_EQ(run({"get", "1/0", "max_velocty"}).status, 2);
   EXPECT_EQ(run({"get", "x", "4"}).status, 2);
   EXPECT_EQ(run({"frobnicate"}).status, 2);
-  EXPECT_EQ(run({"get", "9/0", "4"}).status, 4) << "nobody answers";
+  EXPECT_EQ(run({"get", "9/0", "4"}).status, 3) << "nobody answers";
   EXPECT_EQ(ctl({"--direct", "serial:/nowhere"}, {"get", "1/0", "4"}).status, 3);
   EXPECT_EQ(ctl({"--direct", "carrier-pigeon:1"}, {"get", "1/0", "4"}).status, 2);
   EXPECT_EQ(run({"move", "1/0", "1000000", "--wait", "--timeout", "0.2"}).status, 5);
+}
+
+TEST_F(TmclctlDirect, WhatTheTableRefusesIsNotSent) {
+  EXPECT_EQ(json(direct(), {"set", "1/0", "max_velocity", "99999"}).at("error").at("name"),
+            "out_of_range");
+  EXPECT_EQ(run({"set", "1/0", "max_velocity", "99999"}).status, 2);
+  EXPECT_EQ(run({"set", "1/0", "actual_velocity", "1"}).status, 2) << "can only be read";
+  EXPECT_EQ(run({"home", "1/0", "--mode", "137"}).status, 2);
+  EXPECT_EQ(run({"home", "1/0", "--mode", "20"}).status, 1) << "the module refuses";
+  EXPECT_EQ(run({"home", "1/0", "--mode", "20", "--no-wait"}).status, 1);
+  EXPECT_EQ(run({"get", "1/0", "reference_search_mode"}).out, "1\n") << "as it was before";
+  EXPECT_THAT(run({"store", "1/0", "target_position"}).err, HasSubstr("cannot be kept"));
+}
+
+TEST_F(TmclctlDirect, NobodyThereIsNoSuccess) {
+  EXPECT_EQ(run({"scan", "--addresses", "9"}).status, 3);
+  EXPECT_EQ(run({"get", "9/0", "4"}).status, 3);
+  EXPECT_EQ(run({"info", "9"}).status, 3);
 }
 
 TEST_F(TmclctlDirect, ATypoGetsASuggestion) {

@@ -96,7 +96,7 @@ TEST_F(PathBench, WhatCannotBeMovesNothing) {
   EXPECT_EQ(unit.status, 2);
   EXPECT_THAT(unit.err, HasSubstr("--per-turn"));
   const auto far = ctl("path run " + written("far.ngc", "G1 X900000 Y0 F600\n") + on_both_axes);
-  EXPECT_EQ(far.status, 1);
+  EXPECT_EQ(far.status, 2);
   EXPECT_THAT(far.err, HasSubstr("the path goes to X 900000"));
   EXPECT_EQ(get("1/0", "1"), "0\n");
 }

@@ -40,8 +40,10 @@ TEST(CtlFailure, TheDaemonsErrorsGetTheSameExitCodes) {
     return failure_from(call_error(code, name, outcome)).exit;
   };
   EXPECT_EQ(exit(-32000, "refused_by_module", Outcome::refused), ExitCode::refused);
-  EXPECT_EQ(exit(-32602, "out_of_range", Outcome::not_sent), ExitCode::refused);
-  EXPECT_EQ(exit(-32602, "read_only", Outcome::not_sent), ExitCode::refused);
+  EXPECT_EQ(exit(-32602, "out_of_range", Outcome::not_sent), ExitCode::usage);
+  EXPECT_EQ(exit(-32602, "read_only", Outcome::not_sent), ExitCode::usage);
+  EXPECT_EQ(exit(-32602, "beyond_soft_limit", Outcome::not_sent), ExitCode::refused);
+  EXPECT_EQ(exit(-32602, "no_path", Outcome::not_sent), ExitCode::refused);
   EXPECT_EQ(exit(-32003, "axis_claimed", Outcome::not_sent), ExitCode::refused);
   EXPECT_EQ(exit(-32602, "unknown_axis", Outcome::not_sent), ExitCode::usage);
   EXPECT_EQ(exit(-32602, "unknown_parameter", Outcome::not_sent), ExitCode::usage);

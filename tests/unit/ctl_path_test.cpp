@@ -69,7 +69,7 @@ TEST_F(CtlPath, RunChecksBeforeItMoves) {
   EXPECT_THAT(err, HasSubstr("the path goes to X 10: 10 mm is beyond the soft limit of 5 mm of x"));
   target.counts.limits.reset();
   target.counts.scale->unit = "deg";
-  EXPECT_EQ(run({"path", "run", line, "--axis", "X=x", "--dry-run"}), ExitCode::refused);
+  EXPECT_EQ(run({"path", "run", line, "--axis", "X=x", "--dry-run"}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("axis X of G-code is in mm, and x in deg"));
   for (const auto& call : target.calls) {
     EXPECT_THAT(call, testing::Not(testing::AnyOf(HasSubstr("move"), HasSubstr("set"))));
@@ -146,7 +146,7 @@ TEST_F(CtlPath, MintRunRefusesWhatItCannotDo) {
   EXPECT_THAT(err, HasSubstr("line 3 moves axis 1: which axis is that?"));
   EXPECT_EQ(run({"mint", "run", second, "--axis", "9=x"}), ExitCode::usage);
   const auto fast = file("SCALE = 1000\nSPEED = 9000\nACCEL = 9000\nMOVEA = 8000\nGO\n");
-  EXPECT_EQ(run({"mint", "run", fast, "--axis", "0=x"}), ExitCode::refused);
+  EXPECT_EQ(run({"mint", "run", fast, "--axis", "0=x"}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("line 4"));
   for (const auto& call : target.calls) EXPECT_THAT(call, testing::Not(HasSubstr("move")));
 }

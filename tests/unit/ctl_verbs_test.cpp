@@ -179,10 +179,10 @@ TEST_F(CtlVerbs, ScanWarnsOfAModuleThatTakesRepliesForCommands) {
 }
 
 TEST_F(CtlVerbs, AnEmptyScanSaysWhatToCheck) {
-  EXPECT_EQ(run({"scan"}), ExitCode::done);
+  EXPECT_EQ(run({"scan"}), ExitCode::not_sent);
   EXPECT_EQ(out, "");
   EXPECT_THAT(err, HasSubstr("baud"));
-  EXPECT_THAT(json({"scan"}).at("modules").as_array(), IsEmpty());
+  EXPECT_THAT(json({"scan"}, ExitCode::not_sent).at("modules").as_array(), IsEmpty());
 }
 
 TEST_F(CtlVerbs, AScanThatMissesABusFails) {
@@ -218,8 +218,49 @@ TEST_F(CtlVerbs, OnlyWhatActsMayHaveBeenExecuted) {
   fail_with(ExitCode::unknown, tmcl::Outcome::unknown);
   EXPECT_EQ(run({"move", "x", "1"}), ExitCode::unknown);
   EXPECT_THAT(err, HasSubstr("may or may not have been executed"));
-  EXPECT_EQ(run({"get", "x", "4"}), ExitCode::unknown);
-  EXPECT_THAT(err, Not(HasSubstr("executed")));
+  for (const auto& reading : {std::vector<std::string>{"get", "x", "4"},
+                              {"info", "1"},
+                              {"state", "x"},
+                              {"program", "status", "1"},
+                              {"coordinate", "get", "x", "1"},
+                              {"input", "1", "0"},
+                              {"scan"}}) {
+    EXPECT_EQ(run(reading), ExitCode::not_sent) << reading[0];
+    EXPECT_THAT(err, Not(HasSubstr("executed")));
+  }
+  EXPECT_EQ(run({"output", "1", "0", "1"}), ExitCode::unknown);
+  EXPECT_EQ(run({"reset", "1"}), ExitCode::unknown);
+}
+
+TEST_F(CtlVerbs, AxesSayWhyTheyCannotBeReached) {
+  target.closed_because = "cannot open serial:/dev/ttyACM9@9600: No such file or directory";
+  EXPECT_EQ(run({"axes"}), ExitCode::done);
+  EXPECT_EQ(err, "bus bench is not open: " + target.closed_because + "\n") << "once";
+  EXPECT_EQ(json({"axes"}).at("axes").at(1).at("why").as_string(), target.closed_because.c_str());
+  target.closed_because = "";
+  EXPECT_TRUE(json({"axes"}).at("axes").at(0).at("why").is_null());
+}
+
+TEST_F(CtlVerbs, ParamsSayWhatCanBeStored) {
+  EXPECT_EQ(run({"params", "x"}), ExitCode::done);
+  EXPECT_THAT(out, testing::ContainsRegex("max_velocity +RWE +0..2047"));
+  EXPECT_THAT(out, testing::ContainsRegex("target_position +RW +-9..9"));
+  EXPECT_THAT(out, testing::ContainsRegex("actual_velocity +R +read only"));
+  const auto row = json({"params", "x"}).at("parameters").at(0);
+  EXPECT_EQ(row.at("stored"), true);
+  EXPECT_EQ(row.at("default"), 1000);
+  EXPECT_EQ(row.at("aliases").at(0), "v_max");
+}
+
+TEST_F(CtlVerbs, WhatCannotBeStoredIsNotCalledUnknown) {
+  fail_with(ExitCode::refused, tmcl::Outcome::refused);
+  for (const auto* name : {"target_position", "xtarget", "0"}) {
+    EXPECT_EQ(run({"store", "x", name}), ExitCode::refused);
+    EXPECT_THAT(err, HasSubstr("target_position cannot be kept in the EEPROM")) << name;
+    EXPECT_THAT(err, HasSubstr("params x' shows RWE"));
+  }
+  run({"store", "x", "max_velocity"});
+  EXPECT_THAT(err, HasSubstr("it failed"));
 }
 
 TEST_F(CtlVerbs, StateShowsAll) {

@@ -1,5 +1,7 @@
 #include "failure.hpp"
 
+#include <algorithm>
+#include <array>
 #include <utility>
 
 #include <fmt/format.h>
@@ -35,6 +37,10 @@ ExitCode exit_for(const tmcl::Error& error) {
   return exit_for_failure(name_of(error.code), error.outcome);
 }
 
+// Errors of what could be done, but not as the axis is configured, or not now.
+constexpr auto could_be_done = std::to_array<std::string_view>(
+    {"beyond_soft_limit", "no_path", "moving", "no_limits", "unknown_units"});
+
 // JSON-RPC 2.0: the daemon understood the request and did not like it.
 constexpr int invalid_params = -32602;
 // Of the daemon: not now.
@@ -42,11 +48,9 @@ constexpr int not_allowed = -32003;
 
 ExitCode exit_for(const tmcl::client::CallError& error) {
   if (error.name == tmcl::client::error_name::cancelled) return ExitCode::interrupted;
-  for (const auto* name : {"bad_argument", "unknown_axis", "unknown_parameter", "unknown_bus"}) {
-    if (error.name == name) return ExitCode::usage;
-  }
   if (error.name == tmcl::name_of(tmcl::Errc::move_interrupted)) return ExitCode::not_reached;
-  if (error.code == invalid_params || error.code == not_allowed) return ExitCode::refused;
+  if (error.code == invalid_params) return exit_for_objection(error.name);
+  if (error.code == not_allowed) return ExitCode::refused;
   return exit_for_failure(error.name, error.outcome);
 }
 
@@ -66,6 +70,11 @@ bool is_top_level(std::string_view key) {
 }
 
 }  // namespace
+
+ExitCode exit_for_objection(std::string_view name) {
+  const bool could_be = std::ranges::count(could_be_done, name) != 0;
+  return could_be ? ExitCode::refused : ExitCode::usage;
+}
 
 Failure usage_failure(std::string name, std::string message, std::string hint) {
   return {ExitCode::usage, std::move(name), std::move(message), std::move(hint),

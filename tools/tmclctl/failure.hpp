@@ -3,6 +3,7 @@
 
 #include <optional>
 #include <string>
+#include <string_view>
 
 #include <boost/json/object.hpp>
 
@@ -24,6 +25,9 @@ struct Failure {
 template <class T>
 using Attempt = tl::expected<T, Failure>;
 
+/// For what is wrong with a request before anything is sent: usage, unless it could be done but for
+/// the state or the configuration of an axis.
+ExitCode exit_for_objection(std::string_view name);
 Failure usage_failure(std::string name, std::string message, std::string hint = {});
 Failure failure_from(const tmcl::Error& error);
 Failure failure_from(const tmcl::client::CallError& error);

@@ -54,9 +54,28 @@ bool acts(const Verb& verb) {
       verb);
 }
 
-Failure with_doubt(Failure failure) {
-  if (failure.outcome == tmcl::Outcome::unknown)
-    failure.message += "; it may or may not have been executed";
+/// Whether it changes nothing, whatever becomes of it.
+bool only_asks(const Verb& verb) {
+  const auto* ask = std::get_if<verb::Ask>(&verb);
+  if (ask != nullptr) return only_reads(ask->method);
+  const auto* upload = std::get_if<verb::Upload>(&verb);
+  if (upload != nullptr) return upload->only_compare;
+  return std::visit(
+      []<class T>(const T&) {
+        return std::is_same_v<T, verb::Scan> || std::is_same_v<T, verb::Modules> ||
+               std::is_same_v<T, verb::Axes> || std::is_same_v<T, verb::Params> ||
+               std::is_same_v<T, verb::Get> || std::is_same_v<T, verb::State> ||
+               std::is_same_v<T, verb::Watch> || std::is_same_v<T, verb::Wait> ||
+               std::is_same_v<T, verb::Download> || std::is_same_v<T, verb::CheckFirmware>;
+      },
+      verb);
+}
+
+/// Where no answer leaves open whether something was done.
+Failure with_doubt(Failure failure, const Verb& verb) {
+  if (failure.outcome != tmcl::Outcome::unknown) return failure;
+  if (acts(verb)) failure.message += "; it may or may not have been executed";
+  if (only_asks(verb) && failure.exit == ExitCode::unknown) failure.exit = ExitCode::not_sent;
   return failure;
 }
 
@@ -120,7 +139,7 @@ ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Pat
   const auto result = run(options, output, patience, ready);
   if (result) return *result;
   if (std::holds_alternative<verb::Complete>(options.verb)) return result.error().exit;
-  return complain(acts(options.verb) ? with_doubt(result.error()) : result.error(), output);
+  return complain(with_doubt(result.error(), options.verb), output);
 }
 
 }  // namespace

@@ -57,7 +57,7 @@ Attempt<std::string> text_of(const std::string& file, std::size_t most) {
 
 Failure failure_from(const plan::PathObjection& objection) {
   auto failure = usage_failure(objection.name, objection.message);
-  if (objection.kind == plan::PathObjection::Kind::impossible) failure.exit = ExitCode::refused;
+  failure.exit = exit_for_objection(objection.name);
   return failure;
 }
 

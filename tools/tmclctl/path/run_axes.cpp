@@ -71,7 +71,7 @@ Failure with_hint(const plan::PathObjection& objection, const Source& source,
 
 Failure impossible(std::string name, std::string message, std::string hint) {
   auto failure = usage_failure(std::move(name), std::move(message), std::move(hint));
-  failure.exit = ExitCode::refused;
+  failure.exit = exit_for_objection(failure.name);
   failure.outcome = tmcl::Outcome::not_sent;
   return failure;
 }

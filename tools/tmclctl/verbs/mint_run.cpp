@@ -120,7 +120,7 @@ Attempt<void> check_reach(const mint::Move& move, const MintAxis& axis) {
   const auto too_far = soft ? beyond(*soft, goal, axis.units.limits_scale()) : std::nullopt;
   if (!too_far) return {};
   return tl::unexpected(path::impossible(
-      "soft_limit",
+      "beyond_soft_limit",
       fmt::format("line {} moves {} too far: {}", move.line, axis.name, describe(*too_far))));
 }
 
