@@ -36,6 +36,22 @@ TEST_F(CtlLine, TellsPositionsInTheUnitsOfTheAxes) {
   EXPECT_EQ(document.at("axes").at(0).at("target").to_number<double>(), 10);
 }
 
+TEST_F(CtlLine, SaysWhatIsForeseen) {
+  run({"line", "x=10mm", "y=-500"});
+  EXPECT_THAT(out,
+              HasSubstr("Foreseen: 1.50 s; all arrive at the same time and move at most 0.10 % "
+                        "of the longest way off the straight line. They were started by one "
+                        "command.\n"));
+  target.result["deviation"] = 0;
+  target.result["spread_s"] = 0.0021;
+  target.result["one_command"] = false;
+  target.result["skew_s"] = 0.0003;
+  run({"line", "x=10mm", "y=-500"});
+  EXPECT_THAT(out, HasSubstr("Foreseen: 1.50 s; all arrive within 2.10 ms of each other and move "
+                             "along the straight line. They were started within 0.30 ms of each "
+                             "other.\n"));
+}
+
 TEST_F(CtlLine, LimitsMayHaveUnits) {
   EXPECT_EQ(run({"line", "x=1", "y=2", "--velocity", "2.5mm/s", "--acceleration", "1000pps/s",
                  "--time", "4"}),

@@ -113,7 +113,7 @@ TEST(CtlCanvas, BrailleAndAscii) {
 TEST(CtlTextPlot, LooksLikeThis) {
   Recording recording{"x", {{0, 0, 0}, {0.5, 100, 400}, {1.0, 300, 400}, {1.5, 400, 0}}};
   EXPECT_EQ(to_text(recording, screen(44, false)),
-            "x went from 0 to 400 microsteps in 1.50 s, greatest velocity 400\n"
+            "x went from 0 to 400 microsteps in 1.50 s, fastest velocity 400 [internal]\n"
             "\n"
             "     position [microsteps]\n"
             "400 +                                  ...''\n"
@@ -174,8 +174,8 @@ TEST(CtlTextPlot, ThePeakIsInTheRightColumn) {
     for (int i = 0; i <= 100; ++i) recording.samples.push_back({i * 0.01, 0, i == peak ? 1000 : 0});
     const auto lines = lines_of(to_text(recording, screen(80, false)));
     // The topmost row of the lower panel.
-    const auto heading =
-        std::ranges::find_if(lines, [](const auto& line) { return line.ends_with("[internal]"); });
+    const auto heading = std::ranges::find_if(
+        lines, [](const auto& line) { return line.ends_with("velocity [internal]"); });
     ASSERT_NE(heading, lines.end());
     const auto& top = *(heading + 1);
     const auto wall = top.find_first_of("|+");

@@ -194,7 +194,7 @@ TEST_F(CtlUnits, WatchAndPlotAreInTheUnitOfTheAxis) {
   run({"watch", "x", "--for", "0.01", "--internal"});
   EXPECT_THAT(out, HasSubstr("x  position 0  velocity 0  target 0  "));
   run({"plot", "x", "--by", "10240"});
-  EXPECT_THAT(out, HasSubstr("x went from 0 to 1 mm in 1.03 s, greatest velocity 0.596 mm/s"));
+  EXPECT_THAT(out, HasSubstr("x went from 0 to 1 mm in 1.03 s, fastest velocity 0.596 mm/s"));
   EXPECT_THAT(out, HasSubstr("position [mm]"));
   EXPECT_THAT(out, HasSubstr("velocity [mm/s]"));
   run({"plot", "x", "--by", "-10240", "--internal"});

@@ -101,9 +101,12 @@ Comparison compare(const Recording& recording, const tmcl::plan::AxisTwin& twin,
 std::string summary(const Comparison& comparison, const Recording& recording) {
   const auto microsteps = std::round(comparison.largest);
   const auto in_unit = std::abs(shown_position(microsteps, recording));
-  return fmt::format("plan and axis differ by {} at most, at {:.2f} s",
-                     shown(InUnit{in_unit, recording.position_unit}, microsteps),
-                     comparison.largest_at);
+  if (microsteps == 0) return "the axis went as planned, to the microstep";
+  const bool is_one = microsteps == 1 && !recording.user;
+  return fmt::format(
+      "the axis was at most {} off its plan, at {:.2f} s",
+      shown(InUnit{in_unit, is_one ? "microstep" : recording.position_unit}, microsteps),
+      comparison.largest_at);
 }
 
 Picture picture_of(const Recording& recording, const Comparison& comparison) {

@@ -28,7 +28,7 @@ struct Comparison {
 /// `twin` has its target, and is as the axis was when the command came. The recording is not empty.
 Comparison compare(const Recording& recording, const tmcl::plan::AxisTwin& twin, Start start);
 
-/// "plan and axis differ by 12 microsteps at most, at 0.43 s"; in the unit that is drawn in.
+/// "the axis was at most 12 microsteps off its plan, at 0.43 s"; in the unit that is drawn in.
 std::string summary(const Comparison& comparison, const Recording& recording);
 /// The recording's picture with the plan drawn into it, and the difference below.
 Picture picture_of(const Recording& recording, const Comparison& comparison);

@@ -69,11 +69,11 @@ std::string summary(const Recording& recording) {
     return shown_number(position_of(sample, recording), static_cast<double>(sample.position));
   };
   return fmt::format(
-      "{} went from {} to {} {} in {:.2f} {}, greatest velocity {}{}", recording.axis,
+      "{} went from {} to {} {} in {:.2f} {}, fastest velocity {} {}", recording.axis,
       position(first), position(last), recording.position_unit, last.time - first.time,
       recording.time_unit,
       shown_number(velocity_of(*fastest, recording), static_cast<double>(fastest->velocity)),
-      recording.user ? ' ' + recording.velocity_unit : "");
+      recording.user ? recording.velocity_unit : '[' + recording.velocity_unit + ']');
 }
 
 std::string to_csv(const Recording& recording) {

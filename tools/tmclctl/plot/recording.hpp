@@ -51,7 +51,8 @@ struct Curve {
 Curve position_curve(const Recording& recording);
 Curve velocity_curve(const Recording& recording);
 
-/// "x went from 0 to 51200 microsteps in 3.42 s, greatest velocity 1000"
+/// "x went from 0 to 51200 microsteps in 3.42 s, fastest velocity 1000 [internal]"; to the left it
+/// is below 0.
 std::string summary(const Recording& recording);
 
 /// A line of column names, and one line for each sample; of a recording in the usual units. What is

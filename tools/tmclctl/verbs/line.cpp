@@ -142,6 +142,20 @@ Attempt<void> wait_for_all(const verb::Line& verb, const json::object& line,
   return {};
 }
 
+// What would be shown as 0.00.
+constexpr double nothing = 0.005;
+
+std::string together(double milliseconds) {
+  return milliseconds < nothing ? "at the same time"
+                                : fmt::format("within {:.2f} ms of each other", milliseconds);
+}
+
+std::string on_line(double percent) {
+  return percent < nothing
+             ? "along the straight line"
+             : fmt::format("at most {:.2f} % of the longest way off the straight line", percent);
+}
+
 void print(const json::object& line, const verb::Line& verb, std::ostream& out) {
   for (const auto& value : array_at(line, "axes")) {
     const auto& row = value.as_object();
@@ -151,11 +165,10 @@ void print(const json::object& line, const verb::Line& verb, std::ostream& out) 
   }
   const auto milliseconds = [&](const char* key) { return 1e3 * number_at(line, key).value_or(0); };
   out << fmt::format(
-      "{:.2f} s; arrivals within {:.2f} ms and {:.2f} % off the line, as predicted; started {}\n",
-      number_at(line, "predicted_s").value_or(0), milliseconds("spread_s"),
-      100 * number_at(line, "deviation").value_or(0),
-      flag_at(line, "one_command") ? "by one command"
-                                   : fmt::format("within {:.2f} ms", milliseconds("skew_s")));
+      "Foreseen: {:.2f} s; all arrive {} and move {}. They were started {}.\n",
+      number_at(line, "predicted_s").value_or(0), together(milliseconds("spread_s")),
+      on_line(100 * number_at(line, "deviation").value_or(0)),
+      flag_at(line, "one_command") ? "by one command" : together(milliseconds("skew_s")));
 }
 
 }  // namespace
