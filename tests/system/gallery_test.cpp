@@ -42,7 +42,7 @@ TEST(GallerySolve, ProfilesOfTheApplicationNote) {
     double total_time;
   };
   for (const auto& [words, picture, speed, acceleration, total_time] : {
-           Example{"profile solve speed=8mm/s acceleration=16mm/s2 deceleration=16mm/s2 "
+           Example{"profile solve speed=8mm/s acceleration=16mm/s^2 deceleration=16mm/s^2 "
                    "distance=12mm --svg {}",
                    "solve-trapezoid.svg", 8, 16, 2},
            Example{"profile solve distance=20mm total_time=600ms thirds --svg {}",

@@ -41,9 +41,9 @@ class CtlSolve : public testing::Test, public test::Ctl {
 TEST_F(CtlSolve, PrintsTheTableAndTheCurve) {
   EXPECT_EQ(run(solve("distance=20mm total_time=600ms thirds")), ExitCode::done) << err;
   EXPECT_EQ(err, "");
-  EXPECT_THAT(out, HasSubstr("distance           20 mm      given\n"));
+  EXPECT_THAT(out, HasSubstr("distance           20 mm       given\n"));
   EXPECT_THAT(out, HasSubstr("speed              50 mm/s"));
-  EXPECT_THAT(out, HasSubstr("acceleration       250 mm/s2"));
+  EXPECT_THAT(out, HasSubstr("acceleration       250 mm/s^2"));
   EXPECT_THAT(out, HasSubstr("slew_time          0.2 s"));
   EXPECT_THAT(out, HasSubstr("velocity [mm/s]\n"));
 }
@@ -114,7 +114,7 @@ TEST_F(CtlSolve, AUnitThatDoesNotFit) {
   EXPECT_THAT(complaint("speed=12mm"), HasSubstr("a unit such as mm/s"));
   EXPECT_THAT(complaint("speed=12/s"), HasSubstr("a unit such as mm/s"));
   EXPECT_THAT(complaint("speed=12mm/h"), HasSubstr("a unit such as mm/s"));
-  EXPECT_THAT(complaint("acceleration=12mm/s"), HasSubstr("a unit such as mm/s2"));
+  EXPECT_THAT(complaint("acceleration=12mm/s"), HasSubstr("a unit such as mm/s^2"));
   EXPECT_THAT(complaint("total_time=12mm"), HasSubstr("none of s, ms, us and min"));
 }
 

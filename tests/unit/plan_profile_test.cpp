@@ -137,20 +137,21 @@ TEST(PlanProfile, ContradictionSaysByHowMuch) {
 TEST(PlanProfile, TheFewestThatContradictAreNamed) {
   const auto known = given({{speed, 8}, {acceleration, 16}, {acceleration_time, 1}, {distance, 9}});
   EXPECT_EQ(words_for(known),
-            "speed 8 mm/s and acceleration 16 mm/s2 make acceleration_time 0.5 s, and it is given "
+            "speed 8 mm/s and acceleration 16 mm/s^2 make acceleration_time 0.5 s, and it is given "
             "as 1 s: 0.5 s too much");
 }
 
 TEST(PlanProfile, ContradictionToAnAssumption) {
-  EXPECT_EQ(words_for(given({{acceleration, 1}, {deceleration, 2}}), Assumption::symmetric),
-            "acceleration 1 mm/s2 and the assumption 'symmetric' make deceleration 1 mm/s2, and it "
-            "is given as 2 mm/s2: 1 mm/s2 too much");
+  EXPECT_EQ(
+      words_for(given({{acceleration, 1}, {deceleration, 2}}), Assumption::symmetric),
+      "acceleration 1 mm/s^2 and the assumption 'symmetric' make deceleration 1 mm/s^2, and it "
+      "is given as 2 mm/s^2: 1 mm/s^2 too much");
 }
 
 TEST(PlanProfile, SmallContradictionsAreShownWithTheirDigits) {
   const auto words =
       words_for(given({{speed, 8}, {acceleration, 16}, {acceleration_time, 0.50000001}}));
-  EXPECT_THAT(words, HasSubstr("15.99999968 mm/s2"));
+  EXPECT_THAT(words, HasSubstr("15.99999968 mm/s^2"));
 }
 
 TEST(PlanProfile, TooFastForTheDistance) {
@@ -161,7 +162,7 @@ TEST(PlanProfile, TooFastForTheDistance) {
   EXPECT_NEAR(error.implied, -0.65, 1e-12);
   EXPECT_EQ(
       describe(error, "mm", "s"),
-      "distance 12 mm, speed 20 mm/s, acceleration 16 mm/s2 and deceleration 16 mm/s2 are "
+      "distance 12 mm, speed 20 mm/s, acceleration 16 mm/s^2 and deceleration 16 mm/s^2 are "
       "impossible together: slew_time would be -0.65 s; possible with distance at least 25 mm "
       "or speed at most 13.8564 mm/s");
 }

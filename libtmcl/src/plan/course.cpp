@@ -134,7 +134,7 @@ class Course::Maker {
       course_.top_speed_[axis] = std::max(course_.top_speed_[axis], speed);
       complain(row, axis, "fast", speed, limits_.axis[axis].velocity, "/s");
       complain(row, axis, "steep", std::max(std::abs(a0), std::abs(a1)),
-               limits_.axis[axis].acceleration, "/s2");
+               limits_.axis[axis].acceleration, "/s^2");
     }
   }
 

@@ -289,7 +289,7 @@ class Wording {
   std::string value(Quantity quantity, double number) const {
     return with_unit(quantity, number, length_unit_, time_unit_);
   }
-  /// "speed 8 mm/s and acceleration 16 mm/s2"
+  /// "speed 8 mm/s and acceleration 16 mm/s^2"
   std::string culprits() const {
     std::vector<std::string> items;
     for (const auto quantity : error_.culprits)
@@ -420,7 +420,7 @@ std::string with_unit(Quantity quantity, double value, std::string_view length_u
     case deceleration: {
       if (length_unit.empty() || time_unit.empty()) return number;
       return fmt::format("{} {}/{}{}", number, length_unit, time_unit,
-                         quantity == speed ? "" : "2");
+                         quantity == speed ? "" : "^2");
     }
     default: return time_unit.empty() ? number : fmt::format("{} {}", number, time_unit);
   }

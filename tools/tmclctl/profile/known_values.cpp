@@ -155,7 +155,7 @@ class Reader {
   tl::expected<double, std::string> length_factor(std::string_view unit, Quantity quantity) {
     const auto parts = split(unit);
     const auto below = static_cast<std::size_t>(times_below(quantity));
-    static constexpr std::string_view examples[] = {"mm", "mm/s", "mm/s2"};
+    static constexpr std::string_view examples[] = {"mm", "mm/s", "mm/s^2"};
     if (parts.below.size() != below || parts.length.empty() || find(time_units, parts.length) ||
         std::ranges::any_of(parts.below,
                             [](auto name) { return find(time_units, name) == nullptr; })) {

@@ -118,7 +118,7 @@ struct SolveError {
 std::string describe(const SolveError& error, std::string_view length_unit = {},
                      std::string_view time_unit = {});
 
-/// "8 mm/s2": six significant digits and the unit of the quantity.
+/// "8 mm/s^2": six significant digits and the unit of the quantity.
 std::string with_unit(Quantity quantity, double value, std::string_view length_unit,
                       std::string_view time_unit);
 
