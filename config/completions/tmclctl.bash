@@ -13,7 +13,7 @@ _tmclctl_is_group() {
 
 _tmclctl() {
   local current=${COMP_WORDS[COMP_CWORD]} previous=${COMP_WORDS[COMP_CWORD-1]}
-  local verb=() where=() generator="" arguments=0 i
+  local verb=() where=() said=() generator="" arguments=0 i
   COMPREPLY=()
 
   # What stands before the cursor: how to reach the axes, the verb, and how many arguments it has.
@@ -34,6 +34,7 @@ _tmclctl() {
         if _tmclctl_is_group "${verb[*]}"; then
           verb+=("${COMP_WORDS[i]}")
         else
+          said+=("${COMP_WORDS[i]}")
           ((arguments++))
         fi ;;
     esac
@@ -85,8 +86,16 @@ _tmclctl() {
     case ${verb[*]}:$arguments in
       "coordinate start":*) ;;
       get:0 | set:0 | move:0 | rotate:0 | stop:0 | state:0 | watch:0 | plot:0 | params:0 | ramp:0 | home:0 | \
-        store:0 | restore:0 | "coordinate "*:0)
+        store:0 | restore:0 | "coordinate "*:0 | wait:* | "path pause":* | "path resume":* | "path stop":*)
         words=$(_tmclctl_words axes) ;;
+      line:*)
+        # Nobody knows the number behind the =.
+        [[ $current == = || $previous == = ]] && return
+        words=$(_tmclctl_words axes)
+        words=${words//$'\n'/$'=\n'}${words:+=}
+        compopt -o nospace ;;
+      help:*)
+        words=$(_tmclctl_words verbs "${said[@]}") ;;
       get:1 | set:1 | store:1 | restore:1) words=$(_tmclctl_words parameters) ;;
       raw:1) words=$(_tmclctl_words commands) ;;
       "program assemble":0 | "program disassemble":0 | "program upload":0 | "program verify":0) compopt -o default ;;

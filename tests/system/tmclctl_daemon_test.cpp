@@ -50,7 +50,11 @@ TEST_F(TmclctlDaemon, ReadsWritesAndMoves) {
 }
 
 TEST_F(TmclctlDaemon, ExitCodes) {
-  EXPECT_EQ(run({"set", "x", "max_velocity", "99999"}).status, 1) << "tmcld refuses";
+  EXPECT_EQ(run({"set", "x", "max_velocity", "99999"}).status, 2) << "out of range";
+  EXPECT_EQ(run({"set", "x", "actual_velocity", "1"}).status, 2) << "can only be read";
+  EXPECT_EQ(run({"home", "x", "--mode", "137"}).status, 2) << "out of range";
+  EXPECT_EQ(run({"home", "x", "--mode", "20"}).status, 1) << "the module refuses";
+  EXPECT_EQ(run({"get", "x", "reference_search_mode"}).out, "1\n");
   EXPECT_EQ(run({"get", "x", "77"}).status, 1) << "the module refuses";
   EXPECT_EQ(run({"get", "xx", "4"}).status, 2);
   EXPECT_THAT(run({"get", "x", "max_velocty"}).err, HasSubstr("'max_velocity'"));
@@ -132,13 +136,13 @@ TEST(TmclctlUnits, AnAxisThatSaysWhatItDrivesSpeaksItsUnit) {
   EXPECT_DOUBLE_EQ(recorded.at("position").as_array().back().to_number<double>(), 4);
   EXPECT_EQ(recorded.at("position_microsteps").as_array().back(), 4 * 18'944);
   EXPECT_THAT(run({"plot", "y", "--by", "1mm", "--compare"}).out,
-              testing::ContainsRegex("differ by [0-9.]+ mm at most"));
+              testing::ContainsRegex("at most [0-9.]+ mm off its plan|went as planned"));
 }
 
 TEST_F(TmclctlDaemon, BashCompletesVerbsAxesAndParameters) {
   const auto complete = [this](const std::string& words, int cursor) {
     const std::string script = "PATH='" TMCL_BIN_DIR "':$PATH; source '" TMCL_SOURCE_DIR
-                               "/config/completions/tmclctl.bash'; COMP_WORDS=(" +
+                               "/config/completions/tmclctl.bash'; compopt() { :; }; COMP_WORDS=(" +
                                words + "); COMP_CWORD=" + std::to_string(cursor) +
                                "; _tmclctl; echo \"${COMPREPLY[*]}\"";
     return run_program({"/bin/bash", "-c", script}).output;
@@ -149,6 +153,11 @@ TEST_F(TmclctlDaemon, BashCompletesVerbsAxesAndParameters) {
   EXPECT_EQ(complete(how + " get x max_v", 5),
             "max_velocity max_velocity_encoder_deviation max_velocity_minimum_time\n");
   EXPECT_EQ(complete("tmclctl plot x --sv", 3), "--svg\n");
+  EXPECT_EQ(complete(how + " wait x g", 5), "ghost\n");
+  EXPECT_EQ(complete(how + " path pause x g", 6), "ghost\n");
+  EXPECT_EQ(complete(how + " line g", 4), "ghost=\n");
+  EXPECT_EQ(complete("tmclctl help mo", 2), "modules models move\n");
+  EXPECT_EQ(complete("tmclctl --json help program ve", 4), "verify\n");
 }
 
 TEST_F(TmclctlDaemon, TheEnvironmentNamesTheSocket) {

@@ -11,7 +11,8 @@ An AXIS is a name from tmcld's configuration; with --direct it is ADDRESS/MOTOR,
 A PARAM is a number or a standard name, such as max_velocity: 'tmclctl params AXIS' lists them.
 A bare number is what the module counts in: microsteps for positions; for velocities see
 'tmclctl params AXIS'. A unit may stand behind it: 1.5rev, 2rps, 120rpm, 61035pps, 100000pps/s, and,
-if tmcld's configuration gives the axis a unit such as mm: 10mm, 5mm/s, 50mm/s2. With --direct, turns
+if tmcld's configuration gives the axis a unit such as mm: 10mm, 5mm/s, 50mm/s^2 (or 50mm/s2). With
+--direct, turns
 are counted by the module's microsteps (parameter 140) and --full-steps. What is told of an axis with
 a unit is in that unit; with --internal it is what the module counts.
 
@@ -35,9 +36,10 @@ Examples:
 Exit codes:
     0  done
     1  the module or tmcld refused; nothing changed
-    2  the command line asks for something that does not exist, or a file that it names is wrong;
-       nothing was sent
-    3  not sent: no connection, no answer from the module lately; nothing changed
+    2  the command line asks for something that does not exist or is out of range, or a file that it
+       names is wrong; nothing was sent
+    3  not sent: no connection, no answer from the module lately; or a reading without an answer;
+       nothing changed
     4  outcome unknown: sent, but no answer; it may have been executed
     5  the wait ended early: the move was interrupted, or --timeout passed
   130  Ctrl-C while waiting: the axis goes on moving (143 for SIGTERM)
@@ -49,17 +51,65 @@ Environment:
   NO_COLOR      no colours, if set
 )";
 
+constexpr const char* help = R"(
+  tmclctl help move
+  tmclctl help program upload
+)";
+
 constexpr const char* scan = R"(
 Asks every address who is there: through tmcld on all its buses, with --direct on that one.
-One row for each module that answers. Takes some seconds on a slow serial line. NO FIRMWARE marks a
-module whose bootloader answers, as after an upload that was cut short.
+One row for each module that answers; exit code 3 if none does. Takes some seconds on a slow serial
+line. NO FIRMWARE marks a module whose bootloader answers, as after an upload that was cut short.
 
   tmclctl scan
   tmclctl --direct can:can0 scan --addresses 1-20
 )";
 
+constexpr const char* modules = R"(
+Those of the axes in tmcld's configuration, and how they are: ready, silent (they do not answer), or
+unknown (their bus is not open, or they were not asked yet). With --direct it is a scan.
+
+  tmclctl modules
+  tmclctl --json modules
+)";
+
+constexpr const char* axes = R"(
+The axes of tmcld's configuration; with --direct those of all modules that a scan finds. Where the state
+is unknown because a bus is not open, it says why.
+
+  tmclctl axes
+  tmclctl --direct can:can0 axes
+)";
+
+constexpr const char* models = R"(
+Needs no module. 'tmclctl params --model MODEL' lists what one of them can be told.
+
+  tmclctl models
+  tmclctl params --model TMCM-1110
+)";
+
+constexpr const char* state = R"(
+  tmclctl state x
+  tmclctl --json state x                         with every value in both units
+)";
+
+constexpr const char* store = R"(
+Keeps the value that the parameter has now: the module starts with it from then on. Only some
+parameters can be stored: 'tmclctl params AXIS' shows RWE in its column ACCESS.
+
+  tmclctl set x max_velocity 1500
+  tmclctl store x max_velocity
+)";
+
+constexpr const char* restore = R"(
+Sets the parameter to the value that was stored last, as the next start of the module would.
+
+  tmclctl restore x max_velocity
+)";
+
 constexpr const char* params = R"(
 An axis has the parameters of its module's model; without a module, --model lists those of any.
+ACCESS is R (can be read), RW (and set), or RWE (and stored in the EEPROM, with 'tmclctl store').
 
   tmclctl params x --values
   tmclctl params --model TMCM-1276
@@ -67,10 +117,11 @@ An axis has the parameters of its module's model; without a module, --model list
 )";
 
 constexpr const char* get = R"(
-Prints one bare value, so that a script needs no parsing:
+Prints one bare number, so that a script needs no parsing. With --in-units its unit stands behind it,
+as 'set' takes it.
 
   position=$(tmclctl get x actual_position)
-  tmclctl get x max_velocity --in-units          5.9604644775mm/s, as set takes it
+  tmclctl get x max_velocity --in-units          5.9604644775mm/s
   tmclctl --direct tcp:127.0.0.1:4001 get 1/0 4
 )";
 
@@ -81,7 +132,7 @@ Writing target_position, actual_position, target_velocity or ramp_mode can move 
 
   tmclctl set x max_velocity 1500
   tmclctl set x max_velocity 20000pps
-  tmclctl set x max_acceleration 50mm/s2
+  tmclctl set x max_acceleration 50mm/s^2
 )";
 
 constexpr const char* move = R"(
@@ -166,6 +217,9 @@ Waits until the module says that its search has ended, unless --no-wait is given
 waiting and NOT the search. If somebody else ends the search, tmcld tells so; with --direct that
 looks as if the search had found its switch.
 
+--timeout ends the waiting and NOT the search, too: the motor goes on until it finds its switch or is
+stopped, by 'tmclctl home x --stop' or 'tmclctl stop x'.
+
   tmclctl home x
   tmclctl home x --mode 5 --timeout 60
   tmclctl home x --stop
@@ -177,6 +231,8 @@ Coordinates 0 to 20 are lost with the module's power, unless they are stored; 0 
   tmclctl coordinate capture x 1
   tmclctl coordinate set x 2 12.5mm
   tmclctl coordinate move x 1
+  tmclctl coordinate get x 1
+  tmclctl coordinate store x; tmclctl coordinate load x
 )";
 
 constexpr const char* coordinate_start = R"(
@@ -203,6 +259,8 @@ address, take effect at once, too, or after a reset.
 
   tmclctl global get 1 can_bit_rate
   tmclctl global set bench:1 5 4711 --bank 2     user variable 5
+  tmclctl global store 1 5 --bank 2              its value now is what it starts with ...
+  tmclctl global restore 1 5 --bank 2            ... and has again
 )";
 
 constexpr const char* input = R"(
@@ -212,8 +270,31 @@ Prints one bare value. Port 255 of bank 0 is all digital inputs, a bit each.
   tmclctl input 1 0 --bank 1                     as the converter gives it
 )";
 
+constexpr const char* output = R"(
+Without a VALUE it prints one bare value: what the output is set to.
+
+  tmclctl output 1 0 1                           switch it on
+  tmclctl output 1 0
+)";
+
+constexpr const char* info = R"(
+What the module does not tell is "-".
+
+  tmclctl info 1
+  tmclctl info bench:1
+)";
+
+constexpr const char* reset = R"(
+The module starts anew, as after a loss of power: its motors stop, it forgets where they are, and its
+parameters are those that were stored. It does not answer meanwhile.
+
+  tmclctl reset 1
+)";
+
 constexpr const char* factory_reset = R"(
 The module does not answer, and restarts. It may come back with another address and baud rate.
+
+  tmclctl factory-reset 1 --yes
 )";
 
 constexpr const char* upload = R"(
@@ -251,7 +332,7 @@ cannot be met is refused with the nearest value that can.
 The dividers scale the other speeds of the axis, too, such as those of the reference search.
 
   tmclctl ramp x --velocity 50000pps --acceleration 200000pps/s
-  tmclctl ramp x --velocity 20mm/s --acceleration 100mm/s2 --dry-run
+  tmclctl ramp x --velocity 20mm/s --acceleration 100mm/s^2 --dry-run
 )";
 
 constexpr const char* convert = R"(
@@ -320,13 +401,13 @@ With an assumption, fewer are enough:
 
   tmclctl profile solve distance=20mm total_time=600ms thirds
   tmclctl profile solve speed=8 acceleration=16 deceleration=16 distance=12
-  tmclctl profile solve distance=90deg speed=1rev/s acceleration=5rev/s2 symmetric
+  tmclctl profile solve distance=90deg speed=1rev/s acceleration=5rev/s^2 symmetric
   tmclctl --json profile solve distance=200mm total_time=1s speed=250mm/s symmetric
 
 Prints all eight as a table and draws position and speed; --svg draws into a file; --json prints the
 eight as plain numbers, and "unit". Lengths may be in any unit, all of them in the same one; mm, um,
-cm, m and in, and deg, rad and rev, can be mixed. Speeds are such as mm/s, accelerations mm/s2 (or
-mm/s^2, mm/s/s); times are in s, ms, us or min. What is printed is in seconds and in the first unit
+cm, m and in, and deg, rad and rev, can be mixed. Speeds are such as mm/s, accelerations mm/s^2 (or
+mm/s2, mm/s/s); times are in s, ms, us or min. What is printed is in seconds and in the first unit
 of length that was given, and bare numbers are taken as such.
 
 More than enough may be given, as long as it agrees within 1e-9. Too little, values that contradict
@@ -451,10 +532,61 @@ come back as another device: give the command again with that one's name.
 )";
 
 constexpr const char* program = R"(
-Nothing is sent anywhere: no bus, no tmcld, no module is needed.
+'assemble' and 'disassemble' only work on files. All others speak to the module that they name.
 
-  tmclctl program assemble --help
-  tmclctl program disassemble --help
+  tmclctl program assemble --help      a program's text: a file for the module
+  tmclctl program upload --help        into the module
+  tmclctl program run --help           and let it run
+)";
+
+constexpr const char* program_run = R"(
+Comes back when the module has begun; the program goes on by itself. Without --start it goes on where
+it stands; after 'tmclctl program reset' that is its first command.
+
+  tmclctl program run 1
+  tmclctl program run bench:1 --start 0
+)";
+
+constexpr const char* program_stop = R"(
+The program ends; motors that turn go on turning: stop those with 'tmclctl stop AXIS'.
+
+  tmclctl program stop 1; tmclctl stop --all
+)";
+
+constexpr const char* program_step = R"(
+Executes the next command of the program, which then waits for another step. A command that moves a
+motor moves it.
+
+  tmclctl program step 1; tmclctl program status 1
+)";
+
+constexpr const char* program_reset = R"(
+Ends the program; the next run begins at its first command. Motors that turn go on turning.
+
+  tmclctl program reset 1
+)";
+
+constexpr const char* program_status = R"(
+state is stopped, running, stepping (it also is while it stands at a breakpoint) or reset. What the
+module does not tell is "-".
+
+  tmclctl program status 1
+  tmclctl --json program status 1
+)";
+
+constexpr const char* verify = R"(
+Exit code 1 if the module holds another program, and where they differ first.
+
+  tmclctl program verify loop.tmc 1
+)";
+
+constexpr const char* breakpoint = R"(
+The program stands before the command at this address, and goes on by 'tmclctl program run'. Addresses
+are those of the listing of 'tmclctl program assemble'.
+
+  tmclctl program breakpoint 1 7
+  tmclctl program clear-breakpoint 1 7
+  tmclctl program clear-breakpoints 1
 )";
 
 constexpr const char* assemble = R"(

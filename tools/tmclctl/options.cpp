@@ -34,14 +34,19 @@ class Parser {
   Attempt<std::variant<Options, Information>> parse(const std::vector<std::string>& arguments);
 
  private:
+  void add_help();
+  Attempt<std::variant<Options, Information>> help() const;
   void add_complete();
   Information complete() const;
   Failure failure_from(const CLI::ParseError& error) const;
   std::optional<Failure> unknown_word() const;
+  std::optional<Failure> unknown_verb(const CLI::App& outer, const std::string& word) const;
+  std::string how_to_help(const CLI::App& verb) const;
   std::optional<Failure> conflicting_options() const;
   const CLI::App& chosen() const;
   std::vector<std::string> verbs(const CLI::App& app) const;
-  const CLI::App& complete_verb() const;
+  std::vector<const CLI::App*> path_of(const std::vector<std::string>& words) const;
+  const CLI::App& complete_verb() const { return *path_of(complete_for_).back(); }
   std::vector<std::string> options_of(const CLI::App& app) const;
 
   CLI::App app_{help_text::description, "tmclctl"};
@@ -49,6 +54,7 @@ class Parser {
   Grammar grammar_{app_};
   verb::Complete complete_;
   std::vector<std::string> complete_for_;
+  std::vector<std::string> help_for_;
 };
 
 Parser::Parser() {
@@ -86,7 +92,16 @@ Parser::Parser() {
   add_path(grammar_);
   add_module_programs(grammar_, add_program(grammar_));
   add_units(grammar_);
+  add_help();
   add_complete();
+}
+
+void Parser::add_help() {
+  auto* help = app_.add_subcommand("help", "Explain a verb: as --help behind it");
+  help->fallthrough();
+  help->group("Verbs");
+  help->footer(help_text::help);
+  help->add_option("VERB", help_for_, "Such as move, or program upload")->type_name("");
 }
 
 void Parser::add_complete() {
@@ -109,16 +124,16 @@ std::vector<std::string> Parser::verbs(const CLI::App& app) const {
   return names;
 }
 
-/// As far as the words are verbs.
-const CLI::App& Parser::complete_verb() const {
-  const auto* verb = &app_;
-  for (const auto& word : complete_for_) {
-    const auto under = verbs_under(*verb);
+/// From the outermost on, as far as the words are verbs.
+std::vector<const CLI::App*> Parser::path_of(const std::vector<std::string>& words) const {
+  std::vector<const CLI::App*> path{&app_};
+  for (const auto& word : words) {
+    const auto under = verbs_under(*path.back());
     const auto found = std::ranges::find(under, word, &CLI::App::get_name);
     if (found == under.end()) break;
-    verb = *found;
+    path.push_back(*found);
   }
-  return *verb;
+  return path;
 }
 
 std::vector<std::string> Parser::options_of(const CLI::App& app) const {
@@ -194,14 +209,39 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   return text.empty() ? text : text.substr(1) + ' ';
 }
 
+std::optional<Failure> Parser::unknown_verb(const CLI::App& outer, const std::string& word) const {
+  const auto names = verbs(outer);
+  if (names.empty()) return std::nullopt;
+  const bool outermost = &outer == &app_;
+  return usage_failure(
+      "unknown_verb",
+      fmt::format("there is no verb '{}{}'", outermost ? "" : full_name(outer) + ' ', word),
+      did_you_mean(word, names) + how_to_help(outer));
+}
+
+std::string Parser::how_to_help(const CLI::App& verb) const {
+  return &verb == &app_ ? std::string("'tmclctl --help' lists them all")
+                        : fmt::format("'tmclctl {} --help' explains it", full_name(verb));
+}
+
+Attempt<std::variant<Options, Information>> Parser::help() const {
+  const auto path = path_of(help_for_);
+  if (path.size() <= help_for_.size()) {
+    const auto& word = help_for_[path.size() - 1];
+    if (auto unknown = unknown_verb(*path.back(), word)) return tl::unexpected(*unknown);
+  }
+  auto words = help_for_;
+  words.resize(path.size() - 1);
+  words.emplace_back("--help");
+  return Parser().parse(words);
+}
+
 std::optional<Failure> Parser::unknown_word() const {
   const auto words = app_.remaining(true);
   if (words.empty()) return std::nullopt;
   const auto& word = words.front();
   const auto& verb = chosen();
-  const auto help = &verb == &app_
-                        ? std::string("'tmclctl --help' lists them all")
-                        : fmt::format("'tmclctl {} --help' explains it", full_name(verb));
+  const auto help = how_to_help(verb);
   if (word.starts_with('-')) {
     auto known = options_of(app_);
     for (const auto& name : options_of(verb)) known.push_back(name);
@@ -209,11 +249,7 @@ std::optional<Failure> Parser::unknown_word() const {
     return usage_failure("unknown_option", fmt::format("there is no option '{}'", option),
                          did_you_mean(option, known) + help);
   }
-  if (const auto names = verbs(verb); !names.empty()) {
-    const auto outer = &verb == &app_ ? "" : full_name(verb) + ' ';
-    return usage_failure("unknown_verb", fmt::format("there is no verb '{}{}'", outer, word),
-                         did_you_mean(word, names) + help);
-  }
+  if (auto unknown = unknown_verb(verb, word)) return unknown;
   return usage_failure(
       "usage", fmt::format("'{}' is one word too many for '{}'", word, full_name(verb)), help);
 }
@@ -261,6 +297,7 @@ Attempt<std::variant<Options, Information>> Parser::parse(
   const auto& verb = chosen();
   const bool completes = verb.get_name() == "__complete";
   if (completes && complete_.what != "axes") return complete();
+  if (verb.get_name() == "help") return help();
   if (auto conflict = conflicting_options()) return tl::unexpected(*conflict);
   options_.verb = completes ? Verb(complete_) : grammar_.said(verb);
   return options_;

@@ -41,8 +41,8 @@ void add_lists(Grammar& grammar) {
   auto& range = scan->range;
   scan.option("--addresses", "FIRST-LAST", "Only these addresses (default 1-255)",
               [&range](const std::string& text) { return read_range(text, range); });
-  grammar.verb<verb::Modules>("modules", "List the modules that tmcld serves");
-  grammar.verb<verb::Axes>("axes", "List the axes and how they are called");
+  grammar.verb<verb::Modules>("modules", "List the modules that tmcld serves", help_text::modules);
+  grammar.verb<verb::Axes>("axes", "List the axes and how they are called", help_text::axes);
   auto params = grammar.verb<verb::Params>("params", "List the parameters of an axis or a model",
                                            help_text::params);
   params.optional_word("AXIS", "A configured name, or ADDRESS/MOTOR with --direct",
@@ -56,15 +56,15 @@ void add_lists(Grammar& grammar) {
     if (said.model.empty()) return said.globals ? "--globals needs --model" : "";
     return said.values ? "--values needs an axis to read from" : "";
   });
-  grammar.verb<verb::Models>("models", "List the models that are known");
+  grammar.verb<verb::Models>("models", "List the models that are known", help_text::models);
 }
 
 void add_parameters(Grammar& grammar) {
   auto get =
-      grammar.verb<verb::Get>("get", "Read a parameter: prints one bare value", help_text::get);
+      grammar.verb<verb::Get>("get", "Read a parameter: prints one bare number", help_text::get);
   get.axis(get->axis);
   get.word("PARAM", "Number or standard name", text(get->parameter));
-  get.flag("--in-units", "Print it in the unit of the axis, or in turns if it has none",
+  get.flag("--in-units", "Print it with the unit of the axis, or in turns if it has none",
            get->in_units);
   auto set = grammar.verb<verb::Set>("set", "Set a parameter", help_text::set);
   set.axis(set->axis);
@@ -136,7 +136,8 @@ void add_motion(Grammar& grammar) {
 }
 
 void add_watch(Grammar& grammar) {
-  auto state = grammar.verb<verb::State>("state", "Show where an axis is and what it does");
+  auto state = grammar.verb<verb::State>("state", "Show where an axis is and what it does",
+                                         help_text::state);
   state.axis(state->axis);
   state.internal(state->internal);
   auto watch = grammar.verb<verb::Watch>("watch", "Show every change of an axis", help_text::watch);

@@ -38,7 +38,7 @@ void add_parameter(AskForm& form) {
 
 AskForm add_global(Grammar& grammar, const Form& group, const std::string& name, const char* method,
                    const std::string& description) {
-  auto form = ask(grammar, group, name, method, description);
+  auto form = ask(grammar, group, name, method, description, help_text::global);
   form.module(form->module);
   add_parameter(form);
   form.option("--bank", "N", "Bank of the parameter (default 0); user variables are in bank 2",
@@ -48,7 +48,7 @@ AskForm add_global(Grammar& grammar, const Form& group, const std::string& name,
 
 AskForm add_coordinate(Grammar& grammar, const Form& group, const std::string& name,
                        const char* method, const std::string& description) {
-  auto form = ask(grammar, group, name, method, description);
+  auto form = ask(grammar, group, name, method, description, help_text::coordinate);
   form.axis(form->axis);
   form.word("NUMBER", "Of the coordinate, 0 to 20", number(form->number, 0, greatest_coordinate));
   return form;
@@ -56,15 +56,15 @@ AskForm add_coordinate(Grammar& grammar, const Form& group, const std::string& n
 
 void add_all_coordinates(Grammar& grammar, const Form& group, const std::string& name,
                          const char* method, const std::string& description) {
-  auto form = ask(grammar, group, name, method, description);
+  auto form = ask(grammar, group, name, method, description, help_text::coordinate);
   form.axis(form->axis);
   form.optional_word("NUMBER", "Only this one, 1 to 20",
                      number(form->number, 1, greatest_coordinate));
 }
 
 void add_program_verb(Grammar& grammar, const Form& program, const std::string& name,
-                      const char* method, const std::string& description) {
-  auto form = ask(grammar, program, name, method, description);
+                      const char* method, const std::string& description, const char* footer) {
+  auto form = ask(grammar, program, name, method, description, footer);
   form.module(form->module);
 }
 
@@ -75,7 +75,7 @@ void add_home(Grammar& grammar) {
   home.axis(home->axis);
   home.option("--mode", "N", "Which switches are searched how (parameter 193)",
               number(home->mode, 1, greatest_mode));
-  home.option("--timeout", "SECONDS", "Give up after so long; the search goes on",
+  home.option("--timeout", "SECONDS", "Give up waiting after so long; the motor goes on searching",
               number(home->timeout_s, shortest_time_s, longest_time_s));
   home.flag("--no-wait", "Come back as soon as the search has begun", home->no_wait);
   home.flag("--stop", "End a search", home->stop);
@@ -131,10 +131,11 @@ void add_arrivals(Grammar& grammar) {
 
 void add_eeprom(Grammar& grammar) {
   auto store = ask(grammar, "store", "parameter.store",
-                   "Keep a parameter's value when the module loses power");
+                   "Keep a parameter's value when the module loses power", help_text::store);
   store.axis(store->axis);
   add_parameter(store);
-  auto restore = ask(grammar, "restore", "parameter.restore", "Take back what was stored");
+  auto restore =
+      ask(grammar, "restore", "parameter.restore", "Take back what was stored", help_text::restore);
   restore.axis(restore->axis);
   add_parameter(restore);
 }
@@ -153,7 +154,8 @@ void add_modules(Grammar& grammar) {
   input.word("PORT", "Its number", number(input->port, 0, greatest_port));
   input.option("--bank", "N", "0 digital (default), 1 analog, 2 the state of an output",
                number(input->bank, 0, 2));
-  auto output = ask(grammar, "output", "io.get", "Set an output of a module, or read it");
+  auto output =
+      ask(grammar, "output", "io.get", "Set an output of a module, or read it", help_text::output);
   constexpr std::int32_t digital_outputs = 2;
   output->bank = digital_outputs;
   output.module(output->module);
@@ -164,9 +166,10 @@ void add_modules(Grammar& grammar) {
                          output->bank.reset();
                          return number(output->value)(text);
                        });
-  auto info = ask(grammar, "info", "module.info", "Show what a module's firmware says of itself");
+  auto info = ask(grammar, "info", "module.info", "Show what a module's firmware says of itself",
+                  help_text::info);
   info.module(info->module);
-  auto reset = ask(grammar, "reset", "module.reset", "Restart a module");
+  auto reset = ask(grammar, "reset", "module.reset", "Restart a module", help_text::reset);
   reset.module(reset->module);
   auto factory =
       ask(grammar, "factory-reset", "module.factory_reset",
@@ -185,7 +188,7 @@ void add_module_programs(Grammar& grammar, const Form& program) {
     auto upload = grammar.verb<verb::Upload>(
         program, compares ? "verify" : "upload",
         compares ? "Compare a file with the program in a module" : "Load a program into a module",
-        compares ? "" : help_text::upload);
+        compares ? help_text::verify : help_text::upload);
     upload->only_compare = compares;
     upload.word("FILE", "A program's text, or a program file (*.bin)", text(upload->file));
     upload.module(upload->module);
@@ -204,23 +207,29 @@ void add_module_programs(Grammar& grammar, const Form& program) {
                   number(download->first_address, 0, greatest_place));
   download.option("--length", "N", "So many commands; otherwise up to its end",
                   number(download->length, 1, most_lines));
-  auto run = ask(grammar, program, "run", "program.run", "Run the program in a module");
+  auto run = ask(grammar, program, "run", "program.run", "Run the program in a module",
+                 help_text::program_run);
   run.module(run->module);
   run.option("--start", "ADDRESS", "From there; otherwise from where it stands",
              number(run->first_address, 0, greatest_place));
-  add_program_verb(grammar, program, "stop", "program.stop", "End it; motors go on");
-  add_program_verb(grammar, program, "step", "program.step", "Execute one command of it");
-  add_program_verb(grammar, program, "reset", "program.reset", "End it, and back to its start");
-  add_program_verb(grammar, program, "status", "program.status", "Show what it does");
-  auto set = ask(grammar, program, "breakpoint", "program.set_breakpoint", "Stop it somewhere");
+  add_program_verb(grammar, program, "stop", "program.stop", "End it; motors go on",
+                   help_text::program_stop);
+  add_program_verb(grammar, program, "step", "program.step", "Execute one command of it",
+                   help_text::program_step);
+  add_program_verb(grammar, program, "reset", "program.reset", "End it, and back to its start",
+                   help_text::program_reset);
+  add_program_verb(grammar, program, "status", "program.status", "Show what it does",
+                   help_text::program_status);
+  auto set = ask(grammar, program, "breakpoint", "program.set_breakpoint", "Stop it somewhere",
+                 help_text::breakpoint);
   set.module(set->module);
   set.word("ADDRESS", "Where", number(set->at, 0, greatest_place));
   auto clear = ask(grammar, program, "clear-breakpoint", "program.clear_breakpoint",
-                   "Do not stop it there any more");
+                   "Do not stop it there any more", help_text::breakpoint);
   clear.module(clear->module);
   clear.word("ADDRESS", "Where", number(clear->at, 0, greatest_place));
   add_program_verb(grammar, program, "clear-breakpoints", "program.clear_breakpoints",
-                   "Do not stop it anywhere any more");
+                   "Do not stop it anywhere any more", help_text::breakpoint);
 }
 
 void add_raw(Grammar& grammar) {
