@@ -3,6 +3,7 @@
 
 #include <CLI/CLI.hpp>
 
+#include <iostream>
 #include <string>
 
 namespace tmcld {
@@ -27,8 +28,9 @@ constexpr auto footer = R"(The least configuration file:
     address = 1
     motor = 0
 
-Links: serial:DEVICE@BAUD, can:INTERFACE, tcp:HOST:PORT. Every key is explained in the example
-config/tmcld.toml, and what clients say to it in docs/PROTOCOL.md.
+Links: serial:DEVICE@BAUD, can:INTERFACE, tcp:HOST:PORT. Below the folder that tmcld was installed
+to, such as /usr/local, share/doc/tmcl/examples/tmcld.toml explains every key, and
+share/doc/tmcl/PROTOCOL.md what clients say to it.
 
 Exit codes: 0 ended as asked, 1 failure while running, 2 bad command line or configuration.
 
@@ -36,6 +38,13 @@ Try it without hardware:
     tmclsim --module TMCM-1110@1 --pty /tmp/tmcl
     tmcld --config FILE            (with link = "serial:/tmp/tmcl@115200")
     tmclctl --socket SOCKET move x 51200)";
+
+ExitCode complain(const std::string& what) {
+  std::cerr << "tmcld: " << what
+            << "\n  'tmcld --help' shows the least configuration file, and how to try it without "
+               "hardware\n";
+  return ExitCode{exit_code::bad_usage};
+}
 
 }  // namespace
 
@@ -45,15 +54,18 @@ std::variant<CommandLine, ExitCode> parse_command_line(int argc, const char* con
   app.set_version_flag("--version", std::string("tmcld ") + TMCL_VERSION);
   CommandLine result;
   app.add_option("-c,--config", result.config_file, "the configuration file, in TOML")
-      ->required()
       ->type_name("FILE");
   app.add_flag("--check", result.only_check,
                "check the configuration file, say what is in it, and end");
   try {
     app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {
+    app.exit(asked);
+    return ExitCode{exit_code::ok};
   } catch (const CLI::ParseError& error) {
-    return ExitCode{app.exit(error) == 0 ? exit_code::ok : exit_code::bad_usage};
+    return complain(error.what());
   }
+  if (result.config_file.empty()) return complain("which configuration? Say --config FILE");
   return result;
 }
 

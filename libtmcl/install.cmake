@@ -1,4 +1,4 @@
-# What a program outside this tree needs: headers, libraries, find_package(tmcl) and `pkg-config tmcl`.
+# What a program outside this tree needs: headers, libraries, find_package(tmcl) and `pkg-config tmcl tmcl-client`.
 include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/tmcl)
@@ -15,5 +15,7 @@ install(FILES ${CMAKE_CURRENT_BINARY_DIR}/tmcl-config.cmake ${CMAKE_CURRENT_BINA
 
 # Relative, so that the package works wherever it is installed or unpacked to.
 file(RELATIVE_PATH include_from_pkgconfig ${CMAKE_INSTALL_FULL_LIBDIR}/pkgconfig ${CMAKE_INSTALL_FULL_INCLUDEDIR})
-configure_file(tmcl.pc.in tmcl.pc @ONLY)
-install(FILES ${CMAKE_CURRENT_BINARY_DIR}/tmcl.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+foreach(name tmcl tmcl-client)
+  configure_file(${name}.pc.in ${name}.pc @ONLY)
+  install(FILES ${CMAKE_CURRENT_BINARY_DIR}/${name}.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+endforeach()

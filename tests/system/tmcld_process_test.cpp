@@ -177,6 +177,16 @@ TEST_F(Tmcld, TakesOverTheSocketOfOneThatWasKilled) {
   EXPECT_EQ(client.result("axis.list").at("axes").as_array().size(), 3U);
 }
 
+TEST_F(Tmcld, SaysWhatIsMissing) {
+  const auto without = run_program({"tmcld"});
+  EXPECT_EQ(without.status, 2);
+  EXPECT_THAT(without.output, testing::HasSubstr("tmcld: which configuration? Say --config FILE"));
+  EXPECT_THAT(without.output, testing::HasSubstr("tmcld --help"));
+  const auto unknown = run_program({"tmcld", "--conf", "x"});
+  EXPECT_EQ(unknown.status, 2);
+  EXPECT_THAT(unknown.output, testing::HasSubstr("--conf"));
+}
+
 TEST_F(Tmcld, ChecksItsConfiguration) {
   write_config("can:can0");
   const auto good = run_program({"tmcld", "--config", config(), "--check"});

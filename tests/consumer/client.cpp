@@ -1,0 +1,11 @@
+// A program outside the tree that speaks to tmcld by the installed library.
+
+#include <iostream>
+
+#include "tmcl/client.hpp"
+
+int main() {
+  const auto daemon = tmcl::client::Connection::open("/no/such/directory/tmcld.sock");
+  std::cout << daemon.error().message << '\n' << daemon.error().hint << '\n';
+  return daemon.error().name == tmcl::client::error_name::unreachable ? 0 : 1;
+}
