@@ -289,9 +289,9 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
   const auto& request = exchange.request;
   const auto& options = exchange.options;
   const tmcl::AxisAddress motor{request.address, request.motor};
-  // A module in its bootloader executes nothing, and must not be left there.
-  const bool is_judged = can_move(request) && !options.is_program_line &&
-                         !(options.hold && options.hold->in_bootloader);
+  // An upload of firmware was judged when it began: a module must not be left in its bootloader.
+  const bool ends_upload = options.hold && request.command == tmcl::Command::BOOT_START_APPLICATION;
+  const bool is_judged = can_move(request) && !options.is_program_line && !ends_upload;
   if (is_judged) {
     auto allowed = co_await may_send(request, permit);
     if (!allowed) {

@@ -8,8 +8,8 @@
 /// Whoever moves an axis on a line, on a path or in a reference search claims it, and nobody else
 /// moves it meanwhile. A stop needs no permit and heeds no claim.
 ///
-/// Does no I/O. Thread safety: none. Everything it holds is bounded by the number of configured
-/// axes and most_other_motors.
+/// Does no I/O. Thread safety: none. What it holds is bounded by the number of configured axes, by
+/// most_other_motors, and by how many requests a bus takes.
 #pragma once
 
 #include <cstddef>

@@ -40,6 +40,7 @@ TEST_F(DaemonMechanics, EverythingWithinSoftLimitsGoes) {
   client->result("parameter.set",
                  {{"axis", "screw"}, {"parameter", "target_position"}, {"value", 5}});
   client->result("axis.start_home", {{"axis", "screw"}});
+  client->result("axis.stop", {{"axis", "screw"}});
   client->result("module.execute",
                  {{"bus", "bench"}, {"address", 1}, {"command", "ROR"}, {"value", 5}});
 }

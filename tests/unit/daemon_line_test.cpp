@@ -144,6 +144,12 @@ class LineBench {
       return set;
     });
   }
+  /// As a program in the module does.
+  void send_x_to(std::int32_t position) {
+    daemon_.on_reactor([&] {
+      return carry_out({tmcl::ModuleAddress{1}, Command::MVP, 0, 0, position}).status;
+    });
+  }
 
   std::unique_ptr<RpcClient> client;
 
@@ -453,9 +459,8 @@ TEST_F(LongLine, ALinkThatStaysAwayLeavesWhatIsTold) {
   EXPECT_LT(bench.value("x", ap::actual_position), way);
 }
 
-TEST_F(LineOnTheWay, SomebodyElsesMoveOfOneStopsAll) {
-  RpcClient other(bench.socket());
-  other.result("axis.move_to", {{"axis", "x"}, {"position_microsteps", -40'000}});
+TEST_F(LineOnTheWay, AMoveOfOneByItsModuleStopsAll) {
+  bench.send_x_to(-40'000);
   EXPECT_THAT(event(), HasSubstr("axis 'x' was sent elsewhere"));
   bench.expect_rest();
   EXPECT_LT(bench.value("z", ap::actual_position), 20'000);

@@ -36,8 +36,12 @@ class SimulatedModule {
   tmcl::sim::Module module_{*tmcl::find_model("TMCM-6212"), tmcl::ModuleAddress{1}, clock_};
 };
 
-inline std::string axes_x_and_y() {
-  const std::string in_mm = "unit = \"mm\"\nunits_per_revolution = 5\n";
+/// With soft limits the module is asked more before a movement, and some movements are refused.
+enum class Limits { none, wide };
+
+inline std::string axes_x_and_y(Limits limits) {
+  const std::string in_mm = std::string("unit = \"mm\"\nunits_per_revolution = 5\n") +
+                            (limits == Limits::wide ? "soft_limits = [-1000, 1000]\n" : "");
   return "[[bus]]\nname = \"bench\"\nlink = \"serial:/dev/none@115200\"\nreply_timeout_ms = 60\n" +
          axis_section("x", 0, in_mm) + axis_section("y", 1, in_mm);
 }
@@ -126,7 +130,8 @@ inline bool is_example(const tmcl::Request& request) {
 
 class MovesBench {
  public:
-  explicit MovesBench(bool until_ready = true) : daemon(axes_x_and_y()) {
+  explicit MovesBench(bool until_ready = true, Limits limits = Limits::none)
+      : daemon(axes_x_and_y(limits)) {
     module_.be_played_by(daemon.wire().modules.at(1));
     daemon.start(until_ready);
     client = std::make_unique<RpcClient>(daemon.socket());

@@ -32,7 +32,8 @@ const std::vector<Stop>& stops() {
 
 class Round {
  public:
-  explicit Round(bool until_ready = true) : bench_(until_ready) {}
+  explicit Round(bool until_ready = true, Limits limits = Limits::none)
+      : bench_(until_ready, limits) {}
   ~Round() {
     lose({});
     bench_.daemon.on_reactor([&] { return bench_.daemon.wire().release(), 0; });
@@ -134,7 +135,7 @@ class Round {
 bool is_upload(const MovingExample& example) { return example.method() == "firmware.upload"; }
 
 // Otherwise what follows says nothing.
-TEST(DaemonStopEveryMethod, TheExamplesMoveX) {
+TEST(DaemonStopExamples, MoveX) {
   for (const auto& example : moving_examples()) {
     SCOPED_TRACE(testing::PrintToString(example));
     Round round;
@@ -147,11 +148,17 @@ TEST(DaemonStopEveryMethod, TheExamplesMoveX) {
   }
 }
 
-TEST(DaemonStopEveryMethod, AStopInTheSameWriteWins) {
+class DaemonStopEveryMethod : public testing::TestWithParam<Limits> {};
+INSTANTIATE_TEST_SUITE_P(With, DaemonStopEveryMethod, testing::Values(Limits::none, Limits::wide),
+                         [](const auto& one) {
+                           return one.param == Limits::none ? "no_limits" : "soft_limits";
+                         });
+
+TEST_P(DaemonStopEveryMethod, AStopInTheSameWriteWins) {
   for (const auto& example : moving_examples()) {
     for (const auto& stop : stops()) {
       SCOPED_TRACE(testing::PrintToString(example) + ' ' + stop.method);
-      Round round;
+      Round round(true, GetParam());
       round.ask(example);
       const auto answer = round.stop(stop, false, {});
       EXPECT_TRUE(answer.contains("result")) << json::serialize(answer);
@@ -174,6 +181,7 @@ class DaemonStopRandom : public testing::Test {
     std::vector<MovingExample> chosen{any_of(examples)};
     if (chance(2)) chosen.push_back(any_of(examples));
     const auto& stop = any_of(stops());
+    const auto limits = chance(2) ? Limits::wide : Limits::none;
     const bool is_known = !chance(4);
     const bool is_warm = is_known && chance(2);
     const bool is_slow = chance(2);
@@ -181,10 +189,11 @@ class DaemonStopRandom : public testing::Test {
     const bool by_another = chance(2);
     const auto pauses = random_() % 4;
     SCOPED_TRACE(testing::PrintToString(chosen) + ' ' + stop.method +
+                 (limits == Limits::wide ? ", soft limits" : "") +
                  (is_known ? "" : ", unknown modules") + (is_warm ? ", warm" : "") +
                  (is_slow ? ", slow" : "") + (loses ? ", lost answers" : "") +
                  (by_another ? ", by another" : ""));
-    Round round(is_known);
+    Round round(is_known, limits);
     if (is_warm) round.warm_up();
     if (loses) {
       round.lose([generator = random_](const Request&) mutable { return generator() % 4 == 0; });
