@@ -60,6 +60,15 @@ class TmcldPath : public testing::Test {
   std::string get_directly(int motor, const std::string& parameter) const {
     return run("--direct " + link(), "get 1/" + std::to_string(motor) + ' ' + parameter).out;
   }
+  bool until_it_reads(const std::string& axis_name, const std::string& parameter,
+                      const std::string& value) const {
+    const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(10);
+    while (get(axis_name, parameter) != value) {
+      if (std::chrono::steady_clock::now() > end) return false;
+      ::usleep(10'000);
+    }
+    return true;
+  }
   bool until_left_is_beyond(int microsteps) const {
     for (int i = 0; i < 500; ++i) {
       if (std::stoi(get("left", "1")) > microsteps) return true;
@@ -134,7 +143,7 @@ TEST_F(TmcldPath, CtrlZPausesAndGoesOnAndCtrlCStops) {
   ASSERT_TRUE(terminal.wait_for("running"));
   terminal.press_ctrl_z();
   ASSERT_TRUE(terminal.wait_for("pausing"));
-  for (int i = 0; i < 500 && get("left", "3") != "0\n"; ++i) ::usleep(10'000);
+  ASSERT_TRUE(until_it_reads("left", "3", "0\n"));
   const int stood = std::stoi(get("left", "1"));
   ::usleep(300'000);
   EXPECT_NEAR(std::stoi(get("left", "1")), stood, microsteps_per_mm / 100);
@@ -166,10 +175,9 @@ TEST_F(TmcldPath, AClientThatIsKilledDoesNotEndIt) {
     OnTerminal terminal(through_daemon(), path_run(part));
     ASSERT_TRUE(until_left_is_beyond(microsteps_per_mm));
   }  // SIGKILL
-  for (int i = 0; i < 800 && get("left", "1") != "409600\n"; ++i) ::usleep(10'000);
-  EXPECT_EQ(get("left", "1"), "409600\n");
+  ASSERT_TRUE(until_it_reads("left", "1", "409600\n"));
   EXPECT_EQ(get("front", "1"), "102400\n");
-  for (int i = 0; i < 100 && get("left", "5") != own_acceleration; ++i) ::usleep(10'000);
+  ASSERT_TRUE(until_it_reads("left", "5", own_acceleration));
   expect_rest_and_own_settings();
 }
 
