@@ -257,12 +257,40 @@ awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
 
 // ---- what may be sent --------------------------------------------------------------------------
 
+namespace {
+
+// How long a line whose axes have arrived may take to give them their settings back.
+constexpr tmcl::Duration time_to_be_free = 2s;
+constexpr tmcl::Duration claim_look_interval = 5ms;
+
+tmcl::Script<bool> has_arrived(tmcl::AxisAddress motor) {
+  const auto state = co_await tmcl::verbs::state(motor);
+  co_return state && state->velocity.value == 0 && state->position == state->target;
+}
+
+/// Whoever sees an axis at the end of its line can see it before the line does.
+tmcl::Script<bool> sees_end_of_line(const Motors& motors, tmcl::AxisAddress motor) {
+  const auto claim = motors.claim_of(motor);
+  const bool ends = co_await has_arrived(motor);
+  const auto looks = ends ? time_to_be_free / claim_look_interval : 0;
+  for (auto i = looks; i > 0 && motors.claim_of(motor) == claim; --i)
+    co_await tmcl::pause(claim_look_interval);
+  co_return motors.claim_of(motor) != claim;
+}
+
+}  // namespace
+
 tmcl::Script<tmcl::Result<void>> GatewayBus::may_send(tmcl::Request request, Permit permit) {
   while (const auto motor = motors_.claimed_by_other(request, permit)) {
-    if (motors_.claim_of(*motor).by != Mover::search)
-      co_return tl::unexpected(motors_.claimed(*motor));
-    auto seen = co_await see_search_end(*motor);
-    if (!seen) co_return seen;
+    const auto claim = motors_.claim_of(*motor);
+    if (claim.by == Mover::search) {
+      auto seen = co_await see_search_end(*motor);
+      if (!seen) co_return seen;
+      continue;
+    }
+    if (claim.by == Mover::path) co_return tl::unexpected(motors_.claimed(*motor));
+    const bool is_over = co_await sees_end_of_line(motors_, *motor);
+    if (!is_over) co_return tl::unexpected(motors_.claimed(*motor));
   }
   auto objection = motors_.objection(request, permit);
   if (objection) co_return tl::unexpected(std::move(*objection));

@@ -15,7 +15,7 @@ using boost::asio::awaitable;
 using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
 
 constexpr tmcl::Duration time_to_be_free = std::chrono::seconds(2);
-constexpr tmcl::Duration look_interval = std::chrono::milliseconds(5);
+constexpr tmcl::Duration look_interval = std::chrono::milliseconds(20);
 
 awaitable<std::optional<AxisFailure>> look(const Axes& axes, Permit permit) {
   for (const auto& axis : axes) {

@@ -122,6 +122,18 @@ INSTANTIATE_TEST_SUITE_P(
                              "searches its reference"}),
     [](const auto& one) { return one.param.name; });
 
+// A line looks at its axes now and then, and so sees them arrive later than others do.
+TEST(DaemonLineClaim, WhoHasSeenTheEndOfALineCanMoveTheAxis) {
+  MovesBench bench;
+  for (const int place : {2'000, -2'000, 3'000}) {
+    bench.client->result("line.move", {{"axes", json::array{"x", "y"}},
+                                       {"positions_microsteps", json::array{place, place}}});
+    bench.client->result("axis.wait", {{"axis", "x"}});
+    bench.client->result("axis.move_to", {{"axis", "x"}, {"position_microsteps", 0}});
+    bench.client->result("axis.wait", {{"axis", "x"}});
+  }
+}
+
 class DaemonSearchClaim : public testing::Test {
  protected:
   void search_ends() {
