@@ -10,9 +10,18 @@ namespace {
 using testing::HasSubstr;
 using tmcl::Command;
 
+/// A lost answer is waited for three times.
+std::string impatient_spindle() {
+  auto config = spindle();
+  constexpr std::string_view patience = "reply_timeout_ms = 500";
+  return config.replace(config.find(patience), patience.size(), "reply_timeout_ms = 100");
+}
+
 // Axis x has a unit, which the microstep resolution of its module is needed for.
 class DaemonReading : public DaemonScale {
  protected:
+  DaemonReading() : DaemonScale(impatient_spindle()) {}
+
   using Condition = std::function<bool(const tmcl::Request&)>;
 
   static bool reads(const tmcl::Request& request, std::uint8_t parameter) {
