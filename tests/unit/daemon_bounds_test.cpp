@@ -74,6 +74,13 @@ TEST(DaemonOutbox, AdmitsAnswersUpToItsBound) {
   EXPECT_TRUE(outbox.push_answer("x"));
 }
 
+TEST(DaemonOutbox, AdmitsAsManyAsCanBeInProgressHoweverLongTheyAre) {
+  Outbox outbox;
+  for (std::size_t i = 0; i < max_unsent_answers; ++i)
+    ASSERT_TRUE(outbox.push_answer(std::string(max_unsent_answer_bytes, 'a')));
+  EXPECT_FALSE(outbox.push_answer("x"));
+}
+
 TEST(DaemonOutbox, DropsTheOldestNotificationsAndSaysHowMany) {
   Outbox outbox;
   for (int i = 0; i < static_cast<int>(max_unsent_notifications) + 3; ++i) {
