@@ -8,11 +8,6 @@
 namespace tmcld {
 namespace {
 
-boost::json::value text_or_null(std::string_view text) {
-  if (text.empty()) return nullptr;
-  return boost::json::value(text);
-}
-
 int code_of(tmcl::Errc code) {
   switch (code) {
     case tmcl::Errc::bad_argument:
@@ -32,6 +27,11 @@ std::string shortened(std::string text) {
   while (size > 0 && is_within_letter()) --size;
   text.resize(size);
   return text += end;
+}
+
+boost::json::value text_or_null(std::string_view text) {
+  if (text.empty()) return nullptr;
+  return boost::json::value(text);
 }
 
 }  // namespace

@@ -114,19 +114,19 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   }
 
  private:
+  awaitable<Fault> take_axes() {
+    std::vector<std::shared_ptr<GatewayAxis>> axes;
+    for (const auto& member : members_) axes.push_back(member.axis);
+    auto taken = co_await claim_all(std::move(axes), Mover::line, permit_);
+    co_return taken;
+  }
+
   awaitable<Fault> prepare_and_go() {
     auto fault = co_await look();
     if (!fault) fault = co_await plan();
     if (!fault) fault = co_await load();
     if (!fault) fault = co_await go();
     co_return fault;
-  }
-
-  awaitable<Fault> take_axes() {
-    std::vector<std::shared_ptr<GatewayAxis>> axes;
-    for (const auto& member : members_) axes.push_back(member.axis);
-    auto taken = co_await claim_all(std::move(axes), Mover::line, permit_);
-    co_return taken;
   }
 
   awaitable<Fault> look() {

@@ -67,7 +67,7 @@ awaitable<tl::expected<tmcl::plan::StreamReport, AxisFailure>> PathRun::pass(
   } catch (...) {
     failure = std::current_exception();
   }
-  if (failure) co_await self->stop_all_axes();
+  if (failure) co_await self->stop_axis(0);  // all of them
   self->leave_axes();
   for (const auto axis : self->stream_.report().unstopped)
     stop_as_soon_as_possible(self->members_[axis].axis, GatewayEvent::Kind::path_broken);
@@ -208,17 +208,15 @@ awaitable<StreamAnswer> PathRun::carry_out(StreamCommand command) {
 }
 
 // All at once: none waits for one that does not answer.
-awaitable<void> PathRun::stop_all_axes() {
-  stopping_ = true;
-  std::vector<awaitable<tmcl::Result<void>>> stops;
-  for (const auto& member : members_)
-    stops.push_back(patience_.insist([axis = member.axis] { return axis->brake(); }));
-  const auto results = co_await gather(std::move(stops));
-  for (std::size_t i = 0; i < results.size(); ++i) stopped_[i] = answer_of(results[i]);
-}
-
 awaitable<StreamAnswer> PathRun::stop_axis(std::size_t axis) {
-  if (!stopped_[axis]) co_await stop_all_axes();
+  if (!stopped_[axis]) {
+    stopping_ = true;
+    std::vector<awaitable<tmcl::Result<void>>> stops;
+    for (const auto& member : members_)
+      stops.push_back(patience_.insist([axis = member.axis] { return axis->brake(); }));
+    const auto results = co_await gather(std::move(stops));
+    for (std::size_t i = 0; i < results.size(); ++i) stopped_[i] = answer_of(results[i]);
+  }
   auto answer = std::move(*stopped_[axis]);
   stopped_[axis].reset();
   co_return answer;

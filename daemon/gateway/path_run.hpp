@@ -67,7 +67,6 @@ class PathRun : public std::enable_shared_from_this<PathRun> {
   boost::asio::awaitable<void> drive();
   bool may_wait_for_link(const tmcl::plan::StreamCommand& command) const;
   boost::asio::awaitable<tmcl::plan::StreamAnswer> carry_out(tmcl::plan::StreamCommand command);
-  boost::asio::awaitable<void> stop_all_axes();
   boost::asio::awaitable<tmcl::plan::StreamAnswer> stop_axis(std::size_t axis);
   void notice_stops();
   void tell_progress();

@@ -34,9 +34,10 @@ address = 1
 motor = 0
 )";
 
-// Of the reactor's own processor time, so that a busy machine makes no difference: a path that is
-// being passed may be late by 50 ms.
-constexpr auto longest_turn = std::chrono::milliseconds(50);
+// Of the reactor's own processor time, so that a busy machine makes little difference: lines of the
+// greatest length take some milliseconds, the longest path some 20. What is a hundred times the
+// work of a line is beyond it.
+constexpr auto longest_turn = std::chrono::milliseconds(200);
 
 /// Measures on the reactor how long it works between two looks at what is due.
 class TurnMeter {

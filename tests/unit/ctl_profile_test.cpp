@@ -439,8 +439,8 @@ TEST_F(CtlProfile, CsvHasARowForEveryStep) {
 
 TEST_F(CtlProfile, DrawsOnTheScreenAndIntoFiles) {
   EXPECT_EQ(run(move_429()), ExitCode::done);
-  EXPECT_THAT(out, HasSubstr("tmc429 went from 0 to 20000 microsteps in 0.34 s, greatest velocity "
-                             "1000\n"));
+  EXPECT_THAT(out, HasSubstr("tmc429 went from 0 to 20000 microsteps in 0.34 s, fastest velocity "
+                             "1000 [internal]\n"));
   EXPECT_THAT(out, HasSubstr("velocity [internal]"));
   const auto path = std::filesystem::path(testing::TempDir()) / "ctl_profile_test.svg";
   EXPECT_EQ(run(move_429({"--svg", path})), ExitCode::done);
