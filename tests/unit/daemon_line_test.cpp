@@ -66,6 +66,7 @@ class LineBench {
   std::size_t ignores_at = 0;  // as if the module had not heard it
   std::size_t stops_at = 0;    // somebody stops x
   std::atomic<int> silent_module = 0;
+  std::atomic<bool> loses_link_at_start = false;  // for good, when the first one has started
 
   /// The next line reads everything anew, so that its requests are always the same.
   void begin() {
@@ -162,7 +163,10 @@ class LineBench {
               0};
     if (count_ == ignores_at) return {};
     if (request.command == Command::SAP && first_set_at_ == 0) first_set_at_ = count_;
-    if (request.command == Command::MVP) started_at_ = count_;
+    if (request.command == Command::MVP) {
+      started_at_ = count_;
+      if (loses_link_at_start) lose_link();
+    }
     return carry_out(request);
   }
   tmcl::Reply carry_out(const Request& request) {
@@ -170,6 +174,13 @@ class LineBench {
     answer_.clear();
     line_.receive(tmcl::encode_serial(request));
     return *tmcl::decode_serial_reply(std::span<const std::uint8_t, 9>(answer_.data(), 9));
+  }
+  // After the answer.
+  void lose_link() {
+    boost::asio::post(daemon_.daemon().context(), [this] {
+      daemon_.wire().is_absent = true;
+      daemon_.wire().unplug();
+    });
   }
   // Somebody else does it.
   void stop() {
@@ -275,6 +286,14 @@ TEST(DaemonLineLimits, SaysWhatIsWrongWithThem) {
   LineBench without(axes_without_units());
   EXPECT_THAT(message_of(without.line({"x", "y"}, {1, 1}, {{"velocity", 1}})),
               HasSubstr("axis 'x' has no unit of its own"));
+}
+
+TEST(DaemonLine, AStartThatCannotBeUndoneIsToldWhoAskedForIt) {
+  LineBench bench;
+  bench.loses_link_at_start = true;
+  const auto answer = bench.line({"x", "z"}, {100'000, 50'000});
+  EXPECT_THAT(message_of(answer), HasSubstr("axis 'x' could not be stopped and may still move"));
+  EXPECT_EQ(answer.at("error").at("data").at("outcome"), "unknown");
 }
 
 // The order in which they were loaded is a safe one for dividers and what they divide.
