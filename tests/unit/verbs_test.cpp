@@ -501,7 +501,8 @@ TEST(SharedBus, WaitingTellsNoForgedArrival) {
       at = 5000;
       self.parameter(axis.motor, axis_parameter::position_reached) = 1;
     };
-    const auto arrived = bus.run(verbs::wait_until_reached(axis));
+    const auto arrived =
+        bus.run(verbs::wait_until_reached(axis, {.timeout = std::chrono::seconds(10)}));
     if (period <= hopeless) {
       ASSERT_FALSE(arrived);
       EXPECT_EQ(arrived.error().code, Errc::unexpected_value);
