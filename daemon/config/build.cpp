@@ -200,6 +200,11 @@ class Builder {
   void check_reply_id(const ConfigSection& section, const BusConfig& bus, std::int64_t address) {
     const auto reply_id = bus.link_options.can_reply_id;
     if (scope_of(bus.link) != LinkScope::can || address != reply_id) return;
+    // Its other motors have been told of it.
+    const bool told = std::ranges::any_of(config_.axes, [&](const auto& other) {
+      return other.bus == bus.name && number(other.address.module) == address;
+    });
+    if (told) return;
     const auto* name = section.get<std::string>("name");
     complain(section.place_of("address"),
              fmt::format("{} has the address {}, but replies on bus '{}' come with the identifier "

@@ -188,7 +188,8 @@ TEST_F(Tmcld, SaysWhatIsMissing) {
 }
 
 TEST_F(Tmcld, ChecksItsConfiguration) {
-  write_config("can:can0");
+  const std::string link = "tcp:127.0.0.1:4001";
+  write_config(link);
   const auto good = run_program({"tmcld", "--config", config(), "--check"});
   EXPECT_EQ(good.status, 0);
   EXPECT_EQ(good.output, "ok: 1 bus, 3 axes\n");
@@ -200,13 +201,20 @@ TEST_F(Tmcld, ChecksItsConfiguration) {
   EXPECT_EQ(bad.output,
             config() + ":22:1: unknown key 'moter' in [[axis]]. Did you mean 'motor'?\n");
 
-  write_config("can:can0",
+  write_config(link,
                "unit = \"mm\"\nscrew_pitch = 10\ngear_ratio = 3\nsoft_limits = [-2.5, 300]\n"
                "encoder_lines = 1000\n");
   const auto screw = run_program({"tmcld", "--config", config(), "--check"});
   EXPECT_EQ(screw.output,
             "ok: 1 bus, 3 axes\nz: 10 mm a turn behind a gear of 3:1, from -2.5 to 300 mm, 1200 "
             "encoder counts a mm\n");
+
+  // Where replies come with the identifier 2, no module may have it.
+  write_config("can:can0");
+  const auto can = run_program({"tmcld", "--config", config(), "--check"});
+  EXPECT_EQ(can.status, 2);
+  EXPECT_THAT(can.output, HasSubstr("axis 'y' has the address 2, but replies"));
+  EXPECT_EQ(std::ranges::count(can.output, '\n'), 1) << "once for each module";
 }
 
 TEST_F(Tmcld, ExplainsItself) {
