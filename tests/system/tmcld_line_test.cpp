@@ -144,7 +144,8 @@ TEST_F(TmcldLine, AnAxisIsOnOneLineAtATime) {
   RpcClient other(socket());
   const auto error = other.error(
       "line.move", {{"axes", json::array{"x", "z"}}, {"positions_microsteps", json::array{1, 2}}});
-  EXPECT_THAT(std::string(error.at("message").as_string()), HasSubstr("is on its way along a line"));
+  EXPECT_THAT(std::string(error.at("message").as_string()),
+              HasSubstr("is on its way along a line"));
   client->result("axis.stop", {{"axis", "y"}});
   EXPECT_TRUE(has_its_settings_again("z"));
 }

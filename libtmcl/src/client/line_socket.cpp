@@ -23,10 +23,9 @@ namespace {
 
 constexpr auto cancel_poll_interval = std::chrono::milliseconds(50);
 
-CallError unreachable(const std::string& path, int reason, Duration waited = {}) {
+CallError unreachable(const std::string& path, int reason) {
   return {0, std::string(error_name::unreachable), Outcome::not_sent,
-          fmt::format("cannot connect to tmcld at {}: {}{}", path, std::strerror(reason),
-                      waited_text(waited)),
+          fmt::format("cannot connect to tmcld at {}: {}", path, std::strerror(reason)),
           hint_for(reason, path)};
 }
 
@@ -69,8 +68,11 @@ CallResult<LineSocket> LineSocket::open(const std::string& path, Duration wait,
     const auto connected = connect_to(address);
     if (connected) return LineSocket(*connected, path, std::move(cancelled));
     const auto waited = RealClock{}.now() - began;
-    if (waited >= wait || !may_come_right(connected.error(), path))
-      return tl::unexpected(unreachable(path, connected.error(), waited));
+    if (waited >= wait || !may_come_right(connected.error(), path)) {
+      auto error = unreachable(path, connected.error());
+      error.message += waited_text(waited);
+      return tl::unexpected(std::move(error));
+    }
     if (cancelled && cancelled()) return tl::unexpected(interrupted(Outcome::not_sent));
     std::this_thread::sleep_for(std::min<Duration>(file_look_interval, wait - waited));
   }
