@@ -45,7 +45,7 @@ class UploadInProgress {
 
 tmcl::Error daemon_is_ending() {
   tmcl::Error error;
-  error.code = tmcl::Errc::link_lost;
+  error.code = tmcl::Errc::daemon_ending;
   error.outcome = tmcl::Outcome::not_sent;
   error.message = "the daemon is ending";
   error.hint = "nothing was changed; upload it again when the daemon runs";

@@ -64,7 +64,7 @@ bool Gateway::has_journeys() const {
 }
 
 void Gateway::stop_all_axes() {
-  for (const auto& axis : axes_) axis->revoke_movements();
+  revoke_movements();
   for (const auto& axis : axes_)
     spawn(axis->bus().executor(), stop_quietly(shared_from_this(), axis));
 }

@@ -58,8 +58,8 @@ Script<Result<std::optional<Microsteps>>> get_if_there(AxisAddress axis, std::ui
   co_return tl::unexpected(value.error());
 }
 
-/// Modules take any mode, and refuse only the search: what they refused must not stay, or each
-/// later search would fail.
+/// Modules take any mode, and refuse only the search. The mode of a search that did not begin must
+/// not stay: each later search would be one in that mode, or be refused.
 Script<Result<void>> start_search_in(AxisAddress axis, std::int32_t mode, CallOptions call) {
   const auto before = co_await get(axis, search_mode);
   if (!before && before.error().outcome != Outcome::refused)
@@ -67,8 +67,10 @@ Script<Result<void>> start_search_in(AxisAddress axis, std::int32_t mode, CallOp
   const auto chosen = co_await set(axis, search_mode, mode);
   if (!chosen) co_return chosen;
   auto started = co_await start_search(axis, call);
-  if (started || started.error().outcome != Outcome::refused || !before) co_return started;
+  const bool may_have_begun = started || started.error().outcome == Outcome::unknown;
+  if (may_have_begun || !before) co_return started;
   const auto set_back = co_await set(axis, search_mode, *before);
+  if (started.error().outcome != Outcome::refused) co_return started;
   started.error().hint = fmt::format(
       "Mode {} is perhaps none that this module has. Parameter {} {}", mode, search_mode,
       set_back ? fmt::format("is {} again, as before", *before) : "could not be set back");
