@@ -21,6 +21,9 @@ using boost::asio::awaitable;
 using boost::asio::redirect_error;
 using boost::asio::use_awaitable;
 
+// Whoever starts tmcld and calls it at once is to find its buses open. One that is not there does
+// not keep the others.
+constexpr auto time_to_open = 300ms;
 // Together well below the second within which the daemon ends.
 constexpr auto time_for_stops = 300ms;
 constexpr auto time_for_answers = 300ms;
@@ -84,13 +87,22 @@ Daemon::~Daemon() {
 bool Daemon::run() {
   try {
     gateway_->start();
-    server_->start();
+    spawn(context_.get_executor(), begin_to_serve(*this));
     context_.run();
     return true;
   } catch (...) {
     end_after(std::current_exception());
     return false;
   }
+}
+
+awaitable<void> Daemon::begin_to_serve(Daemon& daemon) {
+  const auto is_open = [](const auto& bus) { return bus->state() == GatewayBus::State::open; };
+  co_await wait_until(
+      daemon.context_,
+      [&] { return daemon.ending_ || std::ranges::all_of(daemon.gateway_->buses(), is_open); },
+      time_to_open);
+  if (!daemon.ending_) daemon.server_->start();
 }
 
 // Whoever threw has ended; all others go on, as long as it takes to stop what moves.

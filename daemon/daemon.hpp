@@ -43,6 +43,7 @@ class Daemon {
 
  private:
   Daemon() = default;
+  static boost::asio::awaitable<void> begin_to_serve(Daemon& daemon);
   static boost::asio::awaitable<void> wait_for_signal(Daemon& daemon);
   static boost::asio::awaitable<void> end(Daemon& daemon);
   void end_after(const std::exception_ptr& failure) noexcept;

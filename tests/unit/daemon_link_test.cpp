@@ -19,6 +19,21 @@ std::string bus_state(RpcClient& client) {
   return text(client.result("bus.list").at("buses").as_array().at(0).at("state"));
 }
 
+// Whoever starts the daemon and calls it in the next line finds its buses open.
+TEST(DaemonStart, GreetsItsClientsWhenItsBusesAreOpen) {
+  constexpr auto longest = std::chrono::milliseconds(300);
+  TestDaemon daemon;
+  daemon.wire().is_absent = true;
+  const auto& bus = *daemon.daemon().gateway().buses()[0];
+  const auto begin = std::chrono::steady_clock::now();
+  daemon.start(false);
+  ASSERT_TRUE(daemon.eventually([&] { return !bus.error().empty(); }));
+  daemon.wire().is_absent = false;
+  RpcClient client(daemon.socket());
+  const bool is_open = bus_state(client) == "open";
+  EXPECT_TRUE(is_open || std::chrono::steady_clock::now() - begin >= longest);
+}
+
 TEST_F(DaemonLink, IsLostAndComesBack) {
   client.result("subscribe", {{"axes", json::array{"x"}}});
   daemon.on_reactor([&] {

@@ -28,10 +28,10 @@ TEST_P(ThrowingScript, TellsItsRunnerAndLeavesNothing) {
   {
     auto script = outer(GetParam(), went_on, held);
     if (GetParam()) {
-      EXPECT_THROW(script.start(), std::runtime_error);
+      EXPECT_THROW(script.start({}), std::runtime_error);
     } else {
-      ASSERT_TRUE(script.start());
-      EXPECT_THROW(script.resume({}), std::runtime_error);
+      ASSERT_TRUE(script.start({}));
+      EXPECT_THROW(script.resume({}, {}), std::runtime_error);
     }
     EXPECT_EQ(held.use_count(), 2);
   }

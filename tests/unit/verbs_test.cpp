@@ -529,8 +529,8 @@ TEST(Verbs, WaitingThatEndsWithTheLinkSaysThatTheAxisGoesOn) {
     ScriptedBus bus;
     bus.add_module(1).parameter(axis.motor, axis_parameter::position_reached) = 0;
     auto script = verbs::wait_until_reached(axis);
-    auto step = script.start();
-    for (int i = 0; i < 4; ++i) step = script.resume(bus.perform(*step));
+    auto step = script.start(bus.clock().now());
+    for (int i = 0; i < 4; ++i) step = script.resume(bus.perform(*step), bus.clock().now());
     if (!in_flight) bus.engine().on_link_lost("the cable is gone");
     if (in_flight) {
       bus.chance = [&](std::size_t) -> std::optional<Fault> {
@@ -538,7 +538,7 @@ TEST(Verbs, WaitingThatEndsWithTheLinkSaysThatTheAxisGoesOn) {
         return Fault::lost_request;
       };
     }
-    while (step) step = script.resume(bus.perform(*step));
+    while (step) step = script.resume(bus.perform(*step), bus.clock().now());
     const auto result = script.take();
     ASSERT_FALSE(result);
     EXPECT_EQ(result.error().code, Errc::link_lost);
