@@ -170,7 +170,7 @@ TEST_F(CtlVerbs, ScanListsAndFlagsDuplicates) {
 
 TEST_F(CtlVerbs, ScanWarnsOfAModuleThatTakesRepliesForCommands) {
   target.found.modules = {{"bench", 1, "TMCM-1110", 1110, "1.01", 1, false, ""},
-                          {"bench", 2, "TMCM-1110", 1110, "1.01", 1, false, "", true}};
+                          {"bench", 2, "TMCM-1110", 1110, "1.01", 1, false, "", false, true}};
   EXPECT_EQ(run({"scan"}), ExitCode::done);
   EXPECT_THAT(out, HasSubstr("DANGER: its address is the identifier of all replies"));
   const auto modules = json({"scan"}).at("modules").as_array();

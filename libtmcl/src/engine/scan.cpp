@@ -48,6 +48,21 @@ Script<Result<bool>> runs_bootloader(ModuleAddress module) {
   co_return answer;
 }
 
+/// Whether firmware runs in it, and how many motors it has.
+Script<Result<void>> look_closer(FoundModule& found) {
+  const auto* model = find_model(found.version.model);
+  if (model != nullptr) found.model = model->name;
+  if (model != nullptr) found.axes = model->axes;
+  const auto in_bootloader = co_await runs_bootloader(found.address);
+  if (!in_bootloader) co_return tl::unexpected(in_bootloader.error());
+  found.version.bootloader = *in_bootloader;
+  if (model != nullptr) co_return Result<void>{};
+  const auto axes = co_await count_axes(found.address);
+  if (!axes) co_return tl::unexpected(axes.error());
+  found.axes = *axes;
+  co_return Result<void>{};
+}
+
 /// A module that gets new firmware is not there for anybody else.
 bool is_absence(const Error& error) {
   return is_silence(error) || error.code == Errc::in_bootloader;
@@ -66,18 +81,11 @@ Script<Result<FoundModule>> identify(ModuleAddress module) {
   const auto again = co_await exchange(version_request(module));
   found.duplicate_suspected = again && again->duplicate_suspected;
 
-  const auto in_bootloader = co_await runs_bootloader(module);
-  if (!in_bootloader) co_return tl::unexpected(in_bootloader.error());
-  found.version.bootloader = *in_bootloader;
-
-  if (const auto* model = find_model(found.version.model)) {
-    found.model = model->name;
-    found.axes = model->axes;
-    co_return found;
-  }
-  const auto axes = co_await count_axes(module);
-  if (!axes) co_return tl::unexpected(axes.error());
-  found.axes = *axes;
+  auto seen = co_await look_closer(found);
+  // Others answer as well: it is there, and nothing that is read can be told from theirs.
+  const bool is_unclear = !seen && seen.error().code == Errc::unexpected_value;
+  if (!seen && !is_unclear) co_return tl::unexpected(std::move(seen.error()));
+  found.duplicate_suspected = found.duplicate_suspected || is_unclear;
   co_return found;
 }
 
