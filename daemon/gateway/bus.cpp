@@ -312,6 +312,25 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::see_search_end(tmcl::AxisAddress mo
   co_return tmcl::Result<void>{};
 }
 
+namespace {
+
+/// Whoever sends a request may be ended at any time: it is on its way for as long as this lives.
+class OnItsWay {
+ public:
+  OnItsWay(Motors& motors, const tmcl::Request& request) : motors_(motors), request_(request) {
+    motors_.begin(request_);
+  }
+  OnItsWay(const OnItsWay&) = delete;
+  OnItsWay& operator=(const OnItsWay&) = delete;
+  ~OnItsWay() { motors_.end(request_); }
+
+ private:
+  Motors& motors_;
+  tmcl::Request request_;
+};
+
+}  // namespace
+
 tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange exchange,
                                                           Permit permit) {
   const auto& request = exchange.request;
@@ -320,6 +339,7 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
   // An upload of firmware was judged when it began: a module must not be left in its bootloader.
   const bool ends_upload = options.hold && request.command == tmcl::Command::BOOT_START_APPLICATION;
   const bool is_judged = can_move(request) && !options.is_program_line && !ends_upload;
+  std::optional<OnItsWay> on_its_way;
   if (is_judged) {
     auto allowed = co_await may_send(request, permit);
     if (!allowed) {
@@ -327,11 +347,11 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
       co_return tl::unexpected(std::move(allowed.error()));
     }
     if (starts_search(request)) motors_.claim(motor, Mover::search, permit);
-    motors_.begin(request);
+    on_its_way.emplace(motors_, request);
   }
   const auto claim = motors_.claim_of(motor);
   auto answer = co_await tmcl::exchange(request, options);
-  if (is_judged) motors_.end(request);
+  on_its_way.reset();
   motors_.note(request, answer, claim);
   co_return answer;
 }

@@ -2,6 +2,7 @@
 // flood, and over a module that has not said yet what it is.
 #include <gmock/gmock.h>
 
+#include "async/spawn.hpp"
 #include "unit/daemon_moves_fixture.hpp"
 
 namespace tmcld::test {
@@ -122,6 +123,24 @@ TEST_F(DaemonStop, StopAllEndsRawMovementsOfMotorsWithoutAnAxis) {
   EXPECT_TRUE(client.answer_to(stop).contains("result"));
   EXPECT_EQ(daemon.requests_seen(Command::ROR), 0U);
   EXPECT_EQ(daemon.requests_seen(Command::MST), 3U);
+}
+
+boost::asio::awaitable<void> move_motor_2(std::shared_ptr<GatewayBus> bus, RunOptions options) {
+  auto script = tmcl::verbs::move_to({tmcl::ModuleAddress{1}, 2}, {5});
+  co_await bus->run(std::move(script), std::move(options));
+}
+
+TEST_F(DaemonStop, StopAllDoesNotStopWhatWasGivenUpBeforeItWasSent) {
+  const auto bus = daemon.daemon().gateway().buses()[0];
+  daemon.on_reactor([&] {
+    RunOptions options;
+    options.permit = daemon.daemon().gateway().admit();
+    options.objection = [] { return std::optional(tmcl::bad_argument("the client is gone")); };
+    spawn(bus->executor(), move_motor_2(bus, std::move(options)));
+    return 0;
+  });
+  EXPECT_EQ(client.result("system.stop_all").at("failed").as_array().size(), 0U);
+  EXPECT_EQ(daemon.requests_seen(Command::MST), 2U);
 }
 
 TEST_F(DaemonStop, GetsThroughAClientsOwnFlood) {
