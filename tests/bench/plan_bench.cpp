@@ -5,8 +5,7 @@
 //   plan/scurve_state_to_state   between states that move and accelerate
 //   plan/coordinated_6           six axes on a straight line, from rest to rest without jerk
 //   plan/.../ruckig              the same movements through Ruckig, if it was found;
-//   `ours_to_ruckig`
-//                                is the ratio of the times of both in the same run
+//                                `ours_to_ruckig`: the ratio of the times of both in the same run
 
 #include <benchmark/benchmark.h>
 

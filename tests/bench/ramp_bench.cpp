@@ -4,8 +4,7 @@
 //   ramp/<generator>/phased/end          whole moves, asked for the state once, at their end
 //   ramp/<generator>/phased/polled_1khz  the same moves, asked every millisecond
 //   ramp/<generator>/phased/cruising     asked every millisecond at a steady speed
-//   ramp/<generator>/fleet               6,000 axes that are always on a move, each asked every 10
-//   ms
+//   ramp/<generator>/fleet               6,000 axes always on a move, each asked every 10 ms
 
 #include <benchmark/benchmark.h>
 
