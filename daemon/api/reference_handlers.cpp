@@ -3,6 +3,7 @@
 #include "api/lookup.hpp"
 #include "api/module_choice.hpp"
 #include "api/quantity.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcld::handlers {
 namespace {
@@ -105,7 +106,7 @@ Answer act_on_parameter(Call& call, ParameterVerb verb) {
 
 /// A mode that the model has not is not even written.
 std::optional<RpcError> check_mode(const Call& call, const GatewayAxis& axis) {
-  constexpr std::uint8_t search_mode = 193;
+  constexpr auto search_mode = tmcl::number_of("reference_search_mode");
   if (!call.params.has("mode")) return std::nullopt;
   return check_range(find_parameter(axis.parameters(), search_mode), call.params.integer("mode"),
                      "mode");

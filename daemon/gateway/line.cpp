@@ -15,6 +15,7 @@
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
 #include "gateway/link_patience.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcld {
 namespace {
@@ -495,7 +496,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
 }  // namespace
 
 std::uint8_t greatest_acceleration_of(const tmcl::Model& model) {
-  constexpr std::uint8_t tmc457_acceleration = 16;
+  constexpr auto tmc457_acceleration = tmcl::number_of("acceleration");
   return model.family == tmcl::Family::tmc457 ? tmc457_acceleration : ap::max_acceleration;
 }
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "sim/module/axis_parameter_numbers.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -49,30 +49,30 @@ std::optional<std::int32_t> Axis::reading(const ParameterInfo& row) const {
     return static_cast<std::int32_t>(encoder.position(coupling_.stage()));
   };
   switch (row.number) {
-    case number::home_switch: return switches_.home ? 1 : 0;
-    case number::right_switch: return switches_.right ? 1 : 0;
-    case number::left_switch: return switches_.left ? 1 : 0;
-    case number::measured_speed:
+    case number_of("home_switch"): return switches_.home ? 1 : 0;
+    case number_of("right_limit_switch"): return switches_.right ? 1 : 0;
+    case number_of("left_limit_switch"): return switches_.left ? 1 : 0;
+    case number_of(Family::sixpoint, "measured_speed"):
       if (family_ != Family::sixpoint) return std::nullopt;
       return coupling_.is_held() ? 0 : get(ap::actual_velocity).value_or(0);
-    case number::tmc457_encoder_position:
+    case number_of(Family::tmc457, "encoder_position"):
       if (family_ != Family::tmc457) return std::nullopt;
       return position_of(encoder_);
-    case number::current_scale: return current_scale();
-    case number::latched_encoder: return latched_encoder_;
-    case number::load_value: return scaled_load_value(row);
-    case number::error_flags: return errors_;
-    case number::driver_flags: return driver_flags();
-    case number::encoder_position: return position_of(encoder_);
-    case number::absolute_angle: return coupling_.stage().encoder_angle();
-    case number::external_encoder_position: return position_of(external_encoder_);
+    case number_of("smart_energy_actual_current"): return current_scale();
+    case number_of("latched_encoder_position"): return latched_encoder_;
+    case number_of("load_value"): return scaled_load_value(row);
+    case number_of("extended_error_flags"): return errors_;
+    case number_of("driver_status_flags"): return driver_flags();
+    case number_of(Family::sixpoint, "encoder_position"): return position_of(encoder_);
+    case number_of("absolute_encoder_value"): return coupling_.stage().encoder_angle();
+    case number_of("external_encoder_position"): return position_of(external_encoder_);
     default: return std::nullopt;
   }
 }
 
 tl::expected<std::int32_t, Status> Axis::read(std::uint8_t number) {
   const auto result = get(number);
-  if (result && number == number::error_flags) errors_ = 0;
+  if (result && number == number_of("extended_error_flags")) errors_ = 0;
   return result;
 }
 
@@ -94,18 +94,22 @@ void Axis::take_note(std::uint8_t number, std::int32_t value) {
       coupling_.set_resolution(value);
       scale_encoders();
       break;
-    case number::encoder_scale:
-    case number::external_encoder_scale: scale_encoders(); break;
-    case number::reverse_shaft: coupling_.reverse(value == 1); break;
-    case number::tmc457_encoder_position:
+    case number_of("encoder_resolution"):
+    case number_of("external_encoder_resolution"): scale_encoders(); break;
+    case number_of("reverse_shaft"): coupling_.reverse(value == 1); break;
+    case number_of(Family::tmc457, "encoder_position"):
       if (family_ == Family::tmc457) encoder_.set_position(value, coupling_.stage());
       break;
-    case number::encoder_position: encoder_.set_position(value, coupling_.stage()); break;
-    case number::external_encoder_position:
+    case number_of(Family::sixpoint, "encoder_position"):
+      encoder_.set_position(value, coupling_.stage());
+      break;
+    case number_of("external_encoder_position"):
       external_encoder_.set_position(value, coupling_.stage());
       break;
-    case number::max_deviation: encoder_.set_most_deviation(value); break;
-    case number::external_max_deviation: external_encoder_.set_most_deviation(value); break;
+    case number_of("max_encoder_deviation"): encoder_.set_most_deviation(value); break;
+    case number_of("external_encoder_max_deviation"):
+      external_encoder_.set_most_deviation(value);
+      break;
     default: break;
   }
 }
@@ -154,7 +158,8 @@ Status Axis::move_by(std::int32_t distance) {
 
 // A model that has no groups has nothing under the number of its family.
 std::int32_t Axis::group() const {
-  return values_[family_ == Family::tmc4361 ? number::tmc4361_group_index : number::group_index];
+  return values_[family_ == Family::tmc4361 ? number_of(Family::tmc4361, "group_index")
+                                            : number_of(Family::sixpoint, "group_index")];
 }
 
 bool Axis::is_position(std::int32_t value) const {

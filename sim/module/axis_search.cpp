@@ -2,7 +2,7 @@
 #include <cstdlib>
 
 #include "sim/module/axis.hpp"
-#include "sim/module/axis_parameter_numbers.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -13,8 +13,9 @@ namespace ap = axis_parameter;
 
 Status Axis::start_search() {
   // A model without the parameter has the mode that all have.
-  const bool has_modes = find_parameter(table_, number::search_mode) != nullptr;
-  const auto mode = SearchMode::of(family_, has_modes ? values_[number::search_mode] : 1);
+  const bool has_modes = find_parameter(table_, number_of("reference_search_mode")) != nullptr;
+  const auto mode =
+      SearchMode::of(family_, has_modes ? values_[number_of("reference_search_mode")] : 1);
   if (!mode) return Status::invalid_value;
   homing_.abort();
   obey(homing_.start(*mode, switches_, motor_->position()));
@@ -37,8 +38,8 @@ void Axis::obey(const Homing::Order& order) {
   using Kind = Homing::Order::Kind;
   switch (order.kind) {
     case Kind::go_on: return;
-    case Kind::search: drive(order.direction, number::search_speed); break;
-    case Kind::switching: drive(order.direction, number::switch_speed); break;
+    case Kind::search: drive(order.direction, number_of("reference_search_speed")); break;
+    case Kind::switching: drive(order.direction, number_of("reference_switch_speed")); break;
     case Kind::drive_to: motor_->move_to(order.position); break;
     case Kind::finish: finish_search(order.position); break;
   }
@@ -54,10 +55,10 @@ void Axis::drive(int direction, std::uint8_t speed_parameter) {
 
 // An encoder is set as well; it would deviate for ever otherwise.
 void Axis::finish_search(std::int32_t reference) {
-  values_[number::last_reference] = reference;
+  values_[number_of("last_reference_position")] = reference;
   if (const auto end = homing_.other_end()) {
     const auto way = way_between(reference, *end, motor_->position_bits());
-    values_[number::end_switch_distance] = static_cast<std::int32_t>(std::abs(way));
+    values_[number_of("reference_switch_distance")] = static_cast<std::int32_t>(std::abs(way));
   }
   motor_->set_position(0);
   coupling_.rebase();

@@ -3,7 +3,7 @@
 #include <cstdlib>
 
 #include "sim/module/axis.hpp"
-#include "sim/module/axis_parameter_numbers.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -30,8 +30,8 @@ constexpr std::int32_t standstill_flag = 1 << 7;
 // ---- Encoders
 
 void Axis::scale_encoders() {
-  encoder_.set_scale(scale_by(number::encoder_scale));
-  external_encoder_.set_scale(scale_by(number::external_encoder_scale));
+  encoder_.set_scale(scale_by(number_of("encoder_resolution")));
+  external_encoder_.set_scale(scale_by(number_of("external_encoder_resolution")));
 }
 
 // With a prescaler, a count is worth so many 512ths of a microstep (manuals of the TMCM-1161 and
@@ -72,7 +72,7 @@ void Axis::emergency_stop(std::int32_t error) {
 
 std::int32_t Axis::load_value() const {
   if (motor_->heading() == 0 || coupling_.is_held()) return 0;
-  const auto threshold = values_[number::stall_guard_threshold];
+  const auto threshold = values_[number_of("stallguard2_threshold")];
   const auto reading = free_reading + reading_per_threshold * threshold -
                        coupling_.stage().load_at(coupling_.speed());
   return static_cast<std::int32_t>(std::clamp<std::int64_t>(reading, 0, greatest_reading));
@@ -85,7 +85,7 @@ std::int32_t Axis::scaled_load_value(const ParameterInfo& row) const {
 
 // Only then is it worth looking.
 bool Axis::may_stall() const {
-  if (values_[number::stop_on_stall] == 0 || !is_moving()) return false;
+  if (values_[number_of("smart_energy_stall_velocity")] == 0 || !is_moving()) return false;
   const bool changes_with_speed = coupling_.stage().settings().load_per_velocity != 0;
   return motor_->heading() == 0 || changes_with_speed || load_value() == 0;
 }
@@ -100,7 +100,7 @@ void Axis::watch_stall() {
   if (!may_stall() || load_value() != 0) return;
   if ((now_ - power_on_) % control_period != Duration::zero()) return;
   const auto speed = std::abs(get(ap::actual_velocity).value_or(0));
-  if (motor_->heading() == 0 || speed <= values_[number::stop_on_stall]) return;
+  if (motor_->heading() == 0 || speed <= values_[number_of("smart_energy_stall_velocity")]) return;
   emergency_stop(stall_error);
 }
 
@@ -120,21 +120,21 @@ std::int32_t Axis::current_scale() const {
     const auto delay = [this](std::uint8_t parameter) { return values_[parameter] * delay_unit; };
     const auto stands = standstill();
     if (is_moving()) {
-      const bool accelerates = motor_->accelerates() && values_[number::boost_current] != 0;
-      return values_[accelerates ? number::boost_current : number::max_current];
+      const bool accelerates = motor_->accelerates() && values_[number_of("boost_current")] != 0;
+      return values_[accelerates ? number_of("boost_current") : number_of("max_current")];
     }
     const bool at_end = switches_.left || switches_.right;
     // These numbers are something else on other families.
     const bool powers_down =
-        family_ == Family::tmc429 && values_[number::end_switch_power_down] == 1;
+        family_ == Family::tmc429 && values_[number_of("end_switch_power_down")] == 1;
     if (at_end && powers_down) return 0;
     const bool has_delay = family_ == Family::tmc429 || family_ == Family::firmware;
-    const bool freewheels = has_delay && values_[number::freewheeling_delay] != 0;
-    if (freewheels && stands >= delay(number::freewheeling_delay)) return 0;
-    const bool down = stands >= delay(number::power_down_delay);
-    return values_[down ? number::standby_current : number::max_current];
+    const bool freewheels = has_delay && values_[number_of("freewheeling_delay")] != 0;
+    if (freewheels && stands >= delay(number_of("freewheeling_delay"))) return 0;
+    const bool down = stands >= delay(number_of("power_down_delay"));
+    return values_[down ? number_of("standby_current") : number_of("max_current")];
   };
-  const auto greatest = find_parameter(table_, number::max_current)->maximum;
+  const auto greatest = find_parameter(table_, number_of("max_current"))->maximum;
   return current() * steps / (greatest + 1);
 }
 

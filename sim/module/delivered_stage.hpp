@@ -3,16 +3,15 @@
 
 #include "sim/stage/stage.hpp"
 #include "tmcl/model.hpp"
-#include "tmcl/parameter.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcl::sim {
 
 /// A bare stage, or one with the encoder that is built into the module: those that have one tell
 /// its angle.
 inline StageSettings delivered_stage(const Model& model) {
-  constexpr std::uint8_t absolute_angle = 215;
   StageSettings stage;
-  if (find_parameter(axis_parameters(model), absolute_angle) != nullptr) {
+  if (find_parameter(axis_parameters(model), number_of("absolute_encoder_value")) != nullptr) {
     stage.encoder = EncoderSettings{};
   }
   return stage;

@@ -3,19 +3,19 @@
 #include <array>
 #include <cstdlib>
 
-#include "sim/module/axis_parameter_numbers.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcl::sim {
 namespace {
 
 namespace ap = axis_parameter;
 
-constexpr std::uint8_t swap_switches = 14;
-constexpr std::uint8_t right_switch_polarity = 24;
-constexpr std::uint8_t left_switch_polarity = 25;
-constexpr std::uint8_t soft_stop = 26;
-constexpr std::uint8_t relative_positioning_option = 127;
-constexpr std::uint8_t latched_position = 198;
+constexpr auto swap_switches = number_of(Family::sixpoint, "swap_limit_switches");
+constexpr auto right_switch_polarity = number_of("right_limit_switch_polarity");
+constexpr auto left_switch_polarity = number_of("left_limit_switch_polarity");
+constexpr auto soft_stop = number_of(Family::sixpoint, "soft_stop");
+constexpr auto relative_positioning_option = number_of("relative_positioning_option");
+constexpr auto latched_position = number_of("latched_actual_position");
 
 using R = ramp::SixPoint::Register;
 using Mode = ramp::SixPoint::Mode;
@@ -58,13 +58,13 @@ std::span<const SixPointMotor::Mapped> SixPointMotor::mapped() {
       {ap::target_position, R::xtarget},
       {ap::actual_position, R::xactual},
       {ap::max_acceleration, R::amax},
-      {15, R::a1},
-      {16, R::v1},
-      {17, R::dmax},
-      {18, R::d1},
-      {19, R::vstart},
-      {20, R::vstop},
-      {21, R::tzerowait},
+      {number_of("acceleration_a1"), R::a1},
+      {number_of("velocity_v1"), R::v1},
+      {number_of("max_deceleration"), R::dmax},
+      {number_of("deceleration_d1"), R::d1},
+      {number_of(Family::sixpoint, "start_velocity"), R::vstart},
+      {number_of("stop_velocity"), R::vstop},
+      {number_of("ramp_wait_time"), R::tzerowait},
   }};
   return all;
 }
@@ -85,10 +85,10 @@ Status SixPointMotor::write(const ParameterInfo& row, std::int32_t value) {
     case ap::target_velocity: return rotate(value);
     case ap::max_velocity: return set_max_velocity(row.scale, value);
     case relative_positioning_option: relative_to_actual_ = value == 1; return Status::ok;
-    case number::right_switch_disable:
+    case number_of("right_limit_switch_disable"):
       set_switch_mode(ramp::SixPoint::stop_r_enable, lets_stop(row, value));
       return Status::ok;
-    case number::left_switch_disable:
+    case number_of("left_limit_switch_disable"):
       set_switch_mode(ramp::SixPoint::stop_l_enable, lets_stop(row, value));
       return Status::ok;
     case ap::unit_mode: units().set(value == 1); return Status::ok;

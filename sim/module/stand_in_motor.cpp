@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <array>
 
-#include "sim/module/axis_parameter_numbers.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -11,10 +11,10 @@ namespace {
 namespace ap = axis_parameter;
 using R = ramp::SixPoint::Register;
 
-constexpr std::uint8_t relative_positioning_option = 127;
-constexpr std::uint8_t swap_switches = 33;  // of a TMC4361, as the next two
-constexpr std::uint8_t soft_stop = 34;
-constexpr std::uint8_t latched_position = 198;
+constexpr auto relative_positioning_option = number_of("relative_positioning_option");
+constexpr auto swap_switches = number_of(Family::tmc4361, "swap_limit_switches");
+constexpr auto soft_stop = number_of(Family::tmc4361, "soft_stop");
+constexpr auto latched_position = number_of("latched_actual_position");
 constexpr std::int64_t least_stop_velocity = 10;  // below that the chip may miss its target
 
 }  // namespace
@@ -31,12 +31,12 @@ StandInMotor::StandInMotor(const Model& model, TimePoint power_on)
 std::span<const StandInMotor::Edge> StandInMotor::edges(Family family) {
   static constexpr std::array<Edge, 7> tmc4361{{
       {ap::max_acceleration, R::amax},
-      {15, R::vstart},
-      {16, R::a1},
-      {17, R::dmax},
-      {18, R::v1},
-      {19, R::d1},
-      {20, R::vstop},
+      {number_of(Family::tmc4361, "start_velocity"), R::vstart},
+      {number_of("start_acceleration"), R::a1},
+      {number_of("max_deceleration"), R::dmax},
+      {number_of("break_velocity"), R::v1},
+      {number_of("final_deceleration"), R::d1},
+      {number_of("stop_velocity"), R::vstop},
   }};
   static constexpr std::array<Edge, 1> firmware{{{ap::max_acceleration, R::amax}}};
   if (family == Family::firmware) return firmware;
@@ -62,8 +62,8 @@ Status StandInMotor::write(const ParameterInfo& row, std::int32_t value) {
     case ap::target_position:
     case ap::actual_position:
     case ap::target_velocity:
-    case number::right_switch_disable:
-    case number::left_switch_disable:
+    case number_of("right_limit_switch_disable"):
+    case number_of("left_limit_switch_disable"):
     case relative_positioning_option: return SixPointMotor::write(row, value);
     case ap::max_velocity: {
       const auto fitting = within(R::vmax, row.scale, value);

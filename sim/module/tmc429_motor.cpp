@@ -4,15 +4,15 @@
 #include <cmath>
 #include <cstdlib>
 
-#include "sim/module/axis_parameter_numbers.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcl::sim {
 namespace {
 
 namespace ap = axis_parameter;
 
-constexpr std::uint8_t actual_acceleration = 135;
-constexpr std::uint8_t ramp_mode = 138;
+constexpr auto actual_acceleration = number_of("actual_acceleration");
+constexpr auto ramp_mode = number_of(Family::tmc429, "ramp_mode");
 constexpr std::int32_t greatest_velocity = 2047;
 
 using R = ramp::Tmc429::Register;
@@ -29,12 +29,12 @@ std::span<const Tmc429Motor::Mapped> Tmc429Motor::mapped() {
       {ap::target_velocity, R::v_target},
       {ap::actual_velocity, R::v_actual},
       {ap::max_acceleration, R::a_max},
-      {number::right_switch_disable, R::disable_stop_r},
-      {number::left_switch_disable, R::disable_stop_l},
-      {130, R::v_min},
-      {149, R::soft_stop},
-      {153, R::ramp_div},
-      {154, R::pulse_div},
+      {number_of("right_limit_switch_disable"), R::disable_stop_r},
+      {number_of("left_limit_switch_disable"), R::disable_stop_l},
+      {number_of("minimum_velocity"), R::v_min},
+      {number_of(Family::tmc429, "soft_stop"), R::soft_stop},
+      {number_of("ramp_divisor"), R::ramp_div},
+      {number_of("pulse_divisor"), R::pulse_div},
   }};
   return all;
 }

@@ -3,16 +3,16 @@
 #include <array>
 #include <cstdlib>
 
-#include "sim/module/axis_parameter_numbers.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcl::sim {
 namespace {
 
 namespace ap = axis_parameter;
 
-constexpr std::uint8_t ramp_mode = 128;
-constexpr std::uint8_t status_flags_number = 129;
-constexpr std::uint8_t velocity_reached = 130;
+constexpr auto ramp_mode = number_of(Family::tmc457, "ramp_mode");
+constexpr auto status_flags_number = number_of("status_flags");
+constexpr auto velocity_reached = number_of("velocity_reached");
 
 using R = ramp::Tmc457::Register;
 using Mode = ramp::Tmc457::Mode;
@@ -29,10 +29,10 @@ std::span<const Tmc457Motor::Mapped> Tmc457Motor::mapped() {
       {ap::target_velocity, R::v_target},
       {ap::max_velocity, R::v_max},
       {ap::max_acceleration, R::a_max_d_max},
-      {15, R::d_stop},
-      {16, R::a_max},
-      {17, R::d_max},
-      {18, R::bow_max},
+      {number_of(Family::tmc457, "stop_deceleration"), R::d_stop},
+      {number_of("acceleration"), R::a_max},
+      {number_of("max_deceleration"), R::d_max},
+      {number_of("max_bow"), R::bow_max},
       {ramp_mode, R::mode},
   }};
   return all;
@@ -52,8 +52,12 @@ std::optional<std::int32_t> Tmc457Motor::read(const ParameterInfo& row) const {
 Status Tmc457Motor::write(const ParameterInfo& row, std::int32_t value) {
   switch (row.number) {
     case ap::unit_mode: units().set(value == 1); return Status::ok;
-    case number::right_switch_disable: chip().write(R::enable_stop_r, 1 - value); return Status::ok;
-    case number::left_switch_disable: chip().write(R::enable_stop_l, 1 - value); return Status::ok;
+    case number_of("right_limit_switch_disable"):
+      chip().write(R::enable_stop_r, 1 - value);
+      return Status::ok;
+    case number_of("left_limit_switch_disable"):
+      chip().write(R::enable_stop_l, 1 - value);
+      return Status::ok;
     case ap::max_velocity: return set_max_velocity(row, value);
     default: return ChipMotor::write(row, value);
   }

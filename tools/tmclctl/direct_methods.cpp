@@ -7,6 +7,7 @@
 #include "direct_target.hpp"
 #include "json_read.hpp"
 #include "method_words.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmclctl {
 namespace {
@@ -235,7 +236,7 @@ Attempt<json::object> DirectTarget::home(const json::object& params, const NewsH
 
 Attempt<void> DirectTarget::check_mode(tmcl::ModuleAddress module,
                                        std::optional<std::int32_t> mode) {
-  constexpr std::uint8_t search_mode = 193;
+  constexpr auto search_mode = tmcl::number_of("reference_search_mode");
   return mode ? check(module, search_mode, *mode) : Attempt<void>{};
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/ramp_choice.hpp"
 
 namespace tmclctl {
@@ -10,7 +11,7 @@ using tmcl::plan::Setting;
 
 Attempt<std::vector<Setting>> in_safe_order(std::vector<Setting> settings, const std::string& axis,
                                             Target& target) {
-  constexpr std::uint8_t pulse_divisor = 154;
+  constexpr auto pulse_divisor = tmcl::number_of("pulse_divisor");
   const auto divider = std::ranges::find(settings, pulse_divisor, &Setting::parameter);
   if (divider == settings.end()) return settings;
   return target.get(axis, std::to_string(pulse_divisor)).map([&](const ParameterValue& present) {

@@ -7,11 +7,10 @@
 #include <limits>
 #include <tuple>
 
+#include "tmcl/parameter_number.hpp"
+
 namespace tmcl {
 namespace {
-
-constexpr std::uint8_t ramp_divisor = 153;
-constexpr std::uint8_t pulse_divisor = 154;
 
 constexpr std::int32_t tmc429_max_value = 2047;  // of v_max and a_max
 
@@ -98,7 +97,8 @@ ModuleUnits module_units(Tmc429Dividers dividers) {
 }
 
 std::vector<std::uint8_t> unit_parameters(const Model& model) {
-  if (model.family == Family::tmc429) return {pulse_divisor, ramp_divisor};
+  if (model.family == Family::tmc429)
+    return {number_of("pulse_divisor"), number_of("ramp_divisor")};
   if (find_parameter(axis_parameters(model), axis_parameter::unit_mode) != nullptr)
     return {axis_parameter::unit_mode};
   return {};

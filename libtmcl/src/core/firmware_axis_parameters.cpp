@@ -207,7 +207,7 @@ constexpr auto firmware_axis = std::to_array<ParameterRow>({
 });
 // clang-format on
 
-static_assert(is_sound(firmware_axis, models_of(Family::firmware)));
+static_assert(is_sound(firmware_axis, Family::firmware));
 
 }  // namespace
 

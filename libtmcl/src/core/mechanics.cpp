@@ -6,12 +6,14 @@
 #include <limits>
 #include <string_view>
 
+#include "tmcl/parameter_number.hpp"
+
 namespace tmcl {
 namespace {
 
 constexpr std::string_view ramp_mode = "ramp_mode";
-// The numbers that it has.
-constexpr std::array<std::uint8_t, 2> ramp_modes{128, 138};
+constexpr std::array ramp_modes{number_of(Family::tmc457, ramp_mode),
+                                number_of(Family::tmc429, ramp_mode)};
 
 // Twelve digits: what is behind them comes from the conversion, not from the user.
 std::string number_text(double value) {

@@ -11,6 +11,7 @@
 #include "core/model_set.hpp"
 #include "core/text.hpp"
 #include "tmcl/parameter.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcl {
 
@@ -55,6 +56,27 @@ constexpr bool is_sound(std::span<const ParameterRow> rows, ModelSet models) {
     }
   }
   return true;
+}
+
+/// Whether number_of() gives the numbers of this table, for all names that it knows.
+constexpr bool agrees_with_numbers(std::span<const ParameterRow> rows, Family family) {
+  for (const auto& listed : numbered::list) {
+    const bool is_here = (listed.families & set_of(family)) != 0;
+    bool found = false;
+    for (const auto& row : rows) {
+      if (row.info.name != listed.name) continue;
+      if (is_here && row.info.number != listed.number) return false;
+      found = true;
+    }
+    const bool is_known = numbered::find(family, listed.name) != nullptr;
+    if (found != is_known) return false;
+  }
+  return true;
+}
+
+/// The same, for a table of axis parameters.
+constexpr bool is_sound(std::span<const ParameterRow> rows, Family family) {
+  return is_sound(rows, models_of(family)) && agrees_with_numbers(rows, family);
 }
 
 std::span<const ParameterRow> tmc429_axis_rows();

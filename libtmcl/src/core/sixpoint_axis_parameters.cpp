@@ -214,7 +214,7 @@ constexpr auto sixpoint_axis = std::to_array<ParameterRow>({
 });
 // clang-format on
 
-static_assert(is_sound(sixpoint_axis, models_of(Family::sixpoint)));
+static_assert(is_sound(sixpoint_axis, Family::sixpoint));
 
 }  // namespace
 

@@ -128,7 +128,7 @@ constexpr auto tmc429_axis = std::to_array<ParameterRow>({
 });
 // clang-format on
 
-static_assert(is_sound(tmc429_axis, models_of(Family::tmc429)));
+static_assert(is_sound(tmc429_axis, Family::tmc429));
 
 }  // namespace
 

@@ -227,7 +227,7 @@ constexpr auto tmc4361_axis = std::to_array<ParameterRow>({
 });
 // clang-format on
 
-static_assert(is_sound(tmc4361_axis, models_of(Family::tmc4361)));
+static_assert(is_sound(tmc4361_axis, Family::tmc4361));
 
 }  // namespace
 

@@ -65,7 +65,7 @@ constexpr auto tmc457_axis = std::to_array<ParameterRow>({
 });
 // clang-format on
 
-static_assert(is_sound(tmc457_axis, models_of(Family::tmc457)));
+static_assert(is_sound(tmc457_axis, Family::tmc457));
 
 }  // namespace
 

@@ -3,14 +3,15 @@
 #include <fmt/format.h>
 
 #include "engine/verb_steps.hpp"
+#include "tmcl/parameter_number.hpp"
 #include "tmcl/verbs.hpp"
 
 namespace tmcl::verbs {
 namespace {
 
-constexpr std::uint8_t search_mode = 193;
-constexpr std::uint8_t switch_distance = 196;
-constexpr std::uint8_t position_before_zeroing = 197;
+constexpr auto search_mode = number_of("reference_search_mode");
+constexpr auto switch_distance = number_of("reference_switch_distance");
+constexpr auto position_before_zeroing = number_of("last_reference_position");
 enum class Search : std::uint8_t { start = 0, stop = 1, status = 2 };
 
 Request search_request(AxisAddress axis, Search what) {

@@ -5,7 +5,7 @@
 #include <cstdlib>
 
 #include "tmcl/conversion.hpp"
-#include "tmcl/parameter.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -52,25 +52,26 @@ struct Mapped {
 using R429 = Tmc429::Register;
 constexpr std::array<Mapped<Tmc429>, 5> tmc429_map{{{ap::max_velocity, R429::v_max},
                                                     {ap::max_acceleration, R429::a_max},
-                                                    {130, R429::v_min},
-                                                    {153, R429::ramp_div},
-                                                    {154, R429::pulse_div}}};
+                                                    {number_of("minimum_velocity"), R429::v_min},
+                                                    {number_of("ramp_divisor"), R429::ramp_div},
+                                                    {number_of("pulse_divisor"), R429::pulse_div}}};
 using R457 = Tmc457::Register;
 constexpr std::array<Mapped<Tmc457>, 5> tmc457_map{{{ap::max_velocity, R457::v_max},
                                                     {ap::max_acceleration, R457::a_max_d_max},
-                                                    {16, R457::a_max},
-                                                    {17, R457::d_max},
-                                                    {18, R457::bow_max}}};
+                                                    {number_of("acceleration"), R457::a_max},
+                                                    {number_of("max_deceleration"), R457::d_max},
+                                                    {number_of("max_bow"), R457::bow_max}}};
 using R6 = SixPoint::Register;
-constexpr std::array<Mapped<SixPoint>, 9> sixpoint_map{{{ap::max_velocity, R6::vmax},
-                                                        {ap::max_acceleration, R6::amax},
-                                                        {15, R6::a1},
-                                                        {16, R6::v1},
-                                                        {17, R6::dmax},
-                                                        {18, R6::d1},
-                                                        {19, R6::vstart},
-                                                        {20, R6::vstop},
-                                                        {21, R6::tzerowait}}};
+constexpr std::array<Mapped<SixPoint>, 9> sixpoint_map{
+    {{ap::max_velocity, R6::vmax},
+     {ap::max_acceleration, R6::amax},
+     {number_of("acceleration_a1"), R6::a1},
+     {number_of("velocity_v1"), R6::v1},
+     {number_of("max_deceleration"), R6::dmax},
+     {number_of("deceleration_d1"), R6::d1},
+     {number_of(Family::sixpoint, "start_velocity"), R6::vstart},
+     {number_of("stop_velocity"), R6::vstop},
+     {number_of("ramp_wait_time"), R6::tzerowait}}};
 
 constexpr std::span<const Mapped<Tmc429>> map_of(const Tmc429&) { return tmc429_map; }
 constexpr std::span<const Mapped<Tmc457>> map_of(const Tmc457&) { return tmc457_map; }
@@ -204,8 +205,8 @@ std::vector<std::uint8_t> AxisTwin::parameters(const Model& model) {
   if (model.family == Family::sixpoint) add_all(sixpoint_map);
   if (model.family == Family::tmc429) add_all(tmc429_map);
   if (model.family == Family::tmc457) {
-    for (const std::uint8_t number :
-         {ap::max_velocity, std::uint8_t{16}, std::uint8_t{17}, std::uint8_t{18}})
+    for (const auto number : {ap::max_velocity, number_of("acceleration"),
+                              number_of("max_deceleration"), number_of("max_bow")})
       add(number);
   }
   return numbers;

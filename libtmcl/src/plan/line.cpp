@@ -10,7 +10,7 @@
 #include <fmt/format.h>
 
 #include "tmcl/conversion.hpp"
-#include "tmcl/parameter.hpp"
+#include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/ramp_choice.hpp"
 
 namespace tmcl::plan {
@@ -33,8 +33,8 @@ constexpr std::int32_t least_speeds_tried = 3;  // to either side
 constexpr std::int32_t speeds_tried_part = 60;
 constexpr double most_time_change = 0.005;  // less than 1 / speeds_tried_part
 constexpr int deviation_samples = 200;
-constexpr std::uint8_t ramp_divisor = 153;
-constexpr std::uint8_t pulse_divisor = 154;
+constexpr auto ramp_divisor = number_of("ramp_divisor");
+constexpr auto pulse_divisor = number_of("pulse_divisor");
 constexpr std::uint8_t greatest_divider = 13;
 constexpr std::int32_t greatest_register = 2047;
 // So that it can be chosen to 1 %.
@@ -79,11 +79,21 @@ std::vector<Setting> trapezoid_settings(const AxisTwin& twin, InternalVelocity v
   if (const auto* chip = twin.tmc429()) {
     return {{ap::max_velocity, v},
             {ap::max_acceleration, a},
-            {130, std::min(speed_within_a_microstep(chip->dividers(), acceleration).value, v)}};
+            {number_of("minimum_velocity"),
+             std::min(speed_within_a_microstep(chip->dividers(), acceleration).value, v)}};
   }
-  if (twin.model().family == Family::tmc457)
-    return {{ap::max_velocity, v}, {16, a}, {17, a}, {18, 0}};
-  return {{ap::max_velocity, v}, {ap::max_acceleration, a}, {16, 0}, {17, a}, {18, a}};
+  constexpr auto deceleration = number_of("max_deceleration");
+  if (twin.model().family == Family::tmc457) {
+    return {{ap::max_velocity, v},
+            {number_of("acceleration"), a},
+            {deceleration, a},
+            {number_of("max_bow"), 0}};
+  }
+  return {{ap::max_velocity, v},
+          {ap::max_acceleration, a},
+          {number_of("velocity_v1"), 0},
+          {deceleration, a},
+          {number_of("deceleration_d1"), a}};
 }
 
 /// The smallest ramp divider with which the acceleration is fine: arrivals are on the grid of the

@@ -8,13 +8,13 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tmcl/parameter_number.hpp"
+
 namespace tmcl::plan {
 namespace {
 
 namespace ap = axis_parameter;
 using Kind = PathObjection::Kind;
-
-constexpr std::uint8_t stop_velocity = 20;
 
 PathObjection wrong(std::string name, std::string message) {
   return {Kind::request, std::move(name), std::move(message)};
@@ -177,7 +177,7 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
                  *facts.units,
                  greatest(ap::target_velocity),
                  greatest(ap::max_acceleration),
-                 greatest(stop_velocity),
+                 greatest(number_of("stop_velocity")),
                  {}};
   axis.limits = facts.limits;
   axis.scale = facts.scale->unit.empty() ? microsteps_scale() : *facts.scale;

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
-#include "tmcl/parameter.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -12,9 +12,9 @@ namespace {
 namespace ap = axis_parameter;
 using Choice = tl::expected<RampChoice, RampOutOfReach>;
 
-constexpr std::uint8_t minimum_velocity = 130;
-constexpr std::uint8_t ramp_divisor = 153;
-constexpr std::uint8_t pulse_divisor = 154;
+constexpr auto minimum_velocity = number_of("minimum_velocity");
+constexpr auto ramp_divisor = number_of("ramp_divisor");
+constexpr auto pulse_divisor = number_of("pulse_divisor");
 constexpr double noticeable = 0.01;  // of a wish
 
 std::string in_words(double value, const char* unit) {
@@ -139,7 +139,6 @@ std::int32_t choose_bow(const RampWish& wish) {
 }
 
 Choice choose_for_tmc457(const Model& model, const RampWish& wish, const ModuleUnits& units) {
-  constexpr std::uint8_t max_bow = 18;
   constexpr double part_with_bow = 15.0 / 16;
   const auto bow = choose_bow(wish);
   const double part = bow > 0 ? part_with_bow : 1;
@@ -149,7 +148,7 @@ Choice choose_for_tmc457(const Model& model, const RampWish& wish, const ModuleU
   chooser.set("acceleration", wish.acceleration, choice.acceleration);
   chooser.set("max_deceleration", {wish.deceleration.value / part}, choice.deceleration);
   choice.deceleration.value *= part;
-  choice.settings.push_back({max_bow, bow});
+  choice.settings.push_back({number_of("max_bow"), bow});
   if (bow > 0) choice.jerk = bow_in_pps3(bow);
   return chooser.take();
 }

@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "plan/stream_runner.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -12,11 +13,11 @@ namespace {
 namespace ap = axis_parameter;
 using Kind = StreamCommand::Kind;
 
-constexpr std::uint8_t v1 = 16;
-constexpr std::uint8_t dmax = 17;
-constexpr std::uint8_t vstart = 19;
-constexpr std::uint8_t vstop = 20;
-constexpr std::uint8_t tzerowait = 21;
+constexpr auto v1 = number_of("velocity_v1");
+constexpr auto dmax = number_of("max_deceleration");
+constexpr auto vstart = number_of(Family::sixpoint, "start_velocity");
+constexpr auto vstop = number_of("stop_velocity");
+constexpr auto tzerowait = number_of("ramp_wait_time");
 // What ramp generators can hold: 2^-41 of the square of their clock, 116.4 at 16 MHz. Less is 0,
 // with which a motor does not move.
 constexpr double least_acceleration_pps2 = 128;
