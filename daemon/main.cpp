@@ -92,7 +92,7 @@ int main(int argc, char** argv) {
   try {
     return serve(*config);
   } catch (...) {  // nothing was served yet, or nothing is any more
-    log_failure("tmcld", std::current_exception());
+    log_failure(tmcld::log, "tmcld", std::current_exception());
     return exit_code::runtime_failure;
   }
 }

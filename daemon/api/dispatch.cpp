@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "api/call.hpp"
-#include "log/log.hpp"
 
 namespace tmcld {
 namespace {
@@ -47,8 +46,7 @@ boost::asio::awaitable<RpcResult> dispatch(std::shared_ptr<Gateway> gateway,
   } catch (...) {
     failure = std::current_exception();
   }
-  if (call.gateway->failures.admit(std::chrono::steady_clock::now()))
-    log_failure(request.method->name, failure);
+  call.gateway->log_failure(request.method->name, failure);
   co_return tl::unexpected(internal_error(*request.method, what_of(failure)));
 }
 

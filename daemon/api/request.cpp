@@ -59,14 +59,14 @@ RpcError unknown_method(std::string_view name) {
                    suggest(name, known, "rpc.discover shows every method"));
 }
 
-tl::expected<const MethodInfo*, RpcError> method_of(const json::object& message) {
+tl::expected<RpcRequest, RpcError> request_of(json::object& message) {
   const auto* name = message.if_contains("method");
   if (name == nullptr || !name->is_string()) {
     return tl::unexpected(invalid("the member \"method\" must be a string"));
   }
-  const std::string_view text(name->get_string().data(), name->get_string().size());
-  if (const auto* method = find_method(text)) return method;
-  return tl::unexpected(unknown_method(text));
+  auto* params = message.if_contains("params");
+  return make_request(std::string_view(name->get_string().data(), name->get_string().size()),
+                      params == nullptr ? json::object() : std::move(params->get_object()));
 }
 
 RpcError unreadable(const boost::system::error_code& why) {
@@ -103,10 +103,17 @@ RpcError line_too_long() {
                    "the whole line was dropped");
 }
 
+tl::expected<RpcRequest, RpcError> make_request(std::string_view method, json::object params) {
+  const auto* row = find_method(method);
+  if (row == nullptr) return tl::unexpected(unknown_method(method));
+  if (auto complaint = check_params(*row, params)) return tl::unexpected(std::move(*complaint));
+  return RpcRequest{nullptr, row, std::move(params)};
+}
+
 tl::expected<RpcRequest, RpcRefusal> parse_request(std::string_view line) {
-  RpcRequest request;
+  json::value id;
   const auto refuse = [&](RpcError error) {
-    return tl::unexpected(RpcRefusal{request.id, std::move(error)});
+    return tl::unexpected(RpcRefusal{id, std::move(error)});
   };
   json::parse_options options;
   options.max_depth = max_depth;
@@ -115,16 +122,12 @@ tl::expected<RpcRequest, RpcRefusal> parse_request(std::string_view line) {
   if (error) return refuse(unreadable(error));
   auto* object = message.if_object();
   if (object == nullptr) return refuse(invalid("a request is a JSON object", "no batches"));
-  if (const auto* id = object->if_contains("id"); id && is_usable_id(*id)) request.id = *id;
+  if (const auto* given = object->if_contains("id"); given && is_usable_id(*given)) id = *given;
   if (auto complaint = check_members(*object)) return refuse(std::move(*complaint));
-  auto method = method_of(*object);
-  if (!method) return refuse(std::move(method.error()));
-  request.method = *method;
-  if (auto* params = object->if_contains("params")) request.params = params->get_object();
-  if (auto complaint = check_params(*request.method, request.params)) {
-    return refuse(std::move(*complaint));
-  }
-  return request;
+  auto request = request_of(*object);
+  if (!request) return refuse(std::move(request.error()));
+  request->id = std::move(id);
+  return std::move(*request);
 }
 
 std::string answer_line(const json::value& id, RpcResult result, tmcl::Effect effect) {

@@ -33,6 +33,9 @@ struct RpcRefusal {
   RpcError error;
 };
 
+/// Without an id. Errors: there is no such method, or its parameters are others.
+tl::expected<RpcRequest, RpcError> make_request(std::string_view method,
+                                                boost::json::object params);
 tl::expected<RpcRequest, RpcRefusal> parse_request(std::string_view line);
 RpcError line_too_long();
 

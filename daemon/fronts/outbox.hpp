@@ -1,14 +1,11 @@
-/// What waits to be written to one client: bounded, whatever the client does.
+/// The answers that wait to be written to one client: bounded, whatever the client does.
 #pragma once
 
 #include <cstddef>
-#include <cstdint>
 #include <deque>
 #include <optional>
 #include <string>
 #include <utility>
-
-#include <boost/json/object.hpp>
 
 namespace tmcld {
 
@@ -16,7 +13,6 @@ constexpr std::size_t max_unsent_answer_bytes = 256U * 1024U;
 /// As many as requests and stops can be in progress: what was let through can be answered, however
 /// long the answers are.
 constexpr std::size_t max_unsent_answers = 128;
-constexpr std::size_t max_unsent_notifications = 64;
 
 class Outbox {
  public:
@@ -29,20 +25,6 @@ class Outbox {
   }
   std::size_t answer_bytes() const { return answer_bytes_; }
 
-  /// The oldest gives way to the newest; the next one that is written says how many did.
-  void push_notification(std::string method, boost::json::object params) {
-    if (notifications_.size() >= max_unsent_notifications) {
-      notifications_.pop_front();
-      ++dropped_;
-    }
-    notifications_.emplace_back(std::move(method), std::move(params));
-  }
-
-  struct Notification {
-    std::string method;
-    boost::json::object params;
-  };
-
   std::optional<std::string> take_answer() {
     if (answers_.empty()) return std::nullopt;
     auto line = std::move(answers_.front());
@@ -51,22 +33,11 @@ class Outbox {
     return line;
   }
 
-  std::optional<Notification> take_notification() {
-    if (notifications_.empty()) return std::nullopt;
-    Notification oldest{std::move(notifications_.front().first),
-                        std::move(notifications_.front().second)};
-    notifications_.pop_front();
-    oldest.params["dropped"] = std::exchange(dropped_, 0);
-    return oldest;
-  }
-
-  bool empty() const { return answers_.empty() && notifications_.empty(); }
+  bool empty() const { return answers_.empty(); }
 
  private:
   std::deque<std::string> answers_;
   std::size_t answer_bytes_ = 0;
-  std::deque<std::pair<std::string, boost::json::object>> notifications_;
-  std::uint64_t dropped_ = 0;
 };
 
 }  // namespace tmcld

@@ -9,9 +9,7 @@
 #include <boost/asio/write.hpp>
 
 #include "api/dispatch.hpp"
-#include "api/state_json.hpp"
 #include "async/spawn.hpp"
-#include "log/log.hpp"
 
 namespace tmcld {
 namespace {
@@ -53,13 +51,10 @@ Session::Session(Socket socket, std::shared_ptr<Gateway> gateway, std::function<
       lines_(max_line_bytes),
       output_(socket_.get_executor()),
       input_ended_(socket_.get_executor()),
-      subscriptions_([this] { output_.notify(); }) {}
+      notifications_(gateway_, [this] { output_.notify(); }) {}
 
 void Session::start() {
   outbox_.push_answer(notification_line("hello", hello()));
-  event_listener_ = gateway_->on_event([this](const GatewayEvent& event) {
-    if (subscriptions_.size() > 0) notify("notify_event", to_json(event));
-  });
   const auto on_failure = [self = shared_from_this()](const auto& failure) { self->fail(failure); };
   spawn(socket_.get_executor(), write(shared_from_this()), on_failure);
   spawn(socket_.get_executor(), read(shared_from_this()), on_failure);
@@ -72,8 +67,7 @@ void Session::finish() {
 
 void Session::close() {
   if (std::exchange(closed_, true)) return;
-  gateway_->ignore_events(event_listener_);
-  subscriptions_.clear();
+  notifications_.end();
   waiting_.clear();
   boost::system::error_code ignored;
   socket_.close(ignored);
@@ -84,8 +78,7 @@ void Session::close() {
 
 void Session::fail(const std::exception_ptr& failure) {
   close();
-  if (gateway_->failures.admit(std::chrono::steady_clock::now()))
-    log_failure("a client's connection, which was closed", failure);
+  gateway_->log_failure("a client's connection, which was closed", failure);
 }
 
 // ---- input -------------------------------------------------------------------------------------
@@ -107,7 +100,7 @@ awaitable<void> Session::read(std::shared_ptr<Session> self) {
 // such a connection open.
 awaitable<void> Session::outlive_input() {
   while (!closed_ && !has_hung_up()) {
-    if (subscriptions_.size() == 0) finish();
+    if (subscriptions().size() == 0) finish();
     co_await input_ended_.wait_for(hang_up_check_interval);
   }
   close();
@@ -169,23 +162,17 @@ awaitable<void> Session::serve(std::shared_ptr<Session> self, RpcRequest request
 void Session::answer(const boost::json::value& id, RpcResult result, tmcl::Effect effect) {
   if (closed_) return;
   if (!outbox_.push_answer(answer_line(id, std::move(result), effect))) {
-    log(LogLevel::warning, "a client was cut off: it does not read its answers");
+    gateway_->log(LogLevel::warning, "a client was cut off: it does not read its answers");
     return close();
   }
   output_.notify();
 }
 
 void Session::notify(std::string_view method, boost::json::object params) {
-  if (closed_) return;
-  outbox_.push_notification(std::string(method), std::move(params));
-  output_.notify();
+  if (!closed_) notifications_.push(method, std::move(params));
 }
 
-bool Session::has_output() const { return !outbox_.empty() || subscriptions_.has_pending(); }
-
-bool Session::is_done() const {
-  return finishing_ && calls_in_flight_ == 0 && stops_in_flight_ == 0 && outbox_.empty();
-}
+bool Session::has_output() const { return !outbox_.empty() || notifications_.has_pending(); }
 
 std::string Session::take_output() {
   std::string batch;
@@ -193,10 +180,8 @@ std::string Session::take_output() {
   while (batch.size() < write_batch_bytes) {
     if (const auto line = outbox_.take_answer()) {
       add(*line);
-    } else if (auto notification = outbox_.take_notification()) {
+    } else if (auto notification = notifications_.take()) {
       add(notification_line(notification->method, std::move(notification->params)));
-    } else if (auto state = subscriptions_.take_pending()) {
-      add(notification_line("notify_state", std::move(*state)));
     } else {
       break;
     }
@@ -208,7 +193,7 @@ awaitable<void> Session::write(std::shared_ptr<Session> self) {
   while (!self->closed_) {
     self->start_waiting();
     if (!self->has_output()) {
-      if (self->is_done()) break;
+      if (self->finishing_ && !self->has_calls_in_flight()) break;
       co_await self->output_.wait();
       continue;
     }

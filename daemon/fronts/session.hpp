@@ -14,9 +14,9 @@
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 
+#include "api/notifications.hpp"
 #include "api/peer.hpp"
 #include "api/request.hpp"
-#include "api/subscriptions.hpp"
 #include "async/wake.hpp"
 #include "fronts/line_buffer.hpp"
 #include "fronts/outbox.hpp"
@@ -47,7 +47,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
 
   void notify(std::string_view method, boost::json::object params) override;
   bool is_gone() const override { return closed_; }
-  Subscriptions& subscriptions() override { return subscriptions_; }
+  Subscriptions& subscriptions() override { return notifications_.subscriptions(); }
 
  private:
   static boost::asio::awaitable<void> read(std::shared_ptr<Session> self);
@@ -67,18 +67,17 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   /// anything.
   void fail(const std::exception_ptr& failure);
   bool has_output() const;
-  bool is_done() const;
+  bool has_calls_in_flight() const { return calls_in_flight_ > 0 || stops_in_flight_ > 0; }
   std::string take_output();
 
   Socket socket_;
   std::shared_ptr<Gateway> gateway_;
   std::function<void()> on_closed_;
-  std::uint64_t event_listener_ = 0;
   LineBuffer lines_;
   Outbox outbox_;
   Wake output_;
   Wake input_ended_;
-  Subscriptions subscriptions_;
+  Notifications notifications_;
   std::deque<RpcRequest> waiting_;  ///< In progress as far as clients are concerned.
   std::size_t calls_in_flight_ = 0;
   std::size_t stops_in_flight_ = 0;

@@ -7,7 +7,6 @@
 #include <boost/asio/steady_timer.hpp>
 
 #include "async/spawn.hpp"
-#include "log/log.hpp"
 
 namespace tmcld {
 namespace {
@@ -61,7 +60,7 @@ awaitable<void> UnixServer::accept(std::shared_ptr<UnixServer> self) {
 
 void UnixServer::take_in(Protocol::socket socket) {
   if (sessions_.size() >= max_clients) {
-    log(LogLevel::warning, "a client was turned away: there are too many");
+    gateway_->log(LogLevel::warning, "a client was turned away: there are too many");
     return;
   }
   const auto id = ++last_id_;

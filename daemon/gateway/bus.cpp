@@ -9,7 +9,6 @@
 
 #include "async/gather.hpp"
 #include "async/spawn.hpp"
-#include "log/log.hpp"
 
 namespace tmcld {
 namespace {
@@ -26,7 +25,8 @@ constexpr tmcl::Duration stable_after = 2s;
 // some 100 ms of a serial line.
 constexpr tmcl::Duration module_check_interval = 2s;
 
-awaitable<std::shared_ptr<tmcl::Result<tmcl::Link>>> open_now(OpenLink open, BusConfig config) {
+awaitable<std::shared_ptr<tmcl::Result<tmcl::Link>>> open_blocking(OpenLink open,
+                                                                   BusConfig config) {
   co_return std::make_shared<tmcl::Result<tmcl::Link>>(open(config));
 }
 
@@ -55,11 +55,12 @@ std::string_view name_of(GatewayBus::State state) {
 }
 
 GatewayBus::GatewayBus(const boost::asio::any_io_executor& executor, BusConfig config,
-                       OpenLink open_link, OnGatewayEvent on_event,
+                       OpenLink open_link, LogSink log, OnGatewayEvent on_event,
                        std::shared_ptr<Arrivals> arrivals)
     : executor_(executor),
       config_(std::move(config)),
       open_link_(std::move(open_link)),
+      log_(std::move(log)),
       on_event_(std::move(on_event)),
       opener_(1),
       changed_(executor),
@@ -82,7 +83,7 @@ tmcl::BusCounters GatewayBus::counters() const {
 awaitable<void> GatewayBus::serve(std::shared_ptr<GatewayBus> self) {
   auto retry = shortest_retry;
   while (!self->closed_) {
-    if (!co_await self->open()) {
+    if (!self->bus_ && !co_await self->open()) {
       co_await self->rest(retry);
       retry = std::min(2 * retry, longest_retry);
       continue;
@@ -100,10 +101,17 @@ awaitable<void> GatewayBus::rest(tmcl::Duration duration) {
   while (!closed_ && now() < until) co_await changed_.wait_until(until);
 }
 
+tmcl::Result<void> GatewayBus::open_now() {
+  auto link = open_link_(config_);
+  if (!link) return tl::unexpected(std::move(link.error()));
+  attach(std::move(*link));
+  return {};
+}
+
 awaitable<bool> GatewayBus::open() {
   opening_link_ = true;
   auto result =
-      co_await boost::asio::co_spawn(opener_, open_now(open_link_, config_), use_awaitable);
+      co_await boost::asio::co_spawn(opener_, open_blocking(open_link_, config_), use_awaitable);
   opening_link_ = false;
   if (closed_) co_return false;
   if (!*result) {

@@ -22,6 +22,7 @@
 #include "gateway/module.hpp"
 #include "gateway/motors.hpp"
 #include "log/limiter.hpp"
+#include "log/sink.hpp"
 #include "tmcl/bus.hpp"
 
 namespace tmcld {
@@ -39,9 +40,11 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   enum class State : std::uint8_t { opening, open, lost };
 
   GatewayBus(const boost::asio::any_io_executor& executor, BusConfig config, OpenLink open_link,
-             OnGatewayEvent on_event, std::shared_ptr<Arrivals> arrivals);
+             LogSink log, OnGatewayEvent on_event, std::shared_ptr<Arrivals> arrivals);
 
-  /// Begins to open the link; returns at once.
+  /// Opens the link before start() does; blocks meanwhile.
+  tmcl::Result<void> open_now();
+  /// Begins to open the link, unless it is open, and to look after the modules; returns at once.
   void start();
   /// Ends everything in progress with Errc::link_lost and stays closed.
   void close();
@@ -101,8 +104,10 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// How many axes of this bus are on paths. What can wait, waits then: see the poller.
   int streams = 0;
 
-  /// For the parts of this bus: tells everyone.
+  // For the parts of this bus.
+  /// Tells everyone.
   void emit(GatewayEvent event);
+  void log(LogLevel level, std::string_view line) const { log_(level, line); }
 
  private:
   /// The same script; what may not be sent has failed for it, and it ends as it does then.
@@ -135,6 +140,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   boost::asio::any_io_executor executor_;
   BusConfig config_;
   OpenLink open_link_;
+  LogSink log_;
   OnGatewayEvent on_event_;
   boost::asio::thread_pool opener_;
   bool opening_link_ = false;

@@ -23,14 +23,15 @@ tmcl::Result<tmcl::Link> open_configured_link(const BusConfig& config) {
 }
 
 std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& executor,
-                                         const Config& config, const OpenLink& open_link) {
-  std::shared_ptr<Gateway> gateway(new Gateway);
+                                         const Config& config, GatewayOptions options) {
+  std::shared_ptr<Gateway> gateway(new Gateway(std::move(options)));
+  const auto& own = gateway->options_;
   const auto tell = [weak = std::weak_ptr(gateway)](const GatewayEvent& event) {
     if (const auto self = weak.lock()) self->tell(event);
   };
   for (const auto& bus : config.buses) {
-    gateway->buses_.push_back(
-        std::make_shared<GatewayBus>(executor, bus, open_link, tell, gateway->arrivals_));
+    gateway->buses_.push_back(std::make_shared<GatewayBus>(executor, bus, own.open_link, own.log,
+                                                           tell, gateway->arrivals_));
   }
   for (const auto& axis : config.axes) {
     const auto bus = std::ranges::find(gateway->buses_, axis.bus, &GatewayBus::name);
@@ -72,6 +73,16 @@ void Gateway::stop_all_axes() {
 void Gateway::close() {
   refuse_new_calls();
   for (const auto& bus : buses_) bus->close();
+}
+
+void Gateway::join() {
+  for (const auto& bus : buses_) bus->wait_for_opener();
+  planner.join();
+}
+
+void Gateway::log_failure(std::string_view where, const std::exception_ptr& failure) {
+  if (failures_.admit(std::chrono::steady_clock::now()))
+    tmcld::log_failure(options_.log, where, failure);
 }
 
 GatewayBus* Gateway::find_bus(std::string_view name) const {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <exception>
 #include <map>
 #include <memory>
 #include <set>
@@ -18,19 +19,24 @@
 #include "gateway/bus.hpp"
 #include "gateway/shelf.hpp"
 #include "log/limiter.hpp"
+#include "log/sink.hpp"
 
 namespace tmcld {
 
 /// Opens what the configuration says.
 tmcl::Result<tmcl::Link> open_configured_link(const BusConfig& config);
 
+struct GatewayOptions {
+  OpenLink open_link = open_configured_link;
+  LogSink log = no_log;
+};
+
 /// Object lifetimes: held by everything that is in progress, so that it outlives it.
 /// Thread safety: none; its executor is one thread.
 class Gateway : public std::enable_shared_from_this<Gateway> {
  public:
   static std::shared_ptr<Gateway> create(const boost::asio::any_io_executor& executor,
-                                         const Config& config,
-                                         const OpenLink& open_link = open_configured_link);
+                                         const Config& config, GatewayOptions options = {});
 
   /// Begins to open the buses and to identify the modules; returns at once.
   void start();
@@ -48,6 +54,9 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   void stop_all_axes();
   /// Ends everything in progress with Errc::link_lost.
   void close();
+  /// Waits for links that are being opened, and for paths that are being planned: what comes of
+  /// them still needs the reactor.
+  void join();
 
   std::span<const std::shared_ptr<GatewayBus>> buses() const { return buses_; }
   std::span<const std::shared_ptr<GatewayAxis>> axes() const { return axes_; }
@@ -65,8 +74,10 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   /// module with a firmware in part runs nothing.
   std::multiset<std::string> uploads;
 
-  /// Lines about exceptions: a client may be able to bring them about as often as it likes.
-  LogLimiter failures;
+  void log(LogLevel level, std::string_view line) const { options_.log(level, line); }
+  /// A line about an exception, unless there were many: a client may be able to bring them about as
+  /// often as it likes.
+  void log_failure(std::string_view where, const std::exception_ptr& failure);
 
   Shelf image_shelf;
   Shelf path_shelf;
@@ -74,9 +85,11 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   boost::asio::thread_pool planner{2};
 
  private:
-  Gateway() = default;
+  explicit Gateway(GatewayOptions options) : options_(std::move(options)) {}
   void tell(const GatewayEvent& event);
 
+  GatewayOptions options_;
+  LogLimiter failures_;
   std::shared_ptr<Arrivals> arrivals_ = std::make_shared<Arrivals>();
   std::vector<std::shared_ptr<GatewayBus>> buses_;
   std::vector<std::shared_ptr<GatewayAxis>> axes_;

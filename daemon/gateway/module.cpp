@@ -3,7 +3,6 @@
 #include <string>
 
 #include "gateway/bus.hpp"
-#include "log/log.hpp"
 
 namespace tmcld {
 
@@ -44,8 +43,8 @@ void GatewayModule::adopt(const tmcl::FoundModule& found) {
   const bool news = state_ != state;
   const bool ran = identity_ && !identity_->version.bootloader;
   if (runs && ran && identity_->version != found.version) {
-    log(LogLevel::warning, bus_.name() + ": module " + std::to_string(number(address_)) +
-                               " is another one than before");
+    bus_.log(LogLevel::warning, bus_.name() + ": module " + std::to_string(number(address_)) +
+                                    " is another one than before");
   }
   state_ = state;
   identity_ = found;

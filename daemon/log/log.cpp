@@ -1,8 +1,5 @@
 #include "log/log.hpp"
 
-#include <cstdio>
-#include <new>
-
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -32,26 +29,5 @@ void start_log(LogLevel level) {
 void silence_log() { spdlog::set_level(spdlog::level::off); }
 
 void log(LogLevel level, std::string_view line) { spdlog::log(to_spdlog(level), "{}", line); }
-
-const char* what_of(const std::exception_ptr& failure) noexcept {
-  try {
-    std::rethrow_exception(failure);
-  } catch (const std::bad_alloc&) {
-    return "not enough memory";
-  } catch (const std::exception& error) {
-    return error.what();
-  } catch (...) {
-    return "an exception that says nothing";
-  }
-}
-
-void log_failure(std::string_view where, const std::exception_ptr& failure) noexcept {
-  const auto* what = what_of(failure);
-  try {
-    spdlog::error("internal error in {}: {}", where, what);
-  } catch (...) {
-    std::fprintf(stderr, "internal error: %s\n", what);
-  }
-}
 
 }  // namespace tmcld

@@ -1,10 +1,9 @@
 /// The daemon's log: lines on standard error. Hides the logging library, which is slow to compile.
 #pragma once
 
-#include <exception>
 #include <string_view>
 
-#include "config/config.hpp"
+#include "log/sink.hpp"
 
 namespace tmcld {
 
@@ -14,10 +13,5 @@ void start_log(LogLevel level);
 void silence_log();
 
 void log(LogLevel level, std::string_view line);
-
-/// What an exception says; valid as long as the exception is.
-const char* what_of(const std::exception_ptr& failure) noexcept;
-/// An error line about it. Throws nothing: memory may be what is missing.
-void log_failure(std::string_view where, const std::exception_ptr& failure) noexcept;
 
 }  // namespace tmcld

@@ -4,6 +4,9 @@
 
 #include <gmock/gmock.h>
 
+#include <boost/asio/io_context.hpp>
+
+#include "api/notifications.hpp"
 #include "fronts/line_buffer.hpp"
 #include "fronts/outbox.hpp"
 #include "log/limiter.hpp"
@@ -81,15 +84,15 @@ TEST(DaemonOutbox, AdmitsAsManyAsCanBeInProgressHoweverLongTheyAre) {
   EXPECT_FALSE(outbox.push_answer("x"));
 }
 
-TEST(DaemonOutbox, DropsTheOldestNotificationsAndSaysHowMany) {
-  Outbox outbox;
-  for (int i = 0; i < static_cast<int>(max_unsent_notifications) + 3; ++i) {
-    outbox.push_notification("n", {{"number", i}});
-  }
-  const auto first = outbox.take_notification();
+TEST(DaemonNotifications, DropTheOldestAndSayHowMany) {
+  boost::asio::io_context context;
+  Notifications notifications(Gateway::create(context.get_executor(), {}), [] {});
+  for (int i = 0; i < static_cast<int>(max_unsent_notifications) + 3; ++i)
+    notifications.push("n", {{"number", i}});
+  const auto first = notifications.take();
   EXPECT_EQ(first->params.at("number"), 3);
   EXPECT_EQ(first->params.at("dropped"), 3);
-  EXPECT_EQ(outbox.take_notification()->params.at("dropped"), 0);
+  EXPECT_EQ(notifications.take()->params.at("dropped"), 0);
 }
 
 TEST(DaemonLogLimiter, LetsSoManyLinesPassAndSaysHowManyDidNot) {

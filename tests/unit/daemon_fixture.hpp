@@ -59,9 +59,9 @@ class FakeWire {
   std::vector<tmcl::Request> seen;
   std::vector<tmcl::Request> held;
 
-  void plug_in(boost::asio::io_context& context, int descriptor) {
-    end_ = std::make_shared<boost::asio::posix::stream_descriptor>(context, descriptor);
-    boost::asio::co_spawn(context, serve(end_), boost::asio::detached);
+  void plug_in(const boost::asio::any_io_executor& executor, int descriptor) {
+    end_ = std::make_shared<boost::asio::posix::stream_descriptor>(executor, descriptor);
+    boost::asio::co_spawn(executor, serve(end_), boost::asio::detached);
   }
   void unplug() {
     if (end_) end_->close();
@@ -222,7 +222,7 @@ class TestDaemon {
     auto ends = tmcl::Link::memory_pair(tmcl::Framing::serial);
     const int far = ::dup(ends->second.descriptor());
     boost::asio::post(daemon_->context(),
-                      [this, &wire, far] { wire.plug_in(daemon_->context(), far); });
+                      [this, &wire, far] { wire.plug_in(daemon_->context().get_executor(), far); });
     return std::move(ends->first);
   }
 

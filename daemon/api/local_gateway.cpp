@@ -1,0 +1,157 @@
+#include "api/local_gateway.hpp"
+
+#include <chrono>
+#include <utility>
+
+#include "api/dispatch.hpp"
+#include "api/notifications.hpp"
+#include "async/spawn.hpp"
+#include "async/wait_until.hpp"
+#include "gateway/ending.hpp"
+#include "tmcl/awaited_file.hpp"
+
+namespace tmcld {
+namespace {
+
+using namespace std::chrono_literals;
+using boost::asio::awaitable;
+
+constexpr tmcl::Duration look_interval = 20ms;
+// For calls that end because their bus is closed.
+constexpr tmcl::Duration time_for_last_answers = 300ms;
+
+tmcl::TimePoint now() { return std::chrono::steady_clock::now(); }
+
+}  // namespace
+
+class LocalPeer final : public Peer {
+ public:
+  LocalPeer(std::shared_ptr<Gateway> gateway, std::shared_ptr<bool> news)
+      : notifications_(std::move(gateway), [news = std::move(news)] { *news = true; }) {}
+
+  void notify(std::string_view method, boost::json::object params) override {
+    if (!is_gone_) notifications_.push(method, std::move(params));
+  }
+  bool is_gone() const override { return is_gone_; }
+  Subscriptions& subscriptions() override { return notifications_.subscriptions(); }
+
+  std::optional<Notification> take() { return notifications_.take(); }
+  void leave() {
+    is_gone_ = true;
+    notifications_.end();
+  }
+
+  int calls_in_progress = 0;
+
+ private:
+  Notifications notifications_;
+  bool is_gone_ = false;
+};
+
+namespace {
+
+using Ending = std::shared_ptr<std::optional<RpcResult>>;
+
+awaitable<void> carry_out(std::shared_ptr<Gateway> gateway, std::shared_ptr<LocalPeer> peer,
+                          RpcRequest request, Ending ending, std::shared_ptr<bool> news) {
+  ++peer->calls_in_progress;
+  auto result = co_await dispatch(std::move(gateway), peer, std::move(request));
+  --peer->calls_in_progress;
+  ending->emplace(std::move(result));
+  *news = true;
+}
+
+awaitable<void> end_with_calls(std::shared_ptr<Gateway> gateway, std::shared_ptr<LocalPeer> peer,
+                               std::shared_ptr<bool> has_ended) {
+  co_await end_gateway(std::move(gateway));
+  co_await wait_until([&] { return peer->calls_in_progress == 0; }, time_for_last_answers);
+  peer->leave();
+  *has_ended = true;
+}
+
+}  // namespace
+
+LocalGateway::LocalGateway() : work_(context_.get_executor()) {}
+
+LocalGateway::~LocalGateway() {
+  peer_->leave();
+  gateway_->close();
+  gateway_->join();
+}
+
+tmcl::Result<std::unique_ptr<LocalGateway>> LocalGateway::open(const Config& config,
+                                                               LocalGatewayOptions options) {
+  std::unique_ptr<LocalGateway> local(new LocalGateway);
+  local->gateway_ = Gateway::create(local->context_.get_executor(), config, options.gateway);
+  local->peer_ = std::make_shared<LocalPeer>(local->gateway_, local->news_);
+  for (const auto& bus : local->gateway_->buses()) {
+    const auto waited = local->await_device(bus->config(), options);
+    auto opened = bus->open_now();
+    if (opened) continue;
+    opened.error().message += tmcl::waited_text(waited);
+    return tl::unexpected(std::move(opened.error()));
+  }
+  local->gateway_->start();
+  return local;
+}
+
+/// Lets a pty appear that a simulator is about to make, or an adapter that was just plugged in.
+tmcl::Duration LocalGateway::await_device(const BusConfig& bus,
+                                          const LocalGatewayOptions& options) {
+  const auto* serial = std::get_if<tmcl::SerialName>(&bus.link);
+  if (serial == nullptr) return {};
+  const auto began = now();
+  while (now() - began < options.wait_for_links && !options.gives_up() &&
+         tmcl::is_missing(serial->device) && tmcl::may_appear(serial->device)) {
+    context_.run_for(tmcl::file_look_interval);
+  }
+  return now() - began;
+}
+
+LocalCall LocalGateway::begin(std::string_view method, boost::json::object params) {
+  LocalCall call;
+  auto request = make_request(method, std::move(params));
+  if (!request) {
+    call.result_->emplace(tl::unexpected(std::move(request.error())));
+    return call;
+  }
+  request->id = ++last_id_;
+  spawn(context_.get_executor(),
+        carry_out(gateway_, peer_, std::move(*request), call.result_, news_));
+  return call;
+}
+
+RpcResult LocalGateway::call(std::string_view method, boost::json::object params,
+                             const std::function<void()>& meanwhile) {
+  const auto call = begin(method, std::move(params));
+  while (!call.has_ended()) {
+    listen(look_interval);
+    if (meanwhile) meanwhile();
+  }
+  return call.result();
+}
+
+bool LocalGateway::listen(tmcl::Duration at_most) {
+  const auto until = now() + at_most;
+  while (!*news_ && (context_.poll_one() > 0 || context_.run_one_until(until) > 0)) {
+    if (now() >= until) break;
+  }
+  return deliver();
+}
+
+bool LocalGateway::deliver() {
+  const bool came = std::exchange(*news_, false);
+  while (auto notification = peer_->take()) {
+    if (on_notification_) on_notification_(notification->method, notification->params);
+  }
+  return came;
+}
+
+void LocalGateway::end() {
+  if (peer_->is_gone()) return;
+  const auto has_ended = std::make_shared<bool>(false);
+  spawn(context_.get_executor(), end_with_calls(gateway_, peer_, has_ended));
+  while (!*has_ended) listen(look_interval);
+}
+
+}  // namespace tmcld

@@ -1,0 +1,44 @@
+#include "api/notifications.hpp"
+
+#include <utility>
+
+#include "api/state_json.hpp"
+
+namespace tmcld {
+
+Notifications::Notifications(std::shared_ptr<Gateway> gateway, std::function<void()> on_pending)
+    : gateway_(std::move(gateway)),
+      on_pending_(std::move(on_pending)),
+      subscriptions_(on_pending_) {
+  event_listener_ = gateway_->on_event([this](const GatewayEvent& event) {
+    if (subscriptions_.size() > 0) push("notify_event", to_json(event));
+  });
+}
+
+void Notifications::push(std::string_view method, boost::json::object params) {
+  if (queue_.size() >= max_unsent_notifications) {
+    queue_.pop_front();
+    ++dropped_;
+  }
+  queue_.push_back({std::string(method), std::move(params)});
+  on_pending_();
+}
+
+std::optional<Notification> Notifications::take() {
+  if (queue_.empty()) {
+    auto state = subscriptions_.take_pending();
+    if (!state) return std::nullopt;
+    return Notification{"notify_state", std::move(*state)};
+  }
+  auto oldest = std::move(queue_.front());
+  queue_.pop_front();
+  oldest.params["dropped"] = std::exchange(dropped_, 0);
+  return oldest;
+}
+
+void Notifications::end() {
+  gateway_->ignore_events(event_listener_);
+  subscriptions_.clear();
+}
+
+}  // namespace tmcld

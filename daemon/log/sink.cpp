@@ -1,0 +1,31 @@
+#include "log/sink.hpp"
+
+#include <cstdio>
+#include <new>
+#include <string>
+
+namespace tmcld {
+
+const char* what_of(const std::exception_ptr& failure) noexcept {
+  try {
+    std::rethrow_exception(failure);
+  } catch (const std::bad_alloc&) {
+    return "not enough memory";
+  } catch (const std::exception& error) {
+    return error.what();
+  } catch (...) {
+    return "an exception that says nothing";
+  }
+}
+
+void log_failure(const LogSink& log, std::string_view where,
+                 const std::exception_ptr& failure) noexcept {
+  const auto* what = what_of(failure);
+  try {
+    log(LogLevel::error, "internal error in " + std::string(where) + ": " + what);
+  } catch (...) {
+    std::fprintf(stderr, "internal error: %s\n", what);
+  }
+}
+
+}  // namespace tmcld

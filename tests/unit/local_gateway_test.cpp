@@ -1,0 +1,132 @@
+// The methods of the gateway without a socket.
+#include <gmock/gmock.h>
+
+#include "unit/local_gateway_fixture.hpp"
+
+namespace tmcld::test {
+namespace {
+
+using testing::Contains;
+using testing::HasSubstr;
+
+struct LocalGatewayTest : testing::Test {
+  LocalGatewayTest() { EXPECT_EQ(bench.open(), ""); }
+  LocalBench bench;
+};
+
+TEST_F(LocalGatewayTest, AnswersAsTmcldDoes) {
+  const auto state = bench.result("axis.get_state", {{"axis", "x"}});
+  EXPECT_EQ(text(state.at("axis")), "x");
+  EXPECT_TRUE(state.contains("position_microsteps"));
+  EXPECT_EQ(bench.error("axis.get_state", {{"axis", "z"}}), "unknown_axis");
+  EXPECT_EQ(bench.error("axis.get_state", {}), "bad_argument");
+  EXPECT_EQ(bench.error("axis.sing", {{"axis", "x"}}), "method_not_found");
+}
+
+TEST_F(LocalGatewayTest, MakesACallWhileAnotherIsInProgress) {
+  bench.result("axis.get_state", {{"axis", "x"}});
+  bench.wire.holds = true;
+  std::size_t axes = 0;
+  const auto state = bench.local().call("axis.get_state", {{"axis", "x"}}, [&] {
+    if (bench.wire.held.empty()) return;
+    axes = bench.result("axis.list", {}).at("axes").as_array().size();
+    bench.wire.release();
+  });
+  EXPECT_EQ(axes, 2U);
+  EXPECT_TRUE(state);
+}
+
+TEST_F(LocalGatewayTest, TellsStatesAndProgressAsTheyCome) {
+  std::vector<std::string> told;
+  bench.local().on_notification(
+      [&](std::string_view method, const json::object&) { told.emplace_back(method); });
+  bench.result("subscribe", {{"axes", json::array{"x"}}, {"interval_ms", 5}});
+  bench.wire.modules.at(1).parameter(0, ap::actual_position) = 77;
+  while (told.empty()) bench.local().listen(1s);
+  EXPECT_THAT(told, Contains("notify_state"));
+  bench.result("bus.scan", {{"first", 1}, {"last", 1}});
+  EXPECT_THAT(told, Contains("notify_progress"));
+}
+
+TEST_F(LocalGatewayTest, ListensAsLongAsNothingComes) {
+  bench.result("axis.get_state", {{"axis", "x"}});
+  EXPECT_FALSE(bench.local().listen(1ms));
+}
+
+TEST_F(LocalGatewayTest, CallsInProgressHaveEndedAtTheEnd) {
+  bench.result("axis.get_state", {{"axis", "x"}});
+  bench.wire.holds = true;
+  const auto held = bench.local().begin("axis.get_state", {{"axis", "x"}});
+  bench.local().end();
+  ASSERT_TRUE(held.has_ended());
+  EXPECT_EQ(text(held.result().error().data.at("name")), "link_lost");
+  EXPECT_EQ(bench.error("axis.get_state", {{"axis", "x"}}), "daemon_ending");
+}
+
+TEST(LocalGatewayLinks, ThatCannotBeOpenedAreTold) {
+  LocalBench bench;
+  bench.wire.is_absent = true;
+  EXPECT_EQ(bench.open(), "no such device");
+}
+
+TEST(LocalGatewayLinks, ThatMayAppearAreWaitedForUntilSomebodyGivesUp) {
+  LocalBench bench("[[bus]]\nname = \"b\"\nlink = \"serial:/tmp/tmcld-never-there\"\n");
+  bench.wire.is_absent = true;
+  LocalGatewayOptions options;
+  options.wait_for_links = 1h;
+  int looks = 0;
+  options.gives_up = [&] { return ++looks == 3; };
+  EXPECT_THAT(bench.open(options), HasSubstr("no such device (waited "));
+  EXPECT_EQ(looks, 3);
+}
+
+struct LocalPath : testing::Test {
+  LocalPath() {
+    module.be_played_by(bench.wire.modules.at(1));
+    EXPECT_EQ(bench.open(), "");
+  }
+  LocalCall begin(const std::string& path) {
+    return bench.local().begin("path.run",
+                               {{"axes", json::array{"x", "y"}}, {"text", path}, {"deviation", 4}});
+  }
+  void listen_until_x_is_beyond(double position) {
+    while (module.mm(0) <= position) bench.local().listen(10ms);
+  }
+  void expect_rest_and_own_settings() {
+    EXPECT_FALSE(module.moves());
+    EXPECT_FALSE(bench.local().gateway().has_journeys());
+    for (std::uint8_t motor = 0; motor < 2; ++motor)
+      EXPECT_EQ(module.get(motor, ap::max_velocity), own_velocity);
+  }
+  Played module;
+  LocalBench bench{path_bench(std::string(in_mm))};
+};
+
+TEST_F(LocalPath, IsPassedWhileSomebodyListens) {
+  const auto path = begin(short_way);
+  while (!path.has_ended()) bench.local().listen(100ms);
+  ASSERT_TRUE(path.result()) << path.result().error().message;
+  EXPECT_EQ(module.mm(0), 9);
+  expect_rest_and_own_settings();
+}
+
+TEST_F(LocalPath, IsStoppedByAnotherCall) {
+  const auto path = begin(long_way);
+  listen_until_x_is_beyond(1);
+  bench.result("path.stop", {{"axes", json::array{"x", "y"}}});
+  while (!path.has_ended()) bench.local().listen(100ms);
+  EXPECT_FALSE(path.result());
+  expect_rest_and_own_settings();
+}
+
+TEST_F(LocalPath, IsStoppedAtTheEnd) {
+  const auto path = begin(long_way);
+  listen_until_x_is_beyond(1);
+  bench.local().end();
+  ASSERT_TRUE(path.has_ended());
+  EXPECT_FALSE(path.result());
+  expect_rest_and_own_settings();
+}
+
+}  // namespace
+}  // namespace tmcld::test
