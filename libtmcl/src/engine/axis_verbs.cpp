@@ -75,23 +75,17 @@ Script<Result<AxisState>> look_at(AxisAddress axis, CallOptions options) {
     return ask(axis_request(axis, Command::GAP, parameter), options);
   };
   // The position last: when the axis had arrived, it is the place where it arrived.
-  const auto reached = co_await read(ap::position_reached);
-  if (!reached) co_return tl::unexpected(reached.error());
-  const auto speed = co_await read(ap::actual_velocity);
-  if (!speed) co_return tl::unexpected(speed.error());
-  const auto target = co_await read(ap::target_position);
-  if (!target) co_return tl::unexpected(target.error());
-  const auto at = co_await read(ap::actual_position);
-  if (!at) co_return tl::unexpected(at.error());
-  co_return AxisState{Microsteps{*at}, InternalVelocity{*speed}, Microsteps{*target},
-                      *reached != 0};
+  const auto reached = co_await must(read(ap::position_reached));
+  const auto speed = co_await must(read(ap::actual_velocity));
+  const auto target = co_await must(read(ap::target_position));
+  const auto at = co_await must(read(ap::actual_position));
+  co_return AxisState{Microsteps{at}, InternalVelocity{speed}, Microsteps{target}, reached != 0};
 }
 
 }  // namespace
 
 Script<Result<Answer>> command(Request request, CallOptions options) {
-  auto answer = co_await exchange(request, options);
-  co_return answer;
+  co_return co_await exchange(request, options);
 }
 
 Script<Result<std::int32_t>> get(AxisAddress axis, std::uint8_t parameter) {
@@ -121,11 +115,9 @@ Script<Result<void>> restore(AxisAddress axis, std::uint8_t parameter) {
 }
 
 Script<Result<ParameterRange>> parameter_range(AxisAddress axis, std::uint8_t parameter) {
-  const auto least = co_await ask(axis_request(axis, Command::GET_AP_MIN, parameter));
-  if (!least) co_return tl::unexpected(least.error());
-  const auto greatest = co_await ask(axis_request(axis, Command::GET_AP_MAX, parameter));
-  if (!greatest) co_return tl::unexpected(greatest.error());
-  co_return ParameterRange{*least, *greatest};
+  const auto least = co_await must(ask(axis_request(axis, Command::GET_AP_MIN, parameter)));
+  const auto greatest = co_await must(ask(axis_request(axis, Command::GET_AP_MAX, parameter)));
+  co_return ParameterRange{least, greatest};
 }
 
 Script<Result<std::int32_t>> get_global(ModuleAddress module, std::uint8_t bank,
@@ -134,8 +126,7 @@ Script<Result<std::int32_t>> get_global(ModuleAddress module, std::uint8_t bank,
 }
 
 Script<Result<Microsteps>> move_to(AxisAddress axis, Microsteps target) {
-  const auto started = co_await act(axis_request(axis, Command::MVP, 0, target.value));
-  if (!started) co_return tl::unexpected(started.error());
+  co_await must(act(axis_request(axis, Command::MVP, 0, target.value)));
   co_return target;
 }
 
@@ -148,8 +139,7 @@ Script<Result<Microsteps>> move_from_here(AxisAddress axis, Destination destinat
   }
   const auto there = destination(*here);
   if (!there) co_return there;
-  const auto moved = co_await move_to(axis, *there);
-  co_return moved;
+  co_return co_await move_to(axis, *there);
 }
 
 Script<Result<Microsteps>> move_by(AxisAddress axis, Microsteps distance) {
@@ -174,15 +164,13 @@ Script<Result<void>> rotate(AxisAddress axis, InternalVelocity velocity) {
 Script<Result<void>> stop(AxisAddress axis) { return act(axis_request(axis, Command::MST, 0)); }
 
 Script<Result<Microsteps>> position(AxisAddress axis) {
-  const auto value = co_await get(axis, ap::actual_position);
-  if (!value) co_return tl::unexpected(value.error());
-  co_return Microsteps{*value};
+  const auto value = co_await must(get(axis, ap::actual_position));
+  co_return Microsteps{value};
 }
 
 Script<Result<InternalVelocity>> velocity(AxisAddress axis) {
-  const auto value = co_await get(axis, ap::actual_velocity);
-  if (!value) co_return tl::unexpected(value.error());
-  co_return InternalVelocity{*value};
+  const auto value = co_await must(get(axis, ap::actual_velocity));
+  co_return InternalVelocity{value};
 }
 
 Script<Result<AxisState>> state(AxisAddress axis) { return look_at(axis, {}); }

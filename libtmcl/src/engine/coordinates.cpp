@@ -32,13 +32,11 @@ std::optional<Error> objection(std::uint8_t number) {
 
 Script<Result<std::int32_t>> ask_about(std::uint8_t number, Request request) {
   if (auto error = objection(number)) co_return tl::unexpected(std::move(*error));
-  const auto value = co_await ask(request);
-  co_return value;
+  co_return co_await ask(request);
 }
 
 Script<Result<void>> act_on(std::uint8_t number, Request request) {
-  const auto done = co_await ask_about(number, request);
-  if (!done) co_return tl::unexpected(done.error());
+  co_await must(ask_about(number, request));
   co_return Result<void>{};
 }
 
@@ -50,8 +48,7 @@ Script<Result<void>> act_on_eeprom(ModuleAddress module, Command command,
         bad_argument("coordinate 0 cannot be stored", "coordinates 1 to 20 can be"));
   }
   const auto chosen = number.value_or(0);
-  const auto done = co_await act_on(chosen, {module, command, chosen, eeprom, 0});
-  co_return done;
+  co_return co_await act_on(chosen, {module, command, chosen, eeprom, 0});
 }
 
 }  // namespace
@@ -61,16 +58,14 @@ Script<Result<void>> set_coordinate(AxisAddress axis, std::uint8_t number, Micro
 }
 
 Script<Result<Microsteps>> coordinate(AxisAddress axis, std::uint8_t number) {
-  const auto value = co_await ask_about(number, {axis.module, Command::GCO, number, axis.motor, 0});
-  if (!value) co_return tl::unexpected(value.error());
-  co_return Microsteps{*value};
+  const auto value =
+      co_await must(ask_about(number, {axis.module, Command::GCO, number, axis.motor, 0}));
+  co_return Microsteps{value};
 }
 
 Script<Result<Microsteps>> capture_coordinate(AxisAddress axis, std::uint8_t number) {
-  const auto captured = co_await act_on(number, {axis.module, Command::CCO, number, axis.motor, 0});
-  if (!captured) co_return tl::unexpected(captured.error());
-  const auto value = co_await coordinate(axis, number);
-  co_return value;
+  co_await must(act_on(number, {axis.module, Command::CCO, number, axis.motor, 0}));
+  co_return co_await coordinate(axis, number);
 }
 
 Script<Result<void>> store_coordinates(ModuleAddress module, std::optional<std::uint8_t> number) {
@@ -93,9 +88,7 @@ Script<Result<void>> move_motors_to_coordinate(ModuleAddress module, MotorMask m
   }
   const auto how = together == Together::interpolated ? interpolated : each_for_itself;
   const auto field = static_cast<std::uint8_t>(how | motors.bits);
-  const auto moved =
-      co_await act_on(number, {module, Command::MVP, coordinate_move, field, number});
-  co_return moved;
+  co_return co_await act_on(number, {module, Command::MVP, coordinate_move, field, number});
 }
 
 }  // namespace verbs

@@ -88,12 +88,17 @@ Error failed(Errc code, Outcome outcome, std::string message, std::string_view h
   return {code, outcome, std::move(message), std::string(hint), {}, {}, {}};
 }
 
-Error during(std::string_view step, Error error, std::string_view state) {
+/// A part of the upload, and in which state it leaves the module if it fails.
+template <class T>
+Script<Result<T>> during(std::string_view step, Script<Result<T>> part, std::string_view state) {
+  auto result = co_await part;
+  if (result) co_return result;
+  auto& error = result.error();
   error.message = fmt::format("{}: {}", step, error.message);
   error.hint = state;
   // Something was done to the module, whatever became of the last command.
   if (state == rerun) error.outcome = Outcome::unknown;
-  return error;
+  co_return result;
 }
 
 /// For commands that may be given twice: the answer may be lost, the command is not.
@@ -175,11 +180,10 @@ Script<Result<FirmwareVersion>> version_of(const FoundModule& found) {
 }
 
 Script<Result<FirmwareMatch>> match_found(const FoundModule& found, const Image& image) {
-  const auto version = co_await version_of(found);
-  if (!version) co_return tl::unexpected(version.error());
+  const auto version = co_await must(version_of(found));
   FirmwareMatch match;
-  match.model = version->model;
-  match.running = *version;
+  match.model = version.model;
+  match.running = version;
   match.offered = firmware::versions_in(image);
   match.version = firmware::version_for(image, match.model);
   match.in_bootloader = found.version.bootloader;
@@ -190,9 +194,8 @@ Script<Result<FirmwareMatch>> match_found(const FoundModule& found, const Image&
 Script<Result<void>> wait_for_standstill(const Upload& upload, std::uint8_t motor) {
   const Request velocity{upload.module, Command::GAP, axis_parameter::actual_velocity, motor, 0};
   for (Duration waited{}; waited < standstill_time; waited += standstill_look) {
-    const auto now = co_await exchange(velocity, upload.call());
-    if (!now) co_return tl::unexpected(now.error());
-    if (now->reply.value == 0) co_return Result<void>{};
+    const auto now = co_await must(exchange(velocity, upload.call()));
+    if (now.reply.value == 0) co_return Result<void>{};
     co_await pause(standstill_look);
   }
   co_return tl::unexpected(failed(Errc::deadline_passed, Outcome::not_sent,
@@ -202,12 +205,10 @@ Script<Result<void>> wait_for_standstill(const Upload& upload, std::uint8_t moto
 Script<Result<void>> stop_motors(const Upload& upload, std::uint8_t motors) {
   for (std::uint8_t motor = 0; motor < motors; ++motor) {
     const Request stop{upload.module, Command::MST, 0, motor, 0};
-    const auto stopped = co_await exchange(stop, upload.call());
-    if (!stopped) co_return tl::unexpected(stopped.error());
+    co_await must(exchange(stop, upload.call()));
   }
   for (std::uint8_t motor = 0; motor < motors; ++motor) {
-    const auto standing = co_await wait_for_standstill(upload, motor);
-    if (!standing) co_return tl::unexpected(standing.error());
+    co_await must(wait_for_standstill(upload, motor));
   }
   co_return Result<void>{};
 }
@@ -215,20 +216,15 @@ Script<Result<void>> stop_motors(const Upload& upload, std::uint8_t motors) {
 Script<Result<void>> enter_bootloader(const Upload& upload) {
   const Request entry{upload.module, Command::ENTER_BOOTLOADER, entry_type, entry_motor,
                       static_cast<std::int32_t>(entry_value)};
-  const auto sent = co_await exchange(entry, upload.call());
-  if (!sent) co_return tl::unexpected(sent.error());
-  auto there = co_await wait_until(upload, true);
-  co_return there;
+  co_await must(exchange(entry, upload.call()));
+  co_return co_await wait_until(upload, true);
 }
 
 Script<Result<BootMemory>> read_memory_layout(const Upload& upload) {
-  const auto page_size = co_await info(upload, page_size_info);
-  if (!page_size) co_return tl::unexpected(page_size.error());
-  const auto start = co_await info(upload, start_info);
-  if (!start) co_return tl::unexpected(start.error());
-  const auto size = co_await info(upload, size_info);
-  if (!size) co_return tl::unexpected(size.error());
-  co_return BootMemory{*page_size, *start, *size};
+  const auto page_size = co_await must(info(upload, page_size_info));
+  const auto start = co_await must(info(upload, start_info));
+  const auto size = co_await must(info(upload, size_info));
+  co_return BootMemory{page_size, start, size};
 }
 
 std::optional<Error> misfit(const Image& image, const BootMemory& memory) {
@@ -261,16 +257,14 @@ Script<Result<void>> put_word(const Upload& upload, std::uint32_t index, std::ui
   auto request = boot_request(upload.module, Command::BOOT_WRITE_BUFFER,
                               static_cast<std::uint8_t>(index & 0xFFU), word);
   request.motor = static_cast<std::uint8_t>(index >> 8U);
-  const auto put = co_await insist(request, upload.call(sum_time));
-  if (!put) co_return tl::unexpected(put.error());
+  co_await must(insist(request, upload.call(sum_time)));
   co_return Result<void>{};
 }
 
 Script<Result<void>> fill_page(const Upload& upload, std::uint32_t offset, std::size_t count) {
   const auto bytes = std::span(upload.image.bytes).subspan(offset, count);
   for (std::uint32_t at = 0; at < bytes.size(); at += word_size) {
-    const auto put = co_await put_word(upload, at / word_size, word_at(bytes, at));
-    if (!put) co_return tl::unexpected(put.error());
+    co_await must(put_word(upload, at / word_size, word_at(bytes, at)));
   }
   co_return Result<void>{};
 }
@@ -279,8 +273,7 @@ Script<Result<void>> fill_page(const Upload& upload, std::uint32_t offset, std::
 Script<Result<void>> write_page(const Upload& upload, std::uint32_t offset, std::size_t count) {
   const auto address = upload.image.start + offset;
   for (unsigned tries = 1;; ++tries) {
-    const auto filled = co_await fill_page(upload, offset, count);
-    if (!filled) co_return tl::unexpected(filled.error());
+    co_await must(fill_page(upload, offset, count));
     const auto written = co_await exchange(
         boot_request(upload.module, Command::BOOT_WRITE_PAGE, 0, address), upload.call(page_time));
     if (written) co_return Result<void>{};
@@ -300,8 +293,7 @@ Script<Result<void>> write_pages(const Upload& upload) {
     const bool is_gap =
         std::ranges::all_of(part, [](std::uint8_t byte) { return byte == firmware::erased_byte; });
     if (is_gap) continue;
-    const auto written = co_await write_page(upload, offset, count);
-    if (!written) co_return tl::unexpected(written.error());
+    co_await must(write_page(upload, offset, count));
   }
   upload.tell("writing", bytes.size());
   co_return Result<void>{};
@@ -309,14 +301,13 @@ Script<Result<void>> write_pages(const Upload& upload) {
 
 Script<Result<void>> compare_sum(const Upload& upload) {
   const auto last = upload.image.start + static_cast<std::uint32_t>(upload.image.bytes.size()) - 1;
-  const auto sum = co_await insist(boot_request(upload.module, Command::BOOT_GET_CHECKSUM, 0, last),
-                                   upload.call(sum_time));
-  if (!sum) co_return tl::unexpected(sum.error());
+  const auto sum = co_await must(insist(
+      boot_request(upload.module, Command::BOOT_GET_CHECKSUM, 0, last), upload.call(sum_time)));
   const auto expected = firmware::checksum(upload.image);
-  if (*sum == expected) co_return Result<void>{};
+  if (sum == expected) co_return Result<void>{};
   co_return tl::unexpected(failed(
       Errc::unexpected_value, Outcome::unknown,
-      fmt::format("what was written has the checksum 0x{:08X}, the image 0x{:08X}", *sum, expected),
+      fmt::format("what was written has the checksum 0x{:08X}, the image 0x{:08X}", sum, expected),
       {}));
 }
 
@@ -324,42 +315,34 @@ Script<Result<void>> compare_sum(const Upload& upload) {
 Script<Result<void>> seal_by_page(const Upload& upload, std::uint32_t length, std::uint32_t sum) {
   const auto words = upload.memory.page_size / word_size;
   const auto last_page = upload.memory.size - upload.memory.page_size;
-  const auto first = co_await put_word(upload, words - 2, length);
-  if (!first) co_return tl::unexpected(first.error());
-  const auto second = co_await put_word(upload, words - 1, sum);
-  if (!second) co_return tl::unexpected(second.error());
-  const auto written = co_await exchange(
-      boot_request(upload.module, Command::BOOT_WRITE_PAGE, 0, last_page), upload.call(page_time));
-  if (!written) co_return tl::unexpected(written.error());
+  co_await must(put_word(upload, words - 2, length));
+  co_await must(put_word(upload, words - 1, sum));
+  co_await must(exchange(boot_request(upload.module, Command::BOOT_WRITE_PAGE, 0, last_page),
+                         upload.call(page_time)));
   co_return Result<void>{};
 }
 
 Script<Result<void>> seal(const Upload& upload) {
   const auto length = static_cast<std::uint32_t>(upload.image.bytes.size());
   const auto sum = firmware::checksum(upload.image);
-  const auto first =
-      co_await insist(boot_request(upload.module, Command::BOOT_WRITE_LENGTH, length_seal, length),
-                      upload.call(page_time));
+  const auto write_length =
+      boot_request(upload.module, Command::BOOT_WRITE_LENGTH, length_seal, length);
+  const auto first = co_await insist(write_length, upload.call(page_time));
   if (!first && is_unknown_command(first.error())) {
-    auto sealed = co_await seal_by_page(upload, length, sum);
-    co_return sealed;
+    co_return co_await seal_by_page(upload, length, sum);
   }
   if (!first) co_return tl::unexpected(first.error());
-  const auto second =
-      co_await insist(boot_request(upload.module, Command::BOOT_WRITE_LENGTH, checksum_seal, sum),
-                      upload.call(page_time));
-  if (!second) co_return tl::unexpected(second.error());
+  co_await must(insist(boot_request(upload.module, Command::BOOT_WRITE_LENGTH, checksum_seal, sum),
+                       upload.call(page_time)));
   co_return Result<void>{};
 }
 
 Script<Result<void>> start_firmware(const Upload& upload) {
   // From here on a stop may be of use again.
   upload.hold->in_bootloader = false;
-  const auto sent = co_await exchange(boot_request(upload.module, Command::BOOT_START_APPLICATION),
-                                      upload.call());
-  if (!sent) co_return tl::unexpected(sent.error());
-  auto there = co_await wait_until(upload, false);
-  co_return there;
+  co_await must(
+      exchange(boot_request(upload.module, Command::BOOT_START_APPLICATION), upload.call()));
+  co_return co_await wait_until(upload, false);
 }
 
 /// From the module as it runs to the module in its bootloader, with an image that fits.
@@ -368,22 +351,14 @@ Script<Result<void>> prepare(Upload& upload, const FoundModule& found) {
   if (unwanted) co_return tl::unexpected(std::move(*unwanted));
   if (!upload.match.in_bootloader) {
     upload.tell("stopping the motors");
-    const auto stopped = co_await stop_motors(upload, found.axes);
-    if (!stopped) co_return tl::unexpected(during("stopping", stopped.error(), unchanged));
+    co_await must(during("stopping", stop_motors(upload, found.axes), unchanged));
     upload.tell("entering the bootloader");
-    const auto entered = co_await enter_bootloader(upload);
-    if (!entered) {
-      co_return tl::unexpected(
-          during("entering the bootloader", entered.error(), still_in_bootloader));
-    }
+    co_await must(during("entering the bootloader", enter_bootloader(upload), still_in_bootloader));
   }
   upload.hold->in_bootloader = true;
-  const auto memory = co_await read_memory_layout(upload);
-  if (!memory) {
-    co_return tl::unexpected(during("asking the bootloader", memory.error(), still_in_bootloader));
-  }
-  upload.memory = *memory;
-  auto wrong = misfit(upload.image, *memory);
+  upload.memory = co_await must(
+      during("asking the bootloader", read_memory_layout(upload), still_in_bootloader));
+  auto wrong = misfit(upload.image, upload.memory);
   if (!wrong) wrong = upload.objection();
   if (!wrong) co_return Result<void>{};
   const auto started = co_await start_firmware(upload);
@@ -394,55 +369,41 @@ Script<Result<void>> prepare(Upload& upload, const FoundModule& found) {
 /// From the old firmware to the new one, whole and trusted by the bootloader.
 Script<Result<void>> exchange_firmware(const Upload& upload) {
   upload.tell("erasing");
-  const auto erased = co_await insist(boot_request(upload.module, Command::BOOT_ERASE_ALL),
-                                      upload.call(erase_time));
-  if (!erased) co_return tl::unexpected(during("erasing", erased.error(), rerun));
-  const auto written = co_await write_pages(upload);
-  if (!written) co_return tl::unexpected(during("writing", written.error(), rerun));
+  const auto erase = boot_request(upload.module, Command::BOOT_ERASE_ALL);
+  co_await must(during("erasing", insist(erase, upload.call(erase_time)), rerun));
+  co_await must(during("writing", write_pages(upload), rerun));
   upload.tell("comparing", upload.image.bytes.size());
-  const auto compared = co_await compare_sum(upload);
-  if (!compared) co_return tl::unexpected(during("comparing", compared.error(), rerun));
-  const auto sealed = co_await seal(upload);
-  if (!sealed) {
-    co_return tl::unexpected(during("writing length and checksum", sealed.error(), rerun));
-  }
+  co_await must(during("comparing", compare_sum(upload), rerun));
+  co_await must(during("writing length and checksum", seal(upload), rerun));
   co_return Result<void>{};
 }
 
 }  // namespace
 
 Script<Result<FirmwareMatch>> match_firmware(ModuleAddress module, firmware::Image image) {
-  const auto found = co_await identify(module);
-  if (!found) co_return tl::unexpected(found.error());
-  auto match = co_await match_found(*found, image);
-  co_return match;
+  const auto found = co_await must(identify(module));
+  co_return co_await match_found(found, image);
 }
 
 Script<Result<FirmwareReport>> upload_firmware(ModuleAddress module, firmware::Image image,
                                                FirmwareOptions options) {
   Upload upload{module, std::move(image), std::move(options)};
-  const auto found = co_await identify(module);
-  if (!found) co_return tl::unexpected(found.error());
-  const auto match = co_await match_found(*found, upload.image);
-  if (!match) co_return tl::unexpected(match.error());
-  upload.match = *match;
-  if (auto wrong = objection(*found, *match, upload.options.force)) {
+  const auto found = co_await must(identify(module));
+  const auto match = co_await must(match_found(found, upload.image));
+  upload.match = match;
+  if (auto wrong = objection(found, match, upload.options.force)) {
     co_return tl::unexpected(std::move(*wrong));
   }
-  const auto prepared = co_await prepare(upload, *found);
-  if (!prepared) co_return tl::unexpected(prepared.error());
-  const auto exchanged = co_await exchange_firmware(upload);
-  if (!exchanged) co_return tl::unexpected(exchanged.error());
+  co_await must(prepare(upload, found));
+  co_await must(exchange_firmware(upload));
   upload.tell("starting", upload.image.bytes.size());
-  const auto started = co_await start_firmware(upload);
   constexpr std::string_view state =
       "the new firmware is written, whole, but does not answer: switch the power off and on, and "
       "look whether it has another address or baud rate now";
-  if (!started) co_return tl::unexpected(during("starting", started.error(), state));
+  co_await must(during("starting", start_firmware(upload), state));
   upload.hold.reset();
-  const auto after = co_await identify(module);
-  if (!after) co_return tl::unexpected(during("starting", after.error(), state));
-  co_return FirmwareReport{upload.match, after->version, firmware::checksum(upload.image)};
+  const auto after = co_await must(during("starting", identify(module), state));
+  co_return FirmwareReport{upload.match, after.version, firmware::checksum(upload.image)};
 }
 
 }  // namespace tmcl::verbs

@@ -50,9 +50,8 @@ std::span<const std::uint8_t> opposites(std::uint8_t parameter, std::int32_t val
 Script<Result<void>> check_identifiers(ModuleAddress module, std::uint8_t parameter,
                                        std::int32_t value) {
   for (const auto other : opposites(parameter, value)) {
-    const auto same = co_await has(module, other, value);
-    if (!same) co_return tl::unexpected(same.error());
-    if (*same) co_return tl::unexpected(takes_replies_for_commands(module, value));
+    const auto same = co_await must(has(module, other, value));
+    if (same) co_return tl::unexpected(takes_replies_for_commands(module, value));
   }
   co_return Result<void>{};
 }
@@ -61,12 +60,8 @@ Script<Result<void>> check_identifiers(ModuleAddress module, std::uint8_t parame
 
 Script<Result<void>> set_global(ModuleAddress module, std::uint8_t bank, std::uint8_t parameter,
                                 std::int32_t value) {
-  if (bank == 0) {
-    const auto checked = co_await check_identifiers(module, parameter, value);
-    if (!checked) co_return tl::unexpected(checked.error());
-  }
-  const auto done = co_await act({module, Command::SGP, parameter, bank, value});
-  co_return done;
+  if (bank == 0) co_await must(check_identifiers(module, parameter, value));
+  co_return co_await act({module, Command::SGP, parameter, bank, value});
 }
 
 }  // namespace tmcl::verbs

@@ -53,20 +53,15 @@ Script<Result<void>> start_search(AxisAddress axis, CallOptions call) {
 }
 
 Script<Result<std::optional<Microsteps>>> get_if_there(AxisAddress axis, std::uint8_t parameter) {
-  const auto value = co_await get(axis, parameter);
-  if (value) co_return std::optional(Microsteps{*value});
-  if (value.error().outcome == Outcome::refused) co_return std::optional<Microsteps>{};
-  co_return tl::unexpected(value.error());
+  const auto value = co_await must(unless_refused(get(axis, parameter)));
+  co_return value ? std::optional(Microsteps{*value}) : std::nullopt;
 }
 
 /// Modules take any mode, and refuse only the search. The mode of a search that did not begin must
 /// not stay: each later search would be one in that mode, or be refused.
 Script<Result<void>> start_search_in(AxisAddress axis, std::int32_t mode, CallOptions call) {
-  const auto before = co_await get(axis, search_mode);
-  if (!before && before.error().outcome != Outcome::refused)
-    co_return tl::unexpected(before.error());
-  const auto chosen = co_await set(axis, search_mode, mode);
-  if (!chosen) co_return chosen;
+  const auto before = co_await must(unless_refused(get(axis, search_mode)));
+  co_await must(set(axis, search_mode, mode));
   auto started = co_await start_search(axis, call);
   const bool may_have_begun = started || started.error().outcome == Outcome::unknown;
   if (may_have_begun || !before) co_return started;
@@ -100,8 +95,7 @@ Script<Result<std::int32_t>> reference_search_status(AxisAddress axis) {
 Script<Result<Homed>> home(AxisAddress axis, HomeOptions options) {
   const auto begin = co_await current_time();
   const auto call = until_timeout(begin, options.timeout);
-  const auto started = co_await start_search(axis, options.mode, call);
-  if (!started) co_return tl::unexpected(started.error());
+  co_await must(start_search(axis, options.mode, call));
   std::optional<std::int32_t> last;
   while (true) {
     const auto step = co_await patient_status(axis, options, call);
@@ -116,11 +110,9 @@ Script<Result<Homed>> home(AxisAddress axis, HomeOptions options) {
     if (!wanted || late) co_return tl::unexpected(still_searching(axis, last));
     co_await pause(within_deadline(call, now, options.poll_interval));
   }
-  const auto correction = co_await get_if_there(axis, position_before_zeroing);
-  if (!correction) co_return tl::unexpected(correction.error());
-  const auto distance = co_await get_if_there(axis, switch_distance);
-  if (!distance) co_return tl::unexpected(distance.error());
-  co_return Homed{*correction, *distance};
+  const auto correction = co_await must(get_if_there(axis, position_before_zeroing));
+  const auto distance = co_await must(get_if_there(axis, switch_distance));
+  co_return Homed{correction, distance};
 }
 
 }  // namespace tmcl::verbs

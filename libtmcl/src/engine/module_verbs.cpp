@@ -53,10 +53,8 @@ Script<Result<void>> set_output(ModuleAddress module, std::uint8_t port, std::in
 Script<Result<FirmwareInfo>> firmware_info(ModuleAddress module) {
   FirmwareInfo info;
   for (const auto& question : questions) {
-    const auto answer = co_await ask({module, Command::GET_INFO, question.type, 0, 0});
-    if (answer) info.*question.answer = *answer;
-    if (!answer && answer.error().outcome != Outcome::refused)
-      co_return tl::unexpected(answer.error());
+    const Request request{module, Command::GET_INFO, question.type, 0, 0};
+    info.*question.answer = co_await must(unless_refused(ask(request)));
   }
   co_return info;
 }

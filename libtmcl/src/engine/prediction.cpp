@@ -9,9 +9,8 @@ namespace tmcl::verbs {
 Script<Result<std::vector<plan::Setting>>> read_ramp(AxisAddress axis, const Model& model) {
   std::vector<plan::Setting> ramp;
   for (const auto parameter : plan::AxisTwin::parameters(model)) {
-    const auto value = co_await get(axis, parameter);
-    if (!value) co_return tl::unexpected(value.error());
-    ramp.push_back({parameter, *value});
+    const auto value = co_await must(get(axis, parameter));
+    ramp.push_back({parameter, value});
   }
   co_return ramp;
 }
@@ -23,11 +22,9 @@ Script<Result<plan::AxisTwin>> read_twin(AxisAddress axis, const Model& model,
     co_return tl::unexpected(
         bad_argument(fmt::format("what the ramps of a {} look like is not known", model.name)));
   }
-  const auto speed = co_await velocity(axis);
-  if (!speed) co_return tl::unexpected(speed.error());
-  const auto here = co_await position(axis);
-  if (!here) co_return tl::unexpected(here.error());
-  twin->place(*here, *speed);
+  const auto speed = co_await must(velocity(axis));
+  const auto here = co_await must(position(axis));
+  twin->place(here, speed);
   co_return std::move(*twin);
 }
 

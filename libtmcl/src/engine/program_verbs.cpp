@@ -91,11 +91,9 @@ Script<Result<void>> stop_what_was_started(const Loading& loading, Instruction l
 
 Script<Result<void>> record_lines(Loading& loading, std::span<const Instruction> lines) {
   for (const auto& line : lines) {
-    const auto answer = co_await exchange(to_request(loading.module, line), loading.line());
-    if (!answer) co_return tl::unexpected(answer.error());
-    if (answer->reply.status != Status::command_loaded) {
-      const auto stopped = co_await stop_what_was_started(loading, line);
-      co_return stopped;
+    const auto answer = co_await must(exchange(to_request(loading.module, line), loading.line()));
+    if (answer.reply.status != Status::command_loaded) {
+      co_return co_await stop_what_was_started(loading, line);
     }
     if (!loading.goes_on(LoadProgress::Phase::writing, 1)) co_return tl::unexpected(cancelled());
   }
@@ -120,9 +118,8 @@ Script<Result<void>> download_once(Loading& loading, std::uint16_t address,
   }
   const auto ended =
       co_await exchange({loading.module, Command::END_DOWNLOAD, 0, 0, 0}, loading.call());
-  if (!recorded) co_return recorded;
-  if (!ended) co_return tl::unexpected(ended.error());
-  co_return Result<void>{};
+  if (recorded && !ended) recorded = tl::unexpected(ended.error());
+  co_return recorded;
 }
 
 Error differs(ModuleAddress module, std::size_t address, const Instruction& held,
@@ -139,18 +136,16 @@ Error differs(ModuleAddress module, std::size_t address, const Instruction& held
 
 Script<Result<Instruction>> read_line(ModuleAddress module, std::size_t address,
                                       CallOptions options) {
-  const auto answer = co_await exchange(
-      {module, Command::READ_TMCL_MEMORY, 0, 0, static_cast<std::int32_t>(address)}, options);
-  if (!answer) co_return tl::unexpected(answer.error());
-  co_return program::line_of(answer->reply);
+  const auto answer = co_await must(exchange(
+      {module, Command::READ_TMCL_MEMORY, 0, 0, static_cast<std::int32_t>(address)}, options));
+  co_return program::line_of(answer.reply);
 }
 
 Script<Result<void>> compare_lines(Loading& loading, std::size_t address,
                                    std::span<const Instruction> lines) {
   for (const auto& line : lines) {
-    const auto held = co_await read_line(loading.module, address, loading.call());
-    if (!held) co_return tl::unexpected(held.error());
-    if (*held != line) co_return tl::unexpected(differs(loading.module, address, *held, line));
+    const auto held = co_await must(read_line(loading.module, address, loading.call()));
+    if (held != line) co_return tl::unexpected(differs(loading.module, address, held, line));
     if (!loading.goes_on(LoadProgress::Phase::comparing, 1)) co_return tl::unexpected(cancelled());
     ++address;
   }
@@ -172,16 +167,14 @@ Script<Result<void>> load_section(Loading& loading, std::uint16_t address,
 
 /// 0 for modules that do not know the parameter.
 Script<Result<std::int32_t>> protection_of(ModuleAddress module, CallOptions options) {
-  const auto value =
-      co_await exchange({module, Command::GGP, global_parameter::code_protection, 0, 0}, options);
-  if (!value && value.error().outcome != Outcome::refused) co_return tl::unexpected(value.error());
+  const Request request{module, Command::GGP, global_parameter::code_protection, 0, 0};
+  const auto value = co_await must(unless_refused(command(request, options)));
   co_return value && value->reply.status == Status::ok ? value->reply.value : 0;
 }
 
 Script<Result<void>> be_readable(ModuleAddress module, CallOptions options) {
-  const auto protection = co_await protection_of(module, options);
-  if (!protection) co_return tl::unexpected(protection.error());
-  if ((*protection & no_reading) == 0) co_return Result<void>{};
+  const auto protection = co_await must(protection_of(module, options));
+  if ((protection & no_reading) == 0) co_return Result<void>{};
   co_return tl::unexpected(refused_unsent(
       Status::write_protected,
       fmt::format("the program of module {} is protected from reading", number(module)),
@@ -189,16 +182,15 @@ Script<Result<void>> be_readable(ModuleAddress module, CallOptions options) {
 }
 
 Script<Result<void>> be_writable(ModuleAddress module, CallOptions options) {
-  const auto protection = co_await protection_of(module, options);
-  if (!protection) co_return tl::unexpected(protection.error());
-  if ((*protection & no_writing) != 0) {
+  const auto protection = co_await must(protection_of(module, options));
+  if ((protection & no_writing) != 0) {
     co_return tl::unexpected(refused_unsent(
         Status::write_protected,
         fmt::format("the program of module {} is protected from writing", number(module)),
         "global parameter 81 says so; setting it to 0 erases the program"));
   }
-  const auto state = co_await exchange({module, Command::GET_APPLICATION_STATUS, 0, 0, 0}, options);
-  if (!state && state.error().outcome != Outcome::refused) co_return tl::unexpected(state.error());
+  const Request request{module, Command::GET_APPLICATION_STATUS, 0, 0, 0};
+  const auto state = co_await must(unless_refused(command(request, options)));
   const bool runs = state && state->reply.status == Status::ok && state->reply.value == 1;
   if (!runs) co_return Result<void>{};
   co_return tl::unexpected(
@@ -213,18 +205,14 @@ Script<Result<void>> load_in_order(Loading& loading, const Program& program) {
   const std::span lines(program);
   const auto first = loading.options.first_address;
   const auto second = static_cast<std::uint16_t>(first + 1);
-  auto loaded = co_await load_section(loading, first, nothing);
-  if (loaded) loaded = co_await load_section(loading, second, lines.subspan(1));
-  if (loaded) loaded = co_await load_section(loading, first, lines.first(1));
-  co_return loaded;
+  co_await must(load_section(loading, first, nothing));
+  co_await must(load_section(loading, second, lines.subspan(1)));
+  co_return co_await load_section(loading, first, lines.first(1));
 }
 
 Script<Result<std::optional<std::int32_t>>> global_if_there(ModuleAddress module,
                                                             std::uint8_t parameter) {
-  const auto value = co_await get_global(module, 0, parameter);
-  if (value) co_return std::optional(*value);
-  if (value.error().outcome == Outcome::refused) co_return std::optional<std::int32_t>{};
-  co_return tl::unexpected(value.error());
+  return unless_refused(get_global(module, 0, parameter));
 }
 
 Request breakpoint(ModuleAddress module, Breakpoint what, std::int32_t address = 0) {
@@ -239,16 +227,13 @@ Script<Result<void>> load_program(ModuleAddress module, Program program, LoadOpt
   Loading loading{module, std::make_shared<Hold>(), options};
   // The first place is written twice.
   loading.progress.of = (program.size() + 1) * (options.compare ? 2U : 1U);
-  auto ready = co_await be_writable(module, loading.call());
-  if (ready && options.compare) ready = co_await be_readable(module, loading.call());
-  if (!ready) co_return ready;
-  const auto loaded = co_await load_in_order(loading, program);
-  co_return loaded;
+  co_await must(be_writable(module, loading.call()));
+  if (options.compare) co_await must(be_readable(module, loading.call()));
+  co_return co_await load_in_order(loading, program);
 }
 
 Script<Result<Program>> read_program(ModuleAddress module, ReadOptions options) {
-  const auto readable = co_await be_readable(module, {});
-  if (!readable) co_return tl::unexpected(readable.error());
+  co_await must(be_readable(module, {}));
   const auto room =
       program::most_commands - std::min<std::size_t>(options.first_address, program::most_commands);
   const auto most = std::min<std::size_t>(options.length.value_or(program::most_commands), room);
@@ -270,12 +255,10 @@ Script<Result<Program>> read_program(ModuleAddress module, ReadOptions options) 
 }
 
 Script<Result<void>> compare_program(ModuleAddress module, Program program, LoadOptions options) {
-  const auto readable = co_await be_readable(module, {});
-  if (!readable) co_return readable;
+  co_await must(be_readable(module, {}));
   Loading loading{module, nullptr, options};
   loading.progress.of = program.size();
-  const auto same = co_await compare_lines(loading, options.first_address, program);
-  co_return same;
+  co_return co_await compare_lines(loading, options.first_address, program);
 }
 
 Script<Result<void>> run_program(ModuleAddress module, std::optional<std::uint16_t> address) {
@@ -293,13 +276,10 @@ Script<Result<void>> reset_program(ModuleAddress module) {
 }
 
 Script<Result<ProgramStatus>> program_status(ModuleAddress module) {
-  const auto state = co_await ask({module, Command::GET_APPLICATION_STATUS, 0, 0, 0});
-  if (!state) co_return tl::unexpected(state.error());
-  const auto counter = co_await global_if_there(module, global_parameter::program_counter);
-  if (!counter) co_return tl::unexpected(counter.error());
-  const auto error = co_await global_if_there(module, global_parameter::tmcl_error);
-  if (!error) co_return tl::unexpected(error.error());
-  co_return ProgramStatus{static_cast<ProgramStatus::State>(*state & 3), *counter, *error};
+  const auto state = co_await must(ask({module, Command::GET_APPLICATION_STATUS, 0, 0, 0}));
+  const auto counter = co_await must(global_if_there(module, global_parameter::program_counter));
+  const auto error = co_await must(global_if_there(module, global_parameter::tmcl_error));
+  co_return ProgramStatus{static_cast<ProgramStatus::State>(state & 3), counter, error};
 }
 
 Script<Result<void>> add_breakpoint(ModuleAddress module, std::uint16_t address) {

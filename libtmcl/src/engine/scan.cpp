@@ -27,9 +27,8 @@ Request version_request(ModuleAddress module) {
 Script<Result<std::uint8_t>> count_axes(ModuleAddress module) {
   std::uint8_t axes = 0;
   while (axes < most_axes) {
-    const auto position = co_await get({module, axes}, axis_parameter::actual_position);
-    if (!position && position.error().outcome != Outcome::refused)
-      co_return tl::unexpected(position.error());
+    const auto position =
+        co_await must(unless_refused(get({module, axes}, axis_parameter::actual_position)));
     if (!position) break;
     ++axes;
   }
@@ -44,8 +43,7 @@ Script<Result<bool>> runs_bootloader(ModuleAddress module) {
   const auto& error = position.error();
   if (!is_silence(error) && error.outcome != Outcome::refused) co_return tl::unexpected(error);
   if (!is_silence(error) && !is_unknown_command(error)) co_return false;
-  auto answer = co_await is_in_bootloader(module);
-  co_return answer;
+  co_return co_await is_in_bootloader(module);
 }
 
 /// Whether firmware runs in it, and how many motors it has.
@@ -53,13 +51,8 @@ Script<Result<void>> look_closer(FoundModule& found) {
   const auto* model = find_model(found.version.model);
   if (model != nullptr) found.model = model->name;
   if (model != nullptr) found.axes = model->axes;
-  const auto in_bootloader = co_await runs_bootloader(found.address);
-  if (!in_bootloader) co_return tl::unexpected(in_bootloader.error());
-  found.version.bootloader = *in_bootloader;
-  if (model != nullptr) co_return Result<void>{};
-  const auto axes = co_await count_axes(found.address);
-  if (!axes) co_return tl::unexpected(axes.error());
-  found.axes = *axes;
+  found.version.bootloader = co_await must(runs_bootloader(found.address));
+  if (model == nullptr) found.axes = co_await must(count_axes(found.address));
   co_return Result<void>{};
 }
 
@@ -71,11 +64,9 @@ bool is_absence(const Error& error) {
 }  // namespace
 
 Script<Result<FoundModule>> identify(ModuleAddress module) {
-  const auto first = co_await exchange(version_request(module));
   // A module that knows the command but not this form is there all the same.
-  if (!first && first.error().outcome != Outcome::refused) co_return tl::unexpected(first.error());
-  FoundModule found{
-      module, first ? version_from_value(first->reply.value) : FirmwareVersion{}, {}, 0, false};
+  const auto first = co_await must(unless_refused(ask(version_request(module))));
+  FoundModule found{module, first ? version_from_value(*first) : FirmwareVersion{}, {}, 0, false};
 
   co_await pause(second_reply_time);
   const auto again = co_await exchange(version_request(module));

@@ -9,16 +9,23 @@ namespace tmcl::verbs {
 
 /// An exchange that is done or not.
 inline Script<Result<void>> act(Request request, CallOptions options = {}) {
-  const auto answer = co_await exchange(request, options);
-  if (!answer) co_return tl::unexpected(answer.error());
+  co_await must(exchange(request, options));
   co_return Result<void>{};
 }
 
 /// An exchange whose value is wanted.
 inline Script<Result<std::int32_t>> ask(Request request, CallOptions options = {}) {
-  const auto answer = co_await exchange(request, options);
-  if (!answer) co_return tl::unexpected(answer.error());
-  co_return answer->reply.value;
+  const auto answer = co_await must(exchange(request, options));
+  co_return answer.reply.value;
+}
+
+/// What the module answers; nothing where it refuses to.
+template <class T>
+Script<Result<std::optional<T>>> unless_refused(Script<Result<T>> part) {
+  auto result = co_await part;
+  if (result) co_return std::optional<T>(*std::move(result));
+  if (result.error().outcome == Outcome::refused) co_return std::optional<T>();
+  co_return tl::unexpected(std::move(result.error()));
 }
 
 inline bool is_silence(const Error& error) {
@@ -33,10 +40,8 @@ inline bool is_unknown_command(const Error& error) {
 /// Only a bootloader knows this command.
 inline Script<Result<bool>> is_in_bootloader(ModuleAddress module, CallOptions options = {}) {
   const Request info{module, Command::BOOT_GET_INFO, 0, 0, 0};
-  const auto answer = co_await exchange(info, options);
-  if (answer) co_return true;
-  if (answer.error().outcome == Outcome::refused) co_return false;
-  co_return tl::unexpected(answer.error());
+  const auto answer = co_await must(unless_refused(ask(info, options)));
+  co_return answer.has_value();
 }
 
 /// For exchanges of a verb that began at `begin` and is to end after `timeout`; zero: it may take
