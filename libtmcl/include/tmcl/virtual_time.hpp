@@ -1,0 +1,75 @@
+/// Runs a whole world of programs in one process on virtual time: nothing waits, an hour takes as
+/// long as what is done in it, and it comes out the same every time.
+///
+///     boost::asio::io_context context;
+///     tmcl::VirtualTime time(context);  // before anything that takes its time from the context
+///     tmcl::Bus bus(context.get_executor(), std::move(link));
+///     ...
+///     time.run_for(std::chrono::hours(1));
+#pragma once
+
+#include <functional>
+#include <utility>
+
+#include <boost/asio/io_context.hpp>
+
+#include "tmcl/context_clock.hpp"
+
+namespace tmcl {
+
+/// The context is run by this alone. Timers of other kinds, such as Asio's own, go by the
+/// computer's clock and are not waited for.
+class VirtualTime {
+ public:
+  explicit VirtualTime(boost::asio::io_context& context)
+      : context_(&context),
+        timeline_(&boost::asio::use_service<detail::VirtualTimeline>(
+            static_cast<boost::asio::execution_context&>(context))) {
+    // Far from zero: time points of zero mean "never" to some.
+    timeline_->clock.advance_to(TimePoint(std::chrono::hours(1)));
+  }
+
+  TimePoint now() const { return timeline_->clock.now(); }
+  /// How long work takes that programs do on other threads; no time by default.
+  void set_time_for_work(std::function<Duration()> time) {
+    timeline_->time_for_work = std::move(time);
+  }
+
+  /// Does all that can be done now.
+  void settle() {
+    context_->restart();
+    while (context_->poll() > 0) context_->restart();
+  }
+  /// Does all that can be done now, and then goes to the earliest timer that ends by `limit`, which
+  /// ends. False if there is none: the time stays as it is.
+  bool step(TimePoint limit = TimePoint::max()) {
+    settle();
+    const auto next = timeline_->earliest();
+    if (!next || next->first > limit) return false;
+    if (next->first > now()) timeline_->clock.advance_to(next->first);
+    timeline_->take (*next)({});
+    return true;
+  }
+  void run_until(TimePoint limit) {
+    while (step(limit)) {
+    }
+    if (limit > now()) timeline_->clock.advance_to(limit);
+  }
+  void run_for(Duration duration) { run_until(now() + duration); }
+  /// Runs until the condition holds; false if it does not within this time, or never can.
+  template <class Condition>
+  bool run_while_not(Condition condition, Duration at_most) {
+    const auto limit = now() + at_most;
+    settle();
+    while (!condition()) {
+      if (!step(limit)) return condition();
+    }
+    return true;
+  }
+
+ private:
+  boost::asio::io_context* context_;
+  detail::VirtualTimeline* timeline_;
+};
+
+}  // namespace tmcl
