@@ -14,6 +14,7 @@
 #include <boost/asio/awaitable.hpp>
 
 #include "tmcl/bus_options.hpp"
+#include "tmcl/context_clock.hpp"
 #include "tmcl/link.hpp"
 #include "tmcl/verbs.hpp"
 
@@ -46,14 +47,15 @@ class Bus {
   template <class T>
   boost::asio::awaitable<T> run(Script<T> script, RunOptions options = {}) {
     const auto state = state_;  // the bus may be gone before the verb has ended
-    auto step = script.start(RealClock().now());
+    const auto clock = clock_;
+    auto step = script.start(clock.now());
     while (step) {
       auto objection = options.objection ? options.objection() : std::nullopt;
       if (objection) co_return tl::unexpected(std::move(*objection));
       const bool is_exchange = std::holds_alternative<step::Exchange>(*step);
-      const auto asked = RealClock().now();
+      const auto asked = clock.now();
       auto result = co_await perform(state, std::move(*step), options.deadline);
-      const auto now = RealClock().now();
+      const auto now = clock.now();
       if (options.on_answer && is_exchange && result.front()) options.on_answer(now - asked);
       step = script.resume(std::move(result), now);
     }
@@ -75,6 +77,7 @@ class Bus {
   static boost::asio::awaitable<StepResult> perform(std::shared_ptr<State> state, Step step,
                                                     std::optional<TimePoint> deadline);
 
+  ContextClock clock_;
   std::shared_ptr<State> state_;
 };
 

@@ -6,10 +6,10 @@
 #include <boost/asio/async_result.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
 #include "bus/bus_core.hpp"
+#include "tmcl/timer.hpp"
 
 namespace tmcl {
 
@@ -50,7 +50,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
     for (std::size_t i = 0; i < exchanges.size(); ++i) {
       const auto ticket = next_ticket_++;
       waiting_.emplace(ticket, Place{group, i});
-      core_.engine().submit(ticket, exchanges[i].request, exchanges[i].options, clock_.now());
+      core_.engine().submit(ticket, exchanges[i].request, exchanges[i].options, timer_.now());
     }
     run_actions();
     hand_out_later();
@@ -80,7 +80,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
   }
 
   void on_input() {
-    core_.on_readable(clock_.now());
+    core_.on_readable(timer_.now());
     run_actions();
     if (core_.is_open()) await_input();
     hand_out();
@@ -93,7 +93,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
                           [self = shared_from_this()](error_code error) {
                             self->awaiting_room_ = false;
                             if (error) return;
-                            self->core_.on_writable(self->clock_.now());
+                            self->core_.on_writable(self->timer_.now());
                             self->run_actions();
                             self->hand_out();
                           });
@@ -109,7 +109,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
     timer_.async_wait([self = shared_from_this()](error_code error) {
       if (error) return;
       self->armed_for_.reset();
-      self->core_.engine().on_deadline(self->clock_.now());
+      self->core_.engine().on_deadline(self->timer_.now());
       self->run_actions();
       self->hand_out();
     });
@@ -117,7 +117,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
 
   void run_actions() {
     core_.run_actions(
-        clock_.now(), [this](engine::Completion completion) { settle(std::move(completion)); },
+        timer_.now(), [this](engine::Completion completion) { settle(std::move(completion)); },
         [this](const BusEvent& event) { publish(event); });
     if (core_.is_open()) {
       await_room();
@@ -162,11 +162,10 @@ class Bus::State : public std::enable_shared_from_this<State> {
     });
   }
 
-  RealClock clock_;
   asio::any_io_executor executor_;
   BusCore core_;
   asio::posix::stream_descriptor readiness_;
-  asio::steady_timer timer_;
+  Timer timer_;
   std::optional<TimePoint> armed_for_;
   bool awaiting_room_ = false;
   engine::Ticket next_ticket_ = 0;
@@ -175,12 +174,14 @@ class Bus::State : public std::enable_shared_from_this<State> {
 };
 
 Bus::Bus(asio::any_io_executor executor, Link link, BusOptions options)
-    : state_(std::make_shared<State>(std::move(executor), std::move(link), std::move(options))) {
+    : clock_(executor),
+      state_(std::make_shared<State>(std::move(executor), std::move(link), std::move(options))) {
   state_->start();
 }
 Bus::Bus(Bus&&) noexcept = default;
 Bus& Bus::operator=(Bus&& other) noexcept {
   if (state_) close();
+  clock_ = other.clock_;
   state_ = std::move(other.state_);
   return *this;
 }
@@ -215,7 +216,8 @@ asio::awaitable<Result<Answer>> Bus::execute(Request request, CallOptions option
 asio::awaitable<StepResult> Bus::perform(std::shared_ptr<State> state, Step step,
                                          std::optional<TimePoint> deadline) {
   if (auto* pause = std::get_if<step::Pause>(&step)) {
-    asio::steady_timer timer(state->executor(), pause->duration);
+    Timer timer(state->executor());
+    timer.expires_after(pause->duration);
     co_await timer.async_wait(asio::use_awaitable);
     co_return StepResult{};
   }
