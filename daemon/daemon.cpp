@@ -12,6 +12,7 @@
 #include "async/wait_until.hpp"
 #include "gateway/ending.hpp"
 #include "log/log.hpp"
+#include "tmcl/timer.hpp"
 
 namespace tmcld {
 namespace {
@@ -71,7 +72,7 @@ awaitable<void> Daemon::begin_to_serve(Daemon& daemon) {
 // Whoever threw has ended; all others go on, as long as it takes to stop what moves.
 void Daemon::end_after(const std::exception_ptr& failure) noexcept {
   log_failure(log, "the reactor, all axes are stopped", failure);
-  const auto limit = std::chrono::steady_clock::now() + time_after_failure;
+  const auto limit = gateway_->clock().now() + time_after_failure;
   bool has_begun = false;
   for (int failures = 0; failures <= most_failures_at_the_end; ++failures) {
     try {

@@ -32,7 +32,7 @@ struct Call {
   tmcl::Duration timeout_left() const {
     const std::chrono::milliseconds timeout(params.integer_or("timeout_ms", 0));
     if (timeout == std::chrono::milliseconds{}) return {};
-    const auto left = received + timeout - std::chrono::steady_clock::now();
+    const auto left = received + timeout - gateway->clock().now();
     return std::max(left, tmcl::Duration{1});
   }
 };

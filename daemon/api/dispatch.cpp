@@ -1,6 +1,5 @@
 #include "api/dispatch.hpp"
 
-#include <chrono>
 #include <exception>
 #include <new>
 #include <utility>
@@ -31,12 +30,10 @@ RpcError internal_error(const MethodInfo& method, const char* what) {
 boost::asio::awaitable<RpcResult> dispatch(std::shared_ptr<Gateway> gateway,
                                            std::shared_ptr<Peer> peer, RpcRequest request) {
   const auto permit = gateway->admit();
-  Call call{std::move(gateway),
-            std::move(peer),
-            std::move(request.id),
-            Params(std::move(request.params)),
-            std::chrono::steady_clock::now(),
-            permit};
+  const auto received = gateway->clock().now();
+  Call call{
+      std::move(gateway), std::move(peer), std::move(request.id), Params(std::move(request.params)),
+      received,           permit};
   auto refused = admit(*request.method, call);
   if (refused) co_return tl::unexpected(std::move(*refused));
   std::exception_ptr failure;

@@ -20,7 +20,7 @@ constexpr tmcl::Duration look_interval = 20ms;
 // For calls that end because their bus is closed.
 constexpr tmcl::Duration time_for_last_answers = 300ms;
 
-tmcl::TimePoint now() { return std::chrono::steady_clock::now(); }
+tmcl::TimePoint now() { return tmcl::RealClock().now(); }
 
 }  // namespace
 

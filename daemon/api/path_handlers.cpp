@@ -4,7 +4,6 @@
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/staging.hpp"
-#include "async/elsewhere.hpp"
 #include "async/rest.hpp"
 #include "gateway/path_run.hpp"
 #include "tmcl/plan/path_run.hpp"

@@ -85,7 +85,7 @@ void add_state(json::object& out, const GatewayAxis& axis, const AxisReading& re
   out["position_reached"] = state.position_reached;
   out["moving"] = state.velocity.value != 0;
   add_user(out, axis, reading.user);
-  out["age_ms"] = milliseconds(std::chrono::steady_clock::now() - reading.taken);
+  out["age_ms"] = milliseconds(axis.bus().clock().now() - reading.taken);
 }
 
 void add_state(json::object& out, const GatewayAxis& axis, const PublishedReading& reading) {

@@ -15,10 +15,10 @@ struct StopReport {
 };
 
 boost::asio::awaitable<StopReport> stop_one(std::shared_ptr<GatewayAxis> axis) {
-  const auto began = std::chrono::steady_clock::now();
+  const auto began = axis->bus().clock().now();
   StopReport report;
   report.result = co_await axis->stop();
-  report.took = std::chrono::steady_clock::now() - began;
+  report.took = axis->bus().clock().now() - began;
   co_return report;
 }
 

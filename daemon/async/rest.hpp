@@ -2,16 +2,15 @@
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/this_coro.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
-#include "tmcl/clock.hpp"
+#include "tmcl/timer.hpp"
 
 namespace tmcld {
 
 inline boost::asio::awaitable<void> rest(tmcl::Duration duration) {
-  boost::asio::steady_timer timer(co_await boost::asio::this_coro::executor);
+  tmcl::Timer timer(co_await boost::asio::this_coro::executor);
   timer.expires_after(duration);
   co_await timer.async_wait(boost::asio::use_awaitable);
 }

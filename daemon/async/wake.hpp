@@ -4,10 +4,9 @@
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/redirect_error.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
-#include "tmcl/clock.hpp"
+#include "tmcl/timer.hpp"
 
 namespace tmcld {
 
@@ -24,18 +23,18 @@ class Wake {
   /// Until notified, or until then.
   boost::asio::awaitable<void> wait_until(tmcl::TimePoint then) {
     boost::system::error_code ignored;
-    while (!notified_ && std::chrono::steady_clock::now() < then) {
+    while (!notified_ && timer_.now() < then) {
       timer_.expires_at(then);
       co_await timer_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
     }
     notified_ = false;
   }
   boost::asio::awaitable<void> wait_for(tmcl::Duration duration) {
-    return wait_until(std::chrono::steady_clock::now() + duration);
+    return wait_until(timer_.now() + duration);
   }
 
  private:
-  boost::asio::steady_timer timer_;
+  tmcl::Timer timer_;
   bool notified_ = false;
 };
 

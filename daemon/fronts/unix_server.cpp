@@ -4,8 +4,7 @@
 #include <utility>
 #include <vector>
 
-#include <boost/asio/steady_timer.hpp>
-
+#include "async/rest.hpp"
 #include "async/spawn.hpp"
 
 namespace tmcld {
@@ -53,8 +52,7 @@ awaitable<void> UnixServer::accept(std::shared_ptr<UnixServer> self) {
       continue;
     }
     if (!self->acceptor_.is_open()) break;
-    boost::asio::steady_timer pause(self->acceptor_.get_executor(), pause_after_failure);
-    co_await pause.async_wait(redirect_error(use_awaitable, error));
+    co_await rest(pause_after_failure);
   }
 }
 

@@ -321,7 +321,7 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Micro
     if (foreseen) twin = std::move(*foreseen);
   }
   forget_move();
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = bus_->clock().now();
   const auto target = co_await run(std::move(script), std::move(movement));
   if (!target) co_return tl::unexpected(target.error());
   StartedMove started{*target, {}};
@@ -421,7 +421,7 @@ GatewayAxis::Awaitable<Microsteps> GatewayAxis::wait(tmcl::WaitOptions wait_opti
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
   RunOptions options;
   options.objection = std::move(objection);
-  const auto left = expected_arrival_ - std::chrono::steady_clock::now();
+  const auto left = expected_arrival_ - bus_->clock().now();
   wait_options.expected = std::max(left, tmcl::Duration{});
   auto script = tmcl::verbs::wait_until_reached(address(), wait_options);
   auto result = co_await run(std::move(script), std::move(options));
@@ -484,7 +484,7 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state() {
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
   AxisReading reading;
-  reading.taken = std::chrono::steady_clock::now();
+  reading.taken = bus_->clock().now();
   RunOptions options;
   auto state = co_await run(tmcl::verbs::state(address()), std::move(options));
   if (!state) co_return tl::unexpected(std::move(state.error()));

@@ -3,10 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include <boost/asio/co_spawn.hpp>
-#include <boost/asio/steady_timer.hpp>
-#include <boost/asio/use_awaitable.hpp>
-
 #include "async/gather.hpp"
 #include "async/spawn.hpp"
 
@@ -15,7 +11,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using boost::asio::awaitable;
-using boost::asio::use_awaitable;
 
 constexpr tmcl::Duration shortest_retry = 100ms;
 constexpr tmcl::Duration longest_retry = 1s;
@@ -24,13 +19,6 @@ constexpr tmcl::Duration stable_after = 2s;
 // How often silent modules are asked whether they are back: a question to one that is not takes
 // some 100 ms of a serial line.
 constexpr tmcl::Duration module_check_interval = 2s;
-
-awaitable<std::shared_ptr<tmcl::Result<tmcl::Link>>> open_blocking(OpenLink open,
-                                                                   BusConfig config) {
-  co_return std::make_shared<tmcl::Result<tmcl::Link>>(open(config));
-}
-
-tmcl::TimePoint now() { return std::chrono::steady_clock::now(); }
 
 tmcl::BusCounters sum(tmcl::BusCounters a, const tmcl::BusCounters& b) {
   a.requests += b.requests;
@@ -62,7 +50,7 @@ GatewayBus::GatewayBus(const boost::asio::any_io_executor& executor, BusConfig c
       open_link_(std::move(open_link)),
       log_(std::move(log)),
       on_event_(std::move(on_event)),
-      opener_(1),
+      clock_(executor),
       changed_(executor),
       motors_(config_.name, std::move(arrivals)) {}
 
@@ -88,17 +76,18 @@ awaitable<void> GatewayBus::serve(std::shared_ptr<GatewayBus> self) {
       retry = std::min(2 * retry, longest_retry);
       continue;
     }
-    const auto opened = now();
+    const auto opened = self->clock_.now();
     co_await self->look_after_modules();
     self->detach();
-    retry = now() - opened >= stable_after ? shortest_retry : std::min(2 * retry, longest_retry);
+    retry = self->clock_.now() - opened >= stable_after ? shortest_retry
+                                                        : std::min(2 * retry, longest_retry);
     co_await self->rest(retry);
   }
 }
 
 awaitable<void> GatewayBus::rest(tmcl::Duration duration) {
-  const auto until = now() + duration;
-  while (!closed_ && now() < until) co_await changed_.wait_until(until);
+  const auto until = clock_.now() + duration;
+  while (!closed_ && clock_.now() < until) co_await changed_.wait_until(until);
 }
 
 tmcl::Result<void> GatewayBus::open_now() {
@@ -110,15 +99,15 @@ tmcl::Result<void> GatewayBus::open_now() {
 
 awaitable<bool> GatewayBus::open() {
   opening_link_ = true;
-  auto result =
-      co_await boost::asio::co_spawn(opener_, open_blocking(open_link_, config_), use_awaitable);
+  auto work = [open = open_link_, config = config_] { return open(config); };
+  auto link = co_await elsewhere(opener_, std::move(work));
   opening_link_ = false;
   if (closed_) co_return false;
-  if (!*result) {
-    report_failure(result->error());
+  if (!link) {
+    report_failure(link.error());
     co_return false;
   }
-  attach(std::move(**result));
+  attach(std::move(*link));
   co_return true;
 }
 
@@ -126,7 +115,7 @@ void GatewayBus::report_failure(const tmcl::Error& error) {
   auto why = error.message + (error.hint.empty() ? "" : "; " + error.hint);
   if (why == error_) return;
   error_ = std::move(why);
-  if (const auto held_back = log_limiter_.admit(now())) {
+  if (const auto held_back = log_limiter_.admit(clock_.now())) {
     log(LogLevel::warning, config_.name + ": cannot be opened: " + error_);
   }
 }
@@ -193,7 +182,7 @@ void GatewayBus::emit(GatewayEvent event) {
   const bool good = event.kind == GatewayEvent::Kind::target_reached ||
                     event.kind == GatewayEvent::Kind::link_restored ||
                     event.kind == GatewayEvent::Kind::module_answers;
-  if (const auto held_back = log_limiter_.admit(now())) {
+  if (const auto held_back = log_limiter_.admit(clock_.now())) {
     auto line = event.bus + ": " + std::string(name_of(event.kind));
     if (event.address) line += " (module " + std::to_string(*event.address) + ")";
     if (!event.text.empty()) line += ": " + event.text;

@@ -14,8 +14,8 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
-#include <boost/asio/thread_pool.hpp>
 
+#include "async/elsewhere.hpp"
 #include "async/wake.hpp"
 #include "config/config.hpp"
 #include "gateway/event.hpp"
@@ -52,6 +52,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   const std::string& name() const { return config_.name; }
   const BusConfig& config() const { return config_; }
   const boost::asio::any_io_executor& executor() const { return executor_; }
+  const tmcl::ContextClock& clock() const { return clock_; }
   State state() const { return state_; }
   /// Why the link is not open; empty while it is.
   const std::string& error() const { return error_; }
@@ -142,7 +143,8 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   OpenLink open_link_;
   LogSink log_;
   OnGatewayEvent on_event_;
-  boost::asio::thread_pool opener_;
+  tmcl::ContextClock clock_;
+  Workers opener_{1};
   bool opening_link_ = false;
   Wake changed_;
   bool closed_ = false;

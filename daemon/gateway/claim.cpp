@@ -4,9 +4,10 @@
 #include <chrono>
 #include <utility>
 
-#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/this_coro.hpp>
 #include <boost/asio/use_awaitable.hpp>
+
+#include "tmcl/timer.hpp"
 
 namespace tmcld {
 namespace {
@@ -39,13 +40,13 @@ bool are_free(const Axes& axes) {
 }  // namespace
 
 awaitable<std::optional<AxisFailure>> claim_all(Axes axes, Mover by, Permit of) {
-  const auto limit = std::chrono::steady_clock::now() + time_to_be_free;
-  boost::asio::steady_timer timer(co_await boost::asio::this_coro::executor);
+  tmcl::Timer timer(co_await boost::asio::this_coro::executor);
+  const auto limit = timer.now() + time_to_be_free;
   while (true) {
     auto failure = co_await look(axes, of);
     // While one of them was looked at, somebody may have claimed another.
     if (!failure && are_free(axes)) break;
-    const bool waits = std::chrono::steady_clock::now() < limit;
+    const bool waits = timer.now() < limit;
     if (failure && !(waits && can_end_soon(*failure, axes))) co_return failure;
     timer.expires_after(look_interval);
     co_await timer.async_wait(boost::asio::use_awaitable);

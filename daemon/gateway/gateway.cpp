@@ -24,7 +24,7 @@ tmcl::Result<tmcl::Link> open_configured_link(const BusConfig& config) {
 
 std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& executor,
                                          const Config& config, GatewayOptions options) {
-  std::shared_ptr<Gateway> gateway(new Gateway(std::move(options)));
+  std::shared_ptr<Gateway> gateway(new Gateway(executor, std::move(options)));
   const auto& own = gateway->options_;
   const auto tell = [weak = std::weak_ptr(gateway)](const GatewayEvent& event) {
     if (const auto self = weak.lock()) self->tell(event);
@@ -81,7 +81,7 @@ void Gateway::join() {
 }
 
 void Gateway::log_failure(std::string_view where, const std::exception_ptr& failure) {
-  if (failures_.admit(std::chrono::steady_clock::now()))
+  if (failures_.admit(clock_.now()))
     tmcld::log_failure(options_.log, where, failure);
 }
 

@@ -12,8 +12,8 @@
 #include <vector>
 
 #include <boost/asio/any_io_executor.hpp>
-#include <boost/asio/thread_pool.hpp>
 
+#include "async/elsewhere.hpp"
 #include "config/config.hpp"
 #include "gateway/axis.hpp"
 #include "gateway/bus.hpp"
@@ -40,6 +40,7 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
 
   /// Begins to open the buses and to identify the modules; returns at once.
   void start();
+  const tmcl::ContextClock& clock() const { return clock_; }
   /// The right of a call that comes in now to move motors: until a stop comes behind it.
   Permit admit() { return arrivals_->admit(); }
   /// No call that came in before has the right to move anything any more.
@@ -82,12 +83,14 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   Shelf image_shelf;
   Shelf path_shelf;
   /// Where paths and lines are planned: a path may take seconds, and a line does not wait for it.
-  boost::asio::thread_pool planner{2};
+  Workers planner{2};
 
  private:
-  explicit Gateway(GatewayOptions options) : options_(std::move(options)) {}
+  Gateway(const boost::asio::any_io_executor& executor, GatewayOptions options)
+      : clock_(executor), options_(std::move(options)) {}
   void tell(const GatewayEvent& event);
 
+  tmcl::ContextClock clock_;
   GatewayOptions options_;
   LogLimiter failures_;
   std::shared_ptr<Arrivals> arrivals_ = std::make_shared<Arrivals>();

@@ -10,7 +10,6 @@
 
 #include <fmt/format.h>
 
-#include "async/elsewhere.hpp"
 #include "async/gather.hpp"
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
@@ -36,8 +35,6 @@ constexpr Duration tolerated_delay = std::chrono::seconds(2);
 constexpr Duration time_to_stand = std::chrono::seconds(10);
 // Coordinate 0 is never kept in the EEPROM.
 constexpr std::uint8_t scratch_coordinate = 0;
-
-tmcl::TimePoint now() { return std::chrono::steady_clock::now(); }
 
 tmcl::Error broken(std::string message, std::string hint = {}) {
   tmcl::Error error;
@@ -84,7 +81,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
       : permit_(order.permit), duration_(order.duration), planner_(order.planner) {
     for (auto& member : order.members) {
       auto movement = member.axis->begin_movement(permit_, order.deadline);
-      auto& traffic = traffic_[&member.axis->bus()];
+      auto& traffic = traffic_[member.axis->bus().name()];
       movement.on_answer = [&traffic](Duration exchange) { traffic.note(exchange); };
       members_.push_back({std::move(member), std::move(movement)});
     }
@@ -115,6 +112,8 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   }
 
  private:
+  tmcl::TimePoint now() const { return members_.front().axis->bus().clock().now(); }
+
   awaitable<Fault> take_axes() {
     std::vector<std::shared_ptr<GatewayAxis>> axes;
     for (const auto& member : members_) axes.push_back(member.axis);
@@ -203,7 +202,7 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   }
 
   std::size_t bus_of(const Member& member) const {
-    const auto bus = traffic_.find(&member.axis->bus());
+    const auto bus = traffic_.find(member.axis->bus().name());
     return static_cast<std::size_t>(std::distance(traffic_.begin(), bus));
   }
 
@@ -265,8 +264,8 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
     predict_skew();
     started_ = true;
     begin_ = now();
-    std::map<GatewayBus*, std::vector<std::size_t>> by_bus;
-    for (const auto i : line_.plan.order) by_bus[&members_[i].axis->bus()].push_back(i);
+    std::map<std::string, std::vector<std::size_t>> by_bus;
+    for (const auto i : line_.plan.order) by_bus[members_[i].axis->bus().name()].push_back(i);
     std::vector<awaitable<Started>> tasks;
     for (const auto& [bus, axes] : by_bus)
       tasks.push_back(line_.one_command ? start_at_once(axes) : start_in_turn(axes));
@@ -484,9 +483,9 @@ class LineRun : public std::enable_shared_from_this<LineRun> {
   std::vector<Member> members_;
   Permit permit_;
   std::optional<Duration> duration_;
-  boost::asio::thread_pool* planner_;
+  Workers* planner_;
   StartedLine line_;
-  std::map<GatewayBus*, Traffic> traffic_;
+  std::map<std::string, Traffic> traffic_;  // by the name of the bus
   bool started_ = false;
   bool broken_ = false;
   tmcl::TimePoint begin_{};

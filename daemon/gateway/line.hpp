@@ -11,9 +11,9 @@
 #include <vector>
 
 #include <boost/asio/awaitable.hpp>
-#include <boost/asio/thread_pool.hpp>
 #include <tl/expected.hpp>
 
+#include "async/elsewhere.hpp"
 #include "gateway/claim.hpp"
 #include "tmcl/plan/line.hpp"
 
@@ -32,7 +32,7 @@ struct LineOrder {
   std::optional<tmcl::Duration> duration{};  ///< As short as possible if absent.
   Permit permit{};                           ///< Of the call.
   Deadline deadline{};
-  boost::asio::thread_pool* planner = nullptr;  ///< Plans the line; must outlive it.
+  Workers* planner = nullptr;  ///< Plans the line; must outlive it.
 };
 
 using LineFailure = AxisFailure;

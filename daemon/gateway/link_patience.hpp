@@ -29,14 +29,15 @@ class LinkPatience {
     while (true) {
       auto result = co_await call();
       const bool lost = !result && result.error().code == tmcl::Errc::link_lost;
-      if (!lost || is_over()) co_return result;
+      if (!lost) co_return result;
+      const auto executor = co_await boost::asio::this_coro::executor;
+      if (is_over(tmcl::now(executor))) co_return result;
       co_await rest(link_look_interval);
     }
   }
 
  private:
-  bool is_over() {
-    const auto now = std::chrono::steady_clock::now();
+  bool is_over(tmcl::TimePoint now) {
     if (!limit_) limit_ = now + time_for_link;
     return now >= *limit_;
   }

@@ -22,8 +22,6 @@ using tmcl::plan::StreamAnswer;
 using tmcl::plan::StreamCommand;
 using tmcl::plan::StreamFault;
 
-tmcl::TimePoint now() { return std::chrono::steady_clock::now(); }
-
 // A log has one line for it.
 std::string in_one_line(tmcl::Error error) {
   const auto hint = std::exchange(error.hint, {});

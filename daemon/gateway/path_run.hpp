@@ -65,6 +65,7 @@ class PathRun : public std::enable_shared_from_this<PathRun> {
   boost::asio::awaitable<std::optional<AxisFailure>> take_axes();
   void leave_axes();
   boost::asio::awaitable<void> drive();
+  tmcl::TimePoint now() const { return members_.front().axis->bus().clock().now(); }
   bool may_wait_for_link(const tmcl::plan::StreamCommand& command) const;
   boost::asio::awaitable<tmcl::plan::StreamAnswer> carry_out(tmcl::plan::StreamCommand command);
   boost::asio::awaitable<tmcl::plan::StreamAnswer> stop_axis(std::size_t axis);

@@ -59,17 +59,17 @@ void AxisPoller::tell(const PublishedReading& reading, tmcl::TimePoint tick) {
 
 boost::asio::awaitable<void> AxisPoller::run(std::shared_ptr<AxisPoller> self,
                                              std::shared_ptr<GatewayAxis> axis) {
-  auto tick = std::chrono::steady_clock::now();
+  auto tick = self->clock_.now();
   while (true) {
     // Everyone has gone, or a shorter interval came: recomputed after every wake-up.
     while (!self->watchers_.empty()) {
       const auto due = tick + self->interval(*axis);
-      if (std::chrono::steady_clock::now() >= due) break;
+      if (self->clock_.now() >= due) break;
       co_await self->changed_.wait_until(due);
     }
     if (self->watchers_.empty()) break;
     const auto interval = self->interval(*axis);
-    const auto late = std::chrono::steady_clock::now() - tick;
+    const auto late = self->clock_.now() - tick;
     tick += interval * std::max<tmcl::Duration::rep>(late / interval, 1);
     const auto reading = co_await axis->read_state();
     // Silence is told once, as an event of the module.

@@ -54,7 +54,7 @@ class AxisWatch {
 class AxisPoller : public std::enable_shared_from_this<AxisPoller> {
  public:
   explicit AxisPoller(const boost::asio::any_io_executor& executor)
-      : executor_(executor), changed_(executor) {}
+      : executor_(executor), clock_(executor), changed_(executor) {}
 
   AxisWatch watch(std::shared_ptr<GatewayAxis> axis, tmcl::Duration interval, OnReading on_reading);
   /// Numbers a look that was taken for someone who begins to watch.
@@ -75,6 +75,7 @@ class AxisPoller : public std::enable_shared_from_this<AxisPoller> {
                                           std::shared_ptr<GatewayAxis> axis);
 
   boost::asio::any_io_executor executor_;
+  tmcl::ContextClock clock_;
   Wake changed_;
   bool running_ = false;
   PublishedReading last_;
