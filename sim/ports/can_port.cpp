@@ -6,7 +6,6 @@
 #include <utility>
 
 #include <boost/asio/posix/stream_descriptor.hpp>
-#include <boost/asio/steady_timer.hpp>
 
 #include "sim/ports/can_socket.hpp"
 #include "sim/wire/can_line.hpp"
@@ -24,7 +23,7 @@ class CanPort final : public Port {
   CanPort(asio::io_context& io, Scheduler& scheduler, FileDescriptor socket, std::string interface)
       : scheduler_(&scheduler),
         socket_(io, socket.release()),
-        pause_(io),
+        pause_(io.get_executor()),
         interface_(std::move(interface)),
         line_(scheduler.bench(), [this](const CanFrame& frame) { write(frame); }) {
     wait();
@@ -80,7 +79,7 @@ class CanPort final : public Port {
 
   Scheduler* scheduler_;
   asio::posix::stream_descriptor socket_;
-  asio::steady_timer pause_;
+  Timer pause_;
   std::string interface_;
   bool gone_ = false;
   CanLine line_;

@@ -86,7 +86,7 @@ tl::expected<void, std::string> write_eeprom_file(const fs::path& path, const Ee
 }
 
 EepromFile::EepromFile(boost::asio::io_context& io, Module& module, fs::path path)
-    : module_(&module), path_(std::move(path)), timer_(io) {
+    : module_(&module), path_(std::move(path)), timer_(io.get_executor()) {
   module_->eeprom().on_write([this] { changed(); });
 }
 

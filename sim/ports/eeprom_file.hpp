@@ -6,10 +6,10 @@
 #include <string>
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <tl/expected.hpp>
 
 #include "sim/module/module.hpp"
+#include "tmcl/timer.hpp"
 
 namespace tmcl::sim {
 
@@ -41,7 +41,7 @@ class EepromFile {
 
   Module* module_;
   std::filesystem::path path_;
-  boost::asio::steady_timer timer_;
+  Timer timer_;
   bool dirty_ = false;
 };
 

@@ -2,16 +2,17 @@
 #pragma once
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/steady_timer.hpp>
 
 #include "sim/bench.hpp"
+#include "tmcl/timer.hpp"
 
 namespace tmcl::sim {
 
-/// The bench must run on a RealClock.
+/// The bench must run on the ContextClock of the same context.
 class Scheduler {
  public:
-  Scheduler(boost::asio::io_context& io, Bench& bench) : bench_(&bench), timer_(io) {}
+  Scheduler(boost::asio::io_context& io, Bench& bench)
+      : bench_(&bench), timer_(io.get_executor()) {}
 
   Bench& bench() const { return *bench_; }
   /// Does what is due now and sets the timer for what comes next. To be called after every input.
@@ -21,7 +22,7 @@ class Scheduler {
   void sleep_until(TimePoint due);
 
   Bench* bench_;
-  boost::asio::steady_timer timer_;
+  Timer timer_;
   TimePoint armed_ = never;
 };
 

@@ -9,16 +9,16 @@
 #include <poll.h>
 
 #include <boost/asio/io_context.hpp>
-#include <boost/asio/steady_timer.hpp>
 
 #include "sim/wire/serial_framer.hpp"
-#include "tmcl/clock.hpp"
+#include "tmcl/timer.hpp"
 
 namespace tmcl::sim {
 
 class Silence {
  public:
-  Silence(boost::asio::io_context& io, int descriptor) : timer_(io), descriptor_(descriptor) {}
+  Silence(boost::asio::io_context& io, int descriptor)
+      : clock_(io), timer_(io.get_executor()), descriptor_(descriptor) {}
 
   /// The line was silent then, and what is read next came later.
   TimePoint seen_at() const { return *seen_at_; }
@@ -28,9 +28,10 @@ class Silence {
     constexpr auto just_too_late = SerialFramer::longest_gap + std::chrono::microseconds(1);
     timer_.expires_after(just_too_late);
     // It may be called when the line is gone already.
-    timer_.async_wait([seen_at = seen_at_, descriptor = descriptor_](const auto& error) {
-      if (!error && !has_bytes(descriptor)) *seen_at = RealClock().now();
-    });
+    timer_.async_wait(
+        [seen_at = seen_at_, clock = clock_, descriptor = descriptor_](const auto& error) {
+          if (!error && !has_bytes(descriptor)) *seen_at = clock.now();
+        });
   }
 
  private:
@@ -39,7 +40,8 @@ class Silence {
     return ::poll(&entry, 1, 0) > 0;
   }
 
-  boost::asio::steady_timer timer_;
+  ContextClock clock_;
+  Timer timer_;
   int descriptor_;
   std::shared_ptr<TimePoint> seen_at_ = std::make_shared<TimePoint>();
 };

@@ -8,7 +8,6 @@
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/steady_timer.hpp>
 
 #include "sim/ports/silence.hpp"
 #include "sim/wire/serial_line.hpp"
@@ -70,7 +69,10 @@ class Client {
 class TcpPort final : public Port {
  public:
   TcpPort(asio::io_context& io, Scheduler& scheduler, tcp::acceptor acceptor)
-      : io_(&io), scheduler_(&scheduler), acceptor_(std::move(acceptor)), pause_(io) {
+      : io_(&io),
+        scheduler_(&scheduler),
+        acceptor_(std::move(acceptor)),
+        pause_(io.get_executor()) {
     accept();
   }
 
@@ -107,7 +109,7 @@ class TcpPort final : public Port {
   asio::io_context* io_;
   Scheduler* scheduler_;
   tcp::acceptor acceptor_;
-  asio::steady_timer pause_;
+  Timer pause_;
   std::list<std::unique_ptr<Client>> clients_;
 };
 

@@ -31,9 +31,12 @@ bool is_for(const Module& module, const CanFrame& frame) {
 
 }  // namespace
 
-CanLine::CanLine(Bench& bench, Output output) : Line(bench), output_(std::move(output)) {}
+CanLine::CanLine(Bench& bench, Output output, Pace pace)
+    : Line(bench), output_(std::move(output)), pace_(pace) {}
 
 void CanLine::receive(const CanFrame& frame) {
+  if (pace_)
+    return on_the_wire_.send({nullptr, frame}, bench().clock().now(), pace_.of_frame(frame));
   for (const auto& module : bench().modules()) hear(*module, frame);
 }
 
@@ -73,12 +76,14 @@ void CanLine::target_reached(const Module& module, std::int32_t motors) {
 }
 
 void CanLine::send(const Module& sender, const CanFrame& frame) {
-  if (on_the_wire_.size() >= most_on_the_wire) return;
-  output_(frame);
-  if (!is_heard(sender, frame)) return;
+  if (answering_.size() + on_the_wire_.size() >= most_on_the_wire) return;
   const auto now = bench().clock().now();
-  const auto begin = on_the_wire_.empty() ? now : std::max(now, on_the_wire_.back().end);
-  on_the_wire_.push_back({begin + frame_time, &sender, frame});
+  if (pace_) {
+    answering_.push_back({now + pace_.to_answer, {&sender, frame}});
+    return;
+  }
+  output_(frame);
+  if (is_heard(sender, frame)) on_the_wire_.send({&sender, frame}, now, frame_time);
 }
 
 bool CanLine::is_heard(const Module& sender, const CanFrame& frame) const {
@@ -88,17 +93,24 @@ bool CanLine::is_heard(const Module& sender, const CanFrame& frame) const {
 }
 
 TimePoint CanLine::next_due() const {
-  return on_the_wire_.empty() ? never : on_the_wire_.front().end;
+  const auto next = on_the_wire_.next_due();
+  return answering_.empty() ? next : std::min(next, answering_.front().first);
 }
 
 // What is answered to a frame ends later than now: this ends.
 void CanLine::run_due() {
   const auto now = bench().clock().now();
   while (next_due() <= now) {
-    const auto sent = on_the_wire_.front();
-    on_the_wire_.pop_front();
+    while (!answering_.empty() && answering_.front().first <= now) {
+      const auto& answer = answering_.front().second;
+      on_the_wire_.send(answer, now, pace_.of_frame(answer.frame));
+      answering_.pop_front();
+    }
+    const auto sent = on_the_wire_.take(now);
+    if (!sent) continue;
+    if (pace_ && sent->sender != nullptr) output_(sent->frame);
     for (const auto& module : bench().modules()) {
-      if (module.get() != sent.sender) hear(*module, sent.frame);
+      if (module.get() != sent->sender) hear(*module, sent->frame);
     }
   }
 }

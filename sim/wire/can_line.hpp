@@ -6,9 +6,11 @@
 #include <deque>
 #include <functional>
 #include <unordered_map>
+#include <utility>
 
 #include "sim/module/module.hpp"
 #include "sim/wire/line.hpp"
+#include "sim/wire/pace.hpp"
 #include "tmcl/datagram.hpp"
 
 namespace tmcl::sim {
@@ -26,6 +28,9 @@ namespace tmcl::sim {
 /// controller leaves in the rest of its buffer is nowhere promised; here it is what the module was
 /// sent before.
 ///
+/// With a pace, frames of the host and of the modules pass one after the other, as they are ready:
+/// which identifier would win does not matter.
+///
 /// As on serial lines, a change of identifiers acts after the reply. The bit rate (69) is kept and
 /// has no effect: that is the interface's.
 class CanLine final : public Line {
@@ -33,7 +38,7 @@ class CanLine final : public Line {
   using Output = std::function<void(const CanFrame&)>;
 
   /// `output` must not destroy the line.
-  CanLine(Bench& bench, Output output);
+  CanLine(Bench& bench, Output output, Pace pace = {});
 
   /// A data frame of the host.
   void receive(const CanFrame& frame);
@@ -54,8 +59,7 @@ class CanLine final : public Line {
     decltype(CanFrame::data) bytes{};
   };
   struct Sent {
-    TimePoint end;
-    const Module* sender;
+    const Module* sender;  ///< Null: the host.
     CanFrame frame;
   };
 
@@ -65,7 +69,9 @@ class CanLine final : public Line {
 
   Output output_;
   std::unordered_map<const Module*, Ear> ears_;
-  std::deque<Sent> on_the_wire_;  ///< What other modules are still to hear, in this order.
+  Pace pace_;
+  std::deque<std::pair<TimePoint, Sent>> answering_;  ///< With a pace: from when they are ready.
+  Transit<Sent> on_the_wire_;  ///< What is still to be heard; without a pace, by other modules.
 };
 
 }  // namespace tmcl::sim

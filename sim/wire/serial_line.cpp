@@ -47,13 +47,20 @@ std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin
 
 }  // namespace
 
-SerialLine::SerialLine(Bench& bench, Output output) : Line(bench), output_(std::move(output)) {}
+SerialLine::SerialLine(Bench& bench, Output output, Pace pace)
+    : Line(bench), output_(std::move(output)), pace_(pace) {}
 
 void SerialLine::receive(std::span<const std::uint8_t> bytes) {
   receive(bytes, bench().clock().now());
 }
 
 void SerialLine::receive(std::span<const std::uint8_t> bytes, TimePoint earliest) {
+  if (!pace_) return hear(bytes, earliest);
+  coming_.send({earliest, Bytes(bytes.begin(), bytes.end())}, bench().clock().now(),
+               pace_.of_bytes(bytes.size()));
+}
+
+void SerialLine::hear(std::span<const std::uint8_t> bytes, TimePoint earliest) {
   const auto& modules = bench().modules();
   ears_.resize(modules.size());
   for (const auto byte : bytes) {
@@ -115,24 +122,36 @@ Answer SerialLine::execute(Module& module, const ascii::Order& order) {
 }
 
 void SerialLine::send(const Module& module, Bytes bytes) {
-  const auto pause = module.globals().milliseconds(gp::telegram_pause_time);
-  if (pause.count() == 0) return output_(bytes);
+  Duration pause = module.globals().milliseconds(gp::telegram_pause_time);
+  if (pace_) pause += pace_.to_answer;
+  if (pause.count() == 0) return say(std::move(bytes));
   if (delayed_.size() < most_delayed)
     delayed_.push_back({bench().clock().now() + pause, std::move(bytes)});
 }
 
+void SerialLine::say(Bytes bytes) {
+  if (!pace_) return output_(bytes);
+  const auto takes = pace_.of_bytes(bytes.size());
+  going_.send(std::move(bytes), bench().clock().now(), takes);
+}
+
 TimePoint SerialLine::next_due() const {
   const auto first = std::ranges::min_element(delayed_, {}, &Delayed::at);
-  return first == delayed_.end() ? never : first->at;
+  const auto on_wires = std::min(coming_.next_due(), going_.next_due());
+  return first == delayed_.end() ? on_wires : std::min(on_wires, first->at);
 }
 
 void SerialLine::run_due() {
   const auto now = bench().clock().now();
-  for (auto next = next_due(); next <= now; next = next_due()) {
+  while (next_due() <= now) {
+    if (const auto heard = coming_.take(now)) hear(heard->bytes, heard->at);
     const auto first = std::ranges::min_element(delayed_, {}, &Delayed::at);
-    const auto bytes = first->bytes;
-    delayed_.erase(first);
-    output_(bytes);
+    if (first != delayed_.end() && first->at <= now) {
+      auto bytes = std::move(first->bytes);
+      delayed_.erase(first);
+      say(std::move(bytes));
+    }
+    if (const auto said = going_.take(now)) output_(*said);
   }
 }
 

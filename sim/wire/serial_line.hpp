@@ -12,6 +12,7 @@
 #include "sim/module/module.hpp"
 #include "sim/wire/ascii_terminal.hpp"
 #include "sim/wire/line.hpp"
+#include "sim/wire/pace.hpp"
 #include "sim/wire/serial_framer.hpp"
 #include "tmcl/datagram.hpp"
 
@@ -30,8 +31,9 @@ class SerialLine final : public Line {
  public:
   using Output = std::function<void(std::span<const std::uint8_t>)>;
 
-  /// `output` gets each reply whole, and must not destroy the line.
-  SerialLine(Bench& bench, Output output);
+  /// `output` gets each reply whole, and must not destroy the line. With a pace, requests and
+  /// replies are heard when their last byte has come, and each direction has a wire of its own.
+  SerialLine(Bench& bench, Output output, Pace pace = {});
 
   /// Bytes from the host, in the instant that the bench's clock shows.
   void receive(std::span<const std::uint8_t> bytes);
@@ -57,16 +59,21 @@ class SerialLine final : public Line {
     bool ascii = false;
   };
 
+  void hear(std::span<const std::uint8_t> bytes, TimePoint earliest);
   void hear(Module& module, Ear& ear, std::uint8_t byte, TimePoint earliest);
   void hear_character(Module& module, Ear& ear, std::uint8_t byte);
   void hand_to(Module& module, const SerialBytes& frame);
   void hand_to(Module& module, const std::string& line);
   Answer execute(Module& module, const ascii::Order& order);
   void send(const Module& module, Bytes bytes);
+  void say(Bytes bytes);
 
   Output output_;
+  Pace pace_;
   std::vector<Ear> ears_;  ///< Of the bench's modules, in their order.
   std::deque<Delayed> delayed_;
+  Transit<Delayed> coming_;  ///< Requests, and since when they can have come.
+  Transit<Bytes> going_;
 };
 
 }  // namespace tmcl::sim

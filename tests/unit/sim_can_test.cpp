@@ -188,6 +188,21 @@ TEST_F(SimCan, StopsTheMotorsWhenTheCanHostFallsSilent) {
   EXPECT_EQ(module.axis(0).get(axis_parameter::actual_velocity), 0);
 }
 
+TEST_F(SimCan, HasTheBitRateIfAskedAndIsFreeWhileModulesThink) {
+  add(1110, 1);
+  add(1110, 3);
+  std::vector<TimePoint> heard_at;
+  CanLine paced(bench, [&](const CanFrame&) { heard_at.push_back(clock.now()); },
+                {.bits_per_second = 1'000'000, .to_answer = std::chrono::microseconds(400)});
+  const auto begin = clock.now();
+  for (const auto address : std::vector<std::uint16_t>{1, 3})
+    paced.receive(encode_can(Request{ModuleAddress{address}, Command::GAP, 4, 0, 0}));
+  pass(milliseconds(10));
+  // Frames of seven bytes take 125 us: the second request passes while the first module thinks.
+  const auto first = begin + std::chrono::microseconds(125 + 400 + 125);
+  EXPECT_THAT(heard_at, testing::ElementsAre(first, first + std::chrono::microseconds(125)));
+}
+
 TEST_F(SimCan, ServesTheSameModuleAsTheSerialLine) {
   add(1110);
   ask_frame(encode_can(Request{ModuleAddress{1}, Command::SAP, 4, 0, 777}));

@@ -136,6 +136,36 @@ TEST_F(SimSerial, AnswersAProbeOfZerosOnlyAtAddressZero) {
   EXPECT_EQ(reply_in(exchange(Bytes(9, 0)))->status, Status::invalid_command);
 }
 
+TEST_F(SimSerial, HasTheBaudRateAndTheModulesOwnTimeIfAsked) {
+  add(1110);
+  Bytes replies;
+  SerialLine paced(bench,
+                   [&](auto bytes) { replies.insert(replies.end(), bytes.begin(), bytes.end()); },
+                   {.bits_per_second = 9600, .to_answer = milliseconds(1)});
+  paced.receive(ask_version);
+  // Twice nine bytes of ten bits at 9600 baud, and a millisecond.
+  pass(milliseconds(19) + std::chrono::microseconds(749));
+  EXPECT_THAT(replies, IsEmpty());
+  pass(std::chrono::microseconds(1));
+  EXPECT_EQ(replies, version);
+}
+
+TEST_F(SimSerial, APacedLineDropsADatagramThatSilenceCutsInTwo) {
+  add(1110);
+  Bytes replies;
+  SerialLine paced(bench,
+                   [&](auto bytes) { replies.insert(replies.end(), bytes.begin(), bytes.end()); },
+                   {.bits_per_second = 115'200});
+  paced.receive(std::span(ask_version).first(4), clock.now());
+  pass(milliseconds(6));
+  paced.receive(std::span(ask_version).subspan(4), clock.now());
+  pass(milliseconds(6));
+  EXPECT_THAT(replies, IsEmpty());
+  paced.receive(ask_version, clock.now());
+  pass(milliseconds(6));
+  EXPECT_EQ(replies, version);
+}
+
 TEST_F(SimSerial, SurvivesAnythingThatComes) {
   add(6110);
   std::uint32_t random = 1;

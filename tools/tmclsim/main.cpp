@@ -149,7 +149,7 @@ int run(const tmclsim::Options& options) {
   signals.async_wait([&](const auto& error, int) {
     if (!error) io.stop();
   });
-  const tmcl::RealClock clock;
+  const tmcl::ContextClock clock(io);
   sim::Bench bench(clock);
   sim::Scheduler scheduler(io, bench);
   Ports ports;

@@ -1,0 +1,63 @@
+/// How long what is said takes on a wire. Off unless asked: everything is heard at once then.
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <utility>
+
+#include "sim/module/due.hpp"
+#include "tmcl/clock.hpp"
+#include "tmcl/datagram.hpp"
+
+namespace tmcl::sim {
+
+struct Pace {
+  std::uint32_t bits_per_second = 0;  ///< 0: off.
+  Duration to_answer{};               ///< What a module takes to answer; only where it is not off.
+
+  explicit operator bool() const { return bits_per_second != 0; }
+  Duration of_bits(std::size_t bits) const {
+    return std::chrono::nanoseconds(std::chrono::seconds(bits)) / bits_per_second;
+  }
+  /// With start and stop bit.
+  Duration of_bytes(std::size_t count) const { return of_bits(10 * count); }
+  /// With as many stuffed bits as there can be.
+  Duration of_frame(const CanFrame& frame) const {
+    const std::size_t data = 8U * frame.length;
+    const std::size_t stuffed_part = (frame.extended ? 54U : 34U) + data;
+    const std::size_t rest = 13U;  // from the CRC's delimiter to the pause before the next frame
+    return of_bits(stuffed_part + (stuffed_part - 1) / 4 + rest);
+  }
+};
+
+/// What is on its way along a wire: one thing after the other. Of a flood, what does not fit is
+/// lost.
+template <class Item>
+class Transit {
+ public:
+  static constexpr std::size_t most_items = 1024;
+
+  void send(Item item, TimePoint ready, Duration takes) {
+    if (items_.size() >= most_items) return;
+    free_at_ = std::max(free_at_, ready) + takes;
+    items_.emplace_back(free_at_, std::move(item));
+  }
+  std::size_t size() const { return items_.size(); }
+  /// When the next one has come; `never` if there is none.
+  TimePoint next_due() const { return items_.empty() ? never : items_.front().first; }
+  /// The next one, if it has come by now.
+  std::optional<Item> take(TimePoint now) {
+    if (next_due() > now || items_.empty()) return std::nullopt;
+    auto item = std::move(items_.front().second);
+    items_.pop_front();
+    return item;
+  }
+
+ private:
+  TimePoint free_at_{};
+  std::deque<std::pair<TimePoint, Item>> items_;
+};
+
+}  // namespace tmcl::sim
