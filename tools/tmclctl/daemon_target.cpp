@@ -155,12 +155,12 @@ UnscannedBus unscanned_from(const json::object& row) {
   return {text_at(row, "bus"), failure_at(row)};
 }
 
-Attempt<void> stage(tmcl::client::Connection& daemon, std::string_view method,
-                    std::span<const std::uint8_t> bytes) {
+Attempt<void> stage(Door& door, std::string_view method, std::span<const std::uint8_t> bytes,
+                    const CallOptions& options = {}) {
   for (std::size_t offset = 0; offset < bytes.size(); offset += staged_at_once) {
     const auto part = bytes.subspan(offset, std::min(staged_at_once, bytes.size() - offset));
     const auto taken =
-        attempt(daemon.call(method, {{"offset", offset}, {"data", tmcl::to_hex(part)}}));
+        door.call(method, {{"offset", offset}, {"data", tmcl::to_hex(part)}}, options);
     if (!taken) return tl::unexpected(taken.error());
   }
   return {};
@@ -175,21 +175,21 @@ std::string_view method_for(PathWill will) {
   return {};
 }
 
-/// Tells tmcld what is to become of the path of some axes, on a connection of its own.
+/// Tells the gateway what is to become of the path of some axes.
 class Steering {
  public:
-  Steering(tmcl::client::Connection daemon, json::value axes, const PathWatcher& watcher)
-      : daemon_(std::move(daemon)), axes_(std::move(axes)), watcher_(watcher) {}
+  Steering(Door& door, json::value axes, const PathWatcher& watcher)
+      : door_(door), axes_(std::move(axes)), watcher_(watcher) {}
 
   void look() {
     const auto will = watcher_.will();
     if (will == told_ || told_ == PathWill::stop) return;
     // Refused while the path has not begun: then it is told again.
-    if (daemon_.call(method_for(will), {{"axes", axes_}})) told_ = will;
+    if (door_.call(method_for(will), {{"axes", axes_}})) told_ = will;
   }
 
  private:
-  tmcl::client::Connection daemon_;
+  Door& door_;
   json::value axes_;
   const PathWatcher& watcher_;
   PathWill told_ = PathWill::go_on;
@@ -197,46 +197,23 @@ class Steering {
 
 }  // namespace
 
-Attempt<std::unique_ptr<Target>> DaemonTarget::open(const std::string& socket_path,
-                                                    std::string options, tmcl::Duration wait,
-                                                    Patience& patience) {
-  tmcl::client::Options client_options;
-  client_options.wait_for_socket = wait;
-  client_options.cancelled = [&patience] { return patience.signal() != 0; };
-  auto daemon = attempt(tmcl::client::Connection::open(socket_path, std::move(client_options)));
-  if (!daemon) {
-    if (daemon.error().name == tmcl::client::error_name::unreachable) {
-      daemon.error().hint +=
-          ".\n  Another socket: --socket PATH or $TMCLD_SOCKET. Without tmcld: "
-          "--direct serial:/dev/ttyACM0@115200 (or can:can0, tcp:HOST:PORT)";
-    }
-    return tl::unexpected(daemon.error());
-  }
-  return std::make_unique<DaemonTarget>(std::move(*daemon), socket_path, std::move(options),
-                                        patience);
-}
-
-DaemonTarget::DaemonTarget(tmcl::client::Connection daemon, std::string socket_path,
-                           std::string options, Patience& patience)
-    : daemon_(std::move(daemon)),
-      socket_path_(std::move(socket_path)),
-      options_(std::move(options)),
-      patience_(patience) {}
+DaemonTarget::DaemonTarget(std::unique_ptr<Door> door, std::string options, Patience& patience)
+    : door_(std::move(door)), options_(std::move(options)), patience_(patience) {}
 
 Attempt<json::object> DaemonTarget::call(std::string_view method, json::object params) {
-  return attempt(daemon_.call(method, std::move(params)));
+  return door_->call(method, std::move(params));
 }
 
 Attempt<ScanResult> DaemonTarget::scan(ScanRange range, const Progress& progress) {
   if (progress) {
-    daemon_.on_notification([&](std::string_view method, const json::object& params) {
+    door_->on_notification([&](std::string_view method, const json::object& params) {
       if (method != "notify_progress") return;
       progress(text_at(params, "bus"), integer_at<std::size_t>(params, "asked"),
                integer_at<std::size_t>(params, "of"));
     });
   }
   auto result = call("bus.scan", {{"first", range.first}, {"last", range.last}});
-  daemon_.on_notification({});
+  door_->on_notification({});
   return std::move(result).map([](const json::object& found) {
     return ScanResult{rows_at<ModuleRow>(found, "modules", module_from),
                       rows_at<UnscannedBus>(found, "failed", unscanned_from)};
@@ -371,7 +348,7 @@ Attempt<void> DaemonTarget::watch(const std::string& axis, tmcl::Duration interv
                                   const ReadingHandler& on_reading) {
   bool wanted = true;
   auto heard_at = patience_.now();
-  daemon_.on_notification([&](std::string_view method, const json::object& params) {
+  door_->on_notification([&](std::string_view method, const json::object& params) {
     if (method != "notify_state" || text_at(params, "axis") != axis) return;
     heard_at = patience_.now();
     const auto reading = reading_from(params);
@@ -389,7 +366,7 @@ Attempt<void> DaemonTarget::watch(const std::string& axis, tmcl::Duration interv
     if (wanted) wanted = on_reading(&reading);
   }
   while (wanted) {
-    auto listened = attempt(daemon_.listen(longest_silence));
+    auto listened = door_->listen(longest_silence);
     if (!listened && listened.error().name != tmcl::client::error_name::cancelled) return listened;
     if (wanted) wanted = on_reading(nullptr);
     if (!wanted || patience_.now() - heard_at < doubtful_silence) continue;
@@ -398,7 +375,7 @@ Attempt<void> DaemonTarget::watch(const std::string& axis, tmcl::Duration interv
     if (!reading && patience_.signal() == 0) return tl::unexpected(reading.error());
     heard_at = patience_.now();
   }
-  daemon_.on_notification({});
+  door_->on_notification({});
   return {};
 }
 
@@ -428,11 +405,11 @@ Attempt<json::object> DaemonTarget::perform(const std::string& method, json::obj
     params["bus"] = text_at(*bus, "name");
   }
   // Whether it is wanted any more is asked of Options::cancelled.
-  daemon_.on_notification([&](std::string_view notification, const json::object& news) {
+  door_->on_notification([&](std::string_view notification, const json::object& news) {
     if (notification == "notify_progress" && on_news) on_news(news);
   });
   auto result = call(method, std::move(params));
-  daemon_.on_notification({});
+  door_->on_notification({});
   return result;
 }
 
@@ -456,19 +433,19 @@ Attempt<tmcl::FirmwareReport> DaemonTarget::upload_firmware(const ModuleName& mo
                                                             const tmcl::FirmwareOptions& options) {
   auto params = params_for(module);
   if (!params) return tl::unexpected(params.error());
-  const auto staged = stage(daemon_, "firmware.stage", image.bytes);
+  const auto staged = stage(*door_, "firmware.stage", image.bytes);
   if (!staged) return tl::unexpected(staged.error());
   (*params)["start"] = image.start;
   (*params)["bytes"] = image.bytes.size();
   (*params)["force"] = options.force;
-  daemon_.on_notification([&](std::string_view method, const json::object& news) {
+  door_->on_notification([&](std::string_view method, const json::object& news) {
     if (method != "notify_progress" || !options.progress) return;
     options.progress({text_at(news, "phase"), integer_at<std::size_t>(news, "done"),
                       integer_at<std::size_t>(news, "of")});
   });
   const auto done =
-      attempt(daemon_.call("firmware.upload", std::move(*params), longest_firmware_step));
-  daemon_.on_notification({});
+      door_->call("firmware.upload", std::move(*params), {.timeout = longest_firmware_step});
+  door_->on_notification({});
   return done.map([&](const json::object& report) {
     return tmcl::FirmwareReport{match_from(report, "before", image), version_at(report, "running"),
                                 integer_at<std::uint32_t>(report, "checksum")};
@@ -477,26 +454,21 @@ Attempt<tmcl::FirmwareReport> DaemonTarget::upload_firmware(const ModuleName& mo
 
 Attempt<json::object> DaemonTarget::pass_path(json::object params, const std::string& text,
                                               const PathWatcher& watcher) {
-  auto steering_daemon = attempt(tmcl::client::Connection::open(socket_path_));
-  if (!steering_daemon) return tl::unexpected(steering_daemon.error());
-  Steering steering(std::move(*steering_daemon), params.at("axes"), watcher);
-  tmcl::client::Options options;
-  options.cancelled = [&] {
-    steering.look();
-    return false;  // its end is waited for, whatever becomes of it
-  };
-  auto daemon = attempt(tmcl::client::Connection::open(socket_path_, std::move(options)));
-  if (!daemon) return tl::unexpected(daemon.error());
+  Steering steering(*door_, params.at("axes"), watcher);
+  // Its end is waited for, whatever becomes of it.
+  const CallOptions options{longest_path_silence, [&] { steering.look(); }};
   const std::vector<std::uint8_t> bytes(text.begin(), text.end());
-  const auto staged = stage(*daemon, "path.stage", bytes);
+  const auto staged = stage(*door_, "path.stage", bytes, options);
   if (!staged) return tl::unexpected(staged.error());
   params["bytes"] = bytes.size();
-  daemon->on_notification([&](std::string_view method, const json::object& news) {
+  door_->on_notification([&](std::string_view method, const json::object& news) {
     if (method != "notify_progress") return;
     watcher.on_progress({text_at(news, "phase"), number_at(news, "passed_s").value_or(0),
                          number_at(news, "duration_s").value_or(0)});
   });
-  return attempt(daemon->call("path.run", std::move(params), longest_path_silence));
+  auto result = door_->call("path.run", std::move(params), options);
+  door_->on_notification({});
+  return result;
 }
 
 Attempt<void> DaemonTarget::hear_arrivals(const ModuleName& module,
@@ -509,7 +481,7 @@ Attempt<void> DaemonTarget::hear_arrivals(const ModuleName& module,
   if (!subscribed) return tl::unexpected(subscribed.error());
   auto result = ask();
   bool wanted = true;
-  daemon_.on_notification([&](std::string_view method, const json::object& event) {
+  door_->on_notification([&](std::string_view method, const json::object& event) {
     const bool concerns_us = method == "notify_event" &&
                              text_at(event, "kind") == "target_reached" &&
                              text_at(event, "bus") == text_at(*named, "bus") &&
@@ -521,12 +493,12 @@ Attempt<void> DaemonTarget::hear_arrivals(const ModuleName& module,
     wanted = on_arrival(&motors);
   });
   while (result && wanted) {
-    result = attempt(daemon_.listen(longest_silence));
+    result = door_->listen(longest_silence);
     if (!result && result.error().name == tmcl::client::error_name::cancelled)
       result = Attempt<void>{};
     if (wanted) wanted = on_arrival(nullptr);
   }
-  daemon_.on_notification({});
+  door_->on_notification({});
   return result;
 }
 

@@ -3,18 +3,15 @@
 
 #include <string>
 
+#include "door.hpp"
 #include "target.hpp"
-#include "tmcl/client.hpp"
 
 namespace tmclctl {
 
 class DaemonTarget final : public Target {
  public:
-  /// `options` is how another tmclctl names the same socket.
-  static Attempt<std::unique_ptr<Target>> open(const std::string& socket_path, std::string options,
-                                               tmcl::Duration wait, Patience& patience);
-  DaemonTarget(tmcl::client::Connection daemon, std::string socket_path, std::string options,
-               Patience& patience);
+  /// `options` is how another tmclctl names the same gateway.
+  DaemonTarget(std::unique_ptr<Door> door, std::string options, Patience& patience);
 
   Attempt<ScanResult> scan(ScanRange range, const Progress& progress) override;
   Attempt<std::vector<ModuleRow>> modules() override;
@@ -56,8 +53,7 @@ class DaemonTarget final : public Target {
   Attempt<boost::json::object> params_for(const ModuleName& module);
   Attempt<boost::json::object> bus_named(const std::string& name);
 
-  tmcl::client::Connection daemon_;
-  std::string socket_path_;
+  std::unique_ptr<Door> door_;
   std::string options_;
   Patience& patience_;
 };

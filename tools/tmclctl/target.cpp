@@ -4,6 +4,7 @@
 
 #include "daemon_target.hpp"
 #include "direct_target.hpp"
+#include "socket_door.hpp"
 
 namespace tmclctl {
 namespace {
@@ -22,7 +23,10 @@ Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration 
     return DirectTarget::open(where.direct, where.full_steps, wait, patience);
   // What the environment says will hold for the user's next command, too.
   auto options = where.socket.empty() ? std::string{} : " --socket " + where.socket;
-  return DaemonTarget::open(socket_path(where), std::move(options), wait, patience);
+  return SocketDoor::open(socket_path(where), wait, patience)
+      .map([&](std::unique_ptr<Door> door) -> std::unique_ptr<Target> {
+        return std::make_unique<DaemonTarget>(std::move(door), std::move(options), patience);
+      });
 }
 
 }  // namespace tmclctl
