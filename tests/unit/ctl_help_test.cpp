@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 #include <sstream>
 
 #include "method_words.hpp"
@@ -91,6 +92,26 @@ TEST(CtlHelp, EveryVerbHasAnExampleOfItself) {
     });
     EXPECT_TRUE(shown) << joined(verb);
   }
+}
+
+TEST(CtlHelp, TheTableHasEveryVerbAndNothingElse) {
+  std::set<std::string> typed;
+  for (const auto& verb : all_verbs()) {
+    if (!is_group(verb) && verb != Words{"help"}) typed.insert(joined(verb));
+  }
+  std::set<std::string> listed;
+  for (const auto& verb : verb_table()) {
+    EXPECT_TRUE(listed.insert(std::string(verb.name)).second) << verb.name << " is listed twice";
+    EXPECT_EQ(verb.doors == Doors::both, verb.reason.empty()) << verb.name;
+  }
+  EXPECT_EQ(typed, listed);
+}
+
+TEST(CtlHelp, SaysThroughWhichDoorsAVerbGoes) {
+  EXPECT_THAT(help_of({"move"}), HasSubstr("through tmcld, and straight on a bus with --direct"));
+  EXPECT_THAT(help_of({"path", "stop"}), HasSubstr("through tmcld only: with --direct"));
+  EXPECT_THAT(help_of({"convert"}), HasSubstr("Needs neither tmcld nor a bus: it computes"));
+  EXPECT_THAT(help_of({"path"}), Not(HasSubstr("Goes through")));
 }
 
 TEST(CtlHelp, EveryExampleCanBeTyped) {

@@ -339,6 +339,20 @@ TEST_F(CtlVerbs, NothingMovesIfTheFileCannotBeWritten) {
   EXPECT_THAT(target.calls, IsEmpty());
 }
 
+TEST_F(CtlVerbs, WhatOnlyTmcldDoesIsRefusedWithoutIt) {
+  for (const auto& verb : verb_table()) {
+    if (verb.doors != Doors::tmcld_only) continue;
+    std::istringstream name{std::string(verb.name)};
+    std::vector<std::string> words{"--direct", "can:can0"};
+    for (std::string word; name >> word;) words.push_back(word);
+    if (verb.name == "line") words.emplace_back("x=1");
+    EXPECT_EQ(run(words), ExitCode::usage) << verb.name;
+    EXPECT_THAT(err, HasSubstr("needs a running tmcld: " + std::string(verb.reason)));
+  }
+  EXPECT_EQ(run({"path", "pause"}), ExitCode::done);
+  EXPECT_THAT(target.calls, ElementsAre("path.pause {}"));
+}
+
 TEST_F(CtlVerbs, NoDaemonNamesTheSocketAndWhatToTry) {
   std::ostringstream out_stream;
   std::ostringstream err_stream;

@@ -300,6 +300,7 @@ Attempt<std::variant<Options, Information>> Parser::parse(
   if (verb.get_name() == "help") return help();
   if (auto conflict = conflicting_options()) return tl::unexpected(*conflict);
   options_.verb = completes ? Verb(complete_) : grammar_.said(verb);
+  options_.info = find_verb(full_name(verb));
   return options_;
 }
 

@@ -10,6 +10,7 @@
 
 #include "exit_code.hpp"
 #include "target.hpp"
+#include "verb_table.hpp"
 
 namespace tmclctl {
 
@@ -259,6 +260,7 @@ struct Options {
   Where where;
   bool json = false;
   Verb verb;
+  const VerbInfo* info = nullptr;  ///< Null for what only the shell's completion asks.
 };
 
 /// The command line was about tmclctl itself: print this and end.

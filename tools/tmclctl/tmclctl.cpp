@@ -1,9 +1,13 @@
 #include "tmclctl.hpp"
 
 #include <algorithm>
+#include <csignal>
 #include <memory>
+#include <optional>
 #include <type_traits>
 #include <utility>
+
+#include <fmt/format.h>
 
 #include "options.hpp"
 #include "print.hpp"
@@ -22,70 +26,27 @@ ExitCode complain(const Failure& failure, Output& output) {
   return failure.exit;
 }
 
-bool waits(const Verb& verb) {
-  const auto* move = std::get_if<verb::Move>(&verb);
-  const auto* home = std::get_if<verb::Home>(&verb);
-  if (home != nullptr) return !home->no_wait && !home->stop;
-  if (std::holds_alternative<verb::RunPath>(verb) || std::holds_alternative<verb::RunMint>(verb))
-    return true;
-  if (std::holds_alternative<verb::Upload>(verb) || std::holds_alternative<verb::Download>(verb))
-    return true;
-  const auto* arrivals = std::get_if<verb::Arrivals>(&verb);
-  if (arrivals != nullptr) return !arrivals->off;
-  const auto* line = std::get_if<verb::Line>(&verb);
-  return (move != nullptr && move->wait) || (line != nullptr && line->wait) ||
-         std::holds_alternative<verb::Wait>(verb) || std::holds_alternative<verb::Watch>(verb) ||
-         std::holds_alternative<verb::Plot>(verb);
-}
-
-bool acts(const Verb& verb) {
-  const auto* ask = std::get_if<verb::Ask>(&verb);
-  if (ask != nullptr) return !only_reads(ask->method);
-  const auto* upload = std::get_if<verb::Upload>(&verb);
-  if (upload != nullptr) return !upload->only_compare;
-  return std::visit(
-      []<class T>(const T&) {
-        return std::is_same_v<T, verb::Set> || std::is_same_v<T, verb::Move> ||
-               std::is_same_v<T, verb::Line> || std::is_same_v<T, verb::Rotate> ||
-               std::is_same_v<T, verb::Stop> || std::is_same_v<T, verb::Plot> ||
-               std::is_same_v<T, verb::Raw> || std::is_same_v<T, verb::Ramp> ||
-               std::is_same_v<T, verb::Home>;
-      },
-      verb);
-}
-
-/// Whether it changes nothing, whatever becomes of it.
-bool only_asks(const Verb& verb) {
-  const auto* ask = std::get_if<verb::Ask>(&verb);
+bool reads(const Options& options) {
+  const auto* ask = std::get_if<verb::Ask>(&options.verb);
   if (ask != nullptr) return only_reads(ask->method);
-  const auto* upload = std::get_if<verb::Upload>(&verb);
-  if (upload != nullptr) return upload->only_compare;
-  return std::visit(
-      []<class T>(const T&) {
-        return std::is_same_v<T, verb::Scan> || std::is_same_v<T, verb::Modules> ||
-               std::is_same_v<T, verb::Axes> || std::is_same_v<T, verb::Params> ||
-               std::is_same_v<T, verb::Get> || std::is_same_v<T, verb::State> ||
-               std::is_same_v<T, verb::Watch> || std::is_same_v<T, verb::Wait> ||
-               std::is_same_v<T, verb::Download> || std::is_same_v<T, verb::CheckFirmware>;
-      },
-      verb);
+  return options.info->effect == VerbEffect::reads;
 }
 
 /// Where no answer leaves open whether something was done.
-Failure with_doubt(Failure failure, const Verb& verb) {
+Failure with_doubt(Failure failure, const Options& options) {
   if (failure.outcome != tmcl::Outcome::unknown) return failure;
-  if (acts(verb)) failure.message += "; it may or may not have been executed";
-  if (only_asks(verb) && failure.exit == ExitCode::unknown) failure.exit = ExitCode::not_sent;
+  if (reads(options)) {
+    if (failure.exit == ExitCode::unknown) failure.exit = ExitCode::not_sent;
+  } else if (options.info->effect == VerbEffect::acts) {
+    failure.message += "; it may or may not have been executed";
+  }
   return failure;
 }
 
 template <class V>
-constexpr bool needs_no_target =
-    std::is_same_v<V, verb::Simulate> || std::is_same_v<V, verb::SolveProfile> ||
-    std::is_same_v<V, verb::CheckMint> || std::is_same_v<V, verb::CheckPath> ||
-    std::is_same_v<V, verb::Assemble> || std::is_same_v<V, verb::Disassemble> ||
-    std::is_same_v<V, verb::FirmwareInfo> || std::is_same_v<V, verb::Convert> ||
-    std::is_same_v<V, verb::Models>;
+constexpr bool needs_no_target = requires(const V& verb, Output& output) {
+  run(verb, output);
+};
 
 template <class V>
 constexpr tmcl::Duration wait_for_target() {
@@ -110,8 +71,16 @@ VerbResult run_on_target(const V& verb, const Where& where, Output& output, Pati
   return run(verb, room);
 }
 
+std::optional<Failure> refusal(const Options& options) {
+  const auto* info = options.info;
+  if (options.where.direct.empty() || info == nullptr || info->doors != Doors::tmcld_only)
+    return {};
+  return usage_failure("method_not_found", fmt::format("'tmclctl {}' needs a running tmcld: {}",
+                                                       info->name, info->reason));
+}
+
 VerbResult run(const Options& options, Output& output, Patience& patience, Target* ready) {
-  if (waits(options.verb)) patience.catch_signals();
+  if (auto refused = refusal(options)) return tl::unexpected(std::move(*refused));
   const auto* params = std::get_if<verb::Params>(&options.verb);
   if (params != nullptr && !params->model.empty()) return run_on_model(*params, output);
   return std::visit(
@@ -119,6 +88,7 @@ VerbResult run(const Options& options, Output& output, Patience& patience, Targe
         if constexpr (needs_no_target<V>) {
           return run(verb, output);
         } else {
+          patience.catch_signals();
           return run_on_target(verb, options.where, output, patience, ready);
         }
       },
@@ -138,8 +108,11 @@ ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Pat
   const auto& options = std::get<Options>(*parsed);
   const auto result = run(options, output, patience, ready);
   if (result) return *result;
-  if (std::holds_alternative<verb::Complete>(options.verb)) return result.error().exit;
-  return complain(with_doubt(result.error(), options.verb), output);
+  auto failure = result.error();
+  if (options.info == nullptr) return failure.exit;
+  if (failure.exit == ExitCode::interrupted && patience.signal() == SIGTERM)
+    failure.exit = ExitCode::terminated;
+  return complain(with_doubt(std::move(failure), options), output);
 }
 
 }  // namespace

@@ -80,7 +80,8 @@ CLI::App& Grammar::add(CLI::App& parent, const std::string& name, const std::str
   auto* verb = parent.add_subcommand(name, description);
   verb->fallthrough();
   verb->group("Verbs");
-  verb->footer(footer);
+  const auto* info = find_verb(full_name(*verb));
+  verb->footer(info != nullptr ? fmt::format("{}\n{}", footer, doors_text(*info)) : footer);
   return *verb;
 }
 
