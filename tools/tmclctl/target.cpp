@@ -2,7 +2,7 @@
 
 #include <cstdlib>
 
-#include "daemon_target.hpp"
+#include "gateway_target.hpp"
 #include "direct_target.hpp"
 #include "socket_door.hpp"
 
@@ -25,7 +25,7 @@ Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration 
   auto options = where.socket.empty() ? std::string{} : " --socket " + where.socket;
   return SocketDoor::open(socket_path(where), wait, patience)
       .map([&](std::unique_ptr<Door> door) -> std::unique_ptr<Target> {
-        return std::make_unique<DaemonTarget>(std::move(door), std::move(options), patience);
+        return std::make_unique<GatewayTarget>(std::move(door), std::move(options), patience);
       });
 }
 

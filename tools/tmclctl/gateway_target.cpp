@@ -1,4 +1,4 @@
-#include "daemon_target.hpp"
+#include "gateway_target.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -197,14 +197,14 @@ class Steering {
 
 }  // namespace
 
-DaemonTarget::DaemonTarget(std::unique_ptr<Door> door, std::string options, Patience& patience)
+GatewayTarget::GatewayTarget(std::unique_ptr<Door> door, std::string options, Patience& patience)
     : door_(std::move(door)), options_(std::move(options)), patience_(patience) {}
 
-Attempt<json::object> DaemonTarget::call(std::string_view method, json::object params) {
+Attempt<json::object> GatewayTarget::call(std::string_view method, json::object params) {
   return door_->call(method, std::move(params));
 }
 
-Attempt<ScanResult> DaemonTarget::scan(ScanRange range, const Progress& progress) {
+Attempt<ScanResult> GatewayTarget::scan(ScanRange range, const Progress& progress) {
   if (progress) {
     door_->on_notification([&](std::string_view method, const json::object& params) {
       if (method != "notify_progress") return;
@@ -220,13 +220,13 @@ Attempt<ScanResult> DaemonTarget::scan(ScanRange range, const Progress& progress
   });
 }
 
-Attempt<std::vector<ModuleRow>> DaemonTarget::modules() {
+Attempt<std::vector<ModuleRow>> GatewayTarget::modules() {
   return call("module.list", {}).map([](const json::object& found) {
     return rows_at<ModuleRow>(found, "modules", module_from);
   });
 }
 
-Attempt<std::vector<AxisRow>> DaemonTarget::axes() {
+Attempt<std::vector<AxisRow>> GatewayTarget::axes() {
   auto rows = call("axis.list", {}).map([](const json::object& found) {
     return rows_at<AxisRow>(found, "axes", axis_from);
   });
@@ -235,7 +235,7 @@ Attempt<std::vector<AxisRow>> DaemonTarget::axes() {
 }
 
 /// For axes whose bus is not open. They are listed all the same if tmcld cannot say more.
-void DaemonTarget::add_reasons(std::vector<AxisRow>& axes) {
+void GatewayTarget::add_reasons(std::vector<AxisRow>& axes) {
   const auto listed = call("bus.list", {});
   if (!listed) return;
   for (const auto& value : array_at(*listed, "buses")) {
@@ -249,25 +249,25 @@ void DaemonTarget::add_reasons(std::vector<AxisRow>& axes) {
   }
 }
 
-Attempt<std::vector<ParameterRow>> DaemonTarget::parameters(const std::string& axis) {
+Attempt<std::vector<ParameterRow>> GatewayTarget::parameters(const std::string& axis) {
   return call("parameter.list", {{"axis", axis}}).map([](const json::object& found) {
     return rows_at<ParameterRow>(found, "parameters", parameter_from);
   });
 }
 
-Attempt<ParameterValue> DaemonTarget::get(const std::string& axis, const std::string& parameter) {
+Attempt<ParameterValue> GatewayTarget::get(const std::string& axis, const std::string& parameter) {
   return call("parameter.get", {{"axis", axis}, {"parameter", parameter_value(parameter)}})
       .map(value_from);
 }
 
-Attempt<ParameterValue> DaemonTarget::set(const std::string& axis, const std::string& parameter,
-                                          std::int32_t value) {
+Attempt<ParameterValue> GatewayTarget::set(const std::string& axis, const std::string& parameter,
+                                           std::int32_t value) {
   return call("parameter.set",
               {{"axis", axis}, {"parameter", parameter_value(parameter)}, {"value", value}})
       .map(value_from);
 }
 
-Attempt<AxisUnits> DaemonTarget::units(const std::string& axis) {
+Attempt<AxisUnits> GatewayTarget::units(const std::string& axis) {
   return call("axis.get_units", {{"axis", axis}}).map([&](const json::object& row) {
     return AxisUnits{axis,
                      tmcl::find_model(text_at(row, "model")),
@@ -278,7 +278,7 @@ Attempt<AxisUnits> DaemonTarget::units(const std::string& axis) {
   });
 }
 
-Attempt<StartedMove> DaemonTarget::move(std::string_view method, json::object params) {
+Attempt<StartedMove> GatewayTarget::move(std::string_view method, json::object params) {
   params["deadline_ms"] = move_deadline_ms;
   return call(method, std::move(params)).map([](const json::object& moved) {
     return StartedMove{{integer_at<std::int32_t>(moved, "target_microsteps")},
@@ -287,26 +287,26 @@ Attempt<StartedMove> DaemonTarget::move(std::string_view method, json::object pa
   });
 }
 
-Attempt<StartedMove> DaemonTarget::move_to(const std::string& axis, Length position) {
+Attempt<StartedMove> GatewayTarget::move_to(const std::string& axis, Length position) {
   return move("axis.move_to", with_length(axis, "position", position));
 }
 
-Attempt<StartedMove> DaemonTarget::move_by(const std::string& axis, Length distance) {
+Attempt<StartedMove> GatewayTarget::move_by(const std::string& axis, Length distance) {
   return move("axis.move_by", with_length(axis, "distance", distance));
 }
 
-Attempt<Turning> DaemonTarget::rotate(const std::string& axis, tmcl::InternalVelocity velocity) {
+Attempt<Turning> GatewayTarget::rotate(const std::string& axis, tmcl::InternalVelocity velocity) {
   return call("axis.rotate", {{"axis", axis},
                               {"velocity_internal", velocity.value},
                               {"deadline_ms", move_deadline_ms}})
       .map([](const json::object& turning) { return Turning{in_unit_at(turning, "velocity")}; });
 }
 
-Attempt<void> DaemonTarget::stop(const std::string& axis) {
+Attempt<void> GatewayTarget::stop(const std::string& axis) {
   return call("axis.stop", {{"axis", axis}}).map([](const json::object&) {});
 }
 
-Attempt<std::vector<StoppedAxis>> DaemonTarget::stop_all() {
+Attempt<std::vector<StoppedAxis>> GatewayTarget::stop_all() {
   return call("system.stop_all", {}).map([](const json::object& result) {
     auto stopped = rows_at<StoppedAxis>(result, "stopped", [](const json::object& row) {
       return StoppedAxis{text_at(row, "axis"), number_at(row, "milliseconds"), {}};
@@ -320,7 +320,7 @@ Attempt<std::vector<StoppedAxis>> DaemonTarget::stop_all() {
   });
 }
 
-AxisReading DaemonTarget::reading_from(const json::object& state) const {
+AxisReading GatewayTarget::reading_from(const json::object& state) const {
   AxisReading reading;
   reading.position = {integer_at<std::int32_t>(state, "position_microsteps")};
   reading.velocity = {integer_at<std::int32_t>(state, "velocity_internal")};
@@ -338,14 +338,14 @@ AxisReading DaemonTarget::reading_from(const json::object& state) const {
   return reading;
 }
 
-Attempt<AxisReading> DaemonTarget::state(const std::string& axis) {
+Attempt<AxisReading> GatewayTarget::state(const std::string& axis) {
   return call("axis.get_state", {{"axis", axis}}).map([&](const json::object& state) {
     return reading_from(state);
   });
 }
 
-Attempt<void> DaemonTarget::watch(const std::string& axis, tmcl::Duration interval,
-                                  const ReadingHandler& on_reading) {
+Attempt<void> GatewayTarget::watch(const std::string& axis, tmcl::Duration interval,
+                                   const ReadingHandler& on_reading) {
   bool wanted = true;
   auto heard_at = patience_.now();
   door_->on_notification([&](std::string_view method, const json::object& params) {
@@ -379,7 +379,7 @@ Attempt<void> DaemonTarget::watch(const std::string& axis, tmcl::Duration interv
   return {};
 }
 
-Attempt<json::object> DaemonTarget::bus_named(const std::string& name) {
+Attempt<json::object> GatewayTarget::bus_named(const std::string& name) {
   const auto listed = call("bus.list", {});
   if (!listed) return tl::unexpected(listed.error());
   std::string names;
@@ -397,8 +397,8 @@ Attempt<json::object> DaemonTarget::bus_named(const std::string& name) {
       usage_failure("unknown_bus", fmt::format("tmcld has no bus '{}'", name), "It has: " + names));
 }
 
-Attempt<json::object> DaemonTarget::perform(const std::string& method, json::object params,
-                                            const NewsHandler& on_news) {
+Attempt<json::object> GatewayTarget::perform(const std::string& method, json::object params,
+                                             const NewsHandler& on_news) {
   if (params.contains("address")) {
     const auto bus = bus_named(text_at(params, "bus"));
     if (!bus) return tl::unexpected(bus.error());
@@ -413,14 +413,14 @@ Attempt<json::object> DaemonTarget::perform(const std::string& method, json::obj
   return result;
 }
 
-Attempt<json::object> DaemonTarget::params_for(const ModuleName& module) {
+Attempt<json::object> GatewayTarget::params_for(const ModuleName& module) {
   return bus_named(module.bus).map([&](const json::object& bus) {
     return json::object{{"bus", text_at(bus, "name")}, {"address", module.address}};
   });
 }
 
-Attempt<tmcl::FirmwareMatch> DaemonTarget::match_firmware(const ModuleName& module,
-                                                          const tmcl::firmware::Image& image) {
+Attempt<tmcl::FirmwareMatch> GatewayTarget::match_firmware(const ModuleName& module,
+                                                           const tmcl::firmware::Image& image) {
   auto params = params_for(module);
   if (!params) return tl::unexpected(params.error());
   return call("firmware.status", std::move(*params)).map([&](const json::object& status) {
@@ -428,9 +428,9 @@ Attempt<tmcl::FirmwareMatch> DaemonTarget::match_firmware(const ModuleName& modu
   });
 }
 
-Attempt<tmcl::FirmwareReport> DaemonTarget::upload_firmware(const ModuleName& module,
-                                                            const tmcl::firmware::Image& image,
-                                                            const tmcl::FirmwareOptions& options) {
+Attempt<tmcl::FirmwareReport> GatewayTarget::upload_firmware(const ModuleName& module,
+                                                             const tmcl::firmware::Image& image,
+                                                             const tmcl::FirmwareOptions& options) {
   auto params = params_for(module);
   if (!params) return tl::unexpected(params.error());
   const auto staged = stage(*door_, "firmware.stage", image.bytes);
@@ -452,8 +452,8 @@ Attempt<tmcl::FirmwareReport> DaemonTarget::upload_firmware(const ModuleName& mo
   });
 }
 
-Attempt<json::object> DaemonTarget::pass_path(json::object params, const std::string& text,
-                                              const PathWatcher& watcher) {
+Attempt<json::object> GatewayTarget::pass_path(json::object params, const std::string& text,
+                                               const PathWatcher& watcher) {
   Steering steering(*door_, params.at("axes"), watcher);
   // Its end is waited for, whatever becomes of it.
   const CallOptions options{longest_path_silence, [&] { steering.look(); }};
@@ -471,9 +471,9 @@ Attempt<json::object> DaemonTarget::pass_path(json::object params, const std::st
   return result;
 }
 
-Attempt<void> DaemonTarget::hear_arrivals(const ModuleName& module,
-                                          const std::function<Attempt<void>()>& ask,
-                                          const ArrivalHandler& on_arrival) {
+Attempt<void> GatewayTarget::hear_arrivals(const ModuleName& module,
+                                           const std::function<Attempt<void>()>& ask,
+                                           const ArrivalHandler& on_arrival) {
   const auto named = params_for(module);
   if (!named) return tl::unexpected(named.error());
   // Whoever subscribes, to no axis even, is told of events.
@@ -502,7 +502,7 @@ Attempt<void> DaemonTarget::hear_arrivals(const ModuleName& module,
   return result;
 }
 
-Attempt<RawAnswer> DaemonTarget::raw(const RawCommand& command) {
+Attempt<RawAnswer> GatewayTarget::raw(const RawCommand& command) {
   const auto bus = bus_named(command.bus);
   if (!bus) return tl::unexpected(bus.error());
   const auto& request = command.request;

@@ -1,4 +1,4 @@
-/// Axes through a running tmcld, which shares them with other programs.
+/// Axes behind a door: those of a gateway, wherever that is.
 #pragma once
 
 #include <string>
@@ -8,10 +8,10 @@
 
 namespace tmclctl {
 
-class DaemonTarget final : public Target {
+class GatewayTarget final : public Target {
  public:
   /// `options` is how another tmclctl names the same gateway.
-  DaemonTarget(std::unique_ptr<Door> door, std::string options, Patience& patience);
+  GatewayTarget(std::unique_ptr<Door> door, std::string options, Patience& patience);
 
   Attempt<ScanResult> scan(ScanRange range, const Progress& progress) override;
   Attempt<std::vector<ModuleRow>> modules() override;
