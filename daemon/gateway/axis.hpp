@@ -12,40 +12,13 @@
 
 #include <boost/asio/awaitable.hpp>
 
-#include "config/config.hpp"
-#include "gateway/bus.hpp"
-#include "gateway/module.hpp"
-#include "tmcl/conversion.hpp"
-#include "tmcl/parameter.hpp"
-#include "tmcl/plan/axis_twin.hpp"
+#include "gateway/axis_admission.hpp"
+#include "gateway/axis_units.hpp"
 
 namespace tmcld {
 
 class AxisPoller;
 class PathRun;
-
-/// The same in the unit that the configuration gives the axis.
-struct UserReading {
-  tmcl::UserPosition position;
-  tmcl::UserPosition target;
-  std::optional<tmcl::UserVelocity> velocity;  ///< Nothing where the model is not known.
-  bool operator==(const UserReading&) const = default;
-};
-
-/// One look at an axis.
-struct AxisReading {
-  tmcl::AxisState state;
-  std::optional<double> velocity_pps;  ///< Nothing where the model is not known.
-  std::optional<UserReading> user;     ///< Nothing without a unit.
-  tmcl::TimePoint taken{};             ///< When the look began: nothing in it is older.
-};
-
-/// A position or a distance.
-struct Length {
-  tmcl::Microsteps microsteps;
-  /// What it is exactly, where it was said in the axis' own unit.
-  std::optional<tmcl::UserPosition> in_unit{};
-};
 
 /// A move that a module has taken.
 struct StartedMove {
@@ -56,7 +29,6 @@ struct StartedMove {
 
 /// Ends a call early: gives an error once the caller has lost interest.
 using Objection = std::function<std::optional<tmcl::Error>()>;
-using Deadline = std::optional<tmcl::TimePoint>;
 
 class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
  public:
@@ -65,26 +37,28 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
 
   GatewayAxis(AxisConfig config, std::shared_ptr<GatewayBus> bus);
 
-  const std::string& name() const { return config_.name; }
-  tmcl::AxisAddress address() const { return config_.address; }
+  const std::string& name() const { return axis_.name(); }
+  tmcl::AxisAddress address() const { return axis_.address(); }
   /// Empty if the configuration gives it none.
-  const std::string& unit() const { return config_.scale.unit; }
+  const std::string& unit() const { return axis_.config().scale.unit; }
   /// In its unit, in microsteps without one.
-  const std::optional<tmcl::SoftLimits>& soft_limits() const { return config_.scale.limits; }
+  const std::optional<tmcl::SoftLimits>& soft_limits() const { return axis_.config().scale.limits; }
   /// Nothing where what the encoder reads is in microsteps.
   const std::optional<double>& encoder_counts_per_unit() const {
-    return config_.scale.encoder_counts_per_unit;
+    return axis_.config().scale.encoder_counts_per_unit;
   }
-  GatewayBus& bus() const { return *bus_; }
-  GatewayModule& module() const { return module_; }
+  GatewayBus& bus() const { return axis_.bus(); }
+  GatewayModule& module() const { return axis_.module(); }
   /// The parameters of its model; empty while that is not known.
-  std::span<const tmcl::ParameterInfo> parameters() const;
+  std::span<const tmcl::ParameterInfo> parameters() const { return axis_.parameters(); }
 
   /// The module has said what it is, and has such a motor.
-  Awaitable<void> be_ready();
+  Awaitable<void> be_ready() { return axis_.be_ready(); }
 
   /// The right of a call to move the axis, until the axis is stopped.
-  RunOptions begin_movement(Permit permit, Deadline deadline) const;
+  RunOptions begin_movement(Permit permit, Deadline deadline) const {
+    return admission_.begin_movement(permit, deadline);
+  }
 
   // Each of these begins with be_ready(). An axis with soft limits is not sent beyond them: those
   // that might do so end with Errc::beyond_soft_limit, and nothing is sent. Nor is an axis moved
@@ -105,40 +79,36 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// What set() does, for whoever moves the axis along a path and has checked its limits.
   Awaitable<void> write(std::uint8_t parameter, std::int32_t value, RunOptions movement);
   /// Whether the soft limits let the axis go there.
-  Awaitable<void> check_limits(Length target);
+  Awaitable<void> check_limits(Length target) { return axis_.run(admission_.check_target(target)); }
   /// Whether the axis may go to this coordinate of its module.
   Awaitable<void> check_coordinate(std::uint8_t number, RunOptions options);
   Awaitable<tmcl::Microsteps> wait(tmcl::WaitOptions options, Objection objection);
   Awaitable<std::int32_t> get(std::uint8_t parameter, Deadline deadline);
   Awaitable<AxisReading> read_state();
 
-  // These give nothing where the module will never tell: it refuses to, or its model is not known.
-  // Errors: those of the exchange, which may succeed the next time.
-  /// What its module counts in.
-  Awaitable<std::optional<tmcl::ModuleUnits>> module_units();
-  /// As the configuration has it, with the microsteps of the module unless the configuration gives
-  /// them. `unit` is empty if it has none.
-  Awaitable<std::optional<tmcl::UserScale>> scale();
-  /// The twin of the axis as it is now.
-  Awaitable<std::optional<tmcl::plan::AxisTwin>> twin(RunOptions options);
-  /// The settings of its ramp, as twin() has found them.
-  std::vector<tmcl::plan::Setting> ramp_settings() const {
-    return ramp_ ? ramp_->value : std::vector<tmcl::plan::Setting>{};
+  // What AxisUnits knows.
+  Awaitable<std::optional<tmcl::ModuleUnits>> module_units() {
+    return axis_.run(units_.module_units());
   }
+  Awaitable<std::optional<tmcl::UserScale>> scale() { return axis_.run(units_.scale()); }
+  Awaitable<std::optional<tmcl::plan::AxisTwin>> twin(RunOptions options) {
+    return axis_.run(units_.twin(), std::move(options));
+  }
+  std::vector<tmcl::plan::Setting> ramp_settings() const { return units_.ramp_settings(); }
   /// When a move that was started in another way should end.
   void expect_arrival(tmcl::TimePoint time) { expected_arrival_ = time; }
   /// Who moves it now.
-  Mover mover() const { return bus_->motors().claim_of(address()).by; }
+  Mover mover() const { return bus().motors().claim_of(address()).by; }
   /// Whether somebody moves it together with others.
   bool is_on_line() const { return mover() == Mover::line || mover() == Mover::path; }
   /// Nobody else moves it from now on. Only for an axis that nobody moves.
-  void claim(Mover by, Permit of) { bus_->motors().claim(address(), by, of); }
-  void release(Permit of) { bus_->motors().release(address(), of); }
+  void claim(Mover by, Permit of) { bus().motors().claim(address(), by, of); }
+  void release(Permit of) { bus().motors().release(address(), of); }
   /// What whoever wants to move it all the same is told.
-  tmcl::Error claimed() const { return bus_->motors().claimed(address()); }
+  tmcl::Error claimed() const { return bus().motors().claimed(address()); }
   /// A reference search may have ended unseen: the module is asked.
   /// Errors: Errc::axis_claimed if another call moves it.
-  Awaitable<void> be_free(RunOptions movement);
+  Awaitable<void> be_free(RunOptions movement) { return admission_.be_free(std::move(movement)); }
   /// The path that it is on; null if there is none.
   std::shared_ptr<PathRun> path() const { return path_.lock(); }
   void set_path(std::weak_ptr<PathRun> path) { path_ = std::move(path); }
@@ -151,8 +121,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<T> perform(tmcl::Script<tmcl::Result<T>> script, RunOptions options) {
     auto ready = co_await be_ready();
     if (!ready) co_return tl::unexpected(std::move(ready.error()));
-    auto result = co_await bus_->run(std::move(script), std::move(options));
-    note(result);
+    auto result = co_await axis_.run(std::move(script), std::move(options));
     co_return result;
   }
 
@@ -170,54 +139,15 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   const std::shared_ptr<AxisPoller>& poller();
 
  private:
-  template <class T>
-  Awaitable<T> run(tmcl::Script<tmcl::Result<T>> script, RunOptions options);
-  Awaitable<void> add_units(AxisReading& reading);
-  tmcl::Result<void> check_endless(std::int32_t velocity) const;
-  Awaitable<void> check_setting(std::uint8_t parameter, std::int32_t value, RunOptions options);
-  tmcl::Result<void> check_restoring(std::uint8_t parameter) const;
-  /// Whether the soft limits let the axis go on to the target that its module holds, unless it is
-  /// `here` already.
-  Awaitable<void> check_held_target(std::optional<std::int32_t> here, RunOptions options);
-  Awaitable<void> check_held_velocity(RunOptions options);
-  Awaitable<bool> turns_by_velocity(RunOptions options);
-  /// The scale that soft limits and distances in the unit need; microsteps without a unit. An error
-  /// where it cannot be known.
-  Awaitable<tmcl::UserScale> known_scale();
   Awaitable<StartedMove> start(tmcl::Script<tmcl::Result<tmcl::Microsteps>> script, bool predict,
                                RunOptions movement);
   /// The axis goes, or may go, somewhere else than it was sent before.
   void forget_move();
-  void note_set(std::uint8_t parameter);
-  template <class T>
-  void note(tmcl::Result<T>& result) {
-    if (result) return;
-    module_.note(result.error());
-    if (result.error().bus.empty()) result.error().bus = config_.bus;
-  }
 
-  AxisConfig config_;
-  std::shared_ptr<GatewayBus> bus_;
-  GatewayModule& module_;
+  AxisAccess axis_;
+  AxisUnits units_{axis_};
+  AxisAdmission admission_{axis_, units_};
   std::weak_ptr<PathRun> path_;
-  /// What was read is known until the module's settings may have changed, also while it is read.
-  struct Epoch {
-    std::uint64_t settings;
-    std::uint64_t changes;
-    bool operator==(const Epoch&) const = default;
-  };
-  Epoch units_epoch() const { return {module_.settings_epoch(), unit_changes_}; }
-  Epoch ramp_epoch() const { return {module_.settings_epoch(), changes_}; }
-  template <class T>
-  struct Known {
-    Epoch epoch;
-    T value;
-  };
-  std::uint64_t unit_changes_ = 0;
-  std::uint64_t changes_ = 0;
-  std::optional<Known<tmcl::ModuleUnits>> module_units_;
-  std::optional<Known<std::int32_t>> microstep_resolution_;
-  std::optional<Known<std::vector<tmcl::plan::Setting>>> ramp_;
   /// When the move under way should end; in the past if that is not known.
   tmcl::TimePoint expected_arrival_{};
   /// Where the last move was to end, in the unit, before that was rounded.

@@ -1,0 +1,29 @@
+#include "gateway/axis_access.hpp"
+
+namespace tmcld {
+
+AxisAccess::AxisAccess(AxisConfig config, std::shared_ptr<GatewayBus> bus)
+    : config_(std::move(config)),
+      bus_(std::move(bus)),
+      module_(bus_->add_module(config_.address.module)) {
+  bus_->motors().add(config_.address, config_.name);
+}
+
+std::span<const tmcl::ParameterInfo> AxisAccess::parameters() const {
+  const auto* model = module_.model();
+  return model == nullptr ? std::span<const tmcl::ParameterInfo>{} : tmcl::axis_parameters(*model);
+}
+
+AxisAccess::Awaitable<void> AxisAccess::be_ready() {
+  auto ready = co_await module_.be_ready();
+  if (!ready) co_return ready;
+  const auto* model = module_.model();
+  const auto motor = config_.address.motor;
+  if (model == nullptr || motor < model->axes) co_return ready;
+  co_return tl::unexpected(on_bus(tmcl::bad_argument(
+      "axis '" + name() + "' is configured as motor " + std::to_string(motor) + ", but a " +
+          std::string(model->name) + " has " + std::to_string(model->axes),
+      "motors count from 0; correct the configuration")));
+}
+
+}  // namespace tmcld
