@@ -4,6 +4,7 @@
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
 #include "api/state_json.hpp"
+#include "tmcl/seconds.hpp"
 
 namespace tmcld::handlers {
 namespace {
@@ -22,8 +23,7 @@ boost::asio::awaitable<json::object> to_result(GatewayAxis& axis, StartedMove st
   result["target_microsteps"] = started.target.value;
   co_await add_in_unit(result, axis, "target", started.target);
   result["predicted_s"] = nullptr;
-  if (started.predicted)
-    result["predicted_s"] = std::chrono::duration<double>(*started.predicted).count();
+  if (started.predicted) result["predicted_s"] = tmcl::seconds(*started.predicted);
   co_return result;
 }
 

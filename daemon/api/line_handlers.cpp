@@ -5,14 +5,14 @@
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
 #include "gateway/line.hpp"
+#include "tmcl/seconds.hpp"
 
 namespace tmcld::handlers {
 namespace {
 
 namespace json = boost::json;
 using tmcl::Duration;
-
-double seconds(Duration time) { return std::chrono::duration<double>(time).count(); }
+using tmcl::seconds;
 
 Lookup<std::optional<Duration>> duration_of(const Call& call) {
   constexpr double longest_s = 86'400;

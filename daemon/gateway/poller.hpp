@@ -59,7 +59,6 @@ class AxisPoller : public std::enable_shared_from_this<AxisPoller> {
   AxisWatch watch(std::shared_ptr<GatewayAxis> axis, tmcl::Duration interval, OnReading on_reading);
   /// Numbers a look that was taken for someone who begins to watch.
   PublishedReading number(const AxisReading& reading);
-  std::size_t watchers() const { return watchers_.size(); }
 
  private:
   friend class AxisWatch;

@@ -12,12 +12,12 @@
 #include "tmcl/conversion.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/ramp_choice.hpp"
+#include "tmcl/seconds.hpp"
 
 namespace tmcl::plan {
 namespace {
 
 namespace ap = axis_parameter;
-using Seconds = std::chrono::duration<double>;
 
 // Register values that come about as near to a time as the ramp generator's ticks allow.
 constexpr Duration near_enough = std::chrono::microseconds(50);
@@ -46,8 +46,6 @@ constexpr Duration not_worth_other_dividers = std::chrono::microseconds(500);
 std::int64_t way_of(const LineAxis& axis) {
   return std::int64_t{axis.target.value} - axis.twin.motion().position.value;
 }
-
-double seconds(Duration time) { return Seconds(time).count(); }
 
 /// Values of parameters.
 struct Registers {

@@ -14,14 +14,9 @@ namespace tmcl::plan {
 namespace {
 
 namespace ap = axis_parameter;
-using Kind = PathObjection::Kind;
 
 PathObjection wrong(std::string name, std::string message) {
-  return {Kind::request, std::move(name), std::move(message)};
-}
-
-PathObjection impossible(std::string name, std::string message) {
-  return {Kind::impossible, std::move(name), std::move(message)};
+  return {std::move(name), std::move(message), {}};
 }
 
 // A table begins with the names of its columns, G-code with a word, a comment or a line of %.
@@ -44,14 +39,14 @@ std::optional<PathObjection> objection_to_unit(const PathSource& source,
   const auto& [of_file, axis] = facts.choice;
   const std::string needed = of_file < "X" ? "deg" : "mm";
   if (facts.scale->unit == needed) return std::nullopt;
-  return impossible("wrong_unit", fmt::format("axis {} of G-code is in {}, and {} in {}", of_file,
-                                              needed, axis, facts.scale->unit));
+  return wrong("wrong_unit", fmt::format("axis {} of G-code is in {}, and {} in {}", of_file,
+                                         needed, axis, facts.scale->unit));
 }
 
 PathResult<double> microsteps_of_unit(const PathAxisFacts& facts, std::optional<double> per_turn) {
   const auto& name = facts.choice.axis;
   if (!facts.scale) {
-    return tl::unexpected(impossible(
+    return tl::unexpected(wrong(
         "unknown_units", fmt::format("how many microsteps a turn of {} has is not known", name)));
   }
   const double turn = facts.scale->steps.per_revolution();
@@ -73,7 +68,7 @@ std::optional<PathObjection> objection_to(double position, const PathAxis& axis)
   const auto& [of_file, name] = axis.choice;
   const double there = position * axis.stream.microsteps_per_unit;
   if (there < axis.range.least || there > axis.range.greatest) {
-    return impossible(
+    return wrong(
         "out_of_range",
         fmt::format("the path goes to {} {:.6g}: {:.0f} microsteps, and {} can go to {} to {}",
                     of_file, position, there, name, axis.range.least, axis.range.greatest));
@@ -81,8 +76,8 @@ std::optional<PathObjection> objection_to(double position, const PathAxis& axis)
   const auto limit =
       axis.limits ? beyond(*axis.limits, microsteps(axis, position), axis.scale) : std::nullopt;
   if (!limit) return std::nullopt;
-  return impossible("beyond_soft_limit", fmt::format("the path goes to {} {:.6g}: {} of {}",
-                                                     of_file, position, describe(*limit), name));
+  return wrong("beyond_soft_limit", fmt::format("the path goes to {} {:.6g}: {} of {}", of_file,
+                                                position, describe(*limit), name));
 }
 
 PathResult<PathSource> flattened(const path_file::Reading& path, PathFormat format,
@@ -160,14 +155,14 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
                                const PathWish& wish) {
   const auto& name = facts.choice.axis;
   if (facts.model == nullptr || !facts.units) {
-    return tl::unexpected(impossible(
-        "unknown_units", fmt::format("what the module of {} counts in is not known", name)));
+    return tl::unexpected(
+        wrong("unknown_units", fmt::format("what the module of {} counts in is not known", name)));
   }
   if (auto objection = objection_to_unit(source, facts))
     return tl::unexpected(std::move(*objection));
   const auto scale = microsteps_of_unit(facts, wish.per_turn);
   if (!scale) return tl::unexpected(scale.error());
-  if (facts.moving) return tl::unexpected(impossible("moving", fmt::format("{} is moving", name)));
+  if (facts.moving) return tl::unexpected(wrong("moving", fmt::format("{} is moving", name)));
   const auto greatest = [&](std::uint8_t parameter) {
     return range_of(*facts.model, *facts.units, parameter).greatest;
   };
@@ -186,7 +181,7 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
   axis.velocity = facts.max_velocity * facts.units->velocity.value / std::abs(*scale);
   axis.acceleration = facts.max_acceleration * facts.units->acceleration.value / std::abs(*scale);
   if (axis.velocity > 0 && axis.acceleration > 0) return axis;
-  return tl::unexpected(impossible(
+  return tl::unexpected(wrong(
       "no_limits", fmt::format("{} has max_velocity {} and max_acceleration {}: it cannot move",
                                name, facts.max_velocity, facts.max_acceleration)));
 }

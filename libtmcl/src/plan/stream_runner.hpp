@@ -8,10 +8,10 @@
 
 #include "tmcl/plan/stream.hpp"
 #include "tmcl/script.hpp"
+#include "tmcl/seconds.hpp"
 
 namespace tmcl::plan {
 
-inline double seconds(Duration time) { return std::chrono::duration<double>(time).count(); }
 inline Duration duration(double seconds) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
 }

@@ -304,24 +304,4 @@ Tmc457::Status Tmc457::status() const {
   return {arrived(), reached, track_.part() == Part::rest};
 }
 
-PulsesPerSecond tmc457_to_pps(std::int64_t velocity, double clock_hz) {
-  return {static_cast<double>(velocity) * v_unit * clock_hz};
-}
-
-PulsesPerSecond2 tmc457_to_pps2(std::int64_t acceleration, double clock_hz) {
-  return {static_cast<double>(acceleration) * a_unit * clock_hz * clock_hz};
-}
-
-std::int32_t tmc457_velocity(PulsesPerSecond velocity, double clock_hz) {
-  constexpr auto greatest = static_cast<double>(v_greatest);
-  const double units = velocity.value / clock_hz / v_unit;
-  return static_cast<std::int32_t>(std::rint(std::clamp(units, -greatest, greatest)));
-}
-
-std::int32_t tmc457_acceleration(PulsesPerSecond2 acceleration, double clock_hz) {
-  constexpr auto greatest = static_cast<double>(a_greatest);
-  const double units = acceleration.value / clock_hz / clock_hz / a_unit;
-  return static_cast<std::int32_t>(std::rint(std::clamp(units, 0.0, greatest)));
-}
-
 }  // namespace tmcl::ramp

@@ -43,11 +43,6 @@ constexpr Duration longest_stream_period = std::chrono::seconds(1);
 
 /// Why a path is not run; nothing has moved.
 struct PathObjection {
-  enum class Kind : std::uint8_t {
-    request,     ///< What was asked for makes no sense.
-    impossible,  ///< It does, but not for these axes.
-  };
-  Kind kind = Kind::request;
   std::string name;         ///< snake_case; part of the stable interface.
   std::string message;      ///< One sentence without a full stop.
   TextProblems problems{};  ///< What is wrong with the text, if that is it.

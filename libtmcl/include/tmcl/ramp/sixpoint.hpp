@@ -182,7 +182,6 @@ class SixPoint {
   bool position_reached() const { return xactual() == value(Register::xtarget); }
   int wanted_direction() const;
   bool blocked(int direction) const;
-  bool stopped_by_switch(int direction) const;
   void latch(bool before, bool now, std::int32_t on_active, std::int32_t on_inactive, bool& event);
 
   std::int64_t braking_distance(std::int64_t speed) const;

@@ -143,13 +143,4 @@ class Tmc457 {
   bool planned_ = false;
 };
 
-/// f v / 2^30, for v_max and v_target.
-PulsesPerSecond tmc457_to_pps(std::int64_t velocity, double clock_hz);
-/// f^2 a / 2^42, for a_max, d_max and d_stop.
-PulsesPerSecond2 tmc457_to_pps2(std::int64_t acceleration, double clock_hz);
-/// The nearest value for v_target within +-0x7FFF0000; the velocity is a number.
-std::int32_t tmc457_velocity(PulsesPerSecond velocity, double clock_hz);
-/// The nearest value for a_max, d_max and d_stop within 0..0xFFFFFD; the acceleration is a number.
-std::int32_t tmc457_acceleration(PulsesPerSecond2 acceleration, double clock_hz);
-
 }  // namespace tmcl::ramp
