@@ -10,11 +10,13 @@ std::string held_by_client(const Staged& staged, std::size_t bytes) {
          " bytes";
 }
 
-Shelf& shelf_for(const Call& call, const Staged& staged) { return *call.gateway.*staged.shelf; }
+UploadBuffer& buffer_for(const Call& call, const Staged& staged) {
+  return *call.gateway.*staged.buffer;
+}
 
 /// Bytes "offset" and following.
 Lookup<std::vector<std::uint8_t>> part_of(const Call& call, const Staged& staged) {
-  const auto held = shelf_for(call, staged).size_for(call.peer);
+  const auto held = buffer_for(call, staged).size_for(call.peer);
   const auto offset = static_cast<std::size_t>(call.params.integer("offset"));
   if (offset != 0 && offset != held) {
     return tl::unexpected(param_error("bad_argument", "offset",
@@ -37,17 +39,17 @@ Lookup<std::vector<std::uint8_t>> part_of(const Call& call, const Staged& staged
 RpcResult stage_part(const Call& call, const Staged& staged) {
   const auto part = part_of(call, staged);
   if (!part) return tl::unexpected(part.error());
-  auto& shelf = shelf_for(call, staged);
-  if (call.params.integer("offset") == 0) shelf.begin(call.peer);
-  shelf.append(*part);
-  return boost::json::object{{"bytes", shelf.size_for(call.peer)}};
+  auto& buffer = buffer_for(call, staged);
+  if (call.params.integer("offset") == 0) buffer.begin(call.peer);
+  buffer.append(*part);
+  return boost::json::object{{"bytes", buffer.size_for(call.peer)}};
 }
 
 Lookup<std::vector<std::uint8_t>> take_staged(const Call& call, const Staged& staged) {
-  auto& shelf = shelf_for(call, staged);
-  const auto held = shelf.size_for(call.peer);
+  auto& buffer = buffer_for(call, staged);
+  const auto held = buffer.size_for(call.peer);
   const auto wanted = static_cast<std::size_t>(call.params.integer("bytes"));
-  if (held == wanted) return shelf.take();
+  if (held == wanted) return buffer.take();
   return tl::unexpected(param_error(
       "bad_argument", "bytes", held_by_client(staged, held) + ", and not " + std::to_string(wanted),
       "hand it over by " + std::string(staged.method) + ", all of it, right before"));

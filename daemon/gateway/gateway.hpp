@@ -17,7 +17,7 @@
 #include "config/config.hpp"
 #include "gateway/axis.hpp"
 #include "gateway/bus.hpp"
-#include "gateway/shelf.hpp"
+#include "gateway/upload_buffer.hpp"
 #include "log/limiter.hpp"
 #include "log/sink.hpp"
 
@@ -80,8 +80,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   /// often as it likes.
   void log_failure(std::string_view where, const std::exception_ptr& failure);
 
-  Shelf image_shelf;
-  Shelf path_shelf;
+  UploadBuffer image_upload;
+  UploadBuffer path_upload;
   /// Where paths and lines are planned: a path may take seconds, and a line does not wait for it.
   Workers planner{2};
 

@@ -1,5 +1,5 @@
-/// Where what is longer than a line of the protocol may be is put together. There is one for each
-/// kind of it: firmware images, path files.
+/// Puts together what a client uploads in parts, because it is longer than a line of the protocol
+/// may be. There is one for each kind of upload: firmware images, path files.
 #pragma once
 
 #include <cstddef>
@@ -11,13 +11,13 @@
 
 namespace tmcld {
 
-/// One thing, of whoever began one last: so it takes a bounded amount of memory, and nobody can
-/// keep others from it.
-class Shelf {
+/// Holds one upload, that of the client that began one last. So the memory is bounded, and a client
+/// that never ends its upload keeps nobody from beginning another.
+class UploadBuffer {
  public:
   using Owner = std::shared_ptr<const void>;
 
-  /// How much there is of what this owner hands over.
+  /// How many bytes this owner has uploaded; 0 if the upload is another's.
   std::size_t size_for(const Owner& owner) const {
     return owner_.lock() == owner ? bytes_.size() : 0;
   }
@@ -25,7 +25,7 @@ class Shelf {
     owner_ = owner;
     bytes_.clear();
   }
-  /// Only by the one who began it, who sees to it that there is an end.
+  /// For the owner alone, who checks that the upload stays within its greatest size.
   void append(std::span<const std::uint8_t> part) {
     bytes_.insert(bytes_.end(), part.begin(), part.end());
   }
