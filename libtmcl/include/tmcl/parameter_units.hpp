@@ -9,6 +9,7 @@
 #include "tmcl/mechanics.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
+#include "tmcl/quantity.hpp"
 
 namespace tmcl {
 
@@ -25,10 +26,6 @@ struct UserValue {
   double value = 0;
   std::string unit;  ///< "mm", "mm/s" or "mm/s^2".
 };
-
-/// The unit of a parameter: "mm/s" for a velocity. Empty for one that is neither a position nor a
-/// velocity nor an acceleration. `unit` is that of positions.
-std::string unit_of(const ParameterInfo& row, const std::string& unit);
 
 /// Parameters that are never negative hold in both directions: `reverse` means nothing to them.
 /// Nothing for a parameter without a unit, and where what the module counts in is not known.

@@ -3,11 +3,6 @@
 namespace tmcl {
 namespace {
 
-std::string_view per_time(Dimension dimension) {
-  if (dimension == Dimension::velocity) return "/s";
-  return dimension == Dimension::acceleration ? "/s^2" : "";
-}
-
 /// The scale that holds for this parameter.
 UserScale scale_of(const ParameterInfo& row, const AxisScale& axis) {
   auto scale = axis.scale;
@@ -23,12 +18,6 @@ std::int32_t number(T value) {
 }
 
 }  // namespace
-
-std::string unit_of(const ParameterInfo& row, const std::string& unit) {
-  const auto dimension = dimension_of(row);
-  if (dimension == Dimension::other) return {};
-  return unit + std::string(per_time(dimension));
-}
 
 std::optional<UserValue> to_user(std::int32_t value, const ParameterInfo& row,
                                  const AxisScale& axis) {
