@@ -63,7 +63,7 @@ class Builder {
     each(SectionKind::daemon, [&](const auto& section) { add_daemon(section); });
     each(SectionKind::bus, [&](const auto& section) { add_bus(section); });
     each(SectionKind::axis, [&](const auto& section) { add_axis(section); });
-    check_whole(sections);
+    check_whole();
     return std::move(config_);
   }
 
@@ -322,10 +322,7 @@ class Builder {
     return nullptr;
   }
 
-  void check_whole(std::span<const ConfigSection> sections) {
-    if (std::ranges::find(sections, SectionKind::daemon, &ConfigSection::kind) == sections.end()) {
-      complain({}, "the section [daemon] with its key 'socket' is missing");
-    }
+  void check_whole() {
     if (config_.buses.size() > max_buses) {
       complain({}, "more than " + std::to_string(max_buses) + " buses");
     }

@@ -18,4 +18,12 @@ tl::expected<Config, std::vector<ConfigProblem>> parse_config(std::string_view t
 /// Errors: one line each, "FILE:LINE:COLUMN: what is wrong", or why the file cannot be read.
 tl::expected<Config, std::vector<std::string>> load_config(const std::string& path);
 
+/// For a gateway on one link: [daemon] may be missing, and is ignored. The link takes the place of
+/// that of the only bus, or of the bus that has this link; no other bus is kept, nor its axes.
+/// Errors: as load_config(); also a line that says which buses there are, if none of them fits.
+tl::expected<Config, std::vector<std::string>> load_config_for_link(const std::string& path,
+                                                                    const tmcl::LinkName& link);
+/// The same where there is no file: one bus, called "direct".
+Config config_for_link(const tmcl::LinkName& link);
+
 }  // namespace tmcld

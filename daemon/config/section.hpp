@@ -49,7 +49,9 @@ struct ConfigText {
   std::vector<ConfigProblem> problems;
 };
 
+enum class DaemonSection : std::uint8_t { required, ignored };
+
 /// Reads TOML and checks every key against the table of keys. Never throws.
-ConfigText read_sections(std::string_view toml);
+ConfigText read_sections(std::string_view toml, DaemonSection daemon);
 
 }  // namespace tmcld

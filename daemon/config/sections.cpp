@@ -19,12 +19,12 @@ std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"
 
 class Reader {
  public:
-  explicit Reader(ConfigText& text) : text_(text) {}
+  Reader(ConfigText& text, DaemonSection daemon) : text_(text), daemon_(daemon) {}
 
   void read(const toml::table& root) {
     for (const auto& [key, node] : root) {
       if (key == "daemon") {
-        read_single(node);
+        if (daemon_ == DaemonSection::required) read_single(node);
       } else if (key == "bus") {
         read_list(SectionKind::bus, node);
       } else if (key == "axis") {
@@ -33,6 +33,8 @@ class Reader {
         complain_unknown(key, node);
       }
     }
+    if (daemon_ == DaemonSection::required && !root.contains("daemon"))
+      complain({}, "the section [daemon] with its key 'socket' is missing");
   }
 
  private:
@@ -133,6 +135,7 @@ class Reader {
   }
 
   ConfigText& text_;
+  DaemonSection daemon_;
 };
 
 bool comes_first(const ConfigProblem& a, const ConfigProblem& b) {
@@ -141,11 +144,11 @@ bool comes_first(const ConfigProblem& a, const ConfigProblem& b) {
 
 }  // namespace
 
-ConfigText read_sections(std::string_view toml) {
+ConfigText read_sections(std::string_view toml, DaemonSection daemon) {
   ConfigText text;
   // Debian's build of the library reports errors by throwing; this is where that ends.
   try {
-    Reader(text).read(toml::parse(toml));
+    Reader(text, daemon).read(toml::parse(toml));
   } catch (const toml::parse_error& error) {
     text.is_toml = false;
     text.problems.push_back({place_of(error.source()), std::string(error.description())});

@@ -1,5 +1,6 @@
 // Every mistake in a configuration file is told with its place and, where there is one, the word
 // that was probably meant.
+#include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <string>
@@ -8,6 +9,7 @@
 
 #include "config/keys.hpp"
 #include "config/load.hpp"
+#include "support/temp_path.hpp"
 
 namespace tmcld {
 namespace {
@@ -320,6 +322,69 @@ TEST(DaemonConfig, NamesTheFileThatCannotBeRead) {
   ASSERT_FALSE(config);
   EXPECT_THAT(config.error(),
               ElementsAre("/nowhere/tmcld.toml: cannot be read: No such file or directory"));
+}
+
+class DaemonConfigForLink : public testing::Test {
+ protected:
+  ~DaemonConfigForLink() override { std::filesystem::remove(path); }
+  auto load(const std::string& toml, const std::string& link) {
+    std::ofstream(path) << toml;
+    return load_config_for_link(path, *tmcl::parse_link_name(link));
+  }
+  std::vector<std::string> problems_of(const std::string& toml, const std::string& link) {
+    auto config = load(toml, link);
+    return config ? std::vector<std::string>{} : config.error();
+  }
+  const std::string path = tmcl::test::temp_path("config");
+};
+
+constexpr auto bus_a = "[[bus]]\nname = \"a\"\nlink = \"serial:/dev/a\"\nattempts = 2\n";
+constexpr auto bus_b = "[[bus]]\nname = \"b\"\nlink = \"can:can0\"\n";
+constexpr auto axis_of_a = "[[axis]]\nname = \"x\"\nbus = \"a\"\naddress = 1\nmotor = 0\n";
+constexpr auto axis_of_b = "[[axis]]\nname = \"y\"\nbus = \"b\"\naddress = 300\nmotor = 0\n";
+
+TEST_F(DaemonConfigForLink, TakesThePlaceOfTheOnlyOne) {
+  const auto config = load(std::string(bus_a) + axis_of_a, "tcp:far:4001");
+  ASSERT_TRUE(config) << config.error().front();
+  ASSERT_EQ(config->buses.size(), 1U);
+  EXPECT_EQ(to_string(config->buses[0].link), "tcp:far:4001");
+  EXPECT_EQ(config->buses[0].name, "a");
+  EXPECT_EQ(config->buses[0].bus_options.attempts, 2);
+  EXPECT_EQ(config->axes.at(0).name, "x");
+}
+
+TEST_F(DaemonConfigForLink, KeepsOnlyTheBusThatHasIt) {
+  const auto both = std::string(bus_a) + bus_b + axis_of_a + axis_of_b;
+  const auto config = load(both, "can:can0");
+  ASSERT_TRUE(config) << config.error().front();
+  ASSERT_EQ(config->buses.size(), 1U);
+  EXPECT_EQ(config->buses[0].name, "b");
+  ASSERT_EQ(config->axes.size(), 1U);
+  EXPECT_EQ(config->axes[0].name, "y");
+  EXPECT_EQ(load(both, "serial:/dev/a@9600")->buses.at(0).name, "a");
+}
+
+TEST_F(DaemonConfigForLink, SaysWhichBusesThereAreIfNoneHasIt) {
+  EXPECT_THAT(problems_of(std::string(bus_a) + bus_b, "can:can1"),
+              ElementsAre(path + ": there are several buses, and none of them is on can:can1: a on "
+                                 "serial:/dev/a, b on can:can0"));
+  EXPECT_THAT(problems_of("", "can:can1"), ElementsAre(path + ": there is no bus"));
+}
+
+TEST_F(DaemonConfigForLink, IgnoresTheDaemonAndNothingElse) {
+  EXPECT_TRUE(load(std::string("[daemon]\nport = 1\n") + bus_a, "serial:/dev/b"));
+  EXPECT_THAT(problems_of(std::string(bus_a) + "speed = 1\n", "serial:/dev/b"),
+              ElementsAre(HasSubstr(":5:1: unknown key 'speed' in [[bus]]")));
+  EXPECT_THAT(problems_of(std::string(bus_b) + axis_of_b, "serial:/dev/b"),
+              ElementsAre(HasSubstr("'address' is 300, but bus 'b' is no CAN bus")));
+}
+
+TEST(DaemonConfig, OfALinkAloneHasOneBus) {
+  const auto config = config_for_link(tmcl::CanName{"can0"});
+  ASSERT_EQ(config.buses.size(), 1U);
+  EXPECT_EQ(config.buses[0].name, "direct");
+  EXPECT_EQ(config.buses[0].bus_options.name, "direct");
+  EXPECT_EQ(to_string(config.buses[0].link), "can:can0");
 }
 
 TEST(DaemonConfig, ExampleFileIsGoodAndMentionsEveryKey) {
