@@ -416,9 +416,9 @@ TEST(FirmwareUpload, AScanByOthersLeavesTheModuleOut) {
   for (const auto framing : {Framing::serial, Framing::can}) {
     Bench bench(framing);
     bench.bus.add_module(2);
-    auto hold = std::make_shared<Hold>();
-    hold->in_bootloader = true;
-    ASSERT_TRUE(bench.bus.run(verbs::command(read_by_other, {.hold = hold})));
+    const auto hold = std::make_shared<const Hold>();
+    const CallOptions holding{.hold = hold, .in_bootloader = true};
+    ASSERT_TRUE(bench.bus.run(verbs::command(read_by_other, holding)));
     ScanOptions options;
     options.last = 3;
     const auto found = bench.bus.run(verbs::scan(options));

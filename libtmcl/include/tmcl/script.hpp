@@ -41,12 +41,14 @@ namespace tmcl {
 /// that comes then ends the download first (END_DOWNLOAD), and with it the hold; so does the engine
 /// when the hold is destroyed in the middle of a download, or not used for hold_idle_limit. Only a
 /// START_DOWNLOAD that carries a hold is watched over like this.
-struct Hold {
-  enum class End : std::uint8_t { not_yet, stop, idle };
-  End ended = End::not_yet;  ///< Set by the engine; then exchanges with this hold are refused.
-  /// Set by whoever made it: nobody else's commands mean anything to the module now. They end with
-  /// Errc::in_bootloader instead of waiting; so do stops, for there is nothing that could obey one.
-  bool in_bootloader = false;
+///
+/// It is nothing but its lifetime: whoever runs the exchanges sees that it is there, and when it is
+/// gone. Exchanges with a hold that has ended are refused.
+class Hold {
+ public:
+  Hold() = default;
+  Hold(const Hold&) = delete;
+  Hold& operator=(const Hold&) = delete;
 };
 
 struct CallOptions {
@@ -59,7 +61,11 @@ struct CallOptions {
   /// up.
   unsigned attempts = 0;
   /// Null: an ordinary call, which waits while someone else holds the module.
-  std::shared_ptr<Hold> hold{};
+  std::shared_ptr<const Hold> hold{};
+  /// With a hold: nobody else's commands mean anything to the module, until an exchange with the
+  /// hold does not say so any more. They end with Errc::in_bootloader instead of waiting; so do
+  /// stops, for there is nothing that could obey one.
+  bool in_bootloader = false;
   /// To be recorded and not to be executed: sent at most once, and only while the module is in
   /// download mode for this hold. A success has Status::command_loaded.
   bool is_program_line = false;

@@ -1,17 +1,22 @@
 /// Who speaks next on a bus, what a reply answers, and what is known about a command when none
 /// comes.
 ///
-/// A serial line carries one exchange at a time; on CAN each module has its own. Each such place is
-/// a channel:
+///     submit ──▶ Scheduler ──start──▶ Channel ──reply──▶ done, refused
+///                 │    ▲                 │
+///                 │    │              deadline ──▶ unknown
+///                 │    └─may be repeated─┤
+///                 │                   quiet for a while
+///                 │                      │
+///                 └─module out of step─▶ fence ──reply──▶ in step: go on
+///                                        │
+///                                     deadline, after the last try: the module is silent, its
+///                                              calls end as not_sent (unknown if sent before)
 ///
-///     free ──call picked, module in step──▶ waiting ──reply──▶ free                       done /
-///     refused
-///      │                                      └─deadline─▶ quiet ─time passes─▶ free      unknown,
-///      or queued again └─call picked, out of step─▶ fencing ──reply──▶ free, module in step
-///                                      └─deadline─▶ quiet ─▶ free; after the last try: module
-///                                      silent,
-///                                                             its calls end as not_sent (unknown
-///                                                             if sent before)
+/// Its parts: Scheduler, the calls that wait and which of them is next; Conversations, what is known
+/// about each module (Lane: in step or not, Custody: whose it is) and what is under way (Channel).
+/// ReplyForm: answers that do not look like replies. bus_engine.cpp starts exchanges and gives them
+/// up, answers.cpp ends them, stops.cpp is about what a stop makes pointless, full_link.cpp about
+/// links that take nothing, surplus.cpp about replies that nobody asked for.
 ///
 /// A stop goes first. Where it would have to wait for a fence it is sent at once as well, and then
 /// again, provably. A stop also removes every movement that is queued for the same motor.
@@ -28,21 +33,20 @@
 /// stop sends END_DOWNLOAD ahead of itself: see custody.hpp. While a module is in its bootloader
 /// everybody else's calls to it end at once.
 ///
-/// Does no I/O and reads no clock: it is told what happened, and says what to do.
+/// Does no I/O and reads no clock: it is told what happened, and says what to do. A value: a copy
+/// goes on like the original from where that is, and neither knows of the other.
 /// Thread safety: none. Everything it holds is bounded by max_queued_calls and the number of
 /// addresses.
 #pragma once
 
-#include <deque>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <variant>
+#include <vector>
 
-#include "engine/call_queue.hpp"
-#include "engine/custody.hpp"
-#include "engine/lane.hpp"
+#include "engine/conversation.hpp"
+#include "engine/scheduler.hpp"
 #include "tmcl/bus_options.hpp"
 #include "tmcl/link.hpp"
 #include "tmcl/serial_decoder.hpp"
@@ -82,115 +86,87 @@ class BusEngine {
   /// call counts as sent.
   std::optional<Action> next_action();
   /// When on_deadline() wants to be called.
-  std::optional<TimePoint> next_deadline() const;
+  std::optional<TimePoint> next_deadline() const { return scheduler_.next_deadline(modules_); }
 
   const BusOptions& options() const { return options_; }
   BusCounters counters() const;
 
  private:
-  struct InFlight {
-    Request sent;
-    TimePoint deadline;
-    std::optional<Call> call;  ///< Nothing for a fence.
-    unsigned fence_tries = 0;
-  };
-  struct Channel {
-    std::optional<InFlight> in_flight;
-    TimePoint quiet_until{};
-    bool is_free(TimePoint now) const { return !in_flight && quiet_until <= now; }
-  };
-  struct Module {
-    Lane lane;
-    Custody custody;
-    Channel own_channel;
-    ModuleAddress address{};
-  };
-
-  Module& module_of(ModuleAddress address) {
-    return modules_.try_emplace(reply_byte(address), Module{{}, {}, {}, address}).first->second;
-  }
-  Channel& channel_of(Module& module) {
-    return framing_ == Framing::serial ? line_ : module.own_channel;
-  }
-  Channel& channel_to(ModuleAddress address) { return channel_of(module_of(address)); }
-
+  CallQueue& queue() { return scheduler_.queue(); }
   std::optional<Error> objection(const Call& call);
   std::optional<Error> objection_of_hold(const Call& call);
-  void drop_movements_before(const Request& stop);
-  void supersede(const Call& movement);
+
+  // stops.cpp
+  void make_way_for(const Request& stop);
   void end_downloads_for(const Request& stop);
-  void end_overdue_calls(TimePoint now);
-  void confirm_last_send();
-  void take_back(Channel& channel);
-  void take_back_shout(std::uint64_t place);
-  void end_refused_calls(TimePoint now);
-  Duration patience_with_link(const Call& call) const;
-  void look_after_downloads(TimePoint now);
-  void end_calls_to_bootloaders();
 
+  // Who speaks next
   void go_on(TimePoint now);
-  bool is_next(const Call& call, TimePoint now);
-  bool waits_for_download(const Call& call);
-  bool waits_for_memory(const Call& call);
-  bool find_memory_reader();
-  void send_held(const Call* found, TimePoint now);
-  bool must_shout(const Call& call);
-  void shout(Call& call, TimePoint now);
-  void start(Call call, TimePoint now);
-  void start_fence(const Call& next, TimePoint now);
-  void start_end(Module& module, TimePoint now);
+  void go_on_with(Call& call);
+  void end_overdue_calls();
+  void look_after_downloads();
+  void end_calls_to_bootloaders();
+  void send_held(Call call);
+  void shout(Call& call);
+  void start(Call call);
+  void start_fence(const Call& next);
+  void start_end(Conversation& module);
   void put_in_flight(Channel& channel, InFlight in_flight);
-  Duration patience(const CallOptions& options) const;
+  /// How long an answer may take, the wire included.
+  Duration reply_time(const CallOptions& options) const;
 
+  // Time
   void on_time_out(Channel& channel, TimePoint now);
-  void on_fence_time_out(Module& module, ModuleAddress address, unsigned tries, TimePoint now);
+  void on_silence(ModuleAddress address);
   void repeat_or_give_up(Call call, Error error);
 
+  // answers.cpp
   void on_reply(const Reply& reply, TimePoint now);
-  void on_memory(Channel& channel, const Reply& reply, TimePoint now);
-  void on_recorded(Call call, Error error);
-  bool is_late_from_other(const Reply& reply, const InFlight& reading, TimePoint now) const;
+  void on_event(const Conversation* module, const Reply& reply);
+  void on_reply_in_disguise(Channel& channel, const Reply& reply, TimePoint now);
+  bool is_late_from_other(const Reply& reply, const Request& sent, TimePoint now);
   void on_version_text(Channel& channel, FirmwareVersion version, TimePoint now);
-  void on_unexplained(const Reply& reply, TimePoint now);
+  InFlight settle(Channel& channel, Status status, TimePoint now);
+  void conclude(Channel& channel, Answer answer, TimePoint now);
+  void finish(Call call, const Answer& answer);
+  void on_recorded(Call call, Status status);
+  InFlight take_from(Channel& channel);
+  void expect_answer();
+
+  // surplus.cpp
+  void on_unexplained(Conversation& module, const Reply& reply, TimePoint now);
   void doubt_answers_like(const Reply& reply);
   bool must_prove(const Call& call, Status status, TimePoint now);
   void hold_back(Call call, const Answer& answer, TimePoint now);
-  void hand_out_proven(const Module& module);
-  bool answers(const Reply& reply, const InFlight& in_flight) const;
-  void conclude(Channel& channel, Answer answer, TimePoint now);
-  void finish(Call call, const Answer& answer);
-  InFlight settle(Channel& channel, Status status, TimePoint now);
-  void expect_special_replies();
-  Channel* channel_awaiting_version_text();
-  Channel* channel_reading_memory();
-  Channel* find_channel(const std::function<bool(const Request&)>& sent);
+  void hand_out_proven(const Conversation& module);
 
-  Error error_for(const Call& call, Errc code, std::string message, std::string hint) const;
-  Error timeout_error(const Call& call) const;
-  Error silence_error(const Call& call) const;
-  Error refusal_of_link(const Call& call) const;
-  Error doubt_error(const Call& call) const;
+  // full_link.cpp
+  void confirm_last_send();
+  void take_back(Channel& channel);
+  void take_back_call(Call call);
+  void take_back_shout(std::uint64_t place);
+  void end_refused_calls(TimePoint now);
+  Duration time_for_link(const Call& call) const;
+
   void complete(const Call& call, const Result<Answer>& result);
+  void fail(const Call& call, Error error);
+  /// Ends every waiting call that satisfies `doomed` with the error that `error_of` makes.
+  template <class Doomed, class ErrorOf>
+  void fail_if(const Doomed& doomed, const ErrorOf& error_of) {
+    for (const auto& call : queue().remove_if(doomed)) fail(call, error_of(call));
+  }
 
-  Framing framing_;
   Duration wire_time_;
   BusOptions options_;
-  CallQueue queue_;
-  Channel line_;
-  std::map<std::uint8_t, Module> modules_;
+  Scheduler scheduler_;
+  Conversations modules_;
   SerialDecoder decoder_;
-  std::deque<Action> actions_;
+  std::vector<Action> actions_;
+  std::size_t actions_given_ = 0;  ///< Of `actions_`.
   BusCounters counters_;
   std::optional<std::string> lost_;
   /// What next_action() gave out last: as long as it is not called again, the link may refuse it.
   std::optional<Send> handed_out_;
-  /// The link refused something, and has taken nothing since.
-  bool link_is_full_ = false;
-  TimePoint full_until_{};
-  /// CAN: a call that needs the bus for itself waits for the others to end.
-  bool memory_is_wanted_ = false;
-  /// The state has been acted upon as of this instant.
-  TimePoint last_now_{};
 };
 
 }  // namespace tmcl::engine

@@ -1,7 +1,5 @@
 #include "engine/call_queue.hpp"
 
-#include <algorithm>
-
 #include "tmcl/coordinates.hpp"
 
 namespace tmcl::engine {
@@ -30,18 +28,23 @@ CallQueue::Calls& CallQueue::level_of(const Call& call) {
   }
 }
 
+void CallQueue::insert(Calls& level, Calls::const_iterator before, Call call) {
+  if (spare_.empty()) spare_.emplace_back();
+  spare_.front() = std::move(call);
+  level.splice(before, spare_, spare_.begin());
+  ++size_;
+}
+
 void CallQueue::push_back(Call call) {
   call.place = next_place_++;
   auto& level = level_of(call);
-  level.push_back(std::move(call));
-  ++size_;
+  insert(level, level.end(), std::move(call));
 }
 
 void CallQueue::put_back(Call call) {
   auto& level = level_of(call);
   const auto later = std::ranges::upper_bound(level, call.place, {}, &Call::place);
-  level.insert(later, std::move(call));
-  ++size_;
+  insert(level, later, std::move(call));
 }
 
 bool CallQueue::join(const Request& request, const CallOptions& options, Ticket ticket) {
@@ -54,40 +57,18 @@ bool CallQueue::join(const Request& request, const CallOptions& options, Ticket 
     return call.request == request && has_defaults(call.options) && !call.unproven;
   });
   if (twin == reads.end()) return false;
-  twin->tickets.push_back(ticket);
+  twin->joined.push_back(ticket);
   return true;
 }
 
-Call* CallQueue::find(const std::function<bool(const Call&)>& wanted) {
-  if (size_ == 0) return nullptr;
-  for (auto& level : levels_) {
-    const auto found = std::ranges::find_if(level, wanted);
-    if (found != level.end()) return &*found;
-  }
-  return nullptr;
-}
-
-void CallQueue::for_each(const std::function<void(Call&)>& act) {
-  for (auto& level : levels_) std::ranges::for_each(level, act);
-}
-
-Call CallQueue::take(const Call* found) {
-  for (auto& level : levels_) {
-    const auto position =
-        std::ranges::find_if(level, [&](const Call& call) { return &call == found; });
-    if (position == level.end()) continue;
-    Call call = std::move(*position);
-    level.erase(position);
-    --size_;
-    return call;
-  }
-  return {};
-}
-
-std::vector<Call> CallQueue::remove_if(const std::function<bool(const Call&)>& doomed) {
-  std::vector<Call> removed;
-  while (const auto* call = find(doomed)) removed.push_back(take(call));
-  return removed;
+Call CallQueue::take(const Call& found) {
+  auto& level = level_of(found);
+  const auto position =
+      std::ranges::find_if(level, [&](const Call& call) { return &call == &found; });
+  Call call = std::move(*position);
+  spare_.splice(spare_.end(), level, position);
+  --size_;
+  return call;
 }
 
 std::optional<TimePoint> CallQueue::earliest_deadline() const {

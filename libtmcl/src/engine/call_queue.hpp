@@ -2,10 +2,10 @@
 /// in the order of arrival.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
-#include <deque>
-#include <functional>
+#include <list>
 #include <optional>
 #include <vector>
 
@@ -17,11 +17,14 @@ namespace tmcl::engine {
 /// lives.
 using Ticket = std::uint64_t;
 
+using SharedHold = std::shared_ptr<const Hold>;
+
 struct Call {
   Request request;
   CallOptions options;
-  /// Everyone who waits for this exchange: identical reads are joined.
-  std::vector<Ticket> tickets;
+  Ticket ticket = 0;
+  /// Who else waits for this exchange: identical reads are joined.
+  std::vector<Ticket> joined{};
   unsigned times_sent = 0;
   /// A stop that already went out once, unproven, because the line was not in step.
   bool shouted = false;
@@ -59,21 +62,39 @@ class CallQueue {
   bool join(const Request& request, const CallOptions& options, Ticket ticket);
 
   /// The first call, in the order of going out, that satisfies `wanted`; null if none does.
-  Call* find(const std::function<bool(const Call&)>& wanted);
-  void for_each(const std::function<void(Call&)>& act);
+  template <class Wanted>
+  Call* find(const Wanted& wanted) {
+    for (auto& level : levels_) {
+      const auto found = std::ranges::find_if(level, wanted);
+      if (found != level.end()) return &*found;
+    }
+    return nullptr;
+  }
+  template <class Act>
+  void for_each(const Act& act) {
+    for (auto& level : levels_) std::ranges::for_each(level, act);
+  }
   /// Removes the call that find() gave.
-  Call take(const Call* found);
+  Call take(const Call& found);
   /// Removes every call that satisfies `doomed`, in the order of going out.
-  std::vector<Call> remove_if(const std::function<bool(const Call&)>& doomed);
+  template <class Doomed>
+  std::vector<Call> remove_if(const Doomed& doomed) {
+    std::vector<Call> removed;
+    while (const auto* call = find(doomed)) removed.push_back(take(*call));
+    return removed;
+  }
 
   /// The earliest deadline that a queued call has.
   std::optional<TimePoint> earliest_deadline() const;
 
  private:
-  using Calls = std::deque<Call>;
+  using Calls = std::list<Call>;
   Calls& level_of(const Call& call);
+  void insert(Calls& level, Calls::const_iterator before, Call call);
 
   std::array<Calls, 3> levels_;  // stops, acts, reads
+  /// Room of calls that are gone, for those that come.
+  Calls spare_;
   std::size_t size_ = 0;
   std::uint64_t next_place_ = 0;
 };

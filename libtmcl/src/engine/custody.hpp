@@ -12,6 +12,7 @@
 #pragma once
 
 #include <memory>
+#include <vector>
 
 #include "engine/call_queue.hpp"
 
@@ -19,22 +20,27 @@ namespace tmcl::engine {
 
 class Custody {
  public:
+  /// Why a hold has ended although it is still there.
+  enum class End : std::uint8_t { not_yet, stop, idle };
+
   /// Whether the module takes this call now, as far as custody is concerned.
   bool admits(const Call& call) const;
   /// Waiting would not help this call: the module's holder has it in its bootloader.
   bool is_lost_on_bootloader(const Call& call) const;
   bool is_recording() const { return recording_; }
-  bool is_recording_for(const std::shared_ptr<Hold>& hold) const {
+  bool is_recording_for(const SharedHold& hold) const {
     return recording_ && hold && hold == holder();
   }
+  End end_of(const SharedHold& hold) const;
 
+  void on_submitted(const Call& call);
   void on_sent(const Call& call, TimePoint now);
   void on_answered(Command command, Status status, TimePoint now);
   /// A module recorded what was meant to be executed: someone else had begun a download.
   void found_recording();
 
-  /// Takes the module away from its holder if it is recording for one; gives back that hold.
-  std::shared_ptr<Hold> end_download(Hold::End why);
+  /// A stop takes the module away from its holder if it is recording for one; gives back that hold.
+  SharedHold end_download();
   /// Notices that a hold is gone, or has been idle for too long.
   void look_after(TimePoint now, bool in_flight);
   /// Something may have to be noticed soon.
@@ -51,10 +57,17 @@ class Custody {
   void try_again() { ends_sent_ = 0; }
 
  private:
-  std::shared_ptr<Hold> holder() const;
+  struct Ended {
+    std::weak_ptr<const Hold> hold;
+    End why;
+  };
+  SharedHold holder() const;
+  void end(const SharedHold& hold, End why);
 
-  std::weak_ptr<Hold> holder_;
+  std::weak_ptr<const Hold> holder_;
+  std::vector<Ended> ended_;  ///< Those that are still there.
   bool has_holder_ = false;
+  bool in_bootloader_ = false;
   bool recording_ = false;
   unsigned ends_sent_ = 0;
   TimePoint last_used_{};

@@ -66,10 +66,11 @@ struct Upload {
   FirmwareMatch match{};
   BootMemory memory{};
   /// From the first stop to the start of the firmware.
-  std::shared_ptr<Hold> hold = std::make_shared<Hold>();
+  std::shared_ptr<const Hold> hold = std::make_shared<const Hold>();
+  bool in_bootloader = false;
 
   CallOptions call(std::optional<Duration> reply_timeout = std::nullopt) const {
-    return {.reply_timeout = reply_timeout, .hold = hold};
+    return {.reply_timeout = reply_timeout, .hold = hold, .in_bootloader = in_bootloader};
   }
   std::optional<Error> objection() const {
     return options.objection ? options.objection() : std::nullopt;
@@ -337,9 +338,9 @@ Script<Result<void>> seal(const Upload& upload) {
   co_return Result<void>{};
 }
 
-Script<Result<void>> start_firmware(const Upload& upload) {
+Script<Result<void>> start_firmware(Upload& upload) {
   // From here on a stop may be of use again.
-  upload.hold->in_bootloader = false;
+  upload.in_bootloader = false;
   co_await must(
       exchange(boot_request(upload.module, Command::BOOT_START_APPLICATION), upload.call()));
   co_return co_await wait_until(upload, false);
@@ -355,7 +356,7 @@ Script<Result<void>> prepare(Upload& upload, const FoundModule& found) {
     upload.tell("entering the bootloader");
     co_await must(during("entering the bootloader", enter_bootloader(upload), still_in_bootloader));
   }
-  upload.hold->in_bootloader = true;
+  upload.in_bootloader = true;
   upload.memory = co_await must(
       during("asking the bootloader", read_memory_layout(upload), still_in_bootloader));
   auto wrong = misfit(upload.image, upload.memory);

@@ -7,8 +7,7 @@
 /// when the fence's reply is here, older ones cannot come any more.
 ///
 ///     in step ──request given up, unexplained reply──▶ out of step ──fence answered──▶ in step
-///                                                       └─fences not answered─▶ silent (for a
-///                                                       time)
+///                                                       └─fences not answered─▶ silent for a time
 #pragma once
 
 #include <bitset>

@@ -53,7 +53,7 @@ std::optional<Error> objection(const Program& program, std::size_t first_address
 /// One program on its way into, or out of, a module.
 struct Loading {
   ModuleAddress module;
-  std::shared_ptr<Hold> hold;
+  std::shared_ptr<const Hold> hold;
   LoadOptions options;
   LoadProgress progress{};
 
@@ -224,7 +224,7 @@ Request breakpoint(ModuleAddress module, Breakpoint what, std::int32_t address =
 Script<Result<void>> load_program(ModuleAddress module, Program program, LoadOptions options) {
   if (auto error = objection(program, options.first_address))
     co_return tl::unexpected(std::move(*error));
-  Loading loading{module, std::make_shared<Hold>(), options};
+  Loading loading{module, std::make_shared<const Hold>(), options};
   // The first place is written twice.
   loading.progress.of = (program.size() + 1) * (options.compare ? 2U : 1U);
   co_await must(be_writable(module, loading.call()));

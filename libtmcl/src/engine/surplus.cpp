@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "engine/bus_engine.hpp"
+#include "engine/call_errors.hpp"
 
 namespace tmcl::engine {
 namespace {
@@ -11,8 +12,8 @@ constexpr unsigned most_doubts = 8;
 
 }  // namespace
 
-void BusEngine::on_unexplained(const Reply& reply, TimePoint now) {
-  auto& lane = modules_.at(reply.module).lane;
+void BusEngine::on_unexplained(Conversation& module, const Reply& reply, TimePoint now) {
+  auto& lane = module.lane;
   if (lane.has_abandoned(reply.command)) {
     ++counters_.late_replies;
     if (lane.is_duplicate_suspected(now)) lane.note_surplus(reply.command, now);
@@ -21,16 +22,15 @@ void BusEngine::on_unexplained(const Reply& reply, TimePoint now) {
   ++counters_.unexpected_replies;
   lane.lose_step();
   if (!lane.note_surplus(reply.command, now)) return;
-  const auto address = modules_.at(reply.module).address;
   actions_.push_back(BusEvent{
-      BusEvent::Kind::duplicate_address, address, 0,
+      BusEvent::Kind::duplicate_address, module.address, 0,
       fmt::format("more replies come than were asked for: two modules have the address {}, or "
                   "another program asks on this bus",
-                  number(address))});
+                  number(module.address))});
 }
 
 void BusEngine::doubt_answers_like(const Reply& reply) {
-  queue_.for_each([&](Call& call) {
+  queue().for_each([&](Call& call) {
     const bool is_alike =
         reply_byte(call.request.address) == reply.module && call.request.command == reply.command;
     if (call.unproven && is_alike) call.is_doubtful = true;
@@ -40,7 +40,7 @@ void BusEngine::doubt_answers_like(const Reply& reply) {
 /// Not versions: several modules of one address are found by asking for those. And a fence must not
 /// go to a module that may record it.
 bool BusEngine::must_prove(const Call& call, Status status, TimePoint now) {
-  const auto& module = module_of(call.request.address);
+  const auto& module = modules_.with(call.request.address);
   return module.lane.is_duplicate_suspected(now) && call.effect == Effect::reads &&
          call.may_repeat() && call.request.command != Command::GET_FIRMWARE_VERSION &&
          status != Status::wrong_checksum && !call.options.hold && !module.custody.is_recording();
@@ -49,38 +49,28 @@ bool BusEngine::must_prove(const Call& call, Status status, TimePoint now) {
 /// The fence that follows must be of another command: whatever comes of this one before it is
 /// answered is a second reply.
 void BusEngine::hold_back(Call call, const Answer& answer, TimePoint now) {
-  module_of(call.request.address).lane.abandon(call.request.command, now);
+  modules_.with(call.request.address).lane.abandon(call.request.command, now);
   call.unproven = answer;
   call.is_doubtful = false;
-  queue_.put_back(std::move(call));
+  queue().put_back(std::move(call));
 }
 
 /// Modules answer in order, and a fence has just been answered: whatever else came in reply to what
 /// was asked before it has come by now.
-void BusEngine::hand_out_proven(const Module& module) {
+void BusEngine::hand_out_proven(const Conversation& module) {
   const auto waits_for_it = [&](const Call& call) {
     return call.unproven && reply_byte(call.request.address) == reply_byte(module.address);
   };
-  for (auto& call : queue_.remove_if(waits_for_it)) {
+  for (auto& call : queue().remove_if(waits_for_it)) {
     const auto answer = *std::exchange(call.unproven, std::nullopt);
     if (!call.is_doubtful) {
       finish(std::move(call), answer);
     } else if (++call.doubts < most_doubts) {
-      queue_.put_back(std::move(call));
+      queue().put_back(std::move(call));
     } else {
-      complete(call, tl::unexpected(doubt_error(call)));
+      fail(call, doubt_error(call));
     }
   }
-}
-
-Error BusEngine::doubt_error(const Call& call) const {
-  return error_for(call, Errc::unexpected_value,
-                   fmt::format("more than one reply came to it, {} times: nobody can tell which is "
-                               "right",
-                               call.doubts),
-                   fmt::format("two modules have the address {}, or another program asks on this "
-                               "bus: end that, or give one module another address",
-                               number(call.request.address)));
 }
 
 }  // namespace tmcl::engine

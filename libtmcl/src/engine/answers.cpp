@@ -1,0 +1,142 @@
+// What came in over the wire, and what it answers.
+#include "engine/bus_engine.hpp"
+#include "engine/call_errors.hpp"
+
+namespace tmcl::engine {
+
+void BusEngine::on_bytes(std::span<const std::uint8_t> bytes, TimePoint now) {
+  for (const auto byte : bytes) {
+    const auto item = decoder_.push(byte);
+    if (!item) continue;
+    if (const auto* reply = std::get_if<Reply>(&*item)) {
+      on_reply(*reply, now);
+    } else if (modules_.line().is_busy()) {
+      on_version_text(modules_.line(), std::get<VersionText>(*item).version, now);
+    }
+  }
+  go_on(now);
+}
+
+void BusEngine::on_frame(const CanFrame& frame, TimePoint now) {
+  std::optional<FirmwareVersion> text;
+  auto* const channel = modules_.find_channel([&](const Channel& busy) {
+    if (busy.is_busy()) text = busy.form_of_answer().text_in(frame);
+    return text.has_value();
+  });
+  if (channel != nullptr) {
+    on_version_text(*channel, *text, now);
+  } else if (const auto reply = decode_can_reply(frame)) {
+    on_reply(*reply, now);
+  } else {
+    counters_.garbage_bytes += frame.length;
+  }
+  go_on(now);
+}
+
+void BusEngine::on_reply(const Reply& reply, TimePoint now) {
+  auto* const module = modules_.find(reply.module);
+  const bool is_event =
+      reply.command == Command::TARGET_REACHED_EVENT && reply.status == Status::delayed;
+  if (is_event) return on_event(module, reply);
+  if (module != nullptr) {
+    auto& channel = modules_.channel_of(*module);
+    if (channel.is_answered_by(reply)) return conclude(channel, Answer{reply}, now);
+  }
+  const auto is_disguised = [](const Channel& channel) {
+    return channel.is_busy() && channel.form_of_answer().is_in_disguise();
+  };
+  if (auto* channel = modules_.find_channel(is_disguised))
+    return on_reply_in_disguise(*channel, reply, now);
+  if (module != nullptr) return on_unexplained(*module, reply, now);
+  ++counters_.unexpected_replies;
+}
+
+void BusEngine::on_event(const Conversation* module, const Reply& reply) {
+  if (module == nullptr) {
+    ++counters_.unexpected_replies;
+    return;
+  }
+  actions_.push_back(BusEvent{BusEvent::Kind::target_reached, module->address, reply.value});
+}
+
+void BusEngine::on_reply_in_disguise(Channel& channel, const Reply& reply, TimePoint now) {
+  if (channel.is_answered_by(reply)) return conclude(channel, Answer{reply}, now);
+  if (is_late_from_other(reply, channel.in_flight().sent, now)) {
+    ++counters_.late_replies;
+    return;
+  }
+  const auto done = settle(channel, Status::ok, now);
+  if (done.call) complete(*done.call, Answer{reply});
+}
+
+/// Such a reply and a line of a program look alike.
+bool BusEngine::is_late_from_other(const Reply& reply, const Request& sent, TimePoint now) {
+  if (reply.module == reply_byte(sent.address)) return false;
+  const auto* other = modules_.find(reply.module);
+  return other != nullptr && other->lane.may_still_answer(reply.command, now);
+}
+
+void BusEngine::on_version_text(Channel& channel, FirmwareVersion version, TimePoint now) {
+  const auto& sent = channel.in_flight().sent;
+  const Reply reply{options_.host_address, reply_byte(sent.address), Status::ok, sent.command, 0};
+  conclude(channel, Answer{reply, version}, now);
+}
+
+InFlight BusEngine::take_from(Channel& channel) {
+  auto taken = channel.take();
+  expect_answer();
+  return taken;
+}
+
+/// Of what is under way on a serial line.
+void BusEngine::expect_answer() {
+  const auto& line = modules_.line();
+  const auto& form = line.is_busy() ? line.form_of_answer() : ReplyForm::of({});
+  form.expect(decoder_);
+}
+
+/// What every answer means, whatever it says.
+InFlight BusEngine::settle(Channel& channel, Status status, TimePoint now) {
+  auto done = take_from(channel);
+  ++counters_.replies;
+  auto& module = modules_.with(done.sent.address);
+  module.lane.answered(done.sent.command, now);
+  module.custody.on_answered(done.sent.command, status, now);
+  const bool proves = !done.call || done.ends_download();
+  if (proves && !module.lane.has_abandoned(done.sent.command)) {
+    module.lane.prove();
+    hand_out_proven(module);
+  }
+  return done;
+}
+
+void BusEngine::conclude(Channel& channel, Answer answer, TimePoint now) {
+  const auto status = answer.reply.status;
+  auto done = settle(channel, status, now);
+  if (!done.call) return;
+  const auto& lane = modules_.with(done.sent.address).lane;
+  answer.duplicate_suspected = lane.is_duplicate_suspected(now);
+  if (must_prove(*done.call, status, now)) return hold_back(std::move(*done.call), answer, now);
+  finish(std::move(*done.call), answer);
+}
+
+void BusEngine::finish(Call call, const Answer& answer) {
+  const auto status = answer.reply.status;
+  const bool wrongly_recorded = status == Status::command_loaded && !call.options.hold;
+  if (wrongly_recorded) return on_recorded(std::move(call), status);
+  if (is_success(status)) return complete(call, answer);
+  auto error = refusal(call.request, status);
+  if (status == Status::wrong_checksum) return repeat_or_give_up(std::move(call), std::move(error));
+  fail(call, std::move(error));
+}
+
+/// Nothing was executed: somebody has left the module in download mode. Only a stop ends that.
+void BusEngine::on_recorded(Call call, Status status) {
+  if (call.is_stop()) {
+    modules_.with(call.request.address).custody.found_recording();
+    if (call.times_sent < options_.attempts) return queue().put_back(std::move(call));
+  }
+  fail(call, recorded_error(call, status));
+}
+
+}  // namespace tmcl::engine
