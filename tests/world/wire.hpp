@@ -1,0 +1,170 @@
+/// A bus of the world: simulated modules behind a paced line, whose replies may get lost, late or
+/// doubled on their way to the gateway.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include <unistd.h>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+
+#include "sim/bench.hpp"
+#include "sim/ports/scheduler.hpp"
+#include "sim/wire/can_line.hpp"
+#include "sim/wire/serial_line.hpp"
+#include "support/random.hpp"
+#include "tmcl/link.hpp"
+#include "tmcl/timer.hpp"
+#include "world/trace.hpp"
+
+namespace tmcld::test {
+
+/// Of a thousand replies; what is left of them arrives as it was sent.
+struct Faults {
+  int lost = 0;
+  int late = 0;
+  int doubled = 0;
+  tmcl::Duration latest = std::chrono::milliseconds(400);
+};
+
+/// A generator that is nobody else's: what a newcomer draws shifts nothing for the others.
+inline tmcl::test::Random<> generator(std::uint64_t seed, std::string_view name) {
+  Trace mixed;
+  mixed.add(seed);
+  mixed.add(name);
+  return tmcl::test::Random<>(mixed.value());
+}
+
+class Wire {
+ public:
+  using Bytes = std::vector<std::uint8_t>;
+  using OnRequest = std::function<void(const tmcl::Request&)>;
+
+  Wire(boost::asio::io_context& context, std::string name, tmcl::Framing framing,
+       std::uint64_t seed, Faults faults, Trace& trace)
+      : context_(&context),
+        name_(std::move(name)),
+        framing_(framing),
+        faults_(faults),
+        random_(generator(seed, name_)),
+        trace_(&trace),
+        clock_(context),
+        bench_(clock_),
+        scheduler_(context, bench_),
+        serial_(bench_, [this](auto bytes) { pass_on(Bytes(bytes.begin(), bytes.end())); },
+                {.bits_per_second = 115'200, .to_answer = std::chrono::microseconds(500)}),
+        can_(bench_, [this](const tmcl::CanFrame& frame) { pass_on(frame); },
+             {.bits_per_second = 1'000'000, .to_answer = std::chrono::microseconds(200)}),
+        readiness_(context) {}
+
+  tmcl::sim::Bench& bench() { return bench_; }
+  const std::string& name() const { return name_; }
+  /// Told of every request, when the gateway sends it.
+  OnRequest on_request;
+  std::size_t requests() const { return requests_; }
+
+  /// The gateway's end; the one before is dead then.
+  tmcl::Result<tmcl::Link> open() {
+    auto ends = tmcl::Link::memory_pair(framing_);
+    if (!ends) return tl::unexpected(ends.error());
+    far_ = std::make_unique<tmcl::Link>(std::move(ends->second));
+    boost::system::error_code ignored;
+    readiness_.close(ignored);
+    readiness_.assign(::dup(far_->descriptor()));
+    wait();
+    return std::move(ends->first);
+  }
+
+ private:
+  void wait() {
+    readiness_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
+                          [this](const auto& error) {
+                            if (!error && read()) wait();
+                          });
+  }
+
+  /// False when the gateway has closed its end.
+  bool read() {
+    const bool open = framing_ == tmcl::Framing::serial ? read_bytes() : read_frames();
+    scheduler_.touch();
+    return open;
+  }
+
+  bool read_bytes() {
+    Bytes bytes(tmcl::serial_datagram_size);
+    const auto count = far_->read(bytes);
+    if (!count || *count == 0) return false;
+    bytes.resize(*count);
+    if (*count == tmcl::serial_datagram_size) {
+      const std::span<const std::uint8_t, tmcl::serial_datagram_size> whole(bytes.data(), *count);
+      note(tmcl::decode_serial_request(whole), bytes);
+    }
+    serial_.receive(bytes);
+    return true;
+  }
+
+  bool read_frames() {
+    auto input = far_->read_frame();
+    if (!input) return false;
+    if (!*input) return true;
+    const auto& frame = std::get<tmcl::CanFrame>(**input);
+    note(tmcl::decode_can_request(frame), frame.data);
+    can_.receive(frame);
+    return true;
+  }
+
+  void note(const std::optional<tmcl::Request>& request, std::span<const std::uint8_t> bytes) {
+    trace_->add(clock_.now(), name_ + " <", bytes);
+    ++requests_;
+    if (request && on_request) on_request(*request);
+  }
+
+  template <class Reply>
+  void pass_on(Reply reply) {
+    if (drawn(faults_.lost)) return;
+    if (drawn(faults_.late)) return write_later(std::move(reply));
+    write(reply);
+    if (drawn(faults_.doubled)) write(reply);
+  }
+  bool drawn(int of_thousand) { return random_.between(0, 999) < of_thousand; }
+
+  template <class Reply>
+  void write_later(Reply reply) {
+    const auto timer = std::make_shared<tmcl::Timer>(context_->get_executor());
+    timer->expires_after(tmcl::Duration(random_.between(1, faults_.latest.count())));
+    timer->async_wait([this, timer, reply = std::move(reply)](const auto& error) {
+      if (!error) write(reply);
+    });
+  }
+
+  void write(const Bytes& bytes) {
+    trace_->add(clock_.now(), name_ + " >", bytes);
+    (void)far_->write(bytes);
+  }
+  void write(const tmcl::CanFrame& frame) {
+    trace_->add(clock_.now(), name_ + " >", frame.data);
+    (void)far_->write_frame(frame);
+  }
+
+  boost::asio::io_context* context_;
+  std::string name_;
+  tmcl::Framing framing_;
+  Faults faults_;
+  tmcl::test::Random<> random_;
+  Trace* trace_;
+  tmcl::ContextClock clock_;
+  tmcl::sim::Bench bench_;
+  tmcl::sim::Scheduler scheduler_;
+  tmcl::sim::SerialLine serial_;
+  tmcl::sim::CanLine can_;
+  std::unique_ptr<tmcl::Link> far_;
+  boost::asio::posix::stream_descriptor readiness_;
+  std::size_t requests_ = 0;
+};
+
+}  // namespace tmcld::test

@@ -1,0 +1,228 @@
+/// A gateway, its clients, two buses and their modules in one process, in virtual time: the same
+/// from the same seed.
+#pragma once
+
+#include <csignal>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <boost/asio/io_context.hpp>
+#include <boost/json/serialize.hpp>
+
+#include "api/dispatch.hpp"
+#include "api/subscriptions.hpp"
+#include "async/rest.hpp"
+#include "async/spawn.hpp"
+#include "config/load.hpp"
+#include "gateway/gateway.hpp"
+#include "log/log.hpp"
+#include "tmcl/virtual_time.hpp"
+#include "world/ledger.hpp"
+#include "world/wire.hpp"
+
+namespace tmcld::test {
+
+namespace json = boost::json;
+
+class WorldPeer final : public Peer {
+ public:
+  explicit WorldPeer(Trace& trace) : trace_(&trace) {}
+  void notify(std::string_view method, json::object) override { trace_->add(method); }
+  bool is_gone() const override { return false; }
+  Subscriptions& subscriptions() override { return subscriptions_; }
+
+ private:
+  Trace* trace_;
+  Subscriptions subscriptions_{[] {}};
+};
+
+/// Three motors of one module on a serial line, and three modules with one motor each on CAN.
+class World {
+ public:
+  static constexpr std::size_t clients = 4;
+  static constexpr int calls_of_each = 40;
+
+  World(std::uint64_t seed, Faults faults)
+      : seed_(seed),
+        work_(generator(seed, "work")),
+        serial_(context_, "line", tmcl::Framing::serial, seed, faults, trace_),
+        can_(context_, "field", tmcl::Framing::can, seed, faults, trace_),
+        ledger_(axes()) {
+    std::signal(SIGPIPE, SIG_IGN);
+    silence_log();
+    time_.set_time_for_work(
+        [this] { return tmcl::Duration(std::chrono::microseconds(work_.between(100, 20'000))); });
+    add(serial_, "TMCM-3110", 1);
+    add(can_, "TMCM-1110", 1);
+    add(can_, "TMCM-1240", 3);
+    add(can_, "TMCM-1160", 4);
+    for (auto* wire : {&serial_, &can_}) {
+      wire->on_request = [this, wire](const tmcl::Request& request) {
+        ledger_.on_request(wire->name(), request, time_.now());
+      };
+    }
+    gateway_ = Gateway::create(context_.get_executor(), configuration(),
+                               [this](const BusConfig& bus) { return wire(bus.name).open(); });
+  }
+
+  /// Until every client has made its calls, the gateway has ended, and nothing is left to do.
+  void run() {
+    gateway_->start();
+    for (std::size_t i = 0; i < clients; ++i) spawn(context_.get_executor(), client(i));
+    using namespace std::chrono_literals;
+    all_ended_ = time_.run_while_not([this] { return ended_ == clients; }, 10min);
+    journeys_ended_ = time_.run_while_not([this] { return !gateway_->has_journeys(); }, 1min);
+    gateway_->close();
+    time_.run_for(10s);
+    trace_.add(static_cast<std::uint64_t>(time_.now().time_since_epoch().count()));
+  }
+
+  bool all_ended() const { return all_ended_; }
+  bool journeys_ended() const { return journeys_ended_; }
+  std::uint64_t trace() const { return trace_.value(); }
+  const Ledger& ledger() const { return ledger_; }
+  std::size_t requests() const { return serial_.requests() + can_.requests(); }
+  tmcl::TimePoint now() const { return time_.now(); }
+
+ private:
+  using Random = tmcl::test::Random<>;
+
+  static std::vector<WorldAxis> axes() {
+    using tmcl::ModuleAddress;
+    return {{"a", "line", {ModuleAddress{1}, 0}},  {"b", "line", {ModuleAddress{1}, 1}},
+            {"c", "line", {ModuleAddress{1}, 2}},  {"d", "field", {ModuleAddress{1}, 0}},
+            {"e", "field", {ModuleAddress{3}, 0}}, {"f", "field", {ModuleAddress{4}, 0}}};
+  }
+
+  static const Config& configuration() {
+    static const Config config = [] {
+      std::string text = "[daemon]\nsocket = \"/none\"\n";
+      text += "[[bus]]\nname = \"line\"\nlink = \"serial:/dev/none@115200\"\n";
+      text += "[[bus]]\nname = \"field\"\nlink = \"can:none\"\n";
+      for (const auto& axis : axes()) {
+        text += "[[axis]]\nname = \"" + axis.name + "\"\nbus = \"" + axis.bus +
+                "\"\naddress = " + std::to_string(number(axis.address.module)) +
+                "\nmotor = " + std::to_string(axis.address.motor) + "\n";
+      }
+      return parse_config(text).value();
+    }();
+    return config;
+  }
+
+  static void add(Wire& wire, std::string_view model, std::uint16_t address) {
+    wire.bench().add(*tmcl::find_model(model), tmcl::ModuleAddress{address});
+  }
+  Wire& wire(const std::string& name) { return name == serial_.name() ? serial_ : can_; }
+
+  // ---- clients ----
+
+  boost::asio::awaitable<void> client(std::size_t index) {
+    auto random = generator(seed_, "client " + std::to_string(index));
+    const auto peer = std::make_shared<WorldPeer>(trace_);
+    for (int i = 0; i < calls_of_each; ++i) {
+      co_await rest(std::chrono::microseconds(random.any_size(200'000)));
+      json::object params;
+      auto call = any_call(random, index, params);
+      auto carried_out = carry_out(peer, std::move(call), std::move(params));
+      co_await std::move(carried_out);
+    }
+    ++ended_;
+  }
+
+  boost::asio::awaitable<void> carry_out(std::shared_ptr<WorldPeer> peer, WorldCall call,
+                                         json::object params) {
+    auto request = request_of(call, std::move(params));
+    const auto number = ledger_.begin(std::move(call), now());
+    const auto result = co_await dispatch(gateway_, peer, std::move(request));
+    ledger_.end(number, result, now());
+    trace_.add(result ? json::serialize(*result) : result.error().message);
+  }
+
+  static RpcRequest request_of(const WorldCall& call, json::object params) {
+    const json::object line{
+        {"jsonrpc", "2.0"}, {"id", 1}, {"method", call.method}, {"params", std::move(params)}};
+    auto request = parse_request(json::serialize(line));
+    if (!request) throw std::logic_error(call.method + ": " + request.error().error.message);
+    return std::move(*request);
+  }
+
+  static std::int64_t far(Random& random) { return random.between(-200'000, 200'000); }
+
+  static WorldCall any_call(Random& random, std::size_t client, json::object& params) {
+    static const auto all = axes();
+    const auto& axis = all[static_cast<std::size_t>(random.between(0, 5))].name;
+    params["axis"] = axis;
+    const auto value = static_cast<std::int32_t>(far(random));
+    switch (random.between(0, 15)) {
+      case 0:
+      case 1: return {"axis.stop", {axis}};
+      case 2: params.clear(); return {"system.stop_all", names_of(all)};
+      case 3:
+        // Where it ends is not known before: of two at once nobody could tell which was sent.
+        if (client != 0) return {"axis.stop", {axis}};
+        params["distance_microsteps"] = value;
+        return {"axis.move_by", {axis}};
+      case 4:
+      case 5:
+      case 6: params["position_microsteps"] = value; return {"axis.move_to", {axis}, {value}};
+      case 7: {
+        const auto velocity = value / 200;
+        params["velocity_internal"] = velocity;
+        return {"axis.rotate", {axis}, {velocity}};
+      }
+      case 8:
+      case 9: return line(random, params);
+      case 10:
+        params["parameter"] = 4;
+        params["value"] = random.between(100, 1000);
+        return {"parameter.set", {axis}};
+      case 11:
+        params["parameter"] = 0;
+        params["value"] = value;
+        return {"parameter.set", {axis}, {value}};
+      case 12: params["timeout_ms"] = random.between(1, 1000); return {"axis.wait", {axis}};
+      default: return {"axis.get_state", {axis}};
+    }
+  }
+
+  static WorldCall line(Random& random, json::object& params) {
+    auto chosen = axes();
+    for (std::size_t i = chosen.size() - 1; i > 0; --i)
+      std::swap(chosen[i],
+                chosen[static_cast<std::size_t>(random.between(0, static_cast<std::int64_t>(i)))]);
+    chosen.resize(static_cast<std::size_t>(random.between(2, 4)));
+    json::array names, positions;
+    std::vector<std::int32_t> values;
+    for (const auto& axis : chosen) {
+      values.push_back(static_cast<std::int32_t>(far(random)));
+      names.emplace_back(axis.name);
+      positions.emplace_back(values.back());
+    }
+    params = {{"axes", std::move(names)}, {"positions_microsteps", std::move(positions)}};
+    return {"line.move", names_of(chosen), std::move(values)};
+  }
+
+  static std::vector<std::string> names_of(const std::vector<WorldAxis>& axes) {
+    std::vector<std::string> names;
+    for (const auto& axis : axes) names.push_back(axis.name);
+    return names;
+  }
+
+  std::uint64_t seed_;
+  boost::asio::io_context context_{1};
+  tmcl::VirtualTime time_{context_};
+  Trace trace_;
+  Random work_;
+  Wire serial_;
+  Wire can_;
+  Ledger ledger_;
+  std::shared_ptr<Gateway> gateway_;
+  std::size_t ended_ = 0;
+  bool all_ended_ = false;
+  bool journeys_ended_ = false;
+};
+
+}  // namespace tmcld::test
