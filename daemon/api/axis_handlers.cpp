@@ -18,10 +18,11 @@ RpcResult failed(const tmcl::Error& error, const GatewayAxis& axis) {
 
 bool wants_prediction(const Call& call) { return call.params.boolean_or("predict", true); }
 
-boost::asio::awaitable<json::object> to_result(GatewayAxis& axis, StartedMove started) {
+boost::asio::awaitable<json::object> to_result(GatewayAxis& axis, StartedMove started,
+                                               const tmcl::UserScale* scale) {
   json::object result;
   result["target_microsteps"] = started.target.value;
-  co_await add_in_unit(result, axis, "target", started.target);
+  co_await add_in_unit(result, axis, "target", started.target, scale);
   result["predicted_s"] = nullptr;
   if (started.predicted) result["predicted_s"] = tmcl::seconds(*started.predicted);
   co_return result;
@@ -44,9 +45,9 @@ Answer move_to(Call& call) {
   const auto* row = find_parameter(axis.parameters(), ap::target_position);
   const auto target = co_await length_of(call, axis, "position_microsteps", "position", row);
   if (!target) co_return tl::unexpected(target.error());
-  const auto moved = co_await axis.move_to(*target, wants_prediction(call), ready->moves);
+  const auto moved = co_await axis.move_to(target->length(), wants_prediction(call), ready->moves);
   if (!moved) co_return failed(moved.error(), axis);
-  auto result = co_await to_result(axis, *moved);
+  auto result = co_await to_result(axis, *moved, target->known_scale());
   co_return result;
 }
 
@@ -56,9 +57,10 @@ Answer move_by(Call& call) {
   auto& axis = *ready->axis;
   const auto distance = co_await length_of(call, axis, "distance_microsteps", "distance", nullptr);
   if (!distance) co_return tl::unexpected(distance.error());
-  const auto moved = co_await axis.move_by(*distance, wants_prediction(call), ready->moves);
+  const auto moved =
+      co_await axis.move_by(distance->length(), wants_prediction(call), ready->moves);
   if (!moved) co_return failed(moved.error(), axis);
-  auto result = co_await to_result(axis, *moved);
+  auto result = co_await to_result(axis, *moved, distance->known_scale());
   co_return result;
 }
 
@@ -68,11 +70,11 @@ Answer rotate(Call& call) {
   auto& axis = *ready->axis;
   const auto velocity = co_await velocity_of(call, axis);
   if (!velocity) co_return tl::unexpected(velocity.error());
-  const auto turned = co_await axis.rotate(*velocity, ready->moves);
+  const auto turned = co_await axis.rotate({velocity->value}, ready->moves);
   if (!turned) co_return failed(turned.error(), axis);
   json::object result;
   result["velocity_internal"] = velocity->value;
-  co_await add_in_unit(result, axis, *velocity);
+  co_await add_velocity_in_unit(result, axis, *velocity);
   co_return result;
 }
 

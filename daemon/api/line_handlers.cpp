@@ -24,11 +24,11 @@ Lookup<std::optional<Duration>> duration_of(const Call& call) {
       param_error("out_of_range", "time_s", "'time_s' must be greater than 0 and at most 86400"));
 }
 
-/// One number is meant for all of them.
+/// One number is meant for all of them; a text has its unit.
 std::optional<RpcError> check_same_unit(const Call& call,
                                         const std::vector<std::shared_ptr<GatewayAxis>>& axes) {
   for (const auto* param : {"velocity", "acceleration"}) {
-    if (!call.params.has(param)) continue;
+    if (!call.params.has(param) || call.params.is_text(param)) continue;
     for (const auto& axis : axes) {
       if (axis->unit() == axes.front()->unit()) continue;
       const auto said = [](const GatewayAxis& one) {

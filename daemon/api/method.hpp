@@ -21,9 +21,10 @@ enum class FieldType : std::uint8_t {
   number,
   boolean,
   text_or_integer,
-  texts,     ///< An array of texts.
-  integers,  ///< An array of integers.
-  numbers,   ///< An array of numbers.
+  texts,       ///< An array of texts.
+  integers,    ///< An array of integers.
+  quantity,    ///< A number, or a text with its unit, such as "12.5mm".
+  quantities,  ///< An array of quantities.
   object,
   objects,
   nullable_text,

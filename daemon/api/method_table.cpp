@@ -74,12 +74,12 @@ constexpr ParamInfo predict{"predict", boolean, optional,
                             "more after a change of settings"};
 constexpr std::array move_to_params{
     axis, ParamInfo{"position_microsteps", integer, optional, "where to go"},
-    ParamInfo{"position", number, optional, "the same in the axis' unit, instead"}, predict,
-    deadline};
+    ParamInfo{"position", quantity, optional, "the same, instead; a number: in the axis' unit"},
+    predict, deadline};
 constexpr std::array move_by_params{
     axis, ParamInfo{"distance_microsteps", integer, optional, "how far to go from here"},
-    ParamInfo{"distance", number, optional, "the same in the axis' unit, instead"}, predict,
-    deadline};
+    ParamInfo{"distance", quantity, optional, "the same, instead; a number: in the axis' unit"},
+    predict, deadline};
 constexpr std::array target_result{ResultInfo{"target_microsteps", integer, "where the move ends"}};
 constexpr ResultInfo axis_unit{"unit", nullable_text,
                                "what the next one is in; null if the axis has none"};
@@ -91,10 +91,12 @@ constexpr std::array started_move_result{
 constexpr std::array move_line_params{
     ParamInfo{"axes", texts, required, "names of the axes, on any buses"},
     ParamInfo{"positions_microsteps", integers, optional, "where each of them is to go"},
-    ParamInfo{"positions", numbers, optional, "the same in the axes' units, instead"},
-    ParamInfo{"velocity", number, optional, "what no axis exceeds, in the unit that all have"},
+    ParamInfo{"positions", quantities, optional, "the same, instead; a number: in the axis' unit"},
+    ParamInfo{"velocity", quantity, optional,
+              "what no axis exceeds; a number: in the unit that all have"},
     ParamInfo{"velocity_pps", number, optional, "the same in microsteps per second, instead"},
-    ParamInfo{"acceleration", number, optional, "what no axis exceeds, in the unit that all have"},
+    ParamInfo{"acceleration", quantity, optional,
+              "what no axis exceeds; a number: in the unit that all have"},
     ParamInfo{"acceleration_pps2", number, optional,
               "the same in microsteps per second squared, instead"},
     ParamInfo{"time_s", number, optional,
@@ -115,7 +117,8 @@ constexpr std::array rotate_params{
     axis,
     ParamInfo{"velocity_internal", integer, optional,
               "speed in the module's own unit; the sign is the direction"},
-    ParamInfo{"velocity", number, optional, "the same in the axis' unit per second, instead"},
+    ParamInfo{"velocity", quantity, optional,
+              "the same, instead; a number: in the axis' unit per second"},
     deadline};
 constexpr std::array rotate_result{
     ResultInfo{"velocity_internal", integer, "speed in the module's own unit"}, axis_unit,
@@ -170,7 +173,9 @@ constexpr std::array units_result{
 constexpr std::array get_parameter_params{axis, parameter, deadline};
 constexpr std::array set_parameter_params{
     axis, parameter, ParamInfo{"value", integer, optional, "what to set it to"},
-    ParamInfo{"value_in_unit", number, optional, "the same in the axis' unit, instead"}, deadline};
+    ParamInfo{"value_in_unit", quantity, optional,
+              "the same, instead; a number: in the axis' unit"},
+    deadline};
 constexpr std::array parameter_result{
     ResultInfo{"parameter", nullable_text, "standard name; null if the number has none"},
     ResultInfo{"number", integer, "number of the axis parameter"},
@@ -210,7 +215,8 @@ constexpr ParamInfo coordinate{"number", integer, required, "number of the coord
 constexpr std::array coordinate_params{axis, coordinate, deadline};
 constexpr std::array set_coordinate_params{
     axis, coordinate, ParamInfo{"position_microsteps", integer, optional, "what to remember"},
-    ParamInfo{"position", number, optional, "the same in the axis' unit, instead"}, deadline};
+    ParamInfo{"position", quantity, optional, "the same, instead; a number: in the axis' unit"},
+    deadline};
 constexpr std::array coordinate_result{
     ResultInfo{"position_microsteps", integer, "the coordinate"}, axis_unit,
     ResultInfo{"position", nullable_number, "the same in the unit"}};
@@ -614,7 +620,8 @@ std::string_view name_of(FieldType type) {
     case text_or_integer: return "string or integer";
     case texts: return "array of strings";
     case integers: return "array of integers";
-    case numbers: return "array of numbers";
+    case quantity: return "quantity";
+    case quantities: return "array of quantities";
     case object: return "object";
     case objects: return "array of objects";
     case nullable_text: return "string or null";

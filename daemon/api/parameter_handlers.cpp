@@ -11,13 +11,13 @@ namespace {
 namespace json = boost::json;
 
 boost::asio::awaitable<json::object> to_result(GatewayAxis& axis, ParameterChoice choice,
-                                               std::int32_t value) {
+                                               ModuleValue value) {
   json::object result;
   result["parameter"] = nullptr;
   if (choice.row != nullptr) result["parameter"] = choice.row->name;
   result["number"] = choice.number;
-  result["value"] = value;
-  co_await add_in_unit(result, axis, choice.row, value);
+  result["value"] = value.value;
+  co_await add_in_unit(result, axis, choice.row, std::move(value));
   co_return result;
 }
 
@@ -40,7 +40,8 @@ Answer get_parameter(Call& call) {
   if (!choice) co_return tl::unexpected(choice.error());
   const auto value = co_await it.get(choice->number, call.deadline());
   if (!value) co_return tl::unexpected(call_error(value.error(), it.name()));
-  auto result = co_await to_result(it, *choice, *value);
+  ModuleValue told{*value};
+  auto result = co_await to_result(it, *choice, std::move(told));
   co_return result;
 }
 
@@ -54,7 +55,7 @@ Answer set_parameter(Call& call) {
   if (complaint) co_return tl::unexpected(std::move(*complaint));
   const auto value = co_await parameter_value_of(call, axis, *choice);
   if (!value) co_return tl::unexpected(value.error());
-  const auto done = co_await axis.set(choice->number, *value, ready->moves);
+  const auto done = co_await axis.set(choice->number, value->value, ready->moves);
   if (!done) co_return tl::unexpected(call_error(done.error(), axis.name()));
   auto result = co_await to_result(axis, *choice, *value);
   co_return result;

@@ -22,6 +22,8 @@ bool is_whole_number(const json::value& value) {
   return value.is_double() && std::trunc(value.get_double()) == value.get_double();
 }
 
+bool is_quantity(const json::value& value) { return value.is_number() || value.is_string(); }
+
 bool has_type(const json::value& value, FieldType type) {
   switch (type) {
     case FieldType::text: return value.is_string();
@@ -30,9 +32,9 @@ bool has_type(const json::value& value, FieldType type) {
     case FieldType::boolean: return value.is_bool();
     case FieldType::integers:
       return value.is_array() && std::ranges::all_of(value.get_array(), is_whole_number);
-    case FieldType::numbers:
-      return value.is_array() &&
-             std::ranges::all_of(value.get_array(), [](const auto& e) { return e.is_number(); });
+    case FieldType::quantity: return is_quantity(value);
+    case FieldType::quantities:
+      return value.is_array() && std::ranges::all_of(value.get_array(), is_quantity);
     case FieldType::text_or_integer: return value.is_string() || is_whole_number(value);
     case FieldType::texts:
       return value.is_array() &&
@@ -131,10 +133,6 @@ std::vector<std::string> Params::texts(std::string_view name) const {
 
 std::size_t Params::count(std::string_view name) const {
   return has(name) ? object_.at(name).get_array().size() : 0;
-}
-
-double Params::number_at(std::string_view name, std::size_t index) const {
-  return object_.at(name).get_array().at(index).to_number<double>();
 }
 
 }  // namespace tmcld

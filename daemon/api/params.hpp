@@ -41,8 +41,8 @@ class Params {
   std::vector<std::string> texts(std::string_view name) const;
   /// How many elements an array has; 0 if the parameter is absent.
   std::size_t count(std::string_view name) const;
-  /// An element of an array, which must be there.
-  double number_at(std::string_view name, std::size_t index) const;
+  /// As it came; it must be there.
+  const boost::json::value& value(std::string_view name) const { return object_.at(name); }
   /// An array of numbers below 32, as a mask: bit n for the number n.
   std::uint32_t mask(std::string_view name) const;
 

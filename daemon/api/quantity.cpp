@@ -3,301 +3,297 @@
 #include <utility>
 
 #include "gateway/line.hpp"
-#include "tmcl/conversion.hpp"
-#include "tmcl/parameter_units.hpp"
 
 namespace tmcld {
 namespace {
 
 namespace json = boost::json;
+namespace ap = tmcl::axis_parameter;
 using boost::asio::awaitable;
+using tmcl::AxisUnits;
+using tmcl::Dimension;
+using tmcl::Quantity;
 
 std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
 
-std::optional<RpcError> check_forms(const Call& call, std::string_view plain,
-                                    std::string_view in_unit) {
-  if (call.params.has(plain) != call.params.has(in_unit)) return std::nullopt;
-  const auto forms = quoted(plain) + " or " + quoted(in_unit);
-  return param_error("bad_argument", plain,
-                     call.params.has(plain) ? "give " + forms + ", not both"
-                                            : "one of the parameters " + forms + " is needed");
+/// Of a parameter `param`.
+RpcError quantity_error(std::string_view param, const tmcl::QuantityError& error) {
+  return param_error(error.code, param, error.message, error.hint);
 }
 
-/// What stands in the parameter `plain`, in the module's own unit; nothing if `in_unit` is given.
-Lookup<std::optional<std::int32_t>> plain_value(const Call& call, std::string_view plain,
-                                                std::string_view in_unit,
-                                                const tmcl::ParameterInfo* row) {
-  if (auto complaint = check_forms(call, plain, in_unit))
-    return tl::unexpected(std::move(*complaint));
-  if (!call.params.has(plain)) return std::optional<std::int32_t>();
-  const auto value = call.params.integer(plain);
-  if (auto complaint = check_range(row, value, plain)) return tl::unexpected(std::move(*complaint));
-  return std::optional(value);
-}
+/// Two parameters that say the same.
+struct Forms {
+  std::string_view plain;
+  std::string_view quantity;
+  Dimension dimension;
+  const char* plain_unit = "";  // empty: what the module counts
+};
+constexpr Forms velocity_forms{"velocity_internal", "velocity", Dimension::velocity};
+constexpr Forms velocity_limit{"velocity_pps", "velocity", Dimension::velocity, "pps"};
+constexpr Forms acceleration_limit{"acceleration_pps2", "acceleration", Dimension::acceleration,
+                                   "pps/s"};
 
-RpcError out_of_range(std::string_view param, const tmcl::OutOfReach& error) {
-  return param_error("out_of_range", param, describe(error));
-}
+/// What one of them says.
+struct Said {
+  std::string_view param;
+  Quantity quantity;
+};
 
-awaitable<Lookup<std::optional<tmcl::ModuleUnits>>> units_of(GatewayAxis& axis) {
-  auto units = co_await axis.module_units();
-  if (!units) co_return tl::unexpected(call_error(units.error(), axis.name()));
-  co_return *units;
-}
-
-awaitable<Lookup<tmcl::UserScale>> user_scale(GatewayAxis& axis, std::string_view param) {
-  if (axis.unit().empty()) {
-    co_return tl::unexpected(param_error(
-        "bad_argument", param, "axis " + quoted(axis.name()) + " has no unit of its own",
-        "the configuration gives it one by 'unit' and 'units_per_revolution'"));
+/// What a number or a text of the parameter `param` says.
+Lookup<Quantity> quantity_of(const json::value& said, std::string_view param, Dimension dimension,
+                             const GatewayAxis& axis) {
+  if (said.is_string()) {
+    const auto quantity = tmcl::parse_quantity(said.get_string());
+    if (!quantity) return tl::unexpected(quantity_error(param, quantity.error()));
+    const bool needs_unit = quantity->number != 0 && dimension != Dimension::other;
+    if (!needs_unit || !quantity->unit.empty() || axis.unit().empty()) return *quantity;
+    return tl::unexpected(quantity_error(param, bare_number(*quantity, dimension, axis.unit())));
   }
-  auto scale = co_await axis.scale();
-  if (!scale) co_return tl::unexpected(call_error(scale.error(), axis.name()));
-  if (*scale) co_return std::move(**scale);
-  co_return tl::unexpected(param_error(
-      "bad_argument", param,
-      "the module of axis " + quoted(axis.name()) + " does not tell its microstep resolution",
-      "the configuration can: 'microsteps'"));
+  if (!axis.unit().empty())
+    return Quantity{said.to_number<double>(), unit_of(dimension, axis.unit())};
+  return tl::unexpected(
+      param_error("bad_argument", param, "axis " + quoted(axis.name()) + " has no unit of its own",
+                  "the configuration gives it one by 'unit' and 'units_per_revolution'; a text "
+                  "can be in others, such as '1.5rev'"));
 }
 
-}  // namespace
+Lookup<Said> said_in(const Call& call, const GatewayAxis& axis, const Forms& forms) {
+  const bool is_plain = call.params.has(forms.plain);
+  if (is_plain == call.params.has(forms.quantity)) {
+    const auto either = quoted(forms.plain) + " or " + quoted(forms.quantity);
+    return tl::unexpected(param_error("bad_argument", forms.plain,
+                                      is_plain ? "give " + either + ", not both"
+                                               : "one of the parameters " + either + " is needed"));
+  }
+  if (is_plain) return Said{forms.plain, {call.params.number(forms.plain), forms.plain_unit}};
+  return quantity_of(call.params.value(forms.quantity), forms.quantity, forms.dimension, axis)
+      .map([&](Quantity quantity) {
+        return Said{forms.quantity, std::move(quantity)};
+      });
+}
 
-namespace {
+AxisUnits nothing_read_of(const GatewayAxis& axis) {
+  return {axis.name(), axis.module().model(), {}, {}, {}, axis.encoder_counts_per_unit()};
+}
 
-awaitable<Lookup<tmcl::Microsteps>> in_microsteps(GatewayAxis& axis, std::string_view param,
-                                                  tmcl::UserPosition wish,
-                                                  const tmcl::ParameterInfo* row) {
-  const auto scale = co_await user_scale(axis, param);
-  if (!scale) co_return tl::unexpected(scale.error());
+/// What the conversion of a quantity needs, read where that is not known. `measures`: what a number
+/// without a unit is, where the module's own unit matters for that, too.
+awaitable<Lookup<AxisUnits>> units_for(GatewayAxis& axis, std::string_view param,
+                                       const Quantity& quantity,
+                                       Dimension measures = Dimension::other) {
+  auto units = nothing_read_of(axis);
+  if (!is_in_microsteps(quantity)) {
+    auto scale = co_await axis.scale();
+    if (!scale) co_return tl::unexpected(call_error(scale.error(), axis.name()));
+    if (!*scale) {
+      co_return tl::unexpected(param_error(
+          "bad_argument", param,
+          "the module of axis " + quoted(axis.name()) + " does not tell its microstep resolution",
+          "the configuration can: 'microsteps'"));
+    }
+    units.scale = std::move(*scale);
+  }
+  const auto dimension = quantity.unit.empty() ? measures : dimension_of(quantity);
+  if (dimension == Dimension::other || dimension == Dimension::position) co_return units;
+  auto module = co_await axis.module_units();
+  if (!module) co_return tl::unexpected(call_error(module.error(), axis.name()));
+  units.module = *module;
+  co_return units;
+}
+
+/// A position as `row` wants it, which may be null.
+awaitable<Lookup<SaidLength>> position_of(GatewayAxis& axis, const Said& said,
+                                          const tmcl::ParameterInfo* row) {
+  const auto& [param, quantity] = said;
+  auto units = co_await units_for(axis, param, quantity);
+  if (!units) co_return tl::unexpected(units.error());
   tmcl::ValueRange range;
   if (row != nullptr) range = {row->minimum, row->maximum};
-  const auto value = tmcl::to_microsteps(wish, *scale, range);
-  if (!value) co_return tl::unexpected(out_of_range(param, value.error()));
-  co_return *value;
+  const auto value = tmcl::to_microsteps(quantity, *units, range);
+  if (!value) co_return tl::unexpected(quantity_error(param, value.error()));
+  if (auto complaint = check_range(row, value->value, param))
+    co_return tl::unexpected(std::move(*complaint));
+  SaidLength length{*value};
+  if (const auto own = in_own_unit(quantity, *units)) length.in_unit = tmcl::UserPosition{*own};
+  length.scale = std::move(units->scale);
+  co_return length;
 }
 
 }  // namespace
 
-awaitable<Lookup<Length>> length_of(const Call& call, GatewayAxis& axis,
-                                    std::string_view microsteps, std::string_view in_unit,
-                                    const tmcl::ParameterInfo* row) {
-  const auto plain = plain_value(call, microsteps, in_unit, row);
-  if (!plain) co_return tl::unexpected(plain.error());
-  if (*plain) co_return Length{{**plain}};
-  const tmcl::UserPosition wish{call.params.number(in_unit)};
-  const auto value = co_await in_microsteps(axis, in_unit, wish, row);
-  if (!value) co_return tl::unexpected(value.error());
-  co_return Length{*value, wish};
+awaitable<Lookup<SaidLength>> length_of(const Call& call, GatewayAxis& axis,
+                                        std::string_view microsteps, std::string_view quantity,
+                                        const tmcl::ParameterInfo* row) {
+  const auto said = said_in(call, axis, {microsteps, quantity, Dimension::position});
+  if (!said) co_return tl::unexpected(said.error());
+  auto length = co_await position_of(axis, *said, row);
+  co_return length;
 }
 
 awaitable<Lookup<tmcl::Microsteps>> position_for(const Call& call, GatewayAxis& axis,
                                                  std::string_view list, std::size_t index) {
-  const auto* row = find_parameter(axis.parameters(), tmcl::axis_parameter::target_position);
-  const double number = call.params.number_at(list, index);
+  const auto* row = find_parameter(axis.parameters(), ap::target_position);
+  const auto& element = call.params.value(list).get_array().at(index);
+  Said said{list, {}};
   if (list == "positions") {
-    auto value = co_await in_microsteps(axis, list, {number}, row);
-    co_return value;
+    auto quantity = quantity_of(element, list, Dimension::position, axis);
+    if (!quantity) co_return tl::unexpected(std::move(quantity.error()));
+    said.quantity = std::move(*quantity);
+  } else {
+    said.quantity.number = element.to_number<double>();
   }
-  const auto value = static_cast<std::int32_t>(number);
-  if (auto complaint = check_range(row, value, list))
-    co_return tl::unexpected(std::move(*complaint));
-  co_return tmcl::Microsteps{value};
+  const auto place = co_await position_of(axis, said, row);
+  if (!place) co_return tl::unexpected(place.error());
+  co_return place->microsteps;
 }
 
 namespace {
 
-/// One of two forms of a limit, as it was said.
-struct SaidLimit {
-  std::string_view param;
-  double value;
-  bool in_unit;
-};
-
-Lookup<std::optional<SaidLimit>> said_limit(const Call& call, std::string_view in_unit,
-                                            std::string_view plain) {
-  if (!call.params.has(in_unit) && !call.params.has(plain)) return std::nullopt;
-  if (auto complaint = check_forms(call, plain, in_unit))
-    return tl::unexpected(std::move(*complaint));
-  const bool has_unit = call.params.has(in_unit);
-  const auto param = has_unit ? in_unit : plain;
-  const SaidLimit said{param, call.params.number(param), has_unit};
-  if (said.value > 0) return said;
-  return tl::unexpected(
-      param_error("out_of_range", param, quoted(param) + " must be greater than 0"));
-}
-
-/// A velocity or an acceleration, and its two forms.
-template <class Value>
-struct LimitKind {
-  std::string_view in_unit;
-  std::string_view plain;
-  Value (*from_unit)(double, const tmcl::UserScale&);
-  tmcl::OutOfReach (*told_in_unit)(const tmcl::OutOfReach&, const tmcl::UserScale&);
-};
-constexpr LimitKind<tmcl::PulsesPerSecond> velocity_limit{
-    "velocity", "velocity_pps",
-    [](double value, const tmcl::UserScale& scale) {
-      return tmcl::to_pps(tmcl::UserVelocity{value}, scale);
-    },
-    tmcl::in_velocity_units};
-constexpr LimitKind<tmcl::PulsesPerSecond2> acceleration_limit{
-    "acceleration", "acceleration_pps2",
-    [](double value, const tmcl::UserScale& scale) {
-      return tmcl::to_pps2(tmcl::UserAcceleration{value}, scale);
-    },
-    tmcl::in_acceleration_units};
-
 /// `parameter` is what holds such a limit.
 template <class Value>
-awaitable<Lookup<std::optional<Value>>> limit_of(const Call& call, GatewayAxis& axis,
-                                                 const LimitKind<Value>& kind,
-                                                 std::uint8_t parameter) {
-  const auto said = said_limit(call, kind.in_unit, kind.plain);
-  if (!said) co_return tl::unexpected(said.error());
-  if (!*said) co_return std::nullopt;
-  const auto [param, value, in_unit] = **said;
-  std::optional<tmcl::UserScale> scale;
-  if (in_unit) {
-    auto known = co_await user_scale(axis, param);
-    if (!known) co_return tl::unexpected(known.error());
-    scale = std::move(*known);
-    scale->reverse = false;  // a limit holds in both directions
+awaitable<Lookup<std::optional<Value>>> limit_of(
+    const Call& call, GatewayAxis& axis, Forms forms, std::uint8_t parameter,
+    tmcl::Converted<Value> (*in_pulses)(const Quantity&, const AxisUnits&)) {
+  if (!call.params.has(forms.plain) && !call.params.has(forms.quantity)) co_return std::nullopt;
+  const auto limit_said = said_in(call, axis, forms);
+  if (!limit_said) co_return tl::unexpected(limit_said.error());
+  const auto& [param, said] = *limit_said;
+  if (!(said.number > 0)) {
+    co_return tl::unexpected(
+        param_error("out_of_range", param, quoted(param) + " must be greater than 0"));
   }
-  const auto limit = scale ? kind.from_unit(value, *scale) : Value{value};
-  const auto known = co_await units_of(axis);
-  if (!known) co_return tl::unexpected(known.error());
-  const auto& units = *known;
+  const auto units = co_await units_for(axis, param, said, forms.dimension);
+  if (!units) co_return tl::unexpected(units.error());
+  const auto undirected = units->undirected();
+  const auto limit = in_pulses(said, undirected);
+  if (!limit) co_return tl::unexpected(quantity_error(param, limit.error()));
   const auto* row = find_parameter(axis.parameters(), parameter);
-  if (!units || row == nullptr) co_return limit;
-  const auto start = tmcl::initial_units(*axis.module().model());
-  const auto fits = tmcl::to_internal(limit, *units, range_of(*row, start, *units));
-  if (fits) co_return limit;
-  const auto error = scale ? kind.told_in_unit(fits.error(), *scale) : fits.error();
-  co_return tl::unexpected(
-      param_error("out_of_range", param, "axis " + quoted(axis.name()) + ": " + describe(error)));
+  if (!units->module || row == nullptr) co_return *limit;
+  auto fits = to_parameter(said, undirected, *row);
+  if (fits) co_return *limit;
+  fits.error().message = "axis " + quoted(axis.name()) + ": " + fits.error().message;
+  co_return tl::unexpected(quantity_error(param, fits.error()));
 }
 
 }  // namespace
 
 awaitable<Lookup<MotionLimits>> motion_limits_of(const Call& call, GatewayAxis& axis) {
-  const auto velocity =
-      co_await limit_of(call, axis, velocity_limit, tmcl::axis_parameter::max_velocity);
+  const auto velocity = co_await limit_of<tmcl::PulsesPerSecond>(call, axis, velocity_limit,
+                                                                 ap::max_velocity, tmcl::to_pps);
   if (!velocity) co_return tl::unexpected(velocity.error());
   const auto* model = axis.module().model();
-  const auto parameter =
-      model == nullptr ? tmcl::axis_parameter::max_acceleration : greatest_acceleration_of(*model);
-  const auto acceleration = co_await limit_of(call, axis, acceleration_limit, parameter);
+  const auto parameter = model == nullptr ? ap::max_acceleration : greatest_acceleration_of(*model);
+  const auto acceleration = co_await limit_of<tmcl::PulsesPerSecond2>(
+      call, axis, acceleration_limit, parameter, tmcl::to_pps2);
   if (!acceleration) co_return tl::unexpected(acceleration.error());
   co_return MotionLimits{*velocity, *acceleration};
 }
 
-awaitable<Lookup<tmcl::InternalVelocity>> velocity_of(const Call& call, GatewayAxis& axis) {
-  constexpr std::string_view in_unit = "velocity";
-  const auto* row = find_parameter(axis.parameters(), tmcl::axis_parameter::target_velocity);
-  const auto plain = plain_value(call, "velocity_internal", in_unit, row);
-  if (!plain) co_return tl::unexpected(plain.error());
-  if (*plain) co_return tmcl::InternalVelocity{**plain};
-  const auto scale = co_await user_scale(axis, in_unit);
-  if (!scale) co_return tl::unexpected(scale.error());
-  const auto known = co_await units_of(axis);
-  if (!known) co_return tl::unexpected(known.error());
-  const auto& units = *known;
-  if (!units || row == nullptr) {
-    co_return tl::unexpected(param_error(
-        "bad_argument", in_unit,
-        "what the module of axis " + quoted(axis.name()) + " counts velocities in is not known",
-        "give 'velocity_internal'"));
-  }
-  const auto start = tmcl::initial_units(*axis.module().model());
-  const tmcl::UserVelocity wish{call.params.number(in_unit)};
-  const auto value =
-      tmcl::to_internal(tmcl::to_pps(wish, *scale), *units, range_of(*row, start, *units));
-  if (!value)
-    co_return tl::unexpected(out_of_range(in_unit, in_velocity_units(value.error(), *scale)));
-  co_return *value;
-}
-
 namespace {
 
-/// Nothing for an axis without a unit, and where the microsteps of a turn are not known. What has
-/// been done does not fail because they could not be read.
-awaitable<std::optional<tmcl::UserScale>> unit_scale(GatewayAxis& axis) {
-  if (axis.unit().empty()) co_return std::nullopt;
-  auto scale = co_await axis.scale();
-  co_return scale ? std::move(*scale) : std::nullopt;
+/// What an answer tells in the unit of the axis: nothing of an axis without one. What has been done
+/// does not fail because something could not be read.
+awaitable<AxisUnits> units_to_tell(GatewayAxis& axis, AxisUnits units, Dimension dimension) {
+  if (axis.unit().empty() || dimension == Dimension::other) {
+    units.scale.reset();
+    co_return units;
+  }
+  if (!units.scale) {
+    auto scale = co_await axis.scale();
+    if (scale) units.scale = std::move(*scale);
+  }
+  if (units.module || dimension == Dimension::position || !units.scale) co_return units;
+  auto module = co_await axis.module_units();
+  if (module) units.module = *module;
+  co_return units;
 }
 
-tmcl::AxisScale axis_scale(const GatewayAxis& axis, tmcl::UserScale scale,
-                           std::optional<tmcl::ModuleUnits> units) {
-  return {axis.module().model(), std::move(scale), units, axis.encoder_counts_per_unit()};
-}
-
-RpcError has_no_unit(const ParameterChoice& choice) {
+RpcError has_no_unit(const ParameterChoice& choice, const Forms& forms) {
   const auto name =
       choice.row == nullptr ? std::to_string(choice.number) : std::string(choice.row->name);
   return param_error(
-      "bad_argument", "value_in_unit",
+      "bad_argument", forms.quantity,
       "parameter " + quoted(name) + " is not known to be a position, a velocity or an acceleration",
-      "give 'value'");
+      "give " + quoted(forms.plain));
+}
+
+/// What the module is to hold in a parameter.
+awaitable<Lookup<ModuleValue>> value_of(const Call& call, GatewayAxis& axis, Forms forms,
+                                        const ParameterChoice& choice) {
+  const auto said = said_in(call, axis, forms);
+  if (!said) co_return tl::unexpected(said.error());
+  const auto& [param, quantity] = *said;
+  const bool has_unit = choice.row != nullptr && forms.dimension != Dimension::other;
+  if (param == forms.quantity && !has_unit) co_return tl::unexpected(has_no_unit(choice, forms));
+  auto units = co_await units_for(axis, param, quantity);
+  if (!units) co_return tl::unexpected(units.error());
+  const bool is_bare = quantity.unit.empty();
+  if (!is_bare && forms.dimension != Dimension::position && !units->module)
+    co_return tl::unexpected(has_no_unit(choice, forms));
+  const auto as_number = [](tmcl::Microsteps count) { return count.value; };
+  const auto value = is_bare ? to_microsteps(quantity, *units).map(as_number)
+                             : to_parameter(quantity, *units, *choice.row);
+  if (!value) co_return tl::unexpected(quantity_error(param, value.error()));
+  auto complaint = check_range(is_bare ? choice.row : nullptr, *value, param);
+  if (complaint) co_return tl::unexpected(std::move(*complaint));
+  co_return ModuleValue{*value, std::move(*units)};
 }
 
 }  // namespace
 
-awaitable<Lookup<std::int32_t>> parameter_value_of(const Call& call, GatewayAxis& axis,
-                                                   const ParameterChoice& choice) {
-  constexpr std::string_view in_unit = "value_in_unit";
-  const auto plain = plain_value(call, "value", in_unit, choice.row);
-  if (!plain) co_return tl::unexpected(plain.error());
-  if (*plain) co_return **plain;
-  auto scale = co_await user_scale(axis, in_unit);
-  if (!scale) co_return tl::unexpected(scale.error());
-  const auto* row = choice.row;
-  if (row == nullptr || unit_of(*row, scale->unit).empty())
-    co_return tl::unexpected(has_no_unit(choice));
-  const auto units = co_await units_of(axis);
-  if (!units) co_return tl::unexpected(units.error());
-  const auto in_module = axis_scale(axis, std::move(*scale), *units);
-  // That it has a unit, and only what its module counts in is not known.
-  if (!to_user(0, *row, in_module)) co_return tl::unexpected(has_no_unit(choice));
-  const auto value = to_parameter(call.params.number(in_unit), *row, in_module);
-  if (!value) co_return tl::unexpected(out_of_range(in_unit, value.error()));
-  co_return *value;
+awaitable<Lookup<ModuleValue>> velocity_of(const Call& call, GatewayAxis& axis) {
+  const auto* row = find_parameter(axis.parameters(), ap::target_velocity);
+  const ParameterChoice target{ap::target_velocity, row};
+  auto value = co_await value_of(call, axis, velocity_forms, target);
+  co_return value;
+}
+
+awaitable<Lookup<ModuleValue>> parameter_value_of(const Call& call, GatewayAxis& axis,
+                                                  const ParameterChoice& choice) {
+  const auto dimension = choice.row == nullptr ? Dimension::other : dimension_of(*choice.row);
+  const Forms forms{"value", "value_in_unit", dimension};
+  auto value = co_await value_of(call, axis, forms, choice);
+  co_return value;
 }
 
 awaitable<void> add_in_unit(json::object& result, GatewayAxis& axis, std::string_view key,
-                            std::optional<tmcl::Microsteps> position) {
+                            std::optional<tmcl::Microsteps> position,
+                            const tmcl::UserScale* scale) {
   result["unit"] = nullptr;
   result[key] = nullptr;
-  const auto scale = co_await unit_scale(axis);
-  if (!scale) co_return;
-  result["unit"] = scale->unit;
-  if (position) result[key] = to_user(*position, *scale).value;
+  auto known = nothing_read_of(axis);
+  if (scale != nullptr) known.scale = *scale;
+  const auto units = co_await units_to_tell(axis, std::move(known), Dimension::position);
+  if (!units.scale) co_return;
+  result["unit"] = units.scale->unit;
+  if (position) result[key] = to_user(*position, *units.scale).value;
 }
 
 awaitable<void> add_in_unit(json::object& result, GatewayAxis& axis, const tmcl::ParameterInfo* row,
-                            std::int32_t value) {
+                            ModuleValue value) {
   result["unit"] = nullptr;
   result["value_in_unit"] = nullptr;
-  if (row == nullptr || dimension_of(*row) == tmcl::Dimension::other) co_return;
-  auto scale = co_await unit_scale(axis);
-  if (!scale) co_return;
-  const auto units = co_await axis.module_units();
-  const auto in_module = axis_scale(axis, std::move(*scale), units.value_or(std::nullopt));
-  const auto in_unit = to_user(value, *row, in_module);
+  const auto dimension = row == nullptr ? Dimension::other : dimension_of(*row);
+  auto known = value.units.value_or(nothing_read_of(axis));
+  const auto units = co_await units_to_tell(axis, std::move(known), dimension);
+  if (row == nullptr || !units.scale) co_return;
+  const auto in_unit = from_parameter(value.value, units, *row);
   if (!in_unit) co_return;
   result["unit"] = in_unit->unit;
-  result["value_in_unit"] = in_unit->value;
+  result["value_in_unit"] = in_unit->number;
 }
 
-awaitable<void> add_in_unit(json::object& result, GatewayAxis& axis,
-                            tmcl::InternalVelocity velocity) {
+awaitable<void> add_velocity_in_unit(json::object& result, GatewayAxis& axis,
+                                     ModuleValue velocity) {
   result["unit"] = nullptr;
   result["velocity"] = nullptr;
-  const auto scale = co_await unit_scale(axis);
-  if (!scale) co_return;
-  const auto units = co_await axis.module_units();
-  result["unit"] = scale->unit;
-  if (units && *units) result["velocity"] = to_user(to_pps(velocity, **units), *scale).value;
+  auto known = velocity.units.value_or(nothing_read_of(axis));
+  const auto units = co_await units_to_tell(axis, std::move(known), Dimension::velocity);
+  if (!units.scale) co_return;
+  result["unit"] = units.scale->unit;
+  if (!units.module) co_return;
+  const auto pps = tmcl::to_pps(tmcl::InternalVelocity{velocity.value}, *units.module);
+  result["velocity"] = to_user(pps, *units.scale).value;
 }
 
 }  // namespace tmcld

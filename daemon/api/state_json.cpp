@@ -6,7 +6,7 @@
 
 #include <boost/json/value.hpp>
 
-#include "tmcl/parameter_units.hpp"
+#include "tmcl/quantity.hpp"
 
 namespace tmcld {
 namespace {

@@ -86,7 +86,7 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Length distance, bool p
   if (row != nullptr) range = {row->minimum, row->maximum};
   std::optional<tmcl::UserScale> scale;
   if (distance.in_unit || soft_limits()) {
-    auto known = co_await axis_.run(units_.known_scale());
+    auto known = co_await axis_.run(units_.known_scale(distance.scale));
     if (!known) co_return tl::unexpected(std::move(known.error()));
     scale = std::move(*known);
   }

@@ -46,7 +46,7 @@ std::optional<tmcl::Error> AxisAdmission::objection_to(const Length& target,
 
 AxisAdmission::Script<void> AxisAdmission::check_target(Length target) {
   if (!limits()) co_return Result<void>{};
-  const auto scale = co_await units_.known_scale();
+  const auto scale = co_await units_.known_scale(target.scale);
   if (!scale) co_return tl::unexpected(scale.error());
   auto objection = objection_to(target, *scale);
   if (objection) co_return tl::unexpected(std::move(*objection));

@@ -202,7 +202,8 @@ class Lines {
       case FieldType::integer:
         return one_in(2) ? json::value(random_.between(row.minimum, row.maximum)) : number();
       case FieldType::integers: return json::array{random_.between(0, 40)};
-      case FieldType::numbers: return json::array{number(), number()};
+      case FieldType::quantity: return one_in(2) ? json::value(number()) : json::value(text(40));
+      case FieldType::quantities: return json::array{number(), text(40)};
       case FieldType::text_or_integer: return random_.between(0, 255);
       case FieldType::text: return json::value(text(2 * random_.any_size(2'000)));
       default: return number();

@@ -27,7 +27,8 @@ json::value good_value(const ParamInfo& row) {
     case FieldType::text_or_integer: return row.minimum;
     case FieldType::texts: return json::array{"word"};
     case FieldType::integers: return json::array{row.minimum};
-    case FieldType::numbers: return json::array{0};
+    case FieldType::quantity: return "1.5mm";
+    case FieldType::quantities: return json::array{0, "1.5mm"};
     case FieldType::boolean: return true;
     default: return row.minimum;
   }
@@ -55,10 +56,12 @@ json::value as_given(const ParamInfo& row, const json::value& number) {
 // What a parameter of this type must never be.
 std::vector<json::value> bad_values(FieldType type) {
   std::vector<json::value> values{nullptr, json::object{}, 1.5, json::array{1}};
-  if (type == FieldType::number) std::erase(values, json::value(1.5));
-  const bool is_numbers = type == FieldType::integers || type == FieldType::numbers;
-  if (is_numbers) values.back() = json::array{"1"};
-  if (type == FieldType::text || type == FieldType::texts || is_numbers) values.push_back(7);
+  if (type == FieldType::number || type == FieldType::quantity)
+    std::erase(values, json::value(1.5));
+  if (type == FieldType::integers) values.back() = json::array{"1"};
+  if (type == FieldType::quantities) values.back() = json::array{true};
+  const bool is_array = type == FieldType::integers || type == FieldType::quantities;
+  if (type == FieldType::text || type == FieldType::texts || is_array) values.push_back(7);
   if (type == FieldType::integer || type == FieldType::texts) values.push_back("7");
   if (type != FieldType::boolean) values.push_back(true);
   return values;

@@ -234,6 +234,89 @@ TEST_F(DaemonScale, MovesAreTakenInTheUnit) {
   EXPECT_EQ(last(Command::ROR).value, 1'049);
 }
 
+TEST_F(DaemonScale, MovesAreTakenAsTextsWithUnits) {
+  const auto target_of = [&](const char* axis, const char* position) {
+    return client->result("axis.move_to", {{"axis", axis}, {"position", position}})
+        .at("target_microsteps");
+  };
+  EXPECT_EQ(target_of("x", "2.5mm"), 25'600);
+  EXPECT_EQ(target_of("x", "100 um"), 1'024);
+  EXPECT_EQ(target_of("x", "-0.5rev"), -25'600);
+  EXPECT_EQ(target_of("x", "7microsteps"), 7);
+  EXPECT_EQ(target_of("x", "0"), 0) << "the same in every unit";
+  EXPECT_EQ(target_of("back", "3.141592653589793rad"), -3'200);
+  EXPECT_EQ(target_of("plain", "51200"), 51'200) << "it has no unit";
+  EXPECT_EQ(
+      client->result("axis.move_by", {{"axis", "x"}, {"distance", "-1mm"}}).at("target_microsteps"),
+      -10'240);
+  const auto turned = client->result("axis.rotate", {{"axis", "x"}, {"velocity", "-60 rpm"}});
+  EXPECT_EQ(turned.at("velocity_internal"), -839);
+  EXPECT_NEAR(turned.at("velocity").to_number<double>(), -5, 0.001);
+  EXPECT_EQ(last(Command::ROL).value, 839);
+  client->result("axis.rotate", {{"axis", "plain"}, {"velocity", "-500"}});
+  EXPECT_EQ(last(Command::ROL).value, 500);
+}
+
+TEST_F(DaemonScale, ATextOfTheAxisItselfIsRoundedOnce) {
+  hold(0, 1, 0);
+  for (int i = 0; i < 3; ++i) {
+    client->result("axis.move_by", {{"axis", "x"}, {"distance", "10um"}});
+    hold(0, 1, last(Command::MVP).value);
+  }
+  EXPECT_EQ(last(Command::MVP).value, 307) << "30 um, and not three times 102";
+}
+
+TEST_F(DaemonScale, AScaleIsReadOnceACall) {
+  client->result("axis.move_to", {{"axis", "x"}, {"position", "1mm"}});
+  EXPECT_EQ(daemon.on_reactor([&] {
+    return std::ranges::count_if(daemon.wire().seen, [](const tmcl::Request& request) {
+      return request.command == Command::GAP && request.type == 140 && request.motor == 0;
+    });
+  }),
+            1);
+}
+
+TEST_F(DaemonScale, WhatIsWrongWithATextHasAnErrorOfItsOwn) {
+  hold(2, 140, 8);
+  const auto error_of = [&](json::value position, const char* axis = "x") {
+    const auto error =
+        client->error("axis.move_to", {{"axis", axis}, {"position", std::move(position)}});
+    EXPECT_EQ(error.at("code"), -32602);
+    EXPECT_EQ(error.at("data").at("param"), "position");
+    return text(error.at("data").at("name"));
+  };
+  EXPECT_EQ(error_of("12"), "bare_number");
+  EXPECT_EQ(error_of("12,5mm"), "decimal_comma");
+  EXPECT_EQ(error_of("nan"), "not_finite");
+  EXPECT_EQ(error_of("1mm 2um"), "two_units");
+  EXPECT_EQ(error_of("ten"), "bad_quantity");
+  EXPECT_EQ(error_of("1revs"), "unknown_unit");
+  EXPECT_EQ(error_of("10pps"), "wrong_unit");
+  EXPECT_EQ(error_of("10m"), "out_of_range");
+  EXPECT_EQ(error_of(true), "bad_argument");
+  EXPECT_EQ(error_of("1.5", "plain"), "bad_quantity");
+  EXPECT_EQ(error_of("9000000", "plain"), "out_of_range");
+  EXPECT_EQ(error_of("1mm", "plain"), "unknown_unit");
+  const auto bare = client->error("axis.rotate", {{"axis", "x"}, {"velocity", "12"}});
+  EXPECT_EQ(bare.at("data").at("hint"), "12mm/s or 12pps");
+  EXPECT_EQ(daemon.requests_seen(Command::MVP) + daemon.requests_seen(Command::ROR), 0U);
+}
+
+TEST_F(DaemonScale, LimitsOfALineAreTakenAsTexts) {
+  hold(2, 140, 8);
+  const auto refused = [&](json::object params) {
+    params["axes"] = {"x", "plain"};
+    params["positions"] = {"1mm", "1000"};
+    return text(client->error("line.move", std::move(params)).at("data").at("name"));
+  };
+  EXPECT_EQ(refused({{"velocity", "3mm"}}), "wrong_unit");
+  EXPECT_EQ(refused({{"velocity", "3"}}), "bare_number");
+  EXPECT_EQ(refused({{"velocity", "-2rps"}}), "out_of_range");
+  EXPECT_EQ(refused({{"velocity", "1000rps"}}), "out_of_range");
+  EXPECT_EQ(refused({{"acceleration", "3mm/s^2"}}), "unknown_unit") << "of plain";
+  EXPECT_EQ(refused({{"velocity", 3}}), "bad_argument");
+}
+
 TEST_F(DaemonScale, NothingIsSentForWhatDoesNotFit) {
   EXPECT_THAT(refusal("axis.move_to", {{"axis", "x"}, {"position", 1000}}),
               HasSubstr("1000 mm is too far; the nearest possible value is 819.199"));
@@ -317,6 +400,10 @@ TEST_F(DaemonScale, CoordinatesAreTakenAndToldInTheUnit) {
   EXPECT_EQ(place.at("position_microsteps"), -25'600);
   EXPECT_EQ(place.at("position").to_number<double>(), -2.5);
   EXPECT_EQ(place.at("unit"), "mm");
+  client->result("coordinate.set", {{"axis", "x"}, {"number", 4}, {"position", "1cm"}});
+  EXPECT_EQ(
+      client->result("coordinate.get", {{"axis", "x"}, {"number", 4}}).at("position_microsteps"),
+      102'400);
   EXPECT_THAT(refusal("coordinate.set", {{"axis", "x"}, {"number", 3}}), HasSubstr("is needed"));
   EXPECT_THAT(refusal("coordinate.set", {{"axis", "plain"}, {"number", 3}, {"position", 1}}),
               HasSubstr("no unit"));
@@ -339,15 +426,19 @@ TEST_F(DaemonScale, ParametersAreTakenAndToldInTheUnit) {
     EXPECT_TRUE(none.at("unit").is_null()) << none;
     EXPECT_TRUE(none.at("value_in_unit").is_null()) << none;
   }
-  const auto set = [&](const char* axis, const char* parameter, double value) {
-    return client->result("parameter.set",
-                          {{"axis", axis}, {"parameter", parameter}, {"value_in_unit", value}});
+  const auto set = [&](const char* axis, const char* parameter, json::value value) {
+    return client->result(
+        "parameter.set",
+        {{"axis", axis}, {"parameter", parameter}, {"value_in_unit", std::move(value)}});
   };
   EXPECT_EQ(set("x", "max_velocity", 5).at("value"), 839);
   EXPECT_EQ(last(Command::SAP).value, 839);
   EXPECT_EQ(set("x", "target_position", -2.5).at("value"), -25'600);
   EXPECT_EQ(set("back", "target_position", 90).at("value"), -1'600);
   EXPECT_EQ(set("back", "max_velocity", 3600).at("value"), 1'049) << "a limit has no direction";
+  EXPECT_EQ(set("x", "max_velocity", "0.5 cm/s").at("value"), 839);
+  hold(2, 140, 8);
+  EXPECT_EQ(set("plain", "target_position", "1.5rev").at("value"), 76'800);
 }
 
 TEST_F(DaemonScale, NothingIsSetToWhatDoesNotFit) {
