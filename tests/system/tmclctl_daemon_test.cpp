@@ -128,7 +128,10 @@ TEST(TmclctlUnits, AnAxisThatSaysWhatItDrivesSpeaksItsUnit) {
   EXPECT_EQ(refused.status, 1);
   EXPECT_THAT(refused.err, HasSubstr("21 mm is beyond the soft limit of 20 mm"));
   EXPECT_THAT(run({"move", "y", "-9mm", "--by"}).err, HasSubstr("-6 mm is beyond"));
-  EXPECT_EQ(run({"rotate", "y", "100"}).status, 1);
+  EXPECT_EQ(run({"rotate", "y", "100", "--internal"}).status, 1);
+  const auto bare = run({"move", "y", "12"});
+  EXPECT_EQ(bare.status, 2);
+  EXPECT_THAT(bare.err, HasSubstr("12mm or 12microsteps"));
   EXPECT_EQ(document({"state", "y"}).at("target_microsteps"), 3 * 18'944) << "nothing was sent";
 
   const auto recorded = document({"plot", "y", "--by", "1mm"});

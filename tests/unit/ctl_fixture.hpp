@@ -68,7 +68,7 @@ class FakeTarget : public Target {
 
   // What happened.
   std::vector<std::string> calls;
-  std::optional<double> said_in_unit;  ///< The position or distance of the last move.
+  std::string said;  ///< The position, distance or velocity of the last call.
 
   Attempt<ScanResult> scan(ScanRange, const Progress& progress) override {
     if (failure) return tl::unexpected(*failure);
@@ -103,13 +103,16 @@ class FakeTarget : public Target {
       return ParameterValue{name->number, name->name, values[parameter], told_in_unit};
     return ParameterValue{name->number, name->name, -1500};
   }
+  using Target::set;
   Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
-                              std::int32_t value) override {
+                              const Typed& typed) override {
     if (failure) return tl::unexpected(*failure);
-    calls.push_back("set " + axis + ' ' + parameter + ' ' + std::to_string(value));
+    calls.push_back("set " + axis + ' ' + parameter + ' ' + typed.text);
     if (parameter == refused_parameter)
       return tl::unexpected(Failure{ExitCode::refused, "refused_by_module", "it refused"});
-    return ParameterValue{4, "max_velocity", value};
+    const auto value = attempt(tmcl::parse_quantity(typed.text));
+    if (!value) return tl::unexpected(value.error());
+    return ParameterValue{4, "max_velocity", static_cast<std::int32_t>(value->number)};
   }
   Attempt<AxisUnits> units(const std::string& axis) override {
     if (failure) return tl::unexpected(*failure);
@@ -118,23 +121,18 @@ class FakeTarget : public Target {
       return tl::unexpected(usage_failure("unknown_axis", "there is no axis '" + axis + "'"));
     return counts;
   }
-  Attempt<StartedMove> move_to(const std::string& axis, Length length) override {
-    if (failure) return tl::unexpected(*failure);
-    const auto position = length.microsteps;
-    said_in_unit = length.in_unit;
-    calls.push_back("move_to " + axis + ' ' + std::to_string(position.value));
-    from_ = at();
-    target_ = position.value;
-    began_ = patience_.now();
-    return StartedMove{position, predicted_s, told_in_unit};
+  Attempt<StartedMove> move_to(const std::string& axis, const Typed& position) override {
+    return go(axis, position, 0);
   }
-  Attempt<StartedMove> move_by(const std::string& axis, Length distance) override {
-    return move_to(axis, {{at() + distance.microsteps.value}, distance.in_unit});
+  Attempt<StartedMove> move_by(const std::string& axis, const Typed& distance) override {
+    return go(axis, distance, at());
   }
-  Attempt<Turning> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override {
+  Attempt<Turning> rotate(const std::string& axis, const Typed& velocity) override {
     if (failure) return tl::unexpected(*failure);
-    calls.push_back("rotate " + axis + ' ' + std::to_string(velocity.value));
-    return Turning{told_in_unit};
+    const auto value = counted(velocity, tmcl::axis_parameter::target_velocity);
+    if (!value) return tl::unexpected(value.error());
+    calls.push_back("rotate " + axis + ' ' + std::to_string(*value));
+    return Turning{{*value}, told_in_unit};
   }
   Attempt<void> stop(const std::string& axis) override {
     if (failure) return tl::unexpected(*failure);
@@ -234,6 +232,25 @@ class FakeTarget : public Target {
   std::string options() const override { return " --direct can:can0"; }
 
  private:
+  /// A number without a unit is what the module counts, although the axis has a unit.
+  Attempt<std::int32_t> counted(const Typed& typed, std::uint8_t parameter) {
+    said = typed.text + (typed.internal ? " --internal" : "");
+    const auto quantity = attempt(tmcl::parse_quantity(typed.text));
+    if (!quantity) return tl::unexpected(quantity.error());
+    return attempt(to_parameter(*quantity, quantity->unit.empty() ? AxisUnits{"x"} : counts,
+                                *find_parameter(counts.parameters(), parameter)));
+  }
+  Attempt<StartedMove> go(const std::string& axis, const Typed& way, std::int32_t from) {
+    if (failure) return tl::unexpected(*failure);
+    const auto microsteps = counted(way, tmcl::axis_parameter::target_position);
+    if (!microsteps) return tl::unexpected(microsteps.error());
+    const tmcl::Microsteps goal{from + *microsteps};
+    calls.push_back("move_to " + axis + ' ' + std::to_string(goal.value));
+    from_ = at();
+    target_ = goal.value;
+    began_ = patience_.now();
+    return StartedMove{goal, predicted_s, told_in_unit};
+  }
   bool stopped_now() const {
     return stopped_by_other_after && patience_.now() - began_ >= *stopped_by_other_after;
   }

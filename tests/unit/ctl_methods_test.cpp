@@ -49,7 +49,7 @@ TEST_F(CtlMethods, EveryVerbAsksForItsMethod) {
       {{"reset", "1"}, R"(module.reset {"address":1})"},
       {{"factory-reset", "1", "--yes"}, R"(module.factory_reset {"address":1})"},
       {{"coordinate", "set", "x", "3", "-50"},
-       R"(coordinate.set {"axis":"x","number":3,"position_microsteps":-50})"},
+       R"(coordinate.set {"axis":"x","number":3,"position":"-50"})"},
       {{"coordinate", "move", "x", "3"}, R"(coordinate.move {"axis":"x","number":3})"},
       {{"coordinate", "store", "x"}, R"(coordinate.store {"axis":"x"})"},
       {{"program", "run", "1", "--start", "7"}, R"(program.run {"address":1,"first_address":7})"},

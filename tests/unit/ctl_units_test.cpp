@@ -24,128 +24,47 @@ class CtlUnits : public testing::Test, public Ctl {
   }
 };
 
-TEST_F(CtlUnits, BareNumbersAreSentAsTheyAreAndAskForNothing) {
-  run({"move", "x", "51200"});
-  run({"rotate", "x", "-500"});
-  run({"set", "x", "4", "1500"});
-  EXPECT_THAT(target.calls, ElementsAre("move_to x 51200", "rotate x -500", "set x 4 1500"));
+TEST_F(CtlUnits, WhatIsTypedIsHandedOnInOneCall) {
+  const auto said = [&](const std::vector<std::string>& words) {
+    target.calls.clear();
+    EXPECT_EQ(run(words), ExitCode::done) << err;
+    EXPECT_EQ(target.calls.size(), 1U) << "nothing is asked before";
+    return target.said;
+  };
+  EXPECT_EQ(said({"move", "x", "12.50 mm"}), "12.50 mm");
+  EXPECT_EQ(said({"move", "x", "-1.5rev", "--by"}), "-1.5rev");
+  EXPECT_EQ(said({"move", "x", "51200", "--internal"}), "51200 --internal");
+  EXPECT_EQ(said({"rotate", "x", "-60rpm"}), "-60rpm");
+  EXPECT_EQ(said({"rotate", "x", "-500", "--internal"}), "-500 --internal");
+  said({"set", "x", "max_velocity", "20000pps"});
+  EXPECT_EQ(last_call(), "set x max_velocity 20000pps");
 }
 
-TEST_F(CtlUnits, PositionsAreInTheUnitOfTheAxisOrInTurns) {
-  EXPECT_EQ(run({"move", "x", "10mm"}), ExitCode::done) << err;
-  EXPECT_EQ(last_call(), "move_to x 102400");
-  run({"move", "x", "-1.5rev"});
-  EXPECT_EQ(last_call(), "move_to x -76800");
-  run({"move", "x", "7microsteps"});
-  EXPECT_EQ(last_call(), "move_to x 7");
-  run({"plot", "x", "--to", "1mm", "--for", "0.01"});
-  EXPECT_THAT(target.calls, testing::Contains("move_to x 10240"));
+TEST(CtlTyped, IsATextUnlessItIsBareAndInternal) {
+  const auto params = [](Typed typed) {
+    boost::json::object into;
+    put(into, "position", "position_microsteps", typed);
+    return boost::json::serialize(into);
+  };
+  EXPECT_EQ(params({"12.5mm"}), R"({"position":"12.5mm"})");
+  EXPECT_EQ(params({"12"}), R"({"position":"12"})");
+  EXPECT_EQ(params({"-12", true}), R"({"position_microsteps":-12})");
+  EXPECT_EQ(params({"12.5mm", true}), R"({"position":"12.5mm"})");
+  EXPECT_EQ(params({"12.5", true}), R"({"position":"12.5"})");
 }
 
-TEST_F(CtlUnits, DistancesCountFromWhereTheAxisIs) {
+TEST_F(CtlUnits, ADistanceCountsFromWhereTheAxisIs) {
   run({"move", "x", "100", "--wait"});
   EXPECT_EQ(run({"move", "x", "-1mm", "--by"}), ExitCode::done);
   EXPECT_EQ(last_call(), "move_to x -10140");
 }
 
-// So that tmcld can add up what is not rounded yet.
-TEST_F(CtlUnits, OnlyWhatIsSaidInTheUnitOfTheAxisIsPassedOnInIt) {
-  run({"move", "x", "10.03mm"});
-  EXPECT_EQ(target.said_in_unit, 10.03);
-  run({"move", "x", "-0.1mm", "--by"});
-  EXPECT_EQ(target.said_in_unit, -0.1);
-  for (const auto* other : {"1rev", "100microsteps", "100"}) {
-    run({"move", "x", other, "--by"});
-    EXPECT_FALSE(target.said_in_unit) << other;
-  }
-}
-
-TEST_F(CtlUnits, AReversedAxisTurnsTheOtherWayInEveryUnitButMicrosteps) {
-  target.counts.scale->reverse = true;
-  run({"move", "x", "10mm"});
-  EXPECT_EQ(last_call(), "move_to x -102400");
-  run({"move", "x", "1rev"});
-  EXPECT_EQ(last_call(), "move_to x -51200");
-  run({"rotate", "x", "1rps"});
-  EXPECT_EQ(last_call(), "rotate x -839");
-  run({"rotate", "x", "51200pps"});
-  EXPECT_EQ(last_call(), "rotate x 839");
-  run({"set", "x", "max_velocity", "5mm/s"});
-  EXPECT_EQ(last_call(), "set x max_velocity 839") << "a limit has no direction";
-}
-
-TEST_F(CtlUnits, VelocitiesBecomeWhatTheModuleCounts) {
-  run({"rotate", "x", "61035pps"});
-  EXPECT_EQ(last_call(), "rotate x 1000");
-  run({"rotate", "x", "-1rps"});
-  EXPECT_EQ(last_call(), "rotate x -839");
-  run({"rotate", "x", "60rpm"});
-  EXPECT_EQ(last_call(), "rotate x 839");
-  run({"rotate", "x", "5mm/s"});
-  EXPECT_EQ(last_call(), "rotate x 839");
-  run({"rotate", "x", "1rev/s"});
-  EXPECT_EQ(last_call(), "rotate x 839");
-  be("TMCM-6212", {1});
-  run({"rotate", "x", "-61035pps"});
-  EXPECT_EQ(last_call(), "rotate x -61035");
-  be("TMCM-6212", {0});
-  run({"rotate", "x", "1000000pps"});
-  EXPECT_EQ(last_call(), "rotate x 1048576");
-}
-
-TEST_F(CtlUnits, SetKnowsWhatAParameterMeasures) {
-  EXPECT_EQ(run({"set", "x", "max_velocity", "20000pps"}), ExitCode::done) << err;
-  EXPECT_EQ(last_call(), "set x max_velocity 328");
-  run({"set", "x", "5", "100000pps/s"});
-  EXPECT_EQ(last_call(), "set x 5 7");
-  for (const auto* form : {"50mm/s2", "50mm/s^2", "50mm/s/s", "10rps/s"}) {
-    run({"set", "x", "max_acceleration", form});
-    EXPECT_EQ(last_call(), "set x max_acceleration 34") << form;
-  }
-  run({"set", "x", "actual_position", "1rev"});
-  EXPECT_EQ(last_call(), "set x actual_position 51200");
-}
-
-TEST_F(CtlUnits, NothingIsSentForAUnitThatMeasuresSomethingElse) {
-  EXPECT_THAT(refusal({"rotate", "x", "10mm"}), HasSubstr("'10mm' is no velocity"));
-  EXPECT_THAT(err, HasSubstr("mm/s"));
-  EXPECT_THAT(refusal({"move", "x", "10pps"}), HasSubstr("'10pps' is no position"));
-  EXPECT_THAT(refusal({"set", "x", "max_acceleration", "10rps"}), HasSubstr("no acceleration"));
-  EXPECT_THAT(refusal({"set", "x", "max_current", "10rps"}), HasSubstr("max_current is neither"));
-  EXPECT_THAT(refusal({"set", "x", "max_velocty", "10rps"}), HasSubstr("max_velocity"));
-  EXPECT_THAT(target.calls, testing::Each("units x"));
-}
-
-TEST_F(CtlUnits, NothingIsSentForAUnitThatTheAxisDoesNotHave) {
-  EXPECT_THAT(refusal({"move", "x", "12a"}), HasSubstr("axis x has no unit 'a'"));
+TEST_F(CtlUnits, WhatIsWrongWithAQuantityIsToldWithItsCodeAndHint) {
   EXPECT_THAT(refusal({"move", "x", "1revs"}), HasSubstr("Did you mean 'rev'?"));
-  EXPECT_THAT(err, HasSubstr("mm"));
-  target.counts.scale->unit.clear();
-  EXPECT_THAT(refusal({"move", "x", "1mm"}), HasSubstr("units_per_revolution"));
-  EXPECT_EQ(run({"move", "x", "1rev"}), ExitCode::done);
-  target.counts.scale.reset();
-  EXPECT_THAT(refusal({"move", "x", "1rev"}), HasSubstr("how many microsteps a turn"));
-  target.counts.module.reset();
-  EXPECT_THAT(refusal({"rotate", "x", "100pps"}), HasSubstr("counts in is not known"));
-  target.counts.model = nullptr;
-  EXPECT_THAT(refusal({"rotate", "x", "100pps"}), HasSubstr("not known"));
-}
-
-TEST_F(CtlUnits, WhatDoesNotFitIsRefusedWithTheNearestInTheUnitThatWasTyped) {
-  EXPECT_THAT(refusal({"move", "x", "1000mm"}), HasSubstr("1000 mm is too far"));
-  EXPECT_THAT(err, HasSubstr("819.199"));
-  EXPECT_THAT(refusal({"rotate", "x", "1e6pps"}), HasSubstr("1e+06 pps is too fast"));
-  EXPECT_THAT(err, HasSubstr("124938.96"));
-  EXPECT_THAT(refusal({"rotate", "x", "-600rpm"}), HasSubstr("nearest possible value is -146.4"));
-  EXPECT_THAT(refusal({"set", "x", "5", "1e12pps/s"}), HasSubstr("too large"));
-  const auto document = json({"rotate", "x", "9rps"}, ExitCode::usage);
-  EXPECT_EQ(document.at("error").at("name"), "out_of_range");
-  EXPECT_THAT(target.calls, testing::Each("units x"));
-}
-
-TEST_F(CtlUnits, TheNearestThatIsNamedIsTaken) {
-  EXPECT_EQ(run({"rotate", "x", "124938.96484375pps"}), ExitCode::done) << err;
-  EXPECT_EQ(last_call(), "rotate x 2047");
+  EXPECT_THAT(refusal({"move", "x", "12,5mm"}), HasSubstr("12.5mm"));
+  const auto document = json({"rotate", "x", "10mm"}, ExitCode::usage);
+  EXPECT_EQ(document.at("error").at("name"), "wrong_unit");
+  EXPECT_THAT(target.calls, IsEmpty());
 }
 
 TEST_F(CtlUnits, GetPrintsInTheUnitOfTheAxis) {
@@ -176,15 +95,6 @@ TEST_F(CtlUnits, GetPrintsInTheUnitOfTheAxis) {
   EXPECT_THAT(refusal({"get", "x", "max_current", "--in-units"}), HasSubstr("is neither"));
   target.counts.scale.reset();
   EXPECT_THAT(refusal({"get", "x", "actual_position", "--in-units"}), HasSubstr("a turn of axis"));
-}
-
-TEST_F(CtlUnits, AnEncoderInCountsIsSetInTheUnit) {
-  target.counts.model = tmcl::find_model("TMCM-3110");
-  target.counts.encoder_counts_per_unit = 1200;
-  EXPECT_EQ(run({"set", "x", "encoder_position", "2.5mm"}), ExitCode::done) << err;
-  EXPECT_EQ(last_call(), "set x encoder_position 3000");
-  EXPECT_THAT(refusal({"set", "x", "encoder_position", "1rev"}),
-              HasSubstr("counts of the encoder"));
 }
 
 TEST_F(CtlUnits, WatchAndPlotAreInTheUnitOfTheAxis) {
@@ -330,10 +240,9 @@ TEST_F(CtlUnits, SearchesAreToldInTheUnitOfTheAxis) {
 
 TEST_F(CtlUnits, CoordinatesAreInTheUnitOfTheAxis) {
   run({"coordinate", "set", "x", "3", "10mm"});
-  EXPECT_THAT(last_call(), HasSubstr("\"position_microsteps\":102400"));
-  run({"coordinate", "set", "x", "3", "-700"});
+  EXPECT_THAT(last_call(), HasSubstr("\"position\":\"10mm\""));
+  run({"coordinate", "set", "x", "3", "-700", "--internal"});
   EXPECT_THAT(last_call(), HasSubstr("\"position_microsteps\":-700"));
-  EXPECT_THAT(refusal({"coordinate", "set", "x", "3", "10pps"}), HasSubstr("no position"));
   target.result = {{"position_microsteps", 25'600}, {"unit", "mm"}, {"position", 2.5}};
   run({"coordinate", "get", "x", "3"});
   EXPECT_EQ(out, "2.5mm\n") << "as it can be typed";
@@ -399,7 +308,16 @@ TEST_F(CtlRamp, RefusesWhatCannotBeHadAndNamesTheNearest) {
   EXPECT_THAT(refusal(ramp("0pps", "1000pps/s")), HasSubstr("too slow"));
   EXPECT_THAT(refusal(ramp("-50000pps", "1000pps/s")), HasSubstr("too slow"));
   EXPECT_THAT(refusal(ramp("50000pps", "1000pps")), HasSubstr("no acceleration"));
+  EXPECT_THAT(refusal(ramp("500", "1000pps/s")), HasSubstr("500mm/s or 500pps"));
   EXPECT_THAT(target.calls, testing::Each("units x"));
+}
+
+TEST_F(CtlRamp, TakesWhatTheModuleCountsIfAsked) {
+  auto internal = ramp("1000", "100");
+  internal.emplace_back("--internal");
+  internal.emplace_back("--dry-run");
+  EXPECT_EQ(run(internal), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("gives 61035.15625 pps"));
 }
 
 TEST_F(CtlRamp, TellsWhatWasWrittenBeforeAFailure) {
@@ -474,17 +392,6 @@ TEST_F(CtlConvert, RefusesWhatMakesNoSense) {
               HasSubstr("nearest possible value is 124938.96484375 pps"));
   EXPECT_THAT(refusal({"convert", "--model", "TMCM-1110", "10mm"}),
               HasSubstr("axis of a TMCM-1110 has no unit 'mm'"));
-}
-
-TEST(CtlQuantity, EveryReservedUnitIsKnownAndRefusedToUsers) {
-  AxisUnits units{"x", tmcl::find_model("TMCM-1110"), tmcl::ModuleUnits{}, tmcl::UserScale{}};
-  for (const auto name : tmcl::reserved_unit_names()) {
-    EXPECT_FALSE(tmcl::fault_of_unit_name(name).empty()) << name;
-    const Quantity one{1, std::string(name)};
-    EXPECT_EQ(parse_quantity("1" + one.unit), one);
-    const bool known = to_microsteps(one, units, {}).has_value() || to_pps(one, units).has_value();
-    EXPECT_TRUE(known) << name;
-  }
 }
 
 }  // namespace

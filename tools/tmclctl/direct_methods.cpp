@@ -358,6 +358,12 @@ Attempt<json::object> DirectTarget::perform(const std::string& method, json::obj
                                             const NewsHandler& on_news) {
   const auto named = address_of({text_at(params, "bus"), place_at(params, "address")});
   if (!named) return tl::unexpected(named.error());
+  if (params.contains("position")) {
+    const auto place = in_module(text_at(params, "position"), text_at(params, "axis"),
+                                 tmcl::axis_parameter::target_position);
+    if (!place) return tl::unexpected(place.error());
+    params["position_microsteps"] = *place;
+  }
   const auto known = methods();
   const auto found = std::ranges::find(known, method, &DirectMethod::name);
   if (found == known.end()) {

@@ -192,15 +192,17 @@ Attempt<ParameterValue> DirectTarget::get(const std::string& axis, const std::st
 }
 
 Attempt<ParameterValue> DirectTarget::set(const std::string& axis, const std::string& parameter,
-                                          std::int32_t value) {
+                                          const Typed& typed) {
   auto at = axis_at(axis);
   if (!at) return tl::unexpected(at.error());
   const auto name = parameter_of(at->address().module, parameter);
   if (!name) return tl::unexpected(name.error());
-  const auto allowed = check(at->address().module, name->number, value);
+  const auto value = in_module(typed.text, axis, name->number);
+  if (!value) return tl::unexpected(value.error());
+  const auto allowed = check(at->address().module, name->number, *value);
   if (!allowed) return tl::unexpected(allowed.error());
-  return attempt(at->set(name->number, value)).map([&] {
-    return ParameterValue{name->number, name->name, value};
+  return attempt(at->set(name->number, *value)).map([&] {
+    return ParameterValue{name->number, name->name, *value};
   });
 }
 
@@ -223,7 +225,7 @@ Attempt<AxisUnits> DirectTarget::units(const std::string& axis) {
   if (!at) return tl::unexpected(at.error());
   const auto model = model_of(at->address().module);
   if (!model) return tl::unexpected(model.error());
-  AxisUnits units{axis, *model, {}, {}};
+  AxisUnits units{axis, *model};
   if (units.model == nullptr) return units;
   const auto module = read_module_units(*at, units);
   if (!module) return tl::unexpected(module.error());
@@ -235,6 +237,24 @@ Attempt<AxisUnits> DirectTarget::units(const std::string& axis) {
   if (*resolution >= 0 && *resolution <= tmcl::max_microstep_resolution)
     units.scale = tmcl::UserScale{"", 1, false, {full_steps_, *resolution}};
   return units;
+}
+
+Attempt<std::int32_t> DirectTarget::in_module(const std::string& text, const std::string& axis,
+                                              std::uint8_t parameter) {
+  const auto quantity = attempt(tmcl::parse_quantity(text));
+  if (!quantity) return tl::unexpected(quantity.error());
+  if (quantity->unit.empty()) {
+    return attempt(to_microsteps(*quantity, AxisUnits{axis})).map([](tmcl::Microsteps bare) {
+      return bare.value;
+    });
+  }
+  const auto units = this->units(axis);
+  if (!units) return tl::unexpected(units.error());
+  const auto* row = find_parameter(units->parameters(), parameter);
+  if (row != nullptr) return attempt(to_parameter(*quantity, *units, *row));
+  return tl::unexpected(usage_failure(
+      "unknown_unit", fmt::format("'{}': what parameter {} of axis {} counts in is not known", text,
+                                  parameter, axis)));
 }
 
 // Whatever comes of the readings: they only serve to tell more about a move.
@@ -261,17 +281,26 @@ Attempt<StartedMove> DirectTarget::start(const std::string& axis, Move move) {
   });
 }
 
-Attempt<StartedMove> DirectTarget::move_to(const std::string& axis, Length position) {
-  return start(axis, [&](Axis& at) { return at.move_to(position.microsteps); });
+Attempt<StartedMove> DirectTarget::move_to(const std::string& axis, const Typed& position) {
+  return in_module(position.text, axis, tmcl::axis_parameter::target_position)
+      .and_then([&](std::int32_t place) {
+        return start(axis, [&](Axis& at) { return at.move_to({place}); });
+      });
 }
 
-Attempt<StartedMove> DirectTarget::move_by(const std::string& axis, Length distance) {
-  return start(axis, [&](Axis& at) { return at.move_by(distance.microsteps); });
+Attempt<StartedMove> DirectTarget::move_by(const std::string& axis, const Typed& distance) {
+  return in_module(distance.text, axis, tmcl::axis_parameter::target_position)
+      .and_then([&](std::int32_t way) {
+        return start(axis, [&](Axis& at) { return at.move_by({way}); });
+      });
 }
 
-Attempt<Turning> DirectTarget::rotate(const std::string& axis, tmcl::InternalVelocity velocity) {
-  return axis_at(axis).and_then([&](Axis at) { return attempt(at.rotate(velocity)); }).map([] {
-    return Turning{};
+Attempt<Turning> DirectTarget::rotate(const std::string& axis, const Typed& typed) {
+  const auto value = in_module(typed.text, axis, tmcl::axis_parameter::target_velocity);
+  if (!value) return tl::unexpected(value.error());
+  const tmcl::InternalVelocity velocity{*value};
+  return axis_at(axis).and_then([&](Axis at) { return attempt(at.rotate(velocity)); }).map([&] {
+    return Turning{velocity, {}};
   });
 }
 

@@ -25,12 +25,13 @@ class DirectTarget final : public Target {
   Attempt<std::vector<AxisRow>> axes() override;
   Attempt<std::vector<ParameterRow>> parameters(const std::string& axis) override;
   Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) override;
+  using Target::set;
   Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
-                              std::int32_t value) override;
+                              const Typed& value) override;
   Attempt<AxisUnits> units(const std::string& axis) override;
-  Attempt<StartedMove> move_to(const std::string& axis, Length position) override;
-  Attempt<StartedMove> move_by(const std::string& axis, Length distance) override;
-  Attempt<Turning> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override;
+  Attempt<StartedMove> move_to(const std::string& axis, const Typed& position) override;
+  Attempt<StartedMove> move_by(const std::string& axis, const Typed& distance) override;
+  Attempt<Turning> rotate(const std::string& axis, const Typed& velocity) override;
   Attempt<void> stop(const std::string& axis) override;
   Attempt<std::vector<StoppedAxis>> stop_all() override;
   Attempt<AxisReading> state(const std::string& axis) override;
@@ -78,6 +79,9 @@ class DirectTarget final : public Target {
   /// Errors: the name of a bus.
   static Attempt<tmcl::ModuleAddress> address_of(const ModuleName& module);
   Attempt<tmcl::blocking::Axis> axis_at(const std::string& name);
+  /// What the module of an axis is to hold in a parameter.
+  Attempt<std::int32_t> in_module(const std::string& text, const std::string& axis,
+                                  std::uint8_t parameter);
   /// Null for a model that is not known.
   Attempt<const tmcl::Model*> model_of(tmcl::ModuleAddress module);
   std::optional<tmcl::plan::AxisTwin> twin_of(tmcl::blocking::Axis& at);

@@ -81,6 +81,10 @@ Failure usage_failure(std::string name, std::string message, std::string hint) {
           tmcl::Outcome::not_sent};
 }
 
+Failure failure_from(const tmcl::QuantityError& error) {
+  return usage_failure(std::string(error.code), error.message, error.hint);
+}
+
 Failure failure_from(const tmcl::Error& error) {
   Failure failure{exit_for(error), std::string(name_of(error.code)), error.message, error.hint,
                   error.outcome};

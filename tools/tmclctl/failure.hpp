@@ -10,6 +10,7 @@
 #include "exit_code.hpp"
 #include "tmcl/client.hpp"
 #include "tmcl/error.hpp"
+#include "tmcl/quantity.hpp"
 
 namespace tmclctl {
 
@@ -30,6 +31,7 @@ using Attempt = tl::expected<T, Failure>;
 ExitCode exit_for_objection(std::string_view name);
 Failure usage_failure(std::string name, std::string message, std::string hint = {});
 Failure failure_from(const tmcl::Error& error);
+Failure failure_from(const tmcl::QuantityError& error);
 Failure failure_from(const tmcl::client::CallError& error);
 
 /// One line for what happened and where, and one for what to try.

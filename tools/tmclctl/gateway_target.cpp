@@ -141,16 +141,6 @@ tmcl::FirmwareMatch match_from(const json::object& row, std::string_view running
   return match;
 }
 
-json::object with_length(const std::string& axis, const std::string& name, const Length& length) {
-  json::object params{{"axis", axis}};
-  if (length.in_unit) {
-    params[name] = *length.in_unit;
-  } else {
-    params[name + "_microsteps"] = length.microsteps.value;
-  }
-  return params;
-}
-
 UnscannedBus unscanned_from(const json::object& row) {
   return {text_at(row, "bus"), failure_at(row)};
 }
@@ -261,10 +251,10 @@ Attempt<ParameterValue> GatewayTarget::get(const std::string& axis, const std::s
 }
 
 Attempt<ParameterValue> GatewayTarget::set(const std::string& axis, const std::string& parameter,
-                                           std::int32_t value) {
-  return call("parameter.set",
-              {{"axis", axis}, {"parameter", parameter_value(parameter)}, {"value", value}})
-      .map(value_from);
+                                          const Typed& value) {
+  json::object params{{"axis", axis}, {"parameter", parameter_value(parameter)}};
+  put(params, "value_in_unit", "value", value);
+  return call("parameter.set", std::move(params)).map(value_from);
 }
 
 Attempt<AxisUnits> GatewayTarget::units(const std::string& axis) {
@@ -287,19 +277,25 @@ Attempt<StartedMove> GatewayTarget::move(std::string_view method, json::object p
   });
 }
 
-Attempt<StartedMove> GatewayTarget::move_to(const std::string& axis, Length position) {
-  return move("axis.move_to", with_length(axis, "position", position));
+Attempt<StartedMove> GatewayTarget::move_to(const std::string& axis, const Typed& position) {
+  json::object params{{"axis", axis}};
+  put(params, "position", "position_microsteps", position);
+  return move("axis.move_to", std::move(params));
 }
 
-Attempt<StartedMove> GatewayTarget::move_by(const std::string& axis, Length distance) {
-  return move("axis.move_by", with_length(axis, "distance", distance));
+Attempt<StartedMove> GatewayTarget::move_by(const std::string& axis, const Typed& distance) {
+  json::object params{{"axis", axis}};
+  put(params, "distance", "distance_microsteps", distance);
+  return move("axis.move_by", std::move(params));
 }
 
-Attempt<Turning> GatewayTarget::rotate(const std::string& axis, tmcl::InternalVelocity velocity) {
-  return call("axis.rotate", {{"axis", axis},
-                              {"velocity_internal", velocity.value},
-                              {"deadline_ms", move_deadline_ms}})
-      .map([](const json::object& turning) { return Turning{in_unit_at(turning, "velocity")}; });
+Attempt<Turning> GatewayTarget::rotate(const std::string& axis, const Typed& velocity) {
+  json::object params{{"axis", axis}, {"deadline_ms", move_deadline_ms}};
+  put(params, "velocity", "velocity_internal", velocity);
+  return call("axis.rotate", std::move(params)).map([](const json::object& turning) {
+    return Turning{{integer_at<std::int32_t>(turning, "velocity_internal")},
+                   in_unit_at(turning, "velocity")};
+  });
 }
 
 Attempt<void> GatewayTarget::stop(const std::string& axis) {

@@ -18,12 +18,13 @@ class GatewayTarget final : public Target {
   Attempt<std::vector<AxisRow>> axes() override;
   Attempt<std::vector<ParameterRow>> parameters(const std::string& axis) override;
   Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) override;
+  using Target::set;
   Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
-                              std::int32_t value) override;
+                              const Typed& value) override;
   Attempt<AxisUnits> units(const std::string& axis) override;
-  Attempt<StartedMove> move_to(const std::string& axis, Length position) override;
-  Attempt<StartedMove> move_by(const std::string& axis, Length distance) override;
-  Attempt<Turning> rotate(const std::string& axis, tmcl::InternalVelocity velocity) override;
+  Attempt<StartedMove> move_to(const std::string& axis, const Typed& position) override;
+  Attempt<StartedMove> move_by(const std::string& axis, const Typed& distance) override;
+  Attempt<Turning> rotate(const std::string& axis, const Typed& velocity) override;
   Attempt<void> stop(const std::string& axis) override;
   Attempt<std::vector<StoppedAxis>> stop_all() override;
   Attempt<AxisReading> state(const std::string& axis) override;

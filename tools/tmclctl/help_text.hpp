@@ -9,12 +9,14 @@ constexpr const char* description =
 constexpr const char* footer = R"(
 An AXIS is a name from tmcld's configuration; with --direct it is ADDRESS/MOTOR, such as 1/0.
 A PARAM is a number or a standard name, such as max_velocity: 'tmclctl params AXIS' lists them.
-A bare number is what the module counts in: microsteps for positions; for velocities see
-'tmclctl params AXIS'. A unit may stand behind it: 1.5rev, 2rps, 120rpm, 61035pps, 100000pps/s, and,
-if tmcld's configuration gives the axis a unit such as mm: 10mm, 5mm/s, 50mm/s^2 (or 50mm/s2). With
---direct, turns
-are counted by the module's microsteps (parameter 140) and --full-steps. What is told of an axis with
-a unit is in that unit; with --internal it is what the module counts.
+A position, distance, velocity or acceleration has a unit behind its number: 51200microsteps, 1.5rev,
+2rps, 120rpm, 61035pps, 100000pps/s, and, if tmcld's configuration gives the axis a unit such as mm:
+10mm, 100um, 1in, 5mm/s, 50mm/s^2 (or 50mm/s2). On an axis without such a unit a bare number is what
+the module counts in: microsteps; for velocities see 'tmclctl params AXIS'. On an axis with one, a
+bare number other than 0 is refused, unless --internal says that it is what the module counts. The
+VALUE of 'set' is always that if it is bare. With --direct, turns are counted by the module's
+microsteps (parameter 140) and --full-steps. What is told of an axis with a unit is in that unit; with
+--internal it is what the module counts.
 
 Examples:
   tmclctl scan                                   which modules are there?
@@ -126,8 +128,8 @@ as 'set' takes it.
 )";
 
 constexpr const char* set = R"(
-A position, velocity or acceleration may have a unit, and becomes the nearest value there is. The
-module forgets the value when it loses power, unless 'tmclctl store' keeps it.
+A bare number is what the module counts, on every axis. A position, velocity or acceleration may have
+a unit, as 'get --in-units' prints it, and becomes the nearest value there is. The module forgets the value when it loses power, unless 'tmclctl store' keeps it.
 Writing target_position, actual_position, target_velocity or ramp_mode can move the motor.
 
   tmclctl set x max_velocity 1500
@@ -140,8 +142,11 @@ Comes back as soon as the module has accepted the move; with --wait when the axi
 target. While it waits it draws a progress line, if standard error is a terminal. Ctrl-C ends the
 waiting and NOT the move: it tells how to stop the axis and exits with 130.
 
-  tmclctl move x 51200
+On an axis with a unit, POSITION needs one: 10mm, or 10microsteps. Bare numbers other than 0 count
+microsteps only on axes without a unit, and with --internal.
+
   tmclctl move x 10mm
+  tmclctl move x 51200 --internal
   tmclctl move x 1.5rev
   tmclctl move x -1000 --by --wait
   tmclctl move x 0.1mm --by --wait               again and again: what is rounded does not add up
@@ -163,7 +168,7 @@ way is of the longest. Their own settings are the limits, and are set back at th
 does not go as planned, all are stopped. It needs tmcld, whose axes may be on any of its buses.
 Several motors of one module start with one command.
 
-  tmclctl line x=51200 y=-10000 --wait
+  tmclctl line x=51200microsteps y=-1.5rev --wait
   tmclctl line x=10mm y=2.5mm z=0
   tmclctl line x=10mm y=2.5mm --velocity 5mm/s
   tmclctl line x=10mm y=2.5mm --time 4
@@ -171,10 +176,11 @@ Several motors of one module start with one command.
 
 constexpr const char* rotate = R"(
 Turns until it is stopped: to the right for a positive velocity, to the left for a negative one. An
-axis with soft limits does not turn without end.
+axis with soft limits does not turn without end. On an axis with a unit, VELOCITY needs one; --internal
+takes it as the module counts.
 
-  tmclctl rotate x 500
-  tmclctl rotate x -500
+  tmclctl rotate x -5mm/s
+  tmclctl rotate x -500 --internal
   tmclctl rotate x 2rps
   tmclctl rotate x 61035pps
 )";

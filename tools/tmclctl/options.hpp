@@ -38,15 +38,16 @@ struct Get {
 struct Set {
   std::string axis;
   std::string parameter;
-  Quantity value;
+  std::string value;
 };
+// Positions, distances, velocities and accelerations are kept as they were typed.
 struct Move {
   std::string axis;
-  Quantity position;
+  std::string position;
   bool by = false;
   bool wait = false;
   std::optional<double> timeout_s;
-  bool internal = false;  ///< Tell what the module counts in, here and below.
+  bool internal = false;  ///< Say and tell what the module counts in, here and below.
 };
 /// For what somebody else started.
 struct Wait {
@@ -58,10 +59,10 @@ struct Wait {
 struct Line {
   struct Goal {
     std::string axis;
-    Quantity position;
+    std::string position;
   };
   std::vector<Goal> goals;
-  std::optional<Quantity> velocity, acceleration;
+  std::string velocity, acceleration;  ///< Empty: none.
   std::optional<double> time_s;
   bool wait = false;
   std::optional<double> timeout_s;
@@ -69,7 +70,7 @@ struct Line {
 };
 struct Rotate {
   std::string axis;
-  Quantity velocity;
+  std::string velocity;
   bool internal = false;
 };
 struct Stop {
@@ -88,8 +89,8 @@ struct Watch {
 };
 struct Plot {
   std::string axis;
-  std::optional<Quantity> to;
-  std::optional<Quantity> by;
+  std::string to;  ///< Empty: none.
+  std::string by;  ///< Empty: none.
   std::optional<double> for_s;
   std::string svg;  ///< Empty: none.
   std::string csv;  ///< Empty: none; "-": standard output instead of the drawing.
@@ -179,8 +180,8 @@ struct UploadFirmware {
 /// Makes a ramp of a velocity and an acceleration: dividers and registers, or plain parameters.
 struct Ramp {
   std::string axis;
-  Quantity velocity;
-  Quantity acceleration;
+  std::string velocity;
+  std::string acceleration;
   bool dry_run = false;
   bool internal = false;
 };
@@ -192,7 +193,7 @@ struct Convert {
   std::optional<std::int32_t> unit_mode;
   std::int32_t microsteps = 256;
   std::int32_t full_steps = 200;
-  Quantity quantity;
+  std::string quantity;
 };
 /// What is one method of tmcld (docs/PROTOCOL.md), done with or without it.
 struct Ask {
@@ -201,7 +202,7 @@ struct Ask {
   std::string module;     ///< ADDRESS or BUS:ADDRESS
   std::string parameter;  ///< Number or name.
   std::optional<std::int32_t> bank, number, port, value, at, first_address;
-  std::optional<Quantity> position;
+  std::string position;  ///< Empty: none.
   std::vector<std::uint8_t> motors;
   std::vector<std::string> axes;
   bool interpolated = false;

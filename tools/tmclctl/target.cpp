@@ -5,6 +5,7 @@
 #include "gateway_target.hpp"
 #include "direct_target.hpp"
 #include "socket_door.hpp"
+#include "options/form.hpp"
 
 namespace tmclctl {
 namespace {
@@ -16,6 +17,16 @@ std::string socket_path(const Where& where) {
 }
 
 }  // namespace
+
+void put(boost::json::object& params, std::string_view name, std::string_view plain,
+         const Typed& typed) {
+  const auto counted = parse_number<std::int32_t>(typed.text);
+  if (typed.internal && counted) {
+    params[plain] = *counted;
+  } else {
+    params[name] = typed.text;
+  }
+}
 
 Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait,
                                              Patience& patience) {

@@ -12,16 +12,19 @@
 #include "failure.hpp"
 #include "names.hpp"
 #include "patience.hpp"
-#include "quantity.hpp"
 #include "shown.hpp"
 #include "tmcl/awaited_file.hpp"
 #include "tmcl/firmware_verbs.hpp"
 #include "tmcl/link.hpp"
 #include "tmcl/parameter.hpp"
+#include "tmcl/quantity.hpp"
 #include "tmcl/units.hpp"
 #include "tmcl/verbs.hpp"
 
 namespace tmclctl {
+
+using tmcl::AxisUnits;
+using tmcl::Quantity;
 
 struct ModuleRow {
   std::string bus;
@@ -95,12 +98,17 @@ struct AxisReading {
   bool operator==(const AxisReading&) const = default;
 };
 
-/// A position or a distance.
-struct Length {
-  tmcl::Microsteps microsteps;
-  /// What it is exactly, where it was said in the axis' own unit.
-  std::optional<double> in_unit{};
+/// A position, a distance or a velocity.
+struct Typed {
+  std::string text;  ///< A number with its unit, as it was typed.
+  /// A number without one is what the module counts, also on an axis with a unit.
+  bool internal = false;
 };
+/// What a module counts.
+inline Typed counted(std::int32_t value) { return {std::to_string(value), true}; }
+/// Puts it into the parameters of a method: as `name`, or as `plain` if it is what a module counts.
+void put(boost::json::object& params, std::string_view name, std::string_view plain,
+         const Typed& typed);
 
 /// A move that a module has taken.
 struct StartedMove {
@@ -111,6 +119,7 @@ struct StartedMove {
 
 /// A speed that a module has taken.
 struct Turning {
+  tmcl::InternalVelocity velocity;
   /// Per second; nothing for an axis without a unit, and where the conversion is not known.
   std::optional<InUnit> in_unit{};
 };
@@ -181,13 +190,15 @@ class Target {
 
   virtual Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) = 0;
   virtual Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
-                                      std::int32_t value) = 0;
+                                      const Typed& value) = 0;
+  Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
+                              std::int32_t value) {
+    return set(axis, parameter, counted(value));
+  }
   virtual Attempt<AxisUnits> units(const std::string& axis) = 0;
-  virtual Attempt<StartedMove> move_to(const std::string& axis, Length position) = 0;
-  /// What a distance in the axis' own unit is rounded by does not add up; only tmcld can see to
-  /// that.
-  virtual Attempt<StartedMove> move_by(const std::string& axis, Length distance) = 0;
-  virtual Attempt<Turning> rotate(const std::string& axis, tmcl::InternalVelocity velocity) = 0;
+  virtual Attempt<StartedMove> move_to(const std::string& axis, const Typed& position) = 0;
+  virtual Attempt<StartedMove> move_by(const std::string& axis, const Typed& distance) = 0;
+  virtual Attempt<Turning> rotate(const std::string& axis, const Typed& velocity) = 0;
   virtual Attempt<void> stop(const std::string& axis) = 0;
   virtual Attempt<std::vector<StoppedAxis>> stop_all() = 0;
   virtual Attempt<AxisReading> state(const std::string& axis) = 0;

@@ -59,7 +59,7 @@ Attempt<bool> load(const std::vector<Start>& starts, Target& target) {
 
 Attempt<void> start_each(const std::vector<Start>& starts, Target& target) {
   for (const auto& start : starts) {
-    const auto moved = target.move_to(start.axis, {.microsteps = start.position});
+    const auto moved = target.move_to(start.axis, counted(start.position.value));
     if (!moved) return tl::unexpected(moved.error());
   }
   return {};

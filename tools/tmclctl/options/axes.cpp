@@ -28,9 +28,8 @@ Reading read_goal(const std::string& text, std::vector<verb::Line::Goal>& goals)
   const auto equals = text.find('=');
   if (equals == 0 || equals == std::string::npos)
     return tl::unexpected("'" + text + "' is no AXIS=POSITION");
-  return parse_quantity(std::string_view(text).substr(equals + 1)).map([&](Quantity position) {
-    goals.push_back({text.substr(0, equals), std::move(position)});
-  });
+  goals.push_back({text.substr(0, equals), text.substr(equals + 1)});
+  return {};
 }
 
 }  // namespace
@@ -69,16 +68,17 @@ void add_parameters(Grammar& grammar) {
   auto set = grammar.verb<verb::Set>("set", "Set a parameter", help_text::set);
   set.axis(set->axis);
   set.word("PARAM", "Number or standard name", text(set->parameter));
-  set.word("VALUE", "The new value; positions, velocities and accelerations may have units",
-           quantity(set->value));
+  set.word(
+      "VALUE",
+      "The new value, as the module counts; positions, velocities and accelerations may have units",
+      text(set->value));
 }
 
 void add_motion(Grammar& grammar) {
   auto move =
       grammar.verb<verb::Move>("move", "Move to a position, or by a distance", help_text::move);
   move.axis(move->axis);
-  move.word("POSITION", "Where to go: microsteps, or with a unit; may be negative",
-            quantity(move->position));
+  move.word("POSITION", "Where to go, with a unit; may be negative", text(move->position));
   move.flag("--by", "POSITION is the distance from where the axis is now", move->by);
   move.flag("--wait", "Wait until the axis stands at its target", move->wait);
   move.option("--timeout", "SECONDS", "With --wait: give up after so long; the axis goes on",
@@ -103,12 +103,12 @@ void add_motion(Grammar& grammar) {
   });
   auto line = grammar.verb<verb::Line>("line", "Move several axes together along a straight line",
                                        help_text::line);
-  line.words("AXIS=POSITION", "Where each of them is to go: microsteps, or with a unit",
+  line.words("AXIS=POSITION", "Where each of them is to go, with a unit",
              [&goals = line->goals](const std::string& text) { return read_goal(text, goals); });
   line.option("--velocity", "VELOCITY", "What no axis exceeds, such as 20mm/s or 50000pps",
-              quantity(line->velocity));
+              text(line->velocity));
   line.option("--acceleration", "ACCELERATION", "Likewise, such as 100mm/s^2 or 200000pps/s",
-              quantity(line->acceleration));
+              text(line->acceleration));
   line.option("--time", "SECONDS", "Take so long; without it, as short as possible",
               number(line->time_s, shortest_time_s, longest_line_s));
   line.flag("--wait", "Wait until all of them stand at their targets", line->wait);
@@ -122,8 +122,7 @@ void add_motion(Grammar& grammar) {
   });
   auto rotate = grammar.verb<verb::Rotate>("rotate", "Turn without end", help_text::rotate);
   rotate.axis(rotate->axis);
-  rotate.word("VELOCITY", "In the module's unit, or with another; negative: to the left",
-              quantity(rotate->velocity));
+  rotate.word("VELOCITY", "With a unit; negative: to the left", text(rotate->velocity));
   rotate.internal(rotate->internal);
   auto stop = grammar.verb<verb::Stop>("stop", "Stop an axis, or all of them", help_text::stop);
   stop.optional_word("AXIS", "A configured name, or ADDRESS/MOTOR with --direct", text(stop->axis));
@@ -154,8 +153,8 @@ void add_plot(Grammar& grammar) {
   auto plot = grammar.verb<verb::Plot>("plot", "Record a movement and draw position and velocity",
                                        help_text::plot);
   plot.axis(plot->axis);
-  plot.option("--to", "POSITION", "Start a move to this position", quantity(plot->to));
-  plot.option("--by", "DISTANCE", "Start a move by this distance", quantity(plot->by));
+  plot.option("--to", "POSITION", "Start a move to this position", text(plot->to));
+  plot.option("--by", "DISTANCE", "Start a move by this distance", text(plot->by));
   plot.option("--for", "SECONDS", "Record for so long at most",
               number(plot->for_s, shortest_time_s, longest_time_s));
   plot.option("--svg", "FILE", "Write the drawing to this file, too", text(plot->svg));
@@ -166,8 +165,9 @@ void add_plot(Grammar& grammar) {
             plot->compare);
   plot.internal(plot->internal);
   plot.object([](const verb::Plot& said, bool json) {
-    if (said.compare && !said.to && !said.by) return "--compare needs a move: --to or --by";
-    if (said.to && said.by) return "--to and --by exclude each other";
+    if (said.compare && said.to.empty() && said.by.empty())
+      return "--compare needs a move: --to or --by";
+    if (!said.to.empty() && !said.by.empty()) return "--to and --by exclude each other";
     return json && said.csv == "-" ? "--json and '--csv -' both want standard output" : "";
   });
 }

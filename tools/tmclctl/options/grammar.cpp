@@ -72,7 +72,7 @@ void Form::flag(const std::string& name, const std::string& description, bool& i
 }
 
 void Form::internal(bool& into) {
-  flag("--internal", "Tell what the module counts in, even if the axis has a unit", into);
+  flag("--internal", "Take and tell what the module counts in, even if the axis has a unit", into);
 }
 
 CLI::App& Grammar::add(CLI::App& parent, const std::string& name, const std::string& description,

@@ -78,10 +78,6 @@ void VerbForm<T>::object(Objection<T> objection, std::string hint) {
   };
 }
 
-/// Reads a number that may have a unit; `into` must live as long as the form.
-Read quantity(Quantity& into);
-Read quantity(std::optional<Quantity>& into);
-
 /// As it is typed: "profile simulate".
 std::string full_name(const CLI::App& verb);
 

@@ -91,7 +91,9 @@ void add_coordinates(Grammar& grammar) {
   const auto group = grammar.group("coordinate", "Positions that modules remember by number",
                                    help_text::coordinate);
   auto set = add_coordinate(grammar, group, "set", "coordinate.set", "Remember a position");
-  set.word("POSITION", "Microsteps, or with a unit; may be negative", quantity(set->position));
+  set.word("POSITION", "With a unit, or microsteps where there is none; may be negative",
+           text(set->position));
+  set.internal(set->internal);
   auto get = add_coordinate(grammar, group, "get", "coordinate.get", "Print a coordinate");
   get.internal(get->internal);
   auto capture =

@@ -7,13 +7,6 @@
 namespace tmclctl {
 namespace {
 
-template <class Into>
-Read read_quantity(Into& into) {
-  return [&into](const std::string& text) {
-    return parse_quantity(text).map([&](Quantity value) { into = std::move(value); });
-  };
-}
-
 Reading read_microsteps(const std::string& text, std::int32_t& into) {
   const auto value = parse_number<std::int32_t>(text, 1, 1 << tmcl::max_microstep_resolution);
   if (!value) return tl::unexpected(value.error());
@@ -25,24 +18,21 @@ Reading read_microsteps(const std::string& text, std::int32_t& into) {
 
 }  // namespace
 
-Read quantity(Quantity& into) { return read_quantity(into); }
-Read quantity(std::optional<Quantity>& into) { return read_quantity(into); }
-
 void add_units(Grammar& grammar) {
   auto ramp = grammar.verb<verb::Ramp>(
       "ramp", "Choose and set registers for a velocity and an acceleration", help_text::ramp);
   ramp.axis(ramp->axis);
   ramp.required_option("--velocity", "VELOCITY", "Of positioning moves, such as 50000pps",
-                       quantity(ramp->velocity));
+                       text(ramp->velocity));
   ramp.required_option("--acceleration", "ACCELERATION", "Of every ramp, such as 200000pps/s",
-                       quantity(ramp->acceleration));
+                       text(ramp->acceleration));
   ramp.flag("--dry-run", "Only show what would be set", ramp->dry_run);
   ramp.internal(ramp->internal);
 
   auto convert = grammar.verb<verb::Convert>(
       "convert", "Show a quantity in all its units, without any module", help_text::convert);
   convert.word("QUANTITY", "Such as 500, 61035pps, 2rps, 1.5rev or 100000pps/s",
-               quantity(convert->quantity));
+               text(convert->quantity));
   convert.required_option("--model", "MODEL", "Such as TMCM-1110", text(convert->model));
   convert.option("--pulse-div", "N", "Pulse divider (parameter 154) of a TMC429",
                  number(convert->pulse_div, 0, tmcl::tmc429_max_divider));

@@ -38,9 +38,9 @@ plan::StreamAnswer carry_out(const StreamCommand& command, const std::string& ax
     case StreamCommand::Kind::set:
       return nothing(target.set(axis, parameter, command.value).map([](const auto&) {}));
     case StreamCommand::Kind::rotate:
-      return nothing(target.rotate(axis, {command.value}).map([](const auto&) {}));
+      return nothing(target.rotate(axis, counted(command.value)).map([](const auto&) {}));
     case StreamCommand::Kind::move_to:
-      return nothing(target.move_to(axis, {.microsteps = {command.value}}).map([](const auto&) {}));
+      return nothing(target.move_to(axis, counted(command.value)).map([](const auto&) {}));
     case StreamCommand::Kind::stop: return nothing(target.stop(axis));
   }
   return 0;
@@ -113,7 +113,7 @@ namespace {
 Attempt<void> start_one_by_one(const std::vector<std::string>& axes,
                                const std::vector<tmcl::Microsteps>& positions, Target& target) {
   for (std::size_t i = 0; i < axes.size(); ++i) {
-    const auto moved = target.move_to(axes[i], {.microsteps = positions[i]});
+    const auto moved = target.move_to(axes[i], counted(positions[i].value));
     if (!moved) return tl::unexpected(moved.error());
   }
   return {};

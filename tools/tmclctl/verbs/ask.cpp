@@ -6,7 +6,6 @@
 
 #include <boost/json/serialize.hpp>
 
-#include "asked.hpp"
 #include "json_read.hpp"
 #include "names.hpp"
 #include "print.hpp"
@@ -17,7 +16,7 @@ namespace {
 
 namespace json = boost::json;
 
-Attempt<json::object> params_of(const verb::Ask& verb, Target& target) {
+Attempt<json::object> params_of(const verb::Ask& verb) {
   json::object params;
   const auto add = [&](const char* key, const std::optional<std::int32_t>& value) {
     if (value) params[key] = *value;
@@ -39,11 +38,9 @@ Attempt<json::object> params_of(const verb::Ask& verb, Target& target) {
   add("value", verb.value);
   add("at", verb.at);
   add("first_address", verb.first_address);
-  if (!verb.position) return params;
-  return asked_position(*verb.position, verb.axis, target).map([&](const Length& position) {
-    params["position_microsteps"] = position.microsteps.value;
-    return params;
-  });
+  if (!verb.position.empty())
+    put(params, "position", "position_microsteps", {verb.position, verb.internal});
+  return params;
 }
 
 /// 65537 is 1.1: GET_INFO has major and minor version in a half each.
@@ -150,7 +147,7 @@ bool only_reads(std::string_view method) {
 }
 
 VerbResult run(const verb::Ask& verb, Room& room) {
-  auto params = params_of(verb, room.target);
+  auto params = params_of(verb);
   if (!params) return tl::unexpected(params.error());
   const auto result = room.target.perform(verb.method, std::move(*params), {});
   if (!result) return tl::unexpected(explained(result.error(), verb, room.target));

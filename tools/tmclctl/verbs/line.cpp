@@ -2,9 +2,9 @@
 #include <fmt/format.h>
 #include <boost/json/array.hpp>
 
-#include "asked.hpp"
 #include "following.hpp"
 #include "json_read.hpp"
+#include "options/form.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
 #include "verbs.hpp"
@@ -16,85 +16,19 @@ namespace json = boost::json;
 
 constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
 
-Attempt<std::vector<AxisUnits>> units_of(const verb::Line& verb, Target& target) {
-  std::vector<AxisUnits> all;
-  for (const auto& goal : verb.goals) {
-    auto units = target.units(goal.axis);
-    if (!units) return tl::unexpected(units.error());
-    // A limit holds in both directions.
-    if (units->scale) units->scale->reverse = false;
-    all.push_back(std::move(*units));
-  }
-  return all;
-}
-
-/// The two parameters that say the same.
-struct LimitNames {
-  const char* in_unit;
-  const char* plain;
-};
-
-/// One number for all axes: in microsteps if it is the same for all of them, else in the unit that
-/// they share.
-template <class Value>
-Attempt<void> put_limit(json::object& params, LimitNames names, const Quantity& said,
-                        const std::vector<AxisUnits>& axes,
-                        Attempt<Value> (*convert)(const Quantity&, const AxisUnits&)) {
-  std::vector<double> values;
-  for (const auto& units : axes) {
-    const auto value = convert(said, units);
-    if (!value) return tl::unexpected(value.error());
-    if (!(value->value > 0)) {
-      return tl::unexpected(
-          usage_failure("bad_value", fmt::format("'{}' must be above 0", to_string(said))));
-    }
-    values.push_back(value->value);
-  }
-  const auto& first = axes.front();
-  if (std::ranges::count(values, values.front()) == std::ssize(values)) {
-    params[names.plain] = values.front();
-    return {};
-  }
-  const bool same_unit = std::ranges::all_of(axes, [&](const AxisUnits& units) {
-    return units.scale && !units.scale->unit.empty() && units.scale->unit == first.scale->unit;
-  });
-  if (!same_unit) {
-    return tl::unexpected(usage_failure(
-        "wrong_unit",
-        fmt::format("'{}' is not the same for all of these axes, and they have no unit in common",
-                    to_string(said)),
-        "Give it in pps or pps/s"));
-  }
-  params[names.in_unit] = tmcl::to_user(Value{values.front()}, *first.scale).value;
-  return {};
-}
-
-Attempt<void> put_limits(json::object& params, const verb::Line& verb, Target& target) {
-  if (verb.time_s) params["time_s"] = *verb.time_s;
-  if (!verb.velocity && !verb.acceleration) return {};
-  const auto units = units_of(verb, target);
-  if (!units) return tl::unexpected(units.error());
-  Attempt<void> put;
-  if (verb.velocity)
-    put = put_limit(params, {"velocity", "velocity_pps"}, *verb.velocity, *units, to_pps);
-  if (put && verb.acceleration) {
-    put = put_limit(params, {"acceleration", "acceleration_pps2"}, *verb.acceleration, *units,
-                    to_pps2);
-  }
-  return put;
-}
-
-Attempt<json::object> asked_line(const verb::Line& verb, Target& target) {
+json::object params_of(const verb::Line& verb) {
   json::array axes;
   json::array positions;
   for (const auto& [axis, position] : verb.goals) {
-    const auto length = asked_position(position, axis, target);
-    if (!length) return tl::unexpected(length.error());
     axes.emplace_back(axis);
-    positions.emplace_back(length->microsteps.value);
+    const bool is_bare = parse_number<std::int32_t>(position).has_value();
+    positions.emplace_back(verb.internal && is_bare ? position + "microsteps" : position);
   }
-  json::object params{{"axes", std::move(axes)}, {"positions_microsteps", std::move(positions)}};
-  return put_limits(params, verb, target).map([&] { return std::move(params); });
+  json::object params{{"axes", std::move(axes)}, {"positions", std::move(positions)}};
+  if (!verb.velocity.empty()) params["velocity"] = verb.velocity;
+  if (!verb.acceleration.empty()) params["acceleration"] = verb.acceleration;
+  if (verb.time_s) params["time_s"] = *verb.time_s;
+  return params;
 }
 
 // Nothing for an axis without a unit.
@@ -175,9 +109,7 @@ void print(const json::object& line, const verb::Line& verb, std::ostream& out) 
 
 VerbResult run(const verb::Line& verb, Room& room) {
   if (auto interrupted = interrupted_before_move(room)) return tl::unexpected(*interrupted);
-  auto params = asked_line(verb, room.target);
-  if (!params) return tl::unexpected(params.error());
-  const auto line = room.target.perform("line.move", std::move(*params), {});
+  const auto line = room.target.perform("line.move", params_of(verb), {});
   if (!line) return tl::unexpected(line.error());
   const auto started_at = room.patience.now();
   if (verb.wait) {

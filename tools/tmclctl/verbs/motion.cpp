@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include "asked.hpp"
 #include "following.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
@@ -78,11 +77,9 @@ json::value unit_or_null(const std::optional<InUnit>& value) {
 
 VerbResult run(const verb::Move& verb, Room& room) {
   if (auto interrupted = interrupted_before_move(room)) return tl::unexpected(*interrupted);
-  const auto asked = verb.by ? asked_distance(verb.position, verb.axis, room.target)
-                             : asked_position(verb.position, verb.axis, room.target);
-  if (!asked) return tl::unexpected(asked.error());
+  const Typed typed{verb.position, verb.internal};
   auto move =
-      verb.by ? room.target.move_by(verb.axis, *asked) : room.target.move_to(verb.axis, *asked);
+      verb.by ? room.target.move_by(verb.axis, typed) : room.target.move_to(verb.axis, typed);
   if (!move) return tl::unexpected(move.error());
   json::object document{
       {"axis", verb.axis},
@@ -147,13 +144,11 @@ VerbResult run(const verb::Wait& verb, Room& room) {
 }
 
 VerbResult run(const verb::Rotate& verb, Room& room) {
-  const auto velocity = asked_velocity(verb.velocity, verb.axis, room.target);
-  if (!velocity) return tl::unexpected(velocity.error());
-  const auto rotating = room.target.rotate(verb.axis, *velocity);
+  const auto rotating = room.target.rotate(verb.axis, {verb.velocity, verb.internal});
   if (!rotating) return tl::unexpected(rotating.error());
   if (room.output.json) {
     print_json({{"axis", verb.axis},
-                {"velocity_internal", velocity->value},
+                {"velocity_internal", rotating->velocity.value},
                 {"unit", unit_or_null(rotating->in_unit)},
                 {"velocity", value_or_null(rotating->in_unit)}},
                room.output);
@@ -161,7 +156,7 @@ VerbResult run(const verb::Rotate& verb, Room& room) {
     auto speed = verb.internal ? std::nullopt : rotating->in_unit;
     if (speed) speed->unit += "/s";
     room.output.out << fmt::format("{} turns with velocity {}. {}\n", verb.axis,
-                                   shown(speed, velocity->value),
+                                   shown(speed, rotating->velocity.value),
                                    how_to_stop(verb.axis, room.target));
   }
   return ExitCode::done;

@@ -1,11 +1,25 @@
 // get, set.
 #include <fmt/format.h>
 
-#include "asked.hpp"
 #include "print.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
+namespace {
+
+/// In the unit of the axis, or in turns if it has none.
+Attempt<Quantity> in_units(const ParameterValue& got, const std::string& axis, Target& target) {
+  if (got.in_unit) return Quantity{got.in_unit->value, got.in_unit->unit};
+  const auto units = target.units(axis);
+  if (!units) return tl::unexpected(units.error());
+  const auto* row = find_parameter(units->parameters(), got.number);
+  if (row != nullptr) return attempt(from_parameter(got.value, *units, *row));
+  return tl::unexpected(usage_failure(
+      "unknown_unit",
+      fmt::format("what parameter {} of axis {} counts in is not known", got.name, axis)));
+}
+
+}  // namespace
 
 VerbResult run(const verb::Get& verb, Room& room) {
   const auto got = room.target.get(verb.axis, verb.parameter);
@@ -13,7 +27,7 @@ VerbResult run(const verb::Get& verb, Room& room) {
   auto document = to_json(verb.axis, *got);
   auto line = fmt::format("{}\n", got->value);
   if (verb.in_units) {
-    const auto shown = shown_value(*got, verb.axis, room.target);
+    const auto shown = in_units(*got, verb.axis, room.target);
     if (!shown) return tl::unexpected(shown.error());
     document["value_in_unit"] = shown->number;
     document["unit"] = shown->unit;
@@ -28,9 +42,7 @@ VerbResult run(const verb::Get& verb, Room& room) {
 }
 
 VerbResult run(const verb::Set& verb, Room& room) {
-  const auto value = asked_value(verb.value, verb.axis, verb.parameter, room.target);
-  if (!value) return tl::unexpected(value.error());
-  const auto set = room.target.set(verb.axis, verb.parameter, *value);
+  const auto set = room.target.set(verb.axis, verb.parameter, Typed{verb.value, true});
   if (!set) return tl::unexpected(set.error());
   if (room.output.json) print_json(to_json(verb.axis, *set), room.output);
   return ExitCode::done;

@@ -4,7 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "asked.hpp"
 #include "following.hpp"
 #include "foresight.hpp"
 #include "output_file.hpp"
@@ -99,9 +98,6 @@ MaybeFailure record_move(const verb::Plot& verb, Recorder& recorder, Room& room)
   if (!before) return before.error();
   recorder.add(*before);
   if (auto interrupted = interrupted_before_move(room)) return interrupted;
-  const auto asked = verb.to ? asked_position(*verb.to, verb.axis, room.target)
-                             : asked_distance(*verb.by, verb.axis, room.target);
-  if (!asked) return asked.error();
   std::optional<tmcl::plan::AxisTwin> twin;
   if (verb.compare) {
     const auto found = twin_of(verb.axis, room.target);
@@ -109,8 +105,8 @@ MaybeFailure record_move(const verb::Plot& verb, Recorder& recorder, Room& room)
     twin = *found;
   }
   const double asked_at = recorder.seconds();
-  const auto move =
-      verb.to ? room.target.move_to(verb.axis, *asked) : room.target.move_by(verb.axis, *asked);
+  const auto move = verb.by.empty() ? room.target.move_to(verb.axis, {verb.to, verb.internal})
+                                    : room.target.move_by(verb.axis, {verb.by, verb.internal});
   if (!move) return move.error();
   if (twin) {
     twin->move_to(move->goal);
@@ -203,7 +199,7 @@ VerbResult run(const verb::Plot& verb, Room& room) {
   if (auto opened = csv.open(verb.csv == "-" ? "" : verb.csv); !opened)
     return tl::unexpected(opened.error());
   Recorder recorder(verb.axis, verb.internal, room);
-  const bool starts_move = verb.to || verb.by;
+  const bool starts_move = !verb.to.empty() || !verb.by.empty();
   const auto failure =
       starts_move ? record_move(verb, recorder, room) : record_as_it_is(verb, recorder, room);
   const auto& recording = recorder.finish();

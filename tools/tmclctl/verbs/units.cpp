@@ -31,18 +31,25 @@ Failure unknown_model(const std::string& axis) {
 Attempt<RampChoice> choose_ramp(const verb::Ramp& verb, const AxisUnits& units) {
   if (units.model == nullptr || !units.module) return tl::unexpected(unknown_model(verb.axis));
   // A ramp is the same in both directions.
-  auto undirected = units;
-  if (undirected.scale) undirected.scale->reverse = false;
-  const auto velocity = to_pps(verb.velocity, undirected);
+  const auto undirected = units.undirected();
+  auto counted = undirected;
+  if (verb.internal) counted.scale.reset();
+  const auto said_velocity = attempt(tmcl::parse_quantity(verb.velocity));
+  if (!said_velocity) return tl::unexpected(said_velocity.error());
+  const auto said_acceleration = attempt(tmcl::parse_quantity(verb.acceleration));
+  if (!said_acceleration) return tl::unexpected(said_acceleration.error());
+  const auto velocity =
+      attempt(to_pps(*said_velocity, said_velocity->unit.empty() ? counted : undirected));
   if (!velocity) return tl::unexpected(velocity.error());
-  const auto acceleration = to_pps2(verb.acceleration, undirected);
+  const auto acceleration =
+      attempt(to_pps2(*said_acceleration, said_acceleration->unit.empty() ? counted : undirected));
   if (!acceleration) return tl::unexpected(acceleration.error());
   const auto choice = tmcl::plan::choose_ramp(
       *units.model, {*velocity, *acceleration, *acceleration}, *units.module);
   if (choice) return *choice;
   const auto& [is_velocity, error] = choice.error();
-  return tl::unexpected(
-      out_of_reach(is_velocity ? verb.velocity : verb.acceleration, undirected, error));
+  return tl::unexpected(failure_from(
+      out_of_reach(is_velocity ? *said_velocity : *said_acceleration, undirected, error)));
 }
 
 // The table has a row for everything that is chosen from it.
@@ -190,7 +197,8 @@ json::object to_object(const std::vector<Rendering>& forms) {
 
 class Converter {
  public:
-  Converter(const verb::Convert& verb, AxisUnits units) : verb_(verb), units_(std::move(units)) {}
+  Converter(Quantity quantity, AxisUnits units)
+      : quantity_(std::move(quantity)), units_(std::move(units)) {}
 
   Attempt<std::vector<Rendering>> position() const {
     return parameter(ap::target_position).map([&](std::int32_t value) {
@@ -231,10 +239,10 @@ class Converter {
     return scale;
   }
   Attempt<std::int32_t> parameter(std::uint8_t number) const {
-    return to_parameter(verb_.quantity, units_, *find_parameter(units_.parameters(), number));
+    return attempt(to_parameter(quantity_, units_, *find_parameter(units_.parameters(), number)));
   }
 
-  const verb::Convert& verb_;
+  Quantity quantity_;
   AxisUnits units_;
 };
 
@@ -249,6 +257,8 @@ void print(std::string_view title, const std::vector<Rendering>& forms, Output& 
 VerbResult run(const verb::Convert& verb, Output& output) {
   const auto model = parse_model(verb.model);
   if (!model) return tl::unexpected(model.error());
+  const auto quantity = attempt(tmcl::parse_quantity(verb.quantity));
+  if (!quantity) return tl::unexpected(quantity.error());
   AxisUnits units{"", *model, {}, tmcl::UserScale{}};
   const auto module = units_of(verb, **model, units.parameters());
   if (!module) return tl::unexpected(module.error());
@@ -257,8 +267,8 @@ VerbResult run(const verb::Convert& verb, Output& output) {
   units.scale->unit.clear();
   units.scale->steps = {verb.full_steps, static_cast<std::int32_t>(std::log2(verb.microsteps))};
 
-  const Converter converter(verb, units);
-  const auto dimension = dimension_of(verb.quantity);
+  const Converter converter(*quantity, units);
+  const auto dimension = dimension_of(*quantity);
   json::object document{{"model", (*model)->name}};
   const auto add = [&](tmcl::Dimension which, const char* key, const char* title,
                        const auto& convert) -> Attempt<void> {
