@@ -6,6 +6,7 @@
 #include "api/staging.hpp"
 #include "async/rest.hpp"
 #include "gateway/path_run.hpp"
+#include "tmcl/drive_report.hpp"
 #include "tmcl/plan/path_run.hpp"
 
 namespace tmcld::handlers {
@@ -215,11 +216,10 @@ json::object to_json(const plan::StreamReport& report, const PathRun& run) {
     row["axis"] = names[i];
     tracking.push_back(std::move(row));
   }
-  json::array remarks;
-  for (const auto& remark : report.remarks) remarks.emplace_back(plan::with_names(remark, names));
+  const auto remarks = tmcl::remarks_of(report, names);
   auto out = to_json(figures_of(report));
   out["tracking_error"] = std::move(tracking);
-  out["remarks"] = std::move(remarks);
+  out["remarks"] = json::array(remarks.begin(), remarks.end());
   return out;
 }
 
@@ -240,7 +240,7 @@ RpcError error_of(const plan::StreamReport& report, const PathRun& run) {
   auto error =
       rpc_error(rpc_code::call_failed, name_of(fault.kind), run.text_of(fault), moved ? hint : "");
   if (moved) add_outcome(error, unstopped);
-  error.data["axis"] = run.axis_names()[fault.axis];
+  error.data["axis"] = run.axis_names()[fault.axis.value_or(0)];
   error.data["run"] = to_json(report, run);
   return error;
 }
@@ -349,7 +349,7 @@ Answer stop_path(Call& call) {
   const auto runs = runs_of(call);
   if (!runs) co_return tl::unexpected(runs.error());
   for (const auto& run : *runs)
-    run->stop({plan::StreamFault::Kind::asked, 0, "a client has stopped the path"});
+    run->end({plan::DriveFault::Kind::asked, {}, "a client has stopped the path"});
   for (const auto& run : *runs) {
     while (!run->has_ended()) co_await rest(look_interval);
   }

@@ -53,7 +53,7 @@ void Gateway::end_journeys() {
   for (const auto& axis : axes_) {
     if (!axis->is_on_line()) continue;
     if (const auto path = axis->path()) {
-      path->stop({tmcl::plan::StreamFault::Kind::asked, 0, "tmcld is ending"});
+      path->end({tmcl::plan::DriveFault::Kind::asked, {}, "tmcld is ending"});
     } else {
       spawn(axis->bus().executor(), stop_quietly(shared_from_this(), axis));
     }

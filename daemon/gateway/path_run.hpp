@@ -15,9 +15,7 @@
 #include <boost/asio/awaitable.hpp>
 #include <tl/expected.hpp>
 
-#include "async/wake.hpp"
-#include "gateway/claim.hpp"
-#include "gateway/link_patience.hpp"
+#include "gateway/drive_run.hpp"
 #include "tmcl/plan/course.hpp"
 #include "tmcl/plan/stream.hpp"
 
@@ -25,12 +23,9 @@ namespace tmcld {
 
 constexpr tmcl::Duration path_progress_interval = std::chrono::milliseconds(200);
 
-struct PathMember {
-  std::shared_ptr<GatewayAxis> axis;
-  RunOptions movement;  ///< Begun when the call came in.
-};
+using PathMember = DriveMember;
 
-class PathRun : public std::enable_shared_from_this<PathRun> {
+class PathRun final : public DriveRun {
  public:
   /// Told at the beginning, and then every path_progress_interval.
   using OnProgress = std::function<void(const PathRun& run)>;
@@ -47,7 +42,7 @@ class PathRun : public std::enable_shared_from_this<PathRun> {
 
   void pause(bool on);
   /// What becomes of it is in the report.
-  void stop(tmcl::plan::StreamFault why);
+  void end(tmcl::plan::DriveFault why);
   /// One of its axes may have been stopped.
   void look() { woken_.notify(); }
 
@@ -55,7 +50,7 @@ class PathRun : public std::enable_shared_from_this<PathRun> {
   /// Once it has ended: those that could not be stopped and may still move.
   std::vector<std::string> unstopped() const;
   /// A fault in words, and what has not been stopped.
-  std::string text_of(const tmcl::plan::StreamFault& fault) const;
+  std::string text_of(const tmcl::plan::DriveFault& fault) const;
   tmcl::plan::PathStream::Phase phase() const { return stream_.phase(); }
   double passed() const { return stream_.passed(); }
   double duration() const { return course_.duration(); }
@@ -64,26 +59,17 @@ class PathRun : public std::enable_shared_from_this<PathRun> {
  private:
   boost::asio::awaitable<std::optional<AxisFailure>> take_axes();
   void leave_axes();
-  boost::asio::awaitable<void> drive();
-  tmcl::TimePoint now() const { return members_.front().axis->bus().clock().now(); }
-  bool may_wait_for_link(const tmcl::plan::StreamCommand& command) const;
-  boost::asio::awaitable<tmcl::plan::StreamAnswer> carry_out(tmcl::plan::StreamCommand command);
-  boost::asio::awaitable<tmcl::plan::StreamAnswer> stop_axis(std::size_t axis);
-  void notice_stops();
-  void tell_progress();
+  boost::asio::awaitable<tmcl::TimePoint> before_step() override;
+  GatewayAxis::Awaitable<void> stop(GatewayAxis& axis) override;
+  GatewayAxis::Awaitable<void> write(const DriveMember& member, tmcl::plan::Setting setting,
+                                     bool restores) override;
   /// Whoever asked for the path may be gone.
   void tell_fault() const;
 
   tmcl::plan::Course course_;
-  std::vector<PathMember> members_;
   tmcl::plan::PathStream stream_;
   OnProgress on_progress_;
-  Wake woken_;
   tmcl::TimePoint progress_due_{};
-  /// What came of stopping all axes at once, until somebody asks for it.
-  std::vector<std::optional<tmcl::plan::StreamAnswer>> stopped_;
-  bool stopping_ = false;  ///< From the first stop on.
-  LinkPatience patience_;
   bool ended_ = false;
 };
 

@@ -21,6 +21,12 @@ namespace ap = axis_parameter;
 
 constexpr double microsteps_per_mm = 51200 / 5.0;
 
+inline tl::unexpected<Error> no_reply() {
+  Error error;
+  error.message = "no reply";
+  return tl::unexpected(std::move(error));
+}
+
 class NoEvents final : public sim::EventSink {
  public:
   void target_reached(const sim::Module&, std::int32_t) override {}
@@ -40,11 +46,11 @@ class StreamBench {
   std::function<void()> every_ms = [] {};
   std::function<void()> at_wait = [] {};
   /// May answer instead of the module, and let time pass.
-  std::function<std::optional<StreamAnswer>(const StreamCommand&)> instead = [](const auto&) {
+  std::function<std::optional<DriveAnswer>(const DriveCommand&)> instead = [](const auto&) {
     return std::nullopt;
   };
   double most_deviation = 1;
-  std::vector<StreamCommand> commands;
+  std::vector<DriveCommand> commands;
 
   /// In mm and seconds.
   void limit(double velocity, double acceleration_limit) {
@@ -66,15 +72,17 @@ class StreamBench {
                     StreamOptions{.mode = mode, .most_deviation = most_deviation});
     while (true) {
       const auto step = stream_->next(clock_.now());
-      if (std::holds_alternative<StreamEnd>(step)) return stream_->report();
-      if (std::holds_alternative<StreamWait>(step)) at_wait();
-      if (const auto* wait = std::get_if<StreamWait>(&step))
+      if (std::holds_alternative<DriveEnd>(step)) return stream_->report();
+      if (std::holds_alternative<DriveWait>(step)) at_wait();
+      if (const auto* wait = std::get_if<DriveWait>(&step))
         let_pass(std::min<Duration>(std::chrono::milliseconds(1), wait->until - clock_.now()));
-      if (const auto* command = std::get_if<StreamCommand>(&step)) {
-        let_pass(round_trip / 2);
-        auto answer = carry_out(*command);
-        let_pass(round_trip - round_trip / 2);
-        stream_->answered(clock_.now(), std::move(answer));
+      if (const auto* given = std::get_if<DriveCommands>(&step)) {
+        for (const auto& command : *given) {
+          let_pass(round_trip / 2);
+          auto answer = carry_out(command);
+          let_pass(round_trip - round_trip / 2);
+          stream_->answered(clock_.now(), command.axis, std::move(answer));
+        }
       }
     }
   }
@@ -97,10 +105,10 @@ class StreamBench {
   std::int32_t get(std::uint8_t axis, std::uint8_t parameter) {
     return *module_.axis(axis).get(parameter);
   }
-  StreamAnswer ask(Command command, std::uint8_t type, std::uint8_t axis, std::int32_t value) {
+  DriveAnswer ask(Command command, std::uint8_t type, std::uint8_t axis, std::int32_t value) {
     const auto reply = module_.execute({ModuleAddress{1}, command, type, axis, value},
                                        sim::Medium::serial, events_);
-    if (reply.status != Status::ok) return tl::unexpected(std::string("refused"));
+    if (reply.status != Status::ok) return no_reply();
     return reply.value;
   }
   bool moving() { return get(0, ap::actual_velocity) != 0 || get(1, ap::actual_velocity) != 0; }
@@ -120,21 +128,21 @@ class StreamBench {
     return made;
   }
 
-  StreamAnswer carry_out(const StreamCommand& command) {
+  DriveAnswer carry_out(const DriveCommand& command) {
     commands.push_back(command);
     if (auto other = instead(command)) return *other;
     const auto axis = static_cast<std::uint8_t>(command.axis);
     switch (command.kind) {
-      case StreamCommand::Kind::get: return ask(Command::GAP, command.parameter, axis, 0);
-      case StreamCommand::Kind::set:
+      case DriveCommand::Kind::get: return ask(Command::GAP, command.parameter, axis, 0);
+      case DriveCommand::Kind::set:
         return ask(Command::SAP, command.parameter, axis, command.value);
-      case StreamCommand::Kind::rotate:
+      case DriveCommand::Kind::rotate:
         return ask(command.value < 0 ? Command::ROL : Command::ROR, 0, axis,
                    std::abs(command.value));
-      case StreamCommand::Kind::move_to: return ask(Command::MVP, 0, axis, command.value);
-      case StreamCommand::Kind::stop: return ask(Command::MST, 0, axis, 0);
+      case DriveCommand::Kind::move_to: return ask(Command::MVP, 0, axis, command.value);
+      case DriveCommand::Kind::stop: return ask(Command::MST, 0, axis, 0);
+      default: ADD_FAILURE() << "a command of lines"; return 0;
     }
-    return 0;
   }
 
   const Model& model_;

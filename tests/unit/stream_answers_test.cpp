@@ -15,8 +15,8 @@ namespace {
 using std::chrono::milliseconds;
 namespace ap = axis_parameter;
 using Bench = test::StreamBench;
-using Kind = StreamCommand::Kind;
-using FaultKind = StreamFault::Kind;
+using Kind = DriveCommand::Kind;
+using FaultKind = DriveFault::Kind;
 
 constexpr double own_acceleration = 500;  // mm/s2
 
@@ -34,20 +34,20 @@ TEST_P(StreamInBothModes, UndoesAWriteThatHadNoAnswer) {
   bench.limit(24, own_acceleration);
   const auto own = bench.get(0, ap::max_acceleration);
   bool lost = false;
-  bench.instead = [&](const StreamCommand& command) -> std::optional<StreamAnswer> {
+  bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
     if (lost || command.kind != Kind::set || command.parameter != ap::max_acceleration)
       return std::nullopt;
     const auto axis = static_cast<std::uint8_t>(command.axis);
     auto answer = bench.ask(Command::SAP, command.parameter, axis, command.value);
     lost = bench.get(axis, command.parameter) != own;
     if (!lost) return answer;
-    return tl::unexpected(std::string("no reply"));
+    return test::no_reply();
   };
   const auto report = bench.pass(one_line(), GetParam());
   ASSERT_TRUE(lost);
   ASSERT_TRUE(report.fault);
   EXPECT_EQ(report.fault->kind, FaultKind::refused);
-  EXPECT_TRUE(report.remarks.empty());
+  EXPECT_TRUE(report.unrestored.empty());
   for (std::uint8_t axis = 0; axis < 2; ++axis)
     EXPECT_EQ(bench.get(axis, ap::max_acceleration), own);
 }
@@ -68,7 +68,7 @@ TEST(Stream, ALongRoundTripIsNoTrackingError) {
   std::optional<TimePoint> begin;
   std::array<std::int32_t, 2> velocity{};
   // Axes that are where the course is, whatever they are told; each is asked half-way.
-  bench.instead = [&](const StreamCommand& command) -> std::optional<StreamAnswer> {
+  bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
     const bool runs = bench.stream().phase() != PathStream::Phase::before;
     if (runs && !begin) begin = bench.now() - bench.round_trip / 2;
     if (command.kind == Kind::rotate) velocity[command.axis] = command.value;

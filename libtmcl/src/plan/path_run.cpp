@@ -239,17 +239,17 @@ std::optional<PathObjection> objection_to_reach(const Course& course,
 
 // ---- how it went ----
 
-std::string_view name_of(StreamFault::Kind kind) {
+std::string_view name_of(DriveFault::Kind kind) {
   switch (kind) {
-    case StreamFault::Kind::asked: return "stopped";
-    case StreamFault::Kind::refused: return "command_failed";
-    case StreamFault::Kind::foreign: return "stopped_by_other";
-    case StreamFault::Kind::starved: return "starved";
-    case StreamFault::Kind::off_course: return "off_path";
-    case StreamFault::Kind::not_at_start: return "not_at_start";
-    case StreamFault::Kind::unsuited: return "unsuited";
-    case StreamFault::Kind::slow_bus: return "slow_bus";
-    case StreamFault::Kind::no_end: return "not_at_end";
+    case DriveFault::Kind::asked: return "stopped";
+    case DriveFault::Kind::refused: return "command_failed";
+    case DriveFault::Kind::foreign: return "stopped_by_other";
+    case DriveFault::Kind::starved: return "starved";
+    case DriveFault::Kind::off_course: return "off_path";
+    case DriveFault::Kind::not_at_start: return "not_at_start";
+    case DriveFault::Kind::unsuited: return "unsuited";
+    case DriveFault::Kind::slow_bus: return "slow_bus";
+    case DriveFault::Kind::no_end: return "not_at_end";
   }
   return {};
 }
@@ -265,19 +265,9 @@ std::string_view name_of(PathStream::Phase phase) {
   return {};
 }
 
-bool is_before_motion(StreamFault::Kind kind) {
-  return kind == StreamFault::Kind::not_at_start || kind == StreamFault::Kind::unsuited ||
-         kind == StreamFault::Kind::slow_bus;
-}
-
-std::string with_names(std::string text, const std::vector<std::string>& axes) {
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    const auto placeholder = fmt::format("{{{}}}", i);
-    for (auto at = text.find(placeholder); at != std::string::npos;
-         at = text.find(placeholder, at + axes[i].size()))
-      text.replace(at, placeholder.size(), axes[i]);
-  }
-  return text;
+bool is_before_motion(DriveFault::Kind kind) {
+  return kind == DriveFault::Kind::not_at_start || kind == DriveFault::Kind::unsuited ||
+         kind == DriveFault::Kind::slow_bus;
 }
 
 std::vector<Figure> figures_of(const StreamReport& report) {

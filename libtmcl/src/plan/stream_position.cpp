@@ -11,7 +11,6 @@ namespace tmcl::plan {
 namespace {
 
 namespace ap = axis_parameter;
-using Kind = StreamCommand::Kind;
 
 constexpr auto v1 = number_of("velocity_v1");
 constexpr auto dmax = number_of("max_deceleration");
@@ -54,7 +53,7 @@ constexpr double turning_part = 1. / 4;
 
 }  // namespace
 
-Script<PathStream::Runner::Fault> PathStream::Runner::prepare_legs() {
+Script<DriveRunner::Fault> PathStream::Runner::prepare_legs() {
   if (auto unsuited = fault_of_axes()) co_return unsuited;
   constexpr std::uint8_t needed[] = {
       ap::max_velocity, ap::max_acceleration, v1, dmax, vstart, vstop, tzerowait};
@@ -110,7 +109,7 @@ AxisValues PathStream::Runner::changes_at(std::size_t index) const {
 
 // An axis that changes its speed at a joint falls behind by half of the change, times the time that
 // takes.
-Script<PathStream::Runner::Fault> PathStream::Runner::set_joint_accelerations() {
+Script<DriveRunner::Fault> PathStream::Runner::set_joint_accelerations() {
   AxisValues needed{};
   for (std::size_t i = 0; i < course_.legs(); ++i) {
     const auto changes = changes_at(i);
@@ -126,7 +125,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::set_joint_accelerations() 
   }
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     auto& here = axes_[axis];
-    const auto own = here.before[ap::max_acceleration];
+    const auto own = settings_[axis].before(ap::max_acceleration);
     const auto most = std::max(own, here.info.greatest_acceleration);
     here.joint_acceleration = std::max(own, acceleration_in(axis, needed[axis], most));
   }
@@ -199,31 +198,29 @@ Duration PathStream::Runner::early_by(const Passage& passage) const {
   return std::min(early, duration(passage.leg.begin - course_.leg(passage.index - 1).end));
 }
 
-PathStream::Runner::Fault PathStream::Runner::fault_of_axes() const {
-  using FaultKind = StreamFault::Kind;
+DriveRunner::Fault PathStream::Runner::fault_of_axes() const {
+  using FaultKind = DriveFault::Kind;
   if (!course_.has_legs())
-    return fault(FaultKind::unsuited, 0, "a table with times has no legs; velocity mode takes it");
+    return fault(FaultKind::unsuited, {}, "a table with times has no legs; velocity mode takes it");
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     const auto& info = axes_[axis].info;
     if (!info.twin || info.twin->model().family != Family::sixpoint) {
       return fault(FaultKind::unsuited, axis,
-                   fmt::format("{{{}}} has no start and stop velocities; velocity mode takes any "
-                               "module",
-                               axis));
+                   "has no start and stop velocities; velocity mode takes any module");
     }
     const double most = info.greatest_stop_velocity * info.units.velocity.value;
     const double top = course_.top_speed(axis) * std::abs(info.microsteps_per_unit);
     if (course_.legs() > 1 && top > most) {
       return fault(FaultKind::unsuited, axis,
-                   fmt::format("{{{}}} would be as fast as {:.6g} microsteps/s, and its stop "
+                   fmt::format("would be as fast as {:.6g} microsteps/s, and its stop "
                                "velocity is {:.6g} at most",
-                               axis, top, most));
+                               top, most));
     }
   }
   return std::nullopt;
 }
 
-Script<PathStream::Runner::Fault> PathStream::Runner::fit_legs_to_bus() {
+Script<DriveRunner::Fault> PathStream::Runner::fit_legs_to_bus() {
   Duration free{};
   report_.period = Duration::max();
   for (std::size_t i = 0; i < course_.legs(); ++i) {
@@ -234,7 +231,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::fit_legs_to_bus() {
     report_.period = std::min(report_.period, duration(leg.end - leg.begin));
     if (i > 0 && free > begin + lead / 2) {
       co_return fault(
-          StreamFault::Kind::slow_bus, 0,
+          DriveFault::Kind::slow_bus, {},
           fmt::format("line {}: its leg takes {:.2f} ms, and to load it takes {:.2f} ms: {} "
                       "commands of {:.0f} us, and a quarter spare; velocity mode needs fewer",
                       leg.line, (leg.end - leg.begin) * 1e3, seconds(lead) * 1e3, commands_of(i),
@@ -249,7 +246,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::fit_legs_to_bus() {
 }
 
 // A move to where it stands brings a motor into the mode in which targets count.
-Script<PathStream::Runner::Fault> PathStream::Runner::start_ramps() {
+Script<DriveRunner::Fault> PathStream::Runner::start_ramps() {
   const auto start = course_.at(0).position;
   twin_start_ = now_;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
@@ -260,7 +257,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::start_ramps() {
     co_await command({Kind::move_to, axis, 0, position});
     if (!answer_) co_return refusal(axis);
     here.info.twin->move_to({position});
-    here.velocity = here.parameters[ap::max_velocity];
+    here.velocity = settings_[axis].now(ap::max_velocity);
     for (const auto parameter : {v1, vstart, tzerowait}) {
       auto refused = co_await set(axis, parameter, 0);
       if (refused) co_return refused;
@@ -269,7 +266,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::start_ramps() {
   co_return std::nullopt;
 }
 
-Script<PathStream::Runner::Fault> PathStream::Runner::by_position() {
+Script<DriveRunner::Fault> PathStream::Runner::by_position() {
   auto wrong = co_await start_ramps();
   if (wrong) co_return wrong;
   clock_.start(now_, true);
@@ -319,7 +316,7 @@ bool PathStream::Runner::must_turn(const Passage& passage, std::size_t axis) con
 }
 
 // On a long leg nothing is to be told to the axes, but they are looked at.
-Script<PathStream::Runner::Fault> PathStream::Runner::watch_until(TimePoint due) {
+Script<DriveRunner::Fault> PathStream::Runner::watch_until(TimePoint due) {
   const auto look_takes = duration(time_to_send(commands_of_a_look));
   while (due - now_ > watch_interval + look_takes && !stop_asked_) {
     co_await until(now_ + watch_interval);
@@ -334,7 +331,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::watch_until(TimePoint due)
 }
 
 // At a corner where the course stands.
-Script<PathStream::Runner::Fault> PathStream::Runner::pause_between(const CourseLeg& next) {
+Script<DriveRunner::Fault> PathStream::Runner::pause_between(const CourseLeg& next) {
   if (next.start_speed > 0 || next.begin == 0 || !pause_asked_) co_return std::nullopt;
   clock_.advance(now_);
   co_await until(now_ + duration(next.begin - clock_.passed()));
@@ -344,7 +341,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::pause_between(const Course
   co_return asked_to_stop();
 }
 
-Script<PathStream::Runner::Fault> PathStream::Runner::load(const Passage& passage) {
+Script<DriveRunner::Fault> PathStream::Runner::load(const Passage& passage) {
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     if (passage.leg.axis[axis].vmax == 0) continue;
     auto wrong = co_await check(axis);
@@ -432,8 +429,7 @@ void PathStream::Runner::correct_twin(std::size_t axis) {
 }
 
 // What matters for braking comes after the target: written before, it would brake for the old one.
-Script<PathStream::Runner::Fault> PathStream::Runner::load_axis(const Passage& passage,
-                                                                std::size_t axis) {
+Script<DriveRunner::Fault> PathStream::Runner::load_axis(const Passage& passage, std::size_t axis) {
   const auto& [leg, drive, index] = passage;
   const auto& ramp = leg.axis[axis];
   const bool joint_only = drive == Drive::by_ramps_after_joint;
@@ -482,7 +478,7 @@ bool PathStream::Runner::leads_on(const CourseLeg& leg, const CourseLeg& next,
   return speed * way > 0 && off <= farthest_lead_on * options_.even_within;
 }
 
-Script<PathStream::Runner::Fault> PathStream::Runner::load_ramps(const Passage& passage) {
+Script<DriveRunner::Fault> PathStream::Runner::load_ramps(const Passage& passage) {
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     const auto& ramp = passage.leg.axis[axis];
     if (ramp.vmax == 0) continue;
@@ -499,14 +495,13 @@ Script<PathStream::Runner::Fault> PathStream::Runner::load_ramps(const Passage& 
   co_return std::nullopt;
 }
 
-Script<PathStream::Runner::Fault> PathStream::Runner::set_velocity(std::size_t axis,
-                                                                   std::int32_t value) {
+Script<DriveRunner::Fault> PathStream::Runner::set_velocity(std::size_t axis, std::int32_t value) {
   auto refused = co_await set(axis, ap::max_velocity, value);
   if (!refused) axes_[axis].velocity = value;
   co_return refused;
 }
 
-Script<PathStream::Runner::Fault> PathStream::Runner::set_braking(std::size_t axis, Ramps ramps) {
+Script<DriveRunner::Fault> PathStream::Runner::set_braking(std::size_t axis, Ramps ramps) {
   auto refused = co_await set(axis, dmax, ramps.dmax);
   if (refused) co_return refused;
   refused = co_await set(axis, vstop, ramps.vstop);

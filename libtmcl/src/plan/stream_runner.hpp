@@ -1,13 +1,12 @@
-/// What is behind a PathStream: a script whose steps are commands to axes, and pauses.
+/// What is behind a PathStream.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 
+#include "plan/drive_runner.hpp"
 #include "tmcl/plan/stream.hpp"
-#include "tmcl/script.hpp"
 #include "tmcl/seconds.hpp"
 
 namespace tmcl::plan {
@@ -46,15 +45,10 @@ constexpr bool takes_a_breath(std::size_t look) {
   return look % looks_at_once == looks_at_once - 1;
 }
 
-class PathStream::Runner {
+class PathStream::Runner final : public DriveRunner {
  public:
   Runner(const Course& course, std::vector<StreamAxis> axes, StreamOptions options);
 
-  StreamStep next(TimePoint now);
-  void answered(TimePoint now, StreamAnswer answer);
-  void stop(StreamFault why) {
-    if (!stop_asked_) stop_asked_ = std::move(why);
-  }
   void pause(bool on) {
     pause_asked_ = on;
     if (options_.mode == StreamMode::velocity) clock_.pause(on);
@@ -66,13 +60,9 @@ class PathStream::Runner {
   const StreamReport& report() const { return report_; }
 
  private:
-  using Fault = std::optional<StreamFault>;
-
   struct Axis {
     StreamAxis info;
-    std::map<std::uint8_t, std::int32_t> before;      // parameters, as they were
-    std::map<std::uint8_t, std::int32_t> parameters;  // as they are, where that is known
-    std::optional<std::int32_t> velocity;             // what parameter 2 is to read
+    std::optional<std::int32_t> velocity;  // what parameter 2 is to read
     // Velocity mode: where it should be by what it was told, in microsteps, and when that was.
     // Position mode: how far it is ahead of its twin.
     double position = 0;
@@ -84,37 +74,15 @@ class PathStream::Runner {
     std::int32_t joint_acceleration = 0;  // position mode
   };
 
-  struct Awaiter {
-    StreamStep step;
-    Runner* runner;
-    bool await_ready() const noexcept { return false; }
-    template <class Promise>
-    void await_suspend(std::coroutine_handle<Promise> script) {
-      runner->step_ = step;
-      script.promise().state->step = tmcl::step::Pause{};
-    }
-    void await_resume() const noexcept {}
-  };
-  Awaiter command(StreamCommand command) { return {command, this}; }
-  Awaiter until(TimePoint time) { return {StreamWait{time}, this}; }
-
-  bool wait_is_over() const;
-  void proceed(const std::optional<Step>& step);
-  TimePoint middle() const;
-  static Fault fault(StreamFault::Kind kind, std::size_t axis, std::string message);
-  Fault refusal(std::size_t axis) const;
-  Fault asked_to_stop() const;
   std::int32_t microsteps(std::size_t axis, double position) const;
 
-  Script<Fault> whole();
+  Script<Fault> whole() override;
+  void on_answered(Duration took) override;
   Script<Fault> measure();
-  Script<Fault> stop_all();
-  Script<Fault> come_to_rest(std::vector<bool> which, Duration at_most);
-  Script<Fault> restore();
-  Script<Fault> arrive();
+  Script<Fault> stop_and_rest();
+  Script<Fault> arrive_at_end();
   Script<Fault> go_to_end();
   Script<Fault> know(std::size_t axis, std::uint8_t parameter);
-  bool is_known_as(std::size_t axis, std::uint8_t parameter, std::int32_t value) const;
   Script<Fault> set(std::size_t axis, std::uint8_t parameter, std::int32_t value);
   Script<Fault> check(std::size_t axis);
   Script<Fault> check_all();
@@ -190,16 +158,10 @@ class PathStream::Runner {
   StreamOptions options_;
   std::vector<Axis> axes_;
   StreamReport report_;
-  std::optional<Script<Fault>> script_;
-  StreamStep step_ = StreamEnd{};
-  StreamAnswer answer_ = 0;
-  TimePoint now_{};
-  TimePoint asked_at_{};
   TimePoint twin_start_{};
   std::size_t watched_ = 0;            // position mode: the axis that is looked at next
   std::optional<CourseLeg> even_leg_;  // position mode: the one that is passed evenly
   CourseClock clock_;
-  Fault stop_asked_;
   bool pause_asked_ = false;
   Phase phase_ = Phase::before;
 };

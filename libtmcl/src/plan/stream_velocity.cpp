@@ -8,7 +8,6 @@ namespace tmcl::plan {
 namespace {
 
 namespace ap = axis_parameter;
-using Kind = StreamCommand::Kind;
 
 // A change of velocity is over in this part of an update.
 constexpr double ramp_part_of_update = 0.5;
@@ -19,7 +18,7 @@ constexpr double most_samples = 1e6;
 
 }  // namespace
 
-Script<PathStream::Runner::Fault> PathStream::Runner::prepare_velocities() {
+Script<DriveRunner::Fault> PathStream::Runner::prepare_velocities() {
   const auto commands = static_cast<double>(2 * axes_.size() + 1);
   const auto needed = duration(seconds(report_.round_trip) * commands / (1 - spare_part_of_bus));
   report_.period = std::max(options_.least_period, needed);
@@ -32,7 +31,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::prepare_velocities() {
     const double wanted =
         std::ceil(axes_[axis].steepest / ramp_part_of_update * std::abs(info.microsteps_per_unit) /
                   info.units.acceleration.value);
-    const auto own = axes_[axis].before[ap::max_acceleration];
+    const auto own = settings_[axis].before(ap::max_acceleration);
     const auto most = std::max(own, info.greatest_acceleration);
     const auto value = wanted < most ? std::max(own, static_cast<std::int32_t>(wanted)) : most;
     auto refused = co_await set(axis, ap::max_acceleration, value);
@@ -42,7 +41,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::prepare_velocities() {
   co_return std::nullopt;
 }
 
-Script<PathStream::Runner::Fault> PathStream::Runner::find_steepest() {
+Script<DriveRunner::Fault> PathStream::Runner::find_steepest() {
   const double step = std::max(seconds(report_.period), course_.duration() / most_samples);
   auto before = course_.at(0).position;
   AxisValues speed{};
@@ -66,14 +65,14 @@ void PathStream::Runner::set_pause_ramp() {
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     const auto& info = axes_[axis].info;
     const double acceleration =
-        axes_[axis].before[ap::max_acceleration] * info.units.acceleration.value;
+        settings_[axis].before(ap::max_acceleration) * info.units.acceleration.value;
     const double top = course_.top_speed(axis) * std::abs(info.microsteps_per_unit);
     if (acceleration > 0) longest = std::max(longest, top / acceleration);
   }
   clock_.set_ramp(pause_ramps * longest);
 }
 
-Script<PathStream::Runner::Fault> PathStream::Runner::by_velocity() {
+Script<DriveRunner::Fault> PathStream::Runner::by_velocity() {
   const auto start = course_.at(0).position;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     axes_[axis].position = start[axis] * axes_[axis].info.microsteps_per_unit;
@@ -97,7 +96,7 @@ Script<PathStream::Runner::Fault> PathStream::Runner::by_velocity() {
   }
 }
 
-Script<PathStream::Runner::Fault> PathStream::Runner::update(std::size_t axis) {
+Script<DriveRunner::Fault> PathStream::Runner::update(std::size_t axis) {
   auto wrong = co_await check(axis);
   if (!wrong) wrong = asked_to_stop();
   if (!wrong) wrong = note_delay(now_ - axes_[axis].due, report_.period);
@@ -138,7 +137,7 @@ void PathStream::Runner::note_velocity(std::size_t axis, std::int32_t velocity) 
   const double pps = velocity * here.info.units.velocity.value;
   const double change = pps - here.pps;
   const double acceleration =
-      here.parameters[ap::max_acceleration] * here.info.units.acceleration.value;
+      settings_[axis].now(ap::max_acceleration).value_or(0) * here.info.units.acceleration.value;
   here.position = expected(axis, middle());
   if (acceleration > 0) here.position -= change * std::abs(change) / (2 * acceleration);
   here.pps = pps;

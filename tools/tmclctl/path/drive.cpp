@@ -7,41 +7,48 @@
 
 #include "following.hpp"
 #include "progress_line.hpp"
+#include "tmcl/drive_report.hpp"
 #include "together.hpp"
 
 namespace tmclctl::path {
 namespace {
 
 namespace plan = tmcl::plan;
+using plan::DriveCommand;
 using plan::PathStream;
-using plan::StreamCommand;
 
 constexpr int bar_width = 30;
 constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
 constexpr tmcl::Duration longest_way_to_rest = std::chrono::seconds(10);
 constexpr tmcl::Duration longest_sleep = std::chrono::milliseconds(100);
 
-plan::StreamAnswer nothing(const Attempt<void>& done) {
-  if (done) return 0;
-  return tl::unexpected(done.error().message);
+plan::DriveAnswer failed(const Failure& failure) {
+  tmcl::Error error;
+  error.message = failure.message;
+  return tl::unexpected(std::move(error));
 }
 
-plan::StreamAnswer carry_out(const StreamCommand& command, const std::string& axis,
-                             Target& target) {
+plan::DriveAnswer nothing(const Attempt<void>& done) {
+  if (done) return 0;
+  return failed(done.error());
+}
+
+plan::DriveAnswer carry_out(const DriveCommand& command, const std::string& axis, Target& target) {
   const auto parameter = std::to_string(command.parameter);
   switch (command.kind) {
-    case StreamCommand::Kind::get: {
+    case DriveCommand::Kind::get: {
       const auto read = target.get(axis, parameter);
-      if (!read) return tl::unexpected(read.error().message);
+      if (!read) return failed(read.error());
       return read->value;
     }
-    case StreamCommand::Kind::set:
+    case DriveCommand::Kind::set:
       return nothing(target.set(axis, parameter, command.value).map([](const auto&) {}));
-    case StreamCommand::Kind::rotate:
+    case DriveCommand::Kind::rotate:
       return nothing(target.rotate(axis, counted(command.value)).map([](const auto&) {}));
-    case StreamCommand::Kind::move_to:
+    case DriveCommand::Kind::move_to:
       return nothing(target.move_to(axis, counted(command.value)).map([](const auto&) {}));
-    case StreamCommand::Kind::stop: return nothing(target.stop(axis));
+    case DriveCommand::Kind::stop: return nothing(target.stop(axis));
+    default: return 0;  // of a line
   }
   return 0;
 }
@@ -66,14 +73,16 @@ int drive(PathStream& stream, const std::vector<std::string>& axes, double durat
     }
     stream.pause(room.patience.pause_asked());
     const auto step = stream.next(room.patience.now());
-    if (std::holds_alternative<plan::StreamEnd>(step)) return signal;
-    if (const auto* wait = std::get_if<plan::StreamWait>(&step)) {
+    if (std::holds_alternative<plan::DriveEnd>(step)) return signal;
+    if (const auto* wait = std::get_if<plan::DriveWait>(&step)) {
       room.patience.sleep(std::min(wait->until - room.patience.now(), longest_sleep));
     }
-    if (const auto* command = std::get_if<StreamCommand>(&step)) {
-      auto answer = carry_out(*command, axes[command->axis], room.target);
-      if (room.patience.signal() != 0) stream.stop();
-      stream.answered(room.patience.now(), std::move(answer));
+    if (const auto* commands = std::get_if<plan::DriveCommands>(&step)) {
+      for (const auto& command : *commands) {
+        auto answer = carry_out(command, axes[command.axis], room.target);
+        if (room.patience.signal() != 0) stream.stop();
+        stream.answered(room.patience.now(), command.axis, std::move(answer));
+      }
     }
     show({std::string(name_of(stream.phase())), stream.passed(), duration}, progress);
   }
@@ -86,7 +95,7 @@ Failure failure_from(const plan::StreamReport& report, const std::vector<std::st
                                               : "Some axes could not be stopped and may still move";
   return {nothing_moved ? ExitCode::refused : ExitCode::not_reached,
           std::string(name_of(fault.kind)),
-          plan::with_names(fault.message, axes),
+          tmcl::text_of(fault, axes),
           nothing_moved ? "" : hint,
           {}};
 }

@@ -8,6 +8,7 @@
 #include "path/path_report.hpp"
 #include "path/run_axes.hpp"
 #include "print.hpp"
+#include "tmcl/drive_report.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -61,11 +62,10 @@ json::object to_json(const plan::StreamReport& report, const std::vector<std::st
     row["axis"] = names[i];
     tracking.push_back(std::move(row));
   }
-  json::array remarks;
-  for (const auto& remark : report.remarks) remarks.emplace_back(plan::with_names(remark, names));
+  const auto remarks = tmcl::remarks_of(report, names);
   auto out = to_json(figures_of(report));
   out["tracking_error"] = std::move(tracking);
-  out["remarks"] = std::move(remarks);
+  out["remarks"] = json::array(remarks.begin(), remarks.end());
   return out;
 }
 

@@ -129,13 +129,11 @@ std::optional<PathObjection> objection_to_reach(const Course& course,
 // ---- how it went ----
 
 /// snake_case; part of the stable interface.
-std::string_view name_of(StreamFault::Kind kind);
+std::string_view name_of(DriveFault::Kind kind);
 /// "running"; likewise.
 std::string_view name_of(PathStream::Phase phase);
 /// Whether nothing has moved.
-bool is_before_motion(StreamFault::Kind kind);
-/// "{0} is moving" as "x is moving".
-std::string with_names(std::string text, const std::vector<std::string>& axes);
+bool is_before_motion(DriveFault::Kind kind);
 
 using Figure = std::pair<std::string_view, std::variant<std::uint64_t, double>>;
 /// A report in names and numbers, without its axes.

@@ -1,14 +1,6 @@
 /// A course, carried out on the axes of modules: what to tell which axis when, without I/O.
 ///
-/// Whoever runs it asks for the next step, does it, and tells what came of it:
-///
-///     while (true) {
-///       const auto step = stream.next(clock.now());
-///       if (std::holds_alternative<StreamEnd>(step)) break;
-///       if (const auto* wait = std::get_if<StreamWait>(&step)) sleep until wait->until;
-///       if (const auto* command = std::get_if<StreamCommand>(&step))
-///         stream.answered(clock.now(), do(*command));
-///     }
+/// Whoever runs it does what Drive says.
 ///
 /// First it measures how long a command takes, and that the axes stand where the course starts.
 ///
@@ -31,18 +23,14 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 #include <optional>
-#include <string>
-#include <variant>
 #include <vector>
-
-#include <tl/expected.hpp>
 
 #include "tmcl/clock.hpp"
 #include "tmcl/conversion.hpp"
 #include "tmcl/plan/axis_twin.hpp"
 #include "tmcl/plan/course.hpp"
+#include "tmcl/plan/drive.hpp"
 
 namespace tmcl::plan {
 
@@ -81,46 +69,6 @@ struct StreamOptions {
   double even_within = 0.005;
 };
 
-struct StreamCommand {
-  enum class Kind : std::uint8_t {
-    get,      ///< Read an axis parameter.
-    set,      ///< Write one.
-    rotate,   ///< ROR, or ROL for a negative value.
-    move_to,  ///< MVP ABS.
-    stop,     ///< MST.
-  };
-  Kind kind = Kind::get;
-  std::size_t axis = 0;
-  std::uint8_t parameter = 0;  ///< Of get and set.
-  std::int32_t value = 0;      ///< Of all but get and stop.
-  bool operator==(const StreamCommand&) const = default;
-};
-struct StreamWait {
-  TimePoint until;
-};
-struct StreamEnd {};
-using StreamStep = std::variant<StreamCommand, StreamWait, StreamEnd>;
-/// What get read, 0 for the others; otherwise a sentence without a full stop.
-using StreamAnswer = tl::expected<std::int32_t, std::string>;
-
-/// Why a course was not passed to its end.
-struct StreamFault {
-  enum class Kind : std::uint8_t {
-    asked,         ///< stop() was called without a reason of its own.
-    refused,       ///< A command failed.
-    foreign,       ///< An axis does not do what it was told.
-    starved,       ///< Updates came too late.
-    off_course,    ///< A reading was too far off.
-    not_at_start,  ///< Nothing has moved.
-    unsuited,      ///< The course or an axis is not for this mode. Nothing has moved.
-    slow_bus,      ///< The bus does not carry this course in this mode. Nothing has moved.
-    no_end,        ///< An axis did not come to its end, or to rest.
-  };
-  Kind kind = Kind::asked;
-  std::size_t axis = 0;  ///< Of what concerns one axis.
-  std::string message;   ///< One sentence without a full stop; axes are {0}, {1} ...
-};
-
 struct AxisTracking {
   std::size_t readings = 0;
   double largest = 0;  ///< The largest difference between reading and course, in units.
@@ -128,7 +76,7 @@ struct AxisTracking {
   double rms() const;
 };
 
-struct StreamReport {
+struct StreamReport : DriveReport {
   Duration round_trip{};        ///< Mean of a command's.
   Duration worst_round_trip{};  ///< Before anything moved.
   Duration period{};            ///< Of updates; position mode: the least time for a leg.
@@ -138,30 +86,18 @@ struct StreamReport {
   double passed_s = 0;          ///< How long that took.
   double busy_s = 0;            ///< How much of that commands took.
   std::vector<AxisTracking> axes;
-  std::optional<StreamFault> fault;
-  /// Axes that could not be stopped and may still move.
-  std::vector<std::size_t> unstopped;
-  /// Sentences without a full stop, such as of a parameter that could not be restored.
-  std::vector<std::string> remarks;
 };
 
-class PathStream {
+class PathStream final : public Drive {
  public:
   enum class Phase : std::uint8_t { before, running, pausing, after, ended };
 
   /// `course` must outlive it; one StreamAxis for each of its axes.
   PathStream(const Course& course, std::vector<StreamAxis> axes, StreamOptions options);
-  ~PathStream();
+  ~PathStream() override;
   PathStream(PathStream&&) noexcept;
   PathStream& operator=(PathStream&&) noexcept;
 
-  /// Never the same command twice: the answer comes before the next step.
-  StreamStep next(TimePoint now);
-  void answered(TimePoint now, StreamAnswer answer);
-
-  /// All axes are stopped, and the parameters restored. `why` becomes the report's fault, unless
-  /// there is one already.
-  void stop(StreamFault why = {StreamFault::Kind::asked, 0, "stopped"});
   /// The course is left at no point: time on it goes slower until it stands. In position mode it
   /// stands where the course itself does next.
   void pause(bool on);
@@ -173,7 +109,7 @@ class PathStream {
 
  private:
   class Runner;
-  std::unique_ptr<Runner> runner_;
+  Runner& runner() const;
 };
 
 }  // namespace tmcl::plan

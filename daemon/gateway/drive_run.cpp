@@ -1,0 +1,190 @@
+#include "gateway/drive_run.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_awaitable.hpp>
+
+#include "async/gather.hpp"
+#include "async/spawn.hpp"
+
+namespace tmcld {
+namespace {
+
+using boost::asio::awaitable;
+using tmcl::plan::Drive;
+using tmcl::plan::DriveAnswer;
+using tmcl::plan::DriveCommand;
+using tmcl::plan::DriveCommands;
+using tmcl::plan::DriveFault;
+
+// Coordinate 0 is never kept in the EEPROM.
+constexpr std::uint8_t scratch_coordinate = 0;
+
+template <class T>
+DriveAnswer answer_of(tmcl::Result<T> result) {
+  if constexpr (std::is_same_v<T, std::int32_t>) {
+    return result;
+  } else {
+    return std::move(result).map([](auto&&...) { return 0; });
+  }
+}
+
+}  // namespace
+
+awaitable<void> DriveRun::drive(Drive& drive, std::function<bool()> is_enough) {
+  try {
+    co_await take_steps(drive, std::move(is_enough));
+  } catch (...) {
+    broken_ = std::current_exception();
+  }
+  if (!broken_) co_return;
+  co_await stop_all();
+  std::rethrow_exception(broken_);
+}
+
+awaitable<void> DriveRun::take_steps(Drive& drive, std::function<bool()> is_enough) {
+  while (!broken_ && !is_enough()) {
+    const auto look_again = co_await before_step();
+    notice_stops(drive);
+    auto step = drive.next(now());
+    if (std::holds_alternative<tmcl::plan::DriveEnd>(step)) co_return;
+    if (const auto* wait = std::get_if<tmcl::plan::DriveWait>(&step)) {
+      // A wait that is over is a breath of a long computation: others get their turn in it.
+      if (wait->until <= now()) co_await boost::asio::post(boost::asio::use_awaitable);
+      co_await woken_.wait_until(std::min(wait->until, look_again));
+    } else {
+      co_await give(drive, std::move(std::get<DriveCommands>(step)));
+    }
+  }
+}
+
+// One alone needs no coroutine of its own.
+awaitable<void> DriveRun::give(Drive& drive, DriveCommands commands) {
+  if (commands.size() == 1 && under_way_ == 0) {
+    co_await answer(drive, commands.front());
+    co_return;
+  }
+  const auto executor = co_await boost::asio::this_coro::executor;
+  for (const auto& command : commands) {
+    ++under_way_;
+    auto answered = [](std::shared_ptr<DriveRun> self, Drive& of,
+                       DriveCommand given) -> awaitable<void> {
+      co_await self->answer(of, given);
+      --self->under_way_;
+      self->woken_.notify();
+    };
+    spawn(executor, answered(shared_from_this(), drive, command));
+  }
+}
+
+awaitable<void> DriveRun::answer(Drive& drive, DriveCommand command) {
+  DriveAnswer answer = tl::unexpected(tmcl::bad_argument("it could not be carried out"));
+  try {
+    auto done = co_await carry_out(command);
+    answer = std::move(done);
+  } catch (...) {
+    failure_ = std::current_exception();
+  }
+  notice_stops(drive);
+  if (broken_) co_return;
+  try {
+    drive.answered(now(), command.axis, std::move(answer));
+  } catch (...) {
+    broken_ = std::current_exception();
+  }
+}
+
+DriveFault DriveRun::stopped_by_other(std::size_t axis, tmcl::Error error) const {
+  return {DriveFault::Kind::foreign, axis, "was stopped by somebody else", std::move(error), {}};
+}
+
+void DriveRun::notice_stops(Drive& drive) const {
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    if (auto stop = members_[i].movement.objection())
+      drive.stop(stopped_by_other(i, std::move(*stop)));
+  }
+}
+
+RunOptions DriveRun::movement_of(const DriveMember& member) const {
+  auto options = member.movement;
+  options.on_answer = {};
+  options.objection = [this]() -> std::optional<tmcl::Error> {
+    for (const auto& one : members_) {
+      if (auto stop = one.movement.objection()) return stop;
+    }
+    return std::nullopt;
+  };
+  return options;
+}
+
+awaitable<DriveAnswer> DriveRun::get(const DriveMember& member, DriveCommand command) {
+  const auto read = [axis = member.axis, command] { return axis->get(command.parameter, {}); };
+  auto reading = command.may_wait ? patience_.insist(read) : read();
+  auto value = co_await std::move(reading);
+  co_return value;
+}
+
+awaitable<DriveAnswer> DriveRun::set(const DriveMember& member, DriveCommand command) {
+  const auto once = [this, &member, command] {
+    return write(member, {command.parameter, command.value}, command.may_wait);
+  };
+  auto writing = command.may_wait ? patience_.insist(once) : once();
+  auto done = co_await std::move(writing);
+  co_return answer_of(std::move(done));
+}
+
+awaitable<DriveAnswer> DriveRun::carry_out(DriveCommand command) {
+  const auto& member = members_[command.axis];
+  auto movement = movement_of(member);
+  const auto address = member.axis->address();
+  switch (command.kind) {
+    case DriveCommand::Kind::get: {
+      auto read = co_await get(member, command);
+      co_return read;
+    }
+    case DriveCommand::Kind::set: {
+      auto done = co_await set(member, command);
+      co_return done;
+    }
+    case DriveCommand::Kind::rotate: {
+      auto script = tmcl::verbs::rotate(address, tmcl::InternalVelocity{command.value});
+      auto turned = co_await member.axis->perform(std::move(script), std::move(movement));
+      co_return answer_of(std::move(turned));
+    }
+    case DriveCommand::Kind::move_to: {
+      auto script = tmcl::verbs::move_to(address, tmcl::Microsteps{command.value});
+      auto moved = co_await member.axis->perform(std::move(script), std::move(movement));
+      co_return answer_of(std::move(moved));
+    }
+    case DriveCommand::Kind::stop: {
+      auto stopping = patience_.insist([this, axis = member.axis] { return stop(*axis); });
+      auto stopped = co_await std::move(stopping);
+      co_return answer_of(std::move(stopped));
+    }
+    case DriveCommand::Kind::set_coordinate: {
+      const tmcl::Microsteps place{command.value};
+      auto script = tmcl::verbs::set_coordinate(address, scratch_coordinate, place);
+      auto told = co_await member.axis->perform(std::move(script), std::move(movement));
+      co_return answer_of(std::move(told));
+    }
+    case DriveCommand::Kind::move_motors: {
+      const tmcl::MotorMask motors{static_cast<std::uint8_t>(command.value)};
+      auto script = tmcl::verbs::move_motors_to_coordinate(
+          address.module, motors, tmcl::Together::each_for_itself, scratch_coordinate);
+      auto moved = co_await member.axis->perform(std::move(script), std::move(movement));
+      co_return answer_of(std::move(moved));
+    }
+  }
+  co_return 0;
+}
+
+awaitable<void> DriveRun::stop_all() {
+  std::vector<awaitable<tmcl::Result<void>>> stops;
+  for (const auto& member : members_)
+    stops.push_back(patience_.insist([this, axis = member.axis] { return stop(*axis); }));
+  co_await gather(std::move(stops));
+}
+
+}  // namespace tmcld

@@ -1,0 +1,75 @@
+/// Carries out on the axes of the gateway what a Drive says.
+#pragma once
+
+#include <exception>
+#include <functional>
+#include <memory>
+#include <vector>
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+
+#include "async/wake.hpp"
+#include "gateway/claim.hpp"
+#include "gateway/link_patience.hpp"
+#include "tmcl/context_clock.hpp"
+#include "tmcl/plan/drive.hpp"
+
+namespace tmcld {
+
+struct DriveMember {
+  std::shared_ptr<GatewayAxis> axis;
+  RunOptions movement;  ///< Begun when the call came in.
+};
+
+class DriveRun : public std::enable_shared_from_this<DriveRun> {
+ public:
+  virtual ~DriveRun() = default;
+
+ protected:
+  DriveRun(const boost::asio::any_io_executor& executor, std::vector<DriveMember> members)
+      : members_(std::move(members)), woken_(executor), clock_(executor) {}
+
+  /// Until the drive has ended, or until it has done enough, with no command under way. What is
+  /// thrown in carrying out a command counts as its failure; failure() has it then. If anything
+  /// else throws, all axes are stopped, and so does this.
+  boost::asio::awaitable<void> drive(tmcl::plan::Drive& drive, std::function<bool()> is_enough);
+  const std::exception_ptr& failure() const { return failure_; }
+  tmcl::TimePoint now() const { return clock_.now(); }
+  /// An axis that was stopped by others is told before each step.
+  tmcl::plan::DriveFault stopped_by_other(std::size_t axis, tmcl::Error error) const;
+
+  /// Called before each step; the next time at the latest then.
+  virtual boost::asio::awaitable<tmcl::TimePoint> before_step() = 0;
+  /// Ends what the axis does.
+  virtual GatewayAxis::Awaitable<void> stop(GatewayAxis& axis) = 0;
+  /// `restores`: it was changed for the drive, and is to be as it was.
+  virtual GatewayAxis::Awaitable<void> write(const DriveMember& member, tmcl::plan::Setting setting,
+                                             bool restores) = 0;
+  /// The right to move an axis, as long as none of them has been stopped by others.
+  RunOptions movement_of(const DriveMember& member) const;
+
+  std::vector<DriveMember> members_;
+  Wake woken_;
+
+ private:
+  using Answer = tmcl::plan::DriveAnswer;
+
+  boost::asio::awaitable<void> take_steps(tmcl::plan::Drive& drive,
+                                          std::function<bool()> is_enough);
+  void notice_stops(tmcl::plan::Drive& drive) const;
+  boost::asio::awaitable<void> give(tmcl::plan::Drive& drive, tmcl::plan::DriveCommands commands);
+  boost::asio::awaitable<void> answer(tmcl::plan::Drive& drive, tmcl::plan::DriveCommand command);
+  boost::asio::awaitable<Answer> carry_out(tmcl::plan::DriveCommand command);
+  boost::asio::awaitable<Answer> get(const DriveMember& member, tmcl::plan::DriveCommand command);
+  boost::asio::awaitable<Answer> set(const DriveMember& member, tmcl::plan::DriveCommand command);
+  boost::asio::awaitable<void> stop_all();
+
+  tmcl::ContextClock clock_;
+  LinkPatience patience_;
+  std::size_t under_way_ = 0;  ///< Beside the coroutine that drives.
+  std::exception_ptr failure_;
+  std::exception_ptr broken_;  ///< What ends it without the drive.
+};
+
+}  // namespace tmcld

@@ -1,0 +1,131 @@
+/// What is behind a Drive: a script whose steps are commands to axes, and pauses.
+#pragma once
+
+#include <array>
+#include <map>
+
+#include "tmcl/plan/drive.hpp"
+#include "tmcl/script.hpp"
+
+namespace tmcl::plan {
+
+/// The settings of an axis, as they were and as they are.
+class KeptSettings {
+ public:
+  void know(Setting setting);
+  bool is_known(std::uint8_t parameter) const { return before_.contains(parameter); }
+  /// As it was; it must be known.
+  std::int32_t before(std::uint8_t parameter) const { return before_.at(parameter); }
+  /// As it is, if that is known.
+  std::optional<std::int32_t> now(std::uint8_t parameter) const;
+  /// From now on it may be what it was or what is written.
+  void begin_write(std::uint8_t parameter);
+  void wrote(Setting setting) { now_[setting.parameter] = setting.value; }
+  /// Those that are not as they were, the last one that was written first: in that order, each
+  /// goes with those that are there.
+  std::vector<Setting> to_restore() const;
+
+ private:
+  std::map<std::uint8_t, std::int32_t> before_;
+  std::map<std::uint8_t, std::int32_t> now_;
+  std::vector<std::uint8_t> written_;  // in the order of the first time
+};
+
+class DriveRunner {
+ public:
+  explicit DriveRunner(std::size_t axes) : settings_(axes), under_way_(axes) {}
+  virtual ~DriveRunner() = default;
+
+  DriveStep next(TimePoint now);
+  void answered(TimePoint now, std::size_t axis, DriveAnswer answer);
+  void stop(DriveFault why) {
+    if (!stop_asked_) stop_asked_ = std::move(why);
+  }
+
+ protected:
+  using Fault = std::optional<DriveFault>;
+  using Kind = DriveCommand::Kind;
+
+  struct Exchange {
+    DriveCommand command;
+    TimePoint asked{};
+    TimePoint ended{};
+    DriveAnswer answer = 0;
+  };
+
+  struct Awaiter {
+    bool ready;
+    bool await_ready() const noexcept { return ready; }
+    template <class Promise>
+    void await_suspend(std::coroutine_handle<Promise> script) {
+      script.promise().state->step = step::Pause{};
+    }
+    void await_resume() const noexcept {}
+  };
+  /// Leaves the answer in answer_, and the times in asked_at_ and now_.
+  Awaiter command(DriveCommand command);
+  Awaiter until(TimePoint time);
+  /// Each lane one command after the other, all lanes side by side. Leaves in done_ what came of
+  /// those that were given. `all_or_none`: after a failure, or when it is to stop, nothing more is
+  /// begun.
+  Awaiter side_by_side(std::vector<DriveCommands>&& lanes, bool all_or_none);
+
+  virtual Script<Fault> whole() = 0;
+  virtual void on_answered(Duration /*took*/) {}
+
+  std::size_t axes() const { return under_way_.size(); }
+  static Fault fault(DriveFault::Kind kind, std::optional<std::size_t> axis, std::string message);
+  /// A command that fails because its sender wants to stop is none that was refused.
+  Fault refusal(std::size_t axis, const Error& error) const;
+  Fault refusal(std::size_t axis) const { return refusal(axis, answer_.error()); }
+  const Fault& asked_to_stop() const { return stop_asked_; }
+  /// The middle between the last command and its answer.
+  TimePoint middle() const { return asked_at_ + (now_ - asked_at_) / 2; }
+
+  Script<Fault> write(std::size_t axis, Setting setting);
+  /// What cannot be stopped is tried again, so many times in all.
+  Script<Fault> stop_all(DriveReport& report, int attempts);
+  Script<Fault> come_to_rest(std::size_t axis, TimePoint limit);
+  Script<Fault> restore(DriveReport& report);
+
+  struct Goal {
+    std::size_t axis;
+    Microsteps target;
+    bool reached = false;
+    std::optional<TimePoint> stands_since{};
+    Microsteps stands_at{};
+  };
+  /// Until all of them stand at their targets. `begin`: when they were started; `limit`: when they
+  /// should have arrived.
+  Script<Fault> arrive(std::vector<Goal> goals, TimePoint begin, TimePoint limit);
+
+  std::vector<KeptSettings> settings_;
+  DriveAnswer answer_ = 0;
+  std::vector<Exchange> done_;
+  TimePoint now_{};
+  TimePoint asked_at_{};
+  Fault stop_asked_;
+  bool heeds_stop_ = true;  ///< A wait ends when it is to stop.
+  bool stopping_ = false;   ///< From the first stop on: what is read may wait.
+
+ private:
+  void proceed(const std::optional<Step>& step);
+  void send_next(std::size_t lane);
+  Script<Fault> look(Goal& goal, TimePoint begin, TimePoint limit);
+  Fault judge(Goal& goal, Microsteps target, bool stands, Microsteps position) const;
+
+  std::optional<Script<Fault>> script_;
+  std::vector<DriveCommands> lanes_;  // each in reverse
+  DriveCommands to_send_;
+  struct UnderWay {
+    Exchange exchange;
+    std::size_t lane;
+  };
+  std::vector<std::optional<UnderWay>> under_way_;
+  std::size_t awaited_ = 0;
+  bool all_or_none_ = false;
+  TimePoint until_{};
+  bool ended_ = false;
+};
+
+}  // namespace tmcl::plan
