@@ -96,14 +96,11 @@ awaitable<void> DriveRun::answer(Drive& drive, DriveCommand command) {
   }
 }
 
-DriveFault DriveRun::stopped_by_other(std::size_t axis, tmcl::Error error) const {
-  return {DriveFault::Kind::foreign, axis, "was stopped by somebody else", std::move(error), {}};
-}
-
 void DriveRun::notice_stops(Drive& drive) const {
   for (std::size_t i = 0; i < members_.size(); ++i) {
-    if (auto stop = members_[i].movement.objection())
-      drive.stop(stopped_by_other(i, std::move(*stop)));
+    auto stop = members_[i].movement.objection();
+    if (!stop) continue;
+    drive.stop({DriveFault::Kind::foreign, i, "was stopped by somebody else", std::move(stop), {}});
   }
 }
 

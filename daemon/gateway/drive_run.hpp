@@ -36,8 +36,6 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   boost::asio::awaitable<void> drive(tmcl::plan::Drive& drive, std::function<bool()> is_enough);
   const std::exception_ptr& failure() const { return failure_; }
   tmcl::TimePoint now() const { return clock_.now(); }
-  /// An axis that was stopped by others is told before each step.
-  tmcl::plan::DriveFault stopped_by_other(std::size_t axis, tmcl::Error error) const;
 
   /// Called before each step; the next time at the latest then.
   virtual boost::asio::awaitable<tmcl::TimePoint> before_step() = 0;
@@ -57,6 +55,7 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
 
   boost::asio::awaitable<void> take_steps(tmcl::plan::Drive& drive,
                                           std::function<bool()> is_enough);
+  /// Axes that were stopped by others end the drive.
   void notice_stops(tmcl::plan::Drive& drive) const;
   boost::asio::awaitable<void> give(tmcl::plan::Drive& drive, tmcl::plan::DriveCommands commands);
   boost::asio::awaitable<void> answer(tmcl::plan::Drive& drive, tmcl::plan::DriveCommand command);

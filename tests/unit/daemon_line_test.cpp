@@ -53,8 +53,7 @@ class LineBench {
       };
     }
     daemon_.wire().loses = [this](const Request& request) {
-      return count_ == loses_at || count_ == ignores_at ||
-             tmcl::reply_byte(request.address) == silent_module;
+      return count_ == loses_at || tmcl::reply_byte(request.address) == silent_module;
     };
     daemon_.start();
     client = std::make_unique<RpcClient>(daemon_.socket());
@@ -62,9 +61,8 @@ class LineBench {
 
   // What the tests arrange; the first request is 1.
   std::size_t refuses_at = 0;
-  std::size_t loses_at = 0;    // the answer
-  std::size_t ignores_at = 0;  // as if the module had not heard it
-  std::size_t stops_at = 0;    // somebody stops x
+  std::size_t loses_at = 0;  // the answer
+  std::size_t stops_at = 0;  // somebody stops x
   std::atomic<int> silent_module = 0;
   std::atomic<bool> loses_link_at_start = false;  // for good, when the first one has started
 
@@ -134,24 +132,6 @@ class LineBench {
     daemon_.on_reactor([&] { return daemon_.wire().is_absent = false; });
   }
   std::string socket() const { return daemon_.socket(); }
-  /// The parameters of an axis that have been set, in this order.
-  std::vector<std::uint8_t> parameters_set(std::uint16_t module, std::uint8_t motor) {
-    return daemon_.on_reactor([&] {
-      std::vector<std::uint8_t> set;
-      for (const auto& request : daemon_.wire().seen) {
-        const bool is_of_axis = number(request.address) == module && request.motor == motor;
-        if (is_of_axis && request.command == Command::SAP) set.push_back(request.type);
-      }
-      return set;
-    });
-  }
-  /// As a program in the module does.
-  void send_x_to(std::int32_t position) {
-    daemon_.on_reactor([&] {
-      return carry_out({tmcl::ModuleAddress{1}, Command::MVP, 0, 0, position}).status;
-    });
-  }
-
   std::unique_ptr<RpcClient> client;
 
  private:
@@ -161,7 +141,6 @@ class LineBench {
     if (count_ == refuses_at)
       return {2, tmcl::reply_byte(request.address), tmcl::Status::invalid_value, request.command,
               0};
-    if (count_ == ignores_at) return {};
     if (request.command == Command::SAP && first_set_at_ == 0) first_set_at_ = count_;
     if (request.command == Command::MVP) {
       started_at_ = count_;
@@ -296,22 +275,6 @@ TEST(DaemonLine, AStartThatCannotBeUndoneIsToldWhoAskedForIt) {
   EXPECT_EQ(answer.at("error").at("data").at("outcome"), "unknown");
 }
 
-// The order in which they were loaded is a safe one for dividers and what they divide.
-TEST(DaemonLine, SettingsAreSetBackInTheReverseOrder) {
-  constexpr std::uint8_t pulse_divisor = 154;
-  LineBench bench;
-  ASSERT_FALSE(bench.line({"x", "z"}, {60'000, 15}).contains("error"));
-  bench.expect_rest();
-  const auto set = bench.parameters_set(2, 0);
-  const auto half = static_cast<std::ptrdiff_t>(set.size() / 2);
-  const std::vector<std::uint8_t> loaded(set.begin(), set.begin() + half);
-  std::vector<std::uint8_t> set_back(set.begin() + half, set.end());
-  std::ranges::reverse(set_back);
-  EXPECT_EQ(set_back, loaded);
-  EXPECT_GE(loaded.size(), 3U);
-  EXPECT_THAT(loaded, testing::Contains(pulse_divisor)) << "a line with other dividers";
-}
-
 constexpr std::int32_t whole_way = 6000;
 constexpr std::int32_t way_of_others = 2000;
 
@@ -394,15 +357,6 @@ TEST_P(LineFaults, WhicheverAnswerIsLostAllArriveOrAllStop) {
       false);
 }
 
-TEST_P(LineFaults, WhicheverRequestIsNotHeardAllArriveOrAllStop) {
-  at_each_step(
-      &LineBench::ignores_at,
-      [&](const json::object& answer) {
-        if (!answer.contains("error")) expect_that_all_have_arrived();
-      },
-      false);
-}
-
 TEST_P(LineFaults, WheneverSomebodyStopsOneAllStop) {
   at_each_step(&LineBench::stops_at, [&](const json::object& answer) {
     EXPECT_TRUE(answer.contains("error") || bench.started_at() > 0) << json::serialize(answer);
@@ -476,13 +430,6 @@ TEST_F(LongLine, ALinkThatStaysAwayLeavesWhatIsTold) {
   EXPECT_THAT(event(), testing::MatchesRegex("axis '[xz]' could be stopped now"));
   EXPECT_THAT(event(), testing::MatchesRegex("axis '[xz]' could be stopped now"));
   EXPECT_LT(bench.value("x", ap::actual_position), way);
-}
-
-TEST_F(LineOnTheWay, AMoveOfOneByItsModuleStopsAll) {
-  bench.send_x_to(-40'000);
-  EXPECT_THAT(event(), HasSubstr("axis 'x' was sent elsewhere"));
-  bench.expect_rest();
-  EXPECT_LT(bench.value("z", ap::actual_position), 20'000);
 }
 
 TEST_F(LineOnTheWay, AnAxisThatStandsShortIsToldInItsUnit) {
