@@ -34,7 +34,8 @@
 /// everybody else's calls to it end at once.
 ///
 /// Does no I/O and reads no clock: it is told what happened, and says what to do. A value: a copy
-/// goes on like the original from where that is, and neither knows of the other.
+/// goes on like the original from where that is. All that the two share is the lifetime of holds,
+/// which calls that have not ended prolong.
 /// Thread safety: none. Everything it holds is bounded by max_queued_calls and the number of
 /// addresses.
 #pragma once
