@@ -32,7 +32,9 @@ boost::asio::awaitable<json::object> to_result(GatewayAxis& axis, StartedMove st
 
 Answer list_axes(Call& call) {
   json::array axes;
-  for (const auto& axis : call.gateway->axes()) axes.push_back(to_json(*axis));
+  const bool all = call.params.boolean_or("all", false);
+  for (const auto& axis : all ? call.gateway->all_axes() : call.gateway->axes())
+    axes.push_back(to_json(*axis));
   json::object result;
   result["axes"] = std::move(axes);
   co_return result;

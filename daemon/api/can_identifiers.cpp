@@ -13,7 +13,8 @@ namespace gp = tmcl::global_parameter;
 
 bool is_of_a_module(const GatewayBus& bus, tmcl::ModuleAddress asked, std::int32_t identifier) {
   return identifier == number(asked) || std::ranges::any_of(bus.modules(), [&](const auto& module) {
-           return identifier == number(module.first);
+           const bool is_known = module.second->is_configured() || module.second->identity();
+           return is_known && identifier == number(module.first);
          });
 }
 

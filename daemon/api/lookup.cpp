@@ -4,6 +4,7 @@
 #include <charconv>
 #include <utility>
 
+#include "api/raw_name.hpp"
 #include "api/suggest.hpp"
 
 namespace tmcld {
@@ -22,6 +23,7 @@ RpcError unknown(std::string_view kind, std::string_view param, const std::strin
 
 Lookup<std::shared_ptr<GatewayAxis>> find_axis(const Call& call, std::string_view param,
                                                const std::string& name) {
+  if (is_raw_name(name)) return find_raw_axis(*call.gateway, param, name);
   auto axis = call.gateway->find_axis(name);
   if (axis) return axis;
   return tl::unexpected(unknown("axis", param, name, call.gateway->axes()));

@@ -1,4 +1,5 @@
-/// From the names in a call to what they name; whoever mistypes one is told the nearest.
+/// From the names in a call to what they name; whoever mistypes one is told the nearest. An axis
+/// has the name that it is configured with, and for every motor see raw_name.hpp.
 #pragma once
 
 #include <memory>
@@ -27,7 +28,7 @@ struct ReadyToMove {
 /// The parameter "axis", for a call that may move it: on a module that has said what it is.
 boost::asio::awaitable<Lookup<ReadyToMove>> ready_to_move(const Call& call);
 
-/// The parameter "axes"; all of them if it is absent.
+/// The parameter "axes"; all configured ones if it is absent.
 Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call);
 /// The parameter "bus".
 Lookup<std::shared_ptr<GatewayBus>> bus_of(const Call& call);

@@ -124,6 +124,9 @@ constexpr std::array rotate_result{
     ResultInfo{"velocity_internal", integer, "speed in the module's own unit"}, axis_unit,
     ResultInfo{"velocity", nullable_number, "speed in the unit per second"}};
 constexpr std::array only_axis{axis};
+constexpr std::array list_axes_params{
+    ParamInfo{"all", boolean, optional,
+              "also those that were named as BUS:ADDRESS/MOTOR; only configured ones if absent"}};
 constexpr std::array wait_params{
     axis, ParamInfo{"timeout_ms", integer, optional, "how long at most; 0 or absent: as it takes",
                     0, 86'400'000}};
@@ -414,11 +417,7 @@ constexpr auto table = std::to_array<MethodInfo>({
      handlers::list_modules},
     {"module.execute", "any TMCL command, exactly as given", execute_params, execute_result,
      Effect::moves, handlers::execute},
-    {"axis.list",
-     "the configured axes and how they are",
-     {},
-     list_axes_result,
-     Effect::reads,
+    {"axis.list", "the axes and how they are", list_axes_params, list_axes_result, Effect::reads,
      handlers::list_axes},
     {"axis.move_to", "starts a move to a position; does not wait for its end", move_to_params,
      started_move_result, Effect::moves, handlers::move_to},

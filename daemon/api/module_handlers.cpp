@@ -51,15 +51,11 @@ Lookup<tmcl::Request> request_of(const Call& call) {
   return request;
 }
 
-// A stop is a stop, also if it comes as a raw command, and for a motor that no axis is configured
-// for.
+// A stop is a stop, also if it comes as a raw command, and for a motor that has no axis.
 void revoke_movements(const Call& call, GatewayBus& bus, const tmcl::Request& request) {
   bus.motors().stop({request.address, request.motor});
-  for (const auto& axis : call.gateway->axes()) {
-    const bool same = &axis->bus() == &bus && axis->address().module == request.address &&
-                      axis->address().motor == request.motor;
-    if (same) axis->revoke_movements();
-  }
+  const auto axis = call.gateway->find_axis(bus, {request.address, request.motor});
+  if (axis) axis->revoke_movements();
 }
 
 json::object to_result(const tmcl::Answer& answer) {
@@ -81,7 +77,8 @@ json::object to_result(const tmcl::Answer& answer) {
 Answer list_modules(Call& call) {
   json::array modules;
   for (const auto& bus : call.gateway->buses()) {
-    for (const auto& [address, module] : bus->modules()) modules.push_back(to_json(*bus, *module));
+    for (const auto& [address, module] : bus->modules())
+      if (module->is_configured()) modules.push_back(to_json(*bus, *module));
   }
   json::object result;
   result["modules"] = std::move(modules);

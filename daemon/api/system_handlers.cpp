@@ -1,48 +1,24 @@
 #include <boost/json/array.hpp>
 
 #include "api/handlers.hpp"
-#include "api/state_json.hpp"
-#include "async/gather.hpp"
+#include "gateway/stop_all.hpp"
 
 namespace tmcld::handlers {
 namespace {
 
 namespace json = boost::json;
 
-struct StopReport {
-  tmcl::Result<void> result;
-  tmcl::Duration took{};
-};
-
-boost::asio::awaitable<StopReport> stop_one(std::shared_ptr<GatewayAxis> axis) {
-  const auto began = axis->bus().clock().now();
-  StopReport report;
-  report.result = co_await axis->stop();
-  report.took = axis->bus().clock().now() - began;
-  co_return report;
-}
-
-/// A raw command may be about to move a motor that no axis is configured for.
-boost::asio::awaitable<StopReport> stop_other(std::shared_ptr<GatewayBus> bus,
-                                              tmcl::AxisAddress motor) {
-  StopReport report;
-  RunOptions options;
-  report.result = co_await bus->run(tmcl::verbs::stop(motor), std::move(options));
-  co_return report;
-}
-
-json::object to_result(std::span<const std::shared_ptr<GatewayAxis>> axes,
-                       const std::vector<StopReport>& reports) {
+json::object to_result(const std::vector<StopReport>& reports) {
   json::array stopped;
   json::array failed;
-  for (std::size_t i = 0; i < axes.size(); ++i) {
+  for (const auto& report : reports) {
     json::object entry;
-    entry["axis"] = axes[i]->name();
-    if (reports[i].result) {
-      entry["milliseconds"] = std::chrono::duration<double, std::milli>(reports[i].took).count();
+    entry["axis"] = report.axis;
+    if (report.result) {
+      entry["milliseconds"] = std::chrono::duration<double, std::milli>(report.took).count();
       stopped.push_back(std::move(entry));
     } else {
-      entry["error"] = to_json(call_error(reports[i].result.error(), axes[i]->name()));
+      entry["error"] = to_json(call_error(report.result.error(), report.axis));
       failed.push_back(std::move(entry));
     }
   }
@@ -87,19 +63,8 @@ json::object to_json(const MethodInfo& method) {
 }  // namespace
 
 Answer stop_all(Call& call) {
-  const auto axes = call.gateway->axes();
-  // All of them lose the right to move before the first stop is on its way.
-  call.gateway->revoke_movements();
-  std::vector<boost::asio::awaitable<StopReport>> stops;
-  for (const auto& axis : axes) stops.push_back(stop_one(axis));
-  for (const auto& bus : call.gateway->buses()) {
-    for (const auto motor : bus->motors().others_about_to_move())
-      stops.push_back(stop_other(bus, motor));
-  }
-  ++call.gateway->stops_in_progress;
-  const auto reports = co_await gather(std::move(stops));
-  --call.gateway->stops_in_progress;
-  co_return to_result(axes, reports);
+  const auto reports = co_await tmcld::stop_all(call.gateway);
+  co_return to_result(reports);
 }
 
 Answer discover(Call&) {

@@ -20,10 +20,11 @@ AxisAccess::Awaitable<void> AxisAccess::be_ready() {
   const auto* model = module_.model();
   const auto motor = config_.address.motor;
   if (model == nullptr || motor < model->axes) co_return ready;
-  co_return tl::unexpected(on_bus(tmcl::bad_argument(
-      "axis '" + name() + "' is configured as motor " + std::to_string(motor) + ", but a " +
-          std::string(model->name) + " has " + std::to_string(model->axes),
-      "motors count from 0; correct the configuration")));
+  co_return tl::unexpected(on_bus(
+      tmcl::bad_argument("axis '" + name() + "' is motor " + std::to_string(motor) + ", but a " +
+                             std::string(model->name) + " has " + std::to_string(model->axes),
+                         module_.is_configured() ? "motors count from 0; correct the configuration"
+                                                 : "motors count from 0")));
 }
 
 }  // namespace tmcld

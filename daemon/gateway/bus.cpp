@@ -152,6 +152,7 @@ awaitable<void> GatewayBus::look_after_modules() {
     std::vector<awaitable<tmcl::Result<void>>> questions;
     for (auto& [address, module] : modules_) {
       if (streams > 0 || module->state() == GatewayModule::State::ready) continue;
+      if (!module->is_configured()) continue;
       questions.push_back(module->be_ready());
     }
     if (!questions.empty()) co_await gather(std::move(questions));

@@ -64,7 +64,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   void wait_for_opener() { opener_.join(); }
   bool is_can() const { return std::holds_alternative<tmcl::CanName>(config_.link); }
 
-  /// The configured module of this address, which add_module() makes.
+  /// The module of this address, if add_module() has made it: for axes, configured or not.
   GatewayModule* find_module(tmcl::ModuleAddress address) const;
   GatewayModule& add_module(tmcl::ModuleAddress address);
   const std::map<tmcl::ModuleAddress, std::unique_ptr<GatewayModule>>& modules() const {

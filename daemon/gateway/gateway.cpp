@@ -5,9 +5,14 @@
 
 #include "async/spawn.hpp"
 #include "gateway/path_run.hpp"
+#include "gateway/stop_all.hpp"
 
 namespace tmcld {
 namespace {
+
+boost::asio::awaitable<void> stop_all_quietly(std::shared_ptr<Gateway> gateway) {
+  co_await stop_all(std::move(gateway));
+}
 
 boost::asio::awaitable<void> stop_quietly(std::shared_ptr<Gateway> gateway,
                                           std::shared_ptr<GatewayAxis> axis) {
@@ -36,7 +41,9 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
   for (const auto& axis : config.axes) {
     const auto bus = std::ranges::find(gateway->buses_, axis.bus, &GatewayBus::name);
     gateway->axes_.push_back(std::make_shared<GatewayAxis>(axis, *bus));
+    gateway->axes_.back()->module().note_configured();
   }
+  gateway->configured_axes_ = gateway->axes_.size();
   return gateway;
 }
 
@@ -66,8 +73,7 @@ bool Gateway::has_journeys() const {
 
 void Gateway::stop_all_axes() {
   revoke_movements();
-  for (const auto& axis : axes_)
-    spawn(axis->bus().executor(), stop_quietly(shared_from_this(), axis));
+  if (!buses_.empty()) spawn(buses_.front()->executor(), stop_all_quietly(shared_from_this()));
 }
 
 void Gateway::close() {
@@ -91,8 +97,29 @@ GatewayBus* Gateway::find_bus(std::string_view name) const {
 }
 
 std::shared_ptr<GatewayAxis> Gateway::find_axis(std::string_view name) const {
-  const auto found = std::ranges::find(axes_, name, &GatewayAxis::name);
+  const auto configured = axes();
+  const auto found = std::ranges::find(configured, name, &GatewayAxis::name);
+  return found == configured.end() ? nullptr : *found;
+}
+
+std::shared_ptr<GatewayAxis> Gateway::find_axis(const GatewayBus& bus,
+                                                tmcl::AxisAddress address) const {
+  const auto found = std::ranges::find_if(
+      axes_, [&](const auto& axis) { return &axis->bus() == &bus && axis->address() == address; });
   return found == axes_.end() ? nullptr : *found;
+}
+
+std::shared_ptr<GatewayAxis> Gateway::add_axis(std::shared_ptr<GatewayBus> bus,
+                                               tmcl::AxisAddress address) {
+  if (axes_.size() - configured_axes_ >= most_added_axes) return nullptr;
+  AxisConfig config{raw_name(*bus, address), bus->name(), address};
+  config.scale.full_steps = options_.full_steps;
+  return axes_.emplace_back(std::make_shared<GatewayAxis>(std::move(config), std::move(bus)));
+}
+
+std::string Gateway::raw_name(const GatewayBus& bus, tmcl::AxisAddress address) const {
+  const auto name = std::to_string(number(address.module)) + "/" + std::to_string(address.motor);
+  return buses_.size() == 1 ? name : bus.name() + ":" + name;
 }
 
 std::uint64_t Gateway::on_event(OnGatewayEvent listener) {

@@ -1,4 +1,4 @@
-/// All buses and axes of a daemon, by the names they have in its configuration.
+/// All buses and axes, by the names they have in the configuration and by their addresses.
 #pragma once
 
 #include <cstdint>
@@ -29,7 +29,12 @@ tmcl::Result<tmcl::Link> open_configured_link(const BusConfig& config);
 struct GatewayOptions {
   OpenLink open_link = open_configured_link;
   LogSink log = no_log;
+  /// Of a turn of the motors that no axis is configured for.
+  std::int32_t full_steps = 200;
 };
+
+/// Motors that no axis is configured for, and that were named all the same.
+constexpr std::size_t most_added_axes = 256;
 
 /// Object lifetimes: held by everything that is in progress, so that it outlives it.
 /// Thread safety: none; its executor is one thread.
@@ -60,10 +65,20 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   void join();
 
   std::span<const std::shared_ptr<GatewayBus>> buses() const { return buses_; }
-  std::span<const std::shared_ptr<GatewayAxis>> axes() const { return axes_; }
+  /// Those of the configuration.
+  std::span<const std::shared_ptr<GatewayAxis>> axes() const {
+    return all_axes().first(configured_axes_);
+  }
+  /// Also those that were added; a list that may grow while a coroutine waits.
+  std::span<const std::shared_ptr<GatewayAxis>> all_axes() const { return axes_; }
   /// Null if there is none of that name.
   GatewayBus* find_bus(std::string_view name) const;
   std::shared_ptr<GatewayAxis> find_axis(std::string_view name) const;
+  std::shared_ptr<GatewayAxis> find_axis(const GatewayBus& bus, tmcl::AxisAddress address) const;
+  /// For a motor that has none yet. Null if there are most_added_axes already.
+  std::shared_ptr<GatewayAxis> add_axis(std::shared_ptr<GatewayBus> bus, tmcl::AxisAddress address);
+  /// BUS:ADDRESS/MOTOR; without the bus if there is no other.
+  std::string raw_name(const GatewayBus& bus, tmcl::AxisAddress address) const;
 
   /// Gives a number for ignore_events().
   std::uint64_t on_event(OnGatewayEvent listener);
@@ -95,7 +110,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   LogLimiter failures_;
   std::shared_ptr<Arrivals> arrivals_ = std::make_shared<Arrivals>();
   std::vector<std::shared_ptr<GatewayBus>> buses_;
-  std::vector<std::shared_ptr<GatewayAxis>> axes_;
+  std::vector<std::shared_ptr<GatewayAxis>> axes_;  ///< The configured ones first.
+  std::size_t configured_axes_ = 0;
   std::map<std::uint64_t, OnGatewayEvent> listeners_;
   std::uint64_t last_listener_ = 0;
 };

@@ -1,4 +1,4 @@
-/// A configured module: what it said it is, and whether it answers.
+/// A module: what it said it is, and whether it answers.
 #pragma once
 
 #include <cstdint>
@@ -26,6 +26,10 @@ class GatewayModule {
   GatewayModule(GatewayBus& bus, tmcl::ModuleAddress address) : bus_(bus), address_(address) {}
 
   tmcl::ModuleAddress address() const { return address_; }
+  /// An axis of it is in the configuration. Others are only asked what they are when somebody
+  /// calls.
+  bool is_configured() const { return is_configured_; }
+  void note_configured() { is_configured_ = true; }
   State state() const { return state_; }
   /// What it said last, perhaps some time ago.
   const std::optional<tmcl::FoundModule>& identity() const { return identity_; }
@@ -53,6 +57,7 @@ class GatewayModule {
 
   GatewayBus& bus_;
   tmcl::ModuleAddress address_;
+  bool is_configured_ = false;
   State state_ = State::unknown;
   std::optional<tmcl::FoundModule> identity_;
   bool duplicate_suspected_ = false;

@@ -31,6 +31,16 @@ bool knows_no_motor(const Request& request) {
          request.command == Command::RST;
 }
 
+/// A stop of any motor of the module ends what knows no motor.
+std::set<AxisAddress> motors_of(const Request& request) {
+  if (knows_no_motor(request)) return {{request.address, 0}};
+  if (!names_several(request)) return {{request.address, request.motor}};
+  std::set<AxisAddress> motors;
+  for (std::uint8_t motor = 0; motor < motors_in_mask; ++motor)
+    if (moves_together(request, motor)) motors.insert({request.address, motor});
+  return motors;
+}
+
 std::string_view words_for(Mover by) {
   switch (by) {
     case Mover::nobody: break;
@@ -57,6 +67,13 @@ bool can_move(const Request& request, AxisAddress motor) {
 bool starts_search(const Request& request) {
   return request.command == Command::RFS &&
          request.type == static_cast<std::uint8_t>(Search::start);
+}
+
+void Motors::add(AxisAddress motor, const std::string& axis) {
+  auto& added = motors_[motor];
+  // It may have been stopped before it had an axis.
+  added.last_stop = std::max(added.last_stop, last_stop_of_others_);
+  added.axis = axis;
 }
 
 // ---- stops -------------------------------------------------------------------------------------
@@ -120,16 +137,15 @@ void Motors::end(const Request& request) {
   if (found != on_their_way_.end()) on_their_way_.erase(found);
 }
 
-std::set<AxisAddress> Motors::others_about_to_move() const {
-  std::set<AxisAddress> others;
-  for (const auto& request : on_their_way_) {
-    // A stop of any motor of the module ends what knows no motor.
-    if (knows_no_motor(request)) others.insert({request.address, 0});
-    for (std::uint8_t motor = 0; names_several(request) && motor < motors_in_mask; ++motor)
-      if (moves_together(request, motor)) others.insert({request.address, motor});
-    if (!knows_no_motor(request) && !names_several(request))
-      others.insert({request.address, request.motor});
-  }
+void Motors::note_moved(const Request& request) {
+  if (!can_move(request) || knows_no_motor(request)) return;
+  for (const auto motor : motors_of(request))
+    if (!is_axis(motor) && others_moved_.size() < most_other_motors) others_moved_.insert(motor);
+}
+
+std::set<AxisAddress> Motors::others_that_may_move() const {
+  auto others = others_moved_;
+  for (const auto& request : on_their_way_) others.merge(motors_of(request));
   std::erase_if(others, [&](AxisAddress motor) { return is_axis(motor); });
   return others;
 }
@@ -165,8 +181,10 @@ tmcl::Error Motors::claimed(AxisAddress motor) const {
 }
 
 void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answer, Claim before) {
-  if (request.command != Command::RFS) return;
   const AxisAddress motor{request.address, request.motor};
+  if (answer || answer.error().outcome == tmcl::Outcome::unknown) note_moved(request);
+  if (answer && request.command == Command::MST) others_moved_.erase(motor);
+  if (request.command != Command::RFS) return;
   switch (static_cast<Search>(request.type)) {
     case Search::start: {
       const bool never_began = !answer && answer.error().outcome != tmcl::Outcome::unknown;

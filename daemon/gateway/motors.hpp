@@ -8,7 +8,7 @@
 /// Whoever moves an axis on a line, on a path or in a reference search claims it, and nobody else
 /// moves it meanwhile. A stop needs no permit and heeds no claim.
 ///
-/// Does no I/O. Thread safety: none. What it holds is bounded by the number of configured axes, by
+/// Does no I/O. Thread safety: none. What it holds is bounded by the number of axes, by
 /// most_other_motors, and by how many requests a bus takes.
 #pragma once
 
@@ -59,15 +59,15 @@ bool starts_search(const tmcl::Request& request);
 
 class Motors {
  public:
-  /// Motors that no axis is configured for, of which the last stop is known. When there are more,
+  /// Motors without an axis, of which the last stop is known. When there are more,
   /// all of them count as stopped now.
   static constexpr std::size_t most_other_motors = 256;
 
   Motors(std::string bus, std::shared_ptr<Arrivals> arrivals)
       : bus_(std::move(bus)), arrivals_(std::move(arrivals)) {}
 
-  /// An axis is configured there: it can be claimed.
-  void add(tmcl::AxisAddress motor, const std::string& axis) { motors_[motor].axis = axis; }
+  /// There is an axis: it can be claimed.
+  void add(tmcl::AxisAddress motor, const std::string& axis);
 
   /// Calls that came in before this have no right to move the motor any more.
   void stop(tmcl::AxisAddress motor);
@@ -76,7 +76,7 @@ class Motors {
   /// The same for all motors that a request can move.
   std::optional<tmcl::Error> objection(const tmcl::Request& request, Permit permit) const;
 
-  /// The motor of a configured axis that nobody has claimed.
+  /// The motor of an axis that nobody has claimed.
   void claim(tmcl::AxisAddress motor, Mover by, Permit of);
   /// Nothing happens if the call has not claimed it.
   void release(tmcl::AxisAddress motor, Permit of);
@@ -91,8 +91,9 @@ class Motors {
   /// perhaps.
   void begin(const tmcl::Request& request) { on_their_way_.push_back(request); }
   void end(const tmcl::Request& request);
-  /// Motors that no axis is configured for and that requests on their way can move.
-  std::set<tmcl::AxisAddress> others_about_to_move() const;
+  /// Motors without an axis that requests have moved since they were stopped, or can move that are
+  /// on their way. Of those that have moved, most_other_motors are known.
+  std::set<tmcl::AxisAddress> others_that_may_move() const;
 
   /// Learns from what goes past whether reference searches run: `before` it was sent, the motor
   /// was claimed like this.
@@ -100,13 +101,14 @@ class Motors {
 
  private:
   struct Motor {
-    std::string axis{};  ///< Empty where none is configured.
+    std::string axis{};  ///< Empty where there is none.
     std::uint64_t last_stop = 0;
     Claim claim{};
   };
 
   bool is_axis(tmcl::AxisAddress motor) const;
   void forget_other_motors();
+  void note_moved(const tmcl::Request& request);
   bool is_stopped_since(tmcl::AxisAddress motor, Permit permit) const;
   std::optional<tmcl::Error> objection_to_all(Permit permit) const;
   tmcl::Error error(tmcl::Errc code, std::string message, std::string hint) const;
@@ -115,6 +117,7 @@ class Motors {
   std::shared_ptr<Arrivals> arrivals_;
   std::map<tmcl::AxisAddress, Motor> motors_;
   std::vector<tmcl::Request> on_their_way_;
+  std::set<tmcl::AxisAddress> others_moved_;
   /// Of motors that are not in the map, it is not known any better.
   std::uint64_t last_stop_of_others_ = 0;
 };

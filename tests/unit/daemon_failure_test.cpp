@@ -126,7 +126,7 @@ class ReactorFailure : public testing::Test {
  protected:
   TestDaemon daemon{two_axes() + std::string(other_bus)};
 
-  /// All that moves is stopped, and whoever waits is told.
+  /// All that moves is stopped, each motor of the module, and whoever waits is told.
   void expect_an_orderly_end(RpcClient& client, int waiting, std::size_t stops) {
     EXPECT_FALSE(daemon.ends_well());
     EXPECT_EQ(daemon.wire().count(Command::MST), stops);
@@ -149,8 +149,8 @@ TEST_F(ReactorFailure, StopsAllAxesAndEnds) {
   RpcClient client(daemon.socket());
   const int waiting = begin_to_wait(client);
   boost::asio::post(daemon.daemon().context(), [] { throw std::runtime_error("injected"); });
-  expect_an_orderly_end(client, waiting, 2);
-  EXPECT_EQ(daemon.wire("other").count(Command::MST), 1U);
+  expect_an_orderly_end(client, waiting, 3);
+  EXPECT_EQ(daemon.wire("other").count(Command::MST), 3U);
 }
 
 TEST_F(ReactorFailure, AtTheEndDoesNotKeepItFromEnding) {
@@ -162,7 +162,7 @@ TEST_F(ReactorFailure, AtTheEndDoesNotKeepItFromEnding) {
       boost::asio::post(daemon.daemon().context(), [] { throw std::runtime_error("another"); });
     throw std::runtime_error("injected");
   });
-  expect_an_orderly_end(client, waiting, 2);
+  expect_an_orderly_end(client, waiting, 3);
 }
 
 TEST_F(ReactorFailure, OfALinkThatThrowsWhenItIsOpened) {
@@ -174,7 +174,7 @@ TEST_F(ReactorFailure, OfALinkThatThrowsWhenItIsOpened) {
     daemon.wire("other").unplug();
     return 0;
   });
-  expect_an_orderly_end(client, waiting, 2);
+  expect_an_orderly_end(client, waiting, 3);
 }
 
 TEST_F(ReactorFailure, IsNoneInAnOrdinaryEnd) {

@@ -153,10 +153,35 @@ TEST_F(DaemonMotors, AnAnswerFromBeforeTheSearchSaysNothingAboutIt) {
 TEST_F(DaemonMotors, KnowsWhatIsAboutToMoveBesidesTheAxes) {
   for (const auto& request : {move_x, move_nobodys, Request{one, Command::MVP, 2, 0x89, 1}})
     motors.begin(request);
-  EXPECT_THAT(motors.others_about_to_move(), ElementsAre(AxisAddress{one, 3}, nobodys));
+  EXPECT_THAT(motors.others_that_may_move(), ElementsAre(AxisAddress{one, 3}, nobodys));
   motors.end(move_nobodys);
   motors.end({one, Command::MVP, 2, 0x89, 1});
-  EXPECT_THAT(motors.others_about_to_move(), IsEmpty());
+  EXPECT_THAT(motors.others_that_may_move(), IsEmpty());
+}
+
+TEST_F(DaemonMotors, KnowsWhatHasMovedBesidesTheAxesUntilItIsStopped) {
+  const Request stop_nobodys{nobodys.module, Command::MST, 0, nobodys.motor, 0};
+  for (const auto& request : {move_x, move_nobodys}) see(request, with_value(0));
+  EXPECT_THAT(motors.others_that_may_move(), ElementsAre(nobodys));
+  see(stop_nobodys, failed(tmcl::Outcome::unknown));
+  EXPECT_THAT(motors.others_that_may_move(), ElementsAre(nobodys));
+  see(stop_nobodys, with_value(0));
+  EXPECT_THAT(motors.others_that_may_move(), IsEmpty());
+  see(move_nobodys, failed(tmcl::Outcome::not_sent));
+  EXPECT_THAT(motors.others_that_may_move(), IsEmpty());
+  see(move_nobodys, failed(tmcl::Outcome::unknown));
+  motors.add(nobodys, "z");
+  EXPECT_THAT(motors.others_that_may_move(), IsEmpty());
+}
+
+TEST_F(DaemonMotors, AnAxisThatIsAddedHasBeenStoppedWithTheOthers) {
+  const auto before = arrivals->admit();
+  for (std::uint8_t motor = 0; motor < 255; ++motor)
+    for (const auto module : {std::uint16_t{10}, std::uint16_t{11}})
+      motors.stop({tmcl::ModuleAddress{module}, motor});
+  motors.add(nobodys, "z");
+  EXPECT_TRUE(motors.objection(nobodys, before));
+  EXPECT_FALSE(motors.objection(nobodys, arrivals->admit()));
 }
 
 }  // namespace

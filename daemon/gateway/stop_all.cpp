@@ -1,0 +1,106 @@
+#include "gateway/stop_all.hpp"
+
+#include <algorithm>
+#include <set>
+#include <utility>
+
+#include "async/gather.hpp"
+
+namespace tmcld {
+namespace {
+
+using boost::asio::awaitable;
+using Reports = std::vector<StopReport>;
+
+struct Target {
+  std::shared_ptr<GatewayBus> bus;
+  tmcl::AxisAddress motor;
+  std::shared_ptr<GatewayAxis> axis;  ///< Null where there is none for the motor.
+  std::string name;
+};
+
+std::set<tmcl::AxisAddress> other_motors(const Gateway& gateway, const GatewayBus& bus) {
+  auto motors = bus.motors().others_that_may_move();
+  for (const auto& [address, module] : bus.modules()) {
+    const auto* model = module->model();
+    for (std::uint8_t motor = 0; model != nullptr && motor < model->axes; ++motor)
+      motors.insert({address, motor});
+  }
+  std::erase_if(motors,
+                [&](tmcl::AxisAddress motor) { return gateway.find_axis(bus, motor) != nullptr; });
+  return motors;
+}
+
+bool has_motor(const GatewayAxis& axis) {
+  const auto* model = axis.module().model();
+  return model == nullptr || axis.address().motor < model->axes;
+}
+
+/// A serial line is kept busy by whoever does not answer.
+bool delays_others(const Target& target) {
+  const auto* module = target.bus->find_module(target.motor.module);
+  const bool answers = module != nullptr && module->state() == GatewayModule::State::ready;
+  return !answers && !target.bus->is_can();
+}
+
+std::vector<Target> targets_of(const Gateway& gateway, const std::shared_ptr<GatewayBus>& bus) {
+  std::vector<Target> targets;
+  const auto configured = gateway.axes();
+  for (const auto& axis : gateway.all_axes()) {
+    const bool is_there =
+        has_motor(*axis) || std::ranges::find(configured, axis) != configured.end();
+    if (&axis->bus() == bus.get() && is_there)
+      targets.push_back({bus, axis->address(), axis, axis->name()});
+  }
+  for (const auto motor : other_motors(gateway, *bus))
+    targets.push_back({bus, motor, nullptr, gateway.raw_name(*bus, motor)});
+  return targets;
+}
+
+awaitable<StopReport> stop_one(Target target) {
+  const auto& clock = target.bus->clock();
+  const auto began = clock.now();
+  StopReport report{target.name, {}, {}};
+  if (target.axis) {
+    report.result = co_await target.axis->stop();
+  } else {
+    RunOptions options;
+    report.result = co_await target.bus->run(tmcl::verbs::stop(target.motor), std::move(options));
+  }
+  report.took = clock.now() - began;
+  co_return report;
+}
+
+awaitable<Reports> stop_each(std::vector<Target> targets) {
+  std::vector<awaitable<StopReport>> stops;
+  for (auto& target : targets) stops.push_back(stop_one(std::move(target)));
+  auto reports = co_await gather(std::move(stops));
+  co_return reports;
+}
+
+awaitable<Reports> stop_bus(std::vector<Target> targets) {
+  const auto first = std::stable_partition(
+      targets.begin(), targets.end(), [](const Target& target) { return !delays_others(target); });
+  std::vector<Target> delaying(first, targets.end());
+  targets.erase(first, targets.end());
+  auto reports = co_await stop_each(std::move(targets));
+  auto late = co_await stop_each(std::move(delaying));
+  reports.insert(reports.end(), late.begin(), late.end());
+  co_return reports;
+}
+
+}  // namespace
+
+awaitable<Reports> stop_all(std::shared_ptr<Gateway> gateway) {
+  gateway->revoke_movements();
+  std::vector<awaitable<Reports>> stops;
+  for (const auto& bus : gateway->buses()) stops.push_back(stop_bus(targets_of(*gateway, bus)));
+  ++gateway->stops_in_progress;
+  const auto of_each_bus = co_await gather(std::move(stops));
+  --gateway->stops_in_progress;
+  Reports all;
+  for (const auto& reports : of_each_bus) all.insert(all.end(), reports.begin(), reports.end());
+  co_return all;
+}
+
+}  // namespace tmcld

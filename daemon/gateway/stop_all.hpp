@@ -1,0 +1,25 @@
+/// A stop for everything that could move.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include <boost/asio/awaitable.hpp>
+
+#include "gateway/gateway.hpp"
+
+namespace tmcld {
+
+struct StopReport {
+  std::string axis;
+  tmcl::Result<void> result;
+  tmcl::Duration took{};  ///< Until its module had confirmed.
+};
+
+/// Stops all axes, every other motor of their modules, and motors that raw commands have moved. All
+/// of them lose the right to move before the first stop is on its way. Nobody waits for a module
+/// that was silent before: on a serial line it is told when all others were.
+boost::asio::awaitable<std::vector<StopReport>> stop_all(std::shared_ptr<Gateway> gateway);
+
+}  // namespace tmcld
