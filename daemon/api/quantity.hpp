@@ -28,7 +28,7 @@ struct SaidLength {
   std::optional<tmcl::UserScale> scale{};
 
   const tmcl::UserScale* known_scale() const { return scale ? &*scale : nullptr; }
-  Length length() const { return {microsteps, in_unit, known_scale()}; }
+  Length length() const { return {microsteps, in_unit}; }
 };
 
 /// One of two parameters: whole microsteps, or a quantity. `row` is what holds the position; null:

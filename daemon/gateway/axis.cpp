@@ -61,32 +61,31 @@ GatewayAxis::Awaitable<void> GatewayAxis::check_coordinate(std::uint8_t number,
                                                            RunOptions options) {
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
-  auto checked = co_await axis_.run(admission_.check_coordinate(number), std::move(options));
+  auto script = admission_.check(intent::MoveToCoordinate{number});
+  auto checked = co_await axis_.run(std::move(script), std::move(options));
   co_return checked;
 }
 
 GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_to(Length target, bool predict,
                                                          RunOptions movement) {
-  auto ready = co_await be_ready();
-  if (!ready) co_return tl::unexpected(std::move(ready.error()));
-  auto checked = co_await check_limits(target);
-  if (!checked) co_return tl::unexpected(std::move(checked.error()));
+  auto admitted = co_await admit(intent::MoveTo{target}, std::move(movement));
+  if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
   auto script = tmcl::verbs::move_to(address(), target.microsteps);
-  auto result = co_await start(std::move(script), predict, movement);
+  auto result = co_await start(std::move(script), predict, std::move(*admitted));
   if (result) wished_ = target.in_unit;
   co_return result;
 }
 
 GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Length distance, bool predict,
                                                          RunOptions movement) {
-  auto ready = co_await be_ready();
-  if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  auto admitted = co_await admit(intent::MoveFromHere{}, std::move(movement));
+  if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
   tmcl::ValueRange range;
   const auto* row = find_parameter(parameters(), tmcl::axis_parameter::target_position);
   if (row != nullptr) range = {row->minimum, row->maximum};
   std::optional<tmcl::UserScale> scale;
-  if (distance.in_unit || soft_limits()) {
-    auto known = co_await axis_.run(units_.known_scale(distance.scale));
+  if (distance.in_unit) {
+    auto known = co_await axis_.run(units_.known_scale());
     if (!known) co_return tl::unexpected(std::move(known.error()));
     scale = std::move(*known);
   }
@@ -99,46 +98,34 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Length distance, bool p
       return tmcl::bad_argument(describe(error), std::string(beyond_range_hint));
     });
   };
-  const auto destination = [=, this](Microsteps here) -> Result<Microsteps> {
+  const auto destination = [=, aim = *admitted](Microsteps here) -> Result<Microsteps> {
     const auto there = distance.in_unit ? in_unit(here) : sum(here, distance.microsteps, range);
-    if (!there || !scale) return there;
-    auto objection = admission_.objection_to({*there, *wish}, *scale);
-    if (objection) return tl::unexpected(std::move(*objection));
+    if (there) aim.aim_at({*there, *wish});
     return there;
   };
-  auto result =
-      co_await start(tmcl::verbs::move_from_here(address(), destination), predict, movement);
+  auto script = tmcl::verbs::move_from_here(address(), destination);
+  auto result = co_await start(std::move(script), predict, std::move(*admitted));
   if (result) wished_ = *wish;
   co_return result;
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::move_to_coordinate(std::uint8_t number,
                                                              RunOptions movement) {
-  auto ready = co_await be_ready();
-  if (!ready) co_return ready;
-  auto free = co_await be_free(movement);
-  if (!free) co_return free;
-  auto checked = co_await check_coordinate(number, movement);
-  if (!checked) co_return checked;
-  forget_move();
   auto script = tmcl::verbs::move_to_coordinate(address(), number);
-  auto result = co_await axis_.run(std::move(script), std::move(movement));
-  co_return result;
+  return move(intent::MoveToCoordinate{number}, std::move(script), std::move(movement));
 }
 
 GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Microsteps>> script,
-                                                       bool predict, RunOptions movement) {
-  auto free = co_await be_free(movement);
-  if (!free) co_return tl::unexpected(std::move(free.error()));
+                                                       bool predict, Admitted admitted) {
   std::optional<tmcl::plan::AxisTwin> twin;
   if (predict) {
     // Whatever comes of the readings: they only serve to tell more about the move.
-    auto foreseen = co_await this->twin(movement);
+    auto foreseen = co_await this->twin(admitted);
     if (foreseen) twin = std::move(*foreseen);
   }
   forget_move();
   const auto begin = bus().clock().now();
-  const auto target = co_await axis_.run(std::move(script), std::move(movement));
+  const auto target = co_await axis_.run(std::move(script), std::move(admitted));
   if (!target) co_return tl::unexpected(target.error());
   StartedMove started{*target, {}};
   if (twin) {
@@ -151,15 +138,8 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Micro
 
 GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity,
                                                  RunOptions movement) {
-  auto ready = co_await be_ready();
-  if (!ready) co_return ready;
-  auto free = co_await be_free(movement);
-  if (!free) co_return free;
-  auto checked = admission_.check_endless(velocity.value);
-  if (!checked) co_return checked;
-  forget_move();
-  auto result = co_await axis_.run(tmcl::verbs::rotate(address(), velocity), std::move(movement));
-  co_return result;
+  auto script = tmcl::verbs::rotate(address(), velocity);
+  return move(intent::Turn{velocity}, std::move(script), std::move(movement));
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::stop() {
@@ -174,13 +154,12 @@ GatewayAxis::Awaitable<void> GatewayAxis::stop() {
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::brake() {
-  auto result = co_await axis_.run(tmcl::verbs::stop(address()));
-  co_return result;
+  return axis_.run(tmcl::verbs::stop(address()));
 }
 
 void GatewayAxis::revoke_movements() {
   bus().motors().stop(address());
-  if (const auto path = path_.lock()) path->look();
+  if (const auto on = path()) on->look();
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::stop_home() {
@@ -189,24 +168,16 @@ GatewayAxis::Awaitable<void> GatewayAxis::stop_home() {
   co_return result;
 }
 
-GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions home_options,
+GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
                                                       RunOptions movement) {
-  auto free = co_await be_free(movement);
-  if (!free) co_return tl::unexpected(std::move(free.error()));
-  forget_move();
-  auto result = co_await axis_.run(tmcl::verbs::home(address(), std::move(home_options)),
-                                   std::move(movement));
-  co_return result;
+  auto script = tmcl::verbs::home(address(), std::move(options));
+  return move(intent::Search{}, std::move(script), std::move(movement));
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t> mode,
                                                      RunOptions movement) {
-  auto free = co_await be_free(movement);
-  if (!free) co_return free;
-  forget_move();
   auto script = tmcl::verbs::start_reference_search(address(), mode);
-  auto result = co_await axis_.run(std::move(script), std::move(movement));
-  co_return result;
+  return move(intent::Search{}, std::move(script), std::move(movement));
 }
 
 GatewayAxis::Awaitable<Microsteps> GatewayAxis::wait(tmcl::WaitOptions wait_options,
@@ -223,55 +194,37 @@ GatewayAxis::Awaitable<Microsteps> GatewayAxis::wait(tmcl::WaitOptions wait_opti
 }
 
 GatewayAxis::Awaitable<std::int32_t> GatewayAxis::get(std::uint8_t parameter, Deadline deadline) {
-  auto ready = co_await be_ready();
-  if (!ready) co_return tl::unexpected(std::move(ready.error()));
   RunOptions options;
   options.deadline = deadline;
-  auto result = co_await axis_.run(tmcl::verbs::get(address(), parameter), std::move(options));
-  co_return result;
+  return perform(tmcl::verbs::get(address(), parameter), std::move(options));
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::set(std::uint8_t parameter, std::int32_t value,
                                               RunOptions movement) {
-  // A path depends on the settings of its axes; whoever moves them otherwise has read them.
-  if (mover() == Mover::path) {
-    auto free = co_await be_free(movement);
-    if (!free) co_return free;
-  }
-  auto ready = co_await be_ready();
-  if (!ready) co_return ready;
-  auto checked = co_await axis_.run(admission_.check_setting(parameter, value), movement);
-  if (!checked) co_return checked;
-  auto result = co_await write(parameter, value, std::move(movement));
+  auto admitted = co_await admit(intent::Write{parameter, value}, std::move(movement));
+  if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
+  auto result = co_await write(parameter, value, std::move(*admitted));
   co_return result;
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::write(std::uint8_t parameter, std::int32_t value,
-                                                RunOptions movement) {
+                                                Admitted admitted) {
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
-  auto result =
-      co_await axis_.run(tmcl::verbs::set(address(), parameter, value), std::move(movement));
+  // What is read or checked while it is on its way may be from before it.
+  units_.note_set(parameter);
+  auto script = tmcl::verbs::set(address(), parameter, value);
+  auto result = co_await axis_.run(std::move(script), std::move(admitted));
   // Also after a failure: the value may have been set all the same.
   units_.note_set(parameter);
   if (parameter == tmcl::axis_parameter::actual_position) wished_.reset();
   co_return result;
 }
 
-GatewayAxis::Awaitable<void> GatewayAxis::store(std::uint8_t parameter, RunOptions options) {
-  auto result = co_await perform(tmcl::verbs::store(address(), parameter), std::move(options));
-  co_return result;
-}
-
 GatewayAxis::Awaitable<void> GatewayAxis::restore(std::uint8_t parameter, RunOptions movement) {
-  auto ready = co_await be_ready();
-  if (!ready) co_return ready;
-  auto free = co_await be_free(movement);
-  if (!free) co_return free;
-  auto checked = admission_.check_restoring(parameter);
-  if (!checked) co_return checked;
-  forget_move();
-  auto result = co_await axis_.run(tmcl::verbs::restore(address(), parameter), std::move(movement));
+  module().note_settings_changed();
+  auto script = tmcl::verbs::restore(address(), parameter);
+  auto result = co_await move(intent::Restore{parameter}, std::move(script), std::move(movement));
   module().note_settings_changed();
   co_return result;
 }

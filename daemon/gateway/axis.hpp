@@ -60,9 +60,16 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
     return admission_.begin_movement(permit, deadline);
   }
 
-  // Each of these begins with be_ready(). An axis with soft limits is not sent beyond them: those
-  // that might do so end with Errc::beyond_soft_limit, and nothing is sent. Nor is an axis moved
-  // that another call moves on a line, on a path or in a search: Errc::axis_claimed.
+  /// Of what is run by perform() or write().
+  Awaitable<Admitted> admit(Intent intent, RunOptions movement) {
+    return admission_.admit(std::move(intent), std::move(movement));
+  }
+  /// Whether the axis may go to this coordinate of its module.
+  Awaitable<void> check_coordinate(std::uint8_t number, RunOptions options);
+
+  // Each of these is admitted first. An axis with soft limits is not sent beyond them: those that
+  // might do so end with Errc::beyond_soft_limit, and nothing is sent. Nor is an axis moved that
+  // another call moves on a line, on a path or in a search: Errc::axis_claimed.
   /// To predict a move, the axis is looked at before it.
   Awaitable<StartedMove> move_to(Length target, bool predict, RunOptions movement);
   /// From where the axis is. A distance in the axis' unit is added to what the last move in that
@@ -74,14 +81,12 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<void> rotate(tmcl::InternalVelocity velocity, RunOptions movement);
   Awaitable<void> set(std::uint8_t parameter, std::int32_t value, RunOptions movement);
   /// To the EEPROM of its module, and back.
-  Awaitable<void> store(std::uint8_t parameter, RunOptions options);
+  Awaitable<void> store(std::uint8_t parameter, RunOptions options) {
+    return perform(tmcl::verbs::store(address(), parameter), std::move(options));
+  }
   Awaitable<void> restore(std::uint8_t parameter, RunOptions movement);
-  /// What set() does, for whoever moves the axis along a path and has checked its limits.
-  Awaitable<void> write(std::uint8_t parameter, std::int32_t value, RunOptions movement);
-  /// Whether the soft limits let the axis go there.
-  Awaitable<void> check_limits(Length target) { return axis_.run(admission_.check_target(target)); }
-  /// Whether the axis may go to this coordinate of its module.
-  Awaitable<void> check_coordinate(std::uint8_t number, RunOptions options);
+  /// What set() does once that is admitted.
+  Awaitable<void> write(std::uint8_t parameter, std::int32_t value, Admitted admitted);
   Awaitable<tmcl::Microsteps> wait(tmcl::WaitOptions options, Objection objection);
   Awaitable<std::int32_t> get(std::uint8_t parameter, Deadline deadline);
   Awaitable<AxisReading> read_state();
@@ -98,25 +103,25 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// When a move that was started in another way should end.
   void expect_arrival(tmcl::TimePoint time) { expected_arrival_ = time; }
   /// Who moves it now.
-  Mover mover() const { return bus().motors().claim_of(address()).by; }
-  /// Whether somebody moves it together with others.
-  bool is_on_line() const { return mover() == Mover::line || mover() == Mover::path; }
-  /// Nobody else moves it from now on. Only for an axis that nobody moves.
-  void claim(Mover by, Permit of) { bus().motors().claim(address(), by, of); }
-  void release(Permit of) { bus().motors().release(address(), of); }
+  Mover mover() const { return claimant().by; }
+  /// Whether somebody moves it on a line or path.
+  bool is_on_journey() const { return mover() == Mover::line || mover() == Mover::path; }
+  /// The path that it is on; null if there is none.
+  std::shared_ptr<PathRun> path() const { return claimant().path.lock(); }
+  /// Nobody else moves it while the claim lives. Only for an axis that nobody moves.
+  [[nodiscard]] Claim claim(Claimant claimant) {
+    return bus().motors().claim(address(), std::move(claimant));
+  }
   /// What whoever wants to move it all the same is told.
   tmcl::Error claimed() const { return bus().motors().claimed(address()); }
   /// A reference search may have ended unseen: the module is asked.
   /// Errors: Errc::axis_claimed if another call moves it.
   Awaitable<void> be_free(RunOptions movement) { return admission_.be_free(std::move(movement)); }
-  /// The path that it is on; null if there is none.
-  std::shared_ptr<PathRun> path() const { return path_.lock(); }
-  void set_path(std::weak_ptr<PathRun> path) { path_ = std::move(path); }
 
   /// Ends with an error when a stop comes; the search ends with it.
   Awaitable<tmcl::Homed> home(tmcl::HomeOptions options, RunOptions movement);
   Awaitable<void> start_home(std::optional<std::int32_t> mode, RunOptions movement);
-  /// Any other verb.
+  /// Any other verb. One that can move the motor needs what admit() gives.
   template <class T>
   Awaitable<T> perform(tmcl::Script<tmcl::Result<T>> script, RunOptions options) {
     auto ready = co_await be_ready();
@@ -140,14 +145,23 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
 
  private:
   Awaitable<StartedMove> start(tmcl::Script<tmcl::Result<tmcl::Microsteps>> script, bool predict,
-                               RunOptions movement);
+                               Admitted admitted);
+  /// A movement that nothing is foreseen of.
+  template <class T>
+  Awaitable<T> move(Intent intent, tmcl::Script<tmcl::Result<T>> script, RunOptions movement) {
+    auto admitted = co_await admit(std::move(intent), std::move(movement));
+    if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
+    forget_move();
+    auto result = co_await axis_.run(std::move(script), std::move(*admitted));
+    co_return result;
+  }
+  Claimant claimant() const { return bus().motors().claimant_of(address()); }
   /// The axis goes, or may go, somewhere else than it was sent before.
   void forget_move();
 
   AxisAccess axis_;
   AxisUnits units_{axis_};
   AxisAdmission admission_{axis_, units_};
-  std::weak_ptr<PathRun> path_;
   /// When the move under way should end; in the past if that is not known.
   tmcl::TimePoint expected_arrival_{};
   /// Where the last move was to end, in the unit, before that was rounded.

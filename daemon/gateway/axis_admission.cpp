@@ -17,11 +17,54 @@ RunOptions AxisAdmission::begin_movement(Permit permit, Deadline deadline) const
   return options;
 }
 
+tmcl::Request AxisAdmission::any_move() const {
+  return {axis_.address().module, tmcl::Command::MVP, 0, axis_.address().motor, 0};
+}
+
 AxisAdmission::Awaitable<void> AxisAdmission::be_free(RunOptions movement) {
-  const auto [module, motor] = axis_.address();
-  const tmcl::Request move{module, tmcl::Command::MVP, 0, motor, 0};
-  auto script = axis_.bus().may_send(move, movement.permit);
+  auto script = axis_.bus().may_send(any_move(), movement.permit);
   return axis_.run(std::move(script), std::move(movement));
+}
+
+AxisAdmission::Awaitable<Admitted> AxisAdmission::admit(Intent intent, RunOptions movement) {
+  auto ready = co_await axis_.be_ready();
+  if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  const auto aim = std::make_shared<Admitted::Aim>();
+  // The epoch from before the check: what changes while it reads is checked again.
+  *aim = {intent, units_.epoch()};
+  auto allowed = co_await axis_.run(check_now(intent, movement.permit), movement);
+  if (!allowed) co_return tl::unexpected(std::move(allowed.error()));
+  movement.recheck = [this, aim]() -> std::optional<Script<void>> {
+    if (!limits() || aim->checked == units_.epoch()) return std::nullopt;
+    aim->checked = units_.epoch();
+    return check(aim->intent);
+  };
+  if (needs_free_axis(intent)) {
+    // Nothing of the verb goes out any more, its settings neither.
+    movement.objection = [this, of = movement.permit, stopped = std::move(movement.objection)] {
+      auto objection = stopped ? stopped() : std::nullopt;
+      const auto& motors = axis_.bus().motors();
+      const bool claimed = !objection && motors.claimed_by_other(any_move(), of);
+      return claimed ? std::optional(motors.claimed(axis_.address())) : objection;
+    };
+  }
+  co_return Admitted(std::move(movement), aim);
+}
+
+bool AxisAdmission::needs_free_axis(const Intent& intent) const {
+  const auto* write = std::get_if<intent::Write>(&intent);
+  // A path depends on the settings of its axes; whoever moves them otherwise has read them.
+  return write == nullptr || axis_.bus().motors().claimant_of(axis_.address()).by == Mover::path ||
+         tmcl::set_off_by(write->parameter, axis_.parameters()) != tmcl::SetOff::nothing;
+}
+
+AxisAdmission::Script<void> AxisAdmission::check_now(Intent intent, Permit permit) {
+  if (needs_free_axis(intent)) {
+    auto free = co_await axis_.bus().may_send(any_move(), permit);
+    if (!free) co_return free;
+  }
+  auto checked = co_await check(std::move(intent));
+  co_return checked;
 }
 
 // ---- soft limits -------------------------------------------------------------------------------
@@ -35,47 +78,47 @@ tmcl::Error AxisAdmission::beyond_soft_limit(const std::string& what, std::strin
   return axis_.on_bus(std::move(error));
 }
 
-std::optional<tmcl::Error> AxisAdmission::objection_to(const Length& target,
-                                                       const tmcl::UserScale& scale) const {
-  if (!limits()) return std::nullopt;
-  auto beyond = tmcl::beyond(*limits(), target.microsteps, scale);
-  if (!beyond) return std::nullopt;
-  if (target.in_unit) beyond->position = target.in_unit->value;
-  return beyond_soft_limit(describe(*beyond), "the configuration has it: 'soft_limits'");
-}
-
-AxisAdmission::Script<void> AxisAdmission::check_target(Length target) {
+AxisAdmission::Script<void> AxisAdmission::check(Intent intent) {
   if (!limits()) co_return Result<void>{};
-  const auto scale = co_await units_.known_scale(target.scale);
-  if (!scale) co_return tl::unexpected(scale.error());
-  auto objection = objection_to(target, *scale);
-  if (objection) co_return tl::unexpected(std::move(*objection));
-  co_return Result<void>{};
-}
-
-AxisAdmission::Script<void> AxisAdmission::check_coordinate(std::uint8_t number) {
-  if (!limits()) co_return Result<void>{};
-  const auto place = co_await tmcl::verbs::coordinate(axis_.address(), number);
-  if (!place) co_return tl::unexpected(place.error());
-  auto checked = co_await check_target({*place});
+  auto script = std::visit([this](const auto& one) { return check_one(one); }, intent);
+  auto checked = co_await std::move(script);
   co_return checked;
 }
 
-Result<void> AxisAdmission::check_endless(std::int32_t velocity) const {
-  if (!limits() || velocity == 0) return {};
-  return tl::unexpected(
+AxisAdmission::Script<void> AxisAdmission::check_one(intent::MoveTo move) {
+  const auto scale = co_await units_.known_scale();
+  if (!scale) co_return tl::unexpected(scale.error());
+  auto beyond = tmcl::beyond(*limits(), move.target.microsteps, *scale);
+  if (!beyond) co_return Result<void>{};
+  if (move.target.in_unit) beyond->position = move.target.in_unit->value;
+  co_return tl::unexpected(
+      beyond_soft_limit(describe(*beyond), "the configuration has it: 'soft_limits'"));
+}
+
+AxisAdmission::Script<void> AxisAdmission::check_one(intent::MoveToCoordinate move) {
+  const auto place = co_await tmcl::verbs::coordinate(axis_.address(), move.number);
+  if (!place) co_return tl::unexpected(place.error());
+  auto checked = co_await check_one(intent::MoveTo{{*place}});
+  co_return checked;
+}
+
+AxisAdmission::Script<void> AxisAdmission::check_one(intent::Turn turn) {
+  if (turn.velocity.value == 0) co_return Result<void>{};
+  co_return tl::unexpected(
       beyond_soft_limit("it has soft limits, which it would pass by turning without end",
                         "move it to one of them instead, with a lower max_velocity"));
 }
 
-AxisAdmission::Script<void> AxisAdmission::check_setting(std::uint8_t parameter,
-                                                         std::int32_t value) {
-  if (!limits()) co_return Result<void>{};
+AxisAdmission::Script<void> AxisAdmission::check_one(intent::Write write) {
+  const auto [parameter, value] = write;
   switch (tmcl::set_off_by(parameter, axis_.parameters())) {
     case tmcl::SetOff::nothing: co_return Result<void>{};
-    case tmcl::SetOff::turning_at_value: co_return check_endless(value);
+    case tmcl::SetOff::turning_at_value: {
+      auto checked = co_await check_one(intent::Turn{{value}});
+      co_return checked;
+    }
     case tmcl::SetOff::move_to_value: {
-      auto checked = co_await check_target({{value}});
+      auto checked = co_await check_one(intent::MoveTo{{{value}}});
       co_return checked;
     }
     case tmcl::SetOff::held_move: {
@@ -96,10 +139,11 @@ AxisAdmission::Script<void> AxisAdmission::check_setting(std::uint8_t parameter,
   co_return checked;
 }
 
-Result<void> AxisAdmission::check_restoring(std::uint8_t parameter) const {
-  const bool is_still = tmcl::set_off_by(parameter, axis_.parameters()) == tmcl::SetOff::nothing;
-  if (!limits() || is_still) return {};
-  return tl::unexpected(
+AxisAdmission::Script<void> AxisAdmission::check_one(intent::Restore restore) {
+  const bool is_still =
+      tmcl::set_off_by(restore.parameter, axis_.parameters()) == tmcl::SetOff::nothing;
+  if (is_still) co_return Result<void>{};
+  co_return tl::unexpected(
       beyond_soft_limit("it has soft limits, and what the EEPROM holds could send it anywhere",
                         "set the parameter to a value instead"));
 }
@@ -125,7 +169,7 @@ AxisAdmission::Script<void> AxisAdmission::check_held_target(std::optional<std::
   const auto target = co_await tmcl::verbs::get(axis_.address(), ap::target_position);
   if (!target) co_return tl::unexpected(target.error());
   if (here == *target) co_return Result<void>{};
-  auto checked = co_await check_target({{*target}});
+  auto checked = co_await check_one(intent::MoveTo{{{*target}}});
   if (checked || checked.error().code != tmcl::Errc::beyond_soft_limit) co_return checked;
   auto error = std::move(checked.error());
   error.message += ", and it would go on to there: that is its target_position";

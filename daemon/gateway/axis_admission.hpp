@@ -1,12 +1,64 @@
-/// Who may move an axis, and where to: whether it is free, and its soft limits.
+/// The one way to the right to move an axis: whoever wants to says what is intended.
+///
+/// In this order: the module is ready, nobody else moves the axis, its soft limits allow what is
+/// intended. All three hold for the moment only, so the bus asks for the last two again before each
+/// request that can move the motor: see GatewayBus::run().
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
+#include <variant>
 
 #include "gateway/axis_units.hpp"
 
 namespace tmcld {
+
+namespace intent {
+struct MoveTo {
+  Length target;
+};
+/// Where to is computed when the axis has been looked at: Admitted::aim_at() says it then.
+struct MoveFromHere {};
+struct MoveToCoordinate {
+  std::uint8_t number;
+};
+struct Turn {
+  tmcl::InternalVelocity velocity;
+};
+struct Write {
+  std::uint8_t parameter;
+  std::int32_t value;
+};
+struct Restore {
+  std::uint8_t parameter;
+};
+struct Search {};
+/// On a way that has been checked against the limits by whoever planned it.
+struct FollowPath {};
+}  // namespace intent
+
+using Intent =
+    std::variant<intent::MoveTo, intent::MoveFromHere, intent::MoveToCoordinate, intent::Turn,
+                 intent::Write, intent::Restore, intent::Search, intent::FollowPath>;
+
+/// How what was admitted is run.
+class Admitted : public RunOptions {
+ public:
+  /// What was intended, now that it is known. It is checked before it is sent.
+  void aim_at(Length target) const { *aim_ = {intent::MoveTo{target}, {}}; }
+
+ private:
+  friend class AxisAdmission;
+  struct Aim {
+    Intent intent;
+    std::optional<AxisUnits::Epoch> checked;  ///< Of the settings that it was checked with.
+  };
+  Admitted(RunOptions movement, std::shared_ptr<Aim> aim)
+      : RunOptions(std::move(movement)), aim_(std::move(aim)) {}
+
+  std::shared_ptr<Aim> aim_;
+};
 
 class AxisAdmission {
  public:
@@ -23,15 +75,24 @@ class AxisAdmission {
   /// Errors: Errc::axis_claimed if another call moves it.
   Awaitable<void> be_free(RunOptions movement);
 
-  // Whether the soft limits let the axis go there. Errors: Errc::beyond_soft_limit.
-  Script<void> check_target(Length target);
-  std::optional<tmcl::Error> objection_to(const Length& target, const tmcl::UserScale& scale) const;
-  Script<void> check_coordinate(std::uint8_t number);
-  tmcl::Result<void> check_endless(std::int32_t velocity) const;
-  Script<void> check_setting(std::uint8_t parameter, std::int32_t value);
-  tmcl::Result<void> check_restoring(std::uint8_t parameter) const;
+  /// Errors: those of be_ready(), be_free() and check(); nothing was sent.
+  Awaitable<Admitted> admit(Intent intent, RunOptions movement);
+  /// Whether the soft limits allow it. Errors: Errc::beyond_soft_limit.
+  Script<void> check(Intent intent);
 
  private:
+  tmcl::Request any_move() const;
+  bool needs_free_axis(const Intent& intent) const;
+  Script<void> check_now(Intent intent, Permit permit);
+  Script<void> check_one(intent::MoveTo move);
+  Script<void> check_one(intent::MoveToCoordinate move);
+  Script<void> check_one(intent::Turn turn);
+  Script<void> check_one(intent::Write write);
+  Script<void> check_one(intent::Restore restore);
+  template <class Unlimited>
+  Script<void> check_one(Unlimited) {
+    co_return tmcl::Result<void>{};
+  }
   /// Whether the soft limits let the axis go on to the target that its module holds, unless it is
   /// `here` already.
   Script<void> check_held_target(std::optional<std::int32_t> here);

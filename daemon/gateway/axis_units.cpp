@@ -65,9 +65,8 @@ AxisUnits::Script<std::optional<tmcl::UserScale>> AxisUnits::scale() {
   co_return Scale{config.with_resolution(microstep_resolution_->value)};
 }
 
-AxisUnits::Script<tmcl::UserScale> AxisUnits::known_scale(const tmcl::UserScale* known) {
+AxisUnits::Script<tmcl::UserScale> AxisUnits::known_scale() {
   if (axis_.config().scale.unit.empty()) co_return tmcl::microsteps_scale();
-  if (known != nullptr) co_return *known;
   auto scale = co_await this->scale();
   if (!scale) co_return tl::unexpected(std::move(scale.error()));
   if (*scale) co_return std::move(**scale);

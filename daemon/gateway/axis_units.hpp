@@ -21,8 +21,6 @@ struct Length {
   tmcl::Microsteps microsteps;
   /// What it is exactly, where it was said in the axis' own unit.
   std::optional<tmcl::UserPosition> in_unit{};
-  /// Of the axis, where the caller knows it already, and as long as the call lasts.
-  const tmcl::UserScale* scale = nullptr;
 };
 
 /// The state in the unit that the configuration gives the axis.
@@ -60,8 +58,8 @@ class AxisUnits {
   /// them. `unit` is empty if it has none.
   Script<std::optional<tmcl::UserScale>> scale();
   /// The scale that soft limits and distances in the unit need; microsteps without a unit.
-  /// `known` is it where it is known already. Errors: Errc::bad_argument where it cannot be known.
-  Script<tmcl::UserScale> known_scale(const tmcl::UserScale* known);
+  /// Errors: Errc::bad_argument where it cannot be known.
+  Script<tmcl::UserScale> known_scale();
   /// The twin of the axis as it is now.
   Script<std::optional<tmcl::plan::AxisTwin>> twin();
   /// The settings of its ramp, as twin() has found them.

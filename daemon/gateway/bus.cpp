@@ -151,7 +151,7 @@ awaitable<void> GatewayBus::look_after_modules() {
     // Whoever does not answer keeps a serial line busy, which an axis on a path cannot wait for.
     std::vector<awaitable<tmcl::Result<void>>> questions;
     for (auto& [address, module] : modules_) {
-      if (streams > 0 || module->state() == GatewayModule::State::ready) continue;
+      if (has_paths() || module->state() == GatewayModule::State::ready) continue;
       if (!module->is_configured()) continue;
       questions.push_back(module->be_ready());
     }
@@ -243,13 +243,14 @@ awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
     error.request = request;
     co_return tl::unexpected(std::move(error));
   }
+  auto* module = find_module(request.address);
+  const bool asks = effect_of(request.command, request.type) == tmcl::Effect::reads;
+  // What is read or checked while it is on its way may be from before it.
+  if (module != nullptr && !asks) module->note_settings_changed();
   auto answer = co_await run(tmcl::verbs::command(request), std::move(options));
-  if (auto* module = find_module(request.address)) {
-    if (!answer) module->note(answer.error());
-    if (effect_of(request.command, request.type) != tmcl::Effect::reads) {
-      module->note_settings_changed();
-    }
-  }
+  if (module == nullptr) co_return answer;
+  if (!answer) module->note(answer.error());
+  if (!asks) module->note_settings_changed();
   co_return answer;
 }
 
@@ -257,8 +258,6 @@ awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
 
 namespace {
 
-// How long a line whose axes have arrived may take to give them their settings back.
-constexpr tmcl::Duration time_to_be_free = 2s;
 constexpr tmcl::Duration claim_look_interval = 5ms;
 
 tmcl::Script<bool> has_arrived(tmcl::AxisAddress motor) {
@@ -268,25 +267,25 @@ tmcl::Script<bool> has_arrived(tmcl::AxisAddress motor) {
 
 /// Whoever sees an axis at the end of its line can see it before the line does.
 tmcl::Script<bool> sees_end_of_line(const Motors& motors, tmcl::AxisAddress motor) {
-  const auto claim = motors.claim_of(motor);
+  const auto claimant = motors.claimant_of(motor);
   const bool ends = co_await has_arrived(motor);
-  const auto looks = ends ? time_to_be_free / claim_look_interval : 0;
-  for (auto i = looks; i > 0 && motors.claim_of(motor) == claim; --i)
+  const auto looks = ends ? Motors::time_to_be_free / claim_look_interval : 0;
+  for (auto i = looks; i > 0 && motors.claimant_of(motor) == claimant; --i)
     co_await tmcl::pause(claim_look_interval);
-  co_return motors.claim_of(motor) != claim;
+  co_return motors.claimant_of(motor) != claimant;
 }
 
 }  // namespace
 
 tmcl::Script<tmcl::Result<void>> GatewayBus::may_send(tmcl::Request request, Permit permit) {
   while (const auto motor = motors_.claimed_by_other(request, permit)) {
-    const auto claim = motors_.claim_of(*motor);
-    if (claim.by == Mover::search) {
+    const auto claimant = motors_.claimant_of(*motor);
+    if (claimant.by == Mover::search) {
       auto seen = co_await see_search_end(*motor);
       if (!seen) co_return seen;
       continue;
     }
-    if (claim.by == Mover::path) co_return tl::unexpected(motors_.claimed(*motor));
+    if (claimant.by == Mover::path) co_return tl::unexpected(motors_.claimed(*motor));
     const bool is_over = co_await sees_end_of_line(motors_, *motor);
     if (!is_over) co_return tl::unexpected(motors_.claimed(*motor));
   }
@@ -298,15 +297,15 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::may_send(tmcl::Request request, Per
 /// Nobody waits for a search that was only started. A module that cannot tell whether it searches
 /// locks nobody out.
 tmcl::Script<tmcl::Result<void>> GatewayBus::see_search_end(tmcl::AxisAddress motor) {
-  const auto claim = motors_.claim_of(motor);
+  const auto claimant = motors_.claimant_of(motor);
   auto step = co_await tmcl::verbs::reference_search_status(motor);
   if (!step && step.error().outcome != tmcl::Outcome::refused) {
     step.error().outcome = tmcl::Outcome::not_sent;
     co_return tl::unexpected(std::move(step.error()));
   }
-  if (motors_.claim_of(motor) != claim) co_return tmcl::Result<void>{};
+  if (motors_.claimant_of(motor) != claimant) co_return tmcl::Result<void>{};
   if (step && *step != 0) co_return tl::unexpected(motors_.claimed(motor));
-  motors_.release(motor, claim.of);
+  motors_.release(motor, claimant.of);
   co_return tmcl::Result<void>{};
 }
 
@@ -315,8 +314,9 @@ namespace {
 /// Whoever sends a request may be ended at any time: it is on its way for as long as this lives.
 class OnItsWay {
  public:
-  OnItsWay(Motors& motors, const tmcl::Request& request) : motors_(motors), request_(request) {
-    motors_.begin(request_);
+  OnItsWay(Motors& motors, const tmcl::Request& request, Permit of)
+      : motors_(motors), request_(request) {
+    motors_.begin(request_, of);
   }
   OnItsWay(const OnItsWay&) = delete;
   OnItsWay& operator=(const OnItsWay&) = delete;
@@ -327,39 +327,72 @@ class OnItsWay {
   tmcl::Request request_;
 };
 
+// An upload of firmware was judged when it began: a module must not be left in its bootloader.
+bool is_judged(const tmcl::step::Exchange& exchange) {
+  const bool ends_upload =
+      exchange.options.hold && exchange.request.command == tmcl::Command::BOOT_START_APPLICATION;
+  return can_move(exchange.request) && !exchange.options.is_program_line && !ends_upload;
+}
+
 }  // namespace
 
+tmcl::Script<tmcl::Result<void>> GatewayBus::admit(tmcl::Request request,
+                                                   const RunOptions& options) {
+  // Each of the questions may take its time, and what was allowed before may not be any more.
+  while (true) {
+    auto allowed = co_await may_send(request, options.permit);
+    if (!allowed) co_return allowed;
+    auto check = options.recheck ? options.recheck() : std::nullopt;
+    if (!check) break;
+    allowed = co_await std::move(*check);
+    if (!allowed) co_return allowed;
+  }
+  auto objection = options.objection ? options.objection() : std::nullopt;
+  if (objection) co_return tl::unexpected(std::move(*objection));
+  co_return tmcl::Result<void>{};
+}
+
 tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange exchange,
-                                                          Permit permit) {
+                                                          Conduct& conduct) {
   const auto& request = exchange.request;
   const auto& options = exchange.options;
-  const tmcl::AxisAddress motor{request.address, request.motor};
-  // An upload of firmware was judged when it began: a module must not be left in its bootloader.
-  const bool ends_upload = options.hold && request.command == tmcl::Command::BOOT_START_APPLICATION;
-  const bool is_judged = can_move(request) && !options.is_program_line && !ends_upload;
   std::optional<OnItsWay> on_its_way;
-  if (is_judged) {
-    auto allowed = co_await may_send(request, permit);
+  if (is_judged(exchange)) {
+    auto allowed = co_await admit(request, conduct.options);
     if (!allowed) {
+      conduct.refused = true;
       allowed.error().request = request;
       co_return tl::unexpected(std::move(allowed.error()));
     }
-    if (starts_search(request)) motors_.claim(motor, Mover::search, permit);
-    on_its_way.emplace(motors_, request);
+    on_its_way.emplace(motors_, request, conduct.options.permit);
   }
-  const auto claim = motors_.claim_of(motor);
+  const auto claimant = motors_.claimant_of({request.address, request.motor});
   auto answer = co_await tmcl::exchange(request, options);
   on_its_way.reset();
-  motors_.note(request, answer, claim);
+  motors_.note(request, answer, claimant);
+  const bool may_be_done = answer || answer.error().outcome == tmcl::Outcome::unknown;
+  const bool asks = effect_of(request.command, request.type) == tmcl::Effect::reads;
+  conduct.acted = conduct.acted || (may_be_done && !asks);
   co_return answer;
 }
 
-tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Permit permit) {
+std::optional<tmcl::Error> GatewayBus::objection_to(const tmcl::Step& step,
+                                                    const Conduct& conduct) {
+  // What is judged is refused in send(), and a verb that was refused sets back what it has set.
+  const auto* one = std::get_if<tmcl::step::Exchange>(&step);
+  const bool goes_on = conduct.refused || (one != nullptr && is_judged(*one));
+  if (!conduct.options.objection || goes_on) return std::nullopt;
+  auto objection = conduct.options.objection();
+  if (objection && conduct.acted) objection->outcome = tmcl::Outcome::unknown;
+  return objection;
+}
+
+tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Conduct& conduct) {
   tmcl::StepResult results;
   if (const auto* pause = std::get_if<tmcl::step::Pause>(&step)) {
     co_await tmcl::pause(pause->duration);
   } else if (auto* one = std::get_if<tmcl::step::Exchange>(&step)) {
-    auto answer = co_await send(std::move(*one), permit);
+    auto answer = co_await send(std::move(*one), conduct);
     results.push_back(std::move(answer));
   } else {
     auto& all = std::get<tmcl::step::ExchangeAll>(step).exchanges;
@@ -370,7 +403,7 @@ tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Permit per
       co_return results;
     }
     for (auto& each : all) {
-      auto answer = co_await send(std::move(each), permit);
+      auto answer = co_await send(std::move(each), conduct);
       results.push_back(std::move(answer));
     }
   }

@@ -33,6 +33,9 @@ using OpenLink = std::function<tmcl::Result<tmcl::Link>(const BusConfig&)>;
 struct RunOptions : tmcl::RunOptions {
   /// Of the call that it is for: see Motors.
   Permit permit{};
+  /// Asked before each request that can move a motor: gives what has to be checked anew, if
+  /// something has changed since that was done last.
+  std::function<std::optional<tmcl::Script<tmcl::Result<void>>>()> recheck{};
 };
 
 class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
@@ -83,7 +86,9 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   boost::asio::awaitable<tmcl::Result<tmcl::Answer>> execute(tmcl::Request request,
                                                              RunOptions options);
   /// Runs a verb to its end, or until there is an objection. What can move a motor goes out only
-  /// if the motors allow it at that moment.
+  /// if the motors, `recheck` and `objection` allow it at that moment; for the verb it is as if the
+  /// module had refused it. A verb that ends like this has Outcome::unknown if something of it went
+  /// out before that was no mere question.
   /// Errors: besides those of the verb and of may_send(), Errc::link_lost while the link is not
   /// open.
   template <class T>
@@ -91,19 +96,19 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
     const auto bus = bus_;
     if (!bus) co_return tl::unexpected(not_open());
     // Steps of one verb all go to the link it began on: after a loss another module may be there.
-    options.objection = [this, bus, more = std::move(options.objection)]() {
-      if (bus != bus_) return std::optional(not_open());
-      return more ? more() : std::nullopt;
+    tmcl::RunOptions of_bus{options.deadline, {}, options.on_answer};
+    of_bus.objection = [this, bus] {
+      return bus == bus_ ? std::nullopt : std::optional(not_open());
     };
-    auto allowed = judged(std::move(script), options.permit);
-    auto result = co_await bus->run(std::move(allowed), std::move(options));
+    auto allowed = judged(std::move(script), std::move(options));
+    auto result = co_await bus->run(std::move(allowed), std::move(of_bus));
     co_return result;
   }
 
   /// One scan at a time: set while one runs.
   bool scanning = false;
-  /// How many axes of this bus are on paths. What can wait, waits then: see the poller.
-  int streams = 0;
+  /// Axes of this bus are on paths. What can wait, waits then: see the poller.
+  bool has_paths() const { return motors_.claimed_by(Mover::path) > 0; }
 
   // For the parts of this bus.
   /// Tells everyone.
@@ -111,20 +116,33 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   void log(LogLevel level, std::string_view line) const { log_(level, line); }
 
  private:
-  /// The same script; what may not be sent has failed for it, and it ends as it does then.
+  /// What a verb does, and what became of it so far.
+  struct Conduct {
+    RunOptions options;
+    bool acted = false;    ///< Something went out that was no mere question.
+    bool refused = false;  ///< Something that can move a motor was not sent: it ends by itself.
+  };
   template <class T>
-  tmcl::Script<T> judged(tmcl::Script<T> script, Permit permit) {
+  tmcl::Script<T> judged(tmcl::Script<T> script, RunOptions options) {
+    Conduct conduct{std::move(options)};
     auto now = co_await tmcl::current_time();
     auto step = script.start(now);
     while (step) {
-      auto result = co_await carry_out(std::move(*step), permit);
+      auto objection = objection_to(*step, conduct);
+      if (objection) co_return tl::unexpected(std::move(*objection));
+      auto result = co_await carry_out(std::move(*step), conduct);
       now = co_await tmcl::current_time();
       step = script.resume(std::move(result), now);
     }
-    co_return script.take();
+    auto result = script.take();
+    if (!result && conduct.refused && conduct.acted)
+      result.error().outcome = tmcl::Outcome::unknown;
+    co_return result;
   }
-  tmcl::Script<tmcl::StepResult> carry_out(tmcl::Step step, Permit permit);
-  tmcl::Script<tmcl::Result<tmcl::Answer>> send(tmcl::step::Exchange exchange, Permit permit);
+  static std::optional<tmcl::Error> objection_to(const tmcl::Step& step, const Conduct& conduct);
+  tmcl::Script<tmcl::StepResult> carry_out(tmcl::Step step, Conduct& conduct);
+  tmcl::Script<tmcl::Result<tmcl::Answer>> send(tmcl::step::Exchange exchange, Conduct& conduct);
+  tmcl::Script<tmcl::Result<void>> admit(tmcl::Request request, const RunOptions& options);
   tmcl::Script<tmcl::Result<void>> see_search_end(tmcl::AxisAddress motor);
 
   tmcl::Error not_open() const;

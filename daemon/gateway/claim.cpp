@@ -15,7 +15,6 @@ namespace {
 using boost::asio::awaitable;
 using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
 
-constexpr tmcl::Duration time_to_be_free = std::chrono::seconds(2);
 constexpr tmcl::Duration look_interval = std::chrono::milliseconds(20);
 
 awaitable<std::optional<AxisFailure>> look(const Axes& axes, Permit permit) {
@@ -39,20 +38,22 @@ bool are_free(const Axes& axes) {
 
 }  // namespace
 
-awaitable<std::optional<AxisFailure>> claim_all(Axes axes, Mover by, Permit of) {
+awaitable<tl::expected<std::vector<Claim>, AxisFailure>> claim_all(Axes axes, Claimant claimant) {
   tmcl::Timer timer(co_await boost::asio::this_coro::executor);
-  const auto limit = timer.now() + time_to_be_free;
+  const auto limit = timer.now() + Motors::time_to_be_free;
   while (true) {
-    auto failure = co_await look(axes, of);
+    auto failure = co_await look(axes, claimant.of);
     // While one of them was looked at, somebody may have claimed another.
     if (!failure && are_free(axes)) break;
     const bool waits = timer.now() < limit;
-    if (failure && !(waits && can_end_soon(*failure, axes))) co_return failure;
+    if (failure && !(waits && can_end_soon(*failure, axes)))
+      co_return tl::unexpected(std::move(*failure));
     timer.expires_after(look_interval);
     co_await timer.async_wait(boost::asio::use_awaitable);
   }
-  for (const auto& axis : axes) axis->claim(by, of);
-  co_return std::nullopt;
+  std::vector<Claim> claims;
+  for (const auto& axis : axes) claims.push_back(axis->claim(claimant));
+  co_return claims;
 }
 
 }  // namespace tmcld

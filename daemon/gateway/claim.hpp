@@ -2,11 +2,11 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include <boost/asio/awaitable.hpp>
+#include <tl/expected.hpp>
 
 #include "gateway/axis.hpp"
 
@@ -18,9 +18,9 @@ struct AxisFailure {
 };
 
 /// Waits a little for axes that others move: a line or path before may still be about to set
-/// settings back.
+/// settings back. The claims come in the order of the axes.
 /// Errors: those of GatewayAxis::be_free(); nothing is claimed then.
-boost::asio::awaitable<std::optional<AxisFailure>> claim_all(
-    std::vector<std::shared_ptr<GatewayAxis>> axes, Mover by, Permit of);
+boost::asio::awaitable<tl::expected<std::vector<Claim>, AxisFailure>> claim_all(
+    std::vector<std::shared_ptr<GatewayAxis>> axes, Claimant claimant);
 
 }  // namespace tmcld

@@ -104,9 +104,23 @@ void DriveRun::notice_stops(Drive& drive) const {
   }
 }
 
-RunOptions DriveRun::movement_of(const DriveMember& member) const {
-  auto options = member.movement;
+awaitable<std::optional<AxisFailure>> DriveRun::claim(Claimant claimant) {
+  std::vector<std::shared_ptr<GatewayAxis>> axes;
+  for (const auto& member : members_) axes.push_back(member.axis);
+  auto claims = co_await claim_all(std::move(axes), std::move(claimant));
+  if (!claims) co_return std::move(claims.error());
+  claims_ = std::move(*claims);
+  co_return std::nullopt;
+}
+
+Admitted DriveRun::movement_of(const DriveMember& member) const {
+  auto options = *member.admitted;
   options.on_answer = {};
+  options.recheck = [this] {
+    for (const auto& one : members_)
+      if (auto check = one.admitted->recheck()) return check;
+    return std::optional<tmcl::Script<tmcl::Result<void>>>();
+  };
   options.objection = [this]() -> std::optional<tmcl::Error> {
     for (const auto& one : members_) {
       if (auto stop = one.movement.objection()) return stop;

@@ -4,6 +4,7 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include <boost/asio/any_io_executor.hpp>
@@ -19,7 +20,8 @@ namespace tmcld {
 
 struct DriveMember {
   std::shared_ptr<GatewayAxis> axis;
-  RunOptions movement;  ///< Begun when the call came in.
+  RunOptions movement;                    ///< Begun when the call came in.
+  std::optional<Admitted> admitted = {};  ///< There before anything is driven.
 };
 
 class DriveRun : public std::enable_shared_from_this<DriveRun> {
@@ -35,6 +37,9 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   /// else throws, all axes are stopped, and so does this.
   boost::asio::awaitable<void> drive(tmcl::plan::Drive& drive, std::function<bool()> is_enough);
   const std::exception_ptr& failure() const { return failure_; }
+  /// All of its axes. Errors: those of claim_all().
+  boost::asio::awaitable<std::optional<AxisFailure>> claim(Claimant claimant);
+  void release() { claims_.clear(); }
   tmcl::TimePoint now() const { return clock_.now(); }
 
   /// Called before each step; the next time at the latest then.
@@ -44,8 +49,9 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   /// `restores`: it was changed for the drive, and is to be as it was.
   virtual GatewayAxis::Awaitable<void> write(const DriveMember& member, tmcl::plan::Setting setting,
                                              bool restores) = 0;
-  /// The right to move an axis, as long as none of them has been stopped by others.
-  RunOptions movement_of(const DriveMember& member) const;
+  /// The right to move an axis, as long as none of them has been stopped by others, and the soft
+  /// limits of all allow it.
+  Admitted movement_of(const DriveMember& member) const;
 
   std::vector<DriveMember> members_;
   Wake woken_;
@@ -65,6 +71,7 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   boost::asio::awaitable<void> stop_all();
 
   tmcl::ContextClock clock_;
+  std::vector<Claim> claims_;
   LinkPatience patience_;
   std::size_t under_way_ = 0;  ///< Beside the coroutine that drives.
   std::exception_ptr failure_;

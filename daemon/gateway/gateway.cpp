@@ -58,7 +58,7 @@ void Gateway::revoke_movements() {
 
 void Gateway::end_journeys() {
   for (const auto& axis : axes_) {
-    if (!axis->is_on_line()) continue;
+    if (!axis->is_on_journey()) continue;
     if (const auto path = axis->path()) {
       path->end({tmcl::plan::DriveFault::Kind::asked, {}, "tmcld is ending"});
     } else {
@@ -68,7 +68,7 @@ void Gateway::end_journeys() {
 }
 
 bool Gateway::has_journeys() const {
-  return std::ranges::any_of(axes_, [](const auto& axis) { return axis->is_on_line(); });
+  return std::ranges::any_of(axes_, [](const auto& axis) { return axis->is_on_journey(); });
 }
 
 void Gateway::stop_all_axes() {
@@ -87,8 +87,7 @@ void Gateway::join() {
 }
 
 void Gateway::log_failure(std::string_view where, const std::exception_ptr& failure) {
-  if (failures_.admit(clock_.now()))
-    tmcld::log_failure(options_.log, where, failure);
+  if (failures_.admit(clock_.now())) tmcld::log_failure(options_.log, where, failure);
 }
 
 GatewayBus* Gateway::find_bus(std::string_view name) const {

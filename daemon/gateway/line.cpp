@@ -79,7 +79,8 @@ class LineRun final : public DriveRun {
   }
 
   awaitable<tl::expected<StartedLine, LineFailure>> start() {
-    if (auto fault = co_await take_axes()) co_return tl::unexpected(std::move(*fault));
+    const Claimant claimant{Mover::line, permit_};
+    if (auto fault = co_await claim(claimant)) co_return tl::unexpected(std::move(*fault));
     Fault fault;
     std::exception_ptr failure;
     try {
@@ -103,15 +104,8 @@ class LineRun final : public DriveRun {
  private:
   std::shared_ptr<LineRun> self() { return std::static_pointer_cast<LineRun>(shared_from_this()); }
 
-  awaitable<Fault> take_axes() {
-    std::vector<std::shared_ptr<GatewayAxis>> axes;
-    for (const auto& member : members_) axes.push_back(member.axis);
-    auto taken = co_await claim_all(std::move(axes), Mover::line, permit_);
-    co_return taken;
-  }
-
   void leave_axes() {
-    for (const auto& member : members_) member.axis->release(permit_);
+    release();
     if (!drive_) return;
     for (const auto& unstopped : drive_->report().unstopped)
       stop_as_soon_as_possible(members_[unstopped.axis].axis, GatewayEvent::Kind::line_broken);
@@ -121,10 +115,10 @@ class LineRun final : public DriveRun {
     for (std::size_t i = 0; i < members_.size(); ++i) {
       auto& member = line_members_[i];
       auto& axis = member.axis();
-      auto ready = co_await axis.be_ready();
-      if (!ready) co_return member.failure(std::move(ready.error()));
-      auto allowed = co_await axis.check_limits({member.wanted.target});
-      if (!allowed) co_return member.failure(std::move(allowed.error()));
+      const intent::MoveTo intent{{member.wanted.target}};
+      auto admitted = co_await axis.admit(intent, members_[i].movement);
+      if (!admitted) co_return member.failure(std::move(admitted.error()));
+      members_[i].admitted = std::move(*admitted);
       auto twin = co_await axis.twin(members_[i].movement);
       if (!twin) co_return member.failure(std::move(twin.error()));
       member.twin = std::move(*twin);

@@ -132,6 +132,11 @@ bool Motors::is_axis(AxisAddress motor) const {
   return found != motors_.end() && !found->second.axis.empty();
 }
 
+void Motors::begin(const Request& request, Permit of) {
+  on_their_way_.push_back(request);
+  if (starts_search(request)) note_claim({request.address, request.motor}, {Mover::search, of});
+}
+
 void Motors::end(const Request& request) {
   const auto found = std::ranges::find(on_their_way_, request);
   if (found != on_their_way_.end()) on_their_way_.erase(found);
@@ -152,23 +157,36 @@ std::set<AxisAddress> Motors::others_that_may_move() const {
 
 // ---- claims ------------------------------------------------------------------------------------
 
-void Motors::claim(AxisAddress motor, Mover by, Permit of) {
-  if (is_axis(motor)) motors_.at(motor).claim = {by, of};
+void Claim::Release::operator()(Motors* motors) const { motors->release(motor, of); }
+
+void Motors::note_claim(AxisAddress motor, Claimant claimant) {
+  if (is_axis(motor)) motors_.at(motor).claimant = std::move(claimant);
+}
+
+Claim Motors::claim(AxisAddress motor, Claimant claimant) {
+  const auto of = claimant.of;
+  note_claim(motor, std::move(claimant));
+  return {*this, motor, of};
 }
 
 void Motors::release(AxisAddress motor, Permit of) {
   const auto found = motors_.find(motor);
-  if (found != motors_.end() && found->second.claim.of == of) found->second.claim = {};
+  if (found != motors_.end() && found->second.claimant.of == of) found->second.claimant = {};
 }
 
-Claim Motors::claim_of(AxisAddress motor) const {
+Claimant Motors::claimant_of(AxisAddress motor) const {
   const auto found = motors_.find(motor);
-  return found == motors_.end() ? Claim{} : found->second.claim;
+  return found == motors_.end() ? Claimant{} : found->second.claimant;
+}
+
+std::ptrdiff_t Motors::claimed_by(Mover by) const {
+  return std::ranges::count_if(motors_,
+                               [&](const auto& one) { return one.second.claimant.by == by; });
 }
 
 std::optional<AxisAddress> Motors::claimed_by_other(const Request& request, Permit permit) const {
   for (const auto& [address, motor] : motors_) {
-    const bool by_other = motor.claim.by != Mover::nobody && motor.claim.of != permit;
+    const bool by_other = motor.claimant.by != Mover::nobody && motor.claimant.of != permit;
     if (by_other && can_move(request, address)) return address;
   }
   return std::nullopt;
@@ -176,11 +194,13 @@ std::optional<AxisAddress> Motors::claimed_by_other(const Request& request, Perm
 
 tmcl::Error Motors::claimed(AxisAddress motor) const {
   const auto& it = motors_.at(motor);
-  return error(Errc::axis_claimed, "axis '" + it.axis + "' " + std::string(words_for(it.claim.by)),
+  return error(Errc::axis_claimed,
+               "axis '" + it.axis + "' " + std::string(words_for(it.claimant.by)),
                "wait for its end, or stop it");
 }
 
-void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answer, Claim before) {
+void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answer,
+                  Claimant before) {
   const AxisAddress motor{request.address, request.motor};
   if (answer || answer.error().outcome == tmcl::Outcome::unknown) note_moved(request);
   if (answer && request.command == Command::MST) others_moved_.erase(motor);

@@ -12,6 +12,7 @@
 /// most_other_motors, and by how many requests a bus takes.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <map>
@@ -22,10 +23,13 @@
 #include <vector>
 
 #include "tmcl/address.hpp"
+#include "tmcl/clock.hpp"
 #include "tmcl/error.hpp"
 #include "tmcl/script.hpp"
 
 namespace tmcld {
+
+class PathRun;
 
 /// The right of a call to move motors, from when it came in. Without one nothing moves.
 struct Permit {
@@ -46,10 +50,26 @@ struct Arrivals {
 /// Who moves an axis now.
 enum class Mover : std::uint8_t { nobody, line, path, search };
 
-struct Claim {
+struct Claimant {
   Mover by = Mover::nobody;
   Permit of{};  ///< The call that has begun it.
-  bool operator==(const Claim&) const = default;
+  std::weak_ptr<PathRun> path{};
+  bool operator==(const Claimant& other) const { return by == other.by && of == other.of; }
+};
+
+class Motors;
+
+/// Only one call moves a motor, for as long as this lives. Must not outlive the Motors it is of.
+class Claim {
+  friend class Motors;
+  struct Release {
+    tmcl::AxisAddress motor{};
+    Permit of{};
+    void operator()(Motors* motors) const;
+  };
+  Claim(Motors& motors, tmcl::AxisAddress motor, Permit of) : held_(&motors, Release{motor, of}) {}
+
+  std::unique_ptr<Motors, Release> held_;
 };
 
 /// Whether a request can move a motor, now or when its module starts again.
@@ -62,6 +82,9 @@ class Motors {
   /// Motors without an axis, of which the last stop is known. When there are more,
   /// all of them count as stopped now.
   static constexpr std::size_t most_other_motors = 256;
+  /// How long whoever wants to move an axis waits for a line or path that is over: it may still be
+  /// about to give its axes their settings back.
+  static constexpr tmcl::Duration time_to_be_free = std::chrono::seconds(2);
 
   Motors(std::string bus, std::shared_ptr<Arrivals> arrivals)
       : bus_(std::move(bus)), arrivals_(std::move(arrivals)) {}
@@ -77,10 +100,12 @@ class Motors {
   std::optional<tmcl::Error> objection(const tmcl::Request& request, Permit permit) const;
 
   /// The motor of an axis that nobody has claimed.
-  void claim(tmcl::AxisAddress motor, Mover by, Permit of);
+  [[nodiscard]] Claim claim(tmcl::AxisAddress motor, Claimant claimant);
   /// Nothing happens if the call has not claimed it.
   void release(tmcl::AxisAddress motor, Permit of);
-  Claim claim_of(tmcl::AxisAddress motor) const;
+  Claimant claimant_of(tmcl::AxisAddress motor) const;
+  /// How many motors are claimed like this.
+  std::ptrdiff_t claimed_by(Mover by) const;
   /// A motor that a request can move, although it is claimed by another call.
   std::optional<tmcl::AxisAddress> claimed_by_other(const tmcl::Request& request,
                                                     Permit permit) const;
@@ -88,8 +113,8 @@ class Motors {
   tmcl::Error claimed(tmcl::AxisAddress motor) const;
 
   /// A request that can move a motor is on its way, from begin() to end(): in the queue of the bus
-  /// perhaps.
-  void begin(const tmcl::Request& request) { on_their_way_.push_back(request); }
+  /// perhaps. A search claims the motor that it moves.
+  void begin(const tmcl::Request& request, Permit of);
   void end(const tmcl::Request& request);
   /// Motors without an axis that requests have moved since they were stopped, or can move that are
   /// on their way. Of those that have moved, most_other_motors are known.
@@ -97,16 +122,18 @@ class Motors {
 
   /// Learns from what goes past whether reference searches run: `before` it was sent, the motor
   /// was claimed like this.
-  void note(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer, Claim before);
+  void note(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer,
+            Claimant before);
 
  private:
   struct Motor {
     std::string axis{};  ///< Empty where there is none.
     std::uint64_t last_stop = 0;
-    Claim claim{};
+    Claimant claimant{};
   };
 
   bool is_axis(tmcl::AxisAddress motor) const;
+  void note_claim(tmcl::AxisAddress motor, Claimant claimant);
   void forget_other_motors();
   void note_moved(const tmcl::Request& request);
   bool is_stopped_since(tmcl::AxisAddress motor, Permit permit) const;

@@ -12,7 +12,6 @@ namespace {
 using boost::asio::awaitable;
 using tmcl::plan::DriveFault;
 
-
 }  // namespace
 
 PathRun::PathRun(const boost::asio::any_io_executor& executor, tmcl::plan::Course course,
@@ -39,7 +38,7 @@ awaitable<tl::expected<tmcl::plan::StreamReport, AxisFailure>> PathRun::pass(
   } catch (...) {
     failure = std::current_exception();
   }
-  self->leave_axes();
+  self->release();
   for (const auto& unstopped : self->stream_.report().unstopped)
     stop_as_soon_as_possible(self->members_[unstopped.axis].axis, GatewayEvent::Kind::path_broken);
   self->ended_ = true;
@@ -59,23 +58,19 @@ void PathRun::end(DriveFault why) {
 }
 
 awaitable<std::optional<AxisFailure>> PathRun::take_axes() {
-  std::vector<std::shared_ptr<GatewayAxis>> axes;
-  for (const auto& member : members_) axes.push_back(member.axis);
-  auto taken = co_await claim_all(std::move(axes), Mover::path, members_.front().movement.permit);
-  if (taken) co_return taken;
+  const auto self = std::static_pointer_cast<PathRun>(shared_from_this());
+  const Claimant claimant{Mover::path, members_.front().movement.permit, self};
+  auto failure = co_await claim(claimant);
+  if (failure) co_return failure;
   for (auto& member : members_) {
-    member.axis->set_path(std::static_pointer_cast<PathRun>(shared_from_this()));
-    ++member.axis->bus().streams;
+    auto admitted = co_await member.axis->admit(intent::FollowPath{}, member.movement);
+    if (!admitted) {
+      release();
+      co_return AxisFailure{std::move(admitted.error()), member.axis->name()};
+    }
+    member.admitted = std::move(*admitted);
   }
   co_return std::nullopt;
-}
-
-void PathRun::leave_axes() {
-  for (auto& member : members_) {
-    member.axis->set_path({});
-    member.axis->release(member.movement.permit);
-    --member.axis->bus().streams;
-  }
 }
 
 awaitable<tmcl::TimePoint> PathRun::before_step() {
@@ -92,8 +87,9 @@ GatewayAxis::Awaitable<void> PathRun::stop(GatewayAxis& axis) { return axis.brak
 GatewayAxis::Awaitable<void> PathRun::write(const DriveMember& member, tmcl::plan::Setting setting,
                                             bool /*restores*/) {
   const bool moves = setting.parameter == tmcl::axis_parameter::target_position;
-  auto options = moves ? movement_of(member) : RunOptions{};
-  options.permit = member.movement.permit;
+  auto options = movement_of(member);
+  // A setting is set back after a stop, too.
+  if (!moves) options.objection = {};
   return member.axis->write(setting.parameter, setting.value, std::move(options));
 }
 

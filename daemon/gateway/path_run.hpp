@@ -58,7 +58,6 @@ class PathRun final : public DriveRun {
 
  private:
   boost::asio::awaitable<std::optional<AxisFailure>> take_axes();
-  void leave_axes();
   boost::asio::awaitable<tmcl::TimePoint> before_step() override;
   GatewayAxis::Awaitable<void> stop(GatewayAxis& axis) override;
   GatewayAxis::Awaitable<void> write(const DriveMember& member, tmcl::plan::Setting setting,

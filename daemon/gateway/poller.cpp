@@ -44,7 +44,7 @@ void AxisPoller::remove(std::uint64_t id) {
 tmcl::Duration AxisPoller::interval(const GatewayAxis& axis) const {
   auto shortest = longest_poll_interval;
   for (const auto& [id, watcher] : watchers_) shortest = std::min(shortest, watcher.interval);
-  return axis.bus().streams > 0 ? std::max(shortest, shortest_poll_interval_beside_path) : shortest;
+  return axis.bus().has_paths() ? std::max(shortest, shortest_poll_interval_beside_path) : shortest;
 }
 
 PublishedReading AxisPoller::number(const AxisReading& reading) {

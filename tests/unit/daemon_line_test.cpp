@@ -98,7 +98,7 @@ class LineBench {
     return value(axis, ap::actual_velocity) == 0 &&
            std::ranges::all_of(tmcl::plan::AxisTwin::parameters(model), is_as_before) &&
            daemon_.on_reactor(
-               [&] { return !daemon_.daemon().gateway().find_axis(axis)->is_on_line(); });
+               [&] { return !daemon_.daemon().gateway().find_axis(axis)->is_on_journey(); });
   }
   void expect_rest() {
     const auto all_rest = [&] { return is_at_rest("x") && is_at_rest("y") && is_at_rest("z"); };

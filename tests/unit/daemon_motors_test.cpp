@@ -37,7 +37,7 @@ class DaemonMotors : public testing::Test {
     return !motors.objection(request, permit) && !motors.claimed_by_other(request, permit);
   }
   void see(const Request& request, tmcl::Result<tmcl::Answer> answer) {
-    motors.note(request, answer, motors.claim_of(x));
+    motors.note(request, answer, motors.claimant_of(x));
   }
   static tmcl::Answer with_value(std::int32_t value) {
     tmcl::Answer answer;
@@ -110,7 +110,7 @@ TEST_F(DaemonMotors, NothingIsSetInMotionByNobodyOrAtTheEnd) {
 TEST_F(DaemonMotors, AClaimKeepsOthersAway) {
   const auto owner = arrivals->admit();
   const auto other = arrivals->admit();
-  motors.claim(y, Mover::line, owner);
+  std::optional claim = motors.claim(y, {Mover::line, owner});
   EXPECT_TRUE(allows(move_y, owner));
   EXPECT_FALSE(allows(move_y, other));
   EXPECT_FALSE(allows(move_both, other));
@@ -119,14 +119,17 @@ TEST_F(DaemonMotors, AClaimKeepsOthersAway) {
   EXPECT_EQ(motors.claimed(y).message, "axis 'y' is on its way along a line");
   motors.release(y, other);
   EXPECT_FALSE(allows(move_y, other)) << "it is not theirs";
-  motors.release(y, owner);
+  std::optional elsewhere = std::move(claim);
+  claim.reset();
+  EXPECT_FALSE(allows(move_y, other)) << "it was handed on";
+  elsewhere.reset();
   EXPECT_TRUE(allows(move_y, other));
 }
 
 TEST_F(DaemonMotors, AnswersTellWhenASearchIsOver) {
   const auto owner = arrivals->admit();
-  const auto searches = [&] { return motors.claim_of(x).by == Mover::search; };
-  const auto begin = [&] { motors.claim(x, Mover::search, owner); };
+  const auto searches = [&] { return motors.claimant_of(x).by == Mover::search; };
+  const auto begin = [&] { motors.begin(search_x, owner); };
   begin();
   see(search_x, with_value(0));
   see(look_at_search, with_value(3));
@@ -144,15 +147,15 @@ TEST_F(DaemonMotors, AnswersTellWhenASearchIsOver) {
 }
 
 TEST_F(DaemonMotors, AnAnswerFromBeforeTheSearchSaysNothingAboutIt) {
-  const auto before = motors.claim_of(x);
-  motors.claim(x, Mover::search, arrivals->admit());
+  const auto before = motors.claimant_of(x);
+  motors.begin(search_x, arrivals->admit());
   motors.note(look_at_search, with_value(0), before);
-  EXPECT_EQ(motors.claim_of(x).by, Mover::search);
+  EXPECT_EQ(motors.claimant_of(x).by, Mover::search);
 }
 
 TEST_F(DaemonMotors, KnowsWhatIsAboutToMoveBesidesTheAxes) {
   for (const auto& request : {move_x, move_nobodys, Request{one, Command::MVP, 2, 0x89, 1}})
-    motors.begin(request);
+    motors.begin(request, arrivals->admit());
   EXPECT_THAT(motors.others_that_may_move(), ElementsAre(AxisAddress{one, 3}, nobodys));
   motors.end(move_nobodys);
   motors.end({one, Command::MVP, 2, 0x89, 1});

@@ -138,7 +138,7 @@ TEST_P(DaemonPathInBothModes, AnExceptionOnTheWayStopsAll) {
   EXPECT_LT(mm(0), 35);
   const auto is_free = [&] {
     const auto& axis = *daemon.daemon().gateway().axes().front();
-    return axis.path() == nullptr && axis.bus().streams == 0;
+    return axis.path() == nullptr && !axis.bus().has_paths();
   };
   EXPECT_TRUE(daemon.on_reactor(is_free));
 }
