@@ -94,6 +94,17 @@ TEST_F(VirtualTimeTest, CoroutinesWait) {
   EXPECT_EQ(time.now(), begin + 6s);
 }
 
+TEST_F(VirtualTimeTest, StandsStillAsSoonAsWhatIsWaitedForHasCome) {
+  Timer timer(context.get_executor()), later(context.get_executor());
+  timer.expires_after(1s);
+  timer.async_wait(note(1));
+  later.expires_after(2s);
+  later.async_wait(note(2));
+  EXPECT_TRUE(time.run_while_not([&] { return !ended.empty(); }, 1h));
+  EXPECT_EQ(time.now(), begin + 1s);
+  EXPECT_THAT(ended, ElementsAre(1));
+}
+
 TEST_F(VirtualTimeTest, WhoeverWaitsUntilTheEndOfTimeKeepsNobody) {
   Timer timer(context.get_executor());
   timer.expires_at(TimePoint::max());

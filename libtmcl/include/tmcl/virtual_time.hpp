@@ -40,18 +40,15 @@ class VirtualTime {
     context_->restart();
     while (context_->poll() > 0) context_->restart();
   }
-  /// Does all that can be done now, and then goes to the earliest timer that ends by `limit`, which
-  /// ends. False if there is none: the time stays as it is.
+  /// Does all that can be done now, goes to the earliest timer that ends by `limit`, and does what
+  /// comes of that. False if there is none: the time stays as it is.
   bool step(TimePoint limit = TimePoint::max()) {
     settle();
-    const auto next = timeline_->earliest();
-    if (!next || next->first > limit) return false;
-    if (next->first > now()) timeline_->clock.advance_to(next->first);
-    timeline_->take (*next)({});
-    return true;
+    return go_on(limit);
   }
   void run_until(TimePoint limit) {
-    while (step(limit)) {
+    settle();
+    while (go_on(limit)) {
     }
     if (limit > now()) timeline_->clock.advance_to(limit);
   }
@@ -62,12 +59,22 @@ class VirtualTime {
     const auto limit = now() + at_most;
     settle();
     while (!condition()) {
-      if (!step(limit)) return condition();
+      if (!go_on(limit)) return false;
     }
     return true;
   }
 
  private:
+  bool go_on(TimePoint limit) {
+    const auto next = timeline_->earliest();
+    if (!next || next->first > limit) return false;
+    if (next->first > now()) timeline_->clock.advance_to(next->first);
+    const auto handler = timeline_->take(*next);
+    handler({});
+    settle();
+    return true;
+  }
+
   boost::asio::io_context* context_;
   detail::VirtualTimeline* timeline_;
 };
