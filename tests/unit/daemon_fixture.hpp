@@ -20,7 +20,6 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/read.hpp>
-#include <boost/asio/steady_timer.hpp>
 #include <boost/asio/write.hpp>
 
 #include <gtest/gtest.h>
@@ -30,6 +29,7 @@
 #include "log/log.hpp"
 #include "support/fake_module.hpp"
 #include "support/rpc_client.hpp"
+#include "tmcl/timer.hpp"
 
 namespace tmcld::test {
 
@@ -92,7 +92,8 @@ class FakeWire {
       if (!request) continue;
       seen.push_back(*request);
       if (delay > tmcl::Duration{}) {
-        boost::asio::steady_timer timer(end->get_executor(), delay);
+        tmcl::Timer timer(end->get_executor());
+        timer.expires_after(delay);
         co_await timer.async_wait(boost::asio::use_awaitable);
       }
       if (holds) {
