@@ -147,6 +147,11 @@ bool LocalGateway::deliver() {
   return came;
 }
 
+void LocalGateway::hang_up() {
+  peer_->leave();
+  peer_ = std::make_shared<LocalPeer>(gateway_, news_);
+}
+
 void LocalGateway::end() {
   if (peer_->is_gone()) return;
   const auto has_ended = std::make_shared<bool>(false);
