@@ -21,7 +21,7 @@ _tmclctl() {
     case ${COMP_WORDS[i]} in
       --socket) where=(--socket "${COMP_WORDS[i+1]}"); ((i++)) ;;
       --generator) generator=${COMP_WORDS[i+1]}; ((i++)) ;;
-      --direct | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus | --change | \
+      --direct | --config | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus | --change | \
         --sample | --until | --full-steps | --velocity | --acceleration | --model | --pulse-div | --ramp-div | \
         --unit-mode | --microsteps | --mode | --bank | --start | --length | --axis | --tolerance | --deviation | --feed | --per-turn | --period | \
         -o | --output)
@@ -50,7 +50,7 @@ _tmclctl() {
       # The one of simulate is a time.
       [[ ${verb[*]} == "profile simulate" ]] || compopt -o default
       return ;;
-    --socket | --svg | -o | --output)
+    --socket | --config | --svg | -o | --output)
       compopt -o default
       return ;;
     --direct)

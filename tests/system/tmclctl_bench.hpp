@@ -63,14 +63,9 @@ class CtlBench {
   /// Serves x, y (motor 0 and 1 of module 1 and 3) and "ghost", behind which there is no module;
   /// `of_y` are further lines of y.
   Program& start_daemon(const std::string& of_y = {}) {
-    std::ofstream(file("tmcld.toml"))
-        << "[daemon]\nsocket = \"" << file("tmcld.sock")
-        << "\"\n[[bus]]\nname = \"bench\"\nlink = \"" << tcp_link() << "\"\n"
-        << axis("x", 1, 0) << axis("y", 3, 1) << of_y << axis("ghost", 9, 0);
-    daemon_ = std::make_unique<Program>(Words{"tmcld", "--config", file("tmcld.toml")});
-    for (int i = 0; i < 100 && !std::filesystem::exists(file("tmcld.sock")); ++i) ::usleep(50'000);
-    return *daemon_;
+    return start_daemon_with(axis("x", 1, 0) + axis("y", 3, 1) + of_y + axis("ghost", 9, 0));
   }
+  Program& start_daemon_without_axes() { return start_daemon_with(""); }
 
   void stop_daemon() { daemon_.reset(); }
 
@@ -95,6 +90,15 @@ class CtlBench {
   }
 
  private:
+  Program& start_daemon_with(const std::string& axes) {
+    std::ofstream(file("tmcld.toml"))
+        << "[daemon]\nsocket = \"" << file("tmcld.sock")
+        << "\"\n[[bus]]\nname = \"bench\"\nlink = \"" << tcp_link() << "\"\n"
+        << axes;
+    daemon_ = std::make_unique<Program>(Words{"tmcld", "--config", file("tmcld.toml")});
+    for (int i = 0; i < 100 && !std::filesystem::exists(file("tmcld.sock")); ++i) ::usleep(50'000);
+    return *daemon_;
+  }
   static std::string axis(const std::string& name, int address, int motor) {
     return "[[axis]]\nname = \"" + name +
            "\"\nbus = \"bench\"\naddress = " + std::to_string(address) +

@@ -48,6 +48,9 @@ TEST_F(TmclctlFirmware, AnUploadThatWasKilledIsDoneAgain) {
   {
     OnTerminal half(direct(), {"firmware", "upload", file("large.hex"), "1"});
     ASSERT_TRUE(half.wait_for("writing"));
+    // The first one lets it end what a module would be useless without.
+    half.press_ctrl_c();
+    ASSERT_TRUE(half.wait_for("ending later"));
     half.press_ctrl_c();
     half.wait();
   }
@@ -102,6 +105,9 @@ TEST_F(TmclctlFirmware, AModuleWithoutFirmwareIsToldOfByTheDaemon) {
   {
     OnTerminal half(direct(), {"firmware", "upload", file("large.hex"), "1"});
     ASSERT_TRUE(half.wait_for("writing"));
+    // The first one lets it end what a module would be useless without.
+    half.press_ctrl_c();
+    ASSERT_TRUE(half.wait_for("ending later"));
     half.press_ctrl_c();
     half.wait();
   }

@@ -78,14 +78,12 @@ TEST(CtlFailure, KeepsWhatTheDaemonSaidBesides) {
   EXPECT_FALSE(json.contains("status"));
 }
 
-TEST(CtlNames, AnAxisWithoutANameIsAddressAndMotor) {
-  EXPECT_EQ(parse_axis_address("1/0")->motor, 0);
-  EXPECT_EQ(number(parse_axis_address("2047/5")->module), 2047);
-  for (const auto* bad : {"x", "1", "1/", "/0", "1/0/0", "2048/0", "-1/0", "1/256", ""}) {
-    EXPECT_EQ(parse_axis_address(bad).error().exit, ExitCode::usage) << bad;
-  }
-  for (const auto* beyond : {"2048/0", "70000/0", "1/256"})
-    EXPECT_THAT(parse_axis_address(beyond).error().hint, HasSubstr("from 0 to 2047")) << beyond;
+TEST(CtlNames, AnAxisWithoutANameSaysWhereItIs) {
+  EXPECT_EQ(parse_axis_place("1/0")->motor, 0);
+  EXPECT_EQ(parse_axis_place("2047/5")->module.address, 2047);
+  EXPECT_EQ(parse_axis_place("bench:1/0")->module.bus, "bench");
+  for (const auto* bad : {"x", "1", "1/", "/0", "1/0/0", "2048/0", "-1/0", "1/256", ""})
+    EXPECT_FALSE(parse_axis_place(bad)) << bad;
 }
 
 TEST(CtlNames, AParameterIsANumberANameOrAnAlias) {

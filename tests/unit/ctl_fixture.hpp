@@ -212,7 +212,6 @@ class FakeTarget : public Target {
       options.progress({step, image.bytes.size() / 2, image.bytes.size()});
     return tmcl::FirmwareReport{*match, runs_then, checksum(image)};
   }
-  bool passes_paths() const override { return is_daemon; }
   Attempt<boost::json::object> pass_path(boost::json::object params, const std::string& file,
                                          const PathWatcher& watcher) override {
     path_text = file;
@@ -225,10 +224,15 @@ class FakeTarget : public Target {
     if (path_failure) return tl::unexpected(*path_failure);
     return result;
   }
-  bool is_daemon = false;
   std::string path_text;
   PathWill path_will = PathWill::go_on;
   std::optional<Failure> path_failure;
+  void sleep(tmcl::Duration duration) override { patience_.sleep(duration); }
+  Attempt<void> see_through(bool tell, Output& output) override {
+    if (tell && watches) output.err << "watching\n";
+    return {};
+  }
+  bool watches = false;  ///< Axes that are on their way when a verb has ended.
   std::string options() const override { return " --direct can:can0"; }
 
  private:

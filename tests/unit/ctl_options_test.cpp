@@ -102,6 +102,7 @@ TEST(CtlOptions, SaysWhatIsWrong) {
   EXPECT_THAT(failure({"plot", "x", "--to", "1", "--by", "1"}).message, HasSubstr("--by"));
   EXPECT_THAT(failure({"--socket", "a", "--direct", "can:b", "axes"}).message,
               HasSubstr("--direct"));
+  EXPECT_THAT(failure({"--config", "a", "axes"}).message, HasSubstr("--config goes with --direct"));
   EXPECT_EQ(failure({"watch", "x", "--interval", "1"}).exit, ExitCode::usage);
   EXPECT_EQ(failure({"watch", "x", "--for", "-1"}).exit, ExitCode::usage);
   EXPECT_EQ(failure({"watch", "x", "--for", "nan"}).exit, ExitCode::usage);

@@ -98,10 +98,9 @@ TEST_F(CtlPath, GCodeBeginsWhereTheAxesStand) {
   EXPECT_EQ(table.at("axes").at(0).at("least").to_number<double>(), 0);
 }
 
-TEST_F(CtlPath, TmcldPassesAPathItself) {
+TEST_F(CtlPath, TheGatewayPassesAPathItself) {
   const auto line = file("G1 X10 F600\n");
   target.values = {{"4", 1000}, {"5", 500}};
-  target.is_daemon = true;
   target.result = {{"tracking_error", {{{"axis", "x"}, {"largest", 0.25}}}},
                    {"remarks", {"it was late"}},
                    {"updates", 7}};
@@ -116,10 +115,9 @@ TEST_F(CtlPath, TmcldPassesAPathItself) {
   for (const auto& call : target.calls) EXPECT_THAT(call, testing::Not(HasSubstr("rotate")));
 }
 
-TEST_F(CtlPath, CtrlCLetsTmcldStop) {
+TEST_F(CtlPath, CtrlCLetsTheGatewayStop) {
   const auto line = file("G1 X10 F600\n");
   target.values = {{"4", 1000}, {"5", 500}};
-  target.is_daemon = true;
   target.path_failure = Failure{ExitCode::unknown, "stopped", "stopped", "", tmcl::Outcome::done};
   target.path_failure->details["run"] = boost::json::object{};
   patience.press_ctrl_c_after(std::chrono::seconds(1));
@@ -128,10 +126,9 @@ TEST_F(CtlPath, CtrlCLetsTmcldStop) {
   EXPECT_THAT(err, HasSubstr("stopped before the end of the path"));
 }
 
-TEST_F(CtlPath, WhatTmcldSaysHasTheSameExitCodes) {
+TEST_F(CtlPath, WhatTheGatewaySaysHasItsExitCodes) {
   const auto line = file("G1 X10 F600\n");
   target.values = {{"4", 1000}, {"5", 500}};
-  target.is_daemon = true;
   for (const auto& [outcome, exit] : {std::pair{tmcl::Outcome::done, ExitCode::not_reached},
                                       std::pair{tmcl::Outcome::not_sent, ExitCode::refused}}) {
     target.path_failure = Failure{ExitCode::unknown, "starved", "late", "", outcome};

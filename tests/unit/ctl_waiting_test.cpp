@@ -9,7 +9,6 @@
 #include <gtest/gtest.h>
 
 #include "ctl_fixture.hpp"
-#include "direct_target.hpp"
 #include "support/pty.hpp"
 #include "support/temp_path.hpp"
 
@@ -56,7 +55,9 @@ class CtlWaiting : public testing::Test {
 
   /// Why it cannot be opened; empty if it can.
   std::string open(const std::string& path) {
-    const auto target = DirectTarget::open("serial:" + path + "@115200", 200, usual_wait, patience);
+    Where where;
+    where.direct = "serial:" + path + "@115200";
+    const auto target = open_target(where, usual_wait, patience);
     return target ? std::string{} : target.error().message;
   }
   ExitCode run(std::vector<std::string> words) {

@@ -2,20 +2,25 @@
 #pragma once
 
 #include <functional>
+#include <memory>
+#include <string>
 #include <string_view>
 
 #include <boost/json/object.hpp>
 
 #include "failure.hpp"
+#include "patience.hpp"
+#include "screen.hpp"
 #include "tmcl/client.hpp"
 
 namespace tmclctl {
 
 struct CallOptions {
-  /// Counted anew from each progress report about the call.
+  /// Counted anew from each progress report about the call. A gateway in this process sees to that
+  /// itself.
   tmcl::Duration timeout = tmcl::client::Options{}.call_timeout;
-  /// Asked ten times a second while the call is in progress; it may make other calls. With it, a
-  /// signal does not end the call: what becomes of it is decided here.
+  /// Called ten times a second, at least, while the call is in progress; it may make other calls.
+  /// With it, a signal does not end the call: what becomes of it is decided here.
   std::function<void()> meanwhile{};
 };
 
@@ -30,9 +35,29 @@ class Door {
   virtual Attempt<boost::json::object> call(std::string_view method, boost::json::object params,
                                             CallOptions options = {}) = 0;
   /// Hands out what comes unasked until the time has passed, or at once after the first message.
+  /// Errors: there is nobody any more from whom something could come.
   virtual Attempt<void> listen(tmcl::Duration at_most) = 0;
   /// At most one listener; an empty one removes it.
   virtual void on_notification(Listener listener) = 0;
+  /// Lets time pass; a signal ends that early.
+  virtual void sleep(tmcl::Duration duration) = 0;
+  /// Stays until axes that somebody has to watch stand and have their settings back; tells that
+  /// first, if asked to. Errors: a signal came, and the axes were stopped.
+  virtual Attempt<void> see_through(bool tell, Output& output) = 0;
 };
+
+/// To a running tmcld, which other programs share; `wait` is for a socket that is not there yet.
+Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait,
+                                           Patience& patience);
+
+/// A bus without tmcld.
+struct OwnBus {
+  std::string link;
+  std::string config;       ///< File that says how its axes are called; empty: none.
+  std::int32_t full_steps;  ///< Of a turn of an axis that no file says more about.
+};
+/// To a gateway in this process; `wait` is for a serial port that is not there yet.
+Attempt<std::unique_ptr<Door>> open_own_gateway(const OwnBus& bus, tmcl::Duration wait,
+                                                Patience& patience);
 
 }  // namespace tmclctl

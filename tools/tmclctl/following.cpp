@@ -133,7 +133,7 @@ Attempt<tmcl::Microsteps> follow(const Journey& journey, Room& room,
                                           "Someone else may have stopped it"));
       }
     }
-    room.patience.sleep(next_look - room.patience.now());
+    room.target.sleep(next_look - room.patience.now());
   }
 }
 

@@ -26,6 +26,10 @@ constexpr std::size_t staged_at_once = 16'384;
 constexpr auto longest_firmware_step = std::chrono::seconds(75);
 // Of an axis whose module was not asked yet.
 constexpr std::string_view unknown_state = "unknown";
+// Modules are numbered from 1 upwards, so the first of them are told to stop before the rest has
+// been looked for.
+constexpr std::uint16_t stop_scan_step = 16;
+constexpr std::uint16_t stop_scan_last = 255;
 // Planning a long path takes a while.
 constexpr auto longest_path_silence = std::chrono::seconds(120);
 
@@ -187,8 +191,9 @@ class Steering {
 
 }  // namespace
 
-GatewayTarget::GatewayTarget(std::unique_ptr<Door> door, std::string options, Patience& patience)
-    : door_(std::move(door)), options_(std::move(options)), patience_(patience) {}
+GatewayTarget::GatewayTarget(std::unique_ptr<Door> door, std::string options, AxesFrom axes,
+                             Patience& patience)
+    : door_(std::move(door)), options_(std::move(options)), axes_from_(axes), patience_(patience) {}
 
 Attempt<json::object> GatewayTarget::call(std::string_view method, json::object params) {
   return door_->call(method, std::move(params));
@@ -211,12 +216,32 @@ Attempt<ScanResult> GatewayTarget::scan(ScanRange range, const Progress& progres
 }
 
 Attempt<std::vector<ModuleRow>> GatewayTarget::modules() {
+  if (axes_from_ == AxesFrom::scan) {
+    auto found = scan({}, {});
+    if (!found) return tl::unexpected(found.error());
+    if (!found->failed.empty()) return tl::unexpected(found->failed.front().failure);
+    return std::move(found->modules);
+  }
   return call("module.list", {}).map([](const json::object& found) {
     return rows_at<ModuleRow>(found, "modules", module_from);
   });
 }
 
+Attempt<std::vector<AxisRow>> GatewayTarget::found_axes() {
+  return modules().map([](const std::vector<ModuleRow>& found) {
+    std::vector<AxisRow> rows;
+    for (const auto& module : found) {
+      for (std::uint8_t motor = 0; motor < module.axes; ++motor) {
+        const auto name = axis_name({tmcl::ModuleAddress{module.address}, motor});
+        rows.push_back({name, module.bus, module.address, motor, module.model, "ready"});
+      }
+    }
+    return rows;
+  });
+}
+
 Attempt<std::vector<AxisRow>> GatewayTarget::axes() {
+  if (axes_from_ == AxesFrom::scan) return found_axes();
   auto rows = call("axis.list", {}).map([](const json::object& found) {
     return rows_at<AxisRow>(found, "axes", axis_from);
   });
@@ -302,7 +327,35 @@ Attempt<void> GatewayTarget::stop(const std::string& axis) {
   return call("axis.stop", {{"axis", axis}}).map([](const json::object&) {});
 }
 
+void GatewayTarget::stop_motors(const ModuleRow& module, std::vector<StoppedAxis>& stopped) {
+  for (std::uint8_t motor = 0; motor < module.axes; ++motor) {
+    StoppedAxis row{axis_name({tmcl::ModuleAddress{module.address}, motor}), {}, {}};
+    const auto before = patience_.now();
+    const auto result = stop(row.axis);
+    const std::chrono::duration<double, std::milli> took = patience_.now() - before;
+    if (result) {
+      row.milliseconds = took.count();
+    } else {
+      row.failure = result.error();
+    }
+    stopped.push_back(std::move(row));
+  }
+}
+
+Attempt<std::vector<StoppedAxis>> GatewayTarget::stop_found() {
+  std::vector<StoppedAxis> stopped;
+  for (std::uint16_t first = 1; first <= stop_scan_last; first += stop_scan_step) {
+    const auto last = static_cast<std::uint16_t>(first + stop_scan_step - 1);
+    const auto found = scan({first, std::min(last, stop_scan_last)}, {});
+    if (!found) return tl::unexpected(found.error());
+    if (!found->failed.empty()) return tl::unexpected(found->failed.front().failure);
+    for (const auto& module : found->modules) stop_motors(module, stopped);
+  }
+  return stopped;
+}
+
 Attempt<std::vector<StoppedAxis>> GatewayTarget::stop_all() {
+  if (axes_from_ == AxesFrom::scan) return stop_found();
   return call("system.stop_all", {}).map([](const json::object& result) {
     auto stopped = rows_at<StoppedAxis>(result, "stopped", [](const json::object& row) {
       return StoppedAxis{text_at(row, "axis"), number_at(row, "milliseconds"), {}};

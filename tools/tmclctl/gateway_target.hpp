@@ -8,10 +8,16 @@
 
 namespace tmclctl {
 
+/// Where it is said which axes there are.
+enum class AxesFrom : std::uint8_t {
+  configuration,
+  scan,  ///< Of the one bus: nothing is configured.
+};
+
 class GatewayTarget final : public Target {
  public:
   /// `options` is how another tmclctl names the same gateway.
-  GatewayTarget(std::unique_ptr<Door> door, std::string options, Patience& patience);
+  GatewayTarget(std::unique_ptr<Door> door, std::string options, AxesFrom axes, Patience& patience);
 
   Attempt<ScanResult> scan(ScanRange range, const Progress& progress) override;
   Attempt<std::vector<ModuleRow>> modules() override;
@@ -40,12 +46,18 @@ class GatewayTarget final : public Target {
                               const ArrivalHandler& on_arrival) override;
   Attempt<boost::json::object> perform(const std::string& method, boost::json::object params,
                                        const NewsHandler& on_news) override;
-  bool passes_paths() const override { return true; }
   Attempt<boost::json::object> pass_path(boost::json::object params, const std::string& text,
                                          const PathWatcher& watcher) override;
+  void sleep(tmcl::Duration duration) override { door_->sleep(duration); }
+  Attempt<void> see_through(bool tell, Output& output) override {
+    return door_->see_through(tell, output);
+  }
   std::string options() const override { return options_; }
 
  private:
+  Attempt<std::vector<AxisRow>> found_axes();
+  Attempt<std::vector<StoppedAxis>> stop_found();
+  void stop_motors(const ModuleRow& module, std::vector<StoppedAxis>& stopped);
   void add_reasons(std::vector<AxisRow>& axes);
   Attempt<boost::json::object> call(std::string_view method, boost::json::object params);
   Attempt<StartedMove> move(std::string_view method, boost::json::object params);
@@ -56,6 +68,7 @@ class GatewayTarget final : public Target {
 
   std::unique_ptr<Door> door_;
   std::string options_;
+  AxesFrom axes_from_;
   Patience& patience_;
 };
 

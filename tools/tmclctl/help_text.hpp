@@ -7,7 +7,8 @@ constexpr const char* description =
     "Moves and inspects the axes of TMCM modules, through a running tmcld or straight on a bus.";
 
 constexpr const char* footer = R"(
-An AXIS is a name from tmcld's configuration; with --direct it is ADDRESS/MOTOR, such as 1/0.
+An AXIS is a name from tmcld's configuration, or the module's address and the motor's number, such as
+1/0, or bench:1/0 where there are several buses. With --direct, names come from --config FILE.
 A PARAM is a number or a standard name, such as max_velocity: 'tmclctl params AXIS' lists them.
 A position, distance, velocity or acceleration has a unit behind its number: 51200microsteps, 1.5rev,
 2rps, 120rpm, 61035pps, 100000pps/s, and, if tmcld's configuration gives the axis a unit such as mm:
@@ -31,6 +32,7 @@ Examples:
   tmclctl home x                                 search the reference position
   tmclctl plot x --by 51200 --svg move.svg       move and draw how it went
   tmclctl --direct serial:/dev/ttyACM0@115200 get 1/0 actual_position
+  tmclctl --direct can:can0 --config tmcld.toml move x 12.5mm --wait
   tmclctl --json state x                         for scripts: one JSON document
   tmclctl profile simulate --help                how would a chip move?
   tmclctl program upload loop.tmc 1 --run        programs that modules run by themselves
@@ -165,8 +167,8 @@ constexpr const char* line = R"(
 The axes start together and arrive together: each gets the part of speed and acceleration that its
 way is of the longest. Their own settings are the limits, and are set back at the end; --velocity and
 --acceleration are limits of each axis, too. If one cannot take part, none moves; if one is stopped or
-does not go as planned, all are stopped. It needs tmcld, whose axes may be on any of its buses.
-Several motors of one module start with one command.
+does not go as planned, all are stopped. Several motors of one module start with one command. With
+--direct it stays until all axes stand and have their settings back; Ctrl-C stops them.
 
   tmclctl line x=51200microsteps y=-1.5rev --wait
   tmclctl line x=10mm y=2.5mm z=0
@@ -465,7 +467,7 @@ units, limits, where the path goes, that all axes stand, and what the bus can ca
 Ctrl-C stops all axes. So does a stop of one of them by somebody else, an axis that does not do what it
 is told, and a computer or bus that is too slow. Ctrl-Z pauses on the path, and goes on.
 tmcld passes the path: once begun, it goes on to its end also if this program is killed. With --direct
-this program does; if it is killed in velocity mode, the axes turn on.
+there is nobody else who could; if this program is killed in velocity mode, the axes turn on.
 
   tmclctl path run part.ngc --axis X=left --axis Y=front
   tmclctl path run part.csv --axis x=left --axis y=front --mode position --tolerance 0.02
@@ -526,8 +528,8 @@ the checksum and starts it. A file that is not for this model is refused before 
 --force takes it if the file does not say what it is for, or says it in an unknown way.
 Through tmcld, everybody else's commands to the module fail meanwhile, stops too: in its bootloader
 it can neither start nor stop a motor. The upload goes on to its end even if tmclctl is ended, or
-tmcld is asked to end. On a serial line everything waits while the module erases, which may take
-some seconds.
+tmcld is asked to end; with --direct the first Ctrl-C does not end it, but the second does. On a serial
+line everything waits while the module erases, which may take some seconds.
 
 Whatever fails once the firmware is erased, even the power: the module then stays in its bootloader.
 Give the same command again. On USB the module may leave the bus when it enters its bootloader and

@@ -23,9 +23,6 @@ std::optional<Integer> parse_whole(std::string_view text) {
   return value;
 }
 
-constexpr std::uint16_t greatest_address = 2047;
-constexpr std::uint8_t greatest_motor = 255;
-
 using Tables = std::vector<std::span<const tmcl::ParameterInfo>>;
 
 Tables all_tables(std::span<const tmcl::ParameterInfo> (*parameters)(const tmcl::Model&)) {
@@ -78,29 +75,15 @@ class Common {
   std::vector<tmcl::ParameterInfo> rows_;
 };
 
-Failure beyond(std::string_view axis) {
-  return usage_failure("unknown_axis", fmt::format("'{}' is no axis", axis),
-                       fmt::format("Modules have addresses from 0 to {}, and motors numbers from 0 "
-                                   "to {}",
-                                   greatest_address, greatest_motor));
-}
-
 }  // namespace
 
-Attempt<tmcl::AxisAddress> parse_axis_address(std::string_view text) {
-  const auto slash = text.find('/');
-  if (slash != std::string_view::npos) {
-    const auto address = parse_whole<std::uint32_t>(text.substr(0, slash));
-    const auto motor = parse_whole<std::uint32_t>(text.substr(slash + 1));
-    if (address && motor && *address <= greatest_address && *motor <= greatest_motor) {
-      return tmcl::AxisAddress{tmcl::ModuleAddress{static_cast<std::uint16_t>(*address)},
-                               static_cast<std::uint8_t>(*motor)};
-    }
-    if (address && motor) return tl::unexpected(beyond(text));
-  }
-  return tl::unexpected(usage_failure("unknown_axis", fmt::format("'{}' is no axis", text),
-                                      "With --direct an axis is ADDRESS/MOTOR, such as 1/0 for "
-                                      "motor 0 of module 1; names need a running tmcld"));
+std::optional<AxisPlace> parse_axis_place(std::string_view text) {
+  const auto slash = text.rfind('/');
+  if (slash == std::string_view::npos) return std::nullopt;
+  const auto module = parse_module(text.substr(0, slash));
+  const auto motor = parse_whole<std::uint8_t>(text.substr(slash + 1));
+  if (!module || !motor) return std::nullopt;
+  return AxisPlace{*module, *motor};
 }
 
 std::string axis_name(tmcl::AxisAddress axis) {

@@ -1,6 +1,8 @@
 /// Reading what a person typed: axes and parameters, with a suggestion when it is not understood.
 #pragma once
 
+#include <optional>
+#include <string>
 #include <string_view>
 
 #include "failure.hpp"
@@ -11,7 +13,6 @@
 namespace tmclctl {
 
 /// "1/0": motor 0 of module 1, as axes are called where nobody gave them names.
-Attempt<tmcl::AxisAddress> parse_axis_address(std::string_view text);
 std::string axis_name(tmcl::AxisAddress axis);
 
 struct ModuleName {
@@ -20,6 +21,13 @@ struct ModuleName {
 };
 /// "1", or "bench:1" where tmcld has several buses.
 Attempt<ModuleName> parse_module(std::string_view text);
+
+struct AxisPlace {
+  ModuleName module;
+  std::uint8_t motor = 0;
+};
+/// "1/0" or "bench:1/0"; nothing for a configured name.
+std::optional<AxisPlace> parse_axis_place(std::string_view text);
 
 struct ParameterName {
   std::uint8_t number = 0;

@@ -71,6 +71,10 @@ Parser::Parser() {
                   "Use a bus without tmcld: serial:DEVICE[@BAUD], can:INTERFACE or tcp:HOST:PORT")
       ->type_name("LINK")
       ->take_last();
+  app_.add_option("--config", options_.where.config,
+                  "With --direct: name the axes as in this configuration of tmcld")
+      ->type_name("FILE")
+      ->take_last();
   Form(app_).option("--full-steps", "N",
                     "With --direct: full steps of a turn, for rev and rps (default 200)",
                     number(options_.where.full_steps, 1, tmcl::max_full_steps));
@@ -279,6 +283,10 @@ std::optional<Failure> Parser::conflicting_options() const {
   if (!options_.where.socket.empty() && !options_.where.direct.empty()) {
     return usage_failure("usage",
                          "--socket and --direct exclude each other: through tmcld, or without it?");
+  }
+  if (!options_.where.config.empty() && options_.where.direct.empty()) {
+    return usage_failure("usage",
+                         "--config goes with --direct: a running tmcld has read its own file");
   }
   return grammar_.objection(chosen(), options_.json);
 }

@@ -1,22 +1,49 @@
-#include "socket_door.hpp"
-
+#include <optional>
 #include <utility>
 
+#include "door.hpp"
+
 namespace tmclctl {
+namespace {
 
 using tmcl::client::Connection;
 
-Attempt<std::unique_ptr<Door>> SocketDoor::open(std::string socket_path, tmcl::Duration wait,
-                                                Patience& patience) {
-  std::unique_ptr<SocketDoor> door(new SocketDoor(std::move(socket_path)));
+class SocketDoor final : public Door {
+ public:
+  SocketDoor(std::string path, Patience& patience) : path_(std::move(path)), patience_(patience) {}
+
+  Attempt<void> open(tmcl::Duration wait);
+
+  Attempt<boost::json::object> call(std::string_view method, boost::json::object params,
+                                    CallOptions options) override;
+  Attempt<void> listen(tmcl::Duration at_most) override {
+    return attempt(daemon_->listen(at_most));
+  }
+  void on_notification(Listener listener) override {
+    daemon_->on_notification(std::move(listener));
+  }
+  void sleep(tmcl::Duration duration) override { patience_.sleep(duration); }
+  // tmcld does.
+  Attempt<void> see_through(bool, Output&) override { return {}; }
+
+ private:
+  std::string path_;
+  Patience& patience_;
+  std::function<void()> meanwhile_;  ///< Of the call in progress.
+  std::optional<Connection> daemon_;
+  /// For calls that are made meanwhile.
+  std::optional<Connection> second_;
+};
+
+Attempt<void> SocketDoor::open(tmcl::Duration wait) {
   tmcl::client::Options options;
   options.wait_for_socket = wait;
-  options.cancelled = [&patience, &meanwhile = door->meanwhile_] {
-    if (!meanwhile) return patience.signal() != 0;
-    meanwhile();
+  options.cancelled = [this] {
+    if (!meanwhile_) return patience_.signal() != 0;
+    meanwhile_();
     return false;
   };
-  auto daemon = attempt(Connection::open(door->socket_path_, std::move(options)));
+  auto daemon = attempt(Connection::open(path_, std::move(options)));
   if (!daemon) {
     if (daemon.error().name == tmcl::client::error_name::unreachable) {
       daemon.error().hint +=
@@ -25,15 +52,15 @@ Attempt<std::unique_ptr<Door>> SocketDoor::open(std::string socket_path, tmcl::D
     }
     return tl::unexpected(daemon.error());
   }
-  door->daemon_ = std::move(*daemon);
-  return door;
+  daemon_ = std::move(*daemon);
+  return {};
 }
 
 Attempt<boost::json::object> SocketDoor::call(std::string_view method, boost::json::object params,
                                               CallOptions options) {
   if (meanwhile_) return attempt(second_->call(method, std::move(params), options.timeout));
   if (options.meanwhile && !second_) {
-    auto second = attempt(Connection::open(socket_path_));
+    auto second = attempt(Connection::open(path_));
     if (!second) return tl::unexpected(second.error());
     second_ = std::move(*second);
   }
@@ -43,12 +70,12 @@ Attempt<boost::json::object> SocketDoor::call(std::string_view method, boost::js
   return result;
 }
 
-Attempt<void> SocketDoor::listen(tmcl::Duration at_most) {
-  return attempt(daemon_->listen(at_most));
-}
+}  // namespace
 
-void SocketDoor::on_notification(Listener listener) {
-  daemon_->on_notification(std::move(listener));
+Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait,
+                                           Patience& patience) {
+  auto door = std::make_unique<SocketDoor>(std::move(path), patience);
+  return door->open(wait).map([&] { return std::unique_ptr<Door>(std::move(door)); });
 }
 
 }  // namespace tmclctl

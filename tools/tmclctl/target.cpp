@@ -2,9 +2,9 @@
 
 #include <cstdlib>
 
+#include <fmt/format.h>
+
 #include "gateway_target.hpp"
-#include "direct_target.hpp"
-#include "socket_door.hpp"
 #include "options/form.hpp"
 
 namespace tmclctl {
@@ -14,6 +14,18 @@ std::string socket_path(const Where& where) {
   if (!where.socket.empty()) return where.socket;
   const char* wished = std::getenv("TMCLD_SOCKET");
   return wished != nullptr && *wished != '\0' ? wished : std::string(default_socket);
+}
+
+// What the environment says will hold for the user's next command, too.
+std::string options_of(const Where& where) {
+  std::string options;
+  const auto add = [&](const char* name, const std::string& value) {
+    if (!value.empty()) options += fmt::format(" {} {}", name, value);
+  };
+  add("--socket", where.socket);
+  add("--direct", where.direct);
+  add("--config", where.config);
+  return options;
 }
 
 }  // namespace
@@ -30,14 +42,13 @@ void put(boost::json::object& params, std::string_view name, std::string_view pl
 
 Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait,
                                              Patience& patience) {
-  if (!where.direct.empty())
-    return DirectTarget::open(where.direct, where.full_steps, wait, patience);
-  // What the environment says will hold for the user's next command, too.
-  auto options = where.socket.empty() ? std::string{} : " --socket " + where.socket;
-  return SocketDoor::open(socket_path(where), wait, patience)
-      .map([&](std::unique_ptr<Door> door) -> std::unique_ptr<Target> {
-        return std::make_unique<GatewayTarget>(std::move(door), std::move(options), patience);
-      });
+  const bool own = !where.direct.empty();
+  auto door = own ? open_own_gateway({where.direct, where.config, where.full_steps}, wait, patience)
+                  : open_socket(socket_path(where), wait, patience);
+  return std::move(door).map([&](std::unique_ptr<Door> open) -> std::unique_ptr<Target> {
+    const auto axes = own && where.config.empty() ? AxesFrom::scan : AxesFrom::configuration;
+    return std::make_unique<GatewayTarget>(std::move(open), options_of(where), axes, patience);
+  });
 }
 
 }  // namespace tmclctl

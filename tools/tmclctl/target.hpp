@@ -1,4 +1,4 @@
-/// The ways to reach axes, behind one interface: through a running tmcld, or straight on a bus.
+/// Axes, modules and what can be asked of them, whichever way they are reached.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +12,7 @@
 #include "failure.hpp"
 #include "names.hpp"
 #include "patience.hpp"
+#include "screen.hpp"
 #include "shown.hpp"
 #include "tmcl/awaited_file.hpp"
 #include "tmcl/firmware_verbs.hpp"
@@ -214,21 +215,20 @@ class Target {
   virtual Attempt<void> hear_arrivals(const ModuleName& module,
                                       const std::function<Attempt<void>()>& ask,
                                       const ArrivalHandler& on_arrival) = 0;
-  /// A method of tmcld by its name, with the parameters and the result that docs/PROTOCOL.md has;
-  /// without tmcld the same is done straight on the bus. Modules are "address" and, where tmcld has
-  /// several buses, "bus".
+  /// A method by its name, with the parameters and the result that docs/PROTOCOL.md has. Modules
+  /// are "address" and, where there are several buses, "bus".
   virtual Attempt<boost::json::object> perform(const std::string& method,
                                                boost::json::object params,
                                                const NewsHandler& on_news) = 0;
+  /// path.run, with its result; `text` is the file.
+  virtual Attempt<boost::json::object> pass_path(boost::json::object params,
+                                                 const std::string& text,
+                                                 const PathWatcher& watcher) = 0;
 
-  /// Whether there is somebody who passes paths: tmcld. Otherwise tmcl::plan::PathStream does.
-  virtual bool passes_paths() const { return false; }
-  /// path.run of tmcld, with its result; `text` is the file.
-  virtual Attempt<boost::json::object> pass_path(boost::json::object, const std::string&,
-                                                 const PathWatcher&) {
-    return boost::json::object{};
-  }
-
+  /// Lets time pass; a signal ends that early.
+  virtual void sleep(tmcl::Duration duration) = 0;
+  /// See Door::see_through().
+  virtual Attempt<void> see_through(bool tell, Output& output) = 0;
   /// The options with which another tmclctl reaches the same axes, such as " --direct can:can0";
   /// may be empty.
   virtual std::string options() const = 0;
@@ -240,6 +240,7 @@ constexpr std::string_view default_socket = "/run/tmcld/tmcld.sock";
 struct Where {
   std::string socket;  ///< Empty: $TMCLD_SOCKET, else default_socket.
   std::string direct;  ///< Name of a link; empty: through the daemon.
+  std::string config;  ///< With a link: the file that says how its axes are called; may be empty.
   std::int32_t full_steps = tmcl::MotorSteps{}.full_steps;  ///< Of a turn, without the daemon.
 };
 

@@ -68,7 +68,12 @@ VerbResult run_on_target(const V& verb, const Where& where, Output& output, Pati
     ready = opened.get();
   }
   Room room{*ready, output, patience};
-  return run(verb, room);
+  auto result = run(verb, room);
+  bool waited = false;
+  if constexpr (std::is_same_v<V, verb::Line>) waited = verb.wait && result;
+  const auto seen = ready->see_through(!waited, output);
+  if (!seen) return tl::unexpected(seen.error());
+  return result;
 }
 
 std::optional<Failure> refusal(const Options& options) {

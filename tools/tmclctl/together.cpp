@@ -22,10 +22,10 @@ struct Start {
 };
 using Modules = std::map<std::pair<std::string, std::uint16_t>, std::vector<Start>>;
 
-/// Straight on a bus the name says it, and to list all axes would take a scan.
+/// Where the name says it, nothing has to be listed: with --direct that would be a scan.
 Attempt<AxisRow> row_of(const std::string& axis, Target& target) {
-  if (const auto address = parse_axis_address(axis))
-    return AxisRow{axis, "", number(address->module), address->motor, "", ""};
+  if (const auto place = parse_axis_place(axis))
+    return AxisRow{axis, place->module.bus, place->module.address, place->motor, "", ""};
   return target.axes().and_then([&](const std::vector<AxisRow>& all) -> Attempt<AxisRow> {
     const auto row = std::ranges::find(all, axis, &AxisRow::name);
     if (row != all.end()) return *row;

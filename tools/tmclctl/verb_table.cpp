@@ -27,7 +27,7 @@ constexpr auto table = std::to_array<VerbInfo>({
     {"set", both, acts},
     {"move", both, acts},
     {"wait", both, reads},
-    {"line", tmcld_only, acts, "somebody has to watch the axes until they are there"},
+    {"line", both, acts},
     {"rotate", both, acts},
     {"stop", both, acts},
     {"state", both, reads},

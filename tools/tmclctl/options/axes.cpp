@@ -44,8 +44,7 @@ void add_lists(Grammar& grammar) {
   grammar.verb<verb::Axes>("axes", "List the axes and how they are called", help_text::axes);
   auto params = grammar.verb<verb::Params>("params", "List the parameters of an axis or a model",
                                            help_text::params);
-  params.optional_word("AXIS", "A configured name, or ADDRESS/MOTOR with --direct",
-                       text(params->axis));
+  params.optional_word("AXIS", axis_meaning, text(params->axis));
   params.flag("--values", "Read them all, too", params->values);
   params.internal(params->internal);
   params.option("--model", "MODEL", "Of this model, without any module", text(params->model));
@@ -90,11 +89,10 @@ void add_motion(Grammar& grammar) {
   });
   auto wait =
       grammar.verb<verb::Wait>("wait", "Wait until axes stand at their targets", help_text::wait);
-  wait.words("AXIS", "A configured name, or ADDRESS/MOTOR with --direct",
-             [&axes = wait->axes](const std::string& text) -> Reading {
-               axes.push_back(text);
-               return {};
-             });
+  wait.words("AXIS", axis_meaning, [&axes = wait->axes](const std::string& text) -> Reading {
+    axes.push_back(text);
+    return {};
+  });
   wait.option("--timeout", "SECONDS", "Give up after so long; the axes go on",
               number(wait->timeout_s, shortest_time_s, longest_time_s));
   wait.internal(wait->internal);
@@ -125,7 +123,7 @@ void add_motion(Grammar& grammar) {
   rotate.word("VELOCITY", "With a unit; negative: to the left", text(rotate->velocity));
   rotate.internal(rotate->internal);
   auto stop = grammar.verb<verb::Stop>("stop", "Stop an axis, or all of them", help_text::stop);
-  stop.optional_word("AXIS", "A configured name, or ADDRESS/MOTOR with --direct", text(stop->axis));
+  stop.optional_word("AXIS", axis_meaning, text(stop->axis));
   stop.flag("--all", "Every axis there is", stop->all);
   stop.object(
       [](const verb::Stop& said, bool) {

@@ -24,6 +24,8 @@ namespace tmclctl {
 
 constexpr std::uint16_t greatest_address = 2047;
 constexpr double longest_time_s = 1e6;
+/// Of the word AXIS.
+constexpr const char* axis_meaning = "A configured name, or [BUS:]ADDRESS/MOTOR";
 
 /// Takes what was typed; otherwise a sentence on what is wrong with it.
 using Reading = tl::expected<void, std::string>;

@@ -52,9 +52,7 @@ void Form::words(const std::string& name, const std::string& description, const 
 void Form::module(std::string& into) {
   word("MODULE", "Its address, or BUS:ADDRESS where tmcld has several buses", text(into));
 }
-void Form::axis(std::string& into) {
-  word("AXIS", "A configured name, or ADDRESS/MOTOR with --direct", text(into));
-}
+void Form::axis(std::string& into) { word("AXIS", axis_meaning, text(into)); }
 void Form::option(const std::string& name, const std::string& value, const std::string& description,
                   const Read& read) {
   add_one(*app_, name, value, description, read);

@@ -1,23 +1,16 @@
-/// Carries out on a target what a stream says.
+/// Brings axes to where a path or a program wants them.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "progress_line.hpp"
-#include "tmcl/plan/path_run.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl::path {
 
-/// Until the stream ends, with a line that shows how far it is. Ctrl-C stops all axes, Ctrl-Z
-/// pauses and goes on. Returns the signal that ended it; 0 if none did.
-int drive(tmcl::plan::PathStream& stream, const std::vector<std::string>& axes, double duration,
-          Room& room);
+/// A line that shows how far a path has been passed.
 void show(const PathProgress& now, ProgressLine& line);
-
-/// Why a stream that has a fault did not pass the path, in a sentence with the names of the axes.
-Failure failure_from(const tmcl::plan::StreamReport& report, const std::vector<std::string>& axes);
 
 /// Stops all of them, whatever becomes of each, and lets them come to rest. A signal that was
 /// noticed does not keep it from that.

@@ -5,8 +5,6 @@
 
 #include <fmt/format.h>
 
-#include "foresight.hpp"
-
 namespace tmclctl::path {
 namespace {
 
@@ -78,8 +76,7 @@ Failure impossible(std::string name, std::string message, std::string hint) {
 
 Attempt<std::vector<plan::PathAxis>> read_axes(const Source& source,
                                                const std::vector<plan::PathChoice>& said,
-                                               const plan::PathWish& wish, bool with_twins,
-                                               Target& target) {
+                                               const plan::PathWish& wish, Target& target) {
   const auto choices = with_namesakes(source, said, target);
   const auto ordered = plan::in_order(source, choices);
   if (!ordered) return tl::unexpected(with_hint(ordered.error(), source, choices));
@@ -89,11 +86,6 @@ Attempt<std::vector<plan::PathAxis>> read_axes(const Source& source,
     if (!facts) return tl::unexpected(facts.error());
     auto axis = plan::path_axis(source, *facts, wish);
     if (!axis) return tl::unexpected(with_hint(axis.error(), source, choices));
-    if (with_twins) {
-      auto twin = twin_of(choice.axis, target);
-      if (!twin) return tl::unexpected(twin.error());
-      axis->stream.twin = std::move(*twin);
-    }
     axes.push_back(std::move(*axis));
   }
   return axes;

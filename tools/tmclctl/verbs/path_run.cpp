@@ -46,47 +46,10 @@ Attempt<void> go_to_start(const plan::Course& course, const std::vector<plan::Pa
   return path::go_to(path::names_of(axes), positions, "on the way to the start", room);
 }
 
-// ---- without tmcld ----
-
-json::object to_json(const std::vector<plan::Figure>& figures) {
-  json::object out;
-  for (const auto& figure : figures)
-    std::visit([&](const auto value) { out[figure.first] = value; }, figure.second);
-  return out;
-}
-
-json::object to_json(const plan::StreamReport& report, const std::vector<std::string>& names) {
-  json::array tracking;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    auto row = to_json(figures_of(report.axes[i]));
-    row["axis"] = names[i];
-    tracking.push_back(std::move(row));
-  }
-  const auto remarks = tmcl::remarks_of(report, names);
-  auto out = to_json(figures_of(report));
-  out["tracking_error"] = std::move(tracking);
-  out["remarks"] = json::array(remarks.begin(), remarks.end());
-  return out;
-}
-
 struct Passed {
   Attempt<json::object> report;
   int signal = 0;  ///< That ended it; 0 if none did.
 };
-
-Passed pass_alone(const plan::PathWish& wish, const plan::Course& course,
-                  const std::vector<plan::PathAxis>& axes, Room& room) {
-  plan::PathStream stream(course, streamed(axes), options_of(wish));
-  const auto names = path::names_of(axes);
-  const int signal = path::drive(stream, names, course.duration(), room);
-  auto report = to_json(stream.report(), names);
-  if (!stream.report().fault) return {std::move(report), signal};
-  auto failure = path::failure_from(stream.report(), names);
-  failure.details["run"] = std::move(report);
-  return {tl::unexpected(std::move(failure)), signal};
-}
-
-// ---- by tmcld ----
 
 json::object params_of(const path::Source& source, const plan::PathWish& wish,
                        const std::vector<plan::PathAxis>& axes) {
@@ -114,8 +77,8 @@ json::object params_of(const path::Source& source, const plan::PathWish& wish,
   return params;
 }
 
-Passed pass_by_daemon(const path::Source& source, const plan::PathWish& wish,
-                      const std::vector<plan::PathAxis>& axes, Room& room) {
+Passed pass(const path::Source& source, const plan::PathWish& wish,
+            const std::vector<plan::PathAxis>& axes, Room& room) {
   ProgressLine progress(room.output);
   int signal = 0;
   PathWatcher watcher;
@@ -126,7 +89,7 @@ Passed pass_by_daemon(const path::Source& source, const plan::PathWish& wish,
     return room.patience.pause_asked() ? PathWill::pause : PathWill::go_on;
   };
   auto report = room.target.pass_path(params_of(source, wish, axes), source.text, watcher);
-  // The same as without tmcld.
+  // What stopped it before its end has moved the axes, or not.
   if (!report && report.error().details.contains("run")) {
     const bool moved = report.error().outcome == tmcl::Outcome::done;
     report.error().exit = moved ? ExitCode::not_reached : ExitCode::refused;
@@ -185,9 +148,7 @@ VerbResult run(const verb::RunPath& verb, Room& room) {
   auto source = path::read_source(verb.file, verb.tolerance, room.output);
   if (!source) return tl::unexpected(source.error());
   const auto wish = wish_of(verb);
-  const bool by_daemon = room.target.passes_paths();
-  const bool with_twins = !by_daemon && verb.by_position;
-  const auto axes = path::read_axes(*source, choices_of(verb.axes), wish, with_twins, room.target);
+  const auto axes = path::read_axes(*source, choices_of(verb.axes), wish, room.target);
   if (!axes) return tl::unexpected(axes.error());
   if (const auto begun = path::begin_where_axes_stand(*source, *axes, wish, room.output); !begun)
     return tl::unexpected(begun.error());
@@ -208,9 +169,7 @@ VerbResult run(const verb::RunPath& verb, Room& room) {
   if (const auto there = go_to_start(*course, *axes, room); !there)
     return tl::unexpected(there.error());
   room.patience.catch_pauses();
-  auto passed = by_daemon ? pass_by_daemon(*source, wish, *axes, room)
-                          : pass_alone(wish, *course, *axes, room);
-  return tell(std::move(passed), verb.by_position, room.output);
+  return tell(pass(*source, wish, *axes, room), verb.by_position, room.output);
 }
 
 }  // namespace tmclctl

@@ -137,7 +137,7 @@ MaybeFailure record_as_it_is(const verb::Plot& verb, Recorder& recorder, Room& r
     if (reading->velocity.value != 0) last_moving = room.patience.now();
     const bool stands = room.patience.now() - last_moving >= standstill_limit;
     if (!verb.for_s && stands) return std::nullopt;
-    room.patience.sleep(next_look - room.patience.now());
+    room.target.sleep(next_look - room.patience.now());
   }
   if (room.patience.signal() == 0) return std::nullopt;
   return interrupted_failure(room.patience.signal(),

@@ -1,0 +1,177 @@
+#include <algorithm>
+#include <iostream>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "api/local_gateway.hpp"
+#include "config/load.hpp"
+#include "door.hpp"
+#include "following.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+
+// How often a signal is looked at.
+constexpr tmcl::Duration look_interval = std::chrono::milliseconds(20);
+// For a call that a signal has ended: a module in download mode is brought out of it.
+constexpr tmcl::Duration time_to_end_call = std::chrono::seconds(1);
+
+class OwnGatewayDoor final : public Door {
+ public:
+  explicit OwnGatewayDoor(Patience& patience) : patience_(patience) {}
+  // What moves by itself goes on.
+  ~OwnGatewayDoor() override {
+    is_ending_ = true;
+    if (gateway_) gateway_->end();
+  }
+
+  Attempt<void> open(const tmcld::Config& config, std::int32_t full_steps, tmcl::Duration waited);
+
+  Attempt<json::object> call(std::string_view method, json::object params,
+                             CallOptions options) override;
+  Attempt<void> listen(tmcl::Duration at_most) override;
+  void on_notification(Listener listener) override {
+    gateway_->on_notification(std::move(listener));
+  }
+  void sleep(tmcl::Duration duration) override;
+  Attempt<void> see_through(bool tell, Output& output) override;
+
+ private:
+  Attempt<void> check_bus() const;
+  Attempt<json::object> cut_short(const tmcld::LocalCall& call);
+
+  Patience& patience_;
+  bool is_ending_ = false;
+  std::unique_ptr<tmcld::LocalGateway> gateway_;
+};
+
+Attempt<void> OwnGatewayDoor::open(const tmcld::Config& config, std::int32_t full_steps,
+                                   tmcl::Duration waited) {
+  tmcld::LocalGatewayOptions options;
+  options.gateway.full_steps = full_steps;
+  // Its end may take a while, which it explains; everything else is said by the verbs.
+  options.gateway.log = [this](tmcld::LogLevel level, std::string_view line) {
+    if (is_ending_ && level <= tmcld::LogLevel::warning) std::cerr << "tmclctl: " << line << '\n';
+  };
+  auto opened = attempt(tmcld::LocalGateway::open(config, std::move(options)));
+  if (!opened) {
+    opened.error().message += tmcl::waited_text(waited);
+    return tl::unexpected(opened.error());
+  }
+  gateway_ = std::move(*opened);
+  return {};
+}
+
+Attempt<json::object> result_of(const tmcld::LocalCall& call) {
+  return attempt(tmcld::RpcResult(call.result()).map_error([](const tmcld::RpcError& error) {
+    return tmcl::client::call_error_from(to_json(error));
+  }));
+}
+
+Attempt<json::object> OwnGatewayDoor::call(std::string_view method, json::object params,
+                                           CallOptions options) {
+  const auto call = gateway_->begin(method, std::move(params));
+  while (!call.has_ended()) {
+    gateway_->listen(look_interval);
+    if (options.meanwhile) {
+      options.meanwhile();
+    } else if (patience_.signal() != 0) {
+      return cut_short(call);
+    }
+  }
+  return result_of(call);
+}
+
+Attempt<json::object> OwnGatewayDoor::cut_short(const tmcld::LocalCall& call) {
+  gateway_->hang_up();
+  const auto until = patience_.now() + time_to_end_call;
+  while (!call.has_ended() && patience_.now() < until) gateway_->listen(look_interval);
+  if (call.has_ended() && call.result()) return call.result().value();
+  return tl::unexpected(
+      failure_from(tmcl::client::CallError{0,
+                                           std::string(tmcl::client::error_name::cancelled),
+                                           tmcl::Outcome::unknown,
+                                           "interrupted before it was done",
+                                           {}}));
+}
+
+Attempt<void> OwnGatewayDoor::check_bus() const {
+  for (const auto& bus : gateway_->gateway().buses()) {
+    if (bus->state() == tmcld::GatewayBus::State::open) continue;
+    return tl::unexpected(Failure{ExitCode::not_sent,
+                                  std::string(name_of(tmcl::Errc::link_lost)),
+                                  bus->error(),
+                                  {},
+                                  tmcl::Outcome::not_sent});
+  }
+  return {};
+}
+
+Attempt<void> OwnGatewayDoor::listen(tmcl::Duration at_most) {
+  const auto until = patience_.now() + at_most;
+  while (patience_.signal() == 0 && patience_.now() < until) {
+    if (gateway_->listen(std::min(until - patience_.now(), look_interval))) break;
+  }
+  return check_bus();
+}
+
+void OwnGatewayDoor::sleep(tmcl::Duration duration) {
+  const auto until = patience_.now() + duration;
+  while (patience_.signal() == 0 && patience_.now() < until)
+    gateway_->listen(std::min(until - patience_.now(), look_interval));
+}
+
+Attempt<void> OwnGatewayDoor::see_through(bool tell, Output& output) {
+  const auto& gateway = gateway_->gateway();
+  if (tell && gateway.has_journeys()) {
+    output.err << "tmclctl: watching the axes until they stand and have their settings back; "
+                  "Ctrl-C stops them"
+               << std::endl;
+  }
+  while (gateway.has_journeys() && patience_.signal() == 0) gateway_->listen(look_interval);
+  if (!gateway.has_journeys()) return {};
+  gateway_->end();
+  return tl::unexpected(
+      interrupted_failure(patience_.signal(), "the axes were stopped on their way", ""));
+}
+
+/// Lets a pty appear that a simulator is about to make, or an adapter that was just plugged in; a
+/// signal ends that. Returns how long it took.
+tmcl::Duration await_port(const tmcl::LinkName& name, tmcl::Duration wait, Patience& patience) {
+  const auto* port = std::get_if<tmcl::SerialName>(&name);
+  if (port == nullptr) return {};
+  const auto began = patience.now();
+  while (patience.now() - began < wait && patience.signal() == 0 &&
+         tmcl::is_missing(port->device) && tmcl::may_appear(port->device)) {
+    patience.sleep(tmcl::file_look_interval);
+  }
+  return patience.now() - began;
+}
+
+Attempt<tmcld::Config> config_of(const OwnBus& bus, const tmcl::LinkName& link) {
+  if (bus.config.empty()) return tmcld::config_for_link(link);
+  return tmcld::load_config_for_link(bus.config, link)
+      .map_error([](const std::vector<std::string>& problems) {
+        return usage_failure("bad_config", fmt::format("{}", fmt::join(problems, "\n")));
+      });
+}
+
+}  // namespace
+
+Attempt<std::unique_ptr<Door>> open_own_gateway(const OwnBus& bus, tmcl::Duration wait,
+                                                Patience& patience) {
+  const auto link = attempt(tmcl::parse_link_name(bus.link));
+  if (!link) return tl::unexpected(link.error());
+  const auto config = config_of(bus, *link);
+  if (!config) return tl::unexpected(config.error());
+  auto door = std::make_unique<OwnGatewayDoor>(patience);
+  return door->open(*config, bus.full_steps, await_port(*link, wait, patience)).map([&] {
+    return std::unique_ptr<Door>(std::move(door));
+  });
+}
+
+}  // namespace tmclctl
