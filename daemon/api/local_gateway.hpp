@@ -86,9 +86,9 @@ class LocalGateway {
   /// came. False if nothing came.
   bool listen(tmcl::Duration at_most);
 
-  /// As a client that ends its connection: calls in progress that only wait come to an end, a module
-  /// that is loaded is brought out of its download mode, and nothing is watched any more. Calls may
-  /// be made again.
+  /// As a client that ends its connection: calls in progress that only wait come to an end, a
+  /// module that is loaded is brought out of its download mode, and nothing is watched any more.
+  /// Calls may be made again.
   void hang_up();
 
   /// Ends as tmcld does, see end_gateway(): that may take seconds, for an upload minutes. Calls in

@@ -15,6 +15,7 @@
 #include <fcntl.h>
 #include <spawn.h>
 
+#include "support/build_paths.hpp"
 #include "support/pty.hpp"
 #include "support/responder.hpp"
 #include "tmcl/blocking.hpp"

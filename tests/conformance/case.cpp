@@ -8,6 +8,7 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "support/build_paths.hpp"
 #include "tmcl/assembler.hpp"
 
 namespace tmcl::conformance {

@@ -12,6 +12,7 @@
 #include <utility>
 
 #include "case.hpp"
+#include "support/build_paths.hpp"
 #include "tmcl/parameter.hpp"
 
 namespace tmcl::conformance {

@@ -16,6 +16,8 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include "support/build_paths.hpp"
+
 namespace tmcl::test {
 
 /// Ends its program, at the latest when it goes out of scope.

@@ -11,6 +11,7 @@
 #include "plot/picture.hpp"
 #include "plot/plane.hpp"
 #include "plot/svg_plot.hpp"
+#include "support/build_paths.hpp"
 #include "system/gallery_easel.hpp"
 #include "system/gallery_recording.hpp"
 #include "system/tmcld_fixture.hpp"

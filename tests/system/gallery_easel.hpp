@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/build_paths.hpp"
 #include "system/tmclctl_bench.hpp"
 
 namespace tmcl::test {

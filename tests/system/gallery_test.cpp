@@ -8,6 +8,7 @@
 
 #include <fmt/format.h>
 
+#include "support/build_paths.hpp"
 #include "system/gallery_easel.hpp"
 #include "system/tmclctl_bench.hpp"
 

@@ -11,6 +11,7 @@
 #include <pty.h>
 #include <boost/json.hpp>
 
+#include "support/build_paths.hpp"
 #include "support/program.hpp"
 
 namespace tmcl::test {

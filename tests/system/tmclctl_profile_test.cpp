@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "support/build_paths.hpp"
 #include "system/tmclctl_bench.hpp"
 
 namespace tmcl::test {

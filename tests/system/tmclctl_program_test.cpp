@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "support/build_paths.hpp"
 #include "support/program.hpp"
 
 namespace tmcl::test {

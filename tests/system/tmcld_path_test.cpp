@@ -4,6 +4,7 @@
 
 #include <csignal>
 
+#include "support/build_paths.hpp"
 #include "system/tmclctl_bench.hpp"
 
 namespace tmcl::test {

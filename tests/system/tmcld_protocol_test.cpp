@@ -6,6 +6,7 @@
 
 #include <gmock/gmock.h>
 
+#include "support/build_paths.hpp"
 #include "system/tmcld_fixture.hpp"
 
 namespace tmcl::test {

@@ -22,6 +22,8 @@
 #include <utility>
 #include <vector>
 
+#include "support/build_paths.hpp"
+
 namespace {
 
 namespace fs = std::filesystem;

@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "options.hpp"
+#include "support/build_paths.hpp"
 
 namespace tmclctl {
 namespace {

@@ -13,6 +13,7 @@
 #include "options.hpp"
 #include "profile/player.hpp"
 #include "profile/setup.hpp"
+#include "support/build_paths.hpp"
 #include "support/seed.hpp"
 #include "tmcl/ramp/tmc429.hpp"
 

@@ -7,6 +7,7 @@
 
 #include "ctl_fixture.hpp"
 #include "options.hpp"
+#include "support/build_paths.hpp"
 
 namespace tmclctl {
 namespace {

@@ -9,6 +9,7 @@
 
 #include "config/keys.hpp"
 #include "config/load.hpp"
+#include "support/build_paths.hpp"
 #include "support/temp_path.hpp"
 
 namespace tmcld {

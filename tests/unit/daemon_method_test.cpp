@@ -12,6 +12,7 @@
 #include "api/json_text.hpp"
 #include "api/params.hpp"
 #include "api/request.hpp"
+#include "support/build_paths.hpp"
 #include "support/rounds.hpp"
 #include "support/seed.hpp"
 

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "support/build_paths.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
 

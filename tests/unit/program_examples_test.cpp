@@ -5,6 +5,7 @@
 #include <string>
 
 #include "sim_fixture.hpp"
+#include "support/build_paths.hpp"
 #include "support/program_host.hpp"
 
 namespace tmcl::sim {

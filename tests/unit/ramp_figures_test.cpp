@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "plot/svg_plot.hpp"
+#include "support/build_paths.hpp"
 #include "tmcl/ramp/mc1451a.hpp"
 #include "tmcl/ramp/sixpoint.hpp"
 #include "tmcl/ramp/tmc429.hpp"

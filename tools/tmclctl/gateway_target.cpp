@@ -276,7 +276,7 @@ Attempt<ParameterValue> GatewayTarget::get(const std::string& axis, const std::s
 }
 
 Attempt<ParameterValue> GatewayTarget::set(const std::string& axis, const std::string& parameter,
-                                          const Typed& value) {
+                                           const Typed& value) {
   json::object params{{"axis", axis}, {"parameter", parameter_value(parameter)}};
   put(params, "value_in_unit", "value", value);
   return call("parameter.set", std::move(params)).map(value_from);

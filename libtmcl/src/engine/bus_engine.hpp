@@ -12,11 +12,11 @@
 ///                                     deadline, after the last try: the module is silent, its
 ///                                              calls end as not_sent (unknown if sent before)
 ///
-/// Its parts: Scheduler, the calls that wait and which of them is next; Conversations, what is known
-/// about each module (Lane: in step or not, Custody: whose it is) and what is under way (Channel).
-/// ReplyForm: answers that do not look like replies. bus_engine.cpp starts exchanges and gives them
-/// up, answers.cpp ends them, stops.cpp is about what a stop makes pointless, full_link.cpp about
-/// links that take nothing, surplus.cpp about replies that nobody asked for.
+/// Its parts: Scheduler, the calls that wait and which of them is next; Conversations, what is
+/// known about each module (Lane: in step or not, Custody: whose it is) and what is under way
+/// (Channel). ReplyForm: answers that do not look like replies. bus_engine.cpp starts exchanges and
+/// gives them up, answers.cpp ends them, stops.cpp is about what a stop makes pointless,
+/// full_link.cpp about links that take nothing, surplus.cpp about replies that nobody asked for.
 ///
 /// A stop goes first. Where it would have to wait for a fence it is sent at once as well, and then
 /// again, provably. A stop also removes every movement that is queued for the same motor.

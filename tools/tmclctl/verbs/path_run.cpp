@@ -8,7 +8,6 @@
 #include "path/path_report.hpp"
 #include "path/run_axes.hpp"
 #include "print.hpp"
-#include "tmcl/drive_report.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
