@@ -31,7 +31,7 @@ std::string thrown_by(awaitable<void> task) {
 }
 
 TEST(DaemonAsync, WhatIsThrownElsewhereIsThrownHere) {
-  boost::asio::thread_pool pool(1);
+  Workers pool(1);
   const auto fails = [&](auto work) -> awaitable<void> {
     co_await elsewhere(pool, std::move(work));
   };

@@ -26,11 +26,13 @@ class VirtualGateway {
     wire.modules.emplace(std::uint8_t{1}, FakeModule(1));
     const auto config = parse_config("[daemon]\nsocket = \"/none\"\n" + toml);
     if (!config) throw std::runtime_error(config.error().front().message);
-    gateway_ = Gateway::create(context_.get_executor(), *config, [this](const BusConfig&) {
+    GatewayOptions options;
+    options.open_link = [this](const BusConfig&) {
       auto ends = tmcl::Link::memory_pair(tmcl::Framing::serial);
-      wire.plug_in(context_, ::dup(ends->second.descriptor()));
+      wire.plug_in(context_.get_executor(), ::dup(ends->second.descriptor()));
       return tmcl::Result<tmcl::Link>(std::move(ends->first));
-    });
+    };
+    gateway_ = Gateway::create(context_.get_executor(), *config, std::move(options));
     gateway_->start();
     time.run_for(std::chrono::seconds(1));
   }

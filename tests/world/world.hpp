@@ -64,8 +64,9 @@ class World {
         ledger_.on_request(wire->name(), request, time_.now());
       };
     }
-    gateway_ = Gateway::create(context_.get_executor(), configuration(),
-                               [this](const BusConfig& bus) { return wire(bus.name).open(); });
+    GatewayOptions options;
+    options.open_link = [this](const BusConfig& bus) { return wire(bus.name).open(); };
+    gateway_ = Gateway::create(context_.get_executor(), configuration(), std::move(options));
   }
 
   /// Until every client has made its calls, the gateway has ended, and nothing is left to do.
