@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string_view>
 
@@ -113,30 +114,31 @@ inline constexpr ParameterNumber list[] = {
     {"unit_mode", axis_parameter::unit_mode, tmc457 | sixpoint},
 };
 
-constexpr const ParameterNumber* find(Family family, std::string_view name) {
+// By value: with sanitizers g++ 12 compares no address in a constant expression.
+constexpr std::optional<std::uint8_t> find(Family family, std::string_view name) {
   for (const auto& row : list)
-    if (row.name == name && (row.families & set_of(family)) != 0) return &row;
-  return nullptr;
+    if (row.name == name && (row.families & set_of(family)) != 0) return row.number;
+  return std::nullopt;
 }
 
 }  // namespace numbered
 
 consteval std::uint8_t number_of(Family family, std::string_view name) {
-  const auto* row = numbered::find(family, name);
-  if (row == nullptr) throw std::invalid_argument("no such parameter of this family in the list");
-  return row->number;
+  const auto number = numbered::find(family, name);
+  if (!number) throw std::invalid_argument("no such parameter of this family in the list");
+  return *number;
 }
 
 /// For a name that has one number, whatever the family.
 consteval std::uint8_t number_of(std::string_view name) {
-  const ParameterNumber* found = nullptr;
+  std::optional<std::uint8_t> found;
   for (const auto& row : numbered::list) {
     if (row.name != name) continue;
-    if (found != nullptr) throw std::invalid_argument("the number depends on the family");
-    found = &row;
+    if (found) throw std::invalid_argument("the number depends on the family");
+    found = row.number;
   }
-  if (found == nullptr) throw std::invalid_argument("no such parameter in the list");
-  return found->number;
+  if (!found) throw std::invalid_argument("no such parameter in the list");
+  return *found;
 }
 
 }  // namespace tmcl

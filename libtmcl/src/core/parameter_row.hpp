@@ -68,7 +68,7 @@ constexpr bool agrees_with_numbers(std::span<const ParameterRow> rows, Family fa
       if (is_here && row.info.number != listed.number) return false;
       found = true;
     }
-    const bool is_known = numbered::find(family, listed.name) != nullptr;
+    const bool is_known = numbered::find(family, listed.name).has_value();
     if (found != is_known) return false;
   }
   return true;
