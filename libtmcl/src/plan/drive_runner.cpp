@@ -1,7 +1,6 @@
 #include "plan/drive_runner.hpp"
 
 #include <algorithm>
-#include <ranges>
 #include <utility>
 
 #include <fmt/format.h>
@@ -34,9 +33,9 @@ void KeptSettings::begin_write(std::uint8_t parameter) {
 
 std::vector<Setting> KeptSettings::to_restore() const {
   std::vector<Setting> settings;
-  for (const auto parameter : std::views::reverse(written_)) {
-    const auto before = before_.at(parameter);
-    if (now(parameter) != before) settings.push_back({parameter, before});
+  for (auto parameter = written_.rbegin(); parameter != written_.rend(); ++parameter) {
+    const auto before = before_.at(*parameter);
+    if (now(*parameter) != before) settings.push_back({*parameter, before});
   }
   return settings;
 }
