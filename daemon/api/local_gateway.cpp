@@ -8,7 +8,6 @@
 #include "async/spawn.hpp"
 #include "async/wait_until.hpp"
 #include "gateway/ending.hpp"
-#include "tmcl/awaited_file.hpp"
 
 namespace tmcld {
 namespace {
@@ -80,32 +79,15 @@ LocalGateway::~LocalGateway() {
 }
 
 tmcl::Result<std::unique_ptr<LocalGateway>> LocalGateway::open(const Config& config,
-                                                               LocalGatewayOptions options) {
+                                                               GatewayOptions options) {
   std::unique_ptr<LocalGateway> local(new LocalGateway);
-  local->gateway_ = Gateway::create(local->context_.get_executor(), config, options.gateway);
+  local->gateway_ = Gateway::create(local->context_.get_executor(), config, std::move(options));
   local->peer_ = std::make_shared<LocalPeer>(local->gateway_, local->news_);
   for (const auto& bus : local->gateway_->buses()) {
-    const auto waited = local->await_device(bus->config(), options);
-    auto opened = bus->open_now();
-    if (opened) continue;
-    opened.error().message += tmcl::waited_text(waited);
-    return tl::unexpected(std::move(opened.error()));
+    if (auto opened = bus->open_now(); !opened) return tl::unexpected(std::move(opened.error()));
   }
   local->gateway_->start();
   return local;
-}
-
-/// Lets a pty appear that a simulator is about to make, or an adapter that was just plugged in.
-tmcl::Duration LocalGateway::await_device(const BusConfig& bus,
-                                          const LocalGatewayOptions& options) {
-  const auto* serial = std::get_if<tmcl::SerialName>(&bus.link);
-  if (serial == nullptr) return {};
-  const auto began = now();
-  while (now() - began < options.wait_for_links && !options.gives_up() &&
-         tmcl::is_missing(serial->device) && tmcl::may_appear(serial->device)) {
-    context_.run_for(tmcl::file_look_interval);
-  }
-  return now() - began;
 }
 
 LocalCall LocalGateway::begin(std::string_view method, boost::json::object params) {

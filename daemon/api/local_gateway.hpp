@@ -34,14 +34,6 @@ namespace tmcld {
 
 class LocalPeer;
 
-struct LocalGatewayOptions {
-  GatewayOptions gateway{};
-  /// How long serial devices that are not there yet are waited for, one after the other.
-  tmcl::Duration wait_for_links{};
-  /// Ends that wait early.
-  std::function<bool()> gives_up = [] { return false; };
-};
-
 /// A call in progress. May outlive its gateway, but ends only while that is listened to.
 class LocalCall {
  public:
@@ -68,7 +60,7 @@ class LocalGateway {
   /// Opens all links; blocks until they are open.
   /// Errors: those of tmcl::Link::open() for the first that cannot be opened.
   static tmcl::Result<std::unique_ptr<LocalGateway>> open(const Config& config,
-                                                          LocalGatewayOptions options);
+                                                          GatewayOptions options);
   LocalGateway(const LocalGateway&) = delete;
   LocalGateway& operator=(const LocalGateway&) = delete;
   ~LocalGateway();
@@ -100,8 +92,6 @@ class LocalGateway {
 
  private:
   LocalGateway();
-  /// How long it has waited.
-  tmcl::Duration await_device(const BusConfig& bus, const LocalGatewayOptions& options);
   bool deliver();
 
   boost::asio::io_context context_{1};

@@ -19,9 +19,9 @@ class LocalBench {
   }
 
   /// Empty if that worked.
-  std::string open(LocalGatewayOptions options = {}) {
+  std::string open(GatewayOptions options = {}) {
     int far = -1;
-    options.gateway.open_link = [&](const BusConfig&) -> tmcl::Result<tmcl::Link> {
+    options.open_link = [&](const BusConfig&) -> tmcl::Result<tmcl::Link> {
       if (wire.is_absent) return tl::unexpected(tmcl::bad_argument(wire.why_absent));
       auto ends = tmcl::Link::memory_pair(tmcl::Framing::serial);
       far = ::dup(ends->second.descriptor());

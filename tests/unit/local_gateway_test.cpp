@@ -7,7 +7,6 @@ namespace tmcld::test {
 namespace {
 
 using testing::Contains;
-using testing::HasSubstr;
 
 struct LocalGatewayTest : testing::Test {
   LocalGatewayTest() { EXPECT_EQ(bench.open(), ""); }
@@ -67,17 +66,6 @@ TEST(LocalGatewayLinks, ThatCannotBeOpenedAreTold) {
   LocalBench bench;
   bench.wire.is_absent = true;
   EXPECT_EQ(bench.open(), "no such device");
-}
-
-TEST(LocalGatewayLinks, ThatMayAppearAreWaitedForUntilSomebodyGivesUp) {
-  LocalBench bench("[[bus]]\nname = \"b\"\nlink = \"serial:/tmp/tmcld-never-there\"\n");
-  bench.wire.is_absent = true;
-  LocalGatewayOptions options;
-  options.wait_for_links = 1h;
-  int looks = 0;
-  options.gives_up = [&] { return ++looks == 3; };
-  EXPECT_THAT(bench.open(options), HasSubstr("no such device (waited "));
-  EXPECT_EQ(looks, 3);
 }
 
 struct LocalPath : testing::Test {

@@ -87,7 +87,7 @@ constexpr auto millimetres =
     "soft_limits = [-10, 10]\n";
 
 struct RawAxes : testing::Test {
-  explicit RawAxes(LocalGatewayOptions options = {}) {
+  explicit RawAxes(GatewayOptions options = {}) {
     bench.wire.modules.at(1).parameter(2, ap::microstep_resolution) = 4;
     EXPECT_EQ(bench.open(std::move(options)), "");
   }
@@ -160,9 +160,9 @@ TEST_F(RawAxes, ThatAreSilentAreStoppedLast) {
   EXPECT_THAT(std::vector(told.begin(), told.begin() + 3), ElementsAre(1, 1, 1));
 }
 
-LocalGatewayOptions with_full_steps(std::int32_t full_steps) {
-  LocalGatewayOptions options;
-  options.gateway.full_steps = full_steps;
+GatewayOptions with_full_steps(std::int32_t full_steps) {
+  GatewayOptions options;
+  options.full_steps = full_steps;
   return options;
 }
 

@@ -51,10 +51,10 @@ class OwnGatewayDoor final : public Door {
 
 Attempt<void> OwnGatewayDoor::open(const tmcld::Config& config, std::int32_t full_steps,
                                    tmcl::Duration waited) {
-  tmcld::LocalGatewayOptions options;
-  options.gateway.full_steps = full_steps;
+  tmcld::GatewayOptions options;
+  options.full_steps = full_steps;
   // Its end may take a while, which it explains; everything else is said by the verbs.
-  options.gateway.log = [this](tmcld::LogLevel level, std::string_view line) {
+  options.log = [this](tmcld::LogLevel level, std::string_view line) {
     if (is_ending_ && level <= tmcld::LogLevel::warning) std::cerr << "tmclctl: " << line << '\n';
   };
   auto opened = attempt(tmcld::LocalGateway::open(config, std::move(options)));
