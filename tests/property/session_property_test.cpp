@@ -37,7 +37,11 @@ motor = 0
 // Of the reactor's own processor time, so that a busy machine makes little difference: lines of the
 // greatest length take some milliseconds, the longest path some 20. What is a hundred times the
 // work of a line is beyond it.
+#ifdef __SANITIZE_ADDRESS__
+constexpr auto longest_turn = std::chrono::milliseconds(2000);  // not optimised, and checked
+#else
 constexpr auto longest_turn = std::chrono::milliseconds(200);
+#endif
 
 /// Measures on the reactor how long it works between two looks at what is due.
 class TurnMeter {

@@ -35,7 +35,7 @@ class RandomClients : public DaemonTest {
     auto& one = *clients_[i];
     auto& requests = pending_[i].requests;
     const json::object axis{{"axis", random_() % 2 == 0 ? "x" : "y"}};
-    switch (random_() % 12) {
+    switch (random_() % 32) {
       case 0: requests[one.send("axis.stop", axis)] = 0; break;
       case 1: requests[one.send("system.stop_all")] = 0; break;
       case 2: requests[one.send("axis.get_state", axis)] = 0; break;
