@@ -48,6 +48,22 @@ class AnyInterleaving : public testing::TestWithParam<Framing> {
   }
 };
 
+/// The wanted program, with the stop of others in place of one of its lines.
+bool is_with_a_stop(const Program& held, const Program& wanted) {
+  if (held.size() < wanted.size()) return false;
+  int stops = 0, others = 0;
+  for (std::size_t i = 0; i < wanted.size(); ++i) {
+    const auto& line = held[i];
+    const bool is_stop = line.command == foreign_stop.command && line.motor == foreign_stop.motor;
+    if (is_stop) {
+      ++stops;
+    } else if (!(line == wanted[i])) {
+      ++others;
+    }
+  }
+  return stops == 1 && others == 0;
+}
+
 TEST_P(AnyInterleaving, ProgramsAndCommandsOfOthersStayApart) {
   for (int round = 0; round < 300; ++round) {
     SCOPED_TRACE("TMCL_SEED=" + std::to_string(test::seed()) + ", round " + std::to_string(round));
@@ -91,9 +107,9 @@ TEST_P(AnyInterleaving, ProgramsAndCommandsOfOthersStayApart) {
     if (loaded) {
       ASSERT_TRUE(holds_it);
     } else {
-      // A stop that was lost to the program may stand behind a first line that was written already.
-      const bool took_stop = std::ranges::count(fake.recorded(), foreign_stop) != 0;
-      ASSERT_TRUE(holds_it || took_stop || fake.program().empty() ||
+      // A stop that was lost to the program may stand behind a first line that was written already:
+      // one, in the place of one line.
+      ASSERT_TRUE(holds_it || is_with_a_stop(fake.program(), program) || fake.program().empty() ||
                   fake.program()[0].command == Command{} ||
                   fake.program()[0].command == Command::MST)
           << describe(loaded.error());
