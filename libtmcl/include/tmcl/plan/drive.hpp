@@ -7,8 +7,8 @@
 ///       if (std::holds_alternative<DriveEnd>(step)) break;
 ///       if (const auto* wait = std::get_if<DriveWait>(&step)) sleep until wait->until;
 ///       if (const auto* commands = std::get_if<DriveCommands>(&step))
-///         for (const auto& command : *commands) drive.answered(clock.now(), command.axis,
-///         do(command));
+///         for (const auto& command : *commands)
+///           drive.answered(clock.now(), command.axis, do(command));
 ///     }
 ///
 /// The commands of one step may be under way at the same time; each is told as soon as it has been
