@@ -18,7 +18,7 @@
 namespace tmclctl::test {
 
 /// Time passes only while someone sleeps. May be told to press Ctrl-C at some instant.
-class FakePatience final : public Patience {
+class FakeHost final : public Host {
  public:
   tmcl::TimePoint now() const override { return now_; }
   void sleep(tmcl::Duration duration) override { now_ += std::max(duration, tmcl::Duration{}); }
@@ -44,7 +44,7 @@ class FakePatience final : public Patience {
 /// goes.
 class FakeTarget : public Target {
  public:
-  explicit FakeTarget(Patience& patience) : patience_(patience) {}
+  explicit FakeTarget(Host& host) : host_(host) {}
 
   // What the tests arrange.
   std::int32_t microsteps_per_ms = 10;
@@ -152,7 +152,7 @@ class FakeTarget : public Target {
     reading.moving = at() != target_ && !stopped_now();
     reading.velocity = {reading.moving ? 100 * direction : 0};
     reading.position_reached = at() == target_;
-    reading.taken_at = patience_.now();
+    reading.taken_at = host_.now();
     reading.user = user;
     if (tells_position_in_mm) reading.user = {"mm", at() / 10'240.0, target_ / 10'240.0, 0.5};
     return reading;
@@ -163,7 +163,7 @@ class FakeTarget : public Target {
       const auto reading = state(axis);
       if (!reading) return tl::unexpected(reading.error());
       if (!on_reading(&*reading)) return {};
-      patience_.sleep(interval);
+      host_.sleep(interval);
     }
   }
   Attempt<RawAnswer> raw(const RawCommand& command) override {
@@ -188,10 +188,10 @@ class FakeTarget : public Target {
     auto asked = ask();
     if (!asked) return asked;
     for (const auto& motors : arrivals) {
-      patience_.sleep(std::chrono::seconds(1));
+      host_.sleep(std::chrono::seconds(1));
       if (!on_arrival(&motors)) return {};
     }
-    while (on_arrival(nullptr)) patience_.sleep(std::chrono::seconds(1));
+    while (on_arrival(nullptr)) host_.sleep(std::chrono::seconds(1));
     return {};
   }
   std::vector<std::vector<std::uint8_t>> arrivals;  ///< One a second.
@@ -218,7 +218,7 @@ class FakeTarget : public Target {
     calls.push_back("path.run " + boost::json::serialize(params));
     watcher.on_progress({"running", 0.5, 1});
     for (int i = 0; i < 20; ++i) {
-      patience_.sleep(std::chrono::milliseconds(100));
+      host_.sleep(std::chrono::milliseconds(100));
       path_will = watcher.will();
     }
     if (path_failure) return tl::unexpected(*path_failure);
@@ -227,7 +227,7 @@ class FakeTarget : public Target {
   std::string path_text;
   PathWill path_will = PathWill::go_on;
   std::optional<Failure> path_failure;
-  void sleep(tmcl::Duration duration) override { patience_.sleep(duration); }
+  void sleep(tmcl::Duration duration) override { host_.sleep(duration); }
   Attempt<void> see_through(bool tell, Output& output) override {
     if (tell && watches) output.err << "watching\n";
     return {};
@@ -252,14 +252,14 @@ class FakeTarget : public Target {
     calls.push_back("move_to " + axis + ' ' + std::to_string(goal.value));
     from_ = at();
     target_ = goal.value;
-    began_ = patience_.now();
+    began_ = host_.now();
     return StartedMove{goal, predicted_s, told_in_unit};
   }
   bool stopped_now() const {
-    return stopped_by_other_after && patience_.now() - began_ >= *stopped_by_other_after;
+    return stopped_by_other_after && host_.now() - began_ >= *stopped_by_other_after;
   }
   std::int32_t at() const {
-    auto elapsed = patience_.now() - began_;
+    auto elapsed = host_.now() - began_;
     if (stopped_by_other_after) elapsed = std::min(elapsed, *stopped_by_other_after);
     const auto ms = std::chrono::duration_cast<std::chrono::milliseconds>(elapsed).count();
     const auto way = std::abs(std::int64_t{target_} - from_);
@@ -267,7 +267,7 @@ class FakeTarget : public Target {
     return static_cast<std::int32_t>(from_ + (target_ >= from_ ? done : -done));
   }
 
-  Patience& patience_;
+  Host& host_;
   std::int32_t from_ = 0;
   std::int32_t target_ = 0;
   tmcl::TimePoint began_{};
@@ -276,8 +276,8 @@ class FakeTarget : public Target {
 /// Runs one command line against the fake axis.
 class Ctl {
  public:
-  FakePatience patience;
-  FakeTarget target{patience};
+  FakeHost host;
+  FakeTarget target{host};
   Screen screen;  ///< Both streams'. A plain file, unless the test says otherwise.
 
   std::string out;
@@ -287,7 +287,7 @@ class Ctl {
     std::ostringstream out_stream;
     std::ostringstream err_stream;
     Output output{out_stream, err_stream, screen, screen};
-    const auto exit = tmclctl::run(arguments, output, patience, target);
+    const auto exit = tmclctl::run(arguments, output, host, target);
     out = out_stream.str();
     err = err_stream.str();
     return exit;

@@ -141,7 +141,7 @@ TEST_F(CtlMethods, ArrivalsAreShownUntilTheTimeIsUp) {
 TEST_F(CtlMethods, ArrivalsOfTheNextMoveEndWhenAllHaveArrived) {
   ctl.target.arrivals = {{1}, {0}, {1}};
   EXPECT_EQ(ctl.json({"arrivals", "b:1", "1", "--next"}).at("motors").at(0), 1);
-  ctl.patience.press_ctrl_c_after(std::chrono::seconds(60));
+  ctl.host.press_ctrl_c_after(std::chrono::seconds(60));
   EXPECT_EQ(ctl.run({"arrivals", "1", "0", "1", "--next"}), ExitCode::done);
   EXPECT_THAT(ctl.out, testing::EndsWith("motor 0 arrived\n"));
   ctl.target.failure = Failure{ExitCode::refused, "refused_by_module", "it does not know that"};
@@ -202,7 +202,7 @@ TEST_F(CtlMethods, DownloadPrintsTextThatMakesTheSameProgram) {
 }
 
 TEST_F(CtlMethods, CtrlCEndsAnUploadAndSaysWhatIsLeft) {
-  ctl.patience.press_ctrl_c_after({});
+  ctl.host.press_ctrl_c_after({});
   const auto path = file("host_ctl2.tmc", "STOP\n");
   EXPECT_EQ(ctl.run({"program", "upload", path, "1"}), ExitCode::interrupted);
   EXPECT_THAT(ctl.err, HasSubstr("upload again"));

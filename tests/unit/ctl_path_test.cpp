@@ -120,7 +120,7 @@ TEST_F(CtlPath, CtrlCLetsTheGatewayStop) {
   target.values = {{"4", 1000}, {"5", 500}};
   target.path_failure = Failure{ExitCode::unknown, "stopped", "stopped", "", tmcl::Outcome::done};
   target.path_failure->details["run"] = boost::json::object{};
-  patience.press_ctrl_c_after(std::chrono::seconds(1));
+  host.press_ctrl_c_after(std::chrono::seconds(1));
   EXPECT_EQ(run({"path", "run", line, "--axis", "X=x"}), ExitCode::interrupted);
   EXPECT_EQ(target.path_will, PathWill::stop);
   EXPECT_THAT(err, HasSubstr("stopped before the end of the path"));
@@ -167,7 +167,7 @@ TEST_F(CtlPath, MintsAxis0IsTheFirstThereIs) {
 
 TEST_F(CtlPath, CtrlCStopsAMintProgram) {
   const auto program = file("SPEED = 1000\nACCEL = 10000\nMOVER = 20000\nGO\nMOVER = 1\nGO\n");
-  patience.press_ctrl_c_after(std::chrono::milliseconds(500));
+  host.press_ctrl_c_after(std::chrono::milliseconds(500));
   EXPECT_EQ(run({"mint", "run", program, "--axis", "0=x"}), ExitCode::interrupted);
   EXPECT_THAT(target.calls, testing::Contains("stop x"));
   EXPECT_THAT(target.calls, testing::Not(testing::Contains("move_to x 20001")));

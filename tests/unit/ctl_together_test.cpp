@@ -12,8 +12,8 @@ using testing::ElementsAre;
 
 class CtlTogether : public testing::Test {
  protected:
-  test::FakePatience patience;
-  test::FakeTarget target{patience};
+  test::FakeHost host;
+  test::FakeTarget target{host};
 };
 
 TEST_F(CtlTogether, TargetsAreLoadedFirstAndMotorsOfAModuleStartByOneCommand) {

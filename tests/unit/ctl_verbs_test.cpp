@@ -77,7 +77,7 @@ TEST_F(CtlVerbs, MoveWaitDrawsItsProgressOnATerminal) {
 }
 
 TEST_F(CtlVerbs, CtrlCEndsTheWaitingAndNotTheMove) {
-  patience.press_ctrl_c_after(milliseconds(200));
+  host.press_ctrl_c_after(milliseconds(200));
   EXPECT_EQ(run({"move", "x", "10000", "--wait"}), ExitCode::interrupted);
   EXPECT_EQ(out, "");
   EXPECT_THAT(err, HasSubstr("goes on moving to 10000"));
@@ -86,7 +86,7 @@ TEST_F(CtlVerbs, CtrlCEndsTheWaitingAndNotTheMove) {
 }
 
 TEST_F(CtlVerbs, CtrlCBeforeTheMoveWentOutKeepsItFromGoing) {
-  patience.press_ctrl_c_after(milliseconds(0));
+  host.press_ctrl_c_after(milliseconds(0));
   EXPECT_EQ(run({"move", "x", "10000", "--wait"}), ExitCode::interrupted);
   EXPECT_EQ(run({"plot", "x", "--to", "10000"}), ExitCode::interrupted);
   EXPECT_THAT(err, HasSubstr("before anything moved"));
@@ -94,7 +94,7 @@ TEST_F(CtlVerbs, CtrlCBeforeTheMoveWentOutKeepsItFromGoing) {
 }
 
 TEST_F(CtlVerbs, CtrlCIsAnErrorDocumentWithJson) {
-  patience.press_ctrl_c_after(milliseconds(200));
+  host.press_ctrl_c_after(milliseconds(200));
   const auto document = json({"move", "x", "10000", "--wait"}, ExitCode::interrupted);
   EXPECT_EQ(document.at("error").at("name"), "interrupted");
   EXPECT_EQ(document.at("error").at("target_microsteps"), 10000);
@@ -285,7 +285,7 @@ TEST_F(CtlVerbs, WatchPrintsChangesOnly) {
 }
 
 TEST_F(CtlVerbs, CtrlCIsHowAWatchEnds) {
-  patience.press_ctrl_c_after(milliseconds(500));
+  host.press_ctrl_c_after(milliseconds(500));
   EXPECT_EQ(run({"watch", "x"}), ExitCode::done);
   EXPECT_EQ(err, "");
 }
@@ -327,7 +327,7 @@ TEST_F(CtlVerbs, PlotWithoutAMoveEndsWhenTheAxisStands) {
 }
 
 TEST_F(CtlVerbs, CtrlCDrawsWhatThereIs) {
-  patience.press_ctrl_c_after(milliseconds(300));
+  host.press_ctrl_c_after(milliseconds(300));
   EXPECT_EQ(run({"plot", "x", "--to", "10000"}), ExitCode::interrupted);
   EXPECT_THAT(out, HasSubstr("velocity [internal]"));
   EXPECT_THAT(err, HasSubstr("goes on moving"));
@@ -357,7 +357,7 @@ TEST_F(CtlVerbs, NoDaemonNamesTheSocketAndWhatToTry) {
   std::ostringstream out_stream;
   std::ostringstream err_stream;
   Output output{out_stream, err_stream, {}, {}};
-  EXPECT_EQ(tmclctl::run({"--socket", "/nowhere/tmcld.sock", "axes"}, output, patience),
+  EXPECT_EQ(tmclctl::run({"--socket", "/nowhere/tmcld.sock", "axes"}, output, host),
             ExitCode::not_sent);
   EXPECT_EQ(out_stream.str(), "");
   EXPECT_THAT(err_stream.str(), HasSubstr("/nowhere/tmcld.sock"));

@@ -21,7 +21,7 @@ using testing::HasSubstr;
 using testing::Not;
 
 /// While someone sleeps, something happens at some instant.
-class EventfulPatience final : public Patience {
+class EventfulHost final : public Host {
  public:
   tmcl::TimePoint now() const override { return clock_.now(); }
   void sleep(tmcl::Duration duration) override {
@@ -57,30 +57,30 @@ class CtlWaiting : public testing::Test {
   std::string open(const std::string& path) {
     Where where;
     where.direct = "serial:" + path + "@115200";
-    const auto target = open_target(where, usual_wait, patience);
+    const auto target = open_target(where, usual_wait, host);
     return target ? std::string{} : target.error().message;
   }
   ExitCode run(std::vector<std::string> words) {
     words.insert(words.begin(), {"--direct", "serial:" + port + "@115200"});
     std::ostringstream text;
     Output output{text, text, {}, {}};
-    return tmclctl::run(words, output, patience);
+    return tmclctl::run(words, output, host);
   }
 
-  EventfulPatience patience;
+  EventfulHost host;
   tmcl::test::Pty pty;
   const std::string port = tmcl::test::temp_path("port");
 };
 
 TEST_F(CtlWaiting, ASerialPortThatIsMadeALittleLaterIsOpened) {
-  patience.after(milliseconds(500), [&] { std::filesystem::create_symlink(pty.path(), port); });
+  host.after(milliseconds(500), [&] { std::filesystem::create_symlink(pty.path(), port); });
   EXPECT_EQ(open(port), "");
-  EXPECT_EQ(patience.passed(), milliseconds(500));
+  EXPECT_EQ(host.passed(), milliseconds(500));
 }
 
 TEST_F(CtlWaiting, ALinkToAPtyThatIsGoneIsReplaced) {
   std::filesystem::create_symlink("/nowhere/pty", port);
-  patience.after(milliseconds(100), [&] {
+  host.after(milliseconds(100), [&] {
     std::filesystem::remove(port);
     std::filesystem::create_symlink(pty.path(), port);
   });
@@ -89,28 +89,28 @@ TEST_F(CtlWaiting, ALinkToAPtyThatIsGoneIsReplaced) {
 
 TEST_F(CtlWaiting, APortThatStaysAwaySaysHowLongItWasWaitedFor) {
   EXPECT_THAT(open(port), HasSubstr("No such file or directory (waited 2.0 s for it)"));
-  EXPECT_EQ(patience.passed(), usual_wait);
+  EXPECT_EQ(host.passed(), usual_wait);
 }
 
 TEST_F(CtlWaiting, WhatCannotComeRightIsToldAtOnce) {
   EXPECT_THAT(open("/nowhere/port"), Not(HasSubstr("waited")));
   std::ofstream(port) << "no terminal";
   EXPECT_THAT(open(port), Not(HasSubstr("waited")));
-  EXPECT_EQ(patience.passed(), tmcl::Duration{});
+  EXPECT_EQ(host.passed(), tmcl::Duration{});
 }
 
 TEST_F(CtlWaiting, CtrlCEndsTheWaiting) {
-  patience.after(milliseconds(100), [&] { patience.press_ctrl_c(); });
+  host.after(milliseconds(100), [&] { host.press_ctrl_c(); });
   EXPECT_THAT(open(port), HasSubstr("No such file or directory (waited 0.1 s for it)"));
 }
 
 TEST_F(CtlWaiting, AStopWaitsLessAndTheShellNotAtAll) {
   EXPECT_EQ(run({"__complete", "axes"}), ExitCode::not_sent);
-  EXPECT_EQ(patience.passed(), tmcl::Duration{});
+  EXPECT_EQ(host.passed(), tmcl::Duration{});
   EXPECT_EQ(run({"stop", "1/0"}), ExitCode::not_sent);
-  EXPECT_EQ(patience.passed(), wait_before_stop);
+  EXPECT_EQ(host.passed(), wait_before_stop);
   EXPECT_EQ(run({"get", "1/0", "actual_position"}), ExitCode::not_sent);
-  EXPECT_EQ(patience.passed(), wait_before_stop + usual_wait);
+  EXPECT_EQ(host.passed(), wait_before_stop + usual_wait);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <boost/json/object.hpp>
 
 #include "failure.hpp"
-#include "patience.hpp"
+#include "host.hpp"
 #include "screen.hpp"
 #include "tmcl/client.hpp"
 
@@ -47,8 +47,7 @@ class Door {
 };
 
 /// To a running tmcld, which other programs share; `wait` is for a socket that is not there yet.
-Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait,
-                                           Patience& patience);
+Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait, Host& host);
 
 /// A bus without tmcld.
 struct OwnBus {
@@ -57,7 +56,6 @@ struct OwnBus {
   std::int32_t full_steps;  ///< Of a turn of an axis that no file says more about.
 };
 /// To a gateway in this process; `wait` is for a serial port that is not there yet.
-Attempt<std::unique_ptr<Door>> open_own_gateway(const OwnBus& bus, tmcl::Duration wait,
-                                                Patience& patience);
+Attempt<std::unique_ptr<Door>> open_own_gateway(const OwnBus& bus, tmcl::Duration wait, Host& host);
 
 }  // namespace tmclctl

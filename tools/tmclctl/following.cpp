@@ -69,18 +69,18 @@ Failure lost_sight(const Journey& journey, Failure failure, const Target& target
 }
 
 std::optional<Failure> ended_by_user(const Journey& journey, const AxisReading& reading,
-                                     Room& room) {
-  if (room.patience.signal() != 0) {
+                                     Context& context) {
+  if (context.host.signal() != 0) {
     auto failure = interrupted_failure(
-        room.patience.signal(),
+        context.host.signal(),
         fmt::format("no longer waiting; {} goes on moving to {}", journey.axis, goal_text(journey)),
-        how_to_stop(journey.axis, room.target));
+        how_to_stop(journey.axis, context.target));
     failure.details = not_reached(journey, reading, "", "").details;
     return failure;
   }
-  if (journey.timeout && room.patience.now() - journey.started_at >= *journey.timeout) {
+  if (journey.timeout && context.host.now() - journey.started_at >= *journey.timeout) {
     auto failure = not_reached(journey, reading, "has not arrived in time",
-                               "It goes on moving. " + how_to_stop(journey.axis, room.target));
+                               "It goes on moving. " + how_to_stop(journey.axis, context.target));
     failure.name = "timeout";
     return failure;
   }
@@ -94,10 +94,10 @@ Failure interrupted_failure(int signal, const std::string& message, const std::s
   return {exit, "interrupted", message, hint, tmcl::Outcome::done};
 }
 
-std::optional<Failure> interrupted_before_move(Room& room) {
-  if (room.patience.signal() == 0) return std::nullopt;
+std::optional<Failure> interrupted_before_move(Context& context) {
+  if (context.host.signal() == 0) return std::nullopt;
   auto failure =
-      interrupted_failure(room.patience.signal(), "interrupted before anything moved", "");
+      interrupted_failure(context.host.signal(), "interrupted before anything moved", "");
   failure.outcome = tmcl::Outcome::not_sent;
   return failure;
 }
@@ -106,16 +106,16 @@ std::string how_to_stop(const std::string& axis, const Target& target) {
   return fmt::format("Stop it with: tmclctl{} stop {}", target.options(), axis);
 }
 
-Attempt<tmcl::Microsteps> follow(const Journey& journey, Room& room,
+Attempt<tmcl::Microsteps> follow(const Journey& journey, Context& context,
                                  const std::function<void(const AxisReading&)>& on_reading) {
   Arrival arrival(journey.goal, journey.started_at);
-  auto mode_asked_at = room.patience.now();
+  auto mode_asked_at = context.host.now();
   while (true) {
-    const auto next_look = room.patience.now() + journey.interval;
-    const auto reading = room.target.state(journey.axis);
+    const auto next_look = context.host.now() + journey.interval;
+    const auto reading = context.target.state(journey.axis);
     // A signal ends the daemon's call, too, and then says more than the call's own error.
-    if (!reading && room.patience.signal() == 0) {
-      return tl::unexpected(lost_sight(journey, reading.error(), room.target));
+    if (!reading && context.host.signal() == 0) {
+      return tl::unexpected(lost_sight(journey, reading.error(), context.target));
     }
     if (reading) {
       on_reading(*reading);
@@ -123,17 +123,17 @@ Attempt<tmcl::Microsteps> follow(const Journey& journey, Room& room,
       if (verdict == Arrival::Verdict::arrived) return reading->position;
       if (auto end = ended_by_axis(journey, *reading, verdict)) return tl::unexpected(*end);
     }
-    if (auto end = ended_by_user(journey, reading.value_or(AxisReading{}), room))
+    if (auto end = ended_by_user(journey, reading.value_or(AxisReading{}), context))
       return tl::unexpected(*end);
-    if (room.patience.now() - mode_asked_at >= mode_interval) {
-      mode_asked_at = room.patience.now();
-      if (turns_by_velocity(journey, room.target)) {
+    if (context.host.now() - mode_asked_at >= mode_interval) {
+      mode_asked_at = context.host.now();
+      if (turns_by_velocity(journey, context.target)) {
         return tl::unexpected(not_reached(journey, reading.value_or(AxisReading{}),
                                           "was stopped, or turned by velocity",
                                           "Someone else may have stopped it"));
       }
     }
-    room.target.sleep(next_look - room.patience.now());
+    context.target.sleep(next_look - context.host.now());
   }
 }
 

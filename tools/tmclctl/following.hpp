@@ -21,13 +21,13 @@ struct Journey {
 
 /// The position where the axis stands at last, or why it is not going to be watched any longer:
 /// interrupted by someone else, by a signal, by the time limit, or because it does not answer.
-Attempt<tmcl::Microsteps> follow(const Journey& journey, Room& room,
+Attempt<tmcl::Microsteps> follow(const Journey& journey, Context& context,
                                  const std::function<void(const AxisReading&)>& on_reading);
 
 /// What to tell when a signal ends the watching while the axis goes on.
 Failure interrupted_failure(int signal, const std::string& message, const std::string& hint);
 /// Ctrl-C came before the move went out: then it does not go out any more.
-std::optional<Failure> interrupted_before_move(Room& room);
+std::optional<Failure> interrupted_before_move(Context& context);
 /// "Stop it with: tmclctl --direct can:can0 stop 1/0"
 std::string how_to_stop(const std::string& axis, const Target& target);
 

@@ -192,8 +192,8 @@ class Steering {
 }  // namespace
 
 GatewayTarget::GatewayTarget(std::unique_ptr<Door> door, std::string options, AxesFrom axes,
-                             Patience& patience)
-    : door_(std::move(door)), options_(std::move(options)), axes_from_(axes), patience_(patience) {}
+                             Host& host)
+    : door_(std::move(door)), options_(std::move(options)), axes_from_(axes), host_(host) {}
 
 Attempt<json::object> GatewayTarget::call(std::string_view method, json::object params) {
   return door_->call(method, std::move(params));
@@ -330,9 +330,9 @@ Attempt<void> GatewayTarget::stop(const std::string& axis) {
 void GatewayTarget::stop_motors(const ModuleRow& module, std::vector<StoppedAxis>& stopped) {
   for (std::uint8_t motor = 0; motor < module.axes; ++motor) {
     StoppedAxis row{axis_name({tmcl::ModuleAddress{module.address}, motor}), {}, {}};
-    const auto before = patience_.now();
+    const auto before = host_.now();
     const auto result = stop(row.axis);
-    const std::chrono::duration<double, std::milli> took = patience_.now() - before;
+    const std::chrono::duration<double, std::milli> took = host_.now() - before;
     if (result) {
       row.milliseconds = took.count();
     } else {
@@ -383,7 +383,7 @@ AxisReading GatewayTarget::reading_from(const json::object& state) const {
   }
   const std::chrono::duration<double, std::milli> age(number_at(state, "age_ms").value_or(0));
   reading.age = std::chrono::duration_cast<tmcl::Duration>(age);
-  reading.taken_at = patience_.now() - reading.age;
+  reading.taken_at = host_.now() - reading.age;
   return reading;
 }
 
@@ -396,10 +396,10 @@ Attempt<AxisReading> GatewayTarget::state(const std::string& axis) {
 Attempt<void> GatewayTarget::watch(const std::string& axis, tmcl::Duration interval,
                                    const ReadingHandler& on_reading) {
   bool wanted = true;
-  auto heard_at = patience_.now();
+  auto heard_at = host_.now();
   door_->on_notification([&](std::string_view method, const json::object& params) {
     if (method != "notify_state" || text_at(params, "axis") != axis) return;
-    heard_at = patience_.now();
+    heard_at = host_.now();
     const auto reading = reading_from(params);
     if (wanted) wanted = on_reading(&reading);
   });
@@ -418,11 +418,11 @@ Attempt<void> GatewayTarget::watch(const std::string& axis, tmcl::Duration inter
     auto listened = door_->listen(longest_silence);
     if (!listened && listened.error().name != tmcl::client::error_name::cancelled) return listened;
     if (wanted) wanted = on_reading(nullptr);
-    if (!wanted || patience_.now() - heard_at < doubtful_silence) continue;
+    if (!wanted || host_.now() - heard_at < doubtful_silence) continue;
     // Nothing comes from an axis that stands, and neither from one that is gone.
     const auto reading = state(axis);
-    if (!reading && patience_.signal() == 0) return tl::unexpected(reading.error());
-    heard_at = patience_.now();
+    if (!reading && host_.signal() == 0) return tl::unexpected(reading.error());
+    heard_at = host_.now();
   }
   door_->on_notification({});
   return {};

@@ -17,7 +17,7 @@ enum class AxesFrom : std::uint8_t {
 class GatewayTarget final : public Target {
  public:
   /// `options` is how another tmclctl names the same gateway.
-  GatewayTarget(std::unique_ptr<Door> door, std::string options, AxesFrom axes, Patience& patience);
+  GatewayTarget(std::unique_ptr<Door> door, std::string options, AxesFrom axes, Host& host);
 
   Attempt<ScanResult> scan(ScanRange range, const Progress& progress) override;
   Attempt<std::vector<ModuleRow>> modules() override;
@@ -69,7 +69,7 @@ class GatewayTarget final : public Target {
   std::unique_ptr<Door> door_;
   std::string options_;
   AxesFrom axes_from_;
-  Patience& patience_;
+  Host& host_;
 };
 
 }  // namespace tmclctl

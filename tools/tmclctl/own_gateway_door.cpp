@@ -22,7 +22,7 @@ constexpr tmcl::Duration time_to_end_call = std::chrono::seconds(1);
 
 class OwnGatewayDoor final : public Door {
  public:
-  explicit OwnGatewayDoor(Patience& patience) : patience_(patience) {}
+  explicit OwnGatewayDoor(Host& host) : host_(host) {}
   // What moves by itself goes on.
   ~OwnGatewayDoor() override {
     is_ending_ = true;
@@ -44,7 +44,7 @@ class OwnGatewayDoor final : public Door {
   Attempt<void> check_bus() const;
   Attempt<json::object> cut_short(const tmcld::LocalCall& call);
 
-  Patience& patience_;
+  Host& host_;
   bool is_ending_ = false;
   std::unique_ptr<tmcld::LocalGateway> gateway_;
 };
@@ -79,7 +79,7 @@ Attempt<json::object> OwnGatewayDoor::call(std::string_view method, json::object
     gateway_->listen(look_interval);
     if (options.meanwhile) {
       options.meanwhile();
-    } else if (patience_.signal() != 0) {
+    } else if (host_.signal() != 0) {
       return cut_short(call);
     }
   }
@@ -88,8 +88,8 @@ Attempt<json::object> OwnGatewayDoor::call(std::string_view method, json::object
 
 Attempt<json::object> OwnGatewayDoor::cut_short(const tmcld::LocalCall& call) {
   gateway_->hang_up();
-  const auto until = patience_.now() + time_to_end_call;
-  while (!call.has_ended() && patience_.now() < until) gateway_->listen(look_interval);
+  const auto until = host_.now() + time_to_end_call;
+  while (!call.has_ended() && host_.now() < until) gateway_->listen(look_interval);
   if (call.has_ended() && call.result()) return call.result().value();
   return tl::unexpected(
       failure_from(tmcl::client::CallError{0,
@@ -112,17 +112,17 @@ Attempt<void> OwnGatewayDoor::check_bus() const {
 }
 
 Attempt<void> OwnGatewayDoor::listen(tmcl::Duration at_most) {
-  const auto until = patience_.now() + at_most;
-  while (patience_.signal() == 0 && patience_.now() < until) {
-    if (gateway_->listen(std::min(until - patience_.now(), look_interval))) break;
+  const auto until = host_.now() + at_most;
+  while (host_.signal() == 0 && host_.now() < until) {
+    if (gateway_->listen(std::min(until - host_.now(), look_interval))) break;
   }
   return check_bus();
 }
 
 void OwnGatewayDoor::sleep(tmcl::Duration duration) {
-  const auto until = patience_.now() + duration;
-  while (patience_.signal() == 0 && patience_.now() < until)
-    gateway_->listen(std::min(until - patience_.now(), look_interval));
+  const auto until = host_.now() + duration;
+  while (host_.signal() == 0 && host_.now() < until)
+    gateway_->listen(std::min(until - host_.now(), look_interval));
 }
 
 Attempt<void> OwnGatewayDoor::see_through(bool tell, Output& output) {
@@ -132,24 +132,24 @@ Attempt<void> OwnGatewayDoor::see_through(bool tell, Output& output) {
                   "Ctrl-C stops them"
                << std::endl;
   }
-  while (gateway.has_journeys() && patience_.signal() == 0) gateway_->listen(look_interval);
+  while (gateway.has_journeys() && host_.signal() == 0) gateway_->listen(look_interval);
   if (!gateway.has_journeys()) return {};
   gateway_->end();
   return tl::unexpected(
-      interrupted_failure(patience_.signal(), "the axes were stopped on their way", ""));
+      interrupted_failure(host_.signal(), "the axes were stopped on their way", ""));
 }
 
 /// Lets a pty appear that a simulator is about to make, or an adapter that was just plugged in; a
 /// signal ends that. Returns how long it took.
-tmcl::Duration await_port(const tmcl::LinkName& name, tmcl::Duration wait, Patience& patience) {
+tmcl::Duration await_port(const tmcl::LinkName& name, tmcl::Duration wait, Host& host) {
   const auto* port = std::get_if<tmcl::SerialName>(&name);
   if (port == nullptr) return {};
-  const auto began = patience.now();
-  while (patience.now() - began < wait && patience.signal() == 0 &&
-         tmcl::is_missing(port->device) && tmcl::may_appear(port->device)) {
-    patience.sleep(tmcl::file_look_interval);
+  const auto began = host.now();
+  while (host.now() - began < wait && host.signal() == 0 && tmcl::is_missing(port->device) &&
+         tmcl::may_appear(port->device)) {
+    host.sleep(tmcl::file_look_interval);
   }
-  return patience.now() - began;
+  return host.now() - began;
 }
 
 Attempt<tmcld::Config> config_of(const OwnBus& bus, const tmcl::LinkName& link) {
@@ -163,13 +163,13 @@ Attempt<tmcld::Config> config_of(const OwnBus& bus, const tmcl::LinkName& link) 
 }  // namespace
 
 Attempt<std::unique_ptr<Door>> open_own_gateway(const OwnBus& bus, tmcl::Duration wait,
-                                                Patience& patience) {
+                                                Host& host) {
   const auto link = attempt(tmcl::parse_link_name(bus.link));
   if (!link) return tl::unexpected(link.error());
   const auto config = config_of(bus, *link);
   if (!config) return tl::unexpected(config.error());
-  auto door = std::make_unique<OwnGatewayDoor>(patience);
-  return door->open(*config, bus.full_steps, await_port(*link, wait, patience)).map([&] {
+  auto door = std::make_unique<OwnGatewayDoor>(host);
+  return door->open(*config, bus.full_steps, await_port(*link, wait, host)).map([&] {
     return std::unique_ptr<Door>(std::move(door));
   });
 }

@@ -10,7 +10,7 @@ using tmcl::client::Connection;
 
 class SocketDoor final : public Door {
  public:
-  SocketDoor(std::string path, Patience& patience) : path_(std::move(path)), patience_(patience) {}
+  SocketDoor(std::string path, Host& host) : path_(std::move(path)), host_(host) {}
 
   Attempt<void> open(tmcl::Duration wait);
 
@@ -22,13 +22,13 @@ class SocketDoor final : public Door {
   void on_notification(Listener listener) override {
     daemon_->on_notification(std::move(listener));
   }
-  void sleep(tmcl::Duration duration) override { patience_.sleep(duration); }
+  void sleep(tmcl::Duration duration) override { host_.sleep(duration); }
   // tmcld does.
   Attempt<void> see_through(bool, Output&) override { return {}; }
 
  private:
   std::string path_;
-  Patience& patience_;
+  Host& host_;
   std::function<void()> meanwhile_;  ///< Of the call in progress.
   std::optional<Connection> daemon_;
   /// For calls that are made meanwhile.
@@ -39,7 +39,7 @@ Attempt<void> SocketDoor::open(tmcl::Duration wait) {
   tmcl::client::Options options;
   options.wait_for_socket = wait;
   options.cancelled = [this] {
-    if (!meanwhile_) return patience_.signal() != 0;
+    if (!meanwhile_) return host_.signal() != 0;
     meanwhile_();
     return false;
   };
@@ -72,9 +72,8 @@ Attempt<boost::json::object> SocketDoor::call(std::string_view method, boost::js
 
 }  // namespace
 
-Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait,
-                                           Patience& patience) {
-  auto door = std::make_unique<SocketDoor>(std::move(path), patience);
+Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait, Host& host) {
+  auto door = std::make_unique<SocketDoor>(std::move(path), host);
   return door->open(wait).map([&] { return std::unique_ptr<Door>(std::move(door)); });
 }
 

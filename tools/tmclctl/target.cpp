@@ -40,14 +40,13 @@ void put(boost::json::object& params, std::string_view name, std::string_view pl
   }
 }
 
-Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait,
-                                             Patience& patience) {
+Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait, Host& host) {
   const bool own = !where.direct.empty();
-  auto door = own ? open_own_gateway({where.direct, where.config, where.full_steps}, wait, patience)
-                  : open_socket(socket_path(where), wait, patience);
+  auto door = own ? open_own_gateway({where.direct, where.config, where.full_steps}, wait, host)
+                  : open_socket(socket_path(where), wait, host);
   return std::move(door).map([&](std::unique_ptr<Door> open) -> std::unique_ptr<Target> {
     const auto axes = own && where.config.empty() ? AxesFrom::scan : AxesFrom::configuration;
-    return std::make_unique<GatewayTarget>(std::move(open), options_of(where), axes, patience);
+    return std::make_unique<GatewayTarget>(std::move(open), options_of(where), axes, host);
   });
 }
 

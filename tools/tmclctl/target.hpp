@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "failure.hpp"
+#include "host.hpp"
 #include "names.hpp"
-#include "patience.hpp"
 #include "screen.hpp"
 #include "shown.hpp"
 #include "tmcl/awaited_file.hpp"
@@ -249,7 +249,6 @@ constexpr tmcl::Duration usual_wait = tmcl::longest_wait_for_file;
 /// The same before a stop: nobody starts a daemon in order to stop a motor.
 constexpr tmcl::Duration wait_before_stop = std::chrono::milliseconds(300);
 
-Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait,
-                                             Patience& patience);
+Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait, Host& host);
 
 }  // namespace tmclctl

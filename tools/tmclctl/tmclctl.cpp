@@ -58,17 +58,17 @@ constexpr tmcl::Duration wait_for_target() {
 
 /// `ready` stands for the target that the command line names, if it is there already.
 template <class V>
-VerbResult run_on_target(const V& verb, const Where& where, Output& output, Patience& patience,
+VerbResult run_on_target(const V& verb, const Where& where, Output& output, Host& host,
                          Target* ready) {
   std::unique_ptr<Target> opened;
   if (ready == nullptr) {
-    auto target = open_target(where, wait_for_target<V>(), patience);
+    auto target = open_target(where, wait_for_target<V>(), host);
     if (!target) return tl::unexpected(target.error());
     opened = std::move(*target);
     ready = opened.get();
   }
-  Room room{*ready, output, patience};
-  auto result = run(verb, room);
+  Context context{*ready, output, host};
+  auto result = run(verb, context);
   bool waited = false;
   if constexpr (std::is_same_v<V, verb::Line>) waited = verb.wait && result;
   const auto seen = ready->see_through(!waited, output);
@@ -84,7 +84,7 @@ std::optional<Failure> refusal(const Options& options) {
                                                        info->name, info->reason));
 }
 
-VerbResult run(const Options& options, Output& output, Patience& patience, Target* ready) {
+VerbResult run(const Options& options, Output& output, Host& host, Target* ready) {
   if (auto refused = refusal(options)) return tl::unexpected(std::move(*refused));
   const auto* params = std::get_if<verb::Params>(&options.verb);
   if (params != nullptr && !params->model.empty()) return run_on_model(*params, output);
@@ -93,14 +93,14 @@ VerbResult run(const Options& options, Output& output, Patience& patience, Targe
         if constexpr (needs_no_target<V>) {
           return run(verb, output);
         } else {
-          patience.catch_signals();
-          return run_on_target(verb, options.where, output, patience, ready);
+          host.catch_signals();
+          return run_on_target(verb, options.where, output, host, ready);
         }
       },
       options.verb);
 }
 
-ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Patience& patience,
+ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Host& host,
                   Target* ready) {
   // Also for the errors of a command line that cannot be read.
   output.json = std::ranges::find(arguments, "--json") != arguments.end();
@@ -111,24 +111,24 @@ ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Pat
     return ExitCode::done;
   }
   const auto& options = std::get<Options>(*parsed);
-  const auto result = run(options, output, patience, ready);
+  const auto result = run(options, output, host, ready);
   if (result) return *result;
   auto failure = result.error();
   if (options.info == nullptr) return failure.exit;
-  if (failure.exit == ExitCode::interrupted && patience.signal() == SIGTERM)
+  if (failure.exit == ExitCode::interrupted && host.signal() == SIGTERM)
     failure.exit = ExitCode::terminated;
   return complain(with_doubt(std::move(failure), options), output);
 }
 
 }  // namespace
 
-ExitCode run(const std::vector<std::string>& arguments, Output& output, Patience& patience) {
-  return run_with(arguments, output, patience, nullptr);
+ExitCode run(const std::vector<std::string>& arguments, Output& output, Host& host) {
+  return run_with(arguments, output, host, nullptr);
 }
 
-ExitCode run(const std::vector<std::string>& arguments, Output& output, Patience& patience,
+ExitCode run(const std::vector<std::string>& arguments, Output& output, Host& host,
              Target& target) {
-  return run_with(arguments, output, patience, &target);
+  return run_with(arguments, output, host, &target);
 }
 
 }  // namespace tmclctl

@@ -5,17 +5,16 @@
 #include <vector>
 
 #include "exit_code.hpp"
-#include "patience.hpp"
+#include "host.hpp"
 #include "screen.hpp"
 #include "target.hpp"
 
 namespace tmclctl {
 
 /// `arguments` without the program's name.
-ExitCode run(const std::vector<std::string>& arguments, Output& output, Patience& patience);
+ExitCode run(const std::vector<std::string>& arguments, Output& output, Host& host);
 
 /// The same with a target that is there already, whatever the command line says about it.
-ExitCode run(const std::vector<std::string>& arguments, Output& output, Patience& patience,
-             Target& target);
+ExitCode run(const std::vector<std::string>& arguments, Output& output, Host& host, Target& target);
 
 }  // namespace tmclctl

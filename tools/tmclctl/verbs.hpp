@@ -1,51 +1,51 @@
 /// What tmclctl can do: one function for each verb.
 #pragma once
 
+#include "host.hpp"
 #include "options.hpp"
-#include "patience.hpp"
 #include "screen.hpp"
 #include "target.hpp"
 
 namespace tmclctl {
 
 /// What a verb works with.
-struct Room {
+struct Context {
   Target& target;
   Output& output;
-  Patience& patience;
+  Host& host;
 };
 
 using VerbResult = Attempt<ExitCode>;
 
-VerbResult run(const verb::Scan& verb, Room& room);
-VerbResult run(const verb::Modules& verb, Room& room);
-VerbResult run(const verb::Axes& verb, Room& room);
-VerbResult run(const verb::Params& verb, Room& room);
-VerbResult run(const verb::Get& verb, Room& room);
-VerbResult run(const verb::Set& verb, Room& room);
-VerbResult run(const verb::Move& verb, Room& room);
-VerbResult run(const verb::Wait& verb, Room& room);
-VerbResult run(const verb::Line& verb, Room& room);
-VerbResult run(const verb::Rotate& verb, Room& room);
-VerbResult run(const verb::Stop& verb, Room& room);
-VerbResult run(const verb::State& verb, Room& room);
-VerbResult run(const verb::Watch& verb, Room& room);
-VerbResult run(const verb::Plot& verb, Room& room);
-VerbResult run(const verb::Raw& verb, Room& room);
-VerbResult run(const verb::CheckFirmware& verb, Room& room);
-VerbResult run(const verb::UploadFirmware& verb, Room& room);
-VerbResult run(const verb::Ramp& verb, Room& room);
-VerbResult run(const verb::Ask& verb, Room& room);
+VerbResult run(const verb::Scan& verb, Context& context);
+VerbResult run(const verb::Modules& verb, Context& context);
+VerbResult run(const verb::Axes& verb, Context& context);
+VerbResult run(const verb::Params& verb, Context& context);
+VerbResult run(const verb::Get& verb, Context& context);
+VerbResult run(const verb::Set& verb, Context& context);
+VerbResult run(const verb::Move& verb, Context& context);
+VerbResult run(const verb::Wait& verb, Context& context);
+VerbResult run(const verb::Line& verb, Context& context);
+VerbResult run(const verb::Rotate& verb, Context& context);
+VerbResult run(const verb::Stop& verb, Context& context);
+VerbResult run(const verb::State& verb, Context& context);
+VerbResult run(const verb::Watch& verb, Context& context);
+VerbResult run(const verb::Plot& verb, Context& context);
+VerbResult run(const verb::Raw& verb, Context& context);
+VerbResult run(const verb::CheckFirmware& verb, Context& context);
+VerbResult run(const verb::UploadFirmware& verb, Context& context);
+VerbResult run(const verb::Ramp& verb, Context& context);
+VerbResult run(const verb::Ask& verb, Context& context);
 /// Whether a method of tmcld changes nothing.
 bool only_reads(std::string_view method);
-VerbResult run(const verb::Arrivals& verb, Room& room);
-VerbResult run(const verb::Home& verb, Room& room);
-VerbResult run(const verb::Upload& verb, Room& room);
-VerbResult run(const verb::Download& verb, Room& room);
-VerbResult run(const verb::RunPath& verb, Room& room);
-VerbResult run(const verb::RunMint& verb, Room& room);
+VerbResult run(const verb::Arrivals& verb, Context& context);
+VerbResult run(const verb::Home& verb, Context& context);
+VerbResult run(const verb::Upload& verb, Context& context);
+VerbResult run(const verb::Download& verb, Context& context);
+VerbResult run(const verb::RunPath& verb, Context& context);
+VerbResult run(const verb::RunMint& verb, Context& context);
 
-VerbResult run(const verb::Complete& verb, Room& room);
+VerbResult run(const verb::Complete& verb, Context& context);
 
 /// These need no target.
 VerbResult run(const verb::Simulate& verb, Output& output);

@@ -24,19 +24,19 @@ void show(const PathProgress& now, ProgressLine& line) {
                         static_cast<int>(done * 100), (1 - done) * now.duration_s, now.phase));
 }
 
-void stop_axes(const std::vector<std::string>& axes, Room& room) {
-  room.patience.take_signal();
+void stop_axes(const std::vector<std::string>& axes, Context& context) {
+  context.host.take_signal();
   for (const auto& axis : axes) {
-    if (const auto stopped = room.target.stop(axis); !stopped)
-      room.output.err << "tmclctl: " << axis << " NOT stopped: " << describe(stopped.error())
-                      << '\n';
+    if (const auto stopped = context.target.stop(axis); !stopped)
+      context.output.err << "tmclctl: " << axis << " NOT stopped: " << describe(stopped.error())
+                         << '\n';
   }
-  const auto patience = room.patience.now() + longest_way_to_rest;
+  const auto host = context.host.now() + longest_way_to_rest;
   for (const auto& axis : axes) {
-    while (room.patience.now() < patience) {
-      const auto state = room.target.state(axis);
+    while (context.host.now() < host) {
+      const auto state = context.target.state(axis);
       if (!state || !state->moving) break;
-      room.target.sleep(follow_interval);
+      context.target.sleep(follow_interval);
     }
   }
 }
@@ -55,21 +55,21 @@ Attempt<void> start_one_by_one(const std::vector<std::string>& axes,
 Attempt<void> start_and_follow(const std::vector<std::string>& axes,
                                const std::vector<tmcl::Microsteps>& positions,
                                const std::string& what, decltype(start_one_by_one)& start,
-                               Room& room) {
-  if (auto interrupted = interrupted_before_move(room)) return tl::unexpected(*interrupted);
-  const auto begin = room.patience.now();
+                               Context& context) {
+  if (auto interrupted = interrupted_before_move(context)) return tl::unexpected(*interrupted);
+  const auto begin = context.host.now();
   const auto give_up = [&](const Failure& failure) -> Attempt<void> {
-    const int signal = room.patience.signal();
-    stop_axes(axes, room);
+    const int signal = context.host.signal();
+    stop_axes(axes, context);
     if (signal == 0) return tl::unexpected(failure);
     return tl::unexpected(interrupted_failure(signal, "stopped " + what, ""));
   };
-  if (const auto started = start(axes, positions, room.target); !started)
+  if (const auto started = start(axes, positions, context.target); !started)
     return give_up(started.error());
-  ProgressLine progress(room.output);
+  ProgressLine progress(context.output);
   for (std::size_t i = 0; i < axes.size(); ++i) {
     const Journey journey{axes[i], positions[i], begin, follow_interval, {}};
-    const auto arrived = follow(journey, room, [&](const AxisReading& reading) {
+    const auto arrived = follow(journey, context, [&](const AxisReading& reading) {
       progress.show(fmt::format("{}: {} at {} of {}", what, axes[i], reading.position.value,
                                 positions[i].value));
     });
@@ -82,15 +82,15 @@ Attempt<void> start_and_follow(const std::vector<std::string>& axes,
 
 Attempt<void> go_to(const std::vector<std::string>& axes,
                     const std::vector<tmcl::Microsteps>& positions, const std::string& what,
-                    Room& room) {
-  return start_and_follow(axes, positions, what, start_one_by_one, room);
+                    Context& context) {
+  return start_and_follow(axes, positions, what, start_one_by_one, context);
 }
 
 Attempt<void> go_together(const std::vector<std::string>& axes,
                           const std::vector<tmcl::Microsteps>& positions, const std::string& what,
-                          Room& room) {
+                          Context& context) {
   auto& start = axes.size() > 1 ? start_together : start_one_by_one;
-  return start_and_follow(axes, positions, what, start, room);
+  return start_and_follow(axes, positions, what, start, context);
 }
 
 }  // namespace tmclctl::path

@@ -35,29 +35,29 @@ void print(const ModuleName& module, const Motors& motors, double at_s, Output& 
 
 }  // namespace
 
-VerbResult run(const verb::Arrivals& verb, Room& room) {
+VerbResult run(const verb::Arrivals& verb, Context& context) {
   const auto module = parse_module(verb.module);
   if (!module) return tl::unexpected(module.error());
   const auto ask = [&] {
-    return room.target.perform("module.report_arrivals", params_of(*module, verb), {})
+    return context.target.perform("module.report_arrivals", params_of(*module, verb), {})
         .map([](const json::object&) {});
   };
   if (verb.off) return ask().map([] { return ExitCode::done; });
-  const auto begin = room.patience.now();
+  const auto begin = context.host.now();
   const auto elapsed_s = [&] {
-    return std::chrono::duration<double>(room.patience.now() - begin).count();
+    return std::chrono::duration<double>(context.host.now() - begin).count();
   };
   std::set<std::uint8_t> missing(verb.motors.begin(), verb.motors.end());
-  const auto heard = room.target.hear_arrivals(*module, ask, [&](const Motors* motors) {
+  const auto heard = context.target.hear_arrivals(*module, ask, [&](const Motors* motors) {
     if (motors != nullptr) {
-      print(*module, *motors, elapsed_s(), room.output);
+      print(*module, *motors, elapsed_s(), context.output);
       for (const auto motor : *motors) missing.erase(motor);
     }
     // Ending it is what Ctrl-C is for here, so that is no failure.
-    return room.patience.signal() == 0 && !(verb.next && missing.empty()) &&
+    return context.host.signal() == 0 && !(verb.next && missing.empty()) &&
            !(verb.for_s && elapsed_s() >= *verb.for_s);
   });
-  if (!heard && room.patience.signal() == 0) return tl::unexpected(heard.error());
+  if (!heard && context.host.signal() == 0) return tl::unexpected(heard.error());
   return ExitCode::done;
 }
 

@@ -103,19 +103,19 @@ std::string names_in(const json::array& axes) {
   return names;
 }
 
-void tell(const verb::Ask& verb, const json::object& result, Room& room) {
+void tell(const verb::Ask& verb, const json::object& result, Context& context) {
   const auto* line = std::ranges::find(told, verb.method, &Told::method);
   if (line == told.end()) return;
   const bool of_path = verb.method.starts_with("path.");
   const auto whom = of_path ? names_in(array_at(result, "axes")) : verb.module;
   if (whom.empty()) {
-    room.output.out << "No axis is on a path that tmcld passes\n";
+    context.output.out << "No axis is on a path that tmcld passes\n";
     return;
   }
-  room.output.out << fmt::format(fmt::runtime(line->text), whom, verb.at.value_or(0)) << '\n';
+  context.output.out << fmt::format(fmt::runtime(line->text), whom, verb.at.value_or(0)) << '\n';
   if (verb.method == "program.stop" || verb.method == "program.reset") {
-    room.output.out << fmt::format("Motors that turn go on. Stop them with: tmclctl{} stop AXIS\n",
-                                   room.target.options());
+    context.output.out << fmt::format(
+        "Motors that turn go on. Stop them with: tmclctl{} stop AXIS\n", context.target.options());
   }
 }
 
@@ -146,17 +146,17 @@ bool only_reads(std::string_view method) {
   return method.ends_with(".get") || method.ends_with(".info") || method.ends_with(".status");
 }
 
-VerbResult run(const verb::Ask& verb, Room& room) {
+VerbResult run(const verb::Ask& verb, Context& context) {
   auto params = params_of(verb);
   if (!params) return tl::unexpected(params.error());
-  const auto result = room.target.perform(verb.method, std::move(*params), {});
-  if (!result) return tl::unexpected(explained(result.error(), verb, room.target));
-  if (room.output.json) {
-    print_json(*result, room.output);
+  const auto result = context.target.perform(verb.method, std::move(*params), {});
+  if (!result) return tl::unexpected(explained(result.error(), verb, context.target));
+  if (context.output.json) {
+    print_json(*result, context.output);
   } else if (gives_something(verb.method)) {
-    print(*result, verb.internal, room.output.out);
+    print(*result, verb.internal, context.output.out);
   } else {
-    tell(verb, *result, room);
+    tell(verb, *result, context);
   }
   return ExitCode::done;
 }

@@ -140,36 +140,37 @@ VerbResult run(const verb::FirmwareInfo& verb, Output& output) {
   });
 }
 
-VerbResult run(const verb::CheckFirmware& verb, Room& room) {
+VerbResult run(const verb::CheckFirmware& verb, Context& context) {
   const auto image = read_image(verb.file);
   if (!image) return tl::unexpected(image.error());
   const auto module = parse_module(verb.module);
   if (!module) return tl::unexpected(module.error());
-  const auto match = room.target.match_firmware(*module, *image);
+  const auto match = context.target.match_firmware(*module, *image);
   if (!match) return tl::unexpected(match.error());
   if (!match->version) return tl::unexpected(mismatch(verb.file, *module, *match));
-  if (room.output.json) {
-    print_json({{"file", verb.file}, {"module", to_json(*module, *match)}}, room.output);
+  if (context.output.json) {
+    print_json({{"file", verb.file}, {"module", to_json(*module, *match)}}, context.output);
   } else {
-    room.output.out << fmt::format("module {} has {}; {} is {}\n", module->address,
-                                   describe(match->running), verb.file, describe(*match->version));
+    context.output.out << fmt::format("module {} has {}; {} is {}\n", module->address,
+                                      describe(match->running), verb.file,
+                                      describe(*match->version));
   }
   return ExitCode::done;
 }
 
-VerbResult run(const verb::UploadFirmware& verb, Room& room) {
+VerbResult run(const verb::UploadFirmware& verb, Context& context) {
   const auto image = read_image(verb.file);
   if (!image) return tl::unexpected(image.error());
   const auto module = parse_module(verb.module);
   if (!module) return tl::unexpected(module.error());
-  ProgressLine line(room.output);
+  ProgressLine line(context.output);
   tmcl::FirmwareOptions options;
   options.force = verb.force;
   options.progress = [&](const tmcl::FirmwareProgress& progress) { show(progress, line); };
-  const auto done = room.target.upload_firmware(*module, *image, options);
+  const auto done = context.target.upload_firmware(*module, *image, options);
   line.clear();
   if (!done) return tl::unexpected(done.error());
-  report(verb, *module, *image, *done, room.output);
+  report(verb, *module, *image, *done, context.output);
   return ExitCode::done;
 }
 

@@ -15,17 +15,17 @@ std::string how_to_end(const verb::Home& verb, const Target& target) {
   return fmt::format("End it with: tmclctl{} home {} --stop", target.options(), verb.axis);
 }
 
-Failure explained(Failure failure, const verb::Home& verb, Room& room) {
-  if (room.patience.signal() != 0) {
+Failure explained(Failure failure, const verb::Home& verb, Context& context) {
+  if (context.host.signal() != 0) {
     return interrupted_failure(
-        room.patience.signal(),
+        context.host.signal(),
         fmt::format("no longer waiting; {} goes on searching its reference", verb.axis),
-        how_to_end(verb, room.target));
+        how_to_end(verb, context.target));
   }
   if (failure.name != "deadline_passed") return failure;
   failure.exit = ExitCode::not_reached;
   failure.name = "timeout";
-  failure.hint = "The motor goes on searching. " + how_to_end(verb, room.target);
+  failure.hint = "The motor goes on searching. " + how_to_end(verb, context.target);
   return failure;
 }
 
@@ -50,41 +50,42 @@ void print(const json::object& result, const verb::Home& verb, std::ostream& out
 
 }  // namespace
 
-VerbResult run(const verb::Home& verb, Room& room) {
+VerbResult run(const verb::Home& verb, Context& context) {
   json::object params{{"axis", verb.axis}};
   if (verb.mode) params["mode"] = *verb.mode;
   const auto perform = [&](const char* method, const std::string& told) {
-    return room.target.perform(method, std::move(params), {}).map([&](const json::object& result) {
-      if (room.output.json) {
-        print_json(result, room.output);
-      } else {
-        room.output.out << told << '\n';
-      }
-      return ExitCode::done;
-    });
+    return context.target.perform(method, std::move(params), {})
+        .map([&](const json::object& result) {
+          if (context.output.json) {
+            print_json(result, context.output);
+          } else {
+            context.output.out << told << '\n';
+          }
+          return ExitCode::done;
+        });
   };
   if (verb.stop) return perform("axis.stop_home", verb.axis + " searches no longer");
   if (verb.no_wait) {
     return perform("axis.start_home", fmt::format("{} searches its reference. {}", verb.axis,
-                                                  how_to_end(verb, room.target)));
+                                                  how_to_end(verb, context.target)));
   }
 
   constexpr double milliseconds = 1000;
   if (verb.timeout_s)
     params["timeout_ms"] = static_cast<std::int64_t>(*verb.timeout_s * milliseconds);
-  ProgressLine line(room.output);
+  ProgressLine line(context.output);
   const auto result =
-      room.target.perform("axis.home", std::move(params), [&](const json::object& news) {
+      context.target.perform("axis.home", std::move(params), [&](const json::object& news) {
         line.show(fmt::format("{} searches its reference, step {}", verb.axis,
                               integer_at<std::int32_t>(news, "step")));
-        return room.patience.signal() == 0;
+        return context.host.signal() == 0;
       });
   line.clear();
-  if (!result) return tl::unexpected(explained(result.error(), verb, room));
-  if (room.output.json) {
-    print_json(*result, room.output);
+  if (!result) return tl::unexpected(explained(result.error(), verb, context));
+  if (context.output.json) {
+    print_json(*result, context.output);
   } else {
-    print(*result, verb, room.output.out);
+    print(*result, verb, context.output.out);
   }
   return ExitCode::done;
 }

@@ -59,12 +59,12 @@ std::vector<Journey> journeys_of(const verb::Line& verb, const json::object& lin
 }
 
 Attempt<void> wait_for_all(const verb::Line& verb, const json::object& line,
-                           tmcl::TimePoint started_at, Room& room) {
+                           tmcl::TimePoint started_at, Context& context) {
   const double predicted_s = number_at(line, "predicted_s").value_or(0);
-  ProgressLine progress(room.output);
+  ProgressLine progress(context.output);
   for (const auto& journey : journeys_of(verb, line, started_at)) {
-    const auto arrived = follow(journey, room, [&](const AxisReading&) {
-      const auto passed = std::chrono::duration<double>(room.patience.now() - started_at).count();
+    const auto arrived = follow(journey, context, [&](const AxisReading&) {
+      const auto passed = std::chrono::duration<double>(context.host.now() - started_at).count();
       const double done = predicted_s > 0 ? std::clamp(passed / predicted_s, 0.0, 1.0) : 1;
       constexpr int bar_width = 30;
       progress.show(fmt::format("{} {:3}%  {:.1f} s left",
@@ -107,19 +107,19 @@ void print(const json::object& line, const verb::Line& verb, std::ostream& out) 
 
 }  // namespace
 
-VerbResult run(const verb::Line& verb, Room& room) {
-  if (auto interrupted = interrupted_before_move(room)) return tl::unexpected(*interrupted);
-  const auto line = room.target.perform("line.move", params_of(verb), {});
+VerbResult run(const verb::Line& verb, Context& context) {
+  if (auto interrupted = interrupted_before_move(context)) return tl::unexpected(*interrupted);
+  const auto line = context.target.perform("line.move", params_of(verb), {});
   if (!line) return tl::unexpected(line.error());
-  const auto started_at = room.patience.now();
+  const auto started_at = context.host.now();
   if (verb.wait) {
-    if (const auto arrived = wait_for_all(verb, *line, started_at, room); !arrived)
+    if (const auto arrived = wait_for_all(verb, *line, started_at, context); !arrived)
       return tl::unexpected(arrived.error());
   }
-  if (room.output.json) {
-    print_json(*line, room.output);
+  if (context.output.json) {
+    print_json(*line, context.output);
   } else {
-    print(*line, verb, room.output.out);
+    print(*line, verb, context.output.out);
   }
   return ExitCode::done;
 }

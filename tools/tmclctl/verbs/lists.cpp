@@ -122,37 +122,37 @@ std::vector<std::string> cells_of(const ParameterRow& row,
 
 }  // namespace
 
-VerbResult run(const verb::Scan& verb, Room& room) {
-  ProgressLine line(room.output);
-  const auto rows =
-      room.target.scan(verb.range, [&](const std::string& bus, std::size_t asked, std::size_t of) {
+VerbResult run(const verb::Scan& verb, Context& context) {
+  ProgressLine line(context.output);
+  const auto rows = context.target.scan(
+      verb.range, [&](const std::string& bus, std::size_t asked, std::size_t of) {
         line.show(fmt::format("scanning {}: {} of {} addresses", bus, asked, of));
       });
   line.clear();
   if (!rows) return tl::unexpected(rows.error());
-  if (!rows->failed.empty()) return show_partial_scan(*rows, room.output);
-  if (rows->modules.empty() && !room.output.json) {
-    room.output.err << "No module answered. Check the supply, the cabling, the baud rate (new "
-                       "modules speak 9600) and "
-                       "whether another program holds the port.\n";
+  if (!rows->failed.empty()) return show_partial_scan(*rows, context.output);
+  if (rows->modules.empty() && !context.output.json) {
+    context.output.err << "No module answered. Check the supply, the cabling, the baud rate (new "
+                          "modules speak 9600) and "
+                          "whether another program holds the port.\n";
     return ExitCode::not_sent;
   }
-  return show_modules(rows->modules, false, room.output).map([&](ExitCode done) {
+  return show_modules(rows->modules, false, context.output).map([&](ExitCode done) {
     return rows->modules.empty() ? ExitCode::not_sent : done;
   });
 }
 
-VerbResult run(const verb::Modules&, Room& room) {
-  const auto rows = room.target.modules();
+VerbResult run(const verb::Modules&, Context& context) {
+  const auto rows = context.target.modules();
   if (!rows) return tl::unexpected(rows.error());
-  return show_modules(*rows, true, room.output);
+  return show_modules(*rows, true, context.output);
 }
 
-VerbResult run(const verb::Axes&, Room& room) {
-  const auto rows = room.target.axes();
+VerbResult run(const verb::Axes&, Context& context) {
+  const auto rows = context.target.axes();
   if (!rows) return tl::unexpected(rows.error());
-  if (room.output.json) {
-    print_json({{"axes", to_json_array(*rows)}}, room.output);
+  if (context.output.json) {
+    print_json({{"axes", to_json_array(*rows)}}, context.output);
     return ExitCode::done;
   }
   Table table({"AXIS", "BUS", "ADDRESS", "MOTOR", "MODEL", "STATE", "UNIT"});
@@ -160,21 +160,21 @@ VerbResult run(const verb::Axes&, Room& room) {
     table.add({row.name, row.bus, std::to_string(row.address), std::to_string(row.motor),
                model_text(row.model, 0), row.state, row.unit.empty() ? "-" : row.unit});
   }
-  table.print(room.output.out);
+  table.print(context.output.out);
   std::set<std::string> told;
   for (const auto& row : *rows) {
     if (!row.why.empty() && told.insert(row.bus).second)
-      room.output.err << fmt::format("bus {} is not open: {}\n", row.bus, row.why);
+      context.output.err << fmt::format("bus {} is not open: {}\n", row.bus, row.why);
   }
   return ExitCode::done;
 }
 
-VerbResult run(const verb::Params& verb, Room& room) {
-  const auto rows = room.target.parameters(verb.axis);
+VerbResult run(const verb::Params& verb, Context& context) {
+  const auto rows = context.target.parameters(verb.axis);
   if (!rows) return tl::unexpected(rows.error());
   std::vector<std::optional<ParameterValue>> values(rows->size());
   for (std::size_t i = 0; verb.values && i < rows->size(); ++i) {
-    const auto got = room.target.get(verb.axis, std::to_string((*rows)[i].number));
+    const auto got = context.target.get(verb.axis, std::to_string((*rows)[i].number));
     if (!got) return tl::unexpected(got.error());
     values[i] = *got;
   }
@@ -187,18 +187,18 @@ VerbResult run(const verb::Params& verb, Room& room) {
     array.push_back(to_json((*rows)[i], values[i]));
     table.add(cells_of((*rows)[i], values[i], internal));
   }
-  if (room.output.json) {
-    print_json({{"axis", verb.axis}, {"parameters", std::move(array)}}, room.output);
+  if (context.output.json) {
+    print_json({{"axis", verb.axis}, {"parameters", std::move(array)}}, context.output);
   } else {
-    table.print(room.output.out);
+    table.print(context.output.out);
   }
   return ExitCode::done;
 }
 
-VerbResult run(const verb::Complete&, Room& room) {
-  const auto rows = room.target.axes();
+VerbResult run(const verb::Complete&, Context& context) {
+  const auto rows = context.target.axes();
   if (!rows) return tl::unexpected(rows.error());
-  for (const auto& row : *rows) room.output.out << row.name << '\n';
+  for (const auto& row : *rows) context.output.out << row.name << '\n';
   return ExitCode::done;
 }
 

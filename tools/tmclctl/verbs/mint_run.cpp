@@ -69,17 +69,17 @@ bool is_moved(unsigned number, const mint::Program& program) {
 
 // Axis 0 is the first that there is, unless somebody says which is which.
 Attempt<std::vector<std::string>> choices_for(const verb::RunMint& verb,
-                                              const mint::Program& program, Room& room) {
+                                              const mint::Program& program, Context& context) {
   if (!verb.axes.empty()) return verb.axes;
-  const auto rows = room.target.axes();
+  const auto rows = context.target.axes();
   if (!rows) return tl::unexpected(rows.error());
   std::vector<std::string> choices;
   for (unsigned number = 0; number < std::min<std::size_t>(rows->size(), mint::most_axes);
        ++number) {
     if (!is_moved(number, program)) continue;
     choices.push_back(fmt::format("{}={}", number, (*rows)[number].name));
-    if (!room.output.json)
-      room.output.out << fmt::format("axis {} is {}\n", number, (*rows)[number].name);
+    if (!context.output.json)
+      context.output.out << fmt::format("axis {} is {}\n", number, (*rows)[number].name);
   }
   return choices;
 }
@@ -180,43 +180,45 @@ Attempt<void> set_ramp(const mint::Move& move, MintAxis& axis, Target& target) {
   return {};
 }
 
-void restore(const MintAxes& axes, Room& room) {
+void restore(const MintAxes& axes, Context& context) {
   for (const auto& [number, axis] : axes) {
-    const auto settings = in_safe_order(axis.before, axis.name, room.target);
+    const auto settings = in_safe_order(axis.before, axis.name, context.target);
     for (const auto& setting : settings.value_or(axis.before)) {
-      const auto set = room.target.set(axis.name, std::to_string(setting.parameter), setting.value);
+      const auto set =
+          context.target.set(axis.name, std::to_string(setting.parameter), setting.value);
       if (set) continue;
-      room.output.err << fmt::format("tmclctl: warning: parameter {} of {} was {} before: {}\n",
-                                     setting.parameter, axis.name, setting.value,
-                                     set.error().message);
+      context.output.err << fmt::format("tmclctl: warning: parameter {} of {} was {} before: {}\n",
+                                        setting.parameter, axis.name, setting.value,
+                                        set.error().message);
     }
   }
 }
 
-Attempt<void> go(const mint::Group& group, MintAxes& axes, Room& room) {
+Attempt<void> go(const mint::Group& group, MintAxes& axes, Context& context) {
   std::vector<std::string> names;
   std::vector<tmcl::Microsteps> positions;
   for (const auto& move : group.moves) {
     auto& axis = axes.at(move.axis);
     if (!move.profile) continue;
-    if (auto set = set_ramp(move, axis, room.target); !set) return set;
+    if (auto set = set_ramp(move, axis, context.target); !set) return set;
     names.push_back(axis.name);
     positions.push_back({static_cast<std::int32_t>(target_of(move))});
   }
-  return path::go_together(names, positions, fmt::format("at the GO of line {}", group.line), room);
+  return path::go_together(names, positions, fmt::format("at the GO of line {}", group.line),
+                           context);
 }
 
-Attempt<void> pass(const mint::DryRun& run, MintAxes& axes, Room& room, json::array& groups) {
+Attempt<void> pass(const mint::DryRun& run, MintAxes& axes, Context& context, json::array& groups) {
   for (const auto& group : run.groups) {
-    const auto begin = room.patience.now();
-    if (auto gone = go(group, axes, room); !gone) return gone;
-    const auto took = std::chrono::duration<double>(room.patience.now() - begin).count();
+    const auto begin = context.host.now();
+    if (auto gone = go(group, axes, context); !gone) return gone;
+    const auto took = std::chrono::duration<double>(context.host.now() - begin).count();
     groups.push_back(
         json::object{{"line", group.line}, {"planned_s", group.duration}, {"took_s", took}});
-    if (!room.output.json) {
-      room.output.out << fmt::format("GO of line {}: {:.3f} s, planned {:.3f} s", group.line, took,
-                                     group.duration)
-                      << std::endl;
+    if (!context.output.json) {
+      context.output.out << fmt::format("GO of line {}: {:.3f} s, planned {:.3f} s", group.line,
+                                        took, group.duration)
+                         << std::endl;
     }
   }
   return {};
@@ -224,29 +226,29 @@ Attempt<void> pass(const mint::DryRun& run, MintAxes& axes, Room& room, json::ar
 
 }  // namespace
 
-VerbResult run(const verb::RunMint& verb, Room& room) {
+VerbResult run(const verb::RunMint& verb, Context& context) {
   const auto text = path::text_of(verb.file, most_bytes);
   if (!text) return tl::unexpected(text.error());
-  const auto program = good_in(verb.file, mint::read(*text), room.output);
+  const auto program = good_in(verb.file, mint::read(*text), context.output);
   if (!program) return tl::unexpected(program.error());
-  const auto choices = choices_for(verb, *program, room);
+  const auto choices = choices_for(verb, *program, context);
   if (!choices) return tl::unexpected(choices.error());
-  auto axes = axes_named(*choices, room.target);
+  auto axes = axes_named(*choices, context.target);
   if (!axes) return tl::unexpected(axes.error());
-  const auto start = positions_of(*axes, room.target);
+  const auto start = positions_of(*axes, context.target);
   if (!start) return tl::unexpected(start.error());
-  const auto run = good_in(verb.file, mint::dry_run(*program, *start), room.output);
+  const auto run = good_in(verb.file, mint::dry_run(*program, *start), context.output);
   if (!run) return tl::unexpected(run.error());
   for (const auto& warning : run->warnings)
-    room.output.err << "tmclctl: warning: " << describe(warning, verb.file) << '\n';
-  if (const auto possible = check(*run, *axes, room.output); !possible)
+    context.output.err << "tmclctl: warning: " << describe(warning, verb.file) << '\n';
+  if (const auto possible = check(*run, *axes, context.output); !possible)
     return tl::unexpected(possible.error());
   json::array groups;
-  const auto passed = pass(*run, *axes, room, groups);
-  restore(*axes, room);
+  const auto passed = pass(*run, *axes, context, groups);
+  restore(*axes, context);
   if (!passed) return tl::unexpected(passed.error());
-  if (room.output.json)
-    print_json({{"file", verb.file}, {"groups", std::move(groups)}}, room.output);
+  if (context.output.json)
+    print_json({{"file", verb.file}, {"groups", std::move(groups)}}, context.output);
   return ExitCode::done;
 }
 

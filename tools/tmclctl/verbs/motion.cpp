@@ -37,12 +37,12 @@ std::string time_left(const StartedMove& move, tmcl::Duration passed) {
 
 /// Where the axis stands at last.
 Attempt<AxisReading> wait_for_arrival(Journey journey, const StartedMove& move, bool internal,
-                                      Room& room) {
+                                      Context& context) {
   const auto goal = move.goal;
-  ProgressLine line(room.output);
+  ProgressLine line(context.output);
   std::optional<std::int32_t> start;
   AxisReading last;
-  const auto arrived = follow(journey, room, [&](const AxisReading& reading) {
+  const auto arrived = follow(journey, context, [&](const AxisReading& reading) {
     last = reading;
     if (!line.visible()) return;
     if (!start) start = reading.position.value;
@@ -51,7 +51,7 @@ Attempt<AxisReading> wait_for_arrival(Journey journey, const StartedMove& move, 
     const int width = std::clamp(line.screen().width - words_width, narrowest_bar, widest_bar);
     line.show(fmt::format("{} {} {:3}%{}  {} of {}  velocity {}", journey.axis,
                           bar(done, width, line.screen().utf8), static_cast<int>(done * 100),
-                          time_left(move, room.patience.now() - journey.started_at),
+                          time_left(move, context.host.now() - journey.started_at),
                           position_text(reading, internal), shown(move.goal_in_unit, goal.value),
                           velocity_text(reading, internal)));
   });
@@ -75,11 +75,11 @@ json::value unit_or_null(const std::optional<InUnit>& value) {
 
 }  // namespace
 
-VerbResult run(const verb::Move& verb, Room& room) {
-  if (auto interrupted = interrupted_before_move(room)) return tl::unexpected(*interrupted);
+VerbResult run(const verb::Move& verb, Context& context) {
+  if (auto interrupted = interrupted_before_move(context)) return tl::unexpected(*interrupted);
   const Typed typed{verb.position, verb.internal};
   auto move =
-      verb.by ? room.target.move_by(verb.axis, typed) : room.target.move_to(verb.axis, typed);
+      verb.by ? context.target.move_by(verb.axis, typed) : context.target.move_to(verb.axis, typed);
   if (!move) return tl::unexpected(move.error());
   json::object document{
       {"axis", verb.axis},
@@ -93,18 +93,18 @@ VerbResult run(const verb::Move& verb, Room& room) {
                   move->predicted_s ? fmt::format(" in {:.2f} s", *move->predicted_s) : "");
   if (verb.wait) {
     const auto there =
-        wait_for_arrival(journey_of(verb.axis, *move, verb.timeout_s, room.patience.now()), *move,
-                         verb.internal, room);
+        wait_for_arrival(journey_of(verb.axis, *move, verb.timeout_s, context.host.now()), *move,
+                         verb.internal, context);
     if (!there) return tl::unexpected(there.error());
     document["position_microsteps"] = there->position.value;
     document["position"] = there->user ? json::value(there->user->position) : nullptr;
     document["reached"] = true;
     line = fmt::format("{} stands at {}\n", verb.axis, position_text(*there, verb.internal));
   }
-  if (room.output.json) {
-    print_json(document, room.output);
+  if (context.output.json) {
+    print_json(document, context.output);
   } else {
-    room.output.out << line;
+    context.output.out << line;
   }
   return ExitCode::done;
 }
@@ -112,52 +112,52 @@ VerbResult run(const verb::Move& verb, Room& room) {
 namespace {
 
 Attempt<AxisReading> wait_for(const std::string& axis, const verb::Wait& verb,
-                              tmcl::TimePoint started_at, Room& room) {
-  const auto now = room.target.state(axis);
+                              tmcl::TimePoint started_at, Context& context) {
+  const auto now = context.target.state(axis);
   if (!now) return tl::unexpected(now.error());
   StartedMove move{now->target, {}};
   if (now->user && !verb.internal) move.goal_in_unit = now->user->target_in_unit();
   return wait_for_arrival(journey_of(axis, move, verb.timeout_s, started_at), move, verb.internal,
-                          room);
+                          context);
 }
 
 }  // namespace
 
-VerbResult run(const verb::Wait& verb, Room& room) {
-  const auto started_at = room.patience.now();
+VerbResult run(const verb::Wait& verb, Context& context) {
+  const auto started_at = context.host.now();
   json::array axes;
   for (const auto& axis : verb.axes) {
-    const auto there = wait_for(axis, verb, started_at, room);
+    const auto there = wait_for(axis, verb, started_at, context);
     if (!there) return tl::unexpected(there.error());
     axes.push_back(
         json::object{{"axis", axis},
                      {"position_microsteps", there->position.value},
                      {"unit", there->user ? json::value(there->user->unit) : nullptr},
                      {"position", there->user ? json::value(there->user->position) : nullptr}});
-    if (!room.output.json) {
-      room.output.out << fmt::format("{} stands at {}\n", axis,
-                                     position_text(*there, verb.internal));
+    if (!context.output.json) {
+      context.output.out << fmt::format("{} stands at {}\n", axis,
+                                        position_text(*there, verb.internal));
     }
   }
-  if (room.output.json) print_json({{"axes", std::move(axes)}}, room.output);
+  if (context.output.json) print_json({{"axes", std::move(axes)}}, context.output);
   return ExitCode::done;
 }
 
-VerbResult run(const verb::Rotate& verb, Room& room) {
-  const auto rotating = room.target.rotate(verb.axis, {verb.velocity, verb.internal});
+VerbResult run(const verb::Rotate& verb, Context& context) {
+  const auto rotating = context.target.rotate(verb.axis, {verb.velocity, verb.internal});
   if (!rotating) return tl::unexpected(rotating.error());
-  if (room.output.json) {
+  if (context.output.json) {
     print_json({{"axis", verb.axis},
                 {"velocity_internal", rotating->velocity.value},
                 {"unit", unit_or_null(rotating->in_unit)},
                 {"velocity", value_or_null(rotating->in_unit)}},
-               room.output);
+               context.output);
   } else {
     auto speed = verb.internal ? std::nullopt : rotating->in_unit;
     if (speed) speed->unit += "/s";
-    room.output.out << fmt::format("{} turns with velocity {}. {}\n", verb.axis,
-                                   shown(speed, rotating->velocity.value),
-                                   how_to_stop(verb.axis, room.target));
+    context.output.out << fmt::format("{} turns with velocity {}. {}\n", verb.axis,
+                                      shown(speed, rotating->velocity.value),
+                                      how_to_stop(verb.axis, context.target));
   }
   return ExitCode::done;
 }
@@ -190,17 +190,17 @@ ExitCode show_stopped(const std::vector<StoppedAxis>& axes, Output& output) {
 
 }  // namespace
 
-VerbResult run(const verb::Stop& verb, Room& room) {
+VerbResult run(const verb::Stop& verb, Context& context) {
   if (verb.all) {
-    return room.target.stop_all().map(
-        [&](const std::vector<StoppedAxis>& axes) { return show_stopped(axes, room.output); });
+    return context.target.stop_all().map(
+        [&](const std::vector<StoppedAxis>& axes) { return show_stopped(axes, context.output); });
   }
-  const auto stopped = room.target.stop(verb.axis);
+  const auto stopped = context.target.stop(verb.axis);
   if (!stopped) return tl::unexpected(stopped.error());
-  if (room.output.json) {
-    print_json({{"axis", verb.axis}, {"stopped", true}}, room.output);
+  if (context.output.json) {
+    print_json({{"axis", verb.axis}, {"stopped", true}}, context.output);
   } else {
-    room.output.out << verb.axis << " stops\n";
+    context.output.out << verb.axis << " stops\n";
   }
   return ExitCode::done;
 }

@@ -21,30 +21,30 @@ Attempt<Quantity> in_units(const ParameterValue& got, const std::string& axis, T
 
 }  // namespace
 
-VerbResult run(const verb::Get& verb, Room& room) {
-  const auto got = room.target.get(verb.axis, verb.parameter);
+VerbResult run(const verb::Get& verb, Context& context) {
+  const auto got = context.target.get(verb.axis, verb.parameter);
   if (!got) return tl::unexpected(got.error());
   auto document = to_json(verb.axis, *got);
   auto line = fmt::format("{}\n", got->value);
   if (verb.in_units) {
-    const auto shown = in_units(*got, verb.axis, room.target);
+    const auto shown = in_units(*got, verb.axis, context.target);
     if (!shown) return tl::unexpected(shown.error());
     document["value_in_unit"] = shown->number;
     document["unit"] = shown->unit;
     line = fmt::format("{:.12g}{}\n", shown->number, shown->unit);
   }
-  if (room.output.json) {
-    print_json(document, room.output);
+  if (context.output.json) {
+    print_json(document, context.output);
   } else {
-    room.output.out << line;
+    context.output.out << line;
   }
   return ExitCode::done;
 }
 
-VerbResult run(const verb::Set& verb, Room& room) {
-  const auto set = room.target.set(verb.axis, verb.parameter, Typed{verb.value, true});
+VerbResult run(const verb::Set& verb, Context& context) {
+  const auto set = context.target.set(verb.axis, verb.parameter, Typed{verb.value, true});
   if (!set) return tl::unexpected(set.error());
-  if (room.output.json) print_json(to_json(verb.axis, *set), room.output);
+  if (context.output.json) print_json(to_json(verb.axis, *set), context.output);
   return ExitCode::done;
 }
 

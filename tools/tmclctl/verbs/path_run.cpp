@@ -37,12 +37,12 @@ std::vector<plan::PathChoice> choices_of(const std::vector<std::string>& words) 
 }
 
 Attempt<void> go_to_start(const plan::Course& course, const std::vector<plan::PathAxis>& axes,
-                          Room& room) {
+                          Context& context) {
   std::vector<tmcl::Microsteps> positions;
   const auto start = course.at(0).position;
   for (std::size_t i = 0; i < axes.size(); ++i)
     positions.push_back(plan::microsteps(axes[i], start[i]));
-  return path::go_to(path::names_of(axes), positions, "on the way to the start", room);
+  return path::go_to(path::names_of(axes), positions, "on the way to the start", context);
 }
 
 struct Passed {
@@ -77,17 +77,17 @@ json::object params_of(const path::Source& source, const plan::PathWish& wish,
 }
 
 Passed pass(const path::Source& source, const plan::PathWish& wish,
-            const std::vector<plan::PathAxis>& axes, Room& room) {
-  ProgressLine progress(room.output);
+            const std::vector<plan::PathAxis>& axes, Context& context) {
+  ProgressLine progress(context.output);
   int signal = 0;
   PathWatcher watcher;
   watcher.on_progress = [&](const PathProgress& now) { path::show(now, progress); };
   watcher.will = [&] {
-    if (const int caught = room.patience.take_signal(); caught != 0) signal = caught;
+    if (const int caught = context.host.take_signal(); caught != 0) signal = caught;
     if (signal != 0) return PathWill::stop;
-    return room.patience.pause_asked() ? PathWill::pause : PathWill::go_on;
+    return context.host.pause_asked() ? PathWill::pause : PathWill::go_on;
   };
-  auto report = room.target.pass_path(params_of(source, wish, axes), source.text, watcher);
+  auto report = context.target.pass_path(params_of(source, wish, axes), source.text, watcher);
   // What stopped it before its end has moved the axes, or not.
   if (!report && report.error().details.contains("run")) {
     const bool moved = report.error().outcome == tmcl::Outcome::done;
@@ -143,13 +143,13 @@ VerbResult tell(Passed passed, bool by_position, Output& output) {
 
 }  // namespace
 
-VerbResult run(const verb::RunPath& verb, Room& room) {
-  auto source = path::read_source(verb.file, verb.tolerance, room.output);
+VerbResult run(const verb::RunPath& verb, Context& context) {
+  auto source = path::read_source(verb.file, verb.tolerance, context.output);
   if (!source) return tl::unexpected(source.error());
   const auto wish = wish_of(verb);
-  const auto axes = path::read_axes(*source, choices_of(verb.axes), wish, room.target);
+  const auto axes = path::read_axes(*source, choices_of(verb.axes), wish, context.target);
   if (!axes) return tl::unexpected(axes.error());
-  if (const auto begun = path::begin_where_axes_stand(*source, *axes, wish, room.output); !begun)
+  if (const auto begun = path::begin_where_axes_stand(*source, *axes, wish, context.output); !begun)
     return tl::unexpected(begun.error());
   const auto course = path::course_of(*source, limits_of(*axes, wish), wish);
   if (!course) return tl::unexpected(course.error());
@@ -158,17 +158,17 @@ VerbResult run(const verb::RunPath& verb, Room& room) {
   if (const auto drawn = path::draw(verb.svg, *source, *course); !drawn)
     return tl::unexpected(drawn.error());
   if (verb.dry_run) {
-    if (room.output.json) {
-      print_json(path::to_json(*source, *course), room.output);
+    if (context.output.json) {
+      print_json(path::to_json(*source, *course), context.output);
     } else {
-      path::print(*source, *course, room.output);
+      path::print(*source, *course, context.output);
     }
     return ExitCode::done;
   }
-  if (const auto there = go_to_start(*course, *axes, room); !there)
+  if (const auto there = go_to_start(*course, *axes, context); !there)
     return tl::unexpected(there.error());
-  room.patience.catch_pauses();
-  return tell(pass(*source, wish, *axes, room), verb.by_position, room.output);
+  context.host.catch_pauses();
+  return tell(pass(*source, wish, *axes, context), verb.by_position, context.output);
 }
 
 }  // namespace tmclctl

@@ -30,8 +30,8 @@ constexpr std::size_t most_samples = 360'000;
 class Recorder {
  public:
   /// `internal`: in what the module counts.
-  Recorder(std::string axis, bool internal, Room& room)
-      : room_(room), internal_(internal), begin_(room.patience.now()), line_(room.output) {
+  Recorder(std::string axis, bool internal, Context& context)
+      : room_(context), internal_(internal), begin_(context.host.now()), line_(context.output) {
     recording_.axis = std::move(axis);
   }
 
@@ -55,7 +55,7 @@ class Recorder {
 
   bool full() const { return recording_.samples.size() >= most_samples; }
   double seconds() const {
-    return std::chrono::duration<double>(room_.patience.now() - begin_).count();
+    return std::chrono::duration<double>(room_.host.now() - begin_).count();
   }
 
   /// What the recording is to be compared with.
@@ -80,7 +80,7 @@ class Recorder {
   }
 
  private:
-  Room& room_;
+  Context& room_;
   bool internal_;
   tmcl::TimePoint begin_;
   tmcl::Duration usual_age_ = tmcl::Duration::max() / 2;
@@ -93,56 +93,56 @@ class Recorder {
 
 using MaybeFailure = std::optional<Failure>;
 
-MaybeFailure record_move(const verb::Plot& verb, Recorder& recorder, Room& room) {
-  const auto before = room.target.state(verb.axis);
+MaybeFailure record_move(const verb::Plot& verb, Recorder& recorder, Context& context) {
+  const auto before = context.target.state(verb.axis);
   if (!before) return before.error();
   recorder.add(*before);
-  if (auto interrupted = interrupted_before_move(room)) return interrupted;
+  if (auto interrupted = interrupted_before_move(context)) return interrupted;
   std::optional<tmcl::plan::AxisTwin> twin;
   if (verb.compare) {
-    const auto found = twin_of(verb.axis, room.target);
+    const auto found = twin_of(verb.axis, context.target);
     if (!found) return found.error();
     twin = *found;
   }
   const double asked_at = recorder.seconds();
-  const auto move = verb.by.empty() ? room.target.move_to(verb.axis, {verb.to, verb.internal})
-                                    : room.target.move_by(verb.axis, {verb.by, verb.internal});
+  const auto move = verb.by.empty() ? context.target.move_to(verb.axis, {verb.to, verb.internal})
+                                    : context.target.move_by(verb.axis, {verb.by, verb.internal});
   if (!move) return move.error();
   if (twin) {
     twin->move_to(move->goal);
     recorder.expect(*twin, {asked_at, recorder.seconds()});
   }
-  Journey journey{verb.axis, move->goal, room.patience.now(), sample_interval, {}, {}};
+  Journey journey{verb.axis, move->goal, context.host.now(), sample_interval, {}, {}};
   if (!verb.internal) journey.goal_in_unit = move->goal_in_unit;
   if (verb.for_s) {
     journey.timeout =
         std::chrono::duration_cast<tmcl::Duration>(std::chrono::duration<double>(*verb.for_s));
   }
   const auto reached =
-      follow(journey, room, [&](const AxisReading& reading) { recorder.add(reading); });
+      follow(journey, context, [&](const AxisReading& reading) { recorder.add(reading); });
   // The end of the time that --for gives is what was asked for.
   if (reached || reached.error().name == "timeout") return std::nullopt;
   return reached.error();
 }
 
-MaybeFailure record_as_it_is(const verb::Plot& verb, Recorder& recorder, Room& room) {
-  auto last_moving = room.patience.now();
-  while (room.patience.signal() == 0 && !recorder.full()) {
-    const auto next_look = room.patience.now() + sample_interval;
-    const auto reading = room.target.state(verb.axis);
-    if (!reading && room.patience.signal() != 0) break;
+MaybeFailure record_as_it_is(const verb::Plot& verb, Recorder& recorder, Context& context) {
+  auto last_moving = context.host.now();
+  while (context.host.signal() == 0 && !recorder.full()) {
+    const auto next_look = context.host.now() + sample_interval;
+    const auto reading = context.target.state(verb.axis);
+    if (!reading && context.host.signal() != 0) break;
     if (!reading) return reading.error();
     recorder.add(*reading);
     if (verb.for_s && recorder.seconds() >= *verb.for_s) return std::nullopt;
-    if (reading->velocity.value != 0) last_moving = room.patience.now();
-    const bool stands = room.patience.now() - last_moving >= standstill_limit;
+    if (reading->velocity.value != 0) last_moving = context.host.now();
+    const bool stands = context.host.now() - last_moving >= standstill_limit;
     if (!verb.for_s && stands) return std::nullopt;
-    room.target.sleep(next_look - room.patience.now());
+    context.target.sleep(next_look - context.host.now());
   }
-  if (room.patience.signal() == 0) return std::nullopt;
-  return interrupted_failure(room.patience.signal(),
+  if (context.host.signal() == 0) return std::nullopt;
+  return interrupted_failure(context.host.signal(),
                              fmt::format("no longer recording {}", verb.axis),
-                             "If it moves, it goes on. " + how_to_stop(verb.axis, room.target));
+                             "If it moves, it goes on. " + how_to_stop(verb.axis, context.target));
 }
 
 json::object to_json(const plot::Comparison& comparison, const plot::Recording& recording) {
@@ -191,17 +191,17 @@ void show(const verb::Plot& verb, const plot::Recording& recording, const plot::
 
 }  // namespace
 
-VerbResult run(const verb::Plot& verb, Room& room) {
+VerbResult run(const verb::Plot& verb, Context& context) {
   // A move whose recording cannot be kept is not worth starting.
   OutputFile svg;
   OutputFile csv;
   if (auto opened = svg.open(verb.svg); !opened) return tl::unexpected(opened.error());
   if (auto opened = csv.open(verb.csv == "-" ? "" : verb.csv); !opened)
     return tl::unexpected(opened.error());
-  Recorder recorder(verb.axis, verb.internal, room);
+  Recorder recorder(verb.axis, verb.internal, context);
   const bool starts_move = !verb.to.empty() || !verb.by.empty();
   const auto failure =
-      starts_move ? record_move(verb, recorder, room) : record_as_it_is(verb, recorder, room);
+      starts_move ? record_move(verb, recorder, context) : record_as_it_is(verb, recorder, context);
   const auto& recording = recorder.finish();
   const auto comparison = recorder.comparison();
   // A move that was refused has been seen once, where it did not begin.
@@ -213,10 +213,10 @@ VerbResult run(const verb::Plot& verb, Room& room) {
       return tl::unexpected(written.error());
     if (auto written = csv.write(plot::to_csv(recording)); !written)
       return tl::unexpected(written.error());
-    if (!room.output.json) show(verb, recording, picture, room.output);
+    if (!context.output.json) show(verb, recording, picture, context.output);
   }
   if (failure) return tl::unexpected(*failure);
-  if (room.output.json) print_json(to_json(verb, recording, comparison), room.output);
+  if (context.output.json) print_json(to_json(verb, recording, comparison), context.output);
   return ExitCode::done;
 }
 

@@ -117,26 +117,26 @@ void print(const tmcl::Request& request, const RawAnswer& answer, std::ostream& 
 
 }  // namespace
 
-VerbResult run(const verb::Raw& verb, Room& room) {
+VerbResult run(const verb::Raw& verb, Context& context) {
   const auto request = request_from(verb);
   if (!request) return tl::unexpected(request.error());
-  const auto answer = room.target.raw({verb.bus, *request});
+  const auto answer = context.target.raw({verb.bus, *request});
   if (!answer) {
     auto failure = answer.error();
     if (failure.exit == ExitCode::usage || failure.exit == ExitCode::not_sent) {
       return tl::unexpected(failure);
     }
     failure.details["request_bytes"] = hex(tmcl::encode_serial(*request));
-    if (!room.output.json) {
-      room.output.err << "-> " << hex(tmcl::encode_serial(*request)) << "  " << describe(*request)
-                      << '\n';
+    if (!context.output.json) {
+      context.output.err << "-> " << hex(tmcl::encode_serial(*request)) << "  "
+                         << describe(*request) << '\n';
     }
     return tl::unexpected(failure);
   }
-  if (room.output.json) {
-    print_json(to_json(*request, *answer), room.output);
+  if (context.output.json) {
+    print_json(to_json(*request, *answer), context.output);
   } else {
-    print(*request, *answer, room.output.out);
+    print(*request, *answer, context.output.out);
   }
   return ExitCode::done;
 }

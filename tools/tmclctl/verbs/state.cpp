@@ -32,11 +32,11 @@ void print_change(const verb::Watch& verb, const AxisReading& reading, double at
 
 }  // namespace
 
-VerbResult run(const verb::State& verb, Room& room) {
-  const auto reading = room.target.state(verb.axis);
+VerbResult run(const verb::State& verb, Context& context) {
+  const auto reading = context.target.state(verb.axis);
   if (!reading) return tl::unexpected(reading.error());
-  if (room.output.json) {
-    print_json(to_json(verb.axis, *reading), room.output);
+  if (context.output.json) {
+    print_json(to_json(verb.axis, *reading), context.output);
     return ExitCode::done;
   }
   const auto with = [&](std::string text, bool has_unit) {
@@ -45,7 +45,7 @@ VerbResult run(const verb::State& verb, Room& room) {
   const auto& user = reading->user;
   const auto pps =
       reading->velocity_pps ? fmt::format(" ({:.1f} microsteps/s)", *reading->velocity_pps) : "";
-  room.output.out << fmt::format(
+  context.output.out << fmt::format(
       "axis      {}\nposition  {}{} microsteps\ntarget    {}{} microsteps{}\nvelocity  "
       "{}{}{}\nmoving    "
       "{}\n",
@@ -57,22 +57,23 @@ VerbResult run(const verb::State& verb, Room& room) {
   return ExitCode::done;
 }
 
-VerbResult run(const verb::Watch& verb, Room& room) {
-  const auto begin = room.patience.now();
+VerbResult run(const verb::Watch& verb, Context& context) {
+  const auto begin = context.host.now();
   const auto seconds_since_begin = [&](tmcl::TimePoint at) {
     return std::chrono::duration<double>(at - begin).count();
   };
   std::optional<AxisReading> last;
-  const auto watched = room.target.watch(verb.axis, verb.interval, [&](const AxisReading* reading) {
-    if (reading != nullptr && !(last && same(*last, *reading))) {
-      print_change(verb, *reading, seconds_since_begin(room.patience.now()), room.output);
-      last = *reading;
-    }
-    // Ending it is what Ctrl-C is for here, so that is no failure.
-    return room.patience.signal() == 0 &&
-           !(verb.for_s && seconds_since_begin(room.patience.now()) >= *verb.for_s);
-  });
-  if (!watched && room.patience.signal() == 0) return tl::unexpected(watched.error());
+  const auto watched =
+      context.target.watch(verb.axis, verb.interval, [&](const AxisReading* reading) {
+        if (reading != nullptr && !(last && same(*last, *reading))) {
+          print_change(verb, *reading, seconds_since_begin(context.host.now()), context.output);
+          last = *reading;
+        }
+        // Ending it is what Ctrl-C is for here, so that is no failure.
+        return context.host.signal() == 0 &&
+               !(verb.for_s && seconds_since_begin(context.host.now()) >= *verb.for_s);
+      });
+  if (!watched && context.host.signal() == 0) return tl::unexpected(watched.error());
   return ExitCode::done;
 }
 

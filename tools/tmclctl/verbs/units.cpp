@@ -135,21 +135,21 @@ void show(const verb::Ramp& verb, const RampChoice& choice, const AxisUnits& uni
 
 }  // namespace
 
-VerbResult run(const verb::Ramp& verb, Room& room) {
-  const auto units = room.target.units(verb.axis);
+VerbResult run(const verb::Ramp& verb, Context& context) {
+  const auto units = context.target.units(verb.axis);
   if (!units) return tl::unexpected(units.error());
   const auto choice = choose_ramp(verb, *units);
   if (!choice) return tl::unexpected(choice.error());
   if (!verb.dry_run) {
     const auto done =
-        refuse_in_motion(verb.axis, room.target)
-            .and_then([&] { return in_safe_order(choice->settings, verb.axis, room.target); })
+        refuse_in_motion(verb.axis, context.target)
+            .and_then([&] { return in_safe_order(choice->settings, verb.axis, context.target); })
             .and_then([&](const std::vector<Setting>& settings) {
-              return write(settings, *units, verb.axis, room.target);
+              return write(settings, *units, verb.axis, context.target);
             });
     if (!done) return tl::unexpected(done.error());
   }
-  show(verb, *choice, *units, room.output);
+  show(verb, *choice, *units, context.output);
   return ExitCode::done;
 }
 

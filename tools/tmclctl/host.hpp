@@ -1,13 +1,13 @@
-/// How a verb waits: what time it is, how to let some pass, and whether the user has had enough.
+/// What a verb needs of the process it runs in: the time, waiting, and signals.
 #pragma once
 
 #include "tmcl/clock.hpp"
 
 namespace tmclctl {
 
-class Patience {
+class Host {
  public:
-  virtual ~Patience() = default;
+  virtual ~Host() = default;
   virtual tmcl::TimePoint now() const = 0;
   /// Returns early when a signal comes.
   virtual void sleep(tmcl::Duration duration) = 0;
@@ -26,7 +26,7 @@ class Patience {
 };
 
 /// Real time and real signals.
-class RealPatience final : public Patience {
+class RealHost final : public Host {
  public:
   tmcl::TimePoint now() const override { return clock_.now(); }
   void sleep(tmcl::Duration duration) override;

@@ -1,4 +1,4 @@
-#include "patience.hpp"
+#include "host.hpp"
 
 #include <poll.h>
 
@@ -19,7 +19,7 @@ constexpr auto longest_sleep = std::chrono::milliseconds(100);
 
 }  // namespace
 
-void RealPatience::catch_signals() {
+void RealHost::catch_signals() {
   struct sigaction action {};
   action.sa_handler = note_signal;
   action.sa_flags = static_cast<int>(SA_RESETHAND);
@@ -28,7 +28,7 @@ void RealPatience::catch_signals() {
   ::sigaction(SIGTERM, &action, nullptr);
 }
 
-void RealPatience::sleep(tmcl::Duration duration) {
+void RealHost::sleep(tmcl::Duration duration) {
   const auto until = now() + duration;
   while (signal() == 0) {
     const auto left = until - now();
@@ -39,15 +39,15 @@ void RealPatience::sleep(tmcl::Duration duration) {
   }
 }
 
-int RealPatience::signal() const { return caught_signal; }
+int RealHost::signal() const { return caught_signal; }
 
-int RealPatience::take_signal() {
+int RealHost::take_signal() {
   const int number = caught_signal;
   caught_signal = 0;
   return number;
 }
 
-void RealPatience::catch_pauses() {
+void RealHost::catch_pauses() {
   struct sigaction action {};
   action.sa_handler = note_pause;
   sigemptyset(&action.sa_mask);
@@ -55,6 +55,6 @@ void RealPatience::catch_pauses() {
   ::sigaction(SIGCONT, &action, nullptr);
 }
 
-bool RealPatience::pause_asked() const { return pause_wanted != 0; }
+bool RealHost::pause_asked() const { return pause_wanted != 0; }
 
 }  // namespace tmclctl
