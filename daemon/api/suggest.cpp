@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmcld {
 
@@ -14,7 +14,7 @@ std::string suggest(std::string_view word, std::span<const std::string_view> nam
   if (std::ranges::count_if(names, continues) == 1) {
     return "Did you mean '" + std::string(*std::ranges::find_if(names, continues)) + "'?";
   }
-  const auto near = tmcl::nearest(word, names);
+  const auto near = tmcl::closest_word(word, names);
   if (!near.empty()) return "Did you mean '" + std::string(near) + "'?";
   return std::string(otherwise);
 }

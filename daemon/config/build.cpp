@@ -11,7 +11,7 @@
 #include <fmt/format.h>
 
 #include "tmcl/mechanics.hpp"
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmcld {
 namespace {

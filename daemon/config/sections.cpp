@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "config/section.hpp"
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmcld {
 namespace {

@@ -5,9 +5,9 @@
 #include <gmock/gmock.h>
 
 #include "tmcl/model.hpp"
-#include "tmcl/nearest.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/serial_decoder.hpp"
+#include "tmcl/spelling.hpp"
 #include "tmcl/units.hpp"
 #include "tmcl/version.hpp"
 
@@ -133,7 +133,7 @@ TEST(Models, AreFoundByAnyOfTheirNames) {
 
 TEST(Nearest, SuggestsWhatWasMeantAndNothingElse) {
   const std::array<std::string_view, 3> words{"max_velocity", "max_acceleration", "ramp_mode"};
-  EXPECT_EQ(nearest("max_velocty", words), "max_velocity");
+  EXPECT_EQ(closest_word("max_velocty", words), "max_velocity");
   EXPECT_EQ(did_you_mean("rampmode", words), " Did you mean 'ramp_mode'?");
   EXPECT_THAT(did_you_mean("xyz", words), IsEmpty());
 }

@@ -10,7 +10,7 @@
 
 #include <fmt/format.h>
 
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmclctl {
 namespace {

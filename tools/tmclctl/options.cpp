@@ -13,9 +13,9 @@
 #include "profile/generators.hpp"
 #include "profile/setup.hpp"
 #include "tmcl/command.hpp"
-#include "tmcl/nearest.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/plan/profile.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmclctl {
 namespace {

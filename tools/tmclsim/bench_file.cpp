@@ -11,7 +11,7 @@
 
 #include "sim/module/delivered_stage.hpp"
 #include "tmcl/model.hpp"
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmclsim {
 namespace {

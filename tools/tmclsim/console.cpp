@@ -10,7 +10,7 @@
 
 #include <tl/expected.hpp>
 
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmclsim {
 namespace {

@@ -6,7 +6,7 @@
 #include <charconv>
 #include <string_view>
 
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmclsim {
 namespace {

@@ -5,7 +5,7 @@
 #include <string_view>
 
 #include "bench_file.hpp"
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmclsim {
 namespace {

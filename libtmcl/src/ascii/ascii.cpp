@@ -6,7 +6,7 @@
 #include "core/text.hpp"
 #include "program/cursor.hpp"
 #include "program/encoding.hpp"
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmcl::ascii {
 namespace {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <vector>
 
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmcl {
 namespace {

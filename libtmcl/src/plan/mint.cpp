@@ -7,7 +7,7 @@
 #include <fmt/format.h>
 
 #include "plan/text_cursor.hpp"
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmcl::plan::mint {
 namespace {

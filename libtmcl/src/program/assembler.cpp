@@ -8,7 +8,7 @@
 #include "core/text.hpp"
 #include "program/encoding.hpp"
 #include "program/source.hpp"
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmcl::program {
 namespace {

@@ -8,7 +8,7 @@
 #include <fmt/format.h>
 
 #include "options/form.hpp"
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmclctl::profile {
 namespace {

@@ -8,7 +8,7 @@
 #include "json_read.hpp"
 #include "names.hpp"
 #include "print.hpp"
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {

@@ -9,7 +9,7 @@ namespace tmcl {
 
 /// The candidate that differs from `word` by the fewest edits (insertion, removal, exchange of one
 /// letter), case ignored; empty if none is near enough to be what a person meant.
-std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates);
+std::string_view closest_word(std::string_view word, std::span<const std::string_view> candidates);
 
 /// " Did you mean 'x'?", or nothing.
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates);

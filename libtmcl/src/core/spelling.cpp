@@ -1,4 +1,4 @@
-#include "tmcl/nearest.hpp"
+#include "tmcl/spelling.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -39,7 +39,7 @@ constexpr std::size_t longest_word = 64;
 
 }  // namespace
 
-std::string_view nearest(std::string_view word, std::span<const std::string_view> candidates) {
+std::string_view closest_word(std::string_view word, std::span<const std::string_view> candidates) {
   if (word.size() > longest_word) return {};
   std::string_view best;
   std::size_t best_distance = word.size() / 2 + 1;
@@ -54,7 +54,7 @@ std::string_view nearest(std::string_view word, std::span<const std::string_view
 }
 
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates) {
-  const auto best = nearest(word, candidates);
+  const auto best = closest_word(word, candidates);
   return best.empty() ? std::string{} : " Did you mean '" + std::string(best) + "'?";
 }
 
