@@ -7,7 +7,7 @@
 #include "async/rest.hpp"
 #include "gateway/path_run.hpp"
 #include "tmcl/drive_report.hpp"
-#include "tmcl/plan/path_run.hpp"
+#include "tmcl/plan/path_preparation.hpp"
 
 namespace tmcld::handlers {
 namespace {
@@ -29,15 +29,19 @@ Lookup<plan::StreamMode> mode_of(const Call& call) {
       param_error("bad_argument", "mode", "'mode' must be 'velocity' or 'position'"));
 }
 
-Lookup<plan::PathWish> wish_of(const Call& call) {
-  plan::PathWish wish;
+Lookup<plan::PathRequest> request_of(const Call& call) {
+  plan::PathRequest request;
   const auto mode = mode_of(call);
   if (!mode) return tl::unexpected(mode.error());
-  wish.mode = *mode;
+  request.mode = *mode;
   std::optional<double> tolerance;
   const std::pair<const char*, std::optional<double>*> numbers[] = {
-      {"tolerance", &tolerance}, {"velocity", &wish.velocity}, {"acceleration", &wish.acceleration},
-      {"feed", &wish.feed},      {"per_turn", &wish.per_turn}, {"deviation", &wish.deviation}};
+      {"tolerance", &tolerance},
+      {"velocity", &request.velocity},
+      {"acceleration", &request.acceleration},
+      {"feed", &request.feed},
+      {"per_turn", &request.per_turn},
+      {"deviation", &request.deviation}};
   for (const auto& [name, into] : numbers) {
     if (!call.params.has(name)) continue;
     const double value = call.params.number(name);
@@ -47,10 +51,10 @@ Lookup<plan::PathWish> wish_of(const Call& call) {
     }
     *into = value;
   }
-  wish.tolerance = tolerance.value_or(wish.tolerance);
+  request.tolerance = tolerance.value_or(request.tolerance);
   if (call.params.has("period_ms"))
-    wish.period = std::chrono::milliseconds(call.params.integer("period_ms"));
-  return wish;
+    request.period = std::chrono::milliseconds(call.params.integer("period_ms"));
+  return request;
 }
 
 Lookup<std::string> text_of(const Call& call) {
@@ -165,7 +169,7 @@ awaitable<tmcl::Result<plan::PathAxisFacts>> facts_of(GatewayAxis& axis, std::st
 
 awaitable<Lookup<std::vector<plan::PathAxis>>> path_axes(const plan::PathSource& source,
                                                          const std::vector<PathMember>& members,
-                                                         const plan::PathWish& wish) {
+                                                         const plan::PathRequest& request) {
   std::vector<plan::PathAxis> axes;
   for (std::size_t i = 0; i < members.size(); ++i) {
     auto& axis = *members[i].axis;
@@ -174,13 +178,13 @@ awaitable<Lookup<std::vector<plan::PathAxis>>> path_axes(const plan::PathSource&
     // It does not move by itself, and will not soon be free.
     if (facts->moving && axis.mover() != Mover::nobody)
       co_return tl::unexpected(call_error(axis.claimed(), axis.name()));
-    auto made = plan::path_axis(source, *facts, wish);
+    auto made = plan::path_axis(source, *facts, request);
     if (!made) {
       auto error = error_of(made.error(), "axes");
       error.data["axis"] = axis.name();
       co_return tl::unexpected(std::move(error));
     }
-    if (wish.mode == plan::StreamMode::position) {
+    if (request.mode == plan::StreamMode::position) {
       auto twin = co_await axis.twin(members[i].movement);
       if (!twin) co_return tl::unexpected(call_error(twin.error(), axis.name()));
       made->stream.twin = std::move(*twin);
@@ -296,8 +300,8 @@ Answer pause_all(Call& call, bool on) {
 Answer stage_path(Call& call) { co_return stage_part(call, staged_path); }
 
 Answer run_path(Call& call) {
-  const auto wish = wish_of(call);
-  if (!wish) co_return tl::unexpected(wish.error());
+  const auto request = request_of(call);
+  if (!request) co_return tl::unexpected(request.error());
   auto named = members_of(call);
   if (!named) co_return tl::unexpected(named.error());
   auto given = text_of(call);
@@ -308,20 +312,20 @@ Answer run_path(Call& call) {
 
   // It may have some megabytes, and what is read of it some more: nothing of it is copied here.
   const auto text = std::make_shared<const std::string>(std::move(*given));
-  auto read = [text, format = *format, tolerance = wish->tolerance] {
+  auto read = [text, format = *format, tolerance = request->tolerance] {
     return plan::read_path(*text, format, tolerance);
   };
   auto source = co_await elsewhere(planner, std::move(read));
   if (!source) co_return tl::unexpected(error_of(source.error(), "text"));
   auto members = ordered(call, *source, std::move(*named));
   if (!members) co_return tl::unexpected(members.error());
-  const auto axes = co_await path_axes(*source, *members, *wish);
+  const auto axes = co_await path_axes(*source, *members, *request);
   if (!axes) co_return tl::unexpected(axes.error());
 
-  auto plan_it = [source = std::move(*source), text, axes = *axes, wish = *wish]() mutable {
-    return from_where_axes_stand(std::move(source), *text, axes, wish)
+  auto plan_it = [source = std::move(*source), text, axes = *axes, request = *request]() mutable {
+    return from_where_axes_stand(std::move(source), *text, axes, request)
         .and_then([&](const auto& from_there) {
-          return course_of(from_there, limits_of(axes, wish), wish);
+          return course_of(from_there, limits_of(axes, request), request);
         });
   };
   auto course = co_await elsewhere(planner, std::move(plan_it));
@@ -334,8 +338,9 @@ Answer run_path(Call& call) {
   }
 
   const auto executor = co_await boost::asio::this_coro::executor;
-  const auto run = std::make_shared<PathRun>(executor, std::move(*course), std::move(*members),
-                                             streamed(*axes), options_of(*wish), progress_to(call));
+  const auto run =
+      std::make_shared<PathRun>(executor, std::move(*course), std::move(*members), streamed(*axes),
+                                options_of(*request), progress_to(call));
   const auto report = co_await PathRun::pass(run);
   if (!report) co_return tl::unexpected(call_error(report.error().error, report.error().axis));
   if (report->fault) co_return tl::unexpected(error_of(*report, *run));

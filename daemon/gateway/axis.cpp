@@ -45,11 +45,11 @@ tmcl::UserPosition sum(tmcl::UserPosition from, tmcl::UserPosition distance) {
   return rounded;
 }
 
-/// Where an axis is in its unit: exactly where it was wished to be, if it stands there.
-tmcl::UserPosition place_of(Microsteps here, const std::optional<tmcl::UserPosition>& wished,
+/// Where an axis is in its unit: exactly where it was requested to be, if it stands there.
+tmcl::UserPosition place_of(Microsteps here, const std::optional<tmcl::UserPosition>& requested,
                             const tmcl::UserScale& scale) {
-  const bool stands_there = wished && tmcl::to_microsteps(*wished, scale) == here;
-  return stands_there ? *wished : tmcl::to_user(here, scale);
+  const bool stands_there = requested && tmcl::to_microsteps(*requested, scale) == here;
+  return stands_there ? *requested : tmcl::to_user(here, scale);
 }
 
 }  // namespace
@@ -72,7 +72,7 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_to(Length target, bool pre
   if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
   auto script = tmcl::verbs::move_to(address(), target.microsteps);
   auto result = co_await start(std::move(script), predict, std::move(*admitted));
-  if (result) wished_ = target.in_unit;
+  if (result) requested_ = target.in_unit;
   co_return result;
 }
 
@@ -90,22 +90,22 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Length distance, bool p
     scale = std::move(*known);
   }
   // The script may outlive this call.
-  const auto wish = std::make_shared<std::optional<tmcl::UserPosition>>();
-  const auto in_unit = [=, before = wished_](Microsteps here) -> Result<Microsteps> {
+  const auto request = std::make_shared<std::optional<tmcl::UserPosition>>();
+  const auto in_unit = [=, before = requested_](Microsteps here) -> Result<Microsteps> {
     const auto from = place_of(here, before, *scale);
-    *wish = sum(from, *distance.in_unit);
-    return tmcl::to_microsteps(**wish, *scale, range).map_error([](const auto& error) {
+    *request = sum(from, *distance.in_unit);
+    return tmcl::to_microsteps(**request, *scale, range).map_error([](const auto& error) {
       return tmcl::bad_argument(describe(error), std::string(beyond_range_hint));
     });
   };
   const auto destination = [=, aim = *admitted](Microsteps here) -> Result<Microsteps> {
     const auto there = distance.in_unit ? in_unit(here) : sum(here, distance.microsteps, range);
-    if (there) aim.aim_at({*there, *wish});
+    if (there) aim.aim_at({*there, *request});
     return there;
   };
   auto script = tmcl::verbs::move_from_here(address(), destination);
   auto result = co_await start(std::move(script), predict, std::move(*admitted));
-  if (result) wished_ = *wish;
+  if (result) requested_ = *request;
   co_return result;
 }
 
@@ -217,7 +217,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::write(std::uint8_t parameter, std::int
   auto result = co_await axis_.run(std::move(script), std::move(admitted));
   // Also after a failure: the value may have been set all the same.
   units_.note_set(parameter);
-  if (parameter == tmcl::axis_parameter::actual_position) wished_.reset();
+  if (parameter == tmcl::axis_parameter::actual_position) requested_.reset();
   co_return result;
 }
 
@@ -238,7 +238,7 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state() {
 
 void GatewayAxis::forget_move() {
   expected_arrival_ = {};
-  wished_.reset();
+  requested_.reset();
 }
 
 const std::shared_ptr<AxisPoller>& GatewayAxis::poller() {

@@ -165,7 +165,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// When the move under way should end; in the past if that is not known.
   tmcl::TimePoint expected_arrival_{};
   /// Where the last move was to end, in the unit, before that was rounded.
-  std::optional<tmcl::UserPosition> wished_;
+  std::optional<tmcl::UserPosition> requested_;
   std::shared_ptr<AxisPoller> poller_;
 };
 

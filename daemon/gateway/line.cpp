@@ -198,8 +198,8 @@ class LineRun final : public DriveRun {
     return static_cast<std::size_t>(std::distance(traffic_.begin(), bus));
   }
 
-  plan::Exchanges exchanges() const {
-    plan::Exchanges exchanges;
+  plan::ExchangeTimes exchanges() const {
+    plan::ExchangeTimes exchanges;
     if (line_.one_command) return exchanges;
     for (const auto& [bus, traffic] : traffic_) exchanges.push_back(traffic.exchange());
     return exchanges;

@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "tmcl/drive_report.hpp"
-#include "tmcl/plan/path_run.hpp"
+#include "tmcl/plan/path_preparation.hpp"
 
 namespace tmcld {
 namespace {

@@ -111,7 +111,8 @@ TEST(LineProperty, SaysWhenEachAxisArrivesAndThatIsWhatItsSettingsMakeItDo) {
     for (int i = 0; i < 20; ++i) {
       const auto all = ways(random, 20'000, 100'000);
       const auto interval = std::chrono::microseconds(random.between(0, 3000));
-      const auto line = plan_line(axes_for(twin, all, velocity, acceleration), Exchanges{interval});
+      const auto line =
+          plan_line(axes_for(twin, all, velocity, acceleration), ExchangeTimes{interval});
       if (!line) continue;  // too slow for some axis, which the unit tests are about
       for (std::size_t k = 0; k < all.size(); ++k) {
         auto axis = twin;

@@ -95,7 +95,7 @@ class Table {
 
   void drive(bool one_command) {
     measure();
-    line_ = plan_line(axes_, one_command ? Exchanges{} : exchanges()).value();
+    line_ = plan_line(axes_, one_command ? ExchangeTimes{} : exchanges()).value();
     for (std::size_t i = 0; i < axes_.size(); ++i) {
       for (const auto setting : line_.axes[i].settings)
         send(i, Command::SAP, setting.parameter, setting.value);
@@ -142,8 +142,8 @@ class Table {
     }
     settle();
   }
-  Exchanges exchanges() const {
-    Exchanges exchanges;
+  ExchangeTimes exchanges() const {
+    ExchangeTimes exchanges;
     for (const auto& wire : wires_) exchanges.push_back(wire->exchanges.back());
     return exchanges;
   }

@@ -13,7 +13,7 @@ using testing::IsEmpty;
 using Seconds = std::chrono::duration<double>;
 
 tl::expected<Line, LineError> plan(const std::vector<LineAxis>& axes,
-                                   const Exchanges& exchanges = {}) {
+                                   const ExchangeTimes& exchanges = {}) {
   return plan_line(axes, exchanges);
 }
 
@@ -70,7 +70,7 @@ TEST(Line, AnAxisThatIsThereAlreadyStays) {
 }
 
 TEST(Line, TheSlowestStartsFirstAndNobodyWaitsForALateStart) {
-  const Exchanges starts{std::chrono::milliseconds(2)};
+  const ExchangeTimes starts{std::chrono::milliseconds(2)};
   const auto line = plan(
       {axis(2'500, 50'000, 1'500'000, "TMCM-6110"), axis(40'000, 50'000, 1'500'000, "TMCM-6110"),
        axis(-10'000, 50'000, 1'500'000, "TMCM-6110")},

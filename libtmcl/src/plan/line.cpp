@@ -365,7 +365,7 @@ namespace {
 /// A line in the making.
 class Planner {
  public:
-  Planner(std::span<const LineAxis> axes, const Exchanges& exchanges)
+  Planner(std::span<const LineAxis> axes, const ExchangeTimes& exchanges)
       : axes_(axes), exchanges_(exchanges) {
     for (std::size_t i = 0; i < axes.size(); ++i) {
       ways_.push_back({static_cast<double>(way_of(axes[i])), axes[i].velocity.value,
@@ -470,7 +470,7 @@ class Planner {
   }
 
   std::span<const LineAxis> axes_;
-  const Exchanges& exchanges_;
+  const ExchangeTimes& exchanges_;
   std::vector<Way> ways_;
   SharedRamp ramp_;
   Duration duration_{};  // 0: as short as possible
@@ -480,7 +480,8 @@ class Planner {
 
 }  // namespace
 
-std::vector<Duration> start_times(std::span<const std::size_t> buses, const Exchanges& exchanges) {
+std::vector<Duration> start_times(std::span<const std::size_t> buses,
+                                  const ExchangeTimes& exchanges) {
   std::vector<Duration> times;
   std::array<Duration, most_line_axes> asked{};
   for (const auto bus : buses) {
@@ -493,7 +494,8 @@ std::vector<Duration> start_times(std::span<const std::size_t> buses, const Exch
   return times;
 }
 
-tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes, const Exchanges& exchanges,
+tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes,
+                                        const ExchangeTimes& exchanges,
                                         std::optional<Duration> duration) {
   if (auto fault = fault_of(axes)) return tl::unexpected(std::move(*fault));
   auto shortest = Planner(axes, exchanges).plan();

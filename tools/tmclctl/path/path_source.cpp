@@ -70,16 +70,16 @@ Attempt<Source> read_source(const std::string& file, double tolerance, Output& o
 }
 
 Attempt<void> begin_where_axes_stand(Source& source, const std::vector<plan::PathAxis>& axes,
-                                     const plan::PathWish& wish, Output& output) {
-  auto begun = plan::from_where_axes_stand(source, source.text, axes, wish);
+                                     const plan::PathRequest& request, Output& output) {
+  auto begun = plan::from_where_axes_stand(source, source.text, axes, request);
   if (!begun) return tl::unexpected(failure_of(source.file, begun.error(), output));
   static_cast<plan::PathSource&>(source) = std::move(*begun);
   return {};
 }
 
 Attempt<plan::Course> course_of(const Source& source, const plan::PathLimits& limits,
-                                const plan::PathWish& wish) {
-  return plan::course_of(source, limits, wish).map_error([&](const auto& objection) {
+                                const plan::PathRequest& request) {
+  return plan::course_of(source, limits, request).map_error([&](const auto& objection) {
     auto failure = failure_from(objection);
     failure.message = source.file + ": " + failure.message;
     return failure;

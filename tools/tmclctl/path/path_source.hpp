@@ -5,7 +5,7 @@
 
 #include "failure.hpp"
 #include "screen.hpp"
-#include "tmcl/plan/path_run.hpp"
+#include "tmcl/plan/path_preparation.hpp"
 
 namespace tmclctl::path {
 
@@ -19,11 +19,11 @@ Attempt<Source> read_source(const std::string& file, double tolerance, Output& o
 
 /// G-code begins there; for a table this does nothing.
 Attempt<void> begin_where_axes_stand(Source& source, const std::vector<tmcl::plan::PathAxis>& axes,
-                                     const tmcl::plan::PathWish& wish, Output& output);
+                                     const tmcl::plan::PathRequest& request, Output& output);
 
 /// `limits` without axes and tolerance of corners.
 Attempt<tmcl::plan::Course> course_of(const Source& source, const tmcl::plan::PathLimits& limits,
-                                      const tmcl::plan::PathWish& wish);
+                                      const tmcl::plan::PathRequest& request);
 
 /// Without the name of a file.
 Failure failure_from(const tmcl::plan::PathObjection& objection);

@@ -76,7 +76,7 @@ Failure impossible(std::string name, std::string message, std::string hint) {
 
 Attempt<std::vector<plan::PathAxis>> read_axes(const Source& source,
                                                const std::vector<plan::PathChoice>& said,
-                                               const plan::PathWish& wish, Target& target) {
+                                               const plan::PathRequest& request, Target& target) {
   const auto choices = with_namesakes(source, said, target);
   const auto ordered = plan::in_order(source, choices);
   if (!ordered) return tl::unexpected(with_hint(ordered.error(), source, choices));
@@ -84,7 +84,7 @@ Attempt<std::vector<plan::PathAxis>> read_axes(const Source& source,
   for (const auto& choice : *ordered) {
     const auto facts = facts_of(choice, target);
     if (!facts) return tl::unexpected(facts.error());
-    auto axis = plan::path_axis(source, *facts, wish);
+    auto axis = plan::path_axis(source, *facts, request);
     if (!axis) return tl::unexpected(with_hint(axis.error(), source, choices));
     axes.push_back(std::move(*axis));
   }

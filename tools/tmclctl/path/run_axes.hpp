@@ -14,7 +14,7 @@ namespace tmclctl::path {
 /// file's, that moves, or that may not do what this mode needs.
 Attempt<std::vector<tmcl::plan::PathAxis>> read_axes(
     const Source& source, const std::vector<tmcl::plan::PathChoice>& choices,
-    const tmcl::plan::PathWish& wish, Target& target);
+    const tmcl::plan::PathRequest& request, Target& target);
 
 std::vector<std::string> names_of(const std::vector<tmcl::plan::PathAxis>& axes);
 Failure impossible(std::string name, std::string message, std::string hint = {});

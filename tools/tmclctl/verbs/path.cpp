@@ -78,10 +78,10 @@ VerbResult run(const verb::CheckPath& verb, Output& output) {
   if (!source) return tl::unexpected(source.error());
   tmcl::plan::PathLimits limits;
   limits.axis.fill({verb.velocity, verb.acceleration});
-  tmcl::plan::PathWish wish;
-  wish.tolerance = verb.tolerance;
-  wish.feed = verb.feed;
-  const auto course = path::course_of(*source, limits, wish);
+  tmcl::plan::PathRequest request;
+  request.tolerance = verb.tolerance;
+  request.feed = verb.feed;
+  const auto course = path::course_of(*source, limits, request);
   if (!course) return tl::unexpected(course.error());
   if (const auto drawn = path::draw(verb.svg, *source, *course); !drawn)
     return tl::unexpected(drawn.error());

@@ -16,7 +16,7 @@ namespace {
 namespace json = boost::json;
 namespace plan = tmcl::plan;
 
-plan::PathWish wish_of(const verb::RunPath& verb) {
+plan::PathRequest request_of(const verb::RunPath& verb) {
   return {verb.by_position ? plan::StreamMode::position : plan::StreamMode::velocity,
           verb.tolerance,
           verb.velocity,
@@ -50,7 +50,7 @@ struct Passed {
   int signal = 0;  ///< That ended it; 0 if none did.
 };
 
-json::object params_of(const path::Source& source, const plan::PathWish& wish,
+json::object params_of(const path::Source& source, const plan::PathRequest& request,
                        const std::vector<plan::PathAxis>& axes) {
   json::array names;
   json::array of_file;
@@ -62,21 +62,21 @@ json::object params_of(const path::Source& source, const plan::PathWish& wish,
       {"axes", std::move(names)},
       {"file_axes", std::move(of_file)},
       {"format", name_of(source.format)},
-      {"mode", wish.mode == plan::StreamMode::position ? "position" : "velocity"},
-      {"tolerance", wish.tolerance},
-      {"period_ms", std::chrono::duration_cast<std::chrono::milliseconds>(wish.period).count()}};
+      {"mode", request.mode == plan::StreamMode::position ? "position" : "velocity"},
+      {"tolerance", request.tolerance},
+      {"period_ms", std::chrono::duration_cast<std::chrono::milliseconds>(request.period).count()}};
   const auto add = [&](const char* name, const std::optional<double>& value) {
     if (value) params[name] = *value;
   };
-  add("velocity", wish.velocity);
-  add("acceleration", wish.acceleration);
-  add("feed", wish.feed);
-  add("per_turn", wish.per_turn);
-  add("deviation", wish.deviation);
+  add("velocity", request.velocity);
+  add("acceleration", request.acceleration);
+  add("feed", request.feed);
+  add("per_turn", request.per_turn);
+  add("deviation", request.deviation);
   return params;
 }
 
-Passed pass(const path::Source& source, const plan::PathWish& wish,
+Passed pass(const path::Source& source, const plan::PathRequest& request,
             const std::vector<plan::PathAxis>& axes, Context& context) {
   ProgressLine progress(context.output);
   int signal = 0;
@@ -87,7 +87,7 @@ Passed pass(const path::Source& source, const plan::PathWish& wish,
     if (signal != 0) return PathWill::stop;
     return context.host.pause_asked() ? PathWill::pause : PathWill::go_on;
   };
-  auto report = context.target.pass_path(params_of(source, wish, axes), source.text, watcher);
+  auto report = context.target.pass_path(params_of(source, request, axes), source.text, watcher);
   // What stopped it before its end has moved the axes, or not.
   if (!report && report.error().details.contains("run")) {
     const bool moved = report.error().outcome == tmcl::Outcome::done;
@@ -146,12 +146,13 @@ VerbResult tell(Passed passed, bool by_position, Output& output) {
 VerbResult run(const verb::RunPath& verb, Context& context) {
   auto source = path::read_source(verb.file, verb.tolerance, context.output);
   if (!source) return tl::unexpected(source.error());
-  const auto wish = wish_of(verb);
-  const auto axes = path::read_axes(*source, choices_of(verb.axes), wish, context.target);
+  const auto request = request_of(verb);
+  const auto axes = path::read_axes(*source, choices_of(verb.axes), request, context.target);
   if (!axes) return tl::unexpected(axes.error());
-  if (const auto begun = path::begin_where_axes_stand(*source, *axes, wish, context.output); !begun)
+  if (const auto begun = path::begin_where_axes_stand(*source, *axes, request, context.output);
+      !begun)
     return tl::unexpected(begun.error());
-  const auto course = path::course_of(*source, limits_of(*axes, wish), wish);
+  const auto course = path::course_of(*source, limits_of(*axes, request), request);
   if (!course) return tl::unexpected(course.error());
   if (const auto objection = objection_to_reach(*course, *axes))
     return tl::unexpected(path::failure_from(*objection));
@@ -168,7 +169,7 @@ VerbResult run(const verb::RunPath& verb, Context& context) {
   if (const auto there = go_to_start(*course, *axes, context); !there)
     return tl::unexpected(there.error());
   context.host.catch_pauses();
-  return tell(pass(*source, wish, *axes, context), verb.by_position, context.output);
+  return tell(pass(*source, request, *axes, context), verb.by_position, context.output);
 }
 
 }  // namespace tmclctl

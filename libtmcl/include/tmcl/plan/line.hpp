@@ -46,17 +46,18 @@ struct LineAxis {
   Microsteps target;
   PulsesPerSecond velocity;       ///< What the axis may do at most; greater than 0.
   PulsesPerSecond2 acceleration;  ///< Likewise.
-  std::size_t bus = 0;            ///< Index into Exchanges; less than most_line_axes.
+  std::size_t bus = 0;            ///< Index into ExchangeTimes; less than most_line_axes.
 };
 
 /// How long an exchange takes on each bus, from the request to the answer. Starts go out on all
 /// buses at the same time, and on each bus one after the other. What is not there counts as 0,
 /// as it is where one command starts them all.
-using Exchanges = std::vector<Duration>;
+using ExchangeTimes = std::vector<Duration>;
 
 /// When a module acts: half-way between the request and the answer. After the first of them, in the
 /// same order, if those on each of these buses start in that order.
-std::vector<Duration> start_times(std::span<const std::size_t> buses, const Exchanges& exchanges);
+std::vector<Duration> start_times(std::span<const std::size_t> buses,
+                                  const ExchangeTimes& exchanges);
 
 /// How an axis moves in a line.
 struct AxisOfLine {
@@ -95,7 +96,7 @@ struct LineError {
 /// `duration`: how long it is to take; as short as possible if absent. Also an error: a shorter one
 /// than that.
 tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes,
-                                        const Exchanges& exchanges = {},
+                                        const ExchangeTimes& exchanges = {},
                                         std::optional<Duration> duration = std::nullopt);
 
 }  // namespace tmcl::plan

@@ -1,4 +1,4 @@
-#include "tmcl/plan/path_run.hpp"
+#include "tmcl/plan/path_preparation.hpp"
 
 #include <algorithm>
 #include <array>
@@ -121,9 +121,9 @@ PathResult<PathSource> read_path(std::string_view text, PathFormat format, doubl
                    tolerance);
 }
 
-StreamOptions options_of(const PathWish& wish) {
-  return {wish.mode, wish.deviation.value_or(deviation_in_tolerances * wish.tolerance), wish.period,
-          even_part * wish.tolerance};
+StreamOptions options_of(const PathRequest& request) {
+  return {request.mode, request.deviation.value_or(deviation_in_tolerances * request.tolerance),
+          request.period, even_part * request.tolerance};
 }
 
 // ---- the axes ----
@@ -152,7 +152,7 @@ PathResult<std::vector<PathChoice>> in_order(const PathSource& source,
 }
 
 PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& facts,
-                               const PathWish& wish) {
+                               const PathRequest& request) {
   const auto& name = facts.choice.axis;
   if (facts.model == nullptr || !facts.units) {
     return tl::unexpected(
@@ -160,7 +160,7 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
   }
   if (auto objection = objection_to_unit(source, facts))
     return tl::unexpected(std::move(*objection));
-  const auto scale = microsteps_of_unit(facts, wish.per_turn);
+  const auto scale = microsteps_of_unit(facts, request.per_turn);
   if (!scale) return tl::unexpected(scale.error());
   if (facts.moving) return tl::unexpected(wrong("moving", fmt::format("{} is moving", name)));
   const auto greatest = [&](std::uint8_t parameter) {
@@ -200,28 +200,29 @@ std::vector<StreamAxis> streamed(const std::vector<PathAxis>& axes) {
 
 PathResult<PathSource> from_where_axes_stand(PathSource source, std::string_view text,
                                              const std::vector<PathAxis>& axes,
-                                             const PathWish& wish) {
+                                             const PathRequest& request) {
   if (source.format != PathFormat::gcode) return source;
   path_file::Point start{};
   for (const auto& axis : axes)
     start[path_file::gcode_axes.find(axis.choice.of_file)] = axis.stands_at;
-  return flattened(path_file::read_gcode(text, start), source.format, wish.tolerance);
+  return flattened(path_file::read_gcode(text, start), source.format, request.tolerance);
 }
 
-PathLimits limits_of(const std::vector<PathAxis>& axes, const PathWish& wish) {
+PathLimits limits_of(const std::vector<PathAxis>& axes, const PathRequest& request) {
   PathLimits limits;
   for (std::size_t i = 0; i < axes.size(); ++i) {
     limits.axis[i] = {
-        std::min(axes[i].velocity, wish.velocity.value_or(axes[i].velocity)),
-        std::min(axes[i].acceleration, wish.acceleration.value_or(axes[i].acceleration))};
+        std::min(axes[i].velocity, request.velocity.value_or(axes[i].velocity)),
+        std::min(axes[i].acceleration, request.acceleration.value_or(axes[i].acceleration))};
   }
   return limits;
 }
 
-PathResult<Course> course_of(const PathSource& source, PathLimits limits, const PathWish& wish) {
+PathResult<Course> course_of(const PathSource& source, PathLimits limits,
+                             const PathRequest& request) {
   limits.axes = source.path.axes.size();
-  limits.corner_tolerance = wish.tolerance * corners_part;
-  const double feed = wish.feed.value_or(std::numeric_limits<double>::infinity());
+  limits.corner_tolerance = request.tolerance * corners_part;
+  const double feed = request.feed.value_or(std::numeric_limits<double>::infinity());
   return Course::of(source.path, limits, feed).map_error([](const std::string& why) {
     return wrong("bad_path", why);
   });

@@ -1,12 +1,12 @@
 /// From the text of a path file and what is known of some axes to a course that they can pass:
 /// everything that is to be found out, and found wrong, before anything moves.
 ///
-///     auto source = read_path(text, PathFormat::gcode, wish.tolerance);
+///     auto source = read_path(text, PathFormat::gcode, request.tolerance);
 ///     for (const auto& choice : *in_order(*source, choices)) axes.push_back(*path_axis(...));
-///     source = from_where_axes_stand(std::move(*source), text, axes, wish);
-///     auto course = course_of(*source, limits_of(axes, wish), wish);
+///     source = from_where_axes_stand(std::move(*source), text, axes, request);
+///     auto course = course_of(*source, limits_of(axes, request), request);
 ///     auto wrong = objection_to_reach(*course, axes);
-///     PathStream stream(*course, streamed(axes), options_of(wish));
+///     PathStream stream(*course, streamed(axes), options_of(request));
 #pragma once
 
 #include <cstdint>
@@ -34,9 +34,9 @@ constexpr double default_path_tolerance = 0.05;
 constexpr double chords_part = 0.25;
 constexpr double corners_part = 0.5;
 constexpr double even_part = 0.1;
-/// How far off its plan an axis may be seen, unless the wish says otherwise.
+/// How far off its plan an axis may be seen, unless the request says otherwise.
 constexpr double deviation_in_tolerances = 20;
-/// Between these are all numbers of a wish.
+/// Between these are all numbers of a request.
 constexpr double least_of_path = 1e-9;
 constexpr double most_of_path = 1e9;
 constexpr Duration longest_stream_period = std::chrono::seconds(1);
@@ -65,7 +65,7 @@ struct PathSource {
 PathResult<PathSource> read_path(std::string_view text, PathFormat format, double tolerance);
 
 /// What somebody wants; lengths in the file's units.
-struct PathWish {
+struct PathRequest {
   StreamMode mode = StreamMode::velocity;
   double tolerance = default_path_tolerance;
   std::optional<double> velocity{}, acceleration{}, feed{};
@@ -73,7 +73,7 @@ struct PathWish {
   std::optional<double> deviation{};  ///< How far off its plan an axis may be seen.
   Duration period = shortest_stream_period;
 };
-StreamOptions options_of(const PathWish& wish);
+StreamOptions options_of(const PathRequest& request);
 
 /// "X=left": which axis of the file is which axis.
 struct PathChoice {
@@ -110,18 +110,19 @@ struct PathAxis {
 /// Objections: what is not known of an axis; one whose unit is not the file's, or that moves, or
 /// cannot.
 PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& facts,
-                               const PathWish& wish);
+                               const PathRequest& request);
 Microsteps microsteps(const PathAxis& axis, double position);
 std::vector<StreamAxis> streamed(const std::vector<PathAxis>& axes);
 
 /// The same G-code from where its axes stand; a table says itself where it begins.
 PathResult<PathSource> from_where_axes_stand(PathSource source, std::string_view text,
                                              const std::vector<PathAxis>& axes,
-                                             const PathWish& wish);
+                                             const PathRequest& request);
 
-PathLimits limits_of(const std::vector<PathAxis>& axes, const PathWish& wish);
+PathLimits limits_of(const std::vector<PathAxis>& axes, const PathRequest& request);
 /// For axes that can do what `limits` says; `limits` without a tolerance of corners.
-PathResult<Course> course_of(const PathSource& source, PathLimits limits, const PathWish& wish);
+PathResult<Course> course_of(const PathSource& source, PathLimits limits,
+                             const PathRequest& request);
 /// Whether a point is where the axes cannot or may not go.
 std::optional<PathObjection> objection_to_reach(const Course& course,
                                                 const std::vector<PathAxis>& axes);
