@@ -20,7 +20,7 @@ double seconds_to(std::int32_t target, const Model& model, std::span<const Setti
   return duration<double>(twin.time_to_arrival().value()).count();
 }
 
-RampChoice choose(const char* name, const RampWish& wish) {
+RampChoice choose(const char* name, const RampRequest& wish) {
   const auto& model = *find_model(name);
   return choose_ramp(model, wish, initial_units(model)).value();
 }

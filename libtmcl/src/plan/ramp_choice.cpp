@@ -30,7 +30,7 @@ void remark_if_off(RampChoice& choice, const char* what, double wished, double g
                            in_words(wished, unit));
 }
 
-void remark(RampChoice& choice, const RampWish& wish) {
+void remark(RampChoice& choice, const RampRequest& wish) {
   remark_if_off(choice, "velocity", wish.velocity.value, choice.velocity.value, "microsteps/s");
   remark_if_off(choice, "acceleration", wish.acceleration.value, choice.acceleration.value,
                 "microsteps/s^2");
@@ -47,7 +47,7 @@ void remark(RampChoice& choice, const RampWish& wish) {
 
 // ---- TMC429 ----
 
-Choice choose_for_tmc429(const RampWish& wish) {
+Choice choose_for_tmc429(const RampRequest& wish) {
   const auto ramp = choose_tmc429_ramp(wish.velocity, wish.acceleration);
   if (!ramp) return tl::unexpected(ramp.error());
   RampChoice choice;
@@ -128,7 +128,7 @@ double acceleration_register(PulsesPerSecond2 acceleration) {
          static_cast<double>(unit.numerator);
 }
 
-std::int32_t choose_bow(const RampWish& wish) {
+std::int32_t choose_bow(const RampRequest& wish) {
   constexpr std::int32_t greatest = 18;
   if (std::isinf(wish.jerk)) return 0;
   const auto least_force = acceleration_register(std::min(wish.acceleration, wish.deceleration));
@@ -138,7 +138,7 @@ std::int32_t choose_bow(const RampWish& wish) {
   return bow;
 }
 
-Choice choose_for_tmc457(const Model& model, const RampWish& wish, const ModuleUnits& units) {
+Choice choose_for_tmc457(const Model& model, const RampRequest& wish, const ModuleUnits& units) {
   constexpr double part_with_bow = 15.0 / 16;
   const auto bow = choose_bow(wish);
   const double part = bow > 0 ? part_with_bow : 1;
@@ -153,7 +153,7 @@ Choice choose_for_tmc457(const Model& model, const RampWish& wish, const ModuleU
   return chooser.take();
 }
 
-Choice choose_for_others(const Model& model, const RampWish& wish, const ModuleUnits& units) {
+Choice choose_for_others(const Model& model, const RampRequest& wish, const ModuleUnits& units) {
   Chooser chooser(model, units);
   auto& choice = chooser.choice();
   chooser.set("max_velocity", wish.velocity);
@@ -165,7 +165,7 @@ Choice choose_for_others(const Model& model, const RampWish& wish, const ModuleU
   return chooser.take();
 }
 
-Choice choose(const Model& model, const RampWish& wish, const ModuleUnits& units) {
+Choice choose(const Model& model, const RampRequest& wish, const ModuleUnits& units) {
   switch (model.family) {
     case Family::tmc429: return choose_for_tmc429(wish);
     case Family::tmc457: return choose_for_tmc457(model, wish, units);
@@ -201,7 +201,7 @@ InternalVelocity speed_within_a_microstep(Tmc429Dividers dividers,
   return {std::max(1, static_cast<std::int32_t>(std::sqrt(2048 * p)))};
 }
 
-Choice choose_ramp(const Model& model, const RampWish& wish, const ModuleUnits& units) {
+Choice choose_ramp(const Model& model, const RampRequest& wish, const ModuleUnits& units) {
   return choose(model, wish, units).map([&](RampChoice choice) {
     remark(choice, wish);
     return choice;

@@ -28,7 +28,7 @@ constexpr double fastest_part = 1.25;
 constexpr Duration look_interval = std::chrono::milliseconds(10);
 
 // A leg is loaded earlier than it has to be, in case that it takes longer; by so much at most.
-constexpr double most_ahead_s = 0.02;
+constexpr double max_lead_s = 0.02;
 
 // On a leg, and between its loads, an axis is looked at so often.
 constexpr Duration watch_interval = std::chrono::milliseconds(20);
@@ -36,7 +36,7 @@ constexpr std::size_t commands_of_a_look = 2;
 
 // An axis on an even leg may go on beyond its end for so long, and be so far off the course then,
 // in even_within.
-constexpr double longest_lead_on_s = 0.05;
+constexpr double max_blend_s = 0.05;
 constexpr double farthest_lead_on = 5;
 
 // That every moving axis of a leg gets: it is checked, velocity and target are written.
@@ -187,8 +187,8 @@ Duration PathStream::Runner::ahead_of(std::size_t index) const {
   for (std::size_t axis = 0; axis < axes_.size(); ++axis)
     change = std::hypot(change, changes[axis]);
   const double room = before.end - before.begin - seconds(lead_of(index));
-  const double tolerable = change > 0 ? options_.even_within / change : most_ahead_s;
-  return duration(std::clamp(std::min(room, tolerable), 0.0, most_ahead_s));
+  const double tolerable = change > 0 ? options_.even_within / change : max_lead_s;
+  return duration(std::clamp(std::min(room, tolerable), 0.0, max_lead_s));
 }
 
 // A turn where the course stands is not to be cut short.
@@ -425,7 +425,7 @@ double PathStream::Runner::expected_of_twin(std::size_t axis) const {
 void PathStream::Runner::correct_twin(std::size_t axis) {
   const double position = *answer_;
   let_twin_run(axis, middle());
-  axes_[axis].position += trust_in_a_reading * (position - expected_of_twin(axis));
+  axes_[axis].position += observer_gain * (position - expected_of_twin(axis));
 }
 
 // What matters for braking comes after the target: written before, it would brake for the old one.
@@ -470,7 +470,7 @@ double PathStream::Runner::target_of(const Passage& passage, std::size_t axis) c
 bool PathStream::Runner::leads_on(const CourseLeg& leg, const CourseLeg& next,
                                   std::size_t axis) const {
   const double time = next.end - leg.begin;
-  if (next.end - leg.end > longest_lead_on_s) return false;
+  if (next.end - leg.end > max_blend_s) return false;
   const double from = course_.at(leg.begin).position[axis];
   const double speed = (leg.axis[axis].target - from) / (leg.end - leg.begin);
   const double way = next.axis[axis].target - course_.at(next.begin).position[axis];

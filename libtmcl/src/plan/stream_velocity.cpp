@@ -21,7 +21,7 @@ constexpr double most_samples = 1e6;
 Script<DriveRunner::Fault> PathStream::Runner::prepare_velocities() {
   const auto commands = static_cast<double>(2 * axes_.size() + 1);
   const auto needed = duration(seconds(report_.round_trip) * commands / (1 - spare_part_of_bus));
-  report_.period = std::max(options_.least_period, needed);
+  report_.period = std::max(options_.period_min, needed);
   auto asked = co_await find_steepest();
   if (asked) co_return asked;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
@@ -125,7 +125,7 @@ std::int32_t PathStream::Runner::velocity_for(std::size_t axis) const {
   const double most_way =
       most_correction * course_.top_speed(axis) * std::abs(info.microsteps_per_unit) * period;
   const double way = (next - planned) * info.microsteps_per_unit +
-                     std::clamp(correction_of_an_update * behind, -most_way, most_way);
+                     std::clamp(position_gain * behind, -most_way, most_way);
   const double value = way / period / info.units.velocity.value;
   const double most = info.greatest_velocity;
   return static_cast<std::int32_t>(std::lround(std::clamp(value, -most, most)));
@@ -146,7 +146,7 @@ void PathStream::Runner::note_velocity(std::size_t axis, std::int32_t velocity) 
 }
 
 void PathStream::Runner::correct(std::size_t axis) {
-  axes_[axis].position += trust_in_a_reading * (*answer_ - expected(axis, middle()));
+  axes_[axis].position += observer_gain * (*answer_ - expected(axis, middle()));
 }
 
 }  // namespace tmcl::plan

@@ -126,9 +126,9 @@ Attempt<void> check_reach(const mint::Move& move, const MintAxis& axis) {
 
 Attempt<plan::RampChoice> ramp_of(const mint::Move& move, const MintAxis& axis) {
   const auto& profile = *move.profile;
-  const plan::RampWish wish{{profile.speed * move.scale},
-                            {profile.acceleration * move.scale},
-                            {profile.deceleration * move.scale}};
+  const plan::RampRequest wish{{profile.speed * move.scale},
+                               {profile.acceleration * move.scale},
+                               {profile.deceleration * move.scale}};
   return plan::choose_ramp(*axis.units.model, wish, *axis.units.module)
       .map_error([&](const tmcl::RampOutOfReach& error) {
         return path::impossible("out_of_range", fmt::format("line {}: {} of {}: {}", move.line,

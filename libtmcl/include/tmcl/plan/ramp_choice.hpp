@@ -15,7 +15,7 @@
 namespace tmcl::plan {
 
 /// What a ramp should be like. Everything is greater than 0.
-struct RampWish {
+struct RampRequest {
   PulsesPerSecond velocity;
   PulsesPerSecond2 acceleration;
   PulsesPerSecond2 deceleration;
@@ -46,7 +46,7 @@ struct RampChoice {
 ///  - others: all stages of the ramp get the same acceleration, or deceleration.
 ///
 /// Errors: a velocity or an acceleration that the module does not have, and the nearest it has.
-tl::expected<RampChoice, RampOutOfReach> choose_ramp(const Model& model, const RampWish& wish,
+tl::expected<RampChoice, RampOutOfReach> choose_ramp(const Model& model, const RampRequest& wish,
                                                      const ModuleUnits& units);
 
 /// In the order in which to write them, so that no speed in between is faster than both the old and

@@ -37,11 +37,11 @@ namespace tmcl::plan {
 /// So many updates may be missing before a stream has starved.
 constexpr int most_late_updates = 10;
 /// What part of a difference between course and axis one update makes up for.
-constexpr double correction_of_an_update = 0.5;
+constexpr double position_gain = 0.5;
 /// What part of the axis' greatest velocity on the course that may take at most.
 constexpr double most_correction = 0.5;
 /// What part of a difference between reading and expectation is believed.
-constexpr double trust_in_a_reading = 0.2;
+constexpr double observer_gain = 0.2;
 /// How much of the bus a stream leaves to others, and to chance.
 constexpr double spare_part_of_bus = 0.25;
 constexpr Duration shortest_stream_period = std::chrono::milliseconds(5);
@@ -63,7 +63,7 @@ struct StreamOptions {
   /// How far a reading of an axis may be off the course, in its units.
   double most_deviation = 1;
   /// No updates more often than this, in velocity mode.
-  Duration least_period = shortest_stream_period;
+  Duration period_min = shortest_stream_period;
   /// Position mode: a leg on which a constant speed stays so close to the course is passed with it,
   /// and takes fewer commands.
   double even_within = 0.005;
