@@ -49,6 +49,16 @@ TEST_F(SimEepromFile, GivesBackWhatWasWritten) {
   EXPECT_FALSE(fs::exists(file.string() + ".new"));
 }
 
+TEST_F(SimEepromFile, WritesNothingThroughALink) {
+  fs::create_directories(folder);
+  file = folder / "module.eeprom";
+  std::ofstream(folder / "diary") << "mine";
+  fs::create_symlink(folder / "diary", file.string() + ".new");
+  ASSERT_TRUE(write_eeprom_file(file, Eeprom{}, model));
+  EXPECT_EQ(fs::file_size(folder / "diary"), 4U);
+  EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(file)));
+}
+
 TEST_F(SimEepromFile, IsRefusedByNameIfItIsForeign) {
   file = folder / "module.eeprom";
   write_text("my diary, entirely unlike an EEPROM");
