@@ -1,10 +1,14 @@
 #include "config/load.hpp"
 
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <cerrno>
+#include <cstdio>
 #include <cstring>
-#include <fstream>
-#include <iterator>
+#include <memory>
+#include <optional>
 #include <utility>
 
 #include "config/build.hpp"
@@ -16,13 +20,34 @@ namespace {
 // A configuration of max_axes axes has some 20 kB; a whole disk given by mistake has more.
 constexpr std::size_t max_file_bytes = 1U << 20U;
 
+tl::unexpected<std::string> cannot_be_read(const std::string& path) {
+  return tl::unexpected(path + ": cannot be read: " + std::strerror(errno));
+}
+
+/// Whoever writes the configuration decides where motors may go.
+std::optional<std::string> objection_to_writers(const std::string& path,
+                                                const struct stat& status) {
+  const bool is_ours = status.st_uid == 0 || status.st_uid == ::geteuid();
+  if (!is_ours) {
+    return path + ": belongs to another user (uid " + std::to_string(status.st_uid) +
+           "), who could change limits of axes; make it root's or your own: `chown`";
+  }
+  if (S_ISREG(status.st_mode) && (status.st_mode & S_IWOTH) != 0) {
+    return path + ": everybody may write to it, and so change limits of axes; try `chmod o-w " +
+           path + "`";
+  }
+  return std::nullopt;
+}
+
 tl::expected<std::string, std::string> read_file(const std::string& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) return tl::unexpected(path + ": cannot be read: " + std::strerror(errno));
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "re"),
+                                                             &std::fclose);
+  struct stat status {};
+  if (!file || ::fstat(::fileno(file.get()), &status) != 0) return cannot_be_read(path);
+  if (auto objection = objection_to_writers(path, status)) return tl::unexpected(*objection);
   std::string text(max_file_bytes + 1, '\0');
-  file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) return tl::unexpected(path + ": cannot be read: " + std::strerror(errno));
-  text.resize(static_cast<std::size_t>(file.gcount()));
+  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
+  if (std::ferror(file.get()) != 0) return cannot_be_read(path);
   if (text.size() > max_file_bytes) return tl::unexpected(path + ": is larger than 1 MiB");
   return text;
 }

@@ -1,5 +1,7 @@
 // Every mistake in a configuration file is told with its place and, where there is one, the word
 // that was probably meant.
+#include <unistd.h>
+
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -323,6 +325,33 @@ TEST(DaemonConfig, NamesTheFileThatCannotBeRead) {
   ASSERT_FALSE(config);
   EXPECT_THAT(config.error(),
               ElementsAre("/nowhere/tmcld.toml: cannot be read: No such file or directory"));
+}
+
+TEST(DaemonConfig, IsRefusedWhereOthersMayWriteIt) {
+  const auto path = tmcl::test::temp_path("config");
+  std::ofstream(path) << "[daemon]\nsocket = \"s\"\n";
+  std::filesystem::permissions(path, std::filesystem::perms(0666));
+  const auto config = load_config(path);
+  std::filesystem::permissions(path, std::filesystem::perms(0664));
+  const auto of_a_group = load_config(path);
+  std::filesystem::remove(path);
+  ASSERT_FALSE(config);
+  EXPECT_THAT(config.error(), ElementsAre(path +
+                                          ": everybody may write to it, and so change "
+                                          "limits of axes; try `chmod o-w " +
+                                          path + "`"));
+  EXPECT_TRUE(of_a_group) << of_a_group.error().front();
+}
+
+TEST(DaemonConfig, IsRefusedIfItBelongsToAnotherUser) {
+  if (::geteuid() != 0) GTEST_SKIP() << "only root can give a file away";
+  const auto path = tmcl::test::temp_path("config");
+  std::ofstream(path) << "[daemon]\nsocket = \"s\"\n";
+  ASSERT_EQ(::chown(path.c_str(), 12345, 0), 0);
+  const auto config = load_config(path);
+  std::filesystem::remove(path);
+  ASSERT_FALSE(config);
+  EXPECT_THAT(config.error(), ElementsAre(HasSubstr("belongs to another user (uid 12345)")));
 }
 
 class DaemonConfigForLink : public testing::Test {
