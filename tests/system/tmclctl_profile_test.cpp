@@ -36,6 +36,19 @@ TEST(TmclctlProfile, NeedsNeitherBusNorDaemon) {
   EXPECT_EQ(number(samples[1].at("v")), 0);
 }
 
+TEST(TmclctlProfile, SaysThatItsOutputCannotBeWritten) {
+  for (const std::string to : {"/dev/full", "&-"}) {
+    const auto ran = shell("models 2>&1 >" + to);
+    EXPECT_EQ(ran.status, 1) << to;
+    EXPECT_THAT(ran.output, HasSubstr("the output cannot be written")) << to;
+  }
+  const auto plot = shell(
+      "profile simulate --generator tmc429 v_max=1000 a_max=500 pulse_div=2 ramp_div=3 "
+      "x_target=1000 --svg /dev/full");
+  EXPECT_EQ(plot.status, 1) << plot.output;
+  EXPECT_THAT(plot.output, HasSubstr("cannot write /dev/full: No space left on device"));
+}
+
 // 512000 microsteps at 256000 pps, 349246 pps/s, VSTART 100 and VSTOP 200 pps: 2.73215 s by the
 // equations of application note AN-035.
 TEST(TmclctlProfile, SixPointAsInTheApplicationNote) {

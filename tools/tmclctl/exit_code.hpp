@@ -5,7 +5,8 @@ namespace tmclctl {
 
 enum class ExitCode : int {
   done = 0,
-  refused = 1,      ///< The module or the daemon said no; nothing changed.
+  refused = 1,      ///< The module or the daemon said no, and nothing changed; or it was done, and
+                    ///< what came of it could not be written.
   usage = 2,        ///< The command line asks for what does not exist or is out of range, or a file
                     ///< that it names is wrong; nothing was sent.
   not_sent = 3,     ///< No module was reached, or one that was only asked did not answer; nothing

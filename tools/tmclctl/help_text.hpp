@@ -39,7 +39,7 @@ Examples:
 
 Exit codes:
     0  done
-    1  the module or tmcld refused; nothing changed
+    1  the module or tmcld refused, and nothing changed; or the output cannot be written
     2  the command line asks for something that does not exist or is out of range, or a file that it
        names is wrong; nothing was sent
     3  not sent: no connection, no answer from the module lately; or a reading without an answer;

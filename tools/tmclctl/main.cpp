@@ -1,3 +1,4 @@
+#include <fcntl.h>
 #include <unistd.h>
 
 #include <iostream>
@@ -6,7 +7,19 @@
 
 #include "tmclctl.hpp"
 
+namespace {
+
+/// What is opened later must not take the number of a stream that the caller has closed: it would
+/// get the output. Writing to what stands there instead fails.
+void occupy_closed_streams() {
+  for (int i = STDIN_FILENO; i <= STDERR_FILENO; ++i)
+    if (::fcntl(i, F_GETFD) < 0) ::open("/dev/full", O_RDWR);
+}
+
+}  // namespace
+
 int main(int argc, char** argv) {
+  occupy_closed_streams();
   tmclctl::Output output{std::cout, std::cerr, tmclctl::screen_of(STDOUT_FILENO),
                          tmclctl::screen_of(STDERR_FILENO)};
   tmclctl::RealHost host;

@@ -19,8 +19,12 @@ Attempt<void> OutputFile::write(const std::string& text) {
   if (!file_.is_open()) return {};
   file_ << text;
   file_.close();
-  if (!file_) return tl::unexpected(problem());
-  return {};
+  if (file_) return {};
+  // What was to be written has happened already.
+  auto failure = problem();
+  failure.exit = ExitCode::refused;
+  failure.outcome = tmcl::Outcome::done;
+  return tl::unexpected(std::move(failure));
 }
 
 Failure OutputFile::problem() const {

@@ -11,8 +11,9 @@ namespace tmclctl {
 /// Without a path nothing is opened and nothing written.
 class OutputFile {
  public:
+  /// Before anything is sent.
   Attempt<void> open(const std::string& path);
-  /// All of its contents.
+  /// All of its contents, once they are known.
   Attempt<void> write(const std::string& text);
 
  private:

@@ -100,6 +100,13 @@ VerbResult run(const Options& options, Output& output, Host& host, Target* ready
       options.verb);
 }
 
+/// A disk may be full.
+ExitCode with_output_written(ExitCode exit, Output& output) {
+  if (output.out.flush() || exit != ExitCode::done) return exit;
+  output.err << "tmclctl: it was done, but the output cannot be written\n";
+  return ExitCode::refused;
+}
+
 ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Host& host,
                   Target* ready) {
   // Also for the errors of a command line that cannot be read.
@@ -123,7 +130,7 @@ ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Hos
 }  // namespace
 
 ExitCode run(const std::vector<std::string>& arguments, Output& output, Host& host) {
-  return run_with(arguments, output, host, nullptr);
+  return with_output_written(run_with(arguments, output, host, nullptr), output);
 }
 
 ExitCode run(const std::vector<std::string>& arguments, Output& output, Host& host,
