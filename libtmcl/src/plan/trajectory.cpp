@@ -291,6 +291,26 @@ std::optional<double> first_summit(const Problem& problem) {
   return std::nullopt;
 }
 
+// From rest to rest, with one limit for both accelerations: the ramp to the greatest speed, or to
+// the speed that is reached on half of the way, and the same back.
+Route from_rest_to_rest(double distance, const Frame& frame) {
+  const double longest_rise = frame.up * frame.per_jerk;
+  const auto route = [&](double ramp, double cruise) -> Route {
+    const double rise = std::min(ramp, longest_rise);
+    const double kept = ramp - rise;
+    if (cruise > 0) return {{rise, kept, rise, cruise, rise, kept, rise}};
+    return {{rise, kept, 0, 0, 2 * rise, kept, rise}};
+  };
+  const double quickest = std::sqrt(frame.speed * frame.per_jerk);
+  const double to_speed = quickest < longest_rise ? quickest : frame.speed / frame.up;
+  const double cruise = distance / frame.speed - to_speed - std::min(to_speed, longest_rise);
+  if (cruise >= 0) return route(to_speed, cruise);
+  const double without_limit = std::cbrt(distance * frame.per_jerk / 2);
+  if (without_limit <= longest_rise) return route(without_limit, 0);
+  const double root = std::sqrt(square(longest_rise) + 4 * distance / frame.up);
+  return route((root - longest_rise) / 2, 0);
+}
+
 // Within the limits, from a motion that can be kept in them. To be off by `slack` is to be there.
 //
 // The fastest change of the velocity alone goes a certain distance. A target beyond that is reached
@@ -298,6 +318,9 @@ std::optional<double> first_summit(const Problem& problem) {
 // each, whose distance grows with a single number, up to the greatest speed. Of the family the
 // member with the least rise is the fastest.
 Route s_curve(Problem problem, double slack) {
+  const bool rests = !moving(problem.from) && !moving(problem.to);
+  if (rests && problem.frame.up == problem.frame.down && problem.distance >= 0)
+    return from_rest_to_rest(problem.distance, problem.frame);
   if (rises_first(problem.from, problem.to, problem.frame.jerk)) problem.reverse();
   Point low = face(problem);
   slack = blur(problem, slack);
@@ -327,22 +350,24 @@ Route s_curve(Problem problem, double slack) {
 // Puts phases one after another, seen from the side on which the target is in front.
 class Draft {
  public:
-  Draft(Trajectory& trajectory, Motion from, const Frame& frame, bool mirrored)
-      : trajectory_(&trajectory), frame_(frame), sign_(mirrored ? -1 : 1), run_{0, from} {}
+  Draft(Trajectory& trajectory, double acceleration, const Frame& frame, bool mirrored)
+      : trajectory_(&trajectory),
+        frame_(frame),
+        sign_(mirrored ? -1 : 1),
+        acceleration_(acceleration) {}
 
   const Frame& frame() const { return frame_; }
-  const Motion& motion() const { return run_.motion; }
-  double distance() const { return run_.distance; }
+  Motion motion() const { return {sign_ * trajectory_->reached().velocity, acceleration_}; }
+  double distance() const { return sign_ * trajectory_->reached().position; }
 
   void jerk(double t, double jerk) {
-    trajectory_->append(t, sign_ * run_.motion.acceleration, sign_ * jerk);
-    run_.advance(std::max(0.0, t), jerk);
+    trajectory_->append(t, sign_ * acceleration_, sign_ * jerk);
+    acceleration_ += std::max(0.0, t) * jerk;
   }
 
   void keep(double t, double acceleration) {
-    run_.motion.acceleration = acceleration;
+    acceleration_ = acceleration;
     trajectory_->append(t, sign_ * acceleration, 0);
-    run_.advance(std::max(0.0, t), 0);
   }
 
   void add(const Route& route) {
@@ -363,7 +388,7 @@ class Draft {
   Trajectory* trajectory_;
   Frame frame_;
   double sign_;
-  Run run_;
+  double acceleration_;
 };
 
 bool exceeds(double speed, double limit) { return speed > limit * (1 + unnoticed); }
@@ -485,12 +510,9 @@ Motion seen(const State& state, double sign, double jerk) {
   return {sign * state.velocity, std::isinf(jerk) ? 0 : sign * state.acceleration};
 }
 
-tl::expected<Trajectory, Fault> finished(Trajectory& trajectory, const State& end) {
-  trajectory.finish(end);
-  if (!std::isfinite(trajectory.duration()) || !finite(end)) {
-    return tl::unexpected(Fault::magnitude);
-  }
-  return trajectory;
+void finish(tl::expected<Trajectory, Fault>& plan, const State& end) {
+  plan->finish(end);
+  if (!std::isfinite(plan->duration()) || !finite(end)) plan = tl::unexpected(Fault::magnitude);
 }
 
 }  // namespace
@@ -531,8 +553,8 @@ tl::expected<Trajectory, Fault> plan_move(const State& start, const State& targe
   const Frame frame{limits.velocity, limits.acceleration, limits.deceleration, limits.jerk};
   if (const auto fault = fault_of(target, frame, sign)) return tl::unexpected(*fault);
 
-  Trajectory trajectory(start);
-  Draft draft(trajectory, seen(start, sign, limits.jerk), frame, mirrored);
+  tl::expected<Trajectory, Fault> plan(tl::in_place, start);
+  Draft draft(*plan, seen(start, sign, limits.jerk).acceleration, frame, mirrored);
   const auto to = seen(target, sign, limits.jerk);
   const double slack = unnoticed * (std::abs(start.position) + std::abs(target.position));
   if (std::isinf(limits.jerk)) {
@@ -540,7 +562,8 @@ tl::expected<Trajectory, Fault> plan_move(const State& start, const State& targe
   } else {
     move_with_jerk(draft, to, sign * distance, slack);
   }
-  return finished(trajectory, target);
+  finish(plan, target);
+  return plan;
 }
 
 tl::expected<Trajectory, Fault> plan_velocity(const State& start, double velocity,
@@ -553,15 +576,15 @@ tl::expected<Trajectory, Fault> plan_velocity(const State& start, double velocit
   const Frame frame{limits.velocity, limits.acceleration, limits.deceleration, limits.jerk};
   if (exceeds(std::abs(velocity), limits.velocity)) return tl::unexpected(Fault::target_velocity);
 
-  Trajectory trajectory(start);
-  Draft draft(trajectory, seen(start, sign, limits.jerk), frame, mirrored);
+  tl::expected<Trajectory, Fault> plan(tl::in_place, start);
+  Draft draft(*plan, seen(start, sign, limits.jerk).acceleration, frame, mirrored);
   if (std::isinf(limits.jerk)) {
     change_speed(draft, sign * (velocity - start.velocity));
   } else {
     change_speed_with_jerk(draft, sign * velocity);
   }
-  const double distance = trajectory.reached().position;
-  return finished(trajectory, {start.position + distance, velocity, 0});
+  finish(plan, {start.position + plan->reached().position, velocity, 0});
+  return plan;
 }
 
 std::string_view describe(Fault fault) {
