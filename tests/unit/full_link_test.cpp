@@ -176,7 +176,7 @@ TEST(FullLink, ARepeatThatIsRefusedDoesNotEndAStop) {
     const auto stop = bus.submit(mst(1));
     bus.pass(50ms);
     ASSERT_EQ(bus.sent().size(), 1U);
-    // The shout goes out, and the fence; the stop that would be proven is refused.
+    // The early stop goes out, and the fence; the stop that would be proven is refused.
     bus.takes = [&, then = bus.clock().now() + 1s, stops = 0](const Request& request) mutable {
       return request != mst(1) || stops++ == 0 || bus.clock().now() >= then;
     };

@@ -118,13 +118,14 @@ void BusEngine::go_on(TimePoint now) {
 
 void BusEngine::go_on_with(Call& call) {
   const auto& module = modules_.with(call.request.address);
-  if (scheduler_.must_shout(modules_, call)) return shout(call);
+  if (scheduler_.goes_out_early(modules_, call)) return send_early(call);
   if (module.lane.is_silent(scheduler_.now()) && !call.is_stop()) {
     const auto unheard = queue().take(call);
     return fail(unheard, silence_error(unheard));
   }
   if (module.lane.in_step()) return start(queue().take(call));
-  if (module.custody.is_recording_for(call.options.hold)) return send_held(queue().take(call));
+  if (module.custody.is_recording_for(call.options.hold))
+    return go_on_recording(queue().take(call));
   start_fence(call);
 }
 
@@ -156,13 +157,13 @@ void BusEngine::end_calls_to_bootloaders() {
 
 /// A fence would become a line of the program: out of step, nothing goes out but the end of the
 /// download.
-void BusEngine::send_held(Call call) {
+void BusEngine::go_on_recording(Call call) {
   if (call.request.command == Command::END_DOWNLOAD) return start(std::move(call));
   fail(call, broken_download_error(call));
 }
 
-void BusEngine::shout(Call& call) {
-  call.shouted = true;
+void BusEngine::send_early(Call& call) {
+  call.sent_early = true;
   auto& module = modules_.with(call.request.address);
   module.lane.abandon(call.request.command, scheduler_.now());
   modules_.channel_of(module).keep_quiet_until(scheduler_.now() + wire_time_ + options_.quiet_time);

@@ -107,8 +107,8 @@ class BusEngine {
   void end_overdue_calls();
   void look_after_downloads();
   void end_calls_to_bootloaders();
-  void send_held(Call call);
-  void shout(Call& call);
+  void go_on_recording(Call call);
+  void send_early(Call& call);
   void start(Call call);
   void start_fence(const Call& next);
   void start_end(Conversation& module);
@@ -145,7 +145,7 @@ class BusEngine {
   void confirm_last_send();
   void take_back(Channel& channel);
   void take_back_call(Call call);
-  void take_back_shout(std::uint64_t place);
+  void take_back_early_stop(std::uint64_t place);
   void end_refused_calls(TimePoint now);
   Duration time_for_link(const Call& call) const;
 

@@ -6,7 +6,8 @@ namespace tmcl::engine {
 namespace {
 
 Error error_for(const Call& call, Errc code, std::string message, std::string hint = {}) {
-  const auto outcome = call.times_sent == 0 && !call.shouted ? Outcome::not_sent : Outcome::unknown;
+  const auto outcome =
+      call.times_sent == 0 && !call.sent_early ? Outcome::not_sent : Outcome::unknown;
   return {code, outcome, std::move(message), std::move(hint), {}, call.request, {}};
 }
 

@@ -27,7 +27,7 @@ struct Call {
   std::vector<Ticket> joined{};
   unsigned times_sent = 0;
   /// A stop that already went out once, unproven, because the line was not in step.
-  bool shouted = false;
+  bool sent_early = false;
   /// Grows with every call that comes in: their order within a level.
   std::uint64_t place = 0;
   /// Since then the link has taken nothing at all.

@@ -23,7 +23,7 @@ void BusEngine::on_send_refused(const Request& request, TimePoint now) {
   if (channel.has_sent(request)) {
     take_back(channel);
   } else {
-    take_back_shout(refused.place);
+    take_back_early_stop(refused.place);
   }
   queue().for_each([&](Call& call) {
     if (!call.refused_since) call.refused_since = now;
@@ -56,9 +56,9 @@ void BusEngine::take_back_call(Call call) {
   queue().put_back(std::move(call));
 }
 
-void BusEngine::take_back_shout(std::uint64_t place) {
+void BusEngine::take_back_early_stop(std::uint64_t place) {
   auto* stop = queue().find([&](const Call& call) { return call.place == place; });
-  if (stop != nullptr) stop->shouted = false;
+  if (stop != nullptr) stop->sent_early = false;
 }
 
 /// A stop is tried longer than anything else.

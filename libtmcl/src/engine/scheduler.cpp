@@ -30,7 +30,7 @@ Call* Scheduler::next(Conversations& modules) {
 }
 
 bool Scheduler::is_next(Conversations& modules, const Call& call) const {
-  if (must_shout(modules, call)) return true;
+  if (goes_out_early(modules, call)) return true;
   if (waits_for_download(modules, call) || waits_for_bus(modules, call)) return false;
   auto& module = modules.with(call.request.address);
   if (module.lane.is_silent(now_) && !call.is_stop()) return true;
@@ -64,8 +64,8 @@ bool Scheduler::is_alike_under_way(Conversations& modules, const Call& call) {
   return form.company() == Company::other_forms && modules.find_channel(is_alike) != nullptr;
 }
 
-bool Scheduler::must_shout(Conversations& modules, const Call& call) const {
-  if (!call.is_stop() || call.shouted) return false;
+bool Scheduler::goes_out_early(Conversations& modules, const Call& call) const {
+  if (!call.is_stop() || call.sent_early) return false;
   auto& module = modules.with(call.request.address);
   // Before the end of a download a stop would only be recorded.
   if (module.custody.is_recording() && !module.custody.end_was_tried()) return false;

@@ -18,7 +18,7 @@ class Scheduler {
   /// The next call that can go out, or end, now; null if all have to wait.
   Call* next(Conversations& modules);
   /// A stop that would have to wait for a fence: it goes out unproven first, and then again.
-  bool must_shout(Conversations& modules, const Call& call) const;
+  bool goes_out_early(Conversations& modules, const Call& call) const;
   std::optional<TimePoint> next_deadline(const Conversations& modules) const;
 
   /// The link refused something; it is left in peace until then.
