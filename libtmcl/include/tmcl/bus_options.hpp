@@ -29,7 +29,7 @@ struct BusOptions {
   std::uint8_t host_address = default_host_address;
 };
 
-/// How many commands may wait for one bus.
+/// How many commands of a kind (stops, what acts, reads) may wait for one bus.
 constexpr std::size_t max_queued_calls = 256;
 
 /// A hold that is not used for so long ends.

@@ -25,10 +25,9 @@ void BusEngine::submit(Ticket ticket, const Request& request, const CallOptions&
   Call call{request, options, ticket};
   if (lost_) return fail(call, link_lost_error(call, *lost_));
   if (auto error = objection(call)) return fail(call, std::move(*error));
-  if (queue().join(request, options, ticket)) return;
-  const auto room = call.is_stop() ? 2 * max_queued_calls : max_queued_calls;
-  if (queue().size() >= room) return fail(call, queue_overflow(call));
   if (call.is_stop()) make_way_for(request);
+  if (queue().join(call)) return go_on(now);
+  if (!queue().has_room_for(call)) return fail(call, queue_overflow(call));
   auto& module = modules_.with(request.address);
   module.custody.on_submitted(call);
   if (call.is_stop() || !module.lane.is_silent(now)) module.custody.try_again();
@@ -92,17 +91,21 @@ void BusEngine::on_time_out(Channel& channel, TimePoint now) {
   repeat_or_give_up(std::move(*lost.call), std::move(error));
 }
 
+/// A stop that came while the last fence was under way still goes out.
 void BusEngine::on_silence(ModuleAddress address) {
-  const auto waits_for_it = [&](const Call& call) {
-    return reply_byte(call.request.address) == reply_byte(address);
+  const auto waits_in_vain = [&](const Call& call) {
+    const bool is_new_stop = call.is_stop() && !call.was_on_the_wire();
+    return reply_byte(call.request.address) == reply_byte(address) && !is_new_stop;
   };
-  fail_if(waits_for_it, silence_error);
+  fail_if(waits_in_vain, silence_error);
 }
 
 void BusEngine::repeat_or_give_up(Call call, Error error) {
   const unsigned attempts = call.options.attempts == 0 ? options_.attempts : call.options.attempts;
-  if (call.may_repeat() && call.times_sent < attempts) return queue().put_back(std::move(call));
-  fail(call, std::move(error));
+  const bool repeats = call.may_repeat() && call.times_sent < attempts;
+  if (!repeats) return fail(call, std::move(error));
+  // A stop that nobody has answered goes behind those of other motors.
+  call.is_stop() ? queue().push_back(std::move(call)) : queue().put_back(std::move(call));
 }
 
 // ---- who speaks next ----------------------------------------------------------------------------
@@ -123,6 +126,7 @@ void BusEngine::go_on_with(Call& call) {
     const auto unheard = queue().take(call);
     return fail(unheard, silence_error(unheard));
   }
+  scheduler_.on_turn(modules_.framing(), call);
   if (module.lane.in_step()) return start(queue().take(call));
   if (module.custody.is_recording_for(call.options.hold))
     return go_on_recording(queue().take(call));

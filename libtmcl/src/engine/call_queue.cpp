@@ -20,19 +20,24 @@ bool is_ended_by(const Request& stop, const Call& call) {
          static_cast<std::uint8_t>(request.command) >= 128;
 }
 
-CallQueue::Calls& CallQueue::level_of(const Call& call) {
+std::size_t CallQueue::kind_of(const Call& call) {
   switch (call.effect) {
-    case Effect::stops: return levels_[0];
-    case Effect::reads: return levels_[2];
-    default: return levels_[1];
+    case Effect::stops: return 0;
+    case Effect::reads: return 2;
+    default: return 1;
   }
+}
+
+std::size_t CallQueue::size() const {
+  std::size_t size = 0;
+  for (const auto& level : levels_) size += level.size();
+  return size;
 }
 
 void CallQueue::insert(Calls& level, Calls::const_iterator before, Call call) {
   if (spare_.empty()) spare_.emplace_back();
   spare_.front() = std::move(call);
   level.splice(before, spare_, spare_.begin());
-  ++size_;
 }
 
 void CallQueue::push_back(Call call) {
@@ -47,17 +52,18 @@ void CallQueue::put_back(Call call) {
   insert(level, later, std::move(call));
 }
 
-bool CallQueue::join(const Request& request, const CallOptions& options, Ticket ticket) {
-  // Acts go out before reads, so a read that still waits will see everything that was asked for
-  // before it.
-  if (effect_of(request.command, request.type) != Effect::reads || !has_defaults(options))
-    return false;
-  auto& reads = levels_[2];
-  const auto twin = std::ranges::find_if(reads, [&](const Call& call) {
-    return call.request == request && has_defaults(call.options) && !call.unproven;
+// Of calls that wait at the same time nobody can tell which came first: so a read may be joined by
+// a later one, and a stop goes out before every movement that could lie between. A stop that went
+// out before may be at its last try.
+bool CallQueue::join(const Call& newcomer) {
+  const auto kind = kind_of(newcomer);
+  if (kind == 1 || !has_defaults(newcomer.options)) return false;
+  const auto twin = std::ranges::find_if(levels_[kind], [&](const Call& call) {
+    const bool is_fresh = !call.unproven && !(call.is_stop() && call.times_sent > 0);
+    return call.request == newcomer.request && has_defaults(call.options) && is_fresh;
   });
-  if (twin == reads.end()) return false;
-  twin->joined.push_back(ticket);
+  if (twin == levels_[kind].end()) return false;
+  twin->joined.push_back(newcomer.ticket);
   return true;
 }
 
@@ -67,7 +73,6 @@ Call CallQueue::take(const Call& found) {
       std::ranges::find_if(level, [&](const Call& call) { return &call == &found; });
   Call call = std::move(*position);
   spare_.splice(spare_.end(), level, position);
-  --size_;
   return call;
 }
 

@@ -1,5 +1,5 @@
-/// The calls that wait for their turn on a bus: stops first, then whatever acts, then reads; each
-/// in the order of arrival.
+/// The calls that wait for their turn on a bus, by kind: stops, whatever acts, reads; each in the
+/// order of arrival. Each kind has room of its own.
 #pragma once
 
 #include <algorithm>
@@ -9,6 +9,7 @@
 #include <optional>
 #include <vector>
 
+#include "tmcl/bus_options.hpp"
 #include "tmcl/script.hpp"
 
 namespace tmcl::engine {
@@ -43,6 +44,7 @@ struct Call {
       options.is_program_line ? Effect::writes : effect_of(request.command, request.type);
 
   bool is_stop() const { return effect == Effect::stops; }
+  bool was_on_the_wire() const { return sent_early || times_sent > 0; }
   bool may_repeat() const {
     return !options.is_program_line && repeat_rule(request.command, request.type) == Repeat::safe;
   }
@@ -53,13 +55,21 @@ bool is_ended_by(const Request& stop, const Call& call);
 
 class CallQueue {
  public:
-  std::size_t size() const { return size_; }
+  static constexpr std::size_t kinds = 3;
+  /// 0: stops, 1: whatever acts, 2: reads.
+  static std::size_t kind_of(const Call& call);
+
+  std::size_t size() const;
+  bool has_room_for(const Call& call) const {
+    return levels_[kind_of(call)].size() < max_queued_calls;
+  }
 
   void push_back(Call call);
   /// Puts a call that went out, or should have, back to where it was.
   void put_back(Call call);
-  /// Lets `ticket` wait for an identical read that is queued already. False if there is none.
-  bool join(const Request& request, const CallOptions& options, Ticket ticket);
+  /// Lets its ticket wait for an identical read or stop that is queued already. False if there is
+  /// none.
+  bool join(const Call& newcomer);
 
   /// The first call, in the order of going out, that satisfies `wanted`; null if none does.
   template <class Wanted>
@@ -89,13 +99,12 @@ class CallQueue {
 
  private:
   using Calls = std::list<Call>;
-  Calls& level_of(const Call& call);
+  Calls& level_of(const Call& call) { return levels_[kind_of(call)]; }
   void insert(Calls& level, Calls::const_iterator before, Call call);
 
-  std::array<Calls, 3> levels_;  // stops, acts, reads
+  std::array<Calls, kinds> levels_;
   /// Room of calls that are gone, for those that come.
   Calls spare_;
-  std::size_t size_ = 0;
   std::uint64_t next_place_ = 0;
 };
 

@@ -9,6 +9,11 @@ using Company = ReplyForm::Company;
 
 // So soon it is noticed that a hold is gone.
 constexpr Duration care_interval = std::chrono::milliseconds(50);
+constexpr unsigned most_passed_over = 3;
+// By stops that are no repetitions: only a flood of stops for very many motors does that.
+constexpr unsigned most_passed_over_by_stops = 32;
+// So soon after the same stop, and with no movement between, a stop is a repetition.
+constexpr Duration repetition_time = std::chrono::seconds(1);
 
 bool needs_the_bus(const Call& call) {
   return ReplyForm::of(call.request).company() == Company::none;
@@ -26,7 +31,51 @@ void Scheduler::look_for_bus_wanted(Conversations& modules) {
 
 Call* Scheduler::next(Conversations& modules) {
   if (is_link_full()) return nullptr;
-  return queue_.find([&](const Call& queued) { return is_next(modules, queued); });
+  const auto find = [&](const auto& goes_first) {
+    return queue_.find(
+        [&](const Call& call) { return goes_first(call) && is_next(modules, call); });
+  };
+  const auto waited = [&](unsigned times) {
+    return [&, times](const Call& call) { return was_passed_over(modules.framing(), call, times); };
+  };
+  if (auto* call = find(waited(most_passed_over_by_stops))) return call;
+  if (auto* stop = find([&](const Call& call) { return is_urgent(call); })) return stop;
+  if (auto* call = find(waited(most_passed_over))) return call;
+  return find([](const Call&) { return true; });
+}
+
+bool Scheduler::was_passed_over(Framing framing, const Call& call, unsigned times) const {
+  const auto found = passed_over_.find(channel_of(framing, call));
+  return found != passed_over_.end() && found->second[CallQueue::kind_of(call)] >= times;
+}
+
+bool Scheduler::is_urgent(const Call& call) const {
+  if (!call.is_stop() || call.was_on_the_wire()) return false;
+  return std::ranges::none_of(sent_stops_, [&](const SentStop& sent) {
+    return sent.request == call.request && now_ - sent.at < repetition_time;
+  });
+}
+
+void Scheduler::on_turn(Framing framing, const Call& call) {
+  const auto channel = channel_of(framing, call);
+  std::array<bool, CallQueue::kinds> waits{};
+  queue_.for_each([&](const Call& queued) {
+    waits[CallQueue::kind_of(queued)] |= channel_of(framing, queued) == channel;
+  });
+  const auto kind = CallQueue::kind_of(call);
+  auto& passed_over = passed_over_[channel];
+  for (std::size_t other = 0; other < waits.size(); ++other)
+    passed_over[other] = waits[other] && other != kind ? passed_over[other] + 1 : 0;
+  note_stop(call);
+}
+
+void Scheduler::note_stop(const Call& call) {
+  const auto& request = call.request;
+  std::erase_if(sent_stops_, [&](const SentStop& sent) {
+    return is_ended_by(sent.request, call) || sent.request == request ||
+           now_ - sent.at >= repetition_time;
+  });
+  if (call.is_stop()) sent_stops_.push_back({request, now_});
 }
 
 bool Scheduler::is_next(Conversations& modules, const Call& call) const {
