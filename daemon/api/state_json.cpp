@@ -26,6 +26,8 @@ json::object counters_json(const tmcl::BusCounters& counters) {
   out["unexpected_replies"] = counters.unexpected_replies;
   out["garbage_bytes"] = counters.garbage_bytes;
   out["fences"] = counters.fences;
+  out["surplus"] = counters.surplus;
+  out["suspect"] = counters.suspect;
   return out;
 }
 

@@ -35,15 +35,12 @@ AxisUnits::Script<std::optional<tmcl::ModuleUnits>> AxisUnits::module_units() {
   if (model == nullptr) co_return Units{};
   const auto now = epoch();
   if (module_units_ && module_units_->epoch == now) co_return Units{module_units_->value};
-  std::vector<std::int32_t> values;
-  for (const auto parameter : tmcl::unit_parameters(*model)) {
-    auto read = co_await tmcl::verbs::get(axis_.address(), parameter);
-    auto value = if_it_tells(std::move(read));
-    if (!value) co_return tl::unexpected(std::move(value.error()));
-    if (!*value) co_return Units{};
-    values.push_back(**value);
-  }
-  const auto units = tmcl::module_units(*model, values);
+  const auto parameters = tmcl::unit_parameters(*model);
+  auto read = co_await tmcl::verbs::get_all(axis_.address(), parameters);
+  auto values = if_it_tells(std::move(read));
+  if (!values) co_return tl::unexpected(std::move(values.error()));
+  if (!*values) co_return Units{};
+  const auto units = tmcl::module_units(*model, **values);
   if (units) module_units_ = Known<tmcl::ModuleUnits>{now, *units};
   co_return units;
 }
@@ -55,12 +52,14 @@ AxisUnits::Script<std::optional<tmcl::UserScale>> AxisUnits::scale() {
     co_return Scale{config.with_resolution(*config.microstep_resolution)};
   const auto now = epoch();
   if (!microstep_resolution_ || microstep_resolution_->epoch != now) {
-    auto read = co_await tmcl::verbs::get(axis_.address(), ap::microstep_resolution);
+    std::vector<std::uint8_t> resolution{ap::microstep_resolution};
+    auto read = co_await tmcl::verbs::get_all(axis_.address(), std::move(resolution));
     auto told = if_it_tells(std::move(read));
     if (!told) co_return tl::unexpected(std::move(told.error()));
-    const auto value = *told;
-    if (!value || *value < 0 || *value > tmcl::max_microstep_resolution) co_return Scale{};
-    microstep_resolution_ = Known<std::int32_t>{now, *value};
+    if (!*told) co_return Scale{};
+    const auto value = (*told)->front();
+    if (value < 0 || value > tmcl::max_microstep_resolution) co_return Scale{};
+    microstep_resolution_ = Known<std::int32_t>{now, value};
   }
   co_return Scale{config.with_resolution(microstep_resolution_->value)};
 }

@@ -28,6 +28,8 @@ tmcl::BusCounters sum(tmcl::BusCounters a, const tmcl::BusCounters& b) {
   a.unexpected_replies += b.unexpected_replies;
   a.garbage_bytes += b.garbage_bytes;
   a.fences += b.fences;
+  a.surplus += b.surplus;
+  a.suspect += b.suspect;
   return a;
 }
 

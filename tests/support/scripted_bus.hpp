@@ -54,6 +54,9 @@ class ScriptedBus {
   Duration answer_time = std::chrono::milliseconds(1);
   /// Decides about every datagram that has no fault of its own.
   std::function<std::optional<Fault>(std::size_t datagram)> chance;
+  /// How long after a datagram without a fault its reply comes, once for each entry; answer_time,
+  /// if nothing is here.
+  std::function<std::vector<Duration>(std::size_t datagram)> ways;
 
   /// Whether the link takes a datagram now; always, if nothing is here.
   std::function<bool(const Request&)> takes;
@@ -172,7 +175,8 @@ class ScriptedBus {
       late_ = reply;
       return;
     }
-    deliveries_.push_back({clock_.now() + answer_time, reply, fault});
+    const auto delays = ways ? ways(datagram) : std::vector{answer_time};
+    for (const auto delay : delays) deliveries_.push_back({clock_.now() + delay, reply, fault});
   }
 
   void arrive(const Delivery& delivery) {

@@ -138,7 +138,7 @@ TEST(SurplusReplies, AValueThatWaitsForItsProofIsNoAnswerToALaterQuestion) {
   make_suspicious(bus);
   std::optional<engine::Ticket> second;
   bus.chance = [&](std::size_t number) -> std::optional<Fault> {
-    const bool is_fence = bus.sent()[number].command == Command::GET_FIRMWARE_VERSION;
+    const bool is_fence = bus.sent()[number].command != Command::GAP;
     if (is_fence && !second && number > 2) {
       bus.module(1).parameter(0, 1) = 4321;
       second = bus.submit(gap(1));

@@ -46,6 +46,8 @@ struct BusCounters {
       0;  ///< Bytes that belonged to no datagram, wrong checksums included.
   std::uint64_t fences =
       0;  ///< Exchanges that proved, or tried to prove, that a module is in step.
+  std::uint64_t surplus = 0;  ///< Replies beyond what a module was asked for.
+  std::uint64_t suspect = 0;  ///< Answers that a further exchange had to prove.
 };
 
 struct BusEvent {

@@ -51,6 +51,15 @@ class Hold {
   Hold& operator=(const Hold&) = delete;
 };
 
+/// How a value that is read is told from a reply to something else.
+enum class Proof : std::uint8_t {
+  none,      ///< As long as the line gives no cause for doubt, it is the next reply of its kind.
+  followed,  ///< It is given out when an exchange of another command has followed, and no second
+             ///< reply of its kind came before that. One such exchange does for several reads that
+             ///< wait together.
+  twice,     ///< It was read twice, with another command between: for what moves a motor.
+};
+
 struct CallOptions {
   /// Refused rather than sent after this instant.
   std::optional<TimePoint> deadline{};
@@ -69,6 +78,8 @@ struct CallOptions {
   /// To be recorded and not to be executed: sent at most once, and only while the module is in
   /// download mode for this hold. A success has Status::command_loaded.
   bool is_program_line = false;
+  /// Of a read, of how sure its value must be.
+  Proof proof = Proof::none;
 };
 
 /// A reply, and what the engine noticed about it.

@@ -38,6 +38,10 @@ class SerialDecoder {
   void expect_version_text(bool expected) { version_text_expected_ = expected; }
   /// While true, a reply may carry any status: it is a line of a program.
   void expect_program_line(bool expected) { program_line_expected_ = expected; }
+  /// A request goes out now: what has begun to come in before is no answer to it.
+  void begin_exchange() { bytes_before_ = size_; }
+  /// Of the item that push() gave last.
+  bool began_before_exchange() const { return began_before_; }
   /// Forgets an unfinished datagram; its bytes count as dropped.
   void reset();
 
@@ -51,6 +55,8 @@ class SerialDecoder {
   bool version_text_expected_ = false;
   bool program_line_expected_ = false;
   std::size_t size_ = 0;
+  std::size_t bytes_before_ = 0;  ///< Of `size_`, those that came before begin_exchange().
+  bool began_before_ = false;
   SerialBytes window_{};
   std::uint64_t dropped_ = 0;
 };

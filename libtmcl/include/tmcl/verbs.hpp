@@ -77,6 +77,11 @@ Script<Result<Answer>> command(Request request, CallOptions options = {});
 
 /// Reads an axis parameter, 0..255 (GAP).
 Script<Result<std::int32_t>> get(AxisAddress axis, std::uint8_t parameter);
+/// Reads several at once, proven together by one exchange that follows: for what a movement or
+/// its units are computed from. The first error ends it.
+Script<Result<std::vector<std::int32_t>>> get_all(AxisAddress axis,
+                                                  std::vector<std::uint8_t> parameters,
+                                                  CallOptions options = {});
 /// Sets an axis parameter (SAP). When the answer is lost and the parameter does not move the motor,
 /// reading it back settles whether it was set.
 Script<Result<void>> set(AxisAddress axis, std::uint8_t parameter, std::int32_t value);
@@ -98,7 +103,7 @@ Script<Result<void>> set_global(ModuleAddress module, std::uint8_t bank, std::ui
 
 /// Starts a positioning move (MVP ABS) and gives back its target.
 Script<Result<Microsteps>> move_to(AxisAddress axis, Microsteps target);
-/// Reads where the axis is, adds, and starts a move to there; gives back the target. A sum outside
+/// Reads where the axis is, twice, adds, and starts a move to there; gives back the target. A sum outside
 /// int32 is an error.
 Script<Result<Microsteps>> move_by(AxisAddress axis, Microsteps distance);
 /// Turns without end; ROR for a positive velocity, ROL for a negative one.

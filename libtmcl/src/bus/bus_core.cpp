@@ -8,6 +8,9 @@ namespace {
 // Far more than one exchange brings; a flood of garbage is read over several rounds.
 constexpr std::size_t read_size = 512;
 constexpr int frames_per_round = 64;
+// So often input is looked for before a request goes out all the same: on a line that is never
+// silent.
+constexpr unsigned most_looks = 8;
 
 BusOptions named(BusOptions options, const Link& link) {
   if (options.name.empty()) options.name = link.name();
@@ -21,26 +24,36 @@ BusCore::BusCore(Link link, BusOptions options)
       engine_(link_.framing(), link_.wire_time(), named(std::move(options), link_)) {}
 
 void BusCore::on_readable(TimePoint now) {
-  if (!open_) return;
-  if (link_.framing() == Framing::serial) {
-    read_bytes(now);
-  } else {
-    read_frames(now);
-  }
+  if (open_) read(now, nullptr);
 }
 
-void BusCore::read_bytes(TimePoint now) {
+/// `next`: what goes out if nothing has come in. True if something has.
+bool BusCore::read(TimePoint now, const Request* next) {
+  return link_.framing() == Framing::serial ? read_bytes(now, next) : read_frames(now, next);
+}
+
+bool BusCore::read_bytes(TimePoint now, const Request* next) {
   std::array<std::uint8_t, read_size> buffer;
   const auto count = link_.read(buffer);
-  if (!count) return close(count.error().message);
-  engine_.on_bytes(std::span(buffer).first(*count), now);
+  if (count && *count == 0) return false;
+  if (next != nullptr) engine_.on_input_before(*next);
+  if (count) {
+    engine_.on_bytes(std::span(buffer).first(*count), now);
+  } else {
+    close(count.error().message);
+  }
+  return true;
 }
 
-void BusCore::read_frames(TimePoint now) {
+bool BusCore::read_frames(TimePoint now, const Request* next) {
   for (int i = 0; i < frames_per_round; ++i) {
     const auto input = link_.read_frame();
-    if (!input) return close(input.error().message);
-    if (!*input) return;
+    if (input && !*input) return i > 0;
+    if (next != nullptr && i == 0) engine_.on_input_before(*next);
+    if (!input) {
+      close(input.error().message);
+      return true;
+    }
     if (const auto* frame = std::get_if<CanFrame>(&**input)) {
       engine_.on_frame(*frame, now);
     } else {
@@ -49,6 +62,7 @@ void BusCore::read_frames(TimePoint now) {
           {BusEvent::Kind::link_condition, {}, condition.severe ? 1 : 0, condition.text});
     }
   }
+  return true;
 }
 
 void BusCore::on_writable(TimePoint now) {
@@ -67,6 +81,9 @@ void BusCore::close(const std::string& why) {
 
 void BusCore::send(const Request& request, TimePoint now) {
   if (!open_) return;
+  // What has come in before the request goes out is no answer to it.
+  looks_ = looks_ < most_looks && read(now, &request) ? looks_ + 1 : 0;
+  if (looks_ > 0) return engine_.on_deadline(now);
   if (link_.framing() == Framing::serial) return send_bytes(request, now);
   const auto sent = link_.write_frame(encode_can(request, link_.can_extended()));
   if (!sent) return close(sent.error().message);

@@ -33,8 +33,9 @@ class BusCore {
                    const std::function<void(const BusEvent&)>& on_event);
 
  private:
-  void read_bytes(TimePoint now);
-  void read_frames(TimePoint now);
+  bool read(TimePoint now, const Request* next);
+  bool read_bytes(TimePoint now, const Request* next);
+  bool read_frames(TimePoint now, const Request* next);
   void send(const Request& request, TimePoint now);
   void send_bytes(const Request& request, TimePoint now);
 
@@ -44,6 +45,7 @@ class BusCore {
   SerialBytes unfinished_{};
   std::span<const std::uint8_t> unwritten_;
   std::vector<BusEvent> conditions_;
+  unsigned looks_ = 0;  ///< For input before a request, that have found some, in a row.
 };
 
 }  // namespace tmcl

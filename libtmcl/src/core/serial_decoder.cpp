@@ -10,11 +10,15 @@ std::optional<SerialItem> SerialDecoder::push(std::uint8_t byte) {
     std::ranges::copy(std::span(window_).subspan(1), window_.begin());
     --size_;
     ++dropped_;
+    if (bytes_before_ > 0) --bytes_before_;
   }
   window_[size_++] = byte;
   if (size_ < window_.size()) return std::nullopt;
   auto item = recognise();
-  if (item) size_ = 0;
+  if (item) {
+    began_before_ = bytes_before_ > 0;
+    size_ = bytes_before_ = 0;
+  }
   return item;
 }
 
@@ -35,7 +39,7 @@ std::optional<SerialItem> SerialDecoder::recognise() const {
 
 void SerialDecoder::reset() {
   dropped_ += size_;
-  size_ = 0;
+  size_ = bytes_before_ = 0;
 }
 
 }  // namespace tmcl

@@ -3,18 +3,39 @@
 #include "engine/call_errors.hpp"
 
 namespace tmcl::engine {
+namespace {
+
+// One could be a coincidence.
+constexpr unsigned echoes_to_tell = 3;
+
+}  // namespace
 
 void BusEngine::on_bytes(std::span<const std::uint8_t> bytes, TimePoint now) {
+  const auto echoes_before = echo_.echoes();
   for (const auto byte : bytes) {
-    const auto item = decoder_.push(byte);
-    if (!item) continue;
-    if (const auto* reply = std::get_if<Reply>(&*item)) {
-      on_reply(*reply, now);
-    } else if (modules_.line().is_busy()) {
-      on_version_text(modules_.line(), std::get<VersionText>(*item).version, now);
-    }
+    for (const auto left : echo_.pass(byte)) on_byte(left, now);
   }
+  if (echoes_before < echoes_to_tell && echo_.echoes() >= echoes_to_tell) tell_of_echo();
   go_on(now);
+}
+
+void BusEngine::on_byte(std::uint8_t byte, TimePoint now) {
+  const auto item = decoder_.push(byte);
+  if (!item) return;
+  const bool may_answer = !decoder_.began_before_exchange();
+  if (const auto* reply = std::get_if<Reply>(&*item)) {
+    on_reply(*reply, may_answer, now);
+  } else if (may_answer && modules_.line().is_busy()) {
+    on_version_text(modules_.line(), std::get<VersionText>(*item).version, now);
+  }
+}
+
+void BusEngine::tell_of_echo() {
+  actions_.push_back(BusEvent{BusEvent::Kind::link_condition,
+                              {},
+                              0,
+                              "every request comes back: the adapter hears what it sends, which is "
+                              "no harm; what comes back is left out"});
 }
 
 void BusEngine::on_frame(const CanFrame& frame, TimePoint now) {
@@ -26,24 +47,25 @@ void BusEngine::on_frame(const CanFrame& frame, TimePoint now) {
   if (channel != nullptr) {
     on_version_text(*channel, *text, now);
   } else if (const auto reply = decode_can_reply(frame)) {
-    on_reply(*reply, now);
+    on_reply(*reply, true, now);
   } else {
     counters_.garbage_bytes += frame.length;
   }
   go_on(now);
 }
 
-void BusEngine::on_reply(const Reply& reply, TimePoint now) {
+/// `may_answer`: it began to come in after the last request had gone out.
+void BusEngine::on_reply(const Reply& reply, bool may_answer, TimePoint now) {
   auto* const module = modules_.find(reply.module);
   const bool is_event =
       reply.command == Command::TARGET_REACHED_EVENT && reply.status == Status::delayed;
   if (is_event) return on_event(module, reply);
   if (module != nullptr) {
     auto& channel = modules_.channel_of(*module);
-    if (channel.is_answered_by(reply)) return conclude(channel, Answer{reply}, now);
+    if (may_answer && channel.is_answered_by(reply)) return conclude(channel, Answer{reply}, now);
   }
-  const auto is_disguised = [](const Channel& channel) {
-    return channel.is_busy() && channel.form_of_answer().is_in_disguise();
+  const auto is_disguised = [&](const Channel& channel) {
+    return may_answer && channel.is_busy() && channel.form_of_answer().is_in_disguise();
   };
   if (auto* channel = modules_.find_channel(is_disguised))
     return on_reply_in_disguise(*channel, reply, now);
@@ -100,12 +122,15 @@ InFlight BusEngine::settle(Channel& channel, Status status, TimePoint now) {
   auto done = take_from(channel);
   ++counters_.replies;
   auto& module = modules_.with(done.sent.address);
-  module.lane.answered(done.sent.command, now);
-  module.custody.on_answered(done.sent.command, status, now);
-  const bool proves = !done.call || done.ends_download();
-  if (proves && !module.lane.has_abandoned(done.sent.command)) {
-    module.lane.prove();
-    hand_out_proven(module);
+  const auto command = done.sent.command;
+  auto& lane = module.lane;
+  lane.answered(command, now);
+  module.custody.on_answered(command, status, now);
+  const bool proves_step = !done.call || done.ends_download();
+  const bool proves_answers = lane.in_step() && lane.holds_back_any() && !lane.holds_back(command);
+  if ((proves_step || proves_answers) && !lane.may_still_answer(command, now)) {
+    lane.prove();
+    hand_out_proven(module, now);
   }
   return done;
 }
@@ -116,7 +141,8 @@ void BusEngine::conclude(Channel& channel, Answer answer, TimePoint now) {
   if (!done.call) return;
   const auto& lane = modules_.with(done.sent.address).lane;
   answer.duplicate_suspected = lane.is_duplicate_suspected(now);
-  if (must_prove(*done.call, status, now)) return hold_back(std::move(*done.call), answer, now);
+  done.call->was_slow = done.deadline - now < reply_time(done.call->options) * 7 / 8;
+  if (must_prove(*done.call, answer.reply, now)) return hold_back(std::move(*done.call), answer);
   finish(std::move(*done.call), answer);
 }
 

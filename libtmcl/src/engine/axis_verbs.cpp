@@ -82,6 +82,19 @@ Script<Result<AxisState>> look_at(AxisAddress axis, CallOptions options) {
   co_return AxisState{Microsteps{at}, InternalVelocity{speed}, Microsteps{target}, reached != 0};
 }
 
+bool has_arrived(const AxisState& state) {
+  return state.position_reached && state.velocity.value == 0;
+}
+
+/// The same, proven: what somebody goes on after.
+Script<Result<AxisState>> look_again(AxisAddress axis, CallOptions options) {
+  const std::vector<std::uint8_t> parameters{ap::position_reached, ap::actual_velocity,
+                                             ap::target_position, ap::actual_position};
+  const auto values = co_await must(get_all(axis, parameters, options));
+  co_return AxisState{Microsteps{values[3]}, InternalVelocity{values[1]}, Microsteps{values[2]},
+                      values[0] != 0};
+}
+
 }  // namespace
 
 Script<Result<Answer>> command(Request request, CallOptions options) {
@@ -90,6 +103,23 @@ Script<Result<Answer>> command(Request request, CallOptions options) {
 
 Script<Result<std::int32_t>> get(AxisAddress axis, std::uint8_t parameter) {
   return ask(axis_request(axis, Command::GAP, parameter));
+}
+
+Script<Result<std::vector<std::int32_t>>> get_all(AxisAddress axis,
+                                                  std::vector<std::uint8_t> parameters,
+                                                  CallOptions options) {
+  std::vector<step::Exchange> reads;
+  for (const auto parameter : parameters) {
+    reads.push_back(
+        {axis_request(axis, Command::GAP, parameter), with_proof(Proof::followed, options)});
+  }
+  const auto answers = co_await exchange_all(std::move(reads));
+  std::vector<std::int32_t> values;
+  for (const auto& answer : answers) {
+    if (!answer) co_return tl::unexpected(answer.error());
+    values.push_back(answer->reply.value);
+  }
+  co_return values;
 }
 
 Script<Result<void>> set(AxisAddress axis, std::uint8_t parameter, std::int32_t value) {
@@ -131,13 +161,14 @@ Script<Result<Microsteps>> move_to(AxisAddress axis, Microsteps target) {
 }
 
 Script<Result<Microsteps>> move_from_here(AxisAddress axis, Destination destination) {
-  const auto here = co_await position(axis);
+  const auto read = axis_request(axis, Command::GAP, ap::actual_position);
+  const auto here = co_await ask(read, with_proof(Proof::twice));
   if (!here) {
     auto error = here.error();
     error.outcome = Outcome::not_sent;
     co_return tl::unexpected(std::move(error));
   }
-  const auto there = destination(*here);
+  const auto there = destination(Microsteps{*here});
   if (!there) co_return there;
   co_return co_await move_to(axis, *there);
 }
@@ -186,7 +217,10 @@ Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions opti
     const auto now = co_await look_at(axis, call);
     if (!now && is_too_late(call, now.error())) co_return tl::unexpected(still_moving(axis, last));
     if (!now) co_return tl::unexpected(cannot_see(axis, now.error()));
-    if (now->position_reached && now->velocity.value == 0) co_return now->position;
+    if (has_arrived(*now)) {
+      const auto sure = co_await look_again(axis, call);
+      if (sure && has_arrived(*sure)) co_return sure->position;
+    }
 
     const auto time = co_await current_time();
     const bool stands = now->velocity.value == 0 && last && last->position == now->position;

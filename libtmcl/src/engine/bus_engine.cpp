@@ -84,6 +84,7 @@ void BusEngine::on_time_out(Channel& channel, TimePoint now) {
   channel.keep_quiet_until(now + options_.quiet_time);
   auto& module = modules_.with(lost.sent.address);
   module.lane.abandon(lost.sent.command, now);
+  doubt_answers(module, lost.sent.command);
   if (lost.is_fence() && module.lane.fence_failed(lost.fence_tries, now + options_.silence_time))
     on_silence(lost.sent.address);
   if (!lost.call) return;
@@ -127,9 +128,8 @@ void BusEngine::go_on_with(Call& call) {
     return fail(unheard, silence_error(unheard));
   }
   scheduler_.on_turn(modules_.framing(), call);
-  if (module.lane.in_step()) return start(queue().take(call));
-  if (module.custody.is_recording_for(call.options.hold))
-    return go_on_recording(queue().take(call));
+  if (module.custody.is_recording_for(call.options.hold)) return go_on_recording(call);
+  if (module.lane.in_step() && !must_fence(module.lane, call)) return start(queue().take(call));
   start_fence(call);
 }
 
@@ -159,10 +159,19 @@ void BusEngine::end_calls_to_bootloaders() {
   fail_if(is_lost, bootloader_error);
 }
 
+/// A stop waits for no fence as long as the module is in step: its answer can be that to another
+/// stop, but it was sent.
+bool BusEngine::must_fence(const Lane& lane, const Call& call) const {
+  if (call.unproven) return true;
+  return !call.is_stop() && lane.must_separate(call.request.command, scheduler_.now());
+}
+
 /// A fence would become a line of the program: out of step, nothing goes out but the end of the
 /// download.
-void BusEngine::go_on_recording(Call call) {
-  if (call.request.command == Command::END_DOWNLOAD) return start(std::move(call));
+void BusEngine::go_on_recording(const Call& next) {
+  const bool in_step = modules_.with(next.request.address).lane.in_step();
+  auto call = queue().take(next);
+  if (in_step || call.request.command == Command::END_DOWNLOAD) return start(std::move(call));
   fail(call, broken_download_error(call));
 }
 
@@ -172,7 +181,7 @@ void BusEngine::send_early(Call& call) {
   module.lane.abandon(call.request.command, scheduler_.now());
   modules_.channel_of(module).keep_quiet_until(scheduler_.now() + wire_time_ + options_.quiet_time);
   ++counters_.requests;
-  actions_.push_back(Send{call.request, call.place});
+  send({call.request, call.place});
 }
 
 void BusEngine::start(Call call) {
@@ -209,9 +218,15 @@ void BusEngine::start_end(Conversation& module) {
 
 void BusEngine::put_in_flight(Channel& channel, InFlight in_flight) {
   ++counters_.requests;
-  actions_.push_back(Send{in_flight.sent});
+  send({in_flight.sent});
   channel.put(std::move(in_flight));
   expect_answer();
+}
+
+void BusEngine::send(const Send& send) {
+  decoder_.begin_exchange();
+  if (modules_.framing() == Framing::serial) echo_.begin(send.request);
+  actions_.push_back(send);
 }
 
 Duration BusEngine::reply_time(const CallOptions& options) const {

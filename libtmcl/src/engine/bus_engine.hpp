@@ -47,6 +47,7 @@
 #include <vector>
 
 #include "engine/conversation.hpp"
+#include "engine/line_echo.hpp"
 #include "engine/scheduler.hpp"
 #include "tmcl/bus_options.hpp"
 #include "tmcl/link.hpp"
@@ -80,6 +81,9 @@ class BusEngine {
   void on_deadline(TimePoint now);
   /// The link had no room for the request that next_action() gave last; nothing of it went out.
   void on_send_refused(const Request& request, TimePoint now);
+  /// Something had come in before the request that next_action() gave last went out, so that did
+  /// not go out: what is sent is decided anew when the engine has been told what came.
+  void on_input_before(const Request& request) { take_back_last_send(request); }
   /// Everything in progress ends, and nothing more will be accepted.
   void on_link_lost(const std::string& why);
 
@@ -107,12 +111,14 @@ class BusEngine {
   void end_overdue_calls();
   void look_after_downloads();
   void end_calls_to_bootloaders();
-  void go_on_recording(Call call);
+  bool must_fence(const Lane& lane, const Call& call) const;
+  void go_on_recording(const Call& next);
   void send_early(Call& call);
   void start(Call call);
   void start_fence(const Call& next);
   void start_end(Conversation& module);
   void put_in_flight(Channel& channel, InFlight in_flight);
+  void send(const Send& send);
   /// How long an answer may take, the wire included.
   Duration reply_time(const CallOptions& options) const;
 
@@ -122,7 +128,9 @@ class BusEngine {
   void repeat_or_give_up(Call call, Error error);
 
   // answers.cpp
-  void on_reply(const Reply& reply, TimePoint now);
+  void on_byte(std::uint8_t byte, TimePoint now);
+  void tell_of_echo();
+  void on_reply(const Reply& reply, bool may_answer, TimePoint now);
   void on_event(const Conversation* module, const Reply& reply);
   void on_reply_in_disguise(Channel& channel, const Reply& reply, TimePoint now);
   bool is_late_from_other(const Reply& reply, const Request& sent, TimePoint now);
@@ -136,13 +144,15 @@ class BusEngine {
 
   // surplus.cpp
   void on_unexplained(Conversation& module, const Reply& reply, TimePoint now);
-  void doubt_answers_like(const Reply& reply);
-  bool must_prove(const Call& call, Status status, TimePoint now);
-  void hold_back(Call call, const Answer& answer, TimePoint now);
-  void hand_out_proven(const Conversation& module);
+  void doubt_answers(const Conversation& module, Command command);
+  bool must_prove(const Call& call, const Reply& reply, TimePoint now);
+  static bool must_read_twice(const Call& call, const Lane& lane, TimePoint now);
+  void hold_back(Call call, const Answer& answer);
+  void hand_out_proven(const Conversation& module, TimePoint now);
 
   // full_link.cpp
   void confirm_last_send();
+  bool take_back_last_send(const Request& request);
   void take_back(Channel& channel);
   void take_back_call(Call call);
   void take_back_early_stop(std::uint64_t place);
@@ -162,6 +172,7 @@ class BusEngine {
   Scheduler scheduler_;
   Conversations modules_;
   SerialDecoder decoder_;
+  LineEcho echo_;
   std::vector<Action> actions_;
   std::size_t actions_given_ = 0;  ///< Of `actions_`.
   BusCounters counters_;

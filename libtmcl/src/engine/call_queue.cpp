@@ -6,7 +6,8 @@ namespace tmcl::engine {
 namespace {
 
 bool has_defaults(const CallOptions& options) {
-  return !options.deadline && !options.reply_timeout && options.attempts == 0 && !options.hold;
+  return !options.deadline && !options.reply_timeout && options.attempts == 0 && !options.hold &&
+         options.proof == Proof::none;
 }
 
 }  // namespace

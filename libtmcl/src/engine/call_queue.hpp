@@ -38,6 +38,11 @@ struct Call {
   /// Another reply came besides `unproven`.
   bool is_doubtful = false;
   unsigned doubts = 0;  ///< How often that was so.
+  /// The answer took long, so it may well be an older one.
+  bool was_slow = false;
+  /// What came when it was read before, where reading it once is not enough.
+  std::optional<Answer> before{};
+  unsigned readings = 0;
 
   /// A line of a program does nothing now, whatever it will do when the program runs.
   Effect effect =

@@ -15,21 +15,26 @@ constexpr Duration full_link_stop_time = std::chrono::seconds(2);
 }  // namespace
 
 void BusEngine::on_send_refused(const Request& request, TimePoint now) {
-  if (!handed_out_ || handed_out_->request != request) return;
-  const auto refused = *std::exchange(handed_out_, std::nullopt);
-  --counters_.requests;
+  if (!take_back_last_send(request)) return;
   scheduler_.on_link_full(now + full_link_pause);
-  auto& channel = modules_.channel_to(request.address);
-  if (channel.has_sent(request)) {
-    take_back(channel);
-  } else {
-    take_back_early_stop(refused.place);
-  }
   queue().for_each([&](Call& call) {
     if (!call.refused_since) call.refused_since = now;
   });
   end_refused_calls(now);
   go_on(now);
+}
+
+bool BusEngine::take_back_last_send(const Request& request) {
+  if (!handed_out_ || handed_out_->request != request) return false;
+  const auto unsent = *std::exchange(handed_out_, std::nullopt);
+  --counters_.requests;
+  auto& channel = modules_.channel_to(request.address);
+  if (channel.has_sent(request)) {
+    take_back(channel);
+  } else {
+    take_back_early_stop(unsent.place);
+  }
+  return true;
 }
 
 void BusEngine::take_back(Channel& channel) {
@@ -58,7 +63,9 @@ void BusEngine::take_back_call(Call call) {
 
 void BusEngine::take_back_early_stop(std::uint64_t place) {
   auto* stop = queue().find([&](const Call& call) { return call.place == place; });
-  if (stop != nullptr) stop->sent_early = false;
+  if (stop == nullptr) return;
+  stop->sent_early = false;
+  modules_.with(stop->request.address).lane.note_late(stop->request.command);
 }
 
 /// A stop is tried longer than anything else.

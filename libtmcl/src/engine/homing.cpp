@@ -78,6 +78,13 @@ Script<Result<void>> start_search(AxisAddress axis, std::optional<std::int32_t> 
   return mode ? start_search_in(axis, *mode, call) : start_search(axis, call);
 }
 
+/// Asked when the status says so: what somebody goes on after is read twice.
+Script<Result<bool>> has_ended(AxisAddress axis, CallOptions call) {
+  const auto status = search_request(axis, Search::status);
+  const auto step = co_await must(ask(status, with_proof(Proof::twice, call)));
+  co_return step == 0;
+}
+
 }  // namespace
 
 Script<Result<void>> start_reference_search(AxisAddress axis, std::optional<std::int32_t> mode) {
@@ -104,7 +111,10 @@ Script<Result<Homed>> home(AxisAddress axis, HomeOptions options) {
     if (!step && (is_too_late(call, step.error()) || (late && is_silence(step.error()))))
       co_return tl::unexpected(still_searching(axis, last));
     if (!step) co_return tl::unexpected(step.error());
-    if (*step == 0) break;
+    if (*step == 0) {
+      const auto ended = co_await has_ended(axis, call);
+      if (ended && *ended) break;
+    }
     last = *step;
     const bool wanted = !options.progress || options.progress(*step);
     if (!wanted || late) co_return tl::unexpected(still_searching(axis, last));

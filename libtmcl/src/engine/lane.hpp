@@ -3,15 +3,21 @@
 /// A reply does not say what it answers. A module is in step while every request sent to it has
 /// been answered, once; then the next reply of a kind answers the next request of that kind. It
 /// falls out of step when a request is given up, or when a reply comes that nothing asked for. A
-/// fence brings it back: a read whose command no abandoned request had. Modules answer in order, so
-/// when the fence's reply is here, older ones cannot come any more.
+/// fence brings it back: a read whose command nothing has whose reply may still come. Modules
+/// answer in order, so when the fence's reply is here, older ones cannot come any more.
 ///
-///     in step ──request given up, unexplained reply──▶ out of step ──fence answered──▶ in step
-///                                                       └─fences not answered─▶ silent for a time
+///     in step ──request given up, surplus reply──▶ out of step ──fence answered──▶ in step
+///                                                   └─fences not answered─▶ silent for a time
+///
+/// Replies that overtake each other, or come twice, exist all the same. So for the lifetime of a
+/// reply the answers to the command of a request that was given up are proven one by one, behind
+/// the fence too; and after a surplus reply the module is suspect for a long time: every answer is
+/// proven, and equal commands are kept apart.
 #pragma once
 
 #include <bitset>
 #include <optional>
+#include <vector>
 
 #include "tmcl/clock.hpp"
 #include "tmcl/datagram.hpp"
@@ -24,12 +30,18 @@ class Lane {
   /// Has answered at least once, under its own address.
   bool was_heard() const { return last_answered_.has_value(); }
   bool is_silent(TimePoint now) const { return now < silent_until_; }
+  /// It answers again after all.
+  void end_silence() { silent_until_ = {}; }
 
   /// A request may or may not be answered later.
   void abandon(Command command, TimePoint now);
   /// Something makes the next reply doubtful although no request was given up.
   void lose_step() { in_step_ = false; }
-  /// A fence was answered.
+  /// An answer to this command waits until an exchange of another one proves it.
+  void hold_back(Command command);
+  bool holds_back(Command command) const { return held_back_.test(index(command)); }
+  bool holds_back_any() const { return answers_held_back_ > 0; }
+  /// A fence was answered, or whatever else could have no other answer.
   void prove();
   /// A fence was not answered; true when that was the last try, and the module now counts as
   /// silent.
@@ -37,12 +49,14 @@ class Lane {
 
   /// A late reply of this command may still come.
   bool may_still_answer(Command command, TimePoint now) const;
-  bool has_abandoned(Command command) const {
-    return abandoned_.test(static_cast<std::size_t>(command));
-  }
-  /// A read that proves the step: of a command that was not abandoned and is not `next`, which
-  /// follows it. Nothing if every suitable read was abandoned lately.
+  /// It has come.
+  void note_late(Command command);
+  /// A read that proves the step: of a command that no late reply can have, no answer that waits
+  /// for its proof has, and that is not `next`, which follows it. Nothing if there is no such read. Of a suspect module each is another
+  /// one than the last: two surplus replies could keep in step with two commands in turn.
   std::optional<Request> fence(ModuleAddress address, Command next, TimePoint now);
+  /// A fence has to come between the last exchange and one of this command.
+  bool must_separate(Command command, TimePoint now) const;
 
   /// Remembers an exchange that ended well, so that a second reply to it is recognised.
   void answered(Command command, TimePoint now);
@@ -50,21 +64,37 @@ class Lane {
   /// module is not the only one to answer, or this program not the only one to ask.
   bool note_surplus(Command command, TimePoint now);
   bool is_duplicate_suspected(TimePoint now) const;
+  /// Replies may come that are not what they seem: from now on, until many exchanges and a long
+  /// time have passed without a sign of that.
+  void suspect(TimePoint now);
+  bool is_suspect(TimePoint now) const;
 
  private:
+  struct Abandoned {
+    Command command;
+    unsigned replies;  ///< That may still come.
+    TimePoint last;    ///< When the last of them was given up.
+  };
+  static std::size_t index(Command command) { return static_cast<std::size_t>(command); }
   bool is_second_reply(Command command, TimePoint now) const;
 
   bool in_step_ = true;
   unsigned failed_fences_ = 0;
-  std::bitset<256> abandoned_;
-  TimePoint last_abandoned_{};
+  std::size_t next_fence_ = 0;
+  std::vector<Abandoned> abandoned_;
+  std::bitset<256> held_back_;
+  unsigned answers_held_back_ = 0;
   TimePoint silent_until_{};
   std::optional<Command> last_answered_;
+  std::optional<Command> answered_before_;  ///< The one before that.
   TimePoint last_answered_at_{};
+  unsigned equal_in_a_row_ = 0;
   bool duplicate_suspected_ = false;
   unsigned surplus_ = 0;
   TimePoint surplus_since_{};
   TimePoint last_surplus_{};
+  unsigned exchanges_to_trust_ = 0;
+  TimePoint trusted_from_{};
 };
 
 }  // namespace tmcl::engine

@@ -7,11 +7,10 @@
 namespace tmcl::verbs {
 
 Script<Result<std::vector<plan::Setting>>> read_ramp(AxisAddress axis, const Model& model) {
+  const auto parameters = plan::AxisTwin::parameters(model);
+  const auto values = co_await must(get_all(axis, parameters));
   std::vector<plan::Setting> ramp;
-  for (const auto parameter : plan::AxisTwin::parameters(model)) {
-    const auto value = co_await must(get(axis, parameter));
-    ramp.push_back({parameter, value});
-  }
+  for (std::size_t i = 0; i < values.size(); ++i) ramp.push_back({parameters[i], values[i]});
   co_return ramp;
 }
 

@@ -41,6 +41,22 @@ class ProgramLineReply final : public ReplyForm {
   }
 };
 
+/// The reply has the value of the request. Not so after relative moves and moves to coordinates:
+/// some modules tell then where they go.
+bool is_echoed(const Request& sent) {
+  switch (sent.command) {
+    case Command::MVP: return sent.type == 0;
+    case Command::ROR:
+    case Command::ROL:
+    case Command::MST:
+    case Command::SAP:
+    case Command::SGP:
+    case Command::SIO:
+    case Command::SCO: return true;
+    default: return false;
+  }
+}
+
 constexpr OrdinaryReply ordinary;
 constexpr VersionTextReply version_text;
 constexpr ProgramLineReply program_line;
@@ -57,8 +73,10 @@ const ReplyForm& ReplyForm::of(const Request& request) {
 bool ReplyForm::is_answer(const Reply& reply, const Request& sent) const {
   if (reply.module != reply_byte(sent.address)) return false;
   // A module that could not read the request does not know which command it was.
-  const bool about_checksum = reply.status == Status::wrong_checksum && reply.command == Command{0};
-  return about_checksum || reply.command == sent.command;
+  if (reply.status == Status::wrong_checksum && reply.command == Command{0}) return true;
+  if (reply.command != sent.command) return false;
+  return !is_echoed(sent) || reply.value == sent.value ||
+         (reply.value == 0 && !is_success(reply.status));
 }
 
 void ReplyForm::expect(SerialDecoder& decoder) const {

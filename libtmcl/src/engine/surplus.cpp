@@ -9,17 +9,26 @@ namespace {
 
 // How often a value is read anew because two replies came.
 constexpr unsigned most_doubts = 8;
+// So often a value is read that must be the same twice: one that changes never is. The last one
+// counts then.
+constexpr unsigned most_readings = 3;
 
 }  // namespace
 
 void BusEngine::on_unexplained(Conversation& module, const Reply& reply, TimePoint now) {
   auto& lane = module.lane;
-  if (lane.has_abandoned(reply.command)) {
+  lane.end_silence();
+  doubt_answers(module, reply.command);
+  if (lane.may_still_answer(reply.command, now)) {
     ++counters_.late_replies;
+    lane.note_late(reply.command);
+    // A fence was answered before it: replies overtake each other.
+    if (lane.in_step()) lane.suspect(now);
     if (lane.is_duplicate_suspected(now)) lane.note_surplus(reply.command, now);
-    return doubt_answers_like(reply);
+    return;
   }
   ++counters_.unexpected_replies;
+  ++counters_.surplus;
   lane.lose_step();
   if (!lane.note_surplus(reply.command, now)) return;
   actions_.push_back(BusEvent{
@@ -29,47 +38,69 @@ void BusEngine::on_unexplained(Conversation& module, const Reply& reply, TimePoi
                   number(module.address))});
 }
 
-void BusEngine::doubt_answers_like(const Reply& reply) {
+void BusEngine::doubt_answers(const Conversation& module, Command command) {
+  if (!module.lane.holds_back(command)) return;
   queue().for_each([&](Call& call) {
-    const bool is_alike =
-        reply_byte(call.request.address) == reply.module && call.request.command == reply.command;
+    const bool is_alike = reply_byte(call.request.address) == reply_byte(module.address) &&
+                          call.request.command == command;
     if (call.unproven && is_alike) call.is_doubtful = true;
   });
 }
 
+/// A value that was read before, and proven then, needs no more proof if it is the same.
+///
 /// Not versions: several modules of one address are found by asking for those. And a fence must not
 /// go to a module that may record it.
-bool BusEngine::must_prove(const Call& call, Status status, TimePoint now) {
+bool BusEngine::must_prove(const Call& call, const Reply& reply, TimePoint now) {
+  if (call.before && call.before->reply == reply) return false;
   const auto& module = modules_.with(call.request.address);
-  return module.lane.is_duplicate_suspected(now) && call.effect == Effect::reads &&
+  const auto& lane = module.lane;
+  const bool has_doubts = lane.is_suspect(now) || lane.is_duplicate_suspected(now) ||
+                          lane.may_still_answer(call.request.command, now);
+  return (has_doubts || call.options.proof != Proof::none) && call.effect == Effect::reads &&
          call.may_repeat() && call.request.command != Command::GET_FIRMWARE_VERSION &&
-         status != Status::wrong_checksum && !call.options.hold && !module.custody.is_recording();
+         reply.status != Status::wrong_checksum && !call.options.hold &&
+         !module.custody.is_recording();
 }
 
-/// The fence that follows must be of another command: whatever comes of this one before it is
-/// answered is a second reply.
-void BusEngine::hold_back(Call call, const Answer& answer, TimePoint now) {
-  modules_.with(call.request.address).lane.abandon(call.request.command, now);
+/// What proves it is of another command: whatever comes of this one before that is answered is a
+/// second reply. What waits already goes first, and may be proven together with it.
+void BusEngine::hold_back(Call call, const Answer& answer) {
+  ++counters_.suspect;
+  modules_.with(call.request.address).lane.hold_back(call.request.command);
   call.unproven = answer;
   call.is_doubtful = false;
-  queue().put_back(std::move(call));
+  queue().push_back(std::move(call));
 }
 
-/// Modules answer in order, and a fence has just been answered: whatever else came in reply to what
+/// Where replies overtake each other, what comes may be the late answer to an older question, and
+/// its own one too late as well.
+bool BusEngine::must_read_twice(const Call& call, const Lane& lane, TimePoint now) {
+  return call.options.proof == Proof::twice || ((lane.is_suspect(now) || call.was_slow) &&
+                                                lane.may_still_answer(call.request.command, now));
+}
+
+/// Modules answer in order, and another command has just been answered: whatever else came in reply to what
 /// was asked before it has come by now.
-void BusEngine::hand_out_proven(const Conversation& module) {
+void BusEngine::hand_out_proven(const Conversation& module, TimePoint now) {
   const auto waits_for_it = [&](const Call& call) {
     return call.unproven && reply_byte(call.request.address) == reply_byte(module.address);
   };
   for (auto& call : queue().remove_if(waits_for_it)) {
     const auto answer = *std::exchange(call.unproven, std::nullopt);
-    if (!call.is_doubtful) {
-      finish(std::move(call), answer);
-    } else if (++call.doubts < most_doubts) {
-      queue().put_back(std::move(call));
+    if (call.is_doubtful) {
+      call.before.reset();
+      if (++call.doubts == most_doubts) {
+        fail(call, doubt_error(call));
+        continue;
+      }
+    } else if (must_read_twice(call, module.lane, now) && ++call.readings < most_readings) {
+      call.before = answer;
     } else {
-      fail(call, doubt_error(call));
+      finish(std::move(call), answer);
+      continue;
     }
+    queue().put_back(std::move(call));
   }
 }
 

@@ -19,6 +19,11 @@ inline Script<Result<std::int32_t>> ask(Request request, CallOptions options = {
   co_return answer.reply.value;
 }
 
+inline CallOptions with_proof(Proof proof, CallOptions options = {}) {
+  options.proof = proof;
+  return options;
+}
+
 /// What the module answers; nothing where it refuses to.
 template <class T>
 Script<Result<std::optional<T>>> unless_refused(Script<Result<T>> part) {
