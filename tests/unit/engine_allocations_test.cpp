@@ -6,7 +6,15 @@
 #include <cstdlib>
 #include <new>
 
+#include <unistd.h>
+
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/posix/stream_descriptor.hpp>
+
 #include "engine/bus_engine.hpp"
+#include "tmcl/bus.hpp"
 #include "unit/engine_requests.hpp"
 
 namespace {
@@ -74,6 +82,58 @@ INSTANTIATE_TEST_SUITE_P(Links, EngineAllocations, testing::Values(Framing::seri
                          [](const auto& parameter) {
                            return parameter.param == Framing::serial ? "serial" : "can";
                          });
+
+/// A module at the other end of a link.
+class Answering {
+ public:
+  Answering(boost::asio::io_context& context, Link far)
+      : far_(std::move(far)), readiness_(context, ::dup(far_.descriptor())) {
+    wait();
+  }
+
+ private:
+  void wait() {
+    readiness_.async_wait(boost::asio::posix::stream_descriptor::wait_read,
+                          [this](const auto& error) {
+                            SerialBytes bytes{};
+                            const auto count = far_.read(bytes);
+                            if (error || !count || *count != bytes.size()) return;
+                            const auto request = decode_serial_request(bytes);
+                            (void)far_.write(encode_serial(test::reply_to(*request, 7)));
+                            wait();
+                          });
+  }
+
+  Link far_;
+  boost::asio::posix::stream_descriptor readiness_;
+};
+
+boost::asio::awaitable<void> exchange_with(Bus& bus, int times, int& done) {
+  for (int i = 0; i < times; ++i) {
+    const auto answer = co_await bus.execute(test::gap(1));
+    done += answer ? 1 : 0;
+  }
+}
+
+TEST(BusAllocations, NoneInSteadyState) {
+  boost::asio::io_context context{1};
+  auto ends = Link::memory_pair(Framing::serial);
+  Bus bus(context.get_executor(), std::move(ends->first));
+  const Answering module(context, std::move(ends->second));
+  int done = 0;
+  const auto exchange = [&](int times) -> boost::asio::awaitable<void> {
+    co_await exchange_with(bus, 10, done);
+    counts = true;
+    co_await exchange_with(bus, times, done);
+    counts = false;
+    bus.close();
+  };
+  boost::asio::co_spawn(context, exchange(1000), boost::asio::detached);
+  context.run();
+  EXPECT_EQ(done, 1010);
+  EXPECT_EQ(allocations, 0U);
+  allocations = 0;
+}
 
 }  // namespace
 }  // namespace tmcl

@@ -1,7 +1,10 @@
 #include "tmcl/bus.hpp"
 
-#include <map>
+#include <algorithm>
+#include <deque>
 #include <optional>
+#include <span>
+#include <vector>
 
 #include <boost/asio/async_result.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
@@ -38,18 +41,16 @@ class Bus::State : public std::enable_shared_from_this<State> {
     hand_out_later();
   }
 
-  using Handler = std::function<void(StepResult)>;
+  using Handler = asio::async_result<asio::use_awaitable_t<>, void()>::handler_type;
 
-  void exchange(std::vector<step::Exchange> exchanges, Handler handler) {
-    if (exchanges.empty())
-      return asio::post(executor_, [handler = std::move(handler)] { handler({}); });
-    auto group = std::make_shared<Group>();
-    group->results.resize(exchanges.size(), tl::unexpected(Error{}));
-    group->missing = exchanges.size();
-    group->handler = std::move(handler);
+  /// There is a result for each exchange, and whoever the handler resumes keeps them.
+  void exchange(std::span<const step::Exchange> exchanges, std::span<Result<Answer>> results,
+                Handler handler) {
+    if (exchanges.empty()) return asio::post(executor_, std::move(handler));
+    auto& group = new_group(std::move(handler), exchanges.size());
     for (std::size_t i = 0; i < exchanges.size(); ++i) {
       const auto ticket = next_ticket_++;
-      waiting_.emplace(ticket, Place{group, i});
+      waiting_.push_back({ticket, &group, &results[i]});
       core_.engine().submit(ticket, exchanges[i].request, exchanges[i].options, timer_.now());
     }
     run_actions();
@@ -63,14 +64,24 @@ class Bus::State : public std::enable_shared_from_this<State> {
  private:
   /// Exchanges that one caller waits for together.
   struct Group {
-    StepResult results;
+    std::optional<Handler> handler;
     std::size_t missing = 0;
-    Handler handler;
   };
   struct Place {
-    std::shared_ptr<Group> group;
-    std::size_t index;
+    engine::Ticket ticket;
+    Group* group;
+    Result<Answer>* result;
   };
+
+  /// Groups are used again and again: an exchange takes no memory.
+  Group& new_group(Handler handler, std::size_t missing) {
+    if (unused_.empty()) unused_.push_back(&groups_.emplace_back());
+    auto& group = *unused_.back();
+    unused_.pop_back();
+    group.handler.emplace(std::move(handler));
+    group.missing = missing;
+    return group;
+  }
 
   void await_input() {
     readiness_.async_wait(asio::posix::stream_descriptor::wait_read,
@@ -137,16 +148,22 @@ class Bus::State : public std::enable_shared_from_this<State> {
   }
 
   void settle(engine::Completion completion) {
-    const auto place = waiting_.extract(completion.ticket).mapped();
-    auto& group = *place.group;
-    group.results[place.index] = std::move(completion.result);
-    if (--group.missing == 0) settled_.push_back(place.group);
+    const auto place = std::ranges::find(waiting_, completion.ticket, &Place::ticket);
+    *place->result = std::move(completion.result);
+    auto* group = place->group;
+    waiting_.erase(place);
+    if (--group->missing == 0) settled_.push_back(group);
   }
 
   /// Last in a round of the reactor: whoever waits goes on here, and may submit the next request.
   void hand_out() {
-    for (const auto& group : std::exchange(settled_, {})) {
-      group->handler(std::move(group->results));
+    for (auto left = settled_.size(); left > 0; --left) {
+      auto* group = settled_.front();
+      settled_.erase(settled_.begin());
+      auto handler = std::move(*group->handler);
+      group->handler.reset();
+      unused_.push_back(group);
+      std::move(handler)();
     }
   }
 
@@ -169,8 +186,10 @@ class Bus::State : public std::enable_shared_from_this<State> {
   std::optional<TimePoint> armed_for_;
   bool awaiting_room_ = false;
   engine::Ticket next_ticket_ = 0;
-  std::map<engine::Ticket, Place> waiting_;
-  std::vector<std::shared_ptr<Group>> settled_;
+  std::deque<Group> groups_;
+  std::vector<Group*> unused_;
+  std::vector<Group*> settled_;
+  std::vector<Place> waiting_;
 };
 
 Bus::Bus(asio::any_io_executor executor, Link link, BusOptions options)
@@ -191,26 +210,25 @@ Bus::~Bus() {
 
 namespace {
 
-/// Suspends the coroutine until every exchange has ended.
+/// Suspends the coroutine, which keeps what is referred to, until every exchange has ended.
 template <class State>
-asio::awaitable<StepResult> exchange(std::shared_ptr<State> state,
-                                     std::vector<step::Exchange> exchanges) {
-  auto initiation = [&state, &exchanges](auto handler) {
-    // A std::function must be copyable, which a coroutine's handler is not.
-    auto shared = std::make_shared<decltype(handler)>(std::move(handler));
-    state->exchange(std::move(exchanges),
-                    [shared](StepResult results) { std::move (*shared)(std::move(results)); });
-  };
-  co_return co_await asio::async_initiate<const asio::use_awaitable_t<>, void(StepResult)>(
-      initiation, asio::use_awaitable);
+asio::awaitable<void> exchange(State& state, std::span<const step::Exchange> exchanges,
+                               std::span<Result<Answer>> results) {
+  return asio::async_initiate<const asio::use_awaitable_t<>, void()>(
+      [&state, exchanges, results](auto handler) {
+        state.exchange(exchanges, results, std::move(handler));
+      },
+      asio::use_awaitable);
 }
 
 }  // namespace
 
 asio::awaitable<Result<Answer>> Bus::execute(Request request, CallOptions options) {
-  std::vector<step::Exchange> one{{request, options}};
-  auto results = co_await exchange(state_, std::move(one));
-  co_return std::move(results.front());
+  const auto state = state_;  // the bus may be gone before the exchange has ended
+  const step::Exchange one{request, std::move(options)};
+  Result<Answer> result;
+  co_await exchange(*state, {&one, 1}, {&result, 1});
+  co_return result;
 }
 
 asio::awaitable<StepResult> Bus::perform(std::shared_ptr<State> state, Step step,
@@ -231,7 +249,8 @@ asio::awaitable<StepResult> Bus::perform(std::shared_ptr<State> state, Step step
     auto& own = one.options.deadline;
     if (!own || (deadline && *deadline < *own)) own = deadline;
   }
-  auto results = co_await exchange(state, std::move(exchanges));
+  StepResult results(exchanges.size(), Result<Answer>{});
+  co_await exchange(*state, exchanges, results);
   co_return results;
 }
 
