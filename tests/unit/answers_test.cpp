@@ -4,6 +4,7 @@
 
 #include <gmock/gmock.h>
 
+#include "bus/bus_core.hpp"
 #include "engine/bus_engine.hpp"
 #include "support/scripted_bus.hpp"
 #include "support/seed.hpp"
@@ -182,6 +183,72 @@ TEST(AnswersInTime, BeginAfterTheirQuestionWentOut) {
   EXPECT_EQ(bus.counters().surplus, 1U);
 }
 
+/// A bus whose far end the test plays, one request at a time.
+class QuietLine : public testing::TestWithParam<Framing> {
+ protected:
+  QuietLine() : ends_(Link::memory_pair(GetParam()).value()), core(std::move(ends_.first), {}) {}
+
+  void come(const Reply& reply) {
+    if (GetParam() == Framing::serial) {
+      ASSERT_TRUE(ends_.second.write(encode_serial(reply)));
+    } else {
+      ASSERT_TRUE(ends_.second.write_frame(encode_can(reply, default_can_reply_id)));
+    }
+  }
+  void go_on() {
+    core.run_actions(
+        now, [this](const engine::Completion& done) { results.push_back(done.result); },
+        [](const BusEvent&) {});
+  }
+  std::optional<Request> sent() {
+    if (GetParam() == Framing::can) {
+      const auto input = ends_.second.read_frame().value();
+      return input ? decode_can_request(std::get<CanFrame>(*input)) : std::nullopt;
+    }
+    SerialBytes bytes{};
+    const auto count = ends_.second.read(bytes).value();
+    return count == bytes.size() ? decode_serial_request(bytes) : std::nullopt;
+  }
+
+ private:
+  std::pair<Link, Link> ends_;
+
+ protected:
+  BusCore core;
+  TimePoint now{1h};
+  std::vector<Result<Answer>> results;
+};
+
+TEST_P(QuietLine, IsLookedForBeforeEachRequest) {
+  come(reply_to(gap(1), 777));
+  core.engine().submit(1, gap(1), {}, now);
+  std::vector<Request> all;
+  for (int i = 0; i < 10 && results.empty(); ++i) {
+    go_on();
+    if (const auto request = sent()) {
+      all.push_back(*request);
+      come(reply_to(*request, 4));
+    }
+    core.on_readable(now);
+  }
+  ASSERT_EQ(results.size(), 1U);
+  EXPECT_EQ(results[0]->reply.value, 4);
+  EXPECT_EQ(core.engine().counters().surplus, 1U);
+  // Out of step, so with a fence first; and suspect, so with one behind.
+  EXPECT_THAT(commands_of(all),
+              testing::ElementsAre(Command::GET_FIRMWARE_VERSION, Command::GAP, testing::_));
+}
+
+TEST_P(QuietLine, IsNotWaitedForForEver) {
+  core.engine().submit(1, gap(1), {}, now);
+  std::size_t rounds = 0;
+  for (; rounds < 100 && !sent(); ++rounds) {
+    come(reply_to(gap(7), 777));
+    go_on();
+  }
+  EXPECT_LT(rounds, 20U);
+}
+
 // ---- lines that echo
 
 TEST(LineEcho, IsLeftOutAndToldOnce) {
@@ -238,6 +305,8 @@ constexpr auto link_name = [](const auto& parameter) {
   return parameter.param == Framing::serial ? "serial" : "can";
 };
 INSTANTIATE_TEST_SUITE_P(Links, DoubledReplies, testing::Values(Framing::serial, Framing::can),
+                         link_name);
+INSTANTIATE_TEST_SUITE_P(Links, QuietLine, testing::Values(Framing::serial, Framing::can),
                          link_name);
 INSTANTIATE_TEST_SUITE_P(Links, ReorderedReplies, testing::Values(Framing::serial, Framing::can),
                          link_name);
