@@ -100,7 +100,8 @@ class Twins {
     if (sent_.empty()) return;
     const auto request = sent_[below(static_cast<unsigned>(sent_.size()))];
     const auto status = below(4) == 0 ? Status::command_loaded : Status::ok;
-    come({default_host_address, reply_byte(request.address), status, request.command, request.value});
+    come({default_host_address, reply_byte(request.address), status, request.command,
+          request.value});
   }
   void come(Reply reply) {
     reply.host = default_host_address;

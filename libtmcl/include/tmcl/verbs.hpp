@@ -103,8 +103,8 @@ Script<Result<void>> set_global(ModuleAddress module, std::uint8_t bank, std::ui
 
 /// Starts a positioning move (MVP ABS) and gives back its target.
 Script<Result<Microsteps>> move_to(AxisAddress axis, Microsteps target);
-/// Reads where the axis is, twice, adds, and starts a move to there; gives back the target. A sum outside
-/// int32 is an error.
+/// Reads where the axis is, twice, adds, and starts a move to there; gives back the target. A sum
+/// outside int32 is an error.
 Script<Result<Microsteps>> move_by(AxisAddress axis, Microsteps distance);
 /// Turns without end; ROR for a positive velocity, ROL for a negative one.
 Script<Result<void>> rotate(AxisAddress axis, InternalVelocity velocity);

@@ -52,8 +52,9 @@ class Lane {
   /// It has come.
   void note_late(Command command);
   /// A read that proves the step: of a command that no late reply can have, no answer that waits
-  /// for its proof has, and that is not `next`, which follows it. Nothing if there is no such read. Of a suspect module each is another
-  /// one than the last: two surplus replies could keep in step with two commands in turn.
+  /// for its proof has, and that is not `next`, which follows it. Nothing if there is no such read.
+  /// Of a suspect module each is another one than the last: two surplus replies could keep in step
+  /// with two commands in turn.
   std::optional<Request> fence(ModuleAddress address, Command next, TimePoint now);
   /// A fence has to come between the last exchange and one of this command.
   bool must_separate(Command command, TimePoint now) const;

@@ -80,8 +80,8 @@ bool BusEngine::must_read_twice(const Call& call, const Lane& lane, TimePoint no
                                                 lane.may_still_answer(call.request.command, now));
 }
 
-/// Modules answer in order, and another command has just been answered: whatever else came in reply to what
-/// was asked before it has come by now.
+/// Modules answer in order, and another command has just been answered: whatever else came in reply
+/// to what was asked before it has come by now.
 void BusEngine::hand_out_proven(const Conversation& module, TimePoint now) {
   const auto waits_for_it = [&](const Call& call) {
     return call.unproven && reply_byte(call.request.address) == reply_byte(module.address);
