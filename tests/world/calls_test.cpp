@@ -12,10 +12,7 @@
 namespace tmcld::test {
 namespace {
 
-// No doubled replies: one that comes in just as the next request to its module goes out is taken
-// for the answer to that, so a movement is said to be done before it was seen: one run in some
-// thousands.
-constexpr Faults bad_line{.lost = 20, .late = 20};
+constexpr Faults bad_line{.lost = 20, .late = 20, .doubled = 10};
 constexpr int usual_runs = 100;
 // Every so many runs one is repeated.
 constexpr int repeat_every = 10;

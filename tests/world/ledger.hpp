@@ -33,6 +33,8 @@ struct WorldCall {
   std::vector<std::string> axes;
   /// What the movement of each axis carries, where that is known before.
   std::vector<std::int32_t> values{};
+  /// What is added to where the axis is, which is not known before.
+  std::optional<std::int32_t> distance{};
 };
 
 class Ledger {
@@ -51,7 +53,7 @@ class Ledger {
     if (stops) {
       for (const auto& axis : call.axes) stops_[axis].push_back({number, now, false});
     } else {
-      running_.emplace(number, Running{std::move(call), {}});
+      running_.emplace(number, Running{std::move(call), {}, {}});
     }
     return number;
   }
@@ -61,7 +63,8 @@ class Ledger {
                   (result ? std::string() : ": " + result.error().message));
     const auto found = running_.extract(number);
     if (!found || found.mapped().call.axes.size() != 1) return;
-    const auto& [call, moved] = found.mapped();
+    const auto& call = found.mapped().call;
+    const auto& moved = found.mapped().moved;
     const auto sent = moved.size();
     if (result && is_movement(call) && !call.values.empty() && sent != 1)
       complain(call.method + " was done unseen");
@@ -81,6 +84,20 @@ class Ledger {
     }
   }
 
+  /// What a module answers, before anything can happen to that.
+  void on_answer(const std::string& bus, const tmcl::Request& request, std::int32_t value) {
+    const bool tells_position = request.command == tmcl::Command::GAP &&
+                                request.type == tmcl::axis_parameter::actual_position;
+    if (!tells_position) return;
+    for (const auto& axis : axes_) {
+      if (axis.bus != bus || axis.address != tmcl::AxisAddress{request.address, request.motor})
+        continue;
+      for (auto& [number, running] : running_) {
+        if (std::ranges::count(running.call.axes, axis.name) != 0) running.positions.insert(value);
+      }
+    }
+  }
+
   const std::vector<std::string>& complaints() const { return complaints_; }
   std::size_t movements() const { return movements_; }
 
@@ -92,7 +109,8 @@ class Ledger {
   };
   struct Running {
     WorldCall call;
-    std::set<std::string> moved;  ///< Axes that a datagram has gone out to.
+    std::set<std::string> moved;         ///< Axes that a datagram has gone out to.
+    std::set<std::int32_t> positions{};  ///< Where its axes were whenever that was read.
   };
 
   // From the manual, and not from the gateway's own table.
@@ -151,12 +169,13 @@ class Ledger {
 
   static bool can_have_sent(const Running& running, const std::string& axis,
                             const tmcl::Request& request) {
-    const auto& [call, moved] = running;
+    const auto& [call, moved, positions] = running;
     const bool named = std::ranges::find(call.axes, axis) != call.axes.end();
     if (!is_movement(call) || !named || moved.contains(axis)) return false;
     const bool by_position = request.command == tmcl::Command::MVP;
     const bool to_coordinate = by_position && request.type == 2;
     if (to_coordinate) return call.method == "line.move";
+    if (call.distance && by_position) return positions.contains(request.value - *call.distance);
     const auto value = value_for(call, axis);
     const auto sign = request.command == tmcl::Command::ROL ? -1 : 1;
     return value ? *value == sign * request.value : by_position;

@@ -2,8 +2,11 @@
 /// doubled on their way to the gateway.
 #pragma once
 
+#include <deque>
 #include <functional>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -44,6 +47,7 @@ class Wire {
  public:
   using Bytes = std::vector<std::uint8_t>;
   using OnRequest = std::function<void(const tmcl::Request&)>;
+  using OnAnswer = std::function<void(const tmcl::Request&, std::int32_t value)>;
 
   Wire(boost::asio::io_context& context, std::string name, tmcl::Framing framing,
        std::uint64_t seed, Faults faults, Trace& trace)
@@ -66,6 +70,8 @@ class Wire {
   const std::string& name() const { return name_; }
   /// Told of every request, when the gateway sends it.
   OnRequest on_request;
+  /// Told of what a module really answers, whatever becomes of that on the way.
+  OnAnswer on_answer;
   std::size_t requests() const { return requests_; }
 
   /// The gateway's end; the one before is dead then.
@@ -121,11 +127,36 @@ class Wire {
   void note(const std::optional<tmcl::Request>& request, std::span<const std::uint8_t> bytes) {
     trace_->add(clock_.now(), name_ + " <", bytes);
     ++requests_;
-    if (request && on_request) on_request(*request);
+    if (!request) return;
+    asked_[tmcl::reply_byte(request->address)].push_back(*request);
+    if (on_request) on_request(*request);
+  }
+
+  static std::optional<tmcl::Reply> decode(const tmcl::CanFrame& frame) {
+    return tmcl::decode_can_reply(frame);
+  }
+  static std::optional<tmcl::Reply> decode(const Bytes& bytes) {
+    if (bytes.size() != tmcl::serial_datagram_size) return std::nullopt;
+    return tmcl::decode_serial_reply(
+        std::span<const std::uint8_t, tmcl::serial_datagram_size>(bytes.data(), bytes.size()));
+  }
+
+  /// Modules answer in order.
+  void note_answer(const tmcl::Reply& reply) {
+    auto& asked = asked_[reply.module];
+    while (!asked.empty()) {
+      const auto request = asked.front();
+      asked.pop_front();
+      if (request.command != reply.command) continue;
+      if (on_answer) on_answer(request, reply.value);
+      return;
+    }
   }
 
   template <class Reply>
   void pass_on(Reply reply) {
+    const auto decoded = decode(reply);
+    if (decoded && decoded->status == tmcl::Status::ok) note_answer(*decoded);
     if (drawn(faults_.lost)) return;
     if (drawn(faults_.late)) return write_later(std::move(reply));
     write(reply);
@@ -165,6 +196,7 @@ class Wire {
   std::unique_ptr<tmcl::Link> far_;
   boost::asio::posix::stream_descriptor readiness_;
   std::size_t requests_ = 0;
+  std::map<std::uint8_t, std::deque<tmcl::Request>> asked_;  ///< By module, not answered yet.
 };
 
 }  // namespace tmcld::test

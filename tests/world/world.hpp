@@ -63,6 +63,9 @@ class World {
       wire->on_request = [this, wire](const tmcl::Request& request) {
         ledger_.on_request(wire->name(), request, time_.now());
       };
+      wire->on_answer = [this, wire](const tmcl::Request& request, std::int32_t value) {
+        ledger_.on_answer(wire->name(), request, value);
+      };
     }
     GatewayOptions options;
     options.open_link = [this](const BusConfig& bus) { return wire(bus.name).open(); };
@@ -165,7 +168,7 @@ class World {
         // Where it ends is not known before: of two at once nobody could tell which was sent.
         if (client != 0) return {"axis.stop", {axis}};
         params["distance_microsteps"] = value;
-        return {"axis.move_by", {axis}};
+        return {"axis.move_by", {axis}, {}, value};
       case 4:
       case 5:
       case 6: params["position_microsteps"] = value; return {"axis.move_to", {axis}, {value}};
