@@ -76,10 +76,12 @@ TEST(Stream, ALongRoundTripIsNoTrackingError) {
     switch (command.parameter) {
       case ap::target_velocity: return velocity[command.axis];
       case ap::actual_velocity: return 0;
-      case ap::actual_position: break;
+      case ap::actual_position:
+      case ap::target_position: break;
       default: return std::nullopt;
     }
-    const double passed = begin ? std::chrono::duration<double>(bench.now() - *begin).count() : 0;
+    double passed = begin ? std::chrono::duration<double>(bench.now() - *begin).count() : 0;
+    if (command.parameter == ap::target_position) passed = course->duration();
     return static_cast<std::int32_t>(
         std::lround(course->at(std::min(passed, course->duration())).position[command.axis] *
                     test::microsteps_per_mm));

@@ -5,9 +5,15 @@
 #include <fmt/format.h>
 
 #include "print.hpp"
+#include "tmcl/plan/arrival.hpp"
 
 namespace tmclctl {
 namespace {
+
+using tmcl::plan::Arrival;
+
+// A reading may be a little older than it seems: one with the old target proves nothing.
+constexpr tmcl::Duration sent_elsewhere_limit = std::chrono::milliseconds(200);
 
 // By name: only where there is a parameter of this name, 2 is the mode after a stop and while
 // turning by velocity.
@@ -108,7 +114,7 @@ std::string how_to_stop(const std::string& axis, const Target& target) {
 
 Attempt<tmcl::Microsteps> follow(const Journey& journey, Context& context,
                                  const std::function<void(const AxisReading&)>& on_reading) {
-  Arrival arrival(journey.goal, journey.started_at);
+  Arrival arrival(journey.goal, journey.started_at, {standstill_limit, sent_elsewhere_limit});
   auto mode_asked_at = context.host.now();
   while (true) {
     const auto next_look = context.host.now() + journey.interval;
@@ -119,7 +125,9 @@ Attempt<tmcl::Microsteps> follow(const Journey& journey, Context& context,
     }
     if (reading) {
       on_reading(*reading);
-      const auto verdict = arrival.judge(*reading);
+      const auto verdict =
+          arrival.judge({reading->taken_at, reading->position, reading->target,
+                         reading->velocity.value == 0, reading->position == reading->target});
       if (verdict == Arrival::Verdict::arrived) return reading->position;
       if (auto end = ended_by_axis(journey, *reading, verdict)) return tl::unexpected(*end);
     }

@@ -4,10 +4,12 @@
 #include <functional>
 #include <string>
 
-#include "arrival.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
+
+/// How long an axis may stand before it counts as stopped.
+constexpr tmcl::Duration standstill_limit = std::chrono::seconds(1);
 
 struct Journey {
   std::string axis;

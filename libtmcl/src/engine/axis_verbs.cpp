@@ -4,6 +4,7 @@
 
 #include "engine/verb_steps.hpp"
 #include "tmcl/parameter.hpp"
+#include "tmcl/plan/arrival.hpp"
 #include "tmcl/relative_move.hpp"
 #include "tmcl/verbs.hpp"
 
@@ -11,6 +12,7 @@ namespace tmcl::verbs {
 namespace {
 
 namespace ap = axis_parameter;
+using Verdict = plan::Arrival::Verdict;
 
 Request axis_request(AxisAddress axis, Command command, std::uint8_t type, std::int32_t value = 0) {
   return {axis.module, command, type, axis.motor, value};
@@ -82,8 +84,8 @@ Script<Result<AxisState>> look_at(AxisAddress axis, CallOptions options) {
   co_return AxisState{Microsteps{at}, InternalVelocity{speed}, Microsteps{target}, reached != 0};
 }
 
-bool has_arrived(const AxisState& state) {
-  return state.position_reached && state.velocity.value == 0;
+plan::Arrival::Reading reading_of(const AxisState& state, TimePoint at) {
+  return {at, state.position, state.target, state.velocity.value == 0, state.position_reached};
 }
 
 /// The same, proven: what somebody goes on after.
@@ -209,25 +211,22 @@ Script<Result<AxisState>> state(AxisAddress axis) { return look_at(axis, {}); }
 Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions options) {
   const auto begin = co_await current_time();
   const auto call = until_timeout(begin, options.timeout);
-  Duration standing{};
+  plan::Arrival arrival({}, begin, {options.standstill_limit});
   std::optional<AxisState> last;
-  auto seen = begin;  // when `last` was
   while (true) {
     const auto look_begin = co_await current_time();
     const auto now = co_await look_at(axis, call);
     if (!now && is_too_late(call, now.error())) co_return tl::unexpected(still_moving(axis, last));
     if (!now) co_return tl::unexpected(cannot_see(axis, now.error()));
-    if (has_arrived(*now)) {
-      const auto sure = co_await look_again(axis, call);
-      if (sure && has_arrived(*sure)) co_return sure->position;
-    }
-
-    const auto time = co_await current_time();
-    const bool stands = now->velocity.value == 0 && last && last->position == now->position;
-    standing = stands ? standing + (time - seen) : Duration{};
     last = *now;
-    seen = time;
-    if (standing >= options.standstill_limit)
+    const auto time = co_await current_time();
+    const auto verdict = arrival.judge(reading_of(*now, time));
+    if (verdict == Verdict::arrived) {
+      const auto sure = co_await look_again(axis, call);
+      if (sure && arrival.judge(reading_of(*sure, time)) == Verdict::arrived)
+        co_return sure->position;
+    }
+    if (verdict == Verdict::stands_elsewhere)
       co_return tl::unexpected(interrupted(axis, *now, "stands still"));
     if (is_over(call, time)) co_return tl::unexpected(still_moving(axis, last));
     co_await pause(next_pause(options, time - begin, time - look_begin));

@@ -5,12 +5,17 @@
 
 #include <fmt/format.h>
 
+#include "tmcl/parameter_number.hpp"
+#include "tmcl/plan/ramp_choice.hpp"
+
 namespace tmcl::plan {
 namespace {
 
 namespace ap = axis_parameter;
 
 constexpr Duration look_interval = std::chrono::milliseconds(20);
+constexpr int stop_attempts = 3;
+constexpr Duration longest_braking = std::chrono::seconds(10);
 
 }  // namespace
 
@@ -37,7 +42,13 @@ std::vector<Setting> KeptSettings::to_restore() const {
     const auto before = before_.at(*parameter);
     if (now(*parameter) != before) settings.push_back({*parameter, before});
   }
-  return settings;
+  return in_safe_order(std::move(settings));
+}
+
+std::vector<Setting> KeptSettings::in_safe_order(std::vector<Setting> settings) const {
+  constexpr auto pulse_divisor = number_of("pulse_divisor");
+  const auto known = now(pulse_divisor);
+  return known ? plan::in_safe_order(std::move(settings), *known) : settings;
 }
 
 // ---- the script and its commands ----
@@ -117,12 +128,24 @@ DriveRunner::Fault DriveRunner::refusal(std::size_t axis, const Error& error) co
   return DriveFault{DriveFault::Kind::refused, axis, {}, error, {}};
 }
 
-Script<DriveRunner::Fault> DriveRunner::write(std::size_t axis, Setting setting) {
+Script<DriveRunner::Fault> DriveRunner::know(std::size_t axis, std::uint8_t parameter) {
+  if (settings_[axis].is_known(parameter)) co_return std::nullopt;
+  co_await command({Kind::get, axis, parameter, 0});
+  if (!answer_) co_return refusal(axis);
+  settings_[axis].know({parameter, *answer_});
+  co_return std::nullopt;
+}
+
+Script<DriveRunner::Fault> DriveRunner::set(std::size_t axis, Setting setting) {
+  auto wrong = co_await know(axis, setting.parameter);
+  if (wrong) co_return wrong;
+  if (settings_[axis].now(setting.parameter) == setting.value) co_return std::nullopt;
   // Whether or not an answer comes: it may be carried out.
   settings_[axis].begin_write(setting.parameter);
   co_await command({Kind::set, axis, setting.parameter, setting.value});
   if (!answer_) co_return refusal(axis);
   settings_[axis].wrote(setting);
+  on_written(axis, setting);
   co_return std::nullopt;
 }
 
@@ -144,6 +167,17 @@ Script<DriveRunner::Fault> DriveRunner::stop_all(DriveReport& report, int attemp
     }
   }
   co_return std::nullopt;
+}
+
+Script<DriveRunner::Fault> DriveRunner::stop_and_rest(DriveReport& report) {
+  co_await stop_all(report, stop_attempts);
+  Fault result;
+  for (std::size_t axis = 0; axis < axes(); ++axis) {
+    if (std::ranges::count(report.unstopped, axis, &Unstopped::axis) != 0) continue;
+    auto restless = co_await come_to_rest(axis, now_ + longest_braking);
+    if (restless && !result) result = std::move(restless);
+  }
+  co_return result;
 }
 
 Script<DriveRunner::Fault> DriveRunner::come_to_rest(std::size_t axis, TimePoint limit) {
@@ -168,12 +202,15 @@ Script<DriveRunner::Fault> DriveRunner::restore(DriveReport& report) {
 
 Script<DriveRunner::Fault> DriveRunner::arrive(std::vector<Goal> goals, TimePoint begin,
                                                TimePoint limit) {
-  while (!std::ranges::all_of(goals, &Goal::reached)) {
+  std::vector<Watched> all;
+  for (const auto& goal : goals)
+    all.push_back({goal, Arrival(goal.target, begin, {most_standing, {}, time_to_begin})});
+  while (std::ranges::any_of(all, [](const auto& one) { return one.arrival.has_value(); })) {
     co_await until(now_ + look_interval);
-    for (auto& goal : goals) {
-      if (goal.reached) continue;
+    for (auto& watched : all) {
+      if (!watched.arrival) continue;
       if (stop_asked_) co_return stop_asked_;
-      auto wrong = co_await look(goal, begin, limit);
+      auto wrong = co_await look(watched, std::max(limit, begin + time_to_begin));
       if (wrong) co_return wrong;
     }
   }
@@ -181,7 +218,8 @@ Script<DriveRunner::Fault> DriveRunner::arrive(std::vector<Goal> goals, TimePoin
 }
 
 // The position last: of an axis that had stopped, it is the place where it stands.
-Script<DriveRunner::Fault> DriveRunner::look(Goal& goal, TimePoint begin, TimePoint limit) {
+Script<DriveRunner::Fault> DriveRunner::look(Watched& watched, TimePoint limit) {
+  const auto& goal = watched.goal;
   std::array<std::int32_t, 3> read{};
   constexpr std::array read_parameters{ap::actual_velocity, ap::target_position,
                                        ap::actual_position};
@@ -191,24 +229,18 @@ Script<DriveRunner::Fault> DriveRunner::look(Goal& goal, TimePoint begin, TimePo
     read[i] = *answer_;
   }
   const auto [velocity, target, position] = read;
-  goal.reached = velocity == 0 && position == goal.target.value;
-  if (goal.reached || now_ - begin < time_to_begin) co_return std::nullopt;
-  auto wrong = judge(goal, {target}, velocity == 0, {position});
-  if (!wrong && now_ > limit)
-    wrong = fault(DriveFault::Kind::no_end, goal.axis, "has not arrived when it should have");
-  co_return wrong;
+  switch (watched.arrival->judge({now_, {position}, {target}, velocity == 0, position == target})) {
+    case Arrival::Verdict::under_way: break;
+    case Arrival::Verdict::arrived: watched.arrival.reset(); co_return std::nullopt;
+    case Arrival::Verdict::stands_elsewhere: co_return short_of(goal, {position});
+    case Arrival::Verdict::sent_elsewhere:
+      co_return fault(DriveFault::Kind::foreign, goal.axis, "was sent elsewhere");
+  }
+  if (now_ <= limit) co_return std::nullopt;
+  co_return fault(DriveFault::Kind::no_end, goal.axis, "has not arrived when it should have");
 }
 
-DriveRunner::Fault DriveRunner::judge(Goal& goal, Microsteps target, bool stands,
-                                      Microsteps position) const {
-  if (target != goal.target)
-    return fault(DriveFault::Kind::foreign, goal.axis, "was sent elsewhere");
-  if (!stands || !goal.stands_since || position != goal.stands_at) {
-    goal.stands_since = stands ? std::optional(now_) : std::nullopt;
-    goal.stands_at = position;
-    return std::nullopt;
-  }
-  if (now_ - *goal.stands_since < most_standing) return std::nullopt;
+DriveRunner::Fault DriveRunner::short_of(const Goal& goal, Microsteps position) {
   auto short_of_it =
       fault(DriveFault::Kind::no_end, goal.axis,
             fmt::format("stands at {}, short of its target {}", position.value, goal.target.value));

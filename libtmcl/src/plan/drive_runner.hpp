@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 
+#include "tmcl/plan/arrival.hpp"
 #include "tmcl/plan/drive.hpp"
 #include "tmcl/script.hpp"
 
@@ -22,8 +23,10 @@ class KeptSettings {
   void begin_write(std::uint8_t parameter);
   void wrote(Setting setting) { now_[setting.parameter] = setting.value; }
   /// Those that are not as they were, the last one that was written first: in that order, each
-  /// goes with those that are there.
+  /// goes with those that are there. Speeds are kept in_safe_order(), whatever was written between.
   std::vector<Setting> to_restore() const;
+  /// See plan::in_safe_order(); as they come if it is not known what divides the speed now.
+  std::vector<Setting> in_safe_order(std::vector<Setting> settings) const;
 
  private:
   std::map<std::uint8_t, std::int32_t> before_;
@@ -82,18 +85,22 @@ class DriveRunner {
   /// The middle between the last command and its answer.
   TimePoint middle() const { return asked_at_ + (now_ - asked_at_) / 2; }
 
-  Script<Fault> write(std::size_t axis, Setting setting);
+  /// Reads the parameter, unless it is known.
+  Script<Fault> know(std::size_t axis, std::uint8_t parameter);
+  /// Writes it, unless it is so already; it is known then as it was.
+  Script<Fault> set(std::size_t axis, Setting setting);
+  virtual void on_written(std::size_t /*axis*/, Setting /*setting*/) {}
   /// What cannot be stopped is tried again, so many times in all.
   Script<Fault> stop_all(DriveReport& report, int attempts);
+  /// All of them; those that can be stopped are waited for. Gives the first that does not come to
+  /// rest.
+  Script<Fault> stop_and_rest(DriveReport& report);
   Script<Fault> come_to_rest(std::size_t axis, TimePoint limit);
   Script<Fault> restore(DriveReport& report);
 
   struct Goal {
     std::size_t axis;
     Microsteps target;
-    bool reached = false;
-    std::optional<TimePoint> stands_since{};
-    Microsteps stands_at{};
   };
   /// Until all of them stand at their targets. `begin`: when they were started; `limit`: when they
   /// should have arrived.
@@ -111,8 +118,13 @@ class DriveRunner {
  private:
   void proceed(const std::optional<Step>& step);
   void send_next(std::size_t lane);
-  Script<Fault> look(Goal& goal, TimePoint begin, TimePoint limit);
-  Fault judge(Goal& goal, Microsteps target, bool stands, Microsteps position) const;
+  /// Whose arrival is watched; nothing once it has arrived.
+  struct Watched {
+    Goal goal;
+    std::optional<Arrival> arrival;
+  };
+  Script<Fault> look(Watched& watched, TimePoint limit);
+  static Fault short_of(const Goal& goal, Microsteps position);
 
   std::optional<Script<Fault>> script_;
   std::vector<DriveCommands> lanes_;  // each in reverse

@@ -48,9 +48,7 @@ class LineDrive::Runner final : public DriveRunner {
   Script<Fault> load() {
     for (const auto i : line_.order) {
       for (const auto wanted : line_.axes[i].settings) {
-        if (!settings_[i].is_known(wanted.parameter)) settings_[i].know({wanted.parameter, 0});
-        if (settings_[i].now(wanted.parameter) == wanted.value) continue;
-        auto wrong = co_await write(i, wanted);
+        auto wrong = co_await set(i, wanted);
         if (!wrong) wrong = asked_to_stop();
         if (wrong) co_return wrong;
       }

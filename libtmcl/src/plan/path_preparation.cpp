@@ -257,6 +257,7 @@ std::string_view name_of(DriveFault::Kind kind) {
 
 std::string_view name_of(PathStream::Phase phase) {
   switch (phase) {
+    case PathStream::Phase::approaching: return "approaching";
     case PathStream::Phase::before: return "measuring";
     case PathStream::Phase::running: return "running";
     case PathStream::Phase::pausing: return "pausing";

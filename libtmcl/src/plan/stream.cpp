@@ -48,8 +48,6 @@ namespace {
 namespace ap = axis_parameter;
 
 constexpr int measuring_rounds = 4;
-constexpr int stop_attempts = 3;
-constexpr Duration longest_braking = std::chrono::seconds(10);
 constexpr Duration longest_way_to_rest = std::chrono::seconds(30);
 
 }  // namespace
@@ -67,24 +65,10 @@ void PathStream::Runner::on_answered(Duration took) {
   report_.busy_s += seconds(took);
 }
 
-Script<DriveRunner::Fault> PathStream::Runner::know(std::size_t axis, std::uint8_t parameter) {
-  if (settings_[axis].is_known(parameter)) co_return std::nullopt;
-  co_await command({Kind::get, axis, parameter, 0});
-  if (!answer_) co_return refusal(axis);
-  settings_[axis].know({parameter, *answer_});
-  co_return std::nullopt;
-}
-
-Script<DriveRunner::Fault> PathStream::Runner::set(std::size_t axis, std::uint8_t parameter,
-                                                   std::int32_t value) {
-  auto wrong = co_await know(axis, parameter);
-  if (wrong) co_return wrong;
-  if (settings_[axis].now(parameter) == value) co_return std::nullopt;
-  wrong = co_await write(axis, {parameter, value});
-  if (wrong || !axes_[axis].info.twin) co_return wrong;
+void PathStream::Runner::on_written(std::size_t axis, Setting setting) {
+  if (!axes_[axis].info.twin) return;
   let_twin_run(axis, middle());
-  axes_[axis].info.twin->set({parameter, value});
-  co_return std::nullopt;
+  axes_[axis].info.twin->set(setting);
 }
 
 void PathStream::Runner::let_twin_run(std::size_t axis, TimePoint to) {
@@ -126,7 +110,14 @@ Script<DriveRunner::Fault> PathStream::Runner::measure() {
 }
 
 Script<DriveRunner::Fault> PathStream::Runner::whole() {
-  auto result = co_await measure();
+  Fault result;
+  if (options_.to_start) {
+    phase_ = Phase::approaching;
+    result = co_await go_to(course_.at(0).position, TimePoint::max());
+    if (result) co_await stop_and_rest(report_);
+  }
+  phase_ = Phase::before;
+  if (!result) result = co_await measure();
   const bool by_velocities = options_.mode == StreamMode::velocity;
   if (!result && by_velocities) result = co_await prepare_velocities();
   if (!result && !by_velocities) result = co_await prepare_legs();
@@ -147,7 +138,7 @@ Script<DriveRunner::Fault> PathStream::Runner::whole() {
     // The last time that a stop by somebody else can be told from one's own.
     if (!result) result = co_await check_all();
     if (result || by_velocities) {
-      auto stopped = co_await stop_and_rest();
+      auto stopped = co_await stop_and_rest(report_);
       if (!result) result = stopped;
     }
   }
@@ -160,38 +151,27 @@ Script<DriveRunner::Fault> PathStream::Runner::whole() {
   co_return result;
 }
 
-Script<DriveRunner::Fault> PathStream::Runner::stop_and_rest() {
-  co_await stop_all(report_, stop_attempts);
-  Fault result;
-  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
-    if (std::ranges::count(report_.unstopped, axis, &Unstopped::axis) != 0) continue;
-    auto restless = co_await come_to_rest(axis, now_ + longest_braking);
-    if (restless && !result) result = std::move(restless);
-  }
-  co_return result;
-}
-
 Script<DriveRunner::Fault> PathStream::Runner::arrive_at_end() {
-  auto wrong = co_await go_to_end();
+  const auto end = course_.at(course_.duration()).position;
+  auto wrong = co_await go_to(end, now_ + longest_way_to_rest);
   if (wrong) {
-    co_await stop_and_rest();
+    co_await stop_and_rest(report_);
   } else {
     report_.unstopped.clear();
   }
   co_return wrong;
 }
 
-Script<DriveRunner::Fault> PathStream::Runner::go_to_end() {
-  const auto end = course_.at(course_.duration()).position;
+Script<DriveRunner::Fault> PathStream::Runner::go_to(AxisValues position, TimePoint limit) {
   const auto begin = now_;
   std::vector<Goal> goals;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     if (auto asked = asked_to_stop()) co_return asked;
-    goals.push_back({axis, {microsteps(axis, end[axis])}});
+    goals.push_back({axis, {microsteps(axis, position[axis])}});
     co_await command({Kind::move_to, axis, 0, goals.back().target.value});
     if (!answer_) co_return refusal(axis);
   }
-  auto wrong = co_await arrive(std::move(goals), begin, now_ + longest_way_to_rest);
+  auto wrong = co_await arrive(std::move(goals), begin, limit);
   co_return wrong;
 }
 

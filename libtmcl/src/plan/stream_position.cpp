@@ -259,7 +259,7 @@ Script<DriveRunner::Fault> PathStream::Runner::start_ramps() {
     here.info.twin->move_to({position});
     here.velocity = settings_[axis].now(ap::max_velocity);
     for (const auto parameter : {v1, vstart, tzerowait}) {
-      auto refused = co_await set(axis, parameter, 0);
+      auto refused = co_await set(axis, {parameter, 0});
       if (refused) co_return refused;
     }
   }
@@ -443,7 +443,7 @@ Script<DriveRunner::Fault> PathStream::Runner::load_axis(const Passage& passage,
   const auto target = microsteps(axis, target_of(passage, axis));
   auto refused = co_await set_velocity(axis, velocity);
   if (refused) co_return refused;
-  refused = co_await set(axis, ap::max_acceleration, ramps.amax);
+  refused = co_await set(axis, {ap::max_acceleration, ramps.amax});
   if (refused) co_return refused;
   co_await command({Kind::set, axis, ap::target_position, target});
   if (!answer_) co_return refusal(axis);
@@ -488,7 +488,7 @@ Script<DriveRunner::Fault> PathStream::Runner::load_ramps(const Passage& passage
     const auto velocity = velocity_in(passage, ramp.vmax, axis);
     const auto ramps = ramps_for(passage, axis);
     wrong = co_await set_braking(axis, ramps);
-    if (!wrong) wrong = co_await set(axis, ap::max_acceleration, ramps.amax);
+    if (!wrong) wrong = co_await set(axis, {ap::max_acceleration, ramps.amax});
     if (!wrong) wrong = co_await set_velocity(axis, velocity);
     if (wrong) co_return wrong;
   }
@@ -496,15 +496,15 @@ Script<DriveRunner::Fault> PathStream::Runner::load_ramps(const Passage& passage
 }
 
 Script<DriveRunner::Fault> PathStream::Runner::set_velocity(std::size_t axis, std::int32_t value) {
-  auto refused = co_await set(axis, ap::max_velocity, value);
+  auto refused = co_await set(axis, {ap::max_velocity, value});
   if (!refused) axes_[axis].velocity = value;
   co_return refused;
 }
 
 Script<DriveRunner::Fault> PathStream::Runner::set_braking(std::size_t axis, Ramps ramps) {
-  auto refused = co_await set(axis, dmax, ramps.dmax);
+  auto refused = co_await set(axis, {dmax, ramps.dmax});
   if (refused) co_return refused;
-  refused = co_await set(axis, vstop, ramps.vstop);
+  refused = co_await set(axis, {vstop, ramps.vstop});
   co_return refused;
 }
 

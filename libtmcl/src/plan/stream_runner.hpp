@@ -79,11 +79,9 @@ class PathStream::Runner final : public DriveRunner {
   Script<Fault> whole() override;
   void on_answered(Duration took) override;
   Script<Fault> measure();
-  Script<Fault> stop_and_rest();
   Script<Fault> arrive_at_end();
-  Script<Fault> go_to_end();
-  Script<Fault> know(std::size_t axis, std::uint8_t parameter);
-  Script<Fault> set(std::size_t axis, std::uint8_t parameter, std::int32_t value);
+  Script<Fault> go_to(AxisValues position, TimePoint limit);
+  void on_written(std::size_t axis, Setting setting) override;
   Script<Fault> check(std::size_t axis);
   Script<Fault> check_all();
   Script<Fault> read_position(std::size_t axis);

@@ -34,7 +34,7 @@ Script<DriveRunner::Fault> PathStream::Runner::prepare_velocities() {
     const auto own = settings_[axis].before(ap::max_acceleration);
     const auto most = std::max(own, info.greatest_acceleration);
     const auto value = wanted < most ? std::max(own, static_cast<std::int32_t>(wanted)) : most;
-    auto refused = co_await set(axis, ap::max_acceleration, value);
+    auto refused = co_await set(axis, {ap::max_acceleration, value});
     if (refused) co_return refused;
   }
   set_pause_ramp();

@@ -67,6 +67,8 @@ struct StreamOptions {
   /// Position mode: a leg on which a constant speed stays so close to the course is passed with it,
   /// and takes fewer commands.
   double even_within = 0.005;
+  /// Brings the axes to the start of the course first; otherwise they must stand there.
+  bool to_start = false;
 };
 
 struct AxisTracking {
@@ -90,7 +92,7 @@ struct StreamReport : DriveReport {
 
 class PathStream final : public Drive {
  public:
-  enum class Phase : std::uint8_t { before, running, pausing, after, ended };
+  enum class Phase : std::uint8_t { approaching, before, running, pausing, after, ended };
 
   /// `course` must outlive it; one StreamAxis for each of its axes.
   PathStream(const Course& course, std::vector<StreamAxis> axes, StreamOptions options);
