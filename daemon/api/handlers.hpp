@@ -30,10 +30,13 @@ Answer get_units(Call& call);
 Answer move_line(Call& call);
 
 Answer stage_path(Call& call);
+Answer plan_path(Call& call);
 Answer run_path(Call& call);
 Answer pause_path(Call& call);
 Answer resume_path(Call& call);
 Answer stop_path(Call& call);
+
+Answer run_mint(Call& call);
 
 Answer home(Call& call);
 Answer start_home(Call& call);

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 
+#include "api/course_json.hpp"
 #include "api/handlers.hpp"
 #include "api/method.hpp"
 #include "api/staging.hpp"
@@ -342,8 +343,14 @@ constexpr std::array stage_path_params{
               0, staged_path.most_bytes},
     ParamInfo{"data", text, required, "the next bytes, in hexadecimal"}};
 constexpr std::array stage_path_result{ResultInfo{"bytes", integer, "how many there are now"}};
-constexpr std::array run_path_params{
-    ParamInfo{"axes", texts, required, "names of axes that stand at the start; each once"},
+/// Of path.run, but for the last one; of path.plan, but for the first two.
+constexpr std::array path_params{
+    ParamInfo{"plan", integer, optional, "what path.plan has planned, instead of all but to_start"},
+    ParamInfo{"to_start", boolean, optional,
+              "whether the axes go to the start first; they must stand there if absent"},
+    ParamInfo{"axes", texts, optional,
+              "names of axes that stand, each once; path.plan takes those of the same name as the "
+              "file's if absent"},
     ParamInfo{"file_axes", texts, optional,
               "which axis of the file each of them is; in the file's order if absent"},
     ParamInfo{"text", text, optional, "the file"},
@@ -362,7 +369,18 @@ constexpr std::array run_path_params{
     ParamInfo{"deviation", number, optional,
               "stop when an axis is seen so far off its plan; 20 tolerances if absent"},
     ParamInfo{"period_ms", integer, optional,
-              "in velocity mode, no updates more often than this; 5 if absent", 5, 1000}};
+              "in velocity mode, no updates more often than this; 5 if absent", 5, 1000},
+    ParamInfo{"points", integer, optional, "how many of the curve are given; none if absent", 0,
+              most_curve_points}};
+constexpr auto run_path_params = std::span(path_params).first(path_params.size() - 1);
+constexpr auto plan_path_params = std::span(path_params).subspan(2);
+constexpr std::array plan_path_result{
+    ResultInfo{"plan", integer, "by which path.run runs it, once; the daemon keeps the last one"},
+    ResultInfo{"axes", texts, "in the order of the file's"},
+    ResultInfo{"course", object,
+               "length, duration_s, legs, axes (of the file: axis, least, greatest, top_speed) and "
+               "slowest_corners (line, time_s, speed, position)"},
+    ResultInfo{"curve", object, "times_s and positions, if points are asked for"}};
 constexpr std::array run_path_result{
     ResultInfo{"tracking_error", objects, "axis, largest, rms and readings of each"},
     ResultInfo{"remarks", texts, "what else is to be said, such as of a parameter not set back"},
@@ -374,6 +392,16 @@ constexpr std::array run_path_result{
     ResultInfo{"commands_per_s", number, "of them"},
     ResultInfo{"bus_load", number, "part of the time that they took"},
     ResultInfo{"round_trip_us", number, "of a command, measured before"}};
+constexpr std::array run_mint_params{
+    ParamInfo{"axes", texts, required, "names of axes that stand; each once"},
+    ParamInfo{"numbers", integers, optional,
+              "which axis of the program each of them is; 0, 1, ... if absent", 0, 7},
+    ParamInfo{"text", text, optional, "the program"},
+    ParamInfo{"bytes", integer, optional, "how many were handed over by path.stage, instead", 1,
+              staged_path.most_bytes}};
+constexpr std::array run_mint_result{
+    ResultInfo{"groups", objects, "line, planned_s and took_s of each GO"},
+    ResultInfo{"remarks", texts, "what else is to be said, such as of a parameter not set back"}};
 constexpr std::array path_choice_params{
     ParamInfo{"axes", texts, optional, "of paths; all paths if absent"}};
 constexpr std::array path_choice_result{ResultInfo{"axes", texts, "of the paths concerned"}};
@@ -437,6 +465,8 @@ constexpr auto table = std::to_array<MethodInfo>({
      move_line_result, Effect::moves, handlers::move_line},
     {"path.stage", "hands over the next part of a path file", stage_path_params, stage_path_result,
      Effect::reads, handlers::stage_path},
+    {"path.plan", "plans a path, and says what will be run", plan_path_params, plan_path_result,
+     Effect::reads, handlers::plan_path},
     {"path.run",
      "moves axes along a path and answers at its end; tells its progress by notify_progress",
      run_path_params, run_path_result, Effect::moves, handlers::run_path},
@@ -446,6 +476,10 @@ constexpr auto table = std::to_array<MethodInfo>({
      handlers::resume_path},
     {"path.stop", "ends paths: answers when their axes stand and have their settings again",
      path_choice_params, path_choice_result, Effect::stops, handlers::stop_path},
+    {"mint.run",
+     "moves axes as a Mint program says and answers at its end; tells its progress by "
+     "notify_progress",
+     run_mint_params, run_mint_result, Effect::moves, handlers::run_mint},
     {"axis.home", "searches the reference and answers when that has ended", home_params,
      home_result, Effect::moves, handlers::home},
     {"axis.start_home",

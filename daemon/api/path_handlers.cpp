@@ -1,13 +1,18 @@
 // Paths through several axes, passed by the daemon.
+#include <algorithm>
+#include <cctype>
+#include <utility>
+
 #include <boost/json/array.hpp>
 
+#include "api/course_json.hpp"
 #include "api/handlers.hpp"
-#include "api/lookup.hpp"
+#include "api/journey.hpp"
 #include "api/staging.hpp"
+#include "async/elsewhere.hpp"
 #include "async/rest.hpp"
 #include "gateway/path_run.hpp"
-#include "tmcl/drive_report.hpp"
-#include "tmcl/plan/path_preparation.hpp"
+#include "gateway/planned_path.hpp"
 
 namespace tmcld::handlers {
 namespace {
@@ -57,18 +62,6 @@ Lookup<plan::PathRequest> request_of(const Call& call) {
   return request;
 }
 
-Lookup<std::string> text_of(const Call& call) {
-  const bool in_line = call.params.has("text");
-  if (in_line == call.params.has("bytes")) {
-    return tl::unexpected(
-        param_error("bad_argument", "text", "give one of 'text' and 'bytes', and not both"));
-  }
-  if (in_line) return call.params.text("text");
-  return take_staged(call, staged_path).map([](const std::vector<std::uint8_t>& bytes) {
-    return std::string(bytes.begin(), bytes.end());
-  });
-}
-
 Lookup<plan::PathFormat> format_of(const Call& call, const std::string& text) {
   if (!call.params.has("format")) return plan::format_of("", text);
   const auto said = call.params.text("format");
@@ -78,63 +71,66 @@ Lookup<plan::PathFormat> format_of(const Call& call, const std::string& text) {
   return tl::unexpected(param_error("bad_argument", "format", "'format' must be 'csv' or 'gcode'"));
 }
 
-RpcError error_of(const plan::PathObjection& objection, std::string_view param) {
-  auto error = param_error(objection.name, param, objection.message);
-  if (objection.problems.empty()) return error;
-  json::array problems;
-  for (const auto& problem : objection.problems) {
-    problems.push_back(json::object{
-        {"line", problem.line}, {"column", problem.column}, {"message", problem.message}});
-  }
-  const auto& first = objection.problems.front();
-  error.message += ": line " + std::to_string(first.line) + ": " + first.message;
-  error.data["problems"] = std::move(problems);
-  return error;
-}
-
 // ---- the axes ----
 
-Lookup<std::vector<PathMember>> members_of(const Call& call) {
-  const auto axes = axes_of(call);
-  if (!axes) return tl::unexpected(axes.error());
-  const auto named = call.params.texts("axes").size();
-  const auto letters = call.params.texts("file_axes").size();
-  if (axes->size() != named || (letters != 0 && letters != named)) {
-    return tl::unexpected(param_error("bad_argument", letters == named ? "axes" : "file_axes",
-                                      "there must be one of 'axes' for each of 'file_axes', and "
-                                      "each axis once"));
-  }
-  std::vector<PathMember> members;
-  for (const auto& axis : *axes) members.push_back({axis, axis->begin_movement(call.permit, {})});
-  return members;
+using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
+
+/// Those of "axes"; none if it is absent.
+Lookup<Axes> named_axes(const Call& call) {
+  if (!call.params.has("axes")) return Axes{};
+  auto axes = axes_of(call);
+  if (!axes) return axes;
+  const auto named = call.params.count("axes");
+  const auto letters = call.params.count("file_axes");
+  if (axes->size() == named && (letters == 0 || letters == named)) return axes;
+  return tl::unexpected(param_error("bad_argument", letters == named ? "axes" : "file_axes",
+                                    "there must be one of 'axes' for each of 'file_axes', and "
+                                    "each axis once"));
 }
 
 /// Which axis of the file each of them is; without "file_axes" they come in the file's order.
 std::vector<plan::PathChoice> choices_of(const Call& call, const plan::PathSource& source,
-                                         const std::vector<PathMember>& members) {
+                                         const Axes& axes) {
   const auto letters =
       call.params.has("file_axes") ? call.params.texts("file_axes") : source.path.axes;
   std::vector<plan::PathChoice> choices;
-  for (std::size_t i = 0; i < std::min(letters.size(), members.size()); ++i)
-    choices.push_back({letters[i], members[i].axis->name()});
+  for (std::size_t i = 0; i < std::min(letters.size(), axes.size()); ++i)
+    choices.push_back({letters[i], axes[i]->name()});
   return choices;
 }
 
-Lookup<std::vector<PathMember>> ordered(const Call& call, const plan::PathSource& source,
-                                        std::vector<PathMember> members) {
-  const auto choices = choices_of(call, source, members);
-  if (choices.size() < members.size()) {
+/// X is the axis X or x, unless something else was said.
+void add_namesakes(const Gateway& gateway, const plan::PathSource& source, Axes& axes,
+                   std::vector<plan::PathChoice>& choices) {
+  for (const auto& of_file : source.path.axes) {
+    if (std::ranges::find(choices, of_file, &plan::PathChoice::of_file) != choices.end()) continue;
+    auto small = of_file;
+    std::ranges::transform(small, small.begin(),
+                           [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+    auto axis = gateway.find_axis(of_file);
+    if (!axis) axis = gateway.find_axis(small);
+    if (!axis) continue;
+    choices.push_back({of_file, axis->name()});
+    axes.push_back(std::move(axis));
+  }
+}
+
+/// In the order of the file's axes.
+Lookup<Axes> axes_for(const Call& call, const plan::PathSource& source, bool with_namesakes) {
+  auto axes = named_axes(call);
+  if (!axes) return axes;
+  auto choices = choices_of(call, source, *axes);
+  if (choices.size() < axes->size()) {
     return tl::unexpected(param_error("bad_argument", "axes",
                                       "the file has " + std::to_string(choices.size()) +
-                                          " axes, and not " + std::to_string(members.size())));
+                                          " axes, and not " + std::to_string(axes->size())));
   }
+  if (with_namesakes) add_namesakes(*call.gateway, source, *axes, choices);
   const auto order = in_order(source, choices);
   if (!order) return tl::unexpected(error_of(order.error(), "file_axes"));
-  std::vector<PathMember> in_file_order;
-  for (const auto& choice : *order) {
-    in_file_order.push_back(*std::ranges::find_if(
-        members, [&](const PathMember& member) { return member.axis->name() == choice.axis; }));
-  }
+  Axes in_file_order;
+  for (const auto& choice : *order)
+    in_file_order.push_back(*std::ranges::find(*axes, choice.axis, &GatewayAxis::name));
   return in_file_order;
 }
 
@@ -168,11 +164,11 @@ awaitable<tmcl::Result<plan::PathAxisFacts>> facts_of(GatewayAxis& axis, std::st
 }
 
 awaitable<Lookup<std::vector<plan::PathAxis>>> path_axes(const plan::PathSource& source,
-                                                         const std::vector<PathMember>& members,
+                                                         const Axes& chosen, Permit permit,
                                                          const plan::PathRequest& request) {
   std::vector<plan::PathAxis> axes;
-  for (std::size_t i = 0; i < members.size(); ++i) {
-    auto& axis = *members[i].axis;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    auto& axis = *chosen[i];
     const auto facts = co_await facts_of(axis, source.path.axes[i]);
     if (!facts) co_return tl::unexpected(call_error(facts.error(), axis.name()));
     // It does not move by itself, and will not soon be free.
@@ -185,13 +181,85 @@ awaitable<Lookup<std::vector<plan::PathAxis>>> path_axes(const plan::PathSource&
       co_return tl::unexpected(std::move(error));
     }
     if (request.mode == plan::StreamMode::position) {
-      auto twin = co_await axis.twin(members[i].movement);
+      auto twin = co_await axis.twin(axis.begin_movement(permit, {}));
       if (!twin) co_return tl::unexpected(call_error(twin.error(), axis.name()));
       made->stream.twin = std::move(*twin);
     }
     axes.push_back(std::move(*made));
   }
   co_return axes;
+}
+
+// ---- the course ----
+
+/// `with_namesakes`: axes of the file that are not named are those of the same name.
+awaitable<Lookup<PlannedPath>> plan_for(const Call& call, bool with_namesakes) {
+  const auto request = request_of(call);
+  if (!request) co_return tl::unexpected(request.error());
+  // Before the text is read, which may take a while.
+  if (!with_namesakes && !call.params.has("axes")) {
+    co_return tl::unexpected(
+        param_error("bad_argument", "axes", "path.run needs the parameter 'axes', or a 'plan'"));
+  }
+  if (auto named = named_axes(call); !named) co_return tl::unexpected(named.error());
+  auto given = text_of(call);
+  if (!given) co_return tl::unexpected(given.error());
+  const auto format = format_of(call, *given);
+  if (!format) co_return tl::unexpected(format.error());
+  auto& planner = call.gateway->planner;
+
+  // It may have some megabytes, and what is read of it some more: nothing of it is copied here.
+  const auto text = std::make_shared<const std::string>(std::move(*given));
+  auto read = [text, format = *format, tolerance = request->tolerance] {
+    return plan::read_path(*text, format, tolerance);
+  };
+  auto source = co_await elsewhere(planner, std::move(read));
+  if (!source) co_return tl::unexpected(error_of(source.error(), "text"));
+  auto axes = axes_for(call, *source, with_namesakes);
+  if (!axes) co_return tl::unexpected(axes.error());
+  auto known = co_await path_axes(*source, *axes, call.permit, *request);
+  if (!known) co_return tl::unexpected(known.error());
+
+  const plan::PathSource names{source->format, {source->path.axes, {}}};
+  auto plan_it = [source = std::move(*source), text, known = *known, request = *request]() mutable {
+    return from_where_axes_stand(std::move(source), *text, known, request)
+        .and_then([&](const auto& from_there) {
+          return course_of(from_there, limits_of(known, request), request);
+        });
+  };
+  auto course = co_await elsewhere(planner, std::move(plan_it));
+  if (!course) co_return tl::unexpected(error_of(course.error(), "text"));
+  if (const auto objection = objection_to_reach(*course, *known))
+    co_return tl::unexpected(error_of(*objection, "text"));
+  PlannedPath planned{0, *request, names, std::move(*axes), std::move(*known), std::move(*course)};
+  co_return planned;
+}
+
+/// The parameter "plan". What has changed since then is found out, and where the axes are now.
+awaitable<Lookup<PlannedPath>> planned_before(const Call& call) {
+  for (const auto* other : {"axes", "text", "bytes"}) {
+    if (!call.params.has(other)) continue;
+    co_return tl::unexpected(param_error(
+        "bad_argument", other, "give 'plan' alone; it has all that the path was planned with"));
+  }
+  auto& kept = call.gateway->planned_path;
+  if (!kept || kept->number != call.params.integer("plan")) {
+    co_return tl::unexpected(param_error("no_plan", "plan", "there is no such plan any more",
+                                         "plan the path again: the daemon keeps one, and runs it "
+                                         "once"));
+  }
+  auto planned = std::move(*std::exchange(kept, nullptr));
+  auto known = co_await path_axes(planned.source, planned.axes, call.permit, planned.request);
+  if (!known) co_return tl::unexpected(known.error());
+  for (std::size_t i = 0; i < known->size(); ++i) {
+    if (moves_alike((*known)[i], planned.known[i])) continue;
+    co_return tl::unexpected(param_error(
+        "no_plan", "plan",
+        "settings of " + planned.axes[i]->name() + " have changed since the path was planned",
+        "plan it again"));
+  }
+  planned.known = std::move(*known);
+  co_return planned;
 }
 
 // ---- how it goes ----
@@ -212,7 +280,8 @@ json::object to_json(const std::vector<plan::Figure>& figures) {
   return out;
 }
 
-json::object to_json(const plan::StreamReport& report, const PathRun& run) {
+json::object to_json(const PathRun& run) {
+  const auto& report = run.report();
   const auto names = run.axis_names();
   json::array tracking;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -220,33 +289,10 @@ json::object to_json(const plan::StreamReport& report, const PathRun& run) {
     row["axis"] = names[i];
     tracking.push_back(std::move(row));
   }
-  const auto remarks = tmcl::remarks_of(report, names);
   auto out = to_json(figures_of(report));
   out["tracking_error"] = std::move(tracking);
-  out["remarks"] = json::array(remarks.begin(), remarks.end());
+  out["remarks"] = remarks_of(run);
   return out;
-}
-
-constexpr const char* stop_them =
-    "stop them as soon as their bus can be reached, or by other means";
-
-/// Of axes that were to be stopped.
-void add_outcome(RpcError& error, const std::vector<std::string>& unstopped) {
-  error.data["outcome"] = name_of(unstopped.empty() ? tmcl::Outcome::done : tmcl::Outcome::unknown);
-  if (!unstopped.empty()) error.data["unstopped"] = json::array(unstopped.begin(), unstopped.end());
-}
-
-RpcError error_of(const plan::StreamReport& report, const PathRun& run) {
-  const auto& fault = *report.fault;
-  const auto unstopped = run.unstopped();
-  const bool moved = !is_before_motion(fault.kind);
-  const auto* hint = unstopped.empty() ? "all axes of the path were stopped" : stop_them;
-  auto error =
-      rpc_error(rpc_code::call_failed, name_of(fault.kind), run.text_of(fault), moved ? hint : "");
-  if (moved) add_outcome(error, unstopped);
-  error.data["axis"] = run.axis_names()[fault.axis.value_or(0)];
-  error.data["run"] = to_json(report, run);
-  return error;
 }
 
 /// The paths of the axes that are named; all of them if none is.
@@ -255,7 +301,7 @@ Lookup<std::vector<std::shared_ptr<PathRun>>> runs_of(const Call& call) {
   if (!axes) return tl::unexpected(axes.error());
   std::vector<std::shared_ptr<PathRun>> runs;
   for (const auto& axis : *axes) {
-    const auto path = axis->path();
+    const auto path = std::dynamic_pointer_cast<PathRun>(axis->journey());
     if (!path && call.params.has("axes")) {
       return tl::unexpected(
           param_error("no_path", "axes", "axis '" + axis->name() + "' is on no path"));
@@ -299,52 +345,42 @@ Answer pause_all(Call& call, bool on) {
 
 Answer stage_path(Call& call) { co_return stage_part(call, staged_path); }
 
+Answer plan_path(Call& call) {
+  auto planned = co_await plan_for(call, true);
+  if (!planned) co_return tl::unexpected(planned.error());
+  auto& kept = call.gateway->planned_path;
+  planned->number = call.gateway->next_path_number();
+  const auto points = call.params.integer_or("points", 0);
+  json::array axes;
+  for (const auto& axis : planned->axes) axes.emplace_back(axis->name());
+  json::object result{{"plan", planned->number},
+                      {"axes", std::move(axes)},
+                      {"course", tmcld::to_json(planned->course, planned->source.path.axes)}};
+  if (points > 0) result["curve"] = curve_json(planned->course, points);
+  kept = std::make_shared<PlannedPath>(std::move(*planned));
+  co_return result;
+}
+
 Answer run_path(Call& call) {
-  const auto request = request_of(call);
-  if (!request) co_return tl::unexpected(request.error());
-  auto named = members_of(call);
-  if (!named) co_return tl::unexpected(named.error());
-  auto given = text_of(call);
-  if (!given) co_return tl::unexpected(given.error());
-  const auto format = format_of(call, *given);
-  if (!format) co_return tl::unexpected(format.error());
-  auto& planner = call.gateway->planner;
-
-  // It may have some megabytes, and what is read of it some more: nothing of it is copied here.
-  const auto text = std::make_shared<const std::string>(std::move(*given));
-  auto read = [text, format = *format, tolerance = request->tolerance] {
-    return plan::read_path(*text, format, tolerance);
-  };
-  auto source = co_await elsewhere(planner, std::move(read));
-  if (!source) co_return tl::unexpected(error_of(source.error(), "text"));
-  auto members = ordered(call, *source, std::move(*named));
-  if (!members) co_return tl::unexpected(members.error());
-  const auto axes = co_await path_axes(*source, *members, *request);
-  if (!axes) co_return tl::unexpected(axes.error());
-
-  auto plan_it = [source = std::move(*source), text, axes = *axes, request = *request]() mutable {
-    return from_where_axes_stand(std::move(source), *text, axes, request)
-        .and_then([&](const auto& from_there) {
-          return course_of(from_there, limits_of(axes, request), request);
-        });
-  };
-  auto course = co_await elsewhere(planner, std::move(plan_it));
-  if (!course) co_return tl::unexpected(error_of(course.error(), "text"));
-  if (const auto objection = objection_to_reach(*course, *axes))
-    co_return tl::unexpected(error_of(*objection, "text"));
-  if (call.gateway->is_closing()) {
-    co_return tl::unexpected(
-        rpc_error(rpc_code::daemon_ending, "daemon_ending", "the daemon is ending"));
-  }
+  const bool has_plan = call.params.has("plan");
+  auto planning = has_plan ? planned_before(call) : plan_for(call, false);
+  auto planned = co_await std::move(planning);
+  if (!planned) co_return tl::unexpected(planned.error());
+  if (auto refusal = refusal_to_begin(call)) co_return tl::unexpected(std::move(*refusal));
+  std::vector<DriveMember> members;
+  for (const auto& axis : planned->axes)
+    members.push_back({axis, axis->begin_movement(call.permit, {})});
+  auto options = options_of(planned->request);
+  options.to_start = call.params.boolean_or("to_start", false);
 
   const auto executor = co_await boost::asio::this_coro::executor;
   const auto run =
-      std::make_shared<PathRun>(executor, std::move(*course), std::move(*members), streamed(*axes),
-                                options_of(*request), progress_to(call));
-  const auto report = co_await PathRun::pass(run);
-  if (!report) co_return tl::unexpected(call_error(report.error().error, report.error().axis));
-  if (report->fault) co_return tl::unexpected(error_of(*report, *run));
-  co_return to_json(*report, *run);
+      std::make_shared<PathRun>(executor, std::move(planned->course), std::move(members),
+                                streamed(planned->known), options, progress_to(call));
+  const auto failure = co_await PathRun::pass(run);
+  if (failure) co_return tl::unexpected(call_error(failure->error, failure->axis));
+  if (run->report().fault) co_return tl::unexpected(error_of(*run, to_json(*run)));
+  co_return to_json(*run);
 }
 
 Answer pause_path(Call& call) { return pause_all(call, true); }

@@ -182,7 +182,8 @@ json::object to_json(const GatewayEvent& event) {
   if (event.address) out["address"] = *event.address;
   if (event.kind == GatewayEvent::Kind::target_reached ||
       event.kind == GatewayEvent::Kind::line_broken ||
-      event.kind == GatewayEvent::Kind::path_broken) {
+      event.kind == GatewayEvent::Kind::path_broken ||
+      event.kind == GatewayEvent::Kind::mint_broken) {
     json::array motors;
     for (std::uint32_t motor = 0; motor < 32; ++motor) {
       if ((static_cast<std::uint32_t>(event.value) >> motor & 1U) != 0) motors.push_back(motor);

@@ -9,7 +9,7 @@
 
 #include <fmt/format.h>
 
-#include "gateway/path_run.hpp"
+#include "gateway/awaited_run.hpp"
 #include "gateway/poller.hpp"
 #include "tmcl/relative_move.hpp"
 
@@ -159,7 +159,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::brake() {
 
 void GatewayAxis::revoke_movements() {
   bus().motors().stop(address());
-  if (const auto on = path()) on->look();
+  if (const auto on = journey()) on->look();
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::stop_home() {

@@ -18,7 +18,7 @@
 namespace tmcld {
 
 class AxisPoller;
-class PathRun;
+class AwaitedRun;
 
 /// A move that a module has taken.
 struct StartedMove {
@@ -104,10 +104,10 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   void expect_arrival(tmcl::TimePoint time) { expected_arrival_ = time; }
   /// Who moves it now.
   Mover mover() const { return claimant().by; }
-  /// Whether somebody moves it on a line or path.
-  bool is_on_journey() const { return mover() == Mover::line || mover() == Mover::path; }
-  /// The path that it is on; null if there is none.
-  std::shared_ptr<PathRun> path() const { return claimant().path.lock(); }
+  /// Whether somebody moves it on a line or path, or as a program says.
+  bool is_on_journey() const { return mover() != Mover::nobody && mover() != Mover::search; }
+  /// The one whose end somebody waits for; null if there is none.
+  std::shared_ptr<AwaitedRun> journey() const { return claimant().journey.lock(); }
   /// Nobody else moves it while the claim lives. Only for an axis that nobody moves.
   [[nodiscard]] Claim claim(Claimant claimant) {
     return bus().motors().claim(address(), std::move(claimant));

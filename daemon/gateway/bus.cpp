@@ -204,6 +204,7 @@ std::string_view name_of(GatewayEvent::Kind kind) {
     case GatewayEvent::Kind::link_restored: return "link_restored";
     case GatewayEvent::Kind::line_broken: return "line_broken";
     case GatewayEvent::Kind::path_broken: return "path_broken";
+    case GatewayEvent::Kind::mint_broken: return "mint_broken";
     case GatewayEvent::Kind::module_silent: return "module_silent";
     case GatewayEvent::Kind::module_answers: return "module_answers";
     case GatewayEvent::Kind::module_in_bootloader: return "module_in_bootloader";
@@ -287,7 +288,7 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::may_send(tmcl::Request request, Per
       if (!seen) co_return seen;
       continue;
     }
-    if (claimant.by == Mover::path) co_return tl::unexpected(motors_.claimed(*motor));
+    if (claimant.by != Mover::line) co_return tl::unexpected(motors_.claimed(*motor));
     const bool is_over = co_await sees_end_of_line(motors_, *motor);
     if (!is_over) co_return tl::unexpected(motors_.claimed(*motor));
   }

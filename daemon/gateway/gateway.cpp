@@ -4,7 +4,7 @@
 #include <utility>
 
 #include "async/spawn.hpp"
-#include "gateway/path_run.hpp"
+#include "gateway/awaited_run.hpp"
 #include "gateway/stop_all.hpp"
 
 namespace tmcld {
@@ -59,8 +59,8 @@ void Gateway::revoke_movements() {
 void Gateway::end_journeys() {
   for (const auto& axis : axes_) {
     if (!axis->is_on_journey()) continue;
-    if (const auto path = axis->path()) {
-      path->end({tmcl::plan::DriveFault::Kind::asked, {}, "tmcld is ending"});
+    if (const auto journey = axis->journey()) {
+      journey->end({tmcl::plan::DriveFault::Kind::asked, {}, "tmcld is ending"});
     } else {
       spawn(axis->bus().executor(), stop_quietly(shared_from_this(), axis));
     }

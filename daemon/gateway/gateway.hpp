@@ -26,6 +26,8 @@ namespace tmcld {
 /// Opens what the configuration says.
 tmcl::Result<tmcl::Link> open_configured_link(const BusConfig& config);
 
+struct PlannedPath;
+
 struct GatewayOptions {
   OpenLink open_link = open_configured_link;
   LogSink log = no_log;
@@ -97,6 +99,9 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
 
   UploadBuffer image_upload;
   UploadBuffer path_upload;
+  /// The one that was planned last; null if there is none, or it has been run.
+  std::shared_ptr<PlannedPath> planned_path;
+  std::int32_t next_path_number() { return ++last_path_number_; }
   /// Where paths and lines are planned: a path may take seconds, and a line does not wait for it.
   Workers planner{2};
 
@@ -114,6 +119,7 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   std::size_t configured_axes_ = 0;
   std::map<std::uint64_t, OnGatewayEvent> listeners_;
   std::uint64_t last_listener_ = 0;
+  std::int32_t last_path_number_ = 0;
 };
 
 }  // namespace tmcld

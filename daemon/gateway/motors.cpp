@@ -46,6 +46,7 @@ std::string_view words_for(Mover by) {
     case Mover::nobody: break;
     case Mover::line: return "is on its way along a line";
     case Mover::path: return "is on its way along a path";
+    case Mover::mint: return "is moved by a Mint program";
     case Mover::search: return "searches its reference";
   }
   return "is not moved by anybody";

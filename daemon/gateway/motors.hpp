@@ -29,7 +29,7 @@
 
 namespace tmcld {
 
-class PathRun;
+class AwaitedRun;
 
 /// The right of a call to move motors, from when it came in. Without one nothing moves.
 struct Permit {
@@ -48,12 +48,12 @@ struct Arrivals {
 };
 
 /// Who moves an axis now.
-enum class Mover : std::uint8_t { nobody, line, path, search };
+enum class Mover : std::uint8_t { nobody, line, path, mint, search };
 
 struct Claimant {
   Mover by = Mover::nobody;
-  Permit of{};  ///< The call that has begun it.
-  std::weak_ptr<PathRun> path{};
+  Permit of{};                          ///< The call that has begun it.
+  std::weak_ptr<AwaitedRun> journey{};  ///< Whose end somebody waits for.
   bool operator==(const Claimant& other) const { return by == other.by && of == other.of; }
 };
 

@@ -212,21 +212,29 @@ class FakeTarget : public Target {
       options.progress({step, image.bytes.size() / 2, image.bytes.size()});
     return tmcl::FirmwareReport{*match, runs_then, checksum(image)};
   }
-  Attempt<boost::json::object> pass_path(boost::json::object params, const std::string& file,
-                                         const PathWatcher& watcher) override {
-    path_text = file;
-    calls.push_back("path.run " + boost::json::serialize(params));
-    watcher.on_progress({"running", 0.5, 1});
+  Attempt<boost::json::object> perform_watched(const std::string& method,
+                                               boost::json::object params, const std::string* text,
+                                               const Watcher& watcher) override {
+    if (failure) return tl::unexpected(*failure);
+    if (text != nullptr) run_text = *text;
+    calls.push_back(method + ' ' + boost::json::serialize(params));
+    if (method == "path.plan") {
+      if (plan_failure) return tl::unexpected(*plan_failure);
+      return plan;
+    }
+    for (const auto& one : news) watcher.on_news(one);
     for (int i = 0; i < 20; ++i) {
       host_.sleep(std::chrono::milliseconds(100));
-      path_will = watcher.will();
+      watcher.meanwhile();
     }
-    if (path_failure) return tl::unexpected(*path_failure);
+    if (run_failure) return tl::unexpected(*run_failure);
     return result;
   }
-  std::string path_text;
-  PathWill path_will = PathWill::go_on;
-  std::optional<Failure> path_failure;
+  std::string run_text;
+  std::vector<boost::json::object> news{{{"phase", "running"}, {"passed_s", 0.5}}};
+  std::optional<Failure> run_failure;
+  std::optional<Failure> plan_failure;
+  boost::json::object plan;
   void sleep(tmcl::Duration duration) override { host_.sleep(duration); }
   Attempt<void> see_through(bool tell, Output& output) override {
     if (tell && watches) output.err << "watching\n";

@@ -68,17 +68,55 @@ TEST_F(CtlMint, ProblemsAreJsonToo) {
   EXPECT_EQ(error.at("problems").at(0).at("line"), 1);
 }
 
-TEST_F(CtlMint, NothingMovesForAProgramThatGoesBeyondASoftLimit) {
+TEST_F(CtlMint, TheGatewayRunsAProgram) {
+  check(exercise);
+  target.news = {{{"phase", "checked"}, {"remarks", {"line 7: it is late"}}},
+                 {{"phase", "running"}, {"line", 6}, {"passed_s", 0.5}, {"duration_s", 1}},
+                 {{"phase", "stands"}, {"line", 6}, {"passed_s", 1.25}, {"duration_s", 1}}};
+  target.result = {{"groups",
+                    {{{"line", 6}, {"planned_s", 1}, {"took_s", 1.25}},
+                     {{"line", 8}, {"planned_s", 2}, {"took_s", 2}}}},
+                   {"remarks", {"parameter 4 of x was 7 before: silent"}}};
+  EXPECT_EQ(run({"mint", "run", path, "--axis", "3=x", "--axis", "0=y"}), ExitCode::done) << err;
+  EXPECT_EQ(target.calls.front(), R"(mint.run {"axes":["x","y"],"numbers":[3,0]})");
+  EXPECT_EQ(target.run_text, exercise);
+  EXPECT_EQ(out,
+            "GO of line 6: 1.250 s, planned 1.000 s\nGO of line 8: 2.000 s, planned 2.000 s\n");
+  EXPECT_THAT(err, HasSubstr("tmclctl: warning: line 7: it is late\n"));
+  EXPECT_THAT(err, HasSubstr("tmclctl: warning: parameter 4 of x was 7 before: silent\n"));
+}
+
+TEST_F(CtlMint, Axis0IsTheFirstThereIs) {
+  check(exercise);
+  target.news = {{{"phase", "checked"}, {"axes", {{{"number", 0}, {"axis", "x"}}}}}};
+  EXPECT_EQ(run({"mint", "run", path}), ExitCode::done) << err;
+  EXPECT_EQ(target.calls.front(), R"(mint.run {"axes":["x"]})");
+  EXPECT_EQ(out, "axis 0 is x\n");
+}
+
+TEST_F(CtlMint, WhatTheGatewaySaysOfAProgramHasItsFile) {
   check(exercise);
   const std::vector<std::string> words{"mint", "run", path, "--axis", "0=x"};
-  target.counts.limits = tmcl::SoftLimits{{0}, {20}};
-  EXPECT_EQ(run(words), ExitCode::refused) << out;
-  EXPECT_THAT(err,
-              HasSubstr("line 5 moves x too far: 23.4375 mm is beyond the soft limit of 20 mm"));
-  target.counts.scale->unit.clear();
-  EXPECT_EQ(run(words), ExitCode::refused) << out;
-  EXPECT_THAT(err, HasSubstr("240000 microsteps is beyond the soft limit of 20 microsteps"));
-  for (const auto& call : target.calls) EXPECT_THAT(call, testing::Not(HasSubstr("move_to")));
+  target.run_failure = usage_failure("bad_program", "the program cannot be run: line 2: no");
+  target.run_failure->details["problems"] = {{{"line", 2}, {"column", 1}, {"message", "no"}}};
+  EXPECT_EQ(run(words), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr(path + ":2:1: no\n"));
+  target.run_failure = usage_failure("missing_axis", "line 3 moves axis 1: which axis is that?");
+  target.run_failure->details["file_axis"] = "1";
+  EXPECT_EQ(run(words), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("--axis 1=NAME"));
+  EXPECT_EQ(run({"mint", "run", path, "--axis", "9=x"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("Mint's axes are 0 to 7"));
+}
+
+TEST_F(CtlMint, CtrlCStopsAllAxes) {
+  check(exercise);
+  target.news = {{{"phase", "running"}, {"line", 6}, {"passed_s", 0.5}, {"duration_s", 1}}};
+  target.run_failure = Failure{ExitCode::unknown, "stopped_by_other", "x was stopped"};
+  host.press_ctrl_c_after(std::chrono::milliseconds(500));
+  EXPECT_EQ(run({"mint", "run", path, "--axis", "0=x", "--axis", "1=y"}), ExitCode::interrupted);
+  EXPECT_THAT(target.calls, testing::ElementsAre(testing::_, "stop x", "stop y"));
+  EXPECT_THAT(err, HasSubstr("stopped at the GO of line 6"));
 }
 
 TEST_F(CtlMint, AMoveThatNeverStartsIsAWarning) {

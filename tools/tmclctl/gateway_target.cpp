@@ -160,35 +160,6 @@ Attempt<void> stage(Door& door, std::string_view method, std::span<const std::ui
   return {};
 }
 
-std::string_view method_for(PathWill will) {
-  switch (will) {
-    case PathWill::go_on: return "path.resume";
-    case PathWill::pause: return "path.pause";
-    case PathWill::stop: return "path.stop";
-  }
-  return {};
-}
-
-/// Tells the gateway what is to become of the path of some axes.
-class Steering {
- public:
-  Steering(Door& door, json::value axes, const PathWatcher& watcher)
-      : door_(door), axes_(std::move(axes)), watcher_(watcher) {}
-
-  void look() {
-    const auto will = watcher_.will();
-    if (will == told_ || told_ == PathWill::stop) return;
-    // Refused while the path has not begun: then it is told again.
-    if (door_.call(method_for(will), {{"axes", axes_}})) told_ = will;
-  }
-
- private:
-  Door& door_;
-  json::value axes_;
-  const PathWatcher& watcher_;
-  PathWill told_ = PathWill::go_on;
-};
-
 }  // namespace
 
 GatewayTarget::GatewayTarget(std::unique_ptr<Door> door, std::string options, AxesFrom axes,
@@ -453,9 +424,10 @@ Attempt<json::object> GatewayTarget::perform(const std::string& method, json::ob
     if (!bus) return tl::unexpected(bus.error());
     params["bus"] = text_at(*bus, "name");
   }
+  if (!on_news) return call(method, std::move(params));
   // Whether it is wanted any more is asked of Options::cancelled.
   door_->on_notification([&](std::string_view notification, const json::object& news) {
-    if (notification == "notify_progress" && on_news) on_news(news);
+    if (notification == "notify_progress") on_news(news);
   });
   auto result = call(method, std::move(params));
   door_->on_notification({});
@@ -501,21 +473,21 @@ Attempt<tmcl::FirmwareReport> GatewayTarget::upload_firmware(const ModuleName& m
   });
 }
 
-Attempt<json::object> GatewayTarget::pass_path(json::object params, const std::string& text,
-                                               const PathWatcher& watcher) {
-  Steering steering(*door_, params.at("axes"), watcher);
-  // Its end is waited for, whatever becomes of it.
-  const CallOptions options{longest_path_silence, [&] { steering.look(); }};
-  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
-  const auto staged = stage(*door_, "path.stage", bytes, options);
-  if (!staged) return tl::unexpected(staged.error());
-  params["bytes"] = bytes.size();
-  door_->on_notification([&](std::string_view method, const json::object& news) {
-    if (method != "notify_progress") return;
-    watcher.on_progress({text_at(news, "phase"), number_at(news, "passed_s").value_or(0),
-                         number_at(news, "duration_s").value_or(0)});
+Attempt<json::object> GatewayTarget::perform_watched(const std::string& method, json::object params,
+                                                     const std::string* text,
+                                                     const Watcher& watcher) {
+  const CallOptions options{longest_path_silence, watcher.meanwhile};
+  if (text != nullptr && text->empty()) params["text"] = "";
+  if (text != nullptr && !text->empty()) {
+    const std::vector<std::uint8_t> bytes(text->begin(), text->end());
+    const auto staged = stage(*door_, "path.stage", bytes, options);
+    if (!staged) return tl::unexpected(staged.error());
+    params["bytes"] = bytes.size();
+  }
+  door_->on_notification([&](std::string_view notification, const json::object& news) {
+    if (notification == "notify_progress" && watcher.on_news) watcher.on_news(news);
   });
-  auto result = door_->call("path.run", std::move(params), options);
+  auto result = door_->call(method, std::move(params), options);
   door_->on_notification({});
   return result;
 }

@@ -46,8 +46,9 @@ class GatewayTarget final : public Target {
                               const ArrivalHandler& on_arrival) override;
   Attempt<boost::json::object> perform(const std::string& method, boost::json::object params,
                                        const NewsHandler& on_news) override;
-  Attempt<boost::json::object> pass_path(boost::json::object params, const std::string& text,
-                                         const PathWatcher& watcher) override;
+  Attempt<boost::json::object> perform_watched(const std::string& method,
+                                               boost::json::object params, const std::string* text,
+                                               const Watcher& watcher) override;
   void sleep(tmcl::Duration duration) override { door_->sleep(duration); }
   Attempt<void> see_through(bool tell, Output& output) override {
     return door_->see_through(tell, output);

@@ -157,17 +157,10 @@ using NewsHandler = std::function<bool(const boost::json::object& news)>;
 /// False ends the waiting.
 using ArrivalHandler = std::function<bool(const std::vector<std::uint8_t>* motors)>;
 
-/// How far a path has been passed.
-struct PathProgress {
-  std::string phase;  ///< "running"
-  double passed_s = 0;
-  double duration_s = 0;
-};
-enum class PathWill : std::uint8_t { go_on, pause, stop };
-/// Of someone who watches a path being passed.
-struct PathWatcher {
-  std::function<void(const PathProgress&)> on_progress;
-  std::function<PathWill()> will;  ///< Asked ten times a second what is to become of it.
+/// Of someone who watches a method that takes long; both may be empty.
+struct Watcher {
+  std::function<void(const boost::json::object& news)> on_news;  ///< See NewsHandler.
+  std::function<void()> meanwhile;  ///< Called ten times a second; may make other calls.
 };
 
 struct StoppedAxis {
@@ -220,10 +213,12 @@ class Target {
   virtual Attempt<boost::json::object> perform(const std::string& method,
                                                boost::json::object params,
                                                const NewsHandler& on_news) = 0;
-  /// path.run, with its result; `text` is the file.
-  virtual Attempt<boost::json::object> pass_path(boost::json::object params,
-                                                 const std::string& text,
-                                                 const PathWatcher& watcher) = 0;
+  /// The same with somebody who watches it; then a signal does not end it. `text` is handed over
+  /// first, for methods that take "text" or "bytes"; it may be null.
+  virtual Attempt<boost::json::object> perform_watched(const std::string& method,
+                                                       boost::json::object params,
+                                                       const std::string* text,
+                                                       const Watcher& watcher) = 0;
 
   /// Lets time pass; a signal ends that early.
   virtual void sleep(tmcl::Duration duration) = 0;

@@ -16,7 +16,7 @@ namespace {
 namespace ap = axis_parameter;
 
 PathObjection wrong(std::string name, std::string message) {
-  return {std::move(name), std::move(message), {}};
+  return {std::move(name), std::move(message), {}, {}};
 }
 
 // A table begins with the names of its columns, G-code with a word, a comment or a line of %.
@@ -62,6 +62,10 @@ ValueRange range_of(const Model& model, const ModuleUnits& units, std::uint8_t p
   const auto* row = find_parameter(axis_parameters(model), parameter);
   if (row == nullptr) return {0, 0};
   return tmcl::range_of(*row, initial_units(model), units);
+}
+
+Microsteps microsteps(const PathAxis& axis, double position) {
+  return {static_cast<std::int32_t>(std::lround(position * axis.stream.microsteps_per_unit))};
 }
 
 std::optional<PathObjection> objection_to(double position, const PathAxis& axis) {
@@ -141,8 +145,10 @@ PathResult<std::vector<PathChoice>> in_order(const PathSource& source,
   for (const auto& of_file : known) {
     const auto found = std::ranges::find(choices, of_file, &PathChoice::of_file);
     if (found == choices.end()) {
-      return tl::unexpected(
-          wrong("missing_axis", fmt::format("the file moves {}: which axis is that?", of_file)));
+      auto objection =
+          wrong("missing_axis", fmt::format("the file moves {}: which axis is that?", of_file));
+      objection.file_axis = of_file;
+      return tl::unexpected(std::move(objection));
     }
     if (std::ranges::find(ordered, found->axis, &PathChoice::axis) != ordered.end())
       return tl::unexpected(wrong("named_twice", fmt::format("{} is named twice", found->axis)));
@@ -186,8 +192,10 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
                                name, facts.max_velocity, facts.max_acceleration)));
 }
 
-Microsteps microsteps(const PathAxis& axis, double position) {
-  return {static_cast<std::int32_t>(std::lround(position * axis.stream.microsteps_per_unit))};
+bool moves_alike(const PathAxis& one, const PathAxis& other) {
+  return one.stream.microsteps_per_unit == other.stream.microsteps_per_unit &&
+         one.stream.units == other.stream.units && one.velocity == other.velocity &&
+         one.acceleration == other.acceleration;
 }
 
 std::vector<StreamAxis> streamed(const std::vector<PathAxis>& axes) {

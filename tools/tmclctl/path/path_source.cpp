@@ -6,7 +6,10 @@
 #include <boost/json/array.hpp>
 
 #include "input_file.hpp"
+#include "json_read.hpp"
+#include "output_file.hpp"
 #include "plot/plane.hpp"
+#include "print.hpp"
 
 namespace tmclctl::path {
 namespace {
@@ -14,18 +17,50 @@ namespace {
 namespace json = boost::json;
 namespace plan = tmcl::plan;
 
-constexpr std::size_t most_bytes = std::size_t{64} << 20;
-// So many points make a curve that looks smooth.
-constexpr int curve_points = 2000;
+double number(const json::value& value) { return value.to_number<double>(); }
 
-Failure failure_of(const std::string& file, const plan::PathObjection& objection, Output& output) {
-  if (!objection.problems.empty()) return path::failure_from(file, objection.problems, output);
-  auto failure = path::failure_from(objection);
-  failure.message = file + ": " + failure.message;
-  return failure;
+std::string to_svg(const std::string& file, const json::object& course, const json::object& curve) {
+  const auto& axes = array_at(course, "axes");
+  const std::size_t second = std::min<std::size_t>(1, axes.size() - 1);
+  const auto name = [&](std::size_t axis) { return text_at(axes[axis].as_object(), "axis"); };
+  plot::Plane plane{
+      fmt::format("{}: {:.6g} units in {:.6g} s", file, number_at(course, "length").value_or(0),
+                  number_at(course, "duration_s").value_or(0)),
+      name(0),
+      name(second),
+      {},
+      {}};
+  plot::Picture picture{"", "s", {}, {}};
+  for (std::size_t axis = 0; axis < axes.size(); ++axis)
+    picture.curves.push_back({"position", name(axis), {}, {}});
+  const auto& times = array_at(curve, "times_s");
+  const auto& positions = array_at(curve, "positions");
+  for (std::size_t i = 0; i < std::min(times.size(), positions.size()); ++i) {
+    const auto& position = positions[i].as_array();
+    plane.planned.x.push_back(number(position.at(0)));
+    plane.planned.y.push_back(number(position.at(second)));
+    for (std::size_t axis = 0; axis < axes.size(); ++axis) {
+      picture.curves[axis].times.push_back(number(times[i]));
+      picture.curves[axis].values.push_back(number(position.at(axis)));
+    }
+  }
+  return plot::to_svg(plane, picture);
 }
 
 }  // namespace
+
+Attempt<std::string> text_of(const std::string& file, std::size_t most) {
+  auto text = read_file(file, most + 1);
+  if (!text) {
+    return tl::unexpected(
+        usage_failure("cannot_read", fmt::format("cannot read {}: {}", file, text.error())));
+  }
+  if (text->size() > most) {
+    return tl::unexpected(
+        usage_failure("bad_program", fmt::format("{} is too long; {} bytes at most", file, most)));
+  }
+  return std::move(*text);
+}
 
 Failure failure_from(const std::string& file, const plan::TextProblems& problems, Output& output) {
   const bool all = problems.size() < plan::most_text_problems;
@@ -42,72 +77,59 @@ Failure failure_from(const std::string& file, const plan::TextProblems& problems
   return failure;
 }
 
-Attempt<std::string> text_of(const std::string& file, std::size_t most) {
-  auto text = read_file(file, most + 1);
-  if (!text) {
-    return tl::unexpected(
-        usage_failure("cannot_read", fmt::format("cannot read {}: {}", file, text.error())));
+Failure explained(Failure failure, const std::string& file, Output& output) {
+  const auto problems =
+      rows_at<plan::TextProblem>(failure.details, "problems", [](const json::object& row) {
+        return plan::TextProblem{integer_at<std::size_t>(row, "line"),
+                                 integer_at<std::size_t>(row, "column"), text_at(row, "message")};
+      });
+  if (!problems.empty()) return failure_from(file, problems, output);
+  const auto axis = text_at(failure.details, "file_axis");
+  if (!axis.empty()) failure.hint = fmt::format("--axis {}=NAME", axis);
+  if (failure.name == "bad_path") failure.message = file + ": " + failure.message;
+  if (failure.name == "unknown_unit") {
+    failure.hint =
+        "--per-turn says how many units of the file a turn of the motor is; tmcld.toml can, too";
   }
-  if (text->size() > most) {
-    return tl::unexpected(
-        usage_failure("bad_program", fmt::format("{} is too long; {} bytes at most", file, most)));
-  }
-  return std::move(*text);
-}
-
-Failure failure_from(const plan::PathObjection& objection) {
-  auto failure = usage_failure(objection.name, objection.message);
-  failure.exit = exit_for_objection(objection.name);
   return failure;
 }
 
-Attempt<Source> read_source(const std::string& file, double tolerance, Output& output) {
-  auto text = text_of(file, most_bytes);
-  if (!text) return tl::unexpected(text.error());
-  auto source = plan::read_path(*text, plan::format_of(file, *text), tolerance);
-  if (!source) return tl::unexpected(failure_of(file, source.error(), output));
-  return Source{std::move(*source), file, std::move(*text)};
+void warn(const json::object& report, Output& output) {
+  for (const auto& remark : array_at(report, "remarks"))
+    output.err << "tmclctl: warning: " << std::string_view(remark.as_string()) << '\n';
 }
 
-Attempt<void> begin_where_axes_stand(Source& source, const std::vector<plan::PathAxis>& axes,
-                                     const plan::PathRequest& request, Output& output) {
-  auto begun = plan::from_where_axes_stand(source, source.text, axes, request);
-  if (!begun) return tl::unexpected(failure_of(source.file, begun.error(), output));
-  static_cast<plan::PathSource&>(source) = std::move(*begun);
-  return {};
-}
-
-Attempt<plan::Course> course_of(const Source& source, const plan::PathLimits& limits,
-                                const plan::PathRequest& request) {
-  return plan::course_of(source, limits, request).map_error([&](const auto& objection) {
-    auto failure = failure_from(objection);
-    failure.message = source.file + ": " + failure.message;
-    return failure;
-  });
-}
-
-std::string to_svg(const Source& source, const plan::Course& course) {
-  const std::size_t second = std::min<std::size_t>(1, course.axes() - 1);
-  plot::Plane plane{
-      fmt::format("{}: {:.6g} units in {:.6g} s", source.file, course.length(), course.duration()),
-      source.path.axes[0],
-      source.path.axes[second],
-      {},
-      {}};
-  plot::Picture picture{"", "s", {}, {}};
-  for (std::size_t axis = 0; axis < course.axes(); ++axis)
-    picture.curves.push_back({"position", source.path.axes[axis], {}, {}});
-  for (int i = 0; i <= curve_points; ++i) {
-    const double time = course.duration() * i / curve_points;
-    const auto position = course.at(time).position;
-    plane.planned.x.push_back(position[0]);
-    plane.planned.y.push_back(position[second]);
-    for (std::size_t axis = 0; axis < course.axes(); ++axis) {
-      picture.curves[axis].times.push_back(time);
-      picture.curves[axis].values.push_back(position[axis]);
-    }
+void print(const std::string& file, const json::object& course, Output& output) {
+  const auto figure = [](const json::object& row, const char* key) {
+    return fmt::format("{:.6g}", number_at(row, key).value_or(0));
+  };
+  output.out << fmt::format("{}: {} units in {:.4g} s, {} legs\n\n", file, figure(course, "length"),
+                            number_at(course, "duration_s").value_or(0),
+                            integer_at<std::size_t>(course, "legs"));
+  Table axes({"AXIS", "FROM", "TO", "TOP SPEED"});
+  for (const auto& value : array_at(course, "axes")) {
+    const auto& row = value.as_object();
+    axes.add({text_at(row, "axis"), figure(row, "least"), figure(row, "greatest"),
+              figure(row, "top_speed")});
   }
-  return plot::to_svg(plane, picture);
+  axes.print(output.out);
+  const auto& slowest = array_at(course, "slowest_corners");
+  if (slowest.empty()) return;
+  output.out << '\n';
+  Table corners({"SLOWEST CORNER", "TIME", "SPEED"});
+  for (const auto& value : slowest) {
+    const auto& row = value.as_object();
+    corners.add({fmt::format("end of line {}", integer_at<std::size_t>(row, "line")),
+                 fmt::format("{:.4g} s", number_at(row, "time_s").value_or(0)),
+                 figure(row, "speed")});
+  }
+  corners.print(output.out);
+}
+
+Attempt<void> draw(const std::string& svg_path, const std::string& file, const json::object& course,
+                   const json::object& curve) {
+  OutputFile svg;
+  return svg.open(svg_path).and_then([&] { return svg.write(to_svg(file, course, curve)); });
 }
 
 }  // namespace tmclctl::path

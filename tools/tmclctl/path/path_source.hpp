@@ -1,7 +1,9 @@
-/// A path file on its way to a course.
+/// Files whose text moves axes, and what is wrong with them.
 #pragma once
 
 #include <string>
+
+#include <boost/json/object.hpp>
 
 #include "failure.hpp"
 #include "screen.hpp"
@@ -9,31 +11,23 @@
 
 namespace tmclctl::path {
 
-struct Source : tmcl::plan::PathSource {
-  std::string file;
-  std::string text;
-};
-
-/// What is wrong with the text is printed as FILE:LINE:COLUMN: MESSAGE.
-Attempt<Source> read_source(const std::string& file, double tolerance, Output& output);
-
-/// G-code begins there; for a table this does nothing.
-Attempt<void> begin_where_axes_stand(Source& source, const std::vector<tmcl::plan::PathAxis>& axes,
-                                     const tmcl::plan::PathRequest& request, Output& output);
-
-/// `limits` without axes and tolerance of corners.
-Attempt<tmcl::plan::Course> course_of(const Source& source, const tmcl::plan::PathLimits& limits,
-                                      const tmcl::plan::PathRequest& request);
-
-/// Without the name of a file.
-Failure failure_from(const tmcl::plan::PathObjection& objection);
-/// Prints each problem, and says how many there are; also for programs in other languages.
-Failure failure_from(const std::string& file, const tmcl::plan::TextProblems& problems,
-                     Output& output);
 /// The whole of a file of at most so many bytes.
 Attempt<std::string> text_of(const std::string& file, std::size_t most_bytes);
+constexpr std::size_t most_path_bytes = std::size_t{64} << 20U;
 
-/// The path as a drawing, x over y, above the positions of all axes over time.
-std::string to_svg(const Source& source, const tmcl::plan::Course& course);
+/// Prints each problem as FILE:LINE:COLUMN: MESSAGE, and says how many there are.
+Failure failure_from(const std::string& file, const tmcl::plan::TextProblems& problems,
+                     Output& output);
+/// What a gateway says of a text, likewise, with what the command line can do about it.
+Failure explained(Failure failure, const std::string& file, Output& output);
+/// The "remarks" of a report.
+void warn(const boost::json::object& report, Output& output);
+
+/// `course` is "course" of path.plan: how long it is and takes, where it goes.
+void print(const std::string& file, const boost::json::object& course, Output& output);
+/// Draws the path, x over y, above the positions of all axes over time: `curve` is that of
+/// path.plan.
+Attempt<void> draw(const std::string& svg_path, const std::string& file,
+                   const boost::json::object& course, const boost::json::object& curve);
 
 }  // namespace tmclctl::path

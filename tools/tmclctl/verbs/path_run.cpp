@@ -1,100 +1,111 @@
 // path run.
+#include <algorithm>
+
 #include <fmt/format.h>
 #include <boost/json/array.hpp>
 
+#include "api/course_json.hpp"
 #include "following.hpp"
 #include "json_read.hpp"
-#include "path/drive.hpp"
-#include "path/path_report.hpp"
-#include "path/run_axes.hpp"
+#include "path/path_source.hpp"
 #include "print.hpp"
+#include "progress_line.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
 namespace {
 
 namespace json = boost::json;
-namespace plan = tmcl::plan;
 
-plan::PathRequest request_of(const verb::RunPath& verb) {
-  return {verb.by_position ? plan::StreamMode::position : plan::StreamMode::velocity,
-          verb.tolerance,
-          verb.velocity,
-          verb.acceleration,
-          verb.feed,
-          verb.per_turn,
-          verb.deviation,
-          verb.period};
-}
-
-std::vector<plan::PathChoice> choices_of(const std::vector<std::string>& words) {
-  std::vector<plan::PathChoice> choices;
-  for (const auto& word : words) {
-    const auto equals = word.find('=');
-    choices.push_back({word.substr(0, equals), word.substr(equals + 1)});
-  }
-  return choices;
-}
-
-Attempt<void> go_to_start(const plan::Course& course, const std::vector<plan::PathAxis>& axes,
-                          Context& context) {
-  std::vector<tmcl::Microsteps> positions;
-  const auto start = course.at(0).position;
-  for (std::size_t i = 0; i < axes.size(); ++i)
-    positions.push_back(plan::microsteps(axes[i], start[i]));
-  return path::go_to(path::names_of(axes), positions, "on the way to the start", context);
-}
+constexpr int bar_width = 30;
 
 struct Passed {
   Attempt<json::object> report;
   int signal = 0;  ///< That ended it; 0 if none did.
 };
 
-json::object params_of(const path::Source& source, const plan::PathRequest& request,
-                       const std::vector<plan::PathAxis>& axes) {
-  json::array names;
-  json::array of_file;
-  for (const auto& axis : axes) {
-    names.emplace_back(axis.choice.axis);
-    of_file.emplace_back(axis.choice.of_file);
+json::object params_of(const verb::RunPath& verb, const std::string& text) {
+  json::object params{{"format", name_of(tmcl::plan::format_of(verb.file, text))},
+                      {"mode", verb.by_position ? "position" : "velocity"},
+                      {"tolerance", verb.tolerance},
+                      {"period_ms", verb.period.count()}};
+  if (!verb.axes.empty()) {
+    json::array names, of_file;
+    for (const auto& word : verb.axes) {
+      const auto equals = word.find('=');
+      of_file.emplace_back(word.substr(0, equals));
+      names.emplace_back(word.substr(equals + 1));
+    }
+    params["axes"] = std::move(names);
+    params["file_axes"] = std::move(of_file);
   }
-  json::object params{
-      {"axes", std::move(names)},
-      {"file_axes", std::move(of_file)},
-      {"format", name_of(source.format)},
-      {"mode", request.mode == plan::StreamMode::position ? "position" : "velocity"},
-      {"tolerance", request.tolerance},
-      {"period_ms", std::chrono::duration_cast<std::chrono::milliseconds>(request.period).count()}};
   const auto add = [&](const char* name, const std::optional<double>& value) {
     if (value) params[name] = *value;
   };
-  add("velocity", request.velocity);
-  add("acceleration", request.acceleration);
-  add("feed", request.feed);
-  add("per_turn", request.per_turn);
-  add("deviation", request.deviation);
+  add("velocity", verb.velocity);
+  add("acceleration", verb.acceleration);
+  add("feed", verb.feed);
+  add("per_turn", verb.per_turn);
+  add("deviation", verb.deviation);
+  if (!verb.svg.empty()) params["points"] = tmcld::most_curve_points;
   return params;
 }
 
-Passed pass(const path::Source& source, const plan::PathRequest& request,
-            const std::vector<plan::PathAxis>& axes, Context& context) {
+/// What is said of it is what is run.
+Attempt<json::object> plan_of(const verb::RunPath& verb, Context& context) {
+  const auto text = path::text_of(verb.file, path::most_path_bytes);
+  if (!text) return tl::unexpected(text.error());
+  auto planned = context.target.perform_watched("path.plan", params_of(verb, *text), &*text, {});
+  return std::move(planned).map_error([&](Failure failure) {
+    return path::explained(std::move(failure), verb.file, context.output);
+  });
+}
+
+/// Tells the gateway what is to become of the path: a signal ends it, SIGTSTP lets it stand.
+class Steering {
+ public:
+  Steering(json::value axes, Context& context) : axes_(std::move(axes)), context_(context) {}
+
+  void look() {
+    if (signal_ == 0) signal_ = context_.host.take_signal();
+    const char* wish = context_.host.pause_asked() ? "path.pause" : "path.resume";
+    if (signal_ != 0) wish = "path.stop";
+    if (wish == told_ || told_ == "path.stop") return;
+    // Refused while the path has not begun: then it is told again.
+    if (context_.target.perform(wish, {{"axes", axes_}}, {})) told_ = wish;
+  }
+  int signal() const { return signal_; }
+
+ private:
+  json::value axes_;
+  Context& context_;
+  std::string_view told_ = "path.resume";
+  int signal_ = 0;
+};
+
+void show(const json::object& news, ProgressLine& line) {
+  if (!line.visible()) return;
+  const double duration_s = number_at(news, "duration_s").value_or(0);
+  const double passed_s = number_at(news, "passed_s").value_or(0);
+  const double done = duration_s > 0 ? std::clamp(passed_s / duration_s, 0.0, 1.0) : 1;
+  line.show(fmt::format("{} {:3}%  {:.1f} s left  {}", bar(done, bar_width, line.screen().utf8),
+                        static_cast<int>(done * 100), (1 - done) * duration_s,
+                        text_at(news, "phase")));
+}
+
+Passed pass(const json::object& plan, Context& context) {
   ProgressLine progress(context.output);
-  int signal = 0;
-  PathWatcher watcher;
-  watcher.on_progress = [&](const PathProgress& now) { path::show(now, progress); };
-  watcher.will = [&] {
-    if (const int caught = context.host.take_signal(); caught != 0) signal = caught;
-    if (signal != 0) return PathWill::stop;
-    return context.host.pause_asked() ? PathWill::pause : PathWill::go_on;
-  };
-  auto report = context.target.pass_path(params_of(source, request, axes), source.text, watcher);
+  Steering steering(array_at(plan, "axes"), context);
+  auto report = context.target.perform_watched(
+      "path.run", {{"plan", integer_at<std::int32_t>(plan, "plan")}, {"to_start", true}}, nullptr,
+      {[&](const json::object& news) { show(news, progress); }, [&] { steering.look(); }});
   // What stopped it before its end has moved the axes, or not.
   if (!report && report.error().details.contains("run")) {
     const bool moved = report.error().outcome == tmcl::Outcome::done;
     report.error().exit = moved ? ExitCode::not_reached : ExitCode::refused;
     report.error().outcome.reset();
   }
-  return {std::move(report), signal};
+  return {std::move(report), steering.signal()};
 }
 
 // ---- how it went ----
@@ -118,14 +129,9 @@ void print(const json::object& report, bool by_position, Output& output) {
       number("commands_per_s"), number("round_trip_us"), 100 * number("bus_load"));
 }
 
-void warn(const json::object& report, Output& output) {
-  for (const auto& remark : array_at(report, "remarks"))
-    output.err << "tmclctl: warning: " << std::string_view(remark.as_string()) << '\n';
-}
-
 VerbResult tell(Passed passed, bool by_position, Output& output) {
   if (passed.report) {
-    warn(*passed.report, output);
+    path::warn(*passed.report, output);
     if (output.json) {
       print_json(*passed.report, output);
     } else {
@@ -134,7 +140,7 @@ VerbResult tell(Passed passed, bool by_position, Output& output) {
     return ExitCode::done;
   }
   auto failure = std::move(passed.report.error());
-  warn(object_at(failure.details, "run"), output);
+  path::warn(object_at(failure.details, "run"), output);
   if (passed.signal == 0) return tl::unexpected(std::move(failure));
   auto interrupted = interrupted_failure(passed.signal, "stopped before the end of the path", "");
   interrupted.details = std::move(failure.details);
@@ -144,32 +150,25 @@ VerbResult tell(Passed passed, bool by_position, Output& output) {
 }  // namespace
 
 VerbResult run(const verb::RunPath& verb, Context& context) {
-  auto source = path::read_source(verb.file, verb.tolerance, context.output);
-  if (!source) return tl::unexpected(source.error());
-  const auto request = request_of(verb);
-  const auto axes = path::read_axes(*source, choices_of(verb.axes), request, context.target);
-  if (!axes) return tl::unexpected(axes.error());
-  if (const auto begun = path::begin_where_axes_stand(*source, *axes, request, context.output);
-      !begun)
-    return tl::unexpected(begun.error());
-  const auto course = path::course_of(*source, limits_of(*axes, request), request);
-  if (!course) return tl::unexpected(course.error());
-  if (const auto objection = objection_to_reach(*course, *axes))
-    return tl::unexpected(path::failure_from(*objection));
-  if (const auto drawn = path::draw(verb.svg, *source, *course); !drawn)
-    return tl::unexpected(drawn.error());
-  if (verb.dry_run) {
-    if (context.output.json) {
-      print_json(path::to_json(*source, *course), context.output);
-    } else {
-      path::print(*source, *course, context.output);
-    }
-    return ExitCode::done;
+  const auto plan = plan_of(verb, context);
+  if (!plan) return tl::unexpected(plan.error());
+  auto course = object_at(*plan, "course");
+  if (!verb.svg.empty()) {
+    const auto drawn = path::draw(verb.svg, verb.file, course, object_at(*plan, "curve"));
+    if (!drawn) return tl::unexpected(drawn.error());
   }
-  if (const auto there = go_to_start(*course, *axes, context); !there)
-    return tl::unexpected(there.error());
-  context.host.catch_pauses();
-  return tell(pass(*source, request, *axes, context), verb.by_position, context.output);
+  if (!verb.dry_run) {
+    if (auto interrupted = interrupted_before_move(context)) return tl::unexpected(*interrupted);
+    context.host.catch_pauses();
+    return tell(pass(*plan, context), verb.by_position, context.output);
+  }
+  if (context.output.json) {
+    course["file"] = verb.file;
+    print_json(course, context.output);
+  } else {
+    path::print(verb.file, course, context.output);
+  }
+  return ExitCode::done;
 }
 
 }  // namespace tmclctl

@@ -7,7 +7,7 @@
 
 #include "names.hpp"
 #include "print.hpp"
-#include "safe_order.hpp"
+#include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/ramp_choice.hpp"
 #include "verbs.hpp"
 
@@ -131,6 +131,17 @@ void show(const verb::Ramp& verb, const RampChoice& choice, const AxisUnits& uni
                                    choice.acceleration.value))
              << (verb.dry_run ? "; nothing was written" : "") << '\n';
   for (const auto& remark : choice.remarks) output.err << "tmclctl: warning: " << remark << '\n';
+}
+
+/// The order in which to write them to an axis that stands, with what its module has now.
+Attempt<std::vector<Setting>> in_safe_order(std::vector<Setting> settings, const std::string& axis,
+                                            Target& target) {
+  constexpr auto pulse_divisor = tmcl::number_of("pulse_divisor");
+  if (std::ranges::find(settings, pulse_divisor, &Setting::parameter) == settings.end())
+    return settings;
+  return target.get(axis, std::to_string(pulse_divisor)).map([&](const ParameterValue& present) {
+    return tmcl::plan::in_safe_order(std::move(settings), present.value);
+  });
 }
 
 }  // namespace

@@ -46,6 +46,7 @@ struct PathObjection {
   std::string name;         ///< snake_case; part of the stable interface.
   std::string message;      ///< One sentence without a full stop.
   TextProblems problems{};  ///< What is wrong with the text, if that is it.
+  std::string file_axis{};  ///< Of the text, that somebody has to name; empty if that is not it.
 };
 template <class T>
 using PathResult = tl::expected<T, PathObjection>;
@@ -111,7 +112,8 @@ struct PathAxis {
 /// cannot.
 PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& facts,
                                const PathRequest& request);
-Microsteps microsteps(const PathAxis& axis, double position);
+/// Whether a course that was planned for the one suits the other, wherever they stand.
+bool moves_alike(const PathAxis& one, const PathAxis& other);
 std::vector<StreamAxis> streamed(const std::vector<PathAxis>& axes);
 
 /// The same G-code from where its axes stand; a table says itself where it begins.

@@ -1,0 +1,21 @@
+/// A planned path in names and numbers.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <boost/json/object.hpp>
+
+#include "tmcl/plan/course.hpp"
+
+namespace tmcld {
+
+/// So many points at most: an answer has to be sent.
+constexpr int most_curve_points = 2000;
+
+/// `axes` are those of the file, in the order of the course.
+boost::json::object to_json(const tmcl::plan::Course& course, const std::vector<std::string>& axes);
+/// Where the axes are at so many times and at the end: enough to draw it.
+boost::json::object curve_json(const tmcl::plan::Course& course, int points);
+
+}  // namespace tmcld

@@ -1,0 +1,68 @@
+#include "api/journey.hpp"
+
+#include <boost/json/array.hpp>
+
+#include "api/staging.hpp"
+#include "tmcl/drive_report.hpp"
+
+namespace tmcld {
+
+namespace json = boost::json;
+namespace plan = tmcl::plan;
+
+Lookup<std::string> text_of(const Call& call) {
+  const bool in_line = call.params.has("text");
+  if (in_line == call.params.has("bytes")) {
+    return tl::unexpected(
+        param_error("bad_argument", "text", "give one of 'text' and 'bytes', and not both"));
+  }
+  if (in_line) return call.params.text("text");
+  return take_staged(call, staged_path).map([](const std::vector<std::uint8_t>& bytes) {
+    return std::string(bytes.begin(), bytes.end());
+  });
+}
+
+RpcError error_of(const plan::PathObjection& objection, std::string_view param) {
+  auto error = param_error(objection.name, param, objection.message);
+  if (!objection.file_axis.empty()) error.data["file_axis"] = objection.file_axis;
+  if (objection.problems.empty()) return error;
+  json::array problems;
+  for (const auto& problem : objection.problems) {
+    problems.push_back(json::object{
+        {"line", problem.line}, {"column", problem.column}, {"message", problem.message}});
+  }
+  const auto& first = objection.problems.front();
+  error.message += ": line " + std::to_string(first.line) + ": " + first.message;
+  error.data["problems"] = std::move(problems);
+  return error;
+}
+
+std::optional<RpcError> refusal_to_begin(const Call& call) {
+  if (!call.gateway->is_closing()) return std::nullopt;
+  return rpc_error(rpc_code::daemon_ending, "daemon_ending", "the daemon is ending");
+}
+
+void add_outcome(RpcError& error, const std::vector<std::string>& unstopped) {
+  error.data["outcome"] = name_of(unstopped.empty() ? tmcl::Outcome::done : tmcl::Outcome::unknown);
+  if (!unstopped.empty()) error.data["unstopped"] = json::array(unstopped.begin(), unstopped.end());
+}
+
+RpcError error_of(const AwaitedRun& run, json::object report) {
+  const auto& fault = *run.report().fault;
+  const auto unstopped = run.unstopped();
+  const bool moved = !is_before_motion(fault.kind);
+  const auto* hint = unstopped.empty() ? "all its axes were stopped" : stop_them;
+  auto error =
+      rpc_error(rpc_code::call_failed, name_of(fault.kind), run.text_of(fault), moved ? hint : "");
+  if (moved) add_outcome(error, unstopped);
+  error.data["axis"] = run.axis_names()[fault.axis.value_or(0)];
+  error.data["run"] = std::move(report);
+  return error;
+}
+
+json::array remarks_of(const AwaitedRun& run) {
+  const auto remarks = tmcl::remarks_of(run.report(), run.axis_names());
+  return json::array(remarks.begin(), remarks.end());
+}
+
+}  // namespace tmcld

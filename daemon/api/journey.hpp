@@ -1,0 +1,34 @@
+/// What methods have in common that run a text on axes, and answer at its end.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <boost/json/object.hpp>
+
+#include "api/call.hpp"
+#include "api/lookup.hpp"
+#include "gateway/awaited_run.hpp"
+#include "tmcl/plan/path_preparation.hpp"
+
+namespace tmcld {
+
+/// The parameter "text", or what was staged, by "bytes".
+Lookup<std::string> text_of(const Call& call);
+
+/// `param` is where the client gave what is wrong.
+RpcError error_of(const tmcl::plan::PathObjection& objection, std::string_view param);
+/// Nothing new begins while the daemon ends.
+std::optional<RpcError> refusal_to_begin(const Call& call);
+
+/// Those that could not be stopped, and may still move.
+constexpr const char* stop_them =
+    "stop them as soon as their bus can be reached, or by other means";
+/// Of axes that were to be stopped.
+void add_outcome(RpcError& error, const std::vector<std::string>& unstopped);
+/// Why it did not come to its end; `report` is what it would have answered.
+RpcError error_of(const AwaitedRun& run, boost::json::object report);
+/// What else is to be said, such as of a parameter not set back.
+boost::json::array remarks_of(const AwaitedRun& run);
+
+}  // namespace tmcld

@@ -1,0 +1,158 @@
+// Mint programs, run by the daemon.
+#include <map>
+
+#include <boost/json/array.hpp>
+
+#include "api/handlers.hpp"
+#include "api/journey.hpp"
+#include "async/elsewhere.hpp"
+#include "gateway/mint_run.hpp"
+#include "tmcl/plan/mint_preparation.hpp"
+#include "tmcl/seconds.hpp"
+
+namespace tmcld::handlers {
+namespace {
+
+namespace json = boost::json;
+namespace plan = tmcl::plan;
+using boost::asio::awaitable;
+using tmcl::seconds;
+
+struct Chosen {
+  std::vector<unsigned> numbers;  ///< In the program.
+  std::vector<DriveMember> members;
+};
+
+RpcError wrong_numbers() {
+  return param_error("bad_argument", "numbers",
+                     "there must be one number from 0 to " +
+                         std::to_string(plan::mint::most_axes - 1) +
+                         " for each of 'axes', and each axis and each number once");
+}
+
+/// Those of "axes" that the program moves, in the order of their numbers.
+Lookup<Chosen> chosen(const Call& call, const plan::mint::Program& program) {
+  const auto axes = axes_of(call);
+  if (!axes) return tl::unexpected(axes.error());
+  const auto count = call.params.count("axes");
+  const bool in_order = !call.params.has("numbers");
+  if (axes->size() != count || (!in_order && call.params.count("numbers") != count))
+    return tl::unexpected(wrong_numbers());
+  std::map<unsigned, std::shared_ptr<GatewayAxis>> by_number;
+  for (std::size_t i = 0; i < count; ++i) {
+    const auto number =
+        in_order ? i : call.params.value("numbers").as_array()[i].to_number<std::size_t>();
+    if (number >= plan::mint::most_axes ||
+        !by_number.emplace(static_cast<unsigned>(number), (*axes)[i]).second)
+      return tl::unexpected(wrong_numbers());
+  }
+  Chosen found;
+  for (const auto number : plan::axes_moved_by(program)) {
+    const auto axis = by_number.find(number);
+    if (axis == by_number.end()) continue;  // what moves it has a line
+    found.numbers.push_back(number);
+    auto movement = axis->second->begin_movement(call.permit, {});
+    found.members.push_back({axis->second, std::move(movement)});
+  }
+  return found;
+}
+
+awaitable<Lookup<plan::MintAxis>> known_axis(unsigned number, GatewayAxis& axis) {
+  const auto failed = [&](const tmcl::Error& error) {
+    return tl::unexpected(call_error(error, axis.name()));
+  };
+  auto reading = co_await axis.read_state();
+  if (!reading) co_return failed(reading.error());
+  if (reading->state.velocity.value != 0) {
+    if (axis.mover() != Mover::nobody) co_return failed(axis.claimed());
+    co_return tl::unexpected(param_error("moving", "axes", axis.name() + " is moving"));
+  }
+  plan::MintAxis known{number, {axis.name(), axis.module().model()}, reading->state.position};
+  auto units = co_await axis.module_units();
+  if (!units) co_return failed(units.error());
+  auto scale = co_await axis.scale();
+  if (!scale) co_return failed(scale.error());
+  known.units.module = *units;
+  known.units.scale = std::move(*scale);
+  known.units.limits = axis.soft_limits();
+  co_return known;
+}
+
+json::object to_json(const MintRun& run) {
+  json::array groups;
+  for (std::size_t i = 0; i < run.report().took.size(); ++i) {
+    groups.push_back(json::object{{"line", run.groups()[i].line},
+                                  {"planned_s", run.groups()[i].duration},
+                                  {"took_s", seconds(run.report().took[i])}});
+  }
+  return {{"groups", std::move(groups)}, {"remarks", remarks_of(run)}};
+}
+
+json::object checked(const Chosen& chosen, const plan::MintPlan& plan, const json::value& id) {
+  json::array axes;
+  for (std::size_t i = 0; i < chosen.members.size(); ++i) {
+    axes.push_back(
+        json::object{{"number", chosen.numbers[i]}, {"axis", chosen.members[i].axis->name()}});
+  }
+  return {{"id", id},
+          {"phase", "checked"},
+          {"axes", std::move(axes)},
+          {"remarks", json::array(plan.remarks.begin(), plan.remarks.end())}};
+}
+
+/// A group that stands is told once, the one that is under way each time.
+MintRun::OnProgress progress_to(const Call& call) {
+  return [peer = call.peer, id = call.id, told = std::size_t{0}](const MintRun& run) mutable {
+    const auto tell = [&](const char* phase, const plan::MintDriveGroup& group,
+                          tmcl::Duration passed) {
+      peer->notify("notify_progress", json::object{{"id", id},
+                                                   {"phase", phase},
+                                                   {"line", group.line},
+                                                   {"passed_s", seconds(passed)},
+                                                   {"duration_s", group.duration}});
+    };
+    const auto& took = run.report().took;
+    for (; told < took.size(); ++told) tell("stands", run.groups()[told], took[told]);
+    if (told < run.groups().size()) tell("running", run.groups()[told], run.passed());
+  };
+}
+
+}  // namespace
+
+Answer run_mint(Call& call) {
+  auto text = text_of(call);
+  if (!text) co_return tl::unexpected(text.error());
+  auto& planner = call.gateway->planner;
+  auto read = [text = std::move(*text)] { return plan::read_mint(text); };
+  auto program = co_await elsewhere(planner, std::move(read));
+  if (!program) co_return tl::unexpected(error_of(program.error(), "text"));
+  auto members = chosen(call, *program);
+  if (!members) co_return tl::unexpected(members.error());
+
+  std::vector<plan::MintAxis> axes;
+  for (std::size_t i = 0; i < members->members.size(); ++i) {
+    auto axis = co_await known_axis(members->numbers[i], *members->members[i].axis);
+    if (!axis) co_return tl::unexpected(axis.error());
+    axes.push_back(std::move(*axis));
+  }
+  auto plan_it = [program = std::move(*program), axes = std::move(axes)] {
+    return plan::plan_mint(program, axes);
+  };
+  auto planned = co_await elsewhere(planner, std::move(plan_it));
+  if (!planned) co_return tl::unexpected(error_of(planned.error(), "text"));
+  if (auto refusal = refusal_to_begin(call)) co_return tl::unexpected(std::move(*refusal));
+
+  if (members->members.empty()) {
+    co_return tl::unexpected(param_error("bad_program", "text", "the program moves nothing"));
+  }
+  call.peer->notify("notify_progress", checked(*members, *planned, call.id));
+  const auto executor = co_await boost::asio::this_coro::executor;
+  const auto run = std::make_shared<MintRun>(executor, std::move(planned->groups),
+                                             std::move(members->members), progress_to(call));
+  const auto failure = co_await MintRun::pass(run);
+  if (failure) co_return tl::unexpected(call_error(failure->error, failure->axis));
+  if (run->report().fault) co_return tl::unexpected(error_of(*run, to_json(*run)));
+  co_return to_json(*run);
+}
+
+}  // namespace tmcld::handlers

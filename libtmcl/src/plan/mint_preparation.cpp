@@ -1,0 +1,128 @@
+#include "tmcl/plan/mint_preparation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "tmcl/plan/ramp_choice.hpp"
+
+namespace tmcl::plan {
+namespace {
+
+namespace ap = axis_parameter;
+
+PathObjection wrong(std::string name, std::string message) {
+  return {std::move(name), std::move(message), {}, {}};
+}
+
+template <class T>
+PathResult<T> as_result(tl::expected<T, TextProblems> read) {
+  return std::move(read).map_error([](TextProblems problems) {
+    return PathObjection{"bad_program", "the program cannot be run", std::move(problems), {}};
+  });
+}
+
+PathResult<Microsteps> target_of(const mint::Move& move, const AxisUnits& axis) {
+  const double there = std::round(move.end * move.scale);
+  const auto* row = find_parameter(axis.parameters(), ap::target_position);
+  if (row == nullptr || !(there >= row->minimum && there <= row->maximum)) {
+    return tl::unexpected(wrong(
+        "out_of_range", fmt::format("line {} moves {} to {:.0f} microsteps, where it cannot go",
+                                    move.line, axis.axis, there)));
+  }
+  const Microsteps target{static_cast<std::int32_t>(there)};
+  const auto too_far =
+      axis.limits ? beyond(*axis.limits, target, axis.limits_scale()) : std::nullopt;
+  if (!too_far) return target;
+  return tl::unexpected(
+      wrong("beyond_soft_limit",
+            fmt::format("line {} moves {} too far: {}", move.line, axis.axis, describe(*too_far))));
+}
+
+PathResult<RampChoice> ramp_of(const mint::Move& move, const AxisUnits& axis) {
+  const auto& profile = *move.profile;
+  const RampRequest wish{{profile.speed * move.scale},
+                         {profile.acceleration * move.scale},
+                         {profile.deceleration * move.scale}};
+  return choose_ramp(*axis.model, wish, *axis.module).map_error([&](const RampOutOfReach& error) {
+    return wrong("out_of_range", fmt::format("line {}: {} of {}: {}", move.line,
+                                             error.is_velocity ? "SPEED" : "ACCEL", axis.axis,
+                                             describe(error.error)));
+  });
+}
+
+PathResult<std::size_t> index_of(const mint::Move& move, const std::vector<MintAxis>& axes) {
+  const auto axis = std::ranges::find(axes, move.axis, &MintAxis::number);
+  if (axis == axes.end()) {
+    auto objection =
+        wrong("missing_axis",
+              fmt::format("line {} moves axis {}: which axis is that?", move.line, move.axis));
+    objection.file_axis = std::to_string(move.axis);
+    return tl::unexpected(std::move(objection));
+  }
+  if (axis->units.model == nullptr || !axis->units.module) {
+    return tl::unexpected(
+        wrong("unknown_units",
+              fmt::format("what the module of {} counts in is not known", axis->units.axis)));
+  }
+  return static_cast<std::size_t>(axis - axes.begin());
+}
+
+/// Nothing for an axis that stands there already.
+PathResult<std::optional<MintDriveMove>> drive_move_of(const mint::Move& move,
+                                                       const std::vector<MintAxis>& axes,
+                                                       std::vector<std::string>& remarks) {
+  using Made = std::optional<MintDriveMove>;
+  const auto axis = index_of(move, axes);
+  if (!axis) return tl::unexpected(axis.error());
+  const auto& units = axes[*axis].units;
+  const auto target = target_of(move, units);
+  if (!target) return tl::unexpected(target.error());
+  if (!move.profile) return Made{};
+  return ramp_of(move, units).map([&](RampChoice ramp) {
+    for (const auto& remark : ramp.remarks)
+      remarks.push_back(fmt::format("line {}: {}", move.line, remark));
+    return Made({*axis, *target, std::move(ramp.settings)});
+  });
+}
+
+}  // namespace
+
+PathResult<mint::Program> read_mint(std::string_view text) { return as_result(mint::read(text)); }
+
+std::vector<unsigned> axes_moved_by(const mint::Program& program) {
+  std::vector<unsigned> moved;
+  for (const auto& statement : program) {
+    const bool moves =
+        statement.keyword == mint::Keyword::movea || statement.keyword == mint::Keyword::mover;
+    for (const auto& value : statement.values)
+      if (moves) moved.push_back(value.axis);
+  }
+  std::ranges::sort(moved);
+  moved.erase(std::ranges::unique(moved).begin(), moved.end());
+  return moved;
+}
+
+PathResult<MintPlan> plan_mint(const mint::Program& program, const std::vector<MintAxis>& axes) {
+  mint::Positions start{};
+  for (const auto& axis : axes) start.at(axis.number) = axis.position.value;
+  const auto run = as_result(mint::dry_run(program, start));
+  if (!run) return tl::unexpected(run.error());
+  MintPlan plan;
+  for (const auto& warning : run->warnings)
+    plan.remarks.push_back(fmt::format("line {}: {}", warning.line, warning.message));
+  for (const auto& group : run->groups) {
+    MintDriveGroup drive{group.line, group.duration, {}};
+    for (const auto& move : group.moves) {
+      auto made = drive_move_of(move, axes, plan.remarks);
+      if (!made) return tl::unexpected(std::move(made.error()));
+      if (*made) drive.moves.push_back(std::move(**made));
+    }
+    plan.groups.push_back(std::move(drive));
+  }
+  return plan;
+}
+
+}  // namespace tmcl::plan

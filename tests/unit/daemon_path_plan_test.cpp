@@ -1,0 +1,131 @@
+// path.plan, and path.run of what it has planned, on simulated modules in virtual time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "unit/journey_bench.hpp"
+
+namespace tmcld::test {
+namespace {
+
+using testing::HasSubstr;
+using tmcl::Command;
+
+constexpr double microsteps_per_mm = 51'200 / 5.0;
+
+class DaemonPathPlan : public testing::Test {
+ protected:
+  json::object plan(const std::string& text, json::object more = {}) {
+    more["text"] = text;
+    return bench.call("path.plan", std::move(more)).value();
+  }
+  static json::object run(const json::object& plan, bool to_start = true) {
+    return {{"plan", plan.at("plan")}, {"to_start", to_start}};
+  }
+  static std::string name_of(const RpcResult& result) {
+    return std::string(result.error().data.at("name").as_string());
+  }
+  double mm(std::string_view axis) {
+    return static_cast<double>(bench.position(axis)) / microsteps_per_mm;
+  }
+  bool has_moved() const {
+    for (const auto command : {Command::MVP, Command::ROR, Command::ROL, Command::SAP})
+      if (!bench.sent(command).empty()) return true;
+    return false;
+  }
+
+  JourneyBench bench{"TMCM-6212", "unit = \"mm\"\nunits_per_revolution = 5\n"};
+};
+
+const std::string corner = "G1 X8 Y4 F1200\nG1 X9 Y2\n";
+
+TEST_F(DaemonPathPlan, WhatWasSaidOfAPathIsWhatIsRun) {
+  const auto planned =
+      plan(corner, {{"axes", {"z", "y"}}, {"file_axes", {"X", "Y"}}, {"points", 4}});
+  EXPECT_FALSE(has_moved());
+  EXPECT_EQ(json::serialize(planned.at("axes")), R"(["z","y"])");
+  const auto& course = planned.at("course").as_object();
+  EXPECT_EQ(course.at("legs"), 2);
+  EXPECT_EQ(course.at("axes").at(1).at("greatest").to_number<double>(), 4);
+  const auto& curve = planned.at("curve").at("positions").as_array();
+  ASSERT_EQ(curve.size(), 5U);
+  EXPECT_NEAR(curve[4].at(0).to_number<double>(), 9, 1e-9);
+  const auto ended = bench.call("path.run", run(planned));
+  ASSERT_TRUE(ended) << ended.error().message;
+  EXPECT_EQ(mm("z"), 9);
+  EXPECT_EQ(mm("y"), 2);
+  EXPECT_EQ(bench.news.front().at("duration_s"), course.at("duration_s"));
+  // Once.
+  EXPECT_EQ(name_of(bench.call("path.run", run(planned))), "no_plan");
+}
+
+TEST_F(DaemonPathPlan, XIsTheAxisOfThisName) {
+  EXPECT_EQ(json::serialize(plan(corner).at("axes")), R"(["x","y"])");
+  EXPECT_EQ(
+      json::serialize(plan(corner, {{"axes", {"z"}}, {"file_axes", json::array{"Y"}}}).at("axes")),
+      R"(["x","z"])");
+  const auto missing = bench.call("path.plan", {{"text", "G1 X1 A5 F600\n"}});
+  ASSERT_FALSE(missing);
+  EXPECT_EQ(name_of(missing), "missing_axis");
+  EXPECT_EQ(missing.error().data.at("file_axis"), "A");
+  const auto run_needs_axes = bench.call("path.run", {{"text", corner}});
+  EXPECT_EQ(name_of(run_needs_axes), "bad_argument");
+}
+
+TEST_F(DaemonPathPlan, OneThatCannotBeIsFoundOutBefore) {
+  const std::pair<std::string, std::string> cases[] = {
+      {"G99\n", "bad_path"}, {"M2\n", "bad_path"}, {"G1 X9999999 F600\n", "out_of_range"}};
+  for (const auto& [text, name] : cases) {
+    const auto result = bench.call("path.plan", {{"text", text}});
+    ASSERT_FALSE(result) << name;
+    EXPECT_EQ(name_of(result), name);
+  }
+  EXPECT_EQ(name_of(bench.call("path.run", {{"plan", 1}})), "no_plan");
+  EXPECT_EQ(name_of(bench.call("path.run", {{"plan", 1}, {"text", corner}})), "bad_argument");
+  EXPECT_FALSE(has_moved());
+}
+
+TEST_F(DaemonPathPlan, AxesAreBroughtToTheStartIfThatIsAskedFor) {
+  const std::string table = "x,y\n3,-2\n6,0\n";
+  EXPECT_EQ(name_of(bench.call("path.run", run(plan(table), false))), "not_at_start");
+  EXPECT_FALSE(has_moved());
+  for (const std::string mode : {"velocity", "position"}) {
+    const auto planned = plan(table, {{"mode", mode}});
+    bench.requests.clear();
+    const auto ended = bench.call("path.run", run(planned));
+    ASSERT_TRUE(ended) << mode << ": " << ended.error().message;
+    EXPECT_EQ(mm("x"), 6);
+    EXPECT_EQ(mm("y"), 0);
+    const auto moves = bench.sent(Command::MVP);
+    ASSERT_GE(moves.size(), 2U);
+    EXPECT_EQ(moves[0].value, 3 * 51'200 / 5);
+    EXPECT_EQ(moves[1].value, -2 * 51'200 / 5);
+  }
+}
+
+TEST_F(DaemonPathPlan, AStopOnTheWayToTheStartStopsAll) {
+  const auto planned = plan("x,y\n300,-200\n301,-200\n");
+  const auto pending = bench.begin("path.run", run(planned));
+  bench.time.run_for(std::chrono::milliseconds(500));
+  EXPECT_EQ(bench.news.back().at("phase"), "approaching");
+  ASSERT_TRUE(bench.call("path.stop", {{"axes", {"x"}}}));
+  const auto ended = bench.end_of(pending);
+  ASSERT_FALSE(ended);
+  EXPECT_EQ(name_of(ended), "stopped");
+  EXPECT_LT(mm("x"), 300);
+  EXPECT_EQ(bench.get("x", 3), 0);
+  EXPECT_EQ(bench.get("y", 3), 0);
+}
+
+TEST_F(DaemonPathPlan, SettingsThatHaveChangedMakeAPlanUseless) {
+  const auto planned = plan(corner);
+  ASSERT_TRUE(bench.call("parameter.set", {{"axis", "y"}, {"parameter", 4}, {"value", 1000}}));
+  bench.requests.clear();
+  const auto refused = bench.call("path.run", run(planned));
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(name_of(refused), "no_plan");
+  EXPECT_THAT(refused.error().message, HasSubstr("settings of y have changed"));
+  EXPECT_FALSE(has_moved());
+}
+
+}  // namespace
+}  // namespace tmcld::test
