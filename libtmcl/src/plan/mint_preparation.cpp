@@ -92,16 +92,14 @@ PathResult<std::optional<MintDriveMove>> drive_move_of(const mint::Move& move,
 
 PathResult<mint::Program> read_mint(std::string_view text) { return as_result(mint::read(text)); }
 
-std::vector<unsigned> axes_moved_by(const mint::Program& program) {
-  std::vector<unsigned> moved;
+std::set<unsigned> axes_moved_by(const mint::Program& program) {
+  std::set<unsigned> moved;
   for (const auto& statement : program) {
     const bool moves =
         statement.keyword == mint::Keyword::movea || statement.keyword == mint::Keyword::mover;
     for (const auto& value : statement.values)
-      if (moves) moved.push_back(value.axis);
+      if (moves) moved.insert(value.axis);
   }
-  std::ranges::sort(moved);
-  moved.erase(std::ranges::unique(moved).begin(), moved.end());
   return moved;
 }
 

@@ -2,6 +2,7 @@
 /// is to be found out, and found wrong, before anything moves.
 #pragma once
 
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,8 +16,8 @@ namespace tmcl::plan {
 /// Objections: bad_program.
 PathResult<mint::Program> read_mint(std::string_view text);
 
-/// The numbers of the axes that the program moves, the least first.
-std::vector<unsigned> axes_moved_by(const mint::Program& program);
+/// The numbers of the axes that the program moves.
+std::set<unsigned> axes_moved_by(const mint::Program& program);
 
 /// What is known of an axis, however it is reached.
 struct MintAxis {
