@@ -24,7 +24,8 @@ class Conversations {
 
   Framing framing() const { return framing_; }
   Conversation& with(ModuleAddress address) {
-    return all_.try_emplace(reply_byte(address), Conversation{address}).first->second;
+    if (auto* known = find(reply_byte(address))) return *known;
+    return all_.emplace(reply_byte(address), Conversation{address}).first->second;
   }
   /// Null if no request ever went to it.
   Conversation* find(std::uint8_t module) {
