@@ -10,6 +10,7 @@
 
 #include "async/spawn.hpp"
 #include "async/wait_until.hpp"
+#include "fronts/descriptors.hpp"
 #include "gateway/ending.hpp"
 #include "log/log.hpp"
 #include "tmcl/timer.hpp"
@@ -43,7 +44,8 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(const Config& 
   std::unique_ptr<Daemon> daemon(new Daemon);
   const auto executor = daemon->context_.get_executor();
   daemon->gateway_ = Gateway::create(executor, config, {open_link, log});
-  daemon->server_ = std::make_shared<UnixServer>(executor, std::move(*file), daemon->gateway_);
+  daemon->server_ = std::make_shared<UnixServer>(executor, std::move(*file), daemon->gateway_,
+                                                 make_room_for_clients(config.buses.size()));
   return daemon;
 }
 

@@ -1,12 +1,9 @@
 // tmcld: see command_line.cpp for what it says of itself.
-#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
 #include <string>
-
-#include <sys/resource.h>
 
 #include "command_line.hpp"
 #include "config/load.hpp"
@@ -51,20 +48,14 @@ int check(const Config& config) {
   return exit_code::ok;
 }
 
-// The usual limit would leave no descriptors for buses once there are many clients.
-void allow_enough_descriptors() {
-  constexpr rlim_t wanted = max_clients + 4 * max_buses + 64;
-  rlimit limit{};
-  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0 || limit.rlim_cur >= wanted) return;
-  limit.rlim_cur = std::min(wanted, limit.rlim_max);
-  ::setrlimit(RLIMIT_NOFILE, &limit);
+[[noreturn]] void end_at_once(int code) {
+  end_log();
+  std::_Exit(code);
 }
 
 int serve(const Config& config) {
-  start_log(config.daemon.log_level);
   // A peer that has gone is an error value of the write, not the end of the daemon.
   std::signal(SIGPIPE, SIG_IGN);
-  allow_enough_descriptors();
   auto daemon = Daemon::create(config);
   if (!daemon) {
     log(LogLevel::error, daemon.error());
@@ -76,7 +67,7 @@ int serve(const Config& config) {
   const int code = (*daemon)->run() ? exit_code::ok : exit_code::runtime_failure;
   log(LogLevel::info, "ended");
   // Opening a link cannot be called back; nothing else is left to be done, so nobody waits for it.
-  if ((*daemon)->is_opening_links()) std::_Exit(code);
+  if ((*daemon)->is_opening_links()) end_at_once(code);
   return code;
 }
 
@@ -89,10 +80,13 @@ int main(int argc, char** argv) {
   const auto config = load_config(command_line.config_file);
   if (!config) return report(config.error());
   if (command_line.only_check) return check(*config);
+  start_log(config->daemon.log_level);
+  int code = exit_code::runtime_failure;
   try {
-    return serve(*config);
+    code = serve(*config);
   } catch (...) {  // nothing was served yet, or nothing is any more
     log_failure(tmcld::log, "tmcld", std::current_exception());
-    return exit_code::runtime_failure;
   }
+  if (!end_log()) std::_Exit(code);
+  return code;
 }

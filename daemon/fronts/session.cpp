@@ -25,13 +25,14 @@ constexpr tmcl::Duration hang_up_check_interval = std::chrono::milliseconds(200)
 
 static_assert(max_unsent_answers >= 2 * max_requests_in_flight);
 
-boost::json::object hello() {
+boost::json::object hello(Session::Serves serves) {
   boost::json::object protocol;
   protocol["major"] = 1;
   protocol["minor"] = 0;
   boost::json::object params;
   params["protocol"] = std::move(protocol);
   params["daemon"] = TMCL_VERSION;
+  if (serves == Session::Serves::stops) params["serves"] = "stops";
   return params;
 }
 
@@ -42,11 +43,20 @@ RpcError too_many_requests() {
                    "wait for answers before sending more");
 }
 
+RpcError too_many_clients() {
+  return rpc_error(rpc_code::overload, "too_many_clients",
+                   "tmcld has as many clients as it can serve: this connection takes stops only",
+                   "end programs that do not need their connection any more; how many tmcld can "
+                   "serve is limited by 'ulimit -n', too");
+}
+
 }  // namespace
 
-Session::Session(Socket socket, std::shared_ptr<Gateway> gateway, std::function<void()> on_closed)
+Session::Session(Socket socket, std::shared_ptr<Gateway> gateway, Serves serves,
+                 std::function<void()> on_closed)
     : socket_(std::move(socket)),
       gateway_(std::move(gateway)),
+      serves_(serves),
       on_closed_(std::move(on_closed)),
       lines_(max_line_bytes),
       output_(socket_.get_executor()),
@@ -54,7 +64,7 @@ Session::Session(Socket socket, std::shared_ptr<Gateway> gateway, std::function<
       notifications_(gateway_, [this] { output_.notify(); }) {}
 
 void Session::start() {
-  outbox_.push_answer(notification_line("hello", hello()));
+  outbox_.push_answer(notification_line("hello", hello(serves_)));
   const auto on_failure = [self = shared_from_this()](const auto& failure) { self->fail(failure); };
   spawn(socket_.get_executor(), write(shared_from_this()), on_failure);
   spawn(socket_.get_executor(), read(shared_from_this()), on_failure);
@@ -122,6 +132,8 @@ void Session::on_line(std::optional<std::string_view> line) {
 
 void Session::begin(RpcRequest request) {
   const bool stops = request.method->effect == tmcl::Effect::stops;
+  if (serves_ == Serves::stops && !stops)
+    return answer(request.id, tl::unexpected(too_many_clients()));
   auto& in_flight = stops ? stops_in_flight_ : calls_in_flight_;
   if (in_flight >= max_requests_in_flight) {
     return answer(request.id, tl::unexpected(too_many_requests()));
@@ -162,7 +174,8 @@ awaitable<void> Session::serve(std::shared_ptr<Session> self, RpcRequest request
 void Session::answer(const boost::json::value& id, RpcResult result, tmcl::Effect effect) {
   if (closed_) return;
   if (!outbox_.push_answer(answer_line(id, std::move(result), effect))) {
-    gateway_->log(LogLevel::warning, "a client was cut off: it does not read its answers");
+    gateway_->log_often("cut off", LogLevel::warning,
+                        "a client was cut off: it does not read its answers");
     return close();
   }
   output_.notify();

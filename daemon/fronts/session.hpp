@@ -37,13 +37,17 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
  public:
   using Socket = boost::asio::local::stream_protocol::socket;
 
-  Session(Socket socket, std::shared_ptr<Gateway> gateway, std::function<void()> on_closed);
+  enum class Serves : std::uint8_t { all, stops };
+
+  Session(Socket socket, std::shared_ptr<Gateway> gateway, Serves serves,
+          std::function<void()> on_closed);
 
   /// Says hello and begins to read; returns at once.
   void start();
   /// Reads no more, and closes when everything in progress has been answered.
   void finish();
   void close();
+  bool has_calls_in_flight() const { return calls_in_flight_ > 0 || stops_in_flight_ > 0; }
 
   void notify(std::string_view method, boost::json::object params) override;
   bool is_gone() const override { return closed_; }
@@ -67,11 +71,11 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   /// anything.
   void fail(const std::exception_ptr& failure);
   bool has_output() const;
-  bool has_calls_in_flight() const { return calls_in_flight_ > 0 || stops_in_flight_ > 0; }
   std::string take_output();
 
   Socket socket_;
   std::shared_ptr<Gateway> gateway_;
+  Serves serves_;
   std::function<void()> on_closed_;
   LineBuffer lines_;
   Outbox outbox_;

@@ -1,5 +1,6 @@
 #include "fronts/unix_server.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 #include <vector>
@@ -14,16 +15,19 @@ using boost::asio::awaitable;
 using boost::asio::redirect_error;
 using boost::asio::use_awaitable;
 
+// Between looks at whether all who have a place for stops have been answered.
+constexpr auto place_look_interval = std::chrono::milliseconds(10);
 // With no descriptors left, accepting fails at once and for ever: not so often, then.
 constexpr auto pause_after_failure = std::chrono::milliseconds(100);
 
 }  // namespace
 
 UnixServer::UnixServer(const boost::asio::any_io_executor& executor, SocketFile file,
-                       std::shared_ptr<Gateway> gateway)
+                       std::shared_ptr<Gateway> gateway, std::size_t clients)
     : acceptor_(executor, Protocol(), file.release_descriptor()),
       file_(std::move(file)),
-      gateway_(std::move(gateway)) {}
+      gateway_(std::move(gateway)),
+      most_clients_(clients) {}
 
 void UnixServer::start() { spawn(acceptor_.get_executor(), accept(shared_from_this())); }
 
@@ -48,6 +52,7 @@ awaitable<void> UnixServer::accept(std::shared_ptr<UnixServer> self) {
     boost::system::error_code error;
     auto socket = co_await self->acceptor_.async_accept(redirect_error(use_awaitable, error));
     if (!error) {
+      if (self->is_full()) co_await self->make_place_for_stop();
       self->take_in(std::move(socket));
       continue;
     }
@@ -56,17 +61,37 @@ awaitable<void> UnixServer::accept(std::shared_ptr<UnixServer> self) {
   }
 }
 
-void UnixServer::take_in(Protocol::socket socket) {
-  if (sessions_.size() >= max_clients) {
-    gateway_->log(LogLevel::warning, "a client was turned away: there are too many");
-    return;
+awaitable<void> UnixServer::make_place_for_stop() {
+  gateway_->log_often("full", LogLevel::warning,
+                      "there are " + std::to_string(most_clients_) +
+                          " clients: whoever comes now can only stop axes");
+  while (is_full() && for_stops_.size() >= places_for_stops && acceptor_.is_open()) {
+    const auto now = gateway_->clock().now();
+    const auto place = std::ranges::find_if(for_stops_, [&](const PlaceForStops& one) {
+      return !sessions_.at(one.id)->has_calls_in_flight();
+    });
+    if (place == for_stops_.end()) {
+      co_await rest(place_look_interval);
+    } else if (now < place->since + time_to_ask) {
+      co_await rest(place->since + time_to_ask - now);
+    } else {
+      // It takes itself off the lists.
+      const auto session = sessions_.at(place->id);
+      session->close();
+    }
   }
+}
+
+void UnixServer::take_in(Protocol::socket socket) {
   const auto id = ++last_id_;
+  const auto serves = is_full() ? Session::Serves::stops : Session::Serves::all;
+  if (serves == Session::Serves::stops) for_stops_.push_back({id, gateway_->clock().now()});
   auto session =
-      std::make_shared<Session>(std::move(socket), gateway_, [weak = weak_from_this(), id] {
-        if (const auto self = weak.lock()) {
-          self->sessions_.erase(id);
-        }
+      std::make_shared<Session>(std::move(socket), gateway_, serves, [weak = weak_from_this(), id] {
+        const auto self = weak.lock();
+        if (!self) return;
+        self->sessions_.erase(id);
+        std::erase_if(self->for_stops_, [&](const PlaceForStops& one) { return one.id == id; });
       });
   sessions_.emplace(id, session);
   session->start();

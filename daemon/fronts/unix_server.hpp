@@ -1,7 +1,9 @@
 /// Takes in clients on the unix socket.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
+#include <deque>
 #include <map>
 #include <memory>
 #include <string>
@@ -17,11 +19,17 @@
 namespace tmcld {
 
 constexpr std::size_t max_clients = 1024;
+/// Connections beside those of the clients, for stops and nothing else: whoever comes while there
+/// are enough clients gets one.
+constexpr std::size_t places_for_stops = 16;
+/// So long whoever has such a place can ask before somebody else may get it.
+constexpr tmcl::Duration time_to_ask = std::chrono::milliseconds(50);
 
+/// At most `clients` clients, and places_for_stops.
 class UnixServer : public std::enable_shared_from_this<UnixServer> {
  public:
   UnixServer(const boost::asio::any_io_executor& executor, SocketFile file,
-             std::shared_ptr<Gateway> gateway);
+             std::shared_ptr<Gateway> gateway, std::size_t clients = max_clients);
 
   void start();
   /// Takes in no more clients and removes the socket.
@@ -36,11 +44,21 @@ class UnixServer : public std::enable_shared_from_this<UnixServer> {
 
   static boost::asio::awaitable<void> accept(std::shared_ptr<UnixServer> self);
   void take_in(Protocol::socket socket);
+  bool is_full() const { return sessions_.size() - for_stops_.size() >= most_clients_; }
+  /// Until there is a place for stops: the client that has had one for longest without asking for
+  /// anything gives it up.
+  boost::asio::awaitable<void> make_place_for_stop();
 
   Protocol::acceptor acceptor_;
   SocketFile file_;
   std::shared_ptr<Gateway> gateway_;
+  std::size_t most_clients_;
   std::map<std::uint64_t, std::shared_ptr<Session>> sessions_;
+  struct PlaceForStops {
+    std::uint64_t id;
+    tmcl::TimePoint since;
+  };
+  std::deque<PlaceForStops> for_stops_;  ///< Of those, the oldest first.
   std::uint64_t last_id_ = 0;
 };
 

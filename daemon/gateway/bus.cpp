@@ -117,9 +117,11 @@ void GatewayBus::report_failure(const tmcl::Error& error) {
   auto why = error.message + (error.hint.empty() ? "" : "; " + error.hint);
   if (why == error_) return;
   error_ = std::move(why);
-  if (const auto held_back = log_limiter_.admit(clock_.now())) {
-    log(LogLevel::warning, config_.name + ": cannot be opened: " + error_);
-  }
+  log(LogLevel::warning, config_.name + ": cannot be opened: " + error_);
+}
+
+void GatewayBus::log(LogLevel level, const std::string& line) {
+  if (const auto admitted = log_limiter_.admit(line, clock_.now())) log_(level, *admitted);
 }
 
 void GatewayBus::attach(tmcl::Link link) {
@@ -185,13 +187,10 @@ void GatewayBus::emit(GatewayEvent event) {
   const bool good = event.kind == GatewayEvent::Kind::target_reached ||
                     event.kind == GatewayEvent::Kind::link_restored ||
                     event.kind == GatewayEvent::Kind::module_answers;
-  if (const auto held_back = log_limiter_.admit(clock_.now())) {
-    auto line = event.bus + ": " + std::string(name_of(event.kind));
-    if (event.address) line += " (module " + std::to_string(*event.address) + ")";
-    if (!event.text.empty()) line += ": " + event.text;
-    if (*held_back > 0) line += " (" + std::to_string(*held_back) + " lines held back before)";
-    log(good ? LogLevel::info : LogLevel::warning, line);
-  }
+  auto line = event.bus + ": " + std::string(name_of(event.kind));
+  if (event.address) line += " (module " + std::to_string(*event.address) + ")";
+  if (!event.text.empty()) line += ": " + event.text;
+  log(good ? LogLevel::info : LogLevel::warning, line);
   if (on_event_) on_event_(event);
 }
 

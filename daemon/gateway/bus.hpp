@@ -113,7 +113,8 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   // For the parts of this bus.
   /// Tells everyone.
   void emit(GatewayEvent event);
-  void log(LogLevel level, std::string_view line) const { log_(level, line); }
+  /// Not more often than a LogLimiter allows.
+  void log(LogLevel level, const std::string& line);
 
  private:
   /// What a verb does, and what became of it so far.

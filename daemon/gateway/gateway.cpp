@@ -86,8 +86,18 @@ void Gateway::join() {
   planner.join();
 }
 
+void Gateway::log_often(std::string_view cause, LogLevel level, std::string line) {
+  auto limiter = limiters_.find(cause);
+  if (limiter == limiters_.end()) limiter = limiters_.try_emplace(std::string(cause)).first;
+  const auto admitted = limiter->second.admit(std::move(line), clock_.now());
+  if (admitted) log(level, *admitted);
+}
+
 void Gateway::log_failure(std::string_view where, const std::exception_ptr& failure) {
-  if (failures_.admit(clock_.now())) tmcld::log_failure(options_.log, where, failure);
+  const LogSink often = [this](LogLevel level, std::string_view line) {
+    log_often("failure", level, std::string(line));
+  };
+  tmcld::log_failure(often, where, failure);
 }
 
 GatewayBus* Gateway::find_bus(std::string_view name) const {

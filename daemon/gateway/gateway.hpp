@@ -93,8 +93,10 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   std::multiset<std::string> uploads;
 
   void log(LogLevel level, std::string_view line) const { options_.log(level, line); }
-  /// A line about an exception, unless there were many: a client may be able to bring them about as
-  /// often as it likes.
+  /// A line that clients may be able to bring about as often as they like: not more of one cause
+  /// than a LogLimiter allows.
+  void log_often(std::string_view cause, LogLevel level, std::string line);
+  /// Such a line about an exception.
   void log_failure(std::string_view where, const std::exception_ptr& failure);
 
   UploadBuffer image_upload;
@@ -112,7 +114,7 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
 
   tmcl::ContextClock clock_;
   GatewayOptions options_;
-  LogLimiter failures_;
+  std::map<std::string, LogLimiter, std::less<>> limiters_;  ///< By cause; few.
   std::shared_ptr<Arrivals> arrivals_ = std::make_shared<Arrivals>();
   std::vector<std::shared_ptr<GatewayBus>> buses_;
   std::vector<std::shared_ptr<GatewayAxis>> axes_;  ///< The configured ones first.

@@ -1,9 +1,11 @@
-/// Keeps a noisy bus from filling a disk with log lines.
+/// Keeps what happens again and again, on a bus or at the door, from filling a disk with log lines.
 #pragma once
 
 #include <chrono>
 #include <cstdint>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "tmcl/clock.hpp"
 
@@ -15,9 +17,9 @@ class LogLimiter {
   static constexpr std::uint32_t lines_per_period = 10;
   static constexpr tmcl::Duration period = std::chrono::seconds(10);
 
-  /// Nothing if this line must not be written; otherwise how many were held back since the last
-  /// one that was.
-  std::optional<std::uint64_t> admit(tmcl::TimePoint now) {
+  /// The line, and how many were held back since the last one that was written; nothing if it must
+  /// not be written.
+  std::optional<std::string> admit(std::string line, tmcl::TimePoint now) {
     if (!began_ || now - *began_ >= period) {
       began_ = now;
       written_ = 0;
@@ -27,9 +29,9 @@ class LogLimiter {
       return std::nullopt;
     }
     ++written_;
-    const auto held_back = held_back_;
-    held_back_ = 0;
-    return held_back;
+    if (const auto held_back = std::exchange(held_back_, 0))
+      line += " (" + std::to_string(held_back) + " lines held back before)";
+    return line;
   }
 
  private:

@@ -1,5 +1,11 @@
 #include "log/log.hpp"
 
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <thread>
+
+#include <spdlog/async.h>
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
@@ -16,18 +22,53 @@ spdlog::level::level_enum to_spdlog(LogLevel level) {
   return spdlog::level::info;
 }
 
+// As many as an ending daemon writes, many times over; then the oldest are left out.
+constexpr std::size_t most_waiting_lines = 1024;
+constexpr tmcl::Duration time_for_log = std::chrono::milliseconds(300);
+
+void note_left_out() {
+  const auto pool = spdlog::thread_pool();
+  static std::size_t told = 0;
+  if (!pool || pool->overrun_counter() == told || pool->queue_size() > 0) return;
+  const auto left_out = pool->overrun_counter() - told;
+  told += left_out;
+  spdlog::warn("{} lines were left out: nobody read them in time", left_out);
+}
+
 }  // namespace
 
+// A thread of its own writes: whoever does not read standard error keeps nobody but that one.
 void start_log(LogLevel level) {
-  // One thread writes, apart from the library itself: no lock is needed.
-  auto logger = spdlog::stderr_color_st("tmcld");
+  spdlog::init_thread_pool(most_waiting_lines, 1);
+  auto logger = spdlog::create_async_nb<spdlog::sinks::stderr_color_sink_mt>("tmcld");
   logger->set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
   logger->set_level(to_spdlog(level));
   spdlog::set_default_logger(std::move(logger));
 }
 
+bool end_log() {
+  struct Written {
+    std::mutex mutex;
+    std::condition_variable changed;
+    bool all = false;
+  };
+  const auto written = std::make_shared<Written>();
+  // Waits for ever if nobody reads.
+  std::thread([written] {
+    spdlog::shutdown();
+    const std::lock_guard lock(written->mutex);
+    written->all = true;
+    written->changed.notify_one();
+  }).detach();
+  std::unique_lock lock(written->mutex);
+  return written->changed.wait_for(lock, time_for_log, [&] { return written->all; });
+}
+
 void silence_log() { spdlog::set_level(spdlog::level::off); }
 
-void log(LogLevel level, std::string_view line) { spdlog::log(to_spdlog(level), "{}", line); }
+void log(LogLevel level, std::string_view line) {
+  note_left_out();
+  spdlog::log(to_spdlog(level), "{}", line);
+}
 
 }  // namespace tmcld

@@ -1,4 +1,6 @@
-/// The daemon's log: lines on standard error. Hides the logging library, which is slow to compile.
+/// The daemon's log: lines on standard error. Nobody waits until they are written: a bounded number
+/// of them waits, the oldest are left out then, and how many is told later. Hides the logging
+/// library, which is slow to compile.
 #pragma once
 
 #include <string_view>
@@ -9,6 +11,9 @@ namespace tmcld {
 
 /// Call once, before the first line.
 void start_log(LogLevel level);
+/// Call once, after the last line: waits a moment until all are written. False if they could not
+/// be, because nobody reads them; then the process can only end by std::_Exit().
+bool end_log();
 /// Takes the place of start_log() where nothing shall be written, as in tests.
 void silence_log();
 

@@ -1,6 +1,5 @@
 #include "log/sink.hpp"
 
-#include <cstdio>
 #include <new>
 #include <string>
 
@@ -20,11 +19,9 @@ const char* what_of(const std::exception_ptr& failure) noexcept {
 
 void log_failure(const LogSink& log, std::string_view where,
                  const std::exception_ptr& failure) noexcept {
-  const auto* what = what_of(failure);
   try {
-    log(LogLevel::error, "internal error in " + std::string(where) + ": " + what);
-  } catch (...) {
-    std::fprintf(stderr, "internal error: %s\n", what);
+    log(LogLevel::error, "internal error in " + std::string(where) + ": " + what_of(failure));
+  } catch (...) {  // not even memory for a line; and nobody may wait for standard error
   }
 }
 

@@ -100,11 +100,11 @@ TEST(DaemonLogLimiter, LetsSoManyLinesPassAndSaysHowManyDidNot) {
   tmcl::VirtualClock clock;
   clock.advance(std::chrono::hours(1));
   unsigned admitted = 0;
-  for (int i = 0; i < 1000; ++i) admitted += limiter.admit(clock.now()) ? 1U : 0U;
+  for (int i = 0; i < 1000; ++i) admitted += limiter.admit("a", clock.now()) ? 1U : 0U;
   EXPECT_EQ(admitted, LogLimiter::lines_per_period);
   clock.advance(LogLimiter::period);
-  EXPECT_EQ(limiter.admit(clock.now()), 1000U - LogLimiter::lines_per_period);
-  EXPECT_EQ(limiter.admit(clock.now()), 0U);
+  EXPECT_EQ(limiter.admit("b", clock.now()), "b (990 lines held back before)");
+  EXPECT_EQ(limiter.admit("c", clock.now()), "c");
 }
 
 }  // namespace

@@ -1,0 +1,34 @@
+#include "fronts/descriptors.hpp"
+
+#include <algorithm>
+
+#include <sys/resource.h>
+
+#include "fronts/unix_server.hpp"
+
+namespace tmcld {
+namespace {
+
+// A link, its lock, and both again while the next one is opened before the last one is closed.
+constexpr std::size_t descriptors_of_a_bus = 4;
+// Standard input and output, the reactor, signals, the socket, a client that waits for a place, and
+// some to spare for what the libraries of the system open.
+constexpr std::size_t descriptors_of_the_daemon = 24;
+
+}  // namespace
+
+std::size_t make_room_for_clients(std::size_t buses) {
+  const auto others = descriptors_of_the_daemon + descriptors_of_a_bus * buses + places_for_stops;
+  rlimit limit{};
+  if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return max_clients;
+  const auto wanted = static_cast<rlim_t>(max_clients + others);
+  if (limit.rlim_cur < wanted) {
+    limit.rlim_cur = std::min(wanted, limit.rlim_max);
+    ::setrlimit(RLIMIT_NOFILE, &limit);
+    ::getrlimit(RLIMIT_NOFILE, &limit);
+  }
+  const auto allowed = static_cast<std::size_t>(std::min(limit.rlim_cur, wanted));
+  return allowed > others ? allowed - others : 0;
+}
+
+}  // namespace tmcld

@@ -1,0 +1,13 @@
+/// How many clients the descriptors of this process are enough for.
+#pragma once
+
+#include <cstddef>
+
+namespace tmcld {
+
+/// Raises the limit of descriptors as far as clients and `buses` need and the system allows, and
+/// gives how many clients may be connected then: max_clients, or fewer. What buses need to be
+/// opened again and the places for stops are kept free; if that is all there is, it gives 0.
+std::size_t make_room_for_clients(std::size_t buses);
+
+}  // namespace tmcld
