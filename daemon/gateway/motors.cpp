@@ -144,13 +144,22 @@ void Motors::end(const Request& request) {
 }
 
 void Motors::note_moved(const Request& request) {
-  if (!can_move(request) || knows_no_motor(request)) return;
-  for (const auto motor : motors_of(request))
-    if (!is_axis(motor) && others_moved_.size() < most_other_motors) others_moved_.insert(motor);
+  if (!can_move(request)) return;
+  for (const auto& [address, motor] : motors_)
+    if (!motor.axis.empty() && can_move(request, address)) moved_.insert(address);
+  if (knows_no_motor(request)) return;
+  const auto others = std::ranges::count_if(moved_, [&](auto motor) { return !is_axis(motor); });
+  if (static_cast<std::size_t>(others) < most_other_motors) moved_.merge(motors_of(request));
+}
+
+bool Motors::may_move(AxisAddress motor) const {
+  return moved_.contains(motor) || claimant_of(motor).by != Mover::nobody ||
+         std::ranges::any_of(on_their_way_,
+                             [&](const Request& request) { return can_move(request, motor); });
 }
 
 std::set<AxisAddress> Motors::others_that_may_move() const {
-  auto others = others_moved_;
+  auto others = moved_;
   for (const auto& request : on_their_way_) others.merge(motors_of(request));
   std::erase_if(others, [&](AxisAddress motor) { return is_axis(motor); });
   return others;
@@ -204,7 +213,7 @@ void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answ
                   Claimant before) {
   const AxisAddress motor{request.address, request.motor};
   if (answer || answer.error().outcome == tmcl::Outcome::unknown) note_moved(request);
-  if (answer && request.command == Command::MST) others_moved_.erase(motor);
+  if (answer && request.command == Command::MST) moved_.erase(motor);
   if (request.command != Command::RFS) return;
   switch (static_cast<Search>(request.type)) {
     case Search::start: {

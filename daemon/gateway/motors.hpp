@@ -119,6 +119,8 @@ class Motors {
   /// Motors without an axis that requests have moved since they were stopped, or can move that are
   /// on their way. Of those that have moved, most_other_motors are known.
   std::set<tmcl::AxisAddress> others_that_may_move() const;
+  /// As far as is known: something that can move it has gone out since it was stopped last.
+  bool may_move(tmcl::AxisAddress motor) const;
 
   /// Learns from what goes past whether reference searches run: `before` it was sent, the motor
   /// was claimed like this.
@@ -144,7 +146,7 @@ class Motors {
   std::shared_ptr<Arrivals> arrivals_;
   std::map<tmcl::AxisAddress, Motor> motors_;
   std::vector<tmcl::Request> on_their_way_;
-  std::set<tmcl::AxisAddress> others_moved_;
+  std::set<tmcl::AxisAddress> moved_;  ///< Since they were stopped; axes and others.
   /// Of motors that are not in the map, it is not known any better.
   std::uint64_t last_stop_of_others_ = 0;
 };

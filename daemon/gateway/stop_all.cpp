@@ -1,7 +1,9 @@
 #include "gateway/stop_all.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <tuple>
 #include <utility>
 
 #include "async/gather.hpp"
@@ -17,6 +19,8 @@ struct Target {
   tmcl::AxisAddress motor;
   std::shared_ptr<GatewayAxis> axis;  ///< Null where there is none for the motor.
   std::string name;
+  std::size_t place = 0;  ///< In the list of all targets of its bus.
+  std::tuple<bool, bool, std::size_t> turn{};
 };
 
 std::set<tmcl::AxisAddress> other_motors(const Gateway& gateway, const GatewayBus& bus) {
@@ -78,15 +82,31 @@ awaitable<Reports> stop_each(std::vector<Target> targets) {
   co_return reports;
 }
 
+/// Those that may move first, and modules in turn; behind all others those that delay them.
+void put_in_order(std::vector<Target>& targets) {
+  std::map<std::pair<bool, tmcl::ModuleAddress>, std::size_t> turns;
+  for (std::size_t place = 0; place < targets.size(); ++place) {
+    auto& target = targets[place];
+    const bool may_wait = !target.bus->motors().may_move(target.motor);
+    target.place = place;
+    target.turn = {delays_others(target), may_wait, turns[{may_wait, target.motor.module}]++};
+  }
+  std::ranges::stable_sort(targets, {}, &Target::turn);
+}
+
+/// The reports come in the order of the targets.
 awaitable<Reports> stop_bus(std::vector<Target> targets) {
-  const auto first = std::stable_partition(
-      targets.begin(), targets.end(), [](const Target& target) { return !delays_others(target); });
-  std::vector<Target> delaying(first, targets.end());
-  targets.erase(first, targets.end());
-  auto reports = co_await stop_each(std::move(targets));
-  auto late = co_await stop_each(std::move(delaying));
+  put_in_order(targets);
+  const auto first_delaying = std::ranges::find_if(targets, delays_others);
+  const std::vector<Target> first(targets.begin(), first_delaying);
+  const std::vector<Target> last(first_delaying, targets.end());
+  auto reports = co_await stop_each(first);
+  auto late = co_await stop_each(last);
   reports.insert(reports.end(), late.begin(), late.end());
-  co_return reports;
+  Reports in_place(reports.size());
+  for (std::size_t i = 0; i < reports.size(); ++i)
+    in_place[targets[i].place] = std::move(reports[i]);
+  co_return in_place;
 }
 
 }  // namespace

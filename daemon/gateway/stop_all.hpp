@@ -18,8 +18,10 @@ struct StopReport {
 };
 
 /// Stops all axes, every other motor of their modules, and motors that raw commands have moved. All
-/// of them lose the right to move before the first stop is on its way. Nobody waits for a module
-/// that was silent before: on a serial line it is told when all others were.
+/// of them lose the right to move before the first stop is on its way. Each takes one exchange,
+/// those that may move first and modules in turn; an axis that searches its reference takes one
+/// more, behind all others. Nobody waits for a module that was silent before: on a serial line it
+/// is told when all others were.
 boost::asio::awaitable<std::vector<StopReport>> stop_all(std::shared_ptr<Gateway> gateway);
 
 }  // namespace tmcld
