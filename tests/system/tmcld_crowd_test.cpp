@@ -1,5 +1,8 @@
 // However many clients there are and whatever they do: a stop finds its way.
+#include <algorithm>
+#include <atomic>
 #include <chrono>
+#include <iostream>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -17,8 +20,12 @@ namespace tmcl::test {
 namespace {
 
 using namespace std::chrono_literals;
+using testing::HasSubstr;
+using Clock = std::chrono::steady_clock;
 
 constexpr int most_clients = 1024;
+
+double ms(Clock::duration time) { return std::chrono::duration<double, std::milli>(time).count(); }
 
 class TmcldCrowd : public TmcldTest {
  protected:
@@ -82,6 +89,20 @@ TEST_F(TmcldCrowd, WithFewDescriptorsLeavesSomeForStopsAndForTheBus) {
   expect_that_tmclctl_stops("y");
 }
 
+TEST_F(TmcldCrowd, OrADaemonThatDoesNotAnswerLeavesNobodyWithoutAnAnswerAfterASecond) {
+  start_daemon();
+  daemon->signal(SIGSTOP);
+  const auto asked = Clock::now();
+  Program stop({"tmclctl", "--socket", socket(), "stop", "y"});
+  EXPECT_EQ(stop.wait(), 3) << stop.output();
+  const auto took = Clock::now() - asked;
+  EXPECT_THAT(stop.output(), HasSubstr("does not greet in time"));
+  EXPECT_LT(took, 5s) << "on a busy machine";
+  std::cout << "told after " << ms(took) << " ms\n";
+  daemon->signal(SIGCONT);
+  RpcClient(socket()).result("axis.list");
+}
+
 TEST_F(TmcldCrowd, AndALogThatNobodyReadsKeepNoStopWaiting) {
   int ends[2];
   ASSERT_EQ(::pipe(ends), 0);
@@ -107,6 +128,74 @@ TEST_F(TmcldCrowd, AndALogThatNobodyReadsKeepNoStopWaiting) {
   daemon->signal(SIGTERM);
   EXPECT_EQ(daemon->wait(), 0);
   ::close(ends[0]);
+}
+
+/// Clients that each have some calls in progress all the time.
+class Flood {
+ public:
+  Flood(const std::string& socket, int clients, int calls_each) {
+    for (int i = 0; i < clients; ++i) {
+      clients_.push_back(std::make_unique<RpcClient>(socket));
+      for (int call = 0; call < calls_each; ++call) ask(i);
+    }
+    thread_ = std::thread([this] { run(); });
+  }
+  ~Flood() {
+    ending_ = true;
+    thread_.join();
+  }
+  std::uint64_t answers() const { return answers_; }
+
+ private:
+  void run() {
+    while (!ending_) {
+      for (int i = 0; i < static_cast<int>(clients_.size()); ++i) {
+        while (clients_[static_cast<std::size_t>(i)]->read_line(0)) {
+          ++answers_;
+          ask(i);
+        }
+      }
+    }
+  }
+  void ask(int client) {
+    auto& to = *clients_[static_cast<std::size_t>(client)];
+    switch (++asked_ % 4) {
+      case 0: to.send("axis.stop", {{"axis", "z"}}); break;
+      case 1: to.send("axis.get_state", {{"axis", "y"}}); break;
+      case 2:
+        to.send("parameter.set",
+                {{"axis", "z"}, {"parameter", 4}, {"value", 100 + static_cast<int>(asked_ % 900)}});
+        break;
+      default:
+        to.send("axis.move_to",
+                {{"axis", "z"}, {"position_microsteps", static_cast<int>(asked_ % 900)}});
+    }
+  }
+
+  std::vector<std::unique_ptr<RpcClient>> clients_;
+  std::uint64_t asked_ = 0;
+  std::atomic<std::uint64_t> answers_ = 0;
+  std::atomic<bool> ending_ = false;
+  std::thread thread_;
+};
+
+TEST_F(TmcldCrowd, OfTwoHundredFloodingClientsLeavesAStopQuick) {
+  constexpr int stops = 200;
+  start_daemon();
+  RpcClient client(socket());
+  Flood flood(socket(), 200, 4);
+  const auto began = Clock::now();
+  std::vector<double> times;
+  for (int i = 0; i < stops; ++i) {
+    const auto asked = Clock::now();
+    client.result("axis.stop", {{"axis", "y"}});
+    times.push_back(ms(Clock::now() - asked));
+  }
+  const auto lasted = std::chrono::duration<double>(Clock::now() - began).count();
+  std::ranges::sort(times);
+  std::cout << "stop beside 200 flooding clients (" << static_cast<double>(flood.answers()) / lasted
+            << " answers/s to them): p50 " << times[stops / 2] << " ms, p99 "
+            << times[stops * 99 / 100] << " ms, max " << times.back() << " ms\n";
 }
 
 }  // namespace

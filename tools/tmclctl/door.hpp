@@ -3,6 +3,7 @@
 
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -47,7 +48,9 @@ class Door {
 };
 
 /// To a running tmcld, which other programs share; `wait` is for a socket that is not there yet.
-Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait, Host& host);
+/// `in_all`: from now on so long everything may take, all calls together; nothing: no such bound.
+Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait, Host& host,
+                                           std::optional<tmcl::Duration> in_all = {});
 
 /// A bus without tmcld.
 struct OwnBus {

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -10,7 +11,10 @@ using tmcl::client::Connection;
 
 class SocketDoor final : public Door {
  public:
-  SocketDoor(std::string path, Host& host) : path_(std::move(path)), host_(host) {}
+  SocketDoor(std::string path, Host& host, std::optional<tmcl::Duration> in_all)
+      : path_(std::move(path)), host_(host) {
+    if (in_all) limit_ = host.now() + *in_all;
+  }
 
   Attempt<void> open(tmcl::Duration wait);
 
@@ -27,8 +31,14 @@ class SocketDoor final : public Door {
   Attempt<void> see_through(bool, Output&) override { return {}; }
 
  private:
+  /// No longer than what is left until the limit.
+  tmcl::Duration bounded(tmcl::Duration time) const {
+    return limit_ ? std::clamp(*limit_ - host_.now(), tmcl::Duration{}, time) : time;
+  }
+
   std::string path_;
   Host& host_;
+  std::optional<tmcl::TimePoint> limit_;
   std::function<void()> meanwhile_;  ///< Of the call in progress.
   std::optional<Connection> daemon_;
   /// For calls that are made meanwhile.
@@ -38,6 +48,7 @@ class SocketDoor final : public Door {
 Attempt<void> SocketDoor::open(tmcl::Duration wait) {
   tmcl::client::Options options;
   options.wait_for_socket = wait;
+  options.hello_timeout = bounded(options.hello_timeout);
   options.cancelled = [this] {
     if (!meanwhile_) return host_.signal() != 0;
     meanwhile_();
@@ -65,15 +76,16 @@ Attempt<boost::json::object> SocketDoor::call(std::string_view method, boost::js
     second_ = std::move(*second);
   }
   meanwhile_ = std::move(options.meanwhile);
-  auto result = attempt(daemon_->call(method, std::move(params), options.timeout));
+  auto result = attempt(daemon_->call(method, std::move(params), bounded(options.timeout)));
   meanwhile_ = {};
   return result;
 }
 
 }  // namespace
 
-Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait, Host& host) {
-  auto door = std::make_unique<SocketDoor>(std::move(path), host);
+Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait, Host& host,
+                                           std::optional<tmcl::Duration> in_all) {
+  auto door = std::make_unique<SocketDoor>(std::move(path), host, in_all);
   return door->open(wait).map([&] { return std::unique_ptr<Door>(std::move(door)); });
 }
 

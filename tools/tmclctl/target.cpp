@@ -40,10 +40,11 @@ void put(boost::json::object& params, std::string_view name, std::string_view pl
   }
 }
 
-Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait, Host& host) {
+Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait, Host& host,
+                                             std::optional<tmcl::Duration> in_all) {
   const bool own = !where.direct.empty();
   auto door = own ? open_own_gateway({where.direct, where.config, where.full_steps}, wait, host)
-                  : open_socket(socket_path(where), wait, host);
+                  : open_socket(socket_path(where), wait, host, in_all);
   return std::move(door).map([&](std::unique_ptr<Door> open) -> std::unique_ptr<Target> {
     const auto axes = own && where.config.empty() ? AxesFrom::scan : AxesFrom::configuration;
     return std::make_unique<GatewayTarget>(std::move(open), options_of(where), axes, host);

@@ -243,7 +243,11 @@ struct Where {
 constexpr tmcl::Duration usual_wait = tmcl::longest_wait_for_file;
 /// The same before a stop: nobody starts a daemon in order to stop a motor.
 constexpr tmcl::Duration wait_before_stop = std::chrono::milliseconds(300);
+/// Within a second, the start of the program included, it is said what became of a stop.
+constexpr tmcl::Duration time_for_stop = std::chrono::milliseconds(900);
 
-Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait, Host& host);
+/// `in_all`: see open_socket().
+Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait, Host& host,
+                                             std::optional<tmcl::Duration> in_all = {});
 
 }  // namespace tmclctl

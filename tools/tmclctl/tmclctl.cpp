@@ -56,13 +56,19 @@ constexpr tmcl::Duration wait_for_target() {
   return usual_wait;
 }
 
+template <class V>
+constexpr std::optional<tmcl::Duration> time_in_all() {
+  if constexpr (std::is_same_v<V, verb::Stop>) return time_for_stop;
+  return std::nullopt;
+}
+
 /// `ready` stands for the target that the command line names, if it is there already.
 template <class V>
 VerbResult run_on_target(const V& verb, const Where& where, Output& output, Host& host,
                          Target* ready) {
   std::unique_ptr<Target> opened;
   if (ready == nullptr) {
-    auto target = open_target(where, wait_for_target<V>(), host);
+    auto target = open_target(where, wait_for_target<V>(), host, time_in_all<V>());
     if (!target) return tl::unexpected(target.error());
     opened = std::move(*target);
     ready = opened.get();

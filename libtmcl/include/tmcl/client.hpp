@@ -58,7 +58,7 @@ constexpr int protocol_major = 1;
 
 struct Options {
   /// How long a socket is waited for that is not there yet, or that nobody listens on yet, in a
-  /// directory that exists. All else is told at once.
+  /// directory that exists, and for one at which very many wait. All else is told at once.
   Duration wait_for_socket = longest_wait_for_file;
   Duration hello_timeout = std::chrono::seconds(3);
   /// How long a call may take; counted anew from each progress report that the daemon sends for it.

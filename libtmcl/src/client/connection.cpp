@@ -104,7 +104,11 @@ CallResult<std::optional<json::object>> Connection::State::next_message(TimePoin
 CallResult<void> Connection::State::read_hello() {
   auto message = next_message(from_now(options_.hello_timeout));
   if (!message) return tl::unexpected(message.error());
-  if (!message->has_value()) return tl::unexpected(incompatible(socket_.path(), "does not greet"));
+  if (!message->has_value()) {
+    auto error = incompatible(socket_.path(), "does not greet in time");
+    error.hint = "Is that tmcld, and is it neither stopped nor overloaded?";
+    return tl::unexpected(std::move(error));
+  }
   const auto* params = object_of(**message, "params");
   if (text_of(**message, "method") != "hello" || params == nullptr) {
     return tl::unexpected(incompatible(socket_.path(), "greets in another way than tmcld does"));

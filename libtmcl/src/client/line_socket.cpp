@@ -48,6 +48,8 @@ tl::expected<int, int> connect_to(const sockaddr_un& address) {
 /// that refuses is not listened on yet, or was left by a daemon that was killed: the next one
 /// replaces it.
 bool may_come_right(int reason, const std::string& path) {
+  // Many connect at the same time, and the daemon has not taken them in yet.
+  if (reason == EAGAIN) return true;
   if (reason == ENOENT) return may_appear(path);
   std::error_code unreadable;
   return reason == ECONNREFUSED && std::filesystem::is_socket(path, unreadable);
