@@ -6,6 +6,8 @@
 
 int main() {
   const auto daemon = tmcl::client::Connection::open("/no/such/directory/tmcld.sock");
+  const auto move = tmcl::api::to_json(tmcl::api::axis::MoveTo{.axis = "x", .position = "25mm"});
+  if (move.at("position").as_string() != "25mm") return 1;
   std::cout << daemon.error().message << '\n' << daemon.error().hint << '\n';
   return daemon.error().name == tmcl::client::error_name::unreachable ? 0 : 1;
 }

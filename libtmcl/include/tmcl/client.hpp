@@ -2,10 +2,17 @@
 ///
 ///     auto daemon = tmcl::client::Connection::open("/run/tmcld/tmcld.sock");
 ///     if (!daemon) return complain(daemon.error().message);
-///     auto moved = daemon->call("axis.move_to", {{"axis", "x"}, {"position_microsteps", 51200}});
+///     auto x = daemon->axis("x");
+///     auto moved = x.move_to("12.5mm");
+///     if (moved) std::cout << "there in " << moved->predicted_s.value_or(0) << " s\n";
+///     auto stands = x.wait();
 ///
-/// docs/PROTOCOL.md lists the methods. On the wire: JSON-RPC 2.0 on a unix socket, one message a
-/// line.
+/// Every other method is a struct of tmcl/api/*.hpp, and its result is another:
+///
+///     auto buses = daemon->call(tmcl::api::bus::List{});
+///
+/// docs/PROTOCOL.md says what the methods do. On the wire: JSON-RPC 2.0 on a unix socket, one
+/// message a line.
 #pragma once
 
 #include <chrono>
@@ -17,6 +24,8 @@
 
 #include <boost/json/object.hpp>
 
+#include "tmcl/api/axis.hpp"
+#include "tmcl/api/parameter.hpp"
 #include "tmcl/awaited_file.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/error.hpp"
@@ -67,6 +76,8 @@ struct Options {
   std::function<bool()> cancelled{};
 };
 
+class Axis;
+
 /// Thread safety: none. Errors: as values; no member throws.
 class Connection {
  public:
@@ -84,6 +95,19 @@ class Connection {
   /// The same for a method that takes longer than Options::call_timeout.
   CallResult<boost::json::object> call(std::string_view method, boost::json::object params,
                                        Duration timeout);
+  /// A method of tmcl/api. What a newer or an older daemon leaves out is as in a new result.
+  template <api::IsMethod Method>
+  CallResult<typename Method::Result> call(const Method& params) {
+    return call(Method::method.name, api::to_json(params))
+        .map(api::from_json<typename Method::Result>);
+  }
+  template <api::IsMethod Method>
+  CallResult<typename Method::Result> call(const Method& params, Duration timeout) {
+    return call(Method::method.name, api::to_json(params), timeout)
+        .map(api::from_json<typename Method::Result>);
+  }
+  /// An axis by its name, or any motor as "BUS:ADDRESS/MOTOR". Nothing is asked yet.
+  Axis axis(std::string name);
   /// Hands out what comes unasked until the time has passed, or at once after the first message.
   CallResult<void> listen(Duration at_most);
   /// At most one handler; an empty one removes it.
@@ -98,5 +122,44 @@ class Connection {
 
   std::unique_ptr<State> state_;
 };
+
+/// The verbs of one axis. Its connection must outlive it and stay where it is. Errors: those of the
+/// daemon, by CallError::name; a movement that was answered by an error of Outcome::unknown may
+/// have begun.
+class Axis {
+ public:
+  Axis(Connection& daemon, std::string name) : daemon_(daemon), name_(std::move(name)) {}
+
+  /// Starts a move. An amount is a number in the unit of the axis, such as 12.5, or a text with its
+  /// unit: "12.5mm", "0.25rev".
+  CallResult<api::axis::StartedMove> move_to(api::Amount position);
+  CallResult<api::axis::StartedMove> move_to(Microsteps position);
+  CallResult<api::axis::StartedMove> move_by(api::Amount distance);
+  CallResult<api::axis::StartedMove> move_by(Microsteps distance);
+  /// Turns without end; a number is in the unit of the axis per second.
+  CallResult<api::axis::Turning> rotate(api::Amount velocity);
+  /// Overtakes everything; answers when the module has taken it.
+  CallResult<void> stop();
+  /// Until it stands at its target, but at most for so long, up to a day; zero: as it takes.
+  CallResult<api::axis::Place> wait(Duration at_most = {});
+  /// Searches the reference, likewise. `mode`: axis parameter 193, 1..255; as it is set if absent.
+  CallResult<api::axis::HomedAxis> home(std::optional<std::uint8_t> mode = {},
+                                        Duration at_most = {});
+  CallResult<api::axis::State> state();
+  CallResult<api::axis::Units> units();
+  /// A parameter by its standard name or its number.
+  CallResult<api::parameter::Value> get(api::NameOrNumber parameter);
+  CallResult<api::parameter::Value> set(api::NameOrNumber parameter, std::int32_t value);
+  CallResult<api::parameter::Value> set(api::NameOrNumber parameter, api::Amount value);
+
+ private:
+  template <class Method>
+  CallResult<typename Method::Result> call_in_time(Method params, Duration at_most);
+
+  Connection& daemon_;
+  std::string name_;
+};
+
+inline Axis Connection::axis(std::string name) { return {*this, std::move(name)}; }
 
 }  // namespace tmcl::client

@@ -1,0 +1,196 @@
+/// The methods of one axis.
+#pragma once
+
+#include "tmcl/api/field.hpp"
+
+namespace tmcl::api::axis {
+
+constexpr std::string_view axis_summary = "name of the axis";
+constexpr std::string_view unit_summary = "what it measures in; null if the axis has no unit";
+constexpr std::string_view deadline_summary =
+    "refused instead of sent when it could not be sent so soon after it came in";
+constexpr std::string_view in_unit_summary = "the same, instead; a number: in the axis' unit";
+constexpr std::int64_t longest_ms = 86'400'000;
+constexpr Bounds milliseconds{0, longest_ms};
+
+struct Axis {
+  TMCL_STRUCT(Axis);
+  TMCL_FIELD(std::string, name, axis_summary);
+  TMCL_FIELD(std::string, bus, "name of its bus");
+  TMCL_FIELD(std::uint16_t, address, "address of its module");
+  TMCL_FIELD(std::uint8_t, motor, "number of its motor");
+  TMCL_FIELD(std::optional<std::string>, model, "model of its module; null if it is not known");
+  TMCL_FIELD(std::string, state, "unknown, ready, silent, in_bootloader, no_such_motor");
+  TMCL_FIELD(std::optional<std::string>, unit, unit_summary);
+};
+struct Axes {
+  TMCL_STRUCT(Axes);
+  TMCL_FIELD(std::vector<Axis>, axes, "the axes");
+};
+struct List {
+  TMCL_METHOD("axis.list", reads, Axes, "the axes and how they are", List);
+  TMCL_FIELD(std::optional<bool>, all,
+             "also those that were named as BUS:ADDRESS/MOTOR; only configured ones if absent");
+};
+
+// ---- moves ----
+
+struct StartedMove {
+  TMCL_STRUCT(StartedMove);
+  TMCL_FIELD(std::int32_t, target_microsteps, "where the move ends");
+  TMCL_FIELD(std::optional<std::string>, unit, unit_summary);
+  TMCL_FIELD(std::optional<double>, target, "where it ends, in the unit");
+  TMCL_FIELD(std::optional<double>, predicted_s,
+             "how many seconds it will take; null where nobody can tell");
+};
+
+constexpr std::string_view predict_summary =
+    "foresee how long it takes; true if absent. Costs two readings, and more after a change of "
+    "settings";
+
+struct MoveTo {
+  TMCL_METHOD("axis.move_to", moves, StartedMove,
+              "starts a move to a position; does not wait for its end", MoveTo);
+  TMCL_FIELD(std::string, axis, axis_summary);
+  TMCL_FIELD(std::optional<std::int32_t>, position_microsteps, "where to go");
+  TMCL_FIELD(std::optional<Amount>, position, in_unit_summary);
+  TMCL_FIELD(std::optional<bool>, predict, predict_summary);
+  TMCL_FIELD(std::optional<std::int64_t>, deadline_ms, deadline_summary, milliseconds);
+};
+
+struct MoveBy {
+  TMCL_METHOD("axis.move_by", moves, StartedMove,
+              "starts a move over a distance; does not wait for its end", MoveBy);
+  TMCL_FIELD(std::string, axis, axis_summary);
+  TMCL_FIELD(std::optional<std::int32_t>, distance_microsteps, "how far to go from here");
+  TMCL_FIELD(std::optional<Amount>, distance, in_unit_summary);
+  TMCL_FIELD(std::optional<bool>, predict, predict_summary);
+  TMCL_FIELD(std::optional<std::int64_t>, deadline_ms, deadline_summary, milliseconds);
+};
+
+struct Turning {
+  TMCL_STRUCT(Turning);
+  TMCL_FIELD(std::int32_t, velocity_internal, "speed in the module's own unit");
+  TMCL_FIELD(std::optional<std::string>, unit, unit_summary);
+  TMCL_FIELD(std::optional<double>, velocity, "speed in the unit per second");
+};
+struct Rotate {
+  TMCL_METHOD("axis.rotate", moves, Turning, "turns without end", Rotate);
+  TMCL_FIELD(std::string, axis, axis_summary);
+  TMCL_FIELD(std::optional<std::int32_t>, velocity_internal,
+             "speed in the module's own unit; the sign is the direction");
+  TMCL_FIELD(std::optional<Amount>, velocity,
+             "the same, instead; a number: in the axis' unit per second");
+  TMCL_FIELD(std::optional<std::int64_t>, deadline_ms, deadline_summary, milliseconds);
+};
+
+struct Stop {
+  TMCL_METHOD("axis.stop", stops, Nothing,
+              "ramps down to standstill; goes out before everything else", Stop);
+  TMCL_FIELD(std::string, axis, axis_summary);
+};
+
+struct Place {
+  TMCL_STRUCT(Place);
+  TMCL_FIELD(std::int32_t, position_microsteps, "where it is");
+  TMCL_FIELD(std::optional<std::string>, unit, unit_summary);
+  TMCL_FIELD(std::optional<double>, position, "where it is, in the unit");
+};
+constexpr std::string_view timeout_summary = "how long at most; 0 or absent: as it takes";
+struct Wait {
+  TMCL_METHOD("axis.wait", reads, Place, "answers when the axis stands at its target", Wait);
+  TMCL_FIELD(std::string, axis, axis_summary);
+  TMCL_FIELD(std::optional<std::int64_t>, timeout_ms, timeout_summary, milliseconds);
+};
+
+// ---- reference searches ----
+
+constexpr std::string_view mode_summary = "axis parameter 193, set before; as it is set if absent";
+constexpr Bounds search_modes{1, 255};
+
+struct HomedAxis {
+  TMCL_STRUCT(HomedAxis);
+  TMCL_FIELD(std::optional<std::int32_t>, correction_microsteps,
+             "where the axis believed to be at what is zero now; null if the module does not say");
+  TMCL_FIELD(std::optional<std::int32_t>, switch_distance_microsteps,
+             "from one end switch to the other; null if the module does not say");
+  TMCL_FIELD(std::optional<std::string>, unit, unit_summary);
+  TMCL_FIELD(std::optional<double>, correction, "the same correction in the unit");
+  TMCL_FIELD(std::optional<double>, switch_distance, "the same way between the switches");
+};
+struct Home {
+  TMCL_METHOD("axis.home", moves, HomedAxis,
+              "searches the reference and answers when that has ended", Home);
+  TMCL_FIELD(std::string, axis, axis_summary);
+  TMCL_FIELD(std::optional<std::uint8_t>, mode, mode_summary, search_modes);
+  TMCL_FIELD(std::optional<std::int64_t>, timeout_ms, timeout_summary, milliseconds);
+};
+struct StartHome {
+  TMCL_METHOD("axis.start_home", moves, Nothing,
+              "starts a reference search; does not wait for its end", StartHome);
+  TMCL_FIELD(std::string, axis, axis_summary);
+  TMCL_FIELD(std::optional<std::uint8_t>, mode, mode_summary, search_modes);
+};
+struct StopHome {
+  TMCL_METHOD("axis.stop_home", stops, Nothing, "ends a reference search", StopHome);
+  TMCL_FIELD(std::string, axis, axis_summary);
+};
+
+// ---- what it does, and what it counts in ----
+
+struct State {
+  TMCL_STRUCT(State);
+  TMCL_FIELD(std::string, axis, axis_summary);
+  TMCL_FIELD(std::int32_t, position_microsteps, "where it is");
+  TMCL_FIELD(std::int32_t, velocity_internal, "speed in the module's own unit");
+  TMCL_FIELD(std::optional<double>, velocity_pps,
+             "speed in microsteps per second; null if unknown");
+  TMCL_FIELD(std::int32_t, target_microsteps, "where it is to go");
+  TMCL_FIELD(bool, position_reached, "position equals target, perhaps only in passing");
+  TMCL_FIELD(bool, moving, "its speed is not zero");
+  TMCL_FIELD(std::optional<std::string>, unit,
+             "what the next three are in; null if the axis has none");
+  TMCL_FIELD(std::optional<double>, position, "where it is");
+  TMCL_FIELD(std::optional<double>, velocity, "speed per second");
+  TMCL_FIELD(std::optional<double>, target, "where it is to go");
+  TMCL_FIELD(std::int64_t, age_ms, "how old the oldest of these values is");
+};
+struct GetState {
+  TMCL_METHOD("axis.get_state", reads, State, "where the axis is and what it does", GetState);
+  TMCL_FIELD(std::string, axis, axis_summary);
+};
+
+struct Units {
+  TMCL_STRUCT(Units);
+  TMCL_FIELD(std::string, axis, axis_summary);
+  TMCL_FIELD(std::optional<std::string>, model, "model of its module; null if it is not known");
+  TMCL_FIELD(std::optional<std::string>, unit,
+             "what positions are measured in; null if nothing is set");
+  TMCL_FIELD(std::optional<double>, units_per_revolution,
+             "how many of these a turn of the motor is");
+  TMCL_FIELD(std::optional<double>, units_per_output_revolution,
+             "how many of these a turn of what its gear drives is");
+  TMCL_FIELD(std::optional<double>, gear_ratio, "turns of the motor for one of those");
+  TMCL_FIELD(std::optional<bool>, reverse, "they grow in the motor's negative direction");
+  TMCL_FIELD(std::optional<std::int32_t>, microsteps_per_revolution,
+             "null where the module tells none");
+  TMCL_FIELD(std::optional<std::int32_t>, full_steps, "full steps of a turn");
+  TMCL_FIELD(std::optional<double>, velocity_unit_pps,
+             "what the module's unit of velocity is, in microsteps per second");
+  TMCL_FIELD(std::optional<double>, acceleration_unit_pps2,
+             "what its unit of acceleration is, in microsteps per second squared");
+  TMCL_FIELD(std::optional<double>, soft_limit_minimum,
+             "least position that moves may end at, in the unit; null without soft limits");
+  TMCL_FIELD(std::optional<double>, soft_limit_maximum, "the greatest");
+  TMCL_FIELD(std::optional<std::int32_t>, soft_limit_minimum_microsteps,
+             "the least one in microsteps; also without a unit");
+  TMCL_FIELD(std::optional<std::int32_t>, soft_limit_maximum_microsteps, "the greatest");
+  TMCL_FIELD(std::optional<double>, encoder_counts_per_unit,
+             "what encoder positions count in; null where that is microsteps");
+};
+struct GetUnits {
+  TMCL_METHOD("axis.get_units", reads, Units, "what the axis counts in", GetUnits);
+  TMCL_FIELD(std::string, axis, axis_summary);
+};
+
+}  // namespace tmcl::api::axis

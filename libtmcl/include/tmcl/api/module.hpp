@@ -1,0 +1,227 @@
+/// The methods of buses and modules, of global parameters and of ports.
+#pragma once
+
+#include "tmcl/api/axis.hpp"
+
+namespace tmcl::api {
+
+constexpr std::string_view bus_summary = "name of the bus";
+constexpr std::string_view address_summary = "address of the module";
+constexpr Bounds addresses{0, 2047};
+constexpr std::string_view model_summary = "model of the module; null if it has no name";
+
+/// A module, whether an axis is configured there or not.
+struct OnModule {
+  TMCL_STRUCT(OnModule);
+  TMCL_FIELD(std::string, bus, bus_summary);
+  TMCL_FIELD(std::uint16_t, address, address_summary, addresses);
+};
+/// The same for what can be refused because it is late.
+struct SoonOnModule : OnModule {
+  TMCL_STRUCT(SoonOnModule, OnModule);
+  TMCL_FIELD(std::optional<std::int64_t>, deadline_ms, axis::deadline_summary, axis::milliseconds);
+};
+
+namespace bus {
+
+struct Counters {
+  TMCL_STRUCT(Counters);
+  TMCL_FIELD(std::uint64_t, requests, "datagrams sent");
+  TMCL_FIELD(std::uint64_t, replies, "answers accepted");
+  TMCL_FIELD(std::uint64_t, timeouts, "requests without an answer in time");
+  TMCL_FIELD(std::uint64_t, late_replies, "answers to requests that had been given up; dropped");
+  TMCL_FIELD(std::uint64_t, unexpected_replies,
+             "answers to nothing that was asked, or from another module; dropped");
+  TMCL_FIELD(std::uint64_t, garbage_bytes, "bytes that belong to no datagram");
+  TMCL_FIELD(std::uint64_t, fences,
+             "exchanges that proved that a module is in step, or that what it had answered before "
+             "was right");
+  TMCL_FIELD(std::uint64_t, surplus, "replies beyond what a module was asked for; dropped");
+  TMCL_FIELD(std::uint64_t, suspect,
+             "answers that were given out only when a further exchange had proven them: on a line "
+             "that loses, doubles or delays replies, and wherever a movement depends on the value");
+};
+struct Bus {
+  TMCL_STRUCT(Bus);
+  TMCL_FIELD(std::string, name, bus_summary);
+  TMCL_FIELD(std::string, link, "how it is reached");
+  TMCL_FIELD(std::string, state, "opening, open, lost");
+  TMCL_FIELD(std::optional<std::string>, error, "why it is not open");
+  TMCL_FIELD(Counters, counters, "since the daemon started");
+};
+struct Buses {
+  TMCL_STRUCT(Buses);
+  TMCL_FIELD(std::vector<Bus>, buses, "the buses");
+};
+struct List {
+  TMCL_METHOD("bus.list", reads, Buses, "the configured buses and how they are", List);
+};
+
+struct FoundModule {
+  TMCL_STRUCT(FoundModule);
+  TMCL_FIELD(std::string, bus, bus_summary);
+  TMCL_FIELD(std::uint16_t, address, address_summary);
+  TMCL_FIELD(std::optional<std::string>, model, model_summary);
+  TMCL_FIELD(std::optional<std::uint16_t>, model_number, "its number");
+  TMCL_FIELD(std::optional<std::string>, firmware, "its version");
+  TMCL_FIELD(std::optional<std::uint8_t>, axes, "how many motors it has");
+  TMCL_FIELD(bool, in_bootloader, "no firmware runs");
+  TMCL_FIELD(bool, duplicate_suspected, "several have this address");
+  TMCL_FIELD(bool, address_is_reply_id, "it takes replies for commands");
+};
+struct UnscannedBus {
+  TMCL_STRUCT(UnscannedBus);
+  TMCL_FIELD(std::string, bus, bus_summary);
+  TMCL_FIELD(boost::json::object, error, "why it could not be scanned");
+};
+struct FoundModules {
+  TMCL_STRUCT(FoundModules);
+  TMCL_FIELD(std::vector<FoundModule>, modules, "who has answered");
+  TMCL_FIELD(std::vector<UnscannedBus>, failed, "buses that could not be scanned");
+};
+struct Scan {
+  TMCL_METHOD("bus.scan", reads, FoundModules,
+              "asks every address who is there; tells its progress by notify_progress", Scan);
+  TMCL_FIELD(std::optional<std::string>, bus, "name of the bus; all buses if absent");
+  TMCL_FIELD(std::optional<std::uint16_t>, first, "first address; 1 if absent", addresses);
+  TMCL_FIELD(std::optional<std::uint16_t>, last,
+             "last address; 255 if absent, and at most on serial lines", addresses);
+};
+
+}  // namespace bus
+
+namespace module {
+
+struct Module {
+  TMCL_STRUCT(Module);
+  TMCL_FIELD(std::string, bus, bus_summary);
+  TMCL_FIELD(std::uint16_t, address, address_summary);
+  TMCL_FIELD(std::optional<std::string>, model, model_summary);
+  TMCL_FIELD(std::optional<std::uint16_t>, model_number, "its number");
+  TMCL_FIELD(std::optional<std::string>, firmware, "its version");
+  TMCL_FIELD(std::optional<std::uint8_t>, axes, "how many motors it has");
+  TMCL_FIELD(std::string, state, "unknown, ready, silent, in_bootloader");
+  TMCL_FIELD(bool, duplicate_suspected, "several have this address");
+};
+struct Modules {
+  TMCL_STRUCT(Modules);
+  TMCL_FIELD(std::vector<Module>, modules, "the modules");
+};
+struct List {
+  TMCL_METHOD("module.list", reads, Modules, "the configured modules and how they are", List);
+};
+
+struct Reply {
+  TMCL_STRUCT(Reply);
+  TMCL_FIELD(std::uint8_t, status, "status byte of the reply");
+  TMCL_FIELD(std::string, status_name, "its standard name");
+  TMCL_FIELD(std::uint8_t, command, "command byte of the reply");
+  TMCL_FIELD(std::int32_t, value, "value of the reply");
+  TMCL_FIELD(std::optional<std::string>, text, "the firmware version where it came as text");
+};
+struct Execute : SoonOnModule {
+  TMCL_METHOD("module.execute", moves, Reply, "any TMCL command, exactly as given", Execute,
+              SoonOnModule);
+  TMCL_FIELD(NameOrNumber, command, "TMCL mnemonic or number", {0, 255});
+  TMCL_FIELD(std::optional<NameOrNumber>, type, "type field; 0 if absent", {0, 255});
+  TMCL_FIELD(std::optional<std::uint8_t>, motor, "motor or bank; 0 if absent");
+  TMCL_FIELD(std::optional<std::int32_t>, value, "value field; 0 if absent");
+};
+
+struct FirmwareInfo {
+  TMCL_STRUCT(FirmwareInfo);
+  TMCL_FIELD(std::optional<std::int32_t>, module_id, "what the firmware is for");
+  TMCL_FIELD(std::optional<std::int32_t>, version, "its version");
+  TMCL_FIELD(std::optional<std::int32_t>, capabilities,
+             "1 bootloader, 2 stand-alone programs, 4 CANopen, 8 EtherCAT, 16 IO-Link");
+  TMCL_FIELD(std::optional<std::int32_t>, release_type, "kind of release");
+  TMCL_FIELD(std::optional<std::int32_t>, bootloader_id, "what the bootloader is for");
+  TMCL_FIELD(std::optional<std::int32_t>, bootloader_version, "its version");
+  TMCL_FIELD(std::optional<std::int32_t>, axis_parameter_width,
+             "bits of an axis parameter's number");
+  TMCL_FIELD(std::optional<std::int32_t>, register_address_width, "bits of a register's address");
+  TMCL_FIELD(std::optional<std::int32_t>, git_hash, "what it was built from");
+};
+struct Info : SoonOnModule {
+  TMCL_METHOD("module.info", reads, FirmwareInfo, "what a module's firmware says of itself", Info,
+              SoonOnModule);
+};
+struct ReportArrivals : SoonOnModule {
+  TMCL_METHOD("module.report_arrivals", writes, Nothing,
+              "lets a module tell when motors arrive: events of the kind target_reached",
+              ReportArrivals, SoonOnModule);
+  TMCL_FIELD(std::vector<std::uint8_t>, motors, "which motors; none of them if empty", {0, 30});
+  TMCL_FIELD(std::optional<bool>, every, "every move from now on; only the next one if absent");
+};
+struct Reset : SoonOnModule {
+  TMCL_METHOD("module.reset", moves, Nothing, "restarts a module", Reset, SoonOnModule);
+};
+struct FactoryReset : SoonOnModule {
+  TMCL_METHOD("module.factory_reset", moves, Nothing,
+              "restores everything in a module to how it was delivered", FactoryReset,
+              SoonOnModule);
+};
+
+}  // namespace module
+
+namespace global {
+
+/// A global parameter of a module.
+struct OnGlobal : SoonOnModule {
+  TMCL_STRUCT(OnGlobal, SoonOnModule);
+  TMCL_FIELD(NameOrNumber, parameter, "standard name or number of the global parameter", {0, 255});
+  TMCL_FIELD(std::optional<std::uint8_t>, bank, "bank of the parameter; 0 if absent");
+};
+
+struct Global {
+  TMCL_STRUCT(Global);
+  TMCL_FIELD(std::optional<std::string>, parameter,
+             "standard name; null if it was given by number");
+  TMCL_FIELD(std::uint8_t, number, "number of the global parameter");
+  TMCL_FIELD(std::uint8_t, bank, "its bank");
+};
+struct GlobalValue : Global {
+  TMCL_STRUCT(GlobalValue, Global);
+  TMCL_FIELD(std::int32_t, value, "its value");
+};
+
+struct Get : OnGlobal {
+  TMCL_METHOD("global.get", reads, GlobalValue, "reads a global parameter", Get, OnGlobal);
+};
+struct Set : OnGlobal {
+  TMCL_METHOD("global.set", writes, GlobalValue, "sets a global parameter", Set, OnGlobal);
+  TMCL_FIELD(std::int32_t, value, "what to set it to");
+};
+struct Store : OnGlobal {
+  TMCL_METHOD("global.store", writes, Global, "copies a global parameter to the EEPROM", Store,
+              OnGlobal);
+};
+struct Restore : OnGlobal {
+  TMCL_METHOD("global.restore", writes, Global, "copies a global parameter back from the EEPROM",
+              Restore, OnGlobal);
+};
+
+}  // namespace global
+
+namespace io {
+
+constexpr std::string_view port_summary = "number of the port";
+
+struct PortValue {
+  TMCL_STRUCT(PortValue);
+  TMCL_FIELD(std::int32_t, value, "value of the port");
+};
+struct Get : SoonOnModule {
+  TMCL_METHOD("io.get", reads, PortValue, "reads an input or output", Get, SoonOnModule);
+  TMCL_FIELD(std::uint8_t, port, port_summary);
+  TMCL_FIELD(std::optional<std::uint8_t>, bank,
+             "0 digital inputs, 1 analog inputs, 2 digital outputs; 0 if absent", {0, 2});
+};
+struct Set : SoonOnModule {
+  TMCL_METHOD("io.set", writes, PortValue, "sets a digital output", Set, SoonOnModule);
+  TMCL_FIELD(std::uint8_t, port, port_summary);
+  TMCL_FIELD(std::int32_t, value, "what to set it to");
+};
+
+}  // namespace io
+}  // namespace tmcl::api

@@ -1,0 +1,191 @@
+/// The methods of several axes that move together.
+#pragma once
+
+#include "tmcl/api/program.hpp"
+
+namespace tmcl::api {
+
+namespace line {
+
+constexpr std::string_view limit_summary =
+    "what no axis exceeds; a number: in the unit that all have";
+
+struct LineAxis {
+  TMCL_STRUCT(LineAxis);
+  TMCL_FIELD(std::string, axis, axis::axis_summary);
+  TMCL_FIELD(std::int32_t, target_microsteps, "where it is to go");
+  TMCL_FIELD(std::optional<double>, target, "the same in its unit");
+  TMCL_FIELD(std::optional<std::string>, unit, axis::unit_summary);
+  TMCL_FIELD(double, predicted_s, "when it arrives");
+};
+struct StartedLine {
+  TMCL_STRUCT(StartedLine);
+  TMCL_FIELD(std::vector<LineAxis>, axes, "its axes, in the order of the request");
+  TMCL_FIELD(double, predicted_s, "when the last of them arrives");
+  TMCL_FIELD(double, spread_s, "how much earlier the first of them does, as predicted");
+  TMCL_FIELD(double, deviation,
+             "how far off the line they get, as predicted; a part of the longest way");
+  TMCL_FIELD(bool, one_command, "one command has started them all");
+  TMCL_FIELD(double, predicted_skew_s, "how long the starts were expected to take");
+  TMCL_FIELD(double, skew_s, "from the first start to the last, as the answers tell");
+};
+struct Move {
+  TMCL_METHOD("line.move", moves, StartedLine,
+              "moves several axes so that they start and arrive together", Move);
+  TMCL_FIELD(std::vector<std::string>, axes,
+             "names of the axes, on any buses; each once, at most 16");
+  TMCL_FIELD(std::optional<std::vector<std::int32_t>>, positions_microsteps,
+             "where each of them is to go");
+  TMCL_FIELD(std::optional<std::vector<Amount>>, positions, axis::in_unit_summary);
+  TMCL_FIELD(std::optional<Amount>, velocity, limit_summary);
+  TMCL_FIELD(std::optional<double>, velocity_pps, "the same in microsteps per second, instead");
+  TMCL_FIELD(std::optional<Amount>, acceleration, limit_summary);
+  TMCL_FIELD(std::optional<double>, acceleration_pps2,
+             "the same in microsteps per second squared, instead");
+  TMCL_FIELD(std::optional<double>, time_s,
+             "how long it takes, up to 86400; as short as possible if absent");
+  TMCL_FIELD(std::optional<std::int64_t>, deadline_ms, axis::deadline_summary, axis::milliseconds);
+};
+
+}  // namespace line
+
+namespace path {
+
+constexpr std::size_t most_bytes = std::size_t{16} << 20U;
+
+struct Stage {
+  TMCL_METHOD("path.stage", reads, HandedOver, "hands over the next part of a path file", Stage);
+  TMCL_FIELD(std::int32_t, offset, "how many bytes were handed over before; 0: a new path",
+             {0, most_bytes});
+  TMCL_FIELD(std::string, data, data_summary);
+};
+
+/// How far an axis was seen off its plan, in the unit of the file.
+struct Tracking {
+  TMCL_STRUCT(Tracking);
+  TMCL_FIELD(double, largest, "how far off its plan it was seen");
+  TMCL_FIELD(double, rms, "root of the mean square");
+  TMCL_FIELD(std::uint64_t, readings, "how often it was looked at");
+  TMCL_FIELD(std::string, axis, axis::axis_summary);
+};
+struct Passed {
+  TMCL_STRUCT(Passed);
+  TMCL_FIELD(double, passed_s, "how long it took");
+  TMCL_FIELD(std::uint64_t, updates, "of velocities; legs in position mode");
+  TMCL_FIELD(double, period_ms, "between updates; of the shortest leg in position mode");
+  TMCL_FIELD(double, worst_delay_ms, "of an update, or of the load of a leg");
+  TMCL_FIELD(std::uint64_t, commands, "sent meanwhile");
+  TMCL_FIELD(double, commands_per_s, "of them");
+  TMCL_FIELD(double, bus_load, "part of the time that they took");
+  TMCL_FIELD(double, round_trip_us, "of a command, measured before");
+  TMCL_FIELD(std::vector<Tracking>, tracking_error, "of each axis");
+  TMCL_FIELD(std::vector<std::string>, remarks,
+             "what else is to be said, such as of a parameter not set back");
+};
+/// What is to be passed, and how.
+struct OfPath {
+  TMCL_STRUCT(OfPath);
+  TMCL_FIELD(std::optional<std::vector<std::string>>, axes,
+             "names of axes that stand, each once; path.plan takes those of the same name as the "
+             "file's if absent");
+  TMCL_FIELD(std::optional<std::vector<std::string>>, file_axes,
+             "which axis of the file each of them is; in the file's order if absent");
+  TMCL_FIELD(std::optional<std::string>, text, "the file");
+  TMCL_FIELD(std::optional<std::uint32_t>, bytes,
+             "how many were handed over by path.stage, instead", {1, most_bytes});
+  TMCL_FIELD(std::optional<std::string>, format, "csv or gcode; as the text looks if absent");
+  TMCL_FIELD(std::optional<std::string>, mode, "velocity or position; velocity if absent");
+  TMCL_FIELD(std::optional<double>, tolerance,
+             "how far from it the path may be passed, in the file's unit; 0.05 if absent");
+  TMCL_FIELD(std::optional<double>, velocity,
+             "no axis faster than this, a second; its max_velocity if absent");
+  TMCL_FIELD(std::optional<double>, acceleration,
+             "likewise, a second squared; its max_acceleration if absent");
+  TMCL_FIELD(std::optional<double>, feed, "no faster along the path, a second");
+  TMCL_FIELD(std::optional<double>, per_turn,
+             "what a turn of the motor is, for axes without a unit");
+  TMCL_FIELD(std::optional<double>, deviation,
+             "stop when an axis is seen so far off its plan; 20 tolerances if absent");
+  TMCL_FIELD(std::optional<std::int32_t>, period_ms,
+             "in velocity mode, no updates more often than this; 5 if absent", {5, 1000});
+};
+struct Planned {
+  TMCL_STRUCT(Planned);
+  TMCL_FIELD(std::int32_t, plan, "by which path.run runs it, once; the daemon keeps the last one");
+  TMCL_FIELD(std::vector<std::string>, axes, "in the order of the file's");
+  TMCL_FIELD(boost::json::object, course,
+             "length, duration_s, legs, axes (of the file: axis, least, greatest, top_speed) and "
+             "slowest_corners (line, time_s, speed, position)");
+  TMCL_FIELD(std::optional<boost::json::object>, curve,
+             "times_s and positions; only if points are asked for");
+};
+/// So many points at most: an answer has to be sent.
+constexpr int most_curve_points = 2000;
+struct Plan : OfPath {
+  TMCL_METHOD("path.plan", reads, Planned, "plans a path, and says what will be run", Plan, OfPath);
+  TMCL_FIELD(std::optional<std::int32_t>, points, "how many of the curve are given; none if absent",
+             {0, most_curve_points});
+};
+struct Run : OfPath {
+  TMCL_METHOD(
+      "path.run", moves, Passed,
+      "moves axes along a path and answers at its end; tells its progress by notify_progress", Run,
+      OfPath);
+  TMCL_FIELD(std::optional<std::int32_t>, plan,
+             "what path.plan has planned, instead of all but to_start");
+  TMCL_FIELD(std::optional<bool>, to_start,
+             "whether the axes go to the start first; they must stand there if absent");
+};
+
+/// The paths of some axes.
+struct OnPaths {
+  TMCL_STRUCT(OnPaths);
+  TMCL_FIELD(std::optional<std::vector<std::string>>, axes, "of paths; all paths if absent");
+};
+struct PathAxes {
+  TMCL_STRUCT(PathAxes);
+  TMCL_FIELD(std::vector<std::string>, axes, "of the paths concerned");
+};
+struct Pause : OnPaths {
+  TMCL_METHOD("path.pause", writes, PathAxes, "lets axes stand on their path", Pause, OnPaths);
+};
+struct Resume : OnPaths {
+  TMCL_METHOD("path.resume", moves, PathAxes, "lets them go on", Resume, OnPaths);
+};
+struct Stop : OnPaths {
+  TMCL_METHOD("path.stop", stops, PathAxes,
+              "ends paths: answers when their axes stand and have their settings again", Stop,
+              OnPaths);
+};
+
+}  // namespace path
+
+namespace mint {
+
+struct Group {
+  TMCL_STRUCT(Group);
+  TMCL_FIELD(std::int32_t, line, "of its GO");
+  TMCL_FIELD(double, planned_s, "how long it was to take");
+  TMCL_FIELD(double, took_s, "how long it took");
+};
+struct Ran {
+  TMCL_STRUCT(Ran);
+  TMCL_FIELD(std::vector<Group>, groups, "one for each GO");
+  TMCL_FIELD(std::vector<std::string>, remarks,
+             "what else is to be said, such as of a parameter not set back");
+};
+struct Run {
+  TMCL_METHOD("mint.run", moves, Ran,
+              "moves axes as a Mint program says and answers at its end; tells its progress by "
+              "notify_progress",
+              Run);
+  TMCL_FIELD(std::vector<std::string>, axes, "names of axes that stand; each once");
+  TMCL_FIELD(std::optional<std::vector<std::uint8_t>>, numbers,
+             "which axis of the program each of them is; 0, 1, ... if absent", {0, 7});
+  TMCL_FIELD(std::optional<std::string>, text, "the program");
+  TMCL_FIELD(std::optional<std::uint32_t>, bytes,
+             "how many were handed over by path.stage, instead", {1, path::most_bytes});
+};
+
+}  // namespace mint
+}  // namespace tmcl::api

@@ -1,0 +1,141 @@
+/// The methods of the daemon itself, and what it tells unasked.
+#pragma once
+
+#include "tmcl/api/axis.hpp"
+
+namespace tmcl::api {
+
+namespace rpc {
+
+struct FieldInfo {
+  TMCL_STRUCT(FieldInfo);
+  static constexpr bool omits_absent = true;
+  TMCL_FIELD(std::string, name, "what it is called");
+  TMCL_FIELD(std::string, type, "what it is in JSON");
+  TMCL_FIELD(std::optional<bool>, required, "of a parameter");
+  TMCL_FIELD(std::optional<std::int64_t>, minimum, "of a parameter that is an integer");
+  TMCL_FIELD(std::optional<std::int64_t>, maximum, "likewise");
+  TMCL_FIELD(std::string, summary, "what it means");
+  TMCL_FIELD(std::optional<std::vector<FieldInfo>>, members,
+             "of an object, or of each object of an array");
+};
+struct MethodInfo {
+  TMCL_STRUCT(MethodInfo);
+  TMCL_FIELD(std::string, name, "what it is called");
+  TMCL_FIELD(std::string, summary, "what it does");
+  TMCL_FIELD(std::vector<FieldInfo>, params, "what it takes");
+  TMCL_FIELD(std::vector<FieldInfo>, result, "what it gives");
+};
+struct Methods {
+  TMCL_STRUCT(Methods);
+  TMCL_FIELD(std::vector<MethodInfo>, methods, "every method");
+};
+struct Discover {
+  TMCL_METHOD("rpc.discover", reads, Methods, "every method, as this daemon has it", Discover);
+};
+
+}  // namespace rpc
+
+struct FailedAxis {
+  TMCL_STRUCT(FailedAxis);
+  TMCL_FIELD(std::string, axis, axis::axis_summary);
+  TMCL_FIELD(boost::json::object, error, "what went wrong");
+};
+
+namespace system {
+
+struct StoppedAxis {
+  TMCL_STRUCT(StoppedAxis);
+  TMCL_FIELD(std::string, axis, axis::axis_summary);
+  TMCL_FIELD(double, milliseconds, "passed until its module had confirmed");
+};
+struct StoppedAxes {
+  TMCL_STRUCT(StoppedAxes);
+  TMCL_FIELD(std::vector<StoppedAxis>, stopped, "those that confirmed");
+  TMCL_FIELD(std::vector<FailedAxis>, failed, "those that did not");
+};
+struct StopAll {
+  TMCL_METHOD("system.stop_all", stops, StoppedAxes, "stops all axes at once", StopAll);
+};
+
+}  // namespace system
+
+// ---- subscriptions ----
+
+/// A state as subscribers are told it.
+struct PublishedState : axis::State {
+  TMCL_STRUCT(PublishedState, axis::State);
+  TMCL_FIELD(std::uint64_t, seq, "counts the states of the axis");
+  TMCL_FIELD(std::int64_t, event_time_ms, "when it was read, on the daemon's monotonic clock");
+};
+struct Subscription {
+  TMCL_STRUCT(Subscription);
+  TMCL_FIELD(std::uint64_t, subscription, "what unsubscribe takes");
+  TMCL_FIELD(std::vector<PublishedState>, states, "the state of each axis now");
+  TMCL_FIELD(std::vector<FailedAxis>, failed, "those that do not answer now");
+};
+struct Subscribe {
+  TMCL_METHOD("subscribe", reads, Subscription,
+              "tells of states by notify_state whenever they change, and of events", Subscribe);
+  TMCL_FIELD(std::optional<std::vector<std::string>>, axes,
+             "names of the axes; all of them if absent");
+  TMCL_FIELD(std::optional<std::int32_t>, interval_ms,
+             "least time between two states; 50 if absent", {5, 60000});
+};
+struct Unsubscribe {
+  TMCL_METHOD("unsubscribe", reads, Nothing, "ends a subscription", Unsubscribe);
+  TMCL_FIELD(std::int32_t, subscription, "what subscribe gave", {.minimum = 0});
+};
+
+// ---- what is told unasked: the notifications ----
+
+/// A state that has changed, to whoever subscribed to it.
+struct NewState : PublishedState {
+  TMCL_STRUCT(NewState, PublishedState);
+  static constexpr std::string_view notification = "notify_state";
+  TMCL_FIELD(std::uint64_t, subscription, "which one");
+  TMCL_FIELD(std::uint64_t, dropped, "states that were replaced by newer ones");
+};
+
+/// How far a call has come, to the client that made it; together with the id of the request.
+constexpr std::string_view progress_notification = "notify_progress";
+
+struct ScanProgress {
+  TMCL_STRUCT(ScanProgress);
+  TMCL_FIELD(std::string, bus, "which one");
+  TMCL_FIELD(std::uint64_t, asked, "how many addresses were asked");
+  TMCL_FIELD(std::uint64_t, of, "how many there are");
+};
+struct SearchProgress {
+  TMCL_STRUCT(SearchProgress);
+  TMCL_FIELD(std::string, axis, axis::axis_summary);
+  TMCL_FIELD(std::int32_t, step, "of the search, as the module counts them");
+};
+/// Of a program or of firmware.
+struct LoadProgress {
+  TMCL_STRUCT(LoadProgress);
+  TMCL_FIELD(std::string, bus, "name of the bus");
+  TMCL_FIELD(std::uint16_t, address, "address of the module");
+  TMCL_FIELD(std::string, phase, "such as writing or comparing");
+  TMCL_FIELD(std::uint64_t, done, "commands of a program, bytes of firmware");
+  TMCL_FIELD(std::uint64_t, of, "how many there are");
+};
+struct PathProgress {
+  TMCL_STRUCT(PathProgress);
+  TMCL_FIELD(std::string, phase, "measuring, running, pausing or ending");
+  TMCL_FIELD(double, passed_s, "how much of it has been passed");
+  TMCL_FIELD(double, duration_s, "how long all of it takes");
+};
+
+/// What happened to a bus, a module or an axis, to whoever has a subscription.
+struct Event {
+  TMCL_STRUCT(Event);
+  static constexpr std::string_view notification = "notify_event";
+  TMCL_FIELD(std::string, kind, "such as target_reached");
+  TMCL_FIELD(std::string, bus, "where it happened");
+  TMCL_FIELD(std::optional<std::uint16_t>, address, "of the module; null for a whole bus");
+  TMCL_FIELD(std::optional<std::vector<std::uint8_t>>, motors, "which motors, where that matters");
+  TMCL_FIELD(std::string, text, "for people");
+};
+
+}  // namespace tmcl::api
