@@ -23,7 +23,8 @@ std::optional<RpcError> refusal_to_begin(const Call& call);
 
 /// Those that could not be stopped, and may still move.
 constexpr const char* stop_them =
-    "stop them as soon as their bus can be reached, or by other means";
+    "tmcld stops them until their modules say that they stand, which the event axis_stopped tells; "
+    "if they must not move until then, cut their power";
 /// Of axes that were to be stopped.
 void add_outcome(RpcError& error, const std::vector<std::string>& unstopped);
 /// Why it did not come to its end; `report` is what it would have answered.

@@ -13,6 +13,7 @@
 #include "async/rest.hpp"
 #include "gateway/path_run.hpp"
 #include "gateway/planned_path.hpp"
+#include "gateway/standing_stop.hpp"
 
 namespace tmcld::handlers {
 namespace {

@@ -181,6 +181,7 @@ json::object to_json(const GatewayEvent& event) {
   out["address"] = nullptr;
   if (event.address) out["address"] = *event.address;
   if (event.kind == GatewayEvent::Kind::target_reached ||
+      event.kind == GatewayEvent::Kind::axis_stopped ||
       event.kind == GatewayEvent::Kind::line_broken ||
       event.kind == GatewayEvent::Kind::path_broken ||
       event.kind == GatewayEvent::Kind::mint_broken) {
@@ -190,6 +191,7 @@ json::object to_json(const GatewayEvent& event) {
     }
     out["motors"] = std::move(motors);
   }
+  if (event.kind == GatewayEvent::Kind::axis_stopped) out["cause"] = "daemon";
   out["text"] = event.text;
   return out;
 }

@@ -3,6 +3,7 @@
 #include <exception>
 #include <utility>
 
+#include "gateway/standing_stop.hpp"
 #include "tmcl/drive_report.hpp"
 #include "tmcl/plan/path_preparation.hpp"
 
@@ -22,7 +23,7 @@ awaitable<std::optional<AxisFailure>> AwaitedRun::pass(std::shared_ptr<AwaitedRu
   }
   self->release();
   for (const auto& unstopped : self->report().unstopped)
-    stop_as_soon_as_possible(self->members_[unstopped.axis].axis, self->when_broken_);
+    stop_until_it_stands(self->members_[unstopped.axis].axis);
   self->ended_ = true;
   if (failure) std::rethrow_exception(failure);
   self->tell_fault();

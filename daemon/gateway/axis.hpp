@@ -104,7 +104,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   void expect_arrival(tmcl::TimePoint time) { expected_arrival_ = time; }
   /// Who moves it now.
   Mover mover() const { return claimant().by; }
-  /// Whether somebody moves it on a line or path, or as a program says.
+  /// Whether somebody moves it on a line or path, as a program says, or is not done with
+  /// stopping it.
   bool is_on_journey() const { return mover() != Mover::nobody && mover() != Mover::search; }
   /// The one whose end somebody waits for; null if there is none.
   std::shared_ptr<AwaitedRun> journey() const { return claimant().journey.lock(); }

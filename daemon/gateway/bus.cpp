@@ -186,6 +186,7 @@ void GatewayBus::on_bus_event(const tmcl::BusEvent& event) {
 void GatewayBus::emit(GatewayEvent event) {
   const bool good = event.kind == GatewayEvent::Kind::target_reached ||
                     event.kind == GatewayEvent::Kind::link_restored ||
+                    event.kind == GatewayEvent::Kind::axis_stopped ||
                     event.kind == GatewayEvent::Kind::module_answers;
   auto line = event.bus + ": " + std::string(name_of(event.kind));
   if (event.address) line += " (module " + std::to_string(*event.address) + ")";
@@ -204,6 +205,7 @@ std::string_view name_of(GatewayEvent::Kind kind) {
     case GatewayEvent::Kind::line_broken: return "line_broken";
     case GatewayEvent::Kind::path_broken: return "path_broken";
     case GatewayEvent::Kind::mint_broken: return "mint_broken";
+    case GatewayEvent::Kind::axis_stopped: return "axis_stopped";
     case GatewayEvent::Kind::module_silent: return "module_silent";
     case GatewayEvent::Kind::module_answers: return "module_answers";
     case GatewayEvent::Kind::module_in_bootloader: return "module_in_bootloader";

@@ -51,6 +51,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   void start();
   /// Ends everything in progress with Errc::link_lost and stays closed.
   void close();
+  bool is_closed() const { return closed_; }
 
   const std::string& name() const { return config_.name; }
   const BusConfig& config() const { return config_; }

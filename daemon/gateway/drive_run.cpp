@@ -6,8 +6,8 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
-#include "async/gather.hpp"
 #include "async/spawn.hpp"
+#include "gateway/standing_stop.hpp"
 
 namespace tmcld {
 namespace {
@@ -40,7 +40,7 @@ awaitable<void> DriveRun::drive(Drive& drive, std::function<bool()> is_enough) {
     broken_ = std::current_exception();
   }
   if (!broken_) co_return;
-  co_await stop_all();
+  for (const auto& member : members_) stop_until_it_stands(member.axis);
   std::rethrow_exception(broken_);
 }
 
@@ -189,13 +189,6 @@ awaitable<DriveAnswer> DriveRun::carry_out(DriveCommand command) {
     }
   }
   co_return 0;
-}
-
-awaitable<void> DriveRun::stop_all() {
-  std::vector<awaitable<tmcl::Result<void>>> stops;
-  for (const auto& member : members_)
-    stops.push_back(patience_.insist([this, axis = member.axis] { return stop(*axis); }));
-  co_await gather(std::move(stops));
 }
 
 }  // namespace tmcld

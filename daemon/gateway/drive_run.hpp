@@ -34,7 +34,7 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
 
   /// Until the drive has ended, or until it has done enough, with no command under way. What is
   /// thrown in carrying out a command counts as its failure; failure() has it then. If anything
-  /// else throws, all axes are stopped, and so does this.
+  /// else throws, all axes are stopped until they stand, and so does this.
   boost::asio::awaitable<void> drive(tmcl::plan::Drive& drive, std::function<bool()> is_enough);
   const std::exception_ptr& failure() const { return failure_; }
   /// All of its axes. Errors: those of claim_all().
@@ -68,7 +68,6 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   boost::asio::awaitable<Answer> carry_out(tmcl::plan::DriveCommand command);
   boost::asio::awaitable<Answer> get(const DriveMember& member, tmcl::plan::DriveCommand command);
   boost::asio::awaitable<Answer> set(const DriveMember& member, tmcl::plan::DriveCommand command);
-  boost::asio::awaitable<void> stop_all();
 
   tmcl::ContextClock clock_;
   std::vector<Claim> claims_;

@@ -20,6 +20,7 @@ struct GatewayEvent {
     line_broken,     ///< Axes that moved together were stopped, because one did not go as planned.
     path_broken,     ///< Likewise, axes on a path; also when it was asked for.
     mint_broken,     ///< Likewise, axes that a Mint program moves.
+    axis_stopped,    ///< An axis that could not be stopped before stands now.
     module_answers,  ///< A module was identified, for the first time or again.
     module_in_bootloader,  ///< Likewise, but no firmware runs in it.
   };

@@ -12,6 +12,7 @@
 #include "async/elsewhere.hpp"
 #include "async/spawn.hpp"
 #include "gateway/drive_run.hpp"
+#include "gateway/standing_stop.hpp"
 #include "tmcl/drive_report.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/line_drive.hpp"
@@ -108,7 +109,7 @@ class LineRun final : public DriveRun {
     release();
     if (!drive_) return;
     for (const auto& unstopped : drive_->report().unstopped)
-      stop_as_soon_as_possible(members_[unstopped.axis].axis, GatewayEvent::Kind::line_broken);
+      stop_until_it_stands(members_[unstopped.axis].axis);
   }
 
   awaitable<Fault> look() {

@@ -2,16 +2,13 @@
 #pragma once
 
 #include <chrono>
-#include <memory>
 #include <optional>
-#include <string>
 #include <type_traits>
 
 #include <boost/asio/awaitable.hpp>
 
 #include "async/rest.hpp"
 #include "gateway/axis.hpp"
-#include "gateway/event.hpp"
 
 namespace tmcld {
 
@@ -44,13 +41,5 @@ class LinkPatience {
 
   std::optional<tmcl::TimePoint> limit_;
 };
-
-/// A sentence without a full stop.
-std::string not_stopped(const std::string& axis);
-/// An axis that could not be stopped is when its link comes back, whenever that is; an event tells
-/// that. Nothing but the link is waited for.
-void stop_as_soon_as_possible(std::shared_ptr<GatewayAxis> axis, GatewayEvent::Kind kind);
-/// An event about one axis.
-GatewayEvent event_of(const GatewayAxis& axis, GatewayEvent::Kind kind, std::string text);
 
 }  // namespace tmcld

@@ -48,7 +48,14 @@ struct Arrivals {
 };
 
 /// Who moves an axis now.
-enum class Mover : std::uint8_t { nobody, line, path, mint, search };
+enum class Mover : std::uint8_t {
+  nobody,
+  line,
+  path,
+  mint,
+  search,
+  stop,  ///< Nobody, until it is certain that it stands: see standing_stop.hpp.
+};
 
 struct Claimant {
   Mover by = Mover::nobody;

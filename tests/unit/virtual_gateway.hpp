@@ -53,6 +53,8 @@ class VirtualGateway {
     return std::move(*result);
   }
 
+  Gateway& gateway() { return *gateway_; }
+
  private:
   class NobodySubscribes final : public Peer {
    public:

@@ -73,6 +73,8 @@ class Wire {
   /// Told of what a module really answers, whatever becomes of that on the way.
   OnAnswer on_answer;
   std::size_t requests() const { return requests_; }
+  /// While set, nothing gets through either way, and nobody notices but by that.
+  bool is_cut = false;
 
   /// The gateway's end; the one before is dead then.
   tmcl::Result<tmcl::Link> open() {
@@ -110,7 +112,7 @@ class Wire {
       const std::span<const std::uint8_t, tmcl::serial_datagram_size> whole(bytes.data(), *count);
       note(tmcl::decode_serial_request(whole), bytes);
     }
-    serial_.receive(bytes);
+    if (!is_cut) serial_.receive(bytes);
     return true;
   }
 
@@ -120,7 +122,7 @@ class Wire {
     if (!*input) return true;
     const auto& frame = std::get<tmcl::CanFrame>(**input);
     note(tmcl::decode_can_request(frame), frame.data);
-    can_.receive(frame);
+    if (!is_cut) can_.receive(frame);
     return true;
   }
 
@@ -157,7 +159,7 @@ class Wire {
   void pass_on(Reply reply) {
     const auto decoded = decode(reply);
     if (decoded && decoded->status == tmcl::Status::ok) note_answer(*decoded);
-    if (drawn(faults_.lost)) return;
+    if (is_cut || drawn(faults_.lost)) return;
     if (drawn(faults_.late)) return write_later(std::move(reply));
     write(reply);
     if (drawn(faults_.doubled)) write(reply);

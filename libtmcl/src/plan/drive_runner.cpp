@@ -171,13 +171,8 @@ Script<DriveRunner::Fault> DriveRunner::stop_all(DriveReport& report, int attemp
 
 Script<DriveRunner::Fault> DriveRunner::stop_and_rest(DriveReport& report) {
   co_await stop_all(report, stop_attempts);
-  Fault result;
-  for (std::size_t axis = 0; axis < axes(); ++axis) {
-    if (std::ranges::count(report.unstopped, axis, &Unstopped::axis) != 0) continue;
-    auto restless = co_await come_to_rest(axis, now_ + longest_braking);
-    if (restless && !result) result = std::move(restless);
-  }
-  co_return result;
+  auto restless = co_await see_all_stand(report, now_ + longest_braking);
+  co_return restless;
 }
 
 Script<DriveRunner::Fault> DriveRunner::come_to_rest(std::size_t axis, TimePoint limit) {
@@ -188,6 +183,20 @@ Script<DriveRunner::Fault> DriveRunner::come_to_rest(std::size_t axis, TimePoint
     if (now_ > limit) co_return fault(DriveFault::Kind::no_end, axis, "did not come to rest");
     co_await until(now_ + look_interval);
   }
+}
+
+Script<DriveRunner::Fault> DriveRunner::see_all_stand(DriveReport& report, TimePoint limit) {
+  Fault first;
+  for (std::size_t axis = 0; axis < axes(); ++axis) {
+    if (std::ranges::count(report.unstopped, axis, &Unstopped::axis) != 0) continue;
+    auto restless = co_await come_to_rest(axis, limit);
+    if (!restless) continue;
+    Error why;
+    why.message = restless->message;
+    report.unstopped.push_back({axis, restless->error.value_or(why)});
+    if (!first) first = std::move(restless);
+  }
+  co_return first;
 }
 
 Script<DriveRunner::Fault> DriveRunner::restore(DriveReport& report) {

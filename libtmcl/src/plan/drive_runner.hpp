@@ -96,6 +96,8 @@ class DriveRunner {
   /// rest.
   Script<Fault> stop_and_rest(DriveReport& report);
   Script<Fault> come_to_rest(std::size_t axis, TimePoint limit);
+  /// Of those that could be stopped. An axis that is not seen to stand counts as not stopped.
+  Script<Fault> see_all_stand(DriveReport& report, TimePoint limit);
   Script<Fault> restore(DriveReport& report);
 
   struct Goal {

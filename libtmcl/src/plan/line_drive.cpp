@@ -100,9 +100,10 @@ class LineDrive::Runner final : public DriveRunner {
   Script<Fault> end_early() {
     phase_ = Phase::stopping;
     co_await stop_all(report_, 1);
-    phase_ = Phase::stopped;
     const auto limit = now_ + time_to_stand;
-    for (std::size_t axis = 0; axis < axes_.size(); ++axis) co_await come_to_rest(axis, limit);
+    co_await see_all_stand(report_, limit);
+    phase_ = Phase::stopped;
+    for (const auto& unstopped : report_.unstopped) co_await come_to_rest(unstopped.axis, limit);
     co_return std::nullopt;
   }
 

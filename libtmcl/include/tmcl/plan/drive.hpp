@@ -83,7 +83,7 @@ struct DriveFault {
   std::optional<Microsteps> stands_at{};  ///< Of an axis that stands short of its end.
 };
 
-/// An axis that could not be stopped and may still move.
+/// An axis that could not be stopped, or was not seen to stand after that, and may still move.
 struct Unstopped {
   std::size_t axis = 0;
   Error why;

@@ -1,0 +1,24 @@
+/// A stop that nobody has to remember: given for an axis that did not stop when it should have.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "gateway/axis.hpp"
+#include "gateway/event.hpp"
+
+namespace tmcld {
+
+/// Stops the axis again and again until its module has taken a stop and says that it stands,
+/// however long that takes: across silence, lost links, and restarts of the module. Until then
+/// nobody else moves it (Errc::axis_claimed); the event axis_stopped tells the end. Only the end of
+/// the gateway ends it before that. Takes over the claim of whoever moved the axis. Returns at
+/// once.
+void stop_until_it_stands(const std::shared_ptr<GatewayAxis>& axis);
+
+/// Of an axis that is given such a stop: a sentence without a full stop.
+std::string not_stopped(const std::string& axis);
+/// An event about one axis.
+GatewayEvent event_of(const GatewayAxis& axis, GatewayEvent::Kind kind, std::string text);
+
+}  // namespace tmcld
