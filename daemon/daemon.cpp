@@ -37,12 +37,13 @@ constexpr int most_failures_at_the_end = 16;
 
 }  // namespace
 
-tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(const Config& config,
+tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(boost::asio::io_context& context,
+                                                                  const Config& config,
                                                                   const OpenLink& open_link) {
   auto file = SocketFile::claim(config.daemon.socket);
   if (!file) return tl::unexpected(std::move(file.error()));
-  std::unique_ptr<Daemon> daemon(new Daemon);
-  const auto executor = daemon->context_.get_executor();
+  std::unique_ptr<Daemon> daemon(new Daemon(context));
+  const auto executor = context.get_executor();
   daemon->gateway_ = Gateway::create(executor, config, {open_link, log});
   daemon->server_ = std::make_shared<UnixServer>(executor, std::move(*file), daemon->gateway_,
                                                  make_room_for_clients(config.buses.size()));
@@ -51,10 +52,14 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(const Config& 
 
 Daemon::~Daemon() { gateway_->join(); }
 
+void Daemon::start() {
+  gateway_->start();
+  spawn(context_.get_executor(), begin_to_serve(*this));
+}
+
 bool Daemon::run() {
   try {
-    gateway_->start();
-    spawn(context_.get_executor(), begin_to_serve(*this));
+    start();
     context_.run();
     return true;
   } catch (...) {
@@ -115,6 +120,7 @@ awaitable<void> Daemon::end(Daemon& daemon) {
   server.finish_sessions();
   co_await wait_until([&] { return server.clients() == 0; }, time_for_answers);
   server.close_sessions();
+  daemon.has_ended_ = true;
   daemon.context_.stop();
 }
 

@@ -1,4 +1,4 @@
-/// The whole daemon: buses, axes and fronts around one reactor thread.
+/// The whole daemon: buses, axes and fronts around one context, which one thread runs.
 #pragma once
 
 #include <exception>
@@ -16,9 +16,11 @@ namespace tmcld {
 
 class Daemon {
  public:
-  /// Claims the socket. Errors: a sentence for a person, with what to try.
+  /// Claims the socket. The context must outlive it. Errors: a sentence for a person, with what to
+  /// try.
   static tl::expected<std::unique_ptr<Daemon>, std::string> create(
-      const Config& config, const OpenLink& open_link = open_configured_link);
+      boost::asio::io_context& context, const Config& config,
+      const OpenLink& open_link = open_configured_link);
 
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
@@ -26,15 +28,19 @@ class Daemon {
   /// them still needs the reactor.
   ~Daemon();
 
-  /// Serves until stop() is called or, after end_on_signals(), SIGTERM or SIGINT comes. False if
-  /// something was thrown that nobody could see to: then all axes were stopped.
+  /// Runs the context and serves until stop() is called or, after end_on_signals(), SIGTERM or
+  /// SIGINT comes. False if something was thrown that nobody could see to: then all axes were
+  /// stopped.
   bool run();
+  /// Serves as well, but somebody else runs the context, until has_ended().
+  void start();
   /// From any thread. Ends run() within a second: stops on their way are given a moment, whatever
   /// else is in progress is answered with how far it got. Axes on lines and paths are stopped
   /// before that, for which they may take some seconds, and firmware uploads come to their end, for
   /// which they may take some minutes.
   void stop();
   void end_on_signals();
+  bool has_ended() const { return has_ended_; }
 
   Gateway& gateway() { return *gateway_; }
   boost::asio::io_context& context() { return context_; }
@@ -42,16 +48,17 @@ class Daemon {
   bool is_opening_links() const;
 
  private:
-  Daemon() = default;
+  explicit Daemon(boost::asio::io_context& context) : context_(context) {}
   static boost::asio::awaitable<void> begin_to_serve(Daemon& daemon);
   static boost::asio::awaitable<void> wait_for_signal(Daemon& daemon);
   static boost::asio::awaitable<void> end(Daemon& daemon);
   void end_after(const std::exception_ptr& failure) noexcept;
 
-  boost::asio::io_context context_{1};
+  boost::asio::io_context& context_;
   std::shared_ptr<Gateway> gateway_;
   std::shared_ptr<UnixServer> server_;
   bool ending_ = false;
+  bool has_ended_ = false;
 };
 
 }  // namespace tmcld

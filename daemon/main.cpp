@@ -5,6 +5,9 @@
 #include <exception>
 #include <string>
 
+
+#include <boost/asio/io_context.hpp>
+
 #include "command_line.hpp"
 #include "config/load.hpp"
 #include "daemon.hpp"
@@ -56,7 +59,8 @@ int check(const Config& config) {
 int serve(const Config& config) {
   // A peer that has gone is an error value of the write, not the end of the daemon.
   std::signal(SIGPIPE, SIG_IGN);
-  auto daemon = Daemon::create(config);
+  boost::asio::io_context context(1);
+  auto daemon = Daemon::create(context, config);
   if (!daemon) {
     log(LogLevel::error, daemon.error());
     return exit_code::runtime_failure;

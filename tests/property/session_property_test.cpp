@@ -17,7 +17,7 @@
 #include "support/rounds.hpp"
 #include "support/seed.hpp"
 #include "tmcl/hex.hpp"
-#include "unit/daemon_fixture.hpp"
+#include "unit/threaded_daemon.hpp"
 
 namespace tmcld::test {
 namespace {
@@ -46,7 +46,7 @@ constexpr auto longest_turn = std::chrono::milliseconds(200);
 /// Measures on the reactor how long it works between two looks at what is due.
 class TurnMeter {
  public:
-  explicit TurnMeter(TestDaemon& daemon) : daemon_(daemon) {
+  explicit TurnMeter(ThreadedDaemon& daemon) : daemon_(daemon) {
     daemon_.on_reactor([this] {
       spawn(daemon_.daemon().context().get_executor(), measure());
       return 0;
@@ -54,7 +54,7 @@ class TurnMeter {
   }
   ~TurnMeter() {
     daemon_.on_reactor([this] { return ending_ = true; });
-    daemon_.eventually([this] { return ended_; });
+    while (!daemon_.on_reactor([this] { return ended_; })) std::this_thread::yield();
   }
   /// Since it was asked last.
   tmcl::Duration longest() {
@@ -80,7 +80,7 @@ class TurnMeter {
     ended_ = true;
   }
 
-  TestDaemon& daemon_;
+  ThreadedDaemon& daemon_;
   tmcl::Duration longest_{};
   bool ending_ = false;
   bool ended_ = false;
@@ -89,7 +89,7 @@ class TurnMeter {
 /// The client that works, on a bus of its own.
 class Worker {
  public:
-  explicit Worker(const std::string& socket) : client_(socket), thread_([this] { work(); }) {}
+  explicit Worker(const DaemonSocket& socket) : client_(socket), thread_([this] { work(); }) {}
   ~Worker() { finish(); }
   void finish() {
     ending_ = true;
@@ -302,7 +302,7 @@ class SessionFuzz : public testing::Test {
               << std::chrono::duration<double, std::milli>(turn).count() << " ms" << std::endl;
   }
 
-  TestDaemon daemon{two_axes() + std::string(other_bus)};
+  ThreadedDaemon daemon{two_axes() + std::string(other_bus)};
   Lines lines{tmcl::test::seed()};
 };
 

@@ -1,8 +1,10 @@
 /// A client of the daemon with nothing between a test and the socket.
 #pragma once
 
+#include <cerrno>
 #include <chrono>
 #include <deque>
+#include <functional>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -20,18 +22,36 @@ namespace tmcl::test {
 
 namespace json = boost::json;
 
+/// Whether a descriptor gets ready for these events of poll() in time.
+using WaitForSocket = std::function<bool(int descriptor, short events, int wait_ms)>;
+
+inline bool wait_in_real_time(int descriptor, short events, int wait_ms) {
+  pollfd waiting{descriptor, events, 0};
+  return ::poll(&waiting, 1, wait_ms) > 0;
+}
+
+/// Where a daemon is found, and how its clients wait for it: one that runs on their own thread does
+/// its work meanwhile.
+struct DaemonSocket {
+  DaemonSocket(std::string its_path, WaitForSocket its_wait = wait_in_real_time)
+      : path(std::move(its_path)), wait(std::move(its_wait)) {}
+
+  std::string path;
+  WaitForSocket wait;
+};
+
 class RpcClient {
  public:
   static constexpr int patience_ms = 10'000;  // on a busy machine
 
   /// Reads the greeting as well, unless told not to.
-  explicit RpcClient(const std::string& path, bool greet = true)
-      : descriptor_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+  explicit RpcClient(const DaemonSocket& socket, bool greet = true)
+      : descriptor_(::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0)), wait_(socket.wait) {
     sockaddr_un address{};
     address.sun_family = AF_UNIX;
-    path.copy(address.sun_path, sizeof address.sun_path - 1);
+    socket.path.copy(address.sun_path, sizeof address.sun_path - 1);
     if (::connect(descriptor_, reinterpret_cast<sockaddr*>(&address), sizeof address) != 0) {
-      throw std::runtime_error("cannot connect to " + path);
+      throw std::runtime_error("cannot connect to " + socket.path);
     }
     if (greet) greeting_ = read();
   }
@@ -47,7 +67,9 @@ class RpcClient {
 
   bool send_raw(std::string_view bytes) {
     while (!bytes.empty()) {
-      const auto sent = ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL);
+      const auto sent =
+          ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL | MSG_DONTWAIT);
+      if (sent < 0 && errno == EAGAIN && wait_(descriptor_, POLLOUT, patience_ms)) continue;
       if (sent <= 0) return false;
       bytes.remove_prefix(static_cast<std::size_t>(sent));
     }
@@ -147,8 +169,7 @@ class RpcClient {
   }
 
   bool read_more(int wait_ms) {
-    pollfd waiting{descriptor_, POLLIN, 0};
-    if (::poll(&waiting, 1, wait_ms) <= 0) return false;
+    if (!wait_(descriptor_, POLLIN, wait_ms)) return false;
     char buffer[65536];
     const auto count = ::read(descriptor_, buffer, sizeof buffer);
     if (count <= 0) hung_up_ = true;
@@ -158,6 +179,7 @@ class RpcClient {
   }
 
   int descriptor_;
+  WaitForSocket wait_;
   std::string input_;
   std::deque<json::object> others_;
   json::value greeting_;

@@ -205,17 +205,5 @@ TEST_F(TmcldPath, TheEndOfTmcldStopsTheAxes) {
   }
 }
 
-TEST_F(TmcldPath, TheEndOfTmcldStopsALine) {
-  ASSERT_EQ(ctl("line left=40mm front=20mm").status, 0);
-  ASSERT_TRUE(until_left_is_beyond(microsteps_per_mm));
-  daemon->signal(SIGTERM);
-  EXPECT_EQ(daemon->wait(), 0);
-  for (int motor = 0; motor < 2; ++motor) {
-    EXPECT_EQ(get_directly(motor, "3"), "0\n");
-    EXPECT_EQ(get_directly(motor, "4"), own_velocity);
-    EXPECT_EQ(get_directly(motor, "5"), own_acceleration);
-  }
-}
-
 }  // namespace
 }  // namespace tmcl::test

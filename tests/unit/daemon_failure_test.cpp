@@ -8,7 +8,7 @@
 #include "async/elsewhere.hpp"
 #include "async/gather.hpp"
 #include "async/spawn.hpp"
-#include "unit/daemon_fixture.hpp"
+#include "unit/threaded_daemon.hpp"
 #include "unit/throwing_peer.hpp"
 
 namespace tmcld::test {
@@ -124,7 +124,7 @@ motor = 0
 
 class ReactorFailure : public testing::Test {
  protected:
-  TestDaemon daemon{two_axes() + std::string(other_bus)};
+  ThreadedDaemon daemon{two_axes() + std::string(other_bus)};
 
   /// All that moves is stopped, each motor of the module, and whoever waits is told.
   void expect_an_orderly_end(RpcClient& client, int waiting, std::size_t stops) {
@@ -132,7 +132,7 @@ class ReactorFailure : public testing::Test {
     EXPECT_EQ(daemon.wire().count(Command::MST), stops);
     EXPECT_TRUE(client.answer_to(waiting).contains("error"));
     EXPECT_TRUE(client.is_cut_off());
-    EXPECT_FALSE(std::filesystem::exists(daemon.socket()));
+    EXPECT_FALSE(std::filesystem::exists(daemon.socket().path));
   }
   int begin_to_wait(RpcClient& client) {
     daemon.on_reactor([&] {

@@ -15,6 +15,8 @@ namespace tmcld::test {
 /// What a FakeModule plays.
 class SimulatedModule {
  public:
+  explicit SimulatedModule(const tmcl::Clock& clock)
+      : module_(*tmcl::find_model("TMCM-6212"), tmcl::ModuleAddress{1}, clock) {}
   /// The module must not outlive this.
   void be_played_by(FakeModule& module) {
     module.play = [this](const tmcl::Request& request) {
@@ -31,9 +33,8 @@ class SimulatedModule {
     void target_reached(const tmcl::sim::Module&, std::int32_t) override {}
   };
 
-  tmcl::RealClock clock_;
   NoEvents events_;
-  tmcl::sim::Module module_{*tmcl::find_model("TMCM-6212"), tmcl::ModuleAddress{1}, clock_};
+  tmcl::sim::Module module_;
 };
 
 /// With soft limits the module is asked more before a movement, and some movements are refused.
@@ -131,14 +132,15 @@ inline bool is_example(const tmcl::Request& request) {
 class MovesBench {
  public:
   explicit MovesBench(bool until_ready = true, Limits limits = Limits::none)
-      : daemon(axes_x_and_y(limits)) {
+      : daemon(axes_x_and_y(limits), reactor_) {
     module_.be_played_by(daemon.wire().modules.at(1));
     daemon.start(until_ready);
     client = std::make_unique<RpcClient>(daemon.socket());
   }
 
  private:
-  SimulatedModule module_;
+  std::shared_ptr<VirtualReactor> reactor_ = std::make_shared<VirtualReactor>();
+  SimulatedModule module_{reactor_->clock};
 
  public:
   TestDaemon daemon;

@@ -65,9 +65,9 @@ TEST_F(DaemonPathWithoutLink, NobodyIsToldThatItsAxesStand) {
   const auto id = client->send("path.run", order(long_way));
   ASSERT_TRUE(until_x_is_beyond(2));
   lose_link();
-  const auto asked = std::chrono::steady_clock::now();
+  const auto asked = daemon.now();
   const auto stop = other.error("path.stop");
-  EXPECT_LT(std::chrono::steady_clock::now() - asked, time_for_link * 3 / 2) << "waited once";
+  EXPECT_LT(daemon.now() - asked, time_for_link * 3 / 2) << "waited once";
   EXPECT_EQ(name_in(stop), "not_stopped");
   EXPECT_EQ(text(stop.at("message")), both_may_move);
   EXPECT_EQ(text(stop.at("data").at("outcome")), "unknown");
@@ -100,49 +100,48 @@ TEST_F(DaemonPathWithoutLink, ALinkThatComesBackLateIsUsedToStop) {
   EXPECT_FALSE(on_module([](Played& played) { return played.moves(); }));
 }
 
-/// Counts how often the reactor takes up a next piece of work, by being one of them.
-class Turns {
+/// Counts how often the reactor takes up a next piece of work until another request goes out, by
+/// being one of them.
+class Turns : public std::enable_shared_from_this<Turns> {
  public:
-  explicit Turns(boost::asio::io_context& context) : context_(context) { take(); }
+  static constexpr std::size_t most = 2000;
+
+  Turns(boost::asio::io_context& context, const FakeWire& wire)
+      : context_(context), wire_(wire), seen_(wire.seen.size()) {}
+  void take() {
+    boost::asio::post(context_, [self = shared_from_this()] {
+      if (self->wire_.seen.size() > self->seen_ || self->count_ == most) return;
+      ++self->count_;
+      self->take();
+    });
+  }
   std::size_t count() const { return count_; }
 
  private:
-  void take() {
-    boost::asio::post(context_, [this, alive = std::weak_ptr(alive_)] {
-      if (alive.expired()) return;
-      ++count_;
-      take();
-    });
-  }
   boost::asio::io_context& context_;
+  const FakeWire& wire_;
+  std::size_t seen_;
   std::size_t count_ = 0;
-  std::shared_ptr<int> alive_ = std::make_shared<int>();
 };
 
 // Before its stream begins, it is looked at a million times for how steep it is.
 TEST_F(DaemonPath, WhileALongPathIsPreparedOthersHaveTheirTurn) {
-  std::unique_ptr<Turns> turns;
-  std::optional<tmcl::Request> last;
-  std::size_t turns_at_last = 0;
+  std::shared_ptr<Turns> turns;
   std::size_t turns_in_preparation = 0;
-  on_module([&](Played& played) {
-    turns = std::make_unique<Turns>(daemon.daemon().context());
-    played.before = [&](const tmcl::Request& request) {
-      // The last that is measured, and the first that is asked when that is known.
-      const bool was_measured = last && last->type == ap::actual_position;
-      if (was_measured && request.type == ap::max_acceleration)
-        turns_in_preparation = turns->count() - turns_at_last;
-      last = request;
-      turns_at_last = turns->count();
-    };
-    return 0;
-  });
+  module.before = [&](const tmcl::Request& request) {
+    // The last that is measured, and the first that is asked when that is known.
+    if (turns && request.type == ap::max_acceleration) turns_in_preparation = turns->count();
+    turns.reset();
+    if (request.type != ap::actual_position) return;
+    turns = std::make_shared<Turns>(daemon.daemon().context(), daemon.wire());
+    turns->take();
+  };
   const auto id = client->send("path.run", order("G1 X40 Y10 F0.05\n"));
   ASSERT_TRUE(daemon.eventually([&] { return turns_in_preparation > 0; }));
   RpcClient other(daemon.socket());
   other.result("path.stop");
   EXPECT_EQ(name_in(error_of(id)), "stopped");
-  on_module([&](Played& played) { return turns.reset(), played.before = {}, 0; });
+  module.before = {};
   // One after a thousand looks each; an exchange alone takes some.
   EXPECT_GE(turns_in_preparation, 900U);
 }
@@ -161,7 +160,7 @@ TEST_F(DaemonPath, WhoWatchesItsAxesGetsLessOfTheBus) {
   const auto id = client->send("path.run", order(long_way));
   const auto look_at = [&](double position) {
     EXPECT_TRUE(until_x_is_beyond(position));
-    return on_module([&](Played&) { return std::pair(looks, std::chrono::steady_clock::now()); });
+    return on_module([&](Played&) { return std::pair(looks, daemon.now()); });
   };
   const auto [looks_before, begin] = look_at(2);
   const auto [looks_after, end] = look_at(35);

@@ -24,7 +24,8 @@ class NoEvents final : public tmcl::sim::EventSink {
 /// What a FakeModule plays: everything but what the test refuses.
 class Played {
  public:
-  Played() : module_(*tmcl::find_model("TMCM-6212"), tmcl::ModuleAddress{1}, clock_) {
+  explicit Played(const tmcl::Clock& clock)
+      : module_(*tmcl::find_model("TMCM-6212"), tmcl::ModuleAddress{1}, clock) {
     for (std::uint8_t motor = 0; motor < 2; ++motor) {
       set(motor, ap::max_velocity, own_velocity);
       set(motor, ap::max_acceleration, own_acceleration);
@@ -62,7 +63,6 @@ class Played {
   bool moves() { return get(0, ap::actual_velocity) != 0 || get(1, ap::actual_velocity) != 0; }
 
  private:
-  tmcl::RealClock clock_;
   NoEvents events_;
   tmcl::sim::Module module_;
 };
@@ -76,7 +76,8 @@ inline std::string path_bench(const std::string& of_y) {
 
 class DaemonPath : public testing::Test {
  protected:
-  explicit DaemonPath(const std::string& of_y = std::string(in_mm)) : daemon(path_bench(of_y)) {
+  explicit DaemonPath(const std::string& of_y = std::string(in_mm))
+      : daemon(path_bench(of_y), reactor) {
     module.be_played_by(daemon.wire().modules.at(1));
     daemon.start();
     client = std::make_unique<RpcClient>(daemon.socket());
@@ -117,7 +118,8 @@ class DaemonPath : public testing::Test {
     }
   }
 
-  Played module;
+  std::shared_ptr<VirtualReactor> reactor = std::make_shared<VirtualReactor>();
+  Played module{reactor->clock};
   TestDaemon daemon;
   std::unique_ptr<RpcClient> client;
 };

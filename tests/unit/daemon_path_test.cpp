@@ -196,7 +196,7 @@ TEST_F(DaemonPath, APauseStandsUntilItIsOver) {
   ASSERT_TRUE(daemon.eventually([&] { return !module.moves(); }));
   const auto stood = mm(0);
   EXPECT_LT(stood, 12);
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  daemon.run_for(std::chrono::milliseconds(300));
   constexpr double rest = 0.01;  // how far either is from where the path stands
   EXPECT_NEAR(mm(0), stood, rest);
   EXPECT_NEAR(mm(0), 2 * mm(1), rest + 2 * rest) << "on the path";

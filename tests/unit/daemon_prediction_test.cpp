@@ -84,12 +84,12 @@ TEST_F(DaemonPrediction, IsForgottenWhenTheAxisIsSentElsewhere) {
     return 0;
   });
   client.result("axis.rotate", {{"axis", "x"}, {"velocity_internal", 500}});
-  const auto begin = std::chrono::steady_clock::now();
+  const auto begin = daemon.now();
   client.result("axis.wait", {{"axis", "x"}});
   // Two pauses of poll_interval, which is 20 ms; of an end that is foreseen they take a second
   // each.
-  EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(1));
-  EXPECT_EQ(looks, 3);
+  EXPECT_LT(daemon.now() - begin, std::chrono::seconds(1));
+  EXPECT_GE(looks, 3);
 }
 
 TEST_F(DaemonPrediction, LetsTheMoveGoOutWhenTheReadingsAreRefused) {

@@ -80,7 +80,7 @@ class RandomClients : public DaemonTest {
       return 0;
     });
     // Calls without a link end at once: for a while, not for all of the test.
-    if (what == 0) std::this_thread::sleep_for(std::chrono::milliseconds(random_() % 300));
+    if (what == 0) daemon.run_for(std::chrono::milliseconds(random_() % 2000));
   }
 
   void expect_truth() {
@@ -114,7 +114,7 @@ TEST_F(RandomClients, GetOneTrueAnswerToEachRequest) {
   for (int round = 0; round < rounds; ++round) {
     for (auto actions = random_() % 8; actions > 0; --actions) act(random_() % client_count);
     if (random_() % 4 == 0) disturb();
-    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    daemon.run_for(std::chrono::milliseconds(20));
   }
   daemon.on_reactor([&] { return daemon.wire().release(), 0; });
   for (std::size_t i = 0; i < client_count; ++i) collect(i);

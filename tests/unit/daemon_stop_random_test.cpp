@@ -112,8 +112,8 @@ class Round {
     if (&to == bench_.client.get()) waiting_.insert(last_id_);
   }
   json::object answer_to(RpcClient& client, int id, const std::function<void()>& meanwhile = {}) {
-    const auto limit = std::chrono::steady_clock::now() + std::chrono::seconds(20);
-    while (std::chrono::steady_clock::now() < limit) {
+    const auto limit = bench_.daemon.now() + std::chrono::seconds(20);
+    while (bench_.daemon.now() < limit) {
       if (meanwhile) meanwhile();
       const auto message = client.read(meanwhile ? 1 : RpcClient::patience_ms);
       const auto* found = message.is_object() ? message.as_object().if_contains("id") : nullptr;

@@ -86,7 +86,8 @@ struct LocalPath : testing::Test {
     for (std::uint8_t motor = 0; motor < 2; ++motor)
       EXPECT_EQ(module.get(motor, ap::max_velocity), own_velocity);
   }
-  Played module;
+  tmcl::RealClock clock;
+  Played module{clock};
   LocalBench bench{path_bench(std::string(in_mm))};
 };
 

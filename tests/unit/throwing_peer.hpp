@@ -1,16 +1,15 @@
 /// A client at which calls fail by an exception.
 #pragma once
 
-#include <future>
 #include <memory>
 #include <new>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
 
-#include <boost/asio/co_spawn.hpp>
-
 #include "api/dispatch.hpp"
+#include "async/spawn.hpp"
 #include "unit/daemon_fixture.hpp"
 
 namespace tmcld::test {
@@ -35,19 +34,16 @@ inline RpcResult dispatch_for(TestDaemon& daemon, std::shared_ptr<Peer> peer,
   const json::object message{{"jsonrpc", "2.0"}, {"id", 1}, {"method", method}, {"params", params}};
   auto request = parse_request(json::serialize(message));
   if (!request) return tl::unexpected(request.error().error);
-  const auto promise = std::make_shared<std::promise<RpcResult>>();
-  auto result = promise->get_future();
-  daemon.on_reactor([&] {
-    auto call = dispatch(daemon.daemon().gateway().shared_from_this(), std::move(peer),
-                         std::move(*request));
-    boost::asio::co_spawn(daemon.daemon().context(), std::move(call),
-                          [promise](const std::exception_ptr& failure, RpcResult given) {
-                            if (failure) return promise->set_exception(failure);
-                            promise->set_value(std::move(given));
-                          });
-    return 0;
-  });
-  return result.get();
+  std::optional<RpcResult> result;
+  spawn(daemon.daemon().context().get_executor(),
+        [](auto call, std::optional<RpcResult>& into) -> boost::asio::awaitable<void> {
+          auto given = co_await std::move(call);
+          into = std::move(given);
+        }(dispatch(daemon.daemon().gateway().shared_from_this(), std::move(peer),
+                                                      std::move(*request)),
+                                                      result));
+  if (!daemon.eventually([&] { return result.has_value(); })) throw std::runtime_error("no answer");
+  return std::move(*result);
 }
 
 }  // namespace tmcld::test

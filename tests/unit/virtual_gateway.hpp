@@ -4,9 +4,9 @@
 
 #include <csignal>
 #include <memory>
-#include <optional>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include <boost/asio/io_context.hpp>
 
@@ -24,6 +24,7 @@ class VirtualGateway {
     silence_log();
     std::signal(SIGPIPE, SIG_IGN);
     wire.modules.emplace(std::uint8_t{1}, FakeModule(1));
+    wire.delay = {};
     const auto config = parse_config("[daemon]\nsocket = \"/none\"\n" + toml);
     if (!config) throw std::runtime_error(config.error().front().message);
     GatewayOptions options;
@@ -46,11 +47,17 @@ class VirtualGateway {
 
   /// Throws if it does not end within an hour.
   RpcResult call(std::string_view method, json::object params) {
-    std::optional<RpcResult> result;
-    spawn(context_.get_executor(), carry_out({1, find_method(method), std::move(params)}, result));
-    if (!time.run_while_not([&] { return result.has_value(); }, std::chrono::hours(1)))
+    return std::move(call_together(1, method, std::move(params)).front());
+  }
+  /// The same call, so many times at once.
+  std::vector<RpcResult> call_together(std::size_t count, std::string_view method,
+                                       const json::object& params) {
+    std::vector<RpcResult> results;
+    for (std::size_t i = 0; i < count; ++i)
+      spawn(context_.get_executor(), carry_out({1, find_method(method), params}, results));
+    if (!time.run_while_not([&] { return results.size() == count; }, std::chrono::hours(1)))
       throw std::runtime_error("no answer");
-    return std::move(*result);
+    return results;
   }
 
   Gateway& gateway() { return *gateway_; }
@@ -66,9 +73,9 @@ class VirtualGateway {
     Subscriptions subscriptions_{[] {}};
   };
 
-  boost::asio::awaitable<void> carry_out(RpcRequest request, std::optional<RpcResult>& into) {
+  boost::asio::awaitable<void> carry_out(RpcRequest request, std::vector<RpcResult>& into) {
     auto result = co_await dispatch(gateway_, peer_, std::move(request));
-    into = std::move(result);
+    into.push_back(std::move(result));
   }
 
   boost::asio::io_context context_{1};
