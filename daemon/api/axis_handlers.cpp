@@ -125,7 +125,8 @@ Answer get_units(Call& call) {
 Answer get_state(Call& call) {
   const auto axis = axis_of(call);
   if (!axis) co_return tl::unexpected(axis.error());
-  const auto reading = co_await (*axis)->read_state();
+  const std::chrono::milliseconds max_age(call.params.integer_or("max_age_ms", 0));
+  const auto reading = co_await (*axis)->read_state(max_age);
   if (!reading) co_return failed(reading.error(), **axis);
   json::object result;
   add_state(result, **axis, *reading);

@@ -125,6 +125,9 @@ constexpr std::array rotate_result{
     ResultInfo{"velocity_internal", integer, "speed in the module's own unit"}, axis_unit,
     ResultInfo{"velocity", nullable_number, "speed in the unit per second"}};
 constexpr std::array only_axis{axis};
+constexpr std::array get_state_params{
+    axis, ParamInfo{"max_age_ms", integer, optional,
+                    "how old the state may be; 0 if absent: the module is asked", 0, 60000}};
 constexpr std::array list_axes_params{
     ParamInfo{"all", boolean, optional,
               "also those that were named as BUS:ADDRESS/MOTOR; only configured ones if absent"}};
@@ -494,8 +497,8 @@ constexpr auto table = std::to_array<MethodInfo>({
      {},
      Effect::stops,
      handlers::stop_home},
-    {"axis.get_state", "where the axis is and what it does", only_axis, state_result, Effect::reads,
-     handlers::get_state},
+    {"axis.get_state", "where the axis is and what it does", get_state_params, state_result,
+     Effect::reads, handlers::get_state},
     {"axis.get_units", "what the axis counts in", only_axis, units_result, Effect::reads,
      handlers::get_units},
     {"parameter.get", "reads an axis parameter", get_parameter_params, parameter_result,

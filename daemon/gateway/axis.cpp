@@ -229,10 +229,38 @@ GatewayAxis::Awaitable<void> GatewayAxis::restore(std::uint8_t parameter, RunOpt
   co_return result;
 }
 
-GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state() {
+/// Whoever is content with what another look finds waits for its end.
+class GatewayAxis::Look {
+ public:
+  explicit Look(GatewayAxis& axis) : axis_(axis) { ++axis_.looks_; }
+  Look(const Look&) = delete;
+  Look& operator=(const Look&) = delete;
+  ~Look() {
+    --axis_.looks_;
+    for (const auto& one : std::exchange(axis_.waiting_, {})) one->notify();
+  }
+
+ private:
+  GatewayAxis& axis_;
+};
+
+bool GatewayAxis::is_known(tmcl::Duration max_age) const {
+  return last_ && last_->commands == bus().commands() &&
+         bus().clock().now() - last_->reading.taken < max_age;
+}
+
+GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state(tmcl::Duration max_age) {
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  if (looks_ > 0 && max_age > tmcl::Duration{} && !is_known(max_age)) {
+    const auto look_ends = waiting_.emplace_back(std::make_shared<Wake>(bus().executor()));
+    co_await look_ends->wait();
+  }
+  if (is_known(max_age)) co_return last_->reading;
+  const Look look(*this);
+  const auto commands = bus().commands();
   auto reading = co_await axis_.run(units_.reading());
+  if (reading) last_ = {*reading, commands};
   co_return reading;
 }
 

@@ -9,9 +9,11 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 #include <boost/asio/awaitable.hpp>
 
+#include "async/wake.hpp"
 #include "gateway/axis_admission.hpp"
 #include "gateway/axis_units.hpp"
 
@@ -89,7 +91,9 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<void> write(std::uint8_t parameter, std::int32_t value, Admitted admitted);
   Awaitable<tmcl::Microsteps> wait(tmcl::WaitOptions options, Objection objection);
   Awaitable<std::int32_t> get(std::uint8_t parameter, Deadline deadline);
-  Awaitable<AxisReading> read_state();
+  /// At most so old, and not from before the last command on its bus: answered without the bus if
+  /// somebody has just looked.
+  Awaitable<AxisReading> read_state(tmcl::Duration max_age = {});
 
   // What AxisUnits knows.
   Awaitable<std::optional<tmcl::ModuleUnits>> module_units() {
@@ -156,6 +160,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
     auto result = co_await axis_.run(std::move(script), std::move(*admitted));
     co_return result;
   }
+  class Look;
+  bool is_known(tmcl::Duration max_age) const;
   Claimant claimant() const { return bus().motors().claimant_of(address()); }
   /// The axis goes, or may go, somewhere else than it was sent before.
   void forget_move();
@@ -168,6 +174,14 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Where the last move was to end, in the unit, before that was rounded.
   std::optional<tmcl::UserPosition> requested_;
   std::shared_ptr<AxisPoller> poller_;
+
+  struct LastReading {
+    AxisReading reading;
+    std::uint64_t commands = 0;  ///< Of the bus, when the look began.
+  };
+  std::optional<LastReading> last_;
+  std::size_t looks_ = 0;  ///< In progress.
+  std::vector<std::shared_ptr<Wake>> waiting_;
 };
 
 }  // namespace tmcld

@@ -145,6 +145,7 @@ void GatewayBus::detach() {
   bus_->on_event({});
   bus_.reset();
   state_ = State::lost;
+  ++commands_;
   if (error_.empty()) error_ = "the link was lost";
   for (auto& [address, module] : modules_) module->forget_state();
 }
@@ -371,11 +372,14 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
     on_its_way.emplace(motors_, request, conduct.options.permit);
   }
   const auto claimant = motors_.claimant_of({request.address, request.motor});
+  const bool asks = effect_of(request.command, request.type) == tmcl::Effect::reads;
+  // What is read while it is on its way may be from before it.
+  if (!asks) ++commands_;
   auto answer = co_await tmcl::exchange(request, options);
+  if (!asks) ++commands_;
   on_its_way.reset();
   motors_.note(request, answer, claimant);
   const bool may_be_done = answer || answer.error().outcome == tmcl::Outcome::unknown;
-  const bool asks = effect_of(request.command, request.type) == tmcl::Effect::reads;
   conduct.acted = conduct.acted || (may_be_done && !asks);
   co_return answer;
 }

@@ -106,6 +106,9 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
     co_return result;
   }
 
+  /// Changes with every request that is no question, and with the link: what was read before says
+  /// nothing about now.
+  std::uint64_t commands() const { return commands_; }
   /// One scan at a time: set while one runs.
   bool scanning = false;
   /// Axes of this bus are on paths. What can wait, waits then: see the poller.
@@ -174,6 +177,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   tmcl::BusCounters earlier_counters_;
   std::map<tmcl::ModuleAddress, std::unique_ptr<GatewayModule>> modules_;
   Motors motors_;
+  std::uint64_t commands_ = 0;
   LogLimiter log_limiter_;
 };
 

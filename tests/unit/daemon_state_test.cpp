@@ -1,0 +1,64 @@
+// axis.get_state with an age: what somebody has just read is not read again, unless it may be
+// wrong by now.
+#include <gmock/gmock.h>
+
+#include "unit/virtual_gateway.hpp"
+
+namespace tmcld::test {
+namespace {
+
+using std::chrono::milliseconds;
+
+class StateByAge : public testing::Test {
+ protected:
+  json::object state(std::int64_t max_age_ms) {
+    return *gateway.call("axis.get_state", {{"axis", "x"}, {"max_age_ms", max_age_ms}});
+  }
+  /// How many requests there are while the function runs.
+  template <class Function>
+  std::size_t requests(Function function) {
+    const auto before = gateway.wire.seen.size();
+    function();
+    return gateway.wire.seen.size() - before;
+  }
+
+  VirtualGateway gateway;
+};
+
+TEST_F(StateByAge, IsAnsweredWithoutTheBusWhileItIsYoung) {
+  state(0);
+  gateway.time.run_for(milliseconds(100));
+  EXPECT_EQ(requests([&] { EXPECT_GE(state(200).at("age_ms").as_int64(), 100); }), 0U);
+  EXPECT_GT(requests([&] { EXPECT_LT(state(50).at("age_ms").as_int64(), 50); }), 0U);
+  EXPECT_GT(requests([&] { gateway.call("axis.get_state", {{"axis", "x"}}); }), 0U);
+}
+
+TEST_F(StateByAge, IsReadAnewBehindACommand) {
+  state(0);
+  gateway.call("axis.move_to", {{"axis", "x"}, {"position_microsteps", 77}, {"predict", false}});
+  EXPECT_EQ(state(60'000).at("target_microsteps"), 77);
+  gateway.call("axis.stop", {{"axis", "x"}});
+  EXPECT_GT(requests([&] { state(60'000); }), 0U);
+  EXPECT_EQ(requests([&] { state(60'000); }), 0U);
+}
+
+TEST_F(StateByAge, IsReadAnewBehindALostLink) {
+  state(0);
+  gateway.wire.unplug();
+  gateway.time.run_for(std::chrono::seconds(2));
+  EXPECT_GT(requests([&] { state(60'000); }), 0U);
+}
+
+TEST_F(StateByAge, IsReadOnceForAllWhoAskAtOnce) {
+  const auto alone = requests([&] { state(0); });
+  gateway.time.run_for(std::chrono::seconds(1));
+  const auto together = requests([&] {
+    const auto answers =
+        gateway.call_together(100, "axis.get_state", {{"axis", "x"}, {"max_age_ms", 500}});
+    for (const auto& answer : answers) EXPECT_TRUE(answer.has_value());
+  });
+  EXPECT_EQ(together, alone);
+}
+
+}  // namespace
+}  // namespace tmcld::test
