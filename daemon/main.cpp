@@ -5,7 +5,6 @@
 #include <exception>
 #include <string>
 
-
 #include <boost/asio/io_context.hpp>
 
 #include "command_line.hpp"

@@ -82,7 +82,8 @@ TEST(DaemonMint, AxesOfOneModuleStartByOneCommand) {
 }
 
 TEST(DaemonMint, NothingIsSentForAProgramThatCannotBe) {
-  JourneyBench bench("TMCM-3110", "unit = \"mm\"\nunits_per_revolution = 1\nsoft_limits = [-1, 1]\n");
+  JourneyBench bench("TMCM-3110",
+                     "unit = \"mm\"\nunits_per_revolution = 1\nsoft_limits = [-1, 1]\n");
   ASSERT_TRUE(bench.call("axis.get_units", {{"axis", "x"}}));
   const std::string good = "SPEED = 900\nACCEL = 9000\n";
   const std::pair<json::object, std::string> cases[] = {

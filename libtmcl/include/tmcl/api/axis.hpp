@@ -158,6 +158,8 @@ struct State {
 struct GetState {
   TMCL_METHOD("axis.get_state", reads, State, "where the axis is and what it does", GetState);
   TMCL_FIELD(std::string, axis, axis_summary);
+  TMCL_FIELD(std::optional<std::uint16_t>, max_age_ms,
+             "so old it may be; the module is asked if absent", {0, 60'000});
 };
 
 struct Units {
