@@ -21,9 +21,7 @@ class MintRun final : public AwaitedRun {
   const tmcl::plan::MintReport& report() const override { return drive_.report(); }
   const std::vector<tmcl::plan::MintDriveGroup>& groups() const { return drive_.groups(); }
   /// Of the group that is under way.
-  tmcl::Duration passed() const {
-    return std::max(tmcl::Duration{}, now() - drive_.group_begin());
-  }
+  tmcl::Duration passed() const { return std::max(tmcl::Duration{}, now() - drive_.group_begin()); }
 
  private:
   tmcl::plan::Drive& what_drives() override { return drive_; }

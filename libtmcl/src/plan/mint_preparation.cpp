@@ -56,9 +56,8 @@ PathResult<RampChoice> ramp_of(const mint::Move& move, const AxisUnits& axis) {
 PathResult<std::size_t> index_of(const mint::Move& move, const std::vector<MintAxis>& axes) {
   const auto axis = std::ranges::find(axes, move.axis, &MintAxis::number);
   if (axis == axes.end()) {
-    auto objection =
-        wrong("missing_axis",
-              fmt::format("line {} moves axis {}: which axis is that?", move.line, move.axis));
+    auto objection = wrong("missing_axis", fmt::format("line {} moves axis {}: which axis is that?",
+                                                       move.line, move.axis));
     objection.file_axis = std::to_string(move.axis);
     return tl::unexpected(std::move(objection));
   }
