@@ -43,7 +43,7 @@ class DaemonClaim : public testing::TestWithParam<Movement> {
   GatewayAxis& x() { return *bench_.daemon.daemon().gateway().axes()[0]; }
   // The start has been answered: what moves from now on was asked for by somebody else.
   bool sends_starts() {
-    const auto path = x().path();
+    const auto path = std::dynamic_pointer_cast<PathRun>(x().journey());
     return path && path->phase() != tmcl::plan::PathStream::Phase::running;
   }
   bool x_moves() {

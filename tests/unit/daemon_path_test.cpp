@@ -138,7 +138,7 @@ TEST_P(DaemonPathInBothModes, AnExceptionOnTheWayStopsAll) {
   EXPECT_LT(mm(0), 35);
   const auto is_free = [&] {
     const auto& axis = *daemon.daemon().gateway().axes().front();
-    return axis.path() == nullptr && !axis.bus().has_paths();
+    return axis.journey() == nullptr && !axis.bus().has_paths();
   };
   EXPECT_TRUE(daemon.on_reactor(is_free));
 }
@@ -150,7 +150,7 @@ TEST_P(DaemonPathInBothModes, AClientThatGoesDoesNotEndIt) {
   gone.reset();
   EXPECT_TRUE(daemon.eventually([&] { return module.mm(0) == 9 && module.mm(1) == 2; }));
   EXPECT_TRUE(daemon.eventually(
-      [&] { return daemon.daemon().gateway().axes().front()->path() == nullptr; }));
+      [&] { return daemon.daemon().gateway().axes().front()->journey() == nullptr; }));
   expect_rest_and_own_settings();
 }
 
