@@ -129,6 +129,7 @@ TEST_F(CtlPath, WhatTheGatewaySaysHasItsExitCodes) {
   const auto line = file("G1 X10 F600\n");
   target.plan = planned;
   for (const auto& [outcome, exit] : {std::pair{tmcl::Outcome::done, ExitCode::not_reached},
+                                      std::pair{tmcl::Outcome::unknown, ExitCode::not_reached},
                                       std::pair{tmcl::Outcome::not_sent, ExitCode::refused}}) {
     target.run_failure = Failure{ExitCode::unknown, "starved", "late", "", outcome};
     target.run_failure->details["run"] = boost::json::object{};

@@ -56,6 +56,7 @@ class LineBench {
 
   // What the tests arrange; the first request is 1.
   std::size_t refuses_at = 0;
+  Command refused{};
   std::size_t loses_at = 0;  // the answer
   std::size_t stops_at = 0;  // somebody stops x
   std::atomic<int> silent_module = 0;
@@ -135,9 +136,11 @@ class LineBench {
   tmcl::Reply play(const Request& request) {
     ++count_;
     if (count_ == stops_at) stop();
-    if (count_ == refuses_at)
+    if (count_ == refuses_at) {
+      refused = request.command;
       return {2, tmcl::reply_byte(request.address), tmcl::Status::invalid_value, request.command,
               0};
+    }
     if (request.command == Command::SAP && first_set_at_ == 0) first_set_at_ = count_;
     if (request.command == Command::MVP) {
       started_at_ = count_;
@@ -332,6 +335,8 @@ class LineFaults : public testing::TestWithParam<Axes> {
 
 TEST_P(LineFaults, WhateverIsRefusedNothingMovesOrAllStop) {
   at_each_step(&LineBench::refuses_at, [&](const json::object& answer) {
+    // It is asked to tell the other answers apart, and any answer does that.
+    if (bench.refused == Command::GET_FIRMWARE_VERSION) return expect_that_all_have_arrived();
     EXPECT_TRUE(answer.contains("error")) << json::serialize(answer);
     EXPECT_LT(way_of_x(), whole_way);
   });

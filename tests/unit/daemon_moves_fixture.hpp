@@ -105,6 +105,8 @@ inline std::vector<MovingExample> moving_examples() {
       {{path,
         {"path.pause", {{"axes", json::array{"x"}}}},
         {"path.resume", {{"axes", json::array{"x"}}}}}},
+      one("mint.run", {{"axes", json::array{"x"}},
+                       {"text", "SPEED = 9000\nACCEL = 90000\nMOVEA = 51200\nGO\n"}}),
       one("axis.home", {{"axis", "x"}, {"mode", 1}}),
       one("axis.start_home", {{"axis", "x"}, {"mode", 1}}),
       one("axis.start_home", {{"axis", "x"}}),

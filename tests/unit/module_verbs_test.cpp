@@ -90,8 +90,8 @@ TEST(Homing, AModuleThatFallsSilentWhileItSearchesIsAskedAgain) {
   EXPECT_EQ(homed->correction, Microsteps{-40});
   EXPECT_THAT(steps, ElementsAre(1, 2, 3)) << "each once: a look that is lost is no look";
   EXPECT_EQ(std::ranges::count(bus.sent(), search(0)), 1) << "the search is not started again";
-  // What the module was asked: where its search is, four times, the last time that it has ended.
-  EXPECT_EQ(std::ranges::count(fake.executed(), search(2)), 4);
+  // What the module was asked: where its search is, four times; that it has ended, twice more.
+  EXPECT_EQ(std::ranges::count(fake.executed(), search(2)), 6);
   EXPECT_EQ(bus.counters().timeouts, 6U);
 }
 

@@ -101,7 +101,7 @@ Passed pass(const json::object& plan, Context& context) {
       {[&](const json::object& news) { show(news, progress); }, [&] { steering.look(); }});
   // What stopped it before its end has moved the axes, or not.
   if (!report && report.error().details.contains("run")) {
-    const bool moved = report.error().outcome == tmcl::Outcome::done;
+    const bool moved = report.error().outcome != tmcl::Outcome::not_sent;
     report.error().exit = moved ? ExitCode::not_reached : ExitCode::refused;
     report.error().outcome.reset();
   }
