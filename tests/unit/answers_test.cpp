@@ -1,4 +1,5 @@
 // An answer belongs to its question: what comes twice, too late or in another order is nobody's.
+#include <array>
 #include <deque>
 #include <random>
 
@@ -107,7 +108,7 @@ TEST_P(DoubledReplies, SendNoRelativeMoveAnywhereElse) {
 }
 
 TEST_P(DoubledReplies, OneOfThemShiftsNoAnswersForLong) {
-  for (const std::size_t waiting : {1, 2, 8}) {
+  for (const std::size_t waiting : {1U, 2U, 8U}) {
     Random random(test::seed());
     ScriptedBus bus(GetParam());
     bus.add_module(1);
@@ -252,7 +253,7 @@ TEST_P(QuietLine, IsNotWaitedForForEver) {
 // ---- lines that echo
 
 TEST(LineEcho, IsLeftOutAndToldOnce) {
-  for (const std::uint8_t address : {1, 2, 9}) {
+  for (const auto address : std::array<std::uint8_t, 3>{1, 2, 9}) {
     ScriptedBus bus;
     bus.add_module(address);
     bus.chance = [&](std::size_t number) {
