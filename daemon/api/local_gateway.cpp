@@ -76,6 +76,8 @@ LocalGateway::~LocalGateway() {
   peer_->leave();
   gateway_->close();
   gateway_->join();
+  // Whoever waits for a bus is told now that it is closed, and ends: it keeps that bus alive.
+  context_.poll();
 }
 
 tmcl::Result<std::unique_ptr<LocalGateway>> LocalGateway::open(const Config& config,
