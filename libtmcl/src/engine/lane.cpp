@@ -109,7 +109,7 @@ bool Lane::must_separate(Command command, TimePoint now) const {
 
 void Lane::answered(Command command, TimePoint now) {
   const bool follows = last_answered_ == command && now - last_answered_at_ <= second_reply_window;
-  equal_in_a_row_ = follows ? equal_in_a_row_ + 1 : 0;
+  equal_in_a_row_ = follows ? equal_in_a_row_ + 1 : 1;
   if (exchanges_to_trust_ > 0) --exchanges_to_trust_;
   answered_before_ = std::exchange(last_answered_, command);
   last_answered_at_ = now;
