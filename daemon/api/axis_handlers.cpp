@@ -1,102 +1,95 @@
-#include <boost/json/array.hpp>
-
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
-#include "api/state_json.hpp"
+#include "api/views.hpp"
 #include "tmcl/seconds.hpp"
 
 namespace tmcld::handlers {
 namespace {
 
-namespace json = boost::json;
 namespace ap = tmcl::axis_parameter;
 
-RpcResult failed(const tmcl::Error& error, const GatewayAxis& axis) {
+tl::unexpected<RpcError> failed(const tmcl::Error& error, const GatewayAxis& axis) {
   return tl::unexpected(call_error(error, axis.name()));
 }
 
-bool wants_prediction(const Call& call) { return call.params.boolean_or("predict", true); }
-
-boost::asio::awaitable<json::object> to_result(GatewayAxis& axis, StartedMove started,
-                                               const tmcl::UserScale* scale) {
-  json::object result;
-  result["target_microsteps"] = started.target.value;
-  co_await add_in_unit(result, axis, "target", started.target, scale);
-  result["predicted_s"] = nullptr;
-  if (started.predicted) result["predicted_s"] = tmcl::seconds(*started.predicted);
+boost::asio::awaitable<axis::StartedMove> to_result(GatewayAxis& axis, StartedMove started,
+                                                    const tmcl::UserScale* scale) {
+  auto target = co_await in_unit(axis, started.target, scale);
+  axis::StartedMove result{started.target.value, std::move(target.unit), target.number};
+  if (started.predicted) result.predicted_s = tmcl::seconds(*started.predicted);
   co_return result;
 }
 
 }  // namespace
 
-Answer list_axes(Call& call) {
-  json::array axes;
-  const bool all = call.params.boolean_or("all", false);
+Answer<axis::List> list_axes(Call& call, const axis::List& params) {
+  axis::Axes result;
+  const bool all = params.all.value_or(false);
   for (const auto& axis : all ? call.gateway->all_axes() : call.gateway->axes())
-    axes.push_back(to_json(*axis));
-  json::object result;
-  result["axes"] = std::move(axes);
+    result.axes.push_back(view_of(*axis));
   co_return result;
 }
 
-Answer move_to(Call& call) {
-  const auto ready = co_await ready_to_move(call);
+Answer<axis::MoveTo> move_to(Call& call, const axis::MoveTo& params) {
+  const auto ready = co_await ready_to_move(call, params);
   if (!ready) co_return tl::unexpected(ready.error());
   auto& axis = *ready->axis;
   const auto* row = find_parameter(axis.parameters(), ap::target_position);
-  const auto target = co_await length_of(call, axis, "position_microsteps", "position", row);
+  const auto said = either<&axis::MoveTo::position_microsteps, &axis::MoveTo::position>(params);
+  const auto target = co_await length_of(axis, said, row);
   if (!target) co_return tl::unexpected(target.error());
-  const auto moved = co_await axis.move_to(target->length(), wants_prediction(call), ready->moves);
+  const auto moved =
+      co_await axis.move_to(target->length(), params.predict.value_or(true), ready->moves);
   if (!moved) co_return failed(moved.error(), axis);
   auto result = co_await to_result(axis, *moved, target->known_scale());
   co_return result;
 }
 
-Answer move_by(Call& call) {
-  const auto ready = co_await ready_to_move(call);
+Answer<axis::MoveBy> move_by(Call& call, const axis::MoveBy& params) {
+  const auto ready = co_await ready_to_move(call, params);
   if (!ready) co_return tl::unexpected(ready.error());
   auto& axis = *ready->axis;
-  const auto distance = co_await length_of(call, axis, "distance_microsteps", "distance", nullptr);
+  const auto said = either<&axis::MoveBy::distance_microsteps, &axis::MoveBy::distance>(params);
+  const auto distance = co_await length_of(axis, said, nullptr);
   if (!distance) co_return tl::unexpected(distance.error());
   const auto moved =
-      co_await axis.move_by(distance->length(), wants_prediction(call), ready->moves);
+      co_await axis.move_by(distance->length(), params.predict.value_or(true), ready->moves);
   if (!moved) co_return failed(moved.error(), axis);
   auto result = co_await to_result(axis, *moved, distance->known_scale());
   co_return result;
 }
 
-Answer rotate(Call& call) {
-  const auto ready = co_await ready_to_move(call);
+Answer<axis::Rotate> rotate(Call& call, const axis::Rotate& params) {
+  const auto ready = co_await ready_to_move(call, params);
   if (!ready) co_return tl::unexpected(ready.error());
   auto& axis = *ready->axis;
-  const auto velocity = co_await velocity_of(call, axis);
+  const auto said = either<&axis::Rotate::velocity_internal, &axis::Rotate::velocity>(params);
+  const auto velocity = co_await velocity_of(axis, said);
   if (!velocity) co_return tl::unexpected(velocity.error());
   const auto turned = co_await axis.rotate({velocity->value}, ready->moves);
   if (!turned) co_return failed(turned.error(), axis);
-  json::object result;
-  result["velocity_internal"] = velocity->value;
-  co_await add_velocity_in_unit(result, axis, *velocity);
-  co_return result;
+  auto told = co_await velocity_in_unit(axis, *velocity);
+  co_return axis::Turning{velocity->value, std::move(told.unit), told.number};
 }
 
-Answer stop(Call& call) {
-  const auto axis = axis_of(call);
+Answer<axis::Stop> stop(Call& call, const axis::Stop& params) {
+  const auto axis = axis_of(call, params.axis);
   if (!axis) co_return tl::unexpected(axis.error());
   ++call.gateway->stops_in_progress;
   const auto stopped = co_await (*axis)->stop();
   --call.gateway->stops_in_progress;
   if (!stopped) co_return failed(stopped.error(), **axis);
-  co_return json::object{};
+  co_return Nothing{};
 }
 
-Answer wait(Call& call) {
-  const auto axis = axis_of(call);
+Answer<axis::Wait> wait(Call& call, const axis::Wait& params) {
+  const auto axis = axis_of(call, params.axis);
   if (!axis) co_return tl::unexpected(axis.error());
   const auto ready = co_await (*axis)->be_ready();
   if (!ready) co_return failed(ready.error(), **axis);
   tmcl::WaitOptions options;
-  options.timeout = call.timeout_left();
+  options.timeout = call.timeout_left(params.timeout_ms);
   // Nobody else ends a wait without a timeout.
   Objection objection = [peer = call.peer]() -> std::optional<tmcl::Error> {
     if (!peer->is_gone()) return std::nullopt;
@@ -104,14 +97,12 @@ Answer wait(Call& call) {
   };
   const auto arrived = co_await (*axis)->wait(options, std::move(objection));
   if (!arrived) co_return failed(arrived.error(), **axis);
-  json::object result;
-  result["position_microsteps"] = arrived->value;
-  co_await add_in_unit(result, **axis, "position", *arrived);
-  co_return result;
+  auto place = co_await place_of(**axis, *arrived);
+  co_return place;
 }
 
-Answer get_units(Call& call) {
-  const auto axis = axis_of(call);
+Answer<axis::GetUnits> get_units(Call& call, const axis::GetUnits& params) {
+  const auto axis = axis_of(call, params.axis);
   if (!axis) co_return tl::unexpected(axis.error());
   const auto ready = co_await (*axis)->be_ready();
   if (!ready) co_return failed(ready.error(), **axis);
@@ -119,18 +110,16 @@ Answer get_units(Call& call) {
   if (!module) co_return failed(module.error(), **axis);
   const auto scale = co_await (*axis)->scale();
   if (!scale) co_return failed(scale.error(), **axis);
-  co_return units_json(**axis, *module, *scale);
+  co_return view_of(**axis, *module, *scale);
 }
 
-Answer get_state(Call& call) {
-  const auto axis = axis_of(call);
+Answer<axis::GetState> get_state(Call& call, const axis::GetState& params) {
+  const auto axis = axis_of(call, params.axis);
   if (!axis) co_return tl::unexpected(axis.error());
-  const std::chrono::milliseconds max_age(call.params.integer_or("max_age_ms", 0));
+  const std::chrono::milliseconds max_age(params.max_age_ms.value_or(0));
   const auto reading = co_await (*axis)->read_state(max_age);
   if (!reading) co_return failed(reading.error(), **axis);
-  json::object result;
-  add_state(result, **axis, *reading);
-  co_return result;
+  co_return view_of(**axis, *reading);
 }
 
 }  // namespace tmcld::handlers

@@ -4,14 +4,38 @@
 #include <algorithm>
 #include <chrono>
 #include <memory>
+#include <optional>
 
 #include <boost/json/value.hpp>
+#include <tl/expected.hpp>
 
 #include "api/params.hpp"
 #include "api/peer.hpp"
 #include "gateway/gateway.hpp"
+#include "tmcl/api/system.hpp"
 
 namespace tmcld {
+
+template <class T>
+using Lookup = tl::expected<T, RpcError>;
+
+/// Tells the client of a call how far that has come; may outlive the call.
+class Teller {
+ public:
+  Teller(std::shared_ptr<Peer> peer, boost::json::value id)
+      : peer_(std::move(peer)), id_(std::move(id)) {}
+
+  template <class Progress>
+  void operator()(const Progress& progress) const {
+    boost::json::object params{{"id", id_}};
+    for (auto& [name, value] : api::to_json(progress)) params.emplace(name, std::move(value));
+    peer_->notify(api::progress_notification, std::move(params));
+  }
+
+ private:
+  std::shared_ptr<Peer> peer_;
+  boost::json::value id_;
+};
 
 struct Call {
   std::shared_ptr<Gateway> gateway;
@@ -21,20 +45,32 @@ struct Call {
   tmcl::TimePoint received;
   /// From when the request came in: a stop that came in behind it wins, whatever it waits for.
   Permit permit;
+  std::shared_ptr<const void> typed{};
 
-  /// The parameter "deadline_ms", counted from when the request came in.
-  Deadline deadline() const {
-    if (!params.has("deadline_ms")) return std::nullopt;
-    return received + std::chrono::milliseconds(params.integer("deadline_ms"));
+  /// The parameters; they live as long as the call.
+  template <class T>
+  const T& read() {
+    auto read = std::make_shared<const T>(api::from_json<T>(params.object()));
+    typed = read;
+    return *read;
   }
-  /// What is left of the parameter "timeout_ms", counted likewise, and never nothing: zero means
-  /// that there is no timeout.
-  tmcl::Duration timeout_left() const {
-    const std::chrono::milliseconds timeout(params.integer_or("timeout_ms", 0));
+
+  /// The parameter "deadline_ms", if there is one, counted from when the request came in.
+  template <class T>
+  Deadline deadline(const T& given) const {
+    if constexpr (requires { given.deadline_ms; }) {
+      if (given.deadline_ms) return received + std::chrono::milliseconds(*given.deadline_ms);
+    }
+    return std::nullopt;
+  }
+  /// What is left of a timeout, counted likewise, and never nothing: zero means that there is none.
+  tmcl::Duration timeout_left(std::optional<std::int64_t> timeout_ms) const {
+    const std::chrono::milliseconds timeout(timeout_ms.value_or(0));
     if (timeout == std::chrono::milliseconds{}) return {};
     const auto left = received + timeout - gateway->clock().now();
     return std::max(left, tmcl::Duration{1});
   }
+  Teller teller() const { return {peer, id}; }
 };
 
 }  // namespace tmcld

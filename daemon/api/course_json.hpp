@@ -6,12 +6,12 @@
 
 #include <boost/json/object.hpp>
 
+#include "tmcl/api/path.hpp"
 #include "tmcl/plan/course.hpp"
 
 namespace tmcld {
 
-/// So many points at most: an answer has to be sent.
-constexpr int most_curve_points = 2000;
+using tmcl::api::path::most_curve_points;
 
 /// `axes` are those of the file, in the order of the course.
 boost::json::object to_json(const tmcl::plan::Course& course, const std::vector<std::string>& axes);

@@ -1,4 +1,4 @@
-// Global parameters, ports, and what else concerns a module as a whole.
+// Global parameters, and ports.
 #include "api/can_identifiers.hpp"
 #include "api/handlers.hpp"
 #include "api/module_choice.hpp"
@@ -8,34 +8,39 @@
 namespace tmcld::handlers {
 namespace {
 
-namespace json = boost::json;
+using boost::asio::awaitable;
 
 struct GlobalChoice {
   ModuleChoice module;
   std::uint8_t bank = 0;
   std::uint8_t number = 0;
   const tmcl::ParameterInfo* row = nullptr;
+
+  global::Global told() const {
+    global::Global told{{}, number, bank};
+    if (row != nullptr) told.parameter = row->name;
+    return told;
+  }
 };
 
 RpcError unknown_global(const std::string& name, std::span<const tmcl::ParameterInfo> rows) {
   std::vector<std::string_view> names;
   for (const auto& row : rows) names.push_back(row.name);
-  return param_error("unknown_parameter", "parameter",
+  return param_error("unknown_parameter", api::name_of<&global::Get::parameter>(),
                      "there is no global parameter '" + name + "'",
                      suggest(name, names, "give its number, 0..255"));
 }
 
 /// Which names there are depends on the model, and only bank 0 has any.
-boost::asio::awaitable<Lookup<GlobalChoice>> global_of(const Call& call) {
-  const auto module = module_of(call);
+awaitable<Lookup<GlobalChoice>> global_of(const Call& call, const global::OnGlobal& params) {
+  const auto module = module_of(call, params);
   if (!module) co_return tl::unexpected(module.error());
-  GlobalChoice choice{*module, static_cast<std::uint8_t>(call.params.integer_or("bank", 0)), 0,
-                      nullptr};
-  if (!call.params.is_text("parameter")) {
-    choice.number = static_cast<std::uint8_t>(call.params.integer("parameter"));
+  GlobalChoice choice{*module, params.bank.value_or(0)};
+  if (const auto* number = std::get_if<std::int32_t>(&params.parameter.said)) {
+    choice.number = static_cast<std::uint8_t>(*number);
     co_return choice;
   }
-  const auto name = call.params.text("parameter");
+  const auto& name = std::get<std::string>(params.parameter.said);
   if (const auto number = as_number(name)) {
     choice.number = *number;
     co_return choice;
@@ -52,139 +57,68 @@ boost::asio::awaitable<Lookup<GlobalChoice>> global_of(const Call& call) {
   co_return choice;
 }
 
-json::object to_json(const GlobalChoice& choice) {
-  json::object result;
-  result["parameter"] = nullptr;
-  if (choice.row != nullptr) result["parameter"] = choice.row->name;
-  result["number"] = choice.number;
-  result["bank"] = choice.bank;
-  return result;
-}
-
-json::object with_value(json::object result, std::int32_t value) {
-  result["value"] = value;
-  return result;
-}
-
-json::value or_null(std::optional<std::int32_t> value) {
-  return value ? json::value(*value) : json::value(nullptr);
+awaitable<Lookup<global::Global>> act_on_eeprom(
+    Call& call, const global::OnGlobal& params,
+    tmcl::Script<tmcl::Result<void>> (*verb)(tmcl::ModuleAddress, std::uint8_t, std::uint8_t)) {
+  const auto choice = co_await global_of(call, params);
+  if (!choice) co_return tl::unexpected(choice.error());
+  const auto& module = choice->module;
+  auto done = co_await run_on(module, call, verb(module.address, choice->bank, choice->number));
+  if (!done) co_return tl::unexpected(std::move(done.error()));
+  co_return choice->told();
 }
 
 }  // namespace
 
-Answer get_global(Call& call) {
-  const auto choice = co_await global_of(call);
+Answer<global::Get> get_global(Call& call, const global::Get& params) {
+  const auto choice = co_await global_of(call, params);
   if (!choice) co_return tl::unexpected(choice.error());
   const auto& module = choice->module;
   auto value = co_await run_on(
       module, call, tmcl::verbs::get_global(module.address, choice->bank, choice->number));
   if (!value) co_return tl::unexpected(std::move(value.error()));
-  co_return with_value(to_json(*choice), *value);
+  co_return global::GlobalValue{choice->told(), *value};
 }
 
-Answer set_global(Call& call) {
-  const auto choice = co_await global_of(call);
+Answer<global::Set> set_global(Call& call, const global::Set& params) {
+  const auto choice = co_await global_of(call, params);
   if (!choice) co_return tl::unexpected(choice.error());
-  const auto value = call.params.integer("value");
-  if (auto complaint = check_range(choice->row, value, "value"))
+  if (auto complaint = check_range(choice->row, params.value, api::name_of<&global::Set::value>()))
     co_return tl::unexpected(std::move(*complaint));
   const auto& module = choice->module;
   const tmcl::Request request{module.address, tmcl::Command::SGP, choice->number, choice->bank,
-                              value};
+                              params.value};
   if (auto conflict = identifier_conflict(*module.bus, request))
     co_return tl::unexpected(std::move(*conflict));
   auto done = co_await run_on(
-      module, call, tmcl::verbs::set_global(module.address, choice->bank, choice->number, value));
+      module, call,
+      tmcl::verbs::set_global(module.address, choice->bank, choice->number, params.value));
   if (!done) co_return tl::unexpected(std::move(done.error()));
-  co_return with_value(to_json(*choice), value);
+  co_return global::GlobalValue{choice->told(), params.value};
 }
 
-Answer store_global(Call& call) {
-  const auto choice = co_await global_of(call);
-  if (!choice) co_return tl::unexpected(choice.error());
-  const auto& module = choice->module;
-  auto done = co_await run_on(
-      module, call, tmcl::verbs::store_global(module.address, choice->bank, choice->number));
-  if (!done) co_return tl::unexpected(std::move(done.error()));
-  co_return to_json(*choice);
+Answer<global::Store> store_global(Call& call, const global::Store& params) {
+  return act_on_eeprom(call, params, tmcl::verbs::store_global);
+}
+Answer<global::Restore> restore_global(Call& call, const global::Restore& params) {
+  return act_on_eeprom(call, params, tmcl::verbs::restore_global);
 }
 
-Answer restore_global(Call& call) {
-  const auto choice = co_await global_of(call);
-  if (!choice) co_return tl::unexpected(choice.error());
-  const auto& module = choice->module;
-  auto done = co_await run_on(
-      module, call, tmcl::verbs::restore_global(module.address, choice->bank, choice->number));
-  if (!done) co_return tl::unexpected(std::move(done.error()));
-  co_return to_json(*choice);
-}
-
-Answer get_io(Call& call) {
-  const auto module = module_of(call);
+Answer<io::Get> get_io(Call& call, const io::Get& params) {
+  const auto module = module_of(call, params);
   if (!module) co_return tl::unexpected(module.error());
-  const auto bank = static_cast<tmcl::IoBank>(call.params.integer_or("bank", 0));
-  const auto port = static_cast<std::uint8_t>(call.params.integer("port"));
-  auto value = co_await run_on(*module, call, tmcl::verbs::get_io(module->address, bank, port));
+  const auto bank = static_cast<tmcl::IoBank>(params.bank.value_or(0));
+  auto value =
+      co_await run_on(*module, call, tmcl::verbs::get_io(module->address, bank, params.port));
   if (!value) co_return tl::unexpected(std::move(value.error()));
-  co_return with_value({}, *value);
+  co_return io::PortValue{*value};
 }
 
-Answer set_io(Call& call) {
-  const auto module = module_of(call);
-  if (!module) co_return tl::unexpected(module.error());
-  const auto port = static_cast<std::uint8_t>(call.params.integer("port"));
-  const auto value = call.params.integer("value");
-  auto done = co_await run_on(*module, call, tmcl::verbs::set_output(module->address, port, value));
+Answer<io::Set> set_io(Call& call, const io::Set& params) {
+  auto done = co_await act_on(
+      call, params, tmcl::verbs::set_output(address_of(params), params.port, params.value));
   if (!done) co_return tl::unexpected(std::move(done.error()));
-  co_return with_value({}, value);
-}
-
-Answer module_info(Call& call) {
-  const auto module = module_of(call);
-  if (!module) co_return tl::unexpected(module.error());
-  auto info = co_await run_on(*module, call, tmcl::verbs::firmware_info(module->address));
-  if (!info) co_return tl::unexpected(std::move(info.error()));
-  json::object result;
-  result["module_id"] = or_null(info->module_id);
-  result["version"] = or_null(info->version);
-  result["capabilities"] = or_null(info->capabilities);
-  result["release_type"] = or_null(info->release_type);
-  result["bootloader_id"] = or_null(info->bootloader_id);
-  result["bootloader_version"] = or_null(info->bootloader_version);
-  result["axis_parameter_width"] = or_null(info->axis_parameter_width);
-  result["register_address_width"] = or_null(info->register_address_width);
-  result["git_hash"] = or_null(info->git_hash);
-  co_return result;
-}
-
-Answer report_arrivals(Call& call) {
-  const auto module = module_of(call);
-  if (!module) co_return tl::unexpected(module.error());
-  const auto events = call.params.boolean_or("every", false) ? tmcl::ArrivalEvents::every_move
-                                                             : tmcl::ArrivalEvents::next_move;
-  const auto motors = static_cast<std::int32_t>(call.params.mask("motors"));
-  auto script = tmcl::verbs::request_arrival_events(module->address, events, motors);
-  auto done = co_await run_on(*module, call, std::move(script));
-  if (!done) co_return tl::unexpected(std::move(done.error()));
-  co_return json::object{};
-}
-
-Answer reset_module(Call& call) {
-  const auto module = module_of(call);
-  if (!module) co_return tl::unexpected(module.error());
-  auto done = co_await run_on(*module, call, tmcl::verbs::reset_module(module->address));
-  expect_news(*module);
-  if (!done) co_return tl::unexpected(std::move(done.error()));
-  co_return json::object{};
-}
-
-Answer factory_reset(Call& call) {
-  const auto module = module_of(call);
-  if (!module) co_return tl::unexpected(module.error());
-  auto done = co_await run_on(*module, call, tmcl::verbs::factory_reset(module->address));
-  expect_news(*module);
-  if (!done) co_return tl::unexpected(std::move(done.error()));
-  co_return json::object{};
+  co_return io::PortValue{params.value};
 }
 
 }  // namespace tmcld::handlers

@@ -1,91 +1,101 @@
-/// What the methods do; their rows are in method_table.cpp.
+/// What the methods do; the table of them is in method_table.cpp.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
 
 #include "api/call.hpp"
 #include "api/rpc_error.hpp"
+#include "tmcl/api/axis.hpp"
+#include "tmcl/api/module.hpp"
+#include "tmcl/api/parameter.hpp"
+#include "tmcl/api/path.hpp"
+#include "tmcl/api/program.hpp"
+#include "tmcl/api/system.hpp"
 
 namespace tmcld::handlers {
 
-using Answer = boost::asio::awaitable<RpcResult>;
+using namespace tmcl::api;
 
-Answer discover(Call& call);
+template <class Params>
+using Answer = boost::asio::awaitable<Lookup<typename Params::Result>>;
 
-Answer list_buses(Call& call);
-Answer scan(Call& call);
+Answer<rpc::Discover> discover(Call& call, const rpc::Discover& params);
 
-Answer list_modules(Call& call);
-Answer execute(Call& call);
+Answer<bus::List> list_buses(Call& call, const bus::List& params);
+Answer<bus::Scan> scan(Call& call, const bus::Scan& params);
 
-Answer list_axes(Call& call);
-Answer move_to(Call& call);
-Answer move_by(Call& call);
-Answer rotate(Call& call);
-Answer stop(Call& call);
-Answer wait(Call& call);
-Answer get_state(Call& call);
-Answer get_units(Call& call);
+Answer<module::List> list_modules(Call& call, const module::List& params);
+Answer<module::Execute> execute(Call& call, const module::Execute& params);
+Answer<module::Info> module_info(Call& call, const module::Info& params);
+Answer<module::ReportArrivals> report_arrivals(Call& call, const module::ReportArrivals& params);
+Answer<module::Reset> reset_module(Call& call, const module::Reset& params);
+Answer<module::FactoryReset> factory_reset(Call& call, const module::FactoryReset& params);
 
-Answer move_line(Call& call);
+Answer<axis::List> list_axes(Call& call, const axis::List& params);
+Answer<axis::MoveTo> move_to(Call& call, const axis::MoveTo& params);
+Answer<axis::MoveBy> move_by(Call& call, const axis::MoveBy& params);
+Answer<axis::Rotate> rotate(Call& call, const axis::Rotate& params);
+Answer<axis::Stop> stop(Call& call, const axis::Stop& params);
+Answer<axis::Wait> wait(Call& call, const axis::Wait& params);
+Answer<axis::GetState> get_state(Call& call, const axis::GetState& params);
+Answer<axis::GetUnits> get_units(Call& call, const axis::GetUnits& params);
+Answer<axis::Home> home(Call& call, const axis::Home& params);
+Answer<axis::StartHome> start_home(Call& call, const axis::StartHome& params);
+Answer<axis::StopHome> stop_home(Call& call, const axis::StopHome& params);
 
-Answer stage_path(Call& call);
-Answer plan_path(Call& call);
-Answer run_path(Call& call);
-Answer pause_path(Call& call);
-Answer resume_path(Call& call);
-Answer stop_path(Call& call);
+Answer<line::Move> move_line(Call& call, const line::Move& params);
 
-Answer run_mint(Call& call);
+Answer<path::Stage> stage_path(Call& call, const path::Stage& params);
+using Untyped = boost::asio::awaitable<RpcResult>;
+Untyped plan_path(Call& call);
+Untyped run_path(Call& call);
+Untyped pause_path(Call& call);
+Untyped resume_path(Call& call);
+Untyped stop_path(Call& call);
+Untyped run_mint(Call& call);
 
-Answer home(Call& call);
-Answer start_home(Call& call);
-Answer stop_home(Call& call);
+Answer<coordinate::Get> get_coordinate(Call& call, const coordinate::Get& params);
+Answer<coordinate::Set> set_coordinate(Call& call, const coordinate::Set& params);
+Answer<coordinate::Capture> capture_coordinate(Call& call, const coordinate::Capture& params);
+Answer<coordinate::Move> move_to_coordinate(Call& call, const coordinate::Move& params);
+Answer<coordinate::Start> start_coordinate(Call& call, const coordinate::Start& params);
+Answer<coordinate::Store> store_coordinates(Call& call, const coordinate::Store& params);
+Answer<coordinate::Load> load_coordinates(Call& call, const coordinate::Load& params);
 
-Answer get_coordinate(Call& call);
-Answer set_coordinate(Call& call);
-Answer capture_coordinate(Call& call);
-Answer move_to_coordinate(Call& call);
-Answer start_coordinate(Call& call);
-Answer store_coordinates(Call& call);
-Answer load_coordinates(Call& call);
+Answer<global::Get> get_global(Call& call, const global::Get& params);
+Answer<global::Set> set_global(Call& call, const global::Set& params);
+Answer<global::Store> store_global(Call& call, const global::Store& params);
+Answer<global::Restore> restore_global(Call& call, const global::Restore& params);
+Answer<io::Get> get_io(Call& call, const io::Get& params);
+Answer<io::Set> set_io(Call& call, const io::Set& params);
 
-Answer get_global(Call& call);
-Answer set_global(Call& call);
-Answer store_global(Call& call);
-Answer restore_global(Call& call);
-Answer get_io(Call& call);
-Answer set_io(Call& call);
-Answer module_info(Call& call);
-Answer report_arrivals(Call& call);
-Answer reset_module(Call& call);
-Answer factory_reset(Call& call);
+Answer<program::Load> load_program(Call& call, const program::Load& params);
+Answer<program::Compare> compare_program(Call& call, const program::Compare& params);
+Answer<program::Read> read_program(Call& call, const program::Read& params);
+Answer<program::Run> run_program(Call& call, const program::Run& params);
+Answer<program::Stop> stop_program(Call& call, const program::Stop& params);
+Answer<program::Step> step_program(Call& call, const program::Step& params);
+Answer<program::Reset> reset_program(Call& call, const program::Reset& params);
+Answer<program::Status> program_status(Call& call, const program::Status& params);
+Answer<program::SetBreakpoint> set_breakpoint(Call& call, const program::SetBreakpoint& params);
+Answer<program::ClearBreakpoint> clear_breakpoint(Call& call,
+                                                  const program::ClearBreakpoint& params);
+Answer<program::ClearBreakpoints> clear_breakpoints(Call& call,
+                                                    const program::ClearBreakpoints& params);
 
-Answer load_program(Call& call);
-Answer compare_program(Call& call);
-Answer read_program(Call& call);
-Answer run_program(Call& call);
-Answer stop_program(Call& call);
-Answer step_program(Call& call);
-Answer reset_program(Call& call);
-Answer program_status(Call& call);
-Answer set_breakpoint(Call& call);
-Answer clear_breakpoint(Call& call);
-Answer clear_breakpoints(Call& call);
+Answer<firmware::Status> firmware_status(Call& call, const firmware::Status& params);
+Answer<firmware::Stage> stage_firmware(Call& call, const firmware::Stage& params);
+Answer<firmware::Upload> upload_firmware(Call& call, const firmware::Upload& params);
 
-Answer firmware_status(Call& call);
-Answer stage_firmware(Call& call);
-Answer upload_firmware(Call& call);
+Answer<parameter::Get> get_parameter(Call& call, const parameter::Get& params);
+Answer<parameter::Set> set_parameter(Call& call, const parameter::Set& params);
+Answer<parameter::Store> store_parameter(Call& call, const parameter::Store& params);
+Answer<parameter::Restore> restore_parameter(Call& call, const parameter::Restore& params);
+Answer<parameter::List> list_parameters(Call& call, const parameter::List& params);
 
-Answer get_parameter(Call& call);
-Answer set_parameter(Call& call);
-Answer store_parameter(Call& call);
-Answer restore_parameter(Call& call);
-Answer list_parameters(Call& call);
+Answer<system::StopAll> stop_all(Call& call, const system::StopAll& params);
 
-Answer stop_all(Call& call);
-
-Answer subscribe(Call& call);
-Answer unsubscribe(Call& call);
+Answer<Subscribe> subscribe(Call& call, const Subscribe& params);
+Answer<Unsubscribe> unsubscribe(Call& call, const Unsubscribe& params);
 
 }  // namespace tmcld::handlers

@@ -17,7 +17,8 @@ Lookup<std::string> text_of(const Call& call) {
         param_error("bad_argument", "text", "give one of 'text' and 'bytes', and not both"));
   }
   if (in_line) return call.params.text("text");
-  return take_staged(call, staged_path).map([](const std::vector<std::uint8_t>& bytes) {
+  const auto size = static_cast<std::size_t>(call.params.integer("bytes"));
+  return take_staged(call, staged_path, size).map([](const std::vector<std::uint8_t>& bytes) {
     return std::string(bytes.begin(), bytes.end());
   });
 }

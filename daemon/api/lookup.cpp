@@ -52,24 +52,26 @@ std::optional<std::uint8_t> as_number(const std::string& text) {
   return number;
 }
 
-Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call) {
-  return find_axis(call, "axis", call.params.text("axis"));
+Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call, const std::string& name) {
+  return find_axis(call, "axis", name);
 }
 
-boost::asio::awaitable<Lookup<ReadyToMove>> ready_to_move(const Call& call) {
-  const auto axis = axis_of(call);
+boost::asio::awaitable<Lookup<ReadyToMove>> ready_to_move(const Call& call, const std::string& name,
+                                                          Deadline deadline) {
+  const auto axis = axis_of(call, name);
   if (!axis) co_return tl::unexpected(axis.error());
-  ReadyToMove ready{*axis, (*axis)->begin_movement(call.permit, call.deadline())};
+  ReadyToMove ready{*axis, (*axis)->begin_movement(call.permit, deadline)};
   const auto answered = co_await (*axis)->be_ready();
   if (!answered) co_return tl::unexpected(call_error(answered.error(), (*axis)->name()));
   co_return ready;
 }
 
-Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call) {
+Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call,
+                                                          const AxisNames& names) {
   const auto all = call.gateway->axes();
-  if (!call.params.has("axes")) return std::vector(all.begin(), all.end());
+  if (!names) return std::vector(all.begin(), all.end());
   std::vector<std::shared_ptr<GatewayAxis>> chosen;
-  for (const auto& name : call.params.texts("axes")) {
+  for (const auto& name : *names) {
     auto axis = find_axis(call, "axes", name);
     if (!axis) return tl::unexpected(std::move(axis.error()));
     if (std::ranges::find(chosen, *axis) == chosen.end()) chosen.push_back(std::move(*axis));
@@ -77,23 +79,26 @@ Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call) {
   return chosen;
 }
 
-Lookup<std::shared_ptr<GatewayBus>> bus_of(const Call& call) {
-  const auto name = call.params.text("bus");
+Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call) {
+  return axes_of(call,
+                 call.params.has("axes") ? AxisNames(call.params.texts("axes")) : AxisNames());
+}
+
+Lookup<std::shared_ptr<GatewayBus>> bus_of(const Call& call, const std::string& name) {
   if (auto* bus = call.gateway->find_bus(name)) return bus->shared_from_this();
   return tl::unexpected(unknown("bus", "bus", name, call.gateway->buses()));
 }
 
-Lookup<ParameterChoice> parameter_of(const Call& call, const GatewayAxis& axis) {
+Lookup<ParameterChoice> parameter_of(const api::NameOrNumber& given, const GatewayAxis& axis) {
   const auto rows = axis.parameters();
-  std::optional<std::uint8_t> number;
-  if (call.params.is_text("parameter")) {
-    const auto name = call.params.text("parameter");
-    if (const auto* row = find_parameter(rows, name)) return ParameterChoice{row->number, row};
-    number = as_number(name);
-    if (!number) return tl::unexpected(unknown_parameter(axis, name));
-  } else {
-    number = static_cast<std::uint8_t>(call.params.integer("parameter"));
+  if (const auto* number = std::get_if<std::int32_t>(&given.said)) {
+    const auto byte = static_cast<std::uint8_t>(*number);
+    return ParameterChoice{byte, find_parameter(rows, byte)};
   }
+  const auto& name = std::get<std::string>(given.said);
+  if (const auto* row = find_parameter(rows, name)) return ParameterChoice{row->number, row};
+  const auto number = as_number(name);
+  if (!number) return tl::unexpected(unknown_parameter(axis, name));
   return ParameterChoice{*number, find_parameter(rows, *number)};
 }
 

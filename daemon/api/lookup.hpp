@@ -3,43 +3,50 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include <boost/asio/awaitable.hpp>
-#include <tl/expected.hpp>
 
 #include "api/call.hpp"
 #include "tmcl/parameter.hpp"
 
 namespace tmcld {
 
-template <class T>
-using Lookup = tl::expected<T, RpcError>;
-
-/// The parameter "axis".
-Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call);
+Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call, const std::string& name);
 
 struct ReadyToMove {
   std::shared_ptr<GatewayAxis> axis;
   RunOptions moves;  ///< Ends the movement when a stop comes behind the call.
 };
 
-/// The parameter "axis", for a call that may move it: on a module that has said what it is.
-boost::asio::awaitable<Lookup<ReadyToMove>> ready_to_move(const Call& call);
+boost::asio::awaitable<Lookup<ReadyToMove>> ready_to_move(const Call& call, const std::string& axis,
+                                                          Deadline deadline);
+/// The axis of a call that may move it: on a module that has said what it is.
+template <class Params>
+auto ready_to_move(const Call& call, const Params& params) {
+  return ready_to_move(call, params.axis, call.deadline(params));
+}
 
-/// The parameter "axes"; all configured ones if it is absent.
+using AxisNames = std::optional<std::vector<std::string>>;
+/// Each once; all configured ones without names.
+Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call, const AxisNames& names);
+/// The parameter "axes".
 Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call);
-/// The parameter "bus".
-Lookup<std::shared_ptr<GatewayBus>> bus_of(const Call& call);
+Lookup<std::shared_ptr<GatewayBus>> bus_of(const Call& call, const std::string& name);
 
 struct ParameterChoice {
   std::uint8_t number = 0;
   const tmcl::ParameterInfo* row = nullptr;  ///< Null if no table of the model has this number.
+
+  std::optional<std::string> name() const {
+    return row == nullptr ? std::nullopt : std::optional<std::string>(row->name);
+  }
 };
 
-/// The parameter "parameter": a name, or a number also for a model that is not known.
-Lookup<ParameterChoice> parameter_of(const Call& call, const GatewayAxis& axis);
+/// A name, or a number also for a model that is not known.
+Lookup<ParameterChoice> parameter_of(const api::NameOrNumber& given, const GatewayAxis& axis);
 
 /// 0..255 in decimal digits.
 std::optional<std::uint8_t> as_number(const std::string& text);

@@ -119,7 +119,7 @@ MintRun::OnProgress progress_to(const Call& call) {
 
 }  // namespace
 
-Answer run_mint(Call& call) {
+Untyped run_mint(Call& call) {
   auto text = text_of(call);
   if (!text) co_return tl::unexpected(text.error());
   auto& planner = call.gateway->planner;

@@ -2,16 +2,25 @@
 
 namespace tmcld {
 
-Lookup<ModuleChoice> module_of(const Call& call) {
-  return bus_of(call).map([&](std::shared_ptr<GatewayBus> bus) {
-    const auto address = static_cast<std::uint16_t>(call.params.integer("address"));
-    return ModuleChoice{std::move(bus), tmcl::ModuleAddress{address}};
+Lookup<ModuleChoice> module_of(const Call& call, const api::OnModule& params, Deadline deadline) {
+  return bus_of(call, params.bus).map([&](std::shared_ptr<GatewayBus> bus) {
+    return ModuleChoice{std::move(bus), address_of(params), deadline};
   });
 }
 
 void expect_news(const ModuleChoice& module) {
   auto* known = module.bus->find_module(module.address);
   if (known != nullptr) known->forget_state();
+}
+
+boost::asio::awaitable<Lookup<api::Nothing>> act_on(const Call& call, Lookup<ModuleChoice> module,
+                                                    tmcl::Script<tmcl::Result<void>> script,
+                                                    bool news) {
+  if (!module) co_return tl::unexpected(std::move(module.error()));
+  auto done = co_await run_on(*module, call, std::move(script));
+  if (news) expect_news(*module);
+  if (!done) co_return tl::unexpected(std::move(done.error()));
+  co_return api::Nothing{};
 }
 
 }  // namespace tmcld

@@ -1,19 +1,30 @@
 /// Modules as methods name them: a bus and an address, whether an axis is configured there or not.
 #pragma once
 
+#include <concepts>
+#include <type_traits>
 #include <utility>
 
 #include "api/lookup.hpp"
+#include "tmcl/api/module.hpp"
 
 namespace tmcld {
 
 struct ModuleChoice {
   std::shared_ptr<GatewayBus> bus;
   tmcl::ModuleAddress address{};
+  Deadline deadline{};  ///< Of the call.
 };
 
-/// The parameters "bus" and "address".
-Lookup<ModuleChoice> module_of(const Call& call);
+inline tmcl::ModuleAddress address_of(const api::OnModule& params) {
+  return tmcl::ModuleAddress{params.address};
+}
+
+Lookup<ModuleChoice> module_of(const Call& call, const api::OnModule& params, Deadline deadline);
+template <class Params>
+Lookup<ModuleChoice> module_of(const Call& call, const Params& params) {
+  return module_of(call, params, call.deadline(params));
+}
 
 /// What is known about the module is old now.
 void expect_news(const ModuleChoice& module);
@@ -23,7 +34,7 @@ template <class T>
 boost::asio::awaitable<Lookup<T>> run_on(const ModuleChoice& module, const Call& call,
                                          tmcl::Script<tmcl::Result<T>> script) {
   RunOptions options;
-  options.deadline = call.deadline();
+  options.deadline = module.deadline;
   options.permit = call.permit;
   auto result = co_await module.bus->run(std::move(script), std::move(options));
   if (result) {
@@ -35,6 +46,19 @@ boost::asio::awaitable<Lookup<T>> run_on(const ModuleChoice& module, const Call&
   }
   if (result.error().bus.empty()) result.error().bus = module.bus->name();
   co_return tl::unexpected(call_error(result.error()));
+}
+
+/// What is known about the module is old afterwards.
+constexpr bool makes_news = true;
+
+/// The same for a verb that gives nothing.
+boost::asio::awaitable<Lookup<api::Nothing>> act_on(const Call& call, Lookup<ModuleChoice> module,
+                                                    tmcl::Script<tmcl::Result<void>> script,
+                                                    bool news = false);
+template <std::derived_from<api::OnModule> Params>
+auto act_on(const Call& call, const Params& params, tmcl::Script<tmcl::Result<void>> script,
+            bool news = false) {
+  return act_on(call, module_of(call, params), std::move(script), news);
 }
 
 }  // namespace tmcld

@@ -1,54 +1,42 @@
-#include <array>
-
-#include <boost/json/array.hpp>
-
 #include "api/can_identifiers.hpp"
 #include "api/handlers.hpp"
-#include "api/lookup.hpp"
-#include "api/state_json.hpp"
+#include "api/module_choice.hpp"
 #include "api/suggest.hpp"
+#include "api/views.hpp"
 
 namespace tmcld::handlers {
 namespace {
 
-namespace json = boost::json;
-
-Lookup<tmcl::Command> command_of(const Call& call) {
-  if (!call.params.is_text("command")) {
-    return static_cast<tmcl::Command>(call.params.integer("command"));
-  }
-  const auto text = call.params.text("command");
+Lookup<tmcl::Command> command_of(const api::NameOrNumber& given) {
+  if (const auto* number = std::get_if<std::int32_t>(&given.said))
+    return static_cast<tmcl::Command>(*number);
+  const auto& text = std::get<std::string>(given.said);
   if (const auto command = tmcl::parse_command(text)) return *command;
   std::vector<std::string_view> names;
   for (const auto& row : tmcl::command_table()) names.push_back(row.name);
   constexpr auto otherwise = "give a TMCL mnemonic such as GAP, or a number 0..255";
-  return tl::unexpected(param_error("unknown_command", "command",
+  return tl::unexpected(param_error("unknown_command", api::name_of<&module::Execute::command>(),
                                     "there is no command '" + text + "'",
                                     suggest(text, names, otherwise)));
 }
 
-Lookup<std::uint8_t> type_of(const Call& call, tmcl::Command command) {
-  if (!call.params.has("type")) return std::uint8_t{0};
-  if (!call.params.is_text("type")) return static_cast<std::uint8_t>(call.params.integer("type"));
-  const auto text = call.params.text("type");
+Lookup<std::uint8_t> type_of(const api::NameOrNumber& given, tmcl::Command command) {
+  if (const auto* number = std::get_if<std::int32_t>(&given.said))
+    return static_cast<std::uint8_t>(*number);
+  const auto& text = std::get<std::string>(given.said);
   if (const auto type = tmcl::parse_subtype(command, text)) return *type;
   return tl::unexpected(param_error(
-      "bad_argument", "type", std::string(tmcl::name_of(command)) + " has no type '" + text + "'",
-      "give its number"));
+      "bad_argument", api::name_of<&module::Execute::type>(),
+      std::string(tmcl::name_of(command)) + " has no type '" + text + "'", "give its number"));
 }
 
-Lookup<tmcl::Request> request_of(const Call& call) {
-  tmcl::Request request;
-  request.address = tmcl::ModuleAddress{static_cast<std::uint16_t>(call.params.integer("address"))};
-  const auto command = command_of(call);
+Lookup<tmcl::Request> request_of(const module::Execute& params) {
+  const auto command = command_of(params.command);
   if (!command) return tl::unexpected(command.error());
-  request.command = *command;
-  const auto type = type_of(call, *command);
+  const auto type = type_of(params.type.value_or(0), *command);
   if (!type) return tl::unexpected(type.error());
-  request.type = *type;
-  request.motor = static_cast<std::uint8_t>(call.params.integer_or("motor", 0));
-  request.value = call.params.integer_or("value", 0);
-  return request;
+  return tmcl::Request{address_of(params), *command, *type, params.motor.value_or(0),
+                       params.value.value_or(0)};
 }
 
 // A stop is a stop, also if it comes as a raw command, and for a motor that has no axis.
@@ -58,50 +46,77 @@ void revoke_movements(const Call& call, GatewayBus& bus, const tmcl::Request& re
   if (axis) axis->revoke_movements();
 }
 
-json::object to_result(const tmcl::Answer& answer) {
-  json::object result;
-  result["status"] = static_cast<std::uint8_t>(answer.reply.status);
-  result["status_name"] = tmcl::name_of(answer.reply.status);
-  result["command"] = static_cast<std::uint8_t>(answer.reply.command);
-  result["value"] = answer.reply.value;
-  result["text"] = nullptr;
+module::Reply to_result(const tmcl::Answer& answer) {
+  module::Reply result{static_cast<std::uint8_t>(answer.reply.status),
+                       std::string(tmcl::name_of(answer.reply.status)),
+                       static_cast<std::uint8_t>(answer.reply.command), answer.reply.value};
   if (answer.version_text) {
     const auto text = tmcl::to_text(*answer.version_text);
-    result["text"] = std::string_view(text.data(), text.size());
+    result.text.emplace(text.data(), text.size());
   }
   return result;
 }
 
 }  // namespace
 
-Answer list_modules(Call& call) {
-  json::array modules;
+Answer<module::List> list_modules(Call& call, const module::List&) {
+  module::Modules result;
   for (const auto& bus : call.gateway->buses()) {
     for (const auto& [address, module] : bus->modules())
-      if (module->is_configured()) modules.push_back(to_json(*bus, *module));
+      if (module->is_configured()) result.modules.push_back(view_of(*bus, *module));
   }
-  json::object result;
-  result["modules"] = std::move(modules);
   co_return result;
 }
 
-Answer execute(Call& call) {
-  const auto bus = bus_of(call);
+Answer<module::Execute> execute(Call& call, const module::Execute& params) {
+  const auto bus = bus_of(call, params.bus);
   if (!bus) co_return tl::unexpected(bus.error());
-  const auto request = request_of(call);
+  const auto request = request_of(params);
   if (!request) co_return tl::unexpected(request.error());
   if (auto conflict = identifier_conflict(**bus, *request))
     co_return tl::unexpected(std::move(*conflict));
   const bool stops = effect_of(request->command, request->type) == tmcl::Effect::stops;
   if (stops) revoke_movements(call, **bus, *request);
   RunOptions options;
-  options.deadline = call.deadline();
+  options.deadline = call.deadline(params);
   options.permit = call.permit;
   call.gateway->stops_in_progress += stops ? 1 : 0;
   const auto answer = co_await (*bus)->execute(*request, options);
   call.gateway->stops_in_progress -= stops ? 1 : 0;
   if (!answer) co_return tl::unexpected(call_error(answer.error()));
   co_return to_result(*answer);
+}
+
+Answer<module::Info> module_info(Call& call, const module::Info& params) {
+  const auto module = module_of(call, params);
+  if (!module) co_return tl::unexpected(module.error());
+  auto info = co_await run_on(*module, call, tmcl::verbs::firmware_info(module->address));
+  if (!info) co_return tl::unexpected(std::move(info.error()));
+  co_return module::FirmwareInfo{info->module_id,
+                                 info->version,
+                                 info->capabilities,
+                                 info->release_type,
+                                 info->bootloader_id,
+                                 info->bootloader_version,
+                                 info->axis_parameter_width,
+                                 info->register_address_width,
+                                 info->git_hash};
+}
+
+Answer<module::ReportArrivals> report_arrivals(Call& call, const module::ReportArrivals& params) {
+  const auto events = params.every.value_or(false) ? tmcl::ArrivalEvents::every_move
+                                                   : tmcl::ArrivalEvents::next_move;
+  const auto motors = static_cast<std::int32_t>(mask_of(params.motors));
+  return act_on(call, params,
+                tmcl::verbs::request_arrival_events(address_of(params), events, motors));
+}
+
+Answer<module::Reset> reset_module(Call& call, const module::Reset& params) {
+  return act_on(call, params, tmcl::verbs::reset_module(address_of(params)), makes_news);
+}
+
+Answer<module::FactoryReset> factory_reset(Call& call, const module::FactoryReset& params) {
+  return act_on(call, params, tmcl::verbs::factory_reset(address_of(params)), makes_news);
 }
 
 }  // namespace tmcld::handlers

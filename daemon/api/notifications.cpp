@@ -2,16 +2,27 @@
 
 #include <utility>
 
-#include "api/state_json.hpp"
+#include "api/views.hpp"
 
 namespace tmcld {
+namespace {
+
+boost::json::object params_of(const GatewayEvent& event) {
+  const auto view = view_of(event);
+  auto params = api::to_json(view);
+  if (!view.motors) params.erase(api::name_of<&api::Event::motors>());
+  if (!view.cause) params.erase(api::name_of<&api::Event::cause>());
+  return params;
+}
+
+}  // namespace
 
 Notifications::Notifications(std::shared_ptr<Gateway> gateway, std::function<void()> on_pending)
     : gateway_(std::move(gateway)),
       on_pending_(std::move(on_pending)),
       subscriptions_(on_pending_) {
   event_listener_ = gateway_->on_event([this](const GatewayEvent& event) {
-    if (subscriptions_.size() > 0) push("notify_event", to_json(event));
+    if (subscriptions_.size() > 0) push(api::Event::notification, params_of(event));
   });
 }
 
@@ -28,7 +39,7 @@ std::optional<Notification> Notifications::take() {
   if (queue_.empty()) {
     auto state = subscriptions_.take_pending();
     if (!state) return std::nullopt;
-    return Notification{"notify_state", std::move(*state)};
+    return Notification{std::string(api::NewState::notification), std::move(*state)};
   }
   auto oldest = std::move(queue_.front());
   queue_.pop_front();

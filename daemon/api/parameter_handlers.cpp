@@ -1,59 +1,70 @@
-#include <boost/json/array.hpp>
-
+// Axis parameters, and those in the EEPROM.
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
-#include "api/state_json.hpp"
+#include "api/views.hpp"
 
 namespace tmcld::handlers {
 namespace {
 
-namespace json = boost::json;
-
-boost::asio::awaitable<json::object> to_result(GatewayAxis& axis, ParameterChoice choice,
-                                               ModuleValue value) {
-  json::object result;
-  result["parameter"] = nullptr;
-  if (choice.row != nullptr) result["parameter"] = choice.row->name;
-  result["number"] = choice.number;
-  result["value"] = value.value;
-  co_await add_in_unit(result, axis, choice.row, std::move(value));
+boost::asio::awaitable<parameter::Value> to_result(GatewayAxis& axis, ParameterChoice choice,
+                                                   ModuleValue value) {
+  parameter::Value result{{choice.name(), choice.number}, value.value};
+  auto told = co_await in_unit(axis, choice.row, std::move(value));
+  result.unit = std::move(told.unit);
+  result.value_in_unit = told.number;
   co_return result;
 }
 
 std::optional<RpcError> check_write(const ParameterChoice& choice) {
   if (choice.row == nullptr || choice.row->access != tmcl::Access::read) return std::nullopt;
-  return param_error("read_only", "parameter",
+  return param_error("read_only", api::name_of<&parameter::Set::parameter>(),
                      "'" + std::string(choice.row->name) + "' can only be read");
+}
+
+using ParameterVerb = GatewayAxis::Awaitable<void> (GatewayAxis::*)(std::uint8_t, RunOptions);
+
+boost::asio::awaitable<Lookup<parameter::Number>> act_on_eeprom(
+    Call& call, const parameter::OnParameter& params, ParameterVerb verb) {
+  // What is restored can move the motor.
+  const auto ready = co_await ready_to_move(call, params);
+  if (!ready) co_return tl::unexpected(ready.error());
+  auto& axis = *ready->axis;
+  const auto choice = parameter_of(params.parameter, axis);
+  if (!choice) co_return tl::unexpected(choice.error());
+  const auto done = co_await (axis.*verb)(choice->number, ready->moves);
+  if (!done) co_return tl::unexpected(call_error(done.error(), axis.name()));
+  co_return parameter::Number{choice->name(), choice->number};
 }
 
 }  // namespace
 
-Answer get_parameter(Call& call) {
-  const auto axis = axis_of(call);
+Answer<parameter::Get> get_parameter(Call& call, const parameter::Get& params) {
+  const auto axis = axis_of(call, params.axis);
   if (!axis) co_return tl::unexpected(axis.error());
   auto& it = **axis;
   // Which names there are depends on the model.
   const auto ready = co_await it.be_ready();
   if (!ready) co_return tl::unexpected(call_error(ready.error(), it.name()));
-  const auto choice = parameter_of(call, it);
+  const auto choice = parameter_of(params.parameter, it);
   if (!choice) co_return tl::unexpected(choice.error());
-  const auto value = co_await it.get(choice->number, call.deadline());
+  const auto value = co_await it.get(choice->number, call.deadline(params));
   if (!value) co_return tl::unexpected(call_error(value.error(), it.name()));
   ModuleValue told{*value};
   auto result = co_await to_result(it, *choice, std::move(told));
   co_return result;
 }
 
-Answer set_parameter(Call& call) {
-  const auto ready = co_await ready_to_move(call);
+Answer<parameter::Set> set_parameter(Call& call, const parameter::Set& params) {
+  const auto ready = co_await ready_to_move(call, params);
   if (!ready) co_return tl::unexpected(ready.error());
   auto& axis = *ready->axis;
-  const auto choice = parameter_of(call, axis);
+  const auto choice = parameter_of(params.parameter, axis);
   if (!choice) co_return tl::unexpected(choice.error());
   auto complaint = check_write(*choice);
   if (complaint) co_return tl::unexpected(std::move(*complaint));
-  const auto value = co_await parameter_value_of(call, axis, *choice);
+  const auto said = either<&parameter::Set::value, &parameter::Set::value_in_unit>(params);
+  const auto value = co_await parameter_value_of(axis, said, *choice);
   if (!value) co_return tl::unexpected(value.error());
   const auto done = co_await axis.set(choice->number, value->value, ready->moves);
   if (!done) co_return tl::unexpected(call_error(done.error(), axis.name()));
@@ -61,15 +72,21 @@ Answer set_parameter(Call& call) {
   co_return result;
 }
 
-Answer list_parameters(Call& call) {
-  const auto axis = axis_of(call);
+Answer<parameter::Store> store_parameter(Call& call, const parameter::Store& params) {
+  return act_on_eeprom(call, params, &GatewayAxis::store);
+}
+Answer<parameter::Restore> restore_parameter(Call& call, const parameter::Restore& params) {
+  return act_on_eeprom(call, params, &GatewayAxis::restore);
+}
+
+Answer<parameter::List> list_parameters(Call& call, const parameter::List& params) {
+  const auto axis = axis_of(call, params.axis);
   if (!axis) co_return tl::unexpected(axis.error());
   const auto ready = co_await (*axis)->be_ready();
   if (!ready) co_return tl::unexpected(call_error(ready.error(), (*axis)->name()));
-  json::array rows;
-  for (const auto& row : (*axis)->parameters()) rows.push_back(to_json(row, (*axis)->unit()));
-  json::object result;
-  result["parameters"] = std::move(rows);
+  parameter::Parameters result;
+  for (const auto& row : (*axis)->parameters())
+    result.parameters.push_back(view_of(row, (*axis)->unit()));
   co_return result;
 }
 

@@ -13,6 +13,7 @@ namespace tmcld {
 namespace {
 
 namespace json = boost::json;
+using api::FieldType;
 
 std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
 
@@ -39,9 +40,10 @@ bool has_type(const json::value& value, FieldType type) {
     case FieldType::texts:
       return value.is_array() &&
              std::ranges::all_of(value.get_array(), [](const auto& e) { return e.is_string(); });
-    case FieldType::object: return value.is_object();
-    default: return false;  // only results have the other types
+    case FieldType::object:
+    case FieldType::objects: return false;  // only results have them
   }
+  return false;
 }
 
 // Compared as they came: a number too large for int64 must not wrap into the range.
@@ -54,7 +56,7 @@ bool is_within(const json::value& value, std::int64_t minimum, std::int64_t maxi
          value.get_double() <= static_cast<double>(maximum);
 }
 
-std::optional<RpcError> check_value(const ParamInfo& row, const json::value& value) {
+std::optional<RpcError> check_value(const api::Field& row, const json::value& value) {
   if (!has_type(value, row.type)) {
     return param_error("bad_argument", row.name,
                        quoted(row.name) + " must be of type " + std::string(name_of(row.type)));
@@ -85,7 +87,7 @@ RpcError unknown_param(const MethodInfo& method, std::string_view name) {
 std::optional<RpcError> check_params(const MethodInfo& method, const json::object& params) {
   for (const auto& [name, value] : params) {
     const std::string_view key(name.data(), name.size());
-    const auto row = std::ranges::find(method.params, key, &ParamInfo::name);
+    const auto row = std::ranges::find(method.params, key, &api::Field::name);
     if (row == method.params.end()) return unknown_param(method, key);
     if (auto error = check_value(*row, value)) return error;
   }
@@ -115,12 +117,6 @@ std::int32_t as_integer(const json::value& value) {
 
 std::int32_t Params::integer(std::string_view name) const { return as_integer(object_.at(name)); }
 
-std::uint32_t Params::mask(std::string_view name) const {
-  std::uint32_t mask = 0;
-  for (const auto& value : object_.at(name).get_array()) mask |= 1U << as_integer(value);
-  return mask;
-}
-
 std::vector<std::string> Params::texts(std::string_view name) const {
   std::vector<std::string> all;
   if (!has(name)) return all;
@@ -129,10 +125,6 @@ std::vector<std::string> Params::texts(std::string_view name) const {
     all.emplace_back(text.data(), text.size());
   }
   return all;
-}
-
-std::size_t Params::count(std::string_view name) const {
-  return has(name) ? object_.at(name).get_array().size() : 0;
 }
 
 }  // namespace tmcld

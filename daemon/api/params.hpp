@@ -22,6 +22,7 @@ class Params {
  public:
   explicit Params(boost::json::object object) : object_(std::move(object)) {}
 
+  const boost::json::object& object() const { return object_; }
   bool has(std::string_view name) const { return object_.contains(name); }
   /// The parameter must be there.
   std::string text(std::string_view name) const;
@@ -36,15 +37,14 @@ class Params {
   bool boolean_or(std::string_view name, bool otherwise) const {
     return has(name) ? object_.at(name).get_bool() : otherwise;
   }
-  bool is_text(std::string_view name) const { return object_.at(name).is_string(); }
   /// Empty if the parameter is absent.
   std::vector<std::string> texts(std::string_view name) const;
   /// How many elements an array has; 0 if the parameter is absent.
-  std::size_t count(std::string_view name) const;
+  std::size_t count(std::string_view name) const {
+    return has(name) ? object_.at(name).get_array().size() : 0;
+  }
   /// As it came; it must be there.
   const boost::json::value& value(std::string_view name) const { return object_.at(name); }
-  /// An array of numbers below 32, as a mask: bit n for the number n.
-  std::uint32_t mask(std::string_view name) const;
 
  private:
   boost::json::object object_;

@@ -335,7 +335,7 @@ std::optional<RpcError> failure_to_stop(const std::vector<std::shared_ptr<PathRu
   return error;
 }
 
-Answer pause_all(Call& call, bool on) {
+Untyped pause_all(Call& call, bool on) {
   const auto runs = runs_of(call);
   if (!runs) co_return tl::unexpected(runs.error());
   for (const auto& run : *runs) run->pause(on);
@@ -344,9 +344,11 @@ Answer pause_all(Call& call, bool on) {
 
 }  // namespace
 
-Answer stage_path(Call& call) { co_return stage_part(call, staged_path); }
+Answer<path::Stage> stage_path(Call& call, const path::Stage& params) {
+  co_return stage_part(call, {params.offset, params.data}, staged_path);
+}
 
-Answer plan_path(Call& call) {
+Untyped plan_path(Call& call) {
   auto planned = co_await plan_for(call, true);
   if (!planned) co_return tl::unexpected(planned.error());
   auto& kept = call.gateway->planned_path;
@@ -362,7 +364,7 @@ Answer plan_path(Call& call) {
   co_return result;
 }
 
-Answer run_path(Call& call) {
+Untyped run_path(Call& call) {
   const bool has_plan = call.params.has("plan");
   auto planning = has_plan ? planned_before(call) : plan_for(call, false);
   auto planned = co_await std::move(planning);
@@ -384,10 +386,10 @@ Answer run_path(Call& call) {
   co_return to_json(*run);
 }
 
-Answer pause_path(Call& call) { return pause_all(call, true); }
-Answer resume_path(Call& call) { return pause_all(call, false); }
+Untyped pause_path(Call& call) { return pause_all(call, true); }
+Untyped resume_path(Call& call) { return pause_all(call, false); }
 
-Answer stop_path(Call& call) {
+Untyped stop_path(Call& call) {
   const auto runs = runs_of(call);
   if (!runs) co_return tl::unexpected(runs.error());
   for (const auto& run : *runs)

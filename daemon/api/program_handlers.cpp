@@ -5,49 +5,23 @@
 namespace tmcld::handlers {
 namespace {
 
-namespace json = boost::json;
 using tmcl::program::Program;
 
-Lookup<Program> program_of(const Call& call) {
-  return tmcl::program::from_hex(call.params.text("program"))
-      .map_error([](const std::string& problem) {
-        return param_error("bad_argument", "program", "'program': " + problem);
-      });
-}
-
-std::uint16_t first_address_of(const Call& call) {
-  return static_cast<std::uint16_t>(call.params.integer_or("first_address", 0));
+Lookup<Program> program_of(const std::string& text) {
+  return tmcl::program::from_hex(text).map_error([](const std::string& problem) {
+    return param_error("bad_argument", api::name_of<&program::Load::program>(),
+                       "'program': " + problem);
+  });
 }
 
 /// Tells the client how far it is; ends the verb when nobody wants it any more.
 tmcl::OnLoadProgress progress_for(const Call& call, const ModuleChoice& module) {
-  return [gateway = call.gateway, peer = call.peer, id = call.id, bus = module.bus->name(),
+  return [gateway = call.gateway, peer = call.peer, tell = call.teller(), bus = module.bus->name(),
           address = number(module.address)](const tmcl::LoadProgress& progress) {
-    json::object params;
-    params["id"] = id;
-    params["bus"] = bus;
-    params["address"] = address;
-    params["phase"] =
-        progress.phase == tmcl::LoadProgress::Phase::writing ? "writing" : "comparing";
-    params["done"] = progress.done;
-    params["of"] = progress.of;
-    peer->notify("notify_progress", std::move(params));
+    const bool writing = progress.phase == tmcl::LoadProgress::Phase::writing;
+    tell(LoadProgress{bus, address, writing ? "writing" : "comparing", progress.done, progress.of});
     return !peer->is_gone() && !gateway->is_closing();
   };
-}
-
-tmcl::LoadOptions load_options(const Call& call, const ModuleChoice& module) {
-  tmcl::LoadOptions options;
-  options.first_address = first_address_of(call);
-  options.compare = call.params.boolean_or("compare", true);
-  options.progress = progress_for(call, module);
-  return options;
-}
-
-json::object with_commands(const Program& program) {
-  json::object result;
-  result["commands"] = program.size();
-  return result;
 }
 
 std::string_view name_of(tmcl::ProgramStatus::State state) {
@@ -61,104 +35,86 @@ std::string_view name_of(tmcl::ProgramStatus::State state) {
   return {};
 }
 
-/// A verb that gives nothing back.
-Answer act(Call& call, tmcl::Script<tmcl::Result<void>> (*verb)(tmcl::ModuleAddress)) {
-  const auto module = module_of(call);
+using LoadVerb = tmcl::Script<tmcl::Result<void>> (*)(tmcl::ModuleAddress, Program,
+                                                      tmcl::LoadOptions);
+
+boost::asio::awaitable<Lookup<program::Commands>> load_or_compare(const Call& call,
+                                                                  program::Load params,
+                                                                  LoadVerb verb) {
+  const auto module = module_of(call, params);
   if (!module) co_return tl::unexpected(module.error());
-  auto done = co_await run_on(*module, call, verb(module->address));
+  const auto program = program_of(params.program);
+  if (!program) co_return tl::unexpected(program.error());
+  tmcl::LoadOptions options;
+  options.first_address = params.first_address.value_or(0);
+  options.compare = params.compare.value_or(true);
+  options.progress = progress_for(call, *module);
+  auto done = co_await act_on(call, *module, verb(module->address, *program, std::move(options)));
   if (!done) co_return tl::unexpected(std::move(done.error()));
-  co_return json::object{};
+  co_return program::Commands{static_cast<std::uint32_t>(program->size())};
 }
 
 }  // namespace
 
-Answer load_program(Call& call) {
-  const auto module = module_of(call);
-  if (!module) co_return tl::unexpected(module.error());
-  const auto program = program_of(call);
-  if (!program) co_return tl::unexpected(program.error());
+Answer<program::Load> load_program(Call& call, const program::Load& params) {
   // The end of the daemon waits a little: a module must not be left in download mode.
   ++call.gateway->stops_in_progress;
-  auto script = tmcl::verbs::load_program(module->address, *program, load_options(call, *module));
-  auto loaded = co_await run_on(*module, call, std::move(script));
+  auto loaded = co_await load_or_compare(call, params, tmcl::verbs::load_program);
   --call.gateway->stops_in_progress;
-  if (!loaded) co_return tl::unexpected(std::move(loaded.error()));
-  co_return with_commands(*program);
+  co_return loaded;
 }
 
-Answer compare_program(Call& call) {
-  const auto module = module_of(call);
-  if (!module) co_return tl::unexpected(module.error());
-  const auto program = program_of(call);
-  if (!program) co_return tl::unexpected(program.error());
-  auto script =
-      tmcl::verbs::compare_program(module->address, *program, load_options(call, *module));
-  auto same = co_await run_on(*module, call, std::move(script));
-  if (!same) co_return tl::unexpected(std::move(same.error()));
-  co_return with_commands(*program);
+Answer<program::Compare> compare_program(Call& call, const program::Compare& params) {
+  return load_or_compare(call, {{params}, params.program, params.first_address},
+                         tmcl::verbs::compare_program);
 }
 
-Answer read_program(Call& call) {
-  const auto module = module_of(call);
+Answer<program::Read> read_program(Call& call, const program::Read& params) {
+  const auto module = module_of(call, params);
   if (!module) co_return tl::unexpected(module.error());
   tmcl::ReadOptions options;
-  options.first_address = first_address_of(call);
-  if (call.params.has("length"))
-    options.length = static_cast<std::uint16_t>(call.params.integer("length"));
+  options.first_address = params.first_address.value_or(0);
+  if (params.length) options.length = *params.length;
   options.progress = progress_for(call, *module);
   auto script = tmcl::verbs::read_program(module->address, std::move(options));
   const auto program = co_await run_on(*module, call, std::move(script));
   if (!program) co_return tl::unexpected(program.error());
-  auto result = with_commands(*program);
-  result["program"] = tmcl::program::to_hex(*program);
-  co_return result;
+  co_return program::ReadProgram{static_cast<std::uint32_t>(program->size()),
+                                 tmcl::program::to_hex(*program)};
 }
 
-Answer run_program(Call& call) {
-  const auto module = module_of(call);
-  if (!module) co_return tl::unexpected(module.error());
-  std::optional<std::uint16_t> address;
-  if (call.params.has("first_address")) address = first_address_of(call);
-  auto done = co_await run_on(*module, call, tmcl::verbs::run_program(module->address, address));
-  if (!done) co_return tl::unexpected(std::move(done.error()));
-  co_return json::object{};
+Answer<program::Run> run_program(Call& call, const program::Run& params) {
+  return act_on(call, params, tmcl::verbs::run_program(address_of(params), params.first_address));
+}
+Answer<program::Stop> stop_program(Call& call, const program::Stop& params) {
+  return act_on(call, params, tmcl::verbs::stop_program(address_of(params)));
+}
+Answer<program::Step> step_program(Call& call, const program::Step& params) {
+  return act_on(call, params, tmcl::verbs::step_program(address_of(params)));
+}
+Answer<program::Reset> reset_program(Call& call, const program::Reset& params) {
+  return act_on(call, params, tmcl::verbs::reset_program(address_of(params)));
 }
 
-Answer stop_program(Call& call) { return act(call, tmcl::verbs::stop_program); }
-Answer step_program(Call& call) { return act(call, tmcl::verbs::step_program); }
-Answer reset_program(Call& call) { return act(call, tmcl::verbs::reset_program); }
-Answer clear_breakpoints(Call& call) { return act(call, tmcl::verbs::delete_all_breakpoints); }
-
-Answer program_status(Call& call) {
-  const auto module = module_of(call);
+Answer<program::Status> program_status(Call& call, const program::Status& params) {
+  const auto module = module_of(call, params);
   if (!module) co_return tl::unexpected(module.error());
   auto status = co_await run_on(*module, call, tmcl::verbs::program_status(module->address));
   if (!status) co_return tl::unexpected(std::move(status.error()));
-  json::object result;
-  result["state"] = name_of(status->state);
-  result["next_address"] = nullptr;
-  if (status->next_address) result["next_address"] = *status->next_address;
-  result["last_error"] = nullptr;
-  if (status->last_error) result["last_error"] = *status->last_error;
-  co_return result;
+  co_return program::ProgramState{std::string(name_of(status->state)), status->next_address,
+                                  status->last_error};
 }
 
-Answer set_breakpoint(Call& call) {
-  const auto module = module_of(call);
-  if (!module) co_return tl::unexpected(module.error());
-  const auto at = static_cast<std::uint16_t>(call.params.integer("at"));
-  auto done = co_await run_on(*module, call, tmcl::verbs::add_breakpoint(module->address, at));
-  if (!done) co_return tl::unexpected(std::move(done.error()));
-  co_return json::object{};
+Answer<program::SetBreakpoint> set_breakpoint(Call& call, const program::SetBreakpoint& params) {
+  return act_on(call, params, tmcl::verbs::add_breakpoint(address_of(params), params.at));
 }
-
-Answer clear_breakpoint(Call& call) {
-  const auto module = module_of(call);
-  if (!module) co_return tl::unexpected(module.error());
-  const auto at = static_cast<std::uint16_t>(call.params.integer("at"));
-  auto done = co_await run_on(*module, call, tmcl::verbs::delete_breakpoint(module->address, at));
-  if (!done) co_return tl::unexpected(std::move(done.error()));
-  co_return json::object{};
+Answer<program::ClearBreakpoint> clear_breakpoint(Call& call,
+                                                  const program::ClearBreakpoint& params) {
+  return act_on(call, params, tmcl::verbs::delete_breakpoint(address_of(params), params.at));
+}
+Answer<program::ClearBreakpoints> clear_breakpoints(Call& call,
+                                                    const program::ClearBreakpoints& params) {
+  return act_on(call, params, tmcl::verbs::delete_all_breakpoints(address_of(params)));
 }
 
 }  // namespace tmcld::handlers

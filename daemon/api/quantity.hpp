@@ -7,10 +7,10 @@
 #include <string_view>
 
 #include <boost/asio/awaitable.hpp>
-#include <boost/json/object.hpp>
 
 #include "api/call.hpp"
 #include "api/lookup.hpp"
+#include "tmcl/api/axis.hpp"
 #include "tmcl/quantity.hpp"
 
 namespace tmcld {
@@ -31,50 +31,50 @@ struct SaidLength {
   Length length() const { return {microsteps, in_unit}; }
 };
 
-/// One of two parameters: whole microsteps, or a quantity. `row` is what holds the position; null:
-/// any will do. Errors: neither or both are there, what tmcl::to_parameter() objects to, an axis
-/// without a unit.
-boost::asio::awaitable<Lookup<SaidLength>> length_of(const Call& call, GatewayAxis& axis,
-                                                     std::string_view microsteps,
-                                                     std::string_view quantity,
+/// Two parameters that say the same, with their names: what the module counts, and a quantity.
+struct Either {
+  std::string_view plain_name;
+  std::string_view amount_name;
+  std::optional<double> plain;
+  std::optional<api::Amount> amount;
+};
+template <auto plain, auto amount, class Params>
+Either either(const Params& params) {
+  return {api::name_of<plain>(), api::name_of<amount>(), params.*plain, params.*amount};
+}
+
+/// `row` is what holds the position; null: any will do. Errors: neither or both are there, what
+/// tmcl::to_parameter() objects to, an axis without a unit.
+boost::asio::awaitable<Lookup<SaidLength>> length_of(GatewayAxis& axis, Either said,
                                                      const tmcl::ParameterInfo* row);
 
-/// An element of "positions_microsteps", or of "positions": within the range of target_position.
-boost::asio::awaitable<Lookup<tmcl::Microsteps>> position_for(const Call& call, GatewayAxis& axis,
-                                                              std::string_view list,
-                                                              std::size_t index);
+/// An upper limit of a velocity or an acceleration in microsteps, or nothing if both are absent.
+/// Errors: both are there; it is not above 0, or above what the axis can do.
+boost::asio::awaitable<Lookup<std::optional<tmcl::PulsesPerSecond>>> velocity_limit_of(
+    GatewayAxis& axis, Either said);
+boost::asio::awaitable<Lookup<std::optional<tmcl::PulsesPerSecond2>>> acceleration_limit_of(
+    GatewayAxis& axis, Either said);
 
-/// What an axis may do at most.
-struct MotionLimits {
-  std::optional<tmcl::PulsesPerSecond> velocity;
-  std::optional<tmcl::PulsesPerSecond2> acceleration;
-};
-/// The parameters "velocity" and "acceleration", or "velocity_pps" and "acceleration_pps2". Nothing
-/// for what is absent. Errors: both forms of one; not above 0, or above what the axis can do.
-boost::asio::awaitable<Lookup<MotionLimits>> motion_limits_of(const Call& call, GatewayAxis& axis);
-
-/// The parameter "velocity_internal" or the parameter "velocity".
-boost::asio::awaitable<Lookup<ModuleValue>> velocity_of(const Call& call, GatewayAxis& axis);
-
-/// The parameter "value", or the parameter "value_in_unit" as its module wants it.
-boost::asio::awaitable<Lookup<ModuleValue>> parameter_value_of(const Call& call, GatewayAxis& axis,
+boost::asio::awaitable<Lookup<ModuleValue>> velocity_of(GatewayAxis& axis, Either said);
+/// As the module wants it.
+boost::asio::awaitable<Lookup<ModuleValue>> parameter_value_of(GatewayAxis& axis, Either said,
                                                                const ParameterChoice& choice);
 
-// What is told in the unit of the axis, beside what its module counts: null for an axis without
+// What is told in the unit of the axis, beside what its module counts: nothing for an axis without
 // one, and where the conversion is not known or could not be read. What was read for this call
 // before need not be read again.
 
-/// "unit", and the position as `key`.
-boost::asio::awaitable<void> add_in_unit(boost::json::object& result, GatewayAxis& axis,
-                                         std::string_view key,
-                                         std::optional<tmcl::Microsteps> position,
-                                         const tmcl::UserScale* scale = nullptr);
-/// "unit" and "value_in_unit" of a parameter; null also for one that is neither a position nor a
-/// velocity nor an acceleration. `row` may be null.
-boost::asio::awaitable<void> add_in_unit(boost::json::object& result, GatewayAxis& axis,
-                                         const tmcl::ParameterInfo* row, ModuleValue value);
-/// "unit" and "velocity".
-boost::asio::awaitable<void> add_velocity_in_unit(boost::json::object& result, GatewayAxis& axis,
-                                                  ModuleValue velocity);
+struct InUnit {
+  std::optional<std::string> unit{};
+  std::optional<double> number{};
+};
+boost::asio::awaitable<InUnit> in_unit(GatewayAxis& axis, std::optional<tmcl::Microsteps> position,
+                                       const tmcl::UserScale* scale = nullptr);
+/// Of a parameter; nothing also for one that is neither a position nor a velocity nor an
+/// acceleration. `row` may be null.
+boost::asio::awaitable<InUnit> in_unit(GatewayAxis& axis, const tmcl::ParameterInfo* row,
+                                       ModuleValue value);
+boost::asio::awaitable<InUnit> velocity_in_unit(GatewayAxis& axis, ModuleValue velocity);
+boost::asio::awaitable<api::axis::Place> place_of(GatewayAxis& axis, tmcl::Microsteps position);
 
 }  // namespace tmcld

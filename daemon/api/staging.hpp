@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "api/lookup.hpp"
+#include "tmcl/api/path.hpp"
 #include "tmcl/firmware.hpp"
 
 namespace tmcld {
@@ -19,13 +20,19 @@ struct Staged {
   UploadBuffer Gateway::*buffer;
 };
 
-constexpr Staged staged_image{"an image", "firmware.stage", tmcl::firmware::most_image_bytes,
-                              &Gateway::image_upload};
-constexpr Staged staged_path{"a path", "path.stage", std::size_t{16} << 20U, &Gateway::path_upload};
+constexpr Staged staged_image{"an image", api::firmware::Stage::method.name,
+                              tmcl::firmware::most_image_bytes, &Gateway::image_upload};
+constexpr Staged staged_path{"a path", api::path::Stage::method.name, api::path::most_bytes,
+                             &Gateway::path_upload};
 
-/// Takes a part. Gives how many bytes there are now.
-RpcResult stage_part(const Call& call, const Staged& staged);
-/// All of it; the buffer is empty then.
-Lookup<std::vector<std::uint8_t>> take_staged(const Call& call, const Staged& staged);
+/// The bytes from an offset on, in hexadecimal.
+struct Part {
+  std::int32_t offset = 0;
+  const std::string& data;
+};
+Lookup<api::HandedOver> stage_part(const Call& call, const Part& part, const Staged& staged);
+/// All of it, which has so many bytes; the buffer is empty then.
+Lookup<std::vector<std::uint8_t>> take_staged(const Call& call, const Staged& staged,
+                                              std::size_t bytes);
 
 }  // namespace tmcld

@@ -1,15 +1,11 @@
-#include <boost/json/array.hpp>
-
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
-#include "api/state_json.hpp"
 #include "api/subscriptions.hpp"
+#include "api/views.hpp"
 #include "async/gather.hpp"
 
 namespace tmcld::handlers {
 namespace {
-
-namespace json = boost::json;
 
 using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
 using Readings = std::vector<tmcl::Result<AxisReading>>;
@@ -28,58 +24,48 @@ RpcError too_many() {
       "one subscription can name many axes");
 }
 
-// Axes that do not answer are watched all the same: they may answer later.
-json::object begin(Subscriptions& subscriptions, const Axes& axes, const Readings& readings,
+/// Axes that do not answer are watched all the same: they may answer later.
+Subscription begin(Subscriptions& subscriptions, const Axes& axes, const Readings& readings,
                    tmcl::Duration interval) {
   std::vector<Subscriptions::Start> starts;
-  json::array states;
-  json::array failed;
+  Subscription result;
   for (std::size_t i = 0; i < axes.size(); ++i) {
     auto& start = starts.emplace_back();
     start.axis = axes[i];
-    json::object entry;
     if (readings[i]) {
       start.reading = axes[i]->poller()->number(*readings[i]);
-      add_state(entry, *axes[i], *start.reading);
-      states.push_back(std::move(entry));
+      fill(result.states.emplace_back(), *axes[i], *start.reading);
     } else {
-      entry["axis"] = axes[i]->name();
-      entry["error"] = to_json(call_error(readings[i].error(), axes[i]->name()));
-      failed.push_back(std::move(entry));
+      const auto& name = axes[i]->name();
+      result.failed.push_back({name, to_json(call_error(readings[i].error(), name))});
     }
   }
-  json::object result;
-  result["subscription"] = subscriptions.add(starts, interval);
-  result["states"] = std::move(states);
-  result["failed"] = std::move(failed);
+  result.subscription = subscriptions.add(starts, interval);
   return result;
 }
 
 }  // namespace
 
-Answer subscribe(Call& call) {
-  const auto axes = axes_of(call);
+Answer<Subscribe> subscribe(Call& call, const Subscribe& params) {
+  const auto axes = axes_of(call, params.axes);
   if (!axes) co_return tl::unexpected(axes.error());
   if (call.peer->subscriptions().size() >= max_subscriptions) co_return tl::unexpected(too_many());
   std::vector<boost::asio::awaitable<tmcl::Result<AxisReading>>> looks;
   for (const auto& axis : *axes) looks.push_back(read_one(axis));
   const auto readings = co_await gather(std::move(looks));
-  if (call.peer->is_gone()) co_return json::object{};
+  if (call.peer->is_gone()) co_return Subscription{};
   // Others may have begun meanwhile.
   if (call.peer->subscriptions().size() >= max_subscriptions) co_return tl::unexpected(too_many());
-  const std::chrono::milliseconds interval(
-      call.params.integer_or("interval_ms", default_interval_ms));
+  const std::chrono::milliseconds interval(params.interval_ms.value_or(default_interval_ms));
   co_return begin(call.peer->subscriptions(), *axes, readings, interval);
 }
 
-Answer unsubscribe(Call& call) {
-  const auto number = call.params.integer("subscription");
-  if (call.peer->subscriptions().remove(static_cast<std::uint64_t>(number))) {
-    co_return json::object{};
-  }
+Answer<Unsubscribe> unsubscribe(Call& call, const Unsubscribe& params) {
+  if (call.peer->subscriptions().remove(static_cast<std::uint64_t>(params.subscription)))
+    co_return Nothing{};
   co_return tl::unexpected(
-      param_error("unknown_subscription", "subscription",
-                  "this connection has no subscription " + std::to_string(number),
+      param_error("unknown_subscription", api::name_of<&Unsubscribe::subscription>(),
+                  "this connection has no subscription " + std::to_string(params.subscription),
                   "subscriptions end with their connection"));
 }
 

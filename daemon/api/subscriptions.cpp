@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "api/state_json.hpp"
+#include "api/views.hpp"
 
 namespace tmcld {
 
@@ -49,11 +49,14 @@ std::optional<boost::json::object> Subscriptions::take_pending() {
   }
   if (waiting.empty()) return std::nullopt;
   auto& [id, item] = waiting[turn_++ % waiting.size()];
-  boost::json::object params;
-  params["subscription"] = id;
-  add_state(params, *item->axis, *item->pending);
-  params["dropped"] = std::exchange(item->dropped, 0);
+  api::NewState news;
+  news.subscription = id;
+  fill(news, *item->axis, *item->pending);
+  news.dropped = std::exchange(item->dropped, 0);
   item->pending.reset();
+  // Whose state it is comes first, for people who read it.
+  boost::json::object params{{api::name_of<&api::NewState::subscription>(), id}};
+  for (auto& [name, value] : api::to_json(news)) params.emplace(name, std::move(value));
   return params;
 }
 

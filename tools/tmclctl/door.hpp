@@ -35,6 +35,12 @@ class Door {
   /// One method and its result. What comes unasked meanwhile goes to the listener.
   virtual Attempt<boost::json::object> call(std::string_view method, boost::json::object params,
                                             CallOptions options = {}) = 0;
+  /// The same for a method of tmcl/api.
+  template <tmcl::api::IsMethod Method>
+  Attempt<typename Method::Result> call(const Method& params, CallOptions options = {}) {
+    return call(Method::method.name, tmcl::api::to_json(params), std::move(options))
+        .map(tmcl::api::from_json<typename Method::Result>);
+  }
   /// Hands out what comes unasked until the time has passed, or at once after the first message.
   /// Errors: there is nobody any more from whom something could come.
   virtual Attempt<void> listen(tmcl::Duration at_most) = 0;

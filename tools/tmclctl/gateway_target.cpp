@@ -7,12 +7,16 @@
 #include <fmt/format.h>
 
 #include "json_read.hpp"
+#include "options/form.hpp"
+#include "tmcl/api/program.hpp"
+#include "tmcl/api/system.hpp"
 #include "tmcl/hex.hpp"
 
 namespace tmclctl {
 namespace {
 
 namespace json = boost::json;
+namespace api = tmcl::api;
 
 // A movement that had to wait longer than this for its turn is not what the user expects any more.
 constexpr int move_deadline_ms = 5000;
@@ -34,119 +38,111 @@ constexpr std::uint16_t stop_scan_last = 255;
 constexpr auto longest_path_silence = std::chrono::seconds(120);
 
 // The contract takes a number or a name; a number must not travel as text.
-json::value parameter_value(const std::string& text) {
+api::NameOrNumber parameter_value(const std::string& text) {
   int number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
   if (error == std::errc{} && end == text.data() + text.size()) return number;
-  return json::value(text);
+  return text;
 }
 
-ModuleRow module_from(const json::object& row) {
-  auto state = text_at(row, "state");
-  const bool in_bootloader = state == "in_bootloader" || flag_at(row, "in_bootloader");
-  return {text_at(row, "bus"),
-          integer_at<std::uint16_t>(row, "address"),
-          text_at(row, "model"),
-          integer_at<std::uint16_t>(row, "model_number"),
-          text_at(row, "firmware"),
-          integer_at<std::uint8_t>(row, "axes"),
-          flag_at(row, "duplicate_suspected"),
-          std::move(state),
-          in_bootloader,
-          flag_at(row, "address_is_reply_id")};
+// A method takes one of two parameters: what a module counts, or a number with its unit.
+std::optional<std::int32_t> counted_in(const Typed& typed) {
+  const auto number = parse_number<std::int32_t>(typed.text);
+  return typed.internal && number ? std::optional(*number) : std::nullopt;
+}
+std::optional<api::Amount> amount_in(const Typed& typed) {
+  return counted_in(typed) ? std::nullopt : std::optional<api::Amount>(typed.text);
 }
 
-AxisRow axis_from(const json::object& row) {
-  return {text_at(row, "name"),
-          text_at(row, "bus"),
-          integer_at<std::uint16_t>(row, "address"),
-          integer_at<std::uint8_t>(row, "motor"),
-          text_at(row, "model"),
-          text_at(row, "state"),
-          text_at(row, "unit")};
-}
+std::string or_empty(const std::optional<std::string>& text) { return text.value_or(""); }
 
-std::optional<InUnit> in_unit_at(const json::object& row, std::string_view key) {
-  const auto value = number_at(row, key);
-  if (!value) return std::nullopt;
-  return InUnit{*value, text_at(row, "unit")};
-}
-
-ParameterRow parameter_from(const json::object& row) {
-  const auto access = text_at(row, "access");
-  std::vector<std::string> aliases;
-  for (const auto& alias : array_at(row, "aliases")) {
-    if (const auto* name = alias.if_string()) aliases.emplace_back(*name);
+template <class Module>
+ModuleRow module_from(const Module& found) {
+  ModuleRow row;
+  row.bus = found.bus;
+  row.address = found.address;
+  row.model = or_empty(found.model);
+  row.model_number = found.model_number.value_or(0);
+  row.firmware = or_empty(found.firmware);
+  row.axes = found.axes.value_or(0);
+  row.duplicate_suspected = found.duplicate_suspected;
+  if constexpr (requires { found.state; }) {
+    row.state = found.state;
+    row.in_bootloader = found.state == "in_bootloader";
+  } else {
+    row.in_bootloader = found.in_bootloader;
+    row.address_is_reply_id = found.address_is_reply_id;
   }
-  return {integer_at<std::uint8_t>(row, "number"),
-          text_at(row, "name"),
-          access.find('w') != std::string::npos,
-          integer_at<std::int32_t>(row, "minimum"),
-          integer_at<std::int32_t>(row, "maximum"),
-          text_at(row, "unit"),
-          text_at(row, "meaning"),
-          flag_at(row, "stored"),
-          integer_at<std::int32_t>(row, "initial"),
-          std::move(aliases)};
+  return row;
 }
 
-Failure failure_at(const json::object& row) {
-  return failure_from(tmcl::client::call_error_from(object_at(row, "error")));
+template <class Module>
+std::vector<ModuleRow> modules_from(const std::vector<Module>& found) {
+  std::vector<ModuleRow> rows;
+  for (const auto& module : found) rows.push_back(module_from(module));
+  return rows;
 }
 
-ParameterValue value_from(const json::object& row) {
-  const auto number = integer_at<std::uint8_t>(row, "number");
-  auto name = text_at(row, "parameter");
-  if (name.empty()) name = std::to_string(number);
-  return {number, std::move(name), integer_at<std::int32_t>(row, "value"),
-          in_unit_at(row, "value_in_unit")};
+std::optional<InUnit> in_unit(std::optional<double> number,
+                              const std::optional<std::string>& unit) {
+  return number ? std::optional(InUnit{*number, or_empty(unit)}) : std::nullopt;
 }
 
-std::optional<tmcl::UserScale> scale_from(const json::object& row) {
-  const auto microsteps = integer_at<std::int32_t>(row, "microsteps_per_revolution");
+Failure failure_from_json(const json::object& error) {
+  return failure_from(tmcl::client::call_error_from(error));
+}
+
+ParameterValue value_from(const api::parameter::Value& value) {
+  return {value.number, value.parameter.value_or(std::to_string(value.number)), value.value,
+          in_unit(value.value_in_unit, value.unit)};
+}
+
+StartedMove move_from(const api::axis::StartedMove& moved) {
+  return {{moved.target_microsteps}, moved.predicted_s, in_unit(moved.target, moved.unit)};
+}
+
+std::optional<tmcl::UserScale> scale_from(const api::axis::Units& units) {
+  const auto microsteps = units.microsteps_per_revolution.value_or(0);
   if (microsteps <= 0) return std::nullopt;
   // A tmcld that knows of no gears tells the second one only.
-  const auto of_turn = number_at(row, "units_per_output_revolution")
-                           .value_or(number_at(row, "units_per_revolution").value_or(1));
-  return tmcl::UserScale{text_at(row, "unit"),
+  const auto of_turn =
+      units.units_per_output_revolution.value_or(units.units_per_revolution.value_or(1));
+  return tmcl::UserScale{or_empty(units.unit),
                          of_turn,
-                         flag_at(row, "reverse"),
+                         units.reverse.value_or(false),
                          {microsteps, 0},
-                         number_at(row, "gear_ratio").value_or(1)};
+                         units.gear_ratio.value_or(1)};
 }
 
-std::optional<tmcl::SoftLimits> limits_from(const json::object& row) {
-  const std::string in = text_at(row, "unit").empty() ? "_microsteps" : "";
-  const auto least = number_at(row, "soft_limit_minimum" + in);
-  const auto greatest = number_at(row, "soft_limit_maximum" + in);
+std::optional<tmcl::SoftLimits> limits_from(std::optional<double> least,
+                                            std::optional<double> greatest) {
   if (!least || !greatest) return std::nullopt;
   return tmcl::SoftLimits{{*least}, {*greatest}};
 }
 
-std::optional<tmcl::ModuleUnits> module_units_from(const json::object& row) {
-  const auto velocity = number_at(row, "velocity_unit_pps");
-  const auto acceleration = number_at(row, "acceleration_unit_pps2");
-  if (!velocity || !acceleration) return std::nullopt;
-  return tmcl::ModuleUnits{{*velocity}, {*acceleration}};
+AxisUnits units_from(const api::axis::Units& units, const std::string& axis) {
+  AxisUnits out{axis,
+                tmcl::find_model(or_empty(units.model)),
+                {},
+                scale_from(units),
+                units.unit ? limits_from(units.soft_limit_minimum, units.soft_limit_maximum)
+                           : limits_from(units.soft_limit_minimum_microsteps,
+                                         units.soft_limit_maximum_microsteps),
+                units.encoder_counts_per_unit};
+  if (units.velocity_unit_pps && units.acceleration_unit_pps2)
+    out.module = {{*units.velocity_unit_pps}, {*units.acceleration_unit_pps2}};
+  return out;
 }
 
-tmcl::FirmwareVersion version_at(const json::object& row, std::string_view key) {
-  return tmcl::version_from_text(text_at(row, key)).value_or(tmcl::FirmwareVersion{});
-}
-
-tmcl::FirmwareMatch match_from(const json::object& row, std::string_view running,
+tmcl::FirmwareMatch match_from(std::uint16_t model, const std::string& running,
                                const tmcl::firmware::Image& image) {
   tmcl::FirmwareMatch match;
-  match.model = integer_at<std::uint16_t>(row, "model_number");
-  match.running = version_at(row, running);
+  match.model = model;
+  match.running = tmcl::version_from_text(running).value_or(tmcl::FirmwareVersion{});
   match.in_bootloader = match.running.bootloader;
   match.offered = versions_in(image);
   match.version = version_for(image, match.model);
   return match;
-}
-
-UnscannedBus unscanned_from(const json::object& row) {
-  return {text_at(row, "bus"), failure_at(row)};
 }
 
 Attempt<void> stage(Door& door, std::string_view method, std::span<const std::uint8_t> bytes,
@@ -173,16 +169,18 @@ Attempt<json::object> GatewayTarget::call(std::string_view method, json::object 
 Attempt<ScanResult> GatewayTarget::scan(ScanRange range, const Progress& progress) {
   if (progress) {
     door_->on_notification([&](std::string_view method, const json::object& params) {
-      if (method != "notify_progress") return;
-      progress(text_at(params, "bus"), integer_at<std::size_t>(params, "asked"),
-               integer_at<std::size_t>(params, "of"));
+      if (method != api::progress_notification) return;
+      const auto news = api::from_json<api::ScanProgress>(params);
+      progress(news.bus, news.asked, news.of);
     });
   }
-  auto result = call("bus.scan", {{"first", range.first}, {"last", range.last}});
+  const auto found = door_->call(api::bus::Scan{{}, range.first, range.last});
   door_->on_notification({});
-  return std::move(result).map([](const json::object& found) {
-    return ScanResult{rows_at<ModuleRow>(found, "modules", module_from),
-                      rows_at<UnscannedBus>(found, "failed", unscanned_from)};
+  return found.map([](const api::bus::FoundModules& all) {
+    ScanResult result{modules_from(all.modules), {}};
+    for (const auto& [bus, error] : all.failed)
+      result.failed.push_back({bus, failure_from_json(error)});
+    return result;
   });
 }
 
@@ -193,8 +191,8 @@ Attempt<std::vector<ModuleRow>> GatewayTarget::modules() {
     if (!found->failed.empty()) return tl::unexpected(found->failed.front().failure);
     return std::move(found->modules);
   }
-  return call("module.list", {}).map([](const json::object& found) {
-    return rows_at<ModuleRow>(found, "modules", module_from);
+  return door_->call(api::module::List{}).map([](const api::module::Modules& found) {
+    return modules_from(found.modules);
   });
 }
 
@@ -213,89 +211,84 @@ Attempt<std::vector<AxisRow>> GatewayTarget::found_axes() {
 
 Attempt<std::vector<AxisRow>> GatewayTarget::axes() {
   if (axes_from_ == AxesFrom::scan) return found_axes();
-  auto rows = call("axis.list", {}).map([](const json::object& found) {
-    return rows_at<AxisRow>(found, "axes", axis_from);
-  });
-  if (rows && std::ranges::count(*rows, unknown_state, &AxisRow::state) != 0) add_reasons(*rows);
+  const auto found = door_->call(api::axis::List{});
+  if (!found) return tl::unexpected(found.error());
+  std::vector<AxisRow> rows;
+  for (const auto& axis : found->axes) {
+    rows.push_back({axis.name, axis.bus, axis.address, axis.motor, or_empty(axis.model), axis.state,
+                    or_empty(axis.unit)});
+  }
+  if (std::ranges::count(rows, unknown_state, &AxisRow::state) != 0) add_reasons(rows);
   return rows;
 }
 
 /// For axes whose bus is not open. They are listed all the same if tmcld cannot say more.
 void GatewayTarget::add_reasons(std::vector<AxisRow>& axes) {
-  const auto listed = call("bus.list", {});
+  const auto listed = door_->call(api::bus::List{});
   if (!listed) return;
-  for (const auto& value : array_at(*listed, "buses")) {
-    const auto& bus = value.is_object() ? value.get_object() : json::object{};
-    if (text_at(bus, "state") == "open") continue;
-    const auto error = text_at(bus, "error");
+  for (const auto& bus : listed->buses) {
+    if (bus.state == "open") continue;
     for (auto& axis : axes) {
-      if (axis.bus == text_at(bus, "name") && axis.state == unknown_state)
-        axis.why = error.empty() ? "it is being opened" : error;
+      if (axis.bus == bus.name && axis.state == unknown_state)
+        axis.why = bus.error.value_or("it is being opened");
     }
   }
 }
 
 Attempt<std::vector<ParameterRow>> GatewayTarget::parameters(const std::string& axis) {
-  return call("parameter.list", {{"axis", axis}}).map([](const json::object& found) {
-    return rows_at<ParameterRow>(found, "parameters", parameter_from);
-  });
+  const auto found = door_->call(api::parameter::List{axis});
+  if (!found) return tl::unexpected(found.error());
+  std::vector<ParameterRow> rows;
+  for (const auto& row : found->parameters) {
+    const bool writable = row.access.find('w') != std::string::npos;
+    rows.push_back({row.number, row.name, writable, row.minimum, row.maximum, row.unit, row.meaning,
+                    row.stored, row.initial, row.aliases});
+  }
+  return rows;
 }
 
 Attempt<ParameterValue> GatewayTarget::get(const std::string& axis, const std::string& parameter) {
-  return call("parameter.get", {{"axis", axis}, {"parameter", parameter_value(parameter)}})
-      .map(value_from);
+  return door_->call(api::parameter::Get{{axis, parameter_value(parameter)}}).map(value_from);
 }
 
 Attempt<ParameterValue> GatewayTarget::set(const std::string& axis, const std::string& parameter,
                                            const Typed& value) {
-  json::object params{{"axis", axis}, {"parameter", parameter_value(parameter)}};
-  put(params, "value_in_unit", "value", value);
-  return call("parameter.set", std::move(params)).map(value_from);
+  return door_
+      ->call(api::parameter::Set{
+          {axis, parameter_value(parameter)}, counted_in(value), amount_in(value)})
+      .map(value_from);
 }
 
 Attempt<AxisUnits> GatewayTarget::units(const std::string& axis) {
-  return call("axis.get_units", {{"axis", axis}}).map([&](const json::object& row) {
-    return AxisUnits{axis,
-                     tmcl::find_model(text_at(row, "model")),
-                     module_units_from(row),
-                     scale_from(row),
-                     limits_from(row),
-                     number_at(row, "encoder_counts_per_unit")};
-  });
-}
-
-Attempt<StartedMove> GatewayTarget::move(std::string_view method, json::object params) {
-  params["deadline_ms"] = move_deadline_ms;
-  return call(method, std::move(params)).map([](const json::object& moved) {
-    return StartedMove{{integer_at<std::int32_t>(moved, "target_microsteps")},
-                       number_at(moved, "predicted_s"),
-                       in_unit_at(moved, "target")};
+  return door_->call(api::axis::GetUnits{axis}).map([&](const api::axis::Units& units) {
+    return units_from(units, axis);
   });
 }
 
 Attempt<StartedMove> GatewayTarget::move_to(const std::string& axis, const Typed& position) {
-  json::object params{{"axis", axis}};
-  put(params, "position", "position_microsteps", position);
-  return move("axis.move_to", std::move(params));
+  return door_
+      ->call(
+          api::axis::MoveTo{axis, counted_in(position), amount_in(position), {}, move_deadline_ms})
+      .map(move_from);
 }
 
 Attempt<StartedMove> GatewayTarget::move_by(const std::string& axis, const Typed& distance) {
-  json::object params{{"axis", axis}};
-  put(params, "distance", "distance_microsteps", distance);
-  return move("axis.move_by", std::move(params));
+  return door_
+      ->call(
+          api::axis::MoveBy{axis, counted_in(distance), amount_in(distance), {}, move_deadline_ms})
+      .map(move_from);
 }
 
 Attempt<Turning> GatewayTarget::rotate(const std::string& axis, const Typed& velocity) {
-  json::object params{{"axis", axis}, {"deadline_ms", move_deadline_ms}};
-  put(params, "velocity", "velocity_internal", velocity);
-  return call("axis.rotate", std::move(params)).map([](const json::object& turning) {
-    return Turning{{integer_at<std::int32_t>(turning, "velocity_internal")},
-                   in_unit_at(turning, "velocity")};
-  });
+  return door_
+      ->call(api::axis::Rotate{axis, counted_in(velocity), amount_in(velocity), move_deadline_ms})
+      .map([](const api::axis::Turning& turning) {
+        return Turning{{turning.velocity_internal}, in_unit(turning.velocity, turning.unit)};
+      });
 }
 
 Attempt<void> GatewayTarget::stop(const std::string& axis) {
-  return call("axis.stop", {{"axis", axis}}).map([](const json::object&) {});
+  return door_->call(api::axis::Stop{axis}).map([](const api::Nothing&) {});
 }
 
 void GatewayTarget::stop_motors(const ModuleRow& module, std::vector<StoppedAxis>& stopped) {
@@ -327,39 +320,35 @@ Attempt<std::vector<StoppedAxis>> GatewayTarget::stop_found() {
 
 Attempt<std::vector<StoppedAxis>> GatewayTarget::stop_all() {
   if (axes_from_ == AxesFrom::scan) return stop_found();
-  return call("system.stop_all", {}).map([](const json::object& result) {
-    auto stopped = rows_at<StoppedAxis>(result, "stopped", [](const json::object& row) {
-      return StoppedAxis{text_at(row, "axis"), number_at(row, "milliseconds"), {}};
-    });
-    for (auto& row : rows_at<StoppedAxis>(result, "failed", [](const json::object& failed) {
-           return StoppedAxis{text_at(failed, "axis"), {}, failure_at(failed)};
-         })) {
-      stopped.push_back(std::move(row));
-    }
-    return stopped;
+  return door_->call(api::system::StopAll{}).map([](const api::system::StoppedAxes& result) {
+    std::vector<StoppedAxis> rows;
+    for (const auto& [axis, milliseconds] : result.stopped)
+      rows.push_back({axis, milliseconds, {}});
+    for (const auto& [axis, error] : result.failed)
+      rows.push_back({axis, {}, failure_from_json(error)});
+    return rows;
   });
 }
 
-AxisReading GatewayTarget::reading_from(const json::object& state) const {
+AxisReading GatewayTarget::reading_from(const api::axis::State& state) const {
   AxisReading reading;
-  reading.position = {integer_at<std::int32_t>(state, "position_microsteps")};
-  reading.velocity = {integer_at<std::int32_t>(state, "velocity_internal")};
-  reading.velocity_pps = number_at(state, "velocity_pps");
-  reading.target = {integer_at<std::int32_t>(state, "target_microsteps")};
-  reading.position_reached = flag_at(state, "position_reached");
-  reading.moving = flag_at(state, "moving");
-  if (const auto position = number_at(state, "position")) {
-    reading.user = {text_at(state, "unit"), *position, number_at(state, "target").value_or(0),
-                    number_at(state, "velocity")};
+  reading.position = {state.position_microsteps};
+  reading.velocity = {state.velocity_internal};
+  reading.velocity_pps = state.velocity_pps;
+  reading.target = {state.target_microsteps};
+  reading.position_reached = state.position_reached;
+  reading.moving = state.moving;
+  if (state.position) {
+    reading.user = {or_empty(state.unit), *state.position, state.target.value_or(0),
+                    state.velocity};
   }
-  const std::chrono::duration<double, std::milli> age(number_at(state, "age_ms").value_or(0));
-  reading.age = std::chrono::duration_cast<tmcl::Duration>(age);
+  reading.age = std::chrono::milliseconds(state.age_ms);
   reading.taken_at = host_.now() - reading.age;
   return reading;
 }
 
 Attempt<AxisReading> GatewayTarget::state(const std::string& axis) {
-  return call("axis.get_state", {{"axis", axis}}).map([&](const json::object& state) {
+  return door_->call(api::axis::GetState{axis}).map([&](const api::axis::State& state) {
     return reading_from(state);
   });
 }
@@ -369,20 +358,21 @@ Attempt<void> GatewayTarget::watch(const std::string& axis, tmcl::Duration inter
   bool wanted = true;
   auto heard_at = host_.now();
   door_->on_notification([&](std::string_view method, const json::object& params) {
-    if (method != "notify_state" || text_at(params, "axis") != axis) return;
+    if (method != api::NewState::notification) return;
+    const auto news = api::from_json<api::NewState>(params);
+    if (news.axis != axis) return;
     heard_at = host_.now();
-    const auto reading = reading_from(params);
+    const auto reading = reading_from(news);
     if (wanted) wanted = on_reading(&reading);
   });
   const auto interval_ms = std::chrono::duration_cast<std::chrono::milliseconds>(interval).count();
   const auto subscribed =
-      call("subscribe", {{"axes", json::array{axis}}, {"interval_ms", interval_ms}});
+      door_->call(api::Subscribe{{{axis}}, static_cast<std::int32_t>(interval_ms)});
   if (!subscribed) return tl::unexpected(subscribed.error());
-  for (const auto& row : array_at(*subscribed, "failed")) {
-    return tl::unexpected(failure_at(row.is_object() ? row.get_object() : json::object{}));
-  }
-  for (const auto& row : array_at(*subscribed, "states")) {
-    const auto reading = reading_from(row.is_object() ? row.get_object() : json::object{});
+  for (const auto& failed : subscribed->failed)
+    return tl::unexpected(failure_from_json(failed.error));
+  for (const auto& state : subscribed->states) {
+    const auto reading = reading_from(state);
     if (wanted) wanted = on_reading(&reading);
   }
   while (wanted) {
@@ -399,15 +389,13 @@ Attempt<void> GatewayTarget::watch(const std::string& axis, tmcl::Duration inter
   return {};
 }
 
-Attempt<json::object> GatewayTarget::bus_named(const std::string& name) {
-  const auto listed = call("bus.list", {});
+Attempt<api::bus::Bus> GatewayTarget::bus_named(const std::string& name) {
+  const auto listed = door_->call(api::bus::List{});
   if (!listed) return tl::unexpected(listed.error());
   std::string names;
-  const auto& buses = array_at(*listed, "buses");
-  for (const auto& value : buses) {
-    const auto& bus = value.is_object() ? value.get_object() : json::object{};
-    if (text_at(bus, "name") == name || (name.empty() && buses.size() == 1)) return bus;
-    names += (names.empty() ? "" : ", ") + text_at(bus, "name");
+  for (const auto& bus : listed->buses) {
+    if (bus.name == name || (name.empty() && listed->buses.size() == 1)) return bus;
+    names += (names.empty() ? "" : ", ") + bus.name;
   }
   if (name.empty()) {
     return tl::unexpected(
@@ -422,7 +410,7 @@ Attempt<json::object> GatewayTarget::perform(const std::string& method, json::ob
   if (params.contains("address")) {
     const auto bus = bus_named(text_at(params, "bus"));
     if (!bus) return tl::unexpected(bus.error());
-    params["bus"] = text_at(*bus, "name");
+    params["bus"] = bus->name;
   }
   if (!on_news) return call(method, std::move(params));
   // Whether it is wanted any more is asked of Options::cancelled.
@@ -434,42 +422,42 @@ Attempt<json::object> GatewayTarget::perform(const std::string& method, json::ob
   return result;
 }
 
-Attempt<json::object> GatewayTarget::params_for(const ModuleName& module) {
-  return bus_named(module.bus).map([&](const json::object& bus) {
-    return json::object{{"bus", text_at(bus, "name")}, {"address", module.address}};
+Attempt<api::OnModule> GatewayTarget::params_for(const ModuleName& module) {
+  return bus_named(module.bus).map([&](const api::bus::Bus& bus) {
+    return api::OnModule{bus.name, module.address};
   });
 }
 
 Attempt<tmcl::FirmwareMatch> GatewayTarget::match_firmware(const ModuleName& module,
                                                            const tmcl::firmware::Image& image) {
-  auto params = params_for(module);
-  if (!params) return tl::unexpected(params.error());
-  return call("firmware.status", std::move(*params)).map([&](const json::object& status) {
-    return match_from(status, "running", image);
-  });
+  const auto named = params_for(module);
+  if (!named) return tl::unexpected(named.error());
+  return door_->call(api::firmware::Status{{*named}})
+      .map([&](const api::firmware::FirmwareState& status) {
+        return match_from(status.model_number, status.running, image);
+      });
 }
 
 Attempt<tmcl::FirmwareReport> GatewayTarget::upload_firmware(const ModuleName& module,
                                                              const tmcl::firmware::Image& image,
                                                              const tmcl::FirmwareOptions& options) {
-  auto params = params_for(module);
-  if (!params) return tl::unexpected(params.error());
-  const auto staged = stage(*door_, "firmware.stage", image.bytes);
+  const auto named = params_for(module);
+  if (!named) return tl::unexpected(named.error());
+  const auto staged = stage(*door_, api::firmware::Stage::method.name, image.bytes);
   if (!staged) return tl::unexpected(staged.error());
-  (*params)["start"] = image.start;
-  (*params)["bytes"] = image.bytes.size();
-  (*params)["force"] = options.force;
-  door_->on_notification([&](std::string_view method, const json::object& news) {
-    if (method != "notify_progress" || !options.progress) return;
-    options.progress({text_at(news, "phase"), integer_at<std::size_t>(news, "done"),
-                      integer_at<std::size_t>(news, "of")});
+  door_->on_notification([&](std::string_view method, const json::object& params) {
+    if (method != api::progress_notification || !options.progress) return;
+    const auto news = api::from_json<api::LoadProgress>(params);
+    options.progress({news.phase, news.done, news.of});
   });
-  const auto done =
-      door_->call("firmware.upload", std::move(*params), {.timeout = longest_firmware_step});
+  const auto size = static_cast<std::uint32_t>(image.bytes.size());
+  const api::firmware::Upload upload{*named, image.start, size, options.force};
+  const auto done = door_->call(upload, {.timeout = longest_firmware_step});
   door_->on_notification({});
-  return done.map([&](const json::object& report) {
-    return tmcl::FirmwareReport{match_from(report, "before", image), version_at(report, "running"),
-                                integer_at<std::uint32_t>(report, "checksum")};
+  return done.map([&](const api::firmware::Exchange& report) {
+    const auto running = tmcl::version_from_text(report.running);
+    return tmcl::FirmwareReport{match_from(report.model_number, report.before, image),
+                                running.value_or(tmcl::FirmwareVersion{}), report.checksum};
   });
 }
 
@@ -498,19 +486,17 @@ Attempt<void> GatewayTarget::hear_arrivals(const ModuleName& module,
   const auto named = params_for(module);
   if (!named) return tl::unexpected(named.error());
   // Whoever subscribes, to no axis even, is told of events.
-  const auto subscribed = call("subscribe", {{"axes", json::array{}}});
+  const auto subscribed = door_->call(api::Subscribe{std::vector<std::string>{}});
   if (!subscribed) return tl::unexpected(subscribed.error());
   auto result = ask();
   bool wanted = true;
-  door_->on_notification([&](std::string_view method, const json::object& event) {
-    const bool concerns_us = method == "notify_event" &&
-                             text_at(event, "kind") == "target_reached" &&
-                             text_at(event, "bus") == text_at(*named, "bus") &&
-                             integer_at<std::uint16_t>(event, "address") == module.address;
-    if (!concerns_us || !wanted) return;
-    std::vector<std::uint8_t> motors;
-    for (const auto& motor : array_at(event, "motors"))
-      motors.push_back(static_cast<std::uint8_t>(motor.to_number<unsigned>()));
+  door_->on_notification([&](std::string_view method, const json::object& params) {
+    if (method != api::Event::notification || !wanted) return;
+    const auto event = api::from_json<api::Event>(params);
+    const bool concerns_us = event.kind == "target_reached" && event.bus == named->bus &&
+                             event.address == module.address;
+    if (!concerns_us) return;
+    const auto motors = event.motors.value_or(std::vector<std::uint8_t>{});
     wanted = on_arrival(&motors);
   });
   while (result && wanted) {
@@ -527,21 +513,20 @@ Attempt<RawAnswer> GatewayTarget::raw(const RawCommand& command) {
   const auto bus = bus_named(command.bus);
   if (!bus) return tl::unexpected(bus.error());
   const auto& request = command.request;
-  const auto result = call("module.execute", {{"bus", text_at(*bus, "name")},
-                                              {"address", number(request.address)},
-                                              {"command", static_cast<int>(request.command)},
-                                              {"type", request.type},
-                                              {"motor", request.motor},
-                                              {"value", request.value}});
+  api::module::Execute execute{{{bus->name, number(request.address)}},
+                               static_cast<std::int32_t>(request.command)};
+  execute.type = request.type;
+  execute.motor = request.motor;
+  execute.value = request.value;
+  const auto result = door_->call(execute);
   if (!result) return tl::unexpected(result.error());
   RawAnswer answer;
-  answer.bus = text_at(*bus, "name");
-  const bool is_can = text_at(*bus, "link").starts_with("can:");
+  answer.bus = bus->name;
+  const bool is_can = bus->link.starts_with("can:");
   answer.framing = is_can ? tmcl::Framing::can : tmcl::Framing::serial;
   answer.reply = {tmcl::default_host_address, reply_byte(request.address),
-                  static_cast<tmcl::Status>(integer_at<std::uint8_t>(*result, "status")),
-                  request.command, integer_at<std::int32_t>(*result, "value")};
-  answer.text = text_at(*result, "text");
+                  static_cast<tmcl::Status>(result->status), request.command, result->value};
+  answer.text = or_empty(result->text);
   return answer;
 }
 

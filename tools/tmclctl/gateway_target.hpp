@@ -61,11 +61,9 @@ class GatewayTarget final : public Target {
   void stop_motors(const ModuleRow& module, std::vector<StoppedAxis>& stopped);
   void add_reasons(std::vector<AxisRow>& axes);
   Attempt<boost::json::object> call(std::string_view method, boost::json::object params);
-  Attempt<StartedMove> move(std::string_view method, boost::json::object params);
-  AxisReading reading_from(const boost::json::object& state) const;
-  /// The parameters "bus" and "address".
-  Attempt<boost::json::object> params_for(const ModuleName& module);
-  Attempt<boost::json::object> bus_named(const std::string& name);
+  AxisReading reading_from(const tmcl::api::axis::State& state) const;
+  Attempt<tmcl::api::OnModule> params_for(const ModuleName& module);
+  Attempt<tmcl::api::bus::Bus> bus_named(const std::string& name);
 
   std::unique_ptr<Door> door_;
   std::string options_;

@@ -7,7 +7,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <vector>
 
 #include <boost/json/array.hpp>
 #include <boost/json/object.hpp>
@@ -31,17 +30,6 @@ Integer integer_at(const boost::json::object& object, std::string_view key) {
   if (const auto* number = value->if_int64()) return fitting(*number);
   if (const auto* number = value->if_uint64()) return fitting(*number);
   return Integer{};
-}
-
-/// Calls `read` for every object in the array.
-template <class Row, class Read>
-std::vector<Row> rows_at(const boost::json::object& object, std::string_view key,
-                         const Read& read) {
-  std::vector<Row> rows;
-  for (const auto& value : array_at(object, key)) {
-    if (const auto* row = value.if_object()) rows.push_back(read(*row));
-  }
-  return rows;
 }
 
 }  // namespace tmclctl

@@ -78,11 +78,12 @@ Failure failure_from(const std::string& file, const plan::TextProblems& problems
 }
 
 Failure explained(Failure failure, const std::string& file, Output& output) {
-  const auto problems =
-      rows_at<plan::TextProblem>(failure.details, "problems", [](const json::object& row) {
-        return plan::TextProblem{integer_at<std::size_t>(row, "line"),
-                                 integer_at<std::size_t>(row, "column"), text_at(row, "message")};
-      });
+  plan::TextProblems problems;
+  for (const auto& value : array_at(failure.details, "problems")) {
+    const auto& row = value.as_object();
+    problems.push_back({integer_at<std::size_t>(row, "line"),
+                        integer_at<std::size_t>(row, "column"), text_at(row, "message")});
+  }
   if (!problems.empty()) return failure_from(file, problems, output);
   const auto axis = text_at(failure.details, "file_axis");
   if (!axis.empty()) failure.hint = fmt::format("--axis {}=NAME", axis);

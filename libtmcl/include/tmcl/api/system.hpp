@@ -135,6 +135,7 @@ struct Event {
   TMCL_FIELD(std::string, bus, "where it happened");
   TMCL_FIELD(std::optional<std::uint16_t>, address, "of the module; null for a whole bus");
   TMCL_FIELD(std::optional<std::vector<std::uint8_t>>, motors, "which motors, where that matters");
+  TMCL_FIELD(std::optional<std::string>, cause, "who has stopped the axis, where that matters");
   TMCL_FIELD(std::string, text, "for people");
 };
 
