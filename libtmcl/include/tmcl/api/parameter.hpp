@@ -107,7 +107,7 @@ struct Start : SoonOnModule {
               "starts motors of a module together, each to its own coordinate of this number",
               Start, SoonOnModule);
   TMCL_FIELD(std::uint8_t, number, number_summary, numbers);
-  TMCL_FIELD(std::vector<std::uint8_t>, motors, "which motors; at least one", {0, 5});
+  TMCL_FIELD(std::vector<std::uint8_t>, motors, "which motors", {0, 5});
   TMCL_FIELD(std::optional<bool>, interpolated,
              "scale their velocities so that they arrive together; false if absent");
 };

@@ -32,8 +32,7 @@ struct StartedLine {
 struct Move {
   TMCL_METHOD("line.move", moves, StartedLine,
               "moves several axes so that they start and arrive together", Move);
-  TMCL_FIELD(std::vector<std::string>, axes,
-             "names of the axes, on any buses; each once, at most 16");
+  TMCL_FIELD(std::vector<std::string>, axes, "names of the axes, on any buses");
   TMCL_FIELD(std::optional<std::vector<std::int32_t>>, positions_microsteps,
              "where each of them is to go");
   TMCL_FIELD(std::optional<std::vector<Amount>>, positions, axis::in_unit_summary);
