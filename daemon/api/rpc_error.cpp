@@ -12,7 +12,10 @@ int code_of(tmcl::Errc code) {
   switch (code) {
     case tmcl::Errc::bad_argument:
     case tmcl::Errc::beyond_soft_limit: return rpc_code::invalid_params;
-    case tmcl::Errc::axis_claimed: return rpc_code::not_allowed;
+    case tmcl::Errc::axis_claimed:
+    case tmcl::Errc::leased:
+    case tmcl::Errc::lease_lost:
+    case tmcl::Errc::latched: return rpc_code::not_allowed;
     case tmcl::Errc::daemon_ending: return rpc_code::daemon_ending;
     default: return rpc_code::call_failed;
   }

@@ -42,6 +42,9 @@ enum class Errc : std::uint8_t {
                       ///< it in its bootloader. It executes nothing meanwhile.
   axis_claimed,   ///< Somebody else moves the axis, along a line for instance; nothing was sent.
   daemon_ending,  ///< The daemon is ending, and nothing is set in motion any more.
+  leased,         ///< Another client has a lease of the axis; nothing was sent.
+  lease_lost,     ///< The lease that the call is made under has ended; nothing was sent.
+  latched,        ///< The axis is not what it was, and nobody has said yet that it may move.
 };
 
 struct Error {

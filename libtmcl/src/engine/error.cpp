@@ -33,6 +33,9 @@ std::string_view name_of(Errc code) {
     case Errc::in_bootloader: return "in_bootloader";
     case Errc::axis_claimed: return "axis_claimed";
     case Errc::daemon_ending: return "daemon_ending";
+    case Errc::leased: return "leased";
+    case Errc::lease_lost: return "lease_lost";
+    case Errc::latched: return "latched";
   }
   return "";
 }
