@@ -2,6 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/line.hpp"
 
 namespace tmcl::plan {
@@ -59,6 +60,26 @@ TEST(Line, TakesAsLongAsItIsAskedTo) {
   const auto too_short = plan_line(axes, {}, std::chrono::milliseconds(900));
   EXPECT_THAT(too_short.error().message,
               HasSubstr("after 0.9 s; the shortest time possible is 1.0"));
+}
+
+// An acceleration of less than one unit of the register is none: the axis goes to its target at its
+// start velocity, but a stop on the way would never end.
+TEST(Line, LeavesEachAxisAnAccelerationThatCanStopIt) {
+  auto slow = axis(-100, 50'000, 50'000, "TMCM-1240");
+  ASSERT_TRUE(slow.twin.set({number_of("stop_velocity"), 100}));
+  ASSERT_TRUE(slow.twin.set({number_of(Family::sixpoint, "start_velocity"), 100}));
+  for (const auto longest : {4'000, 8'000, 20'000, 60'000, 200'000}) {
+    const auto line = plan({slow, axis(longest, 50'000, 10'000, "TMCM-1240")});
+    if (!line) continue;
+    auto twin = slow.twin;
+    ASSERT_TRUE(twin.set(line->axes[0].settings));
+    twin.move_to(slow.target);
+    twin.advance(std::chrono::milliseconds(100));
+    ASSERT_NE(twin.motion().velocity.value, 0) << longest;
+    twin.stop();
+    twin.advance(std::chrono::seconds(10));
+    EXPECT_EQ(twin.motion().velocity.value, 0) << longest;
+  }
 }
 
 TEST(Line, AnAxisThatIsThereAlreadyStays) {

@@ -129,6 +129,16 @@ AxisTwin with_dividers(AxisTwin twin, std::optional<Tmc429Dividers> dividers) {
   return twin;
 }
 
+/// Less is nothing to the generator, which would not even stop then. A TMC429 has a range of its
+/// own.
+std::int32_t least_acceleration(const AxisTwin& twin) {
+  const bool is_tmc457 = twin.model().family == Family::tmc457;
+  const auto unit = is_tmc457 ? tmc457_acceleration_unit : sixpoint_acceleration_unit;
+  if (twin.tmc429() != nullptr) return 1;
+  const auto pps2 = static_cast<double>(unit.numerator) / static_cast<double>(unit.denominator);
+  return static_cast<std::int32_t>(std::ceil(pps2 / twin.to_pps2(InternalAcceleration{1}).value));
+}
+
 /// One axis on its line.
 class Runner {
  public:
@@ -144,6 +154,7 @@ class Runner {
         a_unit_(standing_.to_pps2(InternalAcceleration{1}).value),
         v_range_(range(ap::max_velocity, axis.velocity.value / v_unit_)),
         a_range_(range(ap::max_acceleration, axis.acceleration.value / a_unit_)) {
+    a_range_.least = std::max(a_range_.least, least_acceleration(standing_));
     const auto* chip = standing_.tmc429();
     if (chip == nullptr) return;
     const auto valid = tmc429_acceleration_range(chip->dividers());
