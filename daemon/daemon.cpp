@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <random>
 #include <utility>
 
 #include <boost/asio/post.hpp>
@@ -29,11 +30,17 @@ constexpr auto time_to_open = 300ms;
 // With time_for_stops well below the second within which the daemon ends.
 constexpr tmcl::Duration time_for_answers = 300ms;
 // After an exception the end may fail, too: it is given all of its times and a little more.
-constexpr tmcl::Duration time_after_failure = time_for_uploads + time_for_journeys +
-                                              time_for_stops + time_for_answers +
-                                              std::chrono::seconds(1);
+constexpr tmcl::Duration time_after_failure =
+    time_for_uploads + time_to_stand + time_for_stops + time_for_answers + std::chrono::seconds(1);
 // It goes on after so many more of them.
 constexpr int most_failures_at_the_end = 16;
+
+/// Another one each time: a lease from before a restart is not taken for one of now.
+std::int32_t any_epoch() {
+  constexpr std::int32_t greatest = 1 << 30;
+  std::random_device random;
+  return std::uniform_int_distribution<std::int32_t>(0, greatest)(random);
+}
 
 }  // namespace
 
@@ -44,7 +51,10 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(boost::asio::i
   if (!file) return tl::unexpected(std::move(file.error()));
   std::unique_ptr<Daemon> daemon(new Daemon(context));
   const auto executor = context.get_executor();
-  daemon->gateway_ = Gateway::create(executor, config, {open_link, log});
+  GatewayOptions options{open_link, log};
+  options.lease_epoch = any_epoch();
+  options.on_exit = config.daemon.on_exit;
+  daemon->gateway_ = Gateway::create(executor, config, std::move(options));
   daemon->server_ = std::make_shared<UnixServer>(executor, std::move(*file), daemon->gateway_,
                                                  make_room_for_clients(config.buses.size()));
   return daemon;

@@ -35,9 +35,9 @@ class Daemon {
   /// Serves as well, but somebody else runs the context, until has_ended().
   void start();
   /// From any thread. Ends run() within a second: stops on their way are given a moment, whatever
-  /// else is in progress is answered with how far it got. Axes on lines and paths are stopped
-  /// before that, for which they may take some seconds, and firmware uploads come to their end, for
-  /// which they may take some minutes.
+  /// else is in progress is answered with how far it got. Axes that move are stopped before that,
+  /// as the configuration says, for which they may take some seconds, and firmware uploads come
+  /// to their end, for which they may take some minutes.
   void stop();
   void end_on_signals();
   bool has_ended() const { return has_ended_; }

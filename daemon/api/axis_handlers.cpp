@@ -67,7 +67,13 @@ Answer<axis::Rotate> rotate(Call& call, const axis::Rotate& params) {
   const auto said = either<&axis::Rotate::velocity_internal, &axis::Rotate::velocity>(params);
   const auto velocity = co_await velocity_of(axis, said);
   if (!velocity) co_return tl::unexpected(velocity.error());
-  const auto turned = co_await axis.rotate({velocity->value}, ready->moves);
+  Tenant client{.turns = true};
+  if (!params.unattended.value_or(false)) {
+    auto [number, name] = call.peer->client();
+    client.client = number;
+    client.name = std::move(name);
+  }
+  const auto turned = co_await axis.rotate({velocity->value}, std::move(client), ready->moves);
   if (!turned) co_return failed(turned.error(), axis);
   auto told = co_await velocity_in_unit(axis, *velocity);
   co_return axis::Turning{velocity->value, std::move(told.unit), told.number};

@@ -17,6 +17,7 @@ template <class Params>
 RunOptions in_time(const Call& call, const Params& params) {
   RunOptions options;
   options.deadline = call.deadline(params);
+  options.permit = call.permit;
   return options;
 }
 

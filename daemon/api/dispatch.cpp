@@ -17,6 +17,17 @@ std::optional<RpcError> admit(const MethodInfo& method, const Call& call) {
   return rpc_error(rpc_code::daemon_ending, "daemon_ending", "the daemon is ending");
 }
 
+/// Whoever makes it: a call that names a lease is one of that lease's holder.
+tl::expected<std::uint64_t, RpcError> client_of(const Gateway& gateway, const Peer& peer,
+                                                const RpcRequest& request) {
+  const auto effect = request.method->effect;
+  const bool acts = effect == tmcl::Effect::moves || effect == tmcl::Effect::writes;
+  if (!acts || !request.lease) return peer.client().number;
+  return find_lease(*gateway.leases(), *request.lease).map([](const Lease& lease) {
+    return lease.holder.number;
+  });
+}
+
 RpcError internal_error(const MethodInfo& method, const char* what) {
   auto error = rpc_error(rpc_code::internal_error, "internal_error",
                          "tmcld failed in " + std::string(method.name) + ": " + what,
@@ -29,7 +40,9 @@ RpcError internal_error(const MethodInfo& method, const char* what) {
 
 boost::asio::awaitable<RpcResult> dispatch(std::shared_ptr<Gateway> gateway,
                                            std::shared_ptr<Peer> peer, RpcRequest request) {
-  const auto permit = gateway->admit();
+  const auto client = client_of(*gateway, *peer, request);
+  if (!client) co_return tl::unexpected(client.error());
+  const auto permit = gateway->admit(*client);
   const auto received = gateway->clock().now();
   Call call{
       std::move(gateway), std::move(peer), std::move(request.id), Params(std::move(request.params)),

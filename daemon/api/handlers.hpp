@@ -6,6 +6,7 @@
 #include "api/call.hpp"
 #include "api/rpc_error.hpp"
 #include "tmcl/api/axis.hpp"
+#include "tmcl/api/lease.hpp"
 #include "tmcl/api/module.hpp"
 #include "tmcl/api/parameter.hpp"
 #include "tmcl/api/path.hpp"
@@ -42,6 +43,12 @@ Answer<axis::GetUnits> get_units(Call& call, const axis::GetUnits& params);
 Answer<axis::Home> home(Call& call, const axis::Home& params);
 Answer<axis::StartHome> start_home(Call& call, const axis::StartHome& params);
 Answer<axis::StopHome> stop_home(Call& call, const axis::StopHome& params);
+
+Answer<lease::Acquire> acquire_lease(Call& call, const lease::Acquire& params);
+Answer<lease::Renew> renew_lease(Call& call, const lease::Renew& params);
+Answer<lease::Release> release_lease(Call& call, const lease::Release& params);
+Answer<lease::List> list_leases(Call& call, const lease::List& params);
+Answer<lease::Break> break_lease(Call& call, const lease::Break& params);
 
 Answer<line::Move> move_line(Call& call, const line::Move& params);
 

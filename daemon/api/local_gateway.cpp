@@ -3,6 +3,8 @@
 #include <chrono>
 #include <utility>
 
+#include <unistd.h>
+
 #include "api/dispatch.hpp"
 #include "api/notifications.hpp"
 #include "async/spawn.hpp"
@@ -26,23 +28,29 @@ tmcl::TimePoint now() { return tmcl::RealClock().now(); }
 class LocalPeer final : public Peer {
  public:
   LocalPeer(std::shared_ptr<Gateway> gateway, std::shared_ptr<bool> news)
-      : notifications_(std::move(gateway), [news = std::move(news)] { *news = true; }) {}
+      : gateway_(std::move(gateway)),
+        client_{gateway_->enter(), "process " + std::to_string(::getpid())},
+        notifications_(gateway_, [news = std::move(news)] { *news = true; }) {}
 
   void notify(std::string_view method, boost::json::object params) override {
     if (!is_gone_) notifications_.push(method, std::move(params));
   }
   bool is_gone() const override { return is_gone_; }
   Subscriptions& subscriptions() override { return notifications_.subscriptions(); }
+  Client client() const override { return client_; }
 
   std::optional<Notification> take() { return notifications_.take(); }
   void leave() {
-    is_gone_ = true;
+    if (std::exchange(is_gone_, true)) return;
     notifications_.end();
+    gateway_->leave(client_.number);
   }
 
   int calls_in_progress = 0;
 
  private:
+  std::shared_ptr<Gateway> gateway_;
+  Client client_;
   Notifications notifications_;
   bool is_gone_ = false;
 };

@@ -12,6 +12,7 @@ boost::json::object params_of(const GatewayEvent& event) {
   auto params = api::to_json(view);
   if (!view.motors) params.erase(api::name_of<&api::Event::motors>());
   if (!view.cause) params.erase(api::name_of<&api::Event::cause>());
+  if (!view.reason) params.erase(api::name_of<&api::Event::reason>());
   return params;
 }
 

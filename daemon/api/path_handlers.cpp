@@ -165,7 +165,7 @@ awaitable<tmcl::Result<plan::PathAxisFacts>> facts_of(GatewayAxis& axis, std::st
 }
 
 awaitable<Lookup<std::vector<plan::PathAxis>>> path_axes(const plan::PathSource& source,
-                                                         const Axes& chosen, Permit permit,
+                                                         const Axes& chosen,
                                                          const plan::PathRequest& request) {
   std::vector<plan::PathAxis> axes;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
@@ -182,7 +182,7 @@ awaitable<Lookup<std::vector<plan::PathAxis>>> path_axes(const plan::PathSource&
       co_return tl::unexpected(std::move(error));
     }
     if (request.mode == plan::StreamMode::position) {
-      auto twin = co_await axis.twin(axis.begin_movement(permit, {}));
+      auto twin = co_await axis.twin({});
       if (!twin) co_return tl::unexpected(call_error(twin.error(), axis.name()));
       made->stream.twin = std::move(*twin);
     }
@@ -218,7 +218,7 @@ awaitable<Lookup<PlannedPath>> plan_for(const Call& call, bool with_namesakes) {
   if (!source) co_return tl::unexpected(error_of(source.error(), "text"));
   auto axes = axes_for(call, *source, with_namesakes);
   if (!axes) co_return tl::unexpected(axes.error());
-  auto known = co_await path_axes(*source, *axes, call.permit, *request);
+  auto known = co_await path_axes(*source, *axes, *request);
   if (!known) co_return tl::unexpected(known.error());
 
   const plan::PathSource names{source->format, {source->path.axes, {}}};
@@ -250,7 +250,7 @@ awaitable<Lookup<PlannedPath>> planned_before(const Call& call) {
                                          "once"));
   }
   auto planned = std::move(*std::exchange(kept, nullptr));
-  auto known = co_await path_axes(planned.source, planned.axes, call.permit, planned.request);
+  auto known = co_await path_axes(planned.source, planned.axes, planned.request);
   if (!known) co_return tl::unexpected(known.error());
   for (std::size_t i = 0; i < known->size(); ++i) {
     if (moves_alike((*known)[i], planned.known[i])) continue;

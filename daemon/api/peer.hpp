@@ -6,6 +6,8 @@
 
 #include <boost/json/object.hpp>
 
+#include "gateway/leases.hpp"
+
 namespace tmcld {
 
 class Subscriptions;
@@ -18,6 +20,8 @@ class Peer {
   /// Nobody will read an answer any more.
   virtual bool is_gone() const = 0;
   virtual Subscriptions& subscriptions() = 0;
+  /// What moves for it stops when it leaves the gateway: see Gateway::enter().
+  virtual Client client() const { return {}; }
 };
 
 }  // namespace tmcld

@@ -106,8 +106,10 @@ RpcError line_too_long() {
 tl::expected<RpcRequest, RpcError> make_request(std::string_view method, json::object params) {
   const auto* row = find_method(method);
   if (row == nullptr) return tl::unexpected(unknown_method(method));
+  auto lease = take_lease_key(*row, params);
+  if (!lease) return tl::unexpected(std::move(lease.error()));
   if (auto complaint = check_params(*row, params)) return tl::unexpected(std::move(*complaint));
-  return RpcRequest{nullptr, row, std::move(params)};
+  return RpcRequest{nullptr, row, std::move(params), *lease};
 }
 
 tl::expected<RpcRequest, RpcRefusal> parse_request(std::string_view line) {

@@ -59,6 +59,9 @@ void fill(api::axis::State& out, const GatewayAxis& axis, const AxisReading& rea
     out.target = user->target.value;
   }
   out.age_ms = milliseconds(axis.bus().clock().now() - reading.taken);
+  const auto tenant = axis.tenant();
+  if (tenant.lease != 0) out.lease = tenant.lease;
+  out.unattended = axis.is_unattended();
 }
 
 }  // namespace
@@ -161,14 +164,17 @@ api::axis::Axis view_of(const GatewayAxis& axis) {
 }
 
 api::Event view_of(const GatewayEvent& event) {
-  api::Event out{std::string(name_of(event.kind)), event.bus, event.address, {}, {}, event.text};
+  api::Event out{
+      std::string(name_of(event.kind)), event.bus, event.address, {}, {}, {}, event.text};
   if (event.kind == GatewayEvent::Kind::target_reached ||
       event.kind == GatewayEvent::Kind::axis_stopped ||
+      event.kind == GatewayEvent::Kind::lease_lost ||
       event.kind == GatewayEvent::Kind::line_broken ||
       event.kind == GatewayEvent::Kind::path_broken ||
       event.kind == GatewayEvent::Kind::mint_broken)
     out.motors = motors_in(static_cast<std::uint32_t>(event.value));
   if (event.kind == GatewayEvent::Kind::axis_stopped) out.cause = "daemon";
+  out.reason = if_any(event.reason);
   return out;
 }
 

@@ -9,6 +9,7 @@
 #include <string>
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include "tmcl/mechanics.hpp"
 #include "tmcl/spelling.hpp"
@@ -19,6 +20,7 @@ namespace {
 constexpr std::size_t max_name_length = 32;
 constexpr std::size_t max_socket_path_bytes = 107;  // sun_path, with its end
 constexpr std::array<std::string_view, 4> level_names{"error", "warning", "info", "debug"};
+constexpr std::array<std::string_view, 2> exit_names{"stop", "keep"};
 
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
@@ -74,16 +76,24 @@ class Builder {
 
   void add_daemon(const ConfigSection& section) {
     if (const auto* socket = section.get<std::string>("socket")) add_socket(section, *socket);
-    const auto* level = section.get<std::string>("log_level");
-    if (level == nullptr) return;
-    const auto found = std::ranges::find(level_names, *level);
-    if (found == level_names.end()) {
-      return complain(section.place_of("log_level"),
-                      "'log_level' is " + quoted(*level) +
-                          ", but must be error, warning, info or debug." +
-                          tmcl::did_you_mean(*level, level_names));
+    set_choice(section, "log_level", level_names, config_.daemon.log_level);
+    set_choice(section, "on_exit", exit_names, config_.daemon.on_exit);
+  }
+
+  /// One of the names of an enumeration, in its order.
+  template <class Choice>
+  void set_choice(const ConfigSection& section, std::string_view key,
+                  std::span<const std::string_view> names, Choice& into) {
+    const auto* said = section.get<std::string>(key);
+    if (said == nullptr) return;
+    const auto found = std::ranges::find(names, *said);
+    if (found != names.end()) {
+      into = static_cast<Choice>(found - names.begin());
+      return;
     }
-    config_.daemon.log_level = static_cast<LogLevel>(found - level_names.begin());
+    complain(section.place_of(key), fmt::format("'{}' is '{}', but must be {} or {}.{}", key, *said,
+                                                fmt::join(names.first(names.size() - 1), ", "),
+                                                names.back(), tmcl::did_you_mean(*said, names)));
   }
 
   void add_socket(const ConfigSection& section, const std::string& path) {

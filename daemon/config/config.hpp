@@ -21,9 +21,13 @@ constexpr std::size_t max_axes = 256;
 
 enum class LogLevel : std::uint8_t { error, warning, info, debug };
 
+/// What becomes of axes that move when the daemon ends. Those that it leads are stopped always.
+enum class OnExit : std::uint8_t { stop, keep };
+
 struct DaemonConfig {
   std::string socket;
   LogLevel log_level = LogLevel::info;
+  OnExit on_exit = OnExit::stop;
 };
 
 struct BusConfig {

@@ -20,6 +20,8 @@ constexpr auto framed = LinkScope::serial_framing;
 constexpr auto keys = std::to_array<KeyInfo>({
     {daemon, "socket", string, required, 0, 0, any, "path of the unix socket that clients use"},
     {daemon, "log_level", string, optional, 0, 0, any, "error, warning, info or debug"},
+    {daemon, "on_exit", string, optional, 0, 0, any,
+     "stop: axes that move are stopped when tmcld ends; keep: only those that it leads"},
 
     {bus, "name", string, required, 0, 0, any, "how axes and clients call this bus"},
     {bus, "link", string, required, 0, 0, any,

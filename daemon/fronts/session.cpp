@@ -4,6 +4,7 @@
 #include <utility>
 
 #include <poll.h>
+#include <sys/socket.h>
 
 #include <boost/asio/buffer.hpp>
 #include <boost/asio/write.hpp>
@@ -28,12 +29,20 @@ static_assert(max_unsent_answers >= 2 * max_requests_in_flight);
 boost::json::object hello(Session::Serves serves) {
   boost::json::object protocol;
   protocol["major"] = 1;
-  protocol["minor"] = 0;
+  protocol["minor"] = 1;
   boost::json::object params;
   params["protocol"] = std::move(protocol);
   params["daemon"] = TMCL_VERSION;
   if (serves == Session::Serves::stops) params["serves"] = "stops";
   return params;
+}
+
+std::string name_of_peer(Session::Socket& socket) {
+  ucred peer{};
+  socklen_t size = sizeof peer;
+  if (::getsockopt(socket.native_handle(), SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0)
+    return "a program";
+  return "process " + std::to_string(peer.pid) + " of user " + std::to_string(peer.uid);
 }
 
 RpcError too_many_requests() {
@@ -58,6 +67,7 @@ Session::Session(Socket socket, std::shared_ptr<Gateway> gateway, Serves serves,
       gateway_(std::move(gateway)),
       serves_(serves),
       on_closed_(std::move(on_closed)),
+      client_{gateway_->enter(), name_of_peer(socket_)},
       lines_(max_line_bytes),
       output_(socket_.get_executor()),
       input_ended_(socket_.get_executor()),
@@ -79,6 +89,7 @@ void Session::close() {
   if (std::exchange(closed_, true)) return;
   notifications_.end();
   waiting_.clear();
+  gateway_->leave(client_.number);
   boost::system::error_code ignored;
   socket_.close(ignored);
   output_.notify();

@@ -52,6 +52,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   void notify(std::string_view method, boost::json::object params) override;
   bool is_gone() const override { return closed_; }
   Subscriptions& subscriptions() override { return notifications_.subscriptions(); }
+  Client client() const override { return client_; }
 
  private:
   static boost::asio::awaitable<void> read(std::shared_ptr<Session> self);
@@ -77,6 +78,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   std::shared_ptr<Gateway> gateway_;
   Serves serves_;
   std::function<void()> on_closed_;
+  Client client_;
   LineBuffer lines_;
   Outbox outbox_;
   Wake output_;

@@ -136,10 +136,18 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Micro
   co_return started;
 }
 
-GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity,
+GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity, Tenant client,
                                                  RunOptions movement) {
-  auto script = tmcl::verbs::rotate(address(), velocity);
-  return move(intent::Turn{velocity}, std::move(script), std::move(movement));
+  auto admitted = co_await admit(intent::Turn{velocity}, std::move(movement));
+  if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
+  forget_move();
+  const auto before = tenant();
+  // From before it turns: the client may go at any time.
+  if (before.lease == 0 && velocity.value != 0) bus().motors().lease(address(), client);
+  auto result = co_await axis_.run(tmcl::verbs::rotate(address(), velocity), std::move(*admitted));
+  const bool turns = result || result.error().outcome == tmcl::Outcome::unknown;
+  if (!turns && tenant().turns) bus().motors().lease(address(), before);
+  co_return result;
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::stop() {

@@ -79,8 +79,10 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Errors: also Errc::bad_argument for a target outside what the model can hold.
   Awaitable<StartedMove> move_by(Length distance, bool predict, RunOptions movement);
   Awaitable<void> move_to_coordinate(std::uint8_t number, RunOptions movement);
-  /// Not for an axis with soft limits, which it would pass sooner or later; zero is.
-  Awaitable<void> rotate(tmcl::InternalVelocity velocity, RunOptions movement);
+  /// Not for an axis with soft limits, which it would pass sooner or later; zero is. Without a
+  /// lease it turns for a client: it stops when that goes, and nobody else moves it until it is
+  /// stopped. For client 0 it turns unattended.
+  Awaitable<void> rotate(tmcl::InternalVelocity velocity, Tenant client, RunOptions movement);
   Awaitable<void> set(std::uint8_t parameter, std::int32_t value, RunOptions movement);
   /// To the EEPROM of its module, and back.
   Awaitable<void> store(std::uint8_t parameter, RunOptions options) {
@@ -106,6 +108,10 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   std::vector<tmcl::plan::Setting> ramp_settings() const { return units_.ramp_settings(); }
   /// When a move that was started in another way should end.
   void expect_arrival(tmcl::TimePoint time) { expected_arrival_ = time; }
+  /// It turns, and stops for nobody who goes.
+  bool is_unattended() const { return tenant().client == 0 && tenant().turns; }
+  /// Who alone may move it.
+  Tenant tenant() const { return bus().motors().tenant_of(address()); }
   /// Who moves it now.
   Mover mover() const { return claimant().by; }
   /// Whether somebody moves it on a line or path, as a program says, or is not done with

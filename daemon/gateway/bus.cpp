@@ -206,6 +206,7 @@ std::string_view name_of(GatewayEvent::Kind kind) {
     case GatewayEvent::Kind::line_broken: return "line_broken";
     case GatewayEvent::Kind::path_broken: return "path_broken";
     case GatewayEvent::Kind::mint_broken: return "mint_broken";
+    case GatewayEvent::Kind::lease_lost: return "lease_lost";
     case GatewayEvent::Kind::axis_stopped: return "axis_stopped";
     case GatewayEvent::Kind::module_silent: return "module_silent";
     case GatewayEvent::Kind::module_answers: return "module_answers";
@@ -361,6 +362,7 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
                                                           Conduct& conduct) {
   const auto& request = exchange.request;
   const auto& options = exchange.options;
+  const auto effect = effect_of(request.command, request.type);
   std::optional<OnItsWay> on_its_way;
   if (is_judged(exchange)) {
     auto allowed = co_await admit(request, conduct.options);
@@ -370,9 +372,14 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
       co_return tl::unexpected(std::move(allowed.error()));
     }
     on_its_way.emplace(motors_, request, conduct.options.permit);
+  } else if (effect == tmcl::Effect::writes) {
+    if (auto objection = motors_.objection_to_write(request, conduct.options.permit)) {
+      objection->request = request;
+      co_return tl::unexpected(std::move(*objection));
+    }
   }
   const auto claimant = motors_.claimant_of({request.address, request.motor});
-  const bool asks = effect_of(request.command, request.type) == tmcl::Effect::reads;
+  const bool asks = effect == tmcl::Effect::reads;
   // What is read while it is on its way may be from before it.
   if (!asks) ++commands_;
   auto answer = co_await tmcl::exchange(request, options);

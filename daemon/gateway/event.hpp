@@ -20,6 +20,7 @@ struct GatewayEvent {
     line_broken,     ///< Axes that moved together were stopped, because one did not go as planned.
     path_broken,     ///< Likewise, axes on a path; also when it was asked for.
     mint_broken,     ///< Likewise, axes that a Mint program moves.
+    lease_lost,      ///< A client has lost the right to move an axis alone.
     axis_stopped,    ///< An axis that could not be stopped before stands now.
     module_answers,  ///< A module was identified, for the first time or again.
     module_in_bootloader,  ///< Likewise, but no firmware runs in it.
@@ -27,8 +28,9 @@ struct GatewayEvent {
   Kind kind;
   std::string bus;
   std::optional<std::uint16_t> address{};  ///< Where it is about one module.
-  std::int32_t value = 0;                  ///< target_reached: a bit for each motor.
+  std::int32_t value = 0;                  ///< A bit for each motor, where it is about motors.
   std::string text{};
+  std::string reason{};  ///< lease_lost: expired, closed or broken.
 };
 
 /// snake_case; part of the stable interface.

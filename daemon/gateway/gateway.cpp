@@ -5,6 +5,7 @@
 
 #include "async/spawn.hpp"
 #include "gateway/awaited_run.hpp"
+#include "gateway/standing_stop.hpp"
 #include "gateway/stop_all.hpp"
 
 namespace tmcld {
@@ -17,8 +18,9 @@ boost::asio::awaitable<void> stop_all_quietly(std::shared_ptr<Gateway> gateway) 
 boost::asio::awaitable<void> stop_quietly(std::shared_ptr<Gateway> gateway,
                                           std::shared_ptr<GatewayAxis> axis) {
   ++gateway->stops_in_progress;
-  co_await axis->stop();
+  const auto stopped = co_await axis->stop();
   --gateway->stops_in_progress;
+  if (!stopped) stop_until_it_stands(axis);
 }
 
 }  // namespace
@@ -44,11 +46,38 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
     gateway->axes_.back()->module().note_configured();
   }
   gateway->configured_axes_ = gateway->axes_.size();
+  const auto stop = [weak = std::weak_ptr(gateway)](const std::shared_ptr<GatewayAxis>& axis) {
+    if (const auto self = weak.lock()) self->begin_to_stop(axis);
+  };
+  gateway->leases_ = std::make_shared<Leases>(executor, own.lease_epoch, stop);
   return gateway;
 }
 
 void Gateway::start() {
   for (const auto& bus : buses_) bus->start();
+}
+
+OnExit Gateway::on_exit() const { return options_.on_exit; }
+
+std::uint64_t Gateway::enter() {
+  arrivals_->clients.insert(++arrivals_->last_client);
+  return arrivals_->last_client;
+}
+
+void Gateway::leave(std::uint64_t client) {
+  arrivals_->clients.erase(client);
+  leases_->end_of(client);
+  for (const auto& axis : axes_)
+    if (axis->bus().motors().is_turned_by(axis->address(), client)) begin_to_stop(axis);
+}
+
+void Gateway::dismiss_clients() {
+  const auto clients = arrivals_->clients;
+  for (const auto client : clients) leave(client);
+}
+
+void Gateway::begin_to_stop(const std::shared_ptr<GatewayAxis>& axis) {
+  spawn(axis->bus().executor(), stop_quietly(shared_from_this(), axis));
 }
 
 void Gateway::revoke_movements() {
@@ -62,7 +91,7 @@ void Gateway::end_journeys() {
     if (const auto journey = axis->journey()) {
       journey->end({tmcl::plan::DriveFault::Kind::asked, {}, "tmcld is ending"});
     } else {
-      spawn(axis->bus().executor(), stop_quietly(shared_from_this(), axis));
+      begin_to_stop(axis);
     }
   }
 }

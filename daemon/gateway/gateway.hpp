@@ -17,6 +17,7 @@
 #include "config/config.hpp"
 #include "gateway/axis.hpp"
 #include "gateway/bus.hpp"
+#include "gateway/leases.hpp"
 #include "gateway/upload_buffer.hpp"
 #include "log/limiter.hpp"
 #include "log/sink.hpp"
@@ -33,6 +34,9 @@ struct GatewayOptions {
   LogSink log = no_log;
   /// Of a turn of the motors that no axis is configured for.
   std::int32_t full_steps = 200;
+  /// Leases of another run of the gateway are told from those of this one by it.
+  std::int32_t lease_epoch = 0;
+  OnExit on_exit = OnExit::keep;
 };
 
 /// Motors that no axis is configured for, and that were named all the same.
@@ -48,13 +52,23 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   /// Begins to open the buses and to identify the modules; returns at once.
   void start();
   const tmcl::ContextClock& clock() const { return clock_; }
-  /// The right of a call that comes in now to move motors: until a stop comes behind it.
-  Permit admit() { return arrivals_->admit(); }
+  const std::shared_ptr<Leases>& leases() const { return leases_; }
+  /// A client has come, which has this number until it leaves.
+  std::uint64_t enter();
+  /// What it has asked for and was not sent yet moves nothing any more. Its leases are lost, and
+  /// axes that it lets turn are stopped.
+  void leave(std::uint64_t client);
+  /// As if all clients had left.
+  void dismiss_clients();
+  /// The right of a call that comes in now to move motors: until a stop comes behind it, or its
+  /// client leaves.
+  Permit admit(std::uint64_t client = 0) { return arrivals_->admit(client); }
   /// No call that came in before has the right to move anything any more.
   void revoke_movements();
   /// From now on nothing but stops is admitted, and nothing is set in motion.
   void refuse_new_calls() { arrivals_->closing = true; }
   bool is_closing() const { return arrivals_->closing; }
+  OnExit on_exit() const;
   /// Stops all axes that are on a line or path; whoever moves them sets their settings back.
   void end_journeys();
   bool has_journeys() const;
@@ -111,11 +125,13 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   Gateway(const boost::asio::any_io_executor& executor, GatewayOptions options)
       : clock_(executor), options_(std::move(options)) {}
   void tell(const GatewayEvent& event);
+  void begin_to_stop(const std::shared_ptr<GatewayAxis>& axis);
 
   tmcl::ContextClock clock_;
   GatewayOptions options_;
   std::map<std::string, LogLimiter, std::less<>> limiters_;  ///< By cause; few.
   std::shared_ptr<Arrivals> arrivals_ = std::make_shared<Arrivals>();
+  std::shared_ptr<Leases> leases_;
   std::vector<std::shared_ptr<GatewayBus>> buses_;
   std::vector<std::shared_ptr<GatewayAxis>> axes_;  ///< The configured ones first.
   std::size_t configured_axes_ = 0;

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <utility>
 
+#include "tmcl/command.hpp"
 #include "tmcl/coordinates.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcld {
 namespace {
@@ -17,6 +19,7 @@ constexpr std::uint8_t first_control_function = 128;
 constexpr std::uint8_t positions_of_several = 2;  // the type of MVP
 constexpr std::uint8_t first_mask = 0x40;
 constexpr std::uint8_t motors_in_mask = 6;
+constexpr std::uint8_t all_motors = 255;
 enum class Search : std::uint8_t { start = 0, stop = 1, status = 2 };
 
 bool names_several(const Request& request) {
@@ -39,6 +42,32 @@ std::set<AxisAddress> motors_of(const Request& request) {
   for (std::uint8_t motor = 0; motor < motors_in_mask; ++motor)
     if (moves_together(request, motor)) motors.insert({request.address, motor});
   return motors;
+}
+
+bool names_motor(const Request& request) {
+  const auto* row = tmcl::find_command(static_cast<std::uint8_t>(request.command));
+  return row != nullptr && row->operands &&
+         std::ranges::any_of(*row->operands,
+                             [](const auto& operand) { return operand.name == "motor"; });
+}
+
+/// Whether what the request changes can matter to the motor: others are about the whole module.
+bool concerns(const Request& request, AxisAddress motor) {
+  if (request.address != motor.module) return false;
+  return !names_motor(request) || request.motor == motor.motor || request.motor == all_motors ||
+         names_several(request);
+}
+
+/// It is sent to somewhere, or stands.
+bool ends_turning(const Request& request) {
+  switch (request.command) {
+    case Command::ROR:
+    case Command::ROL: return request.value == 0;
+    case Command::SAP: return request.type == tmcl::axis_parameter::target_position;
+    case Command::MVP:
+    case Command::RFS: return can_move(request);
+    default: return false;
+  }
 }
 
 std::string_view words_for(Mover by) {
@@ -81,7 +110,9 @@ void Motors::add(AxisAddress motor, const std::string& axis) {
 // ---- stops -------------------------------------------------------------------------------------
 
 void Motors::stop(AxisAddress motor) {
-  motors_[motor].last_stop = arrivals_->admit().number;
+  auto& stopped = motors_[motor];
+  stopped.last_stop = arrivals_->admit().number;
+  if (stopped.tenant.turns) stopped.tenant = {};
   forget_other_motors();
 }
 
@@ -112,8 +143,11 @@ std::optional<tmcl::Error> Motors::objection_to_all(Permit permit) const {
 
 std::optional<tmcl::Error> Motors::objection(AxisAddress motor, Permit permit) const {
   if (auto objection = objection_to_all(permit)) return objection;
-  if (!is_stopped_since(motor, permit)) return std::nullopt;
-  return error(Errc::superseded_by_stop, "a stop came first", {});
+  if (is_stopped_since(motor, permit))
+    return error(Errc::superseded_by_stop, "a stop came first", {});
+  if (leads(motor, permit)) return std::nullopt;
+  auto objection = objection_by_lease(motor, permit);
+  return objection ? objection : objection_by_absence(permit);
 }
 
 std::optional<tmcl::Error> Motors::objection(const Request& request, Permit permit) const {
@@ -123,8 +157,77 @@ std::optional<tmcl::Error> Motors::objection(const Request& request, Permit perm
   const bool stopped = std::ranges::any_of(motors_, [&](const auto& one) {
     return one.second.last_stop > permit.number && can_move(request, one.first);
   });
-  if (!stopped && last_stop_of_others_ <= permit.number) return std::nullopt;
-  return error(Errc::superseded_by_stop, "a stop came first", {});
+  if (stopped || last_stop_of_others_ > permit.number)
+    return error(Errc::superseded_by_stop, "a stop came first", {});
+  for (const auto& [address, motor] : motors_) {
+    if (!can_move(request, address) || leads(address, permit)) continue;
+    if (auto objection = objection_by_lease(address, permit)) return objection;
+  }
+  return objection_by_absence(permit);
+}
+
+// ---- leases ------------------------------------------------------------------------------------
+
+/// A line or path belongs to the gateway, whoever has asked for it.
+bool Motors::leads(AxisAddress motor, Permit permit) const {
+  const auto claimant = claimant_of(motor);
+  return claimant.of == permit && claimant.by != Mover::nobody && claimant.by != Mover::search;
+}
+
+std::optional<tmcl::Error> Motors::objection_by_lease(AxisAddress motor, Permit permit) const {
+  const auto found = motors_.find(motor);
+  if (found == motors_.end() || permit.number == 0) return std::nullopt;
+  const auto& tenant = found->second.tenant;
+  if (tenant.client != 0 && tenant.client != permit.client) return leased(motor);
+  if (permit.number > found->second.last_loss) return std::nullopt;
+  return error(Errc::lease_lost, "the lease of axis '" + found->second.axis + "' was lost",
+               "lease.acquire gives a new one");
+}
+
+std::optional<tmcl::Error> Motors::objection_by_absence(Permit permit) const {
+  if (arrivals_->is_there(permit.client)) return std::nullopt;
+  return error(Errc::bad_argument, "the client has gone that asked for it", {});
+}
+
+std::optional<tmcl::Error> Motors::objection_to_write(const Request& request, Permit permit) const {
+  for (const auto& [address, motor] : motors_) {
+    if (!concerns(request, address) || leads(address, permit)) continue;
+    if (auto objection = objection_by_lease(address, permit)) return objection;
+  }
+  return std::nullopt;
+}
+
+void Motors::lease(AxisAddress motor, Tenant tenant) {
+  if (is_axis(motor)) motors_.at(motor).tenant = std::move(tenant);
+}
+
+void Motors::end_turning(AxisAddress motor) {
+  if (tenant_of(motor).turns) end_lease(motor);
+}
+
+void Motors::end_lease(AxisAddress motor) { lease(motor, {}); }
+
+void Motors::lose_lease(AxisAddress motor) {
+  end_lease(motor);
+  if (is_axis(motor)) motors_.at(motor).last_loss = arrivals_->admit().number;
+}
+
+Tenant Motors::tenant_of(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  return found == motors_.end() ? Tenant{} : found->second.tenant;
+}
+
+tmcl::Error Motors::leased(AxisAddress motor) const {
+  const auto& [axis, last_stop, last_loss, claimant, tenant] = motors_.at(motor);
+  if (tenant.turns)
+    return error(Errc::leased, "axis '" + axis + "' turns for " + tenant.name, "stop it first");
+  return error(Errc::leased, "axis '" + axis + "' is leased to " + tenant.name,
+               "wait until that releases it; a stop is always let through");
+}
+
+bool Motors::is_turned_by(AxisAddress motor, std::uint64_t client) const {
+  const auto tenant = tenant_of(motor);
+  return client != 0 && tenant.client == client && tenant.turns;
 }
 
 // ---- requests on their way ---------------------------------------------------------------------
@@ -214,6 +317,7 @@ void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answ
                   Claimant before) {
   const AxisAddress motor{request.address, request.motor};
   if (answer || answer.error().outcome == tmcl::Outcome::unknown) note_moved(request);
+  if (answer && ends_turning(request)) end_turning(motor);
   if (answer && request.command == Command::MST) moved_.erase(motor);
   if (request.command != Command::RFS) return;
   switch (static_cast<Search>(request.type)) {

@@ -6,7 +6,8 @@
 /// in behind the last stop of each motor that it can move: however late the call comes to send it.
 ///
 /// Whoever moves an axis on a line, on a path or in a reference search claims it, and nobody else
-/// moves it meanwhile. A stop needs no permit and heeds no claim.
+/// moves it meanwhile. Who has a lease of a motor is the only one who may move it, and change what
+/// its module is set to. A stop needs no permit and heeds neither.
 ///
 /// Does no I/O. Thread safety: none. What it holds is bounded by the number of axes, by
 /// most_other_motors, and by how many requests a bus takes.
@@ -34,17 +35,31 @@ class AwaitedRun;
 /// The right of a call to move motors, from when it came in. Without one nothing moves.
 struct Permit {
   std::uint64_t number = 0;  ///< Of the call; 0: none.
+  std::uint64_t client = 0;  ///< Who made it; 0: nobody who could go.
   bool operator==(const Permit&) const = default;
 };
 
-/// In which order calls and stops came in: one for all buses.
+/// In which order calls and stops came in, and who is there: one for all buses.
 struct Arrivals {
   std::uint64_t last = 0;
   std::uint64_t stop_of_all = 0;
   bool closing = false;  ///< Nothing is set in motion any more.
+  std::set<std::uint64_t> clients{};
+  std::uint64_t last_client = 0;
 
-  Permit admit() { return {++last}; }
+  Permit admit(std::uint64_t client = 0) { return {++last, client}; }
   void stop_all() { stop_of_all = ++last; }
+  bool is_there(std::uint64_t client) const { return client == 0 || clients.contains(client); }
+};
+
+/// Who alone may move a motor.
+struct Tenant {
+  std::uint64_t client = 0;  ///< 0: there is none.
+  std::int32_t lease = 0;    ///< 0: there is none.
+  std::string name{};        ///< Of the client, for people.
+  /// Without a lease: it lets the motor turn, until that is stopped or sent somewhere. Client 0:
+  /// nobody attends to it.
+  bool turns = false;
 };
 
 /// Who moves an axis now.
@@ -101,10 +116,27 @@ class Motors {
 
   /// Calls that came in before this have no right to move the motor any more.
   void stop(tmcl::AxisAddress motor);
-  /// Why a call must not move a motor any more: a stop came, or the daemon is ending.
+  /// Why a call must not move a motor, or not any more: a stop came, somebody else has a lease of
+  /// it, the lease of the call was lost, its client has gone, or the daemon is ending.
   std::optional<tmcl::Error> objection(tmcl::AxisAddress motor, Permit permit) const;
   /// The same for all motors that a request can move.
   std::optional<tmcl::Error> objection(const tmcl::Request& request, Permit permit) const;
+  /// Why a call must not change what motors are set to: somebody else has a lease.
+  std::optional<tmcl::Error> objection_to_write(const tmcl::Request& request, Permit permit) const;
+
+  /// Nobody else moves the motor from now on.
+  void lease(tmcl::AxisAddress motor, Tenant tenant);
+  /// Everybody may move it again.
+  void end_lease(tmcl::AxisAddress motor);
+  /// The same; and calls that came in before this have no right to move it any more, but for those
+  /// that lead it along a line or path.
+  void lose_lease(tmcl::AxisAddress motor);
+  /// With client 0 if it has none.
+  Tenant tenant_of(tmcl::AxisAddress motor) const;
+  /// What everybody else is told. Only of a motor that has a tenant.
+  tmcl::Error leased(tmcl::AxisAddress motor) const;
+  /// Whether this client lets the motor turn, without a lease.
+  bool is_turned_by(tmcl::AxisAddress motor, std::uint64_t client) const;
 
   /// The motor of an axis that nobody has claimed.
   [[nodiscard]] Claim claim(tmcl::AxisAddress motor, Claimant claimant);
@@ -138,7 +170,9 @@ class Motors {
   struct Motor {
     std::string axis{};  ///< Empty where there is none.
     std::uint64_t last_stop = 0;
+    std::uint64_t last_loss = 0;  ///< Of a lease.
     Claimant claimant{};
+    Tenant tenant{};
   };
 
   bool is_axis(tmcl::AxisAddress motor) const;
@@ -147,6 +181,10 @@ class Motors {
   void note_moved(const tmcl::Request& request);
   bool is_stopped_since(tmcl::AxisAddress motor, Permit permit) const;
   std::optional<tmcl::Error> objection_to_all(Permit permit) const;
+  void end_turning(tmcl::AxisAddress motor);
+  bool leads(tmcl::AxisAddress motor, Permit permit) const;
+  std::optional<tmcl::Error> objection_by_lease(tmcl::AxisAddress motor, Permit permit) const;
+  std::optional<tmcl::Error> objection_by_absence(Permit permit) const;
   tmcl::Error error(tmcl::Errc code, std::string message, std::string hint) const;
 
   std::string bus_;

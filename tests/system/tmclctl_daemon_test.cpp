@@ -45,7 +45,7 @@ TEST_F(TmclctlDaemon, ReadsWritesAndMoves) {
   const auto moved = run({"move", "x", "20000", "--wait"});
   EXPECT_EQ(moved.out, "x stands at 20000\n") << moved.err;
   EXPECT_EQ(run({"move", "x", "-1000", "--by", "--wait"}).out, "x stands at 19000\n");
-  EXPECT_EQ(run({"rotate", "y", "-300"}).status, 0);
+  EXPECT_EQ(run({"rotate", "y", "-300", "--unattended"}).status, 0);
   EXPECT_EQ(json(through_daemon(), {"state", "y"}).at("moving"), true);
   EXPECT_EQ(run({"stop", "y"}).status, 0);
 }
@@ -66,8 +66,8 @@ TEST_F(TmclctlDaemon, ExitCodes) {
 }
 
 TEST_F(TmclctlDaemon, StopAllStopsAndTellsWhatDidNot) {
-  run({"rotate", "x", "300"});
-  run({"rotate", "y", "300"});
+  run({"rotate", "x", "300", "--unattended"});
+  run({"rotate", "y", "300", "--unattended"});
   const auto stopped = json(through_daemon(), {"stop", "--all"});
   EXPECT_EQ(stopped.at("stopped").as_array().size(), 4U) << "every motor of both modules";
   ASSERT_EQ(stopped.at("failed").as_array().size(), 1U);

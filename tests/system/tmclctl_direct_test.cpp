@@ -41,7 +41,7 @@ TEST_F(TmclctlDirect, CountsInTurnsAndPulses) {
   EXPECT_EQ(run({"set", "3/1", "microstep_resolution", "4"}).status, 0);
   EXPECT_EQ(run({"move", "3/1", "-1.5rev", "--wait", "--full-steps", "400"}).out,
             "3/1 stands at -9600\n");
-  EXPECT_EQ(run({"rotate", "3/1", "1rps"}).status, 0);
+  EXPECT_EQ(run({"rotate", "3/1", "1rps", "--unattended"}).status, 0);
   const auto refused =
       run({"ramp", "3/1", "--velocity", "50000pps", "--acceleration", "1000000pps/s"});
   EXPECT_EQ(refused.status, 1);
@@ -50,7 +50,7 @@ TEST_F(TmclctlDirect, CountsInTurnsAndPulses) {
 }
 
 TEST_F(TmclctlDirect, TurnsLeftAndStops) {
-  EXPECT_EQ(run({"rotate", "1/0", "-500"}).status, 0);
+  EXPECT_EQ(run({"rotate", "1/0", "-500", "--unattended"}).status, 0);
   EXPECT_EQ(json(direct(), {"state", "1/0"}).at("moving"), true);
   EXPECT_EQ(run({"stop", "1/0"}).status, 0);
   ::usleep(300'000);

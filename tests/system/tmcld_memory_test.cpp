@@ -86,7 +86,8 @@ TEST_F(TmcldMemory, ThatAPathDoesNotGetCostsThePathOnly) {
 
 // Whatever is thrown where: it goes on, or it stops what moves and ends with a word.
 TEST_F(TmcldMemory, ThatNobodyGetsEndsNothingUnseen) {
-  RpcClient(socket()).result("axis.rotate", {{"axis", "x"}, {"velocity_internal", 100}});
+  RpcClient(socket()).result("axis.rotate",
+                             {{"axis", "x"}, {"velocity_internal", 100}, {"unattended", true}});
   allow(0);
   // Some 30 bytes of memory for each two of the line.
   std::string line = R"({"jsonrpc":"2.0","id":1,"method":"axis.list","params":{"axes":[1)";

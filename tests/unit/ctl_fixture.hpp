@@ -63,6 +63,7 @@ class FakeTarget : public Target {
   std::map<std::string, std::int32_t> values;    ///< What get() gives, by parameter as asked for.
   std::string known_axis;                        ///< Empty: all of them.
   std::string refused_parameter;                 ///< set() of it fails.
+  std::optional<Failure> stop_failure;           ///< Of stop() only.
   std::string closed_because;                    ///< Why the bus of all axes is not open.
   tmcl::FirmwareVersion runs_then{1110, 1, 42};  ///< After an upload.
 
@@ -127,15 +128,24 @@ class FakeTarget : public Target {
   Attempt<StartedMove> move_by(const std::string& axis, const Typed& distance) override {
     return go(axis, distance, at());
   }
-  Attempt<Turning> rotate(const std::string& axis, const Typed& velocity) override {
+  Attempt<Turning> rotate(const std::string& axis, const Typed& velocity,
+                          bool unattended) override {
     if (failure) return tl::unexpected(*failure);
     const auto value = counted(velocity, tmcl::axis_parameter::target_velocity);
     if (!value) return tl::unexpected(value.error());
-    calls.push_back("rotate " + axis + ' ' + std::to_string(*value));
+    calls.push_back("rotate " + axis + ' ' + std::to_string(*value) +
+                    (unattended ? " unattended" : ""));
+    if (!unattended && *value != 0) {
+      constexpr std::int32_t far_away = 1'000'000'000;
+      from_ = at();
+      target_ = far_away;
+      began_ = host_.now();
+    }
     return Turning{{*value}, told_in_unit};
   }
   Attempt<void> stop(const std::string& axis) override {
     if (failure) return tl::unexpected(*failure);
+    if (stop_failure) return tl::unexpected(*stop_failure);
     calls.push_back("stop " + axis);
     return {};
   }

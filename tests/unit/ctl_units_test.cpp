@@ -34,8 +34,8 @@ TEST_F(CtlUnits, WhatIsTypedIsHandedOnInOneCall) {
   EXPECT_EQ(said({"move", "x", "12.50 mm"}), "12.50 mm");
   EXPECT_EQ(said({"move", "x", "-1.5rev", "--by"}), "-1.5rev");
   EXPECT_EQ(said({"move", "x", "51200", "--internal"}), "51200 --internal");
-  EXPECT_EQ(said({"rotate", "x", "-60rpm"}), "-60rpm");
-  EXPECT_EQ(said({"rotate", "x", "-500", "--internal"}), "-500 --internal");
+  EXPECT_EQ(said({"rotate", "x", "-60rpm", "--unattended"}), "-60rpm");
+  EXPECT_EQ(said({"rotate", "x", "-500", "--internal", "--unattended"}), "-500 --internal");
   said({"set", "x", "max_velocity", "20000pps"});
   EXPECT_EQ(last_call(), "set x max_velocity 20000pps");
 }
@@ -185,16 +185,16 @@ TEST_F(CtlUnits, WhereAMoveEndedEarlyIsToldInTheUnitOfTheAxis) {
 
 TEST_F(CtlUnits, TurnsAreToldInTheUnitOfTheAxis) {
   target.told_in_unit = InUnit{5.0007, "mm"};
-  run({"rotate", "x", "839"});
+  run({"rotate", "x", "--unattended", "839"});
   EXPECT_THAT(out, HasSubstr("x turns with velocity 5.001 mm/s. "));
-  run({"rotate", "x", "839", "--internal"});
+  run({"rotate", "x", "--unattended", "839", "--internal"});
   EXPECT_THAT(out, HasSubstr("x turns with velocity 839. "));
-  const auto document = json({"rotate", "x", "839"});
+  const auto document = json({"rotate", "x", "--unattended", "839"});
   EXPECT_EQ(document.at("velocity_internal"), 839);
   EXPECT_EQ(document.at("unit"), "mm");
   EXPECT_EQ(document.at("velocity"), 5.0007);
   target.told_in_unit.reset();
-  EXPECT_TRUE(json({"rotate", "x", "839"}).at("velocity").is_null());
+  EXPECT_TRUE(json({"rotate", "x", "--unattended", "839"}).at("velocity").is_null());
 }
 
 TEST_F(CtlUnits, StateShowsOnlyWhatTheModuleCountsIfAsked) {

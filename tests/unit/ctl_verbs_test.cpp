@@ -134,9 +134,35 @@ TEST_F(CtlVerbs, WaitTellsOfAnAxisThatIsStopped) {
 }
 
 TEST_F(CtlVerbs, RotateTakesNegativeVelocities) {
-  EXPECT_EQ(run({"rotate", "x", "-500"}), ExitCode::done);
-  EXPECT_THAT(target.calls, ElementsAre("rotate x -500"));
+  EXPECT_EQ(run({"rotate", "x", "-500", "--unattended"}), ExitCode::done);
+  EXPECT_THAT(target.calls, ElementsAre("rotate x -500 unattended"));
   EXPECT_THAT(out, HasSubstr("stop x"));
+}
+
+TEST_F(CtlVerbs, RotateStopsTheAxisWhenASignalComes) {
+  host.press_ctrl_c_after(std::chrono::seconds(3));
+  EXPECT_EQ(run({"rotate", "x", "500"}), ExitCode::done);
+  EXPECT_THAT(target.calls, ElementsAre("rotate x 500", "stop x"));
+  EXPECT_THAT(out, HasSubstr("Ctrl-C stops it"));
+  EXPECT_THAT(out, HasSubstr("x stops"));
+}
+
+TEST_F(CtlVerbs, RotateSaysThatTheAxisMayStillTurn) {
+  host.press_ctrl_c_after(std::chrono::seconds(3));
+  target.stop_failure = Failure{ExitCode::not_sent, "link_lost", "the bus is not open"};
+  EXPECT_EQ(run({"rotate", "x", "500"}), ExitCode::unknown);
+  EXPECT_THAT(err, HasSubstr("x may still turn"));
+}
+
+TEST_F(CtlVerbs, RotateEndsWhenSomebodyElseStopsTheAxis) {
+  target.stopped_by_other_after = milliseconds(300);
+  EXPECT_EQ(run({"rotate", "x", "500"}), ExitCode::not_reached);
+  EXPECT_THAT(target.calls, ElementsAre("rotate x 500"));
+}
+
+TEST_F(CtlVerbs, ATurnOfNothingIsOverAtOnce) {
+  EXPECT_EQ(run({"rotate", "x", "0"}), ExitCode::done);
+  EXPECT_THAT(target.calls, ElementsAre("rotate x 0"));
 }
 
 TEST_F(CtlVerbs, StopAllTellsWhatDidNotStop) {
@@ -345,7 +371,7 @@ TEST_F(CtlVerbs, WhatOnlyTmcldDoesIsRefusedWithoutIt) {
     std::istringstream name{std::string(verb.name)};
     std::vector<std::string> words{"--direct", "can:can0"};
     for (std::string word; name >> word;) words.push_back(word);
-    if (verb.name == "line") words.emplace_back("x=1");
+    if (verb.name.starts_with("lease ") && verb.name != "lease list") words.emplace_back("x");
     EXPECT_EQ(run(words), ExitCode::usage) << verb.name;
     EXPECT_THAT(err, HasSubstr("needs a running tmcld: " + std::string(verb.reason)));
   }

@@ -124,7 +124,7 @@ motor = 0
 
 class ReactorFailure : public testing::Test {
  protected:
-  ThreadedDaemon daemon{two_axes() + std::string(other_bus)};
+  ThreadedDaemon daemon{"on_exit = \"keep\"\n" + two_axes() + std::string(other_bus)};
 
   /// All that moves is stopped, each motor of the module, and whoever waits is told.
   void expect_an_orderly_end(RpcClient& client, int waiting, std::size_t stops) {

@@ -156,7 +156,10 @@ TEST(DaemonModel, UnknownWorksByNumber) {
 
 // ---- beginning and ending ----------------------------------------------------------------------
 
-TEST_F(DaemonLink, EndsWithinASecondAndAnswersWhatIsQueued) {
+TEST(DaemonEnd, TakesASecondAndAnswersWhatIsQueued) {
+  TestDaemon daemon("on_exit = \"keep\"\n" + two_axes());
+  daemon.start();
+  RpcClient client(daemon.socket());
   daemon.on_reactor([&] { return daemon.wire().holds = true; });
   const auto sent =
       client.send("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1}, {"predict", false}});

@@ -133,8 +133,9 @@ inline bool is_example(const tmcl::Request& request) {
 
 class MovesBench {
  public:
-  explicit MovesBench(bool until_ready = true, Limits limits = Limits::none)
-      : daemon(axes_x_and_y(limits), reactor_) {
+  explicit MovesBench(bool until_ready = true, Limits limits = Limits::none,
+                      const std::string& on_exit = "stop")
+      : daemon("on_exit = \"" + on_exit + "\"\n" + axes_x_and_y(limits), reactor_) {
     module_.be_played_by(daemon.wire().modules.at(1));
     daemon.start(until_ready);
     client = std::make_unique<RpcClient>(daemon.socket());

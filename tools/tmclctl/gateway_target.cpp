@@ -279,9 +279,11 @@ Attempt<StartedMove> GatewayTarget::move_by(const std::string& axis, const Typed
       .map(move_from);
 }
 
-Attempt<Turning> GatewayTarget::rotate(const std::string& axis, const Typed& velocity) {
+Attempt<Turning> GatewayTarget::rotate(const std::string& axis, const Typed& velocity,
+                                       bool unattended) {
   return door_
-      ->call(api::axis::Rotate{axis, counted_in(velocity), amount_in(velocity), move_deadline_ms})
+      ->call(api::axis::Rotate{axis, counted_in(velocity), amount_in(velocity), unattended,
+                               move_deadline_ms})
       .map([](const api::axis::Turning& turning) {
         return Turning{{turning.velocity_internal}, in_unit(turning.velocity, turning.unit)};
       });

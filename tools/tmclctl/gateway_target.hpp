@@ -30,7 +30,7 @@ class GatewayTarget final : public Target {
   Attempt<AxisUnits> units(const std::string& axis) override;
   Attempt<StartedMove> move_to(const std::string& axis, const Typed& position) override;
   Attempt<StartedMove> move_by(const std::string& axis, const Typed& distance) override;
-  Attempt<Turning> rotate(const std::string& axis, const Typed& velocity) override;
+  Attempt<Turning> rotate(const std::string& axis, const Typed& velocity, bool unattended) override;
   Attempt<void> stop(const std::string& axis) override;
   Attempt<std::vector<StoppedAxis>> stop_all() override;
   Attempt<AxisReading> state(const std::string& axis) override;

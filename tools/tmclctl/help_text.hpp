@@ -24,8 +24,8 @@ Examples:
   tmclctl axes                                   which axes does tmcld know?
   tmclctl move x 51200 --wait                    go to 51200 and wait until it stands there
   tmclctl move x -1000 --by                      go back by 1000
-  tmclctl rotate x -500                          turn left without end ...
-  tmclctl stop x                                 ... and stop
+  tmclctl rotate x -500                          turn left until Ctrl-C
+  tmclctl stop x                                 stop
   tmclctl stop --all                             stop everything
   tmclctl set x max_velocity 1500                until the module loses power ...
   tmclctl store x max_velocity                   ... or for good
@@ -181,10 +181,32 @@ Turns until it is stopped: to the right for a positive velocity, to the left for
 axis with soft limits does not turn without end. On an axis with a unit, VELOCITY needs one; --internal
 takes it as the module counts.
 
+It shows the axis until Ctrl-C, SIGTERM or SIGHUP, and stops it then. If this program is killed, tmcld
+stops the axis; with --direct nobody does. With --unattended it comes back at once, and the axis turns
+on until it is stopped.
+
+  exit 0   stopped; with --unattended, or a velocity of zero: it was told so
+       4   the stop was not confirmed: it may still turn
+       5   it does not turn any more, although it was not stopped from here
+
   tmclctl rotate x -5mm/s
   tmclctl rotate x -500 --internal
   tmclctl rotate x 2rps
-  tmclctl rotate x 61035pps
+  tmclctl rotate x 61035pps --unattended
+)";
+constexpr const char* lease = R"(
+Who has a lease of axes is the only one who can move them, or change the settings of their modules;
+everybody can read and stop. 'lease run' takes one, runs COMMAND, and ends with its exit code. The
+lease is renewed as long as COMMAND runs; then the axes are stopped. Every tmclctl that COMMAND starts
+moves them under this lease: it is passed on in TMCL_LEASE and TMCL_EPOCH. If this program is killed or
+hangs, the axes stop.
+
+  exit     that of COMMAND
+       5   the lease was lost; COMMAND was sent SIGTERM
+
+  tmclctl lease run x y -- ./measure.sh
+  tmclctl lease list
+  tmclctl lease break x
 )";
 
 constexpr const char* stop = R"(

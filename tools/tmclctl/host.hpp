@@ -11,8 +11,8 @@ class Host {
   virtual tmcl::TimePoint now() const = 0;
   /// Returns early when a signal comes.
   virtual void sleep(tmcl::Duration duration) = 0;
-  /// From here on SIGINT and SIGTERM are for the verb to notice; a second one ends the program all
-  /// the same.
+  /// From here on SIGINT, SIGTERM and SIGHUP are for the verb to notice; a second one ends the
+  /// program all the same.
   virtual void catch_signals() = 0;
   /// The signal that asked to end; 0 if none did.
   virtual int signal() const = 0;

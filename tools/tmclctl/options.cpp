@@ -1,6 +1,7 @@
 #include "options.hpp"
 
 #include <algorithm>
+#include <array>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -82,6 +83,7 @@ Parser::Parser() {
   add_lists(grammar_);
   add_parameters(grammar_);
   add_motion(grammar_);
+  add_leases(grammar_);
   add_watch(grammar_);
   add_plot(grammar_);
   add_home(grammar_);
@@ -291,10 +293,24 @@ std::optional<Failure> Parser::conflicting_options() const {
   return grammar_.objection(chosen(), options_.json);
 }
 
+/// What stands behind "--" is a command of its own, whatever its words look like.
+std::vector<std::string> take_command(std::vector<std::string>& words) {
+  constexpr std::array<std::string_view, 2> verb{"lease", "run"};
+  const auto end = std::ranges::find(words, "--");
+  if (end == words.end() ||
+      std::ranges::search(words.begin(), end, verb.begin(), verb.end()).empty())
+    return {};
+  std::vector<std::string> command(end + 1, words.end());
+  words.erase(end, words.end());
+  return command;
+}
+
 Attempt<std::variant<Options, Information>> Parser::parse(
     const std::vector<std::string>& arguments) {
+  auto words = arguments;
+  auto command = take_command(words);
   try {
-    app_.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
+    app_.parse(std::vector<std::string>(words.rbegin(), words.rend()));
   } catch (const CLI::Success& asked) {
     std::ostringstream text;
     app_.exit(asked, text, text);
@@ -308,6 +324,8 @@ Attempt<std::variant<Options, Information>> Parser::parse(
   if (verb.get_name() == "help") return help();
   if (auto conflict = conflicting_options()) return tl::unexpected(*conflict);
   options_.verb = completes ? Verb(complete_) : grammar_.said(verb);
+  if (auto* leased = std::get_if<verb::RunLeased>(&options_.verb))
+    leased->command = std::move(command);
   options_.info = find_verb(full_name(verb));
   return options_;
 }

@@ -71,6 +71,7 @@ struct Line {
 struct Rotate {
   std::string axis;
   std::string velocity;
+  bool unattended = false;
   bool internal = false;
 };
 struct Stop {
@@ -240,6 +241,16 @@ struct Download {
   std::string output;  ///< Empty: as text to standard output; *.bin: a program file; else text.
   std::optional<std::int32_t> first_address, length;
 };
+/// A program that has some axes for itself.
+struct RunLeased {
+  std::vector<std::string> axes;
+  std::optional<double> ttl_s;
+  std::vector<std::string> command;  ///< What stands behind "--".
+};
+struct Leases {};
+struct BreakLease {
+  std::string axis;
+};
 /// For the shell's completion: prints words, one a line, and never complains. Only "axes" needs a
 /// target; everything else is answered by the parser.
 struct Complete {
@@ -255,7 +266,8 @@ using Verb =
                  verb::SolveProfile, verb::CheckMint, verb::RunMint, verb::CheckPath, verb::RunPath,
                  verb::Assemble, verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware,
                  verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask, verb::Arrivals,
-                 verb::Home, verb::Upload, verb::Download, verb::Complete>;
+                 verb::Home, verb::Upload, verb::Download, verb::RunLeased, verb::Leases,
+                 verb::BreakLease, verb::Complete>;
 
 struct Options {
   Where where;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "door.hpp"
+#include "lease_environment.hpp"
 
 namespace tmclctl {
 namespace {
@@ -67,8 +68,18 @@ Attempt<void> SocketDoor::open(tmcl::Duration wait) {
   return {};
 }
 
+/// That of the 'tmclctl lease run' in which this program runs.
+void add_lease(std::string_view method, boost::json::object& params) {
+  if (method.starts_with("lease.")) return;
+  const auto lease = lease_from_environment();
+  if (!lease) return;
+  params[tmcl::api::name_of<&tmcl::api::lease::OnLease::lease>()] = lease->lease;
+  params[tmcl::api::name_of<&tmcl::api::lease::OnLease::epoch>()] = lease->epoch;
+}
+
 Attempt<boost::json::object> SocketDoor::call(std::string_view method, boost::json::object params,
                                               CallOptions options) {
+  add_lease(method, params);
   if (meanwhile_) return attempt(second_->call(method, std::move(params), options.timeout));
   if (options.meanwhile && !second_) {
     auto second = attempt(Connection::open(path_));

@@ -192,7 +192,9 @@ class Target {
   virtual Attempt<AxisUnits> units(const std::string& axis) = 0;
   virtual Attempt<StartedMove> move_to(const std::string& axis, const Typed& position) = 0;
   virtual Attempt<StartedMove> move_by(const std::string& axis, const Typed& distance) = 0;
-  virtual Attempt<Turning> rotate(const std::string& axis, const Typed& velocity) = 0;
+  /// `unattended`: it goes on turning when this program ends.
+  virtual Attempt<Turning> rotate(const std::string& axis, const Typed& velocity,
+                                  bool unattended) = 0;
   virtual Attempt<void> stop(const std::string& axis) = 0;
   virtual Attempt<std::vector<StoppedAxis>> stop_all() = 0;
   virtual Attempt<AxisReading> state(const std::string& axis) = 0;

@@ -12,6 +12,7 @@ using enum Doors;
 using enum VerbEffect;
 
 constexpr std::string_view computes = "it computes, and asks no module";
+constexpr std::string_view alone = "with --direct nobody else is there";
 constexpr std::string_view files = "it is about files";
 constexpr std::string_view tables = "it shows what this program knows";
 constexpr std::string_view leads =
@@ -29,6 +30,9 @@ constexpr auto table = std::to_array<VerbInfo>({
     {"wait", both, reads},
     {"line", both, acts},
     {"rotate", both, acts},
+    {"lease run", tmcld_only, tells, alone},
+    {"lease list", tmcld_only, reads, alone},
+    {"lease break", tmcld_only, acts, alone},
     {"stop", both, acts},
     {"state", both, reads},
     {"watch", both, reads},

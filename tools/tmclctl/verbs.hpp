@@ -42,6 +42,9 @@ VerbResult run(const verb::Arrivals& verb, Context& context);
 VerbResult run(const verb::Home& verb, Context& context);
 VerbResult run(const verb::Upload& verb, Context& context);
 VerbResult run(const verb::Download& verb, Context& context);
+VerbResult run(const verb::RunLeased& verb, Context& context);
+VerbResult run(const verb::Leases& verb, Context& context);
+VerbResult run(const verb::BreakLease& verb, Context& context);
 VerbResult run(const verb::RunPath& verb, Context& context);
 VerbResult run(const verb::RunMint& verb, Context& context);
 

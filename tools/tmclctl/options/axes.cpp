@@ -7,6 +7,8 @@ namespace {
 
 constexpr double shortest_time_s = 0.001;
 constexpr double longest_line_s = 86'400;
+constexpr double shortest_ttl_s = 0.2;
+constexpr double longest_ttl_s = 60;
 constexpr int shortest_interval_ms = 10;
 constexpr int longest_interval_ms = 60'000;
 
@@ -121,6 +123,8 @@ void add_motion(Grammar& grammar) {
   auto rotate = grammar.verb<verb::Rotate>("rotate", "Turn without end", help_text::rotate);
   rotate.axis(rotate->axis);
   rotate.word("VELOCITY", "With a unit; negative: to the left", text(rotate->velocity));
+  rotate.flag("--unattended", "Come back at once, and let it turn without anybody who watches it",
+              rotate->unattended);
   rotate.internal(rotate->internal);
   auto stop = grammar.verb<verb::Stop>("stop", "Stop an axis, or all of them", help_text::stop);
   stop.optional_word("AXIS", axis_meaning, text(stop->axis));
@@ -130,6 +134,28 @@ void add_motion(Grammar& grammar) {
         return said.axis.empty() != said.all ? "name one axis, or say --all" : "";
       },
       "'tmclctl axes' lists the axes");
+}
+
+void add_leases(Grammar& grammar) {
+  const auto group =
+      grammar.group("lease", "The right of one program alone to move axes", help_text::lease);
+  auto run = grammar.verb<verb::RunLeased>(
+      group, "run", "Run a program that has axes for itself: AXIS... -- COMMAND...",
+      help_text::lease);
+  run.words("AXIS", axis_meaning, [&axes = run->axes](const std::string& text) -> Reading {
+    axes.push_back(text);
+    return {};
+  });
+  run.option("--ttl", "SECONDS",
+             "The axes stop so long after this program has been lost (default 2)",
+             number(run->ttl_s, shortest_ttl_s, longest_ttl_s));
+  run.object([](const verb::RunLeased& said, bool) {
+    return said.axes.empty() ? "name at least one AXIS" : "";
+  });
+  grammar.verb<verb::Leases>(group, "list", "Who has which axes", help_text::lease);
+  auto breaks = grammar.verb<verb::BreakLease>(
+      group, "break", "Take the lease of an axis away; it is stopped", help_text::lease);
+  breaks.axis(breaks->axis);
 }
 
 void add_watch(Grammar& grammar) {

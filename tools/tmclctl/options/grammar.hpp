@@ -84,6 +84,7 @@ std::string full_name(const CLI::App& verb);
 void add_lists(Grammar& grammar);
 void add_parameters(Grammar& grammar);
 void add_motion(Grammar& grammar);
+void add_leases(Grammar& grammar);
 void add_watch(Grammar& grammar);
 void add_plot(Grammar& grammar);
 void add_home(Grammar& grammar);

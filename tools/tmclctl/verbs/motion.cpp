@@ -14,6 +14,7 @@ namespace {
 namespace json = boost::json;
 
 constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
+constexpr tmcl::Duration turning_interval = std::chrono::milliseconds(100);
 constexpr int narrowest_bar = 10;
 constexpr int widest_bar = 40;
 // Of the progress line without its bar.
@@ -143,23 +144,81 @@ VerbResult run(const verb::Wait& verb, Context& context) {
   return ExitCode::done;
 }
 
-VerbResult run(const verb::Rotate& verb, Context& context) {
-  const auto rotating = context.target.rotate(verb.axis, {verb.velocity, verb.internal});
-  if (!rotating) return tl::unexpected(rotating.error());
-  if (context.output.json) {
-    print_json({{"axis", verb.axis},
-                {"velocity_internal", rotating->velocity.value},
-                {"unit", unit_or_null(rotating->in_unit)},
-                {"velocity", value_or_null(rotating->in_unit)}},
-               context.output);
-  } else {
-    auto speed = verb.internal ? std::nullopt : rotating->in_unit;
-    if (speed) speed->unit += "/s";
-    context.output.out << fmt::format("{} turns with velocity {}. {}\n", verb.axis,
-                                      shown(speed, rotating->velocity.value),
-                                      how_to_stop(verb.axis, context.target));
+namespace {
+
+void print_turning(const verb::Rotate& verb, const Turning& turning, const std::string& how_to_stop,
+                   Output& output) {
+  if (output.json) {
+    return print_json({{"axis", verb.axis},
+                       {"velocity_internal", turning.velocity.value},
+                       {"unit", unit_or_null(turning.in_unit)},
+                       {"velocity", value_or_null(turning.in_unit)}},
+                      output);
   }
+  auto speed = verb.internal ? std::nullopt : turning.in_unit;
+  if (speed) speed->unit += "/s";
+  output.out << fmt::format("{} turns with velocity {}. {}", verb.axis,
+                            shown(speed, turning.velocity.value), how_to_stop)
+             << std::endl;
+}
+
+/// Until a signal comes: false if it came to stand before.
+Attempt<bool> watch_turning(const verb::Rotate& verb, Context& context) {
+  ProgressLine line(context.output);
+  bool has_turned = false;
+  bool stands = false;
+  const auto watched =
+      context.target.watch(verb.axis, turning_interval, [&](const AxisReading* reading) {
+        if (reading != nullptr) {
+          stands = has_turned && !reading->moving;
+          has_turned = has_turned || reading->moving;
+          line.show(fmt::format("{} at {}  velocity {}", verb.axis,
+                                position_text(*reading, verb.internal),
+                                velocity_text(*reading, verb.internal)));
+        }
+        return context.host.signal() == 0 && !stands;
+      });
+  if (!watched && context.host.signal() == 0) return tl::unexpected(watched.error());
+  return !stands;
+}
+
+/// `why` it is not known that it stands.
+Failure may_still_turn(const std::string& axis, Failure why, const Target& target) {
+  why.exit = ExitCode::unknown;
+  why.message = fmt::format("{} may still turn: {}", axis, why.message);
+  why.hint = how_to_stop(axis, target);
+  return why;
+}
+
+VerbResult attend(const verb::Rotate& verb, Context& context) {
+  const auto turned = watch_turning(verb, context);
+  context.host.take_signal();
+  if (turned && !*turned) {
+    return tl::unexpected(Failure{ExitCode::not_reached,
+                                  "move_interrupted",
+                                  verb.axis + " does not turn any more: it was not stopped here",
+                                  {},
+                                  tmcl::Outcome::done});
+  }
+  const auto stopped = context.target.stop(verb.axis);
+  if (!stopped) return tl::unexpected(may_still_turn(verb.axis, stopped.error(), context.target));
+  if (!turned) return tl::unexpected(turned.error());
+  if (!context.output.json) context.output.out << verb.axis << " stops\n";
   return ExitCode::done;
+}
+
+}  // namespace
+
+VerbResult run(const verb::Rotate& verb, Context& context) {
+  const auto turning =
+      context.target.rotate(verb.axis, {verb.velocity, verb.internal}, verb.unattended);
+  if (!turning) return tl::unexpected(turning.error());
+  const bool attends = !verb.unattended && turning->velocity.value != 0;
+  print_turning(verb, *turning,
+                attends ? "Ctrl-C stops it" : how_to_stop(verb.axis, context.target),
+                context.output);
+  if (!attends) return ExitCode::done;
+  return attend(verb, context);
 }
 
 namespace {

@@ -81,6 +81,8 @@ struct Rotate {
              "speed in the module's own unit; the sign is the direction");
   TMCL_FIELD(std::optional<Amount>, velocity,
              "the same, instead; a number: in the axis' unit per second");
+  TMCL_FIELD(std::optional<bool>, unattended,
+             "it turns on when the connection ends; it stops then if absent");
   TMCL_FIELD(std::optional<std::int64_t>, deadline_ms, deadline_summary, milliseconds);
 };
 
@@ -154,6 +156,8 @@ struct State {
   TMCL_FIELD(std::optional<double>, velocity, "speed per second");
   TMCL_FIELD(std::optional<double>, target, "where it is to go");
   TMCL_FIELD(std::int64_t, age_ms, "how old the oldest of these values is");
+  TMCL_FIELD(std::optional<std::int32_t>, lease, "number of its lease; null if it has none");
+  TMCL_FIELD(bool, unattended, "it turns, and does not stop when a connection ends");
 };
 struct GetState {
   TMCL_METHOD("axis.get_state", reads, State, "where the axis is and what it does", GetState);

@@ -136,6 +136,8 @@ struct Event {
   TMCL_FIELD(std::optional<std::uint16_t>, address, "of the module; null for a whole bus");
   TMCL_FIELD(std::optional<std::vector<std::uint8_t>>, motors, "which motors, where that matters");
   TMCL_FIELD(std::optional<std::string>, cause, "who has stopped the axis, where that matters");
+  TMCL_FIELD(std::optional<std::string>, reason,
+             "why a lease was lost: expired, closed or broken; only then");
   TMCL_FIELD(std::string, text, "for people");
 };
 

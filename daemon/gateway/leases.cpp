@@ -1,0 +1,122 @@
+#include "gateway/leases.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "async/spawn.hpp"
+#include "gateway/standing_stop.hpp"
+
+namespace tmcld {
+namespace {
+
+using boost::asio::awaitable;
+using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
+
+Motors& motors_of(const GatewayAxis& axis) { return axis.bus().motors(); }
+
+/// Whoever lets an axis turn without a lease may take one.
+bool is_free_for(const GatewayAxis& axis, const Client& client) {
+  const auto tenant = motors_of(axis).tenant_of(axis.address());
+  return tenant.client == 0 || (tenant.turns && tenant.client == client.number);
+}
+
+std::optional<AxisFailure> conflict(const Axes& axes, const Client& client) {
+  for (const auto& axis : axes) {
+    if (!is_free_for(*axis, client))
+      return AxisFailure{motors_of(*axis).leased(axis->address()), axis->name()};
+    if (axis->mover() != Mover::nobody) return AxisFailure{axis->claimed(), axis->name()};
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+awaitable<tl::expected<Lease, AxisFailure>> Leases::acquire(std::shared_ptr<Leases> self,
+                                                            Client holder, Axes axes,
+                                                            LeaseTerms terms, Permit permit) {
+  for (const auto& axis : axes) {
+    auto free = co_await axis->be_free(axis->begin_movement(permit, {}));
+    if (!free) co_return tl::unexpected(AxisFailure{std::move(free.error()), axis->name()});
+  }
+  // While one of them was looked at, somebody may have taken another.
+  if (auto taken = conflict(axes, holder)) co_return tl::unexpected(std::move(*taken));
+  const auto now = self->clock_.now();
+  const auto number = ++self->last_number_;
+  const Lease lease{number, ++self->last_epoch_, std::move(holder), std::move(axes), terms,
+                    now,    now + terms.ttl};
+  for (const auto& axis : lease.axes)
+    motors_of(*axis).lease(axis->address(), {lease.holder.number, number, lease.holder.name});
+  self->leases_.emplace(number, lease);
+  if (!std::exchange(self->watching_, true)) spawn(self->executor_, watch(self));
+  self->changed_.notify();
+  co_return lease;
+}
+
+/// One for all leases, while there are any.
+awaitable<void> Leases::watch(std::shared_ptr<Leases> self) {
+  while (!self->leases_.empty()) {
+    const auto expires = [](const auto& one) { return one.second.expires; };
+    const auto& [number, next] = *std::ranges::min_element(self->leases_, {}, expires);
+    if (self->clock_.now() < next.expires) {
+      co_await self->changed_.wait_until(next.expires);
+    } else {
+      self->lose(number, "expired", "was not renewed in time");
+    }
+  }
+  self->watching_ = false;
+}
+
+tl::expected<Lease, NoLease> Leases::find(std::int32_t number, std::int32_t epoch) const {
+  const auto found = leases_.find(number);
+  if (found == leases_.end()) return tl::unexpected(NoLease::lost);
+  if (found->second.epoch != epoch) return tl::unexpected(NoLease::stale_epoch);
+  return found->second;
+}
+
+Lease Leases::renew(std::int32_t number, tmcl::Duration ttl) {
+  auto& lease = leases_.at(number);
+  lease.terms.ttl = ttl;
+  lease.expires = clock_.now() + ttl;
+  changed_.notify();
+  return lease;
+}
+
+void Leases::release(std::int32_t number) {
+  const auto found = leases_.find(number);
+  if (found == leases_.end()) return;
+  for (const auto& axis : found->second.axes) motors_of(*axis).end_lease(axis->address());
+  leases_.erase(found);
+  changed_.notify();
+}
+
+const Lease* Leases::of(const GatewayAxis& axis) const {
+  const auto found = leases_.find(motors_of(axis).tenant_of(axis.address()).lease);
+  return found == leases_.end() ? nullptr : &found->second;
+}
+
+void Leases::break_lease(const GatewayAxis& axis, const std::string& by) {
+  if (const auto* lease = of(axis)) lose(lease->number, "broken", "was broken by " + by);
+}
+
+void Leases::end_of(std::uint64_t client) {
+  std::vector<std::int32_t> lost;
+  for (const auto& [number, lease] : leases_)
+    if (lease.holder.number == client) lost.push_back(number);
+  for (const auto number : lost) lose(number, "closed", "was lost: its holder has gone");
+}
+
+void Leases::lose(std::int32_t number, std::string_view reason, const std::string& why) {
+  const auto lease = leases_.extract(number).mapped();
+  for (const auto& axis : lease.axes) {
+    motors_of(*axis).lose_lease(axis->address());
+    auto event = event_of(*axis, GatewayEvent::Kind::lease_lost,
+                          "the lease of axis '" + axis->name() + "' by " + lease.holder.name + " " +
+                              why + (lease.terms.stops ? ", and it is stopped" : ""));
+    event.reason = reason;
+    axis->bus().emit(std::move(event));
+    if (lease.terms.stops) stop_(axis);
+  }
+  changed_.notify();
+}
+
+}  // namespace tmcld

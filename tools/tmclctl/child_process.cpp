@@ -1,0 +1,41 @@
+#include "child_process.hpp"
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <system_error>
+
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace tmclctl {
+namespace {
+
+constexpr int signal_exit_base = 128;
+
+}  // namespace
+
+Attempt<ChildProcess> ChildProcess::start(const std::vector<std::string>& command) {
+  std::vector<char*> words;
+  for (const auto& word : command) words.push_back(const_cast<char*>(word.c_str()));
+  words.push_back(nullptr);
+  pid_t id = 0;
+  const int failed = ::posix_spawnp(&id, words.front(), nullptr, nullptr, words.data(), environ);
+  if (failed == 0) return ChildProcess(id);
+  return tl::unexpected(usage_failure("cannot_run", command.front() + " cannot be run: " +
+                                                        std::generic_category().message(failed)));
+}
+
+std::optional<int> ChildProcess::exit_code() {
+  int status = 0;
+  if (!exit_code_ && ::waitpid(id_, &status, WNOHANG) == id_)
+    exit_code_ = WIFSIGNALED(status) ? signal_exit_base + WTERMSIG(status) : WEXITSTATUS(status);
+  return exit_code_;
+}
+
+void ChildProcess::send(int signal) const {
+  if (!exit_code_) ::kill(id_, signal);
+}
+
+}  // namespace tmclctl

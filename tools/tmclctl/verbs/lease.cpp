@@ -1,0 +1,113 @@
+// lease run, lease list, lease break.
+#include <csignal>
+#include <utility>
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include "child_process.hpp"
+#include "lease_environment.hpp"
+#include "print.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+namespace api = tmcl::api;
+
+// How often it is looked whether the program has ended, and whether a signal came.
+constexpr tmcl::Duration look_interval = std::chrono::milliseconds(20);
+// So that one renewal may fail to come through in time.
+constexpr int renewals_in_ttl = 4;
+
+template <class Method>
+Attempt<typename Method::Result> perform(const Method& method, Context& context) {
+  return context.target.perform(std::string(Method::method.name), api::to_json(method), {})
+      .map([](const json::object& result) {
+        return api::from_json<typename Method::Result>(result);
+      });
+}
+
+template <class Method>
+Method on(const api::lease::Granted& lease) {
+  Method method;
+  method.lease = lease.lease;
+  method.epoch = lease.epoch;
+  return method;
+}
+
+/// Renews the lease until the program has ended; then its exit code.
+Attempt<int> lead(ChildProcess& program, const api::lease::Granted& lease, Context& context) {
+  const tmcl::Duration interval = std::chrono::milliseconds(lease.ttl_ms) / renewals_in_ttl;
+  auto renewed = context.host.now();
+  while (true) {
+    if (const auto code = program.exit_code()) return *code;
+    if (const int signal = context.host.take_signal(); signal != 0) {
+      context.host.catch_signals();
+      // From a terminal SIGINT has come to the program as well.
+      if (signal != SIGINT) program.send(signal);
+    }
+    context.target.sleep(look_interval);
+    if (context.host.now() - renewed < interval) continue;
+    const auto granted = perform(on<api::lease::Renew>(lease), context);
+    if (!granted) return tl::unexpected(granted.error());
+    renewed = context.host.now();
+  }
+}
+
+Failure lost(Failure failure, ChildProcess& program) {
+  program.send(SIGTERM);
+  failure.exit = ExitCode::not_reached;
+  failure.message = "the lease was lost, and the program was told to end: " + failure.message;
+  return failure;
+}
+
+}  // namespace
+
+VerbResult run(const verb::RunLeased& verb, Context& context) {
+  if (verb.command.empty())
+    return tl::unexpected(usage_failure("usage", "say what is to be run: AXIS... -- COMMAND..."));
+  api::lease::Acquire wanted{verb.axes};
+  if (verb.ttl_s) wanted.ttl_ms = static_cast<std::int64_t>(*verb.ttl_s * 1000);
+  const auto lease = perform(wanted, context);
+  if (!lease) return tl::unexpected(lease.error());
+  set_in_environment({lease->lease, lease->epoch});
+  auto program = ChildProcess::start(verb.command);
+  if (!program) return tl::unexpected(program.error());
+  const auto code = lead(*program, *lease, context);
+  if (!code) return tl::unexpected(lost(code.error(), *program));
+  const auto released = perform(on<api::lease::Release>(*lease), context);
+  if (!released) return tl::unexpected(released.error());
+  return static_cast<ExitCode>(*code);
+}
+
+VerbResult run(const verb::Leases&, Context& context) {
+  const auto all = perform(api::lease::List{}, context);
+  if (!all) return tl::unexpected(all.error());
+  if (context.output.json) {
+    print_json(api::to_json(*all), context.output);
+    return ExitCode::done;
+  }
+  Table table({"LEASE", "AXES", "HOLDER", "SINCE", "EXPIRES IN"});
+  for (const auto& lease : all->leases) {
+    table.add({std::to_string(lease.lease), fmt::format("{}", fmt::join(lease.axes, " ")),
+               lease.holder, fmt::format("{:.1f} s", lease.since_s),
+               fmt::format("{} ms", lease.expires_ms)});
+  }
+  table.print(context.output.out);
+  return ExitCode::done;
+}
+
+VerbResult run(const verb::BreakLease& verb, Context& context) {
+  const auto broken = perform(api::lease::Break{verb.axis}, context);
+  if (!broken) return tl::unexpected(broken.error());
+  if (context.output.json) {
+    print_json({{"axis", verb.axis}, {"broken", true}}, context.output);
+  } else {
+    context.output.out << verb.axis << " has no lease any more\n";
+  }
+  return ExitCode::done;
+}
+
+}  // namespace tmclctl
