@@ -2,8 +2,11 @@
 
 #include "tmcl/bus.hpp"
 
+#include <array>
+
 #include <fcntl.h>
 #include <gmock/gmock.h>
+#include <netinet/in.h>
 #include <sys/socket.h>
 
 #include <boost/asio/co_spawn.hpp>
@@ -53,6 +56,56 @@ TEST(BlockingBus, RunsVerbs) {
   const auto found = module.identify();
   ASSERT_TRUE(found);
   EXPECT_EQ(found->model, "TMCM-3110");
+}
+
+/// Takes what is sent to it, and answers nothing.
+class SilentConverter {
+ public:
+  SilentConverter() : listener_(socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0)) {
+    address_.sin_family = AF_INET;
+    address_.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
+    socklen_t size = sizeof address_;
+    const bool listens =
+        bind(listener_, reinterpret_cast<const sockaddr*>(&address_), sizeof address_) == 0 &&
+        listen(listener_, 1) == 0 &&
+        getsockname(listener_, reinterpret_cast<sockaddr*>(&address_), &size) == 0;
+    if (!listens) throw std::runtime_error("cannot listen");
+  }
+  SilentConverter(const SilentConverter&) = delete;
+  SilentConverter& operator=(const SilentConverter&) = delete;
+  ~SilentConverter() { ::close(listener_); }
+  std::string link() const { return "tcp:127.0.0.1:" + std::to_string(ntohs(address_.sin_port)); }
+  /// With what reading from the connection ends; 0 if that was in order.
+  int how_it_ended() const {
+    const int caller = accept(listener_, nullptr, nullptr);
+    std::array<char, 64> bytes{};
+    while (::read(caller, bytes.data(), bytes.size()) > 0) {
+    }
+    const int error = errno;
+    ::close(caller);
+    return error;
+  }
+
+ private:
+  int listener_;
+  sockaddr_in address_{};
+};
+
+// It would go out when the network comes back, long after somebody wanted it.
+TEST(BlockingBus, AMovementWithoutAnAnswerEndsATcpConnection) {
+  const SilentConverter converter;
+  BusOptions options;
+  options.reply_timeout = 20ms;
+  blocking::Bus bus(*Link::open(converter.link()), options);
+  auto axis = bus.module(ModuleAddress{1}).axis(0);
+  auto other = bus.module(ModuleAddress{2}).axis(0);
+  EXPECT_NE(other.get(4).error().code, Errc::link_lost);
+  ASSERT_TRUE(bus.is_open()) << "of a question it does not matter";
+  const auto moved = axis.rotate({100});
+  EXPECT_EQ(moved.error().outcome, Outcome::unknown);
+  ASSERT_FALSE(bus.is_open());
+  EXPECT_EQ(axis.get(4).error().code, Errc::link_lost);
+  EXPECT_EQ(converter.how_it_ended(), ECONNRESET);
 }
 
 TEST(BlockingBus, ALostLinkEndsTheCallAndEveryLaterOne) {

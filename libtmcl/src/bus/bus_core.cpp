@@ -2,6 +2,8 @@
 
 #include <array>
 
+#include "link/opening.hpp"
+
 namespace tmcl {
 namespace {
 
@@ -101,6 +103,16 @@ void BusCore::send_bytes(const Request& request, TimePoint now) {
   unwritten_ = std::span(unfinished_).subspan(*count);
 }
 
+namespace {
+
+bool is_unanswered_movement(const Result<Answer>& result) {
+  if (result || result.error().code != Errc::reply_timeout || !result.error().request) return false;
+  const auto& request = *result.error().request;
+  return effect_of(request.command, request.type) == Effect::moves;
+}
+
+}  // namespace
+
 void BusCore::run_actions(TimePoint now,
                           const std::function<void(engine::Completion)>& on_completion,
                           const std::function<void(const BusEvent&)>& on_event) {
@@ -109,7 +121,11 @@ void BusCore::run_actions(TimePoint now,
     if (const auto* to_send = std::get_if<engine::Send>(&*action)) {
       send(to_send->request, now);
     } else if (auto* completion = std::get_if<engine::Completion>(&*action)) {
+      const bool comes_late = is_unanswered_movement(completion->result);
       on_completion(std::move(*completion));
+      if (comes_late && open_ && abort_connection(link_.descriptor()))
+        close(
+            "a movement was not answered: the connection was ended, so that it does not come late");
     } else {
       on_event(std::get<BusEvent>(*action));
     }

@@ -12,6 +12,10 @@ Result<Link> open_serial(const SerialName& name, const std::string& text);
 Result<Link> open_can(const CanName& name, const std::string& text, const LinkOptions& options);
 Result<Link> open_tcp(const TcpName& name, const std::string& text, const LinkOptions& options);
 
+/// Ends a TCP connection so that nothing of what was written leaves this computer any more; the
+/// descriptor stays open. False for any other descriptor, with which nothing happens.
+bool abort_connection(int descriptor);
+
 /// "cannot open serial:/dev/ttyACM0@9600: No such file or directory"
 tl::unexpected<Error> cannot_open(const std::string& link, const std::string& why,
                                   const std::string& hint);

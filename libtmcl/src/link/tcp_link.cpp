@@ -46,13 +46,28 @@ int count(const addrinfo& first) {
   return addresses;
 }
 
+// After so long without a sign of the other end the connection is over: what waits would come late.
+constexpr unsigned longest_without_sign_ms = 2000;
+
 void prefer_speed_and_notice_death(int descriptor) {
   const int on = 1;
+  setsockopt(descriptor, IPPROTO_TCP, TCP_USER_TIMEOUT, &longest_without_sign_ms,
+             sizeof longest_without_sign_ms);
   setsockopt(descriptor, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   setsockopt(descriptor, SOL_SOCKET, SO_KEEPALIVE, &on, sizeof on);
 }
 
 }  // namespace
+
+bool abort_connection(int descriptor) {
+  int protocol = 0;
+  socklen_t size = sizeof protocol;
+  const bool is_tcp = getsockopt(descriptor, SOL_SOCKET, SO_PROTOCOL, &protocol, &size) == 0 &&
+                      protocol == IPPROTO_TCP;
+  sockaddr nowhere{};
+  nowhere.sa_family = AF_UNSPEC;
+  return is_tcp && connect(descriptor, &nowhere, sizeof nowhere) == 0;
+}
 
 Result<Link> open_tcp(const TcpName& name, const std::string& text, const LinkOptions& options) {
   addrinfo wanted{};
