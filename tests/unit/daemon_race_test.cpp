@@ -232,5 +232,22 @@ TEST(DaemonScaleRace, NewMicrostepsMoveTheSoftLimitsOfAMoveThatHasBegun) {
   }
 }
 
+TEST(DaemonRaw, ARelativeMoveIsSentAsAnAbsoluteOne) {
+  MovesBench bench;
+  bench.client->result("parameter.set", {{"axis", "x"}, {"parameter", 1}, {"value", 1000}});
+  const auto reply = bench.client->result("module.execute", {{"bus", "bench"},
+                                                             {"address", 1},
+                                                             {"command", "MVP"},
+                                                             {"type", "REL"},
+                                                             {"motor", 0},
+                                                             {"value", 500}});
+  EXPECT_EQ(reply.at("value"), 1500);
+  const auto& seen = bench.daemon.wire().seen;
+  const auto move = std::ranges::find(seen, tmcl::Command::MVP, &tmcl::Request::command);
+  ASSERT_NE(move, seen.end());
+  EXPECT_EQ(move->type, 0);
+  EXPECT_EQ(move->value, 1500);
+}
+
 }  // namespace
 }  // namespace tmcld::test
