@@ -195,21 +195,22 @@ class Lines {
       default: return 1e300;
     }
   }
-  json::value value_for(const ParamInfo& row) {
+  json::value value_for(const api::Field& row) {
     if (one_in(20)) return json::value(text(random_.any_size(2'000)));
     if (row.name == "axis") return one_in(2) ? "x" : "y";
     if (row.name == "bus") return "bench";
     if (row.name == "address") return 1;
     if (row.name == "axes") return json::array{"x", "y"};
     switch (row.type) {
-      case FieldType::boolean: return one_in(2);
-      case FieldType::integer:
+      case api::FieldType::boolean: return one_in(2);
+      case api::FieldType::integer:
         return one_in(2) ? json::value(random_.between(row.minimum, row.maximum)) : number();
-      case FieldType::integers: return json::array{random_.between(0, 40)};
-      case FieldType::quantity: return one_in(2) ? json::value(number()) : json::value(text(40));
-      case FieldType::quantities: return json::array{number(), text(40)};
-      case FieldType::text_or_integer: return random_.between(0, 255);
-      case FieldType::text: return json::value(text(2 * random_.any_size(2'000)));
+      case api::FieldType::integers: return json::array{random_.between(0, 40)};
+      case api::FieldType::quantity:
+        return one_in(2) ? json::value(number()) : json::value(text(40));
+      case api::FieldType::quantities: return json::array{number(), text(40)};
+      case api::FieldType::text_or_integer: return random_.between(0, 255);
+      case api::FieldType::text: return json::value(text(2 * random_.any_size(2'000)));
       default: return number();
     }
   }
