@@ -14,6 +14,9 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 
 #include "engine/bus_engine.hpp"
+#include "support/pty.hpp"
+#include "support/responder.hpp"
+#include "tmcl/blocking.hpp"
 #include "tmcl/bus.hpp"
 #include "unit/engine_requests.hpp"
 
@@ -131,6 +134,25 @@ TEST(BusAllocations, NoneInSteadyState) {
   boost::asio::co_spawn(context, exchange(1000), boost::asio::detached);
   context.run();
   EXPECT_EQ(done, 1010);
+  EXPECT_EQ(allocations, 0U);
+  allocations = 0;
+}
+
+TEST(BlockingBusAllocations, NoneInSteadyState) {
+  const test::Pty pty;
+  const test::Responder module(pty.master());
+  BusOptions patient;
+  patient.reply_timeout = std::chrono::seconds(10);
+  auto bus = blocking::Bus::open("serial:" + pty.path() + "@115200", {}, patient);
+  ASSERT_TRUE(bus);
+  int done = 0;
+  for (int i = 0; i < 1000; ++i) {
+    counts = i >= 100;
+    const auto answer = bus->execute(test::gap(1));
+    done += answer ? 1 : 0;
+  }
+  counts = false;
+  EXPECT_EQ(done, 1000);
   EXPECT_EQ(allocations, 0U);
   allocations = 0;
 }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <ctime>
+#include <span>
 
 #include <poll.h>
 
@@ -21,21 +22,18 @@ class Bus::State {
  public:
   State(Link link, BusOptions options) : core_(std::move(link), std::move(options)) {}
 
-  StepResult exchange(std::vector<step::Exchange> exchanges) {
+  /// There is a result for each exchange.
+  void exchange(std::span<const step::Exchange> exchanges, std::span<Result<Answer>> results) {
     first_ticket_ = next_ticket_;
-    awaited_.assign(exchanges.size(), std::nullopt);
-    missing_ = exchanges.size();
     next_ticket_ += exchanges.size();
+    results_ = results;
+    missing_ = exchanges.size();
     for (std::size_t i = 0; i < exchanges.size(); ++i) {
       core_.engine().submit(first_ticket_ + i, exchanges[i].request, exchanges[i].options,
                             clock_.now());
     }
     run_actions();
     while (missing_ > 0) wait_and_work(core_.engine().next_deadline());
-    StepResult results;
-    results.reserve(awaited_.size());
-    for (auto& result : awaited_) results.push_back(std::move(*result));
-    return results;
   }
 
   void pause(Duration duration) {
@@ -69,7 +67,7 @@ class Bus::State {
     core_.run_actions(
         clock_.now(),
         [this](engine::Completion completion) {
-          awaited_.at(completion.ticket - first_ticket_) = std::move(completion.result);
+          results_[completion.ticket - first_ticket_] = std::move(completion.result);
           --missing_;
         },
         [this](const BusEvent& event) {
@@ -82,7 +80,7 @@ class Bus::State {
   BusCore core_;
   engine::Ticket next_ticket_ = 0;
   engine::Ticket first_ticket_ = 0;
-  std::vector<std::optional<Result<Answer>>> awaited_;
+  std::span<Result<Answer>> results_;  ///< Of the exchanges that are waited for.
   std::size_t missing_ = 0;
 };
 
@@ -100,15 +98,23 @@ Bus& Bus::operator=(Bus&&) noexcept = default;
 Bus::~Bus() = default;
 
 Result<Answer> Bus::execute(const Request& request, const CallOptions& options) {
-  return std::move(state_->exchange({{request, options}}).front());
+  const step::Exchange one{request, options};
+  Result<Answer> result;
+  state_->exchange({&one, 1}, {&result, 1});
+  return result;
 }
 
 StepResult Bus::perform(Step step) {
-  if (auto* one = std::get_if<step::Exchange>(&step)) return state_->exchange({std::move(*one)});
-  if (auto* many = std::get_if<step::ExchangeAll>(&step))
-    return state_->exchange(std::move(many->exchanges));
-  state_->pause(std::get<step::Pause>(step).duration);
-  return {};
+  if (const auto* pause = std::get_if<step::Pause>(&step)) {
+    state_->pause(pause->duration);
+    return {};
+  }
+  const auto* many = std::get_if<step::ExchangeAll>(&step);
+  const auto exchanges = many != nullptr ? std::span<const step::Exchange>(many->exchanges)
+                                         : std::span(&std::get<step::Exchange>(step), 1);
+  StepResult results(exchanges.size(), Result<Answer>{});
+  state_->exchange(exchanges, results);
+  return results;
 }
 
 void Bus::on_event(std::function<void(const BusEvent&)> handler) {
