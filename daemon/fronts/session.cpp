@@ -74,6 +74,8 @@ Session::Session(Socket socket, std::shared_ptr<Gateway> gateway, Serves serves,
       notifications_(gateway_, [this] { output_.notify(); }) {}
 
 void Session::start() {
+  boost::system::error_code ignored;
+  socket_.non_blocking(true, ignored);
   outbox_.push_answer(notification_line("hello", hello(serves_)));
   const auto on_failure = [self = shared_from_this()](const auto& failure) { self->fail(failure); };
   spawn(socket_.get_executor(), write(shared_from_this()), on_failure);
@@ -111,8 +113,11 @@ awaitable<void> Session::read(std::shared_ptr<Session> self) {
     const auto count = co_await self->socket_.async_read_some(boost::asio::buffer(bytes),
                                                               redirect_error(use_awaitable, error));
     if (error) break;
+    self->is_taking_input_ = true;
     self->lines_.push(std::string_view(bytes.data(), count),
                       [&](std::optional<std::string_view> line) { self->on_line(line); });
+    self->is_taking_input_ = false;
+    self->send_answers();
   }
   if (!self->closed_) co_await self->outlive_input();
 }
@@ -189,14 +194,30 @@ void Session::answer(const boost::json::value& id, RpcResult result, tmcl::Effec
                         "a client was cut off: it does not read its answers");
     return close();
   }
-  output_.notify();
+  if (!is_taking_input_) send_answers();
 }
 
 void Session::notify(std::string_view method, boost::json::object params) {
   if (!closed_) notifications_.push(method, std::move(params));
 }
 
-bool Session::has_output() const { return !outbox_.empty() || notifications_.has_pending(); }
+bool Session::has_output() const {
+  return !batch_.empty() || !outbox_.empty() || notifications_.has_pending();
+}
+
+/// The last answer that is awaited goes out at once, with those before it; otherwise there may be
+/// more by the time the writer has its turn.
+void Session::send_answers() {
+  if (closed_) return;
+  if (!is_writing_ && !has_calls_in_flight()) write_now();
+  if (has_output() || !waiting_.empty() || finishing_) output_.notify();
+}
+
+void Session::write_now() {
+  batch_ += take_output();
+  boost::system::error_code error;  // is met again by whoever writes the rest
+  batch_.erase(0, socket_.write_some(boost::asio::buffer(batch_), error));
+}
 
 std::string Session::take_output() {
   std::string batch;
@@ -221,10 +242,13 @@ awaitable<void> Session::write(std::shared_ptr<Session> self) {
       co_await self->output_.wait();
       continue;
     }
-    const auto batch = self->take_output();
+    if (self->batch_.empty()) self->batch_ = self->take_output();
     boost::system::error_code error;
-    co_await boost::asio::async_write(self->socket_, boost::asio::buffer(batch),
+    self->is_writing_ = true;
+    co_await boost::asio::async_write(self->socket_, boost::asio::buffer(self->batch_),
                                       redirect_error(use_awaitable, error));
+    self->is_writing_ = false;
+    self->batch_.clear();
     if (error) break;
   }
   self->close();

@@ -73,6 +73,8 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   void fail(const std::exception_ptr& failure);
   bool has_output() const;
   std::string take_output();
+  void send_answers();
+  void write_now();
 
   Socket socket_;
   std::shared_ptr<Gateway> gateway_;
@@ -81,6 +83,9 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   Client client_;
   LineBuffer lines_;
   Outbox outbox_;
+  std::string batch_;  ///< What is being written.
+  bool is_writing_ = false;
+  bool is_taking_input_ = false;
   Wake output_;
   Wake input_ended_;
   Notifications notifications_;

@@ -93,8 +93,9 @@ class Bus::State : public std::enable_shared_from_this<State> {
   void on_input() {
     core_.on_readable(timer_.now());
     run_actions();
-    if (core_.is_open()) await_input();
+    // Results first: setting up the next wait is a call of the kernel.
     hand_out();
+    if (core_.is_open()) await_input();
   }
 
   void await_room() {
