@@ -9,10 +9,9 @@
 #include <functional>
 #include <iterator>
 #include <map>
-#include <thread>
 #include <vector>
 
-#include "support/rpc_client.hpp"
+#include "unit/daemon_fixture.hpp"
 
 namespace tmcl::test {
 
@@ -53,13 +52,11 @@ inline PointsSeen points_of(const Readings& x, const Readings& y) {
 }
 
 /// Reads the positions of two motors of `bench` in turn until told to stop, `pause` after each two.
-inline PointsSeen observe(RpcClient& client, const std::array<Motor, 2>& motors,
-                          const std::function<bool()>& is_over,
-                          std::chrono::milliseconds pause = {}) {
-  const auto begin = std::chrono::steady_clock::now();
-  const auto now = [&] {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-  };
+inline PointsSeen observe(tmcld::test::TestDaemon& daemon, const std::array<Motor, 2>& motors,
+                          const std::function<bool()>& is_over, Duration pause) {
+  RpcClient client(daemon.socket());
+  const auto begin = daemon.now();
+  const auto now = [&] { return std::chrono::duration<double>(daemon.now() - begin).count(); };
   std::array<Readings, 2> readings;
   // Once more when it is over: the end is seen, too.
   for (bool over = false; !over;) {
@@ -73,7 +70,7 @@ inline PointsSeen observe(RpcClient& client, const std::array<Motor, 2>& motors,
                                                            {"motor", motors[i].number}});
       readings[i].push_back({before, now(), answer.at("value").to_number<double>()});
     }
-    std::this_thread::sleep_for(pause);
+    daemon.run_for(pause);
   }
   return points_of(readings[0], readings[1]);
 }

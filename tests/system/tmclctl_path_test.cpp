@@ -58,24 +58,22 @@ class PathBench : public testing::Test {
 const std::string circle = "G21 G90\nF600\nG1 X1\nG2 X1 Y0 I2 J0\nM2\n";
 const std::string on_both_axes = " --axis X=1/0 --axis Y=1/1 --per-turn 5 ";
 
-TEST_F(PathBench, ACircleOfGcodeInBothModes) {
+// In its own process tmclctl is the gateway: it must not come a second late. Position mode, whose
+// legs are short, is passed in virtual time: see DaemonPathInBothModes.
+TEST_F(PathBench, ACircleOfGcode) {
   const auto part = written("circle.ngc", circle);
-  // Long periods, and a wide limit: this computer may be busy.
-  for (const std::string mode : {"velocity --period 40 --deviation 4", "position --deviation 4"}) {
-    SCOPED_TRACE(mode);
-    const auto ran = ctl("--json path run " + part + on_both_axes + "--mode " + mode);
-    ASSERT_EQ(ran.status, 0) << ran.out << ran.err;
-    const auto document = boost::json::parse(ran.out).as_object();
-    const auto& tracking = document.at("tracking_error").as_array();
-    ASSERT_EQ(tracking.size(), 2U);
-    EXPECT_GT(tracking[0].at("readings").to_number<int>(), 5);
-    EXPECT_GT(document.at("commands_per_s").to_number<double>(), 1);
-    EXPECT_GT(document.at("passed_s").to_number<double>(), 1.2);
-    EXPECT_EQ(get("1/0", "1"), "10240\n");
-    EXPECT_EQ(get("1/1", "1"), "0\n");
-    EXPECT_EQ(get("1/0", "20"), "10\n");
-    EXPECT_EQ(get("1/0", "4"), "200000\n");
-  }
+  const auto ran = ctl("--json path run " + part + on_both_axes + "--period 100 --deviation 4");
+  ASSERT_EQ(ran.status, 0) << ran.out << ran.err;
+  const auto document = boost::json::parse(ran.out).as_object();
+  const auto& tracking = document.at("tracking_error").as_array();
+  ASSERT_EQ(tracking.size(), 2U);
+  EXPECT_GT(tracking[0].at("readings").to_number<int>(), 5);
+  EXPECT_GT(document.at("commands_per_s").to_number<double>(), 1);
+  EXPECT_GT(document.at("passed_s").to_number<double>(), 1.2);
+  EXPECT_EQ(get("1/0", "1"), "10240\n");
+  EXPECT_EQ(get("1/1", "1"), "0\n");
+  EXPECT_EQ(get("1/0", "20"), "10\n");
+  EXPECT_EQ(get("1/0", "4"), "200000\n");
 }
 
 TEST_F(PathBench, ADryRunMovesNothingAndDraws) {
@@ -106,7 +104,7 @@ TEST_F(PathBench, CtrlCStopsAllAxes) {
   const auto part = written("long.ngc", "G1 X80 Y40 F300\n");
   OnTerminal terminal({"--direct", "serial:" + file("bus") + "@115200"},
                       {"path", "run", part, "--axis", "X=1/0", "--axis", "Y=1/1", "--per-turn", "5",
-                       "--period", "40", "--deviation", "4"});
+                       "--period", "100", "--deviation", "4"});
   ASSERT_TRUE(terminal.wait_for("running"));
   terminal.press_ctrl_c();
   EXPECT_EQ(terminal.wait(), 130) << terminal.output();
