@@ -38,7 +38,7 @@ class VirtualTime {
   /// Does all that can be done now.
   void settle() {
     context_->restart();
-    while (context_->poll() > 0) context_->restart();
+    context_->poll();  // ends when a look at the descriptors has found nothing more
   }
   /// Does all that can be done now, goes to the earliest timer that ends by `limit`, and does what
   /// comes of that. False if there is none: the time stays as it is.
