@@ -9,6 +9,7 @@
 
 #include "api/json_text.hpp"
 #include "api/params.hpp"
+#include "api/repeated_name.hpp"
 #include "api/suggest.hpp"
 
 namespace tmcld {
@@ -126,6 +127,8 @@ tl::expected<RpcRequest, RpcRefusal> parse_request(std::string_view line) {
   if (object == nullptr) return refuse(invalid("a request is a JSON object", "no batches"));
   if (const auto* given = object->if_contains("id"); given && is_usable_id(*given)) id = *given;
   if (auto complaint = check_members(*object)) return refuse(std::move(*complaint));
+  if (const auto name = repeated_name(line, message))
+    return refuse(invalid("the name '" + *name + "' stands twice in an object"));
   auto request = request_of(*object);
   if (!request) return refuse(std::move(request.error()));
   request->id = std::move(id);

@@ -180,6 +180,22 @@ TEST(DaemonJsonText, IsUtf8WhateverItIsMadeOf) {
   }
 }
 
+TEST(DaemonRequest, NoNameStandsTwice) {
+  const auto told = [](std::string_view line) {
+    const auto request = parse_request(line);
+    return request ? "" : request.error().error.message;
+  };
+  EXPECT_EQ(told(R"({"jsonrpc":"2.0","id":1,"method":"bus.list","method":"axis.rotate"})"),
+            "the name 'method' stands twice in an object");
+  EXPECT_EQ(told(R"({"jsonrpc":"2.0","id":1,"method":"axis.stop",)"
+                 R"("params":{"axis":"x","\u0061xis":"y"}})"),
+            "the name 'axis' stands twice in an object");
+  EXPECT_EQ(told(R"({"jsonrpc":"2.0","id":1,"method":"axis.stop","params":{"axis":"a:\"id\":x"}})"),
+            "");
+  EXPECT_EQ(told(R"({"jsonrpc":"2.0","id":"id","method":"axis.stop","params":{"axis":"axis"}})"),
+            "");
+}
+
 // A line of a good request with some of its bytes changed, removed or added.
 std::string damaged(std::string line, std::mt19937_64& random) {
   constexpr std::string_view alphabet = "{}[]\",:0123456789.-eE\\utrfalsn \t\xFF\x80\x01";
