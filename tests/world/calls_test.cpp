@@ -1,5 +1,5 @@
-// Clients that call at random while replies get lost and late: what moves was asked for,
-// a stop is a stop, and a run can be repeated to the byte.
+// Clients that call at random, and die, while replies get lost and late: what moves was asked for,
+// a stop is a stop, nothing turns for a client that has gone, and a run can be repeated exactly.
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -31,6 +31,7 @@ TEST(WorldCalls, MoveWhatWasAskedForAndNothingAfterAStop) {
     lasted += world.now() - began;
     EXPECT_TRUE(world.all_ended()) << "a call has no end";
     EXPECT_TRUE(world.journeys_ended()) << "a line has no end";
+    EXPECT_THAT(world.turning(), testing::IsEmpty()) << "although nobody is there";
     EXPECT_THAT(world.ledger().complaints(), testing::IsEmpty());
     requests += world.requests();
     movements += world.ledger().movements();

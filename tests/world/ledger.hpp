@@ -80,6 +80,7 @@ class Ledger {
       if (axis.bus != bus || axis.address.module != request.address) continue;
       if (request.command == tmcl::Command::MST && request.motor == axis.address.motor)
         note_stop(axis.name, now);
+      note_turning(axis, request);
       if (moves(request, axis.address.motor)) judge(axis.name, request, now);
     }
   }
@@ -98,6 +99,8 @@ class Ledger {
     }
   }
 
+  /// Axes that were told to turn, and since then neither to stop nor to go somewhere.
+  std::vector<std::string> turning() const { return {turning_.begin(), turning_.end()}; }
   const std::vector<std::string>& complaints() const { return complaints_; }
   std::size_t movements() const { return movements_; }
 
@@ -142,6 +145,17 @@ class Ledger {
     const auto us = std::chrono::duration_cast<std::chrono::microseconds>(time.time_since_epoch());
     history_.push_back(std::to_string(us.count()) + " us: " + what);
     if (history_.size() > most) history_.pop_front();
+  }
+
+  void note_turning(const WorldAxis& axis, const tmcl::Request& request) {
+    using tmcl::Command;
+    const bool turns = request.command == Command::ROR || request.command == Command::ROL;
+    if (turns && request.motor == axis.address.motor && request.value != 0) {
+      turning_.insert(axis.name);
+    } else if (request.command == Command::MST ? request.motor == axis.address.motor
+                                               : moves(request, axis.address.motor)) {
+      turning_.erase(axis.name);
+    }
   }
 
   void note_stop(const std::string& axis, tmcl::TimePoint now) {
@@ -210,6 +224,7 @@ class Ledger {
   std::deque<std::string> history_;  ///< What happened last, for the reader of a complaint.
   std::vector<std::string> complaints_;
   std::size_t movements_ = 0;
+  std::set<std::string> turning_;
 };
 
 }  // namespace tmcld::test

@@ -34,6 +34,10 @@ class WorldPeer final : public Peer {
   void notify(std::string_view method, json::object) override { trace_->add(method); }
   bool is_gone() const override { return false; }
   Subscriptions& subscriptions() override { return subscriptions_; }
+  Client client() const override { return {number, "client"}; }
+
+  std::uint64_t number = 0;
+  bool has_ended = false;
 
  private:
   Trace* trace_;
@@ -83,6 +87,9 @@ class World {
     const auto is_on_line = [](const auto& axis) { return axis->mover() == Mover::line; };
     journeys_ended_ = time_.run_while_not(
         [&] { return std::ranges::none_of(gateway_->axes(), is_on_line); }, 1min);
+    // Whoever asked for it is gone.
+    time_.run_for(10s);
+    turning_ = ledger_.turning();
     gateway_->close();
     time_.run_for(10s);
     trace_.add(static_cast<std::uint64_t>(time_.now().time_since_epoch().count()));
@@ -90,6 +97,8 @@ class World {
 
   bool all_ended() const { return all_ended_; }
   bool journeys_ended() const { return journeys_ended_; }
+  /// Axes that turn without end when all clients have gone.
+  const std::vector<std::string>& turning() const { return turning_; }
   std::uint64_t trace() const { return trace_.value(); }
   const Ledger& ledger() const { return ledger_; }
   std::size_t requests() const { return serial_.requests() + can_.requests(); }
@@ -130,6 +139,8 @@ class World {
   boost::asio::awaitable<void> client(std::size_t index) {
     auto random = generator(seed_, "client " + std::to_string(index));
     const auto peer = std::make_shared<WorldPeer>(trace_);
+    peer->number = gateway_->enter();
+    spawn(context_.get_executor(), die_at_times(index, peer));
     for (int i = 0; i < calls_of_each; ++i) {
       co_await rest(std::chrono::microseconds(random.any_size(200'000)));
       json::object params;
@@ -137,7 +148,20 @@ class World {
       auto carried_out = carry_out(peer, std::move(call), std::move(params));
       co_await std::move(carried_out);
     }
+    peer->has_ended = true;
+    gateway_->leave(peer->number);
     ++ended_;
+  }
+
+  /// The client loses its connection, whatever it has begun, and comes back.
+  boost::asio::awaitable<void> die_at_times(std::size_t index, std::shared_ptr<WorldPeer> peer) {
+    auto random = generator(seed_, "death of " + std::to_string(index));
+    while (true) {
+      co_await rest(std::chrono::milliseconds(random.between(100, 5'000)));
+      if (peer->has_ended) break;
+      gateway_->leave(peer->number);
+      peer->number = gateway_->enter();
+    }
   }
 
   boost::asio::awaitable<void> carry_out(std::shared_ptr<WorldPeer> peer, WorldCall call,
@@ -231,6 +255,7 @@ class World {
   std::size_t ended_ = 0;
   bool all_ended_ = false;
   bool journeys_ended_ = false;
+  std::vector<std::string> turning_;
 };
 
 }  // namespace tmcld::test
