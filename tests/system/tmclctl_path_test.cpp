@@ -59,10 +59,10 @@ const std::string circle = "G21 G90\nF600\nG1 X1\nG2 X1 Y0 I2 J0\nM2\n";
 const std::string on_both_axes = " --axis X=1/0 --axis Y=1/1 --per-turn 5 ";
 
 // In its own process tmclctl is the gateway: it must not come a second late. Position mode, whose
-// legs are short, is passed in virtual time: see DaemonPathInBothModes.
+// legs are short, is passed on virtual time: see GalleryCircle.
 TEST_F(PathBench, ACircleOfGcode) {
   const auto part = written("circle.ngc", circle);
-  const auto ran = ctl("--json path run " + part + on_both_axes + "--period 100 --deviation 4");
+  const auto ran = ctl("--json path run " + part + on_both_axes + "--period 100 --deviation 12");
   ASSERT_EQ(ran.status, 0) << ran.out << ran.err;
   const auto document = boost::json::parse(ran.out).as_object();
   const auto& tracking = document.at("tracking_error").as_array();
@@ -104,7 +104,7 @@ TEST_F(PathBench, CtrlCStopsAllAxes) {
   const auto part = written("long.ngc", "G1 X80 Y40 F300\n");
   OnTerminal terminal({"--direct", "serial:" + file("bus") + "@115200"},
                       {"path", "run", part, "--axis", "X=1/0", "--axis", "Y=1/1", "--per-turn", "5",
-                       "--period", "100", "--deviation", "4"});
+                       "--period", "100", "--deviation", "12"});
   ASSERT_TRUE(terminal.wait_for("running"));
   terminal.press_ctrl_c();
   EXPECT_EQ(terminal.wait(), 130) << terminal.output();

@@ -79,7 +79,7 @@ class TmcldPath : public testing::Test {
   }
   Words path_run(const std::string& path, const std::string& mode = "velocity") const {
     return {"path",   "run", path,       "--axis", "X=left",      "--axis", "Y=front",
-            "--mode", mode,  "--period", "40",     "--deviation", "4"};
+            "--mode", mode,  "--period", "100",    "--deviation", "12"};
   }
   Words through_daemon() const { return {"--socket", file("socket")}; }
   void expect_rest_and_own_settings() const {
@@ -113,19 +113,17 @@ std::string joined(const Words& words) {
   return line;
 }
 
-TEST_F(TmcldPath, ACircleOfGcodeInBothModes) {
-  const auto part = written("circle.ngc", circle);
-  for (const std::string mode : {"velocity", "position"}) {
-    SCOPED_TRACE(mode);
-    const auto ran = ctl("--json" + joined(path_run(part, mode)));
-    ASSERT_EQ(ran.status, 0) << ran.out << ran.err;
-    const auto document = boost::json::parse(ran.out).as_object();
-    EXPECT_EQ(document.at("tracking_error").as_array().size(), 2U);
-    EXPECT_GT(document.at("passed_s").to_number<double>(), 1.2);
-    EXPECT_EQ(get("left", "1"), "10240\n");
-    EXPECT_EQ(get("front", "1"), "0\n");
-    expect_rest_and_own_settings();
-  }
+// An update may come a second late. The short legs of position mode may not: they are passed on
+// virtual time, see GalleryCircle.
+TEST_F(TmcldPath, ACircleOfGcode) {
+  const auto ran = ctl("--json" + joined(path_run(written("circle.ngc", circle))));
+  ASSERT_EQ(ran.status, 0) << ran.out << ran.err;
+  const auto document = boost::json::parse(ran.out).as_object();
+  EXPECT_EQ(document.at("tracking_error").as_array().size(), 2U);
+  EXPECT_GT(document.at("passed_s").to_number<double>(), 1.2);
+  EXPECT_EQ(get("left", "1"), "10240\n");
+  EXPECT_EQ(get("front", "1"), "0\n");
+  expect_rest_and_own_settings();
 }
 
 TEST_F(TmcldPath, WhatTmcldRefusesMovesNothing) {
