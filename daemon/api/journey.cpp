@@ -24,7 +24,8 @@ Lookup<std::string> text_of(const Call& call) {
 }
 
 RpcError error_of(const plan::PathObjection& objection, std::string_view param) {
-  auto error = param_error(objection.name, param, objection.message);
+  if (!objection.param.empty()) param = objection.param;
+  auto error = param_error(objection.name, param, objection.message, objection.hint);
   if (!objection.file_axis.empty()) error.data["file_axis"] = objection.file_axis;
   if (objection.problems.empty()) return error;
   json::array problems;

@@ -35,6 +35,30 @@ Lookup<plan::StreamMode> mode_of(const Call& call) {
       param_error("bad_argument", "mode", "'mode' must be 'velocity' or 'position'"));
 }
 
+Lookup<double> in_range(double value, std::string_view param) {
+  if (value >= plan::least_of_path && value <= plan::most_of_path) return value;
+  return tl::unexpected(
+      param_error("out_of_range", param, "'" + std::string(param) + "' is outside 1e-9..1e9"));
+}
+
+/// A number is in the file's units, a text has its own with it.
+Lookup<tmcl::Quantity> quantity_in(const Call& call, std::string_view param) {
+  const auto& value = call.params.value(param);
+  if (!value.is_string())
+    return in_range(call.params.number(param), param).map([](double number) {
+      return tmcl::Quantity{number, {}};
+    });
+  const auto said = tmcl::parse_quantity(call.params.text(param));
+  if (!said)
+    return tl::unexpected(
+        param_error(said.error().code, param, said.error().message, said.error().hint));
+  if (!said->unit.empty()) return *said;
+  return tl::unexpected(param_error("bare_number", param,
+                                    "'" + std::string(param) + "' is a text without a unit",
+                                    "give a number, in the units of the file, or a text with a "
+                                    "unit, such as '20mm/s'"));
+}
+
 Lookup<plan::PathRequest> request_of(const Call& call) {
   plan::PathRequest request;
   const auto mode = mode_of(call);
@@ -43,19 +67,23 @@ Lookup<plan::PathRequest> request_of(const Call& call) {
   std::optional<double> tolerance;
   const std::pair<const char*, std::optional<double>*> numbers[] = {
       {"tolerance", &tolerance},
-      {"velocity", &request.velocity},
-      {"acceleration", &request.acceleration},
-      {"feed", &request.feed},
       {"per_turn", &request.per_turn},
       {"deviation", &request.deviation}};
   for (const auto& [name, into] : numbers) {
     if (!call.params.has(name)) continue;
-    const double value = call.params.number(name);
-    if (!(value >= plan::least_of_path && value <= plan::most_of_path)) {
-      return tl::unexpected(
-          param_error("out_of_range", name, "'" + std::string(name) + "' is outside 1e-9..1e9"));
-    }
-    *into = value;
+    const auto value = in_range(call.params.number(name), name);
+    if (!value) return tl::unexpected(value.error());
+    *into = *value;
+  }
+  const std::pair<const char*, std::optional<tmcl::Quantity>*> quantities[] = {
+      {"velocity", &request.velocity},
+      {"acceleration", &request.acceleration},
+      {"feed", &request.feed}};
+  for (const auto& [name, into] : quantities) {
+    if (!call.params.has(name)) continue;
+    auto value = quantity_in(call, name);
+    if (!value) return tl::unexpected(std::move(value.error()));
+    *into = std::move(*value);
   }
   request.tolerance = tolerance.value_or(request.tolerance);
   if (call.params.has("period_ms"))
@@ -221,11 +249,14 @@ awaitable<Lookup<PlannedPath>> plan_for(const Call& call, bool with_namesakes) {
   auto known = co_await path_axes(*source, *axes, *request);
   if (!known) co_return tl::unexpected(known.error());
 
+  const auto feed = feed_of(*known);
+  if (!feed) co_return tl::unexpected(error_of(feed.error(), "feed"));
   const plan::PathSource names{source->format, {source->path.axes, {}}};
-  auto plan_it = [source = std::move(*source), text, known = *known, request = *request]() mutable {
+  auto plan_it = [source = std::move(*source), text, known = *known, feed = *feed,
+                  request = *request]() mutable {
     return from_where_axes_stand(std::move(source), *text, known, request)
         .and_then([&](const auto& from_there) {
-          return course_of(from_there, limits_of(known, request), request);
+          return course_of(from_there, limits_of(known), feed, request.tolerance);
         });
   };
   auto course = co_await elsewhere(planner, std::move(plan_it));

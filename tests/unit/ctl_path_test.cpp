@@ -83,6 +83,17 @@ TEST_F(CtlPath, APathIsPlannedOnceAndRunAsItWasPlanned) {
   EXPECT_THAT(err, HasSubstr("it was late"));
 }
 
+TEST_F(CtlPath, QuantitiesWithTheirUnitsAreHandedThrough) {
+  const auto line = file("G1 X10 F600\n");
+  target.plan = planned;
+  EXPECT_EQ(run({"path", "run", line, "--dry-run", "--velocity", "20mm/s", "--acceleration",
+                 "500 mm/s2", "--feed", "12"}),
+            ExitCode::done)
+      << err;
+  EXPECT_THAT(target.calls, testing::ElementsAre(HasSubstr(
+                                R"("velocity":"20mm/s","acceleration":"500 mm/s2","feed":1.2E1)")));
+}
+
 TEST_F(CtlPath, ADryRunShowsAndDrawsWhatWasPlanned) {
   const auto line = file("G1 X10 F600\n");
   target.plan = planned;

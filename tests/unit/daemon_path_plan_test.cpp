@@ -84,6 +84,56 @@ TEST_F(DaemonPathPlan, OneThatCannotBeIsFoundOutBefore) {
   EXPECT_FALSE(has_moved());
 }
 
+// A turn is 5 mm.
+TEST_F(DaemonPathPlan, LimitsMayHaveTheirUnits) {
+  const std::string far = "G1 X80 Y40 F60000\n";
+  const auto duration = [&](json::object limits) {
+    return plan(far, std::move(limits)).at("course").at("duration_s").to_number<double>();
+  };
+  const double by_velocity = duration({{"velocity", 2}});
+  for (const auto* same : {"2mm/s", "0.2 cm/s", "24rpm", "0.4rps"})
+    EXPECT_NEAR(duration({{"velocity", same}}), by_velocity, 1e-9) << same;
+  const double by_acceleration = duration({{"acceleration", 5}});
+  for (const auto* same : {"5mm/s2", "5000um/s^2", "1rps/s"})
+    EXPECT_NEAR(duration({{"acceleration", same}}), by_acceleration, 1e-9) << same;
+  const double by_feed = duration({{"feed", 3}});
+  EXPECT_NEAR(duration({{"feed", "3mm/s"}}), by_feed, 1e-9);
+  EXPECT_LT(by_velocity - 40, 1);
+  EXPECT_GT(by_feed, 29);
+}
+
+TEST_F(DaemonPathPlan, LimitsInUnitsThatMakeNoSenseAreRefused) {
+  struct Case {
+    const char* param;
+    const char* text;
+    const char* name;
+  };
+  for (const auto& [param, said, name] :
+       {Case{"velocity", "20", "bare_number"}, Case{"velocity", "20mm", "wrong_unit"},
+        Case{"velocity", "20deg/s", "unknown_unit"}, Case{"velocity", "-20mm/s", "out_of_range"},
+        Case{"acceleration", "20mm/s", "wrong_unit"},
+        Case{"acceleration", "0mm/s2", "out_of_range"}, Case{"feed", "fast", "bad_quantity"},
+        Case{"feed", "1,5mm/s", "decimal_comma"}}) {
+    const auto result = bench.call("path.plan", {{"text", corner}, {param, said}});
+    ASSERT_FALSE(result) << said;
+    EXPECT_EQ(name_of(result), name) << said;
+    EXPECT_EQ(result.error().data.at("param"), param) << said;
+  }
+  EXPECT_FALSE(has_moved());
+}
+
+TEST_F(DaemonPathPlan, AFeedMustMeanTheSameForAllAxes) {
+  ASSERT_TRUE(bench.call("parameter.set",
+                         {{"axis", "far"}, {"parameter", "microstep_resolution"}, {"value", 4}}));
+  json::object params{{"text", corner}, {"axes", {"x", "far"}}, {"feed", "3mm/s"}};
+  EXPECT_TRUE(bench.call("path.plan", params));
+  params["feed"] = "20000pps";
+  const auto result = bench.call("path.plan", params);
+  ASSERT_FALSE(result);
+  EXPECT_EQ(name_of(result), "wrong_unit");
+  EXPECT_THAT(result.error().message, HasSubstr("in the unit of"));
+}
+
 TEST_F(DaemonPathPlan, AxesAreBroughtToTheStartIfThatIsAskedFor) {
   const std::string table = "x,y\n3,-2\n6,0\n";
   EXPECT_EQ(name_of(bench.call("path.run", run(plan(table), false))), "not_at_start");

@@ -483,7 +483,8 @@ Moves the axes along the path, and says then how far off it they were seen, and 
 for. G-code begins where the axes stand; to the start of a table they are moved first. X is the axis of
 tmcld that is called X or x, unless --axis says otherwise. Nothing moves before everything is checked:
 units, limits, where the path goes, that all axes stand, and what the bus can carry. Files are those of
-'tmclctl path check'.
+'tmclctl path check'. --velocity, --acceleration and --feed are in the units of the file, or have a unit
+with them: 20mm/s, 500mm/s^2, 120rpm.
 
   --mode velocity   any module: a new velocity for each axis every 5 ms, or as fast as the bus can
   --mode position   modules with start and stop velocities (TMC5130, TMC5160 ...): line by line; no table
@@ -494,7 +495,7 @@ tmcld passes the path: once begun, it goes on to its end also if this program is
 there is nobody else who could; if this program is killed in velocity mode, the axes turn on.
 
   tmclctl path run part.ngc --axis X=left --axis Y=front
-  tmclctl path run part.csv --axis x=left --axis y=front --mode position --tolerance 0.02
+  tmclctl path run part.csv --axis x=left --axis y=front --mode position --velocity 20mm/s
   tmclctl --direct can:can0 path run part.ngc --axis X=1/0 --axis Y=1/1 --per-turn 5 --dry-run
 )";
 

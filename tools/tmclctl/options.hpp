@@ -150,7 +150,8 @@ struct RunPath {
   std::vector<std::string> axes;  ///< LETTER=AXIS
   bool by_position = false;
   double tolerance = 0.05;
-  std::optional<double> velocity, acceleration, feed, per_turn, deviation;
+  std::string velocity, acceleration, feed;  ///< As typed; empty: none.
+  std::optional<double> per_turn, deviation;
   std::chrono::milliseconds period{5};
   bool dry_run = false;
   std::string svg;  ///< Empty: none.

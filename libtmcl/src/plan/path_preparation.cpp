@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -157,6 +158,49 @@ PathResult<std::vector<PathChoice>> in_order(const PathSource& source,
   return ordered;
 }
 
+namespace {
+
+/// Lowers `limit`, in the file's units, to the quantity `said` of the request, which is called
+/// `param` there. `convert`: into microsteps.
+template <class InMicrosteps>
+std::optional<PathObjection> lower(double& limit, const char* param,
+                                   const std::optional<Quantity>& said, const AxisUnits& units,
+                                   double microsteps_per_unit,
+                                   Converted<InMicrosteps> (*convert)(const Quantity&,
+                                                                      const AxisUnits&)) {
+  if (!said) return std::nullopt;
+  double in_file_units = said->number;
+  if (!said->unit.empty()) {
+    const auto converted = convert(*said, units.undirected());
+    if (!converted) {
+      const auto& error = converted.error();
+      return PathObjection{std::string(error.code), error.message, {}, {}, param, error.hint};
+    }
+    in_file_units = converted->value / std::abs(microsteps_per_unit);
+  }
+  limit = std::min(limit, in_file_units);
+  if (in_file_units >= least_of_path && in_file_units <= most_of_path) return std::nullopt;
+  return PathObjection{
+      "out_of_range", fmt::format("'{}' is outside 1e-9..1e9", param), {}, {}, param, {}};
+}
+
+/// Lowers what the axis can do to what was asked for.
+std::optional<PathObjection> heed(const PathRequest& request, const PathAxisFacts& facts,
+                                  PathAxis& axis) {
+  const AxisUnits units{facts.choice.axis, facts.model, facts.units, facts.scale};
+  const double scale = axis.stream.microsteps_per_unit;
+  axis.feed = std::numeric_limits<double>::infinity();
+  auto objection = lower(axis.velocity, "velocity", request.velocity, units, scale, to_pps);
+  if (!objection) {
+    objection =
+        lower(axis.acceleration, "acceleration", request.acceleration, units, scale, to_pps2);
+  }
+  if (!objection) objection = lower(axis.feed, "feed", request.feed, units, scale, to_pps);
+  return objection;
+}
+
+}  // namespace
+
 PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& facts,
                                const PathRequest& request) {
   const auto& name = facts.choice.axis;
@@ -186,10 +230,13 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
   axis.range = range_of(*facts.model, *facts.units, ap::target_position);
   axis.velocity = facts.max_velocity * facts.units->velocity.value / std::abs(*scale);
   axis.acceleration = facts.max_acceleration * facts.units->acceleration.value / std::abs(*scale);
-  if (axis.velocity > 0 && axis.acceleration > 0) return axis;
-  return tl::unexpected(wrong(
-      "no_limits", fmt::format("{} has max_velocity {} and max_acceleration {}: it cannot move",
-                               name, facts.max_velocity, facts.max_acceleration)));
+  if (!(axis.velocity > 0 && axis.acceleration > 0)) {
+    return tl::unexpected(wrong(
+        "no_limits", fmt::format("{} has max_velocity {} and max_acceleration {}: it cannot move",
+                                 name, facts.max_velocity, facts.max_acceleration)));
+  }
+  if (auto objection = heed(request, facts, axis)) return tl::unexpected(std::move(*objection));
+  return axis;
 }
 
 bool moves_alike(const PathAxis& one, const PathAxis& other) {
@@ -216,21 +263,32 @@ PathResult<PathSource> from_where_axes_stand(PathSource source, std::string_view
   return flattened(path_file::read_gcode(text, start), source.format, request.tolerance);
 }
 
-PathLimits limits_of(const std::vector<PathAxis>& axes, const PathRequest& request) {
+PathLimits limits_of(const std::vector<PathAxis>& axes) {
   PathLimits limits;
-  for (std::size_t i = 0; i < axes.size(); ++i) {
-    limits.axis[i] = {
-        std::min(axes[i].velocity, request.velocity.value_or(axes[i].velocity)),
-        std::min(axes[i].acceleration, request.acceleration.value_or(axes[i].acceleration))};
-  }
+  for (std::size_t i = 0; i < axes.size(); ++i)
+    limits.axis[i] = {axes[i].velocity, axes[i].acceleration};
   return limits;
 }
 
-PathResult<Course> course_of(const PathSource& source, PathLimits limits,
-                             const PathRequest& request) {
+PathResult<double> feed_of(const std::vector<PathAxis>& axes) {
+  constexpr double rounding = 1e-9;
+  const auto [least, greatest] = std::ranges::minmax_element(axes, {}, &PathAxis::feed);
+  if (least->feed == greatest->feed || greatest->feed - least->feed <= rounding * least->feed)
+    return least->feed;
+  return tl::unexpected(PathObjection{
+      "wrong_unit",
+      fmt::format("'feed' is {:.6g} a second in the unit of {}, and {:.6g} in that of {}",
+                  least->feed, least->choice.axis, greatest->feed, greatest->choice.axis),
+      {},
+      {},
+      "feed",
+      "give a number: a second in the units of the file"});
+}
+
+PathResult<Course> course_of(const PathSource& source, PathLimits limits, double feed,
+                             double tolerance) {
   limits.axes = source.path.axes.size();
-  limits.corner_tolerance = request.tolerance * corners_part;
-  const double feed = request.feed.value_or(std::numeric_limits<double>::infinity());
+  limits.corner_tolerance = tolerance * corners_part;
   return Course::of(source.path, limits, feed).map_error([](const std::string& why) {
     return wrong("bad_path", why);
   });

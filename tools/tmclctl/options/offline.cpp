@@ -101,7 +101,6 @@ void add_path_file(VerbForm<T>& form) {
   form.word("FILE", "A table (.csv) or G-code", text(form->file));
   form.option("--tolerance", "UNITS", "How far from it the path may be passed (default 0.05)",
               in_units(form->tolerance));
-  form.option("--feed", "UNITS", "No faster along the path, a second", in_units(form->feed));
   form.option("--svg", "FILE", "Draw the path and its axes into this file", text(form->svg));
 }
 
@@ -145,6 +144,8 @@ void add_path(Grammar& grammar) {
   auto check = grammar.verb<verb::CheckPath>(
       path, "check", "How a path would be passed, without axes", help_text::path_check);
   add_path_file(check);
+  check.option("--feed", "UNITS", "No faster along the path, a second",
+               number(check->feed, least_of_path, most_of_path));
   check.option("--velocity", "UNITS", "What an axis can do, a second (default 100)",
                number(check->velocity, least_of_path, most_of_path));
   check.option("--acceleration", "UNITS", "Likewise, a second squared (default 1000)",
@@ -164,10 +165,13 @@ void add_path(Grammar& grammar) {
   run.option("--deviation", "UNITS",
              "Stop when an axis is seen so far off its plan (default 20 tolerances)",
              number(run->deviation, least_of_path, most_of_path));
-  run.option("--velocity", "UNITS", "No axis faster than this, a second; otherwise max_velocity",
-             number(run->velocity, least_of_path, most_of_path));
-  run.option("--acceleration", "UNITS", "Likewise, a second squared; otherwise max_acceleration",
-             number(run->acceleration, least_of_path, most_of_path));
+  run.option("--feed", "UNITS|VELOCITY", "No faster along the path: a second, or such as 20mm/s",
+             text(run->feed));
+  run.option("--velocity", "UNITS|VELOCITY", "No axis faster than this; otherwise max_velocity",
+             text(run->velocity));
+  run.option("--acceleration", "UNITS|ACCELERATION",
+             "Likewise, a second squared, or such as 500mm/s^2; otherwise max_acceleration",
+             text(run->acceleration));
   run.option("--per-turn", "UNITS", "What a turn of the motor is, for axes without a unit",
              number(run->per_turn, least_of_path, most_of_path));
   run.option(

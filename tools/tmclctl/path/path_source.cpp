@@ -88,7 +88,7 @@ Failure explained(Failure failure, const std::string& file, Output& output) {
   const auto axis = text_at(failure.details, "file_axis");
   if (!axis.empty()) failure.hint = fmt::format("--axis {}=NAME", axis);
   if (failure.name == "bad_path") failure.message = file + ": " + failure.message;
-  if (failure.name == "unknown_unit") {
+  if (failure.name == "unknown_unit" && failure.hint.empty()) {
     failure.hint =
         "--per-turn says how many units of the file a turn of the motor is; tmcld.toml can, too";
   }

@@ -1,4 +1,6 @@
 // path check.
+#include <limits>
+
 #include "api/course_json.hpp"
 #include "path/path_source.hpp"
 #include "print.hpp"
@@ -26,10 +28,8 @@ VerbResult run(const verb::CheckPath& verb, Output& output) {
   if (!source) return tl::unexpected(failure_of(verb, source.error(), output));
   plan::PathLimits limits;
   limits.axis.fill({verb.velocity, verb.acceleration});
-  plan::PathRequest request;
-  request.tolerance = verb.tolerance;
-  request.feed = verb.feed;
-  const auto planned = plan::course_of(*source, limits, request);
+  const double feed = verb.feed.value_or(std::numeric_limits<double>::infinity());
+  const auto planned = plan::course_of(*source, limits, feed, verb.tolerance);
   if (!planned) return tl::unexpected(failure_of(verb, planned.error(), output));
   auto course = tmcld::to_json(*planned, source->path.axes);
   if (!verb.svg.empty()) {

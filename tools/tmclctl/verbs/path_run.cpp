@@ -7,6 +7,7 @@
 #include "api/course_json.hpp"
 #include "following.hpp"
 #include "json_read.hpp"
+#include "options/form.hpp"
 #include "path/path_source.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
@@ -42,9 +43,13 @@ json::object params_of(const verb::RunPath& verb, const std::string& text) {
   const auto add = [&](const char* name, const std::optional<double>& value) {
     if (value) params[name] = *value;
   };
-  add("velocity", verb.velocity);
-  add("acceleration", verb.acceleration);
-  add("feed", verb.feed);
+  const auto add_quantity = [&](const char* name, const std::string& typed) {
+    const auto in_units = parse_number<double>(typed);
+    if (!typed.empty()) params[name] = in_units ? json::value(*in_units) : json::value(typed);
+  };
+  add_quantity("velocity", verb.velocity);
+  add_quantity("acceleration", verb.acceleration);
+  add_quantity("feed", verb.feed);
   add("per_turn", verb.per_turn);
   add("deviation", verb.deviation);
   if (!verb.svg.empty()) params["points"] = tmcld::most_curve_points;

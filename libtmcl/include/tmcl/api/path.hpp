@@ -96,11 +96,13 @@ struct OfPath {
   TMCL_FIELD(std::optional<std::string>, mode, "velocity or position; velocity if absent");
   TMCL_FIELD(std::optional<double>, tolerance,
              "how far from it the path may be passed, in the file's unit; 0.05 if absent");
-  TMCL_FIELD(std::optional<double>, velocity,
-             "no axis faster than this, a second; its max_velocity if absent");
-  TMCL_FIELD(std::optional<double>, acceleration,
+  TMCL_FIELD(std::optional<Amount>, velocity,
+             "no axis faster than this; a number: in the file's unit a second; its max_velocity if "
+             "absent");
+  TMCL_FIELD(std::optional<Amount>, acceleration,
              "likewise, a second squared; its max_acceleration if absent");
-  TMCL_FIELD(std::optional<double>, feed, "no faster along the path, a second");
+  TMCL_FIELD(std::optional<Amount>, feed,
+             "no faster along the path; a number: in the file's unit a second");
   TMCL_FIELD(std::optional<double>, per_turn,
              "what a turn of the motor is, for axes without a unit");
   TMCL_FIELD(std::optional<double>, deviation,

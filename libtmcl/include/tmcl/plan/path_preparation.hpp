@@ -4,7 +4,7 @@
 ///     auto source = read_path(text, PathFormat::gcode, request.tolerance);
 ///     for (const auto& choice : *in_order(*source, choices)) axes.push_back(*path_axis(...));
 ///     source = from_where_axes_stand(std::move(*source), text, axes, request);
-///     auto course = course_of(*source, limits_of(axes, request), request);
+///     auto course = course_of(*source, limits_of(axes), *feed_of(axes), request.tolerance);
 ///     auto wrong = objection_to_reach(*course, axes);
 ///     PathStream stream(*course, streamed(axes), options_of(request));
 #pragma once
@@ -25,6 +25,7 @@
 #include "tmcl/plan/path_file.hpp"
 #include "tmcl/plan/stream.hpp"
 #include "tmcl/plan/text_problem.hpp"
+#include "tmcl/quantity.hpp"
 
 namespace tmcl::plan {
 
@@ -47,6 +48,8 @@ struct PathObjection {
   std::string message;      ///< One sentence without a full stop.
   TextProblems problems{};  ///< What is wrong with the text, if that is it.
   std::string file_axis{};  ///< Of the text, that somebody has to name; empty if that is not it.
+  std::string param{};      ///< Of the request, if that is what is wrong.
+  std::string hint{};       ///< What to try; may be empty.
 };
 template <class T>
 using PathResult = tl::expected<T, PathObjection>;
@@ -65,11 +68,12 @@ struct PathSource {
 /// G-code as if all axes stood at zero.
 PathResult<PathSource> read_path(std::string_view text, PathFormat format, double tolerance);
 
-/// What somebody wants; lengths in the file's units.
+/// What somebody wants; lengths, and quantities without a unit, in the file's units.
 struct PathRequest {
   StreamMode mode = StreamMode::velocity;
   double tolerance = default_path_tolerance;
-  std::optional<double> velocity{}, acceleration{}, feed{};
+  std::optional<Quantity> velocity{}, acceleration{};  ///< Of each axis.
+  std::optional<Quantity> feed{};                      ///< Along the path.
   std::optional<double> per_turn{};   ///< What a turn of the motor is, for axes without a unit.
   std::optional<double> deviation{};  ///< How far off its plan an axis may be seen.
   Duration period = shortest_stream_period;
@@ -104,12 +108,13 @@ struct PathAxis {
   std::optional<SoftLimits> limits;
   UserScale scale;          ///< What the limits are in.
   ValueRange range;         ///< Of positions, in microsteps.
-  double velocity = 0;      ///< What its parameters allow, in the file's units.
+  double velocity = 0;      ///< What its parameters and the request allow, in the file's units.
   double acceleration = 0;  ///< Likewise.
-  double stands_at = 0;     ///< Likewise.
+  double feed = 0;          ///< What the request allows along the path, likewise; may be infinite.
+  double stands_at = 0;     ///< In the file's units.
 };
 /// Objections: what is not known of an axis; one whose unit is not the file's, or that moves, or
-/// cannot.
+/// cannot; a quantity that it cannot be measured in, by the codes of QuantityError.
 PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& facts,
                                const PathRequest& request);
 /// Whether a course that was planned for the one suits the other, wherever they stand.
@@ -121,10 +126,13 @@ PathResult<PathSource> from_where_axes_stand(PathSource source, std::string_view
                                              const std::vector<PathAxis>& axes,
                                              const PathRequest& request);
 
-PathLimits limits_of(const std::vector<PathAxis>& axes, const PathRequest& request);
-/// For axes that can do what `limits` says; `limits` without a tolerance of corners.
-PathResult<Course> course_of(const PathSource& source, PathLimits limits,
-                             const PathRequest& request);
+PathLimits limits_of(const std::vector<PathAxis>& axes);
+/// In the file's units. Objection: wrong_unit, if it is another in the units of each axis.
+PathResult<double> feed_of(const std::vector<PathAxis>& axes);
+/// For axes that can do what `limits` says; `limits` without a tolerance of corners. `feed` may be
+/// infinite.
+PathResult<Course> course_of(const PathSource& source, PathLimits limits, double feed,
+                             double tolerance);
 /// Whether a point is where the axes cannot or may not go.
 std::optional<PathObjection> objection_to_reach(const Course& course,
                                                 const std::vector<PathAxis>& axes);
