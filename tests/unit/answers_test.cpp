@@ -108,6 +108,38 @@ TEST_P(DoubledReplies, SendNoRelativeMoveAnywhereElse) {
   EXPECT_EQ(wrong, 0U);
 }
 
+/// The module says these positions, one after the other, and the last one from then on.
+Result<Microsteps> move_from(std::vector<std::int32_t> positions, ScriptedBus& bus) {
+  auto& module = bus.add_module(1);
+  std::size_t next = 0;
+  module.play = [&](const Request& request) -> std::optional<Reply> {
+    if (request.command != Command::GAP || request.type != 1) return std::nullopt;
+    const auto position = positions[std::min(next++, positions.size() - 1)];
+    return Reply{default_host_address, 1, Status::ok, Command::GAP, position};
+  };
+  return bus.run(verbs::move_by({ModuleAddress{1}, 0}, Microsteps{10}));
+}
+
+// Of an axis that moves no two readings are the same; what answers another question stands out.
+TEST_P(DoubledReplies, LeadNoAxisThatMovesAnywhereElse) {
+  const std::vector<std::vector<std::int32_t>> all{{0, 30, 60},
+                                                   {0, 30, 500'000, 90, 120, 150},
+                                                   {500'000, 30, 60, 90},
+                                                   {0, 500'000, 60, 90, 120}};
+  for (const auto& positions : all) {
+    ScriptedBus bus(GetParam());
+    EXPECT_EQ(move_from(positions, bus), Microsteps{positions.back() + 10});
+  }
+}
+
+TEST_P(DoubledReplies, LeadNoAxisByReadingsThatDoNotFitTogether) {
+  ScriptedBus bus(GetParam());
+  const auto moved = move_from({0, 900, -70, 80'000, 5, 7'777'777, -3, 600, 9}, bus);
+  ASSERT_FALSE(moved);
+  EXPECT_EQ(moved.error().code, Errc::unexpected_value);
+  EXPECT_EQ(moved.error().outcome, Outcome::not_sent);
+}
+
 TEST_P(DoubledReplies, OneOfThemShiftsNoAnswersForLong) {
   for (const std::size_t waiting : {1U, 2U, 8U}) {
     Random random(test::seed());

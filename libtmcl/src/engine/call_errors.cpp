@@ -77,6 +77,14 @@ Error doubt_error(const Call& call) {
                                number(call.request.address)));
 }
 
+Error unsettled_error(const Call& call) {
+  return error_for(
+      call, Errc::unexpected_value,
+      fmt::format("it was another value each of {} times that it was read, and not as if it moved",
+                  call.readings),
+      "the line loses, delays or doubles replies: see 'surplus' and 'late_replies' of bus.list");
+}
+
 Error ended_hold_error(const Call& call, Custody::End why) {
   if (why == Custody::End::stop)
     return error_for(call, Errc::superseded_by_stop, "a stop came and ended the download");

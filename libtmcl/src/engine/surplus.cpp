@@ -1,4 +1,7 @@
 // Replies that nobody here has asked for, and how a value is told from somebody else's then.
+#include <cstdlib>
+#include <utility>
+
 #include <fmt/format.h>
 
 #include "engine/bus_engine.hpp"
@@ -10,8 +13,27 @@ namespace {
 // How often a value is read anew because two replies came.
 constexpr unsigned most_doubts = 8;
 // So often a value is read that must be the same twice: one that changes never is. The last one
-// counts then.
-constexpr unsigned most_readings = 3;
+// counts then. If a motor moves by it, it must have gone on as it did before: what is another's is
+// anywhere.
+constexpr unsigned usual_readings = 3;
+constexpr unsigned most_readings = 8;
+constexpr std::int64_t like_factor = 8;
+
+bool are_alike(std::int64_t change, std::int64_t other) {
+  const bool same_way = (change > 0) == (other > 0) && change != 0 && other != 0;
+  return same_way && std::abs(change) <= like_factor * std::abs(other) &&
+         std::abs(other) <= like_factor * std::abs(change);
+}
+
+/// After one more reading.
+bool is_settled(Call& call, const Answer& answer) {
+  const auto value = answer.reply.value;
+  const auto last = std::exchange(call.last_value, value);
+  const auto change = last ? std::int64_t{value} - *last : 0;
+  const bool goes_on = last == value || are_alike(change, std::exchange(call.change, change));
+  if (++call.readings < usual_readings) return false;
+  return goes_on || call.options.proof != Proof::twice;
+}
 
 }  // namespace
 
@@ -94,8 +116,12 @@ void BusEngine::hand_out_proven(const Conversation& module, TimePoint now) {
         fail(call, doubt_error(call));
         continue;
       }
-    } else if (must_read_twice(call, module.lane, now) && ++call.readings < most_readings) {
+    } else if (must_read_twice(call, module.lane, now) && !is_settled(call, answer)) {
       call.before = answer;
+      if (call.readings == most_readings) {
+        fail(call, unsettled_error(call));
+        continue;
+      }
     } else {
       finish(std::move(call), answer);
       continue;
