@@ -33,7 +33,7 @@ class DaemonLease : public testing::Test {
     return error_name(client, "axis.move_by", {{"axis", "x"}, {"distance_microsteps", 10}});
   }
   std::size_t stops() { return bench_.daemon.requests_seen(Command::MST); }
-  std::size_t acts() {
+  std::ptrdiff_t acts() {
     return bench_.daemon.on_reactor([&] {
       const auto& seen = bench_.daemon.wire().seen;
       return std::ranges::count_if(seen, [](const auto& request) {
