@@ -28,7 +28,7 @@ std::size_t members_in(const json::value& value) {
 /// Behind the string that begins there.
 std::size_t end_of_string(std::string_view text, std::size_t begin) {
   auto at = begin + 1;
-  while (text[at] != '"') at += text[at] == '\\' ? 2 : 1;
+  while (text[at] != '"') at += text[at] == '\\' ? 2U : 1U;
   return at + 1;
 }
 
@@ -48,7 +48,7 @@ void scan(std::string_view text, const auto& on_string, const auto& on_sign) {
 std::size_t members_in(std::string_view text) {
   std::size_t colons = 0;
   scan(
-      text, [](std::size_t, std::size_t) {}, [&](char sign) { colons += sign == ':' ? 1 : 0; });
+      text, [](std::size_t, std::size_t) {}, [&](char sign) { colons += sign == ':' ? 1U : 0U; });
   return colons;
 }
 
