@@ -406,14 +406,16 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
       co_return tl::unexpected(std::move(*objection));
     }
   }
-  const auto claimant = motors_.claimant_of({request.address, request.motor});
+  const tmcl::AxisAddress motor{request.address, request.motor};
+  const auto claimant = motors_.claimant_of(motor);
+  const auto turning = motors_.turning_of(motor);
   const bool asks = effect == tmcl::Effect::reads;
   // What is read while it is on its way may be from before it.
   if (!asks) ++commands_;
   auto answer = co_await tmcl::exchange(request, options);
   if (!asks) ++commands_;
   on_its_way.reset();
-  motors_.note(request, answer, claimant);
+  motors_.note(request, answer, claimant, turning);
   const bool may_be_done = answer || answer.error().outcome == tmcl::Outcome::unknown;
   conduct.acted = conduct.acted || (may_be_done && !asks);
   co_return answer;

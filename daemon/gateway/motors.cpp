@@ -198,7 +198,10 @@ std::optional<tmcl::Error> Motors::objection_to_write(const Request& request, Pe
 }
 
 void Motors::lease(AxisAddress motor, Tenant tenant) {
-  if (is_axis(motor)) motors_.at(motor).tenant = std::move(tenant);
+  if (!is_axis(motor)) return;
+  auto& leased = motors_.at(motor);
+  if (tenant.turns) ++leased.turning;
+  leased.tenant = std::move(tenant);
 }
 
 void Motors::end_turning(AxisAddress motor) {
@@ -217,8 +220,13 @@ Tenant Motors::tenant_of(AxisAddress motor) const {
   return found == motors_.end() ? Tenant{} : found->second.tenant;
 }
 
+std::uint64_t Motors::turning_of(AxisAddress motor) const {
+  return tenant_of(motor).turns ? motors_.at(motor).turning : 0;
+}
+
 tmcl::Error Motors::leased(AxisAddress motor) const {
-  const auto& [axis, last_stop, last_loss, claimant, tenant] = motors_.at(motor);
+  const auto& axis = motors_.at(motor).axis;
+  const auto& tenant = motors_.at(motor).tenant;
   if (tenant.turns)
     return error(Errc::leased, "axis '" + axis + "' turns for " + tenant.name, "stop it first");
   return error(Errc::leased, "axis '" + axis + "' is leased to " + tenant.name,
@@ -313,11 +321,12 @@ tmcl::Error Motors::claimed(AxisAddress motor) const {
                "wait for its end, or stop it");
 }
 
-void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answer,
-                  Claimant before) {
+void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answer, Claimant before,
+                  std::uint64_t turning) {
   const AxisAddress motor{request.address, request.motor};
   if (answer || answer.error().outcome == tmcl::Outcome::unknown) note_moved(request);
-  if (answer && ends_turning(request)) end_turning(motor);
+  // Whoever lets it turn may have said so while this was on its way.
+  if (answer && ends_turning(request) && turning == turning_of(motor)) end_turning(motor);
   if (answer && request.command == Command::MST) moved_.erase(motor);
   if (request.command != Command::RFS) return;
   switch (static_cast<Search>(request.type)) {

@@ -133,6 +133,8 @@ class Motors {
   void lose_lease(tmcl::AxisAddress motor);
   /// With client 0 if it has none.
   Tenant tenant_of(tmcl::AxisAddress motor) const;
+  /// Which of its turnings this is; 0 if it was not told to turn.
+  std::uint64_t turning_of(tmcl::AxisAddress motor) const;
   /// What everybody else is told. Only of a motor that has a tenant.
   tmcl::Error leased(tmcl::AxisAddress motor) const;
   /// Whether this client lets the motor turn, without a lease.
@@ -161,10 +163,10 @@ class Motors {
   /// As far as is known: something that can move it has gone out since it was stopped last.
   bool may_move(tmcl::AxisAddress motor) const;
 
-  /// Learns from what goes past whether reference searches run: `before` it was sent, the motor
-  /// was claimed like this.
-  void note(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer,
-            Claimant before);
+  /// Learns from what goes past whether reference searches run, and what turns: `before` it was
+  /// sent, the motor was claimed like this, and `turning` was its turning.
+  void note(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer, Claimant before,
+            std::uint64_t turning);
 
  private:
   struct Motor {
@@ -173,6 +175,7 @@ class Motors {
     std::uint64_t last_loss = 0;  ///< Of a lease.
     Claimant claimant{};
     Tenant tenant{};
+    std::uint64_t turning = 0;
   };
 
   bool is_axis(tmcl::AxisAddress motor) const;

@@ -37,7 +37,7 @@ class DaemonMotors : public testing::Test {
     return !motors.objection(request, permit) && !motors.claimed_by_other(request, permit);
   }
   void see(const Request& request, tmcl::Result<tmcl::Answer> answer) {
-    motors.note(request, answer, motors.claimant_of(x));
+    motors.note(request, answer, motors.claimant_of(x), motors.turning_of(x));
   }
   static tmcl::Answer with_value(std::int32_t value) {
     tmcl::Answer answer;
@@ -149,7 +149,7 @@ TEST_F(DaemonMotors, AnswersTellWhenASearchIsOver) {
 TEST_F(DaemonMotors, AnAnswerFromBeforeTheSearchSaysNothingAboutIt) {
   const auto before = motors.claimant_of(x);
   motors.begin(search_x, arrivals->admit());
-  motors.note(look_at_search, with_value(0), before);
+  motors.note(look_at_search, with_value(0), before, 0);
   EXPECT_EQ(motors.claimant_of(x).by, Mover::search);
 }
 

@@ -287,6 +287,23 @@ TEST_F(DaemonTurning, IsOverWhenAnybodyStopsIt) {
   EXPECT_EQ(stops(), 1U);
 }
 
+// The answer to the move comes when the axis is told to turn already.
+TEST_F(DaemonTurning, IsNotOverByAMoveThatWasSentBefore) {
+  auto& wire = bench_.daemon.wire();
+  wire.holds = true;
+  other_->send("axis.move_to", {{"axis", "x"}, {"position_microsteps", 9}, {"predict", false}});
+  ASSERT_TRUE(bench_.daemon.eventually(
+      [&] { return !wire.held.empty() && wire.held.back().command == Command::MVP; }));
+  holder_->send("axis.rotate", {{"axis", "x"}, {"velocity_internal", 500}});
+  bench_.daemon.run_for(10ms);
+  bench_.daemon.on_reactor([&] { wire.release(); });
+  ASSERT_TRUE(bench_.daemon.eventually([&] { return wire.count(Command::ROR) == 1; }));
+  bench_.daemon.run_for(10ms);
+  EXPECT_EQ(move_by(*other_), "leased");
+  holder_.reset();
+  ASSERT_TRUE(bench_.daemon.eventually([&] { return stops() == 1; }));
+}
+
 TEST_F(DaemonTurning, IsOverWhenTheAxisIsSentSomewhere) {
   rotate(*holder_, 500);
   EXPECT_EQ(move_by(*holder_), "");
