@@ -136,8 +136,8 @@ class Axis {
   CallResult<api::axis::StartedMove> move_to(Microsteps position);
   CallResult<api::axis::StartedMove> move_by(api::Amount distance);
   CallResult<api::axis::StartedMove> move_by(Microsteps distance);
-  /// Turns without end; a number is in the unit of the axis per second.
-  /// Until it is stopped, or this connection ends.
+  /// Turns until it is stopped, or this connection ends; a number is in the unit of the axis per
+  /// second.
   CallResult<api::axis::Turning> rotate(api::Amount velocity);
   /// Overtakes everything; answers when the module has taken it.
   CallResult<void> stop();
