@@ -91,6 +91,13 @@ void Module::restart() {
   power_up();
 }
 
+void Module::power_cycle() {
+  run_due();
+  bootloader_wanted_ = false;
+  restart();
+  run_application();
+}
+
 Answer Module::execute(const Request& request, Medium medium, EventSink& from) {
   run_due();
   if (now_ < deaf_until_) return no_answer;

@@ -36,7 +36,7 @@ enum class Medium : std::uint8_t { serial, can };
 /// Except for what a command reads, a reply's value repeats the request's; only a relative movement
 /// of a sixPoint module tells its target.
 ///
-/// After a restart (commands 255 and 137) it is deaf for `boot_time`. Its motors stand at 0 then,
+/// After a restart (commands 255 and 137, power_cycle()) it is deaf for `boot_time`. Its motors stand at 0 then,
 /// and it knows what is in its EEPROM; what is outside the module, the inputs and whatever the
 /// motors drive, is as before.
 ///
@@ -58,6 +58,8 @@ class Module final : private ProgramHost {
 
   /// Executes a command that was addressed to this module. `from` is where a later event goes.
   Answer execute(const Request& request, Medium medium, EventSink& from);
+  /// Its supply fails now, and is back at once.
+  void power_cycle();
   /// No more events to this sink.
   void forget(const EventSink& sink) { events_.forget(sink); }
 

@@ -104,6 +104,32 @@ TEST_F(SimStorage, LosesPositionsAndMovementsAtARestart) {
   EXPECT_EQ(get(ap::actual_position, 1), 0);
 }
 
+TEST_F(SimStorage, KnowsAfterAPowerCycleWhatItsEepromHolds) {
+  auto& module = add(3110);
+  ask(Command::SAP, ap::max_velocity, 0, 321);
+  ask(Command::STAP, ap::max_velocity, 0);
+  ask(Command::SAP, ap::max_acceleration, 0, 123);
+  ask(Command::SGP, 255, 2, 4711);
+  ask(Command::ROR, 0, 1, 1000);
+  pass(std::chrono::seconds(5));
+  EXPECT_EQ(global(132), 5000);
+  module.power_cycle();
+  EXPECT_EQ(module.axis(1).get(ap::actual_velocity), 0);
+  pass(Module::boot_time - milliseconds(1));
+  EXPECT_FALSE(ask(Command::GAP, 1, 0));
+  pass(milliseconds(1));
+  EXPECT_EQ(global(132), Module::boot_time / milliseconds(1)) << "its clock began anew";
+  EXPECT_EQ(get(ap::max_velocity), 321);
+  EXPECT_NE(get(ap::max_acceleration), 123);
+  EXPECT_EQ(get(ap::actual_position, 1), 0);
+  EXPECT_EQ(ask(Command::GGP, 255, 2)->value, 0);
+}
+
+TEST_F(SimStorage, HasATickTimerInEveryModel) {
+  for (const auto& model : models())
+    EXPECT_TRUE(find_parameter(global_parameters(model), "tick_timer")) << model.name;
+}
+
 TEST_F(SimStorage, IsDeafWhileItStarts) {
   add(1110);
   ask(Command::SOFTWARE_RESET, 0, 0, reset_code);
