@@ -43,6 +43,7 @@ Answer<axis::GetUnits> get_units(Call& call, const axis::GetUnits& params);
 Answer<axis::Home> home(Call& call, const axis::Home& params);
 Answer<axis::StartHome> start_home(Call& call, const axis::StartHome& params);
 Answer<axis::StopHome> stop_home(Call& call, const axis::StopHome& params);
+Answer<axis::Recover> recover(Call& call, const axis::Recover& params);
 
 Answer<lease::Acquire> acquire_lease(Call& call, const lease::Acquire& params);
 Answer<lease::Renew> renew_lease(Call& call, const lease::Renew& params);

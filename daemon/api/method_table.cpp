@@ -64,6 +64,7 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::home>(),
     method<handlers::start_home>(),
     method<handlers::stop_home>(),
+    method<handlers::recover>(),
     method<handlers::get_state>(),
     method<handlers::get_units>(),
     method<handlers::get_parameter>(),

@@ -84,4 +84,11 @@ Answer<axis::StopHome> stop_home(Call& call, const axis::StopHome& params) {
   co_return nothing_or(stopped, **axis);
 }
 
+Answer<axis::Recover> recover(Call& call, const axis::Recover& params) {
+  const auto axis = axis_of(call, params.axis);
+  if (!axis) co_return tl::unexpected(axis.error());
+  const auto recovered = co_await (*axis)->recover();
+  co_return nothing_or(recovered, **axis);
+}
+
 }  // namespace tmcld::handlers

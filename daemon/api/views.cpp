@@ -58,6 +58,9 @@ void fill(api::axis::State& out, const GatewayAxis& axis, const AxisReading& rea
     if (user->velocity) out.velocity = user->velocity->value;
     out.target = user->target.value;
   }
+  out.latched = axis.latched().has_value();
+  out.referenced = axis.is_referenced();
+  if (const auto cause = axis.stop_cause()) out.stop_cause = std::string(name_of(*cause));
   out.age_ms = milliseconds(axis.bus().clock().now() - reading.taken);
   const auto tenant = axis.tenant();
   if (tenant.lease != 0) out.lease = tenant.lease;
@@ -142,6 +145,7 @@ api::module::Module view_of(const GatewayBus& bus, const GatewayModule& module) 
   auto out = with_identity<api::module::Module>(bus, module.address(), module.identity());
   out.state = name_of(module.state());
   out.duplicate_suspected = module.duplicate_suspected();
+  out.watched_by = module.sentinel().name();
   return out;
 }
 
@@ -173,7 +177,7 @@ api::Event view_of(const GatewayEvent& event) {
       event.kind == GatewayEvent::Kind::path_broken ||
       event.kind == GatewayEvent::Kind::mint_broken)
     out.motors = motors_in(static_cast<std::uint32_t>(event.value));
-  if (event.kind == GatewayEvent::Kind::axis_stopped) out.cause = "daemon";
+  out.cause = if_any(event.cause);
   out.reason = if_any(event.reason);
   return out;
 }

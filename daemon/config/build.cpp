@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <charconv>
 #include <chrono>
 #include <cmath>
 #include <optional>
@@ -12,6 +13,7 @@
 #include <fmt/ranges.h>
 
 #include "tmcl/mechanics.hpp"
+#include "tmcl/parameter.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmcld {
@@ -41,6 +43,22 @@ LinkScope scope_of(const tmcl::LinkName& link) {
   return LinkScope::serial_framing;
 }
 
+/// Nothing if it is none.
+std::optional<SentinelConfig> sentinel_of(std::string_view text) {
+  using Kind = SentinelConfig::Kind;
+  constexpr std::string_view variable = "variable:";
+  if (text == "auto" || text == "tick") return SentinelConfig{Kind::tick};
+  if (text == "none") return SentinelConfig{Kind::none};
+  if (!text.starts_with(variable)) return std::nullopt;
+  SentinelConfig sentinel{Kind::variable};
+  const auto* end = text.data() + text.size();
+  const auto read = std::from_chars(text.data() + variable.size(), end, sentinel.variable);
+  // The others can be kept in the EEPROM: they would be as they were after a restart.
+  const bool is_good =
+      read.ec == std::errc() && read.ptr == end && sentinel.variable >= tmcl::kept_user_variables;
+  return is_good ? std::optional(sentinel) : std::nullopt;
+}
+
 bool applies(LinkScope key, LinkScope link) {
   return key == LinkScope::any || key == link ||
          (key == LinkScope::serial_framing && link == LinkScope::tcp);
@@ -64,6 +82,7 @@ class Builder {
     };
     each(SectionKind::daemon, [&](const auto& section) { add_daemon(section); });
     each(SectionKind::bus, [&](const auto& section) { add_bus(section); });
+    each(SectionKind::module, [&](const auto& section) { add_module(section); });
     each(SectionKind::axis, [&](const auto& section) { add_axis(section); });
     check_whole();
     return std::move(config_);
@@ -181,6 +200,28 @@ class Builder {
     return options;
   }
 
+  void add_module(const ConfigSection& section) {
+    const auto* bus_name = section.get<std::string>("bus");
+    const auto* number = section.get<std::int64_t>("address");
+    const auto* named = bus_name == nullptr ? nullptr : find_bus(section, *bus_name);
+    if (named == nullptr || number == nullptr) return;
+    auto& modules = std::ranges::find(config_.buses, *bus_name, &BusConfig::name)->modules;
+    const tmcl::ModuleAddress address{static_cast<std::uint16_t>(*number)};
+    if (std::ranges::count(modules, address, &ModuleConfig::address) != 0) {
+      complain(section.place_of("address"), "module " + std::to_string(*number) + " on bus " +
+                                                quoted(*bus_name) + " is given twice");
+    }
+    modules.push_back({address});
+    const auto* text = section.get<std::string>("sentinel");
+    if (text == nullptr) return;
+    const auto sentinel = sentinel_of(*text);
+    if (sentinel) modules.back().sentinel = *sentinel;
+    if (sentinel) return;
+    complain(section.place_of("sentinel"),
+             "'sentinel' is " + quoted(*text) +
+                 ", but must be auto, tick, none or variable:N with N from 56 to 255");
+  }
+
   void add_axis(const ConfigSection& section) {
     const auto* name = new_name(section, config_.axes);
     const auto* bus_name = section.get<std::string>("bus");
@@ -204,7 +245,18 @@ class Builder {
                    " of module " + std::to_string(*address) + " on bus " + quoted(*bus_name));
     }
     auto scale = scale_of(section);
-    if (name != nullptr) config_.axes.push_back({*name, *bus_name, where, std::move(scale)});
+    const bool needs_reference = reference_is_required(section);
+    if (name != nullptr)
+      config_.axes.push_back({*name, *bus_name, where, std::move(scale), needs_reference});
+  }
+
+  bool reference_is_required(const ConfigSection& section) {
+    const auto* text = section.get<std::string>("reference");
+    if (text == nullptr || *text == "optional") return false;
+    if (*text == "required") return true;
+    complain(section.place_of("reference"),
+             "'reference' is " + quoted(*text) + ", but must be required or optional");
+    return false;
   }
 
   void check_reply_id(const ConfigSection& section, const BusConfig& bus, std::int64_t address) {

@@ -30,11 +30,24 @@ struct DaemonConfig {
   OnExit on_exit = OnExit::stop;
 };
 
+/// By what it is noticed that a module has restarted.
+struct SentinelConfig {
+  enum class Kind : std::uint8_t { tick, variable, none };
+  Kind kind = Kind::tick;
+  std::uint8_t variable = 0;
+};
+
+struct ModuleConfig {
+  tmcl::ModuleAddress address{};
+  SentinelConfig sentinel{};
+};
+
 struct BusConfig {
   std::string name;
   tmcl::LinkName link;
   tmcl::LinkOptions link_options;
-  tmcl::BusOptions bus_options;  ///< `name` is the configured one, so that errors carry it.
+  tmcl::BusOptions bus_options;         ///< `name` is the configured one, so that errors carry it.
+  std::vector<ModuleConfig> modules{};  ///< Those that something is said about.
 };
 
 /// What an axis is measured in.
@@ -60,6 +73,8 @@ struct AxisConfig {
   std::string bus;
   tmcl::AxisAddress address;
   ScaleConfig scale{};
+  /// It is not sent to a position before it has searched its reference.
+  bool needs_reference = false;
 };
 
 /// Every axis is on one of the buses; names are unique, and so are motors.

@@ -42,6 +42,11 @@ constexpr auto keys = std::to_array<KeyInfo>({
     {bus, "can_extended", boolean, optional, 0, 0, can, "29-bit identifiers"},
     {bus, "connect_timeout_ms", integer, optional, 1, 60000, tcp, "how long connecting may take"},
 
+    {module, "bus", string, required, 0, 0, any, "name of the bus the module is on"},
+    {module, "address", integer, required, 0, 0x7FF, any, "address of the module"},
+    {module, "sentinel", string, optional, 0, 0, any,
+     "by what a restart of it is noticed: auto, tick, variable:N or none"},
+
     {axis, "name", string, required, 0, 0, any, "how clients call this axis"},
     {axis, "bus", string, required, 0, 0, any, "name of the bus the module is on"},
     {axis, "address", integer, required, 0, 0x7FF, any, "address of the module"},
@@ -67,6 +72,8 @@ constexpr auto keys = std::to_array<KeyInfo>({
     {axis, "encoder_quadrature", boolean, optional, 0, 0, any, "four counts to each of its lines"},
     {axis, "encoder_counts_per_unit", number, optional, 0, 0, any,
      "counts of a linear encoder in one unit; instead of encoder_lines"},
+    {axis, "reference", string, optional, 0, 0, any,
+     "required: it is sent to no position before it has searched its reference; or optional"},
 });
 
 }  // namespace
@@ -75,6 +82,7 @@ std::string_view title_of(SectionKind section) {
   switch (section) {
     case daemon: return "[daemon]";
     case bus: return "[[bus]]";
+    case module: return "[[module]]";
     case axis: return "[[axis]]";
   }
   return {};

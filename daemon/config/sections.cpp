@@ -27,6 +27,8 @@ class Reader {
         if (daemon_ == DaemonSection::required) read_single(node);
       } else if (key == "bus") {
         read_list(SectionKind::bus, node);
+      } else if (key == "module") {
+        read_list(SectionKind::module, node);
       } else if (key == "axis") {
         read_list(SectionKind::axis, node);
       } else {
@@ -43,7 +45,7 @@ class Reader {
   }
 
   void complain_unknown(const toml::key& key, const toml::node& node) {
-    constexpr std::array<std::string_view, 3> known{"daemon", "bus", "axis"};
+    constexpr std::array<std::string_view, 4> known{"daemon", "bus", "module", "axis"};
     if (!node.is_table() && !node.is_array_of_tables()) {
       return complain(place_of(key.source()), quoted(key.str()) + " stands outside of any section");
     }

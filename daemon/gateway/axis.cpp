@@ -11,6 +11,7 @@
 
 #include "gateway/awaited_run.hpp"
 #include "gateway/poller.hpp"
+#include "gateway/standing_stop.hpp"
 #include "tmcl/relative_move.hpp"
 
 namespace tmcld {
@@ -162,6 +163,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::stop() {
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::brake() {
+  note_stop(StopCause::daemon);
   return axis_.run(tmcl::verbs::stop(address()));
 }
 
@@ -176,14 +178,24 @@ GatewayAxis::Awaitable<void> GatewayAxis::stop_home() {
   co_return result;
 }
 
+GatewayAxis::Awaitable<void> GatewayAxis::recover() {
+  auto ready = co_await be_ready();
+  if (ready) bus().motors().recover(address());
+  co_return ready;
+}
+
 GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
                                                       RunOptions movement) {
+  bus().motors().recover(address());
   auto script = tmcl::verbs::home(address(), std::move(options));
-  return move(intent::Search{}, std::move(script), std::move(movement));
+  auto homed = co_await move(intent::Search{}, std::move(script), std::move(movement));
+  if (homed) bus().motors().note_reference(address());
+  co_return homed;
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t> mode,
                                                      RunOptions movement) {
+  bus().motors().recover(address());
   auto script = tmcl::verbs::start_reference_search(address(), mode);
   return move(intent::Search{}, std::move(script), std::move(movement));
 }
@@ -193,11 +205,21 @@ GatewayAxis::Awaitable<Microsteps> GatewayAxis::wait(tmcl::WaitOptions wait_opti
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
   RunOptions options;
-  options.objection = std::move(objection);
+  options.objection = [this, of_caller = std::move(objection)] {
+    auto latch = latched();
+    return latch || !of_caller ? latch : of_caller();
+  };
   const auto left = expected_arrival_ - bus().clock().now();
   wait_options.expected = std::max(left, tmcl::Duration{});
   auto script = tmcl::verbs::wait_until_reached(address(), wait_options);
   auto result = co_await axis_.run(std::move(script), std::move(options));
+  // A module that has started again is at its target, which is where it is.
+  auto watched = co_await axis_.run(module().watch(movement_sentinel_age));
+  if (auto latch = latched()) co_return tl::unexpected(std::move(*latch));
+  if (result && !watched) co_return tl::unexpected(std::move(watched.error()));
+  if (result || result.error().code != tmcl::Errc::move_interrupted) co_return result;
+  if (!stop_cause_) co_await find_cause();
+  if (stop_cause_) result.error().message += "; cause: " + std::string(name_of(*stop_cause_));
   co_return result;
 }
 
@@ -225,7 +247,9 @@ GatewayAxis::Awaitable<void> GatewayAxis::write(std::uint8_t parameter, std::int
   auto result = co_await axis_.run(std::move(script), std::move(admitted));
   // Also after a failure: the value may have been set all the same.
   units_.note_set(parameter);
-  if (parameter == tmcl::axis_parameter::actual_position) requested_.reset();
+  if (parameter != tmcl::axis_parameter::actual_position) co_return result;
+  requested_.reset();
+  if (result) bus().motors().note_reference(address());
   co_return result;
 }
 
@@ -254,6 +278,7 @@ class GatewayAxis::Look {
 
 bool GatewayAxis::is_known(tmcl::Duration max_age) const {
   return last_ && last_->commands == bus().commands() &&
+         last_->settings == module().settings_epoch() &&
          bus().clock().now() - last_->reading.taken < max_age;
 }
 
@@ -267,12 +292,59 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state(tmcl::Duration max_a
   if (is_known(max_age)) co_return last_->reading;
   const Look look(*this);
   const auto commands = bus().commands();
+  const auto settings = module().settings_epoch();
   auto reading = co_await axis_.run(units_.reading());
-  if (reading) last_ = {*reading, commands};
+  // Behind it: what was read is of the module that this one was, or the axis is latched.
+  const auto watched = co_await axis_.run(module().watch(movement_sentinel_age));
+  if (!watched) co_return tl::unexpected(watched.error());
+  if (!reading) co_return reading;
+  last_ = {*reading, commands, settings};
+  co_await note_motion(reading->state);
   co_return reading;
 }
 
+// ---- why it stands -----------------------------------------------------------------------------
+
+std::optional<StopCause> GatewayAxis::stop_cause() const {
+  return latched() ? StopCause::supply : stop_cause_;
+}
+
+void GatewayAxis::note_stop(StopCause cause) {
+  was_moving_ = false;
+  if (!stop_cause_) stop_cause_ = cause;
+}
+
+boost::asio::awaitable<void> GatewayAxis::note_motion(tmcl::AxisState state) {
+  const bool moves = state.velocity.value != 0;
+  const bool is_stopped = !bus().motors().may_move(address());
+  if ((moves && !is_stopped) || state.position == state.target) stop_cause_.reset();
+  // Who leads it knows why it stands; and between two directions it does so for a moment.
+  const bool stopped = was_moving_ && !moves && state.position != state.target &&
+                       mover() == Mover::nobody && !latched();
+  was_moving_ = moves;
+  if (!stopped) co_return;
+  if (is_stopped) co_return note_stop(StopCause::client);
+  const auto here = state.position;
+  auto again = co_await axis_.run(tmcl::verbs::state(address()));
+  const bool stands = again && again->velocity.value == 0 && again->position == here;
+  if (stands && !stop_cause_) co_await find_cause();
+}
+
+boost::asio::awaitable<void> GatewayAxis::find_cause() {
+  const auto cause = co_await axis_.run(find_stop_cause(address(), parameters()));
+  if (!cause || stop_cause_) co_return;
+  stop_cause_ = *cause;
+  auto event = event_of(*this, GatewayEvent::Kind::axis_stopped,
+                        "axis '" + name() +
+                            "' stands short of its target, and nobody has stopped "
+                            "it; cause: " +
+                            std::string(name_of(*cause)));
+  event.cause = name_of(*cause);
+  bus().emit(std::move(event));
+}
+
 void GatewayAxis::forget_move() {
+  stop_cause_.reset();
   expected_arrival_ = {};
   requested_.reset();
 }

@@ -16,6 +16,7 @@
 #include "async/wake.hpp"
 #include "gateway/axis_admission.hpp"
 #include "gateway/axis_units.hpp"
+#include "gateway/stop_cause.hpp"
 
 namespace tmcld {
 
@@ -146,6 +147,16 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<void> stop();
   /// The same by whoever moves the axis: calls that began before keep their right to move it.
   Awaitable<void> brake();
+  /// Its module has started again, or is another one, and somebody knows that the axis may move.
+  /// Errors: those of be_ready().
+  Awaitable<void> recover();
+  /// Why nothing moves it; nothing if it may be moved.
+  std::optional<tmcl::Error> latched() const { return bus().motors().latched(address()); }
+  /// Why it stands short of where it was to go; nothing while it moves, when it has arrived, and
+  /// when nobody has looked.
+  std::optional<StopCause> stop_cause() const;
+  /// Its module knows where zero is, as far as was seen since the daemon started.
+  bool is_referenced() const { return bus().motors().is_referenced(address()); }
   /// Ends a reference search, whoever began it.
   Awaitable<void> stop_home();
   /// Calls that began before this have no right to move the axis any more.
@@ -169,6 +180,10 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   class Look;
   bool is_known(tmcl::Duration max_age) const;
   Claimant claimant() const { return bus().motors().claimant_of(address()); }
+  /// Finds out why an axis stands that was on its way.
+  boost::asio::awaitable<void> note_motion(tmcl::AxisState state);
+  boost::asio::awaitable<void> find_cause();
+  void note_stop(StopCause cause);
   /// The axis goes, or may go, somewhere else than it was sent before.
   void forget_move();
 
@@ -184,8 +199,11 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   struct LastReading {
     AxisReading reading;
     std::uint64_t commands = 0;  ///< Of the bus, when the look began.
+    std::uint64_t settings = 0;  ///< Likewise, of its module.
   };
   std::optional<LastReading> last_;
+  bool was_moving_ = false;  ///< When somebody looked last.
+  std::optional<StopCause> stop_cause_;
   std::size_t looks_ = 0;  ///< In progress.
   std::vector<std::shared_ptr<Wake>> waiting_;
 };

@@ -58,7 +58,27 @@ bool AxisAdmission::needs_free_axis(const Intent& intent) const {
          tmcl::set_off_by(write->parameter, axis_.parameters()) != tmcl::SetOff::nothing;
 }
 
+std::optional<tmcl::Error> AxisAdmission::misses_reference(const Intent& intent) const {
+  const auto* write = std::get_if<intent::Write>(&intent);
+  const bool is_to_position =
+      std::holds_alternative<intent::MoveTo>(intent) ||
+      std::holds_alternative<intent::MoveToCoordinate>(intent) ||
+      std::holds_alternative<intent::FollowPath>(intent) ||
+      (write != nullptr &&
+       tmcl::set_off_by(write->parameter, axis_.parameters()) == tmcl::SetOff::move_to_value);
+  const bool is_known = axis_.bus().motors().is_referenced(axis_.address());
+  if (!axis_.config().needs_reference || !is_to_position || is_known) return std::nullopt;
+  tmcl::Error error;
+  error.code = tmcl::Errc::latched;
+  error.outcome = tmcl::Outcome::not_sent;
+  error.message = "axis '" + axis_.name() + "' has not searched its reference";
+  error.hint = "search it first: 'tmclctl home " + axis_.name() +
+               "'; the configuration requires that: 'reference'";
+  return axis_.on_bus(std::move(error));
+}
+
 AxisAdmission::Script<void> AxisAdmission::check_now(Intent intent, Permit permit) {
+  if (auto error = misses_reference(intent)) co_return tl::unexpected(std::move(*error));
   if (needs_free_axis(intent)) {
     auto free = co_await axis_.bus().may_send(any_move(), permit);
     if (!free) co_return free;

@@ -83,6 +83,7 @@ class AxisAdmission {
  private:
   tmcl::Request any_move() const;
   bool needs_free_axis(const Intent& intent) const;
+  std::optional<tmcl::Error> misses_reference(const Intent& intent) const;
   Script<void> check_now(Intent intent, Permit permit);
   Script<void> check_one(intent::MoveTo move);
   Script<void> check_one(intent::MoveToCoordinate move);

@@ -212,6 +212,8 @@ std::string_view name_of(GatewayEvent::Kind kind) {
     case GatewayEvent::Kind::module_silent: return "module_silent";
     case GatewayEvent::Kind::module_answers: return "module_answers";
     case GatewayEvent::Kind::module_in_bootloader: return "module_in_bootloader";
+    case GatewayEvent::Kind::module_reset: return "module_reset";
+    case GatewayEvent::Kind::module_replaced: return "module_replaced";
   }
   return {};
 }
@@ -225,7 +227,11 @@ GatewayModule* GatewayBus::find_module(tmcl::ModuleAddress address) const {
 
 GatewayModule& GatewayBus::add_module(tmcl::ModuleAddress address) {
   auto& module = modules_[address];
-  if (!module) module = std::make_unique<GatewayModule>(*this, address);
+  if (module) return *module;
+  const auto configured = std::ranges::find(config_.modules, address, &ModuleConfig::address);
+  const bool is_told = configured != config_.modules.end();
+  module = std::make_unique<GatewayModule>(*this, address,
+                                           is_told ? configured->sentinel : SentinelConfig{});
   return *module;
 }
 
@@ -345,6 +351,15 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::see_search_end(tmcl::AxisAddress mo
 
 namespace {
 
+// Where a line is so busy that a movement does not get its turn within the age of a sentinel, it
+// goes out after so many of them all the same.
+constexpr int most_admissions = 3;
+
+std::optional<tmcl::TimePoint> earliest(std::optional<tmcl::TimePoint> one,
+                                        std::optional<tmcl::TimePoint> other) {
+  return one && other ? std::min(one, other) : one ? one : other;
+}
+
 /// Whoever sends a request may be ended at any time: it is on its way for as long as this lives.
 class OnItsWay {
  public:
@@ -370,11 +385,18 @@ bool is_judged(const tmcl::step::Exchange& exchange) {
 
 }  // namespace
 
-tmcl::Script<tmcl::Result<void>> GatewayBus::admit(tmcl::Request request,
+/// The one whose sentinel can be asked along with this. Who holds a module waits for no one else.
+GatewayModule* GatewayBus::watched_module(const tmcl::step::Exchange& exchange) const {
+  return exchange.options.hold ? nullptr : find_module(exchange.request.address);
+}
+
+tmcl::Script<tmcl::Result<void>> GatewayBus::admit(tmcl::step::Exchange exchange,
                                                    const RunOptions& options) {
+  auto* module = watched_module(exchange);
   // Each of the questions may take its time, and what was allowed before may not be any more.
   while (true) {
-    auto allowed = co_await may_send(request, options.permit);
+    if (module != nullptr) co_await must(module->watch(options.sentinel_age));
+    auto allowed = co_await may_send(exchange.request, options.permit);
     if (!allowed) co_return allowed;
     auto check = options.recheck ? options.recheck() : std::nullopt;
     if (!check) break;
@@ -389,36 +411,83 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::admit(tmcl::Request request,
 tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange exchange,
                                                           Conduct& conduct) {
   const auto& request = exchange.request;
-  const auto& options = exchange.options;
-  const auto effect = effect_of(request.command, request.type);
-  std::optional<OnItsWay> on_its_way;
-  if (is_judged(exchange)) {
-    auto allowed = co_await admit(request, conduct.options);
-    if (!allowed) {
-      conduct.refused = true;
-      allowed.error().request = request;
-      co_return tl::unexpected(std::move(allowed.error()));
-    }
-    on_its_way.emplace(motors_, request, conduct.options.permit);
-  } else if (effect == tmcl::Effect::writes) {
+  if (!is_judged(exchange) && effect_of(request.command, request.type) == tmcl::Effect::writes) {
     if (auto objection = motors_.objection_to_write(request, conduct.options.permit)) {
       objection->request = request;
       co_return tl::unexpected(std::move(*objection));
     }
   }
+  const auto given = earliest(exchange.options.deadline, conduct.options.deadline);
+  for (auto tries = is_judged(exchange) ? most_admissions : 0; tries > 0; --tries) {
+    auto allowed = co_await admit(exchange, conduct.options);
+    if (!allowed) {
+      conduct.refused = true;
+      allowed.error().request = exchange.request;
+      co_return tl::unexpected(std::move(allowed.error()));
+    }
+    auto bounded = exchange;
+    const auto* module = watched_module(exchange);
+    const bool is_watched = module != nullptr && module->sentinel().watches();
+    if (!is_watched || tries == 1) break;
+    const auto limit = module->sentinel().last_seen() + conduct.options.sentinel_age;
+    bounded.options.deadline = earliest(given, limit);
+    auto answer = co_await send_once(std::move(bounded), conduct);
+    const bool expired = !answer && answer.error().code == tmcl::Errc::deadline_passed;
+    if (!expired || bounded.options.deadline == given) co_return answer;
+  }
+  auto answer = co_await send_once(std::move(exchange), conduct);
+  co_return answer;
+}
+
+tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Exchange exchange,
+                                                               Conduct& conduct) {
+  const auto request = exchange.request;
+  conduct.module = watched_module(exchange);
+  std::optional<OnItsWay> on_its_way;
+  if (is_judged(exchange)) on_its_way.emplace(motors_, request, conduct.options.permit);
   const tmcl::AxisAddress motor{request.address, request.motor};
   const auto claimant = motors_.claimant_of(motor);
   const auto turning = motors_.turning_of(motor);
-  const bool asks = effect == tmcl::Effect::reads;
+  const bool asks = effect_of(request.command, request.type) == tmcl::Effect::reads;
   // What is read while it is on its way may be from before it.
   if (!asks) ++commands_;
-  auto answer = co_await tmcl::exchange(request, options);
+  const bool is_proven = exchange.options.proof != tmcl::Proof::none;
+  tmcl::StepResult answers;
+  if (is_proven) {
+    answers = co_await exchange_all(std::vector(1, std::move(exchange)));
+  } else {
+    auto one = co_await tmcl::exchange(request, exchange.options);
+    answers.push_back(std::move(one));
+  }
+  auto& answer = answers.front();
   if (!asks) ++commands_;
   on_its_way.reset();
+  if (auto* module = find_module(request.address)) module->note_sent(request);
   motors_.note(request, answer, claimant, turning);
   const bool may_be_done = answer || answer.error().outcome == tmcl::Outcome::unknown;
   conduct.acted = conduct.acted || (may_be_done && !asks);
-  co_return answer;
+  co_return std::move(answer);
+}
+
+/// What is proven by another command behind it, is proven by the question of the sentinel.
+tmcl::Script<tmcl::StepResult> GatewayBus::exchange_all(
+    std::vector<tmcl::step::Exchange> exchanges) {
+  const auto& last = exchanges.back();
+  auto* module = last.options.proof == tmcl::Proof::none ? nullptr : watched_module(last);
+  const bool asks_more = module != nullptr && module->sentinel().watches();
+  if (asks_more) {
+    tmcl::CallOptions options;
+    options.deadline = last.options.deadline;
+    exchanges.push_back({module->sentinel().question(last.request.address), options});
+  }
+  const auto asked = co_await tmcl::current_time();
+  auto results = co_await tmcl::exchange_all(std::move(exchanges));
+  const auto answered = co_await tmcl::current_time();
+  if (asks_more) {
+    module->note_sentinel(results.back(), asked, answered);
+    results.pop_back();
+  }
+  co_return results;
 }
 
 std::optional<tmcl::Error> GatewayBus::objection_to(const tmcl::Step& step,
@@ -436,6 +505,8 @@ tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Conduct& c
   tmcl::StepResult results;
   if (const auto* pause = std::get_if<tmcl::step::Pause>(&step)) {
     co_await tmcl::pause(pause->duration);
+    // Who waits for something is told when the module will never do it.
+    if (conduct.module != nullptr) co_await conduct.module->watch(conduct.options.sentinel_age);
   } else if (auto* one = std::get_if<tmcl::step::Exchange>(&step)) {
     auto answer = co_await send(std::move(*one), conduct);
     results.push_back(std::move(answer));
@@ -444,7 +515,7 @@ tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Conduct& c
     const bool moves =
         std::ranges::any_of(all, [](const auto& each) { return can_move(each.request); });
     if (!moves) {
-      results = co_await tmcl::exchange_all(std::move(all));
+      results = co_await exchange_all(std::move(all));
       co_return results;
     }
     for (auto& each : all) {

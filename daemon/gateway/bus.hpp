@@ -36,6 +36,9 @@ struct RunOptions : tmcl::RunOptions {
   /// Asked before each request that can move a motor: gives what has to be checked anew, if
   /// something has changed since that was done last.
   std::function<std::optional<tmcl::Script<tmcl::Result<void>>>()> recheck{};
+  /// How lately a module must have been seen to be what it was, when something goes out that can
+  /// move it.
+  tmcl::Duration sentinel_age = movement_sentinel_age;
 };
 
 class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
@@ -126,6 +129,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
     RunOptions options;
     bool acted = false;    ///< Something went out that was no mere question.
     bool refused = false;  ///< Something that can move a motor was not sent: it ends by itself.
+    GatewayModule* module = nullptr;  ///< The last that it has asked something.
   };
   template <class T>
   tmcl::Script<T> judged(tmcl::Script<T> script, RunOptions options) {
@@ -147,7 +151,11 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   static std::optional<tmcl::Error> objection_to(const tmcl::Step& step, const Conduct& conduct);
   tmcl::Script<tmcl::StepResult> carry_out(tmcl::Step step, Conduct& conduct);
   tmcl::Script<tmcl::Result<tmcl::Answer>> send(tmcl::step::Exchange exchange, Conduct& conduct);
-  tmcl::Script<tmcl::Result<void>> admit(tmcl::Request request, const RunOptions& options);
+  tmcl::Script<tmcl::Result<void>> admit(tmcl::step::Exchange exchange, const RunOptions& options);
+  tmcl::Script<tmcl::Result<tmcl::Answer>> send_once(tmcl::step::Exchange exchange,
+                                                     Conduct& conduct);
+  tmcl::Script<tmcl::StepResult> exchange_all(std::vector<tmcl::step::Exchange> exchanges);
+  GatewayModule* watched_module(const tmcl::step::Exchange& exchange) const;
   tmcl::Script<tmcl::Result<void>> see_search_end(tmcl::AxisAddress motor);
 
   tmcl::Error not_open() const;

@@ -6,6 +6,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
+#include "async/rest.hpp"
 #include "async/spawn.hpp"
 #include "gateway/standing_stop.hpp"
 
@@ -34,14 +35,28 @@ DriveAnswer answer_of(tmcl::Result<T> result) {
 }  // namespace
 
 awaitable<void> DriveRun::drive(Drive& drive, std::function<bool()> is_enough) {
+  ++drives_;
+  spawn(co_await boost::asio::this_coro::executor, watch_modules(shared_from_this(), drives_));
   try {
     co_await take_steps(drive, std::move(is_enough));
   } catch (...) {
     broken_ = std::current_exception();
   }
+  ++drives_;
   if (!broken_) co_return;
   for (const auto& member : members_) stop_until_it_stands(member.axis);
   std::rethrow_exception(broken_);
+}
+
+/// An axis whose module is not what it was is latched, which ends the drive.
+awaitable<void> DriveRun::watch_modules(std::shared_ptr<DriveRun> self, std::size_t drive) {
+  while (self->drives_ == drive) {
+    for (const auto& member : self->members_) {
+      const auto axis = member.axis;
+      co_await axis->bus().run(axis->module().watch(journey_sentinel_age), RunOptions());
+    }
+    co_await rest(journey_sentinel_age);
+  }
 }
 
 awaitable<void> DriveRun::take_steps(Drive& drive, std::function<bool()> is_enough) {
@@ -100,7 +115,9 @@ void DriveRun::notice_stops(Drive& drive) const {
   for (std::size_t i = 0; i < members_.size(); ++i) {
     auto stop = members_[i].movement.objection();
     if (!stop) continue;
-    drive.stop({DriveFault::Kind::foreign, i, "was stopped by somebody else", std::move(stop), {}});
+    auto why = stop->code == tmcl::Errc::latched ? "is latched: its module is not what it was"
+                                                 : "was stopped by somebody else";
+    drive.stop({DriveFault::Kind::foreign, i, why, std::move(stop), {}});
   }
 }
 
@@ -116,6 +133,7 @@ awaitable<std::optional<AxisFailure>> DriveRun::claim(Claimant claimant) {
 Admitted DriveRun::movement_of(const DriveMember& member) const {
   auto options = *member.admitted;
   options.on_answer = {};
+  options.sentinel_age = journey_sentinel_age;
   options.recheck = [this] {
     for (const auto& one : members_)
       if (auto check = one.admitted->recheck()) return check;
@@ -138,6 +156,8 @@ awaitable<DriveAnswer> DriveRun::get(const DriveMember& member, DriveCommand com
 }
 
 awaitable<DriveAnswer> DriveRun::set(const DriveMember& member, DriveCommand command) {
+  // A module that has started again has the settings that it starts with.
+  if (command.may_wait && member.axis->latched()) co_return command.value;
   const auto once = [this, &member, command] {
     return write(member, {command.parameter, command.value}, command.may_wait);
   };

@@ -59,6 +59,8 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
  private:
   using Answer = tmcl::plan::DriveAnswer;
 
+  static boost::asio::awaitable<void> watch_modules(std::shared_ptr<DriveRun> self,
+                                                    std::size_t drive);
   boost::asio::awaitable<void> take_steps(tmcl::plan::Drive& drive,
                                           std::function<bool()> is_enough);
   /// Axes that were stopped by others end the drive.
@@ -72,6 +74,7 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   tmcl::ContextClock clock_;
   std::vector<Claim> claims_;
   LinkPatience patience_;
+  std::size_t drives_ = 0;     ///< Begun or ended.
   std::size_t under_way_ = 0;  ///< Beside the coroutine that drives.
   std::exception_ptr failure_;
   std::exception_ptr broken_;  ///< What ends it without the drive.

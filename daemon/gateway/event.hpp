@@ -21,16 +21,20 @@ struct GatewayEvent {
     path_broken,     ///< Likewise, axes on a path; also when it was asked for.
     mint_broken,     ///< Likewise, axes that a Mint program moves.
     lease_lost,      ///< A client has lost the right to move an axis alone.
-    axis_stopped,    ///< An axis that could not be stopped before stands now.
+    axis_stopped,    ///< An axis that could not be stopped before stands now, or one that nobody
+                     ///< has stopped: see cause.
     module_answers,  ///< A module was identified, for the first time or again.
     module_in_bootloader,  ///< Likewise, but no firmware runs in it.
+    module_reset,          ///< A module has started again: its axes are latched.
+    module_replaced,       ///< A module is another one than before: likewise.
   };
   Kind kind;
   std::string bus;
   std::optional<std::uint16_t> address{};  ///< Where it is about one module.
   std::int32_t value = 0;                  ///< A bit for each motor, where it is about motors.
   std::string text{};
-  std::string reason{};  ///< lease_lost: expired, closed or broken.
+  std::string reason{};      ///< lease_lost: expired, closed or broken.
+  std::string_view cause{};  ///< axis_stopped: the name of a StopCause.
 };
 
 /// snake_case; part of the stable interface.

@@ -1,10 +1,36 @@
 #include "gateway/module.hpp"
 
-#include <string>
+#include <limits>
+#include <random>
+#include <utility>
 
 #include "gateway/bus.hpp"
 
 namespace tmcld {
+namespace {
+
+using tmcl::Result;
+using tmcl::Script;
+using Verdict = Sentinel::Verdict;
+
+/// Longer than the timer of any module takes to go on.
+constexpr tmcl::Duration time_to_tick = std::chrono::milliseconds(50);
+
+std::string name_of(const tmcl::FoundModule& found) {
+  const auto& version = found.version;
+  auto name = found.model.empty() ? "unknown model " + std::to_string(version.model)
+                                  : std::string(found.model);
+  return std::move(name) + (version.bootloader ? ", bootloader " : ", firmware ") +
+         to_string(version);
+}
+
+std::int32_t random_mark() {
+  std::random_device device;
+  return std::uniform_int_distribution<std::int32_t>(
+      1, std::numeric_limits<std::int32_t>::max())(device);
+}
+
+}  // namespace
 
 std::string_view name_of(GatewayModule::State state) {
   switch (state) {
@@ -20,44 +46,140 @@ const tmcl::Model* GatewayModule::model() const {
   return identity_ ? tmcl::find_model(identity_->version.model) : nullptr;
 }
 
-boost::asio::awaitable<tmcl::Result<void>> GatewayModule::be_ready() {
-  if (state_ == State::ready) co_return tmcl::Result<void>{};
+boost::asio::awaitable<Result<void>> GatewayModule::be_ready() {
+  if (state_ == State::ready) co_return Result<void>{};
   RunOptions options;
-  auto found = co_await bus_.run(tmcl::verbs::identify(address_), options);
-  if (found) {
-    adopt(*found);
-    if (state_ == State::ready) co_return tmcl::Result<void>{};
+  auto met = co_await bus_.run(meet(), options);
+  if (met) {
+    if (state_ == State::ready) co_return met;
     auto error = tmcl::no_firmware(address_);
     error.bus = bus_.name();
     co_return tl::unexpected(std::move(error));
   }
-  note(found.error());
-  auto error = std::move(found.error());
+  note(met.error());
+  auto error = std::move(met.error());
   error.outcome = tmcl::Outcome::not_sent;
   co_return tl::unexpected(std::move(error));
 }
+
+// ---- whether it is what it was -----------------------------------------------------------------
+
+Script<Result<void>> GatewayModule::watch(tmcl::Duration max_age) {
+  const auto now = co_await tmcl::current_time();
+  const bool is_due = !sentinel_.was_seen_since(now - max_age);
+  if (state_ != State::ready || !sentinel_.watches() || !is_due) co_return Result<void>{};
+  auto met = co_await look_after();
+  if (met) co_return met;
+  note(met.error());
+  met.error().outcome = tmcl::Outcome::not_sent;
+  co_return met;
+}
+
+Script<Result<void>> GatewayModule::look_after() {
+  const auto seen = co_await must(look_at_sentinel());
+  if (seen != Verdict::same) co_await must(meet());
+  co_return Result<void>{};
+}
+
+Script<Result<void>> GatewayModule::meet() {
+  const auto found = co_await must(tmcl::verbs::identify(address_));
+  const bool runs = !found.version.bootloader;
+  const bool ran = identity_ && !identity_->version.bootloader;
+  if (runs && ran && identity_->version != found.version) {
+    const auto before = name_of(*identity_);
+    identity_ = found;
+    sentinel_.forget();
+    latch(GatewayEvent::Kind::module_replaced,
+          "is another one than before: " + name_of(found) + ", and before that " + before);
+  }
+  if (runs) {
+    const auto seen = co_await must(look_at_sentinel());
+    // At once: whoever else asks meanwhile finds nothing new.
+    if (seen != Verdict::same) sentinel_.forget();
+    if (seen == Verdict::restarted) latch(GatewayEvent::Kind::module_reset, "has started again");
+    if (seen != Verdict::same) co_await must(look_at_sentinel());
+    co_await must(mark());
+  }
+  adopt(found);
+  co_return Result<void>{};
+}
+
+Script<Result<Verdict>> GatewayModule::look_at_sentinel() {
+  const auto first = co_await must(judge_sentinel(tmcl::Proof::none));
+  if (first == Verdict::same) co_return first;
+  // It could have been the answer to something else.
+  const auto second = co_await must(judge_sentinel(tmcl::Proof::followed));
+  if (second == Verdict::same || !sentinel_.may_stand()) co_return second;
+  co_await tmcl::pause(time_to_tick);
+  const auto third = co_await must(judge_sentinel(tmcl::Proof::followed));
+  if (third == Verdict::same || !sentinel_.may_stand()) co_return third;
+  give_up_sentinel("its tick timer stands");
+  co_return Verdict::same;
+}
+
+Script<Result<Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proof) {
+  if (!sentinel_.watches()) co_return Verdict::same;
+  const auto asked = co_await tmcl::current_time();
+  tmcl::CallOptions options;
+  options.proof = proof;
+  const auto answer = co_await tmcl::exchange(sentinel_.question(address_), options);
+  const auto answered = co_await tmcl::current_time();
+  if (answer) co_return sentinel_.take({answer->reply.value, asked, answered});
+  if (answer.error().outcome != tmcl::Outcome::refused) co_return tl::unexpected(answer.error());
+  give_up_sentinel(answer.error().message);
+  co_return Verdict::same;
+}
+
+void GatewayModule::note_sentinel(const Result<tmcl::Answer>& answer, tmcl::TimePoint asked,
+                                  tmcl::TimePoint answered) {
+  if (answer && state_ == State::ready) sentinel_.take({answer->reply.value, asked, answered});
+}
+
+void GatewayModule::note_sent(const tmcl::Request& request) {
+  const auto sentinel = sentinel_.question(address_);
+  const bool writes = request.command == tmcl::Command::SGP && request.type == sentinel.type &&
+                      request.motor == sentinel.motor;
+  if (writes) sentinel_.forget();
+}
+
+void GatewayModule::give_up_sentinel(const std::string& why) {
+  sentinel_.give_up();
+  bus_.log(LogLevel::warning,
+           bus_.name() + ": module " + std::to_string(number(address_)) +
+               " is not watched, so nobody would notice that it starts again: " + why);
+}
+
+Script<Result<void>> GatewayModule::mark() {
+  if (!sentinel_.wants_mark()) co_return Result<void>{};
+  const auto value = random_mark();
+  const auto variable = sentinel_.question(address_);
+  co_await must(tmcl::verbs::set_global(address_, variable.motor, variable.type, value));
+  const auto now = co_await tmcl::current_time();
+  sentinel_.forget();
+  sentinel_.take({value, now, now});
+  co_return Result<void>{};
+}
+
+void GatewayModule::latch(GatewayEvent::Kind kind, const std::string& what) {
+  ++settings_epoch_;
+  bus_.motors().latch(address_, "module " + std::to_string(number(address_)) + " " + what);
+  bus_.emit({kind, bus_.name(), number(address_), 0, "it " + what});
+}
+
+// ---- what is known about it --------------------------------------------------------------------
 
 void GatewayModule::adopt(const tmcl::FoundModule& found) {
   const bool runs = !found.version.bootloader;
   const auto state = runs ? State::ready : State::in_bootloader;
   const bool news = state_ != state;
-  const bool ran = identity_ && !identity_->version.bootloader;
-  if (runs && ran && identity_->version != found.version) {
-    bus_.log(LogLevel::warning, bus_.name() + ": module " + std::to_string(number(address_)) +
-                                    " is another one than before");
-  }
   state_ = state;
   identity_ = found;
   duplicate_suspected_ = duplicate_suspected_ || found.duplicate_suspected;
   ++settings_epoch_;
   if (!news) return;
-  auto name = found.model.empty() ? "unknown model " + std::to_string(found.version.model)
-                                  : std::string(found.model);
   const auto kind =
       runs ? GatewayEvent::Kind::module_answers : GatewayEvent::Kind::module_in_bootloader;
-  bus_.emit(
-      {kind, bus_.name(), number(address_), 0,
-       std::move(name) + (runs ? ", firmware " : ", bootloader ") + to_string(found.version)});
+  bus_.emit({kind, bus_.name(), number(address_), 0, name_of(found)});
 }
 
 void GatewayModule::note(const tmcl::Error& error) {

@@ -3,10 +3,13 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include <boost/asio/awaitable.hpp>
 
+#include "gateway/event.hpp"
+#include "gateway/sentinel.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/verbs.hpp"
 
@@ -23,7 +26,8 @@ class GatewayModule {
     in_bootloader,  ///< Answers, but runs no firmware: it executes nothing.
   };
 
-  GatewayModule(GatewayBus& bus, tmcl::ModuleAddress address) : bus_(bus), address_(address) {}
+  GatewayModule(GatewayBus& bus, tmcl::ModuleAddress address, SentinelConfig sentinel)
+      : bus_(bus), address_(address), sentinel_(sentinel) {}
 
   tmcl::ModuleAddress address() const { return address_; }
   /// An axis of it is in the configuration. Others are only asked what they are when somebody
@@ -45,6 +49,17 @@ class GatewayModule {
   /// Errc::in_bootloader.
   boost::asio::awaitable<tmcl::Result<void>> be_ready();
 
+  /// Makes sure that it has not started again, and is no other one, since it was ready: asked at
+  /// most `max_age` ago. If it has, its axes are latched when this ends.
+  /// Errors: those of the exchange, with Outcome::not_sent for what was to follow.
+  tmcl::Script<tmcl::Result<void>> watch(tmcl::Duration max_age);
+  const Sentinel& sentinel() const { return sentinel_; }
+  /// Somebody may write to it.
+  void note_sent(const tmcl::Request& request);
+  /// The question of its sentinel was asked along with others.
+  void note_sentinel(const tmcl::Result<tmcl::Answer>& answer, tmcl::TimePoint asked,
+                     tmcl::TimePoint answered);
+
   /// Learns from how a call ended.
   void note(const tmcl::Error& error);
   void note_duplicate() { duplicate_suspected_ = true; }
@@ -53,7 +68,16 @@ class GatewayModule {
   void forget_state();
 
  private:
+  /// Asks what it is, and whether it has started again.
+  tmcl::Script<tmcl::Result<void>> meet();
+  tmcl::Script<tmcl::Result<void>> look_after();
+  tmcl::Script<tmcl::Result<Sentinel::Verdict>> look_at_sentinel();
+  tmcl::Script<tmcl::Result<Sentinel::Verdict>> judge_sentinel(tmcl::Proof proof);
+  void give_up_sentinel(const std::string& why);
+  /// Writes to a user variable that nobody has set since the module started.
+  tmcl::Script<tmcl::Result<void>> mark();
   void adopt(const tmcl::FoundModule& found);
+  void latch(GatewayEvent::Kind kind, const std::string& what);
 
   GatewayBus& bus_;
   tmcl::ModuleAddress address_;
@@ -62,6 +86,7 @@ class GatewayModule {
   std::optional<tmcl::FoundModule> identity_;
   bool duplicate_suspected_ = false;
   std::uint64_t settings_epoch_ = 0;
+  Sentinel sentinel_;
 };
 
 std::string_view name_of(GatewayModule::State state);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "gateway/awaited_run.hpp"
 #include "tmcl/command.hpp"
 #include "tmcl/coordinates.hpp"
 #include "tmcl/parameter_number.hpp"
@@ -145,6 +146,7 @@ std::optional<tmcl::Error> Motors::objection(AxisAddress motor, Permit permit) c
   if (auto objection = objection_to_all(permit)) return objection;
   if (is_stopped_since(motor, permit))
     return error(Errc::superseded_by_stop, "a stop came first", {});
+  if (auto latch = latched(motor)) return latch;
   if (leads(motor, permit)) return std::nullopt;
   auto objection = objection_by_lease(motor, permit);
   return objection ? objection : objection_by_absence(permit);
@@ -159,6 +161,7 @@ std::optional<tmcl::Error> Motors::objection(const Request& request, Permit perm
   });
   if (stopped || last_stop_of_others_ > permit.number)
     return error(Errc::superseded_by_stop, "a stop came first", {});
+  if (auto latch = latched(request)) return latch;
   for (const auto& [address, motor] : motors_) {
     if (!can_move(request, address) || leads(address, permit)) continue;
     if (auto objection = objection_by_lease(address, permit)) return objection;
@@ -236,6 +239,47 @@ tmcl::Error Motors::leased(AxisAddress motor) const {
 bool Motors::is_turned_by(AxisAddress motor, std::uint64_t client) const {
   const auto tenant = tenant_of(motor);
   return client != 0 && tenant.client == client && tenant.turns;
+}
+
+// ---- latches -----------------------------------------------------------------------------------
+
+void Motors::latch(tmcl::ModuleAddress module, const std::string& cause) {
+  for (auto& [address, motor] : motors_) {
+    if (address.module != module || motor.axis.empty()) continue;
+    motor.latch_cause = cause;
+    motor.is_referenced = false;
+    if (const auto journey = motor.claimant.journey.lock()) journey->look();
+  }
+}
+
+void Motors::recover(AxisAddress motor) {
+  const auto found = motors_.find(motor);
+  if (found != motors_.end()) found->second.latch_cause.clear();
+}
+
+std::optional<tmcl::Error> Motors::latched(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  if (found == motors_.end() || found->second.latch_cause.empty()) return std::nullopt;
+  const auto& axis = found->second.axis;
+  return error(Errc::latched, "axis '" + axis + "' is latched: " + found->second.latch_cause,
+               "its position and its settings are what the module starts with; search its "
+               "reference, or, when you know that it may move, say so: 'tmclctl recover " +
+                   axis + "'");
+}
+
+std::optional<tmcl::Error> Motors::latched(const Request& request) const {
+  for (const auto& [address, motor] : motors_)
+    if (!motor.latch_cause.empty() && can_move(request, address)) return latched(address);
+  return std::nullopt;
+}
+
+bool Motors::is_referenced(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  return found != motors_.end() && found->second.is_referenced;
+}
+
+void Motors::note_reference(AxisAddress motor) {
+  if (is_axis(motor)) motors_.at(motor).is_referenced = true;
 }
 
 // ---- requests on their way ---------------------------------------------------------------------
@@ -340,6 +384,7 @@ void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answ
       return;
     case Search::status: {
       const bool has_ended = answer && answer->reply.value == 0;
+      if (has_ended && before.by == Mover::search) note_reference(motor);
       if (has_ended && before.by == Mover::search) release(motor, before.of);
       return;
     }

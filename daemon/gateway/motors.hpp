@@ -5,6 +5,9 @@
 /// leaves its number with the motors that it is for. A request goes out only for a call that came
 /// in behind the last stop of each motor that it can move: however late the call comes to send it.
 ///
+/// An axis whose module is not what it was is latched: nothing moves it until somebody has said that
+/// it may move again.
+///
 /// Whoever moves an axis on a line, on a path or in a reference search claims it, and nobody else
 /// moves it meanwhile. Who has a lease of a motor is the only one who may move it, and change what
 /// its module is set to. A stop needs no permit and heeds neither.
@@ -140,6 +143,18 @@ class Motors {
   /// Whether this client lets the motor turn, without a lease.
   bool is_turned_by(tmcl::AxisAddress motor, std::uint64_t client) const;
 
+  /// Nothing moves the axes of a module any more, and they have lost their reference. Whatever moves
+  /// them on a line or path is woken, to find that out. `cause`: a sentence without a full stop.
+  void latch(tmcl::ModuleAddress module, const std::string& cause);
+  /// Somebody knows what has become of the axis.
+  void recover(tmcl::AxisAddress motor);
+  /// Why nothing moves the axis; nothing if it may be moved.
+  std::optional<tmcl::Error> latched(tmcl::AxisAddress motor) const;
+  /// Its positions mean something: it has found its reference, or has been told where it is, and
+  /// its module has not started again since.
+  bool is_referenced(tmcl::AxisAddress motor) const;
+  void note_reference(tmcl::AxisAddress motor);
+
   /// The motor of an axis that nobody has claimed.
   [[nodiscard]] Claim claim(tmcl::AxisAddress motor, Claimant claimant);
   /// Nothing happens if the call has not claimed it.
@@ -176,6 +191,8 @@ class Motors {
     Claimant claimant{};
     Tenant tenant{};
     std::uint64_t turning = 0;
+    std::string latch_cause{};  ///< Empty: it is not latched.
+    bool is_referenced = false;
   };
 
   bool is_axis(tmcl::AxisAddress motor) const;
@@ -188,6 +205,7 @@ class Motors {
   bool leads(tmcl::AxisAddress motor, Permit permit) const;
   std::optional<tmcl::Error> objection_by_lease(tmcl::AxisAddress motor, Permit permit) const;
   std::optional<tmcl::Error> objection_by_absence(Permit permit) const;
+  std::optional<tmcl::Error> latched(const tmcl::Request& request) const;
   tmcl::Error error(tmcl::Errc code, std::string message, std::string hint) const;
 
   std::string bus_;

@@ -33,8 +33,10 @@ boost::asio::awaitable<void> insist(std::shared_ptr<GatewayAxis> axis,
   while (!axis->bus().is_closed()) {
     const auto stands = co_await stop_and_look(*axis);
     if (stands && *stands) {
-      axis->bus().emit(event_of(*axis, GatewayEvent::Kind::axis_stopped,
-                                "axis '" + axis->name() + "' stands now"));
+      auto event = event_of(*axis, GatewayEvent::Kind::axis_stopped,
+                            "axis '" + axis->name() + "' stands now");
+      event.cause = name_of(StopCause::daemon);
+      axis->bus().emit(std::move(event));
       break;
     }
     const bool is_cheap = stands || stands.error().code == tmcl::Errc::link_lost;

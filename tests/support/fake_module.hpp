@@ -88,7 +88,12 @@ class FakeModule {
     switch (request.command) {
       case Command::GAP: reply.value = parameter(request.motor, request.type); break;
       case Command::SAP: parameter(request.motor, request.type) = request.value; break;
-      case Command::GGP: reply.value = global(request.type); break;
+      case Command::GGP:
+        // It has no tick timer, so nobody asks for that again and again.
+        if (request.type == global_parameter::tick_timer && request.motor == 0)
+          reply.status = Status::wrong_type;
+        reply.value = global(request.type);
+        break;
       case Command::START_DOWNLOAD: begin_download(request.value); break;
       case Command::END_DOWNLOAD: downloading_ = false; break;
       case Command::GET_APPLICATION_STATUS: reply.value = application_status; break;

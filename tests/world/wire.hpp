@@ -76,6 +76,8 @@ class Wire {
   /// While set, nothing gets through either way, and nobody notices but by that.
   bool is_cut = false;
 
+  /// Something was done to the modules.
+  void touch() { scheduler_.touch(); }
   /// The gateway's end; the one before is dead then.
   tmcl::Result<tmcl::Link> open() {
     auto ends = tmcl::Link::memory_pair(framing_);

@@ -257,6 +257,16 @@ stopped, by 'tmclctl home x --stop' or 'tmclctl stop x'.
   tmclctl home x --stop
 )";
 
+constexpr const char* recover = R"(
+When a module has started again, or is another one than before, tmcld moves its axes no more: where
+they are, and how they are set up, is what the module starts with. 'tmclctl home x' finds the place
+again. Where none is needed, or somebody has looked, this says that the axis may move. The settings are
+not put back: what is not stored in the module (see 'tmclctl store') has to be set again.
+
+  tmclctl recover x
+  tmclctl recover --all
+)";
+
 constexpr const char* coordinate = R"(
 Coordinates 0 to 20 are lost with the module's power, unless they are stored; 0 never is.
 

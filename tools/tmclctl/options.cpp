@@ -87,6 +87,7 @@ Parser::Parser() {
   add_watch(grammar_);
   add_plot(grammar_);
   add_home(grammar_);
+  add_recover(grammar_);
   add_coordinates(grammar_);
   add_arrivals(grammar_);
   add_eeprom(grammar_);

@@ -211,6 +211,11 @@ struct Ask {
   bool sure = false;
   bool internal = false;
 };
+/// Axes whose module is not what it was may move again.
+struct Recover {
+  std::string axis;
+  bool all = false;
+};
 /// Lets a module tell when motors arrive, and shows that.
 struct Arrivals {
   std::string module;
@@ -267,8 +272,8 @@ using Verb =
                  verb::SolveProfile, verb::CheckMint, verb::RunMint, verb::CheckPath, verb::RunPath,
                  verb::Assemble, verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware,
                  verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask, verb::Arrivals,
-                 verb::Home, verb::Upload, verb::Download, verb::RunLeased, verb::Leases,
-                 verb::BreakLease, verb::Complete>;
+                 verb::Home, verb::Recover, verb::Upload, verb::Download, verb::RunLeased,
+                 verb::Leases, verb::BreakLease, verb::Complete>;
 
 struct Options {
   Where where;

@@ -38,6 +38,7 @@ constexpr auto table = std::to_array<VerbInfo>({
     {"watch", both, reads},
     {"plot", both, acts},
     {"home", both, acts},
+    {"recover", both, acts},
     {"coordinate set", both, acts},
     {"coordinate get", both, reads},
     {"coordinate capture", both, acts},

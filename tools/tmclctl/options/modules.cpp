@@ -87,6 +87,18 @@ void add_home(Grammar& grammar) {
   });
 }
 
+void add_recover(Grammar& grammar) {
+  auto recover = grammar.verb<verb::Recover>(
+      "recover", "Let an axis move again whose module restarted", help_text::recover);
+  recover.optional_word("AXIS", axis_meaning, text(recover->axis));
+  recover.flag("--all", "Every axis there is", recover->all);
+  recover.object(
+      [](const verb::Recover& said, bool) {
+        return said.axis.empty() != said.all ? "name one axis, or say --all" : "";
+      },
+      "'tmclctl axes' lists the axes");
+}
+
 void add_coordinates(Grammar& grammar) {
   const auto group = grammar.group("coordinate", "Positions that modules remember by number",
                                    help_text::coordinate);

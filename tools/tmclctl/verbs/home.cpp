@@ -90,4 +90,22 @@ VerbResult run(const verb::Home& verb, Context& context) {
   return ExitCode::done;
 }
 
+VerbResult run(const verb::Recover& verb, Context& context) {
+  std::vector<std::string> names{verb.axis};
+  if (verb.all) {
+    const auto axes = context.target.axes();
+    if (!axes) return tl::unexpected(axes.error());
+    names.clear();
+    for (const auto& axis : *axes) names.push_back(axis.name);
+  }
+  for (const auto& name : names) {
+    const auto recovered = context.target.perform("axis.recover", {{"axis", name}}, {});
+    if (!recovered) return tl::unexpected(recovered.error());
+    if (!context.output.json) context.output.out << name << " may move\n";
+  }
+  if (context.output.json)
+    print_json({{"recovered", json::array(names.begin(), names.end())}}, context.output);
+  return ExitCode::done;
+}
+
 }  // namespace tmclctl

@@ -138,6 +138,12 @@ struct StopHome {
   TMCL_FIELD(std::string, axis, axis_summary);
 };
 
+struct Recover {
+  TMCL_METHOD("axis.recover", writes, Nothing,
+              "says that an axis may move again whose module is not what it was", Recover);
+  TMCL_FIELD(std::string, axis, axis_summary);
+};
+
 // ---- what it does, and what it counts in ----
 
 struct State {
@@ -155,6 +161,15 @@ struct State {
   TMCL_FIELD(std::optional<double>, position, "where it is");
   TMCL_FIELD(std::optional<double>, velocity, "speed per second");
   TMCL_FIELD(std::optional<double>, target, "where it is to go");
+  TMCL_FIELD(bool, latched,
+             "its module has started again, or is another one: nothing moves it until axis.recover "
+             "or axis.home");
+  TMCL_FIELD(bool, referenced,
+             "it has searched its reference, or was told where it is, while tmcld was there, and "
+             "its module has not started again since");
+  TMCL_FIELD(std::optional<std::string>, stop_cause,
+             "why it stands short of its target: stall, deviation, left_limit, right_limit, "
+             "supply, client, daemon or unknown; null while it moves or where that is not known");
   TMCL_FIELD(std::int64_t, age_ms, "how old the oldest of these values is");
   TMCL_FIELD(std::optional<std::int32_t>, lease, "number of its lease; null if it has none");
   TMCL_FIELD(bool, unattended, "it turns, and does not stop when a connection ends");

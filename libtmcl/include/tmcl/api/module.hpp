@@ -102,6 +102,8 @@ struct Module {
   TMCL_FIELD(std::optional<std::uint8_t>, axes, "how many motors it has");
   TMCL_FIELD(std::string, state, "unknown, ready, silent, in_bootloader");
   TMCL_FIELD(bool, duplicate_suspected, "several have this address");
+  TMCL_FIELD(std::string, watched_by,
+             "by what it is noticed that it has started again: tick, variable:N, or none");
 };
 struct Modules {
   TMCL_STRUCT(Modules);

@@ -1,0 +1,83 @@
+/// By what it is noticed that a module has restarted, or is another one: something that it holds
+/// and that does not survive a failure of its supply.
+///
+/// The tick timer counts the milliseconds since the module started. It is only read; when it is
+/// behind what it should be by now, the module has started again. Its clock may go wrong by one
+/// part in a hundred, it may wrap around, and the reading is from some instant between question and
+/// answer. So a restart is noticed if the module was on for longer than 20 ms and a hundredth of
+/// the time between two readings. A tick timer that is ahead means nothing: this computer may have
+/// slept.
+///
+/// A user variable that is not kept in the EEPROM holds a random number, and 0 after a restart.
+///
+/// Does no I/O.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+#include "config/config.hpp"
+#include "tmcl/clock.hpp"
+#include "tmcl/datagram.hpp"
+
+namespace tmcld {
+
+/// A movement goes out at most so long after its module was seen to be what it was. A module whose
+/// supply fails after that does not execute it: none starts in less than 100 ms, of which a request
+/// takes 10 ms at 9600 baud.
+constexpr tmcl::Duration movement_sentinel_age = std::chrono::milliseconds(80);
+
+/// The same for what is commanded on a line or a path, many times a second: as its modules answer,
+/// none of them has started meanwhile, which takes a real one about a second. They are asked so
+/// often while nothing is commanded, too.
+constexpr tmcl::Duration journey_sentinel_age = std::chrono::milliseconds(500);
+
+class Sentinel {
+ public:
+  struct Reading {
+    std::int32_t value;
+    tmcl::TimePoint asked;
+    tmcl::TimePoint answered;
+  };
+  enum class Verdict : std::uint8_t {
+    same,
+    ahead,      ///< Of the time that has passed: another module perhaps.
+    restarted,  ///< Or the answer was to another question: to be proven.
+  };
+
+  explicit Sentinel(SentinelConfig config) : config_(config) {}
+
+  /// "tick", "variable:N" or "none".
+  std::string name() const;
+  /// False if there is nothing to ask.
+  bool watches() const { return config_.kind != SentinelConfig::Kind::none && !is_given_up_; }
+  tmcl::Request question(tmcl::ModuleAddress module) const;
+  /// It was found to be as it should be when it was asked then, or later.
+  bool was_seen_since(tmcl::TimePoint asked) const { return last_ && last_->asked >= asked; }
+  /// When it was asked for that last.
+  tmcl::TimePoint last_seen() const { return last_ ? last_->asked : tmcl::TimePoint{}; }
+
+  /// Whether this fits to what was read before; what does, is remembered.
+  Verdict take(const Reading& reading);
+  /// After a reading that did not fit: it is the same as before, so perhaps the timer stands.
+  bool may_stand() const { return may_stand_; }
+  /// A variable that nobody has set since the module started.
+  bool wants_mark() const { return is_variable() && watches() && last_ && last_->value == 0; }
+  /// What was read before says nothing any more.
+  void forget();
+  /// The module does not have it.
+  void give_up() { is_given_up_ = true; }
+
+ private:
+  bool is_variable() const { return config_.kind == SentinelConfig::Kind::variable; }
+  Verdict judge(const Reading& reading) const;
+
+  SentinelConfig config_;
+  bool is_given_up_ = false;
+  bool has_run_ = false;
+  bool may_stand_ = false;
+  std::optional<Reading> last_;
+};
+
+}  // namespace tmcld

@@ -1,0 +1,138 @@
+/// Two axes of a simulated TMCM-6212 behind a cable that can be cut, and a gateway, in virtual time.
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <csignal>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "api/dispatch.hpp"
+#include "async/spawn.hpp"
+#include "config/load.hpp"
+#include "gateway/gateway.hpp"
+#include "log/log.hpp"
+#include "tmcl/virtual_time.hpp"
+#include "world/wire.hpp"
+#include "world/world.hpp"
+
+namespace tmcld::test {
+
+namespace ap = tmcl::axis_parameter;
+
+inline constexpr auto cable_config = R"(
+[daemon]
+socket = "/none"
+[[bus]]
+name = "bench"
+link = "serial:/dev/none@115200"
+[[axis]]
+name = "x"
+bus = "bench"
+address = 1
+motor = 0
+unit = "mm"
+units_per_revolution = 5
+[[axis]]
+name = "y"
+bus = "bench"
+address = 1
+motor = 1
+unit = "mm"
+units_per_revolution = 5
+)";
+
+class Cable : public testing::Test {
+ protected:
+  explicit Cable(const std::string& config = cable_config)
+      : wire(context_, "bench", tmcl::Framing::serial, 1, {}, trace_),
+        module(wire.bench().add(*tmcl::find_model("TMCM-6212"), tmcl::ModuleAddress{1})) {
+    std::signal(SIGPIPE, SIG_IGN);
+    silence_log();
+    GatewayOptions options;
+    options.open_link = [this](const BusConfig&) { return wire.open(); };
+    gateway_ =
+        Gateway::create(context_.get_executor(), parse_config(config).value(), std::move(options));
+    gateway_->on_event([this](const GatewayEvent& event) {
+      if (event.kind == GatewayEvent::Kind::axis_stopped) stopped.push_back(event.text);
+      events.emplace_back(name_of(event.kind));
+    });
+    gateway_->start();
+    time.run_for(std::chrono::seconds(1));
+    for (const char* axis : {"x", "y"}) {
+      for (const auto& [parameter, value] :
+           {std::pair{4, 240'000}, {5, 4'999'922}, {17, 4'999'922}})
+        call("parameter.set", {{"axis", axis}, {"parameter", parameter}, {"value", value}});
+    }
+  }
+  ~Cable() override {
+    gateway_->close();
+    time.run_for(std::chrono::seconds(10));
+  }
+
+  using Answer = std::shared_ptr<std::optional<RpcResult>>;
+
+  Answer begin(std::string_view method, json::object params) {
+    auto answer = std::make_shared<std::optional<RpcResult>>();
+    auto carry_out = [](auto gateway, auto peer, RpcRequest request,
+                        Answer into) -> boost::asio::awaitable<void> {
+      auto result = co_await dispatch(std::move(gateway), std::move(peer), std::move(request));
+      *into = std::move(result);
+    };
+    const RpcRequest request{1, find_method(method), std::move(params)};
+    spawn(context_.get_executor(), carry_out(gateway_, peer_, request, answer));
+    return answer;
+  }
+  RpcResult end(const Answer& answer) {
+    EXPECT_TRUE(time.run_while_not([&] { return answer->has_value(); }, std::chrono::hours(1)));
+    return std::move(**answer);
+  }
+  RpcResult call(std::string_view method, json::object params) {
+    return end(begin(method, std::move(params)));
+  }
+  Answer begin_path() {
+    const auto path = begin("path.run", {{"axes", json::array{"x", "y"}},
+                                         {"text", "G1 X20 Y10 F1200\nG1 X900 Y0\n"},
+                                         {"deviation", 900}});
+    EXPECT_TRUE(time.run_while_not([&] { return mm(0) > 12; }, std::chrono::minutes(1)));
+    return path;
+  }
+
+  std::int32_t get(std::uint8_t motor, std::uint8_t parameter) {
+    wire.bench().run_due();
+    return *module.axis(motor).get(parameter);
+  }
+  double mm(std::uint8_t motor) { return get(motor, ap::actual_position) / (51'200 / 5.0); }
+  bool moves() { return get(0, ap::actual_velocity) != 0 || get(1, ap::actual_velocity) != 0; }
+  tmcl::Duration time_to_stand() {
+    const auto began = time.now();
+    EXPECT_TRUE(time.run_while_not([&] { return !moves(); }, std::chrono::minutes(1)));
+    return time.now() - began;
+  }
+  std::string name_of_error(const RpcResult& result) {
+    return result ? "none" : std::string(result.error().data.at("name").as_string());
+  }
+
+ private:
+  boost::asio::io_context context_{1};
+
+ public:
+  tmcl::VirtualTime time{context_};
+
+ private:
+  Trace trace_;
+
+ public:
+  Wire wire;
+  std::vector<std::string> stopped;
+  std::vector<std::string> events;
+  tmcl::sim::Module& module;
+
+ private:
+  std::shared_ptr<Gateway> gateway_;
+  std::shared_ptr<Peer> peer_ = std::make_shared<WorldPeer>(trace_);
+};
+
+}  // namespace tmcld::test
