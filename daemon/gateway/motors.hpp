@@ -5,8 +5,8 @@
 /// leaves its number with the motors that it is for. A request goes out only for a call that came
 /// in behind the last stop of each motor that it can move: however late the call comes to send it.
 ///
-/// An axis whose module is not what it was is latched: nothing moves it until somebody has said that
-/// it may move again.
+/// An axis whose module is not what it was is latched: nothing moves it until somebody has said
+/// that it may move again.
 ///
 /// Whoever moves an axis on a line, on a path or in a reference search claims it, and nobody else
 /// moves it meanwhile. Who has a lease of a motor is the only one who may move it, and change what
@@ -143,8 +143,9 @@ class Motors {
   /// Whether this client lets the motor turn, without a lease.
   bool is_turned_by(tmcl::AxisAddress motor, std::uint64_t client) const;
 
-  /// Nothing moves the axes of a module any more, and they have lost their reference. Whatever moves
-  /// them on a line or path is woken, to find that out. `cause`: a sentence without a full stop.
+  /// Nothing moves the axes of a module any more, and they have lost their reference. Whatever
+  /// moves them on a line or path is woken, to find that out. `cause`: a sentence without a full
+  /// stop.
   void latch(tmcl::ModuleAddress module, const std::string& cause);
   /// Somebody knows what has become of the axis.
   void recover(tmcl::AxisAddress motor);

@@ -36,9 +36,9 @@ enum class Medium : std::uint8_t { serial, can };
 /// Except for what a command reads, a reply's value repeats the request's; only a relative movement
 /// of a sixPoint module tells its target.
 ///
-/// After a restart (commands 255 and 137, power_cycle()) it is deaf for `boot_time`. Its motors stand at 0 then,
-/// and it knows what is in its EEPROM; what is outside the module, the inputs and whatever the
-/// motors drive, is as before.
+/// After a restart (commands 255 and 137, power_cycle()) it is deaf for `boot_time`. Its motors
+/// stand at 0 then, and it knows what is in its EEPROM; what is outside the module, the inputs and
+/// whatever the motors drive, is as before.
 ///
 /// In its bootloader it is after command 242, and for as long as it has no firmware that could run.
 /// It knows other commands there, and no motor moves.

@@ -1,4 +1,4 @@
-/// Two axes of a simulated TMCM-6212 behind a cable that can be cut, and a gateway, in virtual time.
+/// Two axes of a simulated TMCM-6212 behind a cable that can be cut, in virtual time.
 #pragma once
 
 #include <gmock/gmock.h>
