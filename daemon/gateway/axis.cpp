@@ -186,7 +186,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::recover() {
 
 GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
                                                       RunOptions movement) {
-  bus().motors().recover(address());
+  bus().motors().let_search(address(), movement.permit);
   auto script = tmcl::verbs::home(address(), std::move(options));
   auto homed = co_await move(intent::Search{}, std::move(script), std::move(movement));
   if (homed) bus().motors().note_reference(address());
@@ -195,7 +195,7 @@ GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
 
 GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t> mode,
                                                      RunOptions movement) {
-  bus().motors().recover(address());
+  bus().motors().let_search(address(), movement.permit);
   auto script = tmcl::verbs::start_reference_search(address(), mode);
   return move(intent::Search{}, std::move(script), std::move(movement));
 }

@@ -146,7 +146,7 @@ std::optional<tmcl::Error> Motors::objection(AxisAddress motor, Permit permit) c
   if (auto objection = objection_to_all(permit)) return objection;
   if (is_stopped_since(motor, permit))
     return error(Errc::superseded_by_stop, "a stop came first", {});
-  if (auto latch = latched(motor)) return latch;
+  if (auto latch = objection_by_latch(motor, permit)) return latch;
   if (leads(motor, permit)) return std::nullopt;
   auto objection = objection_by_lease(motor, permit);
   return objection ? objection : objection_by_absence(permit);
@@ -161,9 +161,10 @@ std::optional<tmcl::Error> Motors::objection(const Request& request, Permit perm
   });
   if (stopped || last_stop_of_others_ > permit.number)
     return error(Errc::superseded_by_stop, "a stop came first", {});
-  if (auto latch = latched(request)) return latch;
   for (const auto& [address, motor] : motors_) {
-    if (!can_move(request, address) || leads(address, permit)) continue;
+    if (!can_move(request, address)) continue;
+    if (auto latch = objection_by_latch(address, permit)) return latch;
+    if (leads(address, permit)) continue;
     if (auto objection = objection_by_lease(address, permit)) return objection;
   }
   return objection_by_absence(permit);
@@ -247,6 +248,7 @@ void Motors::latch(tmcl::ModuleAddress module, const std::string& cause) {
   for (auto& [address, motor] : motors_) {
     if (address.module != module || motor.axis.empty()) continue;
     motor.latch_cause = cause;
+    motor.searcher = {};
     motor.is_referenced = false;
     if (const auto journey = motor.claimant.journey.lock()) journey->look();
   }
@@ -267,10 +269,14 @@ std::optional<tmcl::Error> Motors::latched(AxisAddress motor) const {
                    axis + "'");
 }
 
-std::optional<tmcl::Error> Motors::latched(const Request& request) const {
-  for (const auto& [address, motor] : motors_)
-    if (!motor.latch_cause.empty() && can_move(request, address)) return latched(address);
-  return std::nullopt;
+void Motors::let_search(AxisAddress motor, Permit permit) {
+  if (is_axis(motor)) motors_.at(motor).searcher = permit;
+}
+
+std::optional<tmcl::Error> Motors::objection_by_latch(AxisAddress motor, Permit permit) const {
+  const auto found = motors_.find(motor);
+  const bool searches = found != motors_.end() && found->second.searcher == permit;
+  return searches ? std::nullopt : latched(motor);
 }
 
 bool Motors::is_referenced(AxisAddress motor) const {
@@ -376,7 +382,11 @@ void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answ
   switch (static_cast<Search>(request.type)) {
     case Search::start: {
       const bool never_began = !answer && answer.error().outcome != tmcl::Outcome::unknown;
-      if (never_began) release(motor, before.of);
+      if (never_began) {
+        release(motor, before.of);
+      } else {
+        recover(motor);
+      }
       return;
     }
     case Search::stop:

@@ -149,6 +149,9 @@ class Motors {
   void latch(tmcl::ModuleAddress module, const std::string& cause);
   /// Somebody knows what has become of the axis.
   void recover(tmcl::AxisAddress motor);
+  /// The call may move the axis all the same: it searches its reference. When that has begun, the
+  /// axis is latched no more.
+  void let_search(tmcl::AxisAddress motor, Permit permit);
   /// Why nothing moves the axis; nothing if it may be moved.
   std::optional<tmcl::Error> latched(tmcl::AxisAddress motor) const;
   /// Its positions mean something: it has found its reference, or has been told where it is, and
@@ -193,6 +196,7 @@ class Motors {
     Tenant tenant{};
     std::uint64_t turning = 0;
     std::string latch_cause{};  ///< Empty: it is not latched.
+    Permit searcher{};          ///< Who may move it all the same.
     bool is_referenced = false;
   };
 
@@ -206,7 +210,7 @@ class Motors {
   bool leads(tmcl::AxisAddress motor, Permit permit) const;
   std::optional<tmcl::Error> objection_by_lease(tmcl::AxisAddress motor, Permit permit) const;
   std::optional<tmcl::Error> objection_by_absence(Permit permit) const;
-  std::optional<tmcl::Error> latched(const tmcl::Request& request) const;
+  std::optional<tmcl::Error> objection_by_latch(tmcl::AxisAddress motor, Permit permit) const;
   tmcl::Error error(tmcl::Errc code, std::string message, std::string hint) const;
 
   std::string bus_;
