@@ -151,8 +151,9 @@ GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity
   co_return result;
 }
 
-GatewayAxis::Awaitable<void> GatewayAxis::stop() {
+GatewayAxis::Awaitable<void> GatewayAxis::stop(StopCause cause) {
   revoke_movements();
+  note_stop(cause);
   expected_arrival_ = {};
   const bool was_searching = mover() == Mover::search;
   auto result = co_await axis_.run(tmcl::verbs::stop(address()));

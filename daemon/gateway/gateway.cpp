@@ -18,7 +18,7 @@ boost::asio::awaitable<void> stop_all_quietly(std::shared_ptr<Gateway> gateway) 
 boost::asio::awaitable<void> stop_quietly(std::shared_ptr<Gateway> gateway,
                                           std::shared_ptr<GatewayAxis> axis) {
   ++gateway->stops_in_progress;
-  const auto stopped = co_await axis->stop();
+  const auto stopped = co_await axis->stop(StopCause::lease_lost);
   --gateway->stops_in_progress;
   if (!stopped) stop_until_it_stands(axis);
 }

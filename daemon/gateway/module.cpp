@@ -109,12 +109,12 @@ Script<Result<Verdict>> GatewayModule::look_at_sentinel() {
   if (first == Verdict::same) co_return first;
   // It could have been the answer to something else.
   const auto second = co_await must(judge_sentinel(tmcl::Proof::followed));
+  if (second == Verdict::missing) co_return give_up_sentinel("it has no " + sentinel_.name());
   if (second == Verdict::same || !sentinel_.may_stand()) co_return second;
   co_await tmcl::pause(time_to_tick);
   const auto third = co_await must(judge_sentinel(tmcl::Proof::followed));
   if (third == Verdict::same || !sentinel_.may_stand()) co_return third;
-  give_up_sentinel("its tick timer stands");
-  co_return Verdict::same;
+  co_return give_up_sentinel("its tick timer stands");
 }
 
 Script<Result<Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proof) {
@@ -126,8 +126,7 @@ Script<Result<Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proof) {
   const auto answered = co_await tmcl::current_time();
   if (answer) co_return sentinel_.take({answer->reply.value, asked, answered});
   if (answer.error().outcome != tmcl::Outcome::refused) co_return tl::unexpected(answer.error());
-  give_up_sentinel(answer.error().message);
-  co_return Verdict::same;
+  co_return Verdict::missing;
 }
 
 void GatewayModule::note_sentinel(const Result<tmcl::Answer>& answer, tmcl::TimePoint asked,
@@ -142,11 +141,12 @@ void GatewayModule::note_sent(const tmcl::Request& request) {
   if (writes) sentinel_.forget();
 }
 
-void GatewayModule::give_up_sentinel(const std::string& why) {
+Verdict GatewayModule::give_up_sentinel(const std::string& why) {
   sentinel_.give_up();
   bus_.log(LogLevel::warning,
            bus_.name() + ": module " + std::to_string(number(address_)) +
                " is not watched, so nobody would notice that it starts again: " + why);
+  return Verdict::same;
 }
 
 Script<Result<void>> GatewayModule::mark() {

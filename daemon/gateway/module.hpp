@@ -73,7 +73,7 @@ class GatewayModule {
   tmcl::Script<tmcl::Result<void>> look_after();
   tmcl::Script<tmcl::Result<Sentinel::Verdict>> look_at_sentinel();
   tmcl::Script<tmcl::Result<Sentinel::Verdict>> judge_sentinel(tmcl::Proof proof);
-  void give_up_sentinel(const std::string& why);
+  Sentinel::Verdict give_up_sentinel(const std::string& why);
   /// Writes to a user variable that nobody has set since the module started.
   tmcl::Script<tmcl::Result<void>> mark();
   void adopt(const tmcl::FoundModule& found);

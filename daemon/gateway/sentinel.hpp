@@ -44,6 +44,7 @@ class Sentinel {
     same,
     ahead,      ///< Of the time that has passed: another module perhaps.
     restarted,  ///< Or the answer was to another question: to be proven.
+    missing,    ///< The module refuses the question. Likewise.
   };
 
   explicit Sentinel(SentinelConfig config) : config_(config) {}

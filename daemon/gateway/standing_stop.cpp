@@ -35,7 +35,7 @@ boost::asio::awaitable<void> insist(std::shared_ptr<GatewayAxis> axis,
     if (stands && *stands) {
       auto event = event_of(*axis, GatewayEvent::Kind::axis_stopped,
                             "axis '" + axis->name() + "' stands now");
-      event.cause = name_of(StopCause::daemon);
+      event.cause = name_of(axis->stop_cause().value_or(StopCause::daemon));
       axis->bus().emit(std::move(event));
       break;
     }

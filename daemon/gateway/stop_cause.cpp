@@ -8,6 +8,8 @@ namespace {
 // Of extended_error_flags.
 constexpr std::int32_t stalled = 1 << 0;
 constexpr std::int32_t deviated = 1 << 1;
+// Of ramp_mode.
+constexpr std::int32_t velocity_mode = 2;
 
 /// 0 where the module has no such parameter.
 tmcl::Script<tmcl::Result<std::int32_t>> read_if_any(
@@ -30,7 +32,9 @@ std::string_view name_of(StopCause cause) {
     case StopCause::right_limit: return "right_limit";
     case StopCause::supply: return "supply";
     case StopCause::client: return "client";
+    case StopCause::lease_lost: return "lease_lost";
     case StopCause::daemon: return "daemon";
+    case StopCause::velocity_mode: return "velocity_mode";
     case StopCause::unknown: return "unknown";
   }
   return {};
@@ -44,7 +48,9 @@ tmcl::Script<tmcl::Result<StopCause>> find_stop_cause(
   const auto left = co_await must(read_if_any(axis, parameters, "left_limit_switch"));
   if (left != 0) co_return StopCause::left_limit;
   const auto right = co_await must(read_if_any(axis, parameters, "right_limit_switch"));
-  co_return right != 0 ? StopCause::right_limit : StopCause::unknown;
+  if (right != 0) co_return StopCause::right_limit;
+  const auto mode = co_await must(read_if_any(axis, parameters, "ramp_mode"));
+  co_return mode == velocity_mode ? StopCause::velocity_mode : StopCause::unknown;
 }
 
 }  // namespace tmcld

@@ -16,10 +16,12 @@ enum class StopCause : std::uint8_t {
   deviation,  ///< Its encoder says that it is not where it should be.
   left_limit,
   right_limit,
-  supply,   ///< Its module has started again.
-  client,   ///< Somebody has sent a stop.
-  daemon,   ///< tmcld has: on a line or path, or when it could not stop it before.
-  unknown,  ///< Its module does not say: another master perhaps, or a program in the module.
+  supply,         ///< Its module has started again.
+  client,         ///< Somebody has sent a stop.
+  lease_lost,     ///< The program that had it alone has gone, or said nothing for too long.
+  daemon,         ///< tmcld has: on a line or path, or when it could not stop it before.
+  velocity_mode,  ///< Another master has, or a program in the module: it turns with a speed of 0.
+  unknown,        ///< Its module does not say.
 };
 /// snake_case; part of the stable interface.
 std::string_view name_of(StopCause cause);

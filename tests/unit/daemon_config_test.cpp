@@ -287,7 +287,21 @@ INSTANTIATE_TEST_SUITE_P(
         Mistake{12, "motor = 0\n[[axis]]\nname = \"x\"\nbus = \"bench\"\naddress = 1\nmotor = 1",
                 "f:14:8: the name 'x' is given twice in [[axis]]"},
         Mistake{12, "motor = 0\n[[axis]]\nname = \"y\"\nbus = \"bench\"\naddress = 1\nmotor = 0",
-                "f:17:9: axis 'x' already is motor 0 of module 1 on bus 'bench'"}));
+                "f:17:9: axis 'x' already is motor 0 of module 1 on bus 'bench'"},
+        Mistake{12, "motor = 0\nreference = \"yes\"",
+                "f:13:13: 'reference' is 'yes', but must be required or optional"},
+        Mistake{
+            12, "motor = 0\n[[module]]\nbus = \"bench\"\naddress = 1\nsentinel = \"variable:55\"",
+            "f:16:12: 'sentinel' is 'variable:55', but must be auto, tick, none or variable:N with "
+            "N from 56 to 255"},
+        Mistake{12,
+                "motor = 0\n[[module]]\nbus = \"bench\"\naddress = 1\nsentinel = \"variable:256\"",
+                "f:16:12: 'sentinel' is 'variable:256', but must be auto, tick, none or variable:N "
+                "with N from 56 to 255"},
+        Mistake{12,
+                "motor = 0\n[[module]]\nbus = \"bench\"\naddress = 1\n"
+                "[[module]]\nbus = \"bench\"\naddress = 1",
+                "f:18:11: module 1 on bus 'bench' is given twice"}));
 
 TEST(DaemonConfig, TellsOfALinkThatCannotBe) {
   const auto found = problems(with_line(6, "link = \"seriel:/dev/ttyACM0\""));

@@ -46,9 +46,9 @@ units_per_revolution = 5
 
 class Cable : public testing::Test {
  protected:
-  explicit Cable(const std::string& config = cable_config)
+  explicit Cable(const std::string& config = cable_config, std::string_view model = "TMCM-6212")
       : wire(context_, "bench", tmcl::Framing::serial, 1, {}, trace_),
-        module(wire.bench().add(*tmcl::find_model("TMCM-6212"), tmcl::ModuleAddress{1})) {
+        module(wire.bench().add(*tmcl::find_model(model), tmcl::ModuleAddress{1})) {
     std::signal(SIGPIPE, SIG_IGN);
     silence_log();
     GatewayOptions options;
