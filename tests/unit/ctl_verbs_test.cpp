@@ -294,7 +294,8 @@ TEST_F(CtlVerbs, StateShowsAll) {
   EXPECT_THAT(out, HasSubstr("position  0 microsteps"));
   const auto document = json({"state", "x"});
   for (const auto* key : {"axis", "position_microsteps", "velocity_internal", "velocity_pps",
-                          "target_microsteps", "position_reached", "moving", "age_ms"}) {
+                          "target_microsteps", "position_reached", "moving", "age_ms", "latched",
+                          "referenced", "stop_cause", "lease", "unattended"}) {
     EXPECT_TRUE(document.contains(key)) << key;
   }
 }

@@ -68,6 +68,7 @@ ModuleRow module_from(const Module& found) {
   row.duplicate_suspected = found.duplicate_suspected;
   if constexpr (requires { found.state; }) {
     row.state = found.state;
+    row.watched_by = found.watched_by;
     row.in_bootloader = found.state == "in_bootloader";
   } else {
     row.in_bootloader = found.in_bootloader;
@@ -339,6 +340,8 @@ AxisReading GatewayTarget::reading_from(const api::axis::State& state) const {
   reading.velocity_pps = state.velocity_pps;
   reading.target = {state.target_microsteps};
   reading.position_reached = state.position_reached;
+  reading.condition = {state.latched, state.referenced, state.stop_cause, state.lease,
+                       state.unattended};
   reading.moving = state.moving;
   if (state.position) {
     reading.user = {or_empty(state.unit), *state.position, state.target.value_or(0),

@@ -76,6 +76,7 @@ json::object to_json(const ModuleRow& row) {
     object["address_is_reply_id"] = row.address_is_reply_id;
   } else {
     object["state"] = row.state;
+    object["watched_by"] = row.watched_by;
   }
   return object;
 }
@@ -122,6 +123,13 @@ json::object to_json(const std::string& axis, const AxisReading& reading) {
     if (user->velocity) object["velocity"] = *user->velocity;
     object["target"] = user->target;
   }
+  const auto& condition = reading.condition;
+  object["latched"] = condition.latched;
+  object["referenced"] = condition.referenced;
+  object["stop_cause"] =
+      condition.stop_cause ? json::value(*condition.stop_cause) : json::value(nullptr);
+  object["lease"] = condition.lease ? json::value(*condition.lease) : json::value(nullptr);
+  object["unattended"] = condition.unattended;
   return object;
 }
 

@@ -38,6 +38,7 @@ struct ModuleRow {
   std::string state;                 ///< Empty after a scan.
   bool in_bootloader = false;        ///< It answers, but runs no firmware.
   bool address_is_reply_id = false;  ///< On CAN: it takes every reply for a command.
+  std::string watched_by{};          ///< Empty after a scan; else tick, variable:N or none.
 };
 
 struct AxisRow {
@@ -86,6 +87,16 @@ struct UserReading {
   }
 };
 
+/// What else is to be known about an axis before it is moved.
+struct AxisCondition {
+  bool latched = false;
+  bool referenced = false;
+  std::optional<std::string> stop_cause;
+  std::optional<std::int32_t> lease;
+  bool unattended = false;
+  bool operator==(const AxisCondition&) const = default;
+};
+
 struct AxisReading {
   tmcl::Microsteps position;
   tmcl::InternalVelocity velocity;
@@ -94,6 +105,7 @@ struct AxisReading {
   bool position_reached = false;
   bool moving = false;
   std::optional<UserReading> user;  ///< Nothing for an axis without a unit.
+  AxisCondition condition{};
   tmcl::TimePoint taken_at{};
   tmcl::Duration age{};
   bool operator==(const AxisReading&) const = default;

@@ -9,7 +9,15 @@ namespace {
 
 bool same(const AxisReading& a, const AxisReading& b) {
   return a.position == b.position && a.velocity == b.velocity && a.target == b.target &&
-         a.moving == b.moving && a.position_reached == b.position_reached;
+         a.moving == b.moving && a.position_reached == b.position_reached &&
+         a.condition == b.condition;
+}
+
+std::string motion_text(const AxisReading& reading) {
+  if (reading.moving) return "moving";
+  if (reading.position_reached) return "at target";
+  const auto& cause = reading.condition.stop_cause;
+  return cause ? "stopped: " + *cause : "standing";
 }
 
 void print_change(const verb::Watch& verb, const AxisReading& reading, double at_s,
@@ -23,11 +31,19 @@ void print_change(const verb::Watch& verb, const AxisReading& reading, double at
   output.out << fmt::format("{:9.3f} s  {}  position {}  velocity {}  target {}  {}", at_s,
                             verb.axis, position_text(reading, verb.internal),
                             velocity_text(reading, verb.internal),
-                            target_text(reading, verb.internal),
-                            reading.moving             ? "moving"
-                            : reading.position_reached ? "at target"
-                                                       : "standing")
+                            target_text(reading, verb.internal), motion_text(reading))
              << std::endl;
+}
+
+void print_condition(const std::string& axis, const AxisCondition& condition, std::ostream& out) {
+  if (condition.stop_cause) out << "stopped   " << *condition.stop_cause << '\n';
+  if (condition.referenced) out << "reference found\n";
+  if (condition.lease) out << "lease     " << *condition.lease << ": 'tmclctl lease list'\n";
+  if (condition.unattended) out << "watched   by nobody: it turns until it is stopped\n";
+  if (condition.latched) {
+    out << "latched   its module has started again, or is another one: 'tmclctl home " << axis
+        << "' or 'tmclctl recover " << axis << "'\n";
+  }
 }
 
 }  // namespace
@@ -54,6 +70,7 @@ VerbResult run(const verb::State& verb, Context& context) {
       reading->position_reached ? ", reached" : "",
       with(velocity_text(*reading, false), user && user->velocity), reading->velocity.value, pps,
       reading->moving ? "yes" : "no");
+  print_condition(verb.axis, reading->condition, context.output.out);
   return ExitCode::done;
 }
 
