@@ -66,9 +66,13 @@ boost::asio::awaitable<Result<void>> GatewayModule::be_ready() {
 
 Script<Result<void>> GatewayModule::watch(tmcl::Duration max_age) {
   const auto now = co_await tmcl::current_time();
-  const bool is_due = !sentinel_.was_seen_since(now - max_age);
-  if (state_ != State::ready || !sentinel_.watches() || !is_due) co_return Result<void>{};
-  auto met = co_await look_after();
+  // It may fall silent while a verb that found it ready is on its way.
+  const bool is_silent = state_ == State::silent;
+  const bool is_due = is_silent || !sentinel_.was_seen_since(now - max_age);
+  const bool is_known = is_silent || state_ == State::ready;
+  if (!is_known || !sentinel_.watches() || !is_due) co_return Result<void>{};
+  auto look = is_silent ? meet() : look_after();
+  auto met = co_await std::move(look);
   if (met) co_return met;
   note(met.error());
   met.error().outcome = tmcl::Outcome::not_sent;

@@ -205,6 +205,20 @@ TEST_F(Power, FailsWhileTheModuleIsNotReachable) {
   expect_latched(call("axis.move_to", of("x", {{"position", 5}})));
 }
 
+TEST_F(Power, IsSeenToHaveFailedByAMoveThatWasOnItsWayWhenTheModuleFellSilent) {
+  time.run_for(1s);
+  call("axis.get_state", of("y"));
+  wire.is_cut = true;
+  const auto lost = begin("parameter.set", of("y", {{"parameter", 0}, {"value", 1000}}));
+  time.run_for(50ms);
+  const auto move = begin("axis.move_to", of("x", {{"position", 5}}));
+  wire.is_cut = false;
+  fail_and_return();
+  EXPECT_FALSE(end(lost));
+  expect_latched(end(move));
+  EXPECT_FALSE(moves());
+}
+
 TEST_F(Power, DoesNotSeemToHaveFailedWhenOnlyTheCableWas) {
   wire.is_cut = true;
   EXPECT_FALSE(call("axis.get_state", of("x")));
