@@ -68,7 +68,7 @@ Script<Result<void>> GatewayModule::watch(tmcl::Duration max_age) {
   const auto now = co_await tmcl::current_time();
   // It may fall silent while a verb that found it ready is on its way.
   const bool is_silent = state_ == State::silent;
-  const bool is_due = is_silent || !sentinel_.was_seen_since(now - max_age);
+  const bool is_due = is_silent || sentinel_.last_seen() + max_age <= now;
   const bool is_known = is_silent || state_ == State::ready;
   if (!is_known || !sentinel_.watches() || !is_due) co_return Result<void>{};
   auto look = is_silent ? meet() : look_after();

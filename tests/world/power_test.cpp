@@ -219,6 +219,21 @@ TEST_F(Power, IsSeenToHaveFailedByAMoveThatWasOnItsWayWhenTheModuleFellSilent) {
   EXPECT_FALSE(moves());
 }
 
+TEST_F(Power, IsSeenToHaveFailedByAMoveThatHasWaitedForItsTurn) {
+  time.run_for(1s);
+  call("axis.get_state", of("y"));
+  wire.is_cut = true;
+  const auto lost = begin("parameter.set", of("y", {{"parameter", 0}, {"value", 1000}}));
+  time.run_for(1ms);
+  const auto move = begin("axis.move_to", of("x", {{"position", 5}, {"predict", false}}));
+  fail_and_return();
+  time.run_for(90ms);
+  wire.is_cut = false;
+  EXPECT_FALSE(end(lost));
+  expect_latched(end(move));
+  EXPECT_FALSE(moves());
+}
+
 TEST_F(Power, DoesNotSeemToHaveFailedWhenOnlyTheCableWas) {
   wire.is_cut = true;
   EXPECT_FALSE(call("axis.get_state", of("x")));
