@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <chrono>
 #include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <filesystem>
 #include <random>
 #include <utility>
 
@@ -42,6 +45,19 @@ std::int32_t any_epoch() {
   return std::uniform_int_distribution<std::int32_t>(0, greatest)(random);
 }
 
+/// Beside others of daemons with other sockets.
+std::string journal_of(const DaemonConfig& config) {
+  const std::filesystem::path socket(config.socket);
+  const auto* given = std::getenv("STATE_DIRECTORY");
+  // systemd separates several by colons.
+  const std::string of_service =
+      given == nullptr ? "" : std::string(given, std::strcspn(given, ":"));
+  const std::filesystem::path folder = !config.state.empty() ? config.state
+                                       : !of_service.empty() ? of_service
+                                                             : socket.parent_path().string();
+  return folder / (socket.filename().string() + ".journal");
+}
+
 }  // namespace
 
 tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(boost::asio::io_context& context,
@@ -54,6 +70,7 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(boost::asio::i
   GatewayOptions options{open_link, log};
   options.lease_epoch = any_epoch();
   options.on_exit = config.daemon.on_exit;
+  options.journal = journal_of(config.daemon);
   daemon->gateway_ = Gateway::create(executor, config, std::move(options));
   daemon->server_ = std::make_shared<UnixServer>(executor, std::move(*file), daemon->gateway_,
                                                  make_room_for_clients(config.buses.size()));

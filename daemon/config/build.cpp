@@ -97,6 +97,7 @@ class Builder {
     if (const auto* socket = section.get<std::string>("socket")) add_socket(section, *socket);
     set_choice(section, "log_level", level_names, config_.daemon.log_level);
     set_choice(section, "on_exit", exit_names, config_.daemon.on_exit);
+    if (const auto* state = section.get<std::string>("state")) config_.daemon.state = *state;
   }
 
   /// One of the names of an enumeration, in its order.

@@ -28,6 +28,8 @@ struct DaemonConfig {
   std::string socket;
   LogLevel log_level = LogLevel::info;
   OnExit on_exit = OnExit::stop;
+  /// Directory of the journal; empty: $STATE_DIRECTORY, or else where the socket is.
+  std::string state{};
 };
 
 /// By what it is noticed that a module has restarted.

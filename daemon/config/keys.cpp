@@ -20,6 +20,9 @@ constexpr auto framed = LinkScope::serial_framing;
 constexpr auto keys = std::to_array<KeyInfo>({
     {daemon, "socket", string, required, 0, 0, any, "path of the unix socket that clients use"},
     {daemon, "log_level", string, optional, 0, 0, any, "error, warning, info or debug"},
+    {daemon, "state", string, optional, 0, 0, any,
+     "directory of what tmcld has to know when it was killed; $STATE_DIRECTORY, or where the "
+     "socket is"},
     {daemon, "on_exit", string, optional, 0, 0, any,
      "stop: axes that move are stopped when tmcld ends; keep: only those that it leads"},
 

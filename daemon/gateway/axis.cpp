@@ -144,7 +144,11 @@ GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity
   forget_move();
   const auto before = tenant();
   // From before it turns: the client may go at any time.
-  if (before.lease == 0 && velocity.value != 0) bus().motors().lease(address(), client);
+  const bool begins_to_turn = before.lease == 0 && velocity.value != 0;
+  if (begins_to_turn) {
+    bus().motors().lease(address(), client);
+    co_await enter_journal();
+  }
   auto result = co_await axis_.run(tmcl::verbs::rotate(address(), velocity), std::move(*admitted));
   const bool turns = result || result.error().outcome == tmcl::Outcome::unknown;
   if (!turns && tenant().turns) bus().motors().lease(address(), before);
@@ -302,6 +306,19 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state(tmcl::Duration max_a
   last_ = {*reading, commands, settings};
   co_await note_motion(reading->state);
   co_return reading;
+}
+
+// ---- what is to be put in order ----------------------------------------------------------------
+
+boost::asio::awaitable<void> GatewayAxis::enter_journal() const {
+  if (const auto journal = bus().journal()) co_await Journal::write(journal);
+}
+
+bool GatewayAxis::note_before(tmcl::plan::Setting setting) {
+  const auto is_noted = [&](const auto& noted) { return noted.parameter == setting.parameter; };
+  if (std::ranges::any_of(before_, is_noted)) return false;
+  before_.push_back(setting);
+  return true;
 }
 
 // ---- why it stands -----------------------------------------------------------------------------

@@ -120,6 +120,12 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   bool is_on_journey() const { return mover() != Mover::nobody && mover() != Mover::search; }
   /// The one whose end somebody waits for; null if there is none.
   std::shared_ptr<AwaitedRun> journey() const { return claimant().journey.lock(); }
+  /// Returns when the journal, if there is one, says what is held now.
+  boost::asio::awaitable<void> enter_journal() const;
+  /// What it was before somebody who leads it changed it, and sets it back. False if that is noted.
+  bool note_before(tmcl::plan::Setting setting);
+  void forget_before() { before_.clear(); }
+  const std::vector<tmcl::plan::Setting>& before() const { return before_; }
   /// Nobody else moves it while the claim lives. Only for an axis that nobody moves.
   [[nodiscard]] Claim claim(Claimant claimant) {
     return bus().motors().claim(address(), std::move(claimant));
@@ -202,7 +208,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
     std::uint64_t settings = 0;  ///< Likewise, of its module.
   };
   std::optional<LastReading> last_;
-  bool was_moving_ = false;  ///< When somebody looked last.
+  std::vector<tmcl::plan::Setting> before_;  ///< In the order in which they were changed.
+  bool was_moving_ = false;                  ///< When somebody looked last.
   std::optional<StopCause> stop_cause_;
   std::size_t looks_ = 0;  ///< In progress.
   std::vector<std::shared_ptr<Wake>> waiting_;

@@ -209,6 +209,7 @@ std::string_view name_of(GatewayEvent::Kind kind) {
     case GatewayEvent::Kind::mint_broken: return "mint_broken";
     case GatewayEvent::Kind::lease_lost: return "lease_lost";
     case GatewayEvent::Kind::axis_stopped: return "axis_stopped";
+    case GatewayEvent::Kind::orphan_stopped: return "orphan_stopped";
     case GatewayEvent::Kind::module_silent: return "module_silent";
     case GatewayEvent::Kind::module_answers: return "module_answers";
     case GatewayEvent::Kind::module_in_bootloader: return "module_in_bootloader";

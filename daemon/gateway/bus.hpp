@@ -19,6 +19,7 @@
 #include "async/wake.hpp"
 #include "config/config.hpp"
 #include "gateway/event.hpp"
+#include "gateway/journal.hpp"
 #include "gateway/module.hpp"
 #include "gateway/motors.hpp"
 #include "log/limiter.hpp"
@@ -79,6 +80,9 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   }
 
   /// Stops and claims of its motors.
+  /// Whatever has to be put in order if the process ends; null if nobody would.
+  const std::shared_ptr<Journal>& journal() const { return journal_; }
+  void keep_journal(std::shared_ptr<Journal> journal) { journal_ = std::move(journal); }
   Motors& motors() { return motors_; }
   const Motors& motors() const { return motors_; }
   /// Whether a request may go out for a call. A search that claims a motor may have ended unseen:
@@ -184,6 +188,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   std::shared_ptr<tmcl::Bus> bus_;
   tmcl::BusCounters earlier_counters_;
   std::map<tmcl::ModuleAddress, std::unique_ptr<GatewayModule>> modules_;
+  std::shared_ptr<Journal> journal_;
   Motors motors_;
   std::uint64_t commands_ = 0;
   LogLimiter log_limiter_;

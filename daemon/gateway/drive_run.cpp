@@ -36,6 +36,7 @@ DriveAnswer answer_of(tmcl::Result<T> result) {
 
 awaitable<void> DriveRun::drive(Drive& drive, std::function<bool()> is_enough) {
   ++drives_;
+  co_await members_.front().axis->enter_journal();
   spawn(co_await boost::asio::this_coro::executor, watch_modules(shared_from_this(), drives_));
   try {
     co_await take_steps(drive, std::move(is_enough));
@@ -130,6 +131,11 @@ awaitable<std::optional<AxisFailure>> DriveRun::claim(Claimant claimant) {
   co_return std::nullopt;
 }
 
+void DriveRun::release() {
+  for (const auto& member : members_) member.axis->forget_before();
+  claims_.clear();
+}
+
 Admitted DriveRun::movement_of(const DriveMember& member) const {
   auto options = *member.admitted;
   options.on_answer = {};
@@ -158,6 +164,9 @@ awaitable<DriveAnswer> DriveRun::get(const DriveMember& member, DriveCommand com
 awaitable<DriveAnswer> DriveRun::set(const DriveMember& member, DriveCommand command) {
   // A module that has started again has the settings that it starts with.
   if (command.may_wait && member.axis->latched()) co_return command.value;
+  const bool is_news =
+      command.before && member.axis->note_before({command.parameter, *command.before});
+  if (is_news) co_await member.axis->enter_journal();
   const auto once = [this, &member, command] {
     return write(member, {command.parameter, command.value}, command.may_wait);
   };

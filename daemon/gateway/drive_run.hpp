@@ -39,7 +39,8 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   const std::exception_ptr& failure() const { return failure_; }
   /// All of its axes. Errors: those of claim_all().
   boost::asio::awaitable<std::optional<AxisFailure>> claim(Claimant claimant);
-  void release() { claims_.clear(); }
+  /// They are as they were, or that has failed.
+  void release();
   tmcl::TimePoint now() const { return clock_.now(); }
 
   /// Called before each step; the next time at the latest then.

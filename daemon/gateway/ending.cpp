@@ -88,6 +88,7 @@ awaitable<void> end_gateway(std::shared_ptr<Gateway> gateway) {
   if (gateway->on_exit() == OnExit::stop) co_await bring_to_rest(*gateway);
   co_await wait_for_uploads(*gateway);
   co_await wait_until([&] { return gateway->stops_in_progress == 0; }, time_for_stops);
+  co_await gateway->end_journal();
   gateway->close();
 }
 

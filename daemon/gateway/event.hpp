@@ -23,6 +23,7 @@ struct GatewayEvent {
     lease_lost,      ///< A client has lost the right to move an axis alone.
     axis_stopped,    ///< An axis that could not be stopped before stands now, or one that nobody
                      ///< has stopped: see cause.
+    orphan_stopped,  ///< An axis that another run of the daemon led when it was killed.
     module_answers,  ///< A module was identified, for the first time or again.
     module_in_bootloader,  ///< Likewise, but no firmware runs in it.
     module_reset,          ///< A module has started again: its axes are latched.

@@ -5,6 +5,7 @@
 
 #include "async/spawn.hpp"
 #include "gateway/awaited_run.hpp"
+#include "gateway/orphans.hpp"
 #include "gateway/standing_stop.hpp"
 #include "gateway/stop_all.hpp"
 
@@ -50,11 +51,73 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
     if (const auto self = weak.lock()) self->begin_to_stop(axis);
   };
   gateway->leases_ = std::make_shared<Leases>(executor, own.lease_epoch, stop);
+  if (own.journal.empty()) return gateway;
+  const auto held = [weak = std::weak_ptr(gateway)] {
+    const auto self = weak.lock();
+    return self ? self->holdings() : Holdings();
+  };
+  gateway->journal_ = std::make_shared<Journal>(executor, own.journal, held, own.log);
+  for (const auto& bus : gateway->buses_) bus->keep_journal(gateway->journal_);
   return gateway;
 }
 
 void Gateway::start() {
+  if (journal_) take_over_orphans();
   for (const auto& bus : buses_) bus->start();
+}
+
+// ---- what has to be put in order if the process ends --------------------------------------------
+
+namespace {
+
+/// Empty if it is nobody's business.
+std::string why_held(const GatewayAxis& axis, const Leases& leases) {
+  switch (axis.mover()) {
+    case Mover::line: return "line";
+    case Mover::path: return "path";
+    case Mover::mint: return "mint";
+    case Mover::stop: return "stop";
+    case Mover::nobody:
+    case Mover::search: break;
+  }
+  if (axis.tenant().turns) return axis.is_unattended() ? "unattended" : "turning";
+  const auto* lease = leases.of(axis);
+  return lease != nullptr && lease->terms.stops ? "lease" : "";
+}
+
+}  // namespace
+
+Holdings Gateway::holdings() const {
+  Holdings holdings;
+  for (const auto& axis : axes_) {
+    auto why = why_held(*axis, *leases_);
+    if (why.empty()) continue;
+    holdings.push_back(
+        {axis->bus().name(), axis->address(), std::move(why), axis->before(), last_seen(*axis)});
+  }
+  return holdings;
+}
+
+void Gateway::take_over_orphans() {
+  auto left = Journal::read(options_.journal);
+  if (!left)
+    log(LogLevel::error, "what another run of tmcld has left is not known: " + left.error());
+  for (auto& holding : left.value_or(Holdings())) {
+    const auto bus = std::ranges::find(buses_, holding.bus, &GatewayBus::name);
+    auto axis = bus == buses_.end() ? nullptr : find_axis(**bus, holding.motor);
+    if (!axis && bus != buses_.end()) axis = add_axis(*bus, holding.motor);
+    if (axis) {
+      take_over(axis, std::move(holding));
+    } else {
+      log(LogLevel::warning, "an axis that another run of tmcld led (" + holding.why +
+                                 ") is on bus '" + holding.bus + "', which there is not any more");
+    }
+  }
+  if (!buses_.empty()) spawn(buses_.front()->executor(), Journal::write(journal_));
+}
+
+boost::asio::awaitable<void> Gateway::end_journal() {
+  if (journal_) co_await Journal::write(journal_);
 }
 
 OnExit Gateway::on_exit() const { return options_.on_exit; }
@@ -107,12 +170,14 @@ void Gateway::stop_all_axes() {
 
 void Gateway::close() {
   refuse_new_calls();
+  if (journal_) journal_->close();
   for (const auto& bus : buses_) bus->close();
 }
 
 void Gateway::join() {
   for (const auto& bus : buses_) bus->wait_for_opener();
   planner.join();
+  if (journal_) journal_->join();
 }
 
 void Gateway::log_often(std::string_view cause, LogLevel level, std::string line) {

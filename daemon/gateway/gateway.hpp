@@ -37,6 +37,8 @@ struct GatewayOptions {
   /// Leases of another run of the gateway are told from those of this one by it.
   std::int32_t lease_epoch = 0;
   OnExit on_exit = OnExit::keep;
+  /// What has to be put in order if the process ends is kept in this file; empty: nowhere.
+  std::string journal{};
 };
 
 /// Motors that no axis is configured for, and that were named all the same.
@@ -49,7 +51,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   static std::shared_ptr<Gateway> create(const boost::asio::any_io_executor& executor,
                                          const Config& config, GatewayOptions options = {});
 
-  /// Begins to open the buses and to identify the modules; returns at once.
+  /// Begins to open the buses, to identify the modules, and to put in order what another run has
+  /// left; returns at once.
   void start();
   const tmcl::ContextClock& clock() const { return clock_; }
   const std::shared_ptr<Leases>& leases() const { return leases_; }
@@ -74,6 +77,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   bool has_journeys() const;
   /// Begins to stop every axis; see stops_in_progress.
   void stop_all_axes();
+  /// Returns when the journal says what is left to be put in order.
+  boost::asio::awaitable<void> end_journal();
   /// Ends everything in progress with Errc::link_lost.
   void close();
   /// Waits for links that are being opened, and for paths that are being planned: what comes of
@@ -126,12 +131,15 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
       : clock_(executor), options_(std::move(options)) {}
   void tell(const GatewayEvent& event);
   void begin_to_stop(const std::shared_ptr<GatewayAxis>& axis);
+  Holdings holdings() const;
+  void take_over_orphans();
 
   tmcl::ContextClock clock_;
   GatewayOptions options_;
   std::map<std::string, LogLimiter, std::less<>> limiters_;  ///< By cause; few.
   std::shared_ptr<Arrivals> arrivals_ = std::make_shared<Arrivals>();
   std::shared_ptr<Leases> leases_;
+  std::shared_ptr<Journal> journal_;  ///< Null if none is kept.
   std::vector<std::shared_ptr<GatewayBus>> buses_;
   std::vector<std::shared_ptr<GatewayAxis>> axes_;  ///< The configured ones first.
   std::size_t configured_axes_ = 0;

@@ -49,6 +49,7 @@ awaitable<tl::expected<Lease, AxisFailure>> Leases::acquire(std::shared_ptr<Leas
   self->leases_.emplace(number, lease);
   if (!std::exchange(self->watching_, true)) spawn(self->executor_, watch(self));
   self->changed_.notify();
+  co_await lease.axes.front()->enter_journal();
   co_return lease;
 }
 

@@ -35,6 +35,14 @@ bool knows_no_motor(const Request& request) {
          request.command == Command::RST;
 }
 
+/// A module starts again, or is about to: nothing that a latched axis could not bear.
+bool restarts(const Request& request) {
+  const bool is_boot_command =
+      request.command >= Command::BOOT_ERASE_ALL && request.command <= Command::BOOT_WRITE_LENGTH;
+  return is_boot_command || request.command == Command::ENTER_BOOTLOADER ||
+         request.command == Command::SOFTWARE_RESET || request.command == Command::FACTORY_RESET;
+}
+
 /// A stop of any motor of the module ends what knows no motor.
 std::set<AxisAddress> motors_of(const Request& request) {
   if (knows_no_motor(request)) return {{request.address, 0}};
@@ -163,7 +171,8 @@ std::optional<tmcl::Error> Motors::objection(const Request& request, Permit perm
     return error(Errc::superseded_by_stop, "a stop came first", {});
   for (const auto& [address, motor] : motors_) {
     if (!can_move(request, address)) continue;
-    if (auto latch = objection_by_latch(address, permit)) return latch;
+    auto latch = restarts(request) ? std::nullopt : objection_by_latch(address, permit);
+    if (latch) return latch;
     if (leads(address, permit)) continue;
     if (auto objection = objection_by_lease(address, permit)) return objection;
   }

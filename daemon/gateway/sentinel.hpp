@@ -56,6 +56,7 @@ class Sentinel {
   tmcl::Request question(tmcl::ModuleAddress module) const;
   /// It was found to be as it should be when it was asked then, or later.
   bool was_seen_since(tmcl::TimePoint asked) const { return last_ && last_->asked >= asked; }
+  const std::optional<Reading>& last() const { return last_; }
   /// When it was asked for that last.
   tmcl::TimePoint last_seen() const { return last_ ? last_->asked : tmcl::TimePoint{}; }
 

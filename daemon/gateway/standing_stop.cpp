@@ -29,23 +29,26 @@ GatewayAxis::Awaitable<bool> stop_and_look(GatewayAxis& axis) {
 
 boost::asio::awaitable<void> insist(std::shared_ptr<GatewayAxis> axis,
                                     [[maybe_unused]] Claim claim) {
+  co_await be_stopped(*axis);
+  if (axis->bus().is_closed()) co_return;
+  auto event =
+      event_of(*axis, GatewayEvent::Kind::axis_stopped, "axis '" + axis->name() + "' stands now");
+  event.cause = name_of(axis->stop_cause().value_or(StopCause::daemon));
+  axis->bus().emit(std::move(event));
+}
+
+}  // namespace
+
+boost::asio::awaitable<void> be_stopped(GatewayAxis& axis) {
   auto pause = shortest_pause;
-  while (!axis->bus().is_closed()) {
-    const auto stands = co_await stop_and_look(*axis);
-    if (stands && *stands) {
-      auto event = event_of(*axis, GatewayEvent::Kind::axis_stopped,
-                            "axis '" + axis->name() + "' stands now");
-      event.cause = name_of(axis->stop_cause().value_or(StopCause::daemon));
-      axis->bus().emit(std::move(event));
-      break;
-    }
+  while (!axis.bus().is_closed()) {
+    const auto stands = co_await stop_and_look(axis);
+    if (stands && *stands) co_return;
     const bool is_cheap = stands || stands.error().code == tmcl::Errc::link_lost;
     pause = is_cheap ? shortest_pause : std::min(2 * pause, longest_pause);
     co_await rest(pause);
   }
 }
-
-}  // namespace
 
 void stop_until_it_stands(const std::shared_ptr<GatewayAxis>& axis) {
   if (axis->mover() == Mover::stop) return;

@@ -16,6 +16,9 @@ namespace tmcld {
 /// once.
 void stop_until_it_stands(const std::shared_ptr<GatewayAxis>& axis);
 
+/// Such a stop, which the caller waits for. The axis must be claimed.
+boost::asio::awaitable<void> be_stopped(GatewayAxis& axis);
+
 /// Of an axis that is given such a stop: a sentence without a full stop.
 std::string not_stopped(const std::string& axis);
 /// An event about one axis.

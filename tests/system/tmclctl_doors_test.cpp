@@ -43,6 +43,7 @@ const std::vector<std::string> lines{
     "line 3/0=4000 3/1=2000 --wait",
     "state 1/0",
     "watch 1/0 --for 0.2",
+    "recover 1/0",
     "rotate 3/2 500 --unattended",
     "stop 3/2",
     "home 1/0 --mode 137",

@@ -47,20 +47,12 @@ units_per_revolution = 5
 class Cable : public testing::Test {
  protected:
   explicit Cable(const std::string& config = cable_config, std::string_view model = "TMCM-6212")
-      : wire(context_, "bench", tmcl::Framing::serial, 1, {}, trace_),
+      : config_(parse_config(config).value()),
+        wire(context_, "bench", tmcl::Framing::serial, 1, {}, trace_),
         module(wire.bench().add(*tmcl::find_model(model), tmcl::ModuleAddress{1})) {
     std::signal(SIGPIPE, SIG_IGN);
     silence_log();
-    GatewayOptions options;
-    options.open_link = [this](const BusConfig&) { return wire.open(); };
-    gateway_ =
-        Gateway::create(context_.get_executor(), parse_config(config).value(), std::move(options));
-    gateway_->on_event([this](const GatewayEvent& event) {
-      if (event.kind == GatewayEvent::Kind::axis_stopped) stopped.push_back(event.text);
-      events.emplace_back(name_of(event.kind));
-    });
-    gateway_->start();
-    time.run_for(std::chrono::seconds(1));
+    start_gateway();
     for (const char* axis : {"x", "y"}) {
       for (const auto& [parameter, value] :
            {std::pair{4, 240'000}, {5, 4'999'922}, {17, 4'999'922}})
@@ -70,6 +62,25 @@ class Cable : public testing::Test {
   ~Cable() override {
     gateway_->close();
     time.run_for(std::chrono::seconds(10));
+  }
+  void start_gateway(const std::string& journal = {}) {
+    GatewayOptions options;
+    options.open_link = [this](const BusConfig&) { return wire.open(); };
+    options.journal = journal;
+    gateway_ = Gateway::create(context_.get_executor(), config_, std::move(options));
+    gateway_->on_event([this](const GatewayEvent& event) {
+      if (event.kind == GatewayEvent::Kind::axis_stopped) stopped.push_back(event.text);
+      if (event.kind == GatewayEvent::Kind::orphan_stopped) orphans.push_back(event.text);
+      events.emplace_back(name_of(event.kind));
+    });
+    peer_->number = gateway_->enter();
+    gateway_->start();
+    time.run_for(std::chrono::seconds(1));
+  }
+  /// It sends nothing any more.
+  void end_gateway() {
+    gateway_->close();
+    time.run_for(std::chrono::milliseconds(100));
   }
 
   using Answer = std::shared_ptr<std::optional<RpcResult>>;
@@ -123,16 +134,18 @@ class Cable : public testing::Test {
 
  private:
   Trace trace_;
+  Config config_;
 
  public:
   Wire wire;
   std::vector<std::string> stopped;
+  std::vector<std::string> orphans;
   std::vector<std::string> events;
   tmcl::sim::Module& module;
 
  private:
   std::shared_ptr<Gateway> gateway_;
-  std::shared_ptr<Peer> peer_ = std::make_shared<WorldPeer>(trace_);
+  std::shared_ptr<WorldPeer> peer_ = std::make_shared<WorldPeer>(trace_);
 };
 
 }  // namespace tmcld::test

@@ -142,7 +142,8 @@ Script<DriveRunner::Fault> DriveRunner::set(std::size_t axis, Setting setting) {
   if (settings_[axis].now(setting.parameter) == setting.value) co_return std::nullopt;
   // Whether or not an answer comes: it may be carried out.
   settings_[axis].begin_write(setting.parameter);
-  co_await command({Kind::set, axis, setting.parameter, setting.value});
+  const auto before = settings_[axis].before(setting.parameter);
+  co_await command({Kind::set, axis, setting.parameter, setting.value, false, before});
   if (!answer_) co_return refusal(axis);
   settings_[axis].wrote(setting);
   on_written(axis, setting);

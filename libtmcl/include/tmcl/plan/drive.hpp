@@ -49,6 +49,8 @@ struct DriveCommand {
   std::int32_t value = 0;      ///< Of all but get and stop.
   /// May be given more than once, and late: a link that is lost for a moment may be waited for.
   bool may_wait = false;
+  /// Of set: as it was before the drive, which sets it back in the end.
+  std::optional<std::int32_t> before{};
   bool operator==(const DriveCommand&) const = default;
 };
 using DriveCommands = std::vector<DriveCommand>;

@@ -1,0 +1,150 @@
+#include "gateway/journal.hpp"
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <boost/json/parse.hpp>
+#include <boost/json/serialize.hpp>
+#include <boost/json/value_to.hpp>
+
+#include "async/rest.hpp"
+#include "async/spawn.hpp"
+
+namespace tmcld {
+namespace {
+
+namespace json = boost::json;
+using boost::asio::awaitable;
+
+// What is held no more stays in the file so long.
+constexpr tmcl::Duration follow_interval = std::chrono::seconds(1);
+constexpr std::size_t most_bytes = 1 << 20;
+constexpr mode_t access_for_owner = 0600;
+
+json::object to_json(const Holding& holding) {
+  json::array before;
+  for (const auto& [parameter, value] : holding.before)
+    before.push_back({{"parameter", parameter}, {"value", value}});
+  json::object object{{"bus", holding.bus},
+                      {"address", number(holding.motor.module)},
+                      {"motor", holding.motor.motor},
+                      {"why", holding.why},
+                      {"before", std::move(before)}};
+  if (const auto& seen = holding.seen) {
+    object["seen"] = {
+        {"value", seen->value}, {"asked_ms", seen->asked_ms}, {"answered_ms", seen->answered_ms}};
+  }
+  return object;
+}
+
+/// Throws if it is none.
+Holding holding_from(const json::value& value) {
+  Holding holding{json::value_to<std::string>(value.at("bus")),
+                  {tmcl::ModuleAddress{value.at("address").to_number<std::uint16_t>()},
+                   value.at("motor").to_number<std::uint8_t>()},
+                  json::value_to<std::string>(value.at("why"))};
+  for (const auto& setting : value.at("before").as_array())
+    holding.before.push_back({setting.at("parameter").to_number<std::uint8_t>(),
+                              setting.at("value").to_number<std::int32_t>()});
+  if (const auto* seen = value.as_object().if_contains("seen")) {
+    holding.seen = {seen->at("value").to_number<std::int32_t>(),
+                    seen->at("asked_ms").to_number<std::int64_t>(),
+                    seen->at("answered_ms").to_number<std::int64_t>()};
+  }
+  return holding;
+}
+
+std::string text_of(const Holdings& holdings) {
+  json::array array;
+  for (const auto& holding : holdings) array.push_back(to_json(holding));
+  return json::serialize(json::object{{"version", 1}, {"axes", std::move(array)}}) + "\n";
+}
+
+struct Descriptor {
+  int number;
+  ~Descriptor() { ::close(number); }
+};
+
+std::string because() { return std::string(": ") + std::strerror(errno); }
+
+/// Empty if all went well.
+std::string replace_file(const std::string& path, const std::string& text) {
+  const auto beside = path + ".new";
+  {
+    const Descriptor file{::open(
+        beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, access_for_owner)};
+    if (file.number < 0) return "cannot create " + beside + because();
+    if (::write(file.number, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
+      return "cannot write " + beside + because();
+  }
+  if (std::rename(beside.c_str(), path.c_str()) != 0) return "cannot replace " + path + because();
+  return {};
+}
+
+}  // namespace
+
+tl::expected<Holdings, std::string> Journal::read(const std::string& path) {
+  const Descriptor file{::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC)};
+  if (file.number < 0 && errno == ENOENT) return Holdings();
+  if (file.number < 0) return tl::unexpected("cannot open " + path + because());
+  // It moves and sets axes: whoever else could write it must not.
+  struct stat status {};
+  const bool is_own = ::fstat(file.number, &status) == 0 && status.st_uid == ::geteuid() &&
+                      (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
+  if (!is_own) return tl::unexpected(path + " can be written by other users");
+  std::string text(most_bytes, '\0');
+  const auto size = ::read(file.number, text.data(), text.size());
+  if (size < 0) return tl::unexpected("cannot read " + path + because());
+  text.resize(static_cast<std::size_t>(size));
+  try {
+    const auto document = json::parse(text);
+    Holdings holdings;
+    for (const auto& holding : document.at("axes").as_array())
+      holdings.push_back(holding_from(holding));
+    return holdings;
+  } catch (const std::exception& error) {
+    return tl::unexpected(path + " is no journal of tmcld: " + error.what());
+  }
+}
+
+awaitable<void> Journal::write(std::shared_ptr<Journal> self) {
+  if (self->closed_) co_return;
+  auto held = self->held_();
+  // What is being written now may be this.
+  if (held == self->last_ && self->writing_ == 0) co_return;
+  self->last_ = held;
+  auto work = [path = self->path_, text = text_of(held), number = ++self->number_,
+               written = self->written_]() -> std::string {
+    if (*written > number) return {};
+    auto failure = replace_file(path, text);
+    if (failure.empty()) *written = number;
+    return failure;
+  };
+  ++self->writing_;
+  const auto failure = co_await elsewhere(self->writer_, std::move(work));
+  --self->writing_;
+  if (!failure.empty()) {
+    const auto line = "the journal is not kept, so nothing is put in order if tmcld is killed: ";
+    const auto admitted = self->limiter_.admit(line + failure, self->clock_.now());
+    if (admitted) self->log_(LogLevel::error, *admitted);
+    self->last_.reset();
+  }
+  if (!held.empty() && !std::exchange(self->follows_, true))
+    spawn(co_await boost::asio::this_coro::executor, follow(self));
+}
+
+awaitable<void> Journal::follow(std::shared_ptr<Journal> self) {
+  while (!self->closed_ && !(self->last_ && self->last_->empty())) {
+    co_await rest(follow_interval);
+    co_await write(self);
+  }
+  self->follows_ = false;
+}
+
+}  // namespace tmcld
