@@ -13,10 +13,13 @@
 #include <boost/json/object.hpp>
 
 #include "api/rpc_error.hpp"
+#include "gateway/sentinel.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/command.hpp"
 #include "tmcl/datagram.hpp"
 #include "tmcl/parameter.hpp"
+#include "world/owners.hpp"
+#include "world/restarts.hpp"
 
 namespace tmcld::test {
 
@@ -25,6 +28,8 @@ struct WorldAxis {
   std::string name;
   std::string bus;
   tmcl::AxisAddress address;
+  /// It does not go farther than this from 0; 0: nobody minds.
+  std::int32_t soft_limit = 0;
 };
 
 /// A call in progress.
@@ -35,11 +40,17 @@ struct WorldCall {
   std::vector<std::int32_t> values{};
   /// What is added to where the axis is, which is not known before.
   std::optional<std::int32_t> distance{};
+  /// Who has made it.
+  std::uint64_t client = 0;
+  /// The parameter that it reads, or the lease that it is about.
+  std::int64_t about = 0;
 };
 
 class Ledger {
  public:
-  explicit Ledger(std::vector<WorldAxis> axes) : axes_(std::move(axes)) {}
+  /// Where a value may be another one's, as nothing moves by it, they are not looked at.
+  Ledger(std::vector<WorldAxis> axes, bool values_are_right)
+      : axes_(std::move(axes)), values_are_right_(values_are_right) {}
 
   using Number = std::uint64_t;
 
@@ -50,10 +61,12 @@ class Ledger {
     for (const auto& axis : call.axes) names += " " + axis;
     note(now, "call " + std::to_string(number) + ": " + call.method + names);
     const bool stops = call.method == "axis.stop" || call.method == "system.stop_all";
+    if (call.method == "axis.recover") restarts_.allow(call.axes.front(), number);
+    if (call.method == "lease.release") owners_.release(call.about);
     if (stops) {
       for (const auto& axis : call.axes) stops_[axis].push_back({number, now, false});
     } else {
-      running_.emplace(number, Running{std::move(call), {}, {}});
+      running_.emplace(number, Running{std::move(call), now});
     }
     return number;
   }
@@ -62,45 +75,78 @@ class Ledger {
     note(now, "end of call " + std::to_string(number) +
                   (result ? std::string() : ": " + result.error().message));
     const auto found = running_.extract(number);
-    if (!found || found.mapped().call.axes.size() != 1) return;
-    const auto& call = found.mapped().call;
-    const auto& moved = found.mapped().moved;
-    const auto sent = moved.size();
-    if (result && is_movement(call) && !call.values.empty() && sent != 1)
-      complain(call.method + " was done unseen");
-    if (result) return;
-    const auto* outcome = result.error().data.if_contains("outcome");
-    if (sent > 0 && outcome != nullptr && outcome->as_string().compare("not_sent") == 0)
-      complain(call.method + " was sent, but said to be not: " + result.error().message);
+    if (!found) return;
+    const auto& running = found.mapped();
+    const auto& call = running.call;
+    if (call.method == "axis.recover") note_recovery(call.axes.front(), number, result.has_value());
+    if (result) {
+      note_lease(running, *result, now);
+      if (values_are_right_ && !has_restarted(running)) look_at_values(running, *result);
+    }
+    look_at_outcome(running, result);
+  }
+
+  /// A client has lost its connection.
+  void on_leave(std::uint64_t client, tmcl::TimePoint now) {
+    note(now, "client " + std::to_string(client) + " goes");
+    owners_.leave(client, now);
+  }
+  std::vector<std::int64_t> leases_of(std::uint64_t client) const {
+    return owners_.leases_of(client);
+  }
+
+  /// What has to have happened by now.
+  void look(tmcl::TimePoint now) {
+    for (const auto& axis : owners_.overdue(now))
+      complain(axis + " was not stopped, although its owner is gone");
+  }
+  /// Where the motor of an axis really is.
+  void on_place(const std::string& name, std::int64_t place) {
+    const auto axis = std::ranges::find(axes_, name, &WorldAxis::name);
+    if (axis->soft_limit != 0 && std::abs(place) > axis->soft_limit)
+      complain(name + " is at " + std::to_string(place) + ", beyond its soft limit");
+  }
+
+  /// The supply of a module has failed, and is back.
+  void on_restart(const std::string& bus, tmcl::ModuleAddress module, tmcl::TimePoint now) {
+    for (const auto& axis : axes_) {
+      if (axis.bus != bus || axis.address.module != module) continue;
+      note(now, "module of " + axis.name + " starts again");
+      restarts_.note(axis.name, now);
+      owners_.stand(axis.name, now);
+    }
   }
 
   /// In the order in which they are on the wire.
   void on_request(const std::string& bus, const tmcl::Request& request, tmcl::TimePoint now) {
+    look(now);
     for (const auto& axis : axes_) {
       if (axis.bus != bus || axis.address.module != request.address) continue;
       if (request.command == tmcl::Command::MST && request.motor == axis.address.motor)
         note_stop(axis.name, now);
-      note_turning(axis, request);
-      if (moves(request, axis.address.motor)) judge(axis.name, request, now);
+      if (!moves(request, axis.address.motor)) continue;
+      const auto client = judge(axis.name, request, now);
+      note_turning(axis, request, client, now);
+      look_at_limits(axis, request);
     }
   }
 
   /// What a module answers, before anything can happen to that.
   void on_answer(const std::string& bus, const tmcl::Request& request, std::int32_t value) {
-    const bool tells_position = request.command == tmcl::Command::GAP &&
-                                request.type == tmcl::axis_parameter::actual_position;
-    if (!tells_position) return;
+    const bool reads = request.command == tmcl::Command::GAP;
     for (const auto& axis : axes_) {
-      if (axis.bus != bus || axis.address != tmcl::AxisAddress{request.address, request.motor})
-        continue;
+      if (axis.bus != bus || axis.address.module != request.address) continue;
       for (auto& [number, running] : running_) {
-        if (std::ranges::count(running.call.axes, axis.name) != 0) running.positions.insert(value);
+        if (std::ranges::count(running.call.axes, axis.name) == 0) continue;
+        if (reads && request.motor == axis.address.motor)
+          running.readings.insert({request.type, value});
+        if (running.sent == request) running.executed = true;
       }
     }
   }
 
   /// Axes that were told to turn, and since then neither to stop nor to go somewhere.
-  std::vector<std::string> turning() const { return {turning_.begin(), turning_.end()}; }
+  std::vector<std::string> turning() const { return owners_.turning(); }
   const std::vector<std::string>& complaints() const { return complaints_; }
   std::size_t movements() const { return movements_; }
 
@@ -112,9 +158,15 @@ class Ledger {
   };
   struct Running {
     WorldCall call;
-    std::set<std::string> moved;         ///< Axes that a datagram has gone out to.
-    std::set<std::int32_t> positions{};  ///< Where its axes were whenever that was read.
+    tmcl::TimePoint began;
+    std::set<std::string> moved{};  ///< Axes that a datagram has gone out to.
+    /// What was read of its axes: parameters, and what they really were.
+    std::set<std::pair<std::uint8_t, std::int32_t>> readings{};
+    std::optional<tmcl::Request> sent{};  ///< The last that moves something.
+    bool executed = false;
   };
+
+  static constexpr std::uint8_t start_search = 0;
 
   // From the manual, and not from the gateway's own table.
   static bool moves(const tmcl::Request& request, std::uint8_t motor) {
@@ -122,6 +174,7 @@ class Ledger {
     switch (request.command) {
       case Command::ROR:
       case Command::ROL: return request.motor == motor;
+      case Command::RFS: return request.type == start_search && request.motor == motor;
       case Command::MVP: {
         constexpr std::uint8_t coordinate = 2, mask = 0x3F, several = 0xC0;
         const bool names_several = request.type == coordinate && (request.motor & several) != 0;
@@ -137,7 +190,8 @@ class Ledger {
 
   static bool is_movement(const WorldCall& call) {
     return call.method.starts_with("axis.move") || call.method == "axis.rotate" ||
-           call.method == "line.move" || call.method == "parameter.set";
+           call.method == "axis.home" || call.method == "line.move" ||
+           call.method == "parameter.set";
   }
 
   void note(tmcl::TimePoint time, const std::string& what) {
@@ -147,19 +201,21 @@ class Ledger {
     if (history_.size() > most) history_.pop_front();
   }
 
-  void note_turning(const WorldAxis& axis, const tmcl::Request& request) {
+  void note_turning(const WorldAxis& axis, const tmcl::Request& request, std::uint64_t client,
+                    tmcl::TimePoint now) {
     using tmcl::Command;
     const bool turns = request.command == Command::ROR || request.command == Command::ROL;
-    if (turns && request.motor == axis.address.motor && request.value != 0) {
-      turning_.insert(axis.name);
-    } else if (request.command == Command::MST ? request.motor == axis.address.motor
-                                               : moves(request, axis.address.motor)) {
-      turning_.erase(axis.name);
+    if (turns && request.value != 0) {
+      // Who does not hear it does not turn.
+      if (!restarts_.is_deaf(axis.name, now)) owners_.turn(axis.name, client, now);
+    } else {
+      owners_.end_turning(axis.name);
     }
   }
 
   void note_stop(const std::string& axis, tmcl::TimePoint now) {
     note(now, "stop of " + axis);
+    owners_.stand(axis, now);
     auto& stops = stops_[axis];
     if (!stops.empty()) stops.back().sent = true;
   }
@@ -183,19 +239,24 @@ class Ledger {
 
   static bool can_have_sent(const Running& running, const std::string& axis,
                             const tmcl::Request& request) {
-    const auto& [call, moved, positions] = running;
+    const auto& call = running.call;
     const bool named = std::ranges::find(call.axes, axis) != call.axes.end();
-    if (!is_movement(call) || !named || moved.contains(axis)) return false;
+    if (!is_movement(call) || !named || running.moved.contains(axis)) return false;
+    const bool searches = request.command == tmcl::Command::RFS;
+    if (searches || call.method == "axis.home") return searches && call.method == "axis.home";
     const bool by_position = request.command == tmcl::Command::MVP;
     const bool to_coordinate = by_position && request.type == 2;
     if (to_coordinate) return call.method == "line.move";
-    if (call.distance && by_position) return positions.contains(request.value - *call.distance);
+    if (call.distance && by_position)
+      return running.readings.contains(
+          {tmcl::axis_parameter::actual_position, request.value - *call.distance});
     const auto value = value_for(call, axis);
     const auto sign = request.command == tmcl::Command::ROL ? -1 : 1;
     return value ? *value == sign * request.value : by_position;
   }
 
-  void judge(const std::string& axis, const tmcl::Request& request, tmcl::TimePoint now) {
+  /// The client that has asked for it, or 0.
+  std::uint64_t judge(const std::string& axis, const tmcl::Request& request, tmcl::TimePoint now) {
     ++movements_;
     note(now, "movement of " + axis + " with " + std::to_string(request.value));
     const auto after = stopped_before(axis, now);
@@ -205,11 +266,98 @@ class Ledger {
         if (running.call.values.empty() == knows || number <= after) continue;
         if (!can_have_sent(running, axis, request)) continue;
         running.moved.insert(axis);
-        return;
+        running.sent = request;
+        if (request.command == tmcl::Command::RFS) restarts_.allow(axis, number);
+        look_for_latch(axis, running.call, now);
+        look_for_owner(axis, running.call, number, now);
+        return running.call.client;
       }
     }
     complain("command " + std::to_string(static_cast<int>(request.command)) + " with " +
              std::to_string(request.value) + " moves " + axis + ", and no call has asked for it");
+    return 0;
+  }
+
+  /// It acts when it has seen that the module answers, which may have started again since the call.
+  void note_recovery(const std::string& axis, Number call, bool succeeded) {
+    if (succeeded) {
+      restarts_.allow(axis, call);
+    } else {
+      restarts_.withdraw(axis, call);
+    }
+  }
+
+  void look_for_latch(const std::string& axis, const WorldCall& by, tmcl::TimePoint now) {
+    // Of lines is assumed that modules take longer to start.
+    const bool may_be_unseen =
+        by.method == "line.move" && now - restarts_.last(axis) <= journey_sentinel_age;
+    if (restarts_.is_latched(axis) && !restarts_.is_deaf(axis, now) && !may_be_unseen)
+      complain(axis +
+               " is moved, although its module has started again, and nobody has said since "
+               "that it may move");
+  }
+
+  void look_for_owner(const std::string& axis, const WorldCall& by, Number number,
+                      tmcl::TimePoint now) {
+    if (owners_.is_others(axis, by.client, number, now))
+      complain(by.method + " moves " + axis + ", of which somebody else has a lease");
+    // A line belongs to the gateway.
+    if (by.method != "line.move" && owners_.is_long_gone(by.client, now))
+      complain(by.method + " moves " + axis + ", and who has asked for it is gone");
+  }
+
+  void look_at_limits(const WorldAxis& axis, const tmcl::Request& request) {
+    using tmcl::Command;
+    const bool turns = request.command == Command::ROR || request.command == Command::ROL;
+    const bool is_beyond = turns ? request.value != 0 : std::abs(request.value) > axis.soft_limit;
+    if (axis.soft_limit != 0 && is_beyond)
+      complain(axis.name + " is sent beyond its soft limit: " + std::to_string(request.value));
+  }
+
+  void note_lease(const Running& running, const boost::json::object& result, tmcl::TimePoint now) {
+    const auto& call = running.call;
+    const bool acquires = call.method == "lease.acquire";
+    if (!acquires && call.method != "lease.renew") return;
+    const auto number = result.at("lease").as_int64();
+    const std::chrono::milliseconds ttl(result.at("ttl_ms").as_int64());
+    if (acquires) owners_.grant(number, call.client, call.axes, last_);
+    owners_.extend(number, running.began, now, ttl);
+  }
+
+  /// Of what was on its way when its module started again, nobody can tell what it answered.
+  bool has_restarted(const Running& running) const {
+    return std::ranges::any_of(
+        running.call.axes, [&](const auto& axis) { return restarts_.last(axis) >= running.began; });
+  }
+
+  /// Whether each value is one that the module has really told, in answer to that question.
+  void look_at_values(const Running& running, const boost::json::object& result) {
+    const auto is_true = [&](std::uint8_t parameter, const boost::json::value& value) {
+      return running.readings.contains({parameter, static_cast<std::int32_t>(value.as_int64())});
+    };
+    namespace ap = tmcl::axis_parameter;
+    const auto& method = running.call.method;
+    if (method == "parameter.get") {
+      if (!is_true(static_cast<std::uint8_t>(running.call.about), result.at("value")))
+        complain("parameter.get told what the module did not");
+    } else if (method == "axis.get_state") {
+      if (!is_true(ap::actual_position, result.at("position_microsteps")) ||
+          !is_true(ap::actual_velocity, result.at("velocity_internal")))
+        complain("axis.get_state told what the module did not");
+    }
+  }
+
+  void look_at_outcome(const Running& running, const RpcResult& result) {
+    const auto& call = running.call;
+    if (call.axes.size() != 1) return;
+    const bool moves = is_movement(call) && (!call.values.empty() || call.distance);
+    if (result && moves && running.moved.empty()) complain(call.method + " was done unseen");
+    if (result && moves && !running.executed && !has_restarted(running))
+      complain(call.method + " was done, but its module has not executed it");
+    if (result) return;
+    const auto* outcome = result.error().data.if_contains("outcome");
+    if (!running.moved.empty() && outcome != nullptr && *outcome == "not_sent")
+      complain(call.method + " was sent, but said to be not: " + result.error().message);
   }
 
   void complain(std::string text) {
@@ -218,13 +366,15 @@ class Ledger {
   }
 
   std::vector<WorldAxis> axes_;
+  bool values_are_right_;
   Number last_ = 0;
   std::map<Number, Running> running_;
   std::map<std::string, std::vector<Stop>> stops_;
   std::deque<std::string> history_;  ///< What happened last, for the reader of a complaint.
   std::vector<std::string> complaints_;
   std::size_t movements_ = 0;
-  std::set<std::string> turning_;
+  Owners owners_;
+  Restarts restarts_;
 };
 
 }  // namespace tmcld::test

@@ -2,6 +2,7 @@
 /// doubled on their way to the gateway.
 #pragma once
 
+#include <array>
 #include <deque>
 #include <functional>
 #include <map>
@@ -76,8 +77,19 @@ class Wire {
   /// While set, nothing gets through either way, and nobody notices but by that.
   bool is_cut = false;
 
+  /// While set, what a gateway asks to see that the line is in step is answered at once, in place
+  /// of the module, with what that has answered before.
+  bool forges_fences = false;
+
   /// Something was done to the modules.
   void touch() { scheduler_.touch(); }
+  /// The supply of a module fails now, and is back at once. Who has asked it gets no answer.
+  void power_cycle(tmcl::sim::Module& module, tmcl::ModuleAddress address) {
+    trace_->add(clock_.now(), name_ + " restarts", {});
+    module.power_cycle();
+    asked_[tmcl::reply_byte(address)].clear();
+    scheduler_.touch();
+  }
   /// The gateway's end; the one before is dead then.
   tmcl::Result<tmcl::Link> open() {
     auto ends = tmcl::Link::memory_pair(framing_);
@@ -112,7 +124,12 @@ class Wire {
     bytes.resize(*count);
     if (*count == tmcl::serial_datagram_size) {
       const std::span<const std::uint8_t, tmcl::serial_datagram_size> whole(bytes.data(), *count);
-      note(tmcl::decode_serial_request(whole), bytes);
+      const auto request = tmcl::decode_serial_request(whole);
+      note(request, bytes);
+      if (request && is_forged(*request)) {
+        write(Bytes(forged_.at(key_of(*request))));
+        return true;
+      }
     }
     if (!is_cut) serial_.receive(bytes);
     return true;
@@ -123,7 +140,12 @@ class Wire {
     if (!input) return false;
     if (!*input) return true;
     const auto& frame = std::get<tmcl::CanFrame>(**input);
-    note(tmcl::decode_can_request(frame), frame.data);
+    const auto request = tmcl::decode_can_request(frame);
+    note(request, frame.data);
+    if (request && is_forged(*request)) {
+      write(forged_frames_.at(key_of(*request)));
+      return true;
+    }
     if (!is_cut) can_.receive(frame);
     return true;
   }
@@ -132,7 +154,7 @@ class Wire {
     trace_->add(clock_.now(), name_ + " <", bytes);
     ++requests_;
     if (!request) return;
-    asked_[tmcl::reply_byte(request->address)].push_back(*request);
+    if (!is_forged(*request)) asked_[tmcl::reply_byte(request->address)].push_back(*request);
     if (on_request) on_request(*request);
   }
 
@@ -146,21 +168,59 @@ class Wire {
   }
 
   /// Modules answer in order.
-  void note_answer(const tmcl::Reply& reply) {
+  std::optional<tmcl::Request> note_answer(const tmcl::Reply& reply) {
     auto& asked = asked_[reply.module];
     while (!asked.empty()) {
       const auto request = asked.front();
       asked.pop_front();
       if (request.command != reply.command) continue;
       if (on_answer) on_answer(request, reply.value);
-      return;
+      return request;
     }
+    return std::nullopt;
+  }
+
+  // ---- forged answers ----
+
+  using Key = std::array<int, 3>;
+  static Key key_of(const tmcl::Request& request) {
+    return {number(request.address), static_cast<int>(request.command), request.type};
+  }
+  bool is_forged(const tmcl::Request& request) const {
+    const auto key = key_of(request);
+    return forges_fences && (forged_.contains(key) || forged_frames_.contains(key));
+  }
+  /// Every command that nobody else gives.
+  static bool is_fence(const tmcl::Request& request) {
+    using tmcl::Command;
+    switch (request.command) {
+      case Command::GET_FIRMWARE_VERSION:
+      case Command::GET_APPLICATION_STATUS:
+      case Command::GIO:
+      case Command::GET_INFO:
+      case Command::GET_AP_MAX:
+      case Command::GET_AP_MIN:
+      case Command::GCO:
+      case Command::MEASURED_SPEED:
+      case Command::GET_IDS: return true;
+      case Command::GGP: return request.type == tmcl::global_parameter::serial_address;
+      default: return false;
+    }
+  }
+  void remember(const tmcl::Request& request, const Bytes& reply) {
+    forged_[key_of(request)] = reply;
+  }
+  void remember(const tmcl::Request& request, const tmcl::CanFrame& reply) {
+    forged_frames_[key_of(request)] = reply;
   }
 
   template <class Reply>
   void pass_on(Reply reply) {
     const auto decoded = decode(reply);
-    if (decoded && decoded->status == tmcl::Status::ok) note_answer(*decoded);
+    if (decoded && decoded->status == tmcl::Status::ok) {
+      const auto request = note_answer(*decoded);
+      if (forges_fences && request && is_fence(*request)) remember(*request, reply);
+    }
     if (is_cut || drawn(faults_.lost)) return;
     if (drawn(faults_.late)) return write_later(std::move(reply));
     write(reply);
@@ -200,6 +260,8 @@ class Wire {
   std::unique_ptr<tmcl::Link> far_;
   boost::asio::posix::stream_descriptor readiness_;
   std::size_t requests_ = 0;
+  std::map<Key, Bytes> forged_;
+  std::map<Key, tmcl::CanFrame> forged_frames_;
   std::map<std::uint8_t, std::deque<tmcl::Request>> asked_;  ///< By module, not answered yet.
 };
 

@@ -22,6 +22,7 @@
 #include "log/log.hpp"
 #include "tmcl/virtual_time.hpp"
 #include "world/ledger.hpp"
+#include "world/trouble.hpp"
 #include "world/wire.hpp"
 
 namespace tmcld::test {
@@ -47,15 +48,17 @@ class WorldPeer final : public Peer {
 /// Three motors of one module on a serial line, and three modules with one motor each on CAN.
 class World {
  public:
-  static constexpr std::size_t clients = 4;
-  static constexpr int calls_of_each = 40;
+  /// How long a module is on before its supply fails, at least: one that was on for less than
+  /// answers take can start again unnoticed.
+  static constexpr tmcl::Duration on_before = std::chrono::seconds(3);
 
-  World(std::uint64_t seed, Faults faults)
+  World(std::uint64_t seed, const Trouble& trouble)
       : seed_(seed),
+        trouble_(trouble),
         work_(generator(seed, "work")),
-        serial_(context_, "line", tmcl::Framing::serial, seed, faults, trace_),
-        can_(context_, "field", tmcl::Framing::can, seed, faults, trace_),
-        ledger_(axes()) {
+        serial_(context_, "line", tmcl::Framing::serial, seed, trouble.faults, trace_),
+        can_(context_, "field", tmcl::Framing::can, seed, trouble.faults, trace_),
+        ledger_(axes(), values_are_right(trouble.faults)) {
     std::signal(SIGPIPE, SIG_IGN);
     silence_log();
     time_.set_time_for_work(
@@ -65,8 +68,10 @@ class World {
     add(can_, "TMCM-1240", 3);
     add(can_, "TMCM-1160", 4);
     for (auto* wire : {&serial_, &can_}) {
+      wire->forges_fences = trouble.forged_fences;
       wire->on_request = [this, wire](const tmcl::Request& request) {
         ledger_.on_request(wire->name(), request, time_.now());
+        look_at_places(*wire);
       };
       wire->on_answer = [this, wire](const tmcl::Request& request, std::int32_t value) {
         ledger_.on_answer(wire->name(), request, value);
@@ -80,15 +85,18 @@ class World {
   /// Until every client has made its calls, the gateway has ended, and nothing is left to do.
   void run() {
     gateway_->start();
-    for (std::size_t i = 0; i < clients; ++i) spawn(context_.get_executor(), client(i));
+    for (int i = 0; i < trouble_.clients; ++i) spawn(context_.get_executor(), client(i));
+    for (auto* wire : {&serial_, &can_})
+      if (trouble_.supplies) spawn(context_.get_executor(), fail_supplies(*wire));
     using namespace std::chrono_literals;
-    all_ended_ = time_.run_while_not([this] { return ended_ == clients; }, 10min);
+    all_ended_ = time_.run_while_not([this] { return ended_ == trouble_.clients; }, 10min);
     // An axis that could not be stopped may need longer: who insists on that is no line.
     const auto is_on_line = [](const auto& axis) { return axis->mover() == Mover::line; };
     journeys_ended_ = time_.run_while_not(
-        [&] { return std::ranges::none_of(gateway_->axes(), is_on_line); }, 1min);
+        [&] { return std::ranges::none_of(gateway_->axes(), is_on_line); }, 20min);
     // Whoever asked for it is gone.
     time_.run_for(10s);
+    ledger_.look(time_.now());
     turning_ = ledger_.turning();
     gateway_->close();
     time_.run_for(10s);
@@ -110,7 +118,7 @@ class World {
   static std::vector<WorldAxis> axes() {
     using tmcl::ModuleAddress;
     return {{"a", "line", {ModuleAddress{1}, 0}},  {"b", "line", {ModuleAddress{1}, 1}},
-            {"c", "line", {ModuleAddress{1}, 2}},  {"d", "field", {ModuleAddress{1}, 0}},
+            {"c", "line", {ModuleAddress{1}, 2}},  {"d", "field", {ModuleAddress{1}, 0}, 150'000},
             {"e", "field", {ModuleAddress{3}, 0}}, {"f", "field", {ModuleAddress{4}, 0}}};
   }
 
@@ -123,6 +131,9 @@ class World {
         text += "[[axis]]\nname = \"" + axis.name + "\"\nbus = \"" + axis.bus +
                 "\"\naddress = " + std::to_string(number(axis.address.module)) +
                 "\nmotor = " + std::to_string(axis.address.motor) + "\n";
+        if (axis.soft_limit == 0) continue;
+        const auto limit = std::to_string(axis.soft_limit);
+        text += "soft_limits = [-" + limit + ", " + limit + "]\n";
       }
       return parse_config(text).value();
     }();
@@ -136,31 +147,67 @@ class World {
 
   // ---- clients ----
 
-  boost::asio::awaitable<void> client(std::size_t index) {
+  boost::asio::awaitable<void> client(int index) {
     auto random = generator(seed_, "client " + std::to_string(index));
     const auto peer = std::make_shared<WorldPeer>(trace_);
     peer->number = gateway_->enter();
-    spawn(context_.get_executor(), die_at_times(index, peer));
-    for (int i = 0; i < calls_of_each; ++i) {
+    if (trouble_.deaths) spawn(context_.get_executor(), die_at_times(index, peer));
+    for (int i = 0; i < trouble_.calls; ++i) {
       co_await rest(std::chrono::microseconds(random.any_size(200'000)));
       json::object params;
-      auto call = any_call(random, index, params);
+      auto call = any_call(random, index, peer->number, params);
+      call.client = peer->number;
       auto carried_out = carry_out(peer, std::move(call), std::move(params));
       co_await std::move(carried_out);
     }
     peer->has_ended = true;
-    gateway_->leave(peer->number);
+    leave(*peer);
     ++ended_;
   }
 
+  void leave(const WorldPeer& peer) {
+    ledger_.on_leave(peer.number, now());
+    gateway_->leave(peer.number);
+  }
+
+  void look_at_places(Wire& wire) {
+    for (const auto& axis : axes()) {
+      if (axis.soft_limit == 0 || axis.bus != wire.name()) continue;
+      for (const auto& module : wire.bench().modules())
+        if (address_of(*module) == axis.address.module)
+          ledger_.on_place(
+              axis.name,
+              *module->axis(axis.address.motor).get(tmcl::axis_parameter::actual_position));
+    }
+  }
+  static tmcl::ModuleAddress address_of(const tmcl::sim::Module& module) {
+    return tmcl::ModuleAddress{
+        static_cast<std::uint16_t>(module.globals().value(tmcl::global_parameter::can_id))};
+  }
+
   /// The client loses its connection, whatever it has begun, and comes back.
-  boost::asio::awaitable<void> die_at_times(std::size_t index, std::shared_ptr<WorldPeer> peer) {
+  boost::asio::awaitable<void> die_at_times(int index, std::shared_ptr<WorldPeer> peer) {
     auto random = generator(seed_, "death of " + std::to_string(index));
     while (true) {
       co_await rest(std::chrono::milliseconds(random.between(100, 5'000)));
       if (peer->has_ended) break;
-      gateway_->leave(peer->number);
+      leave(*peer);
       peer->number = gateway_->enter();
+    }
+  }
+
+  /// Of one module after the other, for as long as anybody calls.
+  boost::asio::awaitable<void> fail_supplies(Wire& wire) {
+    auto random = generator(seed_, "supplies of " + wire.name());
+    const auto& modules = wire.bench().modules();
+    while (true) {
+      co_await rest(on_before + std::chrono::milliseconds(random.between(0, 3'000)));
+      if (ended_ == trouble_.clients) break;
+      const auto last = static_cast<std::int64_t>(modules.size()) - 1;
+      auto& module = *modules[static_cast<std::size_t>(random.between(0, last))];
+      const auto address = address_of(module);
+      ledger_.on_restart(wire.name(), address, now());
+      wire.power_cycle(module, address);
     }
   }
 
@@ -183,12 +230,12 @@ class World {
 
   static std::int64_t far(Random& random) { return random.between(-200'000, 200'000); }
 
-  static WorldCall any_call(Random& random, std::size_t client, json::object& params) {
+  WorldCall any_call(Random& random, int client, std::uint64_t number, json::object& params) const {
     static const auto all = axes();
     const auto& axis = all[static_cast<std::size_t>(random.between(0, 5))].name;
     params["axis"] = axis;
     const auto value = static_cast<std::int32_t>(far(random));
-    switch (random.between(0, 15)) {
+    switch (random.between(0, 21)) {
       case 0:
       case 1: return {"axis.stop", {axis}};
       case 2: params.clear(); return {"system.stop_all", names_of(all)};
@@ -215,17 +262,42 @@ class World {
         params["parameter"] = 0;
         params["value"] = value;
         return {"parameter.set", {axis}, {value}};
-      case 12: params["timeout_ms"] = random.between(1, 1000); return {"axis.wait", {axis}};
+      case 12:
+      case 13: return {"axis.recover", {axis}};
+      case 14:
+        // Of two at once nobody could tell which has begun.
+        if (client != 1 || axis == "d") return {"axis.recover", {axis}};
+        params["timeout_ms"] = random.between(1, 2000);
+        if (random.one_in(2)) params["mode"] = 1;
+        return {"axis.home", {axis}};
+      case 15: params["timeout_ms"] = random.between(1, 1000); return {"axis.wait", {axis}};
+      case 16: return lease(random, number, params);
+      case 17: {
+        const auto parameter = random.between(0, 5);
+        params["parameter"] = parameter;
+        return {.method = "parameter.get", .axes = {axis}, .about = parameter};
+      }
       default: return {"axis.get_state", {axis}};
     }
   }
 
+  WorldCall lease(Random& random, std::uint64_t client, json::object& params) const {
+    const auto held = ledger_.leases_of(client);
+    if (held.empty()) {
+      auto chosen = some_axes(random, 1, 3);
+      json::array names;
+      for (const auto& axis : chosen) names.emplace_back(axis.name);
+      params = {{"axes", std::move(names)}, {"ttl_ms", random.between(200, 3000)}};
+      return {"lease.acquire", names_of(chosen)};
+    }
+    // The epoch of a gateway's leases is their number, as it begins with none.
+    params = {{"lease", held.front()}, {"epoch", held.front()}};
+    const auto* method = random.one_in(2) ? "lease.renew" : "lease.release";
+    return {.method = method, .axes = {}, .about = held.front()};
+  }
+
   static WorldCall line(Random& random, json::object& params) {
-    auto chosen = axes();
-    for (std::size_t i = chosen.size() - 1; i > 0; --i)
-      std::swap(chosen[i],
-                chosen[static_cast<std::size_t>(random.between(0, static_cast<std::int64_t>(i)))]);
-    chosen.resize(static_cast<std::size_t>(random.between(2, 4)));
+    const auto chosen = some_axes(random, 2, 4);
     json::array names, positions;
     std::vector<std::int32_t> values;
     for (const auto& axis : chosen) {
@@ -237,6 +309,15 @@ class World {
     return {"line.move", names_of(chosen), std::move(values)};
   }
 
+  static std::vector<WorldAxis> some_axes(Random& random, std::int64_t least, std::int64_t most) {
+    auto chosen = axes();
+    for (std::size_t i = chosen.size() - 1; i > 0; --i)
+      std::swap(chosen[i],
+                chosen[static_cast<std::size_t>(random.between(0, static_cast<std::int64_t>(i)))]);
+    chosen.resize(static_cast<std::size_t>(random.between(least, most)));
+    return chosen;
+  }
+
   static std::vector<std::string> names_of(const std::vector<WorldAxis>& axes) {
     std::vector<std::string> names;
     for (const auto& axis : axes) names.push_back(axis.name);
@@ -244,6 +325,7 @@ class World {
   }
 
   std::uint64_t seed_;
+  Trouble trouble_;
   boost::asio::io_context context_{1};
   tmcl::VirtualTime time_{context_};
   Trace trace_;
@@ -252,7 +334,7 @@ class World {
   Wire can_;
   Ledger ledger_;
   std::shared_ptr<Gateway> gateway_;
-  std::size_t ended_ = 0;
+  int ended_ = 0;
   bool all_ended_ = false;
   bool journeys_ended_ = false;
   std::vector<std::string> turning_;

@@ -1,0 +1,94 @@
+/// What a world suffers, and how to find the least of it that still makes it fail.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <cstddef>
+#include <functional>
+#include <sstream>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "world/wire.hpp"
+
+namespace tmcld::test {
+
+/// Of a thousand replies: so rarely late that two of them hardly ever meet.
+inline constexpr int rarely_late = 3;
+
+/// One reply that comes twice can be taken for the next where nothing moves by it, and so can one
+/// that is late, with another one late: see docs/SAFETY.md.
+inline bool values_are_right(const Faults& faults) {
+  return faults.doubled == 0 && faults.late <= rarely_late;
+}
+
+struct Trouble {
+  Faults faults{};
+  bool deaths = true;    ///< Clients lose their connections.
+  bool supplies = true;  ///< Modules start again.
+  int clients = 4;
+  int calls = 40;  ///< Of each client.
+  /// The canary: the wire answers at once what the gateway asks to see that a line is in step.
+  bool forged_fences = false;
+};
+
+/// Numbers in a fixed order, as TMCL_WORLD takes them.
+inline std::string to_text(const Trouble& trouble) {
+  std::ostringstream text;
+  const auto& faults = trouble.faults;
+  text << faults.lost << ',' << faults.late << ',' << faults.doubled << ',' << trouble.deaths << ','
+       << trouble.supplies << ',' << trouble.clients << ',' << trouble.calls << ','
+       << trouble.forged_fences;
+  return text.str();
+}
+
+inline Trouble trouble_from(const std::string& text) {
+  Trouble trouble;
+  std::istringstream in(text);
+  auto& faults = trouble.faults;
+  char comma = 0;
+  in >> faults.lost >> comma >> faults.late >> comma >> faults.doubled >> comma >> trouble.deaths >>
+      comma >> trouble.supplies >> comma >> trouble.clients >> comma >> trouble.calls >> comma >>
+      trouble.forged_fences;
+  if (!in) throw std::invalid_argument("TMCL_WORLD: eight numbers, see tests/world/trouble.hpp");
+  return trouble;
+}
+
+/// Each with less of one kind.
+inline std::vector<Trouble> simpler(const Trouble& trouble) {
+  std::vector<Trouble> all;
+  const auto with = [&](auto change) {
+    auto less = trouble;
+    change(less);
+    if (to_text(less) != to_text(trouble)) all.push_back(less);
+  };
+  with([](Trouble& less) { less.supplies = false; });
+  with([](Trouble& less) { less.deaths = false; });
+  with([](Trouble& less) { less.faults.late = 0; });
+  with([](Trouble& less) { less.faults.doubled = 0; });
+  with([](Trouble& less) { less.faults.lost = 0; });
+  with([](Trouble& less) { less.calls = std::max(less.calls / 2, 1); });
+  with([](Trouble& less) { less.calls = std::max(less.calls - 1, 1); });
+  with([](Trouble& less) { less.clients = std::max(less.clients - 1, 1); });
+  return all;
+}
+
+/// As long as one of the simpler ones fails as well; so long at most.
+inline Trouble shrunk(Trouble trouble, const std::function<bool(const Trouble&)>& fails,
+                      std::chrono::seconds at_most = std::chrono::minutes(2)) {
+  const auto until = std::chrono::steady_clock::now() + at_most;
+  for (bool goes_on = true; goes_on;) {
+    goes_on = false;
+    for (const auto& less : simpler(trouble)) {
+      if (std::chrono::steady_clock::now() > until) return trouble;
+      if (!fails(less)) continue;
+      trouble = less;
+      goes_on = true;
+      break;
+    }
+  }
+  return trouble;
+}
+
+}  // namespace tmcld::test
