@@ -45,6 +45,7 @@ enum class Errc : std::uint8_t {
   leased,         ///< Another client has a lease of the axis; nothing was sent.
   lease_lost,     ///< The lease that the call is made under has ended; nothing was sent.
   latched,        ///< The axis is not what it was, and nobody has said yet that it may move.
+  not_permitted,  ///< Who asks for it may not have it, by the configuration; nothing was sent.
 };
 
 struct Error {
