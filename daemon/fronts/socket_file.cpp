@@ -20,6 +20,7 @@ namespace {
 constexpr int backlog = 128;
 constexpr int lock_tries = 3;
 constexpr mode_t access_for_owner_and_group = 0660;
+constexpr mode_t access_for_owner = 0600;
 
 std::string because(int error) { return std::string(": ") + std::strerror(error); }
 
@@ -62,8 +63,9 @@ bool is_same_file(int descriptor, const std::string& path) {
 /// A descriptor that holds the lock.
 tl::expected<int, std::string> lock(const std::string& path, const std::string& lock_path) {
   for (int i = 0; i < lock_tries; ++i) {
-    const int descriptor = ::open(lock_path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC | O_NOFOLLOW,
-                                  access_for_owner_and_group);
+    // Whoever can open it can lock it, and so keep a daemon from starting.
+    const int descriptor =
+        ::open(lock_path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC | O_NOFOLLOW, access_for_owner);
     if (descriptor < 0) {
       return tl::unexpected("cannot create " + lock_path + because(errno) +
                             "; may this user write to that directory?");

@@ -183,6 +183,12 @@ TEST_F(DaemonLink, SocketIsForOwnerAndGroup) {
   EXPECT_EQ(status.st_mode & 07777U, 0660U);
 }
 
+TEST_F(DaemonLink, NobodyElseCanLockTheSocket) {
+  struct stat status {};
+  ASSERT_EQ(::stat((daemon.socket().path + ".lock").c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 07777U, 0600U);
+}
+
 TEST_F(DaemonLink, SocketIsNotTakenFromADaemonThatLives) {
   const auto second = SocketFile::claim(daemon.socket().path);
   ASSERT_FALSE(second);
