@@ -41,12 +41,20 @@ void print_mechanics(const AxisConfig& axis) {
   std::printf("\n");
 }
 
+void print_access(const AccessConfig& access) {
+  std::printf("%s:", std::string(name_of(access.role)).c_str());
+  for (const auto& user : access.users) std::printf(" %s", user.name.c_str());
+  for (const auto& group : access.groups) std::printf(" group %s", group.name.c_str());
+  std::printf("\n");
+}
+
 int check(const Config& config) {
   std::printf("ok: %s, %s\n", counted(config.buses.size(), "bus", "buses").c_str(),
               counted(config.axes.size(), "axis", "axes").c_str());
   for (const auto& axis : config.axes) {
     if (!axis.scale.unit.empty() || axis.scale.limits) print_mechanics(axis);
   }
+  for (const auto& access : config.access) print_access(access);
   return exit_code::ok;
 }
 

@@ -9,6 +9,7 @@
 #include <boost/json/value.hpp>
 #include <tl/expected.hpp>
 
+#include "api/method.hpp"
 #include "api/params.hpp"
 #include "api/peer.hpp"
 #include "gateway/gateway.hpp"
@@ -45,6 +46,8 @@ struct Call {
   tmcl::TimePoint received;
   /// From when the request came in: a stop that came in behind it wins, whatever it waits for.
   Permit permit;
+  Caller caller;
+  const MethodInfo& method;
   std::shared_ptr<const void> typed{};
 
   /// The parameters; they live as long as the call.

@@ -9,9 +9,12 @@
 namespace tmcld {
 namespace {
 
-/// The one place that decides whether a call is let through; what it can do is in the method's
-/// row. A stop always is.
-std::optional<RpcError> admit(const MethodInfo& method, const Call& call) {
+/// The one place that decides whether a call is let through; what it can do, and who may make it,
+/// is in the method's row. A stop always is.
+std::optional<RpcError> admit(const Call& call) {
+  const auto& method = call.method;
+  auto objection = objection_by_role(call.caller, method.role, method.name);
+  if (objection) return objection;
   if (method.effect == tmcl::Effect::stops) return std::nullopt;
   if (!call.gateway->is_closing()) return std::nullopt;
   return rpc_error(rpc_code::daemon_ending, "daemon_ending", "the daemon is ending");
@@ -36,28 +39,33 @@ RpcError internal_error(const MethodInfo& method, const char* what) {
   return error;
 }
 
+boost::asio::awaitable<RpcResult> carry_out(Call& call) {
+  if (auto refused = admit(call)) co_return tl::unexpected(std::move(*refused));
+  std::exception_ptr failure;
+  try {
+    auto result = co_await call.method.handler(call);
+    co_return result;
+  } catch (...) {
+    failure = std::current_exception();
+  }
+  call.gateway->log_failure(call.method.name, failure);
+  co_return tl::unexpected(internal_error(call.method, what_of(failure)));
+}
+
 }  // namespace
 
 boost::asio::awaitable<RpcResult> dispatch(std::shared_ptr<Gateway> gateway,
                                            std::shared_ptr<Peer> peer, RpcRequest request) {
   const auto client = client_of(*gateway, *peer, request);
   if (!client) co_return tl::unexpected(client.error());
-  const auto permit = gateway->admit(*client);
+  auto caller = peer->caller();
+  auto permit = gateway->admit(*client);
   const auto received = gateway->clock().now();
   Call call{
       std::move(gateway), std::move(peer), std::move(request.id), Params(std::move(request.params)),
-      received,           permit};
-  auto refused = admit(*request.method, call);
-  if (refused) co_return tl::unexpected(std::move(*refused));
-  std::exception_ptr failure;
-  try {
-    auto result = co_await request.method->handler(call);
-    co_return result;
-  } catch (...) {
-    failure = std::current_exception();
-  }
-  call.gateway->log_failure(request.method->name, failure);
-  co_return tl::unexpected(internal_error(*request.method, what_of(failure)));
+      received,           permit,          std::move(caller),     *request.method};
+  auto result = co_await carry_out(call);
+  co_return result;
 }
 
 }  // namespace tmcld

@@ -7,6 +7,7 @@
 #include <boost/asio/awaitable.hpp>
 
 #include "api/rpc_error.hpp"
+#include "config/config.hpp"
 #include "tmcl/api/field.hpp"
 
 namespace tmcld {
@@ -23,6 +24,7 @@ struct MethodInfo {
   /// What a call can do to a machine at most. Whoever decides which calls are let through looks
   /// here: see admit() in dispatch.cpp.
   tmcl::Effect effect;
+  Role role;  ///< Who may call it; of methods that send any command, see role_for().
   boost::asio::awaitable<RpcResult> (*handler)(Call& call);
 };
 

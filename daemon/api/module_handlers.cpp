@@ -75,6 +75,10 @@ Answer<module::Execute> execute(Call& call, const module::Execute& params) {
   if (!request) co_return tl::unexpected(request.error());
   if (auto conflict = identifier_conflict(**bus, *request))
     co_return tl::unexpected(std::move(*conflict));
+  auto objection =
+      objection_by_role(call.caller, role_for(request->command, request->type),
+                        "module.execute of " + std::string(tmcl::name_of(request->command)));
+  if (objection) co_return tl::unexpected(std::move(*objection));
   const bool stops = effect_of(request->command, request->type) == tmcl::Effect::stops;
   if (stops) revoke_movements(call, **bus, *request);
   RunOptions options;

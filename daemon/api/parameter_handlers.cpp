@@ -61,6 +61,10 @@ Answer<parameter::Set> set_parameter(Call& call, const parameter::Set& params) {
   auto& axis = *ready->axis;
   const auto choice = parameter_of(params.parameter, axis);
   if (!choice) co_return tl::unexpected(choice.error());
+  auto objection = objection_by_role(
+      call.caller, role_for(tmcl::Command::SAP, choice->number),
+      "parameter.set of " + choice->name().value_or(std::to_string(choice->number)));
+  if (objection) co_return tl::unexpected(std::move(*objection));
   auto complaint = check_write(*choice);
   if (complaint) co_return tl::unexpected(std::move(*complaint));
   const auto said = either<&parameter::Set::value, &parameter::Set::value_in_unit>(params);

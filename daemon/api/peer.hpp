@@ -6,6 +6,7 @@
 
 #include <boost/json/object.hpp>
 
+#include "api/caller.hpp"
 #include "gateway/leases.hpp"
 
 namespace tmcld {
@@ -22,6 +23,7 @@ class Peer {
   virtual Subscriptions& subscriptions() = 0;
   /// What moves for it stops when it leaves the gateway: see Gateway::enter().
   virtual Client client() const { return {}; }
+  virtual Caller caller() const { return {}; }
 };
 
 }  // namespace tmcld

@@ -9,6 +9,9 @@
 #include <optional>
 #include <string>
 
+#include <grp.h>
+#include <pwd.h>
+
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -59,6 +62,16 @@ std::optional<SentinelConfig> sentinel_of(std::string_view text) {
   return is_good ? std::optional(sentinel) : std::nullopt;
 }
 
+std::optional<std::uint32_t> user_named(const std::string& name) {
+  const auto* entry = ::getpwnam(name.c_str());
+  return entry == nullptr ? std::nullopt : std::optional<std::uint32_t>(entry->pw_uid);
+}
+
+std::optional<std::uint32_t> group_named(const std::string& name) {
+  const auto* entry = ::getgrnam(name.c_str());
+  return entry == nullptr ? std::nullopt : std::optional<std::uint32_t>(entry->gr_gid);
+}
+
 bool applies(LinkScope key, LinkScope link) {
   return key == LinkScope::any || key == link ||
          (key == LinkScope::serial_framing && link == LinkScope::tcp);
@@ -81,6 +94,7 @@ class Builder {
       }
     };
     each(SectionKind::daemon, [&](const auto& section) { add_daemon(section); });
+    each(SectionKind::access, [&](const auto& section) { add_access(section); });
     each(SectionKind::bus, [&](const auto& section) { add_bus(section); });
     each(SectionKind::module, [&](const auto& section) { add_module(section); });
     each(SectionKind::axis, [&](const auto& section) { add_axis(section); });
@@ -98,6 +112,32 @@ class Builder {
     set_choice(section, "log_level", level_names, config_.daemon.log_level);
     set_choice(section, "on_exit", exit_names, config_.daemon.on_exit);
     if (const auto* state = section.get<std::string>("state")) config_.daemon.state = *state;
+  }
+
+  void add_access(const ConfigSection& section) {
+    auto& access = config_.access.emplace_back();
+    // A stop is not there to be given: everybody has it.
+    auto given = static_cast<std::uint8_t>(0);
+    set_choice(section, "role", std::span(role_names).subspan(1), given);
+    access.role = static_cast<Role>(given + 1);
+    add_accounts(section, "users", user_named, access.users);
+    add_accounts(section, "groups", group_named, access.groups);
+    if (section.find("users") != nullptr || section.find("groups") != nullptr) return;
+    complain(section.place, "[[access]] needs 'users' or 'groups': who has the role");
+  }
+
+  void add_accounts(const ConfigSection& section, std::string_view key,
+                    std::optional<std::uint32_t> (*find)(const std::string&),
+                    std::vector<Account>& into) {
+    const auto* names = section.get<ConfigTexts>(key);
+    if (names == nullptr) return;
+    for (const auto& name : *names) {
+      const auto id = find(name);
+      if (id) into.push_back({name, *id});
+      if (id) continue;
+      complain(section.place_of(key), fmt::format("there is no {} {} on this computer",
+                                                  key == "users" ? "user" : "group", quoted(name)));
+    }
   }
 
   /// One of the names of an enumeration, in its order.

@@ -1,10 +1,12 @@
 /// What tmcld is told to do: plain values, already checked.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "tmcl/bus_options.hpp"
@@ -30,6 +32,23 @@ struct DaemonConfig {
   OnExit on_exit = OnExit::stop;
   /// Directory of the journal; empty: $STATE_DIRECTORY, or else where the socket is.
   std::string state{};
+};
+
+/// What a client may do: also what those before it may.
+enum class Role : std::uint8_t { stop, observe, operate, configure };
+constexpr std::array<std::string_view, 4> role_names{"stop", "observe", "operate", "configure"};
+constexpr std::string_view name_of(Role role) { return role_names[static_cast<std::size_t>(role)]; }
+
+/// A user or a group.
+struct Account {
+  std::string name;
+  std::uint32_t id = 0;
+};
+
+struct AccessConfig {
+  Role role = Role::observe;
+  std::vector<Account> users{};
+  std::vector<Account> groups{};
 };
 
 /// By what it is noticed that a module has restarted.
@@ -84,6 +103,7 @@ struct Config {
   DaemonConfig daemon;
   std::vector<BusConfig> buses;
   std::vector<AxisConfig> axes;
+  std::vector<AccessConfig> access{};  ///< Empty: whoever can connect may do everything.
 };
 
 }  // namespace tmcld

@@ -26,6 +26,11 @@ constexpr auto keys = std::to_array<KeyInfo>({
     {daemon, "on_exit", string, optional, 0, 0, any,
      "stop: axes that move are stopped when tmcld ends; keep: only those that it leads"},
 
+    {access, "role", string, required, 0, 0, any,
+     "what they may do: observe, operate or configure"},
+    {access, "users", strings, optional, 0, 0, any, "names of users"},
+    {access, "groups", strings, optional, 0, 0, any, "names of groups"},
+
     {bus, "name", string, required, 0, 0, any, "how axes and clients call this bus"},
     {bus, "link", string, required, 0, 0, any,
      "serial:DEVICE@BAUD, can:INTERFACE or tcp:HOST:PORT"},
@@ -84,6 +89,7 @@ constexpr auto keys = std::to_array<KeyInfo>({
 std::string_view title_of(SectionKind section) {
   switch (section) {
     case daemon: return "[daemon]";
+    case access: return "[[access]]";
     case bus: return "[[bus]]";
     case module: return "[[module]]";
     case axis: return "[[axis]]";
@@ -94,6 +100,7 @@ std::string_view title_of(SectionKind section) {
 std::string_view name_of(KeyType type) {
   switch (type) {
     case string: return "a text in quotes";
+    case strings: return "a list of texts, [\"one\", \"another\"]";
     case integer: return "a whole number";
     case number: return "a number";
     case boolean: return "true or false";

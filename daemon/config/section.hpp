@@ -15,9 +15,10 @@
 namespace tmcld {
 
 using ConfigRange = std::array<double, 2>;
+using ConfigTexts = std::vector<std::string>;
 
 struct ConfigValue {
-  std::variant<std::string, std::int64_t, double, bool, ConfigRange> value;
+  std::variant<std::string, std::int64_t, double, bool, ConfigRange, ConfigTexts> value;
   Place place;
 };
 

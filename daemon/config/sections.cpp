@@ -25,6 +25,8 @@ class Reader {
     for (const auto& [key, node] : root) {
       if (key == "daemon") {
         if (daemon_ == DaemonSection::required) read_single(node);
+      } else if (key == "access") {
+        read_list(SectionKind::access, node);
       } else if (key == "bus") {
         read_list(SectionKind::bus, node);
       } else if (key == "module") {
@@ -45,7 +47,7 @@ class Reader {
   }
 
   void complain_unknown(const toml::key& key, const toml::node& node) {
-    constexpr std::array<std::string_view, 4> known{"daemon", "bus", "module", "axis"};
+    constexpr std::array<std::string_view, 5> known{"daemon", "access", "bus", "module", "axis"};
     if (!node.is_table() && !node.is_array_of_tables()) {
       return complain(place_of(key.source()), quoted(key.str()) + " stands outside of any section");
     }
@@ -114,6 +116,9 @@ class Reader {
       case KeyType::string:
         if (const auto* text = node.as_string()) return text->get();
         break;
+      case KeyType::strings:
+        if (const auto* list = node.as_array()) return to_texts(*list);
+        break;
       case KeyType::integer:
         if (const auto* number = node.as_integer()) return number->get();
         break;
@@ -128,6 +133,16 @@ class Reader {
         break;
     }
     return std::nullopt;
+  }
+
+  static std::optional<decltype(ConfigValue::value)> to_texts(const toml::array& list) {
+    ConfigTexts texts;
+    for (const auto& one : list) {
+      const auto* text = one.as_string();
+      if (text == nullptr) return std::nullopt;
+      texts.push_back(text->get());
+    }
+    return texts;
   }
 
   static std::optional<decltype(ConfigValue::value)> to_range(const toml::array& list) {

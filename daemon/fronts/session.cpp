@@ -11,6 +11,7 @@
 
 #include "api/dispatch.hpp"
 #include "async/spawn.hpp"
+#include "fronts/peer_credentials.hpp"
 
 namespace tmcld {
 namespace {
@@ -37,11 +38,7 @@ boost::json::object hello(Session::Serves serves) {
   return params;
 }
 
-std::string name_of_peer(Session::Socket& socket) {
-  ucred peer{};
-  socklen_t size = sizeof peer;
-  if (::getsockopt(socket.native_handle(), SOL_SOCKET, SO_PEERCRED, &peer, &size) != 0)
-    return "a program";
+std::string words_for(const Credentials& peer) {
   return "process " + std::to_string(peer.pid) + " of user " + std::to_string(peer.uid);
 }
 
@@ -67,7 +64,8 @@ Session::Session(Socket socket, std::shared_ptr<Gateway> gateway, Serves serves,
       gateway_(std::move(gateway)),
       serves_(serves),
       on_closed_(std::move(on_closed)),
-      client_{gateway_->enter(), name_of_peer(socket_)},
+      caller_(caller_with(credentials_of_peer(socket_.native_handle()), gateway_->access())),
+      client_{gateway_->enter(), words_for(caller_.credentials)},
       lines_(max_line_bytes),
       output_(socket_.get_executor()),
       input_ended_(socket_.get_executor()),

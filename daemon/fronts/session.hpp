@@ -53,6 +53,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   bool is_gone() const override { return closed_; }
   Subscriptions& subscriptions() override { return notifications_.subscriptions(); }
   Client client() const override { return client_; }
+  Caller caller() const override { return caller_; }
 
  private:
   static boost::asio::awaitable<void> read(std::shared_ptr<Session> self);
@@ -80,6 +81,7 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   std::shared_ptr<Gateway> gateway_;
   Serves serves_;
   std::function<void()> on_closed_;
+  Caller caller_;
   Client client_;
   LineBuffer lines_;
   Outbox outbox_;

@@ -34,6 +34,7 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
                                          const Config& config, GatewayOptions options) {
   std::shared_ptr<Gateway> gateway(new Gateway(executor, std::move(options)));
   const auto& own = gateway->options_;
+  gateway->access_ = config.access;
   const auto tell = [weak = std::weak_ptr(gateway)](const GatewayEvent& event) {
     if (const auto self = weak.lock()) self->tell(event);
   };

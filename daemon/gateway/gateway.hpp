@@ -72,6 +72,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   void refuse_new_calls() { arrivals_->closing = true; }
   bool is_closing() const { return arrivals_->closing; }
   OnExit on_exit() const;
+  /// What clients may do, by the configuration.
+  const std::vector<AccessConfig>& access() const { return access_; }
   /// Stops all axes that are on a line or path; whoever moves them sets their settings back.
   void end_journeys();
   bool has_journeys() const;
@@ -136,6 +138,7 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
 
   tmcl::ContextClock clock_;
   GatewayOptions options_;
+  std::vector<AccessConfig> access_;
   std::map<std::string, LogLimiter, std::less<>> limiters_;  ///< By cause; few.
   std::shared_ptr<Arrivals> arrivals_ = std::make_shared<Arrivals>();
   std::shared_ptr<Leases> leases_;

@@ -431,6 +431,44 @@ TEST(DaemonConfig, OfALinkAloneHasOneBus) {
   EXPECT_EQ(to_string(config.buses[0].link), "can:can0");
 }
 
+// ---- who may do what ----
+
+TEST(DaemonConfig, KnowsWhoMayDoWhat) {
+  const auto config =
+      parse_config(std::string(good) +
+                   "[[access]]\nrole = \"operate\"\nusers = [\"root\"]\n"
+                   "[[access]]\nrole = \"observe\"\ngroups = [\"root\", \"daemon\"]\n");
+  ASSERT_TRUE(config) << config.error().front().message;
+  ASSERT_EQ(config->access.size(), 2U);
+  EXPECT_EQ(config->access[0].role, Role::operate);
+  ASSERT_EQ(config->access[0].users.size(), 1U);
+  EXPECT_EQ(config->access[0].users[0].id, 0U);
+  EXPECT_EQ(config->access[1].role, Role::observe);
+  ASSERT_EQ(config->access[1].groups.size(), 2U);
+  EXPECT_EQ(config->access[1].groups[1].name, "daemon");
+}
+
+TEST(DaemonConfig, NamesUsersThatThereAreNot) {
+  const auto with = [](const std::string& lines) {
+    return problems(std::string(good) + "[[access]]\n" + lines);
+  };
+  EXPECT_THAT(with("role = \"operate\"\nusers = [\"root\", \"no-such-user\"]\n"),
+              ElementsAre("f:15:9: there is no user 'no-such-user' on this computer"));
+  EXPECT_THAT(with("role = \"operate\"\ngroups = [\"no-such-group\"]\n"),
+              ElementsAre("f:15:10: there is no group 'no-such-group' on this computer"));
+  EXPECT_THAT(with("role = \"operate\"\n"),
+              ElementsAre("f:13:1: [[access]] needs 'users' or 'groups': who has the role"));
+  EXPECT_THAT(
+      with("role = \"operator\"\nusers = [\"root\"]\n"),
+      ElementsAre("f:14:8: 'role' is 'operator', but must be observe, operate or configure. "
+                  "Did you mean 'operate'?"));
+  EXPECT_THAT(with("role = \"stop\"\nusers = [\"root\"]\n"),
+              ElementsAre(HasSubstr("must be observe, operate or configure")));
+  EXPECT_THAT(
+      with("role = \"operate\"\nusers = \"root\"\n"),
+      testing::Contains(HasSubstr("'users' must be a list of texts, [\"one\", \"another\"]")));
+}
+
 TEST(DaemonConfig, ExampleFileIsGoodAndMentionsEveryKey) {
   const std::string path = TMCL_SOURCE_DIR "/config/tmcld.toml";
   const auto config = load_config(path);

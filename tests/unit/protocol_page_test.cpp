@@ -17,6 +17,7 @@ namespace {
 constexpr std::string_view heading = "### ";
 constexpr std::string_view of_params = "| parameter | type | |";
 constexpr std::string_view of_result = "| result | type | |";
+constexpr std::string_view of_roles = "| role | methods |";
 
 std::string type_of(const api::Field& row, bool is_param) {
   using enum api::FieldType;
@@ -57,6 +58,20 @@ std::string tables_of(const MethodInfo& method) {
   return tables;
 }
 
+std::string table_of_roles() {
+  std::string table(of_roles);
+  table += "\n| --- | --- |\n";
+  for (const auto role : {Role::stop, Role::observe, Role::operate, Role::configure}) {
+    std::string methods;
+    for (const auto& method : method_table()) {
+      if (method.role != role) continue;
+      methods += fmt::format("{}`{}`", methods.empty() ? "" : ", ", method.name);
+    }
+    table += fmt::format("| `{}` | {} |\n", name_of(role), methods);
+  }
+  return table + '\n';
+}
+
 bool is_example(std::string_view line) {
   return line.starts_with("```jsonrpc") || line.starts_with("    >");
 }
@@ -67,7 +82,8 @@ std::string redrawn(std::istream& page) {
   std::string waiting;
   bool in_old_table = false;
   for (std::string line; std::getline(page, line);) {
-    if (line == of_params || line == of_result) in_old_table = true;
+    if (line == of_params || line == of_result || line == of_roles) in_old_table = true;
+    if (line == of_roles) drawn += table_of_roles();
     if (std::exchange(in_old_table, in_old_table && !line.empty())) continue;
     if (is_example(line) || line.starts_with("#")) drawn += std::exchange(waiting, {});
     if (line.starts_with(heading)) {

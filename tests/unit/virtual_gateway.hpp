@@ -62,14 +62,19 @@ class VirtualGateway {
 
   Gateway& gateway() { return *gateway_; }
 
+  Caller caller;  ///< Who makes the calls.
+
  private:
   class NobodySubscribes final : public Peer {
    public:
+    explicit NobodySubscribes(const Caller& caller) : caller_(caller) {}
     void notify(std::string_view, json::object) override {}
     bool is_gone() const override { return false; }
     Subscriptions& subscriptions() override { return subscriptions_; }
+    Caller caller() const override { return caller_; }
 
    private:
+    const Caller& caller_;
     Subscriptions subscriptions_{[] {}};
   };
 
@@ -79,7 +84,7 @@ class VirtualGateway {
   }
 
   boost::asio::io_context context_{1};
-  std::shared_ptr<Peer> peer_ = std::make_shared<NobodySubscribes>();
+  std::shared_ptr<Peer> peer_ = std::make_shared<NobodySubscribes>(caller);
   std::shared_ptr<Gateway> gateway_;
 
  public:

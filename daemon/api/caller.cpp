@@ -1,0 +1,77 @@
+#include "api/caller.hpp"
+
+#include <algorithm>
+
+#include <unistd.h>
+
+namespace tmcld {
+namespace {
+
+/// Null if none of them is meant.
+const Account* account_of(const Credentials& credentials, const AccessConfig& access) {
+  const auto user = std::ranges::find(access.users, credentials.uid, &Account::id);
+  if (user != access.users.end()) return &*user;
+  const auto group = std::ranges::find_if(access.groups, [&](const Account& one) {
+    return std::ranges::count(credentials.groups, one.id) != 0;
+  });
+  return group == access.groups.end() ? nullptr : &*group;
+}
+
+}  // namespace
+
+Caller caller_with(Credentials credentials, std::span<const AccessConfig> access) {
+  Caller caller{std::move(credentials)};
+  if (access.empty()) return caller;
+  const auto uid = caller.credentials.uid;
+  const bool is_owner = uid == 0 || uid == ::geteuid();
+  caller.role = is_owner ? Role::configure : Role::stop;
+  caller.reason = is_owner
+                      ? "runs as root, or as tmcld does"
+                      : "no [[access]] names user " + std::to_string(uid) + " or one of its groups";
+  for (const auto& one : access) {
+    const auto* account = account_of(caller.credentials, one);
+    if (account == nullptr || one.role <= caller.role) continue;
+    caller.role = one.role;
+    caller.reason = "by [[access]] for '" + account->name + "'";
+  }
+  return caller;
+}
+
+Role role_for(tmcl::Command command, std::uint8_t type) {
+  using tmcl::Command;
+  switch (effect_of(command, type)) {
+    case tmcl::Effect::stops: return Role::stop;
+    case tmcl::Effect::reads: return Role::observe;
+    case tmcl::Effect::writes: return command == Command::SIO ? Role::operate : Role::configure;
+    case tmcl::Effect::moves: break;
+  }
+  switch (command) {
+    case Command::ROR:
+    case Command::ROL:
+    case Command::MVP:
+    case Command::SAP:
+    case Command::RFS:
+    case Command::RST:
+    case Command::RUN_APPLICATION:
+    case Command::STEP_APPLICATION: return Role::operate;
+    default: return Role::configure;  // restores settings, restarts the module, writes registers
+  }
+}
+
+std::optional<RpcError> objection_by_role(const Caller& caller, Role needed,
+                                          std::string_view what) {
+  if (caller.role >= needed) return std::nullopt;
+  const auto role = std::string(name_of(needed));
+  auto error =
+      rpc_error(rpc_code::not_allowed, "not_permitted",
+                std::string(what) + " needs the role '" + role + "', and this client has '" +
+                    std::string(name_of(caller.role)) + "' (" + caller.reason + ")",
+                "whoever configures tmcld can give it: 'users' or 'groups' of an "
+                "[[access]] with role = \"" +
+                    role + "\"");
+  error.data["role"] = name_of(caller.role);
+  error.data["needs_role"] = role;
+  return error;
+}
+
+}  // namespace tmcld

@@ -1,0 +1,40 @@
+/// Who makes calls, to the operating system, and what the configuration lets it do.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "api/rpc_error.hpp"
+#include "config/config.hpp"
+#include "tmcl/command.hpp"
+
+namespace tmcld {
+
+struct Credentials {
+  std::uint32_t uid = 0;
+  std::int32_t pid = 0;
+  std::vector<std::uint32_t> groups{};
+};
+
+struct Caller {
+  Credentials credentials{};
+  Role role = Role::configure;
+  std::string reason{};  ///< Why it has that role: "by [[access]] for 'anna'".
+};
+
+/// With the highest role of those that the configuration gives it. Root and the user of this
+/// process may do everything: they could change the configuration as well.
+Caller caller_with(Credentials credentials, std::span<const AccessConfig> access);
+
+/// Who may send a command: what moves a motor or an output is operating, whatever else changes
+/// something is configuring.
+Role role_for(tmcl::Command command, std::uint8_t type);
+
+/// Why the caller may not have it; nothing if it may. `what`: such as "axis.move_to".
+std::optional<RpcError> objection_by_role(const Caller& caller, Role needed, std::string_view what);
+
+}  // namespace tmcld

@@ -1,0 +1,126 @@
+// Who may do what: roles from the configuration, looked at before anything is done.
+#include "api/caller.hpp"
+
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+
+#include "unit/virtual_gateway.hpp"
+
+namespace tmcld::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::IsEmpty;
+
+constexpr std::uint32_t anna = 4001;
+constexpr std::uint32_t ben = 4002;
+constexpr std::uint32_t lab = 5001;
+
+const std::vector<AccessConfig>& some_access() {
+  static const std::vector<AccessConfig> access{{Role::observe, {{"anna", anna}}, {}},
+                                                {Role::operate, {}, {{"lab", lab}}}};
+  return access;
+}
+
+TEST(CallerRole, IsConfigureForEverybodyWithoutAccess) {
+  const auto caller = caller_with({anna, 1, {}}, {});
+  EXPECT_EQ(caller.role, Role::configure);
+}
+
+TEST(CallerRole, IsTheHighestOfUserAndGroups) {
+  EXPECT_EQ(caller_with({anna, 1, {}}, some_access()).role, Role::observe);
+  EXPECT_EQ(caller_with({ben, 1, {7, lab}}, some_access()).role, Role::operate);
+  const auto both = caller_with({anna, 1, {lab}}, some_access());
+  EXPECT_EQ(both.role, Role::operate);
+  EXPECT_THAT(both.reason, HasSubstr("'lab'"));
+}
+
+TEST(CallerRole, IsToStopForWhoeverIsNotNamed) {
+  const auto caller = caller_with({ben, 1, {7}}, some_access());
+  EXPECT_EQ(caller.role, Role::stop);
+  EXPECT_THAT(caller.reason, HasSubstr("user 4002"));
+}
+
+TEST(CallerRole, IsConfigureForRootAndForTheUserOfTheDaemon) {
+  for (const std::uint32_t uid : {0U, static_cast<std::uint32_t>(::geteuid())}) {
+    const auto caller = caller_with({uid, 1, {}}, some_access());
+    EXPECT_EQ(caller.role, Role::configure);
+  }
+}
+
+class Roles : public testing::Test {
+ protected:
+  Roles() { bench.wire.seen.clear(); }
+  std::string refusal(std::string_view method, json::object params) {
+    const auto result = bench.call(method, std::move(params));
+    return result ? "" : text(result.error().data.at("name"));
+  }
+  std::string refused_command(std::string_view command, int type = 0) {
+    return refusal("module.execute", {{"bus", "bench"},
+                                      {"address", 1},
+                                      {"command", command},
+                                      {"type", type},
+                                      {"motor", 0},
+                                      {"value", 0}});
+  }
+
+  VirtualGateway bench;
+};
+
+TEST_F(Roles, AreAskedForBeforeAnythingIsDone) {
+  for (const auto& method : method_table()) {
+    if (method.role == Role::stop) continue;
+    bench.caller.role = static_cast<Role>(static_cast<int>(method.role) - 1);
+    bench.caller.reason = "the test says so";
+    const auto result = bench.call(method.name, {});
+    ASSERT_FALSE(result) << method.name;
+    const auto& error = result.error();
+    EXPECT_EQ(error.code, rpc_code::not_allowed);
+    EXPECT_EQ(text(error.data.at("name")), "not_permitted");
+    EXPECT_EQ(text(error.data.at("outcome")), "not_sent");
+    EXPECT_THAT(error.message, HasSubstr(std::string(method.name) + " needs the role '" +
+                                         std::string(name_of(method.role)) + "'"));
+    EXPECT_THAT(error.message, HasSubstr("the test says so"));
+    EXPECT_THAT(text(error.data.at("hint")), HasSubstr("[[access]]"));
+  }
+  EXPECT_THAT(bench.wire.seen, IsEmpty());
+}
+
+TEST_F(Roles, AreNotAskedForToStop) {
+  bench.caller.role = Role::stop;
+  EXPECT_EQ(refusal("system.stop_all", {}), "");
+  EXPECT_EQ(refusal("axis.stop", {{"axis", "x"}}), "");
+  EXPECT_EQ(refused_command("MST"), "");
+}
+
+TEST_F(Roles, OfARawCommandGoByWhatItDoes) {
+  bench.caller.role = Role::stop;
+  EXPECT_EQ(refused_command("GAP", 1), "not_permitted");
+  bench.caller.role = Role::observe;
+  EXPECT_EQ(refused_command("GAP", 1), "");
+  EXPECT_EQ(refused_command("MVP"), "not_permitted");
+  EXPECT_EQ(refused_command("SIO"), "not_permitted");
+  bench.caller.role = Role::operate;
+  for (const auto* command : {"MVP", "ROR", "SIO"}) EXPECT_EQ(refused_command(command), "");
+  EXPECT_EQ(refused_command("SAP", 0), "");
+  EXPECT_EQ(refused_command("SAP", 4), "not_permitted");
+  for (const auto* command : {"STAP", "RSAP", "SGP", "SOFTWARE_RESET", "FACTORY_RESET", "WRITE_MC"})
+    EXPECT_EQ(refused_command(command), "not_permitted") << command;
+  bench.caller.role = Role::configure;
+  EXPECT_EQ(refused_command("SAP", 4), "");
+}
+
+TEST_F(Roles, OfAParameterGoByWhetherItMovesTheMotor) {
+  const auto set = [&](const char* name) {
+    return refusal("parameter.set", {{"axis", "x"}, {"parameter", name}, {"value", 100}});
+  };
+  bench.caller.role = Role::operate;
+  EXPECT_EQ(set("target_position"), "");
+  EXPECT_EQ(set("max_velocity"), "not_permitted");
+  bench.caller.role = Role::configure;
+  EXPECT_EQ(set("max_velocity"), "");
+}
+
+}  // namespace
+}  // namespace tmcld::test
