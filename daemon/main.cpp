@@ -38,6 +38,10 @@ void print_mechanics(const AxisConfig& axis) {
   }
   if (scale.encoder_counts_per_unit)
     std::printf(", %g encoder counts a %s", *scale.encoder_counts_per_unit, unit);
+  const auto& limits = axis.motion_limits;
+  if (limits.velocity) std::printf(", at most %g %s/s", *limits.velocity, unit);
+  if (limits.acceleration) std::printf(", at most %g %s/s^2", *limits.acceleration, unit);
+  if (limits.current) std::printf(", current at most %d", *limits.current);
   std::printf("\n");
 }
 
@@ -52,7 +56,8 @@ int check(const Config& config) {
   std::printf("ok: %s, %s\n", counted(config.buses.size(), "bus", "buses").c_str(),
               counted(config.axes.size(), "axis", "axes").c_str());
   for (const auto& axis : config.axes) {
-    if (!axis.scale.unit.empty() || axis.scale.limits) print_mechanics(axis);
+    if (!axis.scale.unit.empty() || axis.scale.limits || axis.motion_limits.any())
+      print_mechanics(axis);
   }
   for (const auto& access : config.access) print_access(access);
   return exit_code::ok;

@@ -34,6 +34,7 @@ Caller caller_with(Credentials credentials, std::span<const AccessConfig> access
     caller.role = one.role;
     caller.reason = "by [[access]] for '" + account->name + "'";
   }
+  caller.exceeds_limits = caller.role == Role::configure;
   return caller;
 }
 

@@ -24,6 +24,8 @@ struct Caller {
   Credentials credentials{};
   Role role = Role::configure;
   std::string reason{};  ///< Why it has that role: "by [[access]] for 'anna'".
+  /// The limits of axes do not hold for it.
+  bool exceeds_limits = false;
 };
 
 /// With the highest role of those that the configuration gives it. Root and the user of this

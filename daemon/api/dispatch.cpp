@@ -60,6 +60,7 @@ boost::asio::awaitable<RpcResult> dispatch(std::shared_ptr<Gateway> gateway,
   if (!client) co_return tl::unexpected(client.error());
   auto caller = peer->caller();
   auto permit = gateway->admit(*client);
+  permit.exceeds_limits = caller.exceeds_limits;
   const auto received = gateway->clock().now();
   Call call{
       std::move(gateway), std::move(peer), std::move(request.id), Params(std::move(request.params)),

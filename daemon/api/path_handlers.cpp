@@ -11,6 +11,7 @@
 #include "api/staging.hpp"
 #include "async/elsewhere.hpp"
 #include "async/rest.hpp"
+#include "gateway/axis_limits.hpp"
 #include "gateway/path_run.hpp"
 #include "gateway/planned_path.hpp"
 #include "gateway/standing_stop.hpp"
@@ -192,9 +193,25 @@ awaitable<tmcl::Result<plan::PathAxisFacts>> facts_of(GatewayAxis& axis, std::st
   co_return facts;
 }
 
+/// What makes up for deviations stays within the limits of the axis, too.
+awaitable<tmcl::Result<void>> keep_limits(GatewayAxis& axis, Permit permit,
+                                          plan::StreamAxis& stream) {
+  const auto limits = axis.motion_limits();
+  if (!limits || permit.exceeds_limits) co_return tmcl::Result<void>{};
+  const auto greatest = co_await axis.perform(limits->greatest(), {});
+  if (!greatest) co_return tl::unexpected(greatest.error());
+  const auto keep = [](std::int32_t& most, std::optional<std::int32_t> limit) {
+    if (limit) most = std::min(most, *limit);
+  };
+  keep(stream.greatest_velocity, greatest->velocity);
+  keep(stream.greatest_acceleration, greatest->acceleration);
+  co_return tmcl::Result<void>{};
+}
+
 awaitable<Lookup<std::vector<plan::PathAxis>>> path_axes(const plan::PathSource& source,
                                                          const Axes& chosen,
-                                                         const plan::PathRequest& request) {
+                                                         const plan::PathRequest& request,
+                                                         Permit permit) {
   std::vector<plan::PathAxis> axes;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     auto& axis = *chosen[i];
@@ -209,6 +226,8 @@ awaitable<Lookup<std::vector<plan::PathAxis>>> path_axes(const plan::PathSource&
       error.data["axis"] = axis.name();
       co_return tl::unexpected(std::move(error));
     }
+    auto kept = co_await keep_limits(axis, permit, made->stream);
+    if (!kept) co_return tl::unexpected(call_error(kept.error(), axis.name()));
     if (request.mode == plan::StreamMode::position) {
       auto twin = co_await axis.twin({});
       if (!twin) co_return tl::unexpected(call_error(twin.error(), axis.name()));
@@ -246,7 +265,7 @@ awaitable<Lookup<PlannedPath>> plan_for(const Call& call, bool with_namesakes) {
   if (!source) co_return tl::unexpected(error_of(source.error(), "text"));
   auto axes = axes_for(call, *source, with_namesakes);
   if (!axes) co_return tl::unexpected(axes.error());
-  auto known = co_await path_axes(*source, *axes, *request);
+  auto known = co_await path_axes(*source, *axes, *request, call.permit);
   if (!known) co_return tl::unexpected(known.error());
 
   const auto feed = feed_of(*known);
@@ -281,7 +300,7 @@ awaitable<Lookup<PlannedPath>> planned_before(const Call& call) {
                                          "once"));
   }
   auto planned = std::move(*std::exchange(kept, nullptr));
-  auto known = co_await path_axes(planned.source, planned.axes, planned.request);
+  auto known = co_await path_axes(planned.source, planned.axes, planned.request, call.permit);
   if (!known) co_return tl::unexpected(known.error());
   for (std::size_t i = 0; i < known->size(); ++i) {
     if (moves_alike((*known)[i], planned.known[i])) continue;

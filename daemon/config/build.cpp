@@ -287,8 +287,21 @@ class Builder {
     }
     auto scale = scale_of(section);
     const bool needs_reference = reference_is_required(section);
+    const auto limits = motion_limits_of(section);
     if (name != nullptr)
-      config_.axes.push_back({*name, *bus_name, where, std::move(scale), needs_reference});
+      config_.axes.push_back({*name, *bus_name, where, std::move(scale), needs_reference, limits});
+  }
+
+  MotionLimits motion_limits_of(const ConfigSection& section) {
+    MotionLimits limits;
+    const auto set_limit = [&](std::string_view key, std::optional<double>& limit) {
+      if (section.find(key) != nullptr) set_positive(section, key, "", limit.emplace());
+    };
+    set_limit("max_velocity", limits.velocity);
+    set_limit("max_acceleration", limits.acceleration);
+    if (const auto* current = section.get<std::int64_t>("max_current"))
+      limits.current = static_cast<std::int32_t>(*current);
+    return limits;
   }
 
   bool reference_is_required(const ConfigSection& section) {

@@ -89,6 +89,16 @@ struct ScaleConfig {
   }
 };
 
+/// What the settings of an axis must not go beyond, and nothing that it is told. In its unit per
+/// second; without one in microsteps.
+struct MotionLimits {
+  std::optional<double> velocity{};
+  std::optional<double> acceleration{};
+  std::optional<std::int32_t> current{};  ///< As the module counts it.
+
+  bool any() const { return velocity || acceleration || current; }
+};
+
 struct AxisConfig {
   std::string name;
   std::string bus;
@@ -96,6 +106,7 @@ struct AxisConfig {
   ScaleConfig scale{};
   /// It is not sent to a position before it has searched its reference.
   bool needs_reference = false;
+  MotionLimits motion_limits{};
 };
 
 /// Every axis is on one of the buses; names are unique, and so are motors.

@@ -82,6 +82,13 @@ constexpr auto keys = std::to_array<KeyInfo>({
      "counts of a linear encoder in one unit; instead of encoder_lines"},
     {axis, "reference", string, optional, 0, 0, any,
      "required: it is sent to no position before it has searched its reference; or optional"},
+    {axis, "max_velocity", number, optional, 0, 0, any,
+     "greatest speed in the unit per second, or in microsteps: nobody sets or asks for a higher "
+     "one"},
+    {axis, "max_acceleration", number, optional, 0, 0, any,
+     "greatest acceleration, per second squared, likewise"},
+    {axis, "max_current", integer, optional, 0, 255, any,
+     "greatest current, as the module counts it, likewise"},
 });
 
 }  // namespace

@@ -54,6 +54,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   GatewayModule& module() const { return axis_.module(); }
   /// The parameters of its model; empty while that is not known.
   std::span<const tmcl::ParameterInfo> parameters() const { return axis_.parameters(); }
+  /// What nobody exceeds; null if the configuration says nothing.
+  const std::shared_ptr<AxisLimits>& motion_limits() const { return axis_.limits(); }
 
   /// The module has said what it is, and has such a motor.
   Awaitable<void> be_ready() { return axis_.be_ready(); }

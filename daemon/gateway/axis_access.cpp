@@ -1,5 +1,7 @@
 #include "gateway/axis_access.hpp"
 
+#include "gateway/axis_limits.hpp"
+
 namespace tmcld {
 
 AxisAccess::AxisAccess(AxisConfig config, std::shared_ptr<GatewayBus> bus)
@@ -7,6 +9,9 @@ AxisAccess::AxisAccess(AxisConfig config, std::shared_ptr<GatewayBus> bus)
       bus_(std::move(bus)),
       module_(bus_->add_module(config_.address.module)) {
   bus_->motors().add(config_.address, config_.name);
+  if (!config_.motion_limits.any()) return;
+  limits_ = std::make_shared<AxisLimits>(config_, module_);
+  bus_->add_limits(limits_);
 }
 
 std::span<const tmcl::ParameterInfo> AxisAccess::parameters() const {

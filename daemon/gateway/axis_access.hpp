@@ -15,6 +15,8 @@
 
 namespace tmcld {
 
+class AxisLimits;
+
 using Deadline = std::optional<tmcl::TimePoint>;
 
 class AxisAccess {
@@ -29,6 +31,8 @@ class AxisAccess {
   tmcl::AxisAddress address() const { return config_.address; }
   GatewayBus& bus() const { return *bus_; }
   GatewayModule& module() const { return module_; }
+  /// Null if it has none.
+  const std::shared_ptr<AxisLimits>& limits() const { return limits_; }
   /// The parameters of its model; empty while that is not known.
   std::span<const tmcl::ParameterInfo> parameters() const;
 
@@ -65,6 +69,7 @@ class AxisAccess {
   AxisConfig config_;
   std::shared_ptr<GatewayBus> bus_;
   GatewayModule& module_;
+  std::shared_ptr<AxisLimits> limits_;
 };
 
 }  // namespace tmcld

@@ -5,6 +5,7 @@
 
 #include "async/gather.hpp"
 #include "async/spawn.hpp"
+#include "gateway/axis_limits.hpp"
 #include "tmcl/relative_move.hpp"
 
 namespace tmcld {
@@ -418,6 +419,14 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
       co_return tl::unexpected(std::move(*objection));
     }
   }
+  if (!exchange.options.is_program_line) {
+    auto kept = co_await keep_limits(request, conduct.options.permit);
+    if (!kept) {
+      conduct.refused = true;
+      kept.error().request = request;
+      co_return tl::unexpected(std::move(kept.error()));
+    }
+  }
   const auto given = earliest(exchange.options.deadline, conduct.options.deadline);
   for (auto tries = is_judged(exchange) ? most_admissions : 0; tries > 0; --tries) {
     auto allowed = co_await admit(exchange, conduct.options);
@@ -438,6 +447,15 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
   }
   auto answer = co_await send_once(std::move(exchange), conduct);
   co_return answer;
+}
+
+tmcl::Script<tmcl::Result<void>> GatewayBus::keep_limits(tmcl::Request request, Permit permit) {
+  if (permit.exceeds_limits) co_return tmcl::Result<void>{};
+  for (const auto& limits : limits_) {
+    auto kept = co_await limits->check(request);
+    if (!kept) co_return kept;
+  }
+  co_return tmcl::Result<void>{};
 }
 
 tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Exchange exchange,
@@ -465,6 +483,7 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   on_its_way.reset();
   if (auto* module = find_module(request.address)) module->note_sent(request);
   motors_.note(request, answer, claimant, turning);
+  for (const auto& limits : limits_) limits->note(request, answer);
   const bool may_be_done = answer || answer.error().outcome == tmcl::Outcome::unknown;
   conduct.acted = conduct.acted || (may_be_done && !asks);
   co_return std::move(answer);

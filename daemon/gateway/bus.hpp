@@ -28,6 +28,8 @@
 
 namespace tmcld {
 
+class AxisLimits;
+
 /// How a link is opened. May block; called on a thread of its own.
 using OpenLink = std::function<tmcl::Result<tmcl::Link>(const BusConfig&)>;
 
@@ -79,6 +81,8 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
     return modules_;
   }
 
+  /// What they are the limits of is kept within them, whatever is sent.
+  void add_limits(std::shared_ptr<AxisLimits> limits) { limits_.push_back(std::move(limits)); }
   /// Stops and claims of its motors.
   /// Whatever has to be put in order if the process ends; null if nobody would.
   const std::shared_ptr<Journal>& journal() const { return journal_; }
@@ -95,8 +99,8 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
                                                              RunOptions options);
   /// Runs a verb to its end, or until there is an objection. What can move a motor goes out only
   /// if the motors, `recheck` and `objection` allow it at that moment; for the verb it is as if the
-  /// module had refused it. A verb that ends like this has Outcome::unknown if something of it went
-  /// out before that was no mere question.
+  /// module had refused it. So is what would take an axis beyond its limits. A verb that ends like
+  /// this has Outcome::unknown if something of it went out before that was no mere question.
   /// Errors: besides those of the verb and of may_send(), Errc::link_lost while the link is not
   /// open.
   template <class T>
@@ -155,6 +159,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   static std::optional<tmcl::Error> objection_to(const tmcl::Step& step, const Conduct& conduct);
   tmcl::Script<tmcl::StepResult> carry_out(tmcl::Step step, Conduct& conduct);
   tmcl::Script<tmcl::Result<tmcl::Answer>> send(tmcl::step::Exchange exchange, Conduct& conduct);
+  tmcl::Script<tmcl::Result<void>> keep_limits(tmcl::Request request, Permit permit);
   tmcl::Script<tmcl::Result<void>> admit(tmcl::step::Exchange exchange, const RunOptions& options);
   tmcl::Script<tmcl::Result<tmcl::Answer>> send_once(tmcl::step::Exchange exchange,
                                                      Conduct& conduct);
@@ -190,6 +195,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   std::map<tmcl::ModuleAddress, std::unique_ptr<GatewayModule>> modules_;
   std::shared_ptr<Journal> journal_;
   Motors motors_;
+  std::vector<std::shared_ptr<AxisLimits>> limits_;
   std::uint64_t commands_ = 0;
   LogLimiter log_limiter_;
 };

@@ -280,6 +280,8 @@ class LineRun final : public DriveRun {
                                      bool restores) override {
     auto options = restores ? RunOptions{} : movement_of(member);
     if (!restores) options.on_answer = member.movement.on_answer;
+    // What was there before may come back, wherever the limits of the axis are.
+    if (restores) options.permit.exceeds_limits = true;
     return member.axis->set(setting.parameter, setting.value, std::move(options));
   }
 

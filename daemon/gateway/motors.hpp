@@ -37,8 +37,9 @@ class AwaitedRun;
 
 /// The right of a call to move motors, from when it came in. Without one nothing moves.
 struct Permit {
-  std::uint64_t number = 0;  ///< Of the call; 0: none.
-  std::uint64_t client = 0;  ///< Who made it; 0: nobody who could go.
+  std::uint64_t number = 0;     ///< Of the call; 0: none.
+  std::uint64_t client = 0;     ///< Who made it; 0: nobody who could go.
+  bool exceeds_limits = false;  ///< The limits of axes do not hold for it: see AxisLimits.
   bool operator==(const Permit&) const = default;
 };
 

@@ -26,6 +26,7 @@ const std::vector<AccessConfig>& some_access() {
 TEST(CallerRole, IsConfigureForEverybodyWithoutAccess) {
   const auto caller = caller_with({anna, 1, {}}, {});
   EXPECT_EQ(caller.role, Role::configure);
+  EXPECT_FALSE(caller.exceeds_limits);
 }
 
 TEST(CallerRole, IsTheHighestOfUserAndGroups) {
@@ -34,6 +35,7 @@ TEST(CallerRole, IsTheHighestOfUserAndGroups) {
   const auto both = caller_with({anna, 1, {lab}}, some_access());
   EXPECT_EQ(both.role, Role::operate);
   EXPECT_THAT(both.reason, HasSubstr("'lab'"));
+  EXPECT_FALSE(both.exceeds_limits);
 }
 
 TEST(CallerRole, IsToStopForWhoeverIsNotNamed) {
@@ -46,6 +48,7 @@ TEST(CallerRole, IsConfigureForRootAndForTheUserOfTheDaemon) {
   for (const std::uint32_t uid : {0U, static_cast<std::uint32_t>(::geteuid())}) {
     const auto caller = caller_with({uid, 1, {}}, some_access());
     EXPECT_EQ(caller.role, Role::configure);
+    EXPECT_TRUE(caller.exceeds_limits);
   }
 }
 

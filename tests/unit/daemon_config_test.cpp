@@ -469,6 +469,18 @@ TEST(DaemonConfig, NamesUsersThatThereAreNot) {
       testing::Contains(HasSubstr("'users' must be a list of texts, [\"one\", \"another\"]")));
 }
 
+TEST(DaemonConfig, KnowsTheLimitsOfAnAxis) {
+  const auto config = parse_config(
+      std::string(good) + "max_velocity = 20\nmax_acceleration = 0.5\nmax_current = 100\n");
+  ASSERT_TRUE(config) << config.error().front().message;
+  const auto& limits = config->axes[0].motion_limits;
+  EXPECT_EQ(limits.velocity, 20);
+  EXPECT_EQ(limits.acceleration, 0.5);
+  EXPECT_EQ(limits.current, 100);
+  EXPECT_THAT(problems(std::string(good) + "max_velocity = -1\n"),
+              ElementsAre("f:13:16: 'max_velocity' is -1, but must be greater than 0"));
+}
+
 TEST(DaemonConfig, ExampleFileIsGoodAndMentionsEveryKey) {
   const std::string path = TMCL_SOURCE_DIR "/config/tmcld.toml";
   const auto config = load_config(path);

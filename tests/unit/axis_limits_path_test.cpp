@@ -1,0 +1,63 @@
+// A path and a line end well with the limits of their axes, and never send what is beyond them.
+#include "unit/daemon_path_fixture.hpp"
+
+namespace tmcld::test {
+namespace {
+
+// What the modules' own settings are, so that nothing is left to make up for deviations.
+constexpr auto limits = "max_velocity = 23.4375\nmax_acceleration = 488.2736\n";
+
+class LimitedPath : public DaemonPath {
+ protected:
+  LimitedPath() : DaemonPath(std::string(in_mm) + limits) {}
+
+  /// Of all that y was told.
+  std::int32_t greatest_sent(Command command, std::uint8_t type) {
+    return daemon.on_reactor([&] {
+      std::int32_t greatest = 0;
+      for (const auto& request : daemon.wire().seen)
+        if (request.command == command && request.type == type && request.motor == 1)
+          greatest = std::max(greatest, std::abs(request.value));
+      return greatest;
+    });
+  }
+  void expect_within() {
+    EXPECT_LE(greatest_sent(Command::ROR, 0), own_velocity);
+    EXPECT_LE(greatest_sent(Command::ROL, 0), own_velocity);
+    EXPECT_LE(greatest_sent(Command::SAP, ap::max_velocity), own_velocity);
+    EXPECT_LE(greatest_sent(Command::SAP, ap::max_acceleration), own_acceleration);
+    EXPECT_LE(greatest_sent(Command::SAP, 17), own_acceleration);
+  }
+};
+
+TEST_F(LimitedPath, EndsWellByVelocity) {
+  client->result("path.run", order("G1 X4 Y20 F1400\nG1 X9 Y2\n"));
+  EXPECT_NEAR(mm(1), 2, 0.01);
+  EXPECT_GT(greatest_sent(Command::ROR, 0), own_velocity * 9 / 10);
+  expect_within();
+}
+
+TEST_F(LimitedPath, EndsWellByPositions) {
+  client->result("path.run", order("G1 X4 Y20 F1400\nG1 X9 Y2\n", {{"mode", "position"}}));
+  EXPECT_NEAR(mm(1), 2, 0.01);
+  expect_within();
+}
+
+TEST_F(LimitedPath, IsRefusedWhileASettingIsBeyondThem) {
+  on_module([](Played& played) { return played.set(1, ap::max_velocity, own_velocity + 1000), 0; });
+  const auto error = error_of(client->send("path.run", order(short_way)));
+  EXPECT_EQ(name_in(error), "not_permitted");
+  EXPECT_FALSE(on_module([](Played& played) { return played.moves(); }));
+}
+
+TEST_F(LimitedPath, OfALineTheSettingsComeBack) {
+  client->result("line.move", {{"axes", json::array{"x", "y"}}, {"positions", json::array{4, 1}}});
+  client->result("axis.wait", {{"axis", "x"}});
+  client->result("axis.wait", {{"axis", "y"}});
+  daemon.run_for(std::chrono::seconds(2));
+  expect_rest_and_own_settings();
+  expect_within();
+}
+
+}  // namespace
+}  // namespace tmcld::test

@@ -1,0 +1,159 @@
+// Speed, acceleration and current of an axis stay within what the configuration says, whoever asks.
+#include "gateway/axis_limits.hpp"
+
+#include <gmock/gmock.h>
+
+#include "unit/virtual_gateway.hpp"
+
+namespace tmcld::test {
+namespace {
+
+using testing::HasSubstr;
+using tmcl::Command;
+
+// A TMCM-3110 with dividers of 3: its velocities count in 30.5 microsteps/s, its accelerations in
+// 7451 microsteps/s^2.
+constexpr auto within = R"(max_velocity = 30518
+max_acceleration = 3800000
+max_current = 100
+)";
+
+class AxisWithLimits : public testing::Test {
+ protected:
+  AxisWithLimits() {
+    auto& module = bench.wire.modules.at(1);
+    for (const auto& [number, value] : std::map<int, int>{{4, 1000},
+                                                          {5, 500},
+                                                          {6, 100},
+                                                          {7, 10},
+                                                          {138, 0},
+                                                          {140, 8},
+                                                          {153, 3},
+                                                          {154, 3},
+                                                          {194, 500},
+                                                          {195, 100},
+                                                          {200, 0}})
+      for (const auto motor : {std::uint8_t{0}, std::uint8_t{1}})
+        module.parameter(motor, static_cast<std::uint8_t>(number)) = value;
+  }
+  RpcResult execute(std::string_view command, int type, int value) {
+    return bench.call("module.execute", {{"bus", "bench"},
+                                         {"address", 1},
+                                         {"command", command},
+                                         {"type", type},
+                                         {"motor", 0},
+                                         {"value", value}});
+  }
+  RpcResult set(const char* parameter, int value, const char* axis = "x") {
+    return bench.call("parameter.set",
+                      {{"axis", axis}, {"parameter", parameter}, {"value", value}});
+  }
+  static std::string name(const RpcResult& result) {
+    return result ? "" : text(result.error().data.at("name"));
+  }
+  std::int32_t held(std::uint8_t parameter) {
+    return bench.wire.modules.at(1).parameter(0, parameter);
+  }
+
+  VirtualGateway bench{std::string(bench_bus) + axis_section("x", 0, within) +
+                       axis_section("y", 1)};
+};
+
+TEST_F(AxisWithLimits, IsNotSetBeyondThem) {
+  const auto refused = set("max_velocity", 1001);
+  EXPECT_EQ(name(refused), "not_permitted");
+  EXPECT_EQ(refused.error().code, rpc_code::not_allowed);
+  EXPECT_EQ(text(refused.error().data.at("outcome")), "not_sent");
+  EXPECT_EQ(refused.error().message,
+            "axis 'x': max_velocity would be 30548.1 microsteps/s, above its limit of 30518 "
+            "microsteps/s");
+  EXPECT_EQ(text(refused.error().data.at("hint")), "the configuration has it: 'max_velocity'");
+  EXPECT_EQ(name(set("max_acceleration", 2000)), "not_permitted");
+  EXPECT_EQ(name(set("max_current", 101)), "not_permitted");
+  EXPECT_EQ(name(set("standby_current", 101)), "not_permitted");
+  EXPECT_EQ(name(set("reference_search_speed", 1001)), "not_permitted");
+  EXPECT_EQ(name(execute("SAP", 4, 1001)), "not_permitted");
+  EXPECT_EQ(name(execute("SAP", 2, -1001)), "not_permitted");
+  EXPECT_EQ(bench.wire.count(Command::SAP), 0U);
+}
+
+TEST_F(AxisWithLimits, IsSetUpToThem) {
+  EXPECT_EQ(name(set("max_velocity", 900)), "");
+  EXPECT_EQ(name(set("max_velocity", 1000)), "");
+  EXPECT_EQ(name(execute("SAP", 6, 100)), "");
+  EXPECT_EQ(held(4), 1000);
+  EXPECT_EQ(name(set("max_velocity", 2047, "y")), "");
+}
+
+TEST_F(AxisWithLimits, IsNotScaledBeyondThem) {
+  EXPECT_EQ(name(set("pulse_divisor", 2)), "not_permitted");
+  EXPECT_EQ(name(set("ramp_divisor", 0)), "not_permitted");
+  EXPECT_EQ(name(set("pulse_divisor", 4)), "");
+  EXPECT_EQ(name(set("max_velocity", 1500)), "");
+  EXPECT_EQ(name(set("pulse_divisor", 3)), "not_permitted");
+}
+
+TEST_F(AxisWithLimits, DoesNotTurnFaster) {
+  for (const auto* command : {"ROR", "ROL"}) {
+    const auto refused = execute(command, 0, 1001);
+    EXPECT_EQ(name(refused), "not_permitted");
+    EXPECT_THAT(refused.error().message, HasSubstr("it would turn at 30548.1 microsteps/s"));
+  }
+  EXPECT_EQ(name(bench.call("axis.rotate", {{"axis", "x"}, {"velocity_internal", -1001}})),
+            "not_permitted");
+  EXPECT_EQ(bench.wire.count(Command::ROR) + bench.wire.count(Command::ROL), 0U);
+  EXPECT_EQ(name(execute("ROR", 0, 1000)), "");
+}
+
+TEST_F(AxisWithLimits, DoesNotMoveWhileASettingIsBeyondThem) {
+  bench.wire.modules.at(1).parameter(0, 4) = 1200;
+  for (const auto& [method, params] : std::vector<std::pair<std::string, json::object>>{
+           {"axis.move_to", {{"axis", "x"}, {"position_microsteps", 9}}},
+           {"axis.move_by", {{"axis", "x"}, {"distance_microsteps", 9}}},
+           {"axis.start_home", {{"axis", "x"}}},
+           {"coordinate.start",
+            {{"bus", "bench"}, {"address", 1}, {"number", 1}, {"motors", json::array{0, 1}}}}}) {
+    const auto refused = bench.call(method, params);
+    EXPECT_EQ(name(refused), "not_permitted") << method;
+    EXPECT_THAT(refused.error().message, HasSubstr("nothing moves it while its max_velocity is"));
+    EXPECT_THAT(text(refused.error().data.at("hint")), HasSubstr("tmclctl set x max_velocity"));
+  }
+  EXPECT_EQ(name(execute("MVP", 0, 9)), "not_permitted");
+  EXPECT_EQ(bench.wire.count(Command::MVP) + bench.wire.count(Command::RFS), 0U);
+  EXPECT_EQ(name(set("max_velocity", 1000)), "");
+  EXPECT_EQ(name(execute("MVP", 0, 9)), "");
+}
+
+TEST_F(AxisWithLimits, StopsInAnyCase) {
+  bench.wire.modules.at(1).parameter(0, 4) = 1200;
+  EXPECT_EQ(name(bench.call("axis.stop", {{"axis", "x"}})), "");
+  EXPECT_EQ(name(execute("ROR", 0, 0)), "");
+}
+
+TEST_F(AxisWithLimits, IsNotGivenWhatNobodySees) {
+  EXPECT_EQ(name(execute("RSAP", 4, 0)), "not_permitted");
+  EXPECT_EQ(name(execute("AAP", 4, 0)), "not_permitted");
+  EXPECT_EQ(name(execute("WRITE_MC", 4, 0)), "not_permitted");
+  EXPECT_EQ(name(execute("RSAP", 8, 0)), "");
+}
+
+TEST_F(AxisWithLimits, ReadsItsSettingsOnce) {
+  for (int i = 0; i < 3; ++i) set("max_velocity", 900 + i);
+  bench.wire.seen.clear();
+  set("max_velocity", 950);
+  const auto read = std::ranges::count_if(bench.wire.seen, [](const tmcl::Request& request) {
+    return request.command == Command::GAP && request.type == 5;
+  });
+  EXPECT_EQ(read, 0);
+}
+
+TEST_F(AxisWithLimits, IsSetBeyondThemByWhoMay) {
+  bench.caller.exceeds_limits = true;
+  EXPECT_EQ(name(set("max_velocity", 1100)), "");
+  EXPECT_EQ(name(execute("ROR", 0, 1100)), "");
+  bench.caller.exceeds_limits = false;
+  EXPECT_EQ(name(execute("MVP", 0, 9)), "not_permitted");
+}
+
+}  // namespace
+}  // namespace tmcld::test
