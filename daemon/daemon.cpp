@@ -65,12 +65,16 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(boost::asio::i
                                                                   const OpenLink& open_link) {
   auto file = SocketFile::claim(config.daemon.socket);
   if (!file) return tl::unexpected(std::move(file.error()));
+  auto audit = AuditTrail::open(config.daemon.audit);
+  if (!audit) return tl::unexpected(std::move(audit.error()));
   std::unique_ptr<Daemon> daemon(new Daemon(context));
+  daemon->audit_ = std::move(*audit);
   const auto executor = context.get_executor();
   GatewayOptions options{open_link, log};
   options.lease_epoch = any_epoch();
   options.on_exit = config.daemon.on_exit;
   options.journal = journal_of(config.daemon);
+  options.audit = [trail = daemon->audit_](AuditEntry entry) { trail->add(std::move(entry)); };
   daemon->gateway_ = Gateway::create(executor, config, std::move(options));
   daemon->server_ = std::make_shared<UnixServer>(executor, std::move(*file), daemon->gateway_,
                                                  make_room_for_clients(config.buses.size()));
@@ -133,9 +137,13 @@ void Daemon::stop() {
 void Daemon::end_on_signals() { spawn(context_.get_executor(), wait_for_signal(*this)); }
 
 awaitable<void> Daemon::wait_for_signal(Daemon& daemon) {
-  boost::asio::signal_set signals(daemon.context_, SIGTERM, SIGINT);
+  boost::asio::signal_set signals(daemon.context_, SIGTERM, SIGINT, SIGHUP);
   boost::system::error_code ignored;
-  const auto number = co_await signals.async_wait(redirect_error(use_awaitable, ignored));
+  auto number = co_await signals.async_wait(redirect_error(use_awaitable, ignored));
+  while (number == SIGHUP) {
+    daemon.audit_->reopen();
+    number = co_await signals.async_wait(redirect_error(use_awaitable, ignored));
+  }
   log(LogLevel::info, number == SIGINT ? "ending: SIGINT" : "ending: SIGTERM");
   daemon.stop();
 }

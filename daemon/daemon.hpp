@@ -11,6 +11,7 @@
 #include "config/config.hpp"
 #include "fronts/unix_server.hpp"
 #include "gateway/gateway.hpp"
+#include "log/audit_trail.hpp"
 
 namespace tmcld {
 
@@ -39,6 +40,7 @@ class Daemon {
   /// as the configuration says, for which they may take some seconds, and firmware uploads come
   /// to their end, for which they may take some minutes.
   void stop();
+  /// SIGHUP has the audit file opened again.
   void end_on_signals();
   bool has_ended() const { return has_ended_; }
 
@@ -55,6 +57,7 @@ class Daemon {
   void end_after(const std::exception_ptr& failure) noexcept;
 
   boost::asio::io_context& context_;
+  std::shared_ptr<AuditTrail> audit_;
   std::shared_ptr<Gateway> gateway_;
   std::shared_ptr<UnixServer> server_;
   bool ending_ = false;

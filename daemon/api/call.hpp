@@ -48,6 +48,9 @@ struct Call {
   Permit permit;
   Caller caller;
   const MethodInfo& method;
+  /// What it does to a machine, as soon as that is known better than by its method.
+  tmcl::Effect effect = method.effect;
+  bool goes_on = false;  ///< What it has begun does not end with the answer.
   std::shared_ptr<const void> typed{};
 
   /// The parameters; they live as long as the call.

@@ -4,6 +4,7 @@
 #include <new>
 #include <utility>
 
+#include "api/audit.hpp"
 #include "api/call.hpp"
 
 namespace tmcld {
@@ -66,6 +67,7 @@ boost::asio::awaitable<RpcResult> dispatch(std::shared_ptr<Gateway> gateway,
       std::move(gateway), std::move(peer), std::move(request.id), Params(std::move(request.params)),
       received,           permit,          std::move(caller),     *request.method};
   auto result = co_await carry_out(call);
+  audit_end(call, result);
   co_return result;
 }
 

@@ -1,4 +1,5 @@
 // Several axes on a straight line.
+#include "api/audit.hpp"
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
@@ -126,7 +127,11 @@ Answer<line::Move> move_line(Call& call, const line::Move& params) {
   if (!members) co_return tl::unexpected(std::move(members.error()));
   const auto duration = duration_of(params.time_s);
   if (!duration) co_return tl::unexpected(duration.error());
-  LineOrder order{*members, *duration, call.permit, call.deadline(params), &call.gateway->planner};
+  begin_journey(call);
+  LineOrder order{
+      *members,          *duration, call.permit, call.deadline(params), &call.gateway->planner,
+      audit_of_end(call)};
+  call.goes_on = true;
   const auto started = co_await start_line(std::move(order));
   if (!started) co_return tl::unexpected(call_error(started.error().error, started.error().axis));
   const auto& plan = started->plan;

@@ -3,6 +3,7 @@
 
 #include <boost/json/array.hpp>
 
+#include "api/audit.hpp"
 #include "api/handlers.hpp"
 #include "api/journey.hpp"
 #include "async/elsewhere.hpp"
@@ -126,6 +127,7 @@ Untyped run_mint(Call& call) {
   auto read = [text = std::move(*text)] { return plan::read_mint(text); };
   auto program = co_await elsewhere(planner, std::move(read));
   if (!program) co_return tl::unexpected(error_of(program.error(), "text"));
+  begin_journey(call);
   auto members = chosen(call, *program);
   if (!members) co_return tl::unexpected(members.error());
 

@@ -79,7 +79,8 @@ Answer<module::Execute> execute(Call& call, const module::Execute& params) {
       objection_by_role(call.caller, role_for(request->command, request->type),
                         "module.execute of " + std::string(tmcl::name_of(request->command)));
   if (objection) co_return tl::unexpected(std::move(*objection));
-  const bool stops = effect_of(request->command, request->type) == tmcl::Effect::stops;
+  call.effect = effect_of(request->command, request->type);
+  const bool stops = call.effect == tmcl::Effect::stops;
   if (stops) revoke_movements(call, **bus, *request);
   RunOptions options;
   options.deadline = call.deadline(params);

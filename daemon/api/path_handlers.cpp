@@ -5,6 +5,7 @@
 
 #include <boost/json/array.hpp>
 
+#include "api/audit.hpp"
 #include "api/course_json.hpp"
 #include "api/handlers.hpp"
 #include "api/journey.hpp"
@@ -420,6 +421,7 @@ Untyped run_path(Call& call) {
   auto planned = co_await std::move(planning);
   if (!planned) co_return tl::unexpected(planned.error());
   if (auto refusal = refusal_to_begin(call)) co_return tl::unexpected(std::move(*refusal));
+  begin_journey(call);
   std::vector<DriveMember> members;
   for (const auto& axis : planned->axes)
     members.push_back({axis, axis->begin_movement(call.permit, {})});

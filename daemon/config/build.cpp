@@ -112,6 +112,7 @@ class Builder {
     set_choice(section, "log_level", level_names, config_.daemon.log_level);
     set_choice(section, "on_exit", exit_names, config_.daemon.on_exit);
     if (const auto* state = section.get<std::string>("state")) config_.daemon.state = *state;
+    if (const auto* file = section.get<std::string>("audit")) config_.daemon.audit = *file;
   }
 
   void add_access(const ConfigSection& section) {

@@ -32,6 +32,7 @@ struct DaemonConfig {
   OnExit on_exit = OnExit::stop;
   /// Directory of the journal; empty: $STATE_DIRECTORY, or else where the socket is.
   std::string state{};
+  std::string audit{};  ///< File for what was moved and set, by whom; empty: the log.
 };
 
 /// What a client may do: also what those before it may.

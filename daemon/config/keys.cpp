@@ -25,6 +25,8 @@ constexpr auto keys = std::to_array<KeyInfo>({
      "socket is"},
     {daemon, "on_exit", string, optional, 0, 0, any,
      "stop: axes that move are stopped when tmcld ends; keep: only those that it leads"},
+    {daemon, "audit", string, optional, 0, 0, any,
+     "file for a line about every movement and every setting, and who asked for it"},
 
     {access, "role", string, required, 0, 0, any,
      "what they may do: observe, operate or configure"},

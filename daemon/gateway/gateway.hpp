@@ -19,6 +19,7 @@
 #include "gateway/bus.hpp"
 #include "gateway/leases.hpp"
 #include "gateway/upload_buffer.hpp"
+#include "log/audit.hpp"
 #include "log/limiter.hpp"
 #include "log/sink.hpp"
 
@@ -39,6 +40,7 @@ struct GatewayOptions {
   OnExit on_exit = OnExit::keep;
   /// What has to be put in order if the process ends is kept in this file; empty: nowhere.
   std::string journal{};
+  AuditSink audit = [](AuditEntry) {};
 };
 
 /// Motors that no axis is configured for, and that were named all the same.
@@ -114,6 +116,7 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   std::multiset<std::string> uploads;
 
   void log(LogLevel level, std::string_view line) const { options_.log(level, line); }
+  void audit(AuditEntry entry) const { options_.audit(std::move(entry)); }
   /// A line that clients may be able to bring about as often as they like: not more of one cause
   /// than a LogLimiter allows.
   void log_often(std::string_view cause, LogLevel level, std::string line);

@@ -16,6 +16,7 @@
 #include "tmcl/drive_report.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/line_drive.hpp"
+#include "tmcl/plan/path_preparation.hpp"
 
 namespace tmcld {
 namespace {
@@ -69,7 +70,8 @@ class LineRun final : public DriveRun {
       : DriveRun(executor, {}),
         permit_(order.permit),
         duration_(order.duration),
-        planner_(order.planner) {
+        planner_(order.planner),
+        on_end_(std::move(order.on_end)) {
     for (auto& member : order.members) {
       auto movement = member.axis->begin_movement(permit_, order.deadline);
       auto& traffic = traffic_[member.axis->bus().name()];
@@ -261,6 +263,8 @@ class LineRun final : public DriveRun {
     }
     self->tell_unrestored();
     self->leave_axes();
+    const auto& fault = self->drive_->report().fault;
+    self->on_end_(failure ? "internal_error" : fault ? name_of(fault->kind) : "");
     if (failure) std::rethrow_exception(failure);
   }
 
@@ -352,6 +356,7 @@ class LineRun final : public DriveRun {
   Permit permit_;
   std::optional<Duration> duration_;
   Workers* planner_;
+  std::function<void(std::string_view fault)> on_end_;
   StartedLine line_;
   std::map<std::string, Traffic> traffic_;  // by the name of the bus
   std::optional<plan::LineDrive> drive_;

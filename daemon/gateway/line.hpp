@@ -5,6 +5,7 @@
 /// settings; if one does not go as planned, all are stopped.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -33,6 +34,8 @@ struct LineOrder {
   Permit permit{};                           ///< Of the call.
   Deadline deadline{};
   Workers* planner = nullptr;  ///< Plans the line; must outlive it.
+  /// Once all of them stand, or are given up; `fault`: name of what was wrong, or empty.
+  std::function<void(std::string_view fault)> on_end = [](std::string_view) {};
 };
 
 using LineFailure = AxisFailure;

@@ -1,5 +1,6 @@
 #include "log/log.hpp"
 
+#include <atomic>
 #include <condition_variable>
 #include <memory>
 #include <mutex>
@@ -28,11 +29,11 @@ constexpr tmcl::Duration time_for_log = std::chrono::milliseconds(300);
 
 void note_left_out() {
   const auto pool = spdlog::thread_pool();
-  static std::size_t told = 0;
+  static std::atomic<std::size_t> told = 0;
   if (!pool || pool->overrun_counter() == told || pool->queue_size() > 0) return;
-  const auto left_out = pool->overrun_counter() - told;
-  told += left_out;
-  spdlog::warn("{} lines were left out: nobody read them in time", left_out);
+  const auto all = pool->overrun_counter();
+  const auto left_out = all - told.exchange(all);
+  if (left_out > 0) spdlog::warn("{} lines were left out: nobody read them in time", left_out);
 }
 
 }  // namespace

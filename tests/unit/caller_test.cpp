@@ -125,5 +125,32 @@ TEST_F(Roles, OfAParameterGoByWhetherItMovesTheMotor) {
   EXPECT_EQ(set("max_velocity"), "");
 }
 
+// ---- what is audited ---------------------------------------------------------------------------
+
+TEST_F(Roles, MovementsAndSettingsAreAudited) {
+  bench.call("axis.get_state", {{"axis", "x"}});
+  bench.call("module.execute", {{"bus", "bench"}, {"address", 1}, {"command", "GAP"}});
+  bench.call("lease.list", {});
+  EXPECT_THAT(bench.audited, IsEmpty());
+  bench.call("axis.move_to", {{"axis", "x"}, {"position_microsteps", 100}});
+  bench.call("parameter.set", {{"axis", "x"}, {"parameter", "max_velocity"}, {"value", 100}});
+  bench.caller.role = Role::observe;
+  bench.call("axis.stop", {{"axis", "x"}});
+  bench.call("axis.rotate", {{"axis", "x"}, {"velocity_internal", 7}, {"unattended", true}});
+  bench.call("lease.break", {{"axis", "x"}});
+  using testing::AllOf;
+  using testing::StartsWith;
+  EXPECT_THAT(
+      bench.audited,
+      testing::ElementsAre(
+          "method=axis.move_to params={\"axis\":\"x\",\"position_microsteps\":100} outcome=done",
+          AllOf(StartsWith("method=parameter.set params="), HasSubstr("max_velocity"),
+                HasSubstr("outcome=done")),
+          "method=axis.stop params={\"axis\":\"x\"} outcome=done",
+          AllOf(HasSubstr("\"unattended\":true"),
+                HasSubstr("outcome=not_sent error=not_permitted")),
+          AllOf(StartsWith("method=lease.break "), HasSubstr("error=not_permitted"))));
+}
+
 }  // namespace
 }  // namespace tmcld::test

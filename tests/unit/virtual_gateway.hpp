@@ -33,6 +33,7 @@ class VirtualGateway {
       wire.plug_in(context_.get_executor(), ::dup(ends->second.descriptor()));
       return tmcl::Result<tmcl::Link>(std::move(ends->first));
     };
+    options.audit = [this](const AuditEntry& entry) { audited.push_back(entry.text); };
     gateway_ = Gateway::create(context_.get_executor(), *config, std::move(options));
     gateway_->start();
     time.run_for(std::chrono::seconds(1));
@@ -63,6 +64,7 @@ class VirtualGateway {
   Gateway& gateway() { return *gateway_; }
 
   Caller caller;  ///< Who makes the calls.
+  std::vector<std::string> audited;
 
  private:
   class NobodySubscribes final : public Peer {

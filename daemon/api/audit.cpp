@@ -1,0 +1,59 @@
+#include "api/audit.hpp"
+
+#include <boost/json/serialize.hpp>
+
+namespace tmcld {
+namespace {
+
+// Of what a call was given: texts of programs and paths are long.
+constexpr std::size_t max_params_bytes = 160;
+
+/// Leases come and go all the time; who takes one away from somebody is to be known.
+bool is_audited(const Call& call) {
+  const bool is_daily =
+      call.method.name.starts_with("lease.") && call.method.role < Role::configure;
+  return call.effect != tmcl::Effect::reads && !is_daily;
+}
+
+std::string words_of(const Call& call) {
+  auto params = boost::json::serialize(call.params.object());
+  if (params.size() > max_params_bytes) params = params.substr(0, max_params_bytes) + "...";
+  return "method=" + std::string(call.method.name) + " params=" + std::move(params);
+}
+
+AuditEntry entry_of(const Call& call, std::string text) {
+  return {call.caller.credentials.uid, call.caller.credentials.pid, std::move(text)};
+}
+
+std::string outcome_of(const RpcResult& result) {
+  if (result) return " outcome=done";
+  const auto& data = result.error().data;
+  const auto text = [&](const char* name) {
+    return std::string(data.at(name).get_string().c_str());
+  };
+  return " outcome=" + text("outcome") + " error=" + text("name");
+}
+
+}  // namespace
+
+void begin_journey(Call& call) {
+  call.gateway->audit(entry_of(call, words_of(call) + " begins"));
+}
+
+void audit_end(const Call& call, const RpcResult& result) {
+  const bool is_under_way = call.goes_on && result;
+  if (!is_audited(call) || is_under_way) return;
+  call.gateway->audit(entry_of(call, words_of(call) + outcome_of(result)));
+}
+
+std::function<void(std::string_view fault)> audit_of_end(const Call& call) {
+  return [gateway = std::weak_ptr(call.gateway),
+          entry = entry_of(call, words_of(call))](std::string_view fault) {
+    auto ended = entry;
+    ended.text += fault.empty() ? " outcome=done" : " outcome=done error=";
+    ended.text += fault;
+    if (const auto self = gateway.lock()) self->audit(std::move(ended));
+  };
+}
+
+}  // namespace tmcld

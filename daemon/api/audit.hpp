@@ -1,0 +1,18 @@
+/// Lines about what clients move and set: see log/audit.hpp.
+#pragma once
+
+#include <functional>
+#include <string_view>
+
+#include "api/call.hpp"
+
+namespace tmcld {
+
+/// A line or a path, which the gateway leads to its end: a line says that it begins.
+void begin_journey(Call& call);
+/// What came of a call, if it has moved or set something, or was to.
+void audit_end(const Call& call, const RpcResult& result);
+/// What became of a journey that outlives its call; `fault`: empty if nothing was wrong.
+std::function<void(std::string_view fault)> audit_of_end(const Call& call);
+
+}  // namespace tmcld

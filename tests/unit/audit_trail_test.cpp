@@ -1,0 +1,89 @@
+// Lines of an audit file: all of them, or how many are missing; never through a symbolic link.
+#include "log/audit_trail.hpp"
+
+#include <sys/stat.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "log/log.hpp"
+#include "support/temp_path.hpp"
+
+namespace tmcld {
+namespace {
+
+using testing::HasSubstr;
+
+class AuditFile : public testing::Test {
+ protected:
+  ~AuditFile() override {
+    std::filesystem::remove(path);
+    std::filesystem::remove(old);
+  }
+  static std::vector<std::string> lines_of(const std::string& file) {
+    std::ifstream in(file);
+    std::vector<std::string> lines;
+    for (std::string line; std::getline(in, line);) lines.push_back(line);
+    return lines;
+  }
+
+  std::string path = tmcl::test::temp_path("audit");
+  std::string old = path + ".1";
+};
+
+TEST_F(AuditFile, HasALineWithTimeUserAndProcess) {
+  AuditTrail::open(path).value()->add({0, 4711, "method=axis.stop"});
+  EXPECT_THAT(lines_of(path),
+              testing::ElementsAre(testing::ContainsRegex(
+                  "^20[0-9-]*T[0-9:]*\\.[0-9]*Z uid=0 user=root pid=4711 method=axis\\.stop$")));
+  struct stat status {};
+  ASSERT_EQ(::stat(path.c_str(), &status), 0);
+  EXPECT_EQ(status.st_mode & 07137U, 0U) << "at most 0640";
+}
+
+TEST_F(AuditFile, IsAddedTo) {
+  AuditTrail::open(path).value()->add({0, 1, "one"});
+  AuditTrail::open(path).value()->add({0, 1, "two"});
+  EXPECT_EQ(lines_of(path).size(), 2U);
+}
+
+TEST_F(AuditFile, IsNoSymbolicLinkAndNoDevice) {
+  std::ofstream(old) << "";
+  std::filesystem::create_symlink(old, path);
+  const auto link = AuditTrail::open(path);
+  ASSERT_FALSE(link);
+  EXPECT_THAT(link.error(), HasSubstr("symbolic link"));
+  EXPECT_FALSE(AuditTrail::open("/dev/null"));
+}
+
+TEST_F(AuditFile, IsOpenedAgainByItsName) {
+  {
+    const auto trail = AuditTrail::open(path).value();
+    std::filesystem::rename(path, old);
+    trail->reopen();
+    trail->add({0, 1, "behind it"});
+  }
+  EXPECT_EQ(lines_of(path).size(), 1U);
+  EXPECT_TRUE(lines_of(old).empty());
+}
+
+TEST_F(AuditFile, SaysHowManyLinesAreMissing) {
+  constexpr std::size_t all = 4 * AuditTrail::most_waiting_lines;
+  {
+    const auto trail = AuditTrail::open(path).value();
+    for (std::size_t i = 0; i < all; ++i) trail->add({0, 1, "line"});
+  }
+  std::size_t told = 0;
+  for (const auto& line : lines_of(path)) {
+    const auto at = line.find(" lines were left out");
+    told += at == std::string::npos ? 1 : std::stoul(line.substr(line.rfind(' ', at - 1)));
+  }
+  EXPECT_EQ(told, all);
+}
+
+}  // namespace
+}  // namespace tmcld
