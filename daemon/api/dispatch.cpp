@@ -62,6 +62,7 @@ boost::asio::awaitable<RpcResult> dispatch(std::shared_ptr<Gateway> gateway,
   auto caller = peer->caller();
   auto permit = gateway->admit(*client);
   permit.exceeds_limits = caller.exceeds_limits;
+  permit.needs_lease = gateway->moves_need_lease() && request.method->effect == tmcl::Effect::moves;
   const auto received = gateway->clock().now();
   Call call{
       std::move(gateway), std::move(peer), std::move(request.id), Params(std::move(request.params)),

@@ -113,6 +113,8 @@ class Builder {
     set_choice(section, "on_exit", exit_names, config_.daemon.on_exit);
     if (const auto* state = section.get<std::string>("state")) config_.daemon.state = *state;
     if (const auto* file = section.get<std::string>("audit")) config_.daemon.audit = *file;
+    if (const auto* flag = section.get<bool>("moves_need_lease"))
+      config_.daemon.moves_need_lease = *flag;
   }
 
   void add_access(const ConfigSection& section) {

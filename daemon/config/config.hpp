@@ -33,6 +33,7 @@ struct DaemonConfig {
   /// Directory of the journal; empty: $STATE_DIRECTORY, or else where the socket is.
   std::string state{};
   std::string audit{};  ///< File for what was moved and set, by whom; empty: the log.
+  bool moves_need_lease = false;
 };
 
 /// What a client may do: also what those before it may.

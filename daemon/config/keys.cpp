@@ -27,6 +27,8 @@ constexpr auto keys = std::to_array<KeyInfo>({
      "stop: axes that move are stopped when tmcld ends; keep: only those that it leads"},
     {daemon, "audit", string, optional, 0, 0, any,
      "file for a line about every movement and every setting, and who asked for it"},
+    {daemon, "moves_need_lease", boolean, optional, 0, 0, any,
+     "who moves an axis needs a lease of it, but for lines and paths"},
 
     {access, "role", string, required, 0, 0, any,
      "what they may do: observe, operate or configure"},

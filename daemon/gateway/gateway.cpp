@@ -35,6 +35,7 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
   std::shared_ptr<Gateway> gateway(new Gateway(executor, std::move(options)));
   const auto& own = gateway->options_;
   gateway->access_ = config.access;
+  gateway->moves_need_lease_ = config.daemon.moves_need_lease;
   const auto tell = [weak = std::weak_ptr(gateway)](const GatewayEvent& event) {
     if (const auto self = weak.lock()) self->tell(event);
   };

@@ -76,6 +76,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   OnExit on_exit() const;
   /// What clients may do, by the configuration.
   const std::vector<AccessConfig>& access() const { return access_; }
+  /// Whoever moves an axis needs a lease of it, but for what the gateway leads.
+  bool moves_need_lease() const { return moves_need_lease_; }
   /// Stops all axes that are on a line or path; whoever moves them sets their settings back.
   void end_journeys();
   bool has_journeys() const;
@@ -142,6 +144,7 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   tmcl::ContextClock clock_;
   GatewayOptions options_;
   std::vector<AccessConfig> access_;
+  bool moves_need_lease_ = false;
   std::map<std::string, LogLimiter, std::less<>> limiters_;  ///< By cause; few.
   std::shared_ptr<Arrivals> arrivals_ = std::make_shared<Arrivals>();
   std::shared_ptr<Leases> leases_;

@@ -162,7 +162,11 @@ std::optional<tmcl::Error> Motors::objection(AxisAddress motor, Permit permit) c
 
 std::optional<tmcl::Error> Motors::objection(const Request& request, Permit permit) const {
   const bool names_one = !names_several(request) && !knows_no_motor(request);
-  if (names_one) return objection(AxisAddress{request.address, request.motor}, permit);
+  if (names_one) {
+    const AxisAddress motor{request.address, request.motor};
+    auto objection = this->objection(motor, permit);
+    return objection ? objection : objection_without_lease(motor, permit);
+  }
   if (auto objection = objection_to_all(permit)) return objection;
   const bool stopped = std::ranges::any_of(motors_, [&](const auto& one) {
     return one.second.last_stop > permit.number && can_move(request, one.first);
@@ -175,6 +179,7 @@ std::optional<tmcl::Error> Motors::objection(const Request& request, Permit perm
     if (latch) return latch;
     if (leads(address, permit)) continue;
     if (auto objection = objection_by_lease(address, permit)) return objection;
+    if (auto objection = objection_without_lease(address, permit)) return objection;
   }
   return objection_by_absence(permit);
 }
@@ -195,6 +200,17 @@ std::optional<tmcl::Error> Motors::objection_by_lease(AxisAddress motor, Permit 
   if (permit.number > found->second.last_loss) return std::nullopt;
   return error(Errc::lease_lost, "the lease of axis '" + found->second.axis + "' was lost",
                "lease.acquire gives a new one");
+}
+
+std::optional<tmcl::Error> Motors::objection_without_lease(AxisAddress motor, Permit permit) const {
+  const auto tenant = tenant_of(motor);
+  const bool has_lease = tenant.lease != 0 && tenant.client == permit.client;
+  const bool needs_none = !permit.needs_lease || has_lease || leads(motor, permit);
+  if (needs_none || !is_axis(motor)) return std::nullopt;
+  const auto& axis = motors_.at(motor).axis;
+  return error(Errc::not_permitted,
+               "axis '" + axis + "' is moved only by who has a lease of it: 'moves_need_lease'",
+               "'tmclctl lease run " + axis + " -- COMMAND' has one while COMMAND runs");
 }
 
 std::optional<tmcl::Error> Motors::objection_by_absence(Permit permit) const {

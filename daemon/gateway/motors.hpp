@@ -40,6 +40,7 @@ struct Permit {
   std::uint64_t number = 0;     ///< Of the call; 0: none.
   std::uint64_t client = 0;     ///< Who made it; 0: nobody who could go.
   bool exceeds_limits = false;  ///< The limits of axes do not hold for it: see AxisLimits.
+  bool needs_lease = false;     ///< It moves only what its client has a lease of.
   bool operator==(const Permit&) const = default;
 };
 
@@ -210,6 +211,8 @@ class Motors {
   void end_turning(tmcl::AxisAddress motor);
   bool leads(tmcl::AxisAddress motor, Permit permit) const;
   std::optional<tmcl::Error> objection_by_lease(tmcl::AxisAddress motor, Permit permit) const;
+  /// The call needs one, and has none.
+  std::optional<tmcl::Error> objection_without_lease(tmcl::AxisAddress motor, Permit permit) const;
   std::optional<tmcl::Error> objection_by_absence(Permit permit) const;
   std::optional<tmcl::Error> objection_by_latch(tmcl::AxisAddress motor, Permit permit) const;
   tmcl::Error error(tmcl::Errc code, std::string message, std::string hint) const;
