@@ -1,6 +1,7 @@
 #include "api/caller.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include <unistd.h>
 
@@ -8,18 +9,20 @@ namespace tmcld {
 namespace {
 
 /// Null if none of them is meant.
-const Account* account_of(const Credentials& credentials, const AccessConfig& access) {
-  const auto user = std::ranges::find(access.users, credentials.uid, &Account::id);
+const Account* account_of(std::uint32_t uid, std::span<const std::uint32_t> groups,
+                          const AccessConfig& access) {
+  const auto user = std::ranges::find(access.users, uid, &Account::id);
   if (user != access.users.end()) return &*user;
-  const auto group = std::ranges::find_if(access.groups, [&](const Account& one) {
-    return std::ranges::count(credentials.groups, one.id) != 0;
-  });
+  const auto group = std::ranges::find_if(
+      access.groups, [&](const Account& one) { return std::ranges::count(groups, one.id) != 0; });
   return group == access.groups.end() ? nullptr : &*group;
 }
 
 }  // namespace
 
 Caller caller_with(Credentials credentials, std::span<const AccessConfig> access) {
+  // Its groups are needed here only; it is copied for each of its calls.
+  const auto groups = std::exchange(credentials.groups, {});
   Caller caller{std::move(credentials)};
   if (access.empty()) return caller;
   const auto uid = caller.credentials.uid;
@@ -29,7 +32,7 @@ Caller caller_with(Credentials credentials, std::span<const AccessConfig> access
                       ? "runs as root, or as tmcld does"
                       : "no [[access]] names user " + std::to_string(uid) + " or one of its groups";
   for (const auto& one : access) {
-    const auto* account = account_of(caller.credentials, one);
+    const auto* account = account_of(uid, groups, one);
     if (account == nullptr || one.role <= caller.role) continue;
     caller.role = one.role;
     caller.reason = "by [[access]] for '" + account->name + "'";
