@@ -184,8 +184,12 @@ GatewayAxis::Awaitable<void> GatewayAxis::stop_home() {
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::recover() {
+  // What is noticed while this waits, its caller does not know of.
+  const auto latches = bus().motors().latches(address());
   auto ready = co_await be_ready();
-  if (ready) bus().motors().recover(address());
+  if (!ready) co_return ready;
+  bus().motors().recover(address(), latches);
+  if (auto latch = latched()) co_return tl::unexpected(std::move(*latch));
   co_return ready;
 }
 

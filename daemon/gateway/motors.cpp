@@ -273,15 +273,21 @@ void Motors::latch(tmcl::ModuleAddress module, const std::string& cause) {
   for (auto& [address, motor] : motors_) {
     if (address.module != module || motor.axis.empty()) continue;
     motor.latch_cause = cause;
+    ++motor.latches;
     motor.searcher = {};
     motor.is_referenced = false;
     if (const auto journey = motor.claimant.journey.lock()) journey->look();
   }
 }
 
-void Motors::recover(AxisAddress motor) {
+void Motors::recover(AxisAddress motor, std::uint64_t latches) {
   const auto found = motors_.find(motor);
-  if (found != motors_.end()) found->second.latch_cause.clear();
+  if (found != motors_.end() && found->second.latches == latches) found->second.latch_cause.clear();
+}
+
+std::uint64_t Motors::latches(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  return found == motors_.end() ? 0 : found->second.latches;
 }
 
 std::optional<tmcl::Error> Motors::latched(AxisAddress motor) const {
@@ -410,7 +416,7 @@ void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answ
       if (never_began) {
         release(motor, before.of);
       } else {
-        recover(motor);
+        recover(motor, latches(motor));
       }
       return;
     }

@@ -149,8 +149,10 @@ class Motors {
   /// moves them on a line or path is woken, to find that out. `cause`: a sentence without a full
   /// stop.
   void latch(tmcl::ModuleAddress module, const std::string& cause);
-  /// Somebody knows what has become of the axis.
-  void recover(tmcl::AxisAddress motor);
+  /// Somebody knows what has become of the axis: of what was known when it had been latched so many
+  /// times.
+  void recover(tmcl::AxisAddress motor, std::uint64_t latches);
+  std::uint64_t latches(tmcl::AxisAddress motor) const;
   /// The call may move the axis all the same: it searches its reference. When that has begun, the
   /// axis is latched no more.
   void let_search(tmcl::AxisAddress motor, Permit permit);
@@ -198,6 +200,7 @@ class Motors {
     Tenant tenant{};
     std::uint64_t turning = 0;
     std::string latch_cause{};  ///< Empty: it is not latched.
+    std::uint64_t latches = 0;  ///< How many times it was.
     Permit searcher{};          ///< Who may move it all the same.
     bool is_referenced = false;
   };

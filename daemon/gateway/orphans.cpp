@@ -1,6 +1,9 @@
 #include "gateway/orphans.hpp"
 
+#include <chrono>
 #include <utility>
+
+#include <time.h>
 
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
@@ -16,13 +19,18 @@ using std::chrono::milliseconds;
 constexpr tmcl::Duration pause = std::chrono::milliseconds(200);
 constexpr std::string_view unattended = "unattended";
 
+std::chrono::nanoseconds calendar_now() {
+  timespec now{};
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
+}
+
 /// In virtual time the calendar is that time.
 std::int64_t calendar_ms(const GatewayAxis& axis, tmcl::TimePoint time) {
   const auto& clock = axis.bus().clock();
-  const auto since = clock.time_for_work() ? time.time_since_epoch()
-                                           : std::chrono::system_clock::now().time_since_epoch() -
-                                                 (clock.now() - time);
-  return std::chrono::floor<milliseconds>(since).count();
+  const auto at =
+      clock.time_for_work() ? time.time_since_epoch() : calendar_now() - (clock.now() - time);
+  return std::chrono::floor<milliseconds>(at).count();
 }
 
 Sentinel::Reading reading_of(const Holding::Seen& seen) {

@@ -78,7 +78,8 @@ class Ledger {
     if (!found) return;
     const auto& running = found.mapped();
     const auto& call = running.call;
-    if (call.method == "axis.recover") note_recovery(call.axes.front(), number, result.has_value());
+    // Of a restart since the call it knows nothing.
+    if (call.method == "axis.recover" && !result) restarts_.withdraw(call.axes.front(), number);
     if (result) {
       note_lease(running, *result, now);
       if (values_are_right_ && !has_restarted(running)) look_at_values(running, *result);
@@ -276,15 +277,6 @@ class Ledger {
     complain("command " + std::to_string(static_cast<int>(request.command)) + " with " +
              std::to_string(request.value) + " moves " + axis + ", and no call has asked for it");
     return 0;
-  }
-
-  /// It acts when it has seen that the module answers, which may have started again since the call.
-  void note_recovery(const std::string& axis, Number call, bool succeeded) {
-    if (succeeded) {
-      restarts_.allow(axis, call);
-    } else {
-      restarts_.withdraw(axis, call);
-    }
   }
 
   void look_for_latch(const std::string& axis, const WorldCall& by, tmcl::TimePoint now) {

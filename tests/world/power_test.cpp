@@ -156,6 +156,21 @@ TEST_F(Power, LeavesAnAxisAloneUntilSomebodySaysThatItMayMove) {
   EXPECT_EQ(call("axis.get_state", of("y"))->at("latched"), false);
 }
 
+TEST_F(Power, IsNotRecoveredFromByWhoeverDoesNotKnowOfIt) {
+  wire.is_cut = true;
+  EXPECT_FALSE(call("axis.get_state", of("x")));
+  fail_and_return();
+  time.run_for(1s);
+  wire.is_cut = false;
+  auto recovered = call("axis.recover", of("x"));
+  while (name_of_error(recovered) == "module_silent") {
+    time.run_for(10ms);
+    recovered = call("axis.recover", of("x"));
+  }
+  expect_latched(recovered);
+  EXPECT_TRUE(call("axis.recover", of("x"))) << "now it is known";
+}
+
 TEST_F(Power, CostsNoWrongMillimetre) {
   // The EEPROM has 256 microsteps, and 16 were set since.
   call("parameter.set", of("x", {{"parameter", "microstep_resolution"}, {"value", 4}}));
