@@ -142,7 +142,8 @@ void BusEngine::conclude(Channel& channel, Answer answer, TimePoint now) {
   const auto& lane = modules_.with(done.sent.address).lane;
   answer.duplicate_suspected = lane.is_duplicate_suspected(now);
   done.call->was_slow = done.deadline - now < reply_time(done.call->options) * 7 / 8;
-  if (must_prove(*done.call, answer.reply, now)) return hold_back(std::move(*done.call), answer);
+  if (must_prove(*done.call, answer.reply, now))
+    return hold_back(std::move(*done.call), answer, now);
   finish(std::move(*done.call), answer);
 }
 

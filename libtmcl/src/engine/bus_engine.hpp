@@ -147,7 +147,7 @@ class BusEngine {
   void doubt_answers(const Conversation& module, Command command);
   bool must_prove(const Call& call, const Reply& reply, TimePoint now);
   static bool must_read_twice(const Call& call, const Lane& lane, TimePoint now);
-  void hold_back(Call call, const Answer& answer);
+  void hold_back(Call call, const Answer& answer, TimePoint now);
   void hand_out_proven(const Conversation& module, TimePoint now);
 
   // full_link.cpp

@@ -43,7 +43,13 @@ struct Call {
   /// What came when it was read before, where reading it once is not enough.
   std::optional<Answer> before{};
   std::optional<std::int32_t> last_value{};  ///< The same, also if another reply came since then.
-  std::int64_t change = 0;                   ///< From the one before that.
+  TimePoint read{};                          ///< When `unproven` came.
+  TimePoint last_read{};                     ///< When `last_value` did.
+  struct Change {
+    double by = 0;
+    Duration in{};
+  };
+  Change change{};  ///< From the reading before that.
   unsigned readings = 0;
 
   /// A line of a program does nothing now, whatever it will do when the program runs.

@@ -1,5 +1,6 @@
 // Replies that nobody here has asked for, and how a value is told from somebody else's then.
-#include <cstdlib>
+#include <chrono>
+#include <cmath>
 #include <utility>
 
 #include <fmt/format.h>
@@ -17,22 +18,30 @@ constexpr unsigned most_doubts = 8;
 // anywhere.
 constexpr unsigned usual_readings = 3;
 constexpr unsigned most_readings = 8;
-constexpr std::int64_t like_factor = 8;
+constexpr double like_factor = 3;
 
-bool are_alike(std::int64_t change, std::int64_t other) {
-  const bool same_way = (change > 0) == (other > 0) && change != 0 && other != 0;
-  return same_way && std::abs(change) <= like_factor * std::abs(other) &&
+bool are_alike(double change, double other) {
+  return change * other > 0 && std::abs(change) <= like_factor * std::abs(other) &&
          std::abs(other) <= like_factor * std::abs(change);
+}
+
+/// From one reading to the next, or in the same time: answers that some adapters collect come
+/// earlier and later, and a reading that got lost leaves a gap.
+bool goes_on(const Call::Change& now, const Call::Change& before) {
+  if (are_alike(now.by, before.by)) return true;
+  const auto seconds = [](Duration time) { return std::chrono::duration<double>(time).count(); };
+  return are_alike(now.by * seconds(before.in), before.by * seconds(now.in));
 }
 
 /// After one more reading.
 bool is_settled(Call& call, const Answer& answer) {
   const auto value = answer.reply.value;
   const auto last = std::exchange(call.last_value, value);
-  const auto change = last ? std::int64_t{value} - *last : 0;
-  const bool goes_on = last == value || are_alike(change, std::exchange(call.change, change));
+  const auto last_at = std::exchange(call.last_read, call.read);
+  const Call::Change change{last ? static_cast<double>(value) - *last : 0, call.read - last_at};
+  const bool is_like_before = goes_on(change, std::exchange(call.change, change));
   if (++call.readings < usual_readings) return false;
-  return goes_on || call.options.proof != Proof::twice;
+  return last == value || is_like_before || call.options.proof != Proof::twice;
 }
 
 }  // namespace
@@ -87,10 +96,11 @@ bool BusEngine::must_prove(const Call& call, const Reply& reply, TimePoint now) 
 
 /// What proves it is of another command: whatever comes of this one before that is answered is a
 /// second reply. What waits already goes first, and may be proven together with it.
-void BusEngine::hold_back(Call call, const Answer& answer) {
+void BusEngine::hold_back(Call call, const Answer& answer, TimePoint now) {
   ++counters_.suspect;
   modules_.with(call.request.address).lane.hold_back(call.request.command);
   call.unproven = answer;
+  call.read = now;
   call.is_doubtful = false;
   queue().push_back(std::move(call));
 }
