@@ -145,13 +145,14 @@ GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity
   const auto before = tenant();
   // From before it turns: the client may go at any time.
   const bool begins_to_turn = before.lease == 0 && velocity.value != 0;
-  if (begins_to_turn) {
-    bus().motors().lease(address(), client);
-    co_await enter_journal();
-  }
+  if (begins_to_turn) bus().motors().lease(address(), client);
+  const auto turning = bus().motors().turning_of(address());
+  if (begins_to_turn) co_await enter_journal();
   auto result = co_await axis_.run(tmcl::verbs::rotate(address(), velocity), std::move(*admitted));
   const bool turns = result || result.error().outcome == tmcl::Outcome::unknown;
-  if (!turns && tenant().turns) bus().motors().lease(address(), before);
+  // Meanwhile it may turn for somebody else.
+  const bool is_of_this = turning != 0 && turning == bus().motors().turning_of(address());
+  if (!turns && is_of_this) bus().motors().lease(address(), before);
   co_return result;
 }
 

@@ -77,6 +77,7 @@ class Cable : public testing::Test {
     gateway_->start();
     time.run_for(std::chrono::seconds(1));
   }
+  void client_leaves() { gateway_->leave(peer_->number); }
   /// It sends nothing any more.
   void end_gateway() {
     gateway_->close();

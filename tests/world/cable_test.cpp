@@ -95,5 +95,25 @@ TEST_F(Cable, WhateverIsSaidOfAxesThatWereStoppedIsTrue) {
   }
 }
 
+// What a stop has kept from turning must not take the next one's client away.
+TEST_F(Cable, WhatTurnsAfterAStopStillStopsWhenItsClientLeaves) {
+  const json::object turning{{"axis", "x"}, {"velocity", 5}};
+  time.run_for(1s);
+  wire.is_cut = true;
+  const auto first = begin("axis.rotate", turning);
+  time.run_for(10ms);
+  wire.is_cut = false;
+  const auto stop = begin("axis.stop", {{"axis", "x"}});
+  const auto second = begin("axis.rotate", turning);
+  EXPECT_EQ(name_of_error(end(first)), "superseded_by_stop");
+  EXPECT_TRUE(end(stop));
+  EXPECT_TRUE(end(second));
+  time.run_for(1s);
+  EXPECT_TRUE(moves());
+  client_leaves();
+  time.run_for(1s);
+  EXPECT_FALSE(moves());
+}
+
 }  // namespace
 }  // namespace tmcld::test
