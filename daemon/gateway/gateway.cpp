@@ -119,7 +119,12 @@ void Gateway::take_over_orphans() {
 }
 
 boost::asio::awaitable<void> Gateway::end_journal() {
-  if (journal_) co_await Journal::write(journal_);
+  if (!journal_) co_return;
+  try {
+    co_await Journal::write(journal_);
+  } catch (...) {
+    log_failure("the journal", std::current_exception());
+  }
 }
 
 OnExit Gateway::on_exit() const { return options_.on_exit; }

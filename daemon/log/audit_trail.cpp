@@ -41,6 +41,12 @@ tl::expected<int, std::string> open_file(const std::string& path) {
   return tl::unexpected("the audit file " + path + " is no file");
 }
 
+timespec now() {
+  timespec now{};
+  ::clock_gettime(CLOCK_REALTIME, &now);
+  return now;
+}
+
 /// "2026-11-23T01:35:12.345Z"
 std::string to_text(timespec when) {
   std::tm utc{};
@@ -137,11 +143,10 @@ AuditTrail::~AuditTrail() {
 }
 
 void AuditTrail::add(AuditEntry entry) {
-  timespec now{};
-  ::clock_gettime(CLOCK_REALTIME, &now);
+  const auto when = now();
   const std::lock_guard lock(shared_->mutex);
   if (shared_->waiting.size() < most_waiting_lines) {
-    shared_->waiting.push_back({now, std::move(entry)});
+    shared_->waiting.push_back({when, std::move(entry)});
   } else {
     ++shared_->left_out;
   }
@@ -156,21 +161,36 @@ void AuditTrail::reopen() {
 
 void AuditTrail::write(const std::shared_ptr<Shared>& shared) {
   auto& it = *shared;
+  std::deque<Shared::Line> lines;
   std::unique_lock lock(it.mutex);
   while (true) {
     it.changed.wait(lock, [&] { return !it.waiting.empty() || it.must_reopen || it.ending; });
-    const auto lines = std::exchange(it.waiting, {});
+    lines.clear();
+    std::swap(lines, it.waiting);
     const auto left_out = std::exchange(it.left_out, 0);
     const bool must_reopen = std::exchange(it.must_reopen, false);
     const bool is_last = it.ending;
     lock.unlock();
-    if (must_reopen) it.reopen();
-    for (const auto& line : lines) it.write(line);
-    if (left_out > 0)
-      it.write(lines.back().when, fmt::format("{} lines were left out: they came faster than they "
-                                              "could be written",
-                                              left_out));
+    std::size_t unwritten = 0;
+    // Memory may be what is missing: nothing may come out of a thread.
+    try {
+      if (must_reopen) it.reopen();
+      if (left_out > 0)
+        it.write(now(), fmt::format("{} lines were left out: they came faster than they could be "
+                                    "written",
+                                    left_out));
+    } catch (const std::exception&) {
+      unwritten += left_out;
+    }
+    for (const auto& line : lines) {
+      try {
+        it.write(line);
+      } catch (const std::exception&) {
+        ++unwritten;
+      }
+    }
     lock.lock();
+    it.left_out += unwritten;
     if (!is_last) continue;
     it.ended = true;
     it.changed.notify_all();
