@@ -73,7 +73,10 @@ struct Descriptor {
 
 std::string because() { return std::string(": ") + std::strerror(errno); }
 
-/// Empty if all went well.
+/// Empty if all went well. Where nothing is held there is no file.
+std::string remove_file(const std::string& path) {
+  return ::unlink(path.c_str()) == 0 || errno == ENOENT ? "" : "cannot remove " + path + because();
+}
 std::string replace_file(const std::string& path, const std::string& text) {
   const auto beside = path + ".new";
   {
@@ -119,10 +122,10 @@ awaitable<void> Journal::write(std::shared_ptr<Journal> self) {
   // What is being written now may be this.
   if (held == self->last_ && self->writing_ == 0) co_return;
   self->last_ = held;
-  auto work = [path = self->path_, text = text_of(held), number = ++self->number_,
-               written = self->written_]() -> std::string {
+  auto work = [path = self->path_, text = held.empty() ? "" : text_of(held),
+               number = ++self->number_, written = self->written_]() -> std::string {
     if (*written > number) return {};
-    auto failure = replace_file(path, text);
+    auto failure = text.empty() ? remove_file(path) : replace_file(path, text);
     if (failure.empty()) *written = number;
     return failure;
   };

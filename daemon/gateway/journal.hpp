@@ -3,7 +3,8 @@
 /// it does that: see orphans.hpp.
 ///
 /// The file is there before the first datagram that needs it goes out, as a whole: it is written
-/// beside, and then renamed. It survives the end of the process, not that of the computer.
+/// beside, and then renamed; where nothing is held there is none. It survives the end of the
+/// process, not that of the computer.
 /// Thread safety: none; files are written on a thread of their own.
 #pragma once
 

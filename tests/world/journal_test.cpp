@@ -39,7 +39,7 @@ class Killed : public Cable {
   void kill() {
     const auto left = text();
     end_gateway();
-    write(left);
+    if (!left.empty()) write(left);
     events.clear();
   }
   void start_again() {
@@ -51,7 +51,7 @@ class Killed : public Cable {
     params["axis"] = "x";
     return name_of_error(call(method, std::move(params)));
   }
-  bool is_nothing_held() const { return text().find("\"axes\":[]") != std::string::npos; }
+  bool is_nothing_held() const { return !std::filesystem::exists(journal_); }
 
   const std::string folder_ =
       std::filesystem::temp_directory_path() / ("tmcl-journal-" + std::to_string(::getpid()));
