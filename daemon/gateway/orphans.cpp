@@ -93,8 +93,9 @@ awaitable<void> find_turning(std::shared_ptr<GatewayAxis> axis, Holding holding)
     axis->bus().motors().end_lease(axis->address());
 }
 
-awaitable<void> put_in_order(std::shared_ptr<GatewayAxis> axis, [[maybe_unused]] Claim claim,
-                             Holding holding) {
+awaitable<void> put_in_order(std::shared_ptr<GatewayAxis> axis, Claim claim, Holding holding) {
+  // Not the parameter: it may be destroyed after the axis.
+  const Claim held = std::move(claim);
   co_await be_stopped(*axis);
   if (!co_await meet(*axis)) co_return;
   auto text = "axis '" + axis->name() + "' was stopped: tmcld had ended without being asked to " +

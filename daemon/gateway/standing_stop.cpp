@@ -27,8 +27,9 @@ GatewayAxis::Awaitable<bool> stop_and_look(GatewayAxis& axis) {
   co_return stands;
 }
 
-boost::asio::awaitable<void> insist(std::shared_ptr<GatewayAxis> axis,
-                                    [[maybe_unused]] Claim claim) {
+boost::asio::awaitable<void> insist(std::shared_ptr<GatewayAxis> axis, Claim claim) {
+  // Not the parameter: it may be destroyed after the axis.
+  const Claim held = std::move(claim);
   co_await be_stopped(*axis);
   if (axis->bus().is_closed()) co_return;
   auto event =
