@@ -15,7 +15,8 @@
 namespace tmcld::test {
 namespace {
 
-constexpr int usual_runs = 100;
+// tests/world/seeds runs many more.
+constexpr int usual_runs = 20;
 // Every so many runs one is repeated.
 constexpr int repeat_every = 10;
 
