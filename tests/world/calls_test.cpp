@@ -15,8 +15,7 @@
 namespace tmcld::test {
 namespace {
 
-// tests/world/seeds runs many more.
-constexpr int usual_runs = 20;
+constexpr int usual_runs = 100;
 // Every so many runs one is repeated.
 constexpr int repeat_every = 10;
 
