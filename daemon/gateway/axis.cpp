@@ -271,21 +271,6 @@ GatewayAxis::Awaitable<void> GatewayAxis::restore(std::uint8_t parameter, RunOpt
   co_return result;
 }
 
-/// Whoever is content with what another look finds waits for its end.
-class GatewayAxis::Look {
- public:
-  explicit Look(GatewayAxis& axis) : axis_(axis) { ++axis_.looks_; }
-  Look(const Look&) = delete;
-  Look& operator=(const Look&) = delete;
-  ~Look() {
-    --axis_.looks_;
-    for (const auto& one : std::exchange(axis_.waiting_, {})) one->notify();
-  }
-
- private:
-  GatewayAxis& axis_;
-};
-
 bool GatewayAxis::is_known(tmcl::Duration max_age) const {
   return last_ && last_->commands == bus().commands() &&
          last_->settings == module().settings_epoch() &&
@@ -295,12 +280,16 @@ bool GatewayAxis::is_known(tmcl::Duration max_age) const {
 GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state(tmcl::Duration max_age) {
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
-  if (looks_ > 0 && max_age > tmcl::Duration{} && !is_known(max_age)) {
-    const auto look_ends = waiting_.emplace_back(std::make_shared<Wake>(bus().executor()));
-    co_await look_ends->wait();
-  }
+  const auto look_here = [this] { return look(); };
+  // One in progress may have begun before this was asked for.
+  const bool may_join = max_age > tmcl::Duration{} && looks_.in_progress() && !is_known(max_age);
+  if (may_join) co_await looks_.join(look_here);
   if (is_known(max_age)) co_return last_->reading;
-  const Look look(*this);
+  auto reading = co_await looks_.begin(look_here);
+  co_return reading;
+}
+
+GatewayAxis::Awaitable<AxisReading> GatewayAxis::look() {
   const auto commands = bus().commands();
   const auto settings = module().settings_epoch();
   auto reading = co_await axis_.run(units_.reading());

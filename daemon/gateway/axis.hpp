@@ -13,7 +13,7 @@
 
 #include <boost/asio/awaitable.hpp>
 
-#include "async/wake.hpp"
+#include "async/shared_work.hpp"
 #include "gateway/axis_admission.hpp"
 #include "gateway/axis_units.hpp"
 #include "gateway/stop_cause.hpp"
@@ -185,7 +185,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
     auto result = co_await axis_.run(std::move(script), std::move(*admitted));
     co_return result;
   }
-  class Look;
+  Awaitable<AxisReading> look();
   bool is_known(tmcl::Duration max_age) const;
   Claimant claimant() const { return bus().motors().claimant_of(address()); }
   /// Finds out why an axis stands that was on its way.
@@ -213,8 +213,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   std::vector<tmcl::plan::Setting> before_;  ///< In the order in which they were changed.
   bool was_moving_ = false;                  ///< When somebody looked last.
   std::optional<StopCause> stop_cause_;
-  std::size_t looks_ = 0;  ///< In progress.
-  std::vector<std::shared_ptr<Wake>> waiting_;
+  SharedWork<tmcl::Result<AxisReading>> looks_;
 };
 
 }  // namespace tmcld

@@ -48,8 +48,7 @@ const tmcl::Model* GatewayModule::model() const {
 
 boost::asio::awaitable<Result<void>> GatewayModule::be_ready() {
   if (state_ == State::ready) co_return Result<void>{};
-  RunOptions options;
-  auto met = co_await bus_.run(meet(), options);
+  auto met = co_await meetings_.join([this] { return bus_.run(meet(), {}); });
   if (met) {
     if (state_ == State::ready) co_return met;
     auto error = tmcl::no_firmware(address_);

@@ -8,6 +8,7 @@
 
 #include <boost/asio/awaitable.hpp>
 
+#include "async/shared_work.hpp"
 #include "gateway/event.hpp"
 #include "gateway/sentinel.hpp"
 #include "tmcl/model.hpp"
@@ -87,6 +88,7 @@ class GatewayModule {
   bool duplicate_suspected_ = false;
   std::uint64_t settings_epoch_ = 0;
   Sentinel sentinel_;
+  SharedWork<tmcl::Result<void>> meetings_;
 };
 
 std::string_view name_of(GatewayModule::State state);

@@ -60,5 +60,35 @@ TEST_F(StateByAge, IsReadOnceForAllWhoAskAtOnce) {
   EXPECT_EQ(together, alone);
 }
 
+// Else one client who asks for all at once, and again, takes up the whole queue of a bus.
+TEST_F(StateByAge, IsReadTwiceAtMostForAllWhoWantItAsItIsNow) {
+  const auto alone = requests([&] { state(0); });
+  gateway.time.run_for(std::chrono::seconds(1));
+  const auto together = requests([&] {
+    const auto answers = gateway.call_together(1000, "axis.get_state", {{"axis", "x"}});
+    for (const auto& answer : answers) EXPECT_TRUE(answer.has_value());
+  });
+  EXPECT_LE(together, 2 * alone);
+}
+
+TEST_F(StateByAge, IsOfALookThatBeganAfterItWasAskedFor) {
+  gateway.wire.delay = milliseconds(5);
+  auto& position = gateway.wire.modules.at(1).parameter(0, tmcl::axis_parameter::actual_position);
+  const auto before = position;
+  std::vector<RpcResult> first;
+  gateway.begin_call("axis.get_state", {{"axis", "x"}}, first);
+  const auto is_read = [&] {
+    const auto& last = gateway.wire.seen.back();
+    return last.command == tmcl::Command::GAP && last.type == tmcl::axis_parameter::actual_position;
+  };
+  ASSERT_TRUE(gateway.time.run_while_not(is_read, std::chrono::seconds(1)));
+  gateway.time.run_for(milliseconds(6));
+  ASSERT_TRUE(first.empty());
+  ++position;
+  EXPECT_EQ(state(0).at("position_microsteps"), before + 1);
+  ASSERT_EQ(first.size(), 1U);
+  EXPECT_EQ(first.front()->at("position_microsteps"), before);
+}
+
 }  // namespace
 }  // namespace tmcld::test
