@@ -238,8 +238,19 @@ class Ledger {
                                : std::optional(call.values[static_cast<std::size_t>(place)]);
   }
 
-  static bool can_have_sent(const Running& running, const std::string& axis,
-                            const tmcl::Request& request) {
+  /// A line starts all its axes of one module with one datagram.
+  bool starts_all_of_module(const WorldCall& call, const tmcl::Request& request,
+                            const std::string& axis) const {
+    const auto one = std::ranges::find(axes_, axis, &WorldAxis::name);
+    return std::ranges::all_of(axes_, [&](const WorldAxis& other) {
+      const bool beside = other.bus == one->bus && other.address.module == one->address.module;
+      const bool named = std::ranges::find(call.axes, other.name) != call.axes.end();
+      return !beside || named == moves(request, other.address.motor);
+    });
+  }
+
+  bool can_have_sent(const Running& running, const std::string& axis,
+                     const tmcl::Request& request) const {
     const auto& call = running.call;
     const bool named = std::ranges::find(call.axes, axis) != call.axes.end();
     if (!is_movement(call) || !named || running.moved.contains(axis)) return false;
@@ -247,7 +258,8 @@ class Ledger {
     if (searches || call.method == "axis.home") return searches && call.method == "axis.home";
     const bool by_position = request.command == tmcl::Command::MVP;
     const bool to_coordinate = by_position && request.type == 2;
-    if (to_coordinate) return call.method == "line.move";
+    if (to_coordinate)
+      return call.method == "line.move" && starts_all_of_module(call, request, axis);
     if (call.distance && by_position)
       return running.readings.contains(
           {tmcl::axis_parameter::actual_position, request.value - *call.distance});
