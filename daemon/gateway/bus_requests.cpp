@@ -1,0 +1,258 @@
+// What a bus lets out: each request of a verb is judged just before it goes to the engine.
+#include "gateway/bus.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "gateway/axis_limits.hpp"
+
+namespace tmcld {
+namespace {
+
+constexpr tmcl::Duration claim_look_interval = std::chrono::milliseconds(5);
+
+tmcl::Script<bool> has_arrived(tmcl::AxisAddress motor) {
+  const auto state = co_await tmcl::verbs::state(motor);
+  co_return state && state->velocity.value == 0 && state->position == state->target;
+}
+
+/// Whoever sees an axis at the end of its line can see it before the line does.
+tmcl::Script<bool> sees_end_of_line(const Motors& motors, tmcl::AxisAddress motor) {
+  const auto claimant = motors.claimant_of(motor);
+  const bool ends = co_await has_arrived(motor);
+  const auto looks = ends ? Motors::time_to_be_free / claim_look_interval : 0;
+  for (auto i = looks; i > 0 && motors.claimant_of(motor) == claimant; --i)
+    co_await tmcl::pause(claim_look_interval);
+  co_return motors.claimant_of(motor) != claimant;
+}
+
+}  // namespace
+
+tmcl::Script<tmcl::Result<void>> GatewayBus::may_send(tmcl::Request request, Permit permit) {
+  while (const auto motor = motors_.claimed_by_other(request, permit)) {
+    const auto claimant = motors_.claimant_of(*motor);
+    if (claimant.by == Mover::search) {
+      auto seen = co_await see_search_end(*motor);
+      if (!seen) co_return seen;
+      continue;
+    }
+    if (claimant.by != Mover::line) co_return tl::unexpected(motors_.claimed(*motor));
+    const bool is_over = co_await sees_end_of_line(motors_, *motor);
+    if (!is_over) co_return tl::unexpected(motors_.claimed(*motor));
+  }
+  auto objection = motors_.objection(request, permit);
+  if (objection) co_return tl::unexpected(std::move(*objection));
+  co_return tmcl::Result<void>{};
+}
+
+/// Nobody waits for a search that was only started. A module that cannot tell whether it searches
+/// locks nobody out.
+tmcl::Script<tmcl::Result<void>> GatewayBus::see_search_end(tmcl::AxisAddress motor) {
+  const auto claimant = motors_.claimant_of(motor);
+  auto step = co_await tmcl::verbs::reference_search_status(motor);
+  if (!step && step.error().outcome != tmcl::Outcome::refused) {
+    step.error().outcome = tmcl::Outcome::not_sent;
+    co_return tl::unexpected(std::move(step.error()));
+  }
+  if (motors_.claimant_of(motor) != claimant) co_return tmcl::Result<void>{};
+  if (step && *step != 0) co_return tl::unexpected(motors_.claimed(motor));
+  motors_.release(motor, claimant.of);
+  co_return tmcl::Result<void>{};
+}
+
+namespace {
+
+// Where a line is so busy that a movement does not get its turn within the age of a sentinel, it
+// goes out after so many of them all the same.
+constexpr int most_admissions = 3;
+
+std::optional<tmcl::TimePoint> earliest(std::optional<tmcl::TimePoint> one,
+                                        std::optional<tmcl::TimePoint> other) {
+  return one && other ? std::min(one, other) : one ? one : other;
+}
+
+/// Whoever sends a request may be ended at any time: it is on its way for as long as this lives.
+class OnItsWay {
+ public:
+  OnItsWay(Motors& motors, const tmcl::Request& request, Permit of)
+      : motors_(motors), request_(request) {
+    motors_.begin(request_, of);
+  }
+  OnItsWay(const OnItsWay&) = delete;
+  OnItsWay& operator=(const OnItsWay&) = delete;
+  ~OnItsWay() { motors_.end(request_); }
+
+ private:
+  Motors& motors_;
+  tmcl::Request request_;
+};
+
+// An upload of firmware was judged when it began: a module must not be left in its bootloader.
+bool is_judged(const tmcl::step::Exchange& exchange) {
+  const bool ends_upload =
+      exchange.options.hold && exchange.request.command == tmcl::Command::BOOT_START_APPLICATION;
+  return can_move(exchange.request) && !exchange.options.is_program_line && !ends_upload;
+}
+
+}  // namespace
+
+/// The one whose sentinel can be asked along with this. Who holds a module waits for no one else.
+GatewayModule* GatewayBus::watched_module(const tmcl::step::Exchange& exchange) const {
+  return exchange.options.hold ? nullptr : find_module(exchange.request.address);
+}
+
+tmcl::Script<tmcl::Result<void>> GatewayBus::admit(tmcl::step::Exchange exchange,
+                                                   const RunOptions& options) {
+  auto* module = watched_module(exchange);
+  // Each of the questions may take its time, and what was allowed before may not be any more.
+  while (true) {
+    if (module != nullptr) co_await must(module->watch(options.sentinel_age));
+    auto allowed = co_await may_send(exchange.request, options.permit);
+    if (!allowed) co_return allowed;
+    auto check = options.recheck ? options.recheck() : std::nullopt;
+    if (!check) break;
+    allowed = co_await std::move(*check);
+    if (!allowed) co_return allowed;
+  }
+  auto objection = options.objection ? options.objection() : std::nullopt;
+  if (objection) co_return tl::unexpected(std::move(*objection));
+  co_return tmcl::Result<void>{};
+}
+
+tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange exchange,
+                                                          Conduct& conduct) {
+  const auto& request = exchange.request;
+  if (!is_judged(exchange) && effect_of(request.command, request.type) == tmcl::Effect::writes) {
+    if (auto objection = motors_.objection_to_write(request, conduct.options.permit)) {
+      objection->request = request;
+      co_return tl::unexpected(std::move(*objection));
+    }
+  }
+  if (!exchange.options.is_program_line) {
+    auto kept = co_await keep_limits(request, conduct.options.permit);
+    if (!kept) {
+      conduct.refused = true;
+      kept.error().request = request;
+      co_return tl::unexpected(std::move(kept.error()));
+    }
+  }
+  const auto given = earliest(exchange.options.deadline, conduct.options.deadline);
+  for (auto tries = is_judged(exchange) ? most_admissions : 0; tries > 0; --tries) {
+    auto allowed = co_await admit(exchange, conduct.options);
+    if (!allowed) {
+      conduct.refused = true;
+      allowed.error().request = exchange.request;
+      co_return tl::unexpected(std::move(allowed.error()));
+    }
+    auto bounded = exchange;
+    const auto* module = watched_module(exchange);
+    const bool is_watched = module != nullptr && module->sentinel().watches();
+    if (!is_watched || tries == 1) break;
+    const auto limit = module->sentinel().last_seen() + conduct.options.sentinel_age;
+    bounded.options.deadline = earliest(given, limit);
+    auto answer = co_await send_once(std::move(bounded), conduct);
+    const bool expired = !answer && answer.error().code == tmcl::Errc::deadline_passed;
+    if (!expired || bounded.options.deadline == given) co_return answer;
+  }
+  auto answer = co_await send_once(std::move(exchange), conduct);
+  co_return answer;
+}
+
+tmcl::Script<tmcl::Result<void>> GatewayBus::keep_limits(tmcl::Request request, Permit permit) {
+  if (permit.exceeds_limits) co_return tmcl::Result<void>{};
+  for (const auto& limits : limits_) {
+    auto kept = co_await limits->check(request);
+    if (!kept) co_return kept;
+  }
+  co_return tmcl::Result<void>{};
+}
+
+tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Exchange exchange,
+                                                               Conduct& conduct) {
+  const auto request = exchange.request;
+  conduct.module = watched_module(exchange);
+  std::optional<OnItsWay> on_its_way;
+  if (is_judged(exchange)) on_its_way.emplace(motors_, request, conduct.options.permit);
+  const tmcl::AxisAddress motor{request.address, request.motor};
+  const auto claimant = motors_.claimant_of(motor);
+  const auto turning = motors_.turning_of(motor);
+  const bool asks = effect_of(request.command, request.type) == tmcl::Effect::reads;
+  // What is read while it is on its way may be from before it.
+  if (!asks) ++commands_;
+  const bool is_proven = exchange.options.proof != tmcl::Proof::none;
+  tmcl::StepResult answers;
+  if (is_proven) {
+    answers = co_await exchange_all(std::vector(1, std::move(exchange)));
+  } else {
+    auto one = co_await tmcl::exchange(request, exchange.options);
+    answers.push_back(std::move(one));
+  }
+  auto& answer = answers.front();
+  if (!asks) ++commands_;
+  on_its_way.reset();
+  if (auto* module = find_module(request.address)) module->note_sent(request);
+  motors_.note(request, answer, claimant, turning);
+  for (const auto& limits : limits_) limits->note(request, answer);
+  const bool may_be_done = answer || answer.error().outcome == tmcl::Outcome::unknown;
+  conduct.acted = conduct.acted || (may_be_done && !asks);
+  co_return std::move(answer);
+}
+
+/// What is proven by another command behind it, is proven by the question of the sentinel.
+tmcl::Script<tmcl::StepResult> GatewayBus::exchange_all(
+    std::vector<tmcl::step::Exchange> exchanges) {
+  const auto& last = exchanges.back();
+  auto* module = last.options.proof == tmcl::Proof::none ? nullptr : watched_module(last);
+  const bool asks_more = module != nullptr && module->sentinel().watches();
+  if (asks_more) {
+    tmcl::CallOptions options;
+    options.deadline = last.options.deadline;
+    exchanges.push_back({module->sentinel().question(last.request.address), options});
+  }
+  const auto asked = co_await tmcl::current_time();
+  auto results = co_await tmcl::exchange_all(std::move(exchanges));
+  const auto answered = co_await tmcl::current_time();
+  if (asks_more) {
+    module->note_sentinel(results.back(), asked, answered);
+    results.pop_back();
+  }
+  co_return results;
+}
+
+std::optional<tmcl::Error> GatewayBus::objection_to(const tmcl::Step& step,
+                                                    const Conduct& conduct) {
+  // What is judged is refused in send(), and a verb that was refused sets back what it has set.
+  const auto* one = std::get_if<tmcl::step::Exchange>(&step);
+  const bool goes_on = conduct.refused || (one != nullptr && is_judged(*one));
+  if (!conduct.options.objection || goes_on) return std::nullopt;
+  auto objection = conduct.options.objection();
+  if (objection && conduct.acted) objection->outcome = tmcl::Outcome::unknown;
+  return objection;
+}
+
+tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Conduct& conduct) {
+  tmcl::StepResult results;
+  if (const auto* pause = std::get_if<tmcl::step::Pause>(&step)) {
+    co_await tmcl::pause(pause->duration);
+    // Who waits for something is told when the module will never do it.
+    if (conduct.module != nullptr) co_await conduct.module->watch(conduct.options.sentinel_age);
+  } else if (auto* one = std::get_if<tmcl::step::Exchange>(&step)) {
+    auto answer = co_await send(std::move(*one), conduct);
+    results.push_back(std::move(answer));
+  } else {
+    auto& all = std::get<tmcl::step::ExchangeAll>(step).exchanges;
+    const bool moves =
+        std::ranges::any_of(all, [](const auto& each) { return can_move(each.request); });
+    if (!moves) {
+      results = co_await exchange_all(std::move(all));
+      co_return results;
+    }
+    for (auto& each : all) {
+      auto answer = co_await send(std::move(each), conduct);
+      results.push_back(std::move(answer));
+    }
+  }
+  co_return results;
+}
+
+}  // namespace tmcld
