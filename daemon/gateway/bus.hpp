@@ -159,6 +159,9 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   static std::optional<tmcl::Error> objection_to(const tmcl::Step& step, const Conduct& conduct);
   tmcl::Script<tmcl::StepResult> carry_out(tmcl::Step step, Conduct& conduct);
   tmcl::Script<tmcl::Result<tmcl::Answer>> send(tmcl::step::Exchange exchange, Conduct& conduct);
+  /// Nothing, and nothing was sent, if its turn came too long after its module was seen.
+  tmcl::Script<std::optional<tmcl::Result<tmcl::Answer>>> send_watched(
+      tmcl::step::Exchange exchange, Conduct& conduct);
   tmcl::Script<tmcl::Result<void>> keep_limits(tmcl::Request request, Permit permit);
   tmcl::Script<tmcl::Result<void>> admit(tmcl::step::Exchange exchange, const RunOptions& options);
   tmcl::Script<tmcl::Result<tmcl::Answer>> send_once(tmcl::step::Exchange exchange,

@@ -40,6 +40,7 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::may_send(tmcl::Request request, Per
     const bool is_over = co_await sees_end_of_line(motors_, *motor);
     if (!is_over) co_return tl::unexpected(motors_.claimed(*motor));
   }
+  motors_.look_for_gap(clock_.now());
   auto objection = motors_.objection(request, permit);
   if (objection) co_return tl::unexpected(std::move(*objection));
   co_return tmcl::Result<void>{};
@@ -62,9 +63,21 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::see_search_end(tmcl::AxisAddress mo
 
 namespace {
 
-// Where a line is so busy that a movement does not get its turn within the age of a sentinel, it
-// goes out after so many of them all the same.
-constexpr int most_admissions = 3;
+// Where a line is so busy that a movement does not get its turn within the age of a sentinel, that
+// is asked so often.
+constexpr int most_admissions = 10;
+
+tmcl::Error too_busy() {
+  tmcl::Error error;
+  error.code = tmcl::Errc::queue_full;
+  error.outcome = tmcl::Outcome::not_sent;
+  error.message =
+      "other commands kept the movement waiting for too long after its module had "
+      "been seen to be what it was, " +
+      std::to_string(most_admissions) + " times";
+  error.hint = "send fewer commands at once, or use a faster bus";
+  return error;
+}
 
 std::optional<tmcl::TimePoint> earliest(std::optional<tmcl::TimePoint> one,
                                         std::optional<tmcl::TimePoint> other) {
@@ -121,41 +134,49 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::admit(tmcl::step::Exchange exchange
 
 tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange exchange,
                                                           Conduct& conduct) {
-  const auto& request = exchange.request;
+  const auto request = exchange.request;
+  const auto refused = [&](tmcl::Error error) {
+    error.request = request;
+    return tmcl::Result<tmcl::Answer>(tl::unexpected(std::move(error)));
+  };
   if (!is_judged(exchange) && effect_of(request.command, request.type) == tmcl::Effect::writes) {
-    if (auto objection = motors_.objection_to_write(request, conduct.options.permit)) {
-      objection->request = request;
-      co_return tl::unexpected(std::move(*objection));
-    }
+    if (auto objection = motors_.objection_to_write(request, conduct.options.permit))
+      co_return refused(std::move(*objection));
   }
   if (!exchange.options.is_program_line) {
     auto kept = co_await keep_limits(request, conduct.options.permit);
-    if (!kept) {
-      conduct.refused = true;
-      kept.error().request = request;
-      co_return tl::unexpected(std::move(kept.error()));
-    }
+    conduct.refused = conduct.refused || !kept;
+    if (!kept) co_return refused(std::move(kept.error()));
   }
-  const auto given = earliest(exchange.options.deadline, conduct.options.deadline);
-  for (auto tries = is_judged(exchange) ? most_admissions : 0; tries > 0; --tries) {
+  if (!is_judged(exchange)) {
+    auto answer = co_await send_once(std::move(exchange), conduct);
+    co_return answer;
+  }
+  for (auto tries = most_admissions; tries > 0; --tries) {
     auto allowed = co_await admit(exchange, conduct.options);
-    if (!allowed) {
-      conduct.refused = true;
-      allowed.error().request = exchange.request;
-      co_return tl::unexpected(std::move(allowed.error()));
-    }
-    auto bounded = exchange;
-    const auto* module = watched_module(exchange);
-    const bool is_watched = module != nullptr && module->sentinel().watches();
-    if (!is_watched || tries == 1) break;
-    const auto limit = module->sentinel().last_seen() + conduct.options.sentinel_age;
-    bounded.options.deadline = earliest(given, limit);
-    auto answer = co_await send_once(std::move(bounded), conduct);
-    const bool expired = !answer && answer.error().code == tmcl::Errc::deadline_passed;
-    if (!expired || bounded.options.deadline == given) co_return answer;
+    conduct.refused = conduct.refused || !allowed;
+    if (!allowed) co_return refused(std::move(allowed.error()));
+    auto answer = co_await send_watched(exchange, conduct);
+    if (answer) co_return std::move(*answer);
   }
+  conduct.refused = true;
+  co_return refused(too_busy());
+}
+
+tmcl::Script<std::optional<tmcl::Result<tmcl::Answer>>> GatewayBus::send_watched(
+    tmcl::step::Exchange exchange, Conduct& conduct) {
+  const auto given = earliest(exchange.options.deadline, conduct.options.deadline);
+  const auto* module = watched_module(exchange);
+  const bool is_watched = module != nullptr && module->sentinel().watches();
+  if (is_watched)
+    exchange.options.deadline =
+        earliest(given, module->sentinel().counts_until(conduct.options.sentinel_age));
+  const bool is_earlier = is_watched && exchange.options.deadline != given;
   auto answer = co_await send_once(std::move(exchange), conduct);
-  co_return answer;
+  const bool expired = !answer && answer.error().code == tmcl::Errc::deadline_passed &&
+                       answer.error().outcome == tmcl::Outcome::not_sent;
+  if (expired && is_earlier) co_return std::nullopt;
+  co_return std::optional(std::move(answer));
 }
 
 tmcl::Script<tmcl::Result<void>> GatewayBus::keep_limits(tmcl::Request request, Permit permit) {
@@ -209,11 +230,9 @@ tmcl::Script<tmcl::StepResult> GatewayBus::exchange_all(
     options.deadline = last.options.deadline;
     exchanges.push_back({module->sentinel().question(last.request.address), options});
   }
-  const auto asked = co_await tmcl::current_time();
   auto results = co_await tmcl::exchange_all(std::move(exchanges));
-  const auto answered = co_await tmcl::current_time();
   if (asks_more) {
-    module->note_sentinel(results.back(), asked, answered);
+    module->note_sentinel(results.back());
     results.pop_back();
   }
   co_return results;

@@ -67,7 +67,7 @@ Script<Result<void>> GatewayModule::watch(tmcl::Duration max_age) {
   const auto now = co_await tmcl::current_time();
   // It may fall silent while a verb that found it ready is on its way.
   const bool is_silent = state_ == State::silent;
-  const bool is_due = is_silent || sentinel_.last_seen() + max_age <= now;
+  const bool is_due = is_silent || sentinel_.counts_until(max_age) <= now;
   const bool is_known = is_silent || state_ == State::ready;
   if (!is_known || !sentinel_.watches() || !is_due) co_return Result<void>{};
   auto look = is_silent ? meet() : look_after();
@@ -122,19 +122,16 @@ Script<Result<Verdict>> GatewayModule::look_at_sentinel() {
 
 Script<Result<Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proof) {
   if (!sentinel_.watches()) co_return Verdict::same;
-  const auto asked = co_await tmcl::current_time();
   tmcl::CallOptions options;
   options.proof = proof;
   const auto answer = co_await tmcl::exchange(sentinel_.question(address_), options);
-  const auto answered = co_await tmcl::current_time();
-  if (answer) co_return sentinel_.take({answer->reply.value, asked, answered});
+  if (answer) co_return sentinel_.take(Sentinel::Reading::of(*answer));
   if (answer.error().outcome != tmcl::Outcome::refused) co_return tl::unexpected(answer.error());
   co_return Verdict::missing;
 }
 
-void GatewayModule::note_sentinel(const Result<tmcl::Answer>& answer, tmcl::TimePoint asked,
-                                  tmcl::TimePoint answered) {
-  if (answer && state_ == State::ready) sentinel_.take({answer->reply.value, asked, answered});
+void GatewayModule::note_sentinel(const Result<tmcl::Answer>& answer) {
+  if (answer && state_ == State::ready) sentinel_.take(Sentinel::Reading::of(*answer));
 }
 
 void GatewayModule::note_sent(const tmcl::Request& request) {

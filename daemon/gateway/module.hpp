@@ -58,8 +58,7 @@ class GatewayModule {
   /// Somebody may write to it.
   void note_sent(const tmcl::Request& request);
   /// The question of its sentinel was asked along with others.
-  void note_sentinel(const tmcl::Result<tmcl::Answer>& answer, tmcl::TimePoint asked,
-                     tmcl::TimePoint answered);
+  void note_sentinel(const tmcl::Result<tmcl::Answer>& answer);
 
   /// Learns from how a call ended.
   void note(const tmcl::Error& error);

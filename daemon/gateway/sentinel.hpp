@@ -13,6 +13,7 @@
 /// Does no I/O.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -20,6 +21,7 @@
 #include "config/config.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/datagram.hpp"
+#include "tmcl/script.hpp"
 
 namespace tmcld {
 
@@ -39,6 +41,10 @@ class Sentinel {
     std::int32_t value;
     tmcl::TimePoint asked;
     tmcl::TimePoint answered;
+
+    static Reading of(const tmcl::Answer& answer) {
+      return {answer.reply.value, answer.sent, answer.received};
+    }
   };
   enum class Verdict : std::uint8_t {
     same,
@@ -57,8 +63,12 @@ class Sentinel {
   /// It was found to be as it should be when it was asked then, or later.
   bool was_seen_since(tmcl::TimePoint asked) const { return last_ && last_->asked >= asked; }
   const std::optional<Reading>& last() const { return last_; }
-  /// When it was asked for that last.
-  tmcl::TimePoint last_seen() const { return last_ ? last_->asked : tmcl::TimePoint{}; }
+
+  /// Until when what was read last says what the module is. Where answers take longer than that,
+  /// it counts for a moment after it has come.
+  tmcl::TimePoint counts_until(tmcl::Duration age) const {
+    return last_ ? std::max(last_->asked + age, last_->answered + moment) : tmcl::TimePoint{};
+  }
 
   /// Whether this fits to what was read before; what does, is remembered.
   Verdict take(const Reading& reading);
@@ -72,6 +82,8 @@ class Sentinel {
   void give_up() { is_given_up_ = true; }
 
  private:
+  static constexpr tmcl::Duration moment = std::chrono::milliseconds(20);
+
   bool is_variable() const { return config_.kind == SentinelConfig::Kind::variable; }
   Verdict judge(const Reading& reading) const;
 

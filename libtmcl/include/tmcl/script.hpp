@@ -90,6 +90,10 @@ struct Answer {
   std::optional<FirmwareVersion> version_text{};
   /// Foreign replies come from this address: from a second module, or to a second host.
   bool duplicate_suspected = false;
+  /// When the request went out that this answers, and when it came. Of a request that was sent
+  /// several times, the last.
+  TimePoint sent{};
+  TimePoint received{};
 };
 
 namespace step {

@@ -139,6 +139,8 @@ void BusEngine::conclude(Channel& channel, Answer answer, TimePoint now) {
   const auto status = answer.reply.status;
   auto done = settle(channel, status, now);
   if (!done.call) return;
+  answer.sent = done.sent_at;
+  answer.received = now;
   const auto& lane = modules_.with(done.sent.address).lane;
   answer.duplicate_suspected = lane.is_duplicate_suspected(now);
   done.call->was_slow = done.deadline - now < reply_time(done.call->options) * 7 / 8;

@@ -219,6 +219,7 @@ void BusEngine::start_end(Conversation& module) {
 void BusEngine::put_in_flight(Channel& channel, InFlight in_flight) {
   ++counters_.requests;
   send({in_flight.sent});
+  in_flight.sent_at = scheduler_.now();
   channel.put(std::move(in_flight));
   expect_answer();
 }

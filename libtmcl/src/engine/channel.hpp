@@ -21,6 +21,7 @@ struct InFlight {
   std::optional<Call>
       call;  ///< Nothing for a fence, and for the end of a download nobody asked for.
   unsigned fence_tries = 0;
+  TimePoint sent_at{};
 
   bool ends_download() const { return sent.command == Command::END_DOWNLOAD; }
   bool is_fence() const { return !call && !ends_download(); }
