@@ -6,6 +6,7 @@
 #include "api/call.hpp"
 #include "api/rpc_error.hpp"
 #include "tmcl/api/axis.hpp"
+#include "tmcl/api/errors.hpp"
 #include "tmcl/api/lease.hpp"
 #include "tmcl/api/module.hpp"
 #include "tmcl/api/parameter.hpp"
@@ -44,6 +45,7 @@ Answer<axis::Home> home(Call& call, const axis::Home& params);
 Answer<axis::StartHome> start_home(Call& call, const axis::StartHome& params);
 Answer<axis::StopHome> stop_home(Call& call, const axis::StopHome& params);
 Answer<axis::Recover> recover(Call& call, const axis::Recover& params);
+Answer<axis::GetErrors> get_errors(Call& call, const axis::GetErrors& params);
 
 Answer<lease::Acquire> acquire_lease(Call& call, const lease::Acquire& params);
 Answer<lease::Renew> renew_lease(Call& call, const lease::Renew& params);

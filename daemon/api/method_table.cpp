@@ -73,6 +73,7 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::stop_home>(stop),
     method<handlers::recover>(operate),
     method<handlers::get_state>(observe),
+    method<handlers::get_errors>(observe),
     method<handlers::get_units>(observe),
     method<handlers::get_parameter>(observe),
     method<handlers::set_parameter>(operate),

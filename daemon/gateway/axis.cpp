@@ -13,6 +13,7 @@
 #include "gateway/poller.hpp"
 #include "gateway/standing_stop.hpp"
 #include "tmcl/relative_move.hpp"
+#include "tmcl/status_flags.hpp"
 
 namespace tmcld {
 namespace {
@@ -340,6 +341,15 @@ boost::asio::awaitable<void> GatewayAxis::note_motion(tmcl::AxisState state) {
   auto again = co_await axis_.run(tmcl::verbs::state(address()));
   const bool stands = again && again->velocity.value == 0 && again->position == here;
   if (stands && !stop_cause_) co_await find_cause();
+}
+
+GatewayAxis::Awaitable<FaultReport> GatewayAxis::read_faults() {
+  auto ready = co_await be_ready();
+  if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  auto report = co_await axis_.run(tmcld::read_faults(address(), parameters()));
+  if (report && report->has_flag(tmcl::status_flag::stall)) stop_cause_ = StopCause::stall;
+  if (report && report->has_flag(tmcl::status_flag::deviation)) stop_cause_ = StopCause::deviation;
+  co_return report;
 }
 
 boost::asio::awaitable<void> GatewayAxis::find_cause() {

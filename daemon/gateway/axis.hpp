@@ -16,6 +16,7 @@
 #include "async/shared_work.hpp"
 #include "gateway/axis_admission.hpp"
 #include "gateway/axis_units.hpp"
+#include "gateway/fault_report.hpp"
 #include "gateway/stop_cause.hpp"
 
 namespace tmcld {
@@ -163,6 +164,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Why it stands short of where it was to go; nothing while it moves, when it has arrived, and
   /// when nobody has looked.
   std::optional<StopCause> stop_cause() const;
+  /// What its module says is wrong. What that clears is known as the cause of the stop.
+  Awaitable<FaultReport> read_faults();
   /// Its module knows where zero is, as far as was seen since the daemon started.
   bool is_referenced() const { return bus().motors().is_referenced(address()); }
   /// Ends a reference search, whoever began it.

@@ -1,26 +1,13 @@
 #include "gateway/stop_cause.hpp"
 
-#include "tmcl/verbs.hpp"
+#include "gateway/fault_report.hpp"
+#include "tmcl/status_flags.hpp"
 
 namespace tmcld {
 namespace {
 
-// Of extended_error_flags.
-constexpr std::int32_t stalled = 1 << 0;
-constexpr std::int32_t deviated = 1 << 1;
 // Of ramp_mode.
 constexpr std::int32_t velocity_mode = 2;
-
-/// 0 where the module has no such parameter.
-tmcl::Script<tmcl::Result<std::int32_t>> read_if_any(
-    tmcl::AxisAddress axis, std::span<const tmcl::ParameterInfo> parameters,
-    std::string_view name) {
-  const auto* row = find_parameter(parameters, name);
-  if (row == nullptr) co_return 0;
-  const auto value = co_await tmcl::verbs::get(axis, row->number);
-  if (!value && value.error().outcome == tmcl::Outcome::refused) co_return 0;
-  co_return value;
-}
 
 }  // namespace
 
@@ -42,13 +29,11 @@ std::string_view name_of(StopCause cause) {
 
 tmcl::Script<tmcl::Result<StopCause>> find_stop_cause(
     tmcl::AxisAddress axis, std::span<const tmcl::ParameterInfo> parameters) {
-  const auto flags = co_await must(read_if_any(axis, parameters, "extended_error_flags"));
-  if ((flags & stalled) != 0) co_return StopCause::stall;
-  if ((flags & deviated) != 0) co_return StopCause::deviation;
-  const auto left = co_await must(read_if_any(axis, parameters, "left_limit_switch"));
-  if (left != 0) co_return StopCause::left_limit;
-  const auto right = co_await must(read_if_any(axis, parameters, "right_limit_switch"));
-  if (right != 0) co_return StopCause::right_limit;
+  const auto faults = co_await must(read_faults(axis, parameters));
+  if (faults.has_flag(tmcl::status_flag::stall)) co_return StopCause::stall;
+  if (faults.has_flag(tmcl::status_flag::deviation)) co_return StopCause::deviation;
+  if (faults.has_switch("left")) co_return StopCause::left_limit;
+  if (faults.has_switch("right")) co_return StopCause::right_limit;
   const auto mode = co_await must(read_if_any(axis, parameters, "ramp_mode"));
   co_return mode == velocity_mode ? StopCause::velocity_mode : StopCause::unknown;
 }

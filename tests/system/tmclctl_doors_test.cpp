@@ -44,6 +44,7 @@ const std::vector<std::string> lines{
     "state 1/0",
     "watch 1/0 --for 0.2",
     "recover 1/0",
+    "errors 1/0",
     "rotate 3/2 500 --unattended",
     "stop 3/2",
     "home 1/0 --mode 137",

@@ -267,6 +267,17 @@ not put back: what is not stored in the module (see 'tmclctl store') has to be s
   tmclctl recover --all
 )";
 
+constexpr const char* errors = R"(
+Asks the modules of all axes, or of one, what they know about themselves: stops by stallGuard or the
+encoder, what the driver reports (too hot, shorts, coils that are not connected), closed switches, and
+supply and temperature where the module measures them. Reading clears the flags 'stall' and 'deviation';
+the column STOPPED BY keeps them until the axis moves again. Coils can be told to be open only while
+the motor turns slowly.
+
+  tmclctl errors
+  tmclctl --json errors x
+)";
+
 constexpr const char* coordinate = R"(
 Coordinates 0 to 20 are lost with the module's power, unless they are stored; 0 never is.
 

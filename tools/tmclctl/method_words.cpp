@@ -38,6 +38,7 @@ constexpr auto table = std::to_array<MethodWord>({
     {"axis.start_home", "home --no-wait"},
     {"axis.stop_home", "home --stop"},
     {"axis.recover", "recover"},
+    {"axis.get_errors", "errors"},
     {"axis.get_state", "state"},
     {"axis.get_units", "params"},
     {"parameter.get", "get"},

@@ -216,6 +216,10 @@ struct Recover {
   std::string axis;
   bool all = false;
 };
+/// What modules say is wrong.
+struct Errors {
+  std::string axis;  ///< Empty: all there are.
+};
 /// Lets a module tell when motors arrive, and shows that.
 struct Arrivals {
   std::string module;
@@ -272,7 +276,7 @@ using Verb =
                  verb::SolveProfile, verb::CheckMint, verb::RunMint, verb::CheckPath, verb::RunPath,
                  verb::Assemble, verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware,
                  verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask, verb::Arrivals,
-                 verb::Home, verb::Recover, verb::Upload, verb::Download, verb::RunLeased,
+                 verb::Home, verb::Recover, verb::Errors, verb::Upload, verb::Download, verb::RunLeased,
                  verb::Leases, verb::BreakLease, verb::Complete>;
 
 struct Options {

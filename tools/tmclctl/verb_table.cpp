@@ -39,6 +39,7 @@ constexpr auto table = std::to_array<VerbInfo>({
     {"plot", both, acts},
     {"home", both, acts},
     {"recover", both, acts},
+    {"errors", both, reads},
     {"coordinate set", both, acts},
     {"coordinate get", both, reads},
     {"coordinate capture", both, acts},

@@ -41,6 +41,7 @@ bool only_reads(std::string_view method);
 VerbResult run(const verb::Arrivals& verb, Context& context);
 VerbResult run(const verb::Home& verb, Context& context);
 VerbResult run(const verb::Recover& verb, Context& context);
+VerbResult run(const verb::Errors& verb, Context& context);
 VerbResult run(const verb::Upload& verb, Context& context);
 VerbResult run(const verb::Download& verb, Context& context);
 VerbResult run(const verb::RunLeased& verb, Context& context);

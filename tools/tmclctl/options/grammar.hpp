@@ -89,6 +89,7 @@ void add_watch(Grammar& grammar);
 void add_plot(Grammar& grammar);
 void add_home(Grammar& grammar);
 void add_recover(Grammar& grammar);
+void add_errors(Grammar& grammar);
 void add_coordinates(Grammar& grammar);
 void add_arrivals(Grammar& grammar);
 void add_eeprom(Grammar& grammar);

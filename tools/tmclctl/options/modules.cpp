@@ -99,6 +99,12 @@ void add_recover(Grammar& grammar) {
       "'tmclctl axes' lists the axes");
 }
 
+void add_errors(Grammar& grammar) {
+  auto errors =
+      grammar.verb<verb::Errors>("errors", "Say what modules report as wrong", help_text::errors);
+  errors.optional_word("AXIS", axis_meaning, text(errors->axis));
+}
+
 void add_coordinates(Grammar& grammar) {
   const auto group = grammar.group("coordinate", "Positions that modules remember by number",
                                    help_text::coordinate);

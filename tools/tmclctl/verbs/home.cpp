@@ -93,10 +93,12 @@ VerbResult run(const verb::Home& verb, Context& context) {
 VerbResult run(const verb::Recover& verb, Context& context) {
   std::vector<std::string> names{verb.axis};
   if (verb.all) {
-    const auto axes = context.target.axes();
-    if (!axes) return tl::unexpected(axes.error());
+    // Also those without a name in the configuration.
+    const auto listed = context.target.perform("axis.list", {{"all", true}}, {});
+    if (!listed) return tl::unexpected(listed.error());
     names.clear();
-    for (const auto& axis : *axes) names.push_back(axis.name);
+    for (const auto& axis : listed->at("axes").as_array())
+      names.emplace_back(axis.at("name").as_string());
   }
   for (const auto& name : names) {
     const auto recovered = context.target.perform("axis.recover", {{"axis", name}}, {});

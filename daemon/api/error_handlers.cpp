@@ -1,0 +1,26 @@
+// What modules know about themselves.
+#include "api/handlers.hpp"
+#include "api/lookup.hpp"
+
+namespace tmcld::handlers {
+namespace {
+
+std::vector<std::string> texts(const std::vector<std::string_view>& names) {
+  return {names.begin(), names.end()};
+}
+
+}  // namespace
+
+Answer<axis::GetErrors> get_errors(Call& call, const axis::GetErrors& params) {
+  const auto axis = axis_of(call, params.axis);
+  if (!axis) co_return tl::unexpected(axis.error());
+  const auto report = co_await (*axis)->read_faults();
+  if (!report) co_return tl::unexpected(call_error(report.error(), (*axis)->name()));
+  axis::Errors errors{(*axis)->name(), texts(report->flags), texts(report->switches)};
+  if (const auto cause = (*axis)->stop_cause()) errors.stop_cause = name_of(*cause);
+  errors.supply_volts = report->supply_volts;
+  errors.temperature_celsius = report->temperature_celsius;
+  co_return errors;
+}
+
+}  // namespace tmcld::handlers
