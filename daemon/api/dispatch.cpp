@@ -1,5 +1,6 @@
 #include "api/dispatch.hpp"
 
+#include <algorithm>
 #include <exception>
 #include <new>
 #include <utility>
@@ -21,6 +22,16 @@ std::optional<RpcError> admit(const Call& call) {
   return rpc_error(rpc_code::daemon_ending, "daemon_ending", "the daemon is ending");
 }
 
+/// Its sender says that it is older than the last time that the reactor stood still.
+std::optional<RpcError> objection_by_age(const Call& call, std::optional<tmcl::TimePoint> sent) {
+  const auto& gaps = call.gateway->gaps();
+  const auto effect = call.method.effect;
+  const bool acts = effect == tmcl::Effect::moves || effect == tmcl::Effect::writes;
+  if (!acts || !sent || !gaps.is_stale(*sent)) return std::nullopt;
+  return rpc_error(rpc_code::not_allowed, name_of(tmcl::Errc::stale_request), stale_text(gaps),
+                   std::string(stale_hint));
+}
+
 /// Whoever makes it: a call that names a lease is one of that lease's holder.
 tl::expected<std::uint64_t, RpcError> client_of(const Gateway& gateway, const Peer& peer,
                                                 const RpcRequest& request) {
@@ -40,8 +51,9 @@ RpcError internal_error(const MethodInfo& method, const char* what) {
   return error;
 }
 
-boost::asio::awaitable<RpcResult> carry_out(Call& call) {
+boost::asio::awaitable<RpcResult> carry_out(Call& call, std::optional<tmcl::TimePoint> sent) {
   if (auto refused = admit(call)) co_return tl::unexpected(std::move(*refused));
+  if (auto stale = objection_by_age(call, sent)) co_return tl::unexpected(std::move(*stale));
   std::exception_ptr failure;
   try {
     auto result = co_await call.method.handler(call);
@@ -63,11 +75,13 @@ boost::asio::awaitable<RpcResult> dispatch(std::shared_ptr<Gateway> gateway,
   auto permit = gateway->admit(*client);
   permit.exceeds_limits = caller.exceeds_limits;
   permit.needs_lease = gateway->moves_need_lease() && request.method->effect == tmcl::Effect::moves;
-  const auto received = gateway->clock().now();
+  // A deadline counts from there.
+  const auto now = gateway->clock().now();
+  const auto received = std::min(now, request.sent_at.value_or(now));
   Call call{
       std::move(gateway), std::move(peer), std::move(request.id), Params(std::move(request.params)),
       received,           permit,          std::move(caller),     *request.method};
-  auto result = co_await carry_out(call);
+  auto result = co_await carry_out(call, request.sent_at);
   audit_end(call, result);
   co_return result;
 }

@@ -1,7 +1,7 @@
 #include <utility>
 
+#include "api/common_params.hpp"
 #include "api/handlers.hpp"
-#include "api/lease_key.hpp"
 #include "api/lookup.hpp"
 #include "async/gather.hpp"
 #include "tmcl/seconds.hpp"

@@ -109,8 +109,10 @@ tl::expected<RpcRequest, RpcError> make_request(std::string_view method, json::o
   if (row == nullptr) return tl::unexpected(unknown_method(method));
   auto lease = take_lease_key(*row, params);
   if (!lease) return tl::unexpected(std::move(lease.error()));
+  auto sent_at = take_sent_at(*row, params);
+  if (!sent_at) return tl::unexpected(std::move(sent_at.error()));
   if (auto complaint = check_params(*row, params)) return tl::unexpected(std::move(*complaint));
-  return RpcRequest{nullptr, row, std::move(params), *lease};
+  return RpcRequest{nullptr, row, std::move(params), *lease, *sent_at};
 }
 
 tl::expected<RpcRequest, RpcRefusal> parse_request(std::string_view line) {

@@ -9,7 +9,7 @@
 #include <boost/json/value.hpp>
 #include <tl/expected.hpp>
 
-#include "api/lease_key.hpp"
+#include "api/common_params.hpp"
 #include "api/method.hpp"
 #include "api/rpc_error.hpp"
 
@@ -26,8 +26,9 @@ constexpr std::size_t max_depth = 16;
 struct RpcRequest {
   boost::json::value id;
   const MethodInfo* method = nullptr;
-  boost::json::object params;       ///< Checked against the method's row.
-  std::optional<LeaseKey> lease{};  ///< What it is made under, if it names that.
+  boost::json::object params;                ///< Checked against the method's row.
+  std::optional<LeaseKey> lease{};           ///< What it is made under, if it names that.
+  std::optional<tmcl::TimePoint> sent_at{};  ///< By its sender's clock, which is that of this host.
 };
 
 struct RpcRefusal {

@@ -16,7 +16,8 @@ int code_of(tmcl::Errc code) {
     case tmcl::Errc::leased:
     case tmcl::Errc::lease_lost:
     case tmcl::Errc::latched:
-    case tmcl::Errc::not_permitted: return rpc_code::not_allowed;
+    case tmcl::Errc::not_permitted:
+    case tmcl::Errc::stale_request: return rpc_code::not_allowed;
     case tmcl::Errc::daemon_ending: return rpc_code::daemon_ending;
     default: return rpc_code::call_failed;
   }

@@ -66,6 +66,7 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
 void Gateway::start() {
   if (journal_) take_over_orphans();
   for (const auto& bus : buses_) bus->start();
+  if (!buses_.empty()) spawn(buses_.front()->executor(), watch_for_gaps(shared_from_this()));
 }
 
 // ---- what has to be put in order if the process ends --------------------------------------------
@@ -175,8 +176,23 @@ void Gateway::stop_all_axes() {
   if (!buses_.empty()) spawn(buses_.front()->executor(), stop_all_quietly(shared_from_this()));
 }
 
+boost::asio::awaitable<void> Gateway::watch_for_gaps(std::shared_ptr<Gateway> self) {
+  auto& gaps = self->arrivals_->gaps;
+  while (!self->is_closed_) {
+    gaps.look(self->clock_.now());
+    if (gaps.is_in_gap()) {
+      co_await self->closed_.wait_for(Gaps::time_to_take_in);
+      gaps.end(self->arrivals_->last);
+      self->log_often("gap", LogLevel::warning, gap_text(gaps));
+    }
+    co_await self->closed_.wait_for(Gaps::look_interval);
+  }
+}
+
 void Gateway::close() {
   refuse_new_calls();
+  is_closed_ = true;
+  closed_.notify();
   if (journal_) journal_->close();
   for (const auto& bus : buses_) bus->close();
 }

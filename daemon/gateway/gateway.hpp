@@ -68,6 +68,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   /// The right of a call that comes in now to move motors: until a stop comes behind it, or its
   /// client leaves.
   Permit admit(std::uint64_t client = 0) { return arrivals_->admit(client); }
+  /// Whether the reactor has stood still, lately.
+  const Gaps& gaps() const { return arrivals_->gaps; }
   /// No call that came in before has the right to move anything any more.
   void revoke_movements();
   /// From now on nothing but stops is admitted, and nothing is set in motion.
@@ -135,11 +137,13 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
 
  private:
   Gateway(const boost::asio::any_io_executor& executor, GatewayOptions options)
-      : clock_(executor), options_(std::move(options)) {}
+      : clock_(executor), options_(std::move(options)), closed_(executor) {}
   void tell(const GatewayEvent& event);
   void begin_to_stop(const std::shared_ptr<GatewayAxis>& axis);
   Holdings holdings() const;
   void take_over_orphans();
+  /// Says what of the calls is stale, for as long as the gateway is open.
+  static boost::asio::awaitable<void> watch_for_gaps(std::shared_ptr<Gateway> self);
 
   tmcl::ContextClock clock_;
   GatewayOptions options_;
@@ -155,6 +159,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   std::map<std::uint64_t, OnGatewayEvent> listeners_;
   std::uint64_t last_listener_ = 0;
   std::int32_t last_path_number_ = 0;
+  bool is_closed_ = false;
+  Wake closed_;
 };
 
 }  // namespace tmcld

@@ -147,6 +147,8 @@ std::optional<tmcl::Error> Motors::objection_to_all(Permit permit) const {
     return error(Errc::bad_argument, "nothing moves a motor that no call has asked for", {});
   if (arrivals_->stop_of_all > permit.number)
     return error(Errc::superseded_by_stop, "a stop came first", {});
+  if (arrivals_->gaps.is_stale(permit.number))
+    return error(Errc::stale_request, stale_text(arrivals_->gaps), std::string(stale_hint));
   return std::nullopt;
 }
 

@@ -26,6 +26,7 @@
 #include <string>
 #include <vector>
 
+#include "gateway/gaps.hpp"
 #include "tmcl/address.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/error.hpp"
@@ -51,6 +52,7 @@ struct Arrivals {
   bool closing = false;  ///< Nothing is set in motion any more.
   std::set<std::uint64_t> clients{};
   std::uint64_t last_client = 0;
+  Gaps gaps{};
 
   Permit admit(std::uint64_t client = 0) { return {++last, client}; }
   void stop_all() { stop_of_all = ++last; }
@@ -116,13 +118,17 @@ class Motors {
   Motors(std::string bus, std::shared_ptr<Arrivals> arrivals)
       : bus_(std::move(bus)), arrivals_(std::move(arrivals)) {}
 
+  /// To be called before objection(): what was asked for before the reactor stood still is stale.
+  void look_for_gap(tmcl::TimePoint now) { arrivals_->gaps.look(now); }
+
   /// There is an axis: it can be claimed.
   void add(tmcl::AxisAddress motor, const std::string& axis);
 
   /// Calls that came in before this have no right to move the motor any more.
   void stop(tmcl::AxisAddress motor);
   /// Why a call must not move a motor, or not any more: a stop came, somebody else has a lease of
-  /// it, the lease of the call was lost, its client has gone, or the daemon is ending.
+  /// it, the lease of the call was lost, its client has gone, the daemon has stood still since it
+  /// was asked for, or is ending.
   std::optional<tmcl::Error> objection(tmcl::AxisAddress motor, Permit permit) const;
   /// The same for all motors that a request can move.
   std::optional<tmcl::Error> objection(const tmcl::Request& request, Permit permit) const;

@@ -199,6 +199,21 @@ TEST_F(Tmcld, PutsInOrderWhatItLedWhenItWasKilled) {
     EXPECT_EQ(client.result("axis.get_state", {{"axis", axis}}).at("moving"), false) << axis;
 }
 
+TEST_F(Tmcld, MovesNothingThatWasAskedForWhileItWasStopped) {
+  start_simulator_on_pty();
+  write_config(pty_link());
+  start_daemon();
+  RpcClient client(socket());
+  daemon->signal(SIGSTOP);
+  const int asked = client.send("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1000}});
+  std::this_thread::sleep_for(std::chrono::milliseconds(1500));
+  daemon->signal(SIGCONT);
+  EXPECT_EQ(client.answer_to(asked).at("error").at("data").at("name"), "stale_request");
+  EXPECT_EQ(client.result("axis.get_state", {{"axis", "x"}}).at("target_microsteps"), 0);
+  EXPECT_THAT(daemon->output(), HasSubstr("tmcld stood still for"));
+  client.result("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1000}});
+}
+
 TEST_F(Tmcld, TakesOverTheSocketOfOneThatWasKilled) {
   start_simulator_on_pty();
   write_config(pty_link());

@@ -248,6 +248,8 @@ class TestDaemon : public PlayedDaemon {
 
   tmcl::TimePoint now() const { return time_.now(); }
   void run_for(tmcl::Duration duration) { time_.run_for(duration); }
+  /// It does nothing meanwhile.
+  void freeze_for(tmcl::Duration duration) { time_.freeze_for(duration); }
   /// What the function gives when all is done that can be done now.
   template <class Function>
   std::invoke_result_t<Function> on_reactor(Function function) {

@@ -63,7 +63,9 @@ class VirtualGateway {
   /// What comes back is added to the results, which outlive it.
   void begin_call(std::string_view method, const json::object& params,
                   std::vector<RpcResult>& into) {
-    spawn(context_.get_executor(), carry_out({1, find_method(method), params}, into));
+    RpcRequest request{1, find_method(method), params};
+    request.sent_at = take_sent_at(*request.method, request.params).value();
+    spawn(context_.get_executor(), carry_out(std::move(request), into));
   }
 
   Gateway& gateway() { return *gateway_; }

@@ -108,6 +108,13 @@ class Ledger {
       complain(name + " is at " + std::to_string(place) + ", beyond its soft limit");
   }
 
+  /// The gateway stood still for so long, until now: what was asked for before is stale.
+  void on_gap(tmcl::TimePoint now, tmcl::Duration duration) {
+    note(now, "end of a gap");
+    last_stale_ = last_;
+    owners_.on_gap(now, duration);
+  }
+
   /// The supply of a module has failed, and is back.
   void on_restart(const std::string& bus, tmcl::ModuleAddress module, tmcl::TimePoint now) {
     for (const auto& axis : axes_) {
@@ -272,7 +279,7 @@ class Ledger {
   std::uint64_t judge(const std::string& axis, const tmcl::Request& request, tmcl::TimePoint now) {
     ++movements_;
     note(now, "movement of " + axis + " with " + std::to_string(request.value));
-    const auto after = stopped_before(axis, now);
+    const auto after = std::max(stopped_before(axis, now), last_stale_);
     // Those whose value is known come first: others may have sent any.
     for (const bool knows : {true, false}) {
       for (auto& [number, running] : running_) {
@@ -372,6 +379,7 @@ class Ledger {
   std::vector<WorldAxis> axes_;
   bool values_are_right_;
   Number last_ = 0;
+  Number last_stale_ = 0;
   std::map<Number, Running> running_;
   std::map<std::string, std::vector<Stop>> stops_;
   std::deque<std::string> history_;  ///< What happened last, for the reader of a complaint.

@@ -65,6 +65,13 @@ class Owners {
 
   // ---- who goes, and what must follow ----
 
+  /// Nobody could do anything for so long.
+  void on_gap(tmcl::TimePoint now, tmcl::Duration duration) {
+    for (auto& [axis, until] : owed_) until += duration;
+    for (auto& [number, lease] : leases_)
+      if (lease.ends > now - duration) lease.ends = std::max(lease.ends, now);
+  }
+
   void leave(std::uint64_t client, tmcl::TimePoint now) {
     gone_.emplace(client, now);
     for (const auto& [axis, owner] : turning_)

@@ -31,6 +31,7 @@ struct Trouble {
   int calls = 40;  ///< Of each client.
   /// The canary: the wire answers at once what the gateway asks to see that a line is in step.
   bool forged_fences = false;
+  bool gaps = false;  ///< The process of the gateway is stopped for a while.
 };
 
 /// Numbers in a fixed order, as TMCL_WORLD takes them.
@@ -39,7 +40,7 @@ inline std::string to_text(const Trouble& trouble) {
   const auto& faults = trouble.faults;
   text << faults.lost << ',' << faults.late << ',' << faults.doubled << ',' << trouble.deaths << ','
        << trouble.supplies << ',' << trouble.clients << ',' << trouble.calls << ','
-       << trouble.forged_fences;
+       << trouble.forged_fences << ',' << trouble.gaps;
   return text.str();
 }
 
@@ -50,8 +51,8 @@ inline Trouble trouble_from(const std::string& text) {
   char comma = 0;
   in >> faults.lost >> comma >> faults.late >> comma >> faults.doubled >> comma >> trouble.deaths >>
       comma >> trouble.supplies >> comma >> trouble.clients >> comma >> trouble.calls >> comma >>
-      trouble.forged_fences;
-  if (!in) throw std::invalid_argument("TMCL_WORLD: eight numbers, see tests/world/trouble.hpp");
+      trouble.forged_fences >> comma >> trouble.gaps;
+  if (!in) throw std::invalid_argument("TMCL_WORLD: nine numbers, see tests/world/trouble.hpp");
   return trouble;
 }
 
@@ -63,6 +64,7 @@ inline std::vector<Trouble> simpler(const Trouble& trouble) {
     change(less);
     if (to_text(less) != to_text(trouble)) all.push_back(less);
   };
+  with([](Trouble& less) { less.gaps = false; });
   with([](Trouble& less) { less.supplies = false; });
   with([](Trouble& less) { less.deaths = false; });
   with([](Trouble& less) { less.faults.late = 0; });

@@ -86,6 +86,7 @@ class World {
   void run() {
     gateway_->start();
     for (int i = 0; i < trouble_.clients; ++i) spawn(context_.get_executor(), client(i));
+    if (trouble_.gaps) spawn(context_.get_executor(), stand_still());
     for (auto* wire : {&serial_, &can_})
       if (trouble_.supplies) spawn(context_.get_executor(), fail_supplies(*wire));
     using namespace std::chrono_literals;
@@ -208,6 +209,17 @@ class World {
       const auto address = address_of(module);
       ledger_.on_restart(wire.name(), address, now());
       wire.power_cycle(module, address);
+    }
+  }
+
+  /// Of the whole process, for longer than a second, and now and then.
+  boost::asio::awaitable<void> stand_still() {
+    auto random = generator(seed_, "gaps");
+    while (ended_ < trouble_.clients) {
+      co_await rest(std::chrono::milliseconds(random.between(500, 8'000)));
+      const tmcl::Duration duration = std::chrono::milliseconds(random.between(1'201, 4'000));
+      time_.freeze_for(duration);
+      ledger_.on_gap(now(), duration);
     }
   }
 

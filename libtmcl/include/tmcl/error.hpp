@@ -46,6 +46,7 @@ enum class Errc : std::uint8_t {
   lease_lost,     ///< The lease that the call is made under has ended; nothing was sent.
   latched,        ///< The axis is not what it was, and nobody has said yet that it may move.
   not_permitted,  ///< Who asks for it may not have it, by the configuration; nothing was sent.
+  stale_request,  ///< It was asked for before the daemon stood still for a while; nothing was sent.
 };
 
 struct Error {

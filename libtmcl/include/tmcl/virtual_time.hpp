@@ -52,6 +52,8 @@ class VirtualTime {
     }
     if (limit > now()) timeline_->clock.advance_to(limit);
   }
+  /// Nothing is done meanwhile, as in a process that is stopped.
+  void freeze_for(Duration duration) { timeline_->clock.advance_to(now() + duration); }
   void run_for(Duration duration) { run_until(now() + duration); }
   /// Runs until the condition holds; false if it does not within this time, or never can.
   template <class Condition>

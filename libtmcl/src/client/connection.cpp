@@ -135,6 +135,11 @@ bool Connection::State::hand_out(const json::object& notification, std::int64_t 
 
 CallResult<void> Connection::State::send(std::string_view method, json::object params,
                                          std::int64_t id) {
+  // It counts from now, however long the daemon takes to read this.
+  if (params.contains("deadline_ms")) {
+    const auto now = RealClock{}.now().time_since_epoch();
+    params["sent_at_ms"] = std::chrono::duration_cast<std::chrono::milliseconds>(now).count();
+  }
   const json::object request{
       {"jsonrpc", "2.0"}, {"id", id}, {"method", method}, {"params", std::move(params)}};
   auto sent = socket_.write_line(json::serialize(request), from_now(options_.call_timeout));

@@ -36,6 +36,7 @@ std::string_view name_of(Errc code) {
     case Errc::leased: return "leased";
     case Errc::lease_lost: return "lease_lost";
     case Errc::latched: return "latched";
+    case Errc::stale_request: return "stale_request";
     case Errc::not_permitted: return "not_permitted";
   }
   return "";

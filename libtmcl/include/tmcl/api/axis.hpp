@@ -13,6 +13,13 @@ constexpr std::string_view in_unit_summary = "the same, instead; a number: in th
 constexpr std::int64_t longest_ms = 86'400'000;
 constexpr Bounds milliseconds{0, longest_ms};
 
+/// Every method takes it.
+struct Sent {
+  TMCL_STRUCT(Sent);
+  TMCL_FIELD(std::int64_t, sent_at_ms, "when the call was sent, by CLOCK_MONOTONIC",
+             {0, std::int64_t{1} << 53});
+};
+
 struct Axis {
   TMCL_STRUCT(Axis);
   TMCL_FIELD(std::string, name, axis_summary);

@@ -1,5 +1,6 @@
-/// The lease that a call is made under: each call can name one, besides its own parameters. The
-/// connection that has acquired it need not; whoever reads or stops needs none.
+/// What each call can say of itself, besides its own parameters: the lease that it is made under,
+/// and when it was made. The connection that has acquired a lease need not name it; whoever reads
+/// or stops needs none.
 #pragma once
 
 #include <cstdint>
@@ -13,6 +14,7 @@
 #include "api/rpc_error.hpp"
 #include "gateway/leases.hpp"
 #include "tmcl/api/lease.hpp"
+#include "tmcl/clock.hpp"
 
 namespace tmcld {
 
@@ -25,6 +27,10 @@ struct LeaseKey {
 /// Errors: one of the two is missing, or is no integer.
 tl::expected<std::optional<LeaseKey>, RpcError> take_lease_key(const MethodInfo& method,
                                                                boost::json::object& params);
+/// Likewise "sent_at_ms": when the call was sent, by this computer's CLOCK_MONOTONIC.
+/// Errors: it is no integer.
+tl::expected<std::optional<tmcl::TimePoint>, RpcError> take_sent_at(const MethodInfo& method,
+                                                                    boost::json::object& params);
 /// Errors: lease_lost, stale_epoch.
 tl::expected<Lease, RpcError> find_lease(const Leases& leases, LeaseKey key);
 

@@ -1,0 +1,22 @@
+#include "gateway/gaps.hpp"
+
+#include <fmt/format.h>
+
+namespace tmcld {
+namespace {
+
+double seconds(const Gaps& gaps) { return std::chrono::duration<double>(gaps.duration()).count(); }
+
+}  // namespace
+
+std::string stale_text(const Gaps& gaps) {
+  return fmt::format("it was asked for before tmcld had stood still for {:.1f} s", seconds(gaps));
+}
+
+std::string gap_text(const Gaps& gaps) {
+  return fmt::format(
+      "tmcld stood still for {:.1f} s: what was asked for before moves nothing any more",
+      seconds(gaps));
+}
+
+}  // namespace tmcld

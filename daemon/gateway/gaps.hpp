@@ -1,0 +1,65 @@
+/// Whether the reactor has stood still: its process was stopped, or had more to do than it could.
+/// What was asked for before the end of such a gap is stale: nobody knows whether it is still
+/// wanted, so it moves nothing any more.
+///
+/// While it stands still calls come in that it sees only after that. So a gap lasts for some time
+/// longer, in which these are taken in.
+///
+///     turning ──longest_gap without a look──▶ in a gap ──end()──▶ turning
+///
+/// Does no I/O, reads no clock.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <string>
+#include <string_view>
+
+#include "tmcl/clock.hpp"
+
+namespace tmcld {
+
+class Gaps {
+ public:
+  static constexpr tmcl::Duration longest_gap = std::chrono::seconds(1);
+  /// How often somebody has to look.
+  static constexpr tmcl::Duration look_interval = std::chrono::milliseconds(200);
+  static constexpr tmcl::Duration time_to_take_in = std::chrono::milliseconds(20);
+
+  /// The reactor turns.
+  void look(tmcl::TimePoint now) {
+    const bool is_first = looked_ == tmcl::TimePoint{};
+    const auto passed = now - looked_;
+    looked_ = now;
+    if (is_first || passed <= longest_gap) return;
+    is_in_gap_ = true;
+    duration_ = passed;
+    ended_ = now;
+  }
+  bool is_in_gap() const { return is_in_gap_; }
+  /// What came in meanwhile has been taken in: calls up to this number.
+  void end(std::uint64_t last_call) {
+    is_in_gap_ = false;
+    last_stale_ = last_call;
+  }
+
+  bool is_stale(std::uint64_t call) const { return is_in_gap_ || call <= last_stale_; }
+  /// Of a call whose sender has said when.
+  bool is_stale(tmcl::TimePoint sent) const { return sent < ended_; }
+  /// How long the last one was.
+  tmcl::Duration duration() const { return duration_; }
+
+ private:
+  tmcl::TimePoint looked_{};
+  tmcl::TimePoint ended_{};
+  tmcl::Duration duration_{};
+  bool is_in_gap_ = false;
+  std::uint64_t last_stale_ = 0;
+};
+
+/// What whoever asked is told.
+std::string stale_text(const Gaps& gaps);
+std::string gap_text(const Gaps& gaps);
+constexpr std::string_view stale_hint = "ask again if it is still wanted";
+
+}  // namespace tmcld
