@@ -53,8 +53,9 @@ struct Scene {
   std::size_t axis = 0;        // whose it is
 };
 
-path_file::Path random_path(Random& random) {
+path_file::Path random_path(Random& random, std::size_t axes) {
   path_file::Path path{{"X", "Y"}, {}, {}};
+  path.axes.resize(axes);
   std::array<double, 2> at{};
   const auto lines = random.between(1, 8);
   for (std::int64_t i = 0; i < lines; ++i) {
@@ -64,6 +65,7 @@ path_file::Path random_path(Random& random) {
     const auto line = static_cast<std::size_t>(i + 1);
     if (random.one_in(6)) path.elements.push_back(path_file::Dwell{0.05, line});
     path_file::LineTo to{{at[0] + way(), at[1] + way()}, {}, {}, line};
+    if (axes == 1) to.target[1] = 0;
     if (to.target[0] == at[0] && to.target[1] == at[1]) to.target[0] += 1;
     if (random.one_in(2)) to.feed = static_cast<double>(random.between(1, 20));
     at = {to.target[0], to.target[1]};
@@ -76,17 +78,18 @@ Scene random_scene(Random& random) {
   Scene scene;
   scene.mode = random.one_in(2) ? StreamMode::velocity : StreamMode::position;
   if (scene.mode == StreamMode::velocity && random.one_in(3)) scene.model = 3110;
-  scene.path = random_path(random);
+  if (scene.mode == StreamMode::velocity && random.one_in(3)) scene.model = 142;
+  scene.path = random_path(random, scene.model == 142 ? 1 : 2);
   scene.velocity = static_cast<double>(random.between(4, 20));
   scene.acceleration = static_cast<double>(random.between(50, 500));
-  if (scene.model == 3110) {  // as it is delivered
+  if (scene.model != 6212) {  // as it is delivered
     scene.velocity = 5;
     scene.acceleration = 50;
   }
   scene.round_trip = microseconds(random.between(60, 1500));
   scene.trouble = static_cast<Trouble>(random.between(0, 7));
   scene.at_command = static_cast<std::size_t>(random.any_size(3000));
-  scene.axis = static_cast<std::size_t>(random.between(0, 1));
+  if (scene.path.axes.size() > 1) scene.axis = static_cast<std::size_t>(random.between(0, 1));
   return scene;
 }
 
@@ -103,7 +106,8 @@ class Play {
     before_ = settings();
     bench_.instead = [this](const DriveCommand& command) { return disturb(command); };
     bench_.every_ms = [this] {
-      farthest_ = std::max(farthest_, test::off(scene_.path, bench_.mm(0), bench_.mm(1)));
+      const double y = bench_.motors().size() > 1 ? bench_.mm(1) : 0;
+      farthest_ = std::max(farthest_, test::off(scene_.path, bench_.mm(0), y));
       if (++ms_ > 200'000) throw std::runtime_error("it does not end");
       if (scene_.trouble == Trouble::pause && ms_ == paused_at_ + 300) bench_.stream().pause(false);
     };
@@ -129,9 +133,9 @@ class Play {
  private:
   std::map<std::pair<int, int>, std::int32_t> settings() {
     std::map<std::pair<int, int>, std::int32_t> all;
-    for (std::uint8_t axis = 0; axis < 2; ++axis) {
+    for (const auto axis : bench_.motors()) {
       for (const std::uint8_t parameter :
-           std::initializer_list<std::uint8_t>{4, 5, 16, 17, 19, 20, 21}) {
+           std::initializer_list<std::uint8_t>{4, 5, 16, 17, 18, 19, 20, 21}) {
         const auto value = bench_.ask(Command::GAP, parameter, axis, 0);
         if (value) all[{axis, parameter}] = *value;
       }
@@ -178,11 +182,14 @@ class Play {
     return std::nullopt;
   }
 
+  // What says how fast it is to be.
+  std::uint8_t greatest_speed() const {
+    return scene_.mode == StreamMode::velocity ? ap::max_velocity : ap::target_velocity;
+  }
   bool turns(std::size_t axis) {
     const auto motor = static_cast<std::uint8_t>(axis);
     return bench_.stream().phase() == PathStream::Phase::running &&
-           bench_.get(motor, ap::actual_velocity) != 0 &&
-           bench_.get(motor, ap::target_velocity) != 0;
+           bench_.get(motor, ap::actual_velocity) != 0 && bench_.get(motor, greatest_speed()) != 0;
   }
 
   void judge(const StreamReport& report, const DriveFault& fault) {
@@ -215,7 +222,7 @@ class Play {
   // Each of them, unless nothing had begun to move.
   void expect_all_were_stopped(const StreamReport& report) {
     if (report.updates == 0) return;
-    for (std::size_t axis = 0; axis < 2; ++axis) {
+    for (std::size_t axis = 0; axis < scene_.path.axes.size(); ++axis) {
       EXPECT_TRUE(std::ranges::any_of(bench_.commands, [&](const DriveCommand& command) {
         return command.kind == Kind::stop && command.axis == axis;
       })) << axis;
@@ -239,7 +246,7 @@ class Play {
 
   void judge_success(const StreamReport& report) {
     const auto& end = std::get<path_file::LineTo>(scene_.path.elements.back()).target;
-    for (std::uint8_t axis = 0; axis < 2; ++axis)
+    for (std::uint8_t axis = 0; axis < scene_.path.axes.size(); ++axis)
       EXPECT_EQ(bench_.get(axis, ap::actual_position),
                 std::lround(end[axis] * microsteps_per_mm()));
     EXPECT_FALSE(foreign_stop_) << "not noticed";
@@ -247,7 +254,7 @@ class Play {
       EXPECT_LT(farthest_,
                 scene_.mode == StreamMode::velocity ? most_off_by_velocity : most_off_by_position);
     }
-    EXPECT_EQ(report.axes.size(), 2U);
+    EXPECT_EQ(report.axes.size(), scene_.path.axes.size());
   }
   static double microsteps_per_mm() { return test::microsteps_per_mm; }
 

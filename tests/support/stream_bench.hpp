@@ -1,11 +1,13 @@
-/// Two simulated axes that pass a course in virtual time: every command takes a while, and every
-/// millisecond the axes are looked at.
+/// One or two simulated axes that pass a course in virtual time: every command takes a while, and
+/// every millisecond the axes are looked at.
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -32,7 +34,7 @@ class NoEvents final : public sim::EventSink {
   void target_reached(const sim::Module&, std::int32_t) override {}
 };
 
-/// Two axes of one module, and somebody who carries out what a stream says.
+/// The axes of one module, two at most, and somebody who carries out what a stream says.
 class StreamBench {
  public:
   explicit StreamBench(std::uint16_t model = 6212)
@@ -57,7 +59,7 @@ class StreamBench {
     limits_.axis[0] = limits_.axis[1] = {velocity, acceleration_limit};
     const auto pps = static_cast<std::int32_t>(velocity * microsteps_per_mm);
     const auto pps2 = static_cast<std::int32_t>(acceleration_limit * microsteps_per_mm);
-    for (std::uint8_t axis = 0; axis < 2; ++axis) {
+    for (const auto axis : motors()) {
       ask(Command::SAP, ap::max_velocity, axis, pps);
       ask(Command::SAP, ap::max_acceleration, axis, pps2);
       ask(Command::SAP, 17, axis, pps2);
@@ -68,7 +70,9 @@ class StreamBench {
     auto course = Course::of(path, limits_);
     EXPECT_TRUE(course) << course.error();
     course_ = std::move(*course);
-    stream_.emplace(*course_, std::vector<StreamAxis>{info(0), info(1)},
+    std::vector<StreamAxis> axes;
+    for (std::uint8_t axis = 0; axis < course_->axes(); ++axis) axes.push_back(info(axis));
+    stream_.emplace(*course_, std::move(axes),
                     StreamOptions{.mode = mode, .most_deviation = most_deviation});
     while (true) {
       const auto step = stream_->next(clock_.now());
@@ -111,11 +115,20 @@ class StreamBench {
     if (reply.status != Status::ok) return no_reply();
     return reply.value;
   }
-  bool moving() { return get(0, ap::actual_velocity) != 0 || get(1, ap::actual_velocity) != 0; }
+  /// Those of the module, two at most.
+  std::span<const std::uint8_t> motors() const {
+    static constexpr std::array<std::uint8_t, 2> all{0, 1};
+    return std::span(all).first(std::min<std::size_t>(model_.axes, all.size()));
+  }
+  bool moving() {
+    return std::ranges::any_of(
+        motors(), [&](std::uint8_t motor) { return get(motor, ap::actual_velocity) != 0; });
+  }
 
  private:
   StreamAxis info(std::uint8_t axis) {
-    StreamAxis made{microsteps_per_mm, initial_units(model_), 0, 0, 0, AxisTwin::of(model_)};
+    StreamAxis made{microsteps_per_mm,    initial_units(model_), 0, 0, 0,
+                    AxisTwin::of(model_), model_.family};
     const auto most = [&](std::uint8_t parameter) {
       const auto* row = find_parameter(axis_parameters(model_), parameter);
       return row != nullptr ? row->maximum : 0;

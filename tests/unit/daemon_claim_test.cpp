@@ -44,7 +44,7 @@ class DaemonClaim : public testing::TestWithParam<Movement> {
   // The start has been answered: what moves from now on was asked for by somebody else.
   bool sends_starts() {
     const auto path = std::dynamic_pointer_cast<PathRun>(x().journey());
-    return path && path->phase() != tmcl::plan::PathStream::Phase::running;
+    return path && path->passed() == 0;
   }
   bool x_moves() {
     return std::ranges::any_of(bench_.daemon.wire().seen,

@@ -112,9 +112,10 @@ TEST_P(DaemonPathInBothModes, NobodyElseMovesItsAxes) {
 TEST_P(DaemonPathInBothModes, ACommandThatFailsStopsAll) {
   on_module([](Played& played) {
     played.refuse = [&played](const tmcl::Request& request) {
-      const bool moves =
-          request.command == Command::ROR || (request.command == Command::SAP && request.type == 0);
-      return moves && request.motor == 1 && played.mm(0) > 2;
+      const bool leads_on = request.command == Command::SAP &&
+                            (request.type == ap::target_position ||
+                             (request.type == ap::max_velocity && request.value != own_velocity));
+      return leads_on && request.motor == 1 && played.mm(0) > 2;
     };
     return 0;
   });

@@ -70,8 +70,9 @@ TEST(Stream, ALongRoundTripIsNoTrackingError) {
   // Axes that are where the course is, whatever they are told; each is asked half-way.
   bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
     const bool runs = bench.stream().phase() != PathStream::Phase::before;
-    if (runs && !begin) begin = bench.now() - bench.round_trip / 2;
-    if (command.kind == Kind::rotate) velocity[command.axis] = command.value;
+    if (runs && !begin && command.kind == Kind::get) begin = bench.now() - bench.round_trip / 2;
+    if (command.kind == Kind::set && command.parameter == ap::max_velocity)
+      velocity[command.axis] = command.value;
     if (command.kind != Kind::get) return 0;
     switch (command.parameter) {
       case ap::target_velocity: return velocity[command.axis];

@@ -3,9 +3,11 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <vector>
 
 #include <fmt/format.h>
 
@@ -428,6 +430,141 @@ TEST(Stream, VelocitiesOfATmc429) {
   EXPECT_EQ(by_positions.fault->kind, FaultKind::unsuited);
 }
 
+// ---- guided to targets ----
+
+struct OwnSettings {
+  std::uint16_t model;
+  std::vector<Setting> settings;
+};
+
+// None of them is what a module has from the start.
+const OwnSettings own_settings[] = {{3110, {{4, 1500}, {5, 900}, {130, 3}}},
+                                    {142, {{4, 6'000'000}, {16, 20'000}, {17, 30'000}, {18, 0}}},
+                                    {6212,
+                                     {{4, 200'000},
+                                      {5, 500'000},
+                                      {16, 7000},
+                                      {17, 400'000},
+                                      {18, 9000},
+                                      {19, 5},
+                                      {20, 12},
+                                      {21, 300}}}};
+
+class Guided : public testing::TestWithParam<OwnSettings> {
+ protected:
+  Guided() : bench(GetParam().model) {
+    for (const auto [parameter, value] : GetParam().settings) {
+      EXPECT_TRUE(bench.ask(Command::SAP, parameter, 0, value)) << int{parameter};
+      own.push_back({parameter, bench.get(0, parameter)});
+      EXPECT_NEAR(own.back().value, value, 200) << "but for rounding";
+    }
+    bench.every_ms = [this] {
+      EXPECT_GE(bench.mm(0), -3);
+      EXPECT_LE(bench.mm(0), 4);
+    };
+  }
+  static path_file::Path there_and_back() {
+    path_file::Path path{{"X"}, {}, {}};
+    for (const double x : {4.0, -3.0, 2.0})
+      path.elements.push_back(path_file::LineTo{{x}, 4.0, {}, 1});
+    return path;
+  }
+  StreamReport pass() { return bench.pass(there_and_back(), StreamMode::velocity); }
+  void expect_own_settings() {
+    for (const auto [parameter, value] : own)
+      EXPECT_EQ(bench.get(0, parameter), value) << int{parameter};
+  }
+  bool goes_back() { return bench.stream().passed() > 1.5; }
+
+  Bench bench;
+  std::vector<Setting> own;
+};
+
+TEST_P(Guided, ItNeverTurnsWithoutAnEnd) {
+  const auto report = pass();
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  std::vector<std::int32_t> targets;
+  for (const auto& command : bench.commands) {
+    EXPECT_NE(command.kind, Kind::rotate);
+    const bool aims = command.kind == Kind::set && command.parameter == ap::target_position;
+    if (aims || command.kind == Kind::move_to) targets.push_back(command.value);
+  }
+  EXPECT_THAT(targets, testing::ElementsAre(40960, -30720, 20480, 20480));
+  EXPECT_EQ(bench.mm(0), 2);
+  expect_own_settings();
+}
+
+TEST_P(Guided, WhateverEndsItGivesTheSettingsBack) {
+  bool stopped = false;
+  bench.every_ms = [&] {
+    if (goes_back() && !stopped) stopped = true, bench.ask(Command::MST, 0, 0, 0);
+  };
+  const auto report = pass();
+  ASSERT_TRUE(report.fault);
+  EXPECT_EQ(report.fault->kind, FaultKind::foreign);
+  EXPECT_THAT(report.fault->message, HasSubstr("was stopped"));
+  EXPECT_FALSE(bench.moving());
+  expect_own_settings();
+}
+
+// Its own greatest speed would set it off.
+TEST_P(Guided, AnAxisThatMayStillMoveGetsNoSettingsBack) {
+  bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
+    if (!goes_back()) return std::nullopt;
+    bench.stream().stop();
+    if (command.kind == Kind::stop) return test::no_reply();
+    EXPECT_NE(command.kind, Kind::set);
+    return std::nullopt;
+  };
+  const auto report = pass();
+  EXPECT_EQ(report.unstopped.size(), 1U);
+  EXPECT_GE(report.unrestored.size(), 2U);
+}
+
+TEST_P(Guided, APauseStandsAndGoesOn) {
+  int standing = 0;
+  int ms = 0;
+  bench.every_ms = [&] {
+    ++ms;
+    if (ms == 1500) bench.stream().pause(true);
+    if (ms > 2000 && ms < 4000) standing += bench.moving() ? 0 : 1;
+    if (ms == 4000) bench.stream().pause(false);
+  };
+  const auto report = pass();
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  EXPECT_EQ(standing, 1999);
+  EXPECT_EQ(bench.mm(0), 2);
+  for (const auto& axis : report.axes) EXPECT_LT(axis.largest, 0.1);
+}
+
+INSTANTIATE_TEST_SUITE_P(Families, Guided, testing::ValuesIn(own_settings),
+                         [](const auto& own) { return std::to_string(own.param.model); });
+
+// A TMC429 goes the wrong way to a target that is more than 2^23 microsteps away.
+TEST(Stream, ALongStretchIsPassedTowardsTargetsOnTheWay) {
+  Bench bench(3110);
+  bench.round_trip = milliseconds(20);
+  path_file::Path path{{"X"}, {}, {}};
+  path.elements = {path_file::LineTo{{-800}, 5.0, {}, 1}, path_file::LineTo{{800}, 5.0, {}, 2}};
+  const auto report = bench.pass(path, StreamMode::velocity);
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  EXPECT_EQ(bench.mm(0), 800);
+  EXPECT_LT(report.axes[0].largest, 0.2);
+}
+
+// What nobody knows better is told velocities.
+TEST(Stream, AnUnknownRampGeneratorIsTurned) {
+  Bench bench(1111);
+  path_file::Path path{{"X"}, {}, {}};
+  path.elements = {path_file::LineTo{{4}, 4.0, {}, 1}, path_file::LineTo{{1}, 4.0, {}, 2}};
+  const auto report = bench.pass(path, StreamMode::velocity);
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  EXPECT_TRUE(std::ranges::any_of(bench.commands, [](const DriveCommand& command) {
+    return command.kind == Kind::rotate && command.value < 0;
+  }));
+  EXPECT_EQ(bench.mm(0), 1);
+}
+
 path_file::Path timetable() {
   path_file::Path path{{"X", "Y"}, {}, {}};
   path.elements = {path_file::LineTo{{2, 1}, {}, 0.5, 2}, path_file::LineTo{{6, 3}, {}, 0.5, 3},
@@ -473,6 +610,21 @@ TEST(Course, ATimetableMeetsItsRowsAndNeverLeavesTheirRange) {
   }
   EXPECT_EQ(course->at(0).velocity[0], 0);
   EXPECT_FALSE(course->has_legs());
+}
+
+TEST(Course, TellsWhereAnAxisTurnsRound) {
+  const auto course = Course::of(square(), limits(24, 500));
+  ASSERT_TRUE(course) << course.error();
+  const auto turns = course->turns(0);
+  ASSERT_EQ(turns.size(), 2U);
+  EXPECT_EQ(turns[0].position, 5);
+  EXPECT_DOUBLE_EQ(turns[0].time, course->leg(2).begin);  // it stood since the first corner
+  EXPECT_EQ(turns[1].position, 0);
+  EXPECT_DOUBLE_EQ(turns[1].time, course->duration());
+  const auto one_way = Course::of(timetable(), limits(24, 500));
+  ASSERT_TRUE(one_way);
+  ASSERT_EQ(one_way->turns(1).size(), 1U);
+  EXPECT_EQ(one_way->turns(1)[0].position, 4);
 }
 
 TEST(Course, ATimetableThatIsTooFastNamesItsLine) {

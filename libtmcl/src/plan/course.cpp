@@ -49,6 +49,8 @@ class Course::Maker {
     }
     close();
     if (!fault_.empty()) return tl::unexpected(fault_);
+    for (std::size_t axis = 0; axis < course_.axes_; ++axis)
+      course_.turns_[axis].push_back({course_.duration(), here_[axis]});
     return std::move(course_);
   }
 
@@ -95,6 +97,7 @@ class Course::Maker {
       return;
     }
     for (std::size_t leg = 0; leg < plan->legs().size(); ++leg) {
+      note_way(course_.duration() + plan->legs()[leg].begin, legs_[leg].target);
       if (plan->legs()[leg].length == 0) continue;
       course_.legs_.push_back({course_.pieces_.size(), leg, lines_[leg]});
       for (std::size_t axis = 0; axis < course_.axes_; ++axis) {
@@ -111,8 +114,21 @@ class Course::Maker {
                                                 time_after(i - 1), time_after(i));
       }
     }
-    for (std::size_t i = 0; i + 1 < rows_.size() && fault_.empty(); ++i) check_limits(i);
+    for (std::size_t i = 0; i + 1 < rows_.size() && fault_.empty(); ++i) {
+      check_limits(i);
+      note_way(course_.duration() + rows_[i].time, rows_[i + 1].position);
+    }
     add({course_.duration(), std::move(rows_)});
+  }
+
+  // From the corner before, where it is at `time`.
+  void note_way(double time, const AxisValues& target) {
+    for (std::size_t axis = 0; axis < course_.axes_; ++axis) {
+      const double way = target[axis] - corner_[axis];
+      if (way * heading_[axis] < 0) course_.turns_[axis].push_back({time, corner_[axis]});
+      if (way != 0) heading_[axis] = way;
+    }
+    corner_ = target;
   }
 
   double time_after(std::size_t row) const { return rows_[row + 1].time - rows_[row].time; }
@@ -152,6 +168,8 @@ class Course::Maker {
   double feed_;
   AxisValues here_;
   AxisValues piece_start_ = here_;
+  AxisValues corner_ = here_;
+  AxisValues heading_{};  // the last way that each axis went
   std::vector<Leg> legs_;
   Timetable rows_;
   std::vector<std::size_t> lines_;

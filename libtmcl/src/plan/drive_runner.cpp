@@ -200,9 +200,14 @@ Script<DriveRunner::Fault> DriveRunner::see_all_stand(DriveReport& report, TimeP
   co_return first;
 }
 
-Script<DriveRunner::Fault> DriveRunner::restore(DriveReport& report) {
+Script<DriveRunner::Fault> DriveRunner::restore(DriveReport& report, bool unstopped_ones) {
   for (std::size_t axis = 0; axis < axes(); ++axis) {
+    const auto moving = std::ranges::find(report.unstopped, axis, &Unstopped::axis);
     for (const auto setting : settings_[axis].to_restore()) {
+      if (!unstopped_ones && moving != report.unstopped.end()) {
+        report.unrestored.push_back({axis, setting, moving->why});
+        continue;
+      }
       co_await command({Kind::set, axis, setting.parameter, setting.value, true});
       if (!answer_) report.unrestored.push_back({axis, setting, answer_.error()});
     }

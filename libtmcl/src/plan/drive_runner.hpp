@@ -98,7 +98,8 @@ class DriveRunner {
   Script<Fault> come_to_rest(std::size_t axis, TimePoint limit);
   /// Of those that could be stopped. An axis that is not seen to stand counts as not stopped.
   Script<Fault> see_all_stand(DriveReport& report, TimePoint limit);
-  Script<Fault> restore(DriveReport& report);
+  /// `unstopped_ones`: also the settings of axes that may still move.
+  Script<Fault> restore(DriveReport& report, bool unstopped_ones = true);
 
   struct Goal {
     std::size_t axis;

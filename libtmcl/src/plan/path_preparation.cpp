@@ -223,7 +223,8 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
                  greatest(ap::target_velocity),
                  greatest(ap::max_acceleration),
                  greatest(number_of("stop_velocity")),
-                 {}};
+                 {},
+                 facts.model->family};
   axis.limits = facts.limits;
   axis.scale = facts.scale->unit.empty() ? microsteps_scale() : *facts.scale;
   axis.stands_at = facts.position.value / *scale;

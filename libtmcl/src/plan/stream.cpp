@@ -66,7 +66,7 @@ void PathStream::Runner::on_answered(Duration took) {
 }
 
 void PathStream::Runner::on_written(std::size_t axis, Setting setting) {
-  if (!axes_[axis].info.twin) return;
+  if (options_.mode == StreamMode::velocity) return;
   let_twin_run(axis, middle());
   axes_[axis].info.twin->set(setting);
 }
@@ -144,7 +144,8 @@ Script<DriveRunner::Fault> PathStream::Runner::whole() {
   }
   phase_ = Phase::after;
   heeds_stop_ = false;
-  co_await restore(report_);
+  // An axis that may still move to a target would become as fast as it was.
+  co_await restore(report_, false);
   if (!result) result = co_await arrive_at_end();
   report_.fault = result;
   phase_ = Phase::ended;
@@ -191,15 +192,18 @@ DriveRunner::Fault PathStream::Runner::take_reading(std::size_t axis) {
                            position, options_.most_deviation));
 }
 
-// What it was told last, if that is what it does.
+// Whether it does what it was told last.
 Script<DriveRunner::Fault> PathStream::Runner::check(std::size_t axis) {
-  co_await command({Kind::get, axis, ap::target_velocity, 0});
+  const auto told = axes_[axis].told;
+  const auto parameter = told ? told->parameter : ap::target_velocity;
+  co_await command({Kind::get, axis, parameter, 0});
   if (!answer_) co_return refusal(axis);
-  const auto told = axes_[axis].velocity;
-  if (!told || *answer_ == *told) co_return std::nullopt;
-  co_return fault(
-      DriveFault::Kind::foreign, axis,
-      fmt::format("was {} by somebody else", *answer_ == 0 ? "stopped" : "told another velocity"));
+  if (!told || *answer_ == told->value) co_return std::nullopt;
+  const bool is_velocity = parameter == ap::target_velocity;
+  const auto* what = !is_velocity    ? "stopped or turned"
+                     : *answer_ == 0 ? "stopped"
+                                     : "told another velocity";
+  co_return fault(DriveFault::Kind::foreign, axis, fmt::format("was {} by somebody else", what));
 }
 
 Script<DriveRunner::Fault> PathStream::Runner::check_all() {

@@ -257,7 +257,7 @@ Script<DriveRunner::Fault> PathStream::Runner::start_ramps() {
     co_await command({Kind::move_to, axis, 0, position});
     if (!answer_) co_return refusal(axis);
     here.info.twin->move_to({position});
-    here.velocity = settings_[axis].now(ap::max_velocity);
+    here.told = Setting{ap::target_velocity, *settings_[axis].now(ap::max_velocity)};
     for (const auto parameter : {v1, vstart, tzerowait}) {
       auto refused = co_await set(axis, {parameter, 0});
       if (refused) co_return refused;
@@ -497,7 +497,7 @@ Script<DriveRunner::Fault> PathStream::Runner::load_ramps(const Passage& passage
 
 Script<DriveRunner::Fault> PathStream::Runner::set_velocity(std::size_t axis, std::int32_t value) {
   auto refused = co_await set(axis, {ap::max_velocity, value});
-  if (!refused) axes_[axis].velocity = value;
+  if (!refused) axes_[axis].told = Setting{ap::target_velocity, value};
   co_return refused;
 }
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "plan/drive_runner.hpp"
 #include "tmcl/plan/stream.hpp"
@@ -38,6 +39,17 @@ class CourseClock {
   bool paused_ = false;
 };
 
+/// How a stream of velocities guides an axis: to targets, as fast as parameter 4 says in each
+/// moment.
+struct Guidance {
+  bool by_targets = true;                       ///< Otherwise by ROR and ROL.
+  std::span<const std::uint8_t> accelerations;  ///< Up and down; the first is that of ROR, too.
+  std::span<const Setting> settings{};          ///< That go with it.
+  Setting told{};             ///< What it reads on the way; as parameter 2, the greatest speed.
+  std::int32_t farthest = 0;  ///< Target, in microsteps: others may be reached the other way round.
+};
+const Guidance& guidance_of(Family family);
+
 /// A long course is not looked at all at once, which would take seconds: whoever runs the stream is
 /// waited for after so many legs, or points.
 constexpr std::size_t looks_at_once = 1000;
@@ -62,7 +74,11 @@ class PathStream::Runner final : public DriveRunner {
  private:
   struct Axis {
     StreamAxis info;
-    std::optional<std::int32_t> velocity;  // what parameter 2 is to read
+    // What a parameter reads as long as nobody else stops or turns it.
+    std::optional<Setting> told;
+    std::optional<std::int32_t> velocity;  // in velocity mode, of the last update
+    std::size_t stretch = 0;               // in velocity mode: which of the course's turns is next
+    std::int32_t target = 0;               // in velocity mode: where it is sent
     // Velocity mode: where it should be by what it was told, in microsteps, and when that was.
     // Position mode: how far it is ahead of its twin.
     double position = 0;
@@ -95,10 +111,23 @@ class PathStream::Runner final : public DriveRunner {
   Script<Fault> update(std::size_t axis);
   std::int32_t velocity_for(std::size_t axis) const;
   double expected(std::size_t axis, TimePoint at) const;
-  void note_velocity(std::size_t axis, std::int32_t velocity);
+  void note_velocity(std::size_t axis, std::int32_t velocity, TimePoint at);
   void correct(std::size_t axis);
   Script<Fault> find_steepest();
+  Script<Fault> raise_accelerations(std::size_t axis);
+  double acceleration_of(std::size_t axis, std::int32_t value) const;
   void set_pause_ramp();
+
+  // Velocity mode, by targets.
+  bool has_targets(std::size_t axis) const {
+    return guidance_of(axes_[axis].info.family).by_targets;
+  }
+  Script<Fault> prepare_targets(std::size_t axis);
+  Script<Fault> set_out(std::size_t axis);
+  Script<Fault> guide(std::size_t axis, std::int32_t velocity);
+  bool turn(std::size_t axis, std::int32_t velocity);
+  int heading(std::size_t axis) const;
+  std::int32_t target_from(std::size_t axis, double position) const;
 
   // Position mode.
   /// How a leg is passed.

@@ -16,6 +16,15 @@ constexpr double pause_ramps = 2;
 // How many updates are looked at to know how steep a course is.
 constexpr double most_samples = 1e6;
 
+// With more, a TMC429 may oscillate around its target: 2^(ramp_div - pulse_div + 12) - 1, in its
+// units of velocity and acceleration.
+std::int32_t greatest_acceleration_of(const StreamAxis& axis) {
+  if (axis.family != Family::tmc429) return axis.greatest_acceleration;
+  const double speed = axis.units.velocity.value;
+  const double most = (1 << 15) * speed * speed / axis.units.acceleration.value - 1;
+  return static_cast<std::int32_t>(std::min<double>(axis.greatest_acceleration, most));
+}
+
 }  // namespace
 
 Script<DriveRunner::Fault> PathStream::Runner::prepare_velocities() {
@@ -25,20 +34,34 @@ Script<DriveRunner::Fault> PathStream::Runner::prepare_velocities() {
   auto asked = co_await find_steepest();
   if (asked) co_return asked;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
-    auto unknown = co_await know(axis, ap::max_acceleration);
-    if (unknown) co_return unknown;
-    const auto& info = axes_[axis].info;
-    const double wanted =
-        std::ceil(axes_[axis].steepest / ramp_part_of_update * std::abs(info.microsteps_per_unit) /
-                  info.units.acceleration.value);
-    const auto own = settings_[axis].before(ap::max_acceleration);
-    const auto most = std::max(own, info.greatest_acceleration);
-    const auto value = wanted < most ? std::max(own, static_cast<std::int32_t>(wanted)) : most;
-    auto refused = co_await set(axis, {ap::max_acceleration, value});
+    auto refused = co_await raise_accelerations(axis);
+    if (!refused && has_targets(axis)) refused = co_await prepare_targets(axis);
     if (refused) co_return refused;
   }
   set_pause_ramp();
   co_return std::nullopt;
+}
+
+Script<DriveRunner::Fault> PathStream::Runner::raise_accelerations(std::size_t axis) {
+  const auto& info = axes_[axis].info;
+  const double wanted =
+      std::ceil(axes_[axis].steepest / ramp_part_of_update * std::abs(info.microsteps_per_unit) /
+                info.units.acceleration.value);
+  for (const auto parameter : guidance_of(info.family).accelerations) {
+    auto unknown = co_await know(axis, parameter);
+    if (unknown) co_return unknown;
+    const auto own = settings_[axis].before(parameter);
+    const auto most = std::max(own, greatest_acceleration_of(info));
+    const auto value = wanted < most ? std::max(own, static_cast<std::int32_t>(wanted)) : most;
+    auto refused = co_await set(axis, {parameter, value});
+    if (refused) co_return refused;
+  }
+  co_return std::nullopt;
+}
+
+// In microsteps per second squared.
+double PathStream::Runner::acceleration_of(std::size_t axis, std::int32_t value) const {
+  return value * axes_[axis].info.units.acceleration.value;
 }
 
 Script<DriveRunner::Fault> PathStream::Runner::find_steepest() {
@@ -64,8 +87,8 @@ void PathStream::Runner::set_pause_ramp() {
   double longest = seconds(report_.period);
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     const auto& info = axes_[axis].info;
-    const double acceleration =
-        settings_[axis].before(ap::max_acceleration) * info.units.acceleration.value;
+    const auto parameter = guidance_of(info.family).accelerations.front();
+    const double acceleration = acceleration_of(axis, settings_[axis].before(parameter));
     const double top = course_.top_speed(axis) * std::abs(info.microsteps_per_unit);
     if (acceleration > 0) longest = std::max(longest, top / acceleration);
   }
@@ -76,8 +99,11 @@ Script<DriveRunner::Fault> PathStream::Runner::by_velocity() {
   const auto start = course_.at(0).position;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     axes_[axis].position = start[axis] * axes_[axis].info.microsteps_per_unit;
-    axes_[axis].at = axes_[axis].due = now_;
+    Fault wrong;
+    if (has_targets(axis)) wrong = co_await set_out(axis);
+    if (wrong) co_return wrong;
   }
+  for (auto& axis : axes_) axis.at = axis.due = now_;
   clock_.start(now_, clock_.paused());
   for (std::size_t round = 0;; ++round) {
     const auto begin = now_;
@@ -104,15 +130,25 @@ Script<DriveRunner::Fault> PathStream::Runner::update(std::size_t axis) {
   axes_[axis].due = now_ + report_.period;
   clock_.advance(now_);
   const auto velocity = velocity_for(axis);
+  if (has_targets(axis)) {
+    wrong = co_await guide(axis, velocity);
+    co_return wrong;
+  }
   if (axes_[axis].velocity == velocity) co_return std::nullopt;
   co_await command({Kind::rotate, axis, 0, velocity});
   if (!answer_) co_return refusal(axis);
-  note_velocity(axis, velocity);
+  axes_[axis].told = Setting{ap::target_velocity, velocity};
+  note_velocity(axis, velocity, middle());
   co_return std::nullopt;
 }
 
+// On its way to a target it stops there.
 double PathStream::Runner::expected(std::size_t axis, TimePoint at) const {
-  return axes_[axis].position + axes_[axis].pps * seconds(at - axes_[axis].at);
+  const auto& here = axes_[axis];
+  const double on = here.position + here.pps * seconds(at - here.at);
+  if (!has_targets(axis) || here.pps == 0) return on;
+  return here.pps > 0 ? std::min(on, std::max<double>(here.target, here.position))
+                      : std::max(on, std::min<double>(here.target, here.position));
 }
 
 std::int32_t PathStream::Runner::velocity_for(std::size_t axis) const {
@@ -132,16 +168,16 @@ std::int32_t PathStream::Runner::velocity_for(std::size_t axis) const {
 }
 
 // The ramp to the new velocity costs, or brings, half of what the change makes in its time.
-void PathStream::Runner::note_velocity(std::size_t axis, std::int32_t velocity) {
+void PathStream::Runner::note_velocity(std::size_t axis, std::int32_t velocity, TimePoint at) {
   auto& here = axes_[axis];
   const double pps = velocity * here.info.units.velocity.value;
   const double change = pps - here.pps;
-  const double acceleration =
-      settings_[axis].now(ap::max_acceleration).value_or(0) * here.info.units.acceleration.value;
-  here.position = expected(axis, middle());
+  const auto parameter = guidance_of(here.info.family).accelerations.front();
+  const double acceleration = acceleration_of(axis, settings_[axis].now(parameter).value_or(0));
+  here.position = expected(axis, at);
   if (acceleration > 0) here.position -= change * std::abs(change) / (2 * acceleration);
   here.pps = pps;
-  here.at = middle();
+  here.at = at;
   here.velocity = velocity;
 }
 

@@ -6,8 +6,10 @@
 /// "Monotone piecewise cubic interpolation", 1980).
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <limits>
+#include <span>
 #include <string>
 #include <variant>
 #include <vector>
@@ -46,6 +48,12 @@ struct Corner {
   AxisValues position{};
 };
 
+/// Where an axis turns round, or has come to its end.
+struct Turn {
+  double time = 0;
+  double position = 0;
+};
+
 class Course {
  public:
   /// `path` has no arcs. No line is passed faster than `feed`. Errors: a sentence that names the
@@ -63,6 +71,8 @@ class Course {
   double top_speed(std::size_t axis) const { return top_speed_[axis]; }
   AxisValues least() const { return least_; }
   AxisValues greatest() const { return greatest_; }
+  /// The ends of the stretches on which the axis goes one way; the last is that of the course.
+  std::span<const Turn> turns(std::size_t axis) const { return turns_[axis]; }
 
   /// Of a table with times there are none.
   bool has_legs() const { return !timed_; }
@@ -102,6 +112,7 @@ class Course {
   AxisValues top_speed_{};
   AxisValues least_{};
   AxisValues greatest_{};
+  std::array<std::vector<Turn>, most_path_axes> turns_;
   std::vector<Piece> pieces_;
   std::vector<LegPlace> legs_;
 };

@@ -90,7 +90,7 @@ struct Unstopped {
   std::size_t axis = 0;
   Error why;
 };
-/// A setting that could not be set back.
+/// A setting that could not be set back, or was not, because the axis may still move.
 struct Unrestored {
   std::size_t axis = 0;
   Setting before;

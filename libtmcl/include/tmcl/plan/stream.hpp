@@ -4,10 +4,13 @@
 ///
 /// First it measures how long a command takes, and that the axes stand where the course starts.
 ///
-/// StreamMode::velocity streams velocities (ROR, ROL) of any module. Each update brings the axis to
-/// where the course will be one update later; what the readings of its position differ from that is
-/// corrected slowly. The acceleration parameter is raised while it runs where it has to be. It ends
-/// with a move to the exact end.
+/// StreamMode::velocity streams velocities to any module. Each update brings the axis to where the
+/// course will be one update later; what the readings of its position differ from that is corrected
+/// slowly. Each command may be the last one: the axis is sent to the end of the stretch on which
+/// the course goes one way, and the velocities are parameter 4, the greatest speed on the way
+/// there; 0 where it stands. Where nobody knows that a ramp generator takes that at once (families
+/// tmc4361 and firmware) they are ROR and ROL. The acceleration parameters are raised while it runs
+/// where they have to be. It ends with a move to the exact end.
 ///
 /// StreamMode::position loads the legs of the course one after the other into ramp generators with
 /// start and stop speeds (family sixpoint). The next leg is loaded a little before the present one
@@ -15,10 +18,10 @@
 /// end in time from where its twin is now. Targets are written as parameter 0, which does not start
 /// a motor that somebody stopped.
 ///
-/// Before an axis is told anything new, it is asked what it does (parameter 2). If that is not what
-/// it was told, somebody else stopped or turned it, and all axes are stopped. That is the case,
-/// too, when a command fails, when updates come too late, and when a reading is off the course by
-/// too much.
+/// Before an axis is told anything new, it is asked what it does (parameter 2, or its ramp mode).
+/// If that is not what it was told, somebody else stopped or turned it, and all axes are stopped.
+/// That is the case, too, when a command fails, when updates come too late, and when a reading is
+/// off the course by too much.
 #pragma once
 
 #include <cstddef>
@@ -52,10 +55,11 @@ enum class StreamMode : std::uint8_t { velocity, position };
 struct StreamAxis {
   double microsteps_per_unit = 1;  ///< Negative where the axis counts the other way.
   ModuleUnits units{};
-  std::int32_t greatest_velocity = 0;       ///< That ROR takes, in the module's unit.
-  std::int32_t greatest_acceleration = 0;   ///< That parameter 5 takes, likewise.
+  std::int32_t greatest_velocity = 0;      ///< That ROR and parameter 4 take, in the module's unit.
+  std::int32_t greatest_acceleration = 0;  ///< That parameter 5 takes, likewise.
   std::int32_t greatest_stop_velocity = 0;  ///< That parameter 20 takes; position mode only.
   std::optional<AxisTwin> twin{};           ///< Set as the axis is; position mode only.
+  Family family = Family::firmware;         ///< Velocity mode only.
 };
 
 struct StreamOptions {

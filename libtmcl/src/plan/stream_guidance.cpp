@@ -1,0 +1,134 @@
+// A stream of velocities whose axes go to targets: each command may be the last one.
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "plan/stream_runner.hpp"
+#include "tmcl/parameter_number.hpp"
+
+namespace tmcl::plan {
+namespace {
+
+namespace ap = axis_parameter;
+
+constexpr auto dmax = number_of("max_deceleration");
+
+constexpr std::array<std::uint8_t, 1> one_acceleration{ap::max_acceleration};
+constexpr std::array<std::uint8_t, 2> tmc457_accelerations{number_of("acceleration"), dmax};
+constexpr std::array<std::uint8_t, 2> sixpoint_accelerations{ap::max_acceleration, dmax};
+
+// A TMC429 would stop short of its target, or abruptly; sixPoint generators would have other
+// accelerations at low speeds, jump to the start velocity, and wait where they turn round.
+constexpr std::array<Setting, 1> tmc429_settings{{{number_of("minimum_velocity"), 1}}};
+constexpr std::array<Setting, 3> sixpoint_settings{
+    {{number_of("velocity_v1"), 0},
+     {number_of(Family::sixpoint, "start_velocity"), 0},
+     {number_of("ramp_wait_time"), 0}}};
+
+constexpr Setting tmc429_goes_to_target{number_of(Family::tmc429, "ramp_mode"), 0};
+constexpr Setting tmc457_goes_to_target{number_of(Family::tmc457, "ramp_mode"), 0};
+constexpr Setting sixpoint_goes_to_target{ap::target_velocity, 0};
+
+// Half of what its position counter allows.
+constexpr std::int32_t farthest_of_tmc429 = 1 << 22;
+constexpr std::int32_t farthest_of_others = 1 << 30;
+
+}  // namespace
+
+const Guidance& guidance_of(Family family) {
+  static constexpr Guidance tmc429{true, one_acceleration, tmc429_settings, tmc429_goes_to_target,
+                                   farthest_of_tmc429};
+  static constexpr Guidance tmc457{
+      true, tmc457_accelerations, {}, tmc457_goes_to_target, farthest_of_others};
+  static constexpr Guidance sixpoint{true, sixpoint_accelerations, sixpoint_settings,
+                                     sixpoint_goes_to_target, farthest_of_others};
+  static constexpr Guidance by_velocities{false, one_acceleration, {}, {}, 0};
+  switch (family) {
+    case Family::tmc429: return tmc429;
+    case Family::tmc457: return tmc457;
+    case Family::sixpoint: return sixpoint;
+    case Family::tmc4361:
+    case Family::firmware: break;
+  }
+  return by_velocities;
+}
+
+// With a greatest speed of 0 a target sets nothing in motion.
+Script<DriveRunner::Fault> PathStream::Runner::prepare_targets(std::size_t axis) {
+  for (const auto setting : guidance_of(axes_[axis].info.family).settings) {
+    auto refused = co_await set(axis, setting);
+    if (refused) co_return refused;
+  }
+  auto refused = co_await set(axis, {ap::max_velocity, 0});
+  co_return refused;
+}
+
+Script<DriveRunner::Fault> PathStream::Runner::set_out(std::size_t axis) {
+  if (auto asked = asked_to_stop()) co_return asked;
+  auto& here = axes_[axis];
+  here.target = target_from(axis, here.position);
+  co_await command({Kind::move_to, axis, 0, here.target});
+  if (!answer_) co_return refusal(axis);
+  here.told = guidance_of(here.info.family).told;
+  here.velocity = 0;
+  co_return std::nullopt;
+}
+
+// Targets are parameter 0, which does not start a motor that somebody stopped.
+Script<DriveRunner::Fault> PathStream::Runner::guide(std::size_t axis, std::int32_t velocity) {
+  auto& here = axes_[axis];
+  std::optional<TimePoint> turned;
+  const double from = expected(axis, now_);
+  const bool is_near = std::abs(here.target - from) < guidance_of(here.info.family).farthest / 2;
+  const bool turns = turn(axis, velocity);
+  const auto target = turns || is_near ? target_from(axis, from) : here.target;
+  if (target != here.target) {
+    co_await command({Kind::set, axis, ap::target_position, target});
+    if (!answer_) co_return refusal(axis);
+    here.position = expected(axis, middle());
+    here.at = middle();
+    here.target = target;
+    if (turns) turned = middle();
+  }
+  const auto along = std::max(0, heading(axis) * velocity);
+  auto refused = co_await set(axis, {ap::max_velocity, along});
+  if (refused) co_return refused;
+  if (here.told->parameter == ap::target_velocity) here.told->value = along;
+  if (here.velocity != heading(axis) * along)
+    note_velocity(axis, heading(axis) * along, turned.value_or(middle()));
+  co_return std::nullopt;
+}
+
+// Once the course has turned; or a little earlier, if it does so before the next update and leads
+// back all in all.
+bool PathStream::Runner::turn(std::size_t axis, std::int32_t velocity) {
+  const auto turns = course_.turns(axis);
+  auto& stretch = axes_[axis].stretch;
+  const auto before = stretch;
+  const double next_update = clock_.passed_in(report_.period);
+  while (stretch + 1 < turns.size()) {
+    const double time = turns[stretch].time;
+    const bool leads_back = heading(axis) * velocity < 0;
+    if (time > clock_.passed() && !(leads_back && time < next_update)) break;
+    ++stretch;
+  }
+  return stretch != before;
+}
+
+int PathStream::Runner::heading(std::size_t axis) const {
+  const auto stretch = axes_[axis].stretch;
+  const auto turns = course_.turns(axis);
+  const double begin = stretch == 0 ? course_.at(0).position[axis] : turns[stretch - 1].position;
+  const auto from = microsteps(axis, begin);
+  const auto to = microsteps(axis, turns[stretch].position);
+  return (to > from ? 1 : 0) - (to < from ? 1 : 0);
+}
+
+std::int32_t PathStream::Runner::target_from(std::size_t axis, double position) const {
+  const double farthest = guidance_of(axes_[axis].info.family).farthest;
+  const double end = microsteps(axis, course_.turns(axis)[axes_[axis].stretch].position);
+  return static_cast<std::int32_t>(
+      std::lround(std::clamp(end, position - farthest, position + farthest)));
+}
+
+}  // namespace tmcl::plan
