@@ -513,7 +513,8 @@ with them: 20mm/s, 500mm/s^2, 120rpm.
 Ctrl-C stops all axes. So does a stop of one of them by somebody else, an axis that does not do what it
 is told, and a computer or bus that is too slow. Ctrl-Z pauses on the path, and goes on.
 tmcld passes the path: once begun, it goes on to its end also if this program is killed. With --direct
-there is nobody else who could; if this program is killed in velocity mode, the axes turn on.
+there is nobody else who could: if this program is killed, each axis stops at the end of its leg, in
+velocity mode where the path would next turn it round; those of a TMC4361 or of firmware ramps turn on.
 
   tmclctl path run part.ngc --axis X=left --axis Y=front
   tmclctl path run part.csv --axis x=left --axis y=front --mode position --velocity 20mm/s
