@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <csignal>
+#include <utility>
 
 #include "support/build_paths.hpp"
 #include "system/tmclctl_bench.hpp"
@@ -176,8 +177,36 @@ TEST_F(TmcldPath, AClientThatIsKilledDoesNotEndIt) {
   }  // SIGKILL
   ASSERT_TRUE(until_it_reads("left", "1", "409600\n"));
   EXPECT_EQ(get("front", "1"), "102400\n");
-  ASSERT_TRUE(until_it_reads("left", "5", own_acceleration));
+  for (const std::string name : {"left", "front"})
+    ASSERT_TRUE(until_it_reads(name, "4", own_velocity));
   expect_rest_and_own_settings();
+}
+
+TEST_F(TmcldPath, KilledItLeavesAxesThatComeToRestOnThePath) {
+  const auto part = written("long.ngc", three_seconds);
+  for (const auto& [mode, left_stands_at] :
+       {std::pair{"velocity", "409600\n"}, std::pair{"position", "307200\n"}}) {
+    SCOPED_TRACE(mode);
+    OnTerminal terminal(through_daemon(), path_run(part, mode));
+    ASSERT_TRUE(until_left_is_beyond(5 * microsteps_per_mm));
+    daemon->signal(SIGKILL);
+    daemon->wait();
+    for (int motor = 0; motor < 2; ++motor) {
+      for (int i = 0; i < 1000 && get_directly(motor, "3") != "0\n"; ++i) ::usleep(10'000);
+      EXPECT_EQ(get_directly(motor, "3"), "0\n");
+    }
+    EXPECT_EQ(get_directly(0, "1"), left_stands_at);
+    EXPECT_EQ(get_directly(1, "1"), "204800\n");
+    daemon = std::make_unique<Program>(Words{"tmcld", "--config", file("tmcld.toml")});
+    ASSERT_TRUE(daemon->wait_for("module_answers (module 1)"));
+    for (const std::string name : {"left", "front"})
+      ASSERT_TRUE(until_it_reads(name, "4", own_velocity)) << "as the journal says";
+    expect_rest_and_own_settings();
+    for (const std::string name : {"left", "front"}) {
+      const auto moved = ctl("move " + name + " 0 --wait");
+      ASSERT_EQ(moved.status, 0) << moved.err;
+    }
+  }
 }
 
 TEST_F(TmcldPath, TheEndOfTmcldStopsTheAxes) {
