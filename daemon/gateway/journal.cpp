@@ -1,13 +1,6 @@
 #include "gateway/journal.hpp"
 
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
 #include <utility>
-
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 #include <boost/json/parse.hpp>
 #include <boost/json/serialize.hpp>
@@ -15,6 +8,7 @@
 
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
+#include "gateway/state_file.hpp"
 
 namespace tmcld {
 namespace {
@@ -24,8 +18,6 @@ using boost::asio::awaitable;
 
 // What is held no more stays in the file so long.
 constexpr tmcl::Duration follow_interval = std::chrono::seconds(1);
-constexpr std::size_t most_bytes = 1 << 20;
-constexpr mode_t access_for_owner = 0600;
 
 json::object to_json(const Holding& holding) {
   json::array before;
@@ -66,47 +58,14 @@ std::string text_of(const Holdings& holdings) {
   return json::serialize(json::object{{"version", 1}, {"axes", std::move(array)}}) + "\n";
 }
 
-struct Descriptor {
-  int number;
-  ~Descriptor() { ::close(number); }
-};
-
-std::string because() { return std::string(": ") + std::strerror(errno); }
-
-/// Empty if all went well. Where nothing is held there is no file.
-std::string remove_file(const std::string& path) {
-  return ::unlink(path.c_str()) == 0 || errno == ENOENT ? "" : "cannot remove " + path + because();
-}
-std::string replace_file(const std::string& path, const std::string& text) {
-  const auto beside = path + ".new";
-  {
-    const Descriptor file{::open(
-        beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW | O_CLOEXEC, access_for_owner)};
-    if (file.number < 0) return "cannot create " + beside + because();
-    if (::write(file.number, text.data(), text.size()) != static_cast<ssize_t>(text.size()))
-      return "cannot write " + beside + because();
-  }
-  if (std::rename(beside.c_str(), path.c_str()) != 0) return "cannot replace " + path + because();
-  return {};
-}
-
 }  // namespace
 
 tl::expected<Holdings, std::string> Journal::read(const std::string& path) {
-  const Descriptor file{::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC)};
-  if (file.number < 0 && errno == ENOENT) return Holdings();
-  if (file.number < 0) return tl::unexpected("cannot open " + path + because());
-  // It moves and sets axes: whoever else could write it must not.
-  struct stat status {};
-  const bool is_own = ::fstat(file.number, &status) == 0 && status.st_uid == ::geteuid() &&
-                      (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;
-  if (!is_own) return tl::unexpected(path + " can be written by other users");
-  std::string text(most_bytes, '\0');
-  const auto size = ::read(file.number, text.data(), text.size());
-  if (size < 0) return tl::unexpected("cannot read " + path + because());
-  text.resize(static_cast<std::size_t>(size));
+  const auto text = read_state_file(path);
+  if (!text) return tl::unexpected(text.error());
+  if (!*text) return Holdings();
   try {
-    const auto document = json::parse(text);
+    const auto document = json::parse(**text);
     Holdings holdings;
     for (const auto& holding : document.at("axes").as_array())
       holdings.push_back(holding_from(holding));
@@ -125,7 +84,7 @@ awaitable<void> Journal::write(std::shared_ptr<Journal> self) {
   auto work = [path = self->path_, text = held.empty() ? "" : text_of(held),
                number = ++self->number_, written = self->written_]() -> std::string {
     if (*written > number) return {};
-    auto failure = text.empty() ? remove_file(path) : replace_file(path, text);
+    auto failure = text.empty() ? remove_state_file(path) : replace_state_file(path, text);
     if (failure.empty()) *written = number;
     return failure;
   };
