@@ -46,7 +46,7 @@ std::int32_t any_epoch() {
 }
 
 /// Beside others of daemons with other sockets.
-std::string journal_of(const DaemonConfig& config) {
+std::string state_file(const DaemonConfig& config, std::string_view suffix) {
   const std::filesystem::path socket(config.socket);
   const auto* given = std::getenv("STATE_DIRECTORY");
   // systemd separates several by colons.
@@ -55,7 +55,7 @@ std::string journal_of(const DaemonConfig& config) {
   const std::filesystem::path folder = !config.state.empty() ? config.state
                                        : !of_service.empty() ? of_service
                                                              : socket.parent_path().string();
-  return folder / (socket.filename().string() + ".journal");
+  return folder / (socket.filename().string() + std::string(suffix));
 }
 
 }  // namespace
@@ -73,7 +73,8 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(boost::asio::i
   GatewayOptions options{open_link, log};
   options.lease_epoch = any_epoch();
   options.on_exit = config.daemon.on_exit;
-  options.journal = journal_of(config.daemon);
+  options.journal = state_file(config.daemon, ".journal");
+  options.deadmen = state_file(config.daemon, ".deadman.json");
   options.audit = [trail = daemon->audit_](AuditEntry entry) { trail->add(std::move(entry)); };
   daemon->gateway_ = Gateway::create(executor, config, std::move(options));
   daemon->server_ = std::make_shared<UnixServer>(executor, std::move(*file), daemon->gateway_,

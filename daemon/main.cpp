@@ -8,6 +8,7 @@
 #include <boost/asio/io_context.hpp>
 
 #include "command_line.hpp"
+#include "config/feeding.hpp"
 #include "config/load.hpp"
 #include "daemon.hpp"
 #include "log/log.hpp"
@@ -52,9 +53,19 @@ void print_access(const AccessConfig& access) {
   std::printf("\n");
 }
 
+void print_feeding(const BusConfig& bus) {
+  const auto percent = feeding_percent(bus);
+  if (percent == 0) return;
+  std::printf(
+      "%s: modules with a deadman are sent something often enough, which takes %.2g %% of "
+      "the wire %s\n",
+      bus.name.c_str(), percent, feeding_wire(bus).in_words.c_str());
+}
+
 int check(const Config& config) {
   std::printf("ok: %s, %s\n", counted(config.buses.size(), "bus", "buses").c_str(),
               counted(config.axes.size(), "axis", "axes").c_str());
+  for (const auto& bus : config.buses) print_feeding(bus);
   for (const auto& axis : config.axes) {
     if (!axis.scale.unit.empty() || axis.scale.limits || axis.motion_limits.any())
       print_mechanics(axis);

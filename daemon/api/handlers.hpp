@@ -46,6 +46,8 @@ Answer<axis::StartHome> start_home(Call& call, const axis::StartHome& params);
 Answer<axis::StopHome> stop_home(Call& call, const axis::StopHome& params);
 Answer<axis::Recover> recover(Call& call, const axis::Recover& params);
 Answer<axis::GetErrors> get_errors(Call& call, const axis::GetErrors& params);
+Answer<axis::SetDeadman> set_deadman(Call& call, const axis::SetDeadman& params);
+Answer<axis::TestDeadman> test_deadman(Call& call, const axis::TestDeadman& params);
 
 Answer<lease::Acquire> acquire_lease(Call& call, const lease::Acquire& params);
 Answer<lease::Renew> renew_lease(Call& call, const lease::Renew& params);

@@ -72,6 +72,8 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::start_home>(operate),
     method<handlers::stop_home>(stop),
     method<handlers::recover>(operate),
+    method<handlers::set_deadman>(configure),
+    method<handlers::test_deadman>(configure),
     method<handlers::get_state>(observe),
     method<handlers::get_errors>(observe),
     method<handlers::get_units>(observe),

@@ -40,6 +40,7 @@ bool has_type(const json::value& value, FieldType type) {
     case FieldType::texts:
       return value.is_array() &&
              std::ranges::all_of(value.get_array(), [](const auto& e) { return e.is_string(); });
+    case FieldType::text_or_object:
     case FieldType::object:
     case FieldType::objects: return false;  // only results have them
   }

@@ -67,6 +67,14 @@ void fill(api::axis::State& out, const GatewayAxis& axis, const AxisReading& rea
   out.unattended = axis.is_unattended();
 }
 
+/// What the module is set to says nothing about what it does.
+api::WordOr<api::axis::Deadman> view_of(const Deadman& deadman) {
+  const auto tested = deadman.stops_after_ms();
+  if (deadman.set_ms() == 0 || tested == 0) return {"none"};
+  if (!deadman.set_ms() || !tested) return {"unknown"};
+  return {api::axis::Deadman{*deadman.set_ms(), *tested}};
+}
+
 }  // namespace
 
 std::optional<std::string> if_any(std::string_view text) {
@@ -146,6 +154,7 @@ api::module::Module view_of(const GatewayBus& bus, const GatewayModule& module) 
   out.state = name_of(module.state());
   out.duplicate_suspected = module.duplicate_suspected();
   out.watched_by = module.sentinel().name();
+  out.deadman = view_of(module.deadman());
   return out;
 }
 

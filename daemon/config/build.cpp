@@ -15,6 +15,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "config/feeding.hpp"
 #include "tmcl/mechanics.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/spelling.hpp"
@@ -256,6 +257,7 @@ class Builder {
                                                 quoted(*bus_name) + " is given twice");
     }
     modules.push_back({address});
+    add_deadman(section, *std::ranges::find(config_.buses, *bus_name, &BusConfig::name));
     const auto* text = section.get<std::string>("sentinel");
     if (text == nullptr) return;
     const auto sentinel = sentinel_of(*text);
@@ -264,6 +266,16 @@ class Builder {
     complain(section.place_of("sentinel"),
              "'sentinel' is " + quoted(*text) +
                  ", but must be auto, tick, none or variable:N with N from 56 to 255");
+  }
+
+  /// Of the module that was added last.
+  void add_deadman(const ConfigSection& section, BusConfig& bus) {
+    const auto* ms = section.get<std::int64_t>("deadman_ms");
+    if (ms == nullptr) return;
+    bus.modules.back().deadman_ms = static_cast<std::int32_t>(*ms);
+    auto fault = fault_of_deadman(*bus.modules.back().deadman_ms);
+    if (fault.empty()) fault = fault_of_feeding(bus);
+    if (!fault.empty()) complain(section.place_of("deadman_ms"), "'deadman_ms' " + fault);
   }
 
   void add_axis(const ConfigSection& section) {

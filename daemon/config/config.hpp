@@ -63,6 +63,8 @@ struct SentinelConfig {
 struct ModuleConfig {
   tmcl::ModuleAddress address{};
   SentinelConfig sentinel{};
+  /// After so long without a command it stops its motors; 0: never. Nothing: it is left alone.
+  std::optional<std::int32_t> deadman_ms{};
 };
 
 struct BusConfig {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "config/feeding.hpp"
 #include "tmcl/mechanics.hpp"
 
 namespace tmcld {
@@ -58,6 +59,8 @@ constexpr auto keys = std::to_array<KeyInfo>({
     {module, "address", integer, required, 0, 0x7FF, any, "address of the module"},
     {module, "sentinel", string, optional, 0, 0, any,
      "by what a restart of it is noticed: auto, tick, variable:N or none"},
+    {module, "deadman_ms", integer, optional, 0, longest_deadman_ms, any,
+     "it stops its motors when nobody has sent it anything for so long; 0: never"},
 
     {axis, "name", string, required, 0, 0, any, "how clients call this axis"},
     {axis, "bus", string, required, 0, 0, any, "name of the bus the module is on"},

@@ -133,7 +133,12 @@ tl::expected<Config, std::vector<std::string>> load_config_for_link(const std::s
     return tl::unexpected(std::vector{path + ": " + no_bus_for(text.sections, link)});
   bus->values.at("link").value = to_string(link);
   keep_only(text.sections, *bus->get<std::string>("name"));
-  return with_lines(path, build(std::move(text)));
+  auto config = build(std::move(text));
+  // What runs for one call does not feed a module: it must not give it a deadman.
+  for (auto& one : config ? config->buses : std::vector<BusConfig>{}) {
+    for (auto& module : one.modules) module.deadman_ms.reset();
+  }
+  return with_lines(path, std::move(config));
 }
 
 Config config_for_link(const tmcl::LinkName& link) {

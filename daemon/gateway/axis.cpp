@@ -335,6 +335,7 @@ boost::asio::awaitable<void> GatewayAxis::note_motion(tmcl::AxisState state) {
   const bool stopped = was_moving_ && !moves && state.position != state.target &&
                        mover() == Mover::nobody && !latched();
   was_moving_ = moves;
+  if (moves) seen_moving_ = bus().clock().now();
   if (!stopped) co_return;
   if (is_stopped) co_return note_stop(StopCause::client);
   const auto here = state.position;
@@ -353,8 +354,11 @@ GatewayAxis::Awaitable<FaultReport> GatewayAxis::read_faults() {
 }
 
 boost::asio::awaitable<void> GatewayAxis::find_cause() {
-  const auto cause = co_await axis_.run(find_stop_cause(address(), parameters()));
+  auto cause = co_await axis_.run(find_stop_cause(address(), parameters()));
   if (!cause || stop_cause_) co_return;
+  // Nothing else is to blame, and its module was left alone for too long since it was seen moving.
+  const bool says_nothing = *cause == StopCause::unknown || *cause == StopCause::velocity_mode;
+  if (says_nothing && module().deadman().last_gap() > seen_moving_) cause = StopCause::deadman;
   stop_cause_ = *cause;
   auto event = event_of(*this, GatewayEvent::Kind::axis_stopped,
                         "axis '" + name() +

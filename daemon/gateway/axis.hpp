@@ -215,6 +215,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   std::optional<LastReading> last_;
   std::vector<tmcl::plan::Setting> before_;  ///< In the order in which they were changed.
   bool was_moving_ = false;                  ///< When somebody looked last.
+  tmcl::TimePoint seen_moving_{};
   std::optional<StopCause> stop_cause_;
   SharedWork<tmcl::Result<AxisReading>> looks_;
 };

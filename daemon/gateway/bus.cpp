@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include <unistd.h>
+
 #include "async/gather.hpp"
 #include "async/spawn.hpp"
 #include "tmcl/relative_move.hpp"
@@ -55,14 +57,19 @@ GatewayBus::GatewayBus(const boost::asio::any_io_executor& executor, BusConfig c
       on_event_(std::move(on_event)),
       clock_(executor),
       changed_(executor),
+      feeding_(executor),
       motors_(config_.name, std::move(arrivals)) {}
 
-void GatewayBus::start() { spawn(executor_, serve(shared_from_this())); }
+void GatewayBus::start() {
+  spawn(executor_, serve(shared_from_this()));
+  spawn(executor_, feed_modules(shared_from_this()));
+}
 
 void GatewayBus::close() {
   closed_ = true;
   if (bus_) bus_->close();
   changed_.notify();
+  feeding_.notify();
 }
 
 tmcl::BusCounters GatewayBus::counters() const {
@@ -125,6 +132,10 @@ void GatewayBus::log(LogLevel level, const std::string& line) {
   if (const auto admitted = log_limiter_.admit(line, clock_.now())) log_(level, *admitted);
 }
 
+void GatewayBus::audit(std::string line) const {
+  if (audit_) audit_({::geteuid(), ::getpid(), "bus=" + name() + " " + std::move(line)});
+}
+
 void GatewayBus::attach(tmcl::Link link) {
   const bool again = state_ == State::lost;
   bus_ = std::make_shared<tmcl::Bus>(executor_, std::move(link), config_.bus_options);
@@ -165,6 +176,26 @@ awaitable<void> GatewayBus::look_after_modules() {
     if (closed_ || !bus->is_open()) break;
     co_await changed_.wait_for(module_check_interval);
   }
+}
+
+/// As long as this runs, the modules hear of it: when it hangs or ends, they stop their motors.
+awaitable<void> GatewayBus::feed_modules(std::shared_ptr<GatewayBus> self) {
+  while (!self->closed_) {
+    auto next = tmcl::TimePoint::max();
+    for (auto& [address, module] : self->modules_) {
+      const auto now = self->clock_.now();
+      const bool is_due = module->feeding_due() <= now;
+      if (is_due) spawn(self->executor_, feed(self, *module, module->deadman().begin_to_feed(now)));
+      if (!is_due) next = std::min(next, module->feeding_due());
+    }
+    co_await self->feeding_.wait_until(next);
+  }
+}
+
+awaitable<void> GatewayBus::feed(std::shared_ptr<GatewayBus> self, GatewayModule& module,
+                                 tmcl::TimePoint deadline) {
+  co_await module.feed(deadline);
+  self->look_at_feeding();
 }
 
 void GatewayBus::on_bus_event(const tmcl::BusEvent& event) {
@@ -231,8 +262,7 @@ GatewayModule& GatewayBus::add_module(tmcl::ModuleAddress address) {
   if (module) return *module;
   const auto configured = std::ranges::find(config_.modules, address, &ModuleConfig::address);
   const bool is_told = configured != config_.modules.end();
-  module = std::make_unique<GatewayModule>(*this, address,
-                                           is_told ? configured->sentinel : SentinelConfig{});
+  module = std::make_unique<GatewayModule>(*this, is_told ? *configured : ModuleConfig{address});
   return *module;
 }
 

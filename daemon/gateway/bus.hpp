@@ -22,6 +22,7 @@
 #include "gateway/journal.hpp"
 #include "gateway/module.hpp"
 #include "gateway/motors.hpp"
+#include "log/audit.hpp"
 #include "log/limiter.hpp"
 #include "log/sink.hpp"
 #include "tmcl/bus.hpp"
@@ -29,6 +30,7 @@
 namespace tmcld {
 
 class AxisLimits;
+class DeadmanMemory;
 
 /// How a link is opened. May block; called on a thread of its own.
 using OpenLink = std::function<tmcl::Result<tmcl::Link>(const BusConfig&)>;
@@ -87,6 +89,14 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// Whatever has to be put in order if the process ends; null if nobody would.
   const std::shared_ptr<Journal>& journal() const { return journal_; }
   void keep_journal(std::shared_ptr<Journal> journal) { journal_ = std::move(journal); }
+  /// For lines about what the gateway itself sets.
+  void keep_audit(AuditSink audit) { audit_ = std::move(audit); }
+  void audit(std::string line) const;
+  /// What is known of the deadmen of modules. Null before the gateway has given it.
+  const std::shared_ptr<DeadmanMemory>& deadmen() const { return deadmen_; }
+  void keep_deadmen(std::shared_ptr<DeadmanMemory> deadmen) { deadmen_ = std::move(deadmen); }
+  /// A module may need a command at another time than before.
+  void look_at_feeding() { feeding_.notify(); }
   Motors& motors() { return motors_; }
   const Motors& motors() const { return motors_; }
   /// Whether a request may go out for a call. A search that claims a motor may have ended unseen:
@@ -176,6 +186,11 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   static boost::asio::awaitable<void> serve(std::shared_ptr<GatewayBus> self);
   boost::asio::awaitable<bool> open();
   boost::asio::awaitable<void> look_after_modules();
+  static boost::asio::awaitable<void> feed_modules(std::shared_ptr<GatewayBus> self);
+  static boost::asio::awaitable<void> feed(std::shared_ptr<GatewayBus> self, GatewayModule& module,
+                                           tmcl::TimePoint deadline);
+  void note_sent(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer,
+                 tmcl::TimePoint asked, tmcl::TimePoint answered);
   void attach(tmcl::Link link);
   void detach();
   void on_bus_event(const tmcl::BusEvent& event);
@@ -196,7 +211,10 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   std::shared_ptr<tmcl::Bus> bus_;
   tmcl::BusCounters earlier_counters_;
   std::map<tmcl::ModuleAddress, std::unique_ptr<GatewayModule>> modules_;
+  Wake feeding_;
   std::shared_ptr<Journal> journal_;
+  AuditSink audit_;
+  std::shared_ptr<DeadmanMemory> deadmen_;
   Motors motors_;
   std::vector<std::shared_ptr<AxisLimits>> limits_;
   std::uint64_t commands_ = 0;

@@ -205,7 +205,10 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   if (is_proven) {
     answers = co_await exchange_all(std::vector(1, std::move(exchange)));
   } else {
+    const auto asked = co_await tmcl::current_time();
     auto one = co_await tmcl::exchange(request, exchange.options);
+    const auto answered = co_await tmcl::current_time();
+    note_sent(request, one, asked, answered);
     answers.push_back(std::move(one));
   }
   auto& answer = answers.front();
@@ -219,6 +222,12 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   co_return std::move(answer);
 }
 
+void GatewayBus::note_sent(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer,
+                           tmcl::TimePoint asked, tmcl::TimePoint answered) {
+  if (auto* module = find_module(request.address))
+    module->deadman().note_sent(answer, asked, answered);
+}
+
 /// What is proven by another command behind it, is proven by the question of the sentinel.
 tmcl::Script<tmcl::StepResult> GatewayBus::exchange_all(
     std::vector<tmcl::step::Exchange> exchanges) {
@@ -230,7 +239,13 @@ tmcl::Script<tmcl::StepResult> GatewayBus::exchange_all(
     options.deadline = last.options.deadline;
     exchanges.push_back({module->sentinel().question(last.request.address), options});
   }
+  std::vector<tmcl::Request> requests;
+  for (const auto& one : exchanges) requests.push_back(one.request);
+  const auto asked = co_await tmcl::current_time();
   auto results = co_await tmcl::exchange_all(std::move(exchanges));
+  const auto answered = co_await tmcl::current_time();
+  for (std::size_t i = 0; i < results.size(); ++i)
+    note_sent(requests[i], results[i], asked, answered);
   if (asks_more) {
     module->note_sentinel(results.back());
     results.pop_back();

@@ -43,6 +43,11 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
     gateway->buses_.push_back(std::make_shared<GatewayBus>(executor, bus, own.open_link, own.log,
                                                            tell, gateway->arrivals_));
   }
+  gateway->deadmen_ = DeadmanMemory::open(own.deadmen, own.log);
+  for (const auto& bus : gateway->buses_) {
+    bus->keep_audit(own.audit);
+    bus->keep_deadmen(gateway->deadmen_);
+  }
   for (const auto& axis : config.axes) {
     const auto bus = std::ranges::find(gateway->buses_, axis.bus, &GatewayBus::name);
     gateway->axes_.push_back(std::make_shared<GatewayAxis>(axis, *bus));
@@ -79,6 +84,7 @@ std::string why_held(const GatewayAxis& axis, const Leases& leases) {
     case Mover::line: return "line";
     case Mover::path: return "path";
     case Mover::mint: return "mint";
+    case Mover::deadman_test: return "deadman test";
     case Mover::stop: return "stop";
     case Mover::nobody:
     case Mover::search: break;
@@ -201,6 +207,7 @@ void Gateway::join() {
   for (const auto& bus : buses_) bus->wait_for_opener();
   planner.join();
   if (journal_) journal_->join();
+  deadmen_->join();
 }
 
 void Gateway::log_often(std::string_view cause, LogLevel level, std::string line) {

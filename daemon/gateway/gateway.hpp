@@ -17,6 +17,7 @@
 #include "config/config.hpp"
 #include "gateway/axis.hpp"
 #include "gateway/bus.hpp"
+#include "gateway/deadman_memory.hpp"
 #include "gateway/leases.hpp"
 #include "gateway/upload_buffer.hpp"
 #include "log/audit.hpp"
@@ -40,6 +41,8 @@ struct GatewayOptions {
   OnExit on_exit = OnExit::keep;
   /// What has to be put in order if the process ends is kept in this file; empty: nowhere.
   std::string journal{};
+  /// What is known of the deadmen of modules; empty: that ends with the process.
+  std::string deadmen{};
   AuditSink audit = [](AuditEntry) {};
 };
 
@@ -57,6 +60,7 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   /// left; returns at once.
   void start();
   const tmcl::ContextClock& clock() const { return clock_; }
+  const std::shared_ptr<DeadmanMemory>& deadmen() const { return deadmen_; }
   const std::shared_ptr<Leases>& leases() const { return leases_; }
   /// A client has come, which has this number until it leaves.
   std::uint64_t enter();
@@ -153,6 +157,7 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   std::shared_ptr<Arrivals> arrivals_ = std::make_shared<Arrivals>();
   std::shared_ptr<Leases> leases_;
   std::shared_ptr<Journal> journal_;  ///< Null if none is kept.
+  std::shared_ptr<DeadmanMemory> deadmen_;
   std::vector<std::shared_ptr<GatewayBus>> buses_;
   std::vector<std::shared_ptr<GatewayAxis>> axes_;  ///< The configured ones first.
   std::size_t configured_axes_ = 0;

@@ -102,6 +102,7 @@ Script<Result<void>> GatewayModule::meet() {
     if (seen == Verdict::restarted) latch(GatewayEvent::Kind::module_reset, "has started again");
     if (seen != Verdict::same) co_await must(look_at_sentinel());
     co_await must(mark());
+    co_await must(deadman_.adopt(found));
   }
   adopt(found);
   co_return Result<void>{};
@@ -124,7 +125,10 @@ Script<Result<Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proof) {
   if (!sentinel_.watches()) co_return Verdict::same;
   tmcl::CallOptions options;
   options.proof = proof;
+  const auto asked = co_await tmcl::current_time();
   const auto answer = co_await tmcl::exchange(sentinel_.question(address_), options);
+  const auto answered = co_await tmcl::current_time();
+  deadman_.note_sent(answer, asked, answered);
   if (answer) co_return sentinel_.take(Sentinel::Reading::of(*answer));
   if (answer.error().outcome != tmcl::Outcome::refused) co_return tl::unexpected(answer.error());
   co_return Verdict::missing;
@@ -162,8 +166,25 @@ Script<Result<void>> GatewayModule::mark() {
 
 void GatewayModule::latch(GatewayEvent::Kind kind, const std::string& what) {
   ++settings_epoch_;
+  deadman_.forget_settings();
   bus_.motors().latch(address_, "module " + std::to_string(number(address_)) + " " + what);
   bus_.emit({kind, bus_.name(), number(address_), 0, "it " + what});
+}
+
+// ---- what keeps its motors from being stopped ---------------------------------------------------
+
+tmcl::TimePoint GatewayModule::feeding_due() const {
+  return state_ == State::ready ? deadman_.due() : tmcl::TimePoint::max();
+}
+
+boost::asio::awaitable<void> GatewayModule::feed(tmcl::TimePoint deadline) {
+  // Whoever holds the module feeds it: nothing waits for its end.
+  RunOptions options;
+  options.deadline = deadline;
+  auto question = sentinel_.watches() ? watch({}) : deadman_.ask(sentinel_.question(address_));
+  const auto fed = co_await bus_.run(std::move(question), std::move(options));
+  if (!fed) note(fed.error());
+  deadman_.end_feeding();
 }
 
 // ---- what is known about it --------------------------------------------------------------------
@@ -177,6 +198,7 @@ void GatewayModule::adopt(const tmcl::FoundModule& found) {
   duplicate_suspected_ = duplicate_suspected_ || found.duplicate_suspected;
   ++settings_epoch_;
   if (!news) return;
+  bus_.look_at_feeding();
   const auto kind =
       runs ? GatewayEvent::Kind::module_answers : GatewayEvent::Kind::module_in_bootloader;
   bus_.emit({kind, bus_.name(), number(address_), 0, name_of(found)});
@@ -193,6 +215,7 @@ void GatewayModule::note(const tmcl::Error& error) {
 void GatewayModule::forget_state() {
   state_ = State::unknown;
   duplicate_suspected_ = false;
+  deadman_.forget_settings();
 }
 
 }  // namespace tmcld

@@ -9,6 +9,7 @@
 #include <boost/asio/awaitable.hpp>
 
 #include "async/shared_work.hpp"
+#include "gateway/deadman.hpp"
 #include "gateway/event.hpp"
 #include "gateway/sentinel.hpp"
 #include "tmcl/model.hpp"
@@ -27,8 +28,8 @@ class GatewayModule {
     in_bootloader,  ///< Answers, but runs no firmware: it executes nothing.
   };
 
-  GatewayModule(GatewayBus& bus, tmcl::ModuleAddress address, SentinelConfig sentinel)
-      : bus_(bus), address_(address), sentinel_(sentinel) {}
+  GatewayModule(GatewayBus& bus, const ModuleConfig& config)
+      : bus_(bus), address_(config.address), sentinel_(config.sentinel), deadman_(bus, config) {}
 
   tmcl::ModuleAddress address() const { return address_; }
   /// An axis of it is in the configuration. Others are only asked what they are when somebody
@@ -60,6 +61,14 @@ class GatewayModule {
   /// The question of its sentinel was asked along with others.
   void note_sentinel(const tmcl::Result<tmcl::Answer>& answer);
 
+  /// What stops its motors when nobody sends it anything.
+  Deadman& deadman() { return deadman_; }
+  const Deadman& deadman() const { return deadman_; }
+  /// When it must have a command again; far away if it needs none.
+  tmcl::TimePoint feeding_due() const;
+  /// Sends it something, unless that takes longer.
+  boost::asio::awaitable<void> feed(tmcl::TimePoint deadline);
+
   /// Learns from how a call ended.
   void note(const tmcl::Error& error);
   void note_duplicate() { duplicate_suspected_ = true; }
@@ -88,6 +97,7 @@ class GatewayModule {
   std::uint64_t settings_epoch_ = 0;
   Sentinel sentinel_;
   SharedWork<tmcl::Result<void>> meetings_;
+  Deadman deadman_;
 };
 
 std::string_view name_of(GatewayModule::State state);

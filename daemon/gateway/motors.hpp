@@ -76,6 +76,7 @@ enum class Mover : std::uint8_t {
   path,
   mint,
   search,
+  deadman_test,
   stop,  ///< Nobody, until it is certain that it stands: see standing_stop.hpp.
 };
 
@@ -132,6 +133,8 @@ class Motors {
   std::optional<tmcl::Error> objection(tmcl::AxisAddress motor, Permit permit) const;
   /// The same for all motors that a request can move.
   std::optional<tmcl::Error> objection(const tmcl::Request& request, Permit permit) const;
+  /// Its client has gone.
+  std::optional<tmcl::Error> objection_by_absence(Permit permit) const;
   /// Why a call must not change what motors are set to: somebody else has a lease.
   std::optional<tmcl::Error> objection_to_write(const tmcl::Request& request, Permit permit) const;
 
@@ -222,7 +225,6 @@ class Motors {
   std::optional<tmcl::Error> objection_by_lease(tmcl::AxisAddress motor, Permit permit) const;
   /// The call needs one, and has none.
   std::optional<tmcl::Error> objection_without_lease(tmcl::AxisAddress motor, Permit permit) const;
-  std::optional<tmcl::Error> objection_by_absence(Permit permit) const;
   std::optional<tmcl::Error> objection_by_latch(tmcl::AxisAddress motor, Permit permit) const;
   tmcl::Error error(tmcl::Errc code, std::string message, std::string hint) const;
 

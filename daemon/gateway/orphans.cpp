@@ -58,17 +58,6 @@ awaitable<bool> meet(GatewayAxis& axis) {
   co_return false;
 }
 
-awaitable<bool> set_back(GatewayAxis& axis, tmcl::plan::Setting setting) {
-  while (!axis.bus().is_closed()) {
-    auto script = tmcl::verbs::set(axis.address(), setting.parameter, setting.value);
-    const auto written = co_await axis.perform(std::move(script), {});
-    axis.module().note_settings_changed();
-    if (written || written.error().outcome == tmcl::Outcome::refused) co_return written.has_value();
-    co_await rest(pause);
-  }
-  co_return false;
-}
-
 /// In the reverse of the order in which they were changed. Gives what became of it, in words.
 awaitable<std::string> set_all_back(GatewayAxis& axis, const Holding& holding) {
   if (holding.before.empty()) co_return "no setting had been changed";
@@ -114,6 +103,20 @@ awaitable<void> put_in_order(std::shared_ptr<GatewayAxis> axis, Claim claim, Hol
 }
 
 }  // namespace
+
+awaitable<bool> set_back(GatewayAxis& axis, tmcl::plan::Setting setting) {
+  while (!axis.bus().is_closed()) {
+    RunOptions options;
+    // It was so before.
+    options.permit.exceeds_limits = true;
+    auto script = tmcl::verbs::set(axis.address(), setting.parameter, setting.value);
+    const auto written = co_await axis.perform(std::move(script), std::move(options));
+    axis.module().note_settings_changed();
+    if (written || written.error().outcome == tmcl::Outcome::refused) co_return written.has_value();
+    co_await rest(pause);
+  }
+  co_return false;
+}
 
 void take_over(const std::shared_ptr<GatewayAxis>& axis, Holding holding) {
   const auto& executor = axis->bus().executor();

@@ -17,6 +17,7 @@ std::string_view name_of(StopCause cause) {
     case StopCause::deviation: return "deviation";
     case StopCause::left_limit: return "left_limit";
     case StopCause::right_limit: return "right_limit";
+    case StopCause::deadman: return "deadman";
     case StopCause::supply: return "supply";
     case StopCause::client: return "client";
     case StopCause::lease_lost: return "lease_lost";

@@ -16,6 +16,7 @@ enum class StopCause : std::uint8_t {
   deviation,  ///< Its encoder says that it is not where it should be.
   left_limit,
   right_limit,
+  deadman,        ///< Its module has: tmcld had sent it nothing for too long.
   supply,         ///< Its module has started again.
   client,         ///< Somebody has sent a stop.
   lease_lost,     ///< The program that had it alone has gone, or said nothing for too long.

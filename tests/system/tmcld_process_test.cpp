@@ -226,6 +226,24 @@ TEST_F(Tmcld, TakesOverTheSocketOfOneThatWasKilled) {
   EXPECT_EQ(client.result("axis.list").at("axes").as_array().size(), 3U);
 }
 
+TEST_F(Tmcld, IsFrozenAndItsModulesStopTheirMotors) {
+  start_simulator_on_pty();
+  write_config(pty_link(), "[[module]]\nbus = \"bench\"\naddress = 1\ndeadman_ms = 300\n");
+  start_daemon();
+  RpcClient client(socket());
+  const auto state = [&] { return client.result("axis.get_state", {{"axis", "x"}}); };
+  client.result("axis.move_to", {{"axis", "x"}, {"position_microsteps", 5'000'000}});
+  while (!state().at("moving").as_bool()) {
+  }
+  daemon->signal(SIGSTOP);
+  std::this_thread::sleep_for(1s);
+  daemon->signal(SIGCONT);
+  const auto after = state();
+  EXPECT_EQ(after.at("moving"), false);
+  EXPECT_LT(after.at("position_microsteps").as_int64(), 5'000'000);
+  EXPECT_EQ(after.at("stop_cause"), "deadman");
+}
+
 TEST_F(Tmcld, SaysWhatIsMissing) {
   const auto without = run_program({"tmcld"});
   EXPECT_EQ(without.status, 2);
@@ -257,6 +275,13 @@ TEST_F(Tmcld, ChecksItsConfiguration) {
   EXPECT_EQ(screw.output,
             "ok: 1 bus, 3 axes\nz: 10 mm a turn behind a gear of 3:1, from -2.5 to 300 mm, 1200 "
             "encoder counts a mm\n");
+
+  write_config("serial:/dev/none@9600",
+               "[[module]]\nbus = \"bench\"\naddress = 1\ndeadman_ms = 600\n");
+  const auto fed = run_program({"tmcld", "--config", config(), "--check"});
+  EXPECT_EQ(fed.output,
+            "ok: 1 bus, 3 axes\nbench: modules with a deadman are sent something often enough, "
+            "which takes 9.9 % of the wire at 9600 baud\n");
 
   // Where replies come with the identifier 2, no module may have it.
   write_config("can:can0");

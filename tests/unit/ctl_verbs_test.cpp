@@ -391,5 +391,33 @@ TEST_F(CtlVerbs, NoDaemonNamesTheSocketAndWhatToTry) {
   EXPECT_THAT(err_stream.str(), HasSubstr("--direct"));
 }
 
+TEST_F(CtlVerbs, DeadmanSetSaysThatItProvesNothing) {
+  target.result = {{"ms", 1000}};
+  EXPECT_EQ(run({"deadman", "set", "x", "1000"}), ExitCode::done);
+  EXPECT_THAT(target.calls, ElementsAre(R"(axis.set_deadman {"axis":"x","ms":1000})"));
+  EXPECT_THAT(out, HasSubstr("'tmclctl deadman test x' sees whether it does"));
+  EXPECT_EQ(run({"deadman", "set", "x", "99"}), ExitCode::usage);
+}
+
+TEST_F(CtlVerbs, DeadmanOffSetsItToNothing) {
+  target.result = {{"ms", 0}};
+  EXPECT_EQ(run({"deadman", "off", "x"}), ExitCode::done);
+  EXPECT_THAT(target.calls, ElementsAre(R"(axis.set_deadman {"axis":"x","ms":0})"));
+  EXPECT_EQ(out, "x: the deadman of its module is off\n");
+}
+
+TEST_F(CtlVerbs, DeadmanTestTellsWhatWasFound) {
+  target.result = {{"deadman", {{"ms", 1000}, {"measured", 1003}}},
+                   {"reason", nullptr},
+                   {"way_microsteps", 6200}};
+  EXPECT_EQ(run({"deadman", "test", "x"}), ExitCode::done);
+  EXPECT_EQ(out,
+            "x: its module stops it 1003 ms after the last command (set to 1000 ms); it has gone "
+            "6200 microsteps\n");
+  target.result = {{"deadman", "none"}, {"reason", "it is switched off"}, {"way_microsteps", 0}};
+  EXPECT_EQ(run({"deadman", "test", "x"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("x: no deadman: it is switched off; it has gone 0 microsteps\n"));
+}
+
 }  // namespace
 }  // namespace tmclctl::test

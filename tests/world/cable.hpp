@@ -46,9 +46,10 @@ units_per_revolution = 5
 
 class Cable : public testing::Test {
  protected:
-  explicit Cable(const std::string& config = cable_config, std::string_view model = "TMCM-6212")
+  explicit Cable(const std::string& config = cable_config, std::string_view model = "TMCM-6212",
+                 tmcl::Framing framing = tmcl::Framing::serial)
       : config_(parse_config(config).value()),
-        wire(context_, "bench", tmcl::Framing::serial, 1, {}, trace_),
+        wire(context_, "bench", framing, 1, {}, trace_),
         module(wire.bench().add(*tmcl::find_model(model), tmcl::ModuleAddress{1})) {
     std::signal(SIGPIPE, SIG_IGN);
     silence_log();
@@ -63,10 +64,13 @@ class Cable : public testing::Test {
     gateway_->close();
     time.run_for(std::chrono::seconds(10));
   }
-  void start_gateway(const std::string& journal = {}) {
+  void start_gateway(const std::string& journal = {}, const std::string& deadmen = {}) {
     GatewayOptions options;
     options.open_link = [this](const BusConfig&) { return wire.open(); };
     options.journal = journal;
+    options.deadmen = deadmen;
+    options.log = [this](LogLevel, std::string_view line) { logged.emplace_back(line); };
+    options.audit = [this](const AuditEntry& entry) { audited.push_back(entry.text); };
     gateway_ = Gateway::create(context_.get_executor(), config_, std::move(options));
     gateway_->on_event([this](const GatewayEvent& event) {
       if (event.kind == GatewayEvent::Kind::axis_stopped) stopped.push_back(event.text);
@@ -142,6 +146,8 @@ class Cable : public testing::Test {
   std::vector<std::string> stopped;
   std::vector<std::string> orphans;
   std::vector<std::string> events;
+  std::vector<std::string> logged;
+  std::vector<std::string> audited;
   tmcl::sim::Module& module;
 
  private:

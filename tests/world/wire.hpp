@@ -90,6 +90,12 @@ class Wire {
     asked_[tmcl::reply_byte(address)].clear();
     scheduler_.touch();
   }
+  /// The link is lost; it can be opened again at once.
+  void unplug() {
+    boost::system::error_code ignored;
+    readiness_.close(ignored);
+    far_ = std::make_unique<tmcl::Link>(std::move(tmcl::Link::memory_pair(framing_)->second));
+  }
   /// The gateway's end; the one before is dead then.
   tmcl::Result<tmcl::Link> open() {
     auto ends = tmcl::Link::memory_pair(framing_);

@@ -69,6 +69,7 @@ ModuleRow module_from(const Module& found) {
   if constexpr (requires { found.state; }) {
     row.state = found.state;
     row.watched_by = found.watched_by;
+    row.deadman = api::write_value(found.deadman);
     row.in_bootloader = found.state == "in_bootloader";
   } else {
     row.in_bootloader = found.in_bootloader;

@@ -278,6 +278,23 @@ the motor turns slowly.
   tmclctl --json errors x
 )";
 
+constexpr const char* deadman = R"(
+A module can stop its motors by itself when nobody has sent it anything for a time: when this computer
+has failed, tmcld hangs, or the cable is cut. The time is kept in the module's EEPROM, and holds for every
+other host, too, and for programs in the module: one that starts a program by itself is not set. tmcld
+sends something to a module that it has set in every third of the time; 'deadman_ms' in its configuration
+sets it for good. With --direct it holds from the moment on at which tmclctl ends.
+
+That a module keeps the time does not prove that it heeds it. 'test' turns the axis for some tenths of a
+turn within its soft limits, not faster than its max_velocity, sends its module nothing for four times the
+time, and tells when it has stopped. All its other motors must stand. Other calls to the module wait until
+then; a stop, or Ctrl-C, ends the test. tmcld remembers what was found: 'tmclctl --json modules' shows it.
+
+  tmclctl deadman set x 1000
+  tmclctl deadman test x
+  tmclctl deadman off x
+)";
+
 constexpr const char* coordinate = R"(
 Coordinates 0 to 20 are lost with the module's power, unless they are stored; 0 never is.
 

@@ -39,6 +39,8 @@ constexpr auto table = std::to_array<MethodWord>({
     {"axis.stop_home", "home --stop"},
     {"axis.recover", "recover"},
     {"axis.get_errors", "errors"},
+    {"axis.set_deadman", "deadman set"},
+    {"axis.test_deadman", "deadman test"},
     {"axis.get_state", "state"},
     {"axis.get_units", "params"},
     {"parameter.get", "get"},

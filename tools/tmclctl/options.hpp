@@ -220,6 +220,14 @@ struct Recover {
 struct Errors {
   std::string axis;  ///< Empty: all there are.
 };
+/// Of the module of an axis: whether it stops its motors when nobody sends it anything.
+struct SetDeadman {
+  std::string axis;
+  std::int32_t ms = 0;  ///< 0: off.
+};
+struct TestDeadman {
+  std::string axis;
+};
 /// Lets a module tell when motors arrive, and shows that.
 struct Arrivals {
   std::string module;
@@ -269,15 +277,14 @@ struct Complete {
 
 }  // namespace verb
 
-using Verb =
-    std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models, verb::Get,
-                 verb::Set, verb::Move, verb::Wait, verb::Line, verb::Rotate, verb::Stop,
-                 verb::State, verb::Watch, verb::Plot, verb::Raw, verb::Simulate,
-                 verb::SolveProfile, verb::CheckMint, verb::RunMint, verb::CheckPath, verb::RunPath,
-                 verb::Assemble, verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware,
-                 verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask, verb::Arrivals,
-                 verb::Home, verb::Recover, verb::Errors, verb::Upload, verb::Download, verb::RunLeased,
-                 verb::Leases, verb::BreakLease, verb::Complete>;
+using Verb = std::variant<
+    verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models, verb::Get, verb::Set,
+    verb::Move, verb::Wait, verb::Line, verb::Rotate, verb::Stop, verb::State, verb::Watch,
+    verb::Plot, verb::Raw, verb::Simulate, verb::SolveProfile, verb::CheckMint, verb::RunMint,
+    verb::CheckPath, verb::RunPath, verb::Assemble, verb::Disassemble, verb::FirmwareInfo,
+    verb::CheckFirmware, verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask, verb::Arrivals,
+    verb::Home, verb::Recover, verb::Errors, verb::Upload, verb::Download, verb::RunLeased,
+    verb::Leases, verb::BreakLease, verb::SetDeadman, verb::TestDeadman, verb::Complete>;
 
 struct Options {
   Where where;

@@ -77,6 +77,7 @@ json::object to_json(const ModuleRow& row) {
   } else {
     object["state"] = row.state;
     object["watched_by"] = row.watched_by;
+    object["deadman"] = row.deadman;
   }
   return object;
 }

@@ -39,6 +39,7 @@ struct ModuleRow {
   bool in_bootloader = false;        ///< It answers, but runs no firmware.
   bool address_is_reply_id = false;  ///< On CAN: it takes every reply for a command.
   std::string watched_by{};          ///< Empty after a scan; else tick, variable:N or none.
+  boost::json::value deadman{};      ///< Null after a scan; else as module.list has it.
 };
 
 struct AxisRow {

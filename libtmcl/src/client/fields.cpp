@@ -14,6 +14,7 @@ std::string_view name_of(FieldType type) {
     case number: return "number";
     case boolean: return "boolean";
     case text_or_integer: return "string or integer";
+    case text_or_object: return "string or object";
     case quantity: return "quantity";
     case object: return "object";
     case texts: return "array of strings";

@@ -1,4 +1,5 @@
 // Everything that is said of modules as a whole.
+#include "config/feeding.hpp"
 #include "grammar.hpp"
 #include "help_text.hpp"
 
@@ -103,6 +104,23 @@ void add_errors(Grammar& grammar) {
   auto errors =
       grammar.verb<verb::Errors>("errors", "Say what modules report as wrong", help_text::errors);
   errors.optional_word("AXIS", axis_meaning, text(errors->axis));
+}
+
+void add_deadman(Grammar& grammar) {
+  const auto group = grammar.group("deadman", "Modules that stop their motors when nobody is there",
+                                   help_text::deadman);
+  auto set = grammar.verb<verb::SetDeadman>(group, "set", "Switch it on, in the module's EEPROM",
+                                            help_text::deadman);
+  set.axis(set->axis);
+  set.word("MS", "How long after the last command it stops them, 100 to 65535",
+           number(set->ms, tmcld::shortest_deadman_ms, tmcld::longest_deadman_ms));
+  auto off = grammar.verb<verb::SetDeadman>(group, "off", "Switch it off, in the module's EEPROM",
+                                            help_text::deadman);
+  off.axis(off->axis);
+  auto test = grammar.verb<verb::TestDeadman>(
+      group, "test", "Move the axis slowly, send its module nothing, and see when it stops",
+      help_text::deadman);
+  test.axis(test->axis);
 }
 
 void add_coordinates(Grammar& grammar) {

@@ -174,10 +174,11 @@ struct State {
   TMCL_FIELD(bool, referenced,
              "it has searched its reference, or was told where it is, while tmcld was there, and "
              "its module has not started again since");
-  TMCL_FIELD(std::optional<std::string>, stop_cause,
-             "why it stands short of its target: stall, deviation, left_limit, right_limit, "
-             "supply, client, lease_lost, daemon, velocity_mode (something else than tmcld has "
-             "stopped it) or unknown; null while it moves or where that is not known");
+  TMCL_FIELD(
+      std::optional<std::string>, stop_cause,
+      "why it stands short of its target: stall, deviation, left_limit, right_limit, "
+      "deadman, supply, client, lease_lost, daemon, velocity_mode (something else than tmcld has "
+      "stopped it) or unknown; null while it moves or where that is not known");
   TMCL_FIELD(std::int64_t, age_ms, "how old the oldest of these values is");
   TMCL_FIELD(std::optional<std::int32_t>, lease, "number of its lease; null if it has none");
   TMCL_FIELD(bool, unattended, "it turns, and does not stop when a connection ends");

@@ -44,6 +44,7 @@ enum class FieldType : std::uint8_t {
   number,
   boolean,
   text_or_integer,
+  text_or_object,
   quantity,  ///< A number, or a text with its unit, such as "12.5mm".
   object,
   texts,  ///< An array of texts; likewise those that follow.
@@ -76,6 +77,12 @@ struct NameOrNumber {
   NameOrNumber(std::string name) : said(std::move(name)) {}
   NameOrNumber(const char* name) : said(std::string(name)) {}
   std::variant<std::int32_t, std::string> said;
+};
+
+/// A word where there is nothing more to say. Only results have it.
+template <class T>
+struct WordOr {
+  std::variant<std::string, T> said;
 };
 
 /// Of integers. Nothing outside int32 passes in a parameter.
@@ -192,6 +199,15 @@ bool read_value(const boost::json::value& value, T& into) {
 }
 
 template <class T>
+bool read_value(const boost::json::value& value, WordOr<T>& into) {
+  if (std::string word; read_value(value, word)) return into.said = std::move(word), true;
+  T one{};
+  if (!read_value(value, one)) return false;
+  into.said = std::move(one);
+  return true;
+}
+
+template <class T>
 boost::json::value write_value(const T& value) {
   if constexpr (Described<T>) {
     return write_fields(fields_of<T>(), &value);
@@ -205,6 +221,12 @@ boost::json::value write_value(const T& value) {
   } else {
     return boost::json::value(value);
   }
+}
+
+template <class T>
+boost::json::value write_value(const WordOr<T>& value) {
+  return std::visit([](const auto& said) { return boost::json::value(write_value(said)); },
+                    value.said);
 }
 
 // ---- rows ----
@@ -231,6 +253,8 @@ inline constexpr FieldType type_of<Amount> = FieldType::quantity;
 template <>
 inline constexpr FieldType type_of<NameOrNumber> = FieldType::text_or_integer;
 template <class T>
+inline constexpr FieldType type_of<WordOr<T>> = FieldType::text_or_object;
+template <class T>
 constexpr FieldType type_of<std::optional<T>> = type_of<T>;
 template <class T>
 constexpr FieldType type_of<std::vector<T>> = list_of(type_of<T>);
@@ -244,6 +268,9 @@ template <class T>
 requires is_optional<T> || is_list<T>
 struct Element<T> : Element<typename T::value_type> {
 };
+
+template <class T>
+struct Element<WordOr<T>> : Element<T> {};
 
 template <class T>
 constexpr Bounds bounds_of() {

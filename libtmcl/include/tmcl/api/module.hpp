@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tmcl/api/axis.hpp"
+#include "tmcl/api/deadman.hpp"
 
 namespace tmcl::api {
 
@@ -104,6 +105,9 @@ struct Module {
   TMCL_FIELD(bool, duplicate_suspected, "several have this address");
   TMCL_FIELD(std::string, watched_by,
              "by what it is noticed that it has started again: tick, variable:N, or none");
+  TMCL_FIELD(WordOr<axis::Deadman>, deadman,
+             "whether it stops its motors when nobody sends it anything: unknown, none, or what a "
+             "test has found");
 };
 struct Modules {
   TMCL_STRUCT(Modules);

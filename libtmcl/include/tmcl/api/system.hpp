@@ -111,6 +111,13 @@ struct SearchProgress {
   TMCL_FIELD(std::string, axis, axis::axis_summary);
   TMCL_FIELD(std::int32_t, step, "of the search, as the module counts them");
 };
+struct DeadmanProgress {
+  TMCL_STRUCT(DeadmanProgress);
+  TMCL_FIELD(std::string, axis, axis::axis_summary);
+  TMCL_FIELD(std::int32_t, target_microsteps, "it goes there at most");
+  TMCL_FIELD(std::int32_t, way_microsteps, "how far that is");
+  TMCL_FIELD(std::int64_t, silence_ms, "its module is sent nothing for so long");
+};
 /// Of a program or of firmware.
 struct LoadProgress {
   TMCL_STRUCT(LoadProgress);

@@ -1,0 +1,169 @@
+#include "gateway/deadman.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "config/feeding.hpp"
+#include "gateway/bus.hpp"
+#include "gateway/deadman_memory.hpp"
+#include "tmcl/parameter.hpp"
+
+namespace tmcld {
+namespace {
+
+using tmcl::Outcome;
+using tmcl::Result;
+using tmcl::Script;
+namespace gp = tmcl::global_parameter;
+constexpr auto bank = tmcl::global_bank::parameters;
+
+bool is_line_fault(const tmcl::Error& error) {
+  return error.outcome != Outcome::refused && error.code != tmcl::Errc::bad_argument &&
+         error.code != tmcl::Errc::unexpected_value;
+}
+
+}  // namespace
+
+std::uint8_t Deadman::parameter() const {
+  return bus_.is_can() ? gp::can_heartbeat : gp::serial_heartbeat;
+}
+
+// ---- what it is set to --------------------------------------------------------------------------
+
+Script<Result<void>> Deadman::adopt(tmcl::FoundModule found) {
+  version_ = found.version;
+  const bool is_wanted = wanted_ms_.has_value() || known() != nullptr;
+  if (is_adopted_ || !is_wanted) co_return Result<void>{};
+  const auto held = co_await must(read());
+  is_adopted_ = true;
+  if (held == wanted_ms_.value_or(held)) co_return Result<void>{};
+  if (is_missing_) {
+    say("has no deadman: its motors go on when tmcld does not");
+    co_return Result<void>{};
+  }
+  if (written_to_ == found.version) {
+    say("has a deadman of " + std::to_string(held) + " ms, and not of " +
+        std::to_string(*wanted_ms_) + " ms as configured: that is written to it only once");
+    co_return Result<void>{};
+  }
+  written_to_ = found.version;
+  auto set = co_await set_as_configured();
+  co_return set;
+}
+
+Script<Result<void>> Deadman::set_as_configured() {
+  const auto before = set_ms_.value_or(0);
+  const auto written = co_await write(*wanted_ms_);
+  const auto what = "deadman of module " + std::to_string(number(address_)) + " from " +
+                    std::to_string(before) + " to " + std::to_string(*wanted_ms_) + " ms";
+  bus_.audit(what +
+             (written ? " outcome=done" : " error=" + std::string(name_of(written.error().code))));
+  if (written) bus_.log(LogLevel::info, bus_.name() + ": " + what);
+  if (written) co_return written;
+  // What the module does not want it does not get, and works as before.
+  if (is_line_fault(written.error())) co_return written;
+  say("keeps its deadman of " + std::to_string(before) + " ms: " + written.error().message);
+  co_return Result<void>{};
+}
+
+Script<Result<std::int32_t>> Deadman::read() {
+  const auto value = co_await tmcl::verbs::get_global(address_, bank, parameter());
+  if (!value && value.error().outcome != Outcome::refused) co_return value;
+  is_missing_ = !value;
+  note_set(value.value_or(0));
+  co_return *set_ms_;
+}
+
+Script<Result<bool>> Deadman::starts_program() {
+  const auto mode = co_await tmcl::verbs::get_global(address_, bank, gp::auto_start_mode);
+  if (mode) co_return *mode != 0;
+  // One that does not know of programs starts none.
+  if (mode.error().outcome == Outcome::refused) co_return false;
+  co_return tl::unexpected(mode.error());
+}
+
+Script<Result<void>> Deadman::change(std::int32_t ms) {
+  const auto held = co_await must(read());
+  if (held == ms) co_return Result<void>{};
+  if (is_missing_) {
+    co_return tl::unexpected(
+        tmcl::bad_argument("the module has no deadman: it does not know global parameter " +
+                               std::to_string(parameter()),
+                           "what stops its motors then is in docs/SAFETY.md"));
+  }
+  auto written = co_await write(ms);
+  co_return written;
+}
+
+Script<Result<void>> Deadman::write(std::int32_t ms) {
+  const bool starts = co_await must(starts_program());
+  if (starts) {
+    co_return tl::unexpected(tmcl::bad_argument(
+        "the module starts a program by itself (global parameter 77), which a deadman would stop",
+        "a module is either led by a computer, or by a program of its own"));
+  }
+  co_await must(tmcl::verbs::set_global(address_, bank, parameter(), ms));
+  const auto held = co_await must(read());
+  if (held == ms) co_return Result<void>{};
+  tmcl::Error error;
+  error.code = tmcl::Errc::unexpected_value;
+  error.outcome = Outcome::unknown;
+  error.message = "the module has taken " + std::to_string(ms) + " ms for its deadman, and has " +
+                  std::to_string(held);
+  co_return tl::unexpected(std::move(error));
+}
+
+const KnownDeadman* Deadman::known() const {
+  return bus_.deadmen() ? bus_.deadmen()->find(bus_.name(), address_, version_) : nullptr;
+}
+
+std::optional<std::int32_t> Deadman::stops_after_ms() const {
+  const auto* known = this->known();
+  return known != nullptr && known->set_ms == set_ms_ ? known->stops_after_ms : std::nullopt;
+}
+
+void Deadman::remember(std::optional<std::int32_t> stops_after_ms) {
+  if (bus_.deadmen())
+    bus_.deadmen()->note({bus_.name(), address_, version_, set_ms_.value_or(0), stops_after_ms});
+}
+
+void Deadman::note_set(std::int32_t ms) {
+  set_ms_ = ms;
+  bus_.look_at_feeding();
+}
+
+void Deadman::say(const std::string& what) {
+  if (std::exchange(said_, what) == what) return;
+  bus_.log(LogLevel::warning,
+           bus_.name() + ": module " + std::to_string(number(address_)) + " " + what);
+}
+
+// ---- feeding ------------------------------------------------------------------------------------
+
+tmcl::TimePoint Deadman::due() const {
+  if (!is_set() || is_feeding_) return tmcl::TimePoint::max();
+  return std::max(heard_, fed_) + feeding_interval(*set_ms_);
+}
+
+tmcl::TimePoint Deadman::begin_to_feed(tmcl::TimePoint now) {
+  is_feeding_ = true;
+  fed_ = now;
+  return now + feeding_interval(*set_ms_);
+}
+
+Script<Result<void>> Deadman::ask(tmcl::Request question) {
+  const auto answer = co_await tmcl::exchange(question);
+  if (!answer && answer.error().outcome != Outcome::refused)
+    co_return tl::unexpected(answer.error());
+  co_return Result<void>{};
+}
+
+void Deadman::note_sent(const Result<tmcl::Answer>& answer, tmcl::TimePoint asked,
+                        tmcl::TimePoint answered) {
+  if (!answer && answer.error().outcome != Outcome::refused) return;
+  const bool had_too_long = is_set() && answered - heard_ > std::chrono::milliseconds(*set_ms_);
+  if (had_too_long) last_gap_ = answered;
+  heard_ = std::max(heard_, asked);
+}
+
+}  // namespace tmcld

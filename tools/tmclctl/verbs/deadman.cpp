@@ -1,0 +1,64 @@
+// deadman set, deadman off, deadman test.
+#include <fmt/format.h>
+
+#include "print.hpp"
+#include "progress_line.hpp"
+#include "tmcl/api/deadman.hpp"
+#include "tmcl/api/system.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+namespace api = tmcl::api;
+
+std::string text_of(const api::axis::TestedDeadman& tested) {
+  const auto* found = std::get_if<api::axis::Deadman>(&tested.deadman.said);
+  if (found == nullptr) return "no deadman: " + tested.reason.value_or("its module has none");
+  return fmt::format("its module stops it {} ms after the last command (set to {} ms)",
+                     found->measured, found->ms);
+}
+
+}  // namespace
+
+VerbResult run(const verb::SetDeadman& verb, Context& context) {
+  const api::axis::SetDeadman params{.axis = verb.axis, .ms = verb.ms};
+  const auto result = context.target.perform("axis.set_deadman", api::to_json(params), {});
+  if (!result) return tl::unexpected(result.error());
+  if (context.output.json) {
+    print_json(*result, context.output);
+  } else if (verb.ms == 0) {
+    context.output.out << verb.axis << ": the deadman of its module is off\n";
+  } else {
+    context.output.out << fmt::format(
+        "{0}: its module is set to stop its motors {1} ms after the last command; "
+        "'tmclctl deadman test {0}' sees whether it does\n",
+        verb.axis, verb.ms);
+  }
+  return ExitCode::done;
+}
+
+VerbResult run(const verb::TestDeadman& verb, Context& context) {
+  ProgressLine line(context.output);
+  const auto result = context.target.perform(
+      "axis.test_deadman", {{"axis", verb.axis}}, [&](const json::object& news) {
+        const auto plan = api::from_json<api::DeadmanProgress>(news);
+        line.show(fmt::format("{} goes {} microsteps at most; its module is sent nothing for {} s",
+                              verb.axis, plan.way_microsteps,
+                              static_cast<double>(plan.silence_ms) / 1000));
+        return context.host.signal() == 0;
+      });
+  line.clear();
+  if (!result) return tl::unexpected(result.error());
+  const auto tested = api::from_json<api::axis::TestedDeadman>(*result);
+  if (context.output.json) {
+    print_json(*result, context.output);
+  } else {
+    context.output.out << fmt::format("{}: {}; it has gone {} microsteps\n", verb.axis,
+                                      text_of(tested), tested.way_microsteps);
+  }
+  return ExitCode::done;
+}
+
+}  // namespace tmclctl
