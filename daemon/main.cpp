@@ -57,9 +57,18 @@ void print_feeding(const BusConfig& bus) {
   const auto percent = feeding_percent(bus);
   if (percent == 0) return;
   std::printf(
-      "%s: modules with a deadman are sent something often enough, which takes %.2g %% of "
-      "the wire %s\n",
+      "%s: modules with a deadman are sent something often enough, which takes %.2g %% of the wire "
+      "%s\n",
       bus.name.c_str(), percent, feeding_wire(bus).in_words.c_str());
+  const auto steady = shortest_steady_deadman(bus).count();
+  for (const auto& module : bus.modules) {
+    const auto ms = module.deadman_ms.value_or(0);
+    if (ms == 0 || ms >= steady) continue;
+    std::printf(
+        "%s: the motors of module %u stop when one answer is lost: that is made up for "
+        "with a deadman_ms of %lld or more, or a shorter reply_timeout_ms\n",
+        bus.name.c_str(), unsigned{number(module.address)}, static_cast<long long>(steady));
+  }
 }
 
 int check(const Config& config) {

@@ -68,31 +68,25 @@ inline double feeding_percent(const BusConfig& bus) {
   return percent;
 }
 
-/// Why the modules of a bus cannot be fed in time; empty if they can: also when an answer gets
-/// lost, and all others have their turn before the question is asked again.
+/// Why the modules of a bus cannot be fed; empty if they can.
 inline std::string fault_of_feeding(const BusConfig& bus) {
-  const auto wire = feeding_wire(bus);
-  if (const auto percent = feeding_percent(bus); percent > most_feeding_percent) {
-    return "takes " + std::to_string(std::lround(percent)) + " % of bus '" + bus.name + "' " +
-           wire.in_words +
-           ", as its modules must be sent something in every third of that time: " + "more than " +
-           std::to_string(most_feeding_percent) + " %. Make it longer, or the line faster";
-  }
+  const auto percent = feeding_percent(bus);
+  if (percent <= most_feeding_percent) return {};
+  return "takes " + std::to_string(std::lround(percent)) + " % of bus '" + bus.name + "' " +
+         feeding_wire(bus).in_words +
+         ", as its modules must be sent something in every third of that time: more than " +
+         std::to_string(most_feeding_percent) + " %. Make it longer, or the line faster";
+}
+
+/// The shortest deadman with which an answer that gets lost is made up for in time: the question is
+/// asked again after its time is over, and all other modules may have their turn before that.
+inline std::chrono::milliseconds shortest_steady_deadman(const BusConfig& bus) {
   tmcl::Duration lost = bus.bus_options.reply_timeout + bus.bus_options.quiet_time;
   for (const auto& module : bus.modules)
-    if (module.deadman_ms.value_or(0) > 0) lost += wire.exchange;
+    if (module.deadman_ms.value_or(0) > 0) lost += feeding_wire(bus).exchange;
   constexpr int rest_of_deadman = feedings_per_deadman - 1;
-  const auto least =
-      std::chrono::ceil<std::chrono::milliseconds>(lost * feedings_per_deadman / rest_of_deadman);
-  for (const auto& module : bus.modules) {
-    const auto ms = module.deadman_ms.value_or(0);
-    if (ms == 0 || ms >= least.count()) continue;
-    return "of module " + std::to_string(number(module.address)) + " is " + std::to_string(ms) +
-           ", but must be " + std::to_string(least.count()) + " or more on bus '" + bus.name +
-           "': an answer that is lost takes that long to make up for. A shorter 'reply_timeout_ms' "
-           "would allow less";
-  }
-  return {};
+  return std::chrono::ceil<std::chrono::milliseconds>(lost * feedings_per_deadman /
+                                                      rest_of_deadman);
 }
 
 }  // namespace tmcld

@@ -335,6 +335,8 @@ GatewayAxis::Awaitable<DeadmanFinding> measure_deadman(
   if (!plan) co_return tl::unexpected(plan.error());
   tell(*plan);
   auto finding = co_await measurement.carry_out(*plan);
+  // Whatever has ended it, the axis may have moved.
+  if (!finding && measurement.before()) finding.error().outcome = tmcl::Outcome::unknown;
   const auto ended = std::make_shared<bool>(false);
   spawn(axis->bus().executor(),
         put_in_order(axis, std::move(*claims), measurement.before(), ended));

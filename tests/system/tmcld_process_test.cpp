@@ -281,7 +281,9 @@ TEST_F(Tmcld, ChecksItsConfiguration) {
   const auto fed = run_program({"tmcld", "--config", config(), "--check"});
   EXPECT_EQ(fed.output,
             "ok: 1 bus, 3 axes\nbench: modules with a deadman are sent something often enough, "
-            "which takes 9.9 % of the wire at 9600 baud\n");
+            "which takes 9.9 % of the wire at 9600 baud\nbench: the motors of module 1 stop when "
+            "one answer is lost: that is made up for with a deadman_ms of 1545 or more, or a "
+            "shorter reply_timeout_ms\n");
 
   // Where replies come with the identifier 2, no module may have it.
   write_config("can:can0");

@@ -53,10 +53,21 @@ TEST(Feeding, OfSixModulesAtNineThousandSixHundredBaudTakesMostOfTheWire) {
   EXPECT_EQ(fault_of_feeding(six_modules("serial:/dev/none", 1000)), "");
 }
 
-TEST(Feeding, ALostAnswerIsMadeUpForBeforeTheTimeIsOver) {
-  EXPECT_THAT(fault_of_feeding(six_modules("serial:/dev/none@1000000", 175)),
-              HasSubstr("must be 176 or more on bus 'line'"));
-  EXPECT_EQ(fault_of_feeding(six_modules("serial:/dev/none@1000000", 176)), "");
+TEST(Feeding, OfMoreThanHalfOfTheWireIsRefusedByItsKey) {
+  std::string toml =
+      "[daemon]\nsocket = \"/none\"\n[[bus]]\nname = \"line\"\n"
+      "link = \"serial:/dev/none\"\n";
+  for (const auto* address : {"1", "2", "3", "4", "5", "6"})
+    toml +=
+        "[[module]]\nbus = \"line\"\naddress = " + std::string(address) + "\ndeadman_ms = 600\n";
+  const auto config = parse_config(toml);
+  ASSERT_FALSE(config);
+  EXPECT_THAT(config.error().front().message,
+              HasSubstr("'deadman_ms' takes 59 % of bus 'line' at 9600 baud"));
+}
+
+TEST(Feeding, TellsFromWhenOnALostAnswerIsMadeUpFor) {
+  EXPECT_EQ(shortest_steady_deadman(six_modules("serial:/dev/none@1000000", 500)), 176ms);
 }
 
 TEST(Feeding, WithoutADeadmanTakesNothing) {

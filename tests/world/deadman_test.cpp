@@ -347,7 +347,9 @@ TEST_F(DeadmanTest, EndsWithAStop) {
   const auto test = begin_silence();
   EXPECT_TRUE(call("axis.stop", {{"axis", "x"}}));
   EXPECT_LT(time_to_stand(), 100ms);
-  EXPECT_EQ(name_of_error(end(test)), "superseded_by_stop");
+  const auto result = end(test);
+  EXPECT_EQ(name_of_error(result), "superseded_by_stop");
+  EXPECT_EQ(result.error().data.at("outcome"), "unknown") << "it has moved";
   EXPECT_EQ(told(), "unknown");
   expect_in_order();
 }
