@@ -189,8 +189,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   static boost::asio::awaitable<void> feed_modules(std::shared_ptr<GatewayBus> self);
   static boost::asio::awaitable<void> feed(std::shared_ptr<GatewayBus> self, GatewayModule& module,
                                            tmcl::TimePoint deadline);
-  void note_sent(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer,
-                 tmcl::TimePoint asked, tmcl::TimePoint answered);
+  void note_answer(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer);
   void attach(tmcl::Link link);
   void detach();
   void on_bus_event(const tmcl::BusEvent& event);

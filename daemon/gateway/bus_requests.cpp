@@ -205,10 +205,8 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   if (is_proven) {
     answers = co_await exchange_all(std::vector(1, std::move(exchange)));
   } else {
-    const auto asked = co_await tmcl::current_time();
     auto one = co_await tmcl::exchange(request, exchange.options);
-    const auto answered = co_await tmcl::current_time();
-    note_sent(request, one, asked, answered);
+    note_answer(request, one);
     answers.push_back(std::move(one));
   }
   auto& answer = answers.front();
@@ -222,10 +220,10 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   co_return std::move(answer);
 }
 
-void GatewayBus::note_sent(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer,
-                           tmcl::TimePoint asked, tmcl::TimePoint answered) {
-  if (auto* module = find_module(request.address))
-    module->deadman().note_sent(answer, asked, answered);
+void GatewayBus::note_answer(const tmcl::Request& request,
+                             const tmcl::Result<tmcl::Answer>& answer) {
+  auto* module = find_module(request.address);
+  if (module != nullptr && answer) module->deadman().note_answer(*answer);
 }
 
 /// What is proven by another command behind it, is proven by the question of the sentinel.
@@ -241,11 +239,8 @@ tmcl::Script<tmcl::StepResult> GatewayBus::exchange_all(
   }
   std::vector<tmcl::Request> requests;
   for (const auto& one : exchanges) requests.push_back(one.request);
-  const auto asked = co_await tmcl::current_time();
   auto results = co_await tmcl::exchange_all(std::move(exchanges));
-  const auto answered = co_await tmcl::current_time();
-  for (std::size_t i = 0; i < results.size(); ++i)
-    note_sent(requests[i], results[i], asked, answered);
+  for (std::size_t i = 0; i < results.size(); ++i) note_answer(requests[i], results[i]);
   if (asks_more) {
     module->note_sentinel(results.back());
     results.pop_back();

@@ -151,19 +151,16 @@ tmcl::TimePoint Deadman::begin_to_feed(tmcl::TimePoint now) {
   return now + feeding_interval(*set_ms_);
 }
 
-Script<Result<void>> Deadman::ask(tmcl::Request question) {
-  const auto answer = co_await tmcl::exchange(question);
-  if (!answer && answer.error().outcome != Outcome::refused)
-    co_return tl::unexpected(answer.error());
+Script<Result<void>> Deadman::ask() {
+  co_await must(tmcl::verbs::get({address_, 0}, tmcl::axis_parameter::actual_position));
   co_return Result<void>{};
 }
 
-void Deadman::note_sent(const Result<tmcl::Answer>& answer, tmcl::TimePoint asked,
-                        tmcl::TimePoint answered) {
-  if (!answer && answer.error().outcome != Outcome::refused) return;
-  const bool had_too_long = is_set() && answered - heard_ > std::chrono::milliseconds(*set_ms_);
-  if (had_too_long) last_gap_ = answered;
-  heard_ = std::max(heard_, asked);
+void Deadman::note_answer(const tmcl::Answer& answer) {
+  const bool had_too_long =
+      is_set() && answer.received - heard_ > std::chrono::milliseconds(*set_ms_);
+  if (had_too_long) last_gap_ = answer.received;
+  heard_ = std::max(heard_, answer.sent);
 }
 
 }  // namespace tmcld

@@ -62,11 +62,10 @@ class Deadman {
   /// Gives the time by which it must have been sent.
   tmcl::TimePoint begin_to_feed(tmcl::TimePoint now);
   void end_feeding() { is_feeding_ = false; }
-  /// Any question; a refusal is an answer.
-  tmcl::Script<tmcl::Result<void>> ask(tmcl::Request question);
-  /// Something was sent to it between the two.
-  void note_sent(const tmcl::Result<tmcl::Answer>& answer, tmcl::TimePoint asked,
-                 tmcl::TimePoint answered);
+  /// A question that any module answers.
+  tmcl::Script<tmcl::Result<void>> ask();
+  /// It has had a command.
+  void note_answer(const tmcl::Answer& answer);
   /// When the last time ended for which it may have had no command for too long; long ago if there
   /// was none.
   tmcl::TimePoint last_gap() const { return last_gap_; }

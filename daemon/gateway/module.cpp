@@ -125,10 +125,8 @@ Script<Result<Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proof) {
   if (!sentinel_.watches()) co_return Verdict::same;
   tmcl::CallOptions options;
   options.proof = proof;
-  const auto asked = co_await tmcl::current_time();
   const auto answer = co_await tmcl::exchange(sentinel_.question(address_), options);
-  const auto answered = co_await tmcl::current_time();
-  deadman_.note_sent(answer, asked, answered);
+  if (answer) deadman_.note_answer(*answer);
   if (answer) co_return sentinel_.take(Sentinel::Reading::of(*answer));
   if (answer.error().outcome != tmcl::Outcome::refused) co_return tl::unexpected(answer.error());
   co_return Verdict::missing;
@@ -181,7 +179,7 @@ boost::asio::awaitable<void> GatewayModule::feed(tmcl::TimePoint deadline) {
   // Whoever holds the module feeds it: nothing waits for its end.
   RunOptions options;
   options.deadline = deadline;
-  auto question = sentinel_.watches() ? watch({}) : deadman_.ask(sentinel_.question(address_));
+  auto question = sentinel_.watches() ? watch({}) : deadman_.ask();
   const auto fed = co_await bus_.run(std::move(question), std::move(options));
   if (!fed) note(fed.error());
   deadman_.end_feeding();

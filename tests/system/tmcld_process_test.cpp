@@ -210,7 +210,7 @@ TEST_F(Tmcld, MovesNothingThatWasAskedForWhileItWasStopped) {
   daemon->signal(SIGCONT);
   EXPECT_EQ(client.answer_to(asked).at("error").at("data").at("name"), "stale_request");
   EXPECT_EQ(client.result("axis.get_state", {{"axis", "x"}}).at("target_microsteps"), 0);
-  EXPECT_THAT(daemon->output(), HasSubstr("tmcld stood still for"));
+  ASSERT_TRUE(daemon->wait_for("tmcld stood still for")) << daemon->output();
   client.result("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1000}});
 }
 
