@@ -16,7 +16,14 @@ namespace tmcld::test {
 class SimulatedModule {
  public:
   explicit SimulatedModule(const tmcl::Clock& clock)
-      : module_(*tmcl::find_model("TMCM-6212"), tmcl::ModuleAddress{1}, clock) {}
+      : module_(*tmcl::find_model("TMCM-6212"), tmcl::ModuleAddress{1}, clock) {
+    // It has a deadman, which stops nothing that these tests look at.
+    constexpr std::int32_t deadman_ms = 3000;
+    const tmcl::Request set{tmcl::ModuleAddress{1}, tmcl::Command::SGP,
+                            tmcl::global_parameter::serial_heartbeat,
+                            tmcl::global_bank::parameters, deadman_ms};
+    module_.execute(set, tmcl::sim::Medium::serial, events_);
+  }
   /// The module must not outlive this.
   void be_played_by(FakeModule& module) {
     module.play = [this](const tmcl::Request& request) {
@@ -110,6 +117,7 @@ inline std::vector<MovingExample> moving_examples() {
       one("axis.home", {{"axis", "x"}, {"mode", 1}}),
       one("axis.start_home", {{"axis", "x"}, {"mode", 1}}),
       one("axis.start_home", {{"axis", "x"}}),
+      one("axis.test_deadman", {{"axis", "x"}}),
       one("parameter.set", {{"axis", "x"}, {"parameter", 0}, {"value", 51'200}}),
       one("parameter.set", {{"axis", "x"}, {"parameter", 2}, {"value", example_velocity}}),
       one("parameter.restore", {{"axis", "x"}, {"parameter", 5}}),
