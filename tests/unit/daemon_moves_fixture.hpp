@@ -20,8 +20,8 @@ class SimulatedModule {
     // It has a deadman, which stops nothing that these tests look at.
     constexpr std::int32_t deadman_ms = 3000;
     const tmcl::Request set{tmcl::ModuleAddress{1}, tmcl::Command::SGP,
-                            tmcl::global_parameter::serial_heartbeat,
-                            tmcl::global_bank::parameters, deadman_ms};
+                            tmcl::global_parameter::serial_heartbeat, tmcl::global_bank::parameters,
+                            deadman_ms};
     module_.execute(set, tmcl::sim::Medium::serial, events_);
   }
   /// The module must not outlive this.

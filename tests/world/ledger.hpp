@@ -110,6 +110,7 @@ class Ledger {
 
   /// The gateway stood still for so long, until now: what was asked for before is stale.
   void on_gap(tmcl::TimePoint now, tmcl::Duration duration) {
+    look(now - duration);
     note(now, "end of a gap");
     last_stale_ = last_;
     owners_.on_gap(now, duration);
