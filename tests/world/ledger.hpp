@@ -281,11 +281,15 @@ class Ledger {
     ++movements_;
     note(now, "movement of " + axis + " with " + std::to_string(request.value));
     const auto after = std::max(stopped_before(axis, now), last_stale_);
-    // Those whose value is known come first: others may have sent any.
-    for (const bool knows : {true, false}) {
+    // Those whose value is known come first: others may have sent any. Of several lines of the same
+    // axes nobody can tell which was sent: one that may move them.
+    using Order = std::pair<bool, bool>;
+    for (const auto& [knows, may] :
+         {Order(true, true), Order(true, false), Order(false, true), Order(false, false)}) {
       for (auto& [number, running] : running_) {
         if (running.call.values.empty() == knows || number <= after) continue;
         if (!can_have_sent(running, axis, request)) continue;
+        if (may && owners_.is_others(axis, running.call.client, number, now)) continue;
         running.moved.insert(axis);
         running.sent = request;
         if (request.command == tmcl::Command::RFS) restarts_.allow(axis, number);
