@@ -85,7 +85,6 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
 
   /// What they are the limits of is kept within them, whatever is sent.
   void add_limits(std::shared_ptr<AxisLimits> limits) { limits_.push_back(std::move(limits)); }
-  /// Stops and claims of its motors.
   /// Whatever has to be put in order if the process ends; null if nobody would.
   const std::shared_ptr<Journal>& journal() const { return journal_; }
   void keep_journal(std::shared_ptr<Journal> journal) { journal_ = std::move(journal); }
@@ -97,6 +96,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   void keep_deadmen(std::shared_ptr<DeadmanMemory> deadmen) { deadmen_ = std::move(deadmen); }
   /// A module may need a command at another time than before.
   void look_at_feeding() { feeding_.notify(); }
+  /// Stops and claims of its motors.
   Motors& motors() { return motors_; }
   const Motors& motors() const { return motors_; }
   /// Whether a request may go out for a call. A search that claims a motor may have ended unseen:
