@@ -165,6 +165,21 @@ Lookup<Axes> axes_for(const Call& call, const plan::PathSource& source, bool wit
   return in_file_order;
 }
 
+/// The greatest velocity and acceleration, how fast it is, and where: all proven, for the path is
+/// computed from them.
+tmcl::Script<tmcl::Result<std::vector<std::int32_t>>> read_for_path(tmcl::AxisAddress axis) {
+  std::vector<std::uint8_t> parameters{ap::max_velocity, ap::max_acceleration, ap::actual_velocity};
+  auto values = co_await tmcl::verbs::get_all(axis, std::move(parameters), {});
+  if (!values) co_return values;
+  tmcl::CallOptions twice;
+  twice.proof = tmcl::Proof::twice;
+  const auto position = co_await tmcl::verbs::command(
+      {axis.module, tmcl::Command::GAP, ap::actual_position, axis.motor, 0}, std::move(twice));
+  if (!position) co_return tl::unexpected(position.error());
+  values->push_back(position->reply.value);
+  co_return values;
+}
+
 awaitable<tmcl::Result<plan::PathAxisFacts>> facts_of(GatewayAxis& axis, std::string of_file) {
   plan::PathAxisFacts facts;
   facts.choice = {std::move(of_file), axis.name()};
@@ -178,19 +193,12 @@ awaitable<tmcl::Result<plan::PathAxisFacts>> facts_of(GatewayAxis& axis, std::st
   if (!scale) co_return tl::unexpected(std::move(scale.error()));
   facts.scale = std::move(*scale);
   facts.limits = axis.soft_limits();
-  const std::pair<std::uint8_t, std::int32_t*> settings[] = {
-      {ap::max_velocity, &facts.max_velocity}, {ap::max_acceleration, &facts.max_acceleration}};
-  for (const auto& [parameter, into] : settings) {
-    const auto value = co_await axis.get(parameter, {});
-    if (!value) co_return tl::unexpected(value.error());
-    *into = *value;
-  }
-  const auto velocity = co_await axis.get(ap::actual_velocity, {});
-  if (!velocity) co_return tl::unexpected(velocity.error());
-  facts.moving = *velocity != 0;
-  const auto position = co_await axis.get(ap::actual_position, {});
-  if (!position) co_return tl::unexpected(position.error());
-  facts.position = {*position};
+  const auto read = co_await axis.perform(read_for_path(axis.address()), {});
+  if (!read) co_return tl::unexpected(read.error());
+  facts.max_velocity = read->at(0);
+  facts.max_acceleration = read->at(1);
+  facts.moving = read->at(2) != 0;
+  facts.position = {read->at(3)};
   co_return facts;
 }
 

@@ -106,8 +106,9 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
     return axis_.run(units_.module_units());
   }
   Awaitable<std::optional<tmcl::UserScale>> scale() { return axis_.run(units_.scale()); }
-  Awaitable<std::optional<tmcl::plan::AxisTwin>> twin(RunOptions options) {
-    return axis_.run(units_.twin(), std::move(options));
+  Awaitable<std::optional<tmcl::plan::AxisTwin>> twin(RunOptions options,
+                                                      tmcl::Proof proof = tmcl::Proof::none) {
+    return axis_.run(units_.twin(proof), std::move(options));
   }
   std::vector<tmcl::plan::Setting> ramp_settings() const { return units_.ramp_settings(); }
   /// When a move that was started in another way should end.

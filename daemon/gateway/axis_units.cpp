@@ -74,7 +74,7 @@ AxisUnits::Script<tmcl::UserScale> AxisUnits::known_scale() {
       "the configuration can: 'microsteps'")));
 }
 
-AxisUnits::Script<std::optional<tmcl::plan::AxisTwin>> AxisUnits::twin() {
+AxisUnits::Script<std::optional<tmcl::plan::AxisTwin>> AxisUnits::twin(tmcl::Proof proof) {
   using Twin = std::optional<tmcl::plan::AxisTwin>;
   const auto* model = axis_.module().model();
   if (model == nullptr) co_return Twin{};
@@ -86,7 +86,7 @@ AxisUnits::Script<std::optional<tmcl::plan::AxisTwin>> AxisUnits::twin() {
     if (!*ramp) co_return Twin{};
     ramp_ = Known<std::vector<tmcl::plan::Setting>>{now, std::move(**ramp)};
   }
-  auto twin = co_await tmcl::verbs::read_twin(axis_.address(), *model, ramp_->value);
+  auto twin = co_await tmcl::verbs::read_twin(axis_.address(), *model, ramp_->value, proof);
   // Nobody has described its ramps.
   if (!twin && twin.error().code == tmcl::Errc::bad_argument) co_return Twin{};
   co_return if_it_tells(std::move(twin));

@@ -60,8 +60,8 @@ class AxisUnits {
   /// The scale that soft limits and distances in the unit need; microsteps without a unit.
   /// Errors: Errc::bad_argument where it cannot be known.
   Script<tmcl::UserScale> known_scale();
-  /// The twin of the axis as it is now.
-  Script<std::optional<tmcl::plan::AxisTwin>> twin();
+  /// The twin of the axis as it is now; `proof`: of its position.
+  Script<std::optional<tmcl::plan::AxisTwin>> twin(tmcl::Proof proof = tmcl::Proof::none);
   /// The settings of its ramp, as twin() has found them.
   std::vector<tmcl::plan::Setting> ramp_settings() const {
     return ramp_ ? ramp_->value : std::vector<tmcl::plan::Setting>{};

@@ -122,7 +122,7 @@ class LineRun final : public DriveRun {
       auto admitted = co_await axis.admit(intent, members_[i].movement);
       if (!admitted) co_return member.failure(std::move(admitted.error()));
       members_[i].admitted = std::move(*admitted);
-      auto twin = co_await axis.twin(members_[i].movement);
+      auto twin = co_await axis.twin(members_[i].movement, tmcl::Proof::twice);
       if (!twin) co_return member.failure(std::move(twin.error()));
       member.twin = std::move(*twin);
       if (!member.twin) {

@@ -58,6 +58,21 @@ TEST_F(DaemonPathPlan, WhatWasSaidOfAPathIsWhatIsRun) {
   EXPECT_EQ(name_of(bench.call("path.run", run(planned))), "no_plan");
 }
 
+TEST_F(DaemonPathPlan, ItBeginsWhereAnAxisWasReadTwiceWithAnotherCommandBetween) {
+  plan(corner);
+  bench.requests.clear();
+  plan(corner);
+  for (const std::uint8_t motor : {0, 1}) {
+    std::string read;
+    for (const auto& request : bench.requests) {
+      const bool is_position = request.command == Command::GAP && request.type == 1;
+      if (request.command != Command::GAP) read += '.';
+      if (is_position && request.motor == motor) read += 'p';
+    }
+    EXPECT_THAT(read, testing::ContainsRegex("p\\.+p")) << int{motor};
+  }
+}
+
 TEST_F(DaemonPathPlan, XIsTheAxisOfThisName) {
   EXPECT_EQ(json::serialize(plan(corner).at("axes")), R"(["x","y"])");
   EXPECT_EQ(

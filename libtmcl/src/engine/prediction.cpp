@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "engine/verb_steps.hpp"
 #include "tmcl/verbs.hpp"
 
 namespace tmcl::verbs {
@@ -15,15 +16,16 @@ Script<Result<std::vector<plan::Setting>>> read_ramp(AxisAddress axis, const Mod
 }
 
 Script<Result<plan::AxisTwin>> read_twin(AxisAddress axis, const Model& model,
-                                         std::vector<plan::Setting> ramp) {
+                                         std::vector<plan::Setting> ramp, Proof proof) {
   auto twin = plan::AxisTwin::of(model);
   if (!twin || !twin->set(ramp)) {
     co_return tl::unexpected(
         bad_argument(fmt::format("what the ramps of a {} look like is not known", model.name)));
   }
   const auto speed = co_await must(velocity(axis));
-  const auto here = co_await must(position(axis));
-  twin->place(here, speed);
+  const Request read{axis.module, Command::GAP, axis_parameter::actual_position, axis.motor, 0};
+  const auto here = co_await must(ask(read, with_proof(proof)));
+  twin->place(Microsteps{here}, speed);
   co_return std::move(*twin);
 }
 
