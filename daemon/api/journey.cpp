@@ -55,7 +55,7 @@ RpcError error_of(const AwaitedRun& run, json::object report) {
   const bool moved = !is_before_motion(fault.kind);
   const auto* hint = unstopped.empty() ? "all its axes were stopped" : stop_them;
   auto error =
-      rpc_error(rpc_code::call_failed, name_of(fault.kind), run.text_of(fault), moved ? hint : "");
+      rpc_error(rpc_code::call_failed, name_of(fault), run.text_of(fault), moved ? hint : "");
   if (moved) add_outcome(error, unstopped);
   error.data["axis"] = run.axis_names()[fault.axis.value_or(0)];
   error.data["run"] = std::move(report);

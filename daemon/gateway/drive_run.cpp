@@ -112,12 +112,14 @@ awaitable<void> DriveRun::answer(Drive& drive, DriveCommand command) {
   }
 }
 
+// Before the drive judges what it has read: after a gap its axes are where it did not expect them.
 void DriveRun::notice_stops(Drive& drive) const {
+  members_.front().axis->bus().motors().look_for_gap(now());
   for (std::size_t i = 0; i < members_.size(); ++i) {
     auto stop = members_[i].movement.objection();
-    if (!stop) continue;
-    auto why = stop->code == tmcl::Errc::latched ? "is latched: its module is not what it was"
-                                                 : "was stopped by somebody else";
+    if (!stop || (stop->code == tmcl::Errc::stale_request && runs_by_itself())) continue;
+    const bool is_stop = stop->code == tmcl::Errc::superseded_by_stop;
+    auto why = is_stop ? "was stopped by somebody else" : "";
     drive.stop({DriveFault::Kind::foreign, i, why, std::move(stop), {}});
   }
 }

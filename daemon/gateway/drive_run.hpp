@@ -43,6 +43,8 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   void release();
   tmcl::TimePoint now() const { return clock_.now(); }
 
+  /// Nothing more is commanded once its axes are on their way.
+  virtual bool runs_by_itself() const { return false; }
   /// Called before each step; the next time at the latest then.
   virtual boost::asio::awaitable<tmcl::TimePoint> before_step() = 0;
   /// Ends what the axis does.

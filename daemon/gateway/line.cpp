@@ -264,10 +264,11 @@ class LineRun final : public DriveRun {
     self->tell_unrestored();
     self->leave_axes();
     const auto& fault = self->drive_->report().fault;
-    self->on_end_(failure ? "internal_error" : fault ? name_of(fault->kind) : "");
+    self->on_end_(failure ? "internal_error" : fault ? name_of(*fault) : "");
     if (failure) std::rethrow_exception(failure);
   }
 
+  bool runs_by_itself() const override { return true; }
   // What goes wrong on the way is told as soon as all have been stopped.
   awaitable<tmcl::TimePoint> before_step() override {
     if (!is_told_ && drive_->phase() > plan::LineDrive::Phase::stopping && drive_->report().fault) {

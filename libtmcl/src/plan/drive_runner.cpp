@@ -119,12 +119,13 @@ DriveRunner::Awaiter DriveRunner::side_by_side(std::vector<DriveCommands>&& lane
 // ---- what all drives do ----
 
 DriveRunner::Fault DriveRunner::fault(DriveFault::Kind kind, std::optional<std::size_t> axis,
-                                      std::string message) {
+                                      std::string message) const {
+  if (has_other_reason()) return stop_asked_;
   return DriveFault{kind, axis, std::move(message), {}, {}};
 }
 
 DriveRunner::Fault DriveRunner::refusal(std::size_t axis, const Error& error) const {
-  if (stop_asked_) return stop_asked_;
+  if (has_other_reason()) return stop_asked_;
   return DriveFault{DriveFault::Kind::refused, axis, {}, error, {}};
 }
 
@@ -255,11 +256,11 @@ Script<DriveRunner::Fault> DriveRunner::look(Watched& watched, TimePoint limit) 
   co_return fault(DriveFault::Kind::no_end, goal.axis, "has not arrived when it should have");
 }
 
-DriveRunner::Fault DriveRunner::short_of(const Goal& goal, Microsteps position) {
+DriveRunner::Fault DriveRunner::short_of(const Goal& goal, Microsteps position) const {
   auto short_of_it =
       fault(DriveFault::Kind::no_end, goal.axis,
             fmt::format("stands at {}, short of its target {}", position.value, goal.target.value));
-  short_of_it->stands_at = position;
+  if (!has_other_reason()) short_of_it->stands_at = position;
   return short_of_it;
 }
 

@@ -77,8 +77,8 @@ class DriveRunner {
   virtual void on_answered(Duration /*took*/) {}
 
   std::size_t axes() const { return under_way_.size(); }
-  static Fault fault(DriveFault::Kind kind, std::optional<std::size_t> axis, std::string message);
-  /// A command that fails because its sender wants to stop is none that was refused.
+  /// What is seen of axes after the reason to stop them is none of its own: see refusal(), too.
+  Fault fault(DriveFault::Kind kind, std::optional<std::size_t> axis, std::string message) const;
   Fault refusal(std::size_t axis, const Error& error) const;
   Fault refusal(std::size_t axis) const { return refusal(axis, answer_.error()); }
   const Fault& asked_to_stop() const { return stop_asked_; }
@@ -127,7 +127,8 @@ class DriveRunner {
     std::optional<Arrival> arrival;
   };
   Script<Fault> look(Watched& watched, TimePoint limit);
-  static Fault short_of(const Goal& goal, Microsteps position);
+  Fault short_of(const Goal& goal, Microsteps position) const;
+  bool has_other_reason() const { return stop_asked_ && !stopping_; }
 
   std::optional<Script<Fault>> script_;
   std::vector<DriveCommands> lanes_;  // each in reverse

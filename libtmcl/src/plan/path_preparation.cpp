@@ -307,11 +307,14 @@ std::optional<PathObjection> objection_to_reach(const Course& course,
 
 // ---- how it went ----
 
-std::string_view name_of(DriveFault::Kind kind) {
-  switch (kind) {
+std::string_view name_of(const DriveFault& fault) {
+  switch (fault.kind) {
     case DriveFault::Kind::asked: return "stopped";
     case DriveFault::Kind::refused: return "command_failed";
-    case DriveFault::Kind::foreign: return "stopped_by_other";
+    case DriveFault::Kind::foreign: {
+      const bool is_stop = !fault.error || fault.error->code == Errc::superseded_by_stop;
+      return is_stop ? "stopped_by_other" : name_of(fault.error->code);
+    }
     case DriveFault::Kind::starved: return "starved";
     case DriveFault::Kind::off_course: return "off_path";
     case DriveFault::Kind::not_at_start: return "not_at_start";

@@ -139,8 +139,9 @@ std::optional<PathObjection> objection_to_reach(const Course& course,
 
 // ---- how it went ----
 
-/// snake_case; part of the stable interface.
-std::string_view name_of(DriveFault::Kind kind);
+/// snake_case; part of the stable interface. What has taken the right to move an axis away has a
+/// name of its own, unless it was a stop.
+std::string_view name_of(const DriveFault& fault);
 /// "running"; likewise.
 std::string_view name_of(PathStream::Phase phase);
 /// Whether nothing has moved.
