@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 #include <string>
 
@@ -64,6 +65,17 @@ TEST(Mc1451a, GoesThroughAllSevenPhases) {
                                                     {"VI", 2629.959},
                                                     {"VII", 100.707},
                                                     {"", 39195.010}});
+}
+
+// .175 steps/cycle^2 are reached with .0075 steps/cycle^3, which the page prints too great.
+TEST(Mc1451a, TakesAJerkInPartsOf2To32) {
+  const auto acceleration = std::llround(.175 * 0x1p16);
+  const auto jerk = std::llround(.0075 * 0x1p32);
+  EXPECT_EQ(acceleration, 0x2ccd);
+  EXPECT_EQ(jerk, 0x1eb851f);
+  const auto phases = durations(axis_with({100'000, 20 << 16, acceleration, jerk}));
+  EXPECT_NEAR(phases.at("I"), .175 / .0075, 0.13);
+  EXPECT_NEAR(phases.at("II"), (20 - .175 * .175 / .0075) / .175, 0.13);
 }
 
 TEST(Mc1451a, LeavesOutConstantAccelerationThatItDoesNotReach) {

@@ -47,6 +47,17 @@ constexpr double time_to_speed = 1000 * 0x1p16 / (tmc429_clock_hz * 500);
 double seconds(Tick ticks) { return static_cast<double>(ticks) / ticks_per_second; }
 Tick ticks(double seconds) { return static_cast<Tick>(std::llround(seconds * ticks_per_second)); }
 
+// "Should be greater than 1", says the application note; the data sheet does with 1.
+TEST(Tmc429, NeedsAMinimumVelocityOf1ToArrive) {
+  for (const auto& [v_min, end] : {std::pair{0, 4999}, {1, 5000}, {2, 5000}, {20, 5000}}) {
+    auto axis = axis_with({});
+    axis.write(R::v_min, v_min);
+    axis.write(R::x_target, 5000);
+    axis.advance_to(ticks(10));
+    EXPECT_EQ(axis.x_actual(), end) << v_min;
+  }
+}
+
 TEST(Tmc429, StandsAfterPowerUpWhateverItsTarget) {
   Tmc429 axis;
   axis.write(R::x_target, 1000);

@@ -40,7 +40,7 @@ constexpr auto tmc429_axis = std::to_array<ParameterRow>({
     {right_switch_disable},
     {left_switch_disable},
     {{130, "minimum_velocity", {"v_min", "minimum_speed"}, rw, true, 0, v_max, 1, "internal",
-      "speed at which the end of a ramp may stop at once; keep it at 1", "V_MIN"}},
+      "speed at which the end of a ramp may stop at once; with 0 it does not arrive", "V_MIN"}},
     {{135, "actual_acceleration", {"a_actual", ""}, r, false, -v_max, v_max, 0, "internal",
       "present acceleration", "A_ACTUAL"}},
     // No document at hand has the ranges of 137 and 146.

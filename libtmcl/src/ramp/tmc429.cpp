@@ -19,7 +19,8 @@ constexpr std::int32_t greatest_divider = 13;
 
 constexpr auto table = std::to_array<RegisterInfo>({
     {"mode", 0, 3, "0 ramp, 1 soft, 2 velocity, 3 hold"},
-    {"v_min", 0, greatest_speed, "speed at which the motor may stop at once; 1 to arrive exactly"},
+    {"v_min", 0, greatest_speed,
+     "speed at which the motor may stop at once; with 0 it does not arrive"},
     {"v_max", 0, greatest_speed, "greatest speed, in f / 2^(pulse_div + 16) microsteps/s"},
     {"v_target", -greatest_speed, greatest_speed, "set-point in velocity mode, as v_max"},
     {"v_actual", -greatest_speed, greatest_speed,
