@@ -5,6 +5,7 @@
 #include <array>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <random>
 
 #include <fmt/format.h>
@@ -578,6 +579,36 @@ TEST(CtlGenerators, TheTablesNameRegistersAndValuesThatExist) {
       EXPECT_TRUE(row.at_least.empty() || find(row.at_least)) << row.at_least;
     }
   }
+}
+
+// The three of the data sheet's page.
+TEST(CtlGenerators, TakeTheUnitsOfADataSheet) {
+  const auto registers = [](const std::vector<std::string>& settings) {
+    verb::Simulate verb;
+    verb.generator = "mc1451a";
+    verb.settings = settings;
+    std::map<std::string_view, std::int64_t> values;
+    const auto setup = read_setup(verb);
+    EXPECT_TRUE(setup) << setup.error().message;
+    for (const auto& write : setup->script.start)
+      values[setup->generator.registers[write.index].name] = write.value;
+    return values;
+  };
+  const auto read = registers({"velocity=2.75", "acceleration=.175", "jerk=.0075"});
+  EXPECT_EQ(read.at("velocity"), 0x2c000);
+  EXPECT_EQ(read.at("acceleration"), 0x2ccd);
+  EXPECT_EQ(read.at("jerk"), 0x1eb851f);
+  EXPECT_EQ(registers({"velocity=180224"}).at("velocity"), 180'224);
+  EXPECT_EQ(registers({"velocity=3.0"}).at("velocity"), 3 << 16);
+  verb::Simulate verb;
+  verb.generator = "mc1451a";
+  for (const auto* wrong :
+       {"acceleration=.51", "velocity=-0.5", "position=1.5", "velocity=2.75x"}) {
+    verb.settings = {wrong};
+    EXPECT_FALSE(read_setup(verb)) << wrong;
+  }
+  verb.settings = {"acceleration=.51"};
+  EXPECT_THAT(read_setup(verb).error().message, HasSubstr("is 0..0.4999847412 steps/cycle^2"));
 }
 
 TEST(CtlGenerators, TheHelpNamesThemAll) {

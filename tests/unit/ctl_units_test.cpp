@@ -266,11 +266,14 @@ TEST_F(CtlRamp, ChoosesAndWritesDividersAndRegisters) {
   EXPECT_THAT(target.calls, ElementsAre("units x", "get x 154", "set x 154 3", "set x 153 8",
                                         "set x 4 1638", "set x 5 859", "set x 130 20"));
   EXPECT_THAT(out, HasSubstr("pulse_divisor      3"));
-  EXPECT_THAT(out, HasSubstr("gives 4.88162 mm/s and 19.5314 mm/s^2\n"));
+  EXPECT_THAT(
+      out,
+      HasSubstr(
+          "gives 4.88162 mm/s, 19.5314 mm/s^2; up to speed in 0.2499 s and 6247 microsteps\n"));
   auto internal = ramp("50000pps", "200000pps/s");
   internal.emplace_back("--internal");
   run(internal);
-  EXPECT_THAT(out, HasSubstr("gives 49987.79297 pps and 200001.5229 pps/s"));
+  EXPECT_THAT(out, HasSubstr("gives 49987.79297 pps, 200001.5229 pps/s;"));
   EXPECT_NEAR(json(ramp("50000pps", "200000pps/s")).at("velocity").as_double(), 4.8816, 1e-4);
 }
 
@@ -320,6 +323,75 @@ TEST_F(CtlRamp, TakesWhatTheModuleCountsIfAsked) {
   EXPECT_THAT(out, HasSubstr("gives 61035.15625 pps"));
 }
 
+class CtlBow : public CtlRamp {
+ protected:
+  CtlBow() { be("TMCM-142", {0}); }
+  std::vector<std::string> with(std::vector<std::string> more) {
+    auto words = ramp("40000pps", "400000pps/s");
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+  /// What becomes of parameter 18; empty: nothing.
+  std::string written(std::vector<std::string> more) {
+    target.calls.clear();
+    EXPECT_EQ(run(with(std::move(more))), ExitCode::done) << err;
+    for (const auto& call : target.calls)
+      if (call.starts_with("set x 18 ")) return call.substr(9);
+    return "";
+  }
+};
+
+TEST_F(CtlBow, IsLeftAsItIsUnlessAJerkIsAskedFor) {
+  target.values["18"] = 11;
+  EXPECT_EQ(written({}), "");
+  EXPECT_THAT(out, HasSubstr(", 90949.47018 mm/s^3;")) << "but what it makes is told";
+  EXPECT_EQ(err, "");
+  target.values["18"] = 0;
+  EXPECT_EQ(written({}), "");
+  EXPECT_THAT(out, Not(HasSubstr("/s^3")));
+}
+
+TEST_F(CtlBow, ThatWouldSwingIsWarnedOf) {
+  target.values["18"] = 18;
+  EXPECT_EQ(written({}), "");
+  EXPECT_THAT(err, HasSubstr("with its bow of 18 the motor may swing"));
+}
+
+TEST_F(CtlBow, IsTheHighestThatTheJerkAllows) {
+  // 931322575 pps/s2 is that of 11; a bow of 13 would swing at 6872 of the register.
+  EXPECT_EQ(written({"--jerk", "1e9pps/s2"}), "11");
+  EXPECT_THAT(err, HasSubstr("the jerk is 9.31323e+08 microsteps/s^3, not 1e+09"));
+  EXPECT_EQ(written({"--jerk", "max"}), "12");
+  EXPECT_EQ(written({"--jerk", "1e9mm/s^3"}), "12");
+  EXPECT_EQ(written({"--jerk", "90000mm/s3"}), "10");
+  EXPECT_EQ(written({"--jerk", "7", "--internal"}), "7");
+}
+
+TEST_F(CtlBow, IsNoOtherQuantity) {
+  for (const auto* wrong : {"5mm/s^2", "5pps/s", "5mm"})
+    EXPECT_THAT(refusal(with({"--jerk", wrong})), HasSubstr("is no jerk")) << wrong;
+  EXPECT_THAT(refusal(with({"--jerk", "11"})), HasSubstr("11mm/s^3 or 11pps/s^2"));
+  EXPECT_THAT(refusal(with({"--jerk", "19", "--internal"})), HasSubstr("1 to 18"));
+  EXPECT_THAT(refusal(with({"--jerk", "0pps/s2"})), HasSubstr("greater than 0"));
+}
+
+TEST_F(CtlRamp, BrakesAsAskedWhereTheModuleCan) {
+  be("TMCM-6212", {1});
+  auto words = ramp("50000pps", "200000pps/s");
+  words.insert(words.end(), {"--deceleration", "100000pps/s"});
+  EXPECT_EQ(run(words), ExitCode::done) << err;
+  EXPECT_THAT(target.calls, ElementsAre("units x", "set x 4 50000", "set x 5 200000",
+                                        "set x 15 200000", "set x 17 100000", "set x 18 100000"));
+  EXPECT_THAT(out, HasSubstr(", 9.76562 mm/s^2;"));
+  words.back() = "1e9pps/s";
+  EXPECT_THAT(refusal(words), HasSubstr("1e+09 pps/s is too large"));
+  be("TMCM-1110", {3, 7});
+  words.back() = "100000pps/s";
+  words.emplace_back("--dry-run");
+  EXPECT_EQ(run(words), ExitCode::done);
+  EXPECT_THAT(err, HasSubstr("the deceleration is"));
+}
+
 TEST_F(CtlRamp, TellsWhatWasWrittenBeforeAFailure) {
   target.refused_parameter = "4";
   target.values["154"] = 2;
@@ -336,9 +408,9 @@ TEST_F(CtlRamp, SetsThePlainParametersOfOtherModules) {
   be("TMCM-142", {0});
   target.calls.clear();
   run(ramp("1000000pps", "200000pps/s"));
-  EXPECT_THAT(target.calls, ElementsAre("units x", "set x 4 67108864", "set x 16 3436",
-                                        "set x 17 3436", "set x 18 0"));
-  EXPECT_THAT(out, HasSubstr("gives 97.65625 mm/s and"));
+  EXPECT_THAT(target.calls, ElementsAre("units x", "get x 18", "set x 4 67108864", "set x 16 3436",
+                                        "set x 17 3436"));
+  EXPECT_THAT(out, HasSubstr("gives 97.65625 mm/s,"));
   target.counts.model = nullptr;
   EXPECT_THAT(refusal(ramp("5pps", "5pps/s")), HasSubstr("not known"));
 }

@@ -1,7 +1,10 @@
 // A ramp is chosen, and a twin that is set so shows what it is worth.
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tmcl/jerk.hpp"
 #include "tmcl/plan/ramp_choice.hpp"
 
 namespace tmcl::plan {
@@ -62,6 +65,23 @@ TEST(RampChoice, OfATmc457DeceleratesAsAskedAlsoWithABow) {
     const double rounding = 0.5 * (300'000 + 200'000) / choice.jerk;
     EXPECT_NEAR(seconds_to(1'000'000, model, choice.settings), ideal + rounding, 0.005);
   }
+}
+
+// The lengths and times that are told of a ramp are those that the generator makes.
+TEST(RampChoice, OfATmc457KeepsABowThatIsNotAskedFor) {
+  RampRequest wish{{100'000}, {300'000}, {200'000}, std::nullopt, 11};
+  const auto kept = choose("TMCM-142", wish);
+  EXPECT_EQ(std::ranges::count(kept.settings, 18, &Setting::parameter), 0);
+  EXPECT_EQ(kept.jerk, to_pps3(11).value);
+  EXPECT_THAT(kept.remarks, IsEmpty());
+  EXPECT_NEAR(kept.deceleration.value, 200'000, 60) << "15/16 of what is set";
+  wish.bow = 17;
+  EXPECT_THAT(choose("TMCM-142", wish).remarks, ElementsAre(HasSubstr("its bow of 17")));
+  wish.jerk = highest_jerk;
+  const auto highest = choose("TMCM-142", wish);
+  EXPECT_THAT(highest.remarks, IsEmpty());
+  EXPECT_FALSE(may_oscillate(highest.settings.back().value, {200'000}));
+  EXPECT_TRUE(may_oscillate(highest.settings.back().value + 1, {200'000}));
 }
 
 TEST(RampChoice, WithoutAJerkATmc457MakesTrapezoids) {

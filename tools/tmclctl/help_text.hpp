@@ -401,8 +401,14 @@ accelerations of a ramp. It shows what they give, and refuses while the axis mov
 cannot be met is refused with the nearest value that can.
 The dividers scale the other speeds of the axis, too, such as those of the reference search.
 
+On a TMC457 --jerk makes S-shaped ramps: the greatest bow that does not exceed it and with which the
+motor does not swing around its target; max is the greatest of these. Without --jerk the bow is left
+as it is, and 'tmclctl set x max_bow 0' switches it off. The last line says how long it takes to come
+up to speed, and how far that is.
+
   tmclctl ramp x --velocity 50000pps --acceleration 200000pps/s
-  tmclctl ramp x --velocity 20mm/s --acceleration 100mm/s^2 --dry-run
+  tmclctl ramp x --velocity 20mm/s --acceleration 100mm/s^2 --deceleration 50mm/s^2
+  tmclctl ramp x --velocity 20mm/s --acceleration 100mm/s^2 --jerk max --dry-run
 )";
 
 constexpr const char* convert = R"(
@@ -413,6 +419,8 @@ mode are those that the model starts with, if they are not given.
   tmclctl convert --model TMCM-1110 61035pps
   tmclctl convert --model TMCM-1110 --pulse-div 5 --ramp-div 7 500
   tmclctl convert --model TMCM-6212 --microsteps 64 2rps
+  tmclctl convert --model TMCM-142 --bow 11
+  tmclctl convert --model TMCM-142 1000000pps/s^2
 )";
 
 constexpr const char* profile = R"(
@@ -449,7 +457,8 @@ Registers are called as in the data sheets; values are decimal, 0x..., or these 
   sixpoint  (TMC5130, TMC5160, TMC5072) rampmode=position|velocity_positive|velocity_negative|hold
             vstart a1 v1 amax vmax dmax d1 vstop tzerowait xtarget; vstop is vstart, and at least
             10, if not given
-  mc1451a   profile=s_curve|trapezoidal position velocity acceleration jerk; steps and cycles
+  mc1451a   profile=s_curve|trapezoidal position velocity acceleration jerk; steps and cycles.
+            With a point, velocity=2.75 is in steps/cycle, and so on; both forms are shown
 f_clk=HZ is the chip's clock (100 kHz to 100 MHz; 16 MHz if not given); mc1451a counts times in
 cycles wherever SECONDS are meant. Mode and target are written last, whatever the order here.
 

@@ -141,7 +141,7 @@ struct CheckPath {
   double tolerance = 0.05;
   double velocity = 100;
   double acceleration = 1000;
-  std::optional<double> feed;
+  std::optional<double> feed, corner_jump;
   std::string svg;  ///< Empty: none.
 };
 /// And run on axes.
@@ -150,7 +150,7 @@ struct RunPath {
   std::vector<std::string> axes;  ///< LETTER=AXIS
   bool by_position = false;
   double tolerance = 0.05;
-  std::string velocity, acceleration, feed;  ///< As typed; empty: none.
+  std::string velocity, acceleration, feed, corner_jump;  ///< As typed; empty: none.
   std::optional<double> per_turn, deviation;
   std::chrono::milliseconds period{5};
   bool dry_run = false;
@@ -184,6 +184,8 @@ struct Ramp {
   std::string axis;
   std::string velocity;
   std::string acceleration;
+  std::string deceleration;  ///< Empty: the acceleration.
+  std::string jerk;          ///< Or "max"; empty: the bow is left as it is.
   bool dry_run = false;
   bool internal = false;
 };
@@ -195,7 +197,8 @@ struct Convert {
   std::optional<std::int32_t> unit_mode;
   std::int32_t microsteps = 256;
   std::int32_t full_steps = 200;
-  std::string quantity;
+  std::optional<std::int32_t> bow;
+  std::string quantity;  ///< May be empty with a bow.
 };
 /// What is one method of tmcld (docs/PROTOCOL.md), done with or without it.
 struct Ask {

@@ -46,8 +46,14 @@ struct Suffix {
   int per_seconds;
 };
 // The longest first.
-constexpr auto suffixes =
-    std::to_array<Suffix>({{"/s^2", 2}, {"/s/s", 2}, {"/s2", 2}, {"/s", 1}, {"", 0}});
+constexpr auto suffixes = std::to_array<Suffix>({{"/s/s/s", 3},
+                                                 {"/s^3", 3},
+                                                 {"/s3", 3},
+                                                 {"/s^2", 2},
+                                                 {"/s/s", 2},
+                                                 {"/s2", 2},
+                                                 {"/s", 1},
+                                                 {"", 0}});
 
 /// What stands behind a number: "mm" and 1 for "mm/s".
 struct UnitName {

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"
 
 namespace tmcl::plan {
@@ -36,12 +37,13 @@ void remark(RampChoice& choice, const RampRequest& wish) {
                 "microsteps/s^2");
   remark_if_off(choice, "deceleration", wish.deceleration.value, choice.deceleration.value,
                 "microsteps/s^2");
-  if (std::isinf(choice.jerk) && !std::isinf(wish.jerk)) {
+  if (!wish.jerk || std::isinf(*wish.jerk)) return;
+  if (std::isinf(choice.jerk)) {
     choice.remarks.push_back(
         "the acceleration begins and ends at once: the module makes no S-shaped "
         "ramps");
-  } else if (!std::isinf(wish.jerk)) {
-    remark_if_off(choice, "jerk", wish.jerk, choice.jerk, "microsteps/s^3");
+  } else if (*wish.jerk != highest_jerk) {
+    remark_if_off(choice, "jerk", *wish.jerk, choice.jerk, "microsteps/s^3");
   }
 }
 
@@ -116,31 +118,26 @@ class Chooser {
   std::optional<RampOutOfReach> error_;
 };
 
-// bow_value * f^3 / 2^52, and the acceleration is changed by bow_value every 1024 clocks.
-double bow_in_pps3(std::int32_t exponent) {
-  constexpr double clock_hz = 16e6;
-  return std::ldexp(clock_hz * clock_hz * clock_hz, exponent - 1 - 52);
-}
-
-double acceleration_register(PulsesPerSecond2 acceleration) {
-  constexpr auto unit = tmc457_acceleration_unit;
-  return acceleration.value * static_cast<double>(unit.denominator) /
-         static_cast<double>(unit.numerator);
-}
-
-std::int32_t choose_bow(const RampRequest& wish) {
-  constexpr std::int32_t greatest = 18;
-  if (std::isinf(wish.jerk)) return 0;
-  const auto least_force = acceleration_register(std::min(wish.acceleration, wish.deceleration));
+/// The highest with which it does not swing, and that does not exceed the jerk; 1 at least.
+std::int32_t choose_bow(double jerk, PulsesPerSecond2 least_acceleration) {
+  if (std::isinf(jerk)) return 0;
   std::int32_t bow = 1;
-  while (bow < greatest && bow_in_pps3(bow + 1) <= wish.jerk && std::ldexp(2.0, bow) < least_force)
+  while (bow < greatest_bow && to_pps3(bow + 1).value <= jerk &&
+         !may_oscillate(bow + 1, least_acceleration))
     ++bow;
   return bow;
 }
 
+std::string too_high(std::int32_t bow) {
+  return "with its bow of " + std::to_string(bow) +
+         " the motor may swing around its target at these accelerations; a lower one does "
+         "not";
+}
+
 Choice choose_for_tmc457(const Model& model, const RampRequest& wish, const ModuleUnits& units) {
   constexpr double part_with_bow = 15.0 / 16;
-  const auto bow = choose_bow(wish);
+  const auto least = std::min(wish.acceleration, wish.deceleration);
+  const auto bow = wish.jerk ? choose_bow(*wish.jerk, least) : wish.bow;
   const double part = bow > 0 ? part_with_bow : 1;
   Chooser chooser(model, units);
   auto& choice = chooser.choice();
@@ -148,8 +145,9 @@ Choice choose_for_tmc457(const Model& model, const RampRequest& wish, const Modu
   chooser.set("acceleration", wish.acceleration, choice.acceleration);
   chooser.set("max_deceleration", {wish.deceleration.value / part}, choice.deceleration);
   choice.deceleration.value *= part;
-  choice.settings.push_back({number_of("max_bow"), bow});
-  if (bow > 0) choice.jerk = bow_in_pps3(bow);
+  if (wish.jerk) choice.settings.push_back({number_of("max_bow"), bow});
+  if (bow > 0) choice.jerk = to_pps3(bow).value;
+  if (may_oscillate(bow, least)) choice.remarks.push_back(too_high(bow));
   return chooser.take();
 }
 

@@ -3,6 +3,7 @@
 
 #include "grammar.hpp"
 #include "help_text.hpp"
+#include "tmcl/jerk.hpp"
 
 namespace tmclctl {
 namespace {
@@ -24,15 +25,21 @@ void add_units(Grammar& grammar) {
   ramp.axis(ramp->axis);
   ramp.required_option("--velocity", "VELOCITY", "Of positioning moves, such as 50000pps",
                        text(ramp->velocity));
-  ramp.required_option("--acceleration", "ACCELERATION", "Of every ramp, such as 200000pps/s",
+  ramp.required_option("--acceleration", "ACCELERATION", "Of every ramp, such as 100mm/s^2",
                        text(ramp->acceleration));
+  ramp.option("--deceleration", "ACCELERATION", "To brake with, where the module has it apart",
+              text(ramp->deceleration));
+  ramp.option("--jerk", "JERK",
+              "How fast the acceleration changes, such as 500mm/s^3, or max; as it is without",
+              text(ramp->jerk));
   ramp.flag("--dry-run", "Only show what would be set", ramp->dry_run);
   ramp.internal(ramp->internal);
 
   auto convert = grammar.verb<verb::Convert>(
       "convert", "Show a quantity in all its units, without any module", help_text::convert);
-  convert.word("QUANTITY", "Such as 500, 61035pps, 2rps, 1.5rev or 100000pps/s",
-               text(convert->quantity));
+  convert.optional_word("QUANTITY",
+                        "Such as 500, 61035pps, 2rps, 1.5rev, 100000pps/s or 1e6pps/s^2",
+                        text(convert->quantity));
   convert.required_option("--model", "MODEL", "Such as TMCM-1110", text(convert->model));
   convert.option("--pulse-div", "N", "Pulse divider (parameter 154) of a TMC429",
                  number(convert->pulse_div, 0, tmcl::tmc429_max_divider));
@@ -44,6 +51,13 @@ void add_units(Grammar& grammar) {
   convert.option(
       "--microsteps", "N", "Microsteps of a full step (default 256)",
       [&microsteps](const std::string& text) { return read_microsteps(text, microsteps); });
+  convert.option("--bow", "N", "A bow of a TMC457 (parameter 18) instead of a quantity",
+                 number(convert->bow, 1, tmcl::greatest_bow));
+  convert.object(
+      [](const verb::Convert& said, bool) -> std::string {
+        return said.quantity.empty() == said.bow.has_value() ? "" : "give QUANTITY or --bow";
+      },
+      "such as 'tmclctl convert --model TMCM-142 --bow 11'");
   convert.option("--full-steps", "N", "Full steps of a turn (default 200)",
                  number(convert->full_steps, 1, tmcl::max_full_steps));
 }

@@ -1,5 +1,6 @@
 #include "profile/generators.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "profile/player.hpp"
@@ -52,6 +53,9 @@ constexpr Default sixpoint_defaults[] = {{"vstop", 10, "vstart"}};
 constexpr std::string_view sixpoint_last[] = {"rampmode", "xtarget"};
 
 constexpr Symbol mc1451a_symbols[] = {{"profile", "s_curve", 0}, {"profile", "trapezoidal", 1}};
+constexpr Scale mc1451a_scales[] = {{"velocity", 16, "steps/cycle"},
+                                    {"acceleration", 16, "steps/cycle^2"},
+                                    {"jerk", 32, "steps/cycle^3"}};
 constexpr std::string_view mc1451a_last[] = {"profile", "position"};
 
 template <Generator G>
@@ -68,6 +72,11 @@ GeneratorInfo info(std::span<const Symbol> symbols, std::span<const Default> def
 
 }  // namespace
 
+const Scale* GeneratorInfo::scale_of(std::string_view register_name) const {
+  const auto found = std::ranges::find(scales, register_name, &Scale::register_name);
+  return found == scales.end() ? nullptr : &*found;
+}
+
 std::span<const GeneratorInfo> generators() {
   static const auto all = [] {
     std::array rows{info<Tmc429>(tmc429_symbols, tmc429_defaults, tmc429_last),
@@ -78,6 +87,7 @@ std::span<const GeneratorInfo> generators() {
     rows.back().time_unit = "cycles";
     rows.back().length_unit = "steps";
     rows.back().clocked = false;
+    rows.back().scales = mc1451a_scales;
     return rows;
   }();
   return all;

@@ -1,6 +1,8 @@
 /// The ramp generators by name, and what people call the values of their registers.
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -23,6 +25,17 @@ struct Default {
   std::string_view at_least{};  ///< A register: if that was given more than `value`, the same.
 };
 
+/// A register that counts in parts of a unit of its data sheet; a number with a point is in that
+/// unit.
+struct Scale {
+  std::string_view register_name;
+  int bits;  ///< It holds so many powers of two of the unit.
+  std::string_view unit;
+
+  std::int64_t in_register(double number) const { return std::llround(std::ldexp(number, bits)); }
+  double in_unit(std::int64_t value) const { return std::ldexp(static_cast<double>(value), -bits); }
+};
+
 struct GeneratorInfo {
   std::string_view name;
   std::span<const tmcl::ramp::RegisterInfo> registers;
@@ -36,6 +49,10 @@ struct GeneratorInfo {
   bool clocked;
   double (*ticks_per_second)(double f_clk_hz);
   std::unique_ptr<Simulation> (*simulate)(Script script);
+  std::span<const Scale> scales{};
+
+  /// Null for a register without one.
+  const Scale* scale_of(std::string_view register_name) const;
 };
 
 std::span<const GeneratorInfo> generators();

@@ -75,12 +75,27 @@ class Reader {
     std::int64_t value = 0;
     const auto problem = read_integer(text, value).ec;
     if (problem == std::errc{}) return value;
+    if (const auto* scale = generator_.scale_of(info.name)) {
+      double number = 0;
+      const auto read = std::from_chars(text.data(), text.data() + text.size(), number);
+      const bool is_number = read.ec == std::errc{} && read.ptr == text.data() + text.size();
+      const bool fits =
+          number >= scale->in_unit(info.minimum) && number <= scale->in_unit(info.maximum);
+      if (is_number && fits) return scale->in_register(number);
+      if (is_number) return tl::unexpected(beyond(words, info, *scale));
+    }
     const auto what =
         problem == std::errc::result_out_of_range
             ? fmt::format("{} is {}..{}, not {}", info.name, info.minimum, info.maximum, text)
             : fmt::format("'{}' is no whole number", text);
     return tl::unexpected(usage_failure("bad_register", fmt::format("{}: {}", words, what),
                                         names_of_values(info, text)));
+  }
+
+  static Failure beyond(const std::string& words, const RegisterInfo& info, const Scale& scale) {
+    return usage_failure("bad_register", fmt::format("{}: {} is {:.10g}..{:.10g} {}", words,
+                                                     info.name, scale.in_unit(info.minimum),
+                                                     scale.in_unit(info.maximum), scale.unit));
   }
 
   std::string names_of_values(const RegisterInfo& info, std::string_view text) const {

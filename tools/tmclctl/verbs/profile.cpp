@@ -68,17 +68,48 @@ Attempt<json::array> samples_of(const verb::Simulate& verb, const Setup& setup,
   return samples;
 }
 
+/// What registers were given that count in parts of a unit.
+struct Given {
+  std::string_view name;
+  std::int64_t value;
+  const profile::Scale* scale;
+};
+
+std::vector<Given> scaled_registers(const Setup& setup) {
+  std::vector<Given> given;
+  for (const auto& write : setup.script.start) {
+    const auto name = setup.generator.registers[write.index].name;
+    if (const auto* scale = setup.generator.scale_of(name))
+      given.push_back({name, write.value, scale});
+  }
+  return given;
+}
+
+json::object registers_json(const Setup& setup) {
+  json::object registers;
+  for (const auto& [name, value, scale] : scaled_registers(setup)) {
+    registers[name] = json::object{{"value", value},
+                                   {"hex", fmt::format("{:x}", value)},
+                                   {"in_unit", scale->in_unit(value)},
+                                   {"unit", scale->unit}};
+  }
+  return registers;
+}
+
 json::object to_json(const Outcome& outcome, const Setup& setup, json::array samples) {
   json::array phases;
   for (const auto& phase : outcome.phases)
     phases.push_back(json::object{{"name", phase.name}, {"start_s", setup.time_of(phase.tick)}});
-  return {{"generator", setup.generator.name},
-          {"duration_s",
-           outcome.arrival ? json::value(setup.time_of(*outcome.arrival)) : json::value(nullptr)},
-          {"final_position", outcome.at_end.position},
-          {"peak_velocity", outcome.peak_velocity},
-          {"phases", std::move(phases)},
-          {"samples", std::move(samples)}};
+  json::object document{
+      {"generator", setup.generator.name},
+      {"duration_s",
+       outcome.arrival ? json::value(setup.time_of(*outcome.arrival)) : json::value(nullptr)},
+      {"final_position", outcome.at_end.position},
+      {"peak_velocity", outcome.peak_velocity},
+      {"phases", std::move(phases)},
+      {"samples", std::move(samples)}};
+  if (!setup.generator.scales.empty()) document["registers"] = registers_json(setup);
+  return document;
 }
 
 /// Every `step` from 0 on: until the end, or to the first at which what there was to see is over.
@@ -165,6 +196,10 @@ Attempt<void> show(const verb::Simulate& verb, const Setup& setup, const Simulat
     return to_csv(verb, setup, simulation, outcome).map([&](const std::string& text) {
       output.out << text;
     });
+  }
+  for (const auto& [name, value, scale] : scaled_registers(setup)) {
+    output.out << fmt::format("{:<12} {:.10g} {} = {} ({:x}h)\n", name, scale->in_unit(value),
+                              scale->unit, value, value);
   }
   return record(setup, simulation, outcome).and_then([&](const plot::Recording& recording) {
     return draw(recording, verb.svg, output);

@@ -1,4 +1,4 @@
-// ramp, convert.
+// convert.
 #include <algorithm>
 #include <cmath>
 
@@ -7,8 +7,8 @@
 
 #include "names.hpp"
 #include "print.hpp"
+#include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"
-#include "tmcl/plan/ramp_choice.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -16,157 +16,6 @@ namespace {
 
 namespace json = boost::json;
 namespace ap = tmcl::axis_parameter;
-using tmcl::plan::RampChoice;
-using tmcl::plan::Setting;
-
-// ---- ramp ----
-
-Failure unknown_model(const std::string& axis) {
-  return usage_failure("unknown_model",
-                       fmt::format("the model of axis {} is not known, so what its parameters "
-                                   "mean is not, either",
-                                   axis));
-}
-
-Attempt<RampChoice> choose_ramp(const verb::Ramp& verb, const AxisUnits& units) {
-  if (units.model == nullptr || !units.module) return tl::unexpected(unknown_model(verb.axis));
-  // A ramp is the same in both directions.
-  const auto undirected = units.undirected();
-  auto counted = undirected;
-  if (verb.internal) counted.scale.reset();
-  const auto said_velocity = attempt(tmcl::parse_quantity(verb.velocity));
-  if (!said_velocity) return tl::unexpected(said_velocity.error());
-  const auto said_acceleration = attempt(tmcl::parse_quantity(verb.acceleration));
-  if (!said_acceleration) return tl::unexpected(said_acceleration.error());
-  const auto velocity =
-      attempt(to_pps(*said_velocity, said_velocity->unit.empty() ? counted : undirected));
-  if (!velocity) return tl::unexpected(velocity.error());
-  const auto acceleration =
-      attempt(to_pps2(*said_acceleration, said_acceleration->unit.empty() ? counted : undirected));
-  if (!acceleration) return tl::unexpected(acceleration.error());
-  const auto choice = tmcl::plan::choose_ramp(
-      *units.model, {*velocity, *acceleration, *acceleration}, *units.module);
-  if (choice) return *choice;
-  const auto& [is_velocity, error] = choice.error();
-  return tl::unexpected(failure_from(
-      out_of_reach(is_velocity ? *said_velocity : *said_acceleration, undirected, error)));
-}
-
-// The table has a row for everything that is chosen from it.
-std::string_view name_of(Setting setting, const AxisUnits& units) {
-  return find_parameter(units.parameters(), setting.parameter)->name;
-}
-
-Attempt<void> refuse_in_motion(const std::string& axis, Target& target) {
-  const auto state = target.state(axis);
-  if (!state) return tl::unexpected(state.error());
-  if (!state->moving) return {};
-  Failure failure = usage_failure("moving",
-                                  fmt::format("axis {} moves; a ramp is changed at standstill, and "
-                                              "nothing was written",
-                                              axis),
-                                  "'tmclctl stop " + axis + "' stops it");
-  failure.exit = ExitCode::refused;
-  return tl::unexpected(std::move(failure));
-}
-
-Attempt<void> write(const std::vector<Setting>& settings, const AxisUnits& units,
-                    const std::string& axis, Target& target) {
-  std::string written;
-  for (const auto& setting : settings) {
-    const auto set = target.set(axis, std::to_string(setting.parameter), setting.value);
-    const auto assignment = fmt::format("{} = {}", name_of(setting, units), setting.value);
-    if (!set) {
-      auto failure = set.error();
-      failure.message += "; it was about " + assignment;
-      if (!written.empty()) failure.message += ", and these were written before: " + written;
-      return tl::unexpected(std::move(failure));
-    }
-    written += (written.empty() ? "" : ", ") + assignment;
-  }
-  return {};
-}
-
-struct RampInUnit {
-  InUnit velocity;
-  InUnit acceleration;
-};
-
-// Nothing for an axis without a unit.
-std::optional<RampInUnit> in_unit(const RampChoice& choice, const AxisUnits& units) {
-  if (!units.scale || units.scale->unit.empty()) return std::nullopt;
-  auto undirected = *units.scale;
-  undirected.reverse = false;
-  return RampInUnit{{to_user(choice.velocity, undirected).value, undirected.unit + "/s"},
-                    {to_user(choice.acceleration, undirected).value, undirected.unit + "/s^2"}};
-}
-
-void show(const verb::Ramp& verb, const RampChoice& choice, const AxisUnits& units,
-          Output& output) {
-  const auto ramp = in_unit(choice, units);
-  if (output.json) {
-    json::object parameters;
-    for (const auto& setting : choice.settings) parameters[name_of(setting, units)] = setting.value;
-    print_json(
-        {{"axis", verb.axis},
-         {"model", units.model->name},
-         {"velocity_pps", choice.velocity.value},
-         {"acceleration_pps2", choice.acceleration.value},
-         {"unit", ramp ? json::value(units.scale->unit) : json::value(nullptr)},
-         {"velocity", ramp ? json::value(ramp->velocity.value) : json::value(nullptr)},
-         {"acceleration", ramp ? json::value(ramp->acceleration.value) : json::value(nullptr)},
-         {"parameters", std::move(parameters)},
-         {"remarks", json::array(choice.remarks.begin(), choice.remarks.end())},
-         {"written", !verb.dry_run}},
-        output);
-    return;
-  }
-  for (const auto& setting : choice.settings)
-    output.out << fmt::format("{:<18} {}\n", name_of(setting, units), setting.value);
-  output.out << "gives "
-             << (ramp && !verb.internal
-                     ? shown(ramp->velocity, choice.velocity.value) + " and " +
-                           shown(ramp->acceleration, choice.acceleration.value)
-                     : fmt::format("{:.10g} pps and {:.10g} pps/s", choice.velocity.value,
-                                   choice.acceleration.value))
-             << (verb.dry_run ? "; nothing was written" : "") << '\n';
-  for (const auto& remark : choice.remarks) output.err << "tmclctl: warning: " << remark << '\n';
-}
-
-/// The order in which to write them to an axis that stands, with what its module has now.
-Attempt<std::vector<Setting>> in_safe_order(std::vector<Setting> settings, const std::string& axis,
-                                            Target& target) {
-  constexpr auto pulse_divisor = tmcl::number_of("pulse_divisor");
-  if (std::ranges::find(settings, pulse_divisor, &Setting::parameter) == settings.end())
-    return settings;
-  return target.get(axis, std::to_string(pulse_divisor)).map([&](const ParameterValue& present) {
-    return tmcl::plan::in_safe_order(std::move(settings), present.value);
-  });
-}
-
-}  // namespace
-
-VerbResult run(const verb::Ramp& verb, Context& context) {
-  const auto units = context.target.units(verb.axis);
-  if (!units) return tl::unexpected(units.error());
-  const auto choice = choose_ramp(verb, *units);
-  if (!choice) return tl::unexpected(choice.error());
-  if (!verb.dry_run) {
-    const auto done =
-        refuse_in_motion(verb.axis, context.target)
-            .and_then([&] { return in_safe_order(choice->settings, verb.axis, context.target); })
-            .and_then([&](const std::vector<Setting>& settings) {
-              return write(settings, *units, verb.axis, context.target);
-            });
-    if (!done) return tl::unexpected(done.error());
-  }
-  show(verb, *choice, *units, context.output);
-  return ExitCode::done;
-}
-
-// ---- convert ----
-
-namespace {
 
 /// The settings that a model has, over what it starts with.
 Attempt<tmcl::ModuleUnits> units_of(const verb::Convert& verb, const tmcl::Model& model,
@@ -211,6 +60,27 @@ class Converter {
   Converter(Quantity quantity, AxisUnits units)
       : quantity_(std::move(quantity)), units_(std::move(units)) {}
 
+  /// With the bow that comes nearest below, where the model has one.
+  Attempt<std::vector<Rendering>> jerk() const {
+    return attempt(to_pps3(quantity_, units_)).map([&](tmcl::PulsesPerSecond3 jerk) {
+      auto forms = forms_of(jerk);
+      if (units_.model->family != tmcl::Family::tmc457) return forms;
+      std::int32_t bow = 1;
+      while (bow < tmcl::greatest_bow && tmcl::to_pps3(bow + 1) <= jerk) ++bow;
+      forms.push_back({"bow", "as bow: the greatest that is no higher", static_cast<double>(bow)});
+      return forms;
+    });
+  }
+  std::vector<Rendering> bow(std::int32_t bow) const {
+    const auto jerk = tmcl::to_pps3(bow);
+    const auto* row = find_parameter(units_.parameters(), tmcl::number_of("acceleration"));
+    const auto full = to_pps2(tmcl::InternalAcceleration{row->initial}, *units_.module);
+    auto forms = forms_of(jerk);
+    forms.insert(forms.begin(), {"bow_value", "in the chip's unit", std::ldexp(1.0, bow - 1)});
+    forms.push_back({"full_acceleration_s", "s to the acceleration that the model starts with",
+                     seconds_to(full, jerk)});
+    return forms;
+  }
   Attempt<std::vector<Rendering>> position() const {
     return parameter(ap::target_position).map([&](std::int32_t value) {
       const tmcl::Microsteps at{value};
@@ -243,6 +113,13 @@ class Converter {
   }
 
  private:
+  /// What a second adds to an acceleration.
+  std::vector<Rendering> forms_of(tmcl::PulsesPerSecond3 jerk) const {
+    const tmcl::PulsesPerSecond2 change{jerk.value};
+    return {{"pps3", "pps/s^2", jerk.value},
+            {"full_steps_per_second3", "full steps/s^3", to_user(change, full_steps()).value},
+            {"rps3", "rps/s^2", to_user(change, turns()).value}};
+  }
   tmcl::UserScale turns() const { return tmcl::revolutions(*units_.scale); }
   tmcl::UserScale full_steps() const {
     auto scale = turns();
@@ -265,10 +142,43 @@ void print(std::string_view title, const std::vector<Rendering>& forms, Output& 
 
 }  // namespace
 
+namespace {
+
+/// What is to be shown of it, as the user said it.
+struct Shown {
+  const char* key;
+  const char* title;
+  Attempt<std::vector<Rendering>> forms;
+};
+
+std::vector<Shown> what_to_show(const verb::Convert& verb, const Quantity& quantity,
+                                const Converter& converter) {
+  if (verb.bow) return {{"jerk", "a bow", converter.bow(*verb.bow)}};
+  if (is_jerk(quantity)) return {{"jerk", "a jerk", converter.jerk()}};
+  std::vector<Shown> all;
+  const auto dimension = dimension_of(quantity);
+  const auto is_shown = [&](tmcl::Dimension one) {
+    return dimension == tmcl::Dimension::other || dimension == one;
+  };
+  if (is_shown(tmcl::Dimension::position))
+    all.push_back({"position", "a position", converter.position()});
+  if (is_shown(tmcl::Dimension::velocity))
+    all.push_back({"velocity", "a velocity", converter.velocity()});
+  if (is_shown(tmcl::Dimension::acceleration))
+    all.push_back({"acceleration", "an acceleration", converter.acceleration()});
+  return all;
+}
+
+}  // namespace
+
 VerbResult run(const verb::Convert& verb, Output& output) {
   const auto model = parse_model(verb.model);
   if (!model) return tl::unexpected(model.error());
-  const auto quantity = attempt(tmcl::parse_quantity(verb.quantity));
+  if (verb.bow && (*model)->family != tmcl::Family::tmc457) {
+    return tl::unexpected(usage_failure(
+        "usage", fmt::format("convert: --bow means nothing to a {}", (*model)->name)));
+  }
+  const auto quantity = attempt(tmcl::parse_quantity(verb.bow ? "0" : verb.quantity));
   if (!quantity) return tl::unexpected(quantity.error());
   AxisUnits units{"", *model, {}, tmcl::UserScale{}};
   const auto module = units_of(verb, **model, units.parameters());
@@ -278,31 +188,16 @@ VerbResult run(const verb::Convert& verb, Output& output) {
   units.scale->unit.clear();
   units.scale->steps = {verb.full_steps, static_cast<std::int32_t>(std::log2(verb.microsteps))};
 
-  const Converter converter(*quantity, units);
-  const auto dimension = dimension_of(*quantity);
   json::object document{{"model", (*model)->name}};
-  const auto add = [&](tmcl::Dimension which, const char* key, const char* title,
-                       const auto& convert) -> Attempt<void> {
-    if (dimension != tmcl::Dimension::other && dimension != which) return {};
-    return convert().map([&](const std::vector<Rendering>& forms) {
-      if (output.json) {
-        document[key] = to_object(forms);
-      } else {
-        print(title, forms, output);
-      }
-    });
-  };
-  const auto added =
-      add(tmcl::Dimension::position, "position", "a position", [&] { return converter.position(); })
-          .and_then([&] {
-            return add(tmcl::Dimension::velocity, "velocity", "a velocity",
-                       [&] { return converter.velocity(); });
-          })
-          .and_then([&] {
-            return add(tmcl::Dimension::acceleration, "acceleration", "an acceleration",
-                       [&] { return converter.acceleration(); });
-          });
-  if (!added) return tl::unexpected(added.error());
+  for (const auto& [key, title, forms] :
+       what_to_show(verb, *quantity, Converter(*quantity, units))) {
+    if (!forms) return tl::unexpected(forms.error());
+    if (output.json) {
+      document[key] = to_object(*forms);
+    } else {
+      print(title, *forms, output);
+    }
+  }
   if (output.json) print_json(document, output);
   return ExitCode::done;
 }

@@ -1,7 +1,9 @@
 /// The axis parameters that make a module's ramp as near as it can be to what somebody wants.
 #pragma once
 
+#include <cstdint>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,9 +21,13 @@ struct RampRequest {
   PulsesPerSecond velocity;
   PulsesPerSecond2 acceleration;
   PulsesPerSecond2 deceleration;
-  /// How fast the acceleration may change, in microsteps/s^3; infinite: trapezoids.
-  double jerk = std::numeric_limits<double>::infinity();
+  /// How fast the acceleration may change, in microsteps/s^3. Infinite: trapezoids; highest_jerk:
+  /// as fast as the module can without swinging; nothing: as it is.
+  std::optional<double> jerk = std::numeric_limits<double>::infinity();
+  /// What the axis has now, for what is left as it is; 0 where the module has no bow.
+  std::int32_t bow = 0;
 };
+constexpr double highest_jerk = std::numeric_limits<double>::max();
 
 struct RampChoice {
   /// In the module's units of the moment; to be written in_safe_order().
