@@ -42,6 +42,8 @@ void print_mechanics(const AxisConfig& axis) {
   const auto& limits = axis.motion_limits;
   if (limits.velocity) std::printf(", at most %g %s/s", *limits.velocity, unit);
   if (limits.acceleration) std::printf(", at most %g %s/s^2", *limits.acceleration, unit);
+  if (limits.deceleration) std::printf(", braking %g %s/s^2", *limits.deceleration, unit);
+  if (limits.corner_jump) std::printf(", corners %g %s/s", *limits.corner_jump, unit);
   if (limits.current) std::printf(", current at most %d", *limits.current);
   std::printf("\n");
 }
@@ -76,7 +78,8 @@ int check(const Config& config) {
               counted(config.axes.size(), "axis", "axes").c_str());
   for (const auto& bus : config.buses) print_feeding(bus);
   for (const auto& axis : config.axes) {
-    if (!axis.scale.unit.empty() || axis.scale.limits || axis.motion_limits.any())
+    if (!axis.scale.unit.empty() || axis.scale.limits || axis.motion_limits.of_settings() ||
+        axis.motion_limits.corner_jump)
       print_mechanics(axis);
   }
   for (const auto& access : config.access) print_access(access);

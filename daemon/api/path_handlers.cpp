@@ -80,7 +80,8 @@ Lookup<plan::PathRequest> request_of(const Call& call) {
   const std::pair<const char*, std::optional<tmcl::Quantity>*> quantities[] = {
       {"velocity", &request.velocity},
       {"acceleration", &request.acceleration},
-      {"feed", &request.feed}};
+      {"feed", &request.feed},
+      {"corner_jump", &request.corner_jump}};
   for (const auto& [name, into] : quantities) {
     if (!call.params.has(name)) continue;
     auto value = quantity_in(call, name);
@@ -165,19 +166,23 @@ Lookup<Axes> axes_for(const Call& call, const plan::PathSource& source, bool wit
   return in_file_order;
 }
 
-/// The greatest velocity and acceleration, how fast it is, and where: all proven, for the path is
-/// computed from them.
-tmcl::Script<tmcl::Result<std::vector<std::int32_t>>> read_for_path(tmcl::AxisAddress axis) {
-  std::vector<std::uint8_t> parameters{ap::max_velocity, ap::max_acceleration, ap::actual_velocity};
-  auto values = co_await tmcl::verbs::get_all(axis, std::move(parameters), {});
-  if (!values) co_return values;
+/// What limits its ramps, how fast it is, and where: all proven, as the path is computed from it.
+tmcl::Script<tmcl::Result<std::vector<plan::Setting>>> read_for_path(tmcl::AxisAddress axis,
+                                                                     const tmcl::Model& model) {
+  auto parameters = plan::ramp_limit_parameters(model);
+  parameters.push_back(ap::actual_velocity);
+  const auto values = co_await tmcl::verbs::get_all(axis, parameters, {});
+  if (!values) co_return tl::unexpected(values.error());
+  std::vector<plan::Setting> read;
+  for (std::size_t i = 0; i < parameters.size(); ++i)
+    read.push_back({parameters[i], values->at(i)});
   tmcl::CallOptions twice;
   twice.proof = tmcl::Proof::twice;
   const auto position = co_await tmcl::verbs::command(
       {axis.module, tmcl::Command::GAP, ap::actual_position, axis.motor, 0}, std::move(twice));
   if (!position) co_return tl::unexpected(position.error());
-  values->push_back(position->reply.value);
-  co_return values;
+  read.push_back({ap::actual_position, position->reply.value});
+  co_return read;
 }
 
 awaitable<tmcl::Result<plan::PathAxisFacts>> facts_of(GatewayAxis& axis, std::string of_file) {
@@ -193,12 +198,13 @@ awaitable<tmcl::Result<plan::PathAxisFacts>> facts_of(GatewayAxis& axis, std::st
   if (!scale) co_return tl::unexpected(std::move(scale.error()));
   facts.scale = std::move(*scale);
   facts.limits = axis.soft_limits();
-  const auto read = co_await axis.perform(read_for_path(axis.address()), {});
+  if (const auto jump = axis.corner_jump()) facts.corner_jump = *jump;
+  if (facts.model == nullptr) co_return facts;
+  const auto read = co_await axis.perform(read_for_path(axis.address(), *facts.model), {});
   if (!read) co_return tl::unexpected(read.error());
-  facts.max_velocity = read->at(0);
-  facts.max_acceleration = read->at(1);
-  facts.moving = read->at(2) != 0;
-  facts.position = {read->at(3)};
+  facts.ramp = plan::ramp_limits(*facts.model, *read);
+  facts.moving = read->at(read->size() - 2).value != 0;
+  facts.position = {read->back().value};
   co_return facts;
 }
 

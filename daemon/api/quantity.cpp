@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "gateway/line.hpp"
+#include "tmcl/plan/ramp_limits.hpp"
 
 namespace tmcld {
 namespace {
@@ -146,7 +146,8 @@ awaitable<Lookup<std::optional<tmcl::PulsesPerSecond>>> velocity_limit_of(Gatewa
 awaitable<Lookup<std::optional<tmcl::PulsesPerSecond2>>> acceleration_limit_of(GatewayAxis& axis,
                                                                                Either said) {
   const auto* model = axis.module().model();
-  const auto parameter = model == nullptr ? ap::max_acceleration : greatest_acceleration_of(*model);
+  const auto parameter =
+      model == nullptr ? ap::max_acceleration : tmcl::plan::acceleration_parameter(*model);
   return limit_of<tmcl::PulsesPerSecond2>(axis, std::move(said), Dimension::acceleration, "pps/s",
                                           parameter, tmcl::to_pps2);
 }

@@ -98,9 +98,13 @@ struct ScaleConfig {
 struct MotionLimits {
   std::optional<double> velocity{};
   std::optional<double> acceleration{};
+  std::optional<double> deceleration{};   ///< Without one, it is that of the acceleration.
   std::optional<std::int32_t> current{};  ///< As the module counts it.
+  /// By which its speed may change at once in a corner of a path.
+  std::optional<double> corner_jump{};
 
-  bool any() const { return velocity || acceleration || current; }
+  /// Whether settings and commands have to be looked at.
+  bool of_settings() const { return velocity || acceleration || deceleration || current; }
 };
 
 struct AxisConfig {

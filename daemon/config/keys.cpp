@@ -94,6 +94,11 @@ constexpr auto keys = std::to_array<KeyInfo>({
      "one"},
     {axis, "max_acceleration", number, optional, 0, 0, any,
      "greatest acceleration, per second squared, likewise"},
+    {axis, "max_deceleration", number, optional, 0, 0, any,
+     "greatest deceleration, likewise; max_acceleration if absent"},
+    {axis, "max_corner_jump", number, optional, 0, 0, any,
+     "by which its speed may change at once in a corner of a path, in the unit per second, or in "
+     "microsteps"},
     {axis, "max_current", integer, optional, 0, 255, any,
      "greatest current, as the module counts it, likewise"},
 });

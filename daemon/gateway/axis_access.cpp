@@ -9,7 +9,7 @@ AxisAccess::AxisAccess(AxisConfig config, std::shared_ptr<GatewayBus> bus)
       bus_(std::move(bus)),
       module_(bus_->add_module(config_.address.module)) {
   bus_->motors().add(config_.address, config_.name);
-  if (!config_.motion_limits.any()) return;
+  if (!config_.motion_limits.of_settings()) return;
   limits_ = std::make_shared<AxisLimits>(config_, module_);
   bus_->add_limits(limits_);
 }

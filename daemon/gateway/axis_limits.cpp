@@ -26,7 +26,16 @@ constexpr std::array<std::string_view, 3> currents{"max_current", "standby_curre
 // Above it another current is used: nothing accelerates by it.
 constexpr std::string_view no_acceleration = "acceleration_threshold";
 
-constexpr std::array<std::string_view, 3> keys{"max_velocity", "max_acceleration", "max_current"};
+constexpr std::array<std::string_view, 4> keys{"max_velocity", "max_acceleration",
+                                               "max_deceleration", "max_current"};
+
+// All brake by parameter 5, too, at least when they do not go to a position.
+bool speeds_up(const tmcl::ParameterInfo& row) {
+  return row.name.find("deceleration") == std::string_view::npos;
+}
+bool brakes(const tmcl::ParameterInfo& row) {
+  return !speeds_up(row) || row.number == ap::max_acceleration;
+}
 
 bool moves(const Request& request) {
   switch (request.command) {
@@ -68,28 +77,32 @@ bool AxisLimits::is_of_axis(const Request& request) const {
 
 bool AxisLimits::is_limited(std::uint8_t parameter) const {
   const auto* row = find_parameter(tmcl::axis_parameters(*module_.model()), parameter);
-  return is_scale(parameter) || (row != nullptr && limited_kind(*row));
+  return is_scale(parameter) || (row != nullptr && !limited_kinds(*row).empty());
 }
 
-std::optional<AxisLimits::Kind> AxisLimits::limited_kind(const tmcl::ParameterInfo& row) const {
+std::vector<AxisLimits::Kind> AxisLimits::limited_kinds(const tmcl::ParameterInfo& row) const {
   const auto& limits = config_.motion_limits;
-  if (row.access == tmcl::Access::read) return std::nullopt;
-  if (limits.velocity && std::ranges::count(speeds, row.name) != 0) return Kind::velocity;
-  if (limits.current && std::ranges::count(currents, row.name) != 0) return Kind::current;
-  const bool accelerates =
-      dimension_of(row) == tmcl::Dimension::acceleration && row.name != no_acceleration;
-  return limits.acceleration && accelerates ? std::optional(Kind::acceleration) : std::nullopt;
+  if (row.access == tmcl::Access::read) return {};
+  if (limits.velocity && std::ranges::count(speeds, row.name) != 0) return {Kind::velocity};
+  if (limits.current && std::ranges::count(currents, row.name) != 0) return {Kind::current};
+  if (dimension_of(row) != tmcl::Dimension::acceleration || row.name == no_acceleration) return {};
+  std::vector<Kind> kinds;
+  const bool is_for_both = !limits.deceleration;
+  if (limits.acceleration && (is_for_both || speeds_up(row))) kinds.push_back(Kind::acceleration);
+  if (limits.deceleration && brakes(row)) kinds.push_back(Kind::deceleration);
+  return kinds;
 }
 
 std::vector<AxisLimits::Limited> AxisLimits::limited() const {
   std::vector<Limited> all;
   for (const auto& row : tmcl::axis_parameters(*module_.model()))
-    if (const auto kind = limited_kind(row)) all.push_back({&row, *kind});
+    for (const auto kind : limited_kinds(row)) all.push_back({&row, kind});
   return all;
 }
 
 std::vector<std::uint8_t> AxisLimits::scales() const {
-  if (!config_.motion_limits.velocity && !config_.motion_limits.acceleration) return {};
+  const auto& limits = config_.motion_limits;
+  if (!limits.velocity && !limits.acceleration && !limits.deceleration) return {};
   auto all = tmcl::unit_parameters(*module_.model());
   const bool tells_microsteps = !config_.scale.unit.empty() && !config_.scale.microstep_resolution;
   if (tells_microsteps) all.push_back(ap::microstep_resolution);
@@ -192,8 +205,13 @@ tmcl::Script<Result<AxisLimits::Greatest>> AxisLimits::greatest() {
   const auto may_move = co_await check({axis.module, Command::MVP, 0, axis.motor, 0});
   if (!may_move) co_return tl::unexpected(may_move.error());
   if (limits.velocity) all.velocity = static_cast<std::int32_t>(greatest(Kind::velocity, values_));
-  if (limits.acceleration)
-    all.acceleration = static_cast<std::int32_t>(greatest(Kind::acceleration, values_));
+  for (const auto& [kind, is_limited] :
+       {std::pair(Kind::acceleration, limits.acceleration.has_value()),
+        std::pair(Kind::deceleration, limits.deceleration.has_value())}) {
+    if (!is_limited) continue;
+    const auto most = static_cast<std::int32_t>(greatest(kind, values_));
+    all.acceleration = std::min(all.acceleration.value_or(most), most);
+  }
   co_return all;
 }
 
@@ -242,6 +260,7 @@ double AxisLimits::limit(Kind kind) const {
   switch (kind) {
     case Kind::velocity: return *limits.velocity;
     case Kind::acceleration: return *limits.acceleration;
+    case Kind::deceleration: return *limits.deceleration;
     case Kind::current: return *limits.current;
   }
   return 0;

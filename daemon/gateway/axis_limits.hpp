@@ -33,7 +33,7 @@ class AxisLimits {
   /// What the limits are in the module's own unit; nothing where there is none.
   struct Greatest {
     std::optional<std::int32_t> velocity{};
-    std::optional<std::int32_t> acceleration{};
+    std::optional<std::int32_t> acceleration{};  ///< And deceleration: the smaller one.
   };
   /// Of an axis that may move now: errors as of check().
   tmcl::Script<tmcl::Result<Greatest>> greatest();
@@ -41,7 +41,7 @@ class AxisLimits {
   void note(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer);
 
  private:
-  enum class Kind : std::uint8_t { velocity, acceleration, current };
+  enum class Kind : std::uint8_t { velocity, acceleration, deceleration, current };
   struct Limited {
     const tmcl::ParameterInfo* row;
     Kind kind;
@@ -52,7 +52,7 @@ class AxisLimits {
   bool is_limited(std::uint8_t parameter) const;
   bool is_scale(std::uint8_t parameter) const;
   std::vector<Limited> limited() const;
-  std::optional<Kind> limited_kind(const tmcl::ParameterInfo& row) const;
+  std::vector<Kind> limited_kinds(const tmcl::ParameterInfo& row) const;
   std::vector<std::uint8_t> scales() const;
 
   tmcl::Script<tmcl::Result<void>> read();

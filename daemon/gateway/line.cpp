@@ -14,9 +14,9 @@
 #include "gateway/drive_run.hpp"
 #include "gateway/standing_stop.hpp"
 #include "tmcl/drive_report.hpp"
-#include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/line_drive.hpp"
 #include "tmcl/plan/path_preparation.hpp"
+#include "tmcl/plan/ramp_limits.hpp"
 
 namespace tmcld {
 namespace {
@@ -145,20 +145,14 @@ class LineRun final : public DriveRun {
     return std::nullopt;
   }
 
-  static std::int32_t setting(const Member& member, std::uint8_t parameter) {
-    const auto found = std::ranges::find(member.before, parameter, &Setting::parameter);
-    return found == member.before.end() ? 0 : found->value;
-  }
-
   static tmcl::PulsesPerSecond velocity_limit(const Member& member) {
-    const tmcl::InternalVelocity own{setting(member, ap::max_velocity)};
-    const auto limit = member.twin->to_pps(own);
+    const auto own = plan::ramp_limits(member.twin->model(), member.before).velocity;
+    const auto limit = member.twin->to_pps(tmcl::InternalVelocity{own});
     return std::min(limit, member.wanted.velocity.value_or(limit));
   }
   static tmcl::PulsesPerSecond2 acceleration_limit(const Member& member) {
-    const auto parameter = greatest_acceleration_of(member.twin->model());
-    const tmcl::InternalAcceleration own{setting(member, parameter)};
-    const auto limit = member.twin->to_pps2(own);
+    const auto own = plan::ramp_limits(member.twin->model(), member.before).acceleration;
+    const auto limit = member.twin->to_pps2(tmcl::InternalAcceleration{own});
     return std::min(limit, member.wanted.acceleration.value_or(limit));
   }
 
@@ -365,11 +359,6 @@ class LineRun final : public DriveRun {
 };
 
 }  // namespace
-
-std::uint8_t greatest_acceleration_of(const tmcl::Model& model) {
-  constexpr auto tmc457_acceleration = tmcl::number_of("acceleration");
-  return model.family == tmcl::Family::tmc457 ? tmc457_acceleration : ap::max_acceleration;
-}
 
 awaitable<tl::expected<StartedLine, LineFailure>> start_line(LineOrder order) {
   const auto executor = co_await boost::asio::this_coro::executor;

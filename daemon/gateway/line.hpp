@@ -49,9 +49,6 @@ struct StartedLine {
   tmcl::Duration skew{};
 };
 
-/// The axis parameter that says how fast this model speeds up.
-std::uint8_t greatest_acceleration_of(const tmcl::Model& model);
-
 /// Returns when all of them have started, and goes on watching; a line that does not end as it
 /// should is told by a GatewayEvent. Errors: nothing has started, or what had started has been
 /// stopped.

@@ -3,6 +3,7 @@
 
 #include <gmock/gmock.h>
 
+#include "unit/journey_bench.hpp"
 #include "unit/virtual_gateway.hpp"
 
 namespace tmcld::test {
@@ -75,6 +76,47 @@ TEST_F(AxisWithLimits, IsNotSetBeyondThem) {
   EXPECT_EQ(name(execute("SAP", 4, 1001)), "not_permitted");
   EXPECT_EQ(name(execute("SAP", 2, -1001)), "not_permitted");
   EXPECT_EQ(bench.wire.count(Command::SAP), 0U);
+}
+
+/// A sixPoint module, whose accelerations are in microsteps a second squared.
+class LimitedBraking : public testing::Test {
+ protected:
+  explicit LimitedBraking(const char* limits = "max_acceleration = 5000\nmax_deceleration = 2000\n")
+      : bench("TMCM-6212", limits) {
+    // As it is after it was switched on it would be beyond.
+    for (const auto* name :
+         {"max_acceleration", "acceleration_a1", "deceleration_d1", "max_deceleration"})
+      EXPECT_EQ(set(name, 1000), "") << name;
+  }
+  std::string set(const char* parameter, int value) {
+    const auto result =
+        bench.call("parameter.set", {{"axis", "x"}, {"parameter", parameter}, {"value", value}});
+    return result ? "" : text(result.error().data.at("hint"));
+  }
+
+  JourneyBench bench;
+};
+
+TEST_F(LimitedBraking, HasALimitOfItsOwn) {
+  EXPECT_EQ(set("acceleration_a1", 5000), "");
+  EXPECT_EQ(set("acceleration_a1", 5001), "the configuration has it: 'max_acceleration'");
+  for (const auto* name : {"max_deceleration", "deceleration_d1"}) {
+    EXPECT_EQ(set(name, 2000), "");
+    EXPECT_EQ(set(name, 2001), "the configuration has it: 'max_deceleration'");
+  }
+  // By which it brakes, too, when it turns.
+  EXPECT_EQ(set("max_acceleration", 2000), "");
+  EXPECT_EQ(set("max_acceleration", 2001), "the configuration has it: 'max_deceleration'");
+}
+
+class OneLimitForBoth : public LimitedBraking {
+ protected:
+  OneLimitForBoth() : LimitedBraking("max_acceleration = 5000\n") {}
+};
+
+TEST_F(OneLimitForBoth, IsThatOfTheAcceleration) {
+  EXPECT_EQ(set("max_deceleration", 5000), "");
+  EXPECT_EQ(set("max_deceleration", 5001), "the configuration has it: 'max_acceleration'");
 }
 
 TEST_F(AxisWithLimits, IsSetUpToThem) {

@@ -474,13 +474,17 @@ TEST(DaemonConfig, NamesUsersThatThereAreNot) {
 }
 
 TEST(DaemonConfig, KnowsTheLimitsOfAnAxis) {
-  const auto config = parse_config(
-      std::string(good) + "max_velocity = 20\nmax_acceleration = 0.5\nmax_current = 100\n");
+  const auto config =
+      parse_config(std::string(good) +
+                   "max_velocity = 20\nmax_acceleration = 0.5\nmax_deceleration = 0.4\n"
+                   "max_current = 100\nmax_corner_jump = 2\n");
   ASSERT_TRUE(config) << config.error().front().message;
   const auto& limits = config->axes[0].motion_limits;
   EXPECT_EQ(limits.velocity, 20);
   EXPECT_EQ(limits.acceleration, 0.5);
+  EXPECT_EQ(limits.deceleration, 0.4);
   EXPECT_EQ(limits.current, 100);
+  EXPECT_EQ(limits.corner_jump, 2);
   EXPECT_THAT(problems(std::string(good) + "max_velocity = -1\n"),
               ElementsAre("f:13:16: 'max_velocity' is -1, but must be greater than 0"));
 }

@@ -29,7 +29,7 @@ class Played {
     for (std::uint8_t motor = 0; motor < 2; ++motor) {
       set(motor, ap::max_velocity, own_velocity);
       set(motor, ap::max_acceleration, own_acceleration);
-      set(motor, 17, own_acceleration);
+      for (const std::uint8_t parameter : {15, 17, 18}) set(motor, parameter, own_acceleration);
     }
   }
   /// The module must not outlive this.

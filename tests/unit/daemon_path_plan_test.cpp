@@ -58,6 +58,27 @@ TEST_F(DaemonPathPlan, WhatWasSaidOfAPathIsWhatIsRun) {
   EXPECT_EQ(name_of(bench.call("path.run", run(planned))), "no_plan");
 }
 
+// A right angle at 20 mm/s.
+TEST_F(DaemonPathPlan, ACornerChangesNoSpeedByMoreThanItsAxisMay) {
+  const std::string corner = "G1 X8 F1200\nG1 Y8\n";
+  const auto slowest = [&](json::object more) {
+    more["tolerance"] = 1;
+    const auto planned = plan(corner, std::move(more));
+    return planned.at("course").at("slowest_corners").at(0).at("speed").to_number<double>();
+  };
+  EXPECT_GT(slowest({}), 1.5);
+  EXPECT_NEAR(slowest({{"corner_jump", 1}}), 1, 1e-9);
+  EXPECT_NEAR(slowest({{"corner_jump", "1mm/s"}}), 1, 1e-3);
+  const auto wrong = bench.call("path.plan", {{"text", corner}, {"corner_jump", "3mm"}});
+  EXPECT_EQ(name_of(wrong), "wrong_unit");
+  JourneyBench limited("TMCM-6212",
+                       "unit = \"mm\"\nunits_per_revolution = 5\nmax_corner_jump = 0.5\n");
+  const auto planned = limited.call("path.plan", {{"text", corner}, {"tolerance", 1}});
+  ASSERT_TRUE(planned) << planned.error().message;
+  EXPECT_NEAR(planned->at("course").at("slowest_corners").at(0).at("speed").to_number<double>(),
+              0.5, 1e-9);
+}
+
 TEST_F(DaemonPathPlan, ItBeginsWhereAnAxisWasReadTwiceWithAnotherCommandBetween) {
   plan(corner);
   bench.requests.clear();

@@ -145,6 +145,10 @@ TEST(Path, NamesWhatIsWrong) {
     bad = good;
     bad.axis[1].acceleration = wrong;
     EXPECT_EQ(fault({}, bad), (PathFault{Kind::acceleration_limit, 0, 1}));
+    if (wrong == infinity) continue;
+    bad = good;
+    bad.axis[1].corner_jump = wrong;
+    EXPECT_EQ(fault({}, bad), (PathFault{Kind::corner_jump, 0, 1}));
   }
   for (const double wrong : {-1.0, nan, infinity}) {
     EXPECT_EQ(fault({}, limits(2, {1, 1}, wrong)), PathFault{Kind::tolerance});

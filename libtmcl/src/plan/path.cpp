@@ -33,6 +33,7 @@ std::optional<PathFault> fault_of(const PathLimits& limits) {
     if (!positive(limits.axis[axis].acceleration)) {
       return PathFault{Kind::acceleration_limit, 0, axis};
     }
+    if (!(limits.axis[axis].corner_jump > 0)) return PathFault{Kind::corner_jump, 0, axis};
   }
   const bool tolerable = limits.corner_tolerance >= 0 && std::isfinite(limits.corner_tolerance);
   return tolerable ? std::nullopt : std::optional(PathFault{Kind::tolerance});
@@ -152,7 +153,8 @@ double corner_speed(const AxisValues& from, const AxisValues& to, double room,
     // Towards the centre of the arc, from both of its ends.
     const double inward = (change[axis] / (2 * sine) + sine * first) / cosine;
     const double outward = (change[axis] / (2 * sine) - sine * last) / cosine;
-    const auto& [velocity, acceleration] = limits.axis[axis];
+    const auto& [velocity, acceleration, jump] = limits.axis[axis];
+    if (change[axis] != 0) speed = std::min(speed, jump / std::abs(change[axis]));
     speed = std::min({speed, velocity / greatest(first, inward, last, outward),
                       std::sqrt(radius * acceleration / greatest(inward, -first, outward, -last))});
   }
@@ -250,6 +252,8 @@ std::string describe(const PathFault& fault) {
     case Kind::acceleration_limit:
       return fmt::format("axis {}: the limit of acceleration must be greater than zero, and finite",
                          fault.axis);
+    case Kind::corner_jump:
+      return fmt::format("axis {}: the jump in corners must be greater than zero", fault.axis);
     case Kind::start: return fmt::format("axis {}: the start must be finite", fault.axis);
     case Kind::target:
       return fmt::format("leg {}: the target of axis {} must be finite", fault.leg, fault.axis);

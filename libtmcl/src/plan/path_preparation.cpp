@@ -196,6 +196,9 @@ std::optional<PathObjection> heed(const PathRequest& request, const PathAxisFact
         lower(axis.acceleration, "acceleration", request.acceleration, units, scale, to_pps2);
   }
   if (!objection) objection = lower(axis.feed, "feed", request.feed, units, scale, to_pps);
+  if (!objection) {
+    objection = lower(axis.corner_jump, "corner_jump", request.corner_jump, units, scale, to_pps);
+  }
   return objection;
 }
 
@@ -229,12 +232,15 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
   axis.scale = facts.scale->unit.empty() ? microsteps_scale() : *facts.scale;
   axis.stands_at = facts.position.value / *scale;
   axis.range = range_of(*facts.model, *facts.units, ap::target_position);
-  axis.velocity = facts.max_velocity * facts.units->velocity.value / std::abs(*scale);
-  axis.acceleration = facts.max_acceleration * facts.units->acceleration.value / std::abs(*scale);
+  axis.velocity = facts.ramp.velocity * facts.units->velocity.value / std::abs(*scale);
+  axis.acceleration = facts.ramp.acceleration * facts.units->acceleration.value / std::abs(*scale);
+  axis.corner_jump = facts.corner_jump;
+  if (facts.scale->unit.empty()) axis.corner_jump /= std::abs(*scale);
   if (!(axis.velocity > 0 && axis.acceleration > 0)) {
     return tl::unexpected(wrong(
-        "no_limits", fmt::format("{} has max_velocity {} and max_acceleration {}: it cannot move",
-                                 name, facts.max_velocity, facts.max_acceleration)));
+        "no_limits",
+        fmt::format("{} has max_velocity {} and {} as its smallest acceleration: it cannot move",
+                    name, facts.ramp.velocity, facts.ramp.acceleration)));
   }
   if (auto objection = heed(request, facts, axis)) return tl::unexpected(std::move(*objection));
   return axis;
@@ -243,7 +249,7 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
 bool moves_alike(const PathAxis& one, const PathAxis& other) {
   return one.stream.microsteps_per_unit == other.stream.microsteps_per_unit &&
          one.stream.units == other.stream.units && one.velocity == other.velocity &&
-         one.acceleration == other.acceleration;
+         one.acceleration == other.acceleration && one.corner_jump == other.corner_jump;
 }
 
 std::vector<StreamAxis> streamed(const std::vector<PathAxis>& axes) {
@@ -267,7 +273,7 @@ PathResult<PathSource> from_where_axes_stand(PathSource source, std::string_view
 PathLimits limits_of(const std::vector<PathAxis>& axes) {
   PathLimits limits;
   for (std::size_t i = 0; i < axes.size(); ++i)
-    limits.axis[i] = {axes[i].velocity, axes[i].acceleration};
+    limits.axis[i] = {axes[i].velocity, axes[i].acceleration, axes[i].corner_jump};
   return limits;
 }
 

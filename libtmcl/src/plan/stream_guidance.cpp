@@ -20,6 +20,8 @@ constexpr std::array<std::uint8_t, 2> sixpoint_accelerations{ap::max_acceleratio
 // A TMC429 would stop short of its target, or abruptly; sixPoint generators would have other
 // accelerations at low speeds, jump to the start velocity, and wait where they turn round.
 constexpr std::array<Setting, 1> tmc429_settings{{{number_of("minimum_velocity"), 1}}};
+// A bow would take time from each change of speed.
+constexpr std::array<Setting, 1> tmc457_settings{{{number_of("max_bow"), 0}}};
 constexpr std::array<Setting, 3> sixpoint_settings{
     {{number_of("velocity_v1"), 0},
      {number_of(Family::sixpoint, "start_velocity"), 0},
@@ -38,8 +40,8 @@ constexpr std::int32_t farthest_of_others = 1 << 30;
 const Guidance& guidance_of(Family family) {
   static constexpr Guidance tmc429{true, one_acceleration, tmc429_settings, tmc429_goes_to_target,
                                    farthest_of_tmc429};
-  static constexpr Guidance tmc457{
-      true, tmc457_accelerations, {}, tmc457_goes_to_target, farthest_of_others};
+  static constexpr Guidance tmc457{true, tmc457_accelerations, tmc457_settings,
+                                   tmc457_goes_to_target, farthest_of_others};
   static constexpr Guidance sixpoint{true, sixpoint_accelerations, sixpoint_settings,
                                      sixpoint_goes_to_target, farthest_of_others};
   static constexpr Guidance by_velocities{false, one_acceleration, {}, {}, 0};

@@ -150,6 +150,9 @@ void add_path(Grammar& grammar) {
                number(check->velocity, least_of_path, most_of_path));
   check.option("--acceleration", "UNITS", "Likewise, a second squared (default 1000)",
                number(check->acceleration, least_of_path, most_of_path));
+  check.option("--corner-jump", "UNITS",
+               "By how much an axis may change its speed at once in a corner, a second",
+               number(check->corner_jump, least_of_path, most_of_path));
   auto run =
       grammar.verb<verb::RunPath>(path, "run", "Move axes along a path", help_text::path_run);
   add_path_file(run);
@@ -170,8 +173,11 @@ void add_path(Grammar& grammar) {
   run.option("--velocity", "UNITS|VELOCITY", "No axis faster than this; otherwise max_velocity",
              text(run->velocity));
   run.option("--acceleration", "UNITS|ACCELERATION",
-             "Likewise, a second squared, or such as 500mm/s^2; otherwise max_acceleration",
+             "Likewise, a second squared, or such as 500mm/s^2; otherwise the least of its own",
              text(run->acceleration));
+  run.option("--corner-jump", "UNITS|VELOCITY",
+             "By how much an axis may change its speed at once in a corner, such as 2mm/s",
+             text(run->corner_jump));
   run.option("--per-turn", "UNITS", "What a turn of the motor is, for axes without a unit",
              number(run->per_turn, least_of_path, most_of_path));
   run.option(

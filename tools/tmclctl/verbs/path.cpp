@@ -26,9 +26,10 @@ VerbResult run(const verb::CheckPath& verb, Output& output) {
   if (!text) return tl::unexpected(text.error());
   const auto source = plan::read_path(*text, plan::format_of(verb.file, *text), verb.tolerance);
   if (!source) return tl::unexpected(failure_of(verb, source.error(), output));
+  constexpr double unlimited = std::numeric_limits<double>::infinity();
   plan::PathLimits limits;
-  limits.axis.fill({verb.velocity, verb.acceleration});
-  const double feed = verb.feed.value_or(std::numeric_limits<double>::infinity());
+  limits.axis.fill({verb.velocity, verb.acceleration, verb.corner_jump.value_or(unlimited)});
+  const double feed = verb.feed.value_or(unlimited);
   const auto planned = plan::course_of(*source, limits, feed, verb.tolerance);
   if (!planned) return tl::unexpected(failure_of(verb, planned.error(), output));
   auto course = tmcld::to_json(*planned, source->path.axes);

@@ -50,6 +50,7 @@ json::object params_of(const verb::RunPath& verb, const std::string& text) {
   add_quantity("velocity", verb.velocity);
   add_quantity("acceleration", verb.acceleration);
   add_quantity("feed", verb.feed);
+  add_quantity("corner_jump", verb.corner_jump);
   add("per_turn", verb.per_turn);
   add("deviation", verb.deviation);
   if (!verb.svg.empty()) params["points"] = tmcld::most_curve_points;

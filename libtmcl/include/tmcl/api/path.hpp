@@ -100,9 +100,11 @@ struct OfPath {
              "no axis faster than this; a number: in the file's unit a second; its max_velocity if "
              "absent");
   TMCL_FIELD(std::optional<Amount>, acceleration,
-             "likewise, a second squared; its max_acceleration if absent");
+             "likewise, a second squared; the least of its own if absent");
   TMCL_FIELD(std::optional<Amount>, feed,
              "no faster along the path; a number: in the file's unit a second");
+  TMCL_FIELD(std::optional<Amount>, corner_jump,
+             "by how much the speed of an axis may change at once in a corner, likewise");
   TMCL_FIELD(std::optional<double>, per_turn,
              "what a turn of the motor is, for axes without a unit");
   TMCL_FIELD(std::optional<double>, deviation,

@@ -37,11 +37,14 @@ using AxisValues = std::array<double, most_path_axes>;
 struct AxisLimits {
   double velocity = 0;
   double acceleration = 0;
+  /// By how much its velocity may change at once in a corner.
+  double corner_jump = std::numeric_limits<double>::infinity();
 };
 
 struct PathLimits {
-  std::size_t axes = 0;                           ///< 1..most_path_axes.
-  std::array<AxisLimits, most_path_axes> axis{};  ///< Greater than zero and finite.
+  std::size_t axes = 0;  ///< 1..most_path_axes.
+  /// Greater than zero; all but the jump finite.
+  std::array<AxisLimits, most_path_axes> axis{};
   double corner_tolerance = 0;
 };
 
@@ -60,6 +63,7 @@ struct PathFault {
     tolerance,
     velocity_limit,
     acceleration_limit,
+    corner_jump,
     start,
     target,
     feed,

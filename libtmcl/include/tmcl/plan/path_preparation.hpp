@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -23,6 +24,7 @@
 #include "tmcl/parameter.hpp"
 #include "tmcl/plan/course.hpp"
 #include "tmcl/plan/path_file.hpp"
+#include "tmcl/plan/ramp_limits.hpp"
 #include "tmcl/plan/stream.hpp"
 #include "tmcl/plan/text_problem.hpp"
 #include "tmcl/quantity.hpp"
@@ -74,6 +76,7 @@ struct PathRequest {
   double tolerance = default_path_tolerance;
   std::optional<Quantity> velocity{}, acceleration{};  ///< Of each axis.
   std::optional<Quantity> feed{};                      ///< Along the path.
+  std::optional<Quantity> corner_jump{};               ///< Of each axis, in a corner.
   std::optional<double> per_turn{};   ///< What a turn of the motor is, for axes without a unit.
   std::optional<double> deviation{};  ///< How far off its plan an axis may be seen.
   Duration period = shortest_stream_period;
@@ -96,8 +99,9 @@ struct PathAxisFacts {
   std::optional<ModuleUnits> units{};  ///< Nothing where they are not known.
   std::optional<UserScale> scale{};    ///< Its unit is empty if the axis has none.
   std::optional<SoftLimits> limits{};  ///< In its unit; without one in microsteps.
-  std::int32_t max_velocity = 0;       ///< Parameter 4.
-  std::int32_t max_acceleration = 0;   ///< Parameter 5.
+  RampLimits ramp{};                   ///< As its parameters have them.
+  /// By which its velocity may change at once; in its unit a second, without one in microsteps.
+  double corner_jump = std::numeric_limits<double>::infinity();
   Microsteps position{};
   bool moving = false;
 };
@@ -110,6 +114,7 @@ struct PathAxis {
   ValueRange range;         ///< Of positions, in microsteps.
   double velocity = 0;      ///< What its parameters and the request allow, in the file's units.
   double acceleration = 0;  ///< Likewise.
+  double corner_jump = 0;   ///< What the configuration and the request allow; may be infinite.
   double feed = 0;          ///< What the request allows along the path, likewise; may be infinite.
   double stands_at = 0;     ///< In the file's units.
 };

@@ -1,0 +1,32 @@
+/// What an axis' own settings allow a plan.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tmcl/model.hpp"
+#include "tmcl/plan/axis_twin.hpp"
+
+namespace tmcl::plan {
+
+/// In the module's units.
+struct RampLimits {
+  std::int32_t velocity = 0;
+  /// For ramps that go up as they go down: the smallest of the axis' accelerations and
+  /// decelerations that are in use.
+  std::int32_t acceleration = 0;
+  bool operator==(const RampLimits&) const = default;
+};
+
+/// The axis parameter that says how fast this model speeds up.
+std::uint8_t acceleration_parameter(const Model& model);
+
+/// The axis parameters that have them. The accelerations of a TMC457 are 16 and 17, for 5 reads as
+/// 16; a sixPoint generator has others below `velocity_v1`.
+std::vector<std::uint8_t> ramp_limit_parameters(const Model& model);
+
+/// `settings`: these, in any order; others make no difference.
+RampLimits ramp_limits(const Model& model, std::span<const Setting> settings);
+
+}  // namespace tmcl::plan

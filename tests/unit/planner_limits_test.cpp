@@ -1,0 +1,250 @@
+// Lines and paths keep what their axes' own settings say, in both directions, and give everything
+// back as it was.
+#include <gmock/gmock.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "support/random.hpp"
+#include "support/rounds.hpp"
+#include "support/seed.hpp"
+#include "tmcl/parameter_number.hpp"
+#include "tmcl/plan/ramp_limits.hpp"
+#include "unit/journey_bench.hpp"
+
+namespace tmcld::test {
+namespace {
+
+using namespace std::chrono_literals;
+using tmcl::Command;
+using tmcl::number_of;
+using tmcl::plan::Setting;
+
+constexpr auto dmax = number_of("max_deceleration");
+constexpr auto bow = number_of("max_bow");
+constexpr auto a1 = number_of("acceleration_a1");
+constexpr auto d1 = number_of("deceleration_d1");
+constexpr auto v1 = number_of("velocity_v1");
+
+using Settings = std::vector<Setting>;
+
+tmcl::plan::RampLimits limits(std::string_view model, const Settings& settings) {
+  return tmcl::plan::ramp_limits(*tmcl::find_model(model), settings);
+}
+
+TEST(RampLimits, AreTheSmallestOfTheAccelerationsInUse) {
+  EXPECT_EQ(limits("TMCM-1110", {{4, 900}, {5, 300}}), (tmcl::plan::RampLimits{900, 300}));
+  // Parameter 5 of a TMC457 says nothing of its own.
+  const Settings tmc457{{4, 900}, {5, 100}, {16, 300}, {dmax, 200}};
+  EXPECT_EQ(limits("TMCM-142", tmc457), (tmcl::plan::RampLimits{900, 200}));
+  Settings sixpoint{{4, 900}, {5, 300}, {dmax, 400}, {v1, 0}, {a1, 10}, {d1, 20}};
+  EXPECT_EQ(limits("TMCM-6212", sixpoint).acceleration, 300);
+  sixpoint[3].value = 100;
+  EXPECT_EQ(limits("TMCM-6212", sixpoint).acceleration, 10);
+  sixpoint[4].value = 0;
+  EXPECT_EQ(limits("TMCM-6212", sixpoint).acceleration, 20);
+  EXPECT_EQ(limits("TMCM-6212", {{4, 900}, {5, 0}, {dmax, 400}}).acceleration, 0);
+}
+
+TEST(RampLimits, AreReadFromParametersThatTheModelHas) {
+  for (const auto& model : tmcl::models()) {
+    const auto parameters = tmcl::plan::ramp_limit_parameters(model);
+    EXPECT_GE(parameters.size(), 2U) << model.name;
+    for (const auto parameter : parameters)
+      EXPECT_NE(find_parameter(axis_parameters(model), parameter), nullptr) << model.name;
+  }
+}
+
+class PlannerLimits {
+ public:
+  PlannerLimits(std::string_view model, const Settings& settings)
+      : bench_(model, "unit = \"mm\"\nunits_per_revolution = 5\n"),
+        model_(tmcl::find_model(model)) {
+    for (const auto* axis : {"x", "y"}) {
+      if (model_->axes == 1 && *axis == 'y') continue;
+      for (const auto [parameter, value] : settings) set(axis, parameter, value);
+    }
+    before_ = all_settings();
+  }
+
+  /// Of motor 0, on a way of the line.
+  struct Peak {
+    double velocity = 0;
+    double acceleration = 0;
+    double step = 0;  ///< What two units of the velocity are between two looks.
+  };
+  Peak peak_of_line(std::int64_t x, std::int64_t y) {
+    const auto started = bench_.call("line.move", {{"axes", json::array{"x", other()}},
+                                                   {"positions_microsteps", json::array{x, y}}});
+    EXPECT_TRUE(started) << started.error().message;
+    Peak peak;
+    auto before = velocity();
+    while (bench_.gateway->has_journeys()) {
+      bench_.time.run_for(look);
+      const auto now = velocity();
+      peak.velocity = std::max(peak.velocity, std::abs(now));
+      const auto steepness = std::abs(now - before) / std::chrono::duration<double>(look).count();
+      peak.acceleration = std::max(peak.acceleration, steepness);
+      before = now;
+    }
+    EXPECT_EQ(bench_.position("x"), x);
+    return peak;
+  }
+  double duration_of_path() {
+    const auto planned = bench_.call("path.plan", path());
+    EXPECT_TRUE(planned) << planned.error().message;
+    return planned->at("course").at("duration_s").to_number<double>();
+  }
+  void run_path(const char* mode) {
+    auto params = path();
+    params["mode"] = mode;
+    const auto ended = bench_.call("path.run", params);
+    EXPECT_TRUE(ended) << ended.error().message;
+  }
+  void expect_settings_as_before() { EXPECT_EQ(all_settings(), before_); }
+  std::vector<std::int32_t> written(std::uint8_t parameter) const {
+    std::vector<std::int32_t> values;
+    for (const auto& request : bench_.requests)
+      if (request.command == Command::SAP && request.type == parameter)
+        values.push_back(request.value);
+    return values;
+  }
+  /// In microsteps a second, and a second squared.
+  Peak limit(const Settings& settings) const {
+    auto twin = tmcl::plan::AxisTwin::of(*model_).value();
+    twin.set(settings);
+    const auto own = tmcl::plan::ramp_limits(*model_, settings);
+    return {
+        twin.to_pps(tmcl::InternalVelocity{own.velocity}).value,
+        twin.to_pps2(tmcl::InternalAcceleration{own.acceleration}).value,
+        twin.to_pps(tmcl::InternalVelocity{2}).value / std::chrono::duration<double>(look).count()};
+  }
+  static constexpr tmcl::Duration look = 5ms;
+
+ private:
+  /// Not all modules have a second motor.
+  const char* other() const { return model_->axes > 1 ? "y" : "far"; }
+  json::object path() const {
+    return {{"axes", json::array{"x", other()}}, {"text", "G1 X2 Y1 F6000\nG1 X1 Y3\n"}};
+  }
+  void set(std::string_view axis, int parameter, std::int32_t value) {
+    const auto result =
+        bench_.call("parameter.set", {{"axis", axis}, {"parameter", parameter}, {"value", value}});
+    EXPECT_TRUE(result) << parameter << ": " << result.error().message;
+  }
+  std::int32_t read(std::uint8_t parameter) {
+    const tmcl::Request request{tmcl::ModuleAddress{1}, Command::GAP, parameter, 0, 0};
+    auto& module = *bench_.wire.bench().modules().front();
+    return module.execute(request, tmcl::sim::Medium::serial, nothing_).value;
+  }
+  double velocity() {
+    bench_.wire.bench().run_due();
+    auto twin = tmcl::plan::AxisTwin::of(*model_).value();
+    twin.set(all_settings());  // what a TMC429 counts in changes on the way
+    return twin.to_pps(tmcl::InternalVelocity{read(3)}).value;
+  }
+  Settings all_settings() {
+    Settings all;
+    for (const auto parameter : tmcl::plan::AxisTwin::parameters(*model_))
+      all.push_back({parameter, read(parameter)});
+    return all;
+  }
+  class Nobody final : public tmcl::sim::EventSink {
+    void target_reached(const tmcl::sim::Module&, std::int32_t) override {}
+  };
+
+  Nobody nothing_;
+  JourneyBench bench_;
+  const tmcl::Model* model_;
+  Settings before_;
+};
+
+struct Family {
+  std::string name;
+  std::string model;
+  Settings settings;     ///< Of which the values are the greatest of a draw.
+  std::int64_t way = 0;  ///< In microsteps.
+};
+void PrintTo(const Family& family, std::ostream* out) { *out << family.name; }
+
+class LimitsOf : public testing::TestWithParam<Family> {
+ protected:
+  Settings drawn(tmcl::test::Random<>& random) const {
+    auto settings = GetParam().settings;
+    for (auto& setting : settings)
+      setting.value = static_cast<std::int32_t>(random.between(setting.value / 4, setting.value));
+    return settings;
+  }
+};
+
+TEST_P(LimitsOf, NoLineExceedsAnyOfThem) {
+  double nearest = 0;
+  for (int round = 0; round < tmcl::test::rounds(12); ++round) {
+    const auto seed = tmcl::test::seed() + static_cast<unsigned>(round);
+    SCOPED_TRACE(testing::Message() << "TMCL_ROUNDS=1 TMCL_SEED=" << seed);
+    tmcl::test::Random<> random(seed);
+    const auto settings = drawn(random);
+    PlannerLimits planner(GetParam().model, settings);
+    const auto limit = planner.limit(settings);
+    const auto peak = planner.peak_of_line(GetParam().way, -GetParam().way / 3);
+    EXPECT_LE(peak.velocity, limit.velocity * 1.001);
+    // Speeds change in steps of the generator's ticks, and at the start in one to its least speed.
+    EXPECT_LE(peak.acceleration, limit.acceleration * 1.1 + limit.step);
+    nearest = std::max(nearest, peak.acceleration / limit.acceleration);
+    planner.expect_settings_as_before();
+  }
+  EXPECT_GT(nearest, 0.5) << "they were not tried";
+}
+
+TEST_P(LimitsOf, APathTakesAsLongAsTheLeastOfThemSays) {
+  auto settings = GetParam().settings;
+  const auto quick = PlannerLimits(GetParam().model, settings).duration_of_path();
+  for (auto& setting : settings) {
+    const auto own = setting.value;
+    if (setting.parameter == 4 || setting.parameter == v1) continue;
+    setting.value = own / 10;
+    EXPECT_GT(PlannerLimits(GetParam().model, settings).duration_of_path(), quick * 1.2)
+        << int{setting.parameter};
+    setting.value = own;
+  }
+}
+
+TEST_P(LimitsOf, APathGivesAllOfThemBack) {
+  auto settings = GetParam().settings;
+  for (auto& setting : settings)
+    if (setting.parameter != 4) setting.value -= 13 * setting.parameter;
+  PlannerLimits planner(GetParam().model, settings);
+  planner.run_path("velocity");
+  planner.expect_settings_as_before();
+  if (GetParam().model != "TMCM-6212") return;
+  planner.run_path("position");
+  planner.expect_settings_as_before();
+}
+
+TEST(PathOnTmc457, HasNoBowWhileVelocitiesAreStreamed) {
+  PlannerLimits planner("TMCM-142", {{4, 5'000'000}, {16, 20'000}, {dmax, 15'000}, {bow, 3}});
+  planner.run_path("velocity");
+  EXPECT_THAT(planner.written(bow), testing::ElementsAre(3, 0, 3));
+  EXPECT_TRUE(planner.written(5).empty()) << "it sets both accelerations";
+  planner.expect_settings_as_before();
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Families, LimitsOf,
+    testing::Values(
+        Family{"Tmc429", "TMCM-3110", {{4, 1000}, {5, 200}}, 60'000},
+        Family{"Tmc457", "TMCM-142", {{4, 5'000'000}, {16, 20'000}, {dmax, 20'000}}, 60'000},
+        Family{"SixPoint",
+               "TMCM-6212",
+               {{4, 100'000},
+                {5, 400'000},
+                {a1, 400'000},
+                {v1, 50'000},
+                {dmax, 400'000},
+                {d1, 400'000}},
+               60'000}),
+    [](const auto& one) { return one.param.name; });
+
+}  // namespace
+}  // namespace tmcld::test
