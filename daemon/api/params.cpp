@@ -8,14 +8,15 @@
 #include <boost/json/value.hpp>
 
 #include "api/suggest.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmcld {
 namespace {
 
+using tmcl::quoted;
+
 namespace json = boost::json;
 using api::FieldType;
-
-std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
 
 bool is_whole_number(const json::value& value) {
   if (value.is_int64() || value.is_uint64()) return true;

@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "tmcl/plan/ramp_limits.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmcld {
 namespace {
@@ -12,8 +13,7 @@ using boost::asio::awaitable;
 using tmcl::AxisUnits;
 using tmcl::Dimension;
 using tmcl::Quantity;
-
-std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
+using tmcl::quoted;
 
 /// Of a parameter `param`.
 RpcError quantity_error(std::string_view param, const tmcl::QuantityError& error) {

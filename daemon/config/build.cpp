@@ -23,6 +23,8 @@
 namespace tmcld {
 namespace {
 
+using tmcl::quoted;
+
 constexpr std::size_t max_name_length = 32;
 constexpr std::size_t max_socket_path_bytes = 107;  // sun_path, with its end
 constexpr std::array<std::string_view, 4> level_names{"error", "warning", "info", "debug"};
@@ -38,8 +40,6 @@ bool is_name(std::string_view text) {
            return is_letter(c) || is_digit(c) || c == '_' || c == '-' || c == '.';
          });
 }
-
-std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
 
 LinkScope scope_of(const tmcl::LinkName& link) {
   if (std::holds_alternative<tmcl::CanName>(link)) return LinkScope::can;

@@ -11,11 +11,11 @@
 namespace tmcld {
 namespace {
 
+using tmcl::quoted;
+
 Place place_of(const toml::source_region& source) {
   return {source.begin.line, source.begin.column};
 }
-
-std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
 
 class Reader {
  public:

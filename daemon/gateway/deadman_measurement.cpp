@@ -31,7 +31,7 @@ constexpr double most_turns_per_second = 0.1;
 constexpr double most_turns = 1;
 // To come to its speed; the way is long enough for twice that.
 constexpr tmcl::Duration time_to_speed_up = 1s;
-constexpr tmcl::Duration look_interval = 20ms;
+constexpr tmcl::Duration measuring_interval = 20ms;
 // Of its speed that it may be off: one in so many.
 constexpr std::int32_t speed_tolerance = 100;
 constexpr tmcl::Duration longest_braking = 10s;
@@ -199,7 +199,7 @@ GatewayAxis::Awaitable<void> Measurement::set_out(DeadmanPlan plan) {
     if (!velocity) co_return tl::unexpected(velocity.error());
     if (std::abs(std::abs(*velocity) - plan.speed.value) <= tolerance) co_return Result<void>{};
     if (auto ended = objection()) co_return tl::unexpected(std::move(*ended));
-    co_await rest(look_interval);
+    co_await rest(measuring_interval);
   }
   co_return failed(tmcl::Errc::move_interrupted,
                    "axis '" + axis().name() + "' does not come to the speed of the test",
@@ -217,7 +217,7 @@ GatewayAxis::Awaitable<std::int32_t> Measurement::be_silent(tmcl::Duration durat
     if (auto ended = objection()) co_return tl::unexpected(std::move(*ended));
     if (axis().bus().state() != GatewayBus::State::open)
       co_return failed(tmcl::Errc::link_lost, "the link was lost during the test", {});
-    co_await rest(std::min(look_interval, until - axis().bus().clock().now()));
+    co_await rest(std::min(measuring_interval, until - axis().bus().clock().now()));
   }
   co_return heard_at;
 }
@@ -229,9 +229,9 @@ awaitable<double> Measurement::braking_way(DeadmanPlan plan) {
   (*twin)->place({}, {plan.speed.value});
   const auto begin = (*twin)->motion().position.value;
   (*twin)->stop();
-  for (auto braked = tmcl::Duration(0); braked < longest_braking; braked += look_interval) {
+  for (auto braked = tmcl::Duration(0); braked < longest_braking; braked += measuring_interval) {
     if ((*twin)->motion().velocity.value == 0) break;
-    (*twin)->advance(look_interval);
+    (*twin)->advance(measuring_interval);
   }
   co_return (*twin)->motion().position.value - begin;
 }

@@ -16,6 +16,7 @@
 namespace tmclsim {
 namespace {
 
+using tmcl::quoted;
 using tmcl::sim::EncoderSettings;
 using tmcl::sim::Interval;
 using tmcl::sim::Place;
@@ -39,8 +40,6 @@ struct Range {
   std::int64_t most;
 };
 constexpr Range places{-greatest_place, greatest_place};
-
-std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
 
 // Thrown within this file only: the way out of nested tables.
 struct Wrong {

@@ -15,14 +15,14 @@
 namespace tmclsim {
 namespace {
 
+using tmcl::quoted;
+
 namespace sim = tmcl::sim;
 using Words = std::vector<std::string_view>;
 using Outcome = tl::expected<void, std::string>;
 
 constexpr std::int32_t greatest_load = 1'000'000;
 constexpr auto switch_names = std::to_array<std::string_view>({"left", "right", "home"});
-
-std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
 
 Words split(std::string_view line) {
   constexpr auto blank = " \t\r";

@@ -1,4 +1,4 @@
-/// "Did you mean ...?"
+/// How a message names a word, and "Did you mean ...?"
 #pragma once
 
 #include <span>
@@ -6,6 +6,9 @@
 #include <string_view>
 
 namespace tmcl {
+
+/// 'x'
+std::string quoted(std::string_view word);
 
 /// The candidate that differs from `word` by the fewest edits (insertion, removal, exchange of one
 /// letter), case ignored; empty if none is near enough to be what a person meant.

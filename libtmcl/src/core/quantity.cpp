@@ -70,8 +70,6 @@ UnitName split(std::string_view unit) {
   return {unit, known, suffix->per_seconds + (known == nullptr ? 0 : known->per_seconds)};
 }
 
-std::string quoted(std::string_view text) { return "'" + std::string(text) + "'"; }
-
 tl::unexpected<QuantityError> failed(std::string_view code, std::string message,
                                      std::string hint = {}) {
   return tl::unexpected(QuantityError{code, std::move(message), std::move(hint)});

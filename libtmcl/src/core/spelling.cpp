@@ -39,6 +39,8 @@ constexpr std::size_t longest_word = 64;
 
 }  // namespace
 
+std::string quoted(std::string_view word) { return "'" + std::string(word) + "'"; }
+
 std::string_view closest_word(std::string_view word, std::span<const std::string_view> candidates) {
   if (word.size() > longest_word) return {};
   std::string_view best;
