@@ -18,8 +18,11 @@ boost::asio::awaitable<axis::StartedMove> to_result(GatewayAxis& axis, StartedMo
   auto target = co_await in_unit(axis, started.target, scale);
   axis::StartedMove result{started.target.value, std::move(target.unit), target.number};
   if (started.predicted) result.predicted_s = tmcl::seconds(*started.predicted);
+  result.warnings = std::move(started.warnings);
   co_return result;
 }
+
+using Warnings = std::vector<std::string>;
 
 }  // namespace
 
@@ -76,7 +79,11 @@ Answer<axis::Rotate> rotate(Call& call, const axis::Rotate& params) {
   const auto turned = co_await axis.rotate({velocity->value}, std::move(client), ready->moves);
   if (!turned) co_return failed(turned.error(), axis);
   auto told = co_await velocity_in_unit(axis, *velocity);
-  co_return axis::Turning{velocity->value, std::move(told.unit), told.number};
+  axis::Turning result{velocity->value, std::move(told.unit), told.number, Warnings{}};
+  const auto greatest = co_await axis.get(ap::max_velocity, {});
+  if (greatest && std::abs(std::int64_t{velocity->value}) > *greatest)
+    result.warnings->emplace_back("it turns faster than max_velocity, which holds for positions");
+  co_return result;
 }
 
 Answer<axis::Stop> stop(Call& call, const axis::Stop& params) {

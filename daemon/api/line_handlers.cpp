@@ -120,6 +120,16 @@ boost::asio::awaitable<line::LineAxis> to_result(const LineMember& member, Durat
   co_return axis;
 }
 
+std::vector<std::string> warnings_of(const std::vector<LineMember>& members,
+                                     const tmcl::plan::Line& plan) {
+  std::vector<std::string> warnings;
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    for (const auto& finding : plan.axes[i].twin.findings())
+      warnings.push_back(members[i].axis->name() + ": " + finding.message);
+  }
+  return warnings;
+}
+
 }  // namespace
 
 Answer<line::Move> move_line(Call& call, const line::Move& params) {
@@ -141,7 +151,8 @@ Answer<line::Move> move_line(Call& call, const line::Move& params) {
                            plan.deviation,
                            started->one_command,
                            seconds(started->predicted_skew),
-                           seconds(started->skew)};
+                           seconds(started->skew),
+                           warnings_of(*members, plan)};
   for (std::size_t i = 0; i < members->size(); ++i) {
     auto axis = co_await to_result((*members)[i], plan.axes[i].arrival);
     result.axes.push_back(std::move(axis));

@@ -119,20 +119,27 @@ GatewayAxis::Awaitable<void> GatewayAxis::move_to_coordinate(std::uint8_t number
 
 GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Microsteps>> script,
                                                        bool predict, Admitted admitted) {
+  StartedMove started;
   std::optional<tmcl::plan::AxisTwin> twin;
   if (predict) {
     // Whatever comes of the readings: they only serve to tell more about the move.
     auto foreseen = co_await this->twin(admitted);
+    if (!foreseen) started.warnings.push_back("not foreseen: " + foreseen.error().message);
     if (foreseen) twin = std::move(*foreseen);
+    if (foreseen && !twin)
+      started.warnings.emplace_back("not foreseen: nobody has described the ramps of this module");
   }
   forget_move();
   const auto begin = bus().clock().now();
   const auto target = co_await axis_.run(std::move(script), std::move(admitted));
   if (!target) co_return tl::unexpected(target.error());
-  StartedMove started{*target, {}};
+  started.target = *target;
   if (twin) {
+    for (auto& finding : twin->findings()) started.warnings.push_back(std::move(finding.message));
     twin->move_to(*target);
     started.predicted = twin->time_to_arrival();
+    if (!started.predicted)
+      started.warnings.emplace_back("with these settings it does not come to rest on its target");
   }
   if (started.predicted) expected_arrival_ = begin + *started.predicted;
   co_return started;

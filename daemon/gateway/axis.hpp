@@ -29,6 +29,8 @@ struct StartedMove {
   tmcl::Microsteps target;
   /// How long it will take; nothing where that was not asked for or cannot be foreseen.
   std::optional<tmcl::Duration> predicted;
+  /// What its settings make of it that nobody may want, and why it cannot be foreseen.
+  std::vector<std::string> warnings{};
 };
 
 /// Ends a call early: gives an error once the caller has lost interest.

@@ -100,7 +100,10 @@ ParameterValue value_from(const api::parameter::Value& value) {
 }
 
 StartedMove move_from(const api::axis::StartedMove& moved) {
-  return {{moved.target_microsteps}, moved.predicted_s, in_unit(moved.target, moved.unit)};
+  return {{moved.target_microsteps},
+          moved.predicted_s,
+          in_unit(moved.target, moved.unit),
+          moved.warnings.value_or(std::vector<std::string>())};
 }
 
 std::optional<tmcl::UserScale> scale_from(const api::axis::Units& units) {
@@ -287,7 +290,9 @@ Attempt<Turning> GatewayTarget::rotate(const std::string& axis, const Typed& vel
       ->call(api::axis::Rotate{axis, counted_in(velocity), amount_in(velocity), unattended,
                                move_deadline_ms})
       .map([](const api::axis::Turning& turning) {
-        return Turning{{turning.velocity_internal}, in_unit(turning.velocity, turning.unit)};
+        return Turning{{turning.velocity_internal},
+                       in_unit(turning.velocity, turning.unit),
+                       turning.warnings.value_or(std::vector<std::string>())};
       });
 }
 

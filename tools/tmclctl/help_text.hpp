@@ -179,7 +179,9 @@ does not go as planned, all are stopped. Several motors of one module start with
 constexpr const char* rotate = R"(
 Turns until it is stopped: to the right for a positive velocity, to the left for a negative one. An
 axis with soft limits does not turn without end. On an axis with a unit, VELOCITY needs one; --internal
-takes it as the module counts.
+takes it as the module counts. max_velocity (parameter 4) holds for positions: modules with a TMC429 open
+it for ROR and ROL, and others have another register, so a faster VELOCITY is taken, with a warning. What
+is above max_velocity in the configuration is refused.
 
 It shows the axis until Ctrl-C, SIGTERM or SIGHUP, and stops it then. If this program is killed, tmcld
 stops the axis; with --direct nobody does. With --unattended it comes back at once, and the axis turns

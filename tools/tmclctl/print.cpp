@@ -22,6 +22,10 @@ void print_json(const json::object& document, Output& output) {
   output.out << json::serialize(document) << std::endl;
 }
 
+void warn(std::string_view text, Output& output) {
+  output.err << "tmclctl: warning: " << text << '\n';
+}
+
 Table::Table(std::vector<std::string> headings) { rows_.push_back(std::move(headings)); }
 
 void Table::add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }

@@ -14,6 +14,8 @@ namespace tmclctl {
 
 /// One document on one line.
 void print_json(const boost::json::object& document, Output& output);
+/// On standard error, also where a document is asked for.
+void warn(std::string_view text, Output& output);
 
 /// Left-aligned columns under a line of headings.
 class Table {

@@ -129,6 +129,7 @@ struct StartedMove {
   tmcl::Microsteps goal;
   std::optional<double> predicted_s;     ///< How long it will take; nothing where nobody can tell.
   std::optional<InUnit> goal_in_unit{};  ///< Nothing for an axis without a unit.
+  std::vector<std::string> warnings{};
 };
 
 /// A speed that a module has taken.
@@ -136,6 +137,7 @@ struct Turning {
   tmcl::InternalVelocity velocity;
   /// Per second; nothing for an axis without a unit, and where the conversion is not known.
   std::optional<InUnit> in_unit{};
+  std::vector<std::string> warnings{};
 };
 
 struct ScanRange {

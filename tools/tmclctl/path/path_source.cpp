@@ -97,7 +97,7 @@ Failure explained(Failure failure, const std::string& file, Output& output) {
 
 void warn(const json::object& report, Output& output) {
   for (const auto& remark : array_at(report, "remarks"))
-    output.err << "tmclctl: warning: " << std::string_view(remark.as_string()) << '\n';
+    tmclctl::warn(std::string_view(remark.as_string()), output);
 }
 
 void print(const std::string& file, const json::object& course, Output& output) {

@@ -123,8 +123,7 @@ void report(const verb::UploadFirmware& verb, const ModuleName& module, const Im
   output.out << fmt::format("module {} runs {} now; before it was {}\n", module.address,
                             describe(report.after), describe(report.before.running));
   if (offered && *offered != report.after)
-    output.err << fmt::format("tmclctl: warning: {} says that it is {}\n", verb.file,
-                              text_of(*offered));
+    warn(fmt::format("{} says that it is {}", verb.file, text_of(*offered)), output);
 }
 
 }  // namespace

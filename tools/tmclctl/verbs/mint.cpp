@@ -80,8 +80,7 @@ VerbResult run(const verb::CheckMint& verb, Output& output) {
     if (output.json) {
       print_json(to_json(verb.file, run), output);
     } else {
-      for (const auto& warning : run.warnings)
-        output.err << "tmclctl: warning: " << describe(warning, verb.file) << '\n';
+      for (const auto& warning : run.warnings) warn(describe(warning, verb.file), output);
       print_table(run, output);
     }
     return ExitCode::done;

@@ -82,12 +82,14 @@ VerbResult run(const verb::Move& verb, Context& context) {
   auto move =
       verb.by ? context.target.move_by(verb.axis, typed) : context.target.move_to(verb.axis, typed);
   if (!move) return tl::unexpected(move.error());
+  for (const auto& warning : move->warnings) warn(warning, context.output);
   json::object document{
       {"axis", verb.axis},
       {"target_microsteps", move->goal.value},
       {"unit", unit_or_null(move->goal_in_unit)},
       {"target", value_or_null(move->goal_in_unit)},
-      {"predicted_s", move->predicted_s ? json::value(*move->predicted_s) : nullptr}};
+      {"predicted_s", move->predicted_s ? json::value(*move->predicted_s) : nullptr},
+      {"warnings", json::array(move->warnings.begin(), move->warnings.end())}};
   if (verb.internal) move->goal_in_unit.reset();
   auto line =
       fmt::format("{} moves to {}{}\n", verb.axis, shown(move->goal_in_unit, move->goal.value),
@@ -213,6 +215,7 @@ VerbResult run(const verb::Rotate& verb, Context& context) {
   const auto turning =
       context.target.rotate(verb.axis, {verb.velocity, verb.internal}, verb.unattended);
   if (!turning) return tl::unexpected(turning.error());
+  for (const auto& warning : turning->warnings) warn(warning, context.output);
   const bool attends = !verb.unattended && turning->velocity.value != 0;
   print_turning(verb, *turning,
                 attends ? "Ctrl-C stops it" : how_to_stop(verb.axis, context.target),

@@ -27,10 +27,6 @@ using profile::Tick;
 constexpr Tick curve_points = 1000;
 constexpr double most_csv_rows = 1e6;
 
-void warn(const std::string& text, Output& output) {
-  output.err << "tmclctl: warning: " << text << '\n';
-}
-
 void warn_of(const Outcome& outcome, const Setup& setup, const verb::Simulate& verb,
              Output& output) {
   for (const auto& warning : outcome.warnings) warn(warning, output);

@@ -237,7 +237,7 @@ void show(const verb::Ramp& verb, const RampChoice& choice, const AxisUnits& uni
   output.out << text
              << fmt::format("; up to speed in {:.4g} s and {:.0f} microsteps", seconds, microsteps)
              << (verb.dry_run ? "; nothing was written" : "") << '\n';
-  for (const auto& remark : choice.remarks) output.err << "tmclctl: warning: " << remark << '\n';
+  for (const auto& remark : choice.remarks) warn(remark, output);
 }
 
 /// The order in which to write them to an axis that stands, with what its module has now.

@@ -42,6 +42,9 @@ struct List {
 
 // ---- moves ----
 
+constexpr std::string_view warnings_summary =
+    "what its settings make of it that nobody may want, and why it cannot be foreseen";
+
 struct StartedMove {
   TMCL_STRUCT(StartedMove);
   TMCL_FIELD(std::int32_t, target_microsteps, "where the move ends");
@@ -49,6 +52,7 @@ struct StartedMove {
   TMCL_FIELD(std::optional<double>, target, "where it ends, in the unit");
   TMCL_FIELD(std::optional<double>, predicted_s,
              "how many seconds it will take; null where nobody can tell");
+  TMCL_FIELD(std::optional<std::vector<std::string>>, warnings, warnings_summary);
 };
 
 constexpr std::string_view predict_summary =
@@ -80,6 +84,8 @@ struct Turning {
   TMCL_FIELD(std::int32_t, velocity_internal, "speed in the module's own unit");
   TMCL_FIELD(std::optional<std::string>, unit, unit_summary);
   TMCL_FIELD(std::optional<double>, velocity, "speed in the unit per second");
+  TMCL_FIELD(std::optional<std::vector<std::string>>, warnings,
+             "such as that it is faster than max_velocity, which holds for positions");
 };
 struct Rotate {
   TMCL_METHOD("axis.rotate", moves, Turning, "turns without end", Rotate);

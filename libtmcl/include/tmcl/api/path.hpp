@@ -28,6 +28,8 @@ struct StartedLine {
   TMCL_FIELD(bool, one_command, "one command has started them all");
   TMCL_FIELD(double, predicted_skew_s, "how long the starts were expected to take");
   TMCL_FIELD(double, skew_s, "from the first start to the last, as the answers tell");
+  TMCL_FIELD(std::optional<std::vector<std::string>>, warnings,
+             "what the settings make of it that nobody may want");
 };
 struct Move {
   TMCL_METHOD("line.move", moves, StartedLine,
