@@ -97,6 +97,7 @@ class BusEngine {
   BusCounters counters() const;
 
  private:
+  friend class EngineState;  ///< Of tests: tells two apart.
   CallQueue& queue() { return scheduler_.queue(); }
   std::optional<Error> objection(const Call& call);
   std::optional<Error> objection_of_hold(const Call& call);

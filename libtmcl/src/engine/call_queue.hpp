@@ -111,6 +111,7 @@ class CallQueue {
   std::optional<TimePoint> earliest_deadline() const;
 
  private:
+  friend class EngineState;  ///< Of tests: tells two apart.
   using Calls = std::list<Call>;
   Calls& level_of(const Call& call) { return levels_[kind_of(call)]; }
   void insert(Calls& level, Calls::const_iterator before, Call call);

@@ -57,6 +57,7 @@ class Channel {
   }
 
  private:
+  friend class EngineState;  ///< Of tests: tells two apart.
   std::optional<InFlight> in_flight_;
   TimePoint quiet_until_{};
 };

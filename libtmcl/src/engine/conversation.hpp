@@ -61,6 +61,7 @@ class Conversations {
   }
 
  private:
+  friend class EngineState;  ///< Of tests: tells two apart.
   Framing framing_;
   Channel line_;
   std::map<std::uint8_t, Conversation> all_;

@@ -57,6 +57,7 @@ class Custody {
   void try_again() { ends_sent_ = 0; }
 
  private:
+  friend class EngineState;  ///< Of tests: tells two apart.
   struct Ended {
     std::weak_ptr<const Hold> hold;
     End why;

@@ -10,19 +10,15 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// After so long even a module that was busy writing its EEPROM has answered or never will.
-constexpr Duration reply_lifetime = 2s;
-// Two modules of one address answer within a reply time of each other.
-constexpr Duration second_reply_window = 100ms;
 // One reply that nobody asked for may be what another program has left behind. So many within so
 // long have a source.
 constexpr unsigned most_stray_replies = 2;
 constexpr Duration stray_reply_window = 10s;
 // So long after the last such reply its source is thought to be gone.
 constexpr Duration suspicion_lifetime = 60s;
-// What must pass without a sign of trouble before a suspect module is trusted again.
+// What must pass without a sign of trouble, and time_to_trust, before a suspect module is trusted
+// again.
 constexpr unsigned exchanges_to_trust = 1000;
-constexpr Duration time_to_trust = 10 * reply_lifetime;
 // A surplus reply that comes while others of its command are awaited is noticed as soon as another
 // command goes out: after so many equal ones without a pause.
 constexpr unsigned most_equal_in_a_row = 64;

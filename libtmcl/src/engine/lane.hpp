@@ -71,6 +71,12 @@ class Lane {
   bool is_suspect(TimePoint now) const;
 
  private:
+  friend class EngineState;  ///< Of tests: tells two apart.
+  /// After so long even a module that was busy writing its EEPROM has answered or never will.
+  static constexpr Duration reply_lifetime = std::chrono::seconds(2);
+  static constexpr Duration time_to_trust = 10 * reply_lifetime;
+  /// Two modules of one address answer within a reply time of each other.
+  static constexpr Duration second_reply_window = std::chrono::milliseconds(100);
   struct Abandoned {
     Command command;
     unsigned replies;  ///< That may still come.

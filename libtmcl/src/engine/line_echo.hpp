@@ -32,6 +32,7 @@ class LineEcho {
   unsigned echoes() const { return echoes_; }
 
  private:
+  friend class EngineState;  ///< Of tests: tells two apart.
   SerialBytes expected_{};
   SerialBytes held_{};
   std::size_t seen_ = 0;

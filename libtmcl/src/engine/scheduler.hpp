@@ -38,6 +38,7 @@ class Scheduler {
   void on_turn(Framing framing, const Call& call);
 
  private:
+  friend class EngineState;  ///< Of tests: tells two apart.
   /// How often in a row other kinds of calls went out on one channel while one of this kind waited.
   using PassedOver = std::array<unsigned, CallQueue::kinds>;
   struct SentStop {
