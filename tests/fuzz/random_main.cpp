@@ -1,5 +1,7 @@
 // Runs a fuzz target without a fuzzer: on the files it is given, or on random bytes.
+#include <csignal>
 #include <cstdint>
+#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iostream>
@@ -20,8 +22,16 @@ void run_file(const char* name) {
   LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size());
 }
 
+std::uint64_t current_seed = 0;
+
+void tell_seed(int) {
+  std::fprintf(stderr, "replay it alone with TMCL_SEED=%ju and 1 script\n", current_seed);
+}
+
 void run_random(std::uint64_t scripts) {
+  std::signal(SIGABRT, tell_seed);
   for (auto seed = tmcl::test::seed(); scripts != 0; --scripts, ++seed) {
+    current_seed = seed;
     std::mt19937_64 random(seed);
     std::vector<std::uint8_t> bytes(random() % 400);
     for (auto& byte : bytes) byte = static_cast<std::uint8_t>(random());
