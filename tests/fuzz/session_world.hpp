@@ -1,5 +1,5 @@
-/// A gateway in virtual time with two axes of one module, whose answers may go wrong, and clients at
-/// the other ends of its sessions.
+/// A gateway in virtual time with two axes of one module, whose answers may go wrong, and clients
+/// at the other ends of its sessions.
 #pragma once
 
 #include <csignal>
