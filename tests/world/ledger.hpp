@@ -299,7 +299,8 @@ class Ledger {
       }
     }
     complain("command " + std::to_string(static_cast<int>(request.command)) + " with " +
-             std::to_string(request.value) + " moves " + axis + ", and no call has asked for it");
+             std::to_string(request.value) + " moves " + axis + ", and no call has asked for it" +
+             (stopped_before(axis, now) > 0 ? " since its stop" : ""));
     return 0;
   }
 

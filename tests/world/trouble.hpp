@@ -23,14 +23,28 @@ inline bool values_are_right(const Faults& faults) {
   return faults.doubled == 0 && faults.late <= rarely_late;
 }
 
+/// What is broken on purpose, so that somebody must notice.
+enum class Canary : std::uint8_t {
+  none,
+  forged_fences,        ///< The wire answers at once what shows that a line is in step.
+  foreign_movement,     ///< Somebody else on the line moves an axis.
+  movement_after_stop,  ///< Likewise, as it was moved before the stop that has been answered.
+  swapped_value,        ///< What a module tells is what it told before, of something else.
+  unheard_movement,     ///< The module does not get it, and it is answered as if done.
+  doubled_movement,     ///< It goes out twice.
+  wrong_outcome,        ///< A client is told that nothing was sent when nobody knows.
+  owner_not_missed,     ///< The gateway is not told that a client has gone.
+  no_limits,            ///< The gateway knows of no soft limits.
+  no_answer,            ///< A client does not get one.
+};
+
 struct Trouble {
   Faults faults{};
   bool deaths = true;    ///< Clients lose their connections.
   bool supplies = true;  ///< Modules start again.
   int clients = 4;
   int calls = 40;  ///< Of each client.
-  /// The canary: the wire answers at once what the gateway asks to see that a line is in step.
-  bool forged_fences = false;
+  Canary canary = Canary::none;
   bool gaps = false;  ///< The process of the gateway is stopped for a while.
 };
 
@@ -40,7 +54,7 @@ inline std::string to_text(const Trouble& trouble) {
   const auto& faults = trouble.faults;
   text << faults.lost << ',' << faults.late << ',' << faults.doubled << ',' << trouble.deaths << ','
        << trouble.supplies << ',' << trouble.clients << ',' << trouble.calls << ','
-       << trouble.forged_fences << ',' << trouble.gaps;
+       << static_cast<int>(trouble.canary) << ',' << trouble.gaps;
   return text.str();
 }
 
@@ -49,9 +63,11 @@ inline Trouble trouble_from(const std::string& text) {
   std::istringstream in(text);
   auto& faults = trouble.faults;
   char comma = 0;
+  int canary = 0;
   in >> faults.lost >> comma >> faults.late >> comma >> faults.doubled >> comma >> trouble.deaths >>
       comma >> trouble.supplies >> comma >> trouble.clients >> comma >> trouble.calls >> comma >>
-      trouble.forged_fences >> comma >> trouble.gaps;
+      canary >> comma >> trouble.gaps;
+  trouble.canary = static_cast<Canary>(canary);
   if (!in) throw std::invalid_argument("TMCL_WORLD: nine numbers, see tests/world/trouble.hpp");
   return trouble;
 }

@@ -81,6 +81,19 @@ class Wire {
   /// of the module, with what that has answered before.
   bool forges_fences = false;
 
+  /// While set, what this is true of does not get to the module, and is answered as if done. On a
+  /// serial line, as all that follows.
+  std::function<bool(const tmcl::Request&)> keeps_from_module;
+  /// While set, what a module tells can become something else.
+  std::function<void(tmcl::Reply&)> change;
+  /// Somebody else on the line sends this.
+  void inject(const tmcl::Request& request) {
+    const auto bytes = tmcl::encode_serial(request);
+    note(request, bytes);
+    serial_.receive(bytes);
+    scheduler_.touch();
+  }
+
   /// Something was done to the modules.
   void touch() { scheduler_.touch(); }
   /// The supply of a module fails now, and is back at once. Who has asked it gets no answer.
@@ -134,6 +147,11 @@ class Wire {
       note(request, bytes);
       if (request && is_forged(*request)) {
         write(Bytes(forged_.at(key_of(*request))));
+        return true;
+      }
+      if (request && keeps_from_module && keeps_from_module(*request)) {
+        write(bytes_of({tmcl::default_host_address, tmcl::reply_byte(request->address),
+                        tmcl::Status::ok, request->command, request->value}));
         return true;
       }
     }
@@ -220,12 +238,23 @@ class Wire {
     forged_frames_[key_of(request)] = reply;
   }
 
+  static Bytes bytes_of(const tmcl::Reply& reply) {
+    const auto bytes = tmcl::encode_serial(reply);
+    return {bytes.begin(), bytes.end()};
+  }
+  void change_value(tmcl::CanFrame&, const tmcl::Reply&) {}
+  void change_value(Bytes& bytes, tmcl::Reply reply) {
+    change(reply);
+    bytes = bytes_of(reply);
+  }
+
   template <class Reply>
   void pass_on(Reply reply) {
     const auto decoded = decode(reply);
     if (decoded && decoded->status == tmcl::Status::ok) {
       const auto request = note_answer(*decoded);
       if (forges_fences && request && is_fence(*request)) remember(*request, reply);
+      if (change) change_value(reply, *decoded);
     }
     if (is_cut || drawn(faults_.lost)) return;
     if (drawn(faults_.late)) return write_later(std::move(reply));

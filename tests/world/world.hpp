@@ -68,18 +68,22 @@ class World {
     add(can_, "TMCM-1240", 3);
     add(can_, "TMCM-1160", 4);
     for (auto* wire : {&serial_, &can_}) {
-      wire->forges_fences = trouble.forged_fences;
+      wire->forges_fences = trouble.canary == Canary::forged_fences;
       wire->on_request = [this, wire](const tmcl::Request& request) {
         ledger_.on_request(wire->name(), request, time_.now());
+        if (wire == &serial_) break_after(request);
         look_at_places(*wire);
       };
       wire->on_answer = [this, wire](const tmcl::Request& request, std::int32_t value) {
         ledger_.on_answer(wire->name(), request, value);
       };
     }
+    break_line();
     GatewayOptions options;
     options.open_link = [this](const BusConfig& bus) { return wire(bus.name).open(); };
-    gateway_ = Gateway::create(context_.get_executor(), configuration(), std::move(options));
+    gateway_ =
+        Gateway::create(context_.get_executor(), configuration(trouble.canary != Canary::no_limits),
+                        std::move(options));
   }
 
   /// Until every client has made its calls, the gateway has ended, and nothing is left to do.
@@ -104,10 +108,14 @@ class World {
     trace_.add(static_cast<std::uint64_t>(time_.now().time_since_epoch().count()));
   }
 
-  bool all_ended() const { return all_ended_; }
-  bool journeys_ended() const { return journeys_ended_; }
-  /// Axes that turn without end when all clients have gone.
-  const std::vector<std::string>& turning() const { return turning_; }
+  /// What was not as it is promised.
+  std::vector<std::string> complaints() const {
+    auto all = ledger_.complaints();
+    if (!all_ended_) all.emplace_back("a call has no end");
+    if (!journeys_ended_) all.emplace_back("a line has no end");
+    for (const auto& axis : turning_) all.push_back(axis + " turns, although nobody is there");
+    return all;
+  }
   std::uint64_t trace() const { return trace_.value(); }
   const Ledger& ledger() const { return ledger_; }
   std::size_t requests() const { return serial_.requests() + can_.requests(); }
@@ -123,22 +131,19 @@ class World {
             {"e", "field", {ModuleAddress{3}, 0}}, {"f", "field", {ModuleAddress{4}, 0}}};
   }
 
-  static const Config& configuration() {
-    static const Config config = [] {
-      std::string text = "[daemon]\nsocket = \"/none\"\n";
-      text += "[[bus]]\nname = \"line\"\nlink = \"serial:/dev/none@115200\"\n";
-      text += "[[bus]]\nname = \"field\"\nlink = \"can:none\"\n";
-      for (const auto& axis : axes()) {
-        text += "[[axis]]\nname = \"" + axis.name + "\"\nbus = \"" + axis.bus +
-                "\"\naddress = " + std::to_string(number(axis.address.module)) +
-                "\nmotor = " + std::to_string(axis.address.motor) + "\n";
-        if (axis.soft_limit == 0) continue;
-        const auto limit = std::to_string(axis.soft_limit);
-        text += "soft_limits = [-" + limit + ", " + limit + "]\n";
-      }
-      return parse_config(text).value();
-    }();
-    return config;
+  static Config configuration(bool with_limits) {
+    std::string text = "[daemon]\nsocket = \"/none\"\n";
+    text += "[[bus]]\nname = \"line\"\nlink = \"serial:/dev/none@115200\"\n";
+    text += "[[bus]]\nname = \"field\"\nlink = \"can:none\"\n";
+    for (const auto& axis : axes()) {
+      text += "[[axis]]\nname = \"" + axis.name + "\"\nbus = \"" + axis.bus +
+              "\"\naddress = " + std::to_string(number(axis.address.module)) +
+              "\nmotor = " + std::to_string(axis.address.motor) + "\n";
+      if (axis.soft_limit == 0 || !with_limits) continue;
+      const auto limit = std::to_string(axis.soft_limit);
+      text += "soft_limits = [-" + limit + ", " + limit + "]\n";
+    }
+    return parse_config(text).value();
   }
 
   static void add(Wire& wire, std::string_view model, std::uint16_t address) {
@@ -168,7 +173,7 @@ class World {
 
   void leave(const WorldPeer& peer) {
     ledger_.on_leave(peer.number, now());
-    gateway_->leave(peer.number);
+    if (trouble_.canary != Canary::owner_not_missed) gateway_->leave(peer.number);
   }
 
   void look_at_places(Wire& wire) {
@@ -226,10 +231,47 @@ class World {
   boost::asio::awaitable<void> carry_out(std::shared_ptr<WorldPeer> peer, WorldCall call,
                                          json::object params) {
     auto request = request_of(call, std::move(params));
-    const auto number = ledger_.begin(std::move(call), now());
-    const auto result = co_await dispatch(gateway_, peer, std::move(request));
+    const auto number = ledger_.begin(call, now());
+    auto result = co_await dispatch(gateway_, peer, std::move(request));
+    if (trouble_.canary == Canary::no_answer) co_await rest(std::chrono::hours(1));
+    break_answer(call, result);
     ledger_.end(number, result, now());
     trace_.add(result ? json::serialize(*result) : result.error().message);
+  }
+
+  // ---- what is broken on purpose ----
+
+  static bool is_position(const tmcl::Request& request) {
+    constexpr std::uint8_t absolute = 0;
+    return request.command == tmcl::Command::MVP && request.type == absolute;
+  }
+
+  void break_line() {
+    if (trouble_.canary == Canary::unheard_movement) serial_.keeps_from_module = is_position;
+    if (trouble_.canary != Canary::swapped_value) return;
+    serial_.change = [this](tmcl::Reply& reply) {
+      if (reply.command == tmcl::Command::GAP) std::swap(reply.value, told_before_);
+    };
+  }
+  /// After this request is on the wire.
+  void break_after(const tmcl::Request& request) {
+    if (!is_position(request)) return;
+    const bool is_first = std::exchange(last_position_, request) != request;
+    if (trouble_.canary == Canary::doubled_movement && is_first) serial_.inject(request);
+    if (trouble_.canary != Canary::foreign_movement || !is_first) return;
+    auto other = request;
+    last_position_->value = ++other.value;
+    serial_.inject(other);
+  }
+  /// Before the client has it.
+  void break_answer(const WorldCall& call, RpcResult& result) {
+    if (trouble_.canary == Canary::wrong_outcome && !result)
+      result.error().data["outcome"] = "not_sent";
+    if (trouble_.canary != Canary::movement_after_stop || call.method != "axis.stop") return;
+    const auto all = axes();
+    const auto axis = std::ranges::find(all, call.axes.front(), &WorldAxis::name);
+    const bool moved = last_position_ && last_position_->motor == axis->address.motor;
+    if (moved && axis->bus == serial_.name() && result) serial_.inject(*last_position_);
   }
 
   static RpcRequest request_of(const WorldCall& call, json::object params) {
@@ -346,6 +388,8 @@ class World {
   Wire can_;
   Ledger ledger_;
   std::shared_ptr<Gateway> gateway_;
+  std::optional<tmcl::Request> last_position_;  ///< That the line's module was sent to.
+  std::int32_t told_before_ = 0;
   int ended_ = 0;
   bool all_ended_ = false;
   bool journeys_ended_ = false;
