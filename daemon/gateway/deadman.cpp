@@ -22,6 +22,11 @@ bool is_line_fault(const tmcl::Error& error) {
          error.code != tmcl::Errc::unexpected_value;
 }
 
+/// Of two that it may be set to, the one that it is to be fed by: 0 is none.
+std::int32_t shorter(std::int32_t one, std::int32_t other) {
+  return one == 0 || other == 0 ? std::max(one, other) : std::min(one, other);
+}
+
 }  // namespace
 
 std::uint8_t Deadman::parameter() const {
@@ -48,6 +53,8 @@ Script<Result<void>> Deadman::adopt(tmcl::FoundModule found) {
   }
   written_to_ = found.version;
   auto set = co_await set_as_configured();
+  // It may have been set, although nobody has heard that: then it is read again.
+  is_adopted_ = set.has_value();
   co_return set;
 }
 
@@ -96,13 +103,16 @@ Script<Result<void>> Deadman::change(std::int32_t ms) {
 }
 
 Script<Result<void>> Deadman::write(std::int32_t ms) {
+  const auto held_before = set_ms_.value_or(0);
   const bool starts = co_await must(starts_program());
   if (starts) {
     co_return tl::unexpected(tmcl::bad_argument(
         "the module starts a program by itself (global parameter 77), which a deadman would stop",
         "a module is either led by a computer, or by a program of its own"));
   }
-  co_await must(tmcl::verbs::set_global(address_, bank, parameter(), ms));
+  auto written = co_await tmcl::verbs::set_global(address_, bank, parameter(), ms);
+  if (!written && written.error().outcome == Outcome::unknown) note_set(shorter(held_before, ms));
+  if (!written) co_return written;
   const auto held = co_await must(read());
   if (held == ms) co_return Result<void>{};
   tmcl::Error error;

@@ -46,6 +46,12 @@ class Deadmen : public Cable {
     module.execute(request, tmcl::sim::Medium::serial, nobody);
     wire.touch();
   }
+  /// And then nothing gets through.
+  void lose_answer_to(Command command) {
+    wire.on_answer = [this, command](const tmcl::Request& request, std::int32_t) {
+      if (request.command == command) wire.is_cut = true;
+    };
+  }
   void set_elsewhere(std::uint8_t parameter, std::int32_t value) {
     ask_elsewhere({tmcl::ModuleAddress{1}, Command::SGP, parameter, 0, value});
   }
@@ -118,6 +124,18 @@ TEST_F(Deadmen, AreNotWrittenToALockedEepromAndThatIsSaidOnce) {
   ASSERT_EQ(audited.size(), 1U);
   EXPECT_THAT(audited.front(), HasSubstr("error=refused_by_module"));
   set_out();
+}
+
+TEST_F(Deadmen, AreFedAlsoIfNobodyHeardThatTheyWereSet) {
+  lose_answer_to(Command::SGP);
+  restart_with({{gp::serial_heartbeat, 0}});
+  EXPECT_EQ(module.globals().value(gp::serial_heartbeat), 1000);
+  wire.is_cut = false;
+  time.run_for(5s);
+  EXPECT_EQ(count(Command::SGP, gp::serial_heartbeat), 1);
+  set_out();
+  time.run_for(5s);
+  EXPECT_TRUE(moves());
 }
 
 TEST_F(Deadmen, KeepAMovingMotorGoingAsLongAsTheDaemonIsThere) {
@@ -238,6 +256,16 @@ TEST_F(DeadmanLeftAlone, IsSetByACallAndFedFromThenOn) {
   requests.clear();
   time.run_for(5s);
   EXPECT_THAT(requests, IsEmpty());
+}
+
+TEST_F(DeadmanLeftAlone, IsFedAlsoIfNobodyHeardThatItWasSet) {
+  lose_answer_to(Command::SGP);
+  EXPECT_FALSE(call("axis.set_deadman", {{"axis", "x"}, {"ms", 700}}));
+  wire.is_cut = false;
+  time.run_for(5s);
+  set_out();
+  time.run_for(5s);
+  EXPECT_TRUE(moves());
 }
 
 TEST_F(DeadmanLeftAlone, IsNotSetToWhatCannotWork) {
