@@ -13,14 +13,6 @@ using tmcl::Microsteps;
 template <class T>
 using Verb = tmcl::Script<tmcl::Result<T>>;
 
-template <class Params>
-RunOptions in_time(const Call& call, const Params& params) {
-  RunOptions options;
-  options.deadline = call.deadline(params);
-  options.permit = call.permit;
-  return options;
-}
-
 awaitable<Lookup<axis::Place>> position_from(Call& call, const coordinate::OnCoordinate& params,
                                              Verb<Microsteps> (*verb)(tmcl::AxisAddress,
                                                                       std::uint8_t)) {

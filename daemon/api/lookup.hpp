@@ -16,6 +16,15 @@ namespace tmcld {
 
 Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call, const std::string& name);
 
+/// Of what a call runs on a bus, within its deadline.
+template <class Params>
+RunOptions in_time(const Call& call, const Params& params) {
+  RunOptions options;
+  options.deadline = call.deadline(params);
+  options.permit = call.permit;
+  return options;
+}
+
 struct ReadyToMove {
   std::shared_ptr<GatewayAxis> axis;
   RunOptions moves;  ///< Ends the movement when a stop comes behind the call.

@@ -82,11 +82,8 @@ Answer<module::Execute> execute(Call& call, const module::Execute& params) {
   call.effect = effect_of(request->command, request->type);
   const bool stops = call.effect == tmcl::Effect::stops;
   if (stops) revoke_movements(call, **bus, *request);
-  RunOptions options;
-  options.deadline = call.deadline(params);
-  options.permit = call.permit;
   call.gateway->stops_in_progress += stops ? 1 : 0;
-  const auto answer = co_await (*bus)->execute(*request, options);
+  const auto answer = co_await (*bus)->execute(*request, in_time(call, params));
   call.gateway->stops_in_progress -= stops ? 1 : 0;
   if (!answer) co_return tl::unexpected(call_error(answer.error()));
   co_return to_result(*answer);

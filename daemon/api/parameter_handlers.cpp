@@ -48,7 +48,8 @@ Answer<parameter::Get> get_parameter(Call& call, const parameter::Get& params) {
   if (!ready) co_return tl::unexpected(call_error(ready.error(), it.name()));
   const auto choice = parameter_of(params.parameter, it);
   if (!choice) co_return tl::unexpected(choice.error());
-  const auto value = co_await it.get(choice->number, call.deadline(params));
+  auto script = tmcl::verbs::get(it.address(), choice->number);
+  const auto value = co_await it.perform(std::move(script), in_time(call, params));
   if (!value) co_return tl::unexpected(call_error(value.error(), it.name()));
   ModuleValue told{*value};
   auto result = co_await to_result(it, *choice, std::move(told));

@@ -22,6 +22,7 @@
 #include "gateway/journal.hpp"
 #include "gateway/module.hpp"
 #include "gateway/motors.hpp"
+#include "gateway/queue_shares.hpp"
 #include "log/audit.hpp"
 #include "log/limiter.hpp"
 #include "log/sink.hpp"
@@ -215,6 +216,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   AuditSink audit_;
   std::shared_ptr<DeadmanMemory> deadmen_;
   Motors motors_;
+  QueueShares shares_;
   std::vector<std::shared_ptr<AxisLimits>> limits_;
   std::uint64_t commands_ = 0;
   LogLimiter log_limiter_;

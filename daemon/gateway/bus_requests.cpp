@@ -84,6 +84,16 @@ std::optional<tmcl::TimePoint> earliest(std::optional<tmcl::TimePoint> one,
   return one && other ? std::min(one, other) : one ? one : other;
 }
 
+tmcl::Error has_its_share(const tmcl::Request& request) {
+  tmcl::Error error;
+  error.code = tmcl::Errc::queue_full;
+  error.outcome = tmcl::Outcome::not_sent;
+  error.message = "so many commands of this client wait for the bus that others want the room";
+  error.hint = "wait for answers before sending more";
+  error.request = request;
+  return error;
+}
+
 /// Whoever sends a request may be ended at any time: it is on its way for as long as this lives.
 class OnItsWay {
  public:
@@ -266,6 +276,13 @@ tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Conduct& c
     // Who waits for something is told when the module will never do it.
     if (conduct.module != nullptr) co_await conduct.module->watch(conduct.options.sentinel_age);
   } else if (auto* one = std::get_if<tmcl::step::Exchange>(&step)) {
+    const auto request = one->request;
+    const auto place =
+        shares_.take(conduct.options.permit.client, effect_of(request.command, request.type));
+    if (!place) {
+      results.emplace_back(tl::unexpected(has_its_share(request)));
+      co_return results;
+    }
     auto answer = co_await send(std::move(*one), conduct);
     results.push_back(std::move(answer));
   } else {
@@ -273,7 +290,11 @@ tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Conduct& c
     const bool moves =
         std::ranges::any_of(all, [](const auto& each) { return can_move(each.request); });
     if (!moves) {
-      results = co_await exchange_all(std::move(all));
+      const auto place =
+          shares_.take(conduct.options.permit.client, tmcl::Effect::reads, all.size());
+      for (const auto& each : all)
+        if (!place) results.emplace_back(tl::unexpected(has_its_share(each.request)));
+      if (place) results = co_await exchange_all(std::move(all));
       co_return results;
     }
     for (auto& each : all) {

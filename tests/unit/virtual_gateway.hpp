@@ -70,20 +70,22 @@ class VirtualGateway {
 
   Gateway& gateway() { return *gateway_; }
 
-  Caller caller;  ///< Who makes the calls.
+  Caller caller;  ///< Who makes the calls,
+  Client client;  ///< over which connection.
   std::vector<std::string> audited;
 
  private:
   class NobodySubscribes final : public Peer {
    public:
-    explicit NobodySubscribes(const Caller& caller) : caller_(caller) {}
+    explicit NobodySubscribes(const VirtualGateway& bench) : bench_(bench) {}
     void notify(std::string_view, json::object) override {}
     bool is_gone() const override { return false; }
     Subscriptions& subscriptions() override { return subscriptions_; }
-    Caller caller() const override { return caller_; }
+    Client client() const override { return bench_.client; }
+    Caller caller() const override { return bench_.caller; }
 
    private:
-    const Caller& caller_;
+    const VirtualGateway& bench_;
     Subscriptions subscriptions_{[] {}};
   };
 
@@ -93,7 +95,7 @@ class VirtualGateway {
   }
 
   boost::asio::io_context context_{1};
-  std::shared_ptr<Peer> peer_ = std::make_shared<NobodySubscribes>(caller);
+  std::shared_ptr<Peer> peer_ = std::make_shared<NobodySubscribes>(*this);
   std::shared_ptr<Gateway> gateway_;
 
  public:
