@@ -54,6 +54,16 @@ tmcl::UserPosition place_of(Microsteps here, const std::optional<tmcl::UserPosit
   return stands_there ? *requested : tmcl::to_user(here, scale);
 }
 
+tmcl::Error found_no_reference(const std::string& axis) {
+  tmcl::Error error;
+  error.code = tmcl::Errc::move_interrupted;
+  error.outcome = tmcl::Outcome::done;
+  error.message = "the search of axis '" + axis +
+                  "' has ended, and has found no reference: the axis does not stand at zero";
+  error.hint = "somebody else or its module stopped it; look at its switches, and search again";
+  return error;
+}
+
 }  // namespace
 
 GatewayAxis::GatewayAxis(AxisConfig config, std::shared_ptr<GatewayBus> bus)
@@ -206,9 +216,20 @@ GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
                                                       RunOptions movement) {
   bus().motors().let_search(address(), movement.permit);
   auto script = tmcl::verbs::home(address(), std::move(options));
+  const Claimant search{Mover::search, movement.permit};
   auto homed = co_await move(intent::Search{}, std::move(script), std::move(movement));
-  if (homed) bus().motors().note_reference(address());
-  co_return homed;
+  if (!homed) co_return homed;
+  // Whoever wants to move the axis may have seen the end already.
+  if (claimant() == search) {
+    auto seen = co_await axis_.run(bus().see_search_end(address()));
+    if (!seen) seen.error().outcome = tmcl::Outcome::unknown;
+    if (!seen) co_return tl::unexpected(std::move(seen.error()));
+  }
+  if (auto latch = latched()) co_return tl::unexpected(std::move(*latch));
+  if (is_referenced()) co_return homed;
+  auto error = found_no_reference(name());
+  co_await add_cause(error);
+  co_return tl::unexpected(axis_.on_bus(std::move(error)));
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t> mode,
@@ -235,9 +256,8 @@ GatewayAxis::Awaitable<Microsteps> GatewayAxis::wait(tmcl::WaitOptions wait_opti
   auto watched = co_await axis_.run(module().watch(movement_sentinel_age));
   if (auto latch = latched()) co_return tl::unexpected(std::move(*latch));
   if (result && !watched) co_return tl::unexpected(std::move(watched.error()));
-  if (result || result.error().code != tmcl::Errc::move_interrupted) co_return result;
-  if (!stop_cause_) co_await find_cause();
-  if (stop_cause_) result.error().message += "; cause: " + std::string(name_of(*stop_cause_));
+  if (!result && result.error().code == tmcl::Errc::move_interrupted)
+    co_await add_cause(result.error());
   co_return result;
 }
 
@@ -374,6 +394,11 @@ boost::asio::awaitable<void> GatewayAxis::find_cause() {
                             std::string(name_of(*cause)));
   event.cause = name_of(*cause);
   bus().emit(std::move(event));
+}
+
+boost::asio::awaitable<void> GatewayAxis::add_cause(tmcl::Error& error) {
+  if (!stop_cause_) co_await find_cause();
+  if (stop_cause_) error.message += "; cause: " + std::string(name_of(*stop_cause_));
 }
 
 void GatewayAxis::forget_move() {

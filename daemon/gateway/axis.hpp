@@ -147,6 +147,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<void> be_free(RunOptions movement) { return admission_.be_free(std::move(movement)); }
 
   /// Ends with an error when a stop comes; the search ends with it.
+  /// Errors: also Errc::move_interrupted if the module has ended the search in vain.
   Awaitable<tmcl::Homed> home(tmcl::HomeOptions options, RunOptions movement);
   Awaitable<void> start_home(std::optional<std::int32_t> mode, RunOptions movement);
   /// Any other verb. One that can move the motor needs what admit() gives.
@@ -201,6 +202,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Finds out why an axis stands that was on its way.
   boost::asio::awaitable<void> note_motion(tmcl::AxisState state);
   boost::asio::awaitable<void> find_cause();
+  /// Of an error that says that it stands somewhere else than it should.
+  boost::asio::awaitable<void> add_cause(tmcl::Error& error);
   void note_stop(StopCause cause);
   /// The axis goes, or may go, somewhere else than it was sent before.
   void forget_move();

@@ -8,7 +8,7 @@ AxisAccess::AxisAccess(AxisConfig config, std::shared_ptr<GatewayBus> bus)
     : config_(std::move(config)),
       bus_(std::move(bus)),
       module_(bus_->add_module(config_.address.module)) {
-  bus_->motors().add(config_.address, config_.name);
+  bus_->motors().add(config_.address, config_.name, config_.needs_reference);
   if (!config_.motion_limits.of_settings()) return;
   limits_ = std::make_shared<AxisLimits>(config_, module_);
   bus_->add_limits(limits_);

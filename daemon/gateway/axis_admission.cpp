@@ -41,8 +41,10 @@ AxisAdmission::Awaitable<Admitted> AxisAdmission::admit(Intent intent, RunOption
   };
   if (needs_free_axis(intent)) {
     // Nothing of the verb goes out any more, its settings neither.
-    movement.objection = [this, of = movement.permit, stopped = std::move(movement.objection)] {
+    movement.objection = [this, intent, of = movement.permit,
+                          stopped = std::move(movement.objection)] {
       auto objection = stopped ? stopped() : std::nullopt;
+      if (!objection) objection = misses_reference(intent);
       const auto& motors = axis_.bus().motors();
       const bool claimed = !objection && motors.claimed_by_other(any_move(), of);
       return claimed ? std::optional(motors.claimed(axis_.address())) : objection;
@@ -66,23 +68,16 @@ std::optional<tmcl::Error> AxisAdmission::misses_reference(const Intent& intent)
       std::holds_alternative<intent::FollowPath>(intent) ||
       (write != nullptr &&
        tmcl::set_off_by(write->parameter, axis_.parameters()) == tmcl::SetOff::move_to_value);
-  const bool is_known = axis_.bus().motors().is_referenced(axis_.address());
-  if (!axis_.config().needs_reference || !is_to_position || is_known) return std::nullopt;
-  tmcl::Error error;
-  error.code = tmcl::Errc::latched;
-  error.outcome = tmcl::Outcome::not_sent;
-  error.message = "axis '" + axis_.name() + "' has not searched its reference";
-  error.hint = "search it first: 'tmclctl home " + axis_.name() +
-               "'; the configuration requires that: 'reference'";
-  return axis_.on_bus(std::move(error));
+  return is_to_position ? axis_.bus().motors().misses_reference(axis_.address()) : std::nullopt;
 }
 
 AxisAdmission::Script<void> AxisAdmission::check_now(Intent intent, Permit permit) {
-  if (auto error = misses_reference(intent)) co_return tl::unexpected(std::move(*error));
   if (needs_free_axis(intent)) {
+    // First: a search that has ended unseen may have found the reference.
     auto free = co_await axis_.bus().may_send(any_move(), permit);
     if (!free) co_return free;
   }
+  if (auto error = misses_reference(intent)) co_return tl::unexpected(std::move(*error));
   auto checked = co_await check(std::move(intent));
   co_return checked;
 }

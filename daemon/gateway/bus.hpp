@@ -104,6 +104,10 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// the module is asked.
   /// Errors: Errc::superseded_by_stop, axis_claimed, daemon_ending; nothing was sent.
   tmcl::Script<tmcl::Result<void>> may_send(tmcl::Request request, Permit permit);
+  /// Of a motor that a search has claimed: frees it if the module says that the search has ended,
+  /// and notes whether it has found its reference.
+  /// Errors: those of the exchanges; Errc::axis_claimed while it searches.
+  tmcl::Script<tmcl::Result<void>> see_search_end(tmcl::AxisAddress motor);
 
   /// One exchange, exactly as given.
   boost::asio::awaitable<tmcl::Result<tmcl::Answer>> execute(tmcl::Request request,
@@ -179,7 +183,6 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
                                                      Conduct& conduct);
   tmcl::Script<tmcl::StepResult> exchange_all(std::vector<tmcl::step::Exchange> exchanges);
   GatewayModule* watched_module(const tmcl::step::Exchange& exchange) const;
-  tmcl::Script<tmcl::Result<void>> see_search_end(tmcl::AxisAddress motor);
 
   tmcl::Error not_open() const;
   boost::asio::awaitable<void> rest(tmcl::Duration duration);

@@ -10,6 +10,7 @@ namespace tmcld {
 namespace {
 
 constexpr tmcl::Duration claim_look_interval = std::chrono::milliseconds(5);
+constexpr std::uint8_t search_status = 2;  // the type of RFS
 
 tmcl::Script<bool> has_arrived(tmcl::AxisAddress motor) {
   const auto state = co_await tmcl::verbs::state(motor);
@@ -46,17 +47,38 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::may_send(tmcl::Request request, Per
   co_return tmcl::Result<void>{};
 }
 
-/// Nobody waits for a search that was only started. A module that cannot tell whether it searches
-/// locks nobody out.
+namespace {
+
+/// A status does not say how a search has ended. One that has found its reference has made that
+/// zero, and the axis stands there. Flags tell nothing: a search for a stall ends with one, too.
+std::vector<tmcl::step::Exchange> questions_about_search(tmcl::AxisAddress motor) {
+  const auto ask = [&](tmcl::Command command, std::uint8_t type) {
+    tmcl::step::Exchange question{{motor.module, command, type, motor.motor, 0}, {}};
+    question.options.proof = tmcl::Proof::followed;
+    return question;
+  };
+  return {ask(tmcl::Command::RFS, search_status),
+          ask(tmcl::Command::GAP, tmcl::axis_parameter::actual_velocity),
+          ask(tmcl::Command::GAP, tmcl::axis_parameter::actual_position)};
+}
+
+}  // namespace
+
+/// A module that cannot tell whether it searches locks nobody out.
 tmcl::Script<tmcl::Result<void>> GatewayBus::see_search_end(tmcl::AxisAddress motor) {
   const auto claimant = motors_.claimant_of(motor);
-  auto step = co_await tmcl::verbs::reference_search_status(motor);
-  if (!step && step.error().outcome != tmcl::Outcome::refused) {
-    step.error().outcome = tmcl::Outcome::not_sent;
-    co_return tl::unexpected(std::move(step.error()));
+  const auto answers = co_await exchange_all(questions_about_search(motor));
+  for (const auto& answer : answers) {
+    if (answer || answer.error().outcome == tmcl::Outcome::refused) continue;
+    auto error = answer.error();
+    error.outcome = tmcl::Outcome::not_sent;
+    co_return tl::unexpected(std::move(error));
   }
   if (motors_.claimant_of(motor) != claimant) co_return tmcl::Result<void>{};
-  if (step && *step != 0) co_return tl::unexpected(motors_.claimed(motor));
+  const auto& status = answers.front();
+  if (status && status->reply.value != 0) co_return tl::unexpected(motors_.claimed(motor));
+  const auto is_zero = [](const auto& answer) { return answer && answer->reply.value == 0; };
+  if (std::ranges::all_of(answers, is_zero)) motors_.note_reference(motor);
   motors_.release(motor, claimant.of);
   co_return tmcl::Result<void>{};
 }

@@ -21,7 +21,7 @@ constexpr std::uint8_t positions_of_several = 2;  // the type of MVP
 constexpr std::uint8_t first_mask = 0x40;
 constexpr std::uint8_t motors_in_mask = 6;
 constexpr std::uint8_t all_motors = 255;
-enum class Search : std::uint8_t { start = 0, stop = 1, status = 2 };
+enum class Search : std::uint8_t { start = 0, stop = 1 };
 
 bool names_several(const Request& request) {
   return request.command == Command::MVP && request.type == positions_of_several &&
@@ -79,6 +79,18 @@ bool ends_turning(const Request& request) {
   }
 }
 
+/// To one that the module or the request names. Of a relative move only where it ends is sent.
+bool goes_to_position(const Request& request) {
+  constexpr std::uint8_t relative = 1;
+  switch (request.command) {
+    case Command::MVP: return request.type != relative;
+    case Command::SAP:
+    case Command::RSAP:
+    case Command::AAP: return request.type == tmcl::axis_parameter::target_position;
+    default: return false;
+  }
+}
+
 std::string_view words_for(Mover by) {
   switch (by) {
     case Mover::nobody: break;
@@ -110,11 +122,12 @@ bool starts_search(const Request& request) {
          request.type == static_cast<std::uint8_t>(Search::start);
 }
 
-void Motors::add(AxisAddress motor, const std::string& axis) {
+void Motors::add(AxisAddress motor, const std::string& axis, bool needs_reference) {
   auto& added = motors_[motor];
   // It may have been stopped before it had an axis.
   added.last_stop = std::max(added.last_stop, last_stop_of_others_);
   added.axis = axis;
+  added.needs_reference = needs_reference;
 }
 
 // ---- stops -------------------------------------------------------------------------------------
@@ -318,8 +331,26 @@ bool Motors::is_referenced(AxisAddress motor) const {
   return found != motors_.end() && found->second.is_referenced;
 }
 
-void Motors::note_reference(AxisAddress motor) {
-  if (is_axis(motor)) motors_.at(motor).is_referenced = true;
+void Motors::set_referenced(AxisAddress motor, bool is_referenced) {
+  if (is_axis(motor)) motors_.at(motor).is_referenced = is_referenced;
+}
+
+std::optional<tmcl::Error> Motors::misses_reference(AxisAddress motor) const {
+  if (!is_axis(motor)) return std::nullopt;
+  const auto& it = motors_.at(motor);
+  if (!it.needs_reference || it.is_referenced) return std::nullopt;
+  return error(Errc::latched, "axis '" + it.axis + "' has not searched its reference",
+               "search it first: 'tmclctl home " + it.axis +
+                   "'; the configuration requires that: 'reference'");
+}
+
+std::optional<tmcl::Error> Motors::misses_reference(const Request& request) const {
+  if (!goes_to_position(request)) return std::nullopt;
+  for (const auto& [address, motor] : motors_) {
+    auto missing = can_move(request, address) ? misses_reference(address) : std::nullopt;
+    if (missing) return missing;
+  }
+  return std::nullopt;
 }
 
 // ---- requests on their way ---------------------------------------------------------------------
@@ -420,18 +451,14 @@ void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answ
         release(motor, before.of);
       } else {
         recover(motor, latches(motor));
+        // It may count from somewhere else at any time now.
+        set_referenced(motor, false);
       }
       return;
     }
     case Search::stop:
       if (answer && before.by == Mover::search) release(motor, before.of);
       return;
-    case Search::status: {
-      const bool has_ended = answer && answer->reply.value == 0;
-      if (has_ended && before.by == Mover::search) note_reference(motor);
-      if (has_ended && before.by == Mover::search) release(motor, before.of);
-      return;
-    }
   }
 }
 

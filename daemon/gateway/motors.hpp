@@ -123,7 +123,7 @@ class Motors {
   void look_for_gap(tmcl::TimePoint now) { arrivals_->gaps.look(now); }
 
   /// There is an axis: it can be claimed.
-  void add(tmcl::AxisAddress motor, const std::string& axis);
+  void add(tmcl::AxisAddress motor, const std::string& axis, bool needs_reference = false);
 
   /// Calls that came in before this have no right to move the motor any more.
   void stop(tmcl::AxisAddress motor);
@@ -170,7 +170,11 @@ class Motors {
   /// Its positions mean something: it has found its reference, or has been told where it is, and
   /// its module has not started again since.
   bool is_referenced(tmcl::AxisAddress motor) const;
-  void note_reference(tmcl::AxisAddress motor);
+  void note_reference(tmcl::AxisAddress motor) { set_referenced(motor, true); }
+  /// Why it is sent to no position: it needs a reference and has none.
+  std::optional<tmcl::Error> misses_reference(tmcl::AxisAddress motor) const;
+  /// The same for all that this request sends to a position.
+  std::optional<tmcl::Error> misses_reference(const tmcl::Request& request) const;
 
   /// The motor of an axis that nobody has claimed.
   [[nodiscard]] Claim claim(tmcl::AxisAddress motor, Claimant claimant);
@@ -212,9 +216,11 @@ class Motors {
     std::uint64_t latches = 0;  ///< How many times it was.
     Permit searcher{};          ///< Who may move it all the same.
     bool is_referenced = false;
+    bool needs_reference = false;
   };
 
   bool is_axis(tmcl::AxisAddress motor) const;
+  void set_referenced(tmcl::AxisAddress motor, bool is_referenced);
   void note_claim(tmcl::AxisAddress motor, Claimant claimant);
   void forget_other_motors();
   void note_moved(const tmcl::Request& request);

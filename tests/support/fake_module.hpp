@@ -102,7 +102,7 @@ class FakeModule {
         if (request.type == 0) arrive(request.motor, request.value);
         break;
       case Command::MST: parameter(request.motor, axis_parameter::actual_velocity) = 0; break;
-      case Command::RFS: search(request.type, reply); break;
+      case Command::RFS: search(request.motor, request.type, reply); break;
       case Command::SCO: memory_[key(Command::SCO, request)] = request.value; break;
       case Command::CCO: capture(request); break;
       case Command::GCO: reply.value = remembered(Command::SCO, request); break;
@@ -137,12 +137,12 @@ class FakeModule {
 
   static constexpr std::int32_t steps_of_a_search = 3;
 
-  void search(std::uint8_t what, Reply& reply) {
+  void search(std::uint8_t motor, std::uint8_t what, Reply& reply) {
     if (what == 0) searching_ = steps_of_a_search;
     if (what == 1) searching_ = 0;
     if (what != 2) return;
     reply.value = searching_ == 0 ? 0 : steps_of_a_search + 1 - searching_;
-    if (searching_ > 0) --searching_;
+    if (searching_ > 0 && --searching_ == 0) arrive(motor, 0);
   }
   static Request key(Command command, const Request& request) {
     return {request.address, command, request.type, request.motor, 0};

@@ -134,5 +134,29 @@ TEST_F(Unreferenced, AnAxisThatWasToldWhereItIsMayGoAnywhere) {
   EXPECT_EQ(name_of("axis.move_to", {{"position_microsteps", 5}}), "none");
 }
 
+TEST_F(Unreferenced, AnAxisIsSentToNoPositionByARawCommandEither) {
+  const auto name_of_raw = [&](const char* command, int type, int motor) {
+    const auto result = bench.call("module.execute", {{"bus", "bench"},
+                                                      {"address", 1},
+                                                      {"command", command},
+                                                      {"type", type},
+                                                      {"motor", motor},
+                                                      {"value", 5}});
+    return result ? "none" : std::string(result.error().data.at("name").as_string());
+  };
+  const auto sent = module().executed().size();
+  constexpr int x_and_y = 0x43;
+  for (const auto& [command, type, motor] :
+       {std::tuple{"MVP", 0, 1}, {"MVP", 2, 1}, {"MVP", 2, x_and_y}, {"SAP", 0, 1}, {"AAP", 0, 1}})
+    EXPECT_EQ(name_of_raw(command, type, motor), "latched") << command << ' ' << type;
+  EXPECT_EQ(module().executed().size(), sent);
+  EXPECT_EQ(name_of_raw("MVP", 0, 0), "none") << "the other axis needs no reference";
+  EXPECT_EQ(name_of_raw("MVP", 1, 1), "none") << "it goes from where it is";
+  EXPECT_EQ(name_of_raw("SAP", 4, 1), "none");
+  EXPECT_EQ(name_of("parameter.set", {{"parameter", "actual_position"}, {"value", 0}}), "none");
+  for (const auto& [command, type, motor] : {std::tuple{"MVP", 0, 1}, {"MVP", 2, x_and_y}})
+    EXPECT_EQ(name_of_raw(command, type, motor), "none");
+}
+
 }  // namespace
 }  // namespace tmcld::test
