@@ -55,6 +55,7 @@ Script<Result<void>> Deadman::adopt(tmcl::FoundModule found) {
   auto set = co_await set_as_configured();
   // It may have been set, although nobody has heard that: then it is read again.
   is_adopted_ = set.has_value();
+  if (!set && set.error().outcome == Outcome::not_sent) written_to_.reset();
   co_return set;
 }
 
@@ -104,8 +105,12 @@ Script<Result<void>> Deadman::change(std::int32_t ms) {
 
 Script<Result<void>> Deadman::write(std::int32_t ms) {
   const auto held_before = set_ms_.value_or(0);
-  const bool starts = co_await must(starts_program());
-  if (starts) {
+  auto starts = co_await starts_program();
+  if (!starts) {
+    starts.error().outcome = Outcome::not_sent;
+    co_return tl::unexpected(std::move(starts.error()));
+  }
+  if (*starts) {
     co_return tl::unexpected(tmcl::bad_argument(
         "the module starts a program by itself (global parameter 77), which a deadman would stop",
         "a module is either led by a computer, or by a program of its own"));

@@ -47,9 +47,9 @@ class Deadmen : public Cable {
     wire.touch();
   }
   /// And then nothing gets through.
-  void lose_answer_to(Command command) {
-    wire.on_answer = [this, command](const tmcl::Request& request, std::int32_t) {
-      if (request.command == command) wire.is_cut = true;
+  void lose_answer_to(Command command, std::uint8_t type = gp::serial_heartbeat) {
+    wire.on_answer = [=, this](const tmcl::Request& request, std::int32_t) {
+      if (request.command == command && request.type == type) wire.is_cut = true;
     };
   }
   void set_elsewhere(std::uint8_t parameter, std::int32_t value) {
@@ -136,6 +136,16 @@ TEST_F(Deadmen, AreFedAlsoIfNobodyHeardThatTheyWereSet) {
   set_out();
   time.run_for(5s);
   EXPECT_TRUE(moves());
+}
+
+TEST_F(Deadmen, AreSetLaterWhereAQuestionBeforeItWasNotAnswered) {
+  lose_answer_to(Command::GGP, gp::auto_start_mode);
+  restart_with({{gp::serial_heartbeat, 0}});
+  wire.on_answer = {};
+  wire.is_cut = false;
+  time.run_for(5s);
+  EXPECT_EQ(module.globals().value(gp::serial_heartbeat), 1000);
+  EXPECT_EQ(count(Command::SGP, gp::serial_heartbeat), 1);
 }
 
 TEST_F(Deadmen, KeepAMovingMotorGoingAsLongAsTheDaemonIsThere) {
