@@ -1,6 +1,8 @@
 /// A daemon with two axes of a simulated TMCM-6212 in the test's own process, for paths.
 #pragma once
 
+#include <array>
+
 #include <gmock/gmock.h>
 
 #include "sim/module/module.hpp"
@@ -29,7 +31,8 @@ class Played {
     for (std::uint8_t motor = 0; motor < 2; ++motor) {
       set(motor, ap::max_velocity, own_velocity);
       set(motor, ap::max_acceleration, own_acceleration);
-      for (const std::uint8_t parameter : {15, 17, 18}) set(motor, parameter, own_acceleration);
+      for (const auto parameter : std::to_array<std::uint8_t>({15, 17, 18}))
+        set(motor, parameter, own_acceleration);
     }
   }
   /// The module must not outlive this.

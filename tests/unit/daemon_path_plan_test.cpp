@@ -60,20 +60,20 @@ TEST_F(DaemonPathPlan, WhatWasSaidOfAPathIsWhatIsRun) {
 
 // A right angle at 20 mm/s.
 TEST_F(DaemonPathPlan, ACornerChangesNoSpeedByMoreThanItsAxisMay) {
-  const std::string corner = "G1 X8 F1200\nG1 Y8\n";
+  const std::string right_angle = "G1 X8 F1200\nG1 Y8\n";
   const auto slowest = [&](json::object more) {
     more["tolerance"] = 1;
-    const auto planned = plan(corner, std::move(more));
+    const auto planned = plan(right_angle, std::move(more));
     return planned.at("course").at("slowest_corners").at(0).at("speed").to_number<double>();
   };
   EXPECT_GT(slowest({}), 1.5);
   EXPECT_NEAR(slowest({{"corner_jump", 1}}), 1, 1e-9);
   EXPECT_NEAR(slowest({{"corner_jump", "1mm/s"}}), 1, 1e-3);
-  const auto wrong = bench.call("path.plan", {{"text", corner}, {"corner_jump", "3mm"}});
+  const auto wrong = bench.call("path.plan", {{"text", right_angle}, {"corner_jump", "3mm"}});
   EXPECT_EQ(name_of(wrong), "wrong_unit");
   JourneyBench limited("TMCM-6212",
                        "unit = \"mm\"\nunits_per_revolution = 5\nmax_corner_jump = 0.5\n");
-  const auto planned = limited.call("path.plan", {{"text", corner}, {"tolerance", 1}});
+  const auto planned = limited.call("path.plan", {{"text", right_angle}, {"tolerance", 1}});
   ASSERT_TRUE(planned) << planned.error().message;
   EXPECT_NEAR(planned->at("course").at("slowest_corners").at(0).at("speed").to_number<double>(),
               0.5, 1e-9);
@@ -83,7 +83,7 @@ TEST_F(DaemonPathPlan, ItBeginsWhereAnAxisWasReadTwiceWithAnotherCommandBetween)
   plan(corner);
   bench.requests.clear();
   plan(corner);
-  for (const std::uint8_t motor : {0, 1}) {
+  for (std::uint8_t motor = 0; motor < 2; ++motor) {
     std::string read;
     for (const auto& request : bench.requests) {
       const bool is_position = request.command == Command::GAP && request.type == 1;
