@@ -52,6 +52,7 @@ std::optional<SentinelConfig> sentinel_of(std::string_view text) {
   using Kind = SentinelConfig::Kind;
   constexpr std::string_view variable = "variable:";
   if (text == "auto" || text == "tick") return SentinelConfig{Kind::tick};
+  if (text == "settings") return SentinelConfig{Kind::settings};
   if (text == "none") return SentinelConfig{Kind::none};
   if (!text.starts_with(variable)) return std::nullopt;
   SentinelConfig sentinel{Kind::variable};
@@ -265,7 +266,7 @@ class Builder {
     if (sentinel) return;
     complain(section.place_of("sentinel"),
              "'sentinel' is " + quoted(*text) +
-                 ", but must be auto, tick, none or variable:N with N from 56 to 255");
+                 ", but must be auto, tick, settings, none or variable:N with N from 56 to 255");
   }
 
   /// Of the module that was added last.

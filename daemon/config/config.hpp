@@ -55,7 +55,7 @@ struct AccessConfig {
 
 /// By what it is noticed that a module has restarted.
 struct SentinelConfig {
-  enum class Kind : std::uint8_t { tick, variable, none };
+  enum class Kind : std::uint8_t { tick, variable, settings, none };
   Kind kind = Kind::tick;
   std::uint8_t variable = 0;
 };

@@ -58,7 +58,7 @@ constexpr auto keys = std::to_array<KeyInfo>({
     {module, "bus", string, required, 0, 0, any, "name of the bus the module is on"},
     {module, "address", integer, required, 0, 0x7FF, any, "address of the module"},
     {module, "sentinel", string, optional, 0, 0, any,
-     "by what a restart of it is noticed: auto, tick, variable:N or none"},
+     "by what a restart of it is noticed: auto, tick, variable:N, settings or none"},
     {module, "deadman_ms", integer, optional, 0, longest_deadman_ms, any,
      "it stops its motors when nobody has sent it anything for so long; 0: never"},
 

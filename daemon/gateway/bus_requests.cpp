@@ -119,16 +119,23 @@ tmcl::Error has_its_share(const tmcl::Request& request) {
 /// Whoever sends a request may be ended at any time: it is on its way for as long as this lives.
 class OnItsWay {
  public:
-  OnItsWay(Motors& motors, const tmcl::Request& request, Permit of)
-      : motors_(motors), request_(request) {
+  OnItsWay(Motors& motors, GatewayModule* module, const tmcl::Request& request, Permit of)
+      : motors_(motors), module_(module), request_(request) {
     motors_.begin(request_, of);
+    if (module_ != nullptr) module_->note_sending(request_);
   }
   OnItsWay(const OnItsWay&) = delete;
   OnItsWay& operator=(const OnItsWay&) = delete;
-  ~OnItsWay() { motors_.end(request_); }
+  ~OnItsWay() {
+    motors_.end(request_);
+    if (module_ != nullptr) module_->note_moved(request_, is_done_);
+  }
+  void note(const tmcl::Result<tmcl::Answer>& answer) { is_done_ = answer.has_value(); }
 
  private:
   Motors& motors_;
+  GatewayModule* module_;  ///< Null if nobody watches it.
+  bool is_done_ = false;
   tmcl::Request request_;
 };
 
@@ -225,7 +232,8 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   const auto request = exchange.request;
   conduct.module = watched_module(exchange);
   std::optional<OnItsWay> on_its_way;
-  if (is_judged(exchange)) on_its_way.emplace(motors_, request, conduct.options.permit);
+  auto* module = find_module(request.address);
+  if (is_judged(exchange)) on_its_way.emplace(motors_, module, request, conduct.options.permit);
   const tmcl::AxisAddress motor{request.address, request.motor};
   const auto claimant = motors_.claimant_of(motor);
   const auto turning = motors_.turning_of(motor);
@@ -243,8 +251,9 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   }
   auto& answer = answers.front();
   if (!asks) ++commands_;
+  if (on_its_way) on_its_way->note(answer);
   on_its_way.reset();
-  if (auto* module = find_module(request.address)) module->note_sent(request);
+  if (module != nullptr) module->note_sent(request);
   motors_.note(request, answer, claimant, turning);
   for (const auto& limits : limits_) limits->note(request, answer);
   const bool may_be_done = answer || answer.error().outcome == tmcl::Outcome::unknown;
@@ -274,7 +283,7 @@ tmcl::Script<tmcl::StepResult> GatewayBus::exchange_all(
   auto results = co_await tmcl::exchange_all(std::move(exchanges));
   for (std::size_t i = 0; i < results.size(); ++i) note_answer(requests[i], results[i]);
   if (asks_more) {
-    module->note_sentinel(results.back());
+    module->note_sentinel(requests.back(), results.back());
     results.pop_back();
   }
   co_return results;

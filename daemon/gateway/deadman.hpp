@@ -45,6 +45,8 @@ class Deadman {
   /// Writes it, and reads it back. Errors: also Errc::bad_argument where a program starts by
   /// itself; Errc::unexpected_value if the module has something else then.
   tmcl::Script<tmcl::Result<void>> write(std::int32_t ms);
+  /// Whether the module starts a program by itself. Errors: those of the exchange.
+  tmcl::Script<tmcl::Result<bool>> starts_program();
   /// Its link was lost: it may be another module when it comes back.
   void forget_settings() { is_adopted_ = false; }
 
@@ -73,7 +75,6 @@ class Deadman {
  private:
   std::uint8_t parameter() const;
   const KnownDeadman* known() const;
-  tmcl::Script<tmcl::Result<bool>> starts_program();
   tmcl::Script<tmcl::Result<void>> set_as_configured();
   void note_set(std::int32_t ms);
   void say(const std::string& what);

@@ -113,27 +113,37 @@ Script<Result<Verdict>> GatewayModule::look_at_sentinel() {
   if (first == Verdict::same) co_return first;
   // It could have been the answer to something else.
   const auto second = co_await must(judge_sentinel(tmcl::Proof::followed));
-  if (second == Verdict::missing) co_return give_up_sentinel("it has no " + sentinel_.name());
+  if (second == Verdict::missing) {
+    auto left = co_await give_up_sentinel("it has no " + sentinel_.name());
+    co_return left;
+  }
   if (second == Verdict::same || !sentinel_.may_stand()) co_return second;
   co_await tmcl::pause(time_to_tick);
   const auto third = co_await must(judge_sentinel(tmcl::Proof::followed));
   if (third == Verdict::same || !sentinel_.may_stand()) co_return third;
-  co_return give_up_sentinel("its tick timer stands");
+  auto left = co_await give_up_sentinel("its tick timer stands");
+  co_return left;
 }
 
 Script<Result<Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proof) {
+  if (sentinel_.wants_to_know_programs()) {
+    const bool starts = co_await must(deadman_.starts_program());
+    sentinel_.note_programs(starts);
+  }
   if (!sentinel_.watches()) co_return Verdict::same;
   tmcl::CallOptions options;
   options.proof = proof;
-  const auto answer = co_await tmcl::exchange(sentinel_.question(address_), options);
+  const auto question = sentinel_.question(address_);
+  const auto answer = co_await tmcl::exchange(question, options);
   if (answer) deadman_.note_answer(*answer);
-  if (answer) co_return sentinel_.take(Sentinel::Reading::of(*answer));
+  if (answer) co_return sentinel_.take(Sentinel::Reading::of(question, *answer));
   if (answer.error().outcome != tmcl::Outcome::refused) co_return tl::unexpected(answer.error());
   co_return Verdict::missing;
 }
 
-void GatewayModule::note_sentinel(const Result<tmcl::Answer>& answer) {
-  if (answer && state_ == State::ready) sentinel_.take(Sentinel::Reading::of(*answer));
+void GatewayModule::note_sentinel(const tmcl::Request& question,
+                                  const Result<tmcl::Answer>& answer) {
+  if (answer && state_ == State::ready) sentinel_.take(Sentinel::Reading::of(question, *answer));
 }
 
 void GatewayModule::note_sent(const tmcl::Request& request) {
@@ -143,12 +153,14 @@ void GatewayModule::note_sent(const tmcl::Request& request) {
   if (writes) sentinel_.forget();
 }
 
-Verdict GatewayModule::give_up_sentinel(const std::string& why) {
+Script<Result<Verdict>> GatewayModule::give_up_sentinel(std::string why) {
   sentinel_.give_up();
   bus_.log(LogLevel::warning,
            bus_.name() + ": module " + std::to_string(number(address_)) +
-               " is not watched, so nobody would notice that it starts again: " + why);
-  return Verdict::same;
+               " is watched only while a motor of it was sent to somewhere else than 0, so perhaps "
+               "nobody notices that it starts again: " +
+               why);
+  return judge_sentinel(tmcl::Proof::none);
 }
 
 Script<Result<void>> GatewayModule::mark() {

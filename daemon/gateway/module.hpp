@@ -56,10 +56,13 @@ class GatewayModule {
   /// Errors: those of the exchange, with Outcome::not_sent for what was to follow.
   tmcl::Script<tmcl::Result<void>> watch(tmcl::Duration max_age);
   const Sentinel& sentinel() const { return sentinel_; }
+  /// Something that can move its motors is about to go out, and is on its way no more.
+  void note_sending(const tmcl::Request& request) { sentinel_.note_sending(request); }
+  void note_moved(const tmcl::Request& request, bool done) { sentinel_.note_sent(request, done); }
   /// Somebody may write to it.
   void note_sent(const tmcl::Request& request);
-  /// The question of its sentinel was asked along with others.
-  void note_sentinel(const tmcl::Result<tmcl::Answer>& answer);
+  /// This question of its sentinel was asked along with others.
+  void note_sentinel(const tmcl::Request& question, const tmcl::Result<tmcl::Answer>& answer);
 
   /// What stops its motors when nobody sends it anything.
   Deadman& deadman() { return deadman_; }
@@ -82,7 +85,7 @@ class GatewayModule {
   tmcl::Script<tmcl::Result<void>> look_after();
   tmcl::Script<tmcl::Result<Sentinel::Verdict>> look_at_sentinel();
   tmcl::Script<tmcl::Result<Sentinel::Verdict>> judge_sentinel(tmcl::Proof proof);
-  Sentinel::Verdict give_up_sentinel(const std::string& why);
+  tmcl::Script<tmcl::Result<Sentinel::Verdict>> give_up_sentinel(std::string why);
   /// Writes to a user variable that nobody has set since the module started.
   tmcl::Script<tmcl::Result<void>> mark();
   void adopt(const tmcl::FoundModule& found);

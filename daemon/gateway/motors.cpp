@@ -43,16 +43,6 @@ bool restarts(const Request& request) {
          request.command == Command::SOFTWARE_RESET || request.command == Command::FACTORY_RESET;
 }
 
-/// A stop of any motor of the module ends what knows no motor.
-std::set<AxisAddress> motors_of(const Request& request) {
-  if (knows_no_motor(request)) return {{request.address, 0}};
-  if (!names_several(request)) return {{request.address, request.motor}};
-  std::set<AxisAddress> motors;
-  for (std::uint8_t motor = 0; motor < motors_in_mask; ++motor)
-    if (moves_together(request, motor)) motors.insert({request.address, motor});
-  return motors;
-}
-
 bool names_motor(const Request& request) {
   const auto* row = tmcl::find_command(static_cast<std::uint8_t>(request.command));
   return row != nullptr && row->operands &&
@@ -115,6 +105,20 @@ bool can_move(const Request& request, AxisAddress motor) {
   if (knows_no_motor(request)) return true;
   return names_several(request) ? moves_together(request, motor.motor)
                                 : request.motor == motor.motor;
+}
+
+// A stop of any motor of the module ends what knows no motor.
+std::set<AxisAddress> motors_of(const Request& request) {
+  if (knows_no_motor(request)) return {{request.address, 0}};
+  if (!names_several(request)) return {{request.address, request.motor}};
+  std::set<AxisAddress> motors;
+  for (std::uint8_t motor = 0; motor < motors_in_mask; ++motor)
+    if (moves_together(request, motor)) motors.insert({request.address, motor});
+  return motors;
+}
+
+bool starts_program(const Request& request) {
+  return can_move(request) && knows_no_motor(request) && !restarts(request);
 }
 
 bool starts_search(const Request& request) {

@@ -106,6 +106,10 @@ class Claim {
 bool can_move(const tmcl::Request& request);
 bool can_move(const tmcl::Request& request, tmcl::AxisAddress motor);
 bool starts_search(const tmcl::Request& request);
+/// Those that a request names; motor 0 if it knows none.
+std::set<tmcl::AxisAddress> motors_of(const tmcl::Request& request);
+/// What moves then, and where to, nobody knows.
+bool starts_program(const tmcl::Request& request);
 
 class Motors {
  public:

@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "gateway/motors.hpp"
 #include "tmcl/parameter.hpp"
 
 namespace tmcld {
@@ -25,14 +26,38 @@ std::int64_t wrapped(std::int64_t difference) {
   return rest - half;
 }
 
+/// What a request that can move a motor makes of its target.
+enum class Aim : std::uint8_t { kept, away, unknown };
+
+Aim aim_of(const tmcl::Request& request) {
+  constexpr std::uint8_t absolute = 0;
+  using tmcl::Command;
+  namespace ap = tmcl::axis_parameter;
+  const auto aim = request.value != 0 ? Aim::away : Aim::unknown;
+  switch (request.command) {
+    case Command::ROR:
+    case Command::ROL: return Aim::kept;
+    case Command::MVP: return request.type == absolute ? aim : Aim::unknown;
+    case Command::SAP:
+      if (request.type == ap::target_velocity) return Aim::kept;
+      return request.type == ap::target_position ? aim : Aim::unknown;
+    default: return Aim::unknown;
+  }
+}
+
 }  // namespace
 
 std::string Sentinel::name() const {
   if (!watches()) return "none";
+  if (is_by_settings()) return "settings";
   return is_variable() ? "variable:" + std::to_string(config_.variable) : "tick";
 }
 
 tmcl::Request Sentinel::question(tmcl::ModuleAddress module) const {
+  if (is_by_settings()) {
+    const auto motor = away_.empty() ? std::uint8_t{0} : *away_.begin();
+    return {module, tmcl::Command::GAP, tmcl::axis_parameter::target_position, motor, 0};
+  }
   const auto bank =
       is_variable() ? tmcl::global_bank::user_variables : tmcl::global_bank::parameters;
   const auto number = is_variable() ? config_.variable : tmcl::global_parameter::tick_timer;
@@ -42,7 +67,7 @@ tmcl::Request Sentinel::question(tmcl::ModuleAddress module) const {
 Sentinel::Verdict Sentinel::take(const Reading& reading) {
   const auto verdict = judge(reading);
   const bool moves = last_ && reading.value != last_->value;
-  may_stand_ = verdict != Verdict::same && !is_variable() && !has_run_ && !moves;
+  may_stand_ = verdict != Verdict::same && kind() == Kind::tick && !has_run_ && !moves;
   if (verdict != Verdict::same || was_seen_since(reading.asked)) return verdict;
   has_run_ = has_run_ || moves;
   last_ = reading;
@@ -54,9 +79,33 @@ void Sentinel::forget() {
   has_run_ = false;
   may_stand_ = false;
   is_given_up_ = false;
+  starts_program_.reset();
+  away_.clear();
+}
+
+void Sentinel::note_sending(const tmcl::Request& request) {
+  if (starts_program(request)) starts_program_ = true;
+  if (aim_of(request) != Aim::unknown) return;
+  for (const auto& axis : motors_of(request)) {
+    away_.erase(axis.motor);
+    unsure_.insert(axis.motor);
+  }
+}
+
+void Sentinel::note_sent(const tmcl::Request& request, bool done) {
+  const auto aim = aim_of(request);
+  for (const auto& axis : motors_of(request)) {
+    const auto unsure = unsure_.find(axis.motor);
+    if (aim == Aim::away && done && unsure == unsure_.end()) away_.insert(axis.motor);
+    if (aim == Aim::unknown && unsure != unsure_.end()) unsure_.erase(unsure);
+  }
 }
 
 Sentinel::Verdict Sentinel::judge(const Reading& reading) const {
+  if (is_by_settings()) {
+    const bool was_away = away_.contains(reading.motor);
+    return was_away && reading.value == 0 ? Verdict::restarted : Verdict::same;
+  }
   if (!last_) return Verdict::same;
   if (is_variable()) return reading.value == last_->value ? Verdict::same : Verdict::restarted;
   const auto most = reading.answered - last_->asked;

@@ -10,12 +10,18 @@
 ///
 /// A user variable that is not kept in the EEPROM holds a random number, and 0 after a restart.
 ///
+/// Settings: of a module that has neither, or is not to be asked for them, the target of a motor
+/// that has been sent somewhere else than to 0, which is where it is after a restart. Of all that
+/// survives none, this alone is certain to differ: what the EEPROM holds of other settings nobody
+/// can ask without putting it in force. Where a program may set targets, they say nothing.
+///
 /// Does no I/O.
 #pragma once
 
 #include <algorithm>
 #include <cstdint>
 #include <optional>
+#include <set>
 #include <string>
 
 #include "config/config.hpp"
@@ -41,9 +47,10 @@ class Sentinel {
     std::int32_t value;
     tmcl::TimePoint asked;
     tmcl::TimePoint answered;
+    std::uint8_t motor = 0;  ///< Whose setting it is.
 
-    static Reading of(const tmcl::Answer& answer) {
-      return {answer.reply.value, answer.sent, answer.received};
+    static Reading of(const tmcl::Request& question, const tmcl::Answer& answer) {
+      return {answer.reply.value, answer.sent, answer.received, question.motor};
     }
   };
   enum class Verdict : std::uint8_t {
@@ -55,14 +62,17 @@ class Sentinel {
 
   explicit Sentinel(SentinelConfig config) : config_(config) {}
 
-  /// "tick", "variable:N" or "none".
+  /// "tick", "variable:N", "settings" or "none".
   std::string name() const;
   /// False if there is nothing to ask.
-  bool watches() const { return config_.kind != SentinelConfig::Kind::none && !is_given_up_; }
+  bool watches() const {
+    return is_by_settings() ? starts_program_ == false && !away_.empty() : kind() != Kind::none;
+  }
   tmcl::Request question(tmcl::ModuleAddress module) const;
   /// It was found to be as it should be when it was asked then, or later.
   bool was_seen_since(tmcl::TimePoint asked) const { return last_ && last_->asked >= asked; }
-  const std::optional<Reading>& last() const { return last_; }
+  /// Nothing where that means nothing to another run of the gateway.
+  std::optional<Reading> last() const { return is_by_settings() ? std::nullopt : last_; }
 
   /// Until when what was read last says what the module is. Where answers take longer than that,
   /// it counts for a moment after it has come.
@@ -78,13 +88,27 @@ class Sentinel {
   bool wants_mark() const { return is_variable() && watches() && last_ && last_->value == 0; }
   /// What was read before says nothing any more.
   void forget();
-  /// The module does not have it.
+  /// The module does not have it: its settings are left.
   void give_up() { is_given_up_ = true; }
+
+  /// Whether settings say something is not known, or they do not if the module starts a program.
+  bool wants_to_know_programs() const { return is_by_settings() && !starts_program_; }
+  void note_programs(bool starts) { starts_program_ = starts; }
+  /// Something that can move motors is about to go out.
+  void note_sending(const tmcl::Request& request);
+  /// It is on its way no more; `done`: the module has executed it.
+  void note_sent(const tmcl::Request& request, bool done);
 
  private:
   static constexpr tmcl::Duration moment = std::chrono::milliseconds(20);
 
-  bool is_variable() const { return config_.kind == SentinelConfig::Kind::variable; }
+  using Kind = SentinelConfig::Kind;
+
+  Kind kind() const {
+    return is_given_up_ && config_.kind != Kind::none ? Kind::settings : config_.kind;
+  }
+  bool is_variable() const { return kind() == Kind::variable; }
+  bool is_by_settings() const { return kind() == Kind::settings; }
   Verdict judge(const Reading& reading) const;
 
   SentinelConfig config_;
@@ -92,6 +116,9 @@ class Sentinel {
   bool has_run_ = false;
   bool may_stand_ = false;
   std::optional<Reading> last_;
+  std::optional<bool> starts_program_;
+  std::set<std::uint8_t> away_;         ///< Motors whose target is not 0.
+  std::multiset<std::uint8_t> unsure_;  ///< Something is on its way that may make it 0.
 };
 
 }  // namespace tmcld

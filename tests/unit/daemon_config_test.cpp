@@ -290,14 +290,14 @@ INSTANTIATE_TEST_SUITE_P(
                 "f:17:9: axis 'x' already is motor 0 of module 1 on bus 'bench'"},
         Mistake{12, "motor = 0\nreference = \"yes\"",
                 "f:13:13: 'reference' is 'yes', but must be required or optional"},
-        Mistake{
-            12, "motor = 0\n[[module]]\nbus = \"bench\"\naddress = 1\nsentinel = \"variable:55\"",
-            "f:16:12: 'sentinel' is 'variable:55', but must be auto, tick, none or variable:N with "
-            "N from 56 to 255"},
+        Mistake{12,
+                "motor = 0\n[[module]]\nbus = \"bench\"\naddress = 1\nsentinel = \"variable:55\"",
+                "f:16:12: 'sentinel' is 'variable:55', but must be auto, tick, settings, none or "
+                "variable:N with N from 56 to 255"},
         Mistake{12,
                 "motor = 0\n[[module]]\nbus = \"bench\"\naddress = 1\nsentinel = \"variable:256\"",
-                "f:16:12: 'sentinel' is 'variable:256', but must be auto, tick, none or variable:N "
-                "with N from 56 to 255"},
+                "f:16:12: 'sentinel' is 'variable:256', but must be auto, tick, settings, none or "
+                "variable:N with N from 56 to 255"},
         Mistake{12, "motor = 0\n[[module]]\nbus = \"bench\"\naddress = 1\ndeadman_ms = 99",
                 "f:16:14: 'deadman_ms' is 99, but must be 0 (off) or 100..65535"},
         Mistake{12, "motor = 0\n[[module]]\nbus = \"bench\"\naddress = 1\ndeadman_ms = 65536",

@@ -112,5 +112,83 @@ TEST(Sentinel, FindsARestartByAVariableThatHasAnotherValue) {
   EXPECT_EQ(sentinel.take(at(3600'010ms, 0)), Verdict::restarted);
 }
 
+tmcl::Request sent(tmcl::Command command, std::uint8_t type, std::uint8_t motor, int value) {
+  return {tmcl::ModuleAddress{1}, command, type, motor, value};
+}
+
+class SentinelBySettings : public testing::Test {
+ protected:
+  SentinelBySettings() { sentinel.note_programs(false); }
+  void send(const tmcl::Request& request, bool done = true) {
+    sentinel.note_sending(request);
+    sentinel.note_sent(request, done);
+  }
+  void move(std::uint8_t motor, int target, bool done = true) {
+    send(sent(tmcl::Command::MVP, 0, motor, target), done);
+  }
+  Verdict read(std::uint8_t motor, int value) {
+    time += 1ms;
+    return sentinel.take({value, TimePoint(time), TimePoint(time), motor});
+  }
+
+  Sentinel sentinel{{SentinelConfig::Kind::settings, 0}};
+  Duration time = 1s;
+};
+
+TEST_F(SentinelBySettings, FindsARestartByATargetThatIsZero) {
+  EXPECT_FALSE(sentinel.watches());
+  move(1, 500);
+  EXPECT_TRUE(sentinel.watches());
+  EXPECT_EQ(sentinel.question(tmcl::ModuleAddress{1}), sent(tmcl::Command::GAP, 0, 1, 0));
+  EXPECT_EQ(read(1, 500), Verdict::same);
+  EXPECT_EQ(read(1, 700), Verdict::same) << "another master";
+  EXPECT_EQ(read(1, 0), Verdict::restarted);
+}
+
+TEST_F(SentinelBySettings, HoldsNothingAgainstATargetThatMayBeZero) {
+  using tmcl::Command;
+  for (const auto& request :
+       {sent(Command::MVP, 0, 1, 0), sent(Command::MVP, 2, 1, 5), sent(Command::RFS, 0, 1, 0),
+        sent(Command::SAP, 0, 1, 0), sent(Command::SAP, 1, 1, 5), sent(Command::MVP, 2, 0x42, 5)}) {
+    SCOPED_TRACE(describe(request));
+    move(1, 500);
+    sentinel.note_sending(request);
+    EXPECT_EQ(read(1, 0), Verdict::same);
+    move(1, 600);
+    EXPECT_FALSE(sentinel.watches()) << "which of the two is executed last is not known";
+    sentinel.note_sent(request, true);
+    EXPECT_FALSE(sentinel.watches());
+  }
+}
+
+TEST_F(SentinelBySettings, DoesNotCountAMovementThatWasPerhapsNotExecuted) {
+  move(1, 500, false);
+  EXPECT_FALSE(sentinel.watches());
+  move(1, 500);
+  move(1, 600, false);
+  EXPECT_EQ(read(1, 0), Verdict::restarted) << "neither is zero";
+}
+
+TEST_F(SentinelBySettings, SaysNothingWhileAProgramMaySendTheMotors) {
+  move(1, 500);
+  send(sent(tmcl::Command::RUN_APPLICATION, 0, 0, 0));
+  EXPECT_FALSE(sentinel.watches());
+  sentinel.forget();
+  EXPECT_TRUE(sentinel.wants_to_know_programs());
+  sentinel.note_programs(true);
+  move(1, 500);
+  EXPECT_FALSE(sentinel.watches());
+}
+
+TEST_F(SentinelBySettings, IsWhatIsLeftOfAModuleWithoutATimer) {
+  Sentinel other(tick);
+  other.give_up();
+  EXPECT_EQ(other.name(), "none");
+  other.note_programs(false);
+  other.note_sent(sent(tmcl::Command::MVP, 0, 2, 9), true);
+  EXPECT_EQ(other.name(), "settings");
+  EXPECT_FALSE(other.last()) << "another run of the gateway cannot compare it";
+}
+
 }  // namespace
 }  // namespace tmcld

@@ -19,7 +19,8 @@ using testing::Not;
 
 class Power : public Cable {
  protected:
-  explicit Power(const std::string& config = cable_config) : Cable(config) {
+  explicit Power(const std::string& config = cable_config, std::string_view model = "TMCM-6212")
+      : Cable(config, model) {
     events.clear();
     wire.on_request = [this](const tmcl::Request& request) { requests.push_back(request); };
   }
@@ -275,6 +276,67 @@ TEST_F(MarkedPower, IsSeenToHaveFailedByTheVariableThatItCleared) {
   EXPECT_EQ(count(tmcl::Command::SGP), 1U);
   EXPECT_NE(module.globals().user_variable(255), 0);
 }
+
+class PowerBySettings : public Power, public testing::WithParamInterface<const char*> {
+ protected:
+  PowerBySettings()
+      : Power(std::string(cable_config) +
+                  "[[module]]\nbus = \"bench\"\naddress = 1\nsentinel = \"settings\"\n",
+              GetParam()) {}
+  json::value watched_by() {
+    return call("module.list", {})->at("modules").as_array().front().at("watched_by");
+  }
+};
+
+TEST_P(PowerBySettings, IsSeenToHaveFailedByATargetThatIsZero) {
+  EXPECT_EQ(watched_by(), "none") << "nobody has sent it anywhere";
+  EXPECT_TRUE(call("axis.move_to", of("x", {{"position", 5}})));
+  EXPECT_EQ(watched_by(), "settings");
+  start_again();
+  expect_latched(call("axis.move_to", of("x", {{"position", 6}})));
+  EXPECT_THAT(events, testing::ElementsAre("module_reset"));
+  EXPECT_EQ(count(tmcl::Command::MVP), 0U);
+  EXPECT_EQ(watched_by(), "none");
+  EXPECT_TRUE(call("axis.recover", of("x")));
+  EXPECT_TRUE(call("axis.move_to", of("x", {{"position", 5}})));
+  EXPECT_EQ(watched_by(), "settings");
+}
+
+TEST_P(PowerBySettings, IsNotThoughtToHaveFailedWhateverTheAxisDoes) {
+  module.mount(0, tmcl::sim::StageSettings{.left_switch = -30'000});
+  for (int round = 0; round < 2; ++round) {
+    for (const auto& [method, params] : std::vector<std::pair<std::string, json::object>>{
+             {"axis.move_to", {{"position", 5}}},
+             {"axis.move_by", {{"distance", -5}}},
+             {"axis.move_to", {{"position", 2}}},
+             {"axis.move_to", {{"position", 0}}},
+             {"axis.move_to", {{"position", -3}}},
+             {"axis.rotate", {{"velocity", 1}}},
+             {"axis.stop", {}},
+             {"parameter.set", {{"parameter", "actual_position"}, {"value", 0}}},
+             {"parameter.set", {{"parameter", "target_position"}, {"value", 900}}},
+             {"axis.home", {}},
+             {"axis.move_to", {{"position", 1}}}}) {
+      const auto done = call(method, of("x", params));
+      EXPECT_TRUE(done) << method << ": " << done.error().message;
+      for (int look = 0; look < 30; ++look) {
+        time.run_for(100ms);
+        call("axis.get_state", of("y"));
+      }
+    }
+  }
+  EXPECT_THAT(events, Not(Contains("module_reset")));
+}
+
+TEST_P(PowerBySettings, TellsNothingWhereAProgramMaySendTheAxis) {
+  EXPECT_TRUE(call("axis.move_to", of("x", {{"position", 5}})));
+  call("module.execute", {{"bus", "bench"}, {"address", 1}, {"command", "RUN_APPLICATION"}});
+  EXPECT_EQ(watched_by(), "none");
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, PowerBySettings,
+                         testing::Values("TMCM-6212", "TMCM-3110", "TMCM-6110"),
+                         [](const auto& one) { return "Model" + std::string(one.param + 5); });
 
 class UnwatchedPower : public Power {
  protected:

@@ -38,8 +38,8 @@ struct ModuleRow {
   std::string state;                 ///< Empty after a scan.
   bool in_bootloader = false;        ///< It answers, but runs no firmware.
   bool address_is_reply_id = false;  ///< On CAN: it takes every reply for a command.
-  std::string watched_by{};          ///< Empty after a scan; else tick, variable:N or none.
-  boost::json::value deadman{};      ///< Null after a scan; else as module.list has it.
+  std::string watched_by{};      ///< Empty after a scan; else tick, variable:N, settings or none.
+  boost::json::value deadman{};  ///< Null after a scan; else as module.list has it.
 };
 
 struct AxisRow {

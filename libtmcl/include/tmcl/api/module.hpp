@@ -103,8 +103,9 @@ struct Module {
   TMCL_FIELD(std::optional<std::uint8_t>, axes, "how many motors it has");
   TMCL_FIELD(std::string, state, "unknown, ready, silent, in_bootloader");
   TMCL_FIELD(bool, duplicate_suspected, "several have this address");
-  TMCL_FIELD(std::string, watched_by,
-             "by what it is noticed that it has started again: tick, variable:N, or none");
+  TMCL_FIELD(
+      std::string, watched_by,
+      "by what it is noticed that it has started again: tick, variable:N, settings, or none");
   TMCL_FIELD(WordOr<axis::Deadman>, deadman,
              "whether it stops its motors when nobody sends it anything: unknown, none, or what a "
              "test has found");
