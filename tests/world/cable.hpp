@@ -82,6 +82,11 @@ class Cable : public testing::Test {
     time.run_for(std::chrono::seconds(1));
   }
   void client_leaves() { gateway_->leave(peer_->number); }
+  /// Who has called until now stays.
+  void be_another_client() {
+    peer_ = std::make_shared<WorldPeer>(trace_);
+    peer_->number = gateway_->enter();
+  }
   /// It sends nothing any more.
   void end_gateway() {
     gateway_->close();

@@ -443,6 +443,24 @@ TEST_F(DeadmanTest, DoesNotBeginWhileAnotherMotorOfTheModuleMoves) {
   EXPECT_EQ(count(Command::MVP, 0), 1);
 }
 
+TEST_F(DeadmanTest, DoesNotBeginOnAnAxisThatIsLatched) {
+  module.power_cycle();
+  wire.touch();
+  time.run_for(500ms);
+  requests.clear();
+  EXPECT_EQ(name_of_error(end(begin_test())), "latched");
+  EXPECT_EQ(count(Command::MVP, 0), 0);
+  EXPECT_FALSE(moves());
+}
+
+TEST_F(DeadmanTest, DoesNotBeginOnAnAxisThatSomebodyElseHasLeased) {
+  ASSERT_TRUE(call("lease.acquire", {{"axes", json::array{"x"}}, {"ttl_ms", 60'000}}));
+  be_another_client();
+  EXPECT_EQ(name_of_error(end(begin_test())), "leased");
+  EXPECT_EQ(count(Command::MVP, 0), 0);
+  EXPECT_FALSE(moves());
+}
+
 TEST_F(DeadmanTest, IsRemembered) {
   restart_with({}, file_);
   expect_measured(end(begin_test()));

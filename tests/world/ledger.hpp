@@ -116,12 +116,13 @@ class Ledger {
     owners_.on_gap(now, duration);
   }
 
-  /// The supply of a module has failed, and is back.
-  void on_restart(const std::string& bus, tmcl::ModuleAddress module, tmcl::TimePoint now) {
+  /// The supply of a module has failed, and is back. Of one that nobody watches nobody knows it.
+  void on_restart(const std::string& bus, tmcl::ModuleAddress module, tmcl::TimePoint now,
+                  const std::string& watched_by) {
     for (const auto& axis : axes_) {
       if (axis.bus != bus || axis.address.module != module) continue;
-      note(now, "module of " + axis.name + " starts again");
-      restarts_.note(axis.name, now);
+      note(now, "module of " + axis.name + " starts again, watched by " + watched_by);
+      restarts_.note(axis.name, now, watched_by);
       owners_.stand(axis.name, now);
     }
   }
@@ -152,6 +153,12 @@ class Ledger {
         if (running.sent == request) running.executed = true;
       }
     }
+  }
+
+  /// What somebody else has noticed.
+  void complain(std::string text) {
+    for (const auto& line : history_) text += "\n  " + line;
+    complaints_.push_back(std::move(text));
   }
 
   /// Axes that were told to turn, and since then neither to stop nor to go somewhere.
@@ -308,6 +315,7 @@ class Ledger {
     // Of lines is assumed that modules take longer to start.
     const bool may_be_unseen =
         by.method == "line.move" && now - restarts_.last(axis) <= journey_sentinel_age;
+    if (may_be_unseen) restarts_.hide(axis);
     if (restarts_.is_latched(axis) && !restarts_.is_deaf(axis, now) && !may_be_unseen)
       complain(axis +
                " is moved, although its module has started again, and nobody has said since "
@@ -375,11 +383,6 @@ class Ledger {
     const auto* outcome = result.error().data.if_contains("outcome");
     if (!running.moved.empty() && outcome != nullptr && *outcome == "not_sent")
       complain(call.method + " was sent, but said to be not: " + result.error().message);
-  }
-
-  void complain(std::string text) {
-    for (const auto& line : history_) text += "\n  " + line;
-    complaints_.push_back(std::move(text));
   }
 
   std::vector<WorldAxis> axes_;

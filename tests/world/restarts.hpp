@@ -13,8 +13,16 @@ namespace tmcld::test {
 
 class Restarts {
  public:
-  /// The supply of the axis's module has failed, and is back.
-  void note(const std::string& axis, tmcl::TimePoint now) { all_[axis] = {now, {}}; }
+  /// The supply of the axis's module has failed, and is back. `watched_by`: what could tell it.
+  void note(const std::string& axis, tmcl::TimePoint now, const std::string& watched_by) {
+    const bool is_known = watched_by != "none" || is_latched(axis);
+    all_[axis] = {now, is_known, watched_by == "settings", {}};
+  }
+  /// The axis is sent somewhere before anybody has looked: now its target tells nothing any more.
+  void hide(const std::string& axis) {
+    const auto found = all_.find(axis);
+    if (found != all_.end() && found->second.is_by_target) found->second.is_known = false;
+  }
   /// This call says that the axis may move.
   void allow(const std::string& axis, std::uint64_t call) {
     const auto found = all_.find(axis);
@@ -36,7 +44,7 @@ class Restarts {
   /// Nobody has said yet that it may move.
   bool is_latched(const std::string& axis) const {
     const auto found = all_.find(axis);
-    return found != all_.end() && found->second.allowed_by.empty();
+    return found != all_.end() && found->second.is_known && found->second.allowed_by.empty();
   }
   /// When its module started last.
   tmcl::TimePoint last(const std::string& axis) const {
@@ -47,6 +55,8 @@ class Restarts {
  private:
   struct Restart {
     tmcl::TimePoint at;
+    bool is_known;
+    bool is_by_target;
     std::set<std::uint64_t> allowed_by;
   };
   std::map<std::string, Restart> all_;

@@ -21,6 +21,7 @@
 #include "gateway/gateway.hpp"
 #include "log/log.hpp"
 #include "tmcl/virtual_time.hpp"
+#include "world/feeding.hpp"
 #include "world/ledger.hpp"
 #include "world/trouble.hpp"
 #include "world/wire.hpp"
@@ -71,6 +72,7 @@ class World {
       wire->forges_fences = trouble.canary == Canary::forged_fences;
       wire->on_request = [this, wire](const tmcl::Request& request) {
         ledger_.on_request(wire->name(), request, time_.now());
+        look_at_feeding(*wire, request);
         if (wire == &serial_) break_after(request);
         look_at_places(*wire);
       };
@@ -105,6 +107,7 @@ class World {
     turning_ = ledger_.turning();
     gateway_->close();
     time_.run_for(10s);
+    look_at_deadman();
     trace_.add(static_cast<std::uint64_t>(time_.now().time_since_epoch().count()));
   }
 
@@ -143,6 +146,9 @@ class World {
       const auto limit = std::to_string(axis.soft_limit);
       text += "soft_limits = [-" + limit + ", " + limit + "]\n";
     }
+    text += "[[module]]\nbus = \"field\"\naddress = 3\nsentinel = \"settings\"\n";
+    text += "[[module]]\nbus = \"field\"\naddress = 4\ndeadman_ms = " +
+            std::to_string(Feeding::deadman_ms) + "\n";
     return parse_config(text).value();
   }
 
@@ -186,6 +192,37 @@ class World {
               *module->axis(axis.address.motor).get(tmcl::axis_parameter::actual_position));
     }
   }
+  /// Null if its deadman is not set: it may have heard nothing when it was to be.
+  const tmcl::sim::Module* module_with_deadman() {
+    can_.bench().run_due();
+    for (const auto& module : can_.bench().modules()) {
+      const auto set_ms = module->globals().value(tmcl::global_parameter::can_heartbeat);
+      if (feeding_.is_of(can_.name(), address_of(*module)) && set_ms == Feeding::deadman_ms)
+        return module.get();
+    }
+    return nullptr;
+  }
+  /// It stands if nobody has sent it anything for too long.
+  void look_at_deadman() {
+    const auto* module = module_with_deadman();
+    if (module == nullptr || !feeding_.must_stand(now())) return;
+    if (*module->axis(0).get(tmcl::axis_parameter::actual_velocity) != 0)
+      ledger_.complain("a motor turns, although its module got no command for too long");
+  }
+  void look_at_feeding(const Wire& wire, const tmcl::Request& request) {
+    // One that does not answer is not fed.
+    const auto* module = module_at(wire, request.address);
+    const bool is_ready = module != nullptr && module->state() == GatewayModule::State::ready;
+    const bool is_fed = is_ready && module_with_deadman() != nullptr;
+    if (feeding_.is_of(wire.name(), request.address) && !is_fed) feeding_.on_pause(now());
+    const auto fault = feeding_.on_request(wire.name(), request, now());
+    if (!fault.empty()) ledger_.complain(fault);
+  }
+  const GatewayModule* module_at(const Wire& wire, tmcl::ModuleAddress address) const {
+    for (const auto& bus : gateway_->buses())
+      if (bus->name() == wire.name()) return bus->find_module(address);
+    return nullptr;
+  }
   static tmcl::ModuleAddress address_of(const tmcl::sim::Module& module) {
     return tmcl::ModuleAddress{
         static_cast<std::uint16_t>(module.globals().value(tmcl::global_parameter::can_id))};
@@ -212,7 +249,9 @@ class World {
       const auto last = static_cast<std::int64_t>(modules.size()) - 1;
       auto& module = *modules[static_cast<std::size_t>(random.between(0, last))];
       const auto address = address_of(module);
-      ledger_.on_restart(wire.name(), address, now());
+      const auto watched_by = module_at(wire, address)->sentinel().name();
+      ledger_.on_restart(wire.name(), address, now(), watched_by);
+      if (feeding_.is_of(wire.name(), address)) feeding_.on_pause(now());
       wire.power_cycle(module, address);
     }
   }
@@ -224,6 +263,8 @@ class World {
       co_await rest(std::chrono::milliseconds(random.between(500, 8'000)));
       const tmcl::Duration duration = std::chrono::milliseconds(random.between(1'201, 4'000));
       time_.freeze_for(duration);
+      look_at_deadman();
+      feeding_.on_pause(now());
       ledger_.on_gap(now(), duration);
     }
   }
@@ -387,6 +428,7 @@ class World {
   Wire serial_;
   Wire can_;
   Ledger ledger_;
+  Feeding feeding_{"field", tmcl::ModuleAddress{4}};
   std::shared_ptr<Gateway> gateway_;
   std::optional<tmcl::Request> last_position_;  ///< That the line's module was sent to.
   std::int32_t told_before_ = 0;
