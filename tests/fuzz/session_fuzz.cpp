@@ -176,7 +176,7 @@ class Play {
                   {"positions_microsteps", {bytes_.number(), bytes_.number()}}};
         return "line.move";
       case 15:
-        params = {{"axes", {"x", "y"}}, {"text", "x,y\n0,0\n0.1,0.2\n0.3,0.2\n"}};
+        params = {{"axes", {"x", "y"}}, {"text", "G1 X1 Y2 F600\nG1 X3 Y0\n"}, {"deviation", 1}};
         return "path.run";
       case 16: params = {{"axes", axes()}}; return "path.stop";
       case 17: params = {{"axis", axis()}, {"timeout_ms", 500}}; return "axis.home";

@@ -221,10 +221,14 @@ class SessionModel {
   }
 
   void on_notification(const State& state, const json::object& message) {
-    must(state.has_subscribed || message.at("method") == "notify_progress",
-         "who has not subscribed is told nothing");
+    const auto& params = message.at("params");
+    if (message.at("method") == "notify_progress") {
+      const auto id = json::serialize(params.at("id"));
+      return must(state.ids.contains(id), "progress is told to whoever has called");
+    }
+    must(state.has_subscribed, "who has not subscribed is told nothing");
     if (message.at("method") != "notify_state") return;
-    const auto number = message.at("params").at("subscription").to_number<std::int64_t>();
+    const auto number = params.at("subscription").to_number<std::int64_t>();
     must(state.subscriptions.contains(number), "states come to whoever has subscribed to them");
   }
 

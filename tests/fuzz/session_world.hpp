@@ -20,7 +20,9 @@
 #include "gateway/gateway.hpp"
 #include "log/log.hpp"
 #include "require.hpp"
-#include "support/fake_module.hpp"
+#include "sim/bench.hpp"
+#include "sim/ports/scheduler.hpp"
+#include "sim/wire/serial_line.hpp"
 #include "tmcl/virtual_time.hpp"
 
 namespace tmcld::fuzz {
@@ -33,18 +35,14 @@ enum class Fate : std::uint8_t { delivered, lost, late, doubled, damaged };
 /// The module, and the line that it is on.
 class SessionWire {
  public:
-  explicit SessionWire(boost::asio::io_context& context) : context_(&context), readiness_(context) {
-    namespace ap = tmcl::axis_parameter;
-    for (std::uint8_t motor = 0; motor < 2; ++motor) {
-      for (const auto parameter : {ap::actual_position, ap::target_position, ap::actual_velocity})
-        module_.parameter(motor, parameter) = 0;
-      module_.parameter(motor, ap::position_reached) = 1;
-    }
-    module_.before = [](auto& module, const tmcl::Request& request) {
-      const bool turns =
-          request.command == tmcl::Command::ROR || request.command == tmcl::Command::ROL;
-      if (turns) module.parameter(request.motor, ap::actual_velocity) = request.value;
-    };
+  explicit SessionWire(boost::asio::io_context& context)
+      : context_(&context),
+        clock_(context),
+        bench_(clock_),
+        scheduler_(context, bench_),
+        line_(bench_, [this](std::span<const std::uint8_t> bytes) { answer(bytes); }),
+        readiness_(context) {
+    bench_.add(*tmcl::find_model("TMCM-3110"), tmcl::ModuleAddress{1});
   }
 
   std::function<void(const tmcl::Request&)> on_request;
@@ -71,7 +69,6 @@ class SessionWire {
   }
 
  private:
-  using Bytes = tmcl::SerialBytes;
   static constexpr auto to_answer = std::chrono::milliseconds(1);
   static constexpr auto too_late = std::chrono::milliseconds(150);
 
@@ -83,20 +80,21 @@ class SessionWire {
   }
   /// False when the gateway has closed its end.
   bool read() {
-    Bytes bytes{};
+    tmcl::SerialBytes bytes{};
     const auto count = far_->read(bytes);
     if (!count || *count == 0) return false;
     const auto request = tmcl::decode_serial_request(bytes);
     require(*count == bytes.size() && request, "whole requests come from the gateway");
     on_request(*request);
-    answer(module_.execute(*request));
+    line_.receive(bytes);
+    scheduler_.touch();
     return true;
   }
-  void answer(const tmcl::Reply& reply) {
+  void answer(std::span<const std::uint8_t> reply) {
     const auto fate = spoilt_ > 0 ? fate_ : Fate::delivered;
     spoilt_ -= spoilt_ > 0 ? 1 : 0;
     if (fate == Fate::lost) return;
-    auto bytes = tmcl::encode_serial(reply);
+    std::vector<std::uint8_t> bytes(reply.begin(), reply.end());
     if (fate == Fate::damaged) bytes.back() ^= 1U;
     const auto timer = std::make_shared<tmcl::Timer>(context_->get_executor());
     timer->expires_after(fate == Fate::late ? too_late : to_answer);
@@ -108,7 +106,10 @@ class SessionWire {
   }
 
   boost::asio::io_context* context_;
-  tmcl::test::FakeModule module_{1, 2};
+  tmcl::ContextClock clock_;
+  tmcl::sim::Bench bench_;
+  tmcl::sim::Scheduler scheduler_;
+  tmcl::sim::SerialLine line_;
   std::unique_ptr<tmcl::Link> far_;
   boost::asio::posix::stream_descriptor readiness_;
   Fate fate_ = Fate::delivered;
@@ -194,11 +195,15 @@ name = "x"
 bus = "bench"
 address = 1
 motor = 0
+unit = "mm"
+units_per_revolution = 5
 [[axis]]
 name = "y"
 bus = "bench"
 address = 1
 motor = 1
+unit = "mm"
+units_per_revolution = 5
 )")
                                      .value();
     return config;
