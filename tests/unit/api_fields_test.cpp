@@ -65,7 +65,8 @@ TEST(ApiFields, OfAResultAreNullWithoutAValue) {
             (json::object{{"target_microsteps", 7},
                           {"unit", nullptr},
                           {"target", nullptr},
-                          {"predicted_s", nullptr}}));
+                          {"predicted_s", nullptr},
+                          {"warnings", nullptr}}));
 }
 
 TEST(ApiFields, BecomeTheSameAgain) {

@@ -1,8 +1,6 @@
 /// A daemon with two axes of a simulated TMCM-6212 in the test's own process, for paths.
 #pragma once
 
-#include <array>
-
 #include <gmock/gmock.h>
 
 #include "sim/module/module.hpp"
@@ -31,8 +29,7 @@ class Played {
     for (std::uint8_t motor = 0; motor < 2; ++motor) {
       set(motor, ap::max_velocity, own_velocity);
       set(motor, ap::max_acceleration, own_acceleration);
-      for (const auto parameter : std::to_array<std::uint8_t>({15, 17, 18}))
-        set(motor, parameter, own_acceleration);
+      set(motor, 17, own_acceleration);
     }
   }
   /// The module must not outlive this.
