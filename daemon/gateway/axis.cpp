@@ -145,8 +145,8 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Micro
   if (!target) co_return tl::unexpected(target.error());
   started.target = *target;
   if (twin) {
-    for (auto& finding : twin->findings()) started.warnings.push_back(std::move(finding.message));
     twin->move_to(*target);
+    for (auto& finding : twin->findings()) started.warnings.push_back(std::move(finding.message));
     started.predicted = twin->time_to_arrival();
     if (!started.predicted)
       started.warnings.emplace_back("with these settings it does not come to rest on its target");
