@@ -270,7 +270,8 @@ void GatewayBus::note_answer(const tmcl::Request& request,
 /// What is proven by another command behind it, is proven by the question of the sentinel.
 tmcl::Script<tmcl::StepResult> GatewayBus::exchange_all(
     std::vector<tmcl::step::Exchange> exchanges) {
-  const auto& last = exchanges.back();
+  if (exchanges.empty()) co_return std::vector<tmcl::Result<tmcl::Answer>>();
+  const auto last = exchanges.back();
   auto* module = last.options.proof == tmcl::Proof::none ? nullptr : watched_module(last);
   const bool asks_more = module != nullptr && module->sentinel().watches();
   if (asks_more) {
