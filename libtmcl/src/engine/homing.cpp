@@ -29,6 +29,12 @@ Error still_searching(AxisAddress axis, std::optional<std::int32_t> step) {
   return error;
 }
 
+/// What is asked after the search has begun says nothing of whether that was sent.
+Error since_begin(Error error, Outcome of_search) {
+  error.outcome = of_search;
+  return error;
+}
+
 /// Silence counts as an answer until there has been too much of it, or the time is over.
 Script<Result<std::int32_t>> patient_status(AxisAddress axis, HomeOptions options,
                                             CallOptions call) {
@@ -110,7 +116,7 @@ Script<Result<Homed>> home(AxisAddress axis, HomeOptions options) {
     const bool late = is_over(call, now);
     if (!step && (is_too_late(call, step.error()) || (late && is_silence(step.error()))))
       co_return tl::unexpected(still_searching(axis, last));
-    if (!step) co_return tl::unexpected(step.error());
+    if (!step) co_return tl::unexpected(since_begin(step.error(), Outcome::unknown));
     if (*step == 0) {
       const auto ended = co_await has_ended(axis, call);
       if (ended && *ended) break;
@@ -120,9 +126,11 @@ Script<Result<Homed>> home(AxisAddress axis, HomeOptions options) {
     if (!wanted || late) co_return tl::unexpected(still_searching(axis, last));
     co_await pause(within_deadline(call, now, options.poll_interval));
   }
-  const auto correction = co_await must(get_if_there(axis, position_before_zeroing));
-  const auto distance = co_await must(get_if_there(axis, switch_distance));
-  co_return Homed{correction, distance};
+  const auto correction = co_await get_if_there(axis, position_before_zeroing);
+  if (!correction) co_return tl::unexpected(since_begin(correction.error(), Outcome::done));
+  const auto distance = co_await get_if_there(axis, switch_distance);
+  if (!distance) co_return tl::unexpected(since_begin(distance.error(), Outcome::done));
+  co_return Homed{*correction, *distance};
 }
 
 }  // namespace tmcl::verbs
