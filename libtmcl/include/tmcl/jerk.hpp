@@ -22,6 +22,8 @@ constexpr std::int32_t greatest_bow = 18;
 /// Of a bow of 1 to greatest_bow: 2^(bow - 1) f^3 / 2^52, with the 16 MHz of TMCM modules;
 /// application note "Motion Control Profile Parameterization".
 PulsesPerSecond3 to_pps3(std::int32_t bow);
+/// The greatest whose jerk is no higher; 1 if all are.
+std::int32_t bow_within(PulsesPerSecond3 jerk);
 /// How long an acceleration takes to be reached with it: register / 2^(bow - 1) * 1024 / f.
 double seconds_to(PulsesPerSecond2 acceleration, PulsesPerSecond3 jerk);
 

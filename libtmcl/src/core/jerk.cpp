@@ -35,6 +35,12 @@ PulsesPerSecond3 to_pps3(std::int32_t bow) {
   return {std::ldexp(clock_hz * clock_hz * clock_hz, bow - 1 - 52)};
 }
 
+std::int32_t bow_within(PulsesPerSecond3 jerk) {
+  std::int32_t bow = 1;
+  while (bow < greatest_bow && to_pps3(bow + 1) <= jerk) ++bow;
+  return bow;
+}
+
 double seconds_to(PulsesPerSecond2 acceleration, PulsesPerSecond3 jerk) {
   return acceleration.value / jerk.value;
 }

@@ -121,10 +121,8 @@ class Chooser {
 /// The highest with which it does not swing, and that does not exceed the jerk; 1 at least.
 std::int32_t choose_bow(double jerk, PulsesPerSecond2 least_acceleration) {
   if (std::isinf(jerk)) return 0;
-  std::int32_t bow = 1;
-  while (bow < greatest_bow && to_pps3(bow + 1).value <= jerk &&
-         !may_oscillate(bow + 1, least_acceleration))
-    ++bow;
+  auto bow = bow_within({jerk});
+  while (bow > 1 && may_oscillate(bow, least_acceleration)) --bow;
   return bow;
 }
 

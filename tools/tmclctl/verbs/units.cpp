@@ -65,9 +65,8 @@ class Converter {
     return attempt(to_pps3(quantity_, units_)).map([&](tmcl::PulsesPerSecond3 jerk) {
       auto forms = forms_of(jerk);
       if (units_.model->family != tmcl::Family::tmc457) return forms;
-      std::int32_t bow = 1;
-      while (bow < tmcl::greatest_bow && tmcl::to_pps3(bow + 1) <= jerk) ++bow;
-      forms.push_back({"bow", "as bow: the greatest that is no higher", static_cast<double>(bow)});
+      forms.push_back(
+          {"bow", "as bow: the greatest that is no higher", static_cast<double>(bow_within(jerk))});
       return forms;
     });
   }
@@ -139,10 +138,6 @@ void print(std::string_view title, const std::vector<Rendering>& forms, Output& 
   for (const auto& form : forms)
     output.out << fmt::format("  {:>16.10g} {}\n", form.value, form.unit);
 }
-
-}  // namespace
-
-namespace {
 
 /// What is to be shown of it, as the user said it.
 struct Shown {
