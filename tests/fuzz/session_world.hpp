@@ -24,6 +24,7 @@
 #include "sim/ports/scheduler.hpp"
 #include "sim/wire/serial_line.hpp"
 #include "tmcl/virtual_time.hpp"
+#include "world/cable_config.hpp"
 
 namespace tmcld::fuzz {
 
@@ -184,28 +185,7 @@ class SessionWorld {
 
  private:
   static const Config& configuration() {
-    static const Config config = parse_config(R"(
-[daemon]
-socket = "/none"
-[[bus]]
-name = "bench"
-link = "serial:/dev/none@115200"
-[[axis]]
-name = "x"
-bus = "bench"
-address = 1
-motor = 0
-unit = "mm"
-units_per_revolution = 5
-[[axis]]
-name = "y"
-bus = "bench"
-address = 1
-motor = 1
-unit = "mm"
-units_per_revolution = 5
-)")
-                                     .value();
+    static const Config config = parse_config(test::cable_config).value();
     return config;
   }
 

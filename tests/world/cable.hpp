@@ -15,34 +15,13 @@
 #include "gateway/gateway.hpp"
 #include "log/log.hpp"
 #include "tmcl/virtual_time.hpp"
+#include "world/cable_config.hpp"
 #include "world/wire.hpp"
 #include "world/world.hpp"
 
 namespace tmcld::test {
 
 namespace ap = tmcl::axis_parameter;
-
-inline constexpr auto cable_config = R"(
-[daemon]
-socket = "/none"
-[[bus]]
-name = "bench"
-link = "serial:/dev/none@115200"
-[[axis]]
-name = "x"
-bus = "bench"
-address = 1
-motor = 0
-unit = "mm"
-units_per_revolution = 5
-[[axis]]
-name = "y"
-bus = "bench"
-address = 1
-motor = 1
-unit = "mm"
-units_per_revolution = 5
-)";
 
 class Cable : public testing::Test {
  protected:
@@ -80,6 +59,14 @@ class Cable : public testing::Test {
     peer_->number = gateway_->enter();
     gateway_->start();
     time.run_for(std::chrono::seconds(1));
+  }
+  /// Of a host that tmcld knows nothing of.
+  void other_master(const tmcl::Request& request) {
+    class Nobody final : public tmcl::sim::EventSink {
+      void target_reached(const tmcl::sim::Module&, std::int32_t) override {}
+    } nobody;
+    module.execute(request, tmcl::sim::Medium::serial, nobody);
+    wire.touch();
   }
   void client_leaves() { gateway_->leave(peer_->number); }
   /// Who has called until now stays.

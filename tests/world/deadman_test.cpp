@@ -38,14 +38,6 @@ class Deadmen : public Cable {
     wire.on_request = [this](const tmcl::Request& request) { requests.push_back(request); };
   }
 
-  /// Of a host that tmcld knows nothing of.
-  void ask_elsewhere(const tmcl::Request& request) {
-    class Nobody final : public tmcl::sim::EventSink {
-      void target_reached(const tmcl::sim::Module&, std::int32_t) override {}
-    } nobody;
-    module.execute(request, tmcl::sim::Medium::serial, nobody);
-    wire.touch();
-  }
   /// And then nothing gets through.
   void lose_answer_to(Command command, std::uint8_t type = gp::serial_heartbeat) {
     wire.on_answer = [=, this](const tmcl::Request& request, std::int32_t) {
@@ -53,7 +45,7 @@ class Deadmen : public Cable {
     };
   }
   void set_elsewhere(std::uint8_t parameter, std::int32_t value) {
-    ask_elsewhere({tmcl::ModuleAddress{1}, Command::SGP, parameter, 0, value});
+    other_master({tmcl::ModuleAddress{1}, Command::SGP, parameter, 0, value});
   }
   /// The daemon is not there while these are set.
   void restart_with(const std::vector<std::pair<std::uint8_t, std::int32_t>>& parameters,
@@ -347,7 +339,7 @@ TEST_F(DeadmanTest, TellsThatItDoesNotStop) {
   while (!test->has_value()) {
     time.run_for(100ms);
     // It is as if the module did not heed what it is set to.
-    ask_elsewhere({tmcl::ModuleAddress{1}, Command::GAP, ap::actual_position, 0, 0});
+    other_master({tmcl::ModuleAddress{1}, Command::GAP, ap::actual_position, 0, 0});
   }
   const auto result = end(test);
   ASSERT_TRUE(result) << result.error().message;

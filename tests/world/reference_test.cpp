@@ -30,14 +30,6 @@ class References : public Cable, public testing::WithParamInterface<const char*>
     more["axis"] = "x";
     return more;
   }
-  /// Of a host that tmcld knows nothing of.
-  void other_master(const tmcl::Request& request) {
-    class Nobody final : public tmcl::sim::EventSink {
-      void target_reached(const tmcl::sim::Module&, std::int32_t) override {}
-    } nobody;
-    module.execute(request, tmcl::sim::Medium::serial, nobody);
-    wire.touch();
-  }
   void other_master_stops() { other_master({tmcl::ModuleAddress{1}, Command::MST, 0, 0, 0}); }
   bool is_referenced() { return call("axis.get_state", x())->at("referenced").as_bool(); }
   std::string move() { return name_of_error(call("axis.move_to", x({{"position", 1}}))); }
