@@ -67,7 +67,6 @@ TEST(RampChoice, OfATmc457DeceleratesAsAskedAlsoWithABow) {
   }
 }
 
-// The lengths and times that are told of a ramp are those that the generator makes.
 TEST(RampChoice, OfATmc457KeepsABowThatIsNotAskedFor) {
   RampRequest wish{{100'000}, {300'000}, {200'000}, std::nullopt, 11};
   const auto kept = choose("TMCM-142", wish);

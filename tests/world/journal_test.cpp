@@ -139,7 +139,7 @@ TEST_F(Killed, NobodyElseMovesAnOrphanBeforeItStands) {
   wire.is_cut = false;
   start_again();
   EXPECT_FALSE(moves()) << "across another restart of the daemon";
-  EXPECT_EQ(orphans.size(), 2U);
+  ASSERT_EQ(orphans.size(), 2U);
   EXPECT_THAT(orphans[0], HasSubstr("is set back to "));
 }
 
