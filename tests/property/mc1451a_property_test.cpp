@@ -65,7 +65,8 @@ TEST(Mc1451aProperty, JumpingEqualsTicking) {
         complete += step > 0 ? 1 : 0;
         write(axis, parameters);
         plain.change([&](Mc1451a& planner) { write(planner, parameters); });
-      } else if (script.between(0, 3) == 0 && axis.motion().velocity != 0) {
+      } else if (script.between(0, 3) == 0 && axis.motion().velocity != 0 &&
+                 axis.read(R::profile) == 0) {
         ASSERT_FALSE(axis.write(R::velocity, 1));
         plain.change([&](Mc1451a& planner) { ASSERT_FALSE(planner.write(R::velocity, 1)); });
         ++refused;
@@ -155,6 +156,68 @@ TEST(Mc1451aProperty, ReachesEveryTargetExactlyAndStaysThere) {
     axis.advance_to(end + 1'000'000);
     ASSERT_EQ(axis.motion(), there);
     ASSERT_EQ(axis.next_change(), forever);
+  }
+}
+
+/// A trapezoid that gets other parameters on its way.
+class ChangedTrapezoid {
+ public:
+  explicit ChangedTrapezoid(Script& script) : script_(script) {
+    auto parameters = script.quick();
+    parameters.profile = 1;
+    write(axis_, parameters);
+  }
+  void change() {
+    const auto other = script_.quick();
+    switch (script_.between(0, 2)) {
+      case 0: ASSERT_TRUE(axis_.write(R::position, other.position)); break;
+      case 1: ASSERT_TRUE(axis_.write(R::velocity, other.velocity)); break;
+      default: ASSERT_TRUE(axis_.write(R::acceleration, other.acceleration));
+    }
+    ASSERT_FALSE(axis_.motion().velocity != 0 && axis_.write(R::profile, 0));
+  }
+  // Never faster than it may be, unless it was and slows down; the speed changes by as much as the
+  // acceleration allows, and nothing jumps.
+  void advance(Tick ticks) {
+    for (Tick i = 0; i < ticks && !axis_.arrived(); ++i) {
+      const auto before = axis_.motion();
+      axis_.advance_to(axis_.tick() + 1);
+      const auto now = axis_.motion();
+      const auto most = std::max(axis_.read(R::velocity), std::abs(before.velocity));
+      ASSERT_LE(std::abs(now.velocity), most + 1) << axis_.tick();
+      const auto a = axis_.read(R::acceleration);
+      ASSERT_LE(std::abs(now.acceleration), a) << axis_.tick();
+      ASSERT_LE(std::abs(now.velocity - before.velocity), a / 16 + 2) << axis_.tick();
+      ASSERT_LE(std::abs(now.position - before.position), (most >> 20) + 2) << axis_.tick();
+    }
+  }
+  void expect_end() {
+    const auto end = arrival(axis_, forever);
+    ASSERT_TRUE(end);
+    axis_.advance_to(*end);
+    const Motion there{axis_.read(R::position), 0, 0};
+    ASSERT_EQ(axis_.motion(), there);
+    axis_.advance_to(*end + 1000);
+    ASSERT_EQ(axis_.motion(), there);
+  }
+
+ private:
+  Script& script_;
+  Mc1451a axis_;
+};
+
+TEST(Mc1451aProperty, AChangedTrapezoidKeepsItsLimitsAndEndsAtItsTarget) {
+  for (std::uint64_t seed = test::seed(); seed < test::seed() + 2'000; ++seed) {
+    SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
+    Script script(seed);
+    ChangedTrapezoid axis(script);
+    for (int i = 0; i < 6; ++i) {
+      axis.advance(static_cast<Tick>(script.positive(2'000)));
+      axis.change();
+      if (testing::Test::HasFailure()) return;
+    }
+    axis.expect_end();
+    if (HasFatalFailure()) return;
   }
 }
 

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <iterator>
 #include <map>
 #include <string>
+#include <utility>
 
 namespace tmcl::ramp {
 namespace {
@@ -152,6 +154,69 @@ TEST(Mc1451a, RefusesEveryParameterInMotionAndGoesOn) {
   EXPECT_TRUE(axis.write(R::jerk, 1));
 }
 
+TEST(Mc1451a, TakesParametersOfATrapezoidInMotionButNoOtherProfile) {
+  auto axis = axis_with({1000, 65'536, 256, 0, 1});
+  axis.advance_to(600 * 16);
+  EXPECT_FALSE(axis.write(R::profile, 0));
+  EXPECT_TRUE(axis.write(R::position, 2000));
+  EXPECT_TRUE(axis.write(R::jerk, 5));
+  axis.advance_to(1128 * 16);
+  EXPECT_EQ(axis.phase(), "cruise") << "where the first position let it slow down";
+  axis.advance_to(2256 * 16);
+  EXPECT_EQ(axis.motion(), (Motion{2000, 0, 0}));
+  EXPECT_TRUE(axis.write(R::profile, 0));
+}
+
+// From 1 to 1/2 step/cycle at 1/256 step/cycle^2: 128 cycles, 96 steps.
+TEST(Mc1451a, SlowsDownToALowerVelocity) {
+  auto axis = axis_with({1000, 65'536, 256, 0, 1});
+  axis.advance_to(400 * 16);
+  ASSERT_TRUE(axis.write(R::velocity, 32'768));
+  EXPECT_EQ(axis.motion(), (Motion{272, 65'536, -256}));
+  axis.advance_to(464 * 16);
+  EXPECT_EQ(axis.motion().velocity, 49'152);
+  EXPECT_EQ(axis.phase(), "decelerate");
+  axis.advance_to(528 * 16);
+  EXPECT_EQ(axis.motion(), (Motion{368, 32'768, 0}));
+  EXPECT_EQ(axis.phase(), "cruise");
+  EXPECT_EQ(cycles(arrival(axis, forever).value()), 528 + (1000 - 368 - 32) * 2 + 128);
+}
+
+// It stands 128 steps beyond where it is told to turn, and needs as long for the way back.
+TEST(Mc1451a, TurnsRoundToATargetBehindIt) {
+  auto axis = axis_with({1000, 65'536, 256, 0, 1});
+  axis.advance_to(400 * 16);
+  ASSERT_TRUE(axis.write(R::position, 272));
+  axis.advance_to(656 * 16);
+  EXPECT_EQ(axis.motion().position, 400);
+  EXPECT_EQ(axis.motion().velocity, 0);
+  axis.advance_to(arrival(axis, forever).value());
+  EXPECT_EQ(axis.motion(), (Motion{272, 0, 0}));
+}
+
+TEST(Mc1451a, StopsAtAVelocityOfNothing) {
+  auto axis = axis_with({1000, 65'536, 256, 0, 1});
+  axis.advance_to(400 * 16);
+  ASSERT_TRUE(axis.write(R::velocity, 0));
+  axis.advance_to(1'000'000);
+  EXPECT_EQ(axis.motion(), (Motion{400, 0, 0}));
+  EXPECT_TRUE(axis.settled());
+  EXPECT_FALSE(axis.arrived());
+}
+
+TEST(Mc1451a, PassesItsTargetWithoutAnAccelerationAndIsNotThere) {
+  auto axis = axis_with({1000, 65'536, 256, 0, 1});
+  axis.advance_to(400 * 16);
+  ASSERT_TRUE(axis.write(R::acceleration, 0));
+  axis.advance_to(1128 * 16);
+  EXPECT_EQ(axis.motion(), (Motion{1000, 65'536, 0}));
+  EXPECT_TRUE(axis.settled()) << "nothing will change any more";
+  EXPECT_FALSE(axis.arrived());
+  EXPECT_FALSE(arrival(axis, forever));
+  EXPECT_TRUE(axis.write(R::acceleration, 256));
+  EXPECT_TRUE(arrival(axis, forever));
+}
+
 TEST(Mc1451a, TakesItsParametersInAnyOrderBeforeItStarts) {
   Mc1451a axis;
   EXPECT_TRUE(axis.write(R::position, 50));
@@ -186,8 +251,11 @@ TEST(Mc1451a, RefusesWhatIsOutOfRange) {
     EXPECT_TRUE(axis.write(name, infos[i].maximum)) << infos[i].name;
     EXPECT_EQ(axis.read(name), infos[i].maximum) << infos[i].name;
   }
-  EXPECT_EQ(infos[1].maximum, 1'073'741'823);
-  EXPECT_EQ(infos[1].minimum, -1'073'741'824);
+  // Those of the manual's table.
+  const std::pair<std::int64_t, std::int64_t> ranges[] = {
+      {-1'073'741'824, 1'073'741'823}, {0, 1'073'741'823}, {0, 32'767}, {0, 2'147'483'647}};
+  for (std::size_t i = 0; i < std::size(ranges); ++i)
+    EXPECT_EQ(std::pair(infos[i + 1].minimum, infos[i + 1].maximum), ranges[i]);
 }
 
 TEST(Mc1451a, CrossesTheWholeRangeAtTheLeastVelocity) {

@@ -1,6 +1,8 @@
 #include "tmcl/ramp/mc1451a.hpp"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <string>
 
@@ -34,7 +36,7 @@ Written Mc1451a::write(Register name, std::int64_t value) {
   if (value < info.minimum || value > info.maximum) {
     return tl::unexpected(RegisterError{RegisterError::Reason::out_of_range, &info, value});
   }
-  if (in_motion()) {
+  if (in_motion() && !takes_in_motion(name)) {
     return tl::unexpected(RegisterError{RegisterError::Reason::in_motion, &info, value});
   }
   switch (name) {
@@ -79,10 +81,22 @@ Forces Mc1451a::forces() const {
 
 void Mc1451a::plan() {
   planned_ = true;
+  slows_ = false;
   const auto limits = forces();
-  const double v = velocity_ * v_unit;
-  const double distance = to_double(to_fixed(position_) - track_.at(tick_).x);
-  const auto profile = limits.jerk > 0 ? plan_move({0, 0}, distance, {v, v}, limits) : Profile{};
+  const auto now = track_.at(tick_);
+  const double distance = to_double(to_fixed(position_) - now.x);
+  const double most = velocity_ * v_unit;
+  // Only a trapezoid is ever planned in motion.
+  const double v = to_double(now.v);
+  const double speed = std::abs(v);
+  auto profile = Profile{};
+  if (speed > most + v_unit / 2 && v * distance > 0 &&
+      2 * std::abs(distance) * limits.deceleration > speed * speed) {
+    slows_ = true;
+    profile = plan_velocity({v, 0}, std::copysign(most, v), limits);
+  } else if (limits.jerk > 0) {
+    profile = plan_move({v, 0}, distance, {std::max(most, v), std::max(most, -v)}, limits);
+  }
   track_.begin(profile, 0, limits, tick_, position_);
 }
 
@@ -95,7 +109,11 @@ Mc1451a Mc1451a::planned() const {
 // To the stretch in which the tick lies.
 void Mc1451a::run_to(Tick tick) {
   if (!planned_) plan();
-  while (track_.ends_by(tick)) track_.next(forces(), position_);
+  while (track_.ends_by(tick)) {
+    tick_ = track_.until();
+    track_.next(forces(), position_);
+    if (track_.over() && slows_) plan();
+  }
 }
 
 Motion Mc1451a::motion() const {

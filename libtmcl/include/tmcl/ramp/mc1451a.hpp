@@ -5,6 +5,9 @@
 /// chipset computes them is not in there. So the profile is the time-optimal one within the limits,
 /// its phases begin at fractions of a tick, and it ends on its target at the first tick after that.
 /// The axis starts as soon as a position is set that it is not at.
+///
+/// In motion an S-curve takes no new parameter; a trapezoid takes all but another profile, and goes
+/// on from the speed that it has. Above a new maximum velocity it slows down with its acceleration.
 #pragma once
 
 #include <cstdint>
@@ -35,8 +38,8 @@ class Mc1451a {
   /// S-curve, jerk are set.
   Mc1451a() = default;
 
-  /// In motion every parameter is refused, the chipset's "command error", and the profile goes on
-  /// as it was.
+  /// What is refused in motion, the chipset's "command error", lets the profile go on as it was:
+  /// every parameter in an S-curve, and the profile.
   Written write(Register name, std::int64_t value);
   std::int64_t read(Register name) const;
   std::vector<Finding> findings() const;
@@ -54,7 +57,7 @@ class Mc1451a {
   /// "I" .. "VII" in an S-curve; "accelerate", "cruise", "decelerate" in a trapezoid; "rest".
   std::string_view phase() const;
   Tick next_change();
-  bool arrived() const { return settled() && motion().position == position_; }
+  bool arrived() const { return settled() && !in_motion() && motion().position == position_; }
   bool settled() const { return planned_ ? track_.over() : planned().settled(); }
 
   /// The present stretch of the movement; as of the last call of advance_to() or next_change().
@@ -65,6 +68,9 @@ class Mc1451a {
  private:
   bool in_motion() const { return track_.at(tick_).v != 0; }
   Forces forces() const;
+  bool takes_in_motion(Register name) const {
+    return shape_ == Shape::trapezoidal && name != Register::profile;
+  }
   void plan();
   void run_to(Tick tick);
   Mc1451a planned() const;
@@ -77,6 +83,7 @@ class Mc1451a {
   std::int16_t acceleration_ = 0;
   Shape shape_ = Shape::s_curve;
   bool planned_ = false;
+  bool slows_ = false;  ///< To the maximum velocity: the way to the target is planned after that.
 };
 
 }  // namespace tmcl::ramp
