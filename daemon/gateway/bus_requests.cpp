@@ -85,18 +85,16 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::see_search_end(tmcl::AxisAddress mo
 
 namespace {
 
-// Where a line is so busy that a movement does not get its turn within the age of a sentinel, that
-// is asked so often.
+// Where a line is so busy that a movement does not get its turn within the age of a sentinel, or
+// within the time that makes a gap, it is admitted again, so often.
 constexpr int most_admissions = 10;
 
 tmcl::Error too_busy() {
   tmcl::Error error;
   error.code = tmcl::Errc::queue_full;
   error.outcome = tmcl::Outcome::not_sent;
-  error.message =
-      "other commands kept the movement waiting for too long after its module had "
-      "been seen to be what it was, " +
-      std::to_string(most_admissions) + " times";
+  error.message = "the movement had to wait for too long behind other commands of its bus, " +
+                  std::to_string(most_admissions) + " times";
   error.hint = "send fewer commands at once, or use a faster bus";
   return error;
 }
@@ -207,10 +205,13 @@ tmcl::Script<std::optional<tmcl::Result<tmcl::Answer>>> GatewayBus::send_watched
   const auto given = earliest(exchange.options.deadline, conduct.options.deadline);
   const auto* module = watched_module(exchange);
   const bool is_watched = module != nullptr && module->sentinel().watches();
-  if (is_watched)
-    exchange.options.deadline =
-        earliest(given, module->sentinel().counts_until(conduct.options.sentinel_age));
-  const bool is_earlier = is_watched && exchange.options.deadline != given;
+  // What still waits for its turn when the reactor stands still has to be asked about again.
+  exchange.options.deadline = earliest(given, clock_.now() + Gaps::longest_gap);
+  if (is_watched) {
+    exchange.options.deadline = earliest(
+        exchange.options.deadline, module->sentinel().counts_until(conduct.options.sentinel_age));
+  }
+  const bool is_earlier = exchange.options.deadline != given;
   auto answer = co_await send_once(std::move(exchange), conduct);
   const bool expired = !answer && answer.error().code == tmcl::Errc::deadline_passed &&
                        answer.error().outcome == tmcl::Outcome::not_sent;
