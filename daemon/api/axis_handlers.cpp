@@ -110,8 +110,8 @@ Answer<axis::Wait> wait(Call& call, const axis::Wait& params) {
   };
   const auto arrived = co_await (*axis)->wait(options, std::move(objection));
   if (!arrived) co_return failed(arrived.error(), **axis);
-  auto place = co_await place_of(**axis, *arrived);
-  co_return place;
+  auto place = co_await place_of(**axis, arrived->position);
+  co_return axis::Standing{std::move(place), arrived->warnings};
 }
 
 Answer<axis::GetUnits> get_units(Call& call, const axis::GetUnits& params) {

@@ -9,6 +9,7 @@
 #include "async/elsewhere.hpp"
 #include "gateway/mint_run.hpp"
 #include "tmcl/plan/mint_preparation.hpp"
+#include "tmcl/scale_factor.hpp"
 #include "tmcl/seconds.hpp"
 
 namespace tmcld::handlers {
@@ -58,7 +59,27 @@ Lookup<Chosen> chosen(const Call& call, const plan::mint::Program& program) {
   return found;
 }
 
-awaitable<Lookup<plan::MintAxis>> known_axis(unsigned number, GatewayAxis& axis) {
+Lookup<bool> counts_encoder(const Call& call) {
+  const auto said = call.params.text_or("counts", "microsteps");
+  if (said == "encoder" || said == "microsteps") return said == "encoder";
+  return tl::unexpected(
+      param_error("bad_argument", "counts", "'counts' must be 'microsteps' or 'encoder'"));
+}
+
+/// What the configuration says of its encoder, and its module of its microsteps.
+Lookup<double> microsteps_per_count(const GatewayAxis& axis,
+                                    const std::optional<tmcl::UserScale>& scale) {
+  const auto& counts = axis.encoder_counts_per_unit();
+  if (counts && scale) return tmcl::microsteps_per_unit(*scale) / *counts;
+  return tl::unexpected(
+      param_error("unknown_units", "counts",
+                  "what a count of the encoder of " + axis.name() + " is, is not known",
+                  "the configuration says it: 'encoder_lines' or "
+                  "'encoder_counts_per_unit'"));
+}
+
+awaitable<Lookup<plan::MintAxis>> known_axis(unsigned number, GatewayAxis& axis,
+                                             bool counts_encoder) {
   const auto failed = [&](const tmcl::Error& error) {
     return tl::unexpected(call_error(error, axis.name()));
   };
@@ -73,6 +94,11 @@ awaitable<Lookup<plan::MintAxis>> known_axis(unsigned number, GatewayAxis& axis)
   if (!units) co_return failed(units.error());
   auto scale = co_await axis.scale();
   if (!scale) co_return failed(scale.error());
+  if (counts_encoder) {
+    const auto per_count = microsteps_per_count(axis, *scale);
+    if (!per_count) co_return tl::unexpected(per_count.error());
+    known.microsteps_per_count = *per_count;
+  }
   known.units.module = *units;
   known.units.scale = std::move(*scale);
   known.units.limits = axis.soft_limits();
@@ -131,9 +157,11 @@ Untyped run_mint(Call& call) {
   auto members = chosen(call, *program);
   if (!members) co_return tl::unexpected(members.error());
 
+  const auto in_counts = counts_encoder(call);
+  if (!in_counts) co_return tl::unexpected(in_counts.error());
   std::vector<plan::MintAxis> axes;
   for (std::size_t i = 0; i < members->members.size(); ++i) {
-    auto axis = co_await known_axis(members->numbers[i], *members->members[i].axis);
+    auto axis = co_await known_axis(members->numbers[i], *members->members[i].axis, *in_counts);
     if (!axis) co_return tl::unexpected(axis.error());
     axes.push_back(std::move(*axis));
   }

@@ -1,4 +1,6 @@
 // Axis parameters, and those in the EEPROM.
+#include <algorithm>
+
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
@@ -6,6 +8,23 @@
 
 namespace tmcld::handlers {
 namespace {
+
+bool is_of_ramp(const tmcl::Model& model, std::uint8_t parameter) {
+  const auto all = tmcl::plan::AxisTwin::parameters(model);
+  // On a TMC457, max_acceleration is two of them at once.
+  return parameter == tmcl::axis_parameter::max_acceleration ||
+         std::ranges::find(all, parameter) != all.end();
+}
+
+/// What has been set already is set, whatever comes of reading the rest of the ramp.
+boost::asio::awaitable<std::vector<std::string>> warnings_of(GatewayAxis& axis,
+                                                             std::uint8_t parameter) {
+  const auto* model = axis.module().model();
+  if (model == nullptr || !is_of_ramp(*model, parameter)) co_return std::vector<std::string>();
+  auto warnings = co_await axis.warnings();
+  if (!warnings) co_return std::vector{"not foreseen: " + warnings.error().message};
+  co_return std::move(*warnings);
+}
 
 boost::asio::awaitable<parameter::Value> to_result(GatewayAxis& axis, ParameterChoice choice,
                                                    ModuleValue value) {
@@ -73,8 +92,9 @@ Answer<parameter::Set> set_parameter(Call& call, const parameter::Set& params) {
   if (!value) co_return tl::unexpected(value.error());
   const auto done = co_await axis.set(choice->number, value->value, ready->moves);
   if (!done) co_return tl::unexpected(call_error(done.error(), axis.name()));
+  auto warnings = co_await warnings_of(axis, choice->number);
   auto result = co_await to_result(axis, *choice, *value);
-  co_return result;
+  co_return parameter::Held{std::move(result), std::move(warnings)};
 }
 
 Answer<parameter::Store> store_parameter(Call& call, const parameter::Store& params) {

@@ -30,11 +30,10 @@ constexpr tmcl::Duration look_interval = std::chrono::milliseconds(10);
 // ---- what is asked for ----
 
 Lookup<plan::StreamMode> mode_of(const Call& call) {
-  const auto mode = call.params.text_or("mode", "velocity");
-  if (mode == "velocity") return plan::StreamMode::velocity;
-  if (mode == "position") return plan::StreamMode::position;
+  const auto mode = plan::stream_mode_named(call.params.text_or("mode", "velocity"));
+  if (mode) return *mode;
   return tl::unexpected(
-      param_error("bad_argument", "mode", "'mode' must be 'velocity' or 'position'"));
+      param_error("bad_argument", "mode", "'mode' must be 'velocity', 'segments' or 'position'"));
 }
 
 Lookup<double> in_range(double value, std::string_view param) {
@@ -328,6 +327,17 @@ awaitable<Lookup<PlannedPath>> planned_before(const Call& call) {
   co_return planned;
 }
 
+/// Of the settings with which each axis moves to the start, and is stopped.
+awaitable<json::array> warnings_of(const Axes& axes) {
+  json::array all;
+  for (const auto& axis : axes) {
+    const auto warnings = co_await axis->warnings();
+    if (!warnings) continue;  // The path itself tells of what cannot be read.
+    for (const auto& text : *warnings) all.emplace_back(axis->name() + ": " + text);
+  }
+  co_return all;
+}
+
 // ---- how it goes ----
 
 PathRun::OnProgress progress_to(const Call& call) {
@@ -424,6 +434,8 @@ Untyped plan_path(Call& call) {
   json::object result{{"plan", planned->number},
                       {"axes", std::move(axes)},
                       {"course", tmcld::to_json(planned->course, planned->source.path.axes)}};
+  auto warnings = co_await warnings_of(planned->axes);
+  result["warnings"] = std::move(warnings);
   if (points > 0) result["curve"] = curve_json(planned->course, points);
   kept = std::make_shared<PlannedPath>(std::move(*planned));
   co_return result;
@@ -434,6 +446,7 @@ Untyped run_path(Call& call) {
   auto planning = has_plan ? planned_before(call) : plan_for(call, false);
   auto planned = co_await std::move(planning);
   if (!planned) co_return tl::unexpected(planned.error());
+  auto warnings = co_await warnings_of(planned->axes);
   if (auto refusal = refusal_to_begin(call)) co_return tl::unexpected(std::move(*refusal));
   begin_journey(call);
   std::vector<DriveMember> members;
@@ -449,7 +462,9 @@ Untyped run_path(Call& call) {
   const auto failure = co_await PathRun::pass(run);
   if (failure) co_return tl::unexpected(call_error(failure->error, failure->axis));
   if (run->report().fault) co_return tl::unexpected(error_of(*run, to_json(*run)));
-  co_return to_json(*run);
+  auto result = to_json(*run);
+  result["warnings"] = std::move(warnings);
+  co_return result;
 }
 
 Untyped pause_path(Call& call) { return pause_all(call, true); }

@@ -316,6 +316,7 @@ class Builder {
     set_limit("max_velocity", limits.velocity);
     set_limit("max_acceleration", limits.acceleration);
     set_limit("max_deceleration", limits.deceleration);
+    set_limit("max_jerk", limits.jerk);
     set_limit("max_corner_jump", limits.corner_jump);
     if (const auto* current = section.get<std::int64_t>("max_current"))
       limits.current = static_cast<std::int32_t>(*current);

@@ -99,12 +99,13 @@ struct MotionLimits {
   std::optional<double> velocity{};
   std::optional<double> acceleration{};
   std::optional<double> deceleration{};   ///< Without one, it is that of the acceleration.
+  std::optional<double> jerk{};           ///< That its S-curves must have; without them it stands.
   std::optional<std::int32_t> current{};  ///< As the module counts it.
   /// By which its speed may change at once in a corner of a path.
   std::optional<double> corner_jump{};
 
   /// Whether settings and commands have to be looked at.
-  bool of_settings() const { return velocity || acceleration || deceleration || current; }
+  bool of_settings() const { return velocity || acceleration || deceleration || jerk || current; }
 };
 
 struct AxisConfig {

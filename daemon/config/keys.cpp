@@ -96,6 +96,9 @@ constexpr auto keys = std::to_array<KeyInfo>({
      "greatest acceleration, per second squared, likewise"},
     {axis, "max_deceleration", number, optional, 0, 0, any,
      "greatest deceleration, likewise; max_acceleration if absent"},
+    {axis, "max_jerk", number, optional, 0, 0, any,
+     "greatest jerk, per second cubed, likewise: for modules that make S-curves (TMC457); the axis "
+     "takes part in no line and no path then"},
     {axis, "max_corner_jump", number, optional, 0, 0, any,
      "by which its speed may change at once in a corner of a path, in the unit per second, or in "
      "microsteps"},

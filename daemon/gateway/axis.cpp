@@ -23,6 +23,9 @@ using tmcl::Result;
 
 constexpr std::string_view beyond_range_hint = "move less far, or set another actual position";
 
+/// For so long an axis must stand at its target whose settings may let it swing about it.
+constexpr tmcl::Duration steady_in_doubt = std::chrono::milliseconds(250);
+
 Result<Microsteps> sum(Microsteps here, Microsteps distance, tmcl::ValueRange range) {
   const auto target = std::int64_t{here.value} + distance.value;
   if (target >= range.least && target <= range.greatest)
@@ -225,7 +228,11 @@ GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
     if (!seen) seen.error().outcome = tmcl::Outcome::unknown;
     if (!seen) co_return tl::unexpected(std::move(seen.error()));
   }
-  if (auto latch = latched()) co_return tl::unexpected(std::move(*latch));
+  if (auto latch = latched()) {
+    // The search was under way then.
+    latch->outcome = tmcl::Outcome::unknown;
+    co_return tl::unexpected(std::move(*latch));
+  }
   if (is_referenced()) co_return homed;
   auto error = found_no_reference(name());
   co_await add_cause(error);
@@ -239,8 +246,8 @@ GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t>
   return move(intent::Search{}, std::move(script), std::move(movement));
 }
 
-GatewayAxis::Awaitable<Microsteps> GatewayAxis::wait(tmcl::WaitOptions wait_options,
-                                                     Objection objection) {
+GatewayAxis::Awaitable<StoodAt> GatewayAxis::wait(tmcl::WaitOptions wait_options,
+                                                  Objection objection) {
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
   RunOptions options;
@@ -250,8 +257,7 @@ GatewayAxis::Awaitable<Microsteps> GatewayAxis::wait(tmcl::WaitOptions wait_opti
   };
   const auto left = expected_arrival_ - bus().clock().now();
   wait_options.expected = std::max(left, tmcl::Duration{});
-  auto script = tmcl::verbs::wait_until_reached(address(), wait_options);
-  auto result = co_await axis_.run(std::move(script), std::move(options));
+  auto result = co_await stand(wait_options, std::move(options));
   // A module that has started again is at its target, which is where it is.
   auto watched = co_await axis_.run(module().watch(movement_sentinel_age));
   if (auto latch = latched()) co_return tl::unexpected(std::move(*latch));
@@ -259,6 +265,26 @@ GatewayAxis::Awaitable<Microsteps> GatewayAxis::wait(tmcl::WaitOptions wait_opti
   if (!result && result.error().code == tmcl::Errc::move_interrupted)
     co_await add_cause(result.error());
   co_return result;
+}
+
+GatewayAxis::Awaitable<StoodAt> GatewayAxis::stand(tmcl::WaitOptions wait, RunOptions options) {
+  Deadline deadline;
+  if (wait.timeout != tmcl::Duration{}) deadline = bus().clock().now() + wait.timeout;
+  auto here = co_await axis_.run(tmcl::verbs::wait_until_reached(address(), wait), options);
+  // There is no time to read anything after a timeout.
+  const auto from = here ? RampKnowledge::read : RampKnowledge::as_it_is;
+  const auto known = co_await axis_.run(units_.warnings(from), deadline);
+  auto warnings = known.value_or(std::vector<std::string>());
+  if (here && !warnings.empty()) {
+    // It may stand there in passing only.
+    constexpr tmcl::Duration shortest = std::chrono::milliseconds(1);
+    if (deadline) wait.timeout = std::max(*deadline - bus().clock().now(), shortest);
+    wait.steady = steady_in_doubt;
+    here = co_await axis_.run(tmcl::verbs::wait_until_reached(address(), wait), options);
+  }
+  if (here) co_return StoodAt{*here, std::move(warnings)};
+  if (!warnings.empty()) here.error().hint = "with its settings, " + warnings.front();
+  co_return tl::unexpected(std::move(here.error()));
 }
 
 GatewayAxis::Awaitable<std::int32_t> GatewayAxis::get(std::uint8_t parameter, Deadline deadline) {
@@ -284,7 +310,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::write(std::uint8_t parameter, std::int
   auto script = tmcl::verbs::set(address(), parameter, value);
   auto result = co_await axis_.run(std::move(script), std::move(admitted));
   // Also after a failure: the value may have been set all the same.
-  units_.note_set(parameter);
+  units_.note_set(parameter, result ? std::optional(value) : std::nullopt);
   if (parameter != tmcl::axis_parameter::actual_position) co_return result;
   requested_.reset();
   if (result) bus().motors().note_reference(address());

@@ -33,6 +33,12 @@ struct StartedMove {
   std::vector<std::string> warnings{};
 };
 
+/// Where a move has ended.
+struct StoodAt {
+  tmcl::Microsteps position;
+  std::vector<std::string> warnings{};  ///< Of its settings.
+};
+
 /// Ends a call early: gives an error once the caller has lost interest.
 using Objection = std::function<std::optional<tmcl::Error>()>;
 
@@ -101,7 +107,9 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<void> restore(std::uint8_t parameter, RunOptions movement);
   /// What set() does once that is admitted.
   Awaitable<void> write(std::uint8_t parameter, std::int32_t value, Admitted admitted);
-  Awaitable<tmcl::Microsteps> wait(tmcl::WaitOptions options, Objection objection);
+  Awaitable<StoodAt> wait(tmcl::WaitOptions options, Objection objection);
+  /// What its settings make of moves that nobody may want. Errors: those of reading them.
+  Awaitable<std::vector<std::string>> warnings() { return axis_.run(units_.warnings()); }
   Awaitable<std::int32_t> get(std::uint8_t parameter, Deadline deadline);
   /// At most so old, and not from before the last command on its bus: answered without the bus if
   /// somebody has just looked.
@@ -197,6 +205,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
     co_return result;
   }
   Awaitable<AxisReading> look();
+  /// Until it stands at its target; for longer where its settings may let it swing about that.
+  Awaitable<StoodAt> stand(tmcl::WaitOptions wait, RunOptions options);
   bool is_known(tmcl::Duration max_age) const;
   Claimant claimant() const { return bus().motors().claimant_of(address()); }
   /// Finds out why an axis stands that was on its way.

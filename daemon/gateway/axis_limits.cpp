@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "gateway/motors.hpp"
+#include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/verbs.hpp"
 
@@ -26,8 +27,10 @@ constexpr std::array<std::string_view, 3> currents{"max_current", "standby_curre
 // Above it another current is used: nothing accelerates by it.
 constexpr std::string_view no_acceleration = "acceleration_threshold";
 
-constexpr std::array<std::string_view, 4> keys{"max_velocity", "max_acceleration",
-                                               "max_deceleration", "max_current"};
+constexpr std::string_view bow = "max_bow";
+
+constexpr std::array<std::string_view, 5> keys{"max_velocity", "max_acceleration",
+                                               "max_deceleration", "max_jerk", "max_current"};
 
 // All brake by parameter 5, too, at least when they do not go to a position.
 bool speeds_up(const tmcl::ParameterInfo& row) {
@@ -85,6 +88,7 @@ std::vector<AxisLimits::Kind> AxisLimits::limited_kinds(const tmcl::ParameterInf
   if (row.access == tmcl::Access::read) return {};
   if (limits.velocity && std::ranges::count(speeds, row.name) != 0) return {Kind::velocity};
   if (limits.current && std::ranges::count(currents, row.name) != 0) return {Kind::current};
+  if (limits.jerk && row.name == bow) return {Kind::jerk};
   if (dimension_of(row) != tmcl::Dimension::acceleration || row.name == no_acceleration) return {};
   std::vector<Kind> kinds;
   const bool is_for_both = !limits.deceleration;
@@ -102,7 +106,7 @@ std::vector<AxisLimits::Limited> AxisLimits::limited() const {
 
 std::vector<std::uint8_t> AxisLimits::scales() const {
   const auto& limits = config_.motion_limits;
-  if (!limits.velocity && !limits.acceleration && !limits.deceleration) return {};
+  if (!limits.velocity && !limits.acceleration && !limits.deceleration && !limits.jerk) return {};
   auto all = tmcl::unit_parameters(*module_.model());
   const bool tells_microsteps = !config_.scale.unit.empty() && !config_.scale.microstep_resolution;
   if (tells_microsteps) all.push_back(ap::microstep_resolution);
@@ -186,13 +190,20 @@ std::optional<tmcl::Error> AxisLimits::objection_to_turn(std::int32_t velocity) 
 }
 
 std::optional<tmcl::Error> AxisLimits::objection_to_settings() const {
+  if (config_.motion_limits.jerk &&
+      find_parameter(tmcl::axis_parameters(*module_.model()), bow) == nullptr) {
+    return error("its module makes no S-curves, so each of its ramps is above its limit of " +
+                     in_words(Kind::jerk, limit(Kind::jerk)),
+                 "take 'max_jerk' out of its [[axis]]");
+  }
   for (const auto& [row, kind] : limited()) {
     const auto value = values_.at(row->number);
     if (row->number == ap::target_velocity || !exceeds(kind, value, values_)) continue;
     auto error = beyond(kind, "nothing moves it while its " + std::string(row->name) + " is", value,
                         values_);
-    error.hint =
-        fmt::format("set that lower first: 'tmclctl set {} {} ...'", config_.name, row->name);
+    error.hint = fmt::format("set that {} first: 'tmclctl set {} {} ...'",
+                             kind == Kind::jerk && value == 0 ? "from 1 on" : "lower", config_.name,
+                             row->name);
     return error;
   }
   return std::nullopt;
@@ -235,6 +246,15 @@ void AxisLimits::note(const Request& request, const Result<tmcl::Answer>& answer
 
 // ---- numbers and words -------------------------------------------------------------------------
 
+tmcl::UserScale AxisLimits::scale_with(const Values& values) const {
+  if (config_.scale.unit.empty()) return tmcl::microsteps_scale();
+  const auto told = values.find(ap::microstep_resolution);
+  const auto resolution = told == values.end()
+                              ? *config_.scale.microstep_resolution
+                              : std::clamp(told->second, 0, tmcl::max_microstep_resolution);
+  return config_.scale.with_resolution(resolution);
+}
+
 double AxisLimits::unit_of(Kind kind, const Values& values) const {
   if (kind == Kind::current) return 1;
   const auto& model = *module_.model();
@@ -242,17 +262,18 @@ double AxisLimits::unit_of(Kind kind, const Values& values) const {
   for (const auto parameter : tmcl::unit_parameters(model)) units.push_back(values.at(parameter));
   // With a value that it cannot have: as it is after it was switched on.
   const auto module = tmcl::module_units(model, units).value_or(tmcl::initial_units(model));
-  auto scale = tmcl::microsteps_scale();
-  if (!config_.scale.unit.empty()) {
-    const auto told = values.find(ap::microstep_resolution);
-    const auto resolution = told == values.end()
-                                ? *config_.scale.microstep_resolution
-                                : std::clamp(told->second, 0, tmcl::max_microstep_resolution);
-    scale = config_.scale.with_resolution(resolution);
-  }
+  const auto scale = scale_with(values);
   const auto unit = kind == Kind::velocity ? to_user(module.velocity, scale).value
                                            : to_user(module.acceleration, scale).value;
   return std::abs(unit);
+}
+
+/// Without a bow an acceleration changes at once.
+double AxisLimits::amount_of(Kind kind, std::int32_t value, const Values& values) const {
+  if (kind != Kind::jerk) return std::abs(static_cast<double>(value)) * unit_of(kind, values);
+  if (value < 1) return std::numeric_limits<double>::infinity();
+  const auto pps3 = tmcl::to_pps3(std::min(value, tmcl::greatest_bow));
+  return std::abs(to_user(tmcl::PulsesPerSecond2{pps3.value}, scale_with(values)).value);
 }
 
 double AxisLimits::limit(Kind kind) const {
@@ -261,6 +282,7 @@ double AxisLimits::limit(Kind kind) const {
     case Kind::velocity: return *limits.velocity;
     case Kind::acceleration: return *limits.acceleration;
     case Kind::deceleration: return *limits.deceleration;
+    case Kind::jerk: return *limits.jerk;
     case Kind::current: return *limits.current;
   }
   return 0;
@@ -273,6 +295,7 @@ double AxisLimits::greatest(Kind kind, const Values& values) const {
 }
 
 bool AxisLimits::exceeds(Kind kind, std::int32_t value, const Values& values) const {
+  if (kind == Kind::jerk) return amount_of(kind, value, values) > limit(kind);
   return std::abs(static_cast<double>(value)) > greatest(kind, values);
 }
 
@@ -280,12 +303,14 @@ std::string AxisLimits::in_words(Kind kind, double value) const {
   if (kind == Kind::current) return fmt::format("{:g}", value);
   const auto& unit = config_.scale.unit;
   return fmt::format("{:.6g} {}/s{}", value, unit.empty() ? "microsteps" : unit,
-                     kind == Kind::velocity ? "" : "^2");
+                     kind == Kind::velocity ? ""
+                     : kind == Kind::jerk   ? "^3"
+                                            : "^2");
 }
 
 tmcl::Error AxisLimits::beyond(Kind kind, const std::string& what, std::int32_t value,
                                const Values& values) const {
-  const auto asked = std::abs(static_cast<double>(value)) * unit_of(kind, values);
+  const auto asked = amount_of(kind, value, values);
   const auto key = keys[static_cast<std::size_t>(kind)];
   return error(fmt::format("{} {}, above its limit of {}", what, in_words(kind, asked),
                            in_words(kind, limit(kind))),

@@ -1,4 +1,4 @@
-/// What the configuration says that an axis does not exceed: speed, acceleration and current.
+/// What the configuration says that an axis does not exceed: speed, acceleration, jerk and current.
 ///
 /// Looked at just before a request goes out, whoever asks for it: a command, a parameter, a line or
 /// a path. No setting is written that would be beyond a limit, also where that comes from another
@@ -41,7 +41,7 @@ class AxisLimits {
   void note(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer);
 
  private:
-  enum class Kind : std::uint8_t { velocity, acceleration, deceleration, current };
+  enum class Kind : std::uint8_t { velocity, acceleration, deceleration, jerk, current };
   struct Limited {
     const tmcl::ParameterInfo* row;
     Kind kind;
@@ -61,8 +61,11 @@ class AxisLimits {
   std::optional<tmcl::Error> objection_to_turn(std::int32_t velocity) const;
   std::optional<tmcl::Error> objection_to_settings() const;
 
-  /// One of the module's numbers is so much of what the limit is in.
+  tmcl::UserScale scale_with(const Values& values) const;
+  /// One of the module's numbers is so much of what the limit is in; not of a jerk.
   double unit_of(Kind kind, const Values& values) const;
+  /// What the module's number is, in what the limit is in.
+  double amount_of(Kind kind, std::int32_t value, const Values& values) const;
   /// The greatest of the module's numbers that is within.
   double greatest(Kind kind, const Values& values) const;
   bool exceeds(Kind kind, std::int32_t value, const Values& values) const;

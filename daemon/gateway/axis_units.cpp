@@ -74,18 +74,38 @@ AxisUnits::Script<tmcl::UserScale> AxisUnits::known_scale() {
       "the configuration can: 'microsteps'")));
 }
 
+AxisUnits::Script<bool> AxisUnits::know_ramp(const tmcl::Model& model) {
+  const auto now = ramp_epoch();
+  if (ramp_ && ramp_->epoch == now) co_return true;
+  auto read = co_await tmcl::verbs::read_ramp(axis_.address(), model);
+  auto ramp = if_it_tells(std::move(read));
+  if (!ramp) co_return tl::unexpected(std::move(ramp.error()));
+  if (!*ramp) co_return false;
+  ramp_ = Known<std::vector<tmcl::plan::Setting>>{now, std::move(**ramp)};
+  co_return true;
+}
+
+AxisUnits::Script<std::vector<std::string>> AxisUnits::warnings(RampKnowledge from) {
+  std::vector<std::string> warnings;
+  const auto* model = axis_.module().model();
+  auto twin = model == nullptr ? std::nullopt : tmcl::plan::AxisTwin::of(*model);
+  const bool is_known = ramp_ && ramp_->epoch == ramp_epoch();
+  if (!twin || (from == RampKnowledge::as_it_is && !is_known)) co_return warnings;
+  const auto known = co_await know_ramp(*model);
+  if (!known) co_return tl::unexpected(known.error());
+  if (!*known || !twin->set(ramp_->value)) co_return warnings;
+  twin->move_to({});
+  for (auto& finding : twin->findings()) warnings.push_back(std::move(finding.message));
+  co_return warnings;
+}
+
 AxisUnits::Script<std::optional<tmcl::plan::AxisTwin>> AxisUnits::twin(tmcl::Proof proof) {
   using Twin = std::optional<tmcl::plan::AxisTwin>;
   const auto* model = axis_.module().model();
   if (model == nullptr) co_return Twin{};
-  const auto now = ramp_epoch();
-  if (!ramp_ || ramp_->epoch != now) {
-    auto read = co_await tmcl::verbs::read_ramp(axis_.address(), *model);
-    auto ramp = if_it_tells(std::move(read));
-    if (!ramp) co_return tl::unexpected(std::move(ramp.error()));
-    if (!*ramp) co_return Twin{};
-    ramp_ = Known<std::vector<tmcl::plan::Setting>>{now, std::move(**ramp)};
-  }
+  const auto known = co_await know_ramp(*model);
+  if (!known) co_return tl::unexpected(known.error());
+  if (!*known) co_return Twin{};
   auto twin = co_await tmcl::verbs::read_twin(axis_.address(), *model, ramp_->value, proof);
   // Nobody has described its ramps.
   if (!twin && twin.error().code == tmcl::Errc::bad_argument) co_return Twin{};
@@ -115,7 +135,9 @@ AxisUnits::Script<AxisReading> AxisUnits::reading() {
   co_return reading;
 }
 
-void AxisUnits::note_set(std::uint8_t parameter) {
+void AxisUnits::note_set(std::uint8_t parameter, std::optional<std::int32_t> held) {
+  const Epoch before{axis_.module().settings_epoch(), changes_ - 1};
+  const bool was_known = held && ramp_ && ramp_->epoch == before;
   ++changes_;
   bool counts = parameter == ap::microstep_resolution;
   if (const auto* model = axis_.module().model()) {
@@ -123,6 +145,18 @@ void AxisUnits::note_set(std::uint8_t parameter) {
     counts = counts || std::ranges::count(units, parameter) != 0;
   }
   if (counts) ++unit_changes_;
+  if (was_known) hold_in_ramp({parameter, *held});
+}
+
+void AxisUnits::hold_in_ramp(tmcl::plan::Setting setting) {
+  const auto row =
+      std::ranges::find(ramp_->value, setting.parameter, &tmcl::plan::Setting::parameter);
+  const bool is_in_ramp = row != ramp_->value.end();
+  // The one says what the others mean; the other may be two of them at once.
+  if (setting.parameter == ap::unit_mode) return;
+  if (setting.parameter == ap::max_acceleration && !is_in_ramp) return;
+  if (is_in_ramp) row->value = setting.value;
+  ramp_->epoch = ramp_epoch();
 }
 
 }  // namespace tmcld

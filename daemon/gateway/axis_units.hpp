@@ -39,6 +39,9 @@ struct AxisReading {
   tmcl::TimePoint taken{};             ///< When the look began: nothing in it is older.
 };
 
+/// Whether the settings of a ramp are read where they are not known.
+enum class RampKnowledge : std::uint8_t { as_it_is, read };
+
 class AxisUnits {
  public:
   template <class T>
@@ -62,14 +65,18 @@ class AxisUnits {
   Script<tmcl::UserScale> known_scale();
   /// The twin of the axis as it is now; `proof`: of its position.
   Script<std::optional<tmcl::plan::AxisTwin>> twin(tmcl::Proof proof = tmcl::Proof::none);
-  /// The settings of its ramp, as twin() has found them.
+  /// What its settings make of moves that nobody may want: what its twin finds. Nothing where
+  /// nobody has described its ramps, and where they are not known and must not be read.
+  Script<std::vector<std::string>> warnings(RampKnowledge from = RampKnowledge::read);
+  /// The settings of its ramp, as twin() or warnings() has found them.
   std::vector<tmcl::plan::Setting> ramp_settings() const {
     return ramp_ ? ramp_->value : std::vector<tmcl::plan::Setting>{};
   }
   Script<AxisReading> reading();
 
-  /// This parameter may have been set.
-  void note_set(std::uint8_t parameter);
+  /// This parameter may have been set: said before and after it is. `held`: its module says that
+  /// it has this value now, so that what was known of its ramp before stays known.
+  void note_set(std::uint8_t parameter, std::optional<std::int32_t> held = {});
   /// Of what scale() and module_units() depend on.
   Epoch epoch() const { return {axis_.module().settings_epoch(), unit_changes_}; }
 
@@ -80,6 +87,9 @@ class AxisUnits {
     T value;
   };
   Epoch ramp_epoch() const { return {axis_.module().settings_epoch(), changes_}; }
+  /// Reads the settings of its ramp, if they are not known. False where the module has none.
+  Script<bool> know_ramp(const tmcl::Model& model);
+  void hold_in_ramp(tmcl::plan::Setting setting);
 
   const AxisAccess& axis_;
   std::uint64_t unit_changes_ = 0;

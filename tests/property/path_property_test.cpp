@@ -65,8 +65,9 @@ struct Case {
   std::vector<Leg> legs;
   PathPlan plan;
 
-  explicit Case(Numbers& random)
-      : limits(any_limits(random)),
+  explicit Case(Numbers& random) : Case(random, any_limits(random)) {}
+  Case(Numbers& random, const PathLimits& given)
+      : limits(given),
         legs(any_legs(random, limits.axes)),
         plan(plan_path({}, legs, limits).value()) {}
 
@@ -127,6 +128,29 @@ TEST(PathProperty, NoLimitIsExceeded) {
     }
     if (testing::Test::HasFailure()) return;
   }
+}
+
+TEST(PathProperty, NoCornerChangesASpeedByMoreThanItsAxisMay) {
+  Numbers random(test::seed());
+  double nearest = 0;
+  for (int round = 0; round < test::rounds(usual_rounds); ++round) {
+    SCOPED_TRACE("round " + std::to_string(round));
+    auto limits = any_limits(random);
+    for (auto& axis : limits.axis)
+      if (random.one_in(2)) axis.corner_jump = random.magnitude() / 10;
+    const Case c(random, limits);
+    const auto real = c.real();
+    for (std::size_t i = 1; i < real.size(); ++i) {
+      const auto before = c.direction(real[i - 1]), after = c.direction(real[i]);
+      const double speed = c.plan.legs()[real[i]].start_speed;
+      for (std::size_t axis = 0; axis < limits.axes; ++axis) {
+        const double jump = std::abs(after[axis] - before[axis]) * speed;
+        ASSERT_LE(jump, limits.axis[axis].corner_jump * a_little);
+        nearest = std::max(nearest, jump / limits.axis[axis].corner_jump);
+      }
+    }
+  }
+  EXPECT_GT(nearest, 0.99) << "they were not tried";
 }
 
 TEST(PathProperty, SpeedsAndPositionsAreContinuousAlongThePath) {

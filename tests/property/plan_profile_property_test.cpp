@@ -274,5 +274,111 @@ TEST(PlanProfileProperty, BoundsArePossible) {
   EXPECT_GT(bounds, 100);
 }
 
+// ---- with a speed at the ends ----
+
+Profile with_ends(Source& source, Assumption assumption) {
+  Profile p;
+  p.speed = source.any_size(1e-2, 1e4);
+  p.initial_speed = p.speed * source.between(0, 0.9);
+  const bool alike = source.between(0, 1) < 0.3;
+  p.final_speed = alike ? p.initial_speed : p.speed * source.between(0, 0.9);
+  p.acceleration_time = source.any_size(1e-2, 1);
+  p.slew_time = assumption == Assumption::thirds ? p.acceleration_time : source.any_size(1e-2, 1);
+  const double up = p.speed - p.initial_speed;
+  const double down = p.speed - p.final_speed;
+  p.acceleration = up / p.acceleration_time;
+  p.deceleration_time = source.any_size(1e-2, 1);
+  if (assumption == Assumption::symmetric) p.deceleration_time = down / p.acceleration;
+  if (assumption == Assumption::thirds || (assumption == Assumption::symmetric && alike))
+    p.deceleration_time = p.acceleration_time;
+  p.deceleration = down / p.deceleration_time;
+  if (assumption == Assumption::symmetric) p.deceleration = p.acceleration;
+  p.total_time = p.acceleration_time + p.slew_time + p.deceleration_time;
+  p.acceleration_distance = (p.initial_speed + p.speed) / 2 * p.acceleration_time;
+  p.slew_distance = p.speed * p.slew_time;
+  p.deceleration_distance = (p.final_speed + p.speed) / 2 * p.deceleration_time;
+  p.distance = p.acceleration_distance + p.slew_distance + p.deceleration_distance;
+  return p;
+}
+
+Given with_ends_of(const Profile& profile, Given given) {
+  given[initial_speed] = profile.initial_speed;
+  given[final_speed] = profile.final_speed;
+  return given;
+}
+
+void expect_the_same(const Profile& solved, const Profile& profile, const std::string& where) {
+  // Of a difference of speeds as little as a tenth, or of a time between the ends of a line.
+  constexpr double rounding = 1e-6;
+  for (const auto quantity : quantities)
+    ASSERT_NEAR(solved[quantity], profile[quantity], rounding * profile[quantity])
+        << name_of(quantity) << ", " << where;
+  for (const auto quantity : side_quantities)
+    ASSERT_NEAR(solved[quantity], profile[quantity], rounding * profile[quantity])
+        << name_of(quantity) << ", " << where;
+}
+
+TEST(PlanProfileProperty, FourThatAreEnoughFromRestAreEnoughWithOneSpeedAtBothEnds) {
+  Source source(test::seed());
+  for (int i = 0; i < 2000; ++i) {
+    const auto assumption = assumptions[static_cast<std::size_t>(i) % assumptions.size()];
+    auto profile = with_ends(source, assumption);
+    if (profile.initial_speed != profile.final_speed) continue;
+    for (Subset subset = 0; subset < every_subset; ++subset) {
+      if (!is_sufficient(members(subset), assumption)) continue;
+      const auto solved = solve(with_ends_of(profile, part_of(profile, subset)), assumption);
+      ASSERT_TRUE(solved) << trace(subset, assumption) << ": " << describe(solved.error());
+      expect_the_same(*solved, profile, trace(subset, assumption));
+      if (HasFatalFailure()) return;
+    }
+  }
+}
+
+// What is solved is the profile; and all of it but one value is always enough.
+TEST(PlanProfileProperty, UnlikeEndsAreSolvedOrCalledInsufficient) {
+  Source source(test::seed());
+  int solved_subsets = 0;
+  for (int i = 0; i < 300; ++i) {
+    const auto assumption = assumptions[static_cast<std::size_t>(i) % assumptions.size()];
+    const auto profile = with_ends(source, assumption);
+    for (Subset subset = 0; subset < every_subset; ++subset) {
+      const auto solved = solve(with_ends_of(profile, part_of(profile, subset)), assumption);
+      if (solved) {
+        ++solved_subsets;
+        expect_the_same(*solved, profile, trace(subset, assumption));
+        if (HasFatalFailure()) return;
+      } else {
+        ASSERT_EQ(solved.error().kind, Kind::insufficient)
+            << trace(subset, assumption) << ": " << describe(solved.error());
+      }
+    }
+  }
+  EXPECT_GT(solved_subsets, 300 * 100);
+}
+
+// The five equations of constant acceleration: two of a ramp's speed, rate, time and distance give
+// the others.
+TEST(PlanProfileProperty, TwoOfARampGiveTheOthers) {
+  Source source(test::seed());
+  constexpr std::array of_ramp{speed, acceleration, acceleration_time, acceleration_distance};
+  for (int i = 0; i < 1000; ++i) {
+    const auto profile = with_ends(source, Assumption::none);
+    for (const auto one : of_ramp) {
+      for (const auto other : of_ramp) {
+        if (one == other) continue;
+        Given given;
+        for (const auto quantity :
+             {one, other, slew_distance, deceleration_distance, initial_speed, final_speed})
+          given[quantity] = profile[quantity];
+        const auto solved = solve(given);
+        const auto where = std::string(name_of(one)) + " and " + std::string(name_of(other));
+        ASSERT_TRUE(solved) << where << ": " << describe(solved.error());
+        expect_the_same(*solved, profile, where);
+        if (HasFatalFailure()) return;
+      }
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tmcl::plan

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <functional>
+#include <numbers>
 #include <optional>
 #include <span>
 #include <string>
@@ -167,6 +168,20 @@ class StreamBench {
   std::optional<Course> course_;
   std::optional<PathStream> stream_;
 };
+
+constexpr double circle_radius = 10;
+
+/// In chords of at most so many mm around (10, 0), from and to (0, 0).
+inline path_file::Path circle(double feed, double chord) {
+  path_file::Path path{{"X", "Y"}, {}, {}};
+  const auto chords = static_cast<int>(std::ceil(2 * std::numbers::pi * circle_radius / chord));
+  for (int i = 1; i <= chords; ++i) {
+    const double angle = 2 * std::numbers::pi * i / chords;
+    path.elements.push_back(path_file::LineTo{
+        {circle_radius * (1 - std::cos(angle)), circle_radius * std::sin(angle)}, feed, {}, 1});
+  }
+  return path;
+}
 
 /// How far a point is from the lines of a path that begins at (0, 0).
 inline double off(const path_file::Path& path, double x, double y) {

@@ -5,6 +5,7 @@
 
 #include <future>
 #include <numbers>
+#include <optional>
 #include <sstream>
 
 #include <fmt/format.h>
@@ -271,6 +272,46 @@ TEST_F(GalleryCircle, OfGcode) {
     plane.seen.y.push_back(point.y / microsteps_of_mm);
   }
   Easel().hang("circle.svg", plot::to_svg(plane));
+}
+
+// Looked at in the modules themselves whenever one is asked something, which is each millisecond.
+class GalleryModes : public GalleryCircle {
+ protected:
+  /// How far off the path the axes are, in micrometres; of each 20 ms the farthest.
+  plot::Curve off_in_mode(const std::string& mode) {
+    plot::Curve curve{"difference", "um off the path by " + mode, {}, {}, {}};
+    std::optional<TimePoint> begin;
+    modules.on_request = [&] {
+      constexpr double apart_s = 0.02;
+      const auto x = modules.get(1, 1, 0);
+      if (!begin && x != 0) begin = reactor->clock.now();
+      if (!begin) return;
+      const double time = std::chrono::duration<double>(reactor->clock.now() - *begin).count();
+      const double off =
+          1e3 * off_path(x / microsteps_of_mm, modules.get(1, 1, 1) / microsteps_of_mm);
+      if (curve.times.empty() || time > curve.times.back() + apart_s) {
+        curve.times.push_back(time);
+        curve.values.push_back(off);
+      }
+      curve.values.back() = std::max(curve.values.back(), off);
+    };
+    const auto seen = run_as_shown("path run circle.ngc --axis X=x --axis Y=y --mode " + mode,
+                                   {{{1, 0}, {1, 1}}}, milliseconds(50));
+    daemon.on_reactor([&] { return modules.on_request = {}, 0; });
+    EXPECT_EQ(seen.tmclctl.status, 0) << seen.tmclctl.output;
+    EXPECT_GT(curve.times.size(), 300U);
+    return curve;
+  }
+};
+
+TEST_F(GalleryModes, BesideEachOther) {
+  constexpr double asked_for_um = 50;
+  plot::Picture picture{"The same path in each mode", "s", {}, {}};
+  for (const auto* mode : {"velocity", "segments", "position"}) {
+    picture.curves.push_back(off_in_mode(mode));
+    EXPECT_LT(std::ranges::max(picture.curves.back().values), asked_for_um) << mode;
+  }
+  Easel().hang("path-modes.svg", plot::to_svg(picture));
 }
 
 }  // namespace

@@ -68,7 +68,8 @@ TEST(GalleryPlan, AxesMoveAsPlanned) {
   const Easel easel;
   const auto pty = easel.file("bus");
   Program simulator({"tmclsim", "--module", "TMCM-1110@1", "--module", "TMCM-142@2", "--module",
-                     "TMCM-6212@3", "--pty", pty});
+                     "TMCM-6212@3", "--module", "TMCM-142@4", "--module", "TMCM-142@5", "--pty",
+                     pty});
   ASSERT_TRUE(simulator.wait_for("ready")) << simulator.output();
   const Words direct{"--direct", "serial:" + pty};
   // As many microsteps as an axis makes in 2 ms: a busy machine may look that much later.
@@ -86,6 +87,12 @@ TEST(GalleryPlan, AxesMoveAsPlanned) {
                  "plot 2/0 --by 100000 --compare --svg {}",
                  "plan-tmc457.svg"},
            Scene{{}, "plot 3/0 --by 100000 --compare --svg {}", "plan-sixpoint.svg"},
+           Scene{{"set 4/0 max_bow 0", "ramp 4/0 --velocity 70000pps --acceleration 200000pps/s"},
+                 "plot 4/0 --by 100000 --compare --svg {}",
+                 "jerk-any.svg"},
+           Scene{{"ramp 5/0 --velocity 70000pps --acceleration 200000pps/s --jerk 1000000pps/s2"},
+                 "plot 5/0 --by 100000 --compare --svg {}",
+                 "jerk-limited.svg"},
        }) {
     for (const auto* setting : settings) run_as_shown(direct, setting, "", easel);
     const auto recorded = run_as_shown(direct, move, picture, easel);

@@ -150,7 +150,7 @@ TEST(TmclctlProfile, BashCompletesGeneratorsRegistersAndValues) {
   EXPECT_EQ(complete("tmclctl prof", 1), "profile\n");
   EXPECT_EQ(complete("tmclctl profile s", 2), "simulate solve\n");
   EXPECT_EQ(complete("tmclctl profile solve distance = 2mm a", 6),
-            "acceleration= acceleration_time=\n");
+            "acceleration= acceleration_time= acceleration_distance=\n");
   EXPECT_EQ(complete("tmclctl profile solve distance =", 4), "\n");
   EXPECT_EQ(complete("tmclctl profile solve th", 3), "thirds\n");
   EXPECT_EQ(complete(simulate + "--gen", 3), "--generator\n");

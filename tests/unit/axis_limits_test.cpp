@@ -119,6 +119,47 @@ TEST_F(OneLimitForBoth, IsThatOfTheAcceleration) {
   EXPECT_EQ(set("max_deceleration", 5001), "the configuration has it: 'max_acceleration'");
 }
 
+/// A TMC457, whose bow of 11 is 931,322,575 microsteps a second cubed: each more is twice as much.
+class LimitedJerk : public testing::Test {
+ protected:
+  RpcResult set_bow(int bow) {
+    return bench.call("parameter.set", {{"axis", "x"}, {"parameter", "max_bow"}, {"value", bow}});
+  }
+  RpcResult move_to(int position) {
+    return bench.call("axis.move_to", {{"axis", "x"}, {"position_microsteps", position}});
+  }
+
+  JourneyBench bench{"TMCM-142", "max_jerk = 1e9\n"};
+};
+
+TEST_F(LimitedJerk, IsThatOfTheBow) {
+  EXPECT_TRUE(set_bow(11));
+  const auto refused = set_bow(12);
+  ASSERT_FALSE(refused);
+  EXPECT_EQ(refused.error().message,
+            "axis 'x': max_bow would be 1.86265e+09 microsteps/s^3, above its limit of 1e+09 "
+            "microsteps/s^3");
+  EXPECT_EQ(text(refused.error().data.at("hint")), "the configuration has it: 'max_jerk'");
+  EXPECT_FALSE(set_bow(0)) << "an acceleration that changes at once";
+  EXPECT_TRUE(move_to(1000));
+}
+
+TEST_F(LimitedJerk, LetsNoLineOrPathDoWithoutItsBow) {
+  const auto refused = bench.call(
+      "line.move",
+      {{"axes", boost::json::array{"x"}}, {"positions_microsteps", boost::json::array{1000}}});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("above its limit of 1e+09 microsteps/s^3"));
+}
+
+TEST(LimitedJerkWithoutSCurves, LetsNothingMoveTheAxis) {
+  JourneyBench bench("TMCM-6212", "max_jerk = 1e9\n");
+  const auto refused = bench.call("axis.move_to", {{"axis", "x"}, {"position_microsteps", 1000}});
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(refused.error().message, HasSubstr("its module makes no S-curves"));
+  EXPECT_TRUE(bench.call("axis.stop", {{"axis", "x"}}));
+}
+
 TEST_F(AxisWithLimits, IsSetUpToThem) {
   EXPECT_EQ(name(set("max_velocity", 900)), "");
   EXPECT_EQ(name(set("max_velocity", 1000)), "");

@@ -64,6 +64,8 @@ class FakeTarget : public Target {
   std::string known_axis;                        ///< Empty: all of them.
   std::string refused_parameter;                 ///< set() of it fails.
   std::optional<Failure> stop_failure;           ///< Of stop() only.
+  Warnings warnings;                             ///< Of set() and of waits.
+  int passes_its_goal = 0;                       ///< So often it does not stay there.
   std::string closed_because;                    ///< Why the bus of all axes is not open.
   tmcl::FirmwareVersion runs_then{1110, 1, 42};  ///< After an upload.
 
@@ -86,7 +88,8 @@ class FakeTarget : public Target {
       return std::vector<AxisRow>{{"x", "bench", 1, 0, "", "unknown", "", closed_because},
                                   {"y", "bench", 1, 1, "", "unknown", "", closed_because}};
     }
-    return std::vector<AxisRow>{{"x", "bench", 1, 0, "TMCM-1110", "ready"}};
+    return std::vector<AxisRow>{
+        {"x", "bench", 1, 0, "TMCM-1110", "ready", user ? user->unit : std::string()}};
   }
   Attempt<std::vector<ParameterRow>> parameters(const std::string&) override {
     return std::vector<ParameterRow>{
@@ -113,7 +116,8 @@ class FakeTarget : public Target {
       return tl::unexpected(Failure{ExitCode::refused, "refused_by_module", "it refused"});
     const auto value = attempt(tmcl::parse_quantity(typed.text));
     if (!value) return tl::unexpected(value.error());
-    return ParameterValue{4, "max_velocity", static_cast<std::int32_t>(value->number)};
+    return ParameterValue{
+        4, "max_velocity", static_cast<std::int32_t>(value->number), {}, warnings};
   }
   Attempt<AxisUnits> units(const std::string& axis) override {
     if (failure) return tl::unexpected(*failure);
@@ -186,13 +190,19 @@ class FakeTarget : public Target {
   Attempt<boost::json::object> perform(const std::string& method, boost::json::object params,
                                        const NewsHandler& on_news) override {
     if (failure) return tl::unexpected(*failure);
+    if (method == "axis.wait") return stand();
     calls.push_back(method + ' ' + boost::json::serialize(params));
     if (on_news && !on_news({{"phase", "writing"}, {"done", 1}, {"of", 2}, {"step", 1}})) {
       return tl::unexpected(Failure{ExitCode::unknown, "download_broken", "it was cancelled"});
     }
     return result;
   }
-  boost::json::object result;  ///< Of every method.
+  Attempt<boost::json::object> stand() {
+    if (passes_its_goal-- > 0)
+      return tl::unexpected(Failure{ExitCode::not_reached, "deadline_passed", "it moves"});
+    return boost::json::object{{"warnings", boost::json::array(warnings.begin(), warnings.end())}};
+  }
+  boost::json::object result;  ///< Of every other method.
   Attempt<void> hear_arrivals(const ModuleName&, const std::function<Attempt<void>()>& ask,
                               const ArrivalHandler& on_arrival) override {
     auto asked = ask();

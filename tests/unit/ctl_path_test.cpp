@@ -11,6 +11,7 @@ namespace tmclctl {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 
 class CtlPath : public testing::Test, protected test::Ctl {
  protected:
@@ -36,6 +37,28 @@ TEST_F(CtlPath, CheckTellsWhatAPathIs) {
   EXPECT_EQ(document.at("legs"), 3);
   EXPECT_EQ(document.at("axes").at(1).at("greatest").to_number<double>(), 10);
   EXPECT_EQ(document.at("slowest_corners").at(0).at("speed").to_number<double>(), 0);
+}
+
+TEST_F(CtlPath, LegsAreToldAsRampGeneratorsTakeThem) {
+  const auto corner = file("G1 X10 F1200\nG1 Y10\n");
+  const auto document = json({"path", "check", corner, "--velocity", "20", "--acceleration", "500",
+                              "--legs", "--microsteps-per-unit", "100"});
+  const auto& first = document.at("leg_table").at(0);
+  EXPECT_EQ(first.at("t1_s").to_number<double>(), 0);
+  EXPECT_NEAR(first.at("t2_s").to_number<double>(), 0.04, 1e-9);  // 20 / 500
+  EXPECT_GT(first.at("t3_s").to_number<double>(), 0.45);
+  EXPECT_EQ(first.at("t4_s"), document.at("leg_table").at(1).at("t1_s"));
+  const auto& x = first.at("axes").at(0);
+  EXPECT_EQ(x.at("axis"), "X");
+  EXPECT_NEAR(x.at("vmax").to_number<double>(), 20, 1e-9);
+  EXPECT_NEAR(x.at("amax").to_number<double>(), 500, 1e-9);
+  EXPECT_EQ(x.at("microsteps").at("vmax"), 2000);
+  EXPECT_EQ(x.at("microsteps").at("dmax"), 50'000);
+  EXPECT_EQ(run({"path", "check", corner, "--legs"}), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("TO (UNITS)"));
+  EXPECT_THAT(out, Not(HasSubstr("MICROSTEPS")));
+  EXPECT_EQ(run({"path", "check", file("t,x\n0,0\n1,5\n"), "--legs"}), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("has no legs"));
 }
 
 TEST_F(CtlPath, ATableIsKnownByItsFirstLine) {

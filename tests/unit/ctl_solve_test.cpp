@@ -41,16 +41,38 @@ class CtlSolve : public testing::Test, public test::Ctl {
 TEST_F(CtlSolve, PrintsTheTableAndTheCurve) {
   EXPECT_EQ(run(solve("distance=20mm total_time=600ms thirds")), ExitCode::done) << err;
   EXPECT_EQ(err, "");
-  EXPECT_THAT(out, HasSubstr("distance           20 mm       given\n"));
-  EXPECT_THAT(out, HasSubstr("speed              50 mm/s"));
-  EXPECT_THAT(out, HasSubstr("acceleration       250 mm/s^2"));
-  EXPECT_THAT(out, HasSubstr("slew_time          0.2 s"));
+  EXPECT_THAT(out, HasSubstr("distance               20 mm       given\n"));
+  EXPECT_THAT(out, HasSubstr("speed                  50 mm/s"));
+  EXPECT_THAT(out, HasSubstr("acceleration           250 mm/s^2"));
+  EXPECT_THAT(out, HasSubstr("slew_time              0.2 s"));
   EXPECT_THAT(out, HasSubstr("velocity [mm/s]\n"));
 }
 
-TEST_F(CtlSolve, JsonHasAllEightAsPlainNumbers) {
+TEST_F(CtlSolve, PrintsTheDistancesOfTheParts) {
+  EXPECT_EQ(run(solve("speed=8mm/s acceleration=16mm/s^2 deceleration=16mm/s^2 distance=12mm")),
+            ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("acceleration_distance  2 mm"));
+  EXPECT_THAT(out, HasSubstr("slew_distance          8 mm"));
+  EXPECT_THAT(out, HasSubstr("deceleration_distance  2 mm"));
+  EXPECT_THAT(out, Not(HasSubstr("initial_speed")));
+}
+
+TEST_F(CtlSolve, BeginsAndEndsWithASpeed) {
+  const auto document = solved(
+      "initial_speed=2cm/s final_speed=60mm/s speed=100mm/s acceleration=40mm/s^2 distance=40cm "
+      "symmetric");
+  EXPECT_EQ(document.at("unit"), "cm");
+  EXPECT_DOUBLE_EQ(number(document, "final_speed"), 6);
+  EXPECT_DOUBLE_EQ(number(document, "acceleration_distance"), 12);
+  EXPECT_DOUBLE_EQ(number(document, "deceleration_time"), 1);
+  run(solve("initial_speed=2 speed=3 acceleration=1 deceleration=1 distance=10"));
+  EXPECT_THAT(out, HasSubstr("initial_speed          2   "));
+  EXPECT_THAT(complaint("initial_speed=2s speed=3 distance=10"), HasSubstr("such as mm/s"));
+}
+
+TEST_F(CtlSolve, JsonHasAllAsPlainNumbers) {
   const auto document = solved("distance=20mm total_time=600ms thirds");
-  EXPECT_EQ(document.size(), tmcl::plan::quantity_count + 1);
+  EXPECT_EQ(document.size(), tmcl::plan::every_quantity_count + 1);
   EXPECT_EQ(document.at("unit"), "mm");
   EXPECT_DOUBLE_EQ(number(document, "distance"), 20);
   EXPECT_DOUBLE_EQ(number(document, "speed"), 50);
@@ -67,7 +89,7 @@ TEST_F(CtlSolve, WithoutUnitsTheyAreNull) {
   EXPECT_TRUE(document.at("unit").is_null());
   EXPECT_DOUBLE_EQ(number(document, "total_time"), 2);
   EXPECT_EQ(run(solve("speed=8 acceleration=16 deceleration=16 distance=12")), ExitCode::done);
-  EXPECT_THAT(out, HasSubstr("speed              8      given\n"));
+  EXPECT_THAT(out, HasSubstr("speed                  8      given\n"));
   EXPECT_THAT(out, HasSubstr("position [units]"));
 }
 
@@ -179,6 +201,7 @@ TEST_F(CtlSolve, TellsTheShellItsWords) {
   const auto words =
       std::get<Information>(parse_options({"__complete", "quantities"}).value()).text;
   EXPECT_THAT(words, HasSubstr("slew_time=\n"));
+  EXPECT_THAT(words, HasSubstr("initial_speed=\n"));
   EXPECT_THAT(words, HasSubstr("thirds\n"));
 }
 

@@ -137,6 +137,28 @@ TEST_F(CtlUnits, StateShowsTheUnitOfTheAxis) {
   EXPECT_EQ(document.at("velocity"), 0.25);
 }
 
+TEST_F(CtlUnits, AxesAndStateTellWhatAUnitIs) {
+  EXPECT_TRUE(json({"state", "x"}).at("microsteps_per_unit").is_null());
+  EXPECT_TRUE(json({"axes"}).at("axes").at(0).at("microsteps_per_unit").is_null());
+  run({"axes"});
+  EXPECT_THAT(out, Not(HasSubstr("/UNIT")));
+  target.user = UserReading{"mm", 12.5, -3, 0.25};
+  EXPECT_EQ(json({"state", "x"}).at("microsteps_per_unit"), 10240.0);
+  EXPECT_TRUE(json({"axes"}).at("axes").at(0).at("encoder_counts_per_unit").is_null());
+  run({"state", "x"});
+  EXPECT_THAT(out, HasSubstr("unit      mm: 10240 microsteps\n"));
+  target.counts.encoder_counts_per_unit = 1200;
+  run({"state", "x"});
+  EXPECT_THAT(out, HasSubstr("unit      mm: 10240 microsteps, 1200 counts of its encoder\n"));
+  run({"axes"});
+  EXPECT_THAT(out, testing::ContainsRegex("UNIT +MICROSTEPS/UNIT +COUNTS/UNIT\n"));
+  EXPECT_THAT(out, testing::ContainsRegex("mm +10240 +1200\n"));
+  EXPECT_EQ(json({"axes"}).at("axes").at(0).at("encoder_counts_per_unit"), 1200.0);
+  target.counts.scale.reset();
+  EXPECT_TRUE(json({"axes"}).at("axes").at(0).at("microsteps_per_unit").is_null())
+      << "what the module does not tell";
+}
+
 TEST(CtlShown, HasTheDigitsThatOneMicrostepMakes) {
   EXPECT_EQ(shown(InUnit{10, "mm"}, 102'400), "10 mm");
   EXPECT_EQ(shown(InUnit{1 / 10'240.0, "mm"}, 1), "0.0001 mm");
@@ -282,6 +304,27 @@ TEST_F(CtlRamp, ALowerDividerIsWrittenAfterTheRegistersSoThatNothingIsFastInBetw
   run(ramp("50000pps", "200000pps/s"));
   EXPECT_THAT(target.calls, ElementsAre("units x", "get x 154", "set x 4 1638", "set x 5 859",
                                         "set x 130 20", "set x 154 3", "set x 153 8"));
+}
+
+TEST_F(CtlRamp, TellsOnceWhatAllSettingsMakeOfMoves) {
+  target.values["154"] = 2;
+  target.warnings = {"the motor may oscillate"};
+  EXPECT_EQ(run(ramp("50000pps", "200000pps/s")), ExitCode::done);
+  EXPECT_EQ(err, "tmclctl: warning: the motor may oscillate\n");
+  const auto document = json(ramp("50000pps", "200000pps/s"));
+  EXPECT_EQ(document.at("warnings").as_array().size(), 1U);
+}
+
+// Ramp ticks of 8 ms: each changes the speed by seven of its units.
+TEST_F(CtlRamp, WarnsOfARampWithWhichAMoveDoesNotArrive) {
+  auto words = ramp("125564.8pps", "102854.9pps/s");
+  words.emplace_back("--dry-run");
+  EXPECT_EQ(run(words), ExitCode::done);
+  EXPECT_THAT(err, HasSubstr("may not come to rest on its target"));
+  words = ramp("125564.8pps", "100000pps/s");
+  words.emplace_back("--dry-run");
+  EXPECT_EQ(run(words), ExitCode::done);
+  EXPECT_EQ(err, "");
 }
 
 TEST_F(CtlRamp, DryRunWritesNothing) {
@@ -452,6 +495,24 @@ TEST_F(CtlConvert, KnowsUnitModesAndTurns) {
             1 << 20);
   EXPECT_EQ(json({"convert", "--model", "TMCM-142", "1.5rev"}).at("position").at("microsteps"),
             76'800);
+}
+
+// A motor of 200 full steps, 16 microsteps and 3 turns a second.
+TEST_F(CtlConvert, HasTheStepRateOfAn035) {
+  const auto document = json({"convert", "--model", "TMCM-6212", "--microsteps", "16", "3rps"});
+  EXPECT_EQ(document.at("velocity").at("pps").to_number<double>(), 9600);
+}
+
+TEST_F(CtlConvert, SaysWhatABowIs) {
+  const auto document = json({"convert", "--model", "TMCM-142", "--bow", "11"});
+  const auto& jerk = document.at("jerk").as_object();
+  EXPECT_EQ(jerk.at("bow_value").to_number<double>(), 1024);
+  EXPECT_NEAR(jerk.at("pps3").to_number<double>(), 931'322'574.6, 0.1);
+  EXPECT_GT(jerk.at("full_acceleration_s").to_number<double>(), 0);
+  const auto back = json({"convert", "--model", "TMCM-142", "931322575pps/s2"});
+  EXPECT_EQ(back.at("jerk").at("bow").to_number<double>(), 11);
+  EXPECT_THAT(refusal({"convert", "--model", "TMCM-6212", "--bow", "11"}),
+              HasSubstr("--bow means nothing to a TMCM-6212"));
 }
 
 TEST_F(CtlConvert, RefusesWhatMakesNoSense) {

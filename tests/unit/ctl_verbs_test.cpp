@@ -41,6 +41,14 @@ TEST_F(CtlVerbs, SetIsSilent) {
   EXPECT_EQ(json({"set", "x", "4", "7"}).at("value"), 7);
 }
 
+TEST_F(CtlVerbs, SetTellsWhatTheSettingsMakeOfMoves) {
+  target.warnings = {"the motor oscillates"};
+  EXPECT_EQ(run({"set", "x", "max_velocity", "1000"}), ExitCode::done);
+  EXPECT_EQ(out, "");
+  EXPECT_EQ(err, "tmclctl: warning: the motor oscillates\n");
+  EXPECT_EQ(json({"set", "x", "4", "7"}).at("warnings").at(0), "the motor oscillates");
+}
+
 TEST_F(CtlVerbs, MoveSaysWhereItGoes) {
   EXPECT_EQ(run({"move", "x", "-1000"}), ExitCode::done);
   EXPECT_EQ(out, "x moves to -1000\n");
@@ -118,6 +126,23 @@ TEST_F(CtlVerbs, WaitComesBackWhenAnAxisStandsWhereItWasSent) {
   EXPECT_EQ(out, "x stands at 10000\n");
   EXPECT_EQ(json({"wait", "x"}).at("axes").at(0).at("position_microsteps"), 10000);
   EXPECT_EQ(run({"wait"}), ExitCode::usage);
+}
+
+TEST_F(CtlVerbs, WaitTellsWhatTheSettingsMakeOfMoves) {
+  target.warnings = {"the motor may oscillate"};
+  run({"move", "x", "10000"});
+  EXPECT_EQ(run({"wait", "x"}), ExitCode::done);
+  EXPECT_EQ(out, "x stands at 10000\n");
+  EXPECT_EQ(err, "tmclctl: warning: the motor may oscillate\n");
+  EXPECT_EQ(json({"wait", "x"}).at("axes").at(0).at("warnings").as_array().size(), 1U);
+}
+
+TEST_F(CtlVerbs, AnAxisThatPassesItsGoalDoesNotStand) {
+  target.passes_its_goal = 1'000'000;
+  EXPECT_EQ(run({"move", "x", "10000", "--wait", "--timeout", "5"}), ExitCode::not_reached);
+  EXPECT_THAT(err, HasSubstr("x has not arrived in time"));
+  target.passes_its_goal = 3;
+  EXPECT_EQ(run({"wait", "x"}), ExitCode::done) << err;
 }
 
 TEST_F(CtlVerbs, WaitTellsOfAnAxisThatDoesNotArrive) {

@@ -477,7 +477,7 @@ TEST(DaemonConfig, KnowsTheLimitsOfAnAxis) {
   const auto config =
       parse_config(std::string(good) +
                    "max_velocity = 20\nmax_acceleration = 0.5\nmax_deceleration = 0.4\n"
-                   "max_current = 100\nmax_corner_jump = 2\n");
+                   "max_current = 100\nmax_corner_jump = 2\nmax_jerk = 30\n");
   ASSERT_TRUE(config) << config.error().front().message;
   const auto& limits = config->axes[0].motion_limits;
   EXPECT_EQ(limits.velocity, 20);
@@ -485,6 +485,7 @@ TEST(DaemonConfig, KnowsTheLimitsOfAnAxis) {
   EXPECT_EQ(limits.deceleration, 0.4);
   EXPECT_EQ(limits.current, 100);
   EXPECT_EQ(limits.corner_jump, 2);
+  EXPECT_EQ(limits.jerk, 30);
   EXPECT_THAT(problems(std::string(good) + "max_velocity = -1\n"),
               ElementsAre("f:13:16: 'max_velocity' is -1, but must be greater than 0"));
 }

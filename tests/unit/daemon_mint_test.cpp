@@ -112,6 +112,42 @@ TEST(DaemonMint, NothingIsSentForAProgramThatCannotBe) {
   EXPECT_TRUE(bench.sent(Command::SAP).empty());
 }
 
+// The note's exercise: 1000 lines behind a gear of 3:1 and a pitch of 10 mm are 1200 counts a mm,
+// and 200 mm take a second.
+TEST(DaemonMint, TheExerciseRunsAsPrintedInCountsOfTheEncoder) {
+  JourneyBench bench("TMCM-6212",
+                     "unit = \"mm\"\nscrew_pitch = 10\ngear_ratio = 3\nencoder_lines = 1000\n");
+  constexpr int microsteps_of_a_mm = 16 * 200 * 3 / 10;
+  bench.call("parameter.set", {{"axis", "x"}, {"parameter", 140}, {"value", 4}});
+  const std::string exercise =
+      "SCALE = 1200\nSPEED = 250\nACCEL = 1250\nDECEL = 1250\nMOVEA = 200\nGO\n";
+  auto params = order(exercise, {"x"});
+  params["counts"] = "encoder";
+  const auto result = bench.call("mint.run", params);
+  ASSERT_TRUE(result) << result.error().message;
+  EXPECT_EQ(bench.position("x"), 200 * microsteps_of_a_mm);
+  EXPECT_NEAR(result->at("groups").at(0).at("planned_s").to_number<double>(), 1, 1e-9);
+  EXPECT_NEAR(result->at("groups").at(0).at("took_s").to_number<double>(), 1, 0.05);
+  // From where it stands, in counts.
+  params["text"] = "SCALE = 1200\nSPEED = 250\nACCEL = 1250\nMOVER = -50\nGO\n";
+  ASSERT_TRUE(bench.call("mint.run", params));
+  EXPECT_EQ(bench.position("x"), 150 * microsteps_of_a_mm);
+}
+
+TEST(DaemonMint, CountsOfAnEncoderNeedOneInTheConfiguration) {
+  JourneyBench bench;
+  auto params = order(two_goes);
+  params["counts"] = "encoder";
+  const auto unknown = bench.call("mint.run", params);
+  ASSERT_FALSE(unknown);
+  EXPECT_EQ(name_of(unknown), "unknown_units");
+  params["counts"] = "turns";
+  EXPECT_EQ(name_of(bench.call("mint.run", params)), "bad_argument");
+  EXPECT_TRUE(bench.sent(Command::MVP).empty());
+  params["counts"] = "microsteps";
+  EXPECT_TRUE(bench.call("mint.run", params));
+}
+
 TEST(DaemonMint, ItsAxesMoveForNobodyElseAndAStopOfOneStopsAll) {
   JourneyBench bench;
   const auto x = settings_of(bench, "x");

@@ -8,7 +8,7 @@ namespace {
 
 using testing::HasSubstr;
 
-class DaemonPathInBothModes : public DaemonPath, public testing::WithParamInterface<const char*> {
+class DaemonPathInEachMode : public DaemonPath, public testing::WithParamInterface<const char*> {
  protected:
   json::object in_mode(json::object more = {}) {
     more["mode"] = GetParam();
@@ -18,7 +18,7 @@ class DaemonPathInBothModes : public DaemonPath, public testing::WithParamInterf
 
 constexpr const char* off_its_axes = "and each axis once";
 
-TEST_P(DaemonPathInBothModes, APathIsPassedToItsExactEnd) {
+TEST_P(DaemonPathInEachMode, APathIsPassedToItsExactEnd) {
   const auto id = client->send("path.run", order(short_way, in_mode()));
   const auto news = client->notification("notify_progress");
   EXPECT_EQ(news.at("id"), id);
@@ -41,7 +41,7 @@ TEST_P(DaemonPathInBothModes, APathIsPassedToItsExactEnd) {
   expect_rest_and_own_settings();
 }
 
-TEST_P(DaemonPathInBothModes, AStopByAnotherClientStopsAll) {
+TEST_P(DaemonPathInEachMode, AStopByAnotherClientStopsAll) {
   RpcClient other(daemon.socket());
   const auto id = client->send("path.run", order(long_way, in_mode()));
   ASSERT_TRUE(until_x_is_beyond(2));
@@ -56,7 +56,7 @@ TEST_P(DaemonPathInBothModes, AStopByAnotherClientStopsAll) {
   expect_rest_and_own_settings();
 }
 
-TEST_P(DaemonPathInBothModes, WhoWatchesIsToldWhyItEnded) {
+TEST_P(DaemonPathInEachMode, WhoWatchesIsToldWhyItEnded) {
   RpcClient other(daemon.socket());
   other.result("subscribe", {{"axes", json::array{}}});
   auto gone = std::make_unique<RpcClient>(daemon.socket());
@@ -70,7 +70,7 @@ TEST_P(DaemonPathInBothModes, WhoWatchesIsToldWhyItEnded) {
   EXPECT_EQ(json::serialize(event.at("motors")), "[1]");
 }
 
-TEST_P(DaemonPathInBothModes, WhatStopsAllStopsPathsToo) {
+TEST_P(DaemonPathInEachMode, WhatStopsAllStopsPathsToo) {
   const auto id = client->send("path.run", order(long_way, in_mode()));
   ASSERT_TRUE(until_x_is_beyond(2));
   client->result("system.stop_all");
@@ -78,7 +78,7 @@ TEST_P(DaemonPathInBothModes, WhatStopsAllStopsPathsToo) {
   expect_rest_and_own_settings();
 }
 
-TEST_P(DaemonPathInBothModes, PathStopAnswersWhenAllIsOver) {
+TEST_P(DaemonPathInEachMode, PathStopAnswersWhenAllIsOver) {
   RpcClient other(daemon.socket());
   const auto id = client->send("path.run", order(long_way, in_mode()));
   ASSERT_TRUE(until_x_is_beyond(2));
@@ -88,7 +88,7 @@ TEST_P(DaemonPathInBothModes, PathStopAnswersWhenAllIsOver) {
   EXPECT_EQ(name_in(error_of(id)), "stopped");
 }
 
-TEST_P(DaemonPathInBothModes, NobodyElseMovesItsAxes) {
+TEST_P(DaemonPathInEachMode, NobodyElseMovesItsAxes) {
   RpcClient other(daemon.socket());
   const auto id = client->send("path.run", order(long_way, in_mode()));
   ASSERT_TRUE(until_x_is_beyond(1));
@@ -109,7 +109,7 @@ TEST_P(DaemonPathInBothModes, NobodyElseMovesItsAxes) {
   EXPECT_EQ(name_in(error_of(id)), "stopped") << "none of these ended it";
 }
 
-TEST_P(DaemonPathInBothModes, ACommandThatFailsStopsAll) {
+TEST_P(DaemonPathInEachMode, ACommandThatFailsStopsAll) {
   on_module([](Played& played) {
     played.refuse = [&played](const tmcl::Request& request) {
       const bool leads_on = request.command == Command::SAP &&
@@ -130,7 +130,7 @@ TEST_P(DaemonPathInBothModes, ACommandThatFailsStopsAll) {
   expect_rest_and_own_settings();
 }
 
-TEST_P(DaemonPathInBothModes, AnExceptionOnTheWayStopsAll) {
+TEST_P(DaemonPathInEachMode, AnExceptionOnTheWayStopsAll) {
   const auto result = dispatch_for(daemon, std::make_shared<ThrowingPeer>(3), "path.run",
                                    order(long_way, in_mode()));
   ASSERT_FALSE(result);
@@ -144,7 +144,7 @@ TEST_P(DaemonPathInBothModes, AnExceptionOnTheWayStopsAll) {
   EXPECT_TRUE(daemon.on_reactor(is_free));
 }
 
-TEST_P(DaemonPathInBothModes, AClientThatGoesDoesNotEndIt) {
+TEST_P(DaemonPathInEachMode, AClientThatGoesDoesNotEndIt) {
   auto gone = std::make_unique<RpcClient>(daemon.socket());
   gone->send("path.run", order(short_way, in_mode()));
   ASSERT_TRUE(until_x_is_beyond(1));
@@ -155,7 +155,7 @@ TEST_P(DaemonPathInBothModes, AClientThatGoesDoesNotEndIt) {
   expect_rest_and_own_settings();
 }
 
-TEST_P(DaemonPathInBothModes, TheEndOfTheDaemonStopsIt) {
+TEST_P(DaemonPathInEachMode, TheEndOfTheDaemonStopsIt) {
   const auto id = client->send("path.run", order(long_way, in_mode()));
   ASSERT_TRUE(until_x_is_beyond(2));
   daemon.end();
@@ -169,7 +169,7 @@ TEST_P(DaemonPathInBothModes, TheEndOfTheDaemonStopsIt) {
   }
 }
 
-TEST_P(DaemonPathInBothModes, ItIsNotBegunWhereTheAxesDoNotStand) {
+TEST_P(DaemonPathInEachMode, ItIsNotBegunWhereTheAxesDoNotStand) {
   const auto away = client->error("path.run", order("x,y\n1,0\n2,2\n", in_mode()));
   EXPECT_EQ(name_in(away), "not_at_start");
   EXPECT_EQ(text(away.at("data").at("outcome")), "not_sent");
@@ -179,7 +179,7 @@ TEST_P(DaemonPathInBothModes, ItIsNotBegunWhereTheAxesDoNotStand) {
   EXPECT_EQ(name_in(client->error("path.run", order(short_way, in_mode()))), "moving");
 }
 
-TEST_P(DaemonPathInBothModes, GCodeBeginsWhereTheAxesStand) {
+TEST_P(DaemonPathInEachMode, GCodeBeginsWhereTheAxesStand) {
   client->result("axis.move_to", {{"axis", "x"}, {"position", 2.5}});
   client->result("axis.wait", {{"axis", "x"}});
   client->result("path.run", order("G91 G1 X1 Y2 F1200\n", in_mode()));
@@ -187,7 +187,8 @@ TEST_P(DaemonPathInBothModes, GCodeBeginsWhereTheAxesStand) {
   EXPECT_NEAR(mm(1), 2, 1e-4);
 }
 
-INSTANTIATE_TEST_SUITE_P(Modes, DaemonPathInBothModes, testing::Values("velocity", "position"),
+INSTANTIATE_TEST_SUITE_P(Modes, DaemonPathInEachMode,
+                         testing::Values("velocity", "segments", "position"),
                          [](const auto& mode) { return std::string(mode.param); });
 
 TEST_F(DaemonPath, APauseStandsUntilItIsOver) {

@@ -69,12 +69,12 @@ TEST_F(DaemonUnits, TheUnitIsAskedForOnceUntilItMayHaveChanged) {
   hold(255, 1);
   for (int i = 0; i < 5; ++i) velocity_pps();
   EXPECT_EQ(reads_of(255), 1U);
-  client->result("parameter.set", {{"axis", "x"}, {"parameter", 4}, {"value", 1000}});
+  client->result("parameter.set", {{"axis", "x"}, {"parameter", 6}, {"value", 100}});
   velocity_pps();
   EXPECT_EQ(reads_of(255), 1U);
   client->result("parameter.set", {{"axis", "x"}, {"parameter", 255}, {"value", 1}});
   velocity_pps();
-  EXPECT_EQ(reads_of(255), 2U);
+  EXPECT_EQ(reads_of(255), 3U) << "for its units, and for what its ramp does";
 }
 
 /// A parameter that units depend on, and what they are before and after it comes from the EEPROM.

@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <vector>
 
 #include "names.hpp"
 #include "tmcl/model.hpp"
@@ -32,6 +33,13 @@ TEST(Families, HaveModelsThatGoByNameAndNumber) {
     EXPECT_EQ(find_model(model.number), &model);
     EXPECT_EQ(find_model(model.name), &model);
   }
+}
+
+TEST(Families, OfATmc457AreTwoModels) {
+  std::vector<std::uint16_t> numbers;
+  for (const auto& model : models())
+    if (model.family == Family::tmc457) numbers.push_back(model.number);
+  EXPECT_EQ(numbers, (std::vector<std::uint16_t>{142, 146}));
 }
 
 TEST(Families, HaveNoTablesForModelsThatNobodyKnows) {

@@ -1,6 +1,8 @@
 // Jerks, bows and their units.
 #include "tmcl/jerk.hpp"
 
+#include <limits>
+
 #include <gtest/gtest.h>
 
 #include "tmcl/ramp/tmc457.hpp"
@@ -60,6 +62,17 @@ TEST(Jerk, ABowMayOscillateWhereTheGeneratorSaysSo) {
       EXPECT_EQ(may_oscillate(bow, pps2), !chip.findings().empty()) << a << ' ' << bow;
     }
   }
+}
+
+TEST(RampLength, IsOneSecondAndHalfAsMany) {
+  constexpr PulsesPerSecond3 at_once{std::numeric_limits<double>::infinity()};
+  const auto trapezoid = ramp_length({1000}, {1000}, at_once);
+  EXPECT_EQ(trapezoid.seconds, 1);
+  EXPECT_EQ(trapezoid.microsteps, 500);
+  const auto s_shaped = ramp_length({1000}, {1000}, {2000});
+  EXPECT_EQ(s_shaped.seconds, 1.5) << "half a second more to full acceleration";
+  EXPECT_EQ(s_shaped.microsteps, 750);
+  EXPECT_EQ(ramp_length({1000}, {1e9}, {1000}).seconds, 2) << "which is never reached";
 }
 
 }  // namespace

@@ -210,8 +210,67 @@ TEST(PlanProfile, PositionAndSpeedOverTime) {
   EXPECT_EQ(profile.speed_at(2), 0);
 }
 
+// v = u + a t = 2 + 3 * 4; s = (u + v) t / 2 = 32; and v^2 = u^2 + 2 a s: 196 = 4 + 2 * 3 * 32.
+TEST(PlanProfile, ARampFromASpeedObeysTheEquationsOfConstantAcceleration) {
+  const auto solved = solve(given({{initial_speed, 2},
+                                   {acceleration, 3},
+                                   {acceleration_distance, 32},
+                                   {slew_time, 1},
+                                   {final_speed, 10},
+                                   {deceleration_time, 2}}));
+  ASSERT_TRUE(solved) << describe(solved.error());
+  EXPECT_DOUBLE_EQ(solved->speed, 14);
+  EXPECT_DOUBLE_EQ(solved->acceleration_time, 4);
+  EXPECT_DOUBLE_EQ(solved->slew_distance, 14);
+  EXPECT_DOUBLE_EQ(solved->deceleration, 2);
+  EXPECT_DOUBLE_EQ(solved->deceleration_distance, 24);
+  EXPECT_DOUBLE_EQ(solved->distance, 70);
+  EXPECT_EQ(solved->speed_at(-1), 2);
+  EXPECT_EQ(solved->speed_at(2), 8);
+  EXPECT_EQ(solved->position_at(2), 10);
+  EXPECT_EQ(solved->position_at(6), 32 + 14 + 13);
+  EXPECT_EQ(solved->speed_at(8), 10);
+}
+
+TEST(PlanProfile, DistancesOfThePartsAreThoseOfTheNote) {
+  const auto solved =
+      solve(given({{speed, 8}, {acceleration, 16}, {deceleration, 16}, {distance, 12}}));
+  ASSERT_TRUE(solved);
+  EXPECT_EQ(solved->acceleration_distance, 2);
+  EXPECT_EQ(solved->slew_distance, 8);
+  EXPECT_EQ(solved->deceleration_distance, 2);
+}
+
+TEST(PlanProfile, ASpeedThatIsNoGreaterThanAtAnEndIsImpossible) {
+  const auto solved = solve(given(
+      {{initial_speed, 9}, {speed, 8}, {acceleration, 16}, {deceleration, 16}, {distance, 12}}));
+  ASSERT_FALSE(solved);
+  EXPECT_EQ(solved.error().kind, SolveError::Kind::impossible);
+  EXPECT_THAT(describe(solved.error()), HasSubstr("initial_speed 9"));
+}
+
+TEST(PlanProfile, ADistanceOfAPartThatDoesNotAgreeIsAContradiction) {
+  const auto solved = solve(given(
+      {{speed, 8}, {acceleration, 16}, {deceleration, 16}, {distance, 12}, {slew_distance, 7}}));
+  ASSERT_FALSE(solved);
+  EXPECT_EQ(solved.error().kind, SolveError::Kind::contradiction);
+}
+
+TEST(PlanProfile, SymmetricRampsBetweenUnlikeSpeedsHaveOneRate) {
+  const auto solved = solve(
+      given({{initial_speed, 2}, {final_speed, 6}, {speed, 10}, {acceleration, 4}, {distance, 40}}),
+      Assumption::symmetric);
+  ASSERT_TRUE(solved) << describe(solved.error());
+  EXPECT_EQ(solved->deceleration, 4);
+  EXPECT_EQ(solved->acceleration_time, 2);
+  EXPECT_EQ(solved->deceleration_time, 1);
+  EXPECT_EQ(solved->slew_time, 2);
+}
+
 TEST(PlanProfile, NamesThereAndBack) {
   for (const auto quantity : quantities) EXPECT_EQ(quantity_named(name_of(quantity)), quantity);
+  for (const auto quantity : side_quantities)
+    EXPECT_EQ(quantity_named(name_of(quantity)), quantity);
   EXPECT_EQ(quantity_named("velocity"), std::nullopt);
   EXPECT_EQ(assumption_named("thirds"), Assumption::thirds);
   EXPECT_EQ(assumption_named("halves"), std::nullopt);

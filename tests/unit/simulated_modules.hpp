@@ -1,6 +1,7 @@
 /// Modules of the simulator behind a FakeWire.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <string_view>
 #include <vector>
@@ -20,7 +21,17 @@ class SimulatedModules {
     bench_.add(*tmcl::find_model(model), tmcl::ModuleAddress{address});
     const auto number = static_cast<std::uint8_t>(address);
     wire.modules.emplace(number, FakeModule(number)).first->second.play =
-        [this](const tmcl::Request& request) { return std::optional(carry_out(request)); };
+        [this](const tmcl::Request& request) {
+          auto reply = carry_out(request);
+          if (on_request) on_request();
+          return std::optional(reply);
+        };
+  }
+  /// Called on the daemon's thread, after each.
+  std::function<void()> on_request;
+  /// Of a motor, as it is now.
+  std::int32_t get(std::uint16_t address, std::uint8_t parameter, std::uint8_t motor) {
+    return carry_out({tmcl::ModuleAddress{address}, tmcl::Command::GAP, parameter, motor, 0}).value;
   }
   tmcl::Reply carry_out(const tmcl::Request& request) {
     bench_.run_due();

@@ -27,9 +27,9 @@ path_file::Path one_line() {
 }
 
 // A link that is lost between a command and its answer does not say what has become of it.
-class StreamInBothModes : public testing::TestWithParam<StreamMode> {};
+class StreamInEachMode : public testing::TestWithParam<StreamMode> {};
 
-TEST_P(StreamInBothModes, UndoesAWriteThatHadNoAnswer) {
+TEST_P(StreamInEachMode, UndoesAWriteThatHadNoAnswer) {
   Bench bench;
   bench.limit(24, own_acceleration);
   const auto own = bench.get(0, ap::max_acceleration);
@@ -52,11 +52,10 @@ TEST_P(StreamInBothModes, UndoesAWriteThatHadNoAnswer) {
     EXPECT_EQ(bench.get(axis, ap::max_acceleration), own);
 }
 
-INSTANTIATE_TEST_SUITE_P(Streams, StreamInBothModes,
-                         testing::Values(StreamMode::velocity, StreamMode::position),
-                         [](const auto& mode) {
-                           return mode.param == StreamMode::velocity ? "velocity" : "position";
-                         });
+INSTANTIATE_TEST_SUITE_P(Streams, StreamInEachMode,
+                         testing::Values(StreamMode::velocity, StreamMode::segments,
+                                         StreamMode::position),
+                         [](const auto& mode) { return std::string(name_of(mode.param)); });
 
 // Whoever reads a position reads it half-way between question and answer.
 TEST(Stream, ALongRoundTripIsNoTrackingError) {

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <map>
 #include <numbers>
 #include <vector>
 
@@ -24,20 +25,9 @@ using Bench = test::StreamBench;
 using Kind = DriveCommand::Kind;
 using FaultKind = DriveFault::Kind;
 
-constexpr double radius = 10;
+using test::circle;
+constexpr double radius = test::circle_radius;
 constexpr std::int32_t acceleration = 5'119'946;  // 500 mm/s2
-
-/// A circle of 10 mm radius around (10, 0), from and to (0, 0).
-path_file::Path circle(double feed, double chord) {
-  path_file::Path path{{"X", "Y"}, {}, {}};
-  const auto chords = static_cast<int>(std::ceil(2 * std::numbers::pi * radius / chord));
-  for (int i = 1; i <= chords; ++i) {
-    const double angle = 2 * std::numbers::pi * i / chords;
-    path.elements.push_back(path_file::LineTo{
-        {radius - radius * std::cos(angle), radius * std::sin(angle)}, feed, {}, 1});
-  }
-  return path;
-}
 
 path_file::Path square() {
   path_file::Path path{{"X", "Y"}, {}, {}};
@@ -55,9 +45,9 @@ void set_limits(Bench& bench) {
   }
 }
 
-class BothModes : public testing::TestWithParam<StreamMode> {
+class EachMode : public testing::TestWithParam<StreamMode> {
  protected:
-  BothModes() { set_limits(bench); }
+  EachMode() { set_limits(bench); }
 
   void expect_as_before() {
     EXPECT_FALSE(bench.moving());
@@ -75,7 +65,7 @@ class BothModes : public testing::TestWithParam<StreamMode> {
   Bench bench;
 };
 
-TEST_P(BothModes, ACircleStaysWithinItsTolerance) {
+TEST_P(EachMode, ACircleStaysWithinItsTolerance) {
   double farthest = 0;
   int looks = 0;
   bench.every_ms = [&] {
@@ -94,14 +84,14 @@ TEST_P(BothModes, ACircleStaysWithinItsTolerance) {
   EXPECT_NEAR(report.passed_s, 2 * std::numbers::pi * radius / 20, 0.1);
   EXPECT_LT(report.busy_s, report.passed_s * (1 - spare_part_of_bus));
   for (const auto& axis : report.axes) {
-    EXPECT_GT(axis.readings, 300U);
+    EXPECT_GT(axis.readings, GetParam() == StreamMode::segments ? 150U : 300U);
     EXPECT_LT(axis.largest, 0.03);
     EXPECT_LT(axis.rms(), 0.003);
   }
   expect_as_before();
 }
 
-TEST_P(BothModes, AStopOfAnyAxisStopsAll) {
+TEST_P(EachMode, AStopOfAnyAxisStopsAll) {
   for (std::uint8_t axis = 0; axis < 2; ++axis) {
     SCOPED_TRACE(axis);
     Bench fresh;
@@ -123,7 +113,7 @@ TEST_P(BothModes, AStopOfAnyAxisStopsAll) {
   }
 }
 
-TEST_P(BothModes, ARefusedCommandStopsAll) {
+TEST_P(EachMode, ARefusedCommandStopsAll) {
   bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
     const bool moves = command.kind == Kind::rotate ||
                        (command.kind == Kind::set && command.parameter == ap::target_position);
@@ -139,7 +129,7 @@ TEST_P(BothModes, ARefusedCommandStopsAll) {
   expect_as_before();
 }
 
-TEST_P(BothModes, AnAxisThatCannotBeStoppedDoesNotKeepTheOtherOneTurning) {
+TEST_P(EachMode, AnAxisThatCannotBeStoppedDoesNotKeepTheOtherOneTurning) {
   int stops = 0;
   bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
     if (half_way()) bench.stream().stop();
@@ -156,13 +146,13 @@ TEST_P(BothModes, AnAxisThatCannotBeStoppedDoesNotKeepTheOtherOneTurning) {
   EXPECT_EQ(report.unstopped.front().axis, 0U);
 }
 
-TEST_P(BothModes, AStarvedStreamStops) {
+TEST_P(EachMode, AStarvedStreamStops) {
   bench.most_deviation = 10;
   bool slept = false;
   bench.instead = [&](const DriveCommand&) -> std::optional<DriveAnswer> {
     if (half_way() && !slept) {
       slept = true;
-      bench.let_pass(milliseconds(100));
+      bench.let_pass(milliseconds(200));
     }
     return std::nullopt;
   };
@@ -173,7 +163,7 @@ TEST_P(BothModes, AStarvedStreamStops) {
   expect_as_before();
 }
 
-TEST_P(BothModes, ALittleLateIsMadeUpFor) {
+TEST_P(EachMode, ALittleLateIsMadeUpFor) {
   int slept = 0;
   bench.instead = [&](const DriveCommand&) -> std::optional<DriveAnswer> {
     if (half_way() && slept++ % 100 == 0) bench.let_pass(milliseconds(2));
@@ -186,7 +176,7 @@ TEST_P(BothModes, ALittleLateIsMadeUpFor) {
   for (const auto& axis : report.axes) EXPECT_LT(axis.largest, 0.2);
 }
 
-TEST_P(BothModes, WhoeverIsAskedToStopStops) {
+TEST_P(EachMode, WhoeverIsAskedToStopStops) {
   bench.every_ms = [&] {
     if (half_way()) bench.stream().stop();
   };
@@ -197,7 +187,7 @@ TEST_P(BothModes, WhoeverIsAskedToStopStops) {
   expect_as_before();
 }
 
-TEST_P(BothModes, AnAxisThatIsHeldIsNoticed) {
+TEST_P(EachMode, AnAxisThatIsHeldIsNoticed) {
   bench.most_deviation = 0.5;
   std::int32_t held = 0;
   bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
@@ -209,11 +199,11 @@ TEST_P(BothModes, AnAxisThatIsHeldIsNoticed) {
   const auto report = pass();
   ASSERT_TRUE(report.fault);
   EXPECT_EQ(report.fault->kind, FaultKind::off_course);
-  EXPECT_THAT(report.fault->message, HasSubstr("is 0.5"));
+  EXPECT_THAT(report.fault->message, HasSubstr(" off the path, at 5"));
   expect_as_before();
 }
 
-TEST_P(BothModes, NothingMovesThatIsNotAtTheStart) {
+TEST_P(EachMode, NothingMovesThatIsNotAtTheStart) {
   bench.ask(Command::MVP, 0, 1, 100);
   bench.let_pass(std::chrono::seconds(2));
   const auto report = pass();
@@ -223,7 +213,7 @@ TEST_P(BothModes, NothingMovesThatIsNotAtTheStart) {
   for (const auto& command : bench.commands) EXPECT_EQ(command.kind, Kind::get);
 }
 
-TEST_P(BothModes, WhatStaysBehindIsTold) {
+TEST_P(EachMode, WhatStaysBehindIsTold) {
   bool ended = false;
   bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
     if (half_way() && !ended) {
@@ -249,7 +239,7 @@ double off_square(double x, double y) {
   return std::min({beside(x, y), beside(y, x - 5), beside(x, y - 5), beside(y, x)});
 }
 
-TEST_P(BothModes, CornersStayWithinTheirTolerance) {
+TEST_P(EachMode, CornersStayWithinTheirTolerance) {
   double farthest = 0;
   bench.every_ms = [&] { farthest = std::max(farthest, off_square(bench.mm(0), bench.mm(1))); };
   const auto report = bench.pass(square(), GetParam());
@@ -259,7 +249,7 @@ TEST_P(BothModes, CornersStayWithinTheirTolerance) {
   expect_as_before();
 }
 
-TEST_P(BothModes, WhereThePathTurnsBackTheAxesDoToo) {
+TEST_P(EachMode, WhereThePathTurnsBackTheAxesDoToo) {
   path_file::Path path{{"X", "Y"}, {}, {}};
   path.elements = {path_file::LineTo{{5, 0}, 20.0, {}, 1}, path_file::LineTo{{1, 0}, 20.0, {}, 2}};
   double farthest = 0;
@@ -271,7 +261,7 @@ TEST_P(BothModes, WhereThePathTurnsBackTheAxesDoToo) {
 }
 
 // Turning the axis that hardly moves on the last leg, it must not go beyond.
-TEST_P(BothModes, AShortLegIsNoReasonToGoBeyondAJoint) {
+TEST_P(EachMode, AShortLegIsNoReasonToGoBeyondAJoint) {
   bench.limit(10, 271);
   path_file::Path path{{"X", "Y"}, {}, {}};
   path.elements = {path_file::LineTo{{-0.005, 6.518}, 7.0, {}, 1},
@@ -306,7 +296,7 @@ TEST(Stream, AnAxisThatHardlyMovesMovesAllTheSame) {
 }
 
 // The turns of the path need all the acceleration that its axes have.
-TEST_P(BothModes, AxesThatAreSlowForThePathStayOnIt) {
+TEST_P(EachMode, AxesThatAreSlowForThePathStayOnIt) {
   const auto file = path_file::read_gcode("G1 X10 F600\nG1 Y10\nG2 X0 Y0 I-5 J-5\n");
   ASSERT_TRUE(file);
   const auto path = path_file::flatten(*file, 0.0125);
@@ -328,8 +318,10 @@ TEST_P(BothModes, AxesThatAreSlowForThePathStayOnIt) {
   }
 }
 
-// Whoever runs the stream has other things to do, too.
-TEST_P(BothModes, ALongPathIsNotLookedAtAllAtOnce) {
+// Whoever runs the stream has other things to do, too. By segments, only the next ones are looked
+// at.
+TEST_P(EachMode, ALongPathIsNotLookedAtAllAtOnce) {
+  if (GetParam() == StreamMode::segments) GTEST_SKIP();
   path_file::Path path{{"X", "Y"}, {}, {}};
   for (int i = 1; i <= 20'000; ++i)
     path.elements.push_back(path_file::LineTo{{i % 2 * 0.5, i * 0.02}, 20.0, {}, 1});
@@ -344,11 +336,10 @@ TEST_P(BothModes, ALongPathIsNotLookedAtAllAtOnce) {
   for (const auto& command : bench.commands) EXPECT_EQ(command.kind, Kind::get);
 }
 
-INSTANTIATE_TEST_SUITE_P(Streams, BothModes,
-                         testing::Values(StreamMode::velocity, StreamMode::position),
-                         [](const auto& mode) {
-                           return mode.param == StreamMode::velocity ? "Velocity" : "Position";
-                         });
+INSTANTIATE_TEST_SUITE_P(Streams, EachMode,
+                         testing::Values(StreamMode::velocity, StreamMode::segments,
+                                         StreamMode::position),
+                         [](const auto& mode) { return std::string(name_of(mode.param)); });
 
 TEST(Stream, APauseStaysOnThePath) {
   Bench bench;
@@ -448,19 +439,31 @@ const OwnSettings own_settings[] = {{3110, {{4, 1500}, {5, 900}, {130, 3}}},
                                       {18, 9000},
                                       {19, 5},
                                       {20, 12},
-                                      {21, 300}}}};
+                                      {21, 300}}},
+                                    {1111,
+                                     {{4, 200'000},
+                                      {5, 500'000},
+                                      {15, 50},
+                                      {16, 300'000},
+                                      {17, 400'000},
+                                      {18, 5000},
+                                      {19, 200'000},
+                                      {20, 60}}},
+                                    {1021, {{4, 200'000}, {5, 500'000}}}};
+// The last of them are turned: nobody knows what they do if parameter 4 changes on their way.
+constexpr std::size_t guided_families = 3;
 
-class Guided : public testing::TestWithParam<OwnSettings> {
+class EveryFamily : public testing::TestWithParam<OwnSettings> {
  protected:
-  Guided() : bench(GetParam().model) {
+  EveryFamily() : bench(GetParam().model) {
     for (const auto [parameter, value] : GetParam().settings) {
       EXPECT_TRUE(bench.ask(Command::SAP, parameter, 0, value)) << int{parameter};
       own.push_back({parameter, bench.get(0, parameter)});
       EXPECT_NEAR(own.back().value, value, 200) << "but for rounding";
     }
     bench.every_ms = [this] {
-      EXPECT_GE(bench.mm(0), -3);
-      EXPECT_LE(bench.mm(0), 4);
+      EXPECT_GE(bench.mm(0), -3 - beyond());
+      EXPECT_LE(bench.mm(0), 4 + beyond());
     };
   }
   static path_file::Path there_and_back() {
@@ -474,11 +477,17 @@ class Guided : public testing::TestWithParam<OwnSettings> {
     for (const auto [parameter, value] : own)
       EXPECT_EQ(bench.get(0, parameter), value) << int{parameter};
   }
+  bool is_guided() const { return AxisTwin::of(*find_model(GetParam().model)).has_value(); }
+  /// Where it turns, an axis that goes to no target may go on for as long as it takes to tell it.
+  double beyond() const { return is_guided() ? 0 : bench.limits().corner_tolerance; }
   bool goes_back() { return bench.stream().passed() > 1.5; }
 
   Bench bench;
   std::vector<Setting> own;
 };
+
+class Guided : public EveryFamily {};
+class Turned : public EveryFamily {};
 
 TEST_P(Guided, ItNeverTurnsWithoutAnEnd) {
   const auto report = pass();
@@ -494,7 +503,29 @@ TEST_P(Guided, ItNeverTurnsWithoutAnEnd) {
   expect_own_settings();
 }
 
-TEST_P(Guided, WhateverEndsItGivesTheSettingsBack) {
+// What nobody knows better is told velocities.
+TEST_P(Turned, ItGoesBothWaysAndToTheExactEnd) {
+  const auto report = pass();
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  for (const int way : {-1, 1}) {
+    EXPECT_TRUE(std::ranges::any_of(bench.commands, [&](const DriveCommand& command) {
+      return command.kind == Kind::rotate && command.value * way > 0;
+    })) << way;
+  }
+  EXPECT_EQ(bench.mm(0), 2);
+  expect_own_settings();
+}
+
+TEST_P(Turned, ByPositionsItIsRefused) {
+  const auto report = bench.pass(there_and_back(), StreamMode::position);
+  ASSERT_TRUE(report.fault);
+  EXPECT_EQ(report.fault->kind, FaultKind::unsuited);
+  EXPECT_THAT(report.fault->message, HasSubstr("has no start and stop velocities"));
+  EXPECT_FALSE(bench.moving());
+  expect_own_settings();
+}
+
+TEST_P(EveryFamily, WhateverEndsItGivesTheSettingsBack) {
   bool stopped = false;
   bench.every_ms = [&] {
     if (goes_back() && !stopped) stopped = true, bench.ask(Command::MST, 0, 0, 0);
@@ -508,7 +539,7 @@ TEST_P(Guided, WhateverEndsItGivesTheSettingsBack) {
 }
 
 // Its own greatest speed would set it off.
-TEST_P(Guided, AnAxisThatMayStillMoveGetsNoSettingsBack) {
+TEST_P(EveryFamily, AnAxisThatMayStillMoveGetsNoSettingsBack) {
   bench.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
     if (!goes_back()) return std::nullopt;
     bench.stream().stop();
@@ -518,10 +549,10 @@ TEST_P(Guided, AnAxisThatMayStillMoveGetsNoSettingsBack) {
   };
   const auto report = pass();
   EXPECT_EQ(report.unstopped.size(), 1U);
-  EXPECT_GE(report.unrestored.size(), 2U);
+  EXPECT_GE(report.unrestored.size(), is_guided() ? 2U : 1U);
 }
 
-TEST_P(Guided, APauseStandsAndGoesOn) {
+TEST_P(EveryFamily, APauseStandsAndGoesOn) {
   int standing = 0;
   int ms = 0;
   bench.every_ms = [&] {
@@ -537,8 +568,13 @@ TEST_P(Guided, APauseStandsAndGoesOn) {
   for (const auto& axis : report.axes) EXPECT_LT(axis.largest, 0.1);
 }
 
-INSTANTIATE_TEST_SUITE_P(Families, Guided, testing::ValuesIn(own_settings),
-                         [](const auto& own) { return std::to_string(own.param.model); });
+constexpr auto name_of_model = [](const auto& own) { return std::to_string(own.param.model); };
+constexpr auto first_turned = std::begin(own_settings) + guided_families;
+INSTANTIATE_TEST_SUITE_P(Families, EveryFamily, testing::ValuesIn(own_settings), name_of_model);
+INSTANTIATE_TEST_SUITE_P(Families, Guided,
+                         testing::ValuesIn(std::begin(own_settings), first_turned), name_of_model);
+INSTANTIATE_TEST_SUITE_P(Families, Turned, testing::ValuesIn(first_turned, std::end(own_settings)),
+                         name_of_model);
 
 // A TMC429 goes the wrong way to a target that is more than 2^23 microsteps away.
 TEST(Stream, ALongStretchIsPassedTowardsTargetsOnTheWay) {
@@ -552,17 +588,27 @@ TEST(Stream, ALongStretchIsPassedTowardsTargetsOnTheWay) {
   EXPECT_LT(report.axes[0].largest, 0.2);
 }
 
-// What nobody knows better is told velocities.
-TEST(Stream, AnUnknownRampGeneratorIsTurned) {
-  Bench bench(1111);
-  path_file::Path path{{"X"}, {}, {}};
-  path.elements = {path_file::LineTo{{4}, 4.0, {}, 1}, path_file::LineTo{{1}, 4.0, {}, 2}};
-  const auto report = bench.pass(path, StreamMode::velocity);
-  ASSERT_FALSE(report.fault) << report.fault->message;
-  EXPECT_TRUE(std::ranges::any_of(bench.commands, [](const DriveCommand& command) {
-    return command.kind == Kind::rotate && command.value < 0;
-  }));
-  EXPECT_EQ(bench.mm(0), 1);
+TEST(Stream, WritesOnlyWhatChanges) {
+  Bench bench;
+  set_limits(bench);
+  ASSERT_FALSE(bench.pass(square(), StreamMode::position).fault);
+  std::map<std::pair<std::size_t, std::uint8_t>, std::int32_t> last;
+  for (const auto& command : bench.commands) {
+    if (command.kind != Kind::set) continue;
+    const auto [known, is_new] = last.try_emplace({command.axis, command.parameter});
+    EXPECT_TRUE(is_new || known->second != command.value) << int{command.parameter};
+    known->second = command.value;
+  }
+  EXPECT_GT(last.size(), 8U);
+}
+
+TEST_P(EachMode, ThereIsOneAccelerationMeanwhile) {
+  bench.every_ms = [&] {
+    if (!bench.moving() || bench.stream().phase() != PathStream::Phase::running) return;
+    for (std::uint8_t axis = 0; axis < 2; ++axis) EXPECT_EQ(bench.get(axis, 16), 0);
+  };
+  ASSERT_FALSE(pass().fault);
+  expect_as_before();
 }
 
 path_file::Path timetable() {

@@ -19,10 +19,11 @@ std::vector<std::string> warnings(const RpcResult& result) {
 json::object to(std::int64_t position) {
   return {{"axis", "x"}, {"position_microsteps", position}};
 }
-void set(JourneyBench& bench, int parameter, std::int32_t value) {
-  const auto result =
+RpcResult set(JourneyBench& bench, int parameter, std::int32_t value) {
+  auto result =
       bench.call("parameter.set", {{"axis", "x"}, {"parameter", parameter}, {"value", value}});
   EXPECT_TRUE(result) << result.error().message;
+  return result;
 }
 
 class WarningsOf : public testing::TestWithParam<const char*> {};
@@ -77,6 +78,107 @@ TEST(Warnings, AreOfASpeedAboveTheGreatest) {
   const auto turned = bench.call("axis.rotate", {{"axis", "x"}, {"velocity_internal", -1500}});
   EXPECT_THAT(warnings(turned), Contains(HasSubstr("faster than max_velocity")));
   bench.call("axis.stop", {{"axis", "x"}});
+}
+
+TEST(Warnings, AreOfABowThatIsSet) {
+  JourneyBench bench("TMCM-142");
+  EXPECT_THAT(warnings(set(bench, 18, 11)), IsEmpty());
+  EXPECT_THAT(warnings(set(bench, 18, 18)), Contains(HasSubstr("the motor oscillates")));
+  EXPECT_THAT(warnings(set(bench, 4, 1000)), Contains(HasSubstr("the motor oscillates")))
+      << "whatever of the ramp is set";
+  EXPECT_THAT(warnings(set(bench, 18, 3)), IsEmpty());
+}
+
+TEST(Warnings, AreOfTwoAccelerationsThatAreSetAtOnce) {
+  JourneyBench bench("TMCM-142");
+  EXPECT_THAT(warnings(set(bench, 5, 100)), Contains(HasSubstr("exceeds a_max 100")));
+  EXPECT_THAT(warnings(set(bench, 5, 20000)), IsEmpty());
+}
+
+TEST(Warnings, AreOfADecelerationThatEndsInACreep) {
+  JourneyBench bench("TMCM-6212");
+  EXPECT_THAT(warnings(set(bench, 18, 0)), Contains(HasSubstr("d1 0")));
+}
+
+TEST(Warnings, AreOfAnAccelerationOutsideItsDividers) {
+  JourneyBench bench("TMCM-1110");
+  set(bench, 153, 13);
+  set(bench, 154, 0);
+  EXPECT_THAT(warnings(set(bench, 5, 1)), Contains(HasSubstr("outside its valid range")));
+}
+
+TEST(Warnings, AreOfASettingInWhicheverUnitItIsCounted) {
+  JourneyBench bench("TMCM-142");
+  set(bench, 255, 1);
+  EXPECT_THAT(warnings(set(bench, 5, 1'455'192)), IsEmpty());
+  EXPECT_THAT(warnings(set(bench, 5, 5000)), Contains(HasSubstr("exceeds a_max")));
+}
+
+TEST(Warnings, CostTheReadingsOfARampOnce) {
+  JourneyBench bench("TMCM-6212");
+  set(bench, 5, 1000);
+  bench.requests.clear();
+  set(bench, 17, 1000);
+  set(bench, 4, 5000);
+  set(bench, 6, 100);
+  EXPECT_EQ(bench.sent(tmcl::Command::GAP).size(), 0U);
+}
+
+class WaitingFor : public testing::Test {
+ protected:
+  RpcResult wait(std::int64_t timeout_ms) {
+    return bench.call("axis.wait", {{"axis", "x"}, {"timeout_ms", timeout_ms}});
+  }
+
+  JourneyBench bench{"TMCM-142"};
+};
+
+TEST_F(WaitingFor, AnAxisThatStandsTellsOfItsSettings) {
+  EXPECT_THAT(warnings(wait(1000)), IsEmpty());
+  set(bench, 18, 18);
+  EXPECT_THAT(warnings(wait(1000)), Contains(HasSubstr("the motor oscillates")));
+}
+
+TEST_F(WaitingFor, AnAxisThatSwingsSaysWhyInTheEnd) {
+  set(bench, 18, 18);
+  bench.call("axis.move_to", to(100));
+  const auto waited = wait(5000);
+  ASSERT_FALSE(waited);
+  EXPECT_EQ(waited.error().data.at("name").as_string(), "deadline_passed");
+  EXPECT_THAT(std::string(waited.error().data.at("hint").as_string()),
+              HasSubstr("the motor oscillates"));
+}
+
+// So slowly that its speed is read as 0 where it turns round.
+TEST_F(WaitingFor, AnAxisThatSwingsDoesNotEndWhereItTurnsRound) {
+  constexpr int greatest_bow_value = 4;
+  set(bench, 18, 3);
+  set(bench, 5, greatest_bow_value / 2);
+  for (const int distance : {1, 10, 100}) {
+    bench.call("axis.move_to", to(distance));
+    for (int i = 0; i < 20; ++i) {
+      bench.time.run_for(std::chrono::milliseconds(173));
+      EXPECT_FALSE(wait(300)) << "looked at the " << i << ". time on its way to " << distance;
+    }
+  }
+}
+
+TEST_F(WaitingFor, AnAxisInDoubtEndsWhereItComesToRest) {
+  set(bench, 5, 256);
+  set(bench, 18, 9);
+  bench.call("axis.move_to", to(5000));
+  const auto waited = wait(60'000);
+  EXPECT_THAT(warnings(waited), Contains(HasSubstr("may oscillate")));
+  EXPECT_EQ(waited->at("position_microsteps"), 5000);
+}
+
+TEST(Warnings, AreOfThePathThatIsPlanned) {
+  JourneyBench bench("TMCM-6212");
+  const json::object path{{"axes", json::array{"x"}}, {"text", "G1 X1 F60\n"}, {"per_turn", 1.0}};
+  EXPECT_THAT(warnings(bench.call("path.plan", path)), IsEmpty());
+  set(bench, 18, 0);
+  EXPECT_THAT(warnings(bench.call("path.plan", path)),
+              Contains(testing::StartsWith("x: d1 0 cannot brake")));
 }
 
 }  // namespace

@@ -23,10 +23,11 @@ namespace tmcld::test {
 
 namespace ap = tmcl::axis_parameter;
 
-class Cable : public testing::Test {
- protected:
-  explicit Cable(const std::string& config = cable_config, std::string_view model = "TMCM-6212",
-                 tmcl::Framing framing = tmcl::Framing::serial)
+class CableBench {
+ public:
+  explicit CableBench(const std::string& config = cable_config,
+                      std::string_view model = "TMCM-6212",
+                      tmcl::Framing framing = tmcl::Framing::serial)
       : config_(parse_config(config).value()),
         wire(context_, "bench", framing, 1, {}, trace_),
         module(wire.bench().add(*tmcl::find_model(model), tmcl::ModuleAddress{1})) {
@@ -39,10 +40,12 @@ class Cable : public testing::Test {
         call("parameter.set", {{"axis", axis}, {"parameter", parameter}, {"value", value}});
     }
   }
-  ~Cable() override {
+  ~CableBench() {
     gateway_->close();
     time.run_for(std::chrono::seconds(10));
   }
+  CableBench(const CableBench&) = delete;
+  CableBench& operator=(const CableBench&) = delete;
   void start_gateway(const std::string& journal = {}, const std::string& deadmen = {}) {
     GatewayOptions options;
     options.open_link = [this](const BusConfig&) { return wire.open(); };
@@ -145,6 +148,11 @@ class Cable : public testing::Test {
  private:
   std::shared_ptr<Gateway> gateway_;
   std::shared_ptr<WorldPeer> peer_ = std::make_shared<WorldPeer>(trace_);
+};
+
+class Cable : public testing::Test, public CableBench {
+ protected:
+  using CableBench::CableBench;
 };
 
 }  // namespace tmcld::test

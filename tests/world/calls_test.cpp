@@ -77,6 +77,27 @@ TEST(WorldCalls, MoveWhatWasAskedForAndNothingAfterAStop) {
             << " s of virtual time\n";
 }
 
+struct KnownWorld {
+  std::uint64_t seed;
+  const char* trouble;
+};
+
+class OnceFailed : public testing::TestWithParam<KnownWorld> {};
+
+TEST_P(OnceFailed, NowRunsWithoutAComplaint) {
+  World world(GetParam().seed, trouble_from(GetParam().trouble));
+  world.run();
+  EXPECT_THAT(world.complaints(), testing::IsEmpty());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Worlds, OnceFailed,
+    testing::Values(
+        // A movement that waited for its turn while the gateway stood still went out after that.
+        KnownWorld{880371, "20,0,0,0,0,4,14,0,1"},
+        // A search whose module started again was said not to have been sent.
+        KnownWorld{3434676156, "20,20,10,1,1,4,32,0,1"}));
+
 TEST(WorldTrouble, IsShrunkToWhatMakesAWorldFail) {
   const auto fails_by_late_replies = [](const Trouble& trouble) {
     return trouble.faults.late > 0 && trouble.calls >= 7;

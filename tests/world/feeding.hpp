@@ -2,6 +2,7 @@
 /// one, and stands when it has had none for too long.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -17,7 +18,7 @@ class Feeding {
  public:
   static constexpr std::int32_t deadman_ms = 600;
   static constexpr tmcl::Duration deadman = std::chrono::milliseconds(deadman_ms);
-  /// From the greatest speed that anybody asks for in a world.
+  /// From the greatest speed that anybody asks for in a world, by the acceleration of its motors.
   static constexpr tmcl::Duration time_to_ramp_down = std::chrono::milliseconds(100);
 
   Feeding(std::string bus, tmcl::ModuleAddress module) : bus_(std::move(bus)), module_(module) {}
@@ -43,8 +44,10 @@ class Feeding {
   void on_pause(tmcl::TimePoint now) {
     if (last_) last_ = now;
   }
-  bool must_stand(tmcl::TimePoint now) const {
-    return last_ && now - *last_ > deadman + time_to_ramp_down;
+  /// `own_ramp`: how long its motor takes to rest by the settings that it has, which a line may
+  /// have lowered.
+  bool must_stand(tmcl::TimePoint now, tmcl::Duration own_ramp) const {
+    return last_ && now - *last_ > deadman + std::max(time_to_ramp_down, own_ramp);
   }
 
  private:

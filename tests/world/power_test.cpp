@@ -351,5 +351,20 @@ TEST_F(UnwatchedPower, IsNotAskedFor) {
   EXPECT_EQ(count(tmcl::Command::GGP), 0U);
 }
 
+class PowerDuringASearch : public Power, public testing::WithParamInterface<int> {};
+
+TEST_P(PowerDuringASearch, DoesNotMakeItOneThatWasNotSent) {
+  const auto search = begin("axis.home", {{"axis", "x"}, {"timeout_ms", 5000}});
+  time.run_for(std::chrono::milliseconds(GetParam()));
+  const bool is_sent = count(tmcl::Command::RFS) > 0;
+  fail_and_return();
+  const auto ended = end(search);
+  if (is_sent && !ended) {
+    EXPECT_NE(ended.error().data.at("outcome"), "not_sent") << ended.error().message;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(AtEachTime, PowerDuringASearch, testing::Range(5, 400, 15));
+
 }  // namespace
 }  // namespace tmcld::test

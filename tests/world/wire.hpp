@@ -84,6 +84,8 @@ class Wire {
   /// While set, what this is true of does not get to the module, and is answered as if done. On a
   /// serial line, as all that follows.
   std::function<bool(const tmcl::Request&)> keeps_from_module;
+  /// Likewise; it is answered as refused.
+  std::function<bool(const tmcl::Request&)> refuses;
   /// While set, what a module tells can become something else.
   std::function<void(tmcl::Reply&)> change;
   /// Somebody else on the line sends this.
@@ -150,13 +152,21 @@ class Wire {
         return true;
       }
       if (request && keeps_from_module && keeps_from_module(*request)) {
-        write(bytes_of({tmcl::default_host_address, tmcl::reply_byte(request->address),
-                        tmcl::Status::ok, request->command, request->value}));
+        answer(*request, tmcl::Status::ok);
+        return true;
+      }
+      if (request && refuses && refuses(*request)) {
+        answer(*request, tmcl::Status::invalid_value);
         return true;
       }
     }
     if (!is_cut) serial_.receive(bytes);
     return true;
+  }
+
+  void answer(const tmcl::Request& request, tmcl::Status status) {
+    write(bytes_of({tmcl::default_host_address, tmcl::reply_byte(request.address), status,
+                    request.command, request.value}));
   }
 
   bool read_frames() {

@@ -205,9 +205,21 @@ class World {
   /// It stands if nobody has sent it anything for too long.
   void look_at_deadman() {
     const auto* module = module_with_deadman();
-    if (module == nullptr || !feeding_.must_stand(now())) return;
+    if (module == nullptr || !feeding_.must_stand(now(), time_to_rest(*module))) return;
     if (*module->axis(0).get(tmcl::axis_parameter::actual_velocity) != 0)
       ledger_.complain("a motor turns, although its module got no command for too long");
+  }
+  static tmcl::Duration time_to_rest(const tmcl::sim::Module& module) {
+    namespace ap = tmcl::axis_parameter;
+    std::vector<std::int32_t> dividers;
+    for (const auto parameter : tmcl::unit_parameters(module.model()))
+      dividers.push_back(*module.axis(0).get(parameter));
+    const auto units = tmcl::module_units(module.model(), dividers).value();
+    const double speed = *module.axis(0).get(ap::max_velocity) * units.velocity.value;
+    const double slope = *module.axis(0).get(ap::max_acceleration) * units.acceleration.value;
+    if (slope <= 0) return {};
+    const std::chrono::duration<double> time(speed / slope);
+    return std::chrono::duration_cast<tmcl::Duration>(time);
   }
   void look_at_feeding(const Wire& wire, const tmcl::Request& request) {
     // One that does not answer is not fed.

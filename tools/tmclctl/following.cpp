@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "json_read.hpp"
 #include "print.hpp"
 #include "tmcl/plan/arrival.hpp"
 
@@ -14,6 +15,8 @@ using tmcl::plan::Arrival;
 
 // A reading may be a little older than it seems: one with the old target proves nothing.
 constexpr tmcl::Duration sent_elsewhere_limit = std::chrono::milliseconds(200);
+
+constexpr int staying_limit_ms = 500;
 
 // By name: only where there is a parameter of this name, 2 is the mode after a stop and while
 // turning by velocity.
@@ -93,6 +96,17 @@ std::optional<Failure> ended_by_user(const Journey& journey, const AxisReading& 
   return std::nullopt;
 }
 
+/// Standing at its goal now, it may only be passing it: its gateway knows. Nothing while it does.
+Attempt<std::optional<Warnings>> stays(const Journey& journey, Target& target) {
+  const auto stands =
+      target.perform("axis.wait", {{"axis", journey.axis}, {"timeout_ms", staying_limit_ms}}, {});
+  if (!stands && stands.error().name == "deadline_passed") return std::nullopt;
+  if (!stands && stands.error().exit == ExitCode::not_reached)
+    return tl::unexpected(stands.error());
+  if (!stands) return tl::unexpected(lost_sight(journey, stands.error(), target));
+  return texts_at(*stands, "warnings");
+}
+
 }  // namespace
 
 Failure interrupted_failure(int signal, const std::string& message, const std::string& hint) {
@@ -112,8 +126,8 @@ std::string how_to_stop(const std::string& axis, const Target& target) {
   return fmt::format("Stop it with: tmclctl{} stop {}", target.options(), axis);
 }
 
-Attempt<tmcl::Microsteps> follow(const Journey& journey, Context& context,
-                                 const std::function<void(const AxisReading&)>& on_reading) {
+Attempt<Warnings> follow(const Journey& journey, Context& context,
+                         const std::function<void(const AxisReading&)>& on_reading) {
   Arrival arrival(journey.goal, journey.started_at, {standstill_limit, sent_elsewhere_limit});
   auto mode_asked_at = context.host.now();
   while (true) {
@@ -128,7 +142,11 @@ Attempt<tmcl::Microsteps> follow(const Journey& journey, Context& context,
       const auto verdict =
           arrival.judge({reading->taken_at, reading->position, reading->target,
                          reading->velocity.value == 0, reading->position == reading->target});
-      if (verdict == Arrival::Verdict::arrived) return reading->position;
+      if (verdict == Arrival::Verdict::arrived && context.host.signal() == 0) {
+        auto stands = stays(journey, context.target);
+        if (!stands && context.host.signal() == 0) return tl::unexpected(std::move(stands.error()));
+        if (stands && *stands) return std::move(**stands);
+      }
       if (auto end = ended_by_axis(journey, *reading, verdict)) return tl::unexpected(*end);
     }
     if (auto end = ended_by_user(journey, reading.value_or(AxisReading{}), context))

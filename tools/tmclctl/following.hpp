@@ -21,10 +21,11 @@ struct Journey {
   std::optional<InUnit> goal_in_unit{};
 };
 
-/// The position where the axis stands at last, or why it is not going to be watched any longer:
-/// interrupted by someone else, by a signal, by the time limit, or because it does not answer.
-Attempt<tmcl::Microsteps> follow(const Journey& journey, Context& context,
-                                 const std::function<void(const AxisReading&)>& on_reading);
+/// What the settings of the axis make of moves, once it stands at its goal and stays there, or why
+/// it is not going to be watched any longer: interrupted by someone else, by a signal, by the time
+/// limit, or because it does not answer.
+Attempt<Warnings> follow(const Journey& journey, Context& context,
+                         const std::function<void(const AxisReading&)>& on_reading);
 
 /// What to tell when a signal ends the watching while the axis goes on.
 Failure interrupted_failure(int signal, const std::string& message, const std::string& hint);

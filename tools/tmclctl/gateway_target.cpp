@@ -261,7 +261,11 @@ Attempt<ParameterValue> GatewayTarget::set(const std::string& axis, const std::s
   return door_
       ->call(api::parameter::Set{
           {axis, parameter_value(parameter)}, counted_in(value), amount_in(value)})
-      .map(value_from);
+      .map([](const api::parameter::Held& held) {
+        auto kept = value_from(held);
+        kept.warnings = held.warnings;
+        return kept;
+      });
 }
 
 Attempt<AxisUnits> GatewayTarget::units(const std::string& axis) {

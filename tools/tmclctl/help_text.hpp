@@ -79,7 +79,8 @@ unknown (their bus is not open, or they were not asked yet). With --direct it is
 
 constexpr const char* axes = R"(
 The axes of tmcld's configuration; with --direct those of all modules that a scan finds. Where the state
-is unknown because a bus is not open, it says why.
+is unknown because a bus is not open, it says why. Of an axis with a unit it says how many microsteps,
+and counts of its encoder, a unit is.
 
   tmclctl axes
   tmclctl --direct can:can0 axes
@@ -93,6 +94,8 @@ Needs no module. 'tmclctl params --model MODEL' lists what one of them can be to
 )";
 
 constexpr const char* state = R"(
+Of an axis with a unit it also says how many microsteps, and counts of its encoder, a unit is.
+
   tmclctl state x
   tmclctl --json state x                         with every value in both units
 )";
@@ -132,7 +135,9 @@ as 'set' takes it.
 constexpr const char* set = R"(
 A bare number is what the module counts, on every axis. A position, velocity or acceleration may have
 a unit, as 'get --in-units' prints it, and becomes the nearest value there is. The module forgets the value when it loses power, unless 'tmclctl store' keeps it.
-Writing target_position, actual_position, target_velocity or ramp_mode can move the motor.
+Writing target_position, actual_position, target_velocity or ramp_mode can move the motor. What the
+settings of a ramp then make of moves that nobody may want, such as a bow with which the motor swings,
+is told as a warning.
 
   tmclctl set x max_velocity 1500
   tmclctl set x max_velocity 20000pps
@@ -156,7 +161,8 @@ microsteps only on axes without a unit, and with --internal.
 )";
 
 constexpr const char* wait = R"(
-Comes back when all of them stand at their targets, whoever sent them there. An axis that is stopped
+Comes back when all of them stand at their targets, whoever sent them there; one that swings about its
+target does not stand there, and a warning says why it swings. An axis that is stopped
 short of its target ends it (exit code 5). Ctrl-C ends the waiting and NOT the moves.
 
   tmclctl move x 10mm; tmclctl move y 0; tmclctl wait x y
@@ -416,13 +422,15 @@ up to speed, and how far that is.
 constexpr const char* convert = R"(
 Rounds to what such a module can hold, and shows that in all units. A bare number counts in the
 module's own unit, and is shown as a position, a velocity and an acceleration. Dividers and unit
-mode are those that the model starts with, if they are not given.
+mode are those that the model starts with, if they are not given. With --acceleration QUANTITY is a
+velocity, and the time and the length of the ramp from rest to it are shown: S-shaped with --bow.
 
   tmclctl convert --model TMCM-1110 61035pps
   tmclctl convert --model TMCM-1110 --pulse-div 5 --ramp-div 7 500
   tmclctl convert --model TMCM-6212 --microsteps 64 2rps
   tmclctl convert --model TMCM-142 --bow 11
   tmclctl convert --model TMCM-142 1000000pps/s^2
+  tmclctl convert --model TMCM-142 40000pps --acceleration 400000pps/s --bow 9
 )";
 
 constexpr const char* profile = R"(
@@ -465,28 +473,35 @@ f_clk=HZ is the chip's clock (100 kHz to 100 MHz; 16 MHz if not given); mc1451a 
 cycles wherever SECONDS are meant. Mode and target are written last, whatever the order here.
 
 A change acts after everything up to its instant; changes of one instant act in the order given.
---json prints {"generator", "duration_s", "final_position", "peak_velocity", "phases": [{"name",
-"start_s"}], "samples": [{"t", "x", "v", "a"}]}; duration_s is when it last came to rest on its
-target, null if it does not. What the chip would take but should not be told is a warning on
-standard error; settings that contradict each other are an error (exit code 2).
+--json prints {"generator", "duration_s", "final_position", "peak_velocity", "ramp_up": {"duration_s",
+"microsteps"}, "ramp_down": likewise, "phases": [{"name", "start_s"}], "samples": [{"t", "x", "v",
+"a"}]}; duration_s is when it last came to rest on its target, null if it does not. The ramps are what
+comes before it is first as fast as it gets, and after that, until it stands there; text says so, too.
+What the chip would take but should not be told is a warning on standard error; settings that
+contradict each other are an error (exit code 2).
 )";
 
 constexpr const char* solve = R"(
-A movement from rest to rest that accelerates, goes at constant speed and decelerates has eight
-values, of which four that do not follow from each other determine the rest:
+A movement that accelerates, goes at constant speed and decelerates has eight values, of which four
+that do not follow from each other determine the rest:
   distance, speed, acceleration, deceleration, acceleration_time, slew_time (at constant speed),
   deceleration_time, total_time
+It goes from rest to rest, unless initial_speed and final_speed, both below speed, are given. The
+distances of the parts may be given, too, each with another value of the same part:
+  acceleration_distance, slew_distance, deceleration_distance
 With an assumption, fewer are enough:
-  symmetric  both ramps are equal: one acceleration, one time
-  thirds     symmetric, and each of the three parts takes a third of the time
+  symmetric  both ramps are equal: one acceleration, and one time if both ends have the same speed
+  thirds     symmetric, and each of the three parts takes a third of the time; between ends with
+             different speeds the times are equal, and not the accelerations
 
   tmclctl profile solve distance=20mm total_time=600ms thirds
   tmclctl profile solve speed=8 acceleration=16 deceleration=16 distance=12
   tmclctl profile solve distance=90deg speed=1rev/s acceleration=5rev/s^2 symmetric
   tmclctl --json profile solve distance=200mm total_time=1s speed=250mm/s symmetric
+  tmclctl profile solve initial_speed=2 speed=8 acceleration=3 deceleration=3 distance=40
 
-Prints all eight as a table and draws position and speed; --svg draws into a file; --json prints the
-eight as plain numbers, and "unit". Lengths may be in any unit, all of them in the same one; mm, um,
+Prints all of them as a table and draws position and speed; --svg draws into a file; --json prints
+them as plain numbers, and "unit". Lengths may be in any unit, all of them in the same one; mm, um,
 cm, m and in, and deg, rad and rev, can be mixed. Speeds are such as mm/s, accelerations mm/s^2 (or
 mm/s2, mm/s/s); times are in s, ms, us or min. What is printed is in seconds and in the first unit
 of length that was given, and bare numbers are taken as such.
@@ -501,7 +516,8 @@ constexpr const char* mint = R"(
 )";
 
 constexpr const char* mint_run = R"(
-Runs a program as 'tmclctl mint check' reads it. Positions are counts: SCALE microsteps are a user unit.
+Runs a program as 'tmclctl mint check' reads it. Positions are counts: SCALE microsteps are a user unit,
+or, with --counts encoder, SCALE counts of the axis' encoder, which the configuration must know.
 Each GO sets the ramps of its axes to SPEED, ACCEL and DECEL, starts them together, and waits until all
 stand. Axis 0 is the first that 'tmclctl axes' lists, unless --axis says which is which. Nothing moves
 unless every axis is there, stands, and can go everywhere the program sends it. Ctrl-C stops all axes.
@@ -509,6 +525,7 @@ The ramps' parameters are set back at the end.
 
   tmclctl mint run exercise.mint
   tmclctl mint run two.mint --axis 0=x --axis 1=y
+  tmclctl mint run exercise.mint --axis 0=z --counts encoder
 )";
 
 constexpr const char* path = R"(
@@ -522,8 +539,12 @@ Plans a path as 'tmclctl path run' would, for axes that can do what --velocity a
 and says how long it is and takes, where it goes, and where it is slowest. Lengths are in the units of
 the file; G-code's are mm (deg for A B C). What is wrong comes as FILE:LINE:COLUMN: MESSAGE.
 
+--legs says for each leg when it begins (T1), has its speed (T2), slows down (T3) and ends (T4), and the
+ramp of each axis, as ramp generators take it: start, greatest and stop velocity, both accelerations.
+
   tmclctl path check part.ngc --velocity 20 --acceleration 500
   tmclctl path check part.csv --svg part.svg
+  tmclctl path check part.ngc --legs --microsteps-per-unit 10240
   tmclctl --json path check part.ngc
 )";
 
@@ -536,13 +557,15 @@ units, limits, where the path goes, that all axes stand, and what the bus can ca
 with them: 20mm/s, 500mm/s^2, 120rpm.
 
   --mode velocity   any module: a new velocity for each axis every 5 ms, or as fast as the bus can
+  --mode segments   any module, for slow buses: an axis is told a speed, and the acceleration to get
+                    there, only where its speed changes; no table with times
   --mode position   modules with start and stop velocities (TMC5130, TMC5160 ...): line by line; no table
                     with times
 Ctrl-C stops all axes. So does a stop of one of them by somebody else, an axis that does not do what it
 is told, and a computer or bus that is too slow. Ctrl-Z pauses on the path, and goes on.
 tmcld passes the path: once begun, it goes on to its end also if this program is killed. With --direct
-there is nobody else who could: if this program is killed, each axis stops at the end of its leg, in
-velocity mode where the path would next turn it round; those of a TMC4361 or of firmware ramps turn on.
+there is nobody else who could: if this program is killed, each axis stops at the end of its leg, in the
+other modes where the path would next turn it round; those of a TMC4361 or of firmware ramps turn on.
 
   tmclctl path run part.ngc --axis X=left --axis Y=front
   tmclctl path run part.csv --axis x=left --axis y=front --mode position --velocity 20mm/s

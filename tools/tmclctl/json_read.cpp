@@ -26,6 +26,14 @@ const json::array& array_at(const json::object& object, std::string_view key) {
   return value != nullptr && value->is_array() ? value->get_array() : none;
 }
 
+std::vector<std::string> texts_at(const json::object& object, std::string_view key) {
+  std::vector<std::string> texts;
+  for (const auto& value : array_at(object, key)) {
+    if (value.is_string()) texts.emplace_back(value.get_string());
+  }
+  return texts;
+}
+
 const json::object& object_at(const json::object& object, std::string_view key) {
   static const json::object none;
   const auto* value = object.if_contains(key);

@@ -7,6 +7,7 @@
 #include <string>
 #include <string_view>
 #include <utility>
+#include <vector>
 
 #include <boost/json/array.hpp>
 #include <boost/json/object.hpp>
@@ -17,6 +18,7 @@ std::string text_at(const boost::json::object& object, std::string_view key);
 std::optional<double> number_at(const boost::json::object& object, std::string_view key);
 bool flag_at(const boost::json::object& object, std::string_view key);
 const boost::json::array& array_at(const boost::json::object& object, std::string_view key);
+std::vector<std::string> texts_at(const boost::json::object& object, std::string_view key);
 const boost::json::object& object_at(const boost::json::object& object, std::string_view key);
 
 /// 0 for what is no integer or does not fit.

@@ -177,6 +177,8 @@ std::vector<std::string> quantity_words() {
   std::vector<std::string> words;
   for (const auto quantity : tmcl::plan::quantities)
     words.push_back(fmt::format("{}=", name_of(quantity)));
+  for (const auto quantity : tmcl::plan::side_quantities)
+    words.push_back(fmt::format("{}=", name_of(quantity)));
   for (const auto assumption : {Assumption::symmetric, Assumption::thirds})
     words.emplace_back(name_of(assumption));
   return words;

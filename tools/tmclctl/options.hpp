@@ -10,6 +10,7 @@
 
 #include "exit_code.hpp"
 #include "target.hpp"
+#include "tmcl/plan/stream.hpp"
 #include "verb_table.hpp"
 
 namespace tmclctl {
@@ -134,6 +135,7 @@ struct CheckMint {
 struct RunMint {
   std::string file;
   std::vector<std::string> axes;  ///< NUMBER=AXIS
+  bool counts_encoder = false;
 };
 /// A path file, planned without axes. Limits are in its units.
 struct CheckPath {
@@ -143,12 +145,14 @@ struct CheckPath {
   double acceleration = 1000;
   std::optional<double> feed, corner_jump;
   std::string svg;  ///< Empty: none.
+  bool legs = false;
+  std::optional<double> microsteps_per_unit;
 };
 /// And run on axes.
 struct RunPath {
   std::string file;
   std::vector<std::string> axes;  ///< LETTER=AXIS
-  bool by_position = false;
+  tmcl::plan::StreamMode mode = tmcl::plan::StreamMode::velocity;
   double tolerance = 0.05;
   std::string velocity, acceleration, feed, corner_jump;  ///< As typed; empty: none.
   std::optional<double> per_turn, deviation;
@@ -198,7 +202,8 @@ struct Convert {
   std::int32_t microsteps = 256;
   std::int32_t full_steps = 200;
   std::optional<std::int32_t> bow;
-  std::string quantity;  ///< May be empty with a bow.
+  std::string acceleration;  ///< Of a ramp to the quantity, a velocity; empty without one.
+  std::string quantity;      ///< May be empty with a bow.
 };
 /// What is one method of tmcld (docs/PROTOCOL.md), done with or without it.
 struct Ask {

@@ -26,6 +26,10 @@ void warn(std::string_view text, Output& output) {
   output.err << "tmclctl: warning: " << text << '\n';
 }
 
+void warn(const Warnings& warnings, Output& output) {
+  for (const auto& warning : warnings) warn(warning, output);
+}
+
 Table::Table(std::vector<std::string> headings) { rows_.push_back(std::move(headings)); }
 
 void Table::add(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }

@@ -16,6 +16,7 @@ namespace tmclctl {
 void print_json(const boost::json::object& document, Output& output);
 /// On standard error, also where a document is asked for.
 void warn(std::string_view text, Output& output);
+void warn(const Warnings& warnings, Output& output);
 
 /// Left-aligned columns under a line of headings.
 class Table {

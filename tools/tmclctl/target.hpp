@@ -27,6 +27,9 @@ namespace tmclctl {
 using tmcl::AxisUnits;
 using tmcl::Quantity;
 
+/// What the settings of an axis make of moves that nobody may want.
+using Warnings = std::vector<std::string>;
+
 struct ModuleRow {
   std::string bus;
   std::uint16_t address = 0;
@@ -58,6 +61,7 @@ struct ParameterValue {
   std::string name;  ///< Standard name; the number as text for a parameter without one.
   std::int32_t value = 0;
   std::optional<InUnit> in_unit{};  ///< Nothing without a unit, and for what measures nothing.
+  Warnings warnings{};              ///< Of one that was set.
 };
 
 struct ParameterRow {
@@ -129,7 +133,7 @@ struct StartedMove {
   tmcl::Microsteps goal;
   std::optional<double> predicted_s;     ///< How long it will take; nothing where nobody can tell.
   std::optional<InUnit> goal_in_unit{};  ///< Nothing for an axis without a unit.
-  std::vector<std::string> warnings{};
+  Warnings warnings{};
 };
 
 /// A speed that a module has taken.
@@ -137,7 +141,7 @@ struct Turning {
   tmcl::InternalVelocity velocity;
   /// Per second; nothing for an axis without a unit, and where the conversion is not known.
   std::optional<InUnit> in_unit{};
-  std::vector<std::string> warnings{};
+  Warnings warnings{};
 };
 
 struct ScanRange {

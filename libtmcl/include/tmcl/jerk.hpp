@@ -27,6 +27,16 @@ std::int32_t bow_within(PulsesPerSecond3 jerk);
 /// How long an acceleration takes to be reached with it: register / 2^(bow - 1) * 1024 / f.
 double seconds_to(PulsesPerSecond2 acceleration, PulsesPerSecond3 jerk);
 
+/// A ramp from rest to a velocity, or back.
+struct RampLength {
+  double seconds = 0;
+  double microsteps = 0;
+};
+/// All greater than 0; an infinite jerk makes a trapezoid. With a lower one the acceleration rises
+/// and falls, and is not reached at all where the velocity is too low for it.
+RampLength ramp_length(PulsesPerSecond velocity, PulsesPerSecond2 acceleration,
+                       PulsesPerSecond3 jerk);
+
 /// Whether a TMC457 comes to rest with it: above, its acceleration swings around 0.
 bool may_oscillate(std::int32_t bow, PulsesPerSecond2 acceleration);
 

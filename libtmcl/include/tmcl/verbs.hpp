@@ -50,6 +50,9 @@ struct WaitOptions {
   Duration expected{};
   /// An axis that has not moved for so long without having arrived counts as interrupted.
   Duration standstill_limit = std::chrono::seconds(1);
+  /// For so long it must be seen to stand at its target, at every look: an axis that swings about
+  /// it stands there now and then. Zero: two looks, one right after the other.
+  Duration steady{};
 };
 
 struct FoundModule {

@@ -45,6 +45,16 @@ double seconds_to(PulsesPerSecond2 acceleration, PulsesPerSecond3 jerk) {
   return acceleration.value / jerk.value;
 }
 
+RampLength ramp_length(PulsesPerSecond velocity, PulsesPerSecond2 acceleration,
+                       PulsesPerSecond3 jerk) {
+  const double v = velocity.value;
+  const double a = acceleration.value;
+  const double j = jerk.value;
+  double seconds = v / a;
+  if (std::isfinite(j)) seconds = v * j >= a * a ? seconds + a / j : 2 * std::sqrt(v / j);
+  return {seconds, v * seconds / 2};
+}
+
 bool may_oscillate(std::int32_t bow, PulsesPerSecond2 acceleration) {
   constexpr auto unit = tmc457_acceleration_unit;
   const double in_register = acceleration.value * static_cast<double>(unit.denominator) /

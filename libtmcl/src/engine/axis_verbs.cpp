@@ -213,6 +213,7 @@ Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions opti
   const auto call = until_timeout(begin, options.timeout);
   plan::Arrival arrival({}, begin, {options.standstill_limit});
   std::optional<AxisState> last;
+  std::optional<TimePoint> steady_since;
   while (true) {
     const auto look_begin = co_await current_time();
     const auto now = co_await look_at(axis, call);
@@ -221,11 +222,14 @@ Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions opti
     last = *now;
     const auto time = co_await current_time();
     const auto verdict = arrival.judge(reading_of(*now, time));
-    if (verdict == Verdict::arrived) {
+    bool stands_there = verdict == Verdict::arrived;
+    if (stands_there) {
       const auto sure = co_await look_again(axis, call);
-      if (sure && arrival.judge(reading_of(*sure, time)) == Verdict::arrived)
+      stands_there = sure && arrival.judge(reading_of(*sure, time)) == Verdict::arrived;
+      if (stands_there && time - steady_since.value_or(time) >= options.steady)
         co_return sure->position;
     }
+    steady_since = stands_there ? std::optional(steady_since.value_or(time)) : std::nullopt;
     if (verdict == Verdict::stands_elsewhere)
       co_return tl::unexpected(interrupted(axis, *now, "stands still"));
     if (is_over(call, time)) co_return tl::unexpected(still_moving(axis, last));

@@ -231,6 +231,8 @@ CourseLeg Course::leg(std::size_t index) const {
   const auto& leg = plan.legs()[place.leg];
   CourseLeg made{piece.begin + leg.begin,
                  piece.begin + leg.end(),
+                 leg.up,
+                 leg.down,
                  place.line,
                  leg.peak_speed - leg.start_speed > rounding * leg.peak_speed,
                  leg.peak_speed - leg.end_speed > rounding * leg.peak_speed,

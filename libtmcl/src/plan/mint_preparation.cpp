@@ -24,8 +24,9 @@ PathResult<T> as_result(tl::expected<T, TextProblems> read) {
   });
 }
 
-PathResult<Microsteps> target_of(const mint::Move& move, const AxisUnits& axis) {
-  const double there = std::round(move.end * move.scale);
+PathResult<Microsteps> target_of(const mint::Move& move, const MintAxis& moved) {
+  const auto& axis = moved.units;
+  const double there = std::round(move.end * move.scale * moved.microsteps_per_count);
   const auto* row = find_parameter(axis.parameters(), ap::target_position);
   if (row == nullptr || !(there >= row->minimum && there <= row->maximum)) {
     return tl::unexpected(wrong(
@@ -41,11 +42,12 @@ PathResult<Microsteps> target_of(const mint::Move& move, const AxisUnits& axis) 
             fmt::format("line {} moves {} too far: {}", move.line, axis.axis, describe(*too_far))));
 }
 
-PathResult<RampChoice> ramp_of(const mint::Move& move, const AxisUnits& axis) {
+PathResult<RampChoice> ramp_of(const mint::Move& move, const MintAxis& moved) {
+  const auto& axis = moved.units;
   const auto& profile = *move.profile;
-  const RampRequest wish{{profile.speed * move.scale},
-                         {profile.acceleration * move.scale},
-                         {profile.deceleration * move.scale}};
+  const double scale = move.scale * moved.microsteps_per_count;
+  const RampRequest wish{
+      {profile.speed * scale}, {profile.acceleration * scale}, {profile.deceleration * scale}};
   return choose_ramp(*axis.model, wish, *axis.module).map_error([&](const RampOutOfReach& error) {
     return wrong("out_of_range", fmt::format("line {}: {} of {}: {}", move.line,
                                              error.is_velocity ? "SPEED" : "ACCEL", axis.axis,
@@ -76,11 +78,10 @@ PathResult<std::optional<MintDriveMove>> drive_move_of(const mint::Move& move,
   using Made = std::optional<MintDriveMove>;
   const auto axis = index_of(move, axes);
   if (!axis) return tl::unexpected(axis.error());
-  const auto& units = axes[*axis].units;
-  const auto target = target_of(move, units);
+  const auto target = target_of(move, axes[*axis]);
   if (!target) return tl::unexpected(target.error());
   if (!move.profile) return Made{};
-  return ramp_of(move, units).map([&](RampChoice ramp) {
+  return ramp_of(move, axes[*axis]).map([&](RampChoice ramp) {
     for (const auto& remark : ramp.remarks)
       remarks.push_back(fmt::format("line {}: {}", move.line, remark));
     return Made({*axis, *target, std::move(ramp.settings)});
@@ -104,7 +105,8 @@ std::set<unsigned> axes_moved_by(const mint::Program& program) {
 
 PathResult<MintPlan> plan_mint(const mint::Program& program, const std::vector<MintAxis>& axes) {
   mint::Positions start{};
-  for (const auto& axis : axes) start.at(axis.number) = axis.position.value;
+  for (const auto& axis : axes)
+    start.at(axis.number) = axis.position.value / axis.microsteps_per_count;
   const auto run = as_result(mint::dry_run(program, start));
   if (!run) return tl::unexpected(run.error());
   MintPlan plan;

@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "tmcl/parameter_number.hpp"
+#include "tmcl/scale_factor.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -53,7 +54,7 @@ PathResult<double> microsteps_of_unit(const PathAxisFacts& facts, std::optional<
   const double turn = facts.scale->steps.per_revolution();
   if (!facts.scale->unit.empty()) {
     const double direction = facts.scale->reverse ? -1 : 1;
-    return direction * turn / facts.scale->units_per_motor_revolution();
+    return direction * tmcl::microsteps_per_unit(*facts.scale);
   }
   if (per_turn) return turn / *per_turn;
   return tl::unexpected(wrong("unknown_unit", fmt::format("{} has no unit", name)));
@@ -223,7 +224,7 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
   axis.choice = facts.choice;
   axis.stream = {*scale,
                  *facts.units,
-                 greatest(ap::target_velocity),
+                 std::min(facts.ramp.velocity, greatest(ap::target_velocity)),
                  greatest(ap::max_acceleration),
                  greatest(number_of("stop_velocity")),
                  {},

@@ -16,60 +16,88 @@ namespace {
 using enum Quantity;
 using Kind = SolveError::Kind;
 
-constexpr std::array<std::string_view, quantity_count> quantity_names{
-    "distance",          "speed",     "acceleration",      "deceleration",
-    "acceleration_time", "slew_time", "deceleration_time", "total_time"};
+constexpr std::array<std::string_view, every_quantity_count> quantity_names{
+    "distance",
+    "speed",
+    "acceleration",
+    "deceleration",
+    "acceleration_time",
+    "slew_time",
+    "deceleration_time",
+    "total_time",
+    "initial_speed",
+    "final_speed",
+    "acceleration_distance",
+    "slew_distance",
+    "deceleration_distance"};
 constexpr std::array<std::string_view, 3> assumption_names{"none", "symmetric", "thirds"};
 constexpr std::array assumptions{Assumption::none, Assumption::symmetric, Assumption::thirds};
 
 /// One bit for each quantity.
 using Set = unsigned;
 constexpr Set no_quantity = 0;
-constexpr Set every_quantity = (1U << quantity_count) - 1;
+constexpr Set every_quantity = (1U << every_quantity_count) - 1;
+/// Those that determine a profile: what comes after them follows from them.
+constexpr Set main_quantities = (1U << quantity_count) - 1;
 
 constexpr Set bit(Quantity quantity) { return 1U << static_cast<unsigned>(quantity); }
+/// They say what is asked, and are no part of an answer.
+constexpr Set end_speeds = bit(initial_speed) | bit(final_speed);
 
 std::vector<Quantity> members(Set set) {
   std::vector<Quantity> list;
-  for (const auto quantity : quantities) {
+  for (unsigned i = 0; i < every_quantity_count; ++i) {
+    const auto quantity = static_cast<Quantity>(i);
     if (set & bit(quantity)) list.push_back(quantity);
   }
   return list;
 }
 
-Set set_of(const Given& given) {
+Set with_ends(const Given& given) {
   Set set = no_quantity;
-  for (const auto quantity : quantities) set |= given[quantity] ? bit(quantity) : no_quantity;
+  for (const auto quantity : members(every_quantity))
+    set |= given[quantity] ? bit(quantity) : no_quantity;
   return set;
 }
+Set set_of(const Given& given) { return with_ends(given) & ~end_speeds; }
 
 Given only(Set set, const Given& given) {
   Given part;
-  for (const auto quantity : members(set)) part[quantity] = given[quantity];
+  for (const auto quantity : members(set | end_speeds)) part[quantity] = given[quantity];
   return part;
 }
 
 /// The subsets of a set, the small ones first; itself among them.
 std::vector<Set> subsets(Set whole) {
-  std::vector<Set> all;
-  for (Set set = 0; set <= every_quantity; ++set) {
-    if ((set & ~whole) == 0) all.push_back(set);
-  }
+  std::vector<Set> all{no_quantity};
+  for (Set set = whole & (~whole + 1); set != no_quantity; set = (set - whole) & whole)
+    all.push_back(set);
   std::ranges::stable_sort(all, {}, [](Set set) { return std::popcount(set); });
   return all;
 }
 
-// What is enough does not depend on the values, so any ordinary profile tells.
-Given ordinary(Assumption assumption) {
+// What is enough does not depend on the values, so any ordinary profile tells: one whose ends are
+// as different as those of the question.
+Given ordinary(Assumption assumption, const Given& ends) {
+  const double top = 8;
+  const double u = ends[initial_speed].value_or(0) > 0 ? 2 : 0;
+  const bool alike = ends[initial_speed].value_or(0) == ends[final_speed].value_or(0);
+  const double w = alike ? u : 3;
   const double up = 0.3;
   const double slew = assumption == Assumption::thirds ? up : 1.1;
-  const double down = assumption == Assumption::none ? 0.7 : up;
-  const double top = 8;
+  const bool equal_times = assumption == Assumption::thirds || alike;
+  const double of_equal_rates = equal_times ? up : up * (top - w) / (top - u);
+  const double down = assumption == Assumption::none ? 0.7 : of_equal_rates;
   Given profile;
-  profile[distance] = top * (up / 2 + slew + down / 2);
+  profile[initial_speed] = u;
+  profile[final_speed] = w;
+  profile[acceleration_distance] = (u + top) * up / 2;
+  profile[slew_distance] = top * slew;
+  profile[deceleration_distance] = (top + w) * down / 2;
+  profile[distance] = (u + top) * up / 2 + top * slew + (top + w) * down / 2;
   profile[speed] = top;
-  profile[acceleration] = top / up;
-  profile[deceleration] = top / down;
+  profile[acceleration] = (top - u) / up;
+  profile[deceleration] = (top - w) / down;
   profile[acceleration_time] = up;
   profile[slew_time] = slew;
   profile[deceleration_time] = down;
@@ -77,22 +105,24 @@ Given ordinary(Assumption assumption) {
   return profile;
 }
 
-bool suffices(Set set, Assumption assumption) {
-  return Derivation(only(set, ordinary(assumption)), assumption).complete();
+bool suffices(Set set, Assumption assumption, const Given& ends) {
+  return Derivation(only(set, ordinary(assumption, ends)), assumption).complete();
 }
 
 /// The smallest sets that make it enough.
-std::vector<Set> completions(Set known, Assumption assumption) {
+std::vector<Set> completions(Set known, Assumption assumption, const Given& ends) {
   std::vector<Set> smallest;
-  for (const auto more : subsets(every_quantity & ~known)) {
+  for (const auto more : subsets(main_quantities & ~known)) {
     if (!smallest.empty() && std::popcount(more) > std::popcount(smallest.front())) break;
-    if (suffices(known | more, assumption)) smallest.push_back(more);
+    if (suffices(known | more, assumption, ends)) smallest.push_back(more);
   }
   return smallest;
 }
 
 bool is_possible(Quantity quantity, double value) {
-  return std::isfinite(value) && (quantity == slew_time ? value >= 0 : value > 0);
+  const bool may_be_nothing =
+      (bit(quantity) & (end_speeds | bit(slew_time) | bit(slew_distance))) != no_quantity;
+  return std::isfinite(value) && (may_be_nothing ? value >= 0 : value > 0);
 }
 
 /// What a solve was asked.
@@ -112,14 +142,14 @@ struct Question {
 
 Set invalid_values(const Given& given) {
   Set invalid = no_quantity;
-  for (const auto quantity : members(set_of(given)))
+  for (const auto quantity : members(with_ends(given)))
     invalid |= is_possible(quantity, *given[quantity]) ? no_quantity : bit(quantity);
   return invalid;
 }
 
 SolveError insufficient(const Question& question) {
   auto error = question.error(Kind::insufficient, no_quantity);
-  const auto smallest = completions(set_of(question.given), question.assumption);
+  const auto smallest = completions(set_of(question.given), question.assumption, question.given);
   error.missing = static_cast<std::size_t>(std::popcount(smallest.front()));
   Set candidates = smallest.front();
   if (error.missing == 1) {
@@ -249,8 +279,21 @@ bool agrees(const Question& question, const Derivation& derivation) {
 
 Profile profile_of(const Given& known) {
   const auto of = [&](Quantity quantity) { return *known[quantity]; };
-  return {of(distance),          of(speed),     of(acceleration),      of(deceleration),
-          of(acceleration_time), of(slew_time), of(deceleration_time), of(total_time)};
+  const double u = known[initial_speed].value_or(0);
+  const double w = known[final_speed].value_or(0);
+  return {of(distance),
+          of(speed),
+          of(acceleration),
+          of(deceleration),
+          of(acceleration_time),
+          of(slew_time),
+          of(deceleration_time),
+          of(total_time),
+          u,
+          w,
+          (u + of(speed)) / 2 * of(acceleration_time),
+          of(speed) * of(slew_time),
+          (of(speed) + w) / 2 * of(deceleration_time)};
 }
 
 // ---- What is said of an error
@@ -295,6 +338,9 @@ class Wording {
     for (const auto quantity : error_.culprits)
       items.push_back(
           fmt::format("{} {}", name_of(quantity), value(quantity, *error_.known[quantity])));
+    for (const auto quantity : members(with_ends(error_.known) & end_speeds))
+      items.push_back(
+          fmt::format("{} {}", name_of(quantity), value(quantity, *error_.known[quantity])));
     if (error_.assumption != Assumption::none)
       items.push_back(fmt::format("the assumption '{}'", name_of(error_.assumption)));
     return enumerated(items, "and");
@@ -303,7 +349,7 @@ class Wording {
   std::string invalid() const {
     const auto quantity = error_.culprits.front();
     return fmt::format("{} must be a finite number {}, not {}", name_of(quantity),
-                       quantity == slew_time ? "of at least 0" : "above 0",
+                       is_possible(quantity, 0) ? "of at least 0" : "above 0",
                        *error_.known[quantity]);
   }
 
@@ -369,7 +415,7 @@ std::string_view name_of(Quantity quantity) {
 std::optional<Quantity> quantity_named(std::string_view name) {
   const auto* found = std::ranges::find(quantity_names, name);
   if (found == quantity_names.end()) return std::nullopt;
-  return quantities[static_cast<std::size_t>(found - quantity_names.begin())];
+  return static_cast<Quantity>(found - quantity_names.begin());
 }
 
 std::string_view name_of(Assumption assumption) {
@@ -392,6 +438,11 @@ double Profile::operator[](Quantity quantity) const {
     case Quantity::slew_time: return slew_time;
     case Quantity::deceleration_time: return deceleration_time;
     case Quantity::total_time: return total_time;
+    case Quantity::initial_speed: return initial_speed;
+    case Quantity::final_speed: return final_speed;
+    case Quantity::acceleration_distance: return acceleration_distance;
+    case Quantity::slew_distance: return slew_distance;
+    case Quantity::deceleration_distance: return deceleration_distance;
   }
   return 0;
 }
@@ -399,28 +450,36 @@ double Profile::operator[](Quantity quantity) const {
 double Profile::position_at(double time) const {
   if (time <= 0) return 0;
   if (time >= total_time) return distance;
-  if (time < acceleration_time) return acceleration * time * time / 2;
+  if (time < acceleration_time) return time * (initial_speed + acceleration * time / 2);
   const double left = total_time - time;
-  if (left < deceleration_time) return distance - deceleration * left * left / 2;
-  return speed * (time - acceleration_time / 2);
+  if (left < deceleration_time) return distance - left * (final_speed + deceleration * left / 2);
+  return speed * (time - acceleration_time) + (initial_speed + speed) / 2 * acceleration_time;
 }
 
 double Profile::speed_at(double time) const {
-  if (time <= 0 || time >= total_time) return 0;
-  return std::min({speed, acceleration * time, deceleration * (total_time - time)});
+  if (time <= 0) return initial_speed;
+  if (time >= total_time) return final_speed;
+  return std::min({speed, initial_speed + acceleration * time,
+                   final_speed + deceleration * (total_time - time)});
 }
 
 std::string with_unit(Quantity quantity, double value, std::string_view length_unit,
                       std::string_view time_unit) {
   const auto number = fmt::format("{:.6g}", value);
   switch (quantity) {
-    case distance: return length_unit.empty() ? number : fmt::format("{} {}", number, length_unit);
+    case distance:
+    case acceleration_distance:
+    case slew_distance:
+    case deceleration_distance:
+      return length_unit.empty() ? number : fmt::format("{} {}", number, length_unit);
     case speed:
+    case initial_speed:
+    case final_speed:
     case acceleration:
     case deceleration: {
       if (length_unit.empty() || time_unit.empty()) return number;
-      return fmt::format("{} {}/{}{}", number, length_unit, time_unit,
-                         quantity == speed ? "" : "^2");
+      const bool is_rate = quantity == acceleration || quantity == deceleration;
+      return fmt::format("{} {}/{}{}", number, length_unit, time_unit, is_rate ? "^2" : "");
     }
     default: return time_unit.empty() ? number : fmt::format("{} {}", number, time_unit);
   }
@@ -434,7 +493,7 @@ std::string describe(const SolveError& error, std::string_view length_unit,
 bool is_sufficient(const std::vector<Quantity>& known, Assumption assumption) {
   Set set = no_quantity;
   for (const auto quantity : known) set |= bit(quantity);
-  return suffices(set, assumption);
+  return suffices(set, assumption, {});
 }
 
 tl::expected<Profile, SolveError> solve(const Given& given, Assumption assumption) {

@@ -1,6 +1,7 @@
 #include "tmcl/plan/stream.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <fmt/format.h>
@@ -8,6 +9,25 @@
 #include "plan/stream_runner.hpp"
 
 namespace tmcl::plan {
+
+using namespace std::string_view_literals;
+
+namespace {
+
+constexpr std::array mode_names{std::pair(StreamMode::velocity, "velocity"sv),
+                                std::pair(StreamMode::segments, "segments"sv),
+                                std::pair(StreamMode::position, "position"sv)};
+
+}  // namespace
+
+std::string_view name_of(StreamMode mode) {
+  return std::ranges::find(mode_names, mode, &decltype(mode_names)::value_type::first)->second;
+}
+
+std::optional<StreamMode> stream_mode_named(std::string_view name) {
+  const auto found = std::ranges::find(mode_names, name, &decltype(mode_names)::value_type::second);
+  return found == mode_names.end() ? std::nullopt : std::optional(found->first);
+}
 
 double AxisTracking::rms() const {
   return readings == 0 ? 0 : std::sqrt(squares / static_cast<double>(readings));
@@ -66,7 +86,7 @@ void PathStream::Runner::on_answered(Duration took) {
 }
 
 void PathStream::Runner::on_written(std::size_t axis, Setting setting) {
-  if (options_.mode == StreamMode::velocity) return;
+  if (options_.mode != StreamMode::position) return;
   let_twin_run(axis, middle());
   axes_[axis].info.twin->set(setting);
 }
@@ -109,6 +129,24 @@ Script<DriveRunner::Fault> PathStream::Runner::measure() {
   co_return std::nullopt;
 }
 
+Script<DriveRunner::Fault> PathStream::Runner::prepare() {
+  switch (options_.mode) {
+    case StreamMode::velocity: return prepare_velocities();
+    case StreamMode::segments: return prepare_segments();
+    case StreamMode::position: break;
+  }
+  return prepare_legs();
+}
+
+Script<DriveRunner::Fault> PathStream::Runner::pass_course() {
+  switch (options_.mode) {
+    case StreamMode::velocity: return by_velocity();
+    case StreamMode::segments: return by_segments();
+    case StreamMode::position: break;
+  }
+  return by_position();
+}
+
 Script<DriveRunner::Fault> PathStream::Runner::whole() {
   Fault result;
   if (options_.to_start) {
@@ -118,17 +156,12 @@ Script<DriveRunner::Fault> PathStream::Runner::whole() {
   }
   phase_ = Phase::before;
   if (!result) result = co_await measure();
-  const bool by_velocities = options_.mode == StreamMode::velocity;
-  if (!result && by_velocities) result = co_await prepare_velocities();
-  if (!result && !by_velocities) result = co_await prepare_legs();
+  const bool by_velocities = options_.mode != StreamMode::position;
+  if (!result) result = co_await prepare();
   if (!result) {
     const auto begin = now_;
     phase_ = Phase::running;
-    if (by_velocities) {
-      result = co_await by_velocity();
-    } else {
-      result = co_await by_position();
-    }
+    result = co_await pass_course();
     phase_ = Phase::after;
     heeds_stop_ = false;
     report_.passed_s = seconds(now_ - begin);

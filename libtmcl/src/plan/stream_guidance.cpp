@@ -38,13 +38,21 @@ constexpr std::int32_t farthest_of_others = 1 << 30;
 }  // namespace
 
 const Guidance& guidance_of(Family family) {
-  static constexpr Guidance tmc429{true, one_acceleration, tmc429_settings, tmc429_goes_to_target,
+  static constexpr Guidance tmc429{true,
+                                   one_acceleration,
+                                   ap::max_acceleration,
+                                   tmc429_settings,
+                                   tmc429_goes_to_target,
                                    farthest_of_tmc429};
-  static constexpr Guidance tmc457{true, tmc457_accelerations, tmc457_settings,
-                                   tmc457_goes_to_target, farthest_of_others};
-  static constexpr Guidance sixpoint{true, sixpoint_accelerations, sixpoint_settings,
-                                     sixpoint_goes_to_target, farthest_of_others};
-  static constexpr Guidance by_velocities{false, one_acceleration, {}, {}, 0};
+  static constexpr Guidance tmc457{
+      true, tmc457_accelerations, dmax, tmc457_settings, tmc457_goes_to_target, farthest_of_others};
+  static constexpr Guidance sixpoint{true,
+                                     sixpoint_accelerations,
+                                     ap::max_acceleration,
+                                     sixpoint_settings,
+                                     sixpoint_goes_to_target,
+                                     farthest_of_others};
+  static constexpr Guidance by_velocities{false, one_acceleration, ap::max_acceleration, {}, {}, 0};
   switch (family) {
     case Family::tmc429: return tmc429;
     case Family::tmc457: return tmc457;
@@ -65,10 +73,21 @@ Script<DriveRunner::Fault> PathStream::Runner::prepare_targets(std::size_t axis)
   co_return refused;
 }
 
+Script<DriveRunner::Fault> PathStream::Runner::set_out() {
+  const auto start = course_.at(0).position;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    axes_[axis].motion = {now_, start[axis] * axes_[axis].info.microsteps_per_unit};
+    Fault wrong;
+    if (has_targets(axis)) wrong = co_await set_out(axis);
+    if (wrong) co_return wrong;
+  }
+  co_return std::nullopt;
+}
+
 Script<DriveRunner::Fault> PathStream::Runner::set_out(std::size_t axis) {
   if (auto asked = asked_to_stop()) co_return asked;
   auto& here = axes_[axis];
-  here.target = target_from(axis, here.position);
+  here.target = target_from(axis, here.motion.position);
   co_await command({Kind::move_to, axis, 0, here.target});
   if (!answer_) co_return refusal(axis);
   here.told = guidance_of(here.info.family).told;
@@ -77,18 +96,20 @@ Script<DriveRunner::Fault> PathStream::Runner::set_out(std::size_t axis) {
 }
 
 // Targets are parameter 0, which does not start a motor that somebody stopped.
-Script<DriveRunner::Fault> PathStream::Runner::guide(std::size_t axis, std::int32_t velocity) {
+Script<DriveRunner::Fault> PathStream::Runner::guide(std::size_t axis, std::int32_t velocity,
+                                                     double next_update) {
   auto& here = axes_[axis];
   std::optional<TimePoint> turned;
   const double from = expected(axis, now_);
   const bool is_near = std::abs(here.target - from) < guidance_of(here.info.family).farthest / 2;
-  const bool turns = turn(axis, velocity);
+  const bool turns = turn(axis, velocity, next_update);
   const auto target = turns || is_near ? target_from(axis, from) : here.target;
   if (target != here.target) {
     co_await command({Kind::set, axis, ap::target_position, target});
     if (!answer_) co_return refusal(axis);
-    here.position = expected(axis, middle());
-    here.at = middle();
+    here.motion.position = expected(axis, middle());
+    here.motion.speed = here.motion.speed_at(middle());
+    here.motion.begin = middle();
     here.target = target;
     if (turns) turned = middle();
   }
@@ -101,20 +122,36 @@ Script<DriveRunner::Fault> PathStream::Runner::guide(std::size_t axis, std::int3
   co_return std::nullopt;
 }
 
+// On the way to the target that it has, by the acceleration with which it gets slower. At the
+// target it has stopped.
+bool PathStream::Runner::stops_in_time(std::size_t axis) const {
+  const auto& here = axes_[axis];
+  const auto then = now_ + report_.round_trip / 2;
+  const double way = (here.target - expected(axis, then)) * heading(axis);
+  const double speed = here.motion.speed_at(then) * heading(axis);
+  if (speed <= 0 || way <= 1) return true;
+  const auto slowing = settings_[axis].now(guidance_of(here.info.family).slowing);
+  return speed * speed <= 2 * acceleration_of(axis, slowing.value_or(0)) * (way - 1);
+}
+
 // Once the course has turned; or a little earlier, if it does so before the next update and leads
 // back all in all.
-bool PathStream::Runner::turn(std::size_t axis, std::int32_t velocity) {
+bool PathStream::Runner::turn_is_due(std::size_t axis, std::int32_t velocity,
+                                     double next_update) const {
   const auto turns = course_.turns(axis);
-  auto& stretch = axes_[axis].stretch;
-  const auto before = stretch;
-  const double next_update = clock_.passed_in(report_.period);
-  while (stretch + 1 < turns.size()) {
-    const double time = turns[stretch].time;
-    const bool leads_back = heading(axis) * velocity < 0;
-    if (time > clock_.passed() && !(leads_back && time < next_update)) break;
-    ++stretch;
-  }
-  return stretch != before;
+  const auto stretch = axes_[axis].stretch;
+  if (stretch + 1 >= turns.size()) return false;
+  const double time = turns[stretch].time;
+  const bool leads_back = heading(axis) * velocity < 0;
+  return time <= clock_.passed() || (leads_back && time < next_update);
+}
+
+// Not while it would go beyond the place where the course turns.
+bool PathStream::Runner::turn(std::size_t axis, std::int32_t velocity, double next_update) {
+  if (!stops_in_time(axis)) return false;
+  const auto before = axes_[axis].stretch;
+  while (turn_is_due(axis, velocity, next_update)) ++axes_[axis].stretch;
+  return axes_[axis].stretch != before;
 }
 
 int PathStream::Runner::heading(std::size_t axis) const {

@@ -30,8 +30,6 @@ constexpr Duration look_interval = std::chrono::milliseconds(10);
 // A leg is loaded earlier than it has to be, in case that it takes longer; by so much at most.
 constexpr double max_lead_s = 0.02;
 
-// On a leg, and between its loads, an axis is looked at so often.
-constexpr Duration watch_interval = std::chrono::milliseconds(20);
 constexpr std::size_t commands_of_a_look = 2;
 
 // An axis on an even leg may go on beyond its end for so long, and be so far off the course then,
@@ -380,7 +378,9 @@ double PathStream::Runner::pace(const Passage& passage, double speed, std::size_
 
 std::int32_t PathStream::Runner::velocity_in(const Passage& passage, double speed,
                                              std::size_t axis) {
-  return in_units(axis, speed * pace(passage, speed, axis), axes_[axis].info.units.velocity);
+  const auto& info = axes_[axis].info;
+  return std::min(in_units(axis, speed * pace(passage, speed, axis), info.units.velocity),
+                  info.greatest_velocity);
 }
 
 PathStream::Runner::Ramps PathStream::Runner::no_ramps(std::size_t axis) const {
@@ -417,7 +417,7 @@ PathStream::Runner::Ramps PathStream::Runner::ramps_for(const Passage& passage, 
 }
 
 double PathStream::Runner::expected_of_twin(std::size_t axis) const {
-  return axes_[axis].info.twin->motion().position.value + axes_[axis].position;
+  return axes_[axis].info.twin->motion().position.value + axes_[axis].ahead_of_twin;
 }
 
 // A command takes effect earlier or later than its twin is told; where that makes a motor stand for
@@ -425,7 +425,7 @@ double PathStream::Runner::expected_of_twin(std::size_t axis) const {
 void PathStream::Runner::correct_twin(std::size_t axis) {
   const double position = *answer_;
   let_twin_run(axis, middle());
-  axes_[axis].position += observer_gain * (position - expected_of_twin(axis));
+  axes_[axis].ahead_of_twin += observer_gain * (position - expected_of_twin(axis));
 }
 
 // What matters for braking comes after the target: written before, it would brake for the old one.

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "plan/drive_runner.hpp"
+#include "plan/speed_ramp.hpp"
 #include "tmcl/plan/stream.hpp"
 #include "tmcl/seconds.hpp"
 
@@ -28,6 +29,9 @@ class CourseClock {
   double passed() const { return passed_; }
   /// So much later than the last advance().
   double passed_in(Duration ahead) const;
+  double passed_at(TimePoint time) const { return passed_in(time - at_); }
+  /// Neither paused, nor on the way into a pause or out of one.
+  bool is_at_full_rate() const { return !paused_ && rate_ == 1; }
 
  private:
   double passed_after(double time, double& rate) const;
@@ -44,11 +48,33 @@ class CourseClock {
 struct Guidance {
   bool by_targets = true;                       ///< Otherwise by ROR and ROL.
   std::span<const std::uint8_t> accelerations;  ///< Up and down; the first is that of ROR, too.
-  std::span<const Setting> settings{};          ///< That go with it.
+  std::uint8_t slowing;  ///< The one of these by which it goes down to a lower speed.
+  std::span<const Setting> settings{};  ///< That go with it.
   Setting told{};             ///< What it reads on the way; as parameter 2, the greatest speed.
   std::int32_t farthest = 0;  ///< Target, in microsteps: others may be reached the other way round.
 };
 const Guidance& guidance_of(Family family);
+
+/// The times at which the speed of an axis bends: where a leg begins, where it begins to slow down,
+/// and where the course comes to a stand.
+class CourseBends {
+ public:
+  /// After a joint at which speeds jump and then grow, there is a bend so much later.
+  CourseBends(const Course& course, double joint_s) : course_(&course), joint_s_(joint_s) {}
+  /// The first one that is not before `time`; after the last one, the end. No time may be before
+  /// that of the call before.
+  double not_before(double time);
+  /// Whether the speed of an axis changes at once there.
+  bool jumps_at(double time) const;
+
+ private:
+  const Course* course_;
+  double joint_s_;
+  std::size_t leg_ = 0;
+};
+
+/// On a leg, and between its loads, an axis is looked at so often.
+constexpr Duration watch_interval = std::chrono::milliseconds(20);
 
 /// A long course is not looked at all at once, which would take seconds: whoever runs the stream is
 /// waited for after so many legs, or points.
@@ -63,7 +89,7 @@ class PathStream::Runner final : public DriveRunner {
 
   void pause(bool on) {
     pause_asked_ = on;
-    if (options_.mode == StreamMode::velocity) clock_.pause(on);
+    if (options_.mode != StreamMode::position) clock_.pause(on);
     if (phase_ == Phase::running && on) phase_ = Phase::pausing;
     if (phase_ == Phase::pausing && !on) phase_ = Phase::running;
   }
@@ -76,17 +102,16 @@ class PathStream::Runner final : public DriveRunner {
     StreamAxis info;
     // What a parameter reads as long as nobody else stops or turns it.
     std::optional<Setting> told;
-    std::optional<std::int32_t> velocity;  // in velocity mode, of the last update
-    std::size_t stretch = 0;               // in velocity mode: which of the course's turns is next
-    std::int32_t target = 0;               // in velocity mode: where it is sent
-    // Velocity mode: where it should be by what it was told, in microsteps, and when that was.
-    // Position mode: how far it is ahead of its twin.
-    double position = 0;
-    double pps = 0;
-    TimePoint at{};
+    std::optional<std::int32_t> velocity;   // in velocity mode, of the last update
+    int place = 0;                          // by segments: in the order in which the axes are told
+    std::optional<TimePoint> brought_back;  // by segments: where it should be, by then
+    std::size_t stretch = 0;                // in velocity mode: which of the course's turns is next
+    std::int32_t target = 0;                // in velocity mode: where it is sent
+    SpeedRamp motion{};  // in velocity mode: what it should do by what it was told
     TimePoint due{};
-    double steepest = 0;    // in velocity mode, between updates; in units a second squared
-    Duration twin_begin{};  // what its twin counted at twin_start_
+    double steepest = 0;       // in velocity mode, between updates; in units a second squared
+    double ahead_of_twin = 0;  // position mode, in microsteps
+    Duration twin_begin{};     // what its twin counted at twin_start_
     std::int32_t joint_acceleration = 0;  // position mode
   };
 
@@ -95,6 +120,8 @@ class PathStream::Runner final : public DriveRunner {
   Script<Fault> whole() override;
   void on_answered(Duration took) override;
   Script<Fault> measure();
+  Script<Fault> prepare();
+  Script<Fault> pass_course();
   Script<Fault> arrive_at_end();
   Script<Fault> go_to(AxisValues position, TimePoint limit);
   void on_written(std::size_t axis, Setting setting) override;
@@ -116,7 +143,47 @@ class PathStream::Runner final : public DriveRunner {
   Script<Fault> find_steepest();
   Script<Fault> raise_accelerations(std::size_t axis);
   double acceleration_of(std::size_t axis, std::int32_t value) const;
+  static std::int32_t greatest_acceleration_of(const StreamAxis& axis);
   void set_pause_ramp();
+
+  Script<Fault> set_out();
+  Script<Fault> tell_velocity(std::size_t axis, std::int32_t velocity, double next_update);
+
+  // Velocity mode, by segments.
+  /// For how long the axes keep what they are told, and where they are to be then.
+  struct SegmentSpan {
+    TimePoint begin;
+    TimePoint end;
+    double course_end;
+    PathState at_end;
+    bool smooth;     ///< The course has no joint there.
+    Duration early;  ///< How long before its begin it is told, for half of the jump there.
+    bool full_rate;
+  };
+  Script<Fault> prepare_segments();
+  Script<Fault> by_segments();
+  Script<Fault> end_by_targets();
+  SegmentSpan span_from(TimePoint begin);
+  SegmentSpan span_of_course(TimePoint begin);
+  SegmentSpan span_of_pause(TimePoint begin) const;
+  Script<Fault> pass_segment(const SegmentSpan& span);
+  Script<Fault> tell_segment(std::size_t axis, const SegmentSpan& span);
+  Script<Fault> set_slopes(std::size_t axis, double speed, double slope, double braking);
+  Script<Fault> set_slope(std::size_t axis, std::uint8_t parameter, double slope);
+  Script<Fault> watch_segment(const SegmentSpan& span, TimePoint until_time);
+  std::vector<std::size_t> order_of(const SegmentSpan& span);
+  Script<Fault> turn_late_ones(const SegmentSpan& span);
+  Script<Fault> bring_back(std::size_t axis, const SegmentSpan& span);
+  Script<Fault> end_corrections(const SegmentSpan& span);
+  Script<Fault> tell_rest(std::size_t axis, const SegmentSpan& span);
+  SegmentTask task_of(std::size_t axis, const SegmentSpan& span) const;
+  double speed_for(std::size_t axis, const SegmentTask& task, const Segment& wanted) const;
+  double slope_now(std::size_t axis, double speed) const;
+  double braking_needed(std::size_t axis, const SegmentSpan& span, double speed) const;
+  double own_slope(std::size_t axis) const;
+  double least_slope(std::size_t axis, const SegmentSpan& span, double speed) const;
+  double greatest_slope(std::size_t axis, bool smooth) const;
+  TimePoint told_at(std::size_t axis, const SegmentSpan& span) const;
 
   // Velocity mode, by targets.
   bool has_targets(std::size_t axis) const {
@@ -124,8 +191,11 @@ class PathStream::Runner final : public DriveRunner {
   }
   Script<Fault> prepare_targets(std::size_t axis);
   Script<Fault> set_out(std::size_t axis);
-  Script<Fault> guide(std::size_t axis, std::int32_t velocity);
-  bool turn(std::size_t axis, std::int32_t velocity);
+  /// `next_update`: of the course.
+  Script<Fault> guide(std::size_t axis, std::int32_t velocity, double next_update);
+  bool turn(std::size_t axis, std::int32_t velocity, double next_update);
+  bool stops_in_time(std::size_t axis) const;
+  bool turn_is_due(std::size_t axis, std::int32_t velocity, double next_update) const;
   int heading(std::size_t axis) const;
   std::int32_t target_from(std::size_t axis, double position) const;
 
@@ -186,9 +256,10 @@ class PathStream::Runner final : public DriveRunner {
   std::vector<Axis> axes_;
   StreamReport report_;
   TimePoint twin_start_{};
-  std::size_t watched_ = 0;            // position mode: the axis that is looked at next
+  std::size_t watched_ = 0;            // the axis that is looked at next
   std::optional<CourseLeg> even_leg_;  // position mode: the one that is passed evenly
   CourseClock clock_;
+  CourseBends bends_{course_, 0};
   bool pause_asked_ = false;
   Phase phase_ = Phase::before;
 };

@@ -1,6 +1,7 @@
 // A stream of velocities.
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 #include "plan/stream_runner.hpp"
 
@@ -16,16 +17,16 @@ constexpr double pause_ramps = 2;
 // How many updates are looked at to know how steep a course is.
 constexpr double most_samples = 1e6;
 
+}  // namespace
+
 // With more, a TMC429 may oscillate around its target: 2^(ramp_div - pulse_div + 12) - 1, in its
 // units of velocity and acceleration.
-std::int32_t greatest_acceleration_of(const StreamAxis& axis) {
+std::int32_t PathStream::Runner::greatest_acceleration_of(const StreamAxis& axis) {
   if (axis.family != Family::tmc429) return axis.greatest_acceleration;
   const double speed = axis.units.velocity.value;
   const double most = (1 << 15) * speed * speed / axis.units.acceleration.value - 1;
   return static_cast<std::int32_t>(std::min<double>(axis.greatest_acceleration, most));
 }
-
-}  // namespace
 
 Script<DriveRunner::Fault> PathStream::Runner::prepare_velocities() {
   const auto commands = static_cast<double>(2 * axes_.size() + 1);
@@ -96,19 +97,14 @@ void PathStream::Runner::set_pause_ramp() {
 }
 
 Script<DriveRunner::Fault> PathStream::Runner::by_velocity() {
-  const auto start = course_.at(0).position;
-  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
-    axes_[axis].position = start[axis] * axes_[axis].info.microsteps_per_unit;
-    Fault wrong;
-    if (has_targets(axis)) wrong = co_await set_out(axis);
-    if (wrong) co_return wrong;
-  }
-  for (auto& axis : axes_) axis.at = axis.due = now_;
+  auto wrong = co_await set_out();
+  if (wrong) co_return wrong;
+  for (auto& axis : axes_) axis.due = now_;
   clock_.start(now_, clock_.paused());
   for (std::size_t round = 0;; ++round) {
     const auto begin = now_;
     for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
-      auto wrong = co_await update(axis);
+      wrong = co_await update(axis);
       if (wrong) co_return wrong;
     }
     ++report_.updates;
@@ -129,9 +125,15 @@ Script<DriveRunner::Fault> PathStream::Runner::update(std::size_t axis) {
   if (wrong) co_return wrong;
   axes_[axis].due = now_ + report_.period;
   clock_.advance(now_);
-  const auto velocity = velocity_for(axis);
+  wrong = co_await tell_velocity(axis, velocity_for(axis), clock_.passed_in(report_.period));
+  co_return wrong;
+}
+
+Script<DriveRunner::Fault> PathStream::Runner::tell_velocity(std::size_t axis,
+                                                             std::int32_t velocity,
+                                                             double next_update) {
   if (has_targets(axis)) {
-    wrong = co_await guide(axis, velocity);
+    auto wrong = co_await guide(axis, velocity, next_update);
     co_return wrong;
   }
   if (axes_[axis].velocity == velocity) co_return std::nullopt;
@@ -144,11 +146,11 @@ Script<DriveRunner::Fault> PathStream::Runner::update(std::size_t axis) {
 
 // On its way to a target it stops there.
 double PathStream::Runner::expected(std::size_t axis, TimePoint at) const {
-  const auto& here = axes_[axis];
-  const double on = here.position + here.pps * seconds(at - here.at);
-  if (!has_targets(axis) || here.pps == 0) return on;
-  return here.pps > 0 ? std::min(on, std::max<double>(here.target, here.position))
-                      : std::max(on, std::min<double>(here.target, here.position));
+  const auto& [motion, target] = std::tie(axes_[axis].motion, axes_[axis].target);
+  const double on = motion.position_at(at);
+  if (!has_targets(axis)) return on;
+  return heading(axis) > 0 ? std::min(on, std::max<double>(target, motion.position))
+                           : std::max(on, std::min<double>(target, motion.position));
 }
 
 std::int32_t PathStream::Runner::velocity_for(std::size_t axis) const {
@@ -167,22 +169,20 @@ std::int32_t PathStream::Runner::velocity_for(std::size_t axis) const {
   return static_cast<std::int32_t>(std::lround(std::clamp(value, -most, most)));
 }
 
-// The ramp to the new velocity costs, or brings, half of what the change makes in its time.
 void PathStream::Runner::note_velocity(std::size_t axis, std::int32_t velocity, TimePoint at) {
   auto& here = axes_[axis];
-  const double pps = velocity * here.info.units.velocity.value;
-  const double change = pps - here.pps;
-  const auto parameter = guidance_of(here.info.family).accelerations.front();
+  const auto& guidance = guidance_of(here.info.family);
+  const bool slower = std::abs(velocity) < std::abs(here.velocity.value_or(0));
+  const auto parameter = slower ? guidance.slowing : guidance.accelerations.front();
   const double acceleration = acceleration_of(axis, settings_[axis].now(parameter).value_or(0));
-  here.position = expected(axis, at);
-  if (acceleration > 0) here.position -= change * std::abs(change) / (2 * acceleration);
-  here.pps = pps;
-  here.at = at;
+  here.motion = {at, expected(axis, at), here.motion.speed_at(at),
+                 velocity * here.info.units.velocity.value};
+  if (acceleration > 0) here.motion.slope = acceleration;
   here.velocity = velocity;
 }
 
 void PathStream::Runner::correct(std::size_t axis) {
-  axes_[axis].position += observer_gain * (*answer_ - expected(axis, middle()));
+  axes_[axis].motion.position += observer_gain * (*answer_ - expected(axis, middle()));
 }
 
 }  // namespace tmcl::plan

@@ -136,6 +136,12 @@ void add_mint(Grammar& grammar) {
   auto& said = *run.operator->();
   run.repeated_option("--axis", "NUMBER=AXIS", "Which axis the program's axis of this number is",
                       [&said](const std::string& text) { return read_choice(text, said.axes); });
+  run.option("--counts", "WHAT", "What SCALE counts: microsteps (default), or encoder",
+             [&said](const std::string& text) -> Reading {
+               said.counts_encoder = text == "encoder";
+               if (said.counts_encoder || text == "microsteps") return {};
+               return tl::unexpected(fmt::format("'{}' is neither microsteps nor encoder", text));
+             });
 }
 
 void add_path(Grammar& grammar) {
@@ -153,17 +159,25 @@ void add_path(Grammar& grammar) {
   check.option("--corner-jump", "UNITS",
                "By how much an axis may change its speed at once in a corner, a second",
                number(check->corner_jump, least_of_path, most_of_path));
+  check.flag("--legs", "When each leg speeds up and slows down, and the ramp of each axis",
+             check->legs);
+  check.option("--microsteps-per-unit", "NUMBER", "With --legs: the ramps in microsteps, too",
+               number(check->microsteps_per_unit, least_of_path, most_of_path));
   auto run =
       grammar.verb<verb::RunPath>(path, "run", "Move axes along a path", help_text::path_run);
   add_path_file(run);
   auto& said = *run.operator->();
   run.repeated_option("--axis", "LETTER=AXIS", "Which axis the file's axis of this name is",
                       [&said](const std::string& text) { return read_choice(text, said.axes); });
-  run.option("--mode", "MODE", "velocity (default), or position",
+  run.option("--mode", "MODE", "velocity (default), segments, or position",
              [&said](const std::string& text) -> Reading {
-               said.by_position = text == "position";
-               if (said.by_position || text == "velocity") return {};
-               return tl::unexpected(fmt::format("'{}' is neither velocity nor position", text));
+               const auto mode = tmcl::plan::stream_mode_named(text);
+               if (!mode) {
+                 return tl::unexpected(
+                     fmt::format("'{}' is none of velocity, segments and position", text));
+               }
+               said.mode = *mode;
+               return {};
              });
   run.option("--deviation", "UNITS",
              "Stop when an axis is seen so far off its plan (default 20 tolerances)",

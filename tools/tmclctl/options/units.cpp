@@ -53,8 +53,13 @@ void add_units(Grammar& grammar) {
       [&microsteps](const std::string& text) { return read_microsteps(text, microsteps); });
   convert.option("--bow", "N", "A bow of a TMC457 (parameter 18) instead of a quantity",
                  number(convert->bow, 1, tmcl::greatest_bow));
+  convert.option("--acceleration", "ACCELERATION",
+                 "Time and length of the ramp to QUANTITY, a velocity; S-shaped with --bow",
+                 text(convert->acceleration));
   convert.object(
       [](const verb::Convert& said, bool) -> std::string {
+        if (!said.acceleration.empty())
+          return said.quantity.empty() ? "--acceleration is of the ramp to a velocity" : "";
         return said.quantity.empty() == said.bow.has_value() ? "" : "give QUANTITY or --bow";
       },
       "such as 'tmclctl convert --model TMCM-142 --bow 11'");

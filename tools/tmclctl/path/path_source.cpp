@@ -96,8 +96,7 @@ Failure explained(Failure failure, const std::string& file, Output& output) {
 }
 
 void warn(const json::object& report, Output& output) {
-  for (const auto& remark : array_at(report, "remarks"))
-    tmclctl::warn(std::string_view(remark.as_string()), output);
+  tmclctl::warn(texts_at(report, "remarks"), output);
 }
 
 void print(const std::string& file, const json::object& course, Output& output) {

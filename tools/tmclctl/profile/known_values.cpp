@@ -47,13 +47,19 @@ Failure bad_value(const std::string& word, const std::string& problem) {
 
 /// How often a quantity is divided by a time; lengths are in all but the times.
 int times_below(Quantity quantity) {
+  using enum Quantity;
   switch (quantity) {
-    case Quantity::distance: return 0;
-    case Quantity::speed: return 1;
-    default: return 2;
+    case speed:
+    case initial_speed:
+    case final_speed: return 1;
+    case acceleration:
+    case deceleration: return 2;
+    default: return 0;
   }
 }
-bool is_time(Quantity quantity) { return quantity >= Quantity::acceleration_time; }
+bool is_time(Quantity quantity) {
+  return quantity >= Quantity::acceleration_time && quantity <= Quantity::total_time;
+}
 
 /// "mm/s2", "mm/s^2" and "mm/s/s" are a length and, below it, times.
 struct UnitParts {
@@ -125,6 +131,7 @@ class Reader {
   static Failure unknown_quantity(std::string_view name) {
     std::vector<std::string_view> names;
     for (const auto quantity : tmcl::plan::quantities) names.push_back(name_of(quantity));
+    for (const auto quantity : tmcl::plan::side_quantities) names.push_back(name_of(quantity));
     return usage_failure(
         "bad_value", fmt::format("there is no quantity '{}'", name),
         fmt::format("They are {}.{}", fmt::join(names, ", "), tmcl::did_you_mean(name, names)));

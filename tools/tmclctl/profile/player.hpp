@@ -97,8 +97,13 @@ template <tmcl::ramp::Generator G>
 class Observer {
  public:
   void look_at_velocity(const G& generator) {
-    outcome_.peak_velocity =
-        std::max(outcome_.peak_velocity, std::abs(generator.motion().velocity));
+    const auto motion = generator.motion();
+    const auto speed = std::abs(motion.velocity);
+    const Place here{generator.tick(), motion.position};
+    if (generator.tick() == 0) outcome_.start = here;
+    if (speed > outcome_.peak_velocity) outcome_.first_peak = here;
+    if (speed >= outcome_.peak_velocity) outcome_.last_peak = here;
+    outcome_.peak_velocity = std::max(outcome_.peak_velocity, speed);
   }
 
   /// When everything has happened at this tick.

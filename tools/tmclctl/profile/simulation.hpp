@@ -37,12 +37,21 @@ struct PhaseStart {
   Tick tick;
 };
 
+/// Where it is, and when.
+struct Place {
+  Tick tick = 0;
+  std::int64_t position = 0;
+};
+
 struct Outcome {
   Tick end = 0;                 ///< As far as it was followed.
   bool cut_off = false;         ///< It changes so often that it was not followed to its end.
   std::optional<Tick> arrival;  ///< When it last came to rest on its target, if it stays there.
   Motion at_end;
   std::int64_t peak_velocity = 0;  ///< The greatest |velocity|.
+  Place start;
+  Place first_peak;                ///< As fast as it gets, for the first time,
+  Place last_peak;                 ///< and for the last time.
   std::vector<PhaseStart> phases;  ///< Without the rest at the end; at most most_phases.
   bool more_phases = false;
   std::vector<std::string> warnings;

@@ -112,8 +112,7 @@ VerbResult run(const verb::Line& verb, Context& context) {
   const auto line = context.target.perform("line.move", params_of(verb), {});
   if (!line) return tl::unexpected(line.error());
   const auto started_at = context.host.now();
-  for (const auto& warning : array_at(*line, "warnings"))
-    warn(std::string_view(warning.as_string()), context.output);
+  warn(texts_at(*line, "warnings"), context.output);
   if (verb.wait) {
     if (const auto arrived = wait_for_all(verb, *line, started_at, context); !arrived)
       return tl::unexpected(arrived.error());

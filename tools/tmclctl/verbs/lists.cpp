@@ -7,6 +7,7 @@
 #include "names.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
+#include "scale_factors.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -121,6 +122,38 @@ std::vector<std::string> cells_of(const ParameterRow& row,
   return cells;
 }
 
+json::array to_json(const std::vector<AxisRow>& rows, const std::vector<ScaleFactors>& factors) {
+  auto axes = to_json_array(rows);
+  for (std::size_t i = 0; i < rows.size(); ++i) add(factors[i], axes[i].as_object());
+  return axes;
+}
+
+/// What units are is told where an axis has one.
+void print(const std::vector<AxisRow>& rows, const std::vector<ScaleFactors>& factors,
+           std::ostream& out) {
+  const bool has_unit =
+      std::ranges::any_of(rows, [](const AxisRow& row) { return !row.unit.empty(); });
+  std::vector<std::string> headings{"AXIS", "BUS", "ADDRESS", "MOTOR", "MODEL", "STATE", "UNIT"};
+  if (has_unit) headings.insert(headings.end(), {"MICROSTEPS/UNIT", "COUNTS/UNIT"});
+  Table table(std::move(headings));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const auto& row = rows[i];
+    std::vector<std::string> cells{row.name,
+                                   row.bus,
+                                   std::to_string(row.address),
+                                   std::to_string(row.motor),
+                                   model_text(row.model, 0),
+                                   row.state,
+                                   row.unit.empty() ? "-" : row.unit};
+    if (has_unit) {
+      cells.push_back(factor_text(factors[i].microsteps_per_unit));
+      cells.push_back(factor_text(factors[i].encoder_counts_per_unit));
+    }
+    table.add(std::move(cells));
+  }
+  table.print(out);
+}
+
 }  // namespace
 
 VerbResult run(const verb::Scan& verb, Context& context) {
@@ -152,16 +185,15 @@ VerbResult run(const verb::Modules&, Context& context) {
 VerbResult run(const verb::Axes&, Context& context) {
   const auto rows = context.target.axes();
   if (!rows) return tl::unexpected(rows.error());
+  std::vector<ScaleFactors> factors;
+  for (const auto& row : *rows)
+    factors.push_back(
+        scale_factors_of(row.name, !row.unit.empty() && row.state == "ready", context.target));
   if (context.output.json) {
-    print_json({{"axes", to_json_array(*rows)}}, context.output);
+    print_json({{"axes", to_json(*rows, factors)}}, context.output);
     return ExitCode::done;
   }
-  Table table({"AXIS", "BUS", "ADDRESS", "MOTOR", "MODEL", "STATE", "UNIT"});
-  for (const auto& row : *rows) {
-    table.add({row.name, row.bus, std::to_string(row.address), std::to_string(row.motor),
-               model_text(row.model, 0), row.state, row.unit.empty() ? "-" : row.unit});
-  }
-  table.print(context.output.out);
+  print(*rows, factors, context.output.out);
   std::set<std::string> told;
   for (const auto& row : *rows) {
     if (!row.why.empty() && told.insert(row.bus).second)

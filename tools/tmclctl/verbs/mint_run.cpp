@@ -138,6 +138,7 @@ VerbResult run(const verb::RunMint& verb, Context& context) {
   if (!text) return tl::unexpected(text.error());
   auto params = params_of(verb, context.target);
   if (!params) return tl::unexpected(params.error());
+  if (verb.counts_encoder) (*params)["counts"] = "encoder";
   Audience audience(params->at("axes").as_array(), verb.axes.empty(), context);
   auto result = context.target.perform_watched(
       "mint.run", std::move(*params), &*text,

@@ -29,6 +29,11 @@ double fraction_done(std::int64_t start, std::int64_t goal, std::int64_t positio
                        : static_cast<double>(position - start) / static_cast<double>(goal - start);
 }
 
+struct Stood {
+  AxisReading at;
+  Warnings warnings;
+};
+
 // "1.4 s left"; empty where nobody can tell.
 std::string time_left(const StartedMove& move, tmcl::Duration passed) {
   if (!move.predicted_s) return "";
@@ -36,9 +41,9 @@ std::string time_left(const StartedMove& move, tmcl::Duration passed) {
   return fmt::format("  {:.1f} s left", std::max(*move.predicted_s - passed_s, 0.0));
 }
 
-/// Where the axis stands at last.
-Attempt<AxisReading> wait_for_arrival(Journey journey, const StartedMove& move, bool internal,
-                                      Context& context) {
+/// Where the axis stands at last. What it was not warned of when it set out is told.
+Attempt<Stood> wait_for_arrival(Journey journey, const StartedMove& move, bool internal,
+                                Context& context) {
   const auto goal = move.goal;
   ProgressLine line(context.output);
   std::optional<std::int32_t> start;
@@ -56,7 +61,9 @@ Attempt<AxisReading> wait_for_arrival(Journey journey, const StartedMove& move, 
                           position_text(reading, internal), shown(move.goal_in_unit, goal.value),
                           velocity_text(reading, internal)));
   });
-  return arrived.map([&](tmcl::Microsteps) { return last; });
+  if (!arrived) return tl::unexpected(arrived.error());
+  if (*arrived != move.warnings) warn(*arrived, context.output);
+  return Stood{last, *arrived};
 }
 
 Journey journey_of(const std::string& axis, const StartedMove& move,
@@ -82,7 +89,7 @@ VerbResult run(const verb::Move& verb, Context& context) {
   auto move =
       verb.by ? context.target.move_by(verb.axis, typed) : context.target.move_to(verb.axis, typed);
   if (!move) return tl::unexpected(move.error());
-  for (const auto& warning : move->warnings) warn(warning, context.output);
+  warn(move->warnings, context.output);
   json::object document{
       {"axis", verb.axis},
       {"target_microsteps", move->goal.value},
@@ -99,10 +106,10 @@ VerbResult run(const verb::Move& verb, Context& context) {
         wait_for_arrival(journey_of(verb.axis, *move, verb.timeout_s, context.host.now()), *move,
                          verb.internal, context);
     if (!there) return tl::unexpected(there.error());
-    document["position_microsteps"] = there->position.value;
-    document["position"] = there->user ? json::value(there->user->position) : nullptr;
+    document["position_microsteps"] = there->at.position.value;
+    document["position"] = there->at.user ? json::value(there->at.user->position) : nullptr;
     document["reached"] = true;
-    line = fmt::format("{} stands at {}\n", verb.axis, position_text(*there, verb.internal));
+    line = fmt::format("{} stands at {}\n", verb.axis, position_text(there->at, verb.internal));
   }
   if (context.output.json) {
     print_json(document, context.output);
@@ -114,8 +121,8 @@ VerbResult run(const verb::Move& verb, Context& context) {
 
 namespace {
 
-Attempt<AxisReading> wait_for(const std::string& axis, const verb::Wait& verb,
-                              tmcl::TimePoint started_at, Context& context) {
+Attempt<Stood> wait_for(const std::string& axis, const verb::Wait& verb, tmcl::TimePoint started_at,
+                        Context& context) {
   const auto now = context.target.state(axis);
   if (!now) return tl::unexpected(now.error());
   StartedMove move{now->target, {}};
@@ -130,16 +137,17 @@ VerbResult run(const verb::Wait& verb, Context& context) {
   const auto started_at = context.host.now();
   json::array axes;
   for (const auto& axis : verb.axes) {
-    const auto there = wait_for(axis, verb, started_at, context);
-    if (!there) return tl::unexpected(there.error());
-    axes.push_back(
-        json::object{{"axis", axis},
-                     {"position_microsteps", there->position.value},
-                     {"unit", there->user ? json::value(there->user->unit) : nullptr},
-                     {"position", there->user ? json::value(there->user->position) : nullptr}});
+    const auto stood = wait_for(axis, verb, started_at, context);
+    if (!stood) return tl::unexpected(stood.error());
+    const auto& [at, warnings] = *stood;
+    axes.push_back(json::object{{"axis", axis},
+                                {"position_microsteps", at.position.value},
+                                {"unit", at.user ? json::value(at.user->unit) : nullptr},
+                                {"position", at.user ? json::value(at.user->position) : nullptr},
+                                {"warnings", json::array(warnings.begin(), warnings.end())}});
     if (!context.output.json) {
       context.output.out << fmt::format("{} stands at {}\n", axis,
-                                        position_text(*there, verb.internal));
+                                        position_text(at, verb.internal));
     }
   }
   if (context.output.json) print_json({{"axes", std::move(axes)}}, context.output);
@@ -215,7 +223,7 @@ VerbResult run(const verb::Rotate& verb, Context& context) {
   const auto turning =
       context.target.rotate(verb.axis, {verb.velocity, verb.internal}, verb.unattended);
   if (!turning) return tl::unexpected(turning.error());
-  for (const auto& warning : turning->warnings) warn(warning, context.output);
+  warn(turning->warnings, context.output);
   const bool attends = !verb.unattended && turning->velocity.value != 0;
   print_turning(verb, *turning,
                 attends ? "Ctrl-C stops it" : how_to_stop(verb.axis, context.target),

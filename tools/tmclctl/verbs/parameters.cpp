@@ -1,11 +1,14 @@
 // get, set.
 #include <fmt/format.h>
+#include <boost/json/array.hpp>
 
 #include "print.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
 namespace {
+
+namespace json = boost::json;
 
 /// In the unit of the axis, or in turns if it has none.
 Attempt<Quantity> in_units(const ParameterValue& got, const std::string& axis, Target& target) {
@@ -44,7 +47,11 @@ VerbResult run(const verb::Get& verb, Context& context) {
 VerbResult run(const verb::Set& verb, Context& context) {
   const auto set = context.target.set(verb.axis, verb.parameter, Typed{verb.value, true});
   if (!set) return tl::unexpected(set.error());
-  if (context.output.json) print_json(to_json(verb.axis, *set), context.output);
+  warn(set->warnings, context.output);
+  if (!context.output.json) return ExitCode::done;
+  auto document = to_json(verb.axis, *set);
+  document["warnings"] = json::array(set->warnings.begin(), set->warnings.end());
+  print_json(document, context.output);
   return ExitCode::done;
 }
 

@@ -2,6 +2,8 @@
 #include <limits>
 
 #include "api/course_json.hpp"
+#include "json_read.hpp"
+#include "path/leg_table.hpp"
 #include "path/path_source.hpp"
 #include "print.hpp"
 #include "verbs.hpp"
@@ -38,11 +40,14 @@ VerbResult run(const verb::CheckPath& verb, Output& output) {
     if (const auto drawn = path::draw(verb.svg, verb.file, course, curve); !drawn)
       return tl::unexpected(drawn.error());
   }
+  if (verb.legs)
+    course["leg_table"] = path::leg_table(*planned, source->path.axes, verb.microsteps_per_unit);
   if (output.json) {
     course["file"] = verb.file;
     print_json(course, output);
   } else {
     path::print(verb.file, course, output);
+    if (verb.legs) path::print_legs(array_at(course, "leg_table"), output);
   }
   return ExitCode::done;
 }

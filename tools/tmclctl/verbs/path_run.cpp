@@ -17,6 +17,7 @@ namespace tmclctl {
 namespace {
 
 namespace json = boost::json;
+using tmcl::plan::StreamMode;
 
 constexpr int bar_width = 30;
 
@@ -27,7 +28,7 @@ struct Passed {
 
 json::object params_of(const verb::RunPath& verb, const std::string& text) {
   json::object params{{"format", name_of(tmcl::plan::format_of(verb.file, text))},
-                      {"mode", verb.by_position ? "position" : "velocity"},
+                      {"mode", name_of(verb.mode)},
                       {"tolerance", verb.tolerance},
                       {"period_ms", verb.period.count()}};
   if (!verb.axes.empty()) {
@@ -116,7 +117,8 @@ Passed pass(const json::object& plan, Context& context) {
 
 // ---- how it went ----
 
-void print(const json::object& report, bool by_position, Output& output) {
+void print(const json::object& report, StreamMode mode, Output& output) {
+  const bool by_position = mode == StreamMode::position;
   const auto number = [&](const char* key) { return number_at(report, key).value_or(0); };
   Table table({"AXIS", "LARGEST ERROR", "RMS", "READINGS"});
   for (const auto& value : array_at(report, "tracking_error")) {
@@ -128,20 +130,20 @@ void print(const json::object& report, bool by_position, Output& output) {
   table.print(output.out);
   output.out << fmt::format("{:.0f} {} in {:.3f} s, {} {:.1f} ms, at most {:.1f} ms late\n",
                             number("updates"), by_position ? "legs" : "updates", number("passed_s"),
-                            by_position ? "the shortest takes" : "one every", number("period_ms"),
-                            number("worst_delay_ms"));
+                            mode == StreamMode::velocity ? "one every" : "the shortest takes",
+                            number("period_ms"), number("worst_delay_ms"));
   output.out << fmt::format(
       "{:.0f} commands a second, {:.0f} us each: {:.0f} % of what the bus has\n",
       number("commands_per_s"), number("round_trip_us"), 100 * number("bus_load"));
 }
 
-VerbResult tell(Passed passed, bool by_position, Output& output) {
+VerbResult tell(Passed passed, StreamMode mode, Output& output) {
   if (passed.report) {
     path::warn(*passed.report, output);
     if (output.json) {
       print_json(*passed.report, output);
     } else {
-      print(*passed.report, by_position, output);
+      print(*passed.report, mode, output);
     }
     return ExitCode::done;
   }
@@ -158,6 +160,7 @@ VerbResult tell(Passed passed, bool by_position, Output& output) {
 VerbResult run(const verb::RunPath& verb, Context& context) {
   const auto plan = plan_of(verb, context);
   if (!plan) return tl::unexpected(plan.error());
+  warn(texts_at(*plan, "warnings"), context.output);
   auto course = object_at(*plan, "course");
   if (!verb.svg.empty()) {
     const auto drawn = path::draw(verb.svg, verb.file, course, object_at(*plan, "curve"));
@@ -166,7 +169,7 @@ VerbResult run(const verb::RunPath& verb, Context& context) {
   if (!verb.dry_run) {
     if (auto interrupted = interrupted_before_move(context)) return tl::unexpected(*interrupted);
     context.host.catch_pauses();
-    return tell(pass(*plan, context), verb.by_position, context.output);
+    return tell(pass(*plan, context), verb.mode, context.output);
   }
   if (context.output.json) {
     course["file"] = verb.file;

@@ -29,7 +29,7 @@ constexpr double most_csv_rows = 1e6;
 
 void warn_of(const Outcome& outcome, const Setup& setup, const verb::Simulate& verb,
              Output& output) {
-  for (const auto& warning : outcome.warnings) warn(warning, output);
+  warn(outcome.warnings, output);
   for (const auto& change : verb.changes) {
     if (verb.until && change.time > *verb.until)
       warn(fmt::format("--change {}:{} comes after --until {}", change.time, change.setting,
@@ -92,6 +92,27 @@ json::object registers_json(const Setup& setup) {
   return registers;
 }
 
+/// From one place to another.
+struct Ramp {
+  double duration;
+  std::int64_t length;
+};
+Ramp ramp_between(const profile::Place& from, const profile::Place& to, const Setup& setup) {
+  return {setup.time_of(to.tick) - setup.time_of(from.tick), std::abs(to.position - from.position)};
+}
+Ramp ramp_up(const Outcome& outcome, const Setup& setup) {
+  return ramp_between(outcome.start, outcome.first_peak, setup);
+}
+/// Nothing where it does not come to rest on its target.
+std::optional<Ramp> ramp_down(const Outcome& outcome, const Setup& setup) {
+  if (!outcome.arrival) return std::nullopt;
+  return ramp_between(outcome.last_peak, {*outcome.arrival, outcome.at_end.position}, setup);
+}
+json::value to_json(const std::optional<Ramp>& ramp) {
+  if (!ramp) return nullptr;
+  return json::object{{"duration_s", ramp->duration}, {"microsteps", ramp->length}};
+}
+
 json::object to_json(const Outcome& outcome, const Setup& setup, json::array samples) {
   json::array phases;
   for (const auto& phase : outcome.phases)
@@ -102,6 +123,8 @@ json::object to_json(const Outcome& outcome, const Setup& setup, json::array sam
        outcome.arrival ? json::value(setup.time_of(*outcome.arrival)) : json::value(nullptr)},
       {"final_position", outcome.at_end.position},
       {"peak_velocity", outcome.peak_velocity},
+      {"ramp_up", to_json(std::optional(ramp_up(outcome, setup)))},
+      {"ramp_down", to_json(ramp_down(outcome, setup))},
       {"phases", std::move(phases)},
       {"samples", std::move(samples)}};
   if (!setup.generator.scales.empty()) document["registers"] = registers_json(setup);
@@ -181,6 +204,16 @@ Attempt<void> draw(const plot::Recording& recording, const std::string& svg_path
   return svg.open(svg_path).and_then([&] { return svg.write(plot::to_svg(recording)); });
 }
 
+void print_ramps(const Outcome& outcome, const Setup& setup, std::ostream& out) {
+  const auto text = [&](const Ramp& ramp) {
+    return fmt::format("{:.4g} {} and {} {}", ramp.duration, setup.generator.time_unit, ramp.length,
+                       setup.generator.length_unit);
+  };
+  out << "up to speed in " << text(ramp_up(outcome, setup));
+  if (const auto down = ramp_down(outcome, setup)) out << ", and down to rest in " << text(*down);
+  out << '\n';
+}
+
 Attempt<void> show(const verb::Simulate& verb, const Setup& setup, const Simulation& simulation,
                    const Outcome& outcome, Output& output) {
   if (output.json) {
@@ -197,6 +230,7 @@ Attempt<void> show(const verb::Simulate& verb, const Setup& setup, const Simulat
     output.out << fmt::format("{:<12} {:.10g} {} = {} ({:x}h)\n", name, scale->in_unit(value),
                               scale->unit, value, value);
   }
+  if (verb.svg.empty()) print_ramps(outcome, setup, output.out);
   return record(setup, simulation, outcome).and_then([&](const plot::Recording& recording) {
     return draw(recording, verb.svg, output);
   });

@@ -42,16 +42,21 @@ Failure failure_from(const plan::SolveError& error, std::string_view unit) {
 json::object to_json(const plan::Profile& profile, const std::string& unit) {
   json::object document;
   for (const auto quantity : plan::quantities) document[name_of(quantity)] = profile[quantity];
+  for (const auto quantity : plan::side_quantities) document[name_of(quantity)] = profile[quantity];
   document["unit"] = unit.empty() ? json::value(nullptr) : json::value(unit);
   return document;
 }
 
 void print_table(const plan::Profile& profile, const profile::KnownValues& known, Output& output) {
   Table table({"QUANTITY", "VALUE", ""});
-  for (const auto quantity : plan::quantities) {
+  const auto add = [&](plan::Quantity quantity) {
     table.add({std::string(name_of(quantity)),
                plan::with_unit(quantity, profile[quantity], known.unit, "s"),
                known.given[quantity] ? "given" : ""});
+  };
+  for (const auto quantity : plan::quantities) add(quantity);
+  for (const auto quantity : plan::side_quantities) {
+    if (known.given[quantity] || profile[quantity] > 0) add(quantity);
   }
   table.print(output.out);
 }

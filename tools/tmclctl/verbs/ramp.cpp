@@ -133,9 +133,11 @@ Attempt<void> refuse_in_motion(const std::string& axis, Target& target) {
   return tl::unexpected(std::move(failure));
 }
 
-Attempt<void> write(const std::vector<Setting>& settings, const AxisUnits& units,
-                    const std::string& axis, Target& target) {
+/// What all of them make of moves.
+Attempt<Warnings> write(const std::vector<Setting>& settings, const AxisUnits& units,
+                        const std::string& axis, Target& target) {
   std::string written;
+  Warnings warnings;
   for (const auto& setting : settings) {
     const auto set = target.set(axis, std::to_string(setting.parameter), setting.value);
     const auto assignment = fmt::format("{} = {}", name_of(setting, units), setting.value);
@@ -146,24 +148,27 @@ Attempt<void> write(const std::vector<Setting>& settings, const AxisUnits& units
       return tl::unexpected(std::move(failure));
     }
     written += (written.empty() ? "" : ", ") + assignment;
+    warnings = set->warnings;
   }
-  return {};
+  return warnings;
 }
 
-/// From rest to the greatest speed.
-struct Ramp {
-  double seconds;
-  double microsteps;
-};
-Ramp ramp_up(const RampChoice& choice) {
-  const double v = choice.velocity.value;
-  const double a = choice.acceleration.value;
-  double seconds = v / a;
-  if (std::isfinite(choice.jerk)) {
-    // Where the acceleration is not reached it rises and falls only.
-    seconds = v * choice.jerk >= a * a ? seconds + a / choice.jerk : 2 * std::sqrt(v / choice.jerk);
-  }
-  return {seconds, v * seconds / 2};
+tmcl::RampLength ramp_up(const RampChoice& choice) {
+  return tmcl::ramp_length(choice.velocity, choice.acceleration, {choice.jerk});
+}
+
+/// What comes of a move that gets up to speed. A TMC429 whose ramp ticks are long may pass its
+/// target again and again, whatever its data sheet allows.
+Warnings foreseen(const RampChoice& choice, const tmcl::Model& model) {
+  constexpr double farthest = 8e6;
+  if (model.family != tmcl::Family::tmc429) return {};
+  auto twin = tmcl::plan::AxisTwin::of(model);
+  if (!twin || !twin->set(choice.settings)) return {};
+  const double way = std::min(3 * ramp_up(choice).microsteps + 1, farthest);
+  twin->move_to({static_cast<std::int32_t>(way)});
+  if (twin->time_to_arrival()) return {};
+  return {
+      "with these settings a move may not come to rest on its target; another acceleration does"};
 }
 
 /// One quantity of the ramp, as microsteps and in the unit of the axis.
@@ -200,7 +205,8 @@ std::optional<double> unit_per_microstep(const AxisUnits& units) {
   return to_user(tmcl::PulsesPerSecond{1}, undirected).value;
 }
 
-json::object to_json(const verb::Ramp& verb, const RampChoice& choice, const AxisUnits& units) {
+json::object to_json(const verb::Ramp& verb, const RampChoice& choice, const AxisUnits& units,
+                     const Warnings& warnings) {
   json::object parameters;
   for (const auto& setting : choice.settings) parameters[name_of(setting, units)] = setting.value;
   const auto unit = unit_per_microstep(units);
@@ -216,13 +222,15 @@ json::object to_json(const verb::Ramp& verb, const RampChoice& choice, const Axi
   document["ramp_microsteps"] = microsteps;
   document["parameters"] = std::move(parameters);
   document["remarks"] = json::array(choice.remarks.begin(), choice.remarks.end());
+  document["warnings"] = json::array(warnings.begin(), warnings.end());
   document["written"] = !verb.dry_run;
   return document;
 }
 
 void show(const verb::Ramp& verb, const RampChoice& choice, const AxisUnits& units,
-          Output& output) {
-  if (output.json) return print_json(to_json(verb, choice, units), output);
+          const Warnings& warnings, Output& output) {
+  warn(warnings, output);
+  if (output.json) return print_json(to_json(verb, choice, units, warnings), output);
   for (const auto& setting : choice.settings)
     output.out << fmt::format("{:<18} {}\n", name_of(setting, units), setting.value);
   const auto unit = verb.internal ? std::nullopt : unit_per_microstep(units);
@@ -237,7 +245,7 @@ void show(const verb::Ramp& verb, const RampChoice& choice, const AxisUnits& uni
   output.out << text
              << fmt::format("; up to speed in {:.4g} s and {:.0f} microsteps", seconds, microsteps)
              << (verb.dry_run ? "; nothing was written" : "") << '\n';
-  for (const auto& remark : choice.remarks) warn(remark, output);
+  warn(choice.remarks, output);
 }
 
 /// The order in which to write them to an axis that stands, with what its module has now.
@@ -272,6 +280,7 @@ VerbResult run(const verb::Ramp& verb, Context& context) {
   if (!request) return tl::unexpected(request.error());
   const auto choice = tmcl::plan::choose_ramp(*units->model, *request, *units->module);
   if (!choice) return tl::unexpected(wish.too_far(choice.error(), *request));
+  auto warnings = foreseen(*choice, *units->model);
   if (!verb.dry_run) {
     const auto done =
         refuse_in_motion(verb.axis, context.target)
@@ -280,8 +289,9 @@ VerbResult run(const verb::Ramp& verb, Context& context) {
               return write(settings, *units, verb.axis, context.target);
             });
     if (!done) return tl::unexpected(done.error());
+    warnings.insert(warnings.end(), done->begin(), done->end());
   }
-  show(verb, *choice, *units, context.output);
+  show(verb, *choice, *units, warnings, context.output);
   return ExitCode::done;
 }
 

@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "print.hpp"
+#include "scale_factors.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -51,8 +52,11 @@ void print_condition(const std::string& axis, const AxisCondition& condition, st
 VerbResult run(const verb::State& verb, Context& context) {
   const auto reading = context.target.state(verb.axis);
   if (!reading) return tl::unexpected(reading.error());
+  const auto factors = scale_factors_of(verb.axis, reading->user.has_value(), context.target);
   if (context.output.json) {
-    print_json(to_json(verb.axis, *reading), context.output);
+    auto document = to_json(verb.axis, *reading);
+    add(factors, document);
+    print_json(document, context.output);
     return ExitCode::done;
   }
   const auto with = [&](std::string text, bool has_unit) {
@@ -70,6 +74,14 @@ VerbResult run(const verb::State& verb, Context& context) {
       reading->position_reached ? ", reached" : "",
       with(velocity_text(*reading, false), user && user->velocity), reading->velocity.value, pps,
       reading->moving ? "yes" : "no");
+  if (factors.microsteps_per_unit && !verb.internal)
+    context.output.out << fmt::format("unit      {}: {} microsteps", reading->user->unit,
+                                      factor_text(factors.microsteps_per_unit))
+                       << (factors.encoder_counts_per_unit
+                               ? ", " + factor_text(factors.encoder_counts_per_unit) +
+                                     " counts of its encoder"
+                               : "")
+                       << '\n';
   print_condition(verb.axis, reading->condition, context.output.out);
   return ExitCode::done;
 }

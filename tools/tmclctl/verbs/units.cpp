@@ -1,6 +1,7 @@
 // convert.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 #include <boost/json/array.hpp>
@@ -80,6 +81,24 @@ class Converter {
                      seconds_to(full, jerk)});
     return forms;
   }
+  /// From rest to this velocity or back; a trapezoid without a bow.
+  Attempt<std::vector<Rendering>> ramp(const Quantity& acceleration,
+                                       std::optional<std::int32_t> bow) const {
+    const auto v = parameter(ap::target_velocity);
+    if (!v) return tl::unexpected(v.error());
+    const auto a = Converter(acceleration, units_).parameter(ap::max_acceleration);
+    if (!a) return tl::unexpected(a.error());
+    const auto pps = to_pps(tmcl::InternalVelocity{std::abs(*v)}, *units_.module);
+    const auto pps2 = to_pps2(tmcl::InternalAcceleration{*a}, *units_.module);
+    if (pps2.value <= 0)
+      return tl::unexpected(usage_failure("out_of_range", "the acceleration must be above 0"));
+    constexpr tmcl::PulsesPerSecond3 at_once{std::numeric_limits<double>::infinity()};
+    const auto length = ramp_length(pps, pps2, bow ? tmcl::to_pps3(*bow) : at_once);
+    const auto revolutions = to_user(tmcl::PulsesPerSecond{length.microsteps}, turns()).value;
+    return std::vector<Rendering>{{"duration_s", "s", length.seconds},
+                                  {"microsteps", "microsteps", length.microsteps},
+                                  {"revolutions", "rev", revolutions}};
+  }
   Attempt<std::vector<Rendering>> position() const {
     return parameter(ap::target_position).map([&](std::int32_t value) {
       const tmcl::Microsteps at{value};
@@ -146,8 +165,21 @@ struct Shown {
   Attempt<std::vector<Rendering>> forms;
 };
 
+/// The velocity, the acceleration, and the ramp that they make.
+std::vector<Shown> ramp_of(const verb::Convert& verb, const Quantity& velocity,
+                           const AxisUnits& units) {
+  const auto acceleration = attempt(tmcl::parse_quantity(verb.acceleration));
+  if (!acceleration) return {{"ramp", "", tl::unexpected(acceleration.error())}};
+  const Converter reached(velocity, units);
+  return {{"velocity", "a velocity", reached.velocity()},
+          {"acceleration", "an acceleration", Converter(*acceleration, units).acceleration()},
+          {"ramp", "from rest to this velocity, or back", reached.ramp(*acceleration, verb.bow)}};
+}
+
 std::vector<Shown> what_to_show(const verb::Convert& verb, const Quantity& quantity,
-                                const Converter& converter) {
+                                const AxisUnits& units) {
+  if (!verb.acceleration.empty()) return ramp_of(verb, quantity, units);
+  const Converter converter(quantity, units);
   if (verb.bow) return {{"jerk", "a bow", converter.bow(*verb.bow)}};
   if (is_jerk(quantity)) return {{"jerk", "a jerk", converter.jerk()}};
   std::vector<Shown> all;
@@ -173,7 +205,7 @@ VerbResult run(const verb::Convert& verb, Output& output) {
     return tl::unexpected(usage_failure(
         "usage", fmt::format("convert: --bow means nothing to a {}", (*model)->name)));
   }
-  const auto quantity = attempt(tmcl::parse_quantity(verb.bow ? "0" : verb.quantity));
+  const auto quantity = attempt(tmcl::parse_quantity(verb.quantity.empty() ? "0" : verb.quantity));
   if (!quantity) return tl::unexpected(quantity.error());
   AxisUnits units{"", *model, {}, tmcl::UserScale{}};
   const auto module = units_of(verb, **model, units.parameters());
@@ -184,8 +216,7 @@ VerbResult run(const verb::Convert& verb, Output& output) {
   units.scale->steps = {verb.full_steps, static_cast<std::int32_t>(std::log2(verb.microsteps))};
 
   json::object document{{"model", (*model)->name}};
-  for (const auto& [key, title, forms] :
-       what_to_show(verb, *quantity, Converter(*quantity, units))) {
+  for (const auto& [key, title, forms] : what_to_show(verb, *quantity, units)) {
     if (!forms) return tl::unexpected(forms.error());
     if (output.json) {
       document[key] = to_object(*forms);

@@ -45,6 +45,9 @@ struct List {
 constexpr std::string_view warnings_summary =
     "what its settings make of it that nobody may want, and why it cannot be foreseen";
 
+constexpr std::string_view settings_summary =
+    "what its settings make of moves that nobody may want";
+
 struct StartedMove {
   TMCL_STRUCT(StartedMove);
   TMCL_FIELD(std::int32_t, target_microsteps, "where the move ends");
@@ -111,9 +114,14 @@ struct Place {
   TMCL_FIELD(std::optional<std::string>, unit, unit_summary);
   TMCL_FIELD(std::optional<double>, position, "where it is, in the unit");
 };
+/// Where it has come to stand.
+struct Standing : Place {
+  TMCL_STRUCT(Standing, Place);
+  TMCL_FIELD(std::vector<std::string>, warnings, settings_summary);
+};
 constexpr std::string_view timeout_summary = "how long at most; 0 or absent: as it takes";
 struct Wait {
-  TMCL_METHOD("axis.wait", reads, Place, "answers when the axis stands at its target", Wait);
+  TMCL_METHOD("axis.wait", reads, Standing, "answers when the axis stands at its target", Wait);
   TMCL_FIELD(std::string, axis, axis_summary);
   TMCL_FIELD(std::optional<std::int64_t>, timeout_ms, timeout_summary, milliseconds);
 };

@@ -28,11 +28,16 @@ struct Value : Number {
   TMCL_FIELD(std::optional<double>, value_in_unit, "its value in the axis' unit");
 };
 
+struct Held : Value {
+  TMCL_STRUCT(Held, Value);
+  TMCL_FIELD(std::vector<std::string>, warnings, axis::settings_summary);
+};
+
 struct Get : OnParameter {
   TMCL_METHOD("parameter.get", reads, Value, "reads an axis parameter", Get, OnParameter);
 };
 struct Set : OnParameter {
-  TMCL_METHOD("parameter.set", moves, Value, "sets an axis parameter", Set, OnParameter);
+  TMCL_METHOD("parameter.set", moves, Held, "sets an axis parameter", Set, OnParameter);
   TMCL_FIELD(std::optional<std::int32_t>, value, "what to set it to");
   TMCL_FIELD(std::optional<Amount>, value_in_unit, axis::in_unit_summary);
 };

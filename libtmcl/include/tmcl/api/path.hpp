@@ -72,8 +72,10 @@ struct Tracking {
 struct Passed {
   TMCL_STRUCT(Passed);
   TMCL_FIELD(double, passed_s, "how long it took");
-  TMCL_FIELD(std::uint64_t, updates, "of velocities; legs in position mode");
-  TMCL_FIELD(double, period_ms, "between updates; of the shortest leg in position mode");
+  TMCL_FIELD(std::uint64_t, updates, "of velocities; of segments; legs in position mode");
+  TMCL_FIELD(
+      double, period_ms,
+      "between updates; the least that a segment takes; of the shortest leg in position mode");
   TMCL_FIELD(double, worst_delay_ms, "of an update, or of the load of a leg");
   TMCL_FIELD(std::uint64_t, commands, "sent meanwhile");
   TMCL_FIELD(double, commands_per_s, "of them");
@@ -82,6 +84,7 @@ struct Passed {
   TMCL_FIELD(std::vector<Tracking>, tracking_error, "of each axis");
   TMCL_FIELD(std::vector<std::string>, remarks,
              "what else is to be said, such as of a parameter not set back");
+  TMCL_FIELD(std::vector<std::string>, warnings, axis::settings_summary);
 };
 /// What is to be passed, and how.
 struct OfPath {
@@ -95,7 +98,8 @@ struct OfPath {
   TMCL_FIELD(std::optional<std::uint32_t>, bytes,
              "how many were handed over by path.stage, instead", {1, most_bytes});
   TMCL_FIELD(std::optional<std::string>, format, "csv or gcode; as the text looks if absent");
-  TMCL_FIELD(std::optional<std::string>, mode, "velocity or position; velocity if absent");
+  TMCL_FIELD(std::optional<std::string>, mode,
+             "velocity, segments or position; velocity if absent");
   TMCL_FIELD(std::optional<double>, tolerance,
              "how far from it the path may be passed, in the file's unit; 0.05 if absent");
   TMCL_FIELD(std::optional<Amount>, velocity,
@@ -112,7 +116,8 @@ struct OfPath {
   TMCL_FIELD(std::optional<double>, deviation,
              "stop when an axis is seen so far off its plan; 20 tolerances if absent");
   TMCL_FIELD(std::optional<std::int32_t>, period_ms,
-             "in velocity mode, no updates more often than this; 5 if absent", {5, 1000});
+             "in velocity mode, and by segments, no updates more often than this; 5 if absent",
+             {5, 1000});
 };
 struct Planned {
   TMCL_STRUCT(Planned);
@@ -123,6 +128,7 @@ struct Planned {
              "slowest_corners (line, time_s, speed, position)");
   TMCL_FIELD(std::optional<boost::json::object>, curve,
              "times_s and positions; only if points are asked for");
+  TMCL_FIELD(std::vector<std::string>, warnings, axis::settings_summary);
 };
 /// So many points at most: an answer has to be sent.
 constexpr int most_curve_points = 2000;
@@ -187,6 +193,8 @@ struct Run {
   TMCL_FIELD(std::vector<std::string>, axes, "names of axes that stand; each once");
   TMCL_FIELD(std::optional<std::vector<std::uint8_t>>, numbers,
              "which axis of the program each of them is; 0, 1, ... if absent", {0, 7});
+  TMCL_FIELD(std::optional<std::string>, counts,
+             "what SCALE counts: microsteps or encoder, its counts; microsteps if absent");
   TMCL_FIELD(std::optional<std::string>, text, "the program");
   TMCL_FIELD(std::optional<std::uint32_t>, bytes,
              "how many were handed over by path.stage, instead", {1, path::most_bytes});

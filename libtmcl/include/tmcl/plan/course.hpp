@@ -29,6 +29,8 @@ constexpr double timetable_slack = 1e-6;
 struct CourseLeg {
   double begin = 0;
   double end = 0;
+  double up = 0;         ///< How long it speeds up from its begin.
+  double down = 0;       ///< How long before its end it begins to slow down.
   std::size_t line = 0;  ///< Of the file.
   bool speeds_up = false;
   bool slows_down = false;

@@ -24,6 +24,7 @@ struct MintAxis {
   unsigned number = 0;  ///< In the program.
   AxisUnits units;
   Microsteps position;
+  double microsteps_per_count = 1;  ///< Of what SCALE counts; greater than 0.
 };
 
 struct MintPlan {

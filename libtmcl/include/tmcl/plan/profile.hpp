@@ -1,10 +1,16 @@
-/// The trapezoid that a movement from rest to rest is, from as little as determines it.
+/// The trapezoid that a movement is, from as little as determines it.
 ///
-/// Eight quantities and four equations (application note AN00115-001):
+/// Eight quantities and four equations (application note AN00115-001), from rest to rest:
 ///
 ///     speed = acceleration * acceleration_time = deceleration * deceleration_time
 ///     total_time = acceleration_time + slew_time + deceleration_time
 ///     distance = speed * (total_time + slew_time) / 2
+///
+/// A movement may begin and end with a speed below that in between; then the equations of constant
+/// acceleration hold for each ramp, with that speed u, v in between, and the ramp's own distance s:
+///
+///     v = u + a t    s = (u + v) t / 2    s = u t + a t^2 / 2    s = v t - a t^2 / 2
+///     v^2 = u^2 + 2 a s
 ///
 /// So four quantities that do not follow from each other determine the rest; with an assumption,
 /// fewer do. Units are whatever the caller takes: one of length, one of time. A triangle is a
@@ -31,15 +37,26 @@ enum class Quantity : std::uint8_t {
   acceleration_time,
   slew_time,  ///< At constant speed; the only one that may be 0.
   deceleration_time,
-  total_time
+  total_time,
+  // What may be given besides, and follows from the eight.
+  initial_speed,  ///< 0 if not given, and below speed; likewise final_speed.
+  final_speed,
+  acceleration_distance,  ///< Together with anything else of the same part.
+  slew_distance,
+  deceleration_distance
 };
 constexpr std::size_t quantity_count = 8;
-/// In the order of the enumeration.
+/// Those that determine a profile, in the order of the enumeration.
 constexpr std::array<Quantity, quantity_count> quantities{
     Quantity::distance,          Quantity::speed,
     Quantity::acceleration,      Quantity::deceleration,
     Quantity::acceleration_time, Quantity::slew_time,
     Quantity::deceleration_time, Quantity::total_time};
+
+constexpr std::array<Quantity, 5> side_quantities{
+    Quantity::initial_speed, Quantity::final_speed, Quantity::acceleration_distance,
+    Quantity::slew_distance, Quantity::deceleration_distance};
+constexpr std::size_t every_quantity_count = quantity_count + side_quantities.size();
 
 /// "acceleration_time"
 std::string_view name_of(Quantity quantity);
@@ -47,15 +64,15 @@ std::optional<Quantity> quantity_named(std::string_view name);
 
 enum class Assumption : std::uint8_t {
   none,
-  symmetric,  ///< The ramps are equal: acceleration = deceleration, and so are their times.
-  thirds      ///< Symmetric, and each of the three parts takes a third of the time.
+  symmetric,  ///< acceleration = deceleration; with the same speed at both ends, equal times, too.
+  thirds  ///< Each of the three parts takes a third of the time; symmetric if the ends are alike.
 };
 std::string_view name_of(Assumption assumption);
 std::optional<Assumption> assumption_named(std::string_view name);
 
 /// What is known of a profile.
 struct Given {
-  std::array<std::optional<double>, quantity_count> values{};
+  std::array<std::optional<double>, every_quantity_count> values{};
   std::optional<double>& operator[](Quantity q) { return values[static_cast<std::size_t>(q)]; }
   const std::optional<double>& operator[](Quantity q) const {
     return values[static_cast<std::size_t>(q)];
@@ -72,10 +89,16 @@ struct Profile {
   double slew_time = 0;
   double deceleration_time = 0;
   double total_time = 0;
+  double initial_speed = 0;
+  double final_speed = 0;
+  double acceleration_distance = 0;
+  double slew_distance = 0;
+  double deceleration_distance = 0;
 
   double operator[](Quantity quantity) const;
   /// The way made after this time; 0 before the start, `distance` after the end.
   double position_at(double time) const;
+  /// initial_speed before the start, final_speed after the end.
   double speed_at(double time) const;
 };
 
@@ -122,7 +145,7 @@ std::string describe(const SolveError& error, std::string_view length_unit = {},
 std::string with_unit(Quantity quantity, double value, std::string_view length_unit,
                       std::string_view time_unit);
 
-/// Whether values of these quantities determine the profile.
+/// Whether values of these quantities determine a profile from rest to rest.
 bool is_sufficient(const std::vector<Quantity>& known, Assumption assumption = Assumption::none);
 
 /// The profile with these values. More may be given than is needed, as long as it agrees. There is

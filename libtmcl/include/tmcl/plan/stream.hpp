@@ -12,6 +12,11 @@
 /// tmc4361 and firmware) they are ROR and ROL. The acceleration parameters are raised while it runs
 /// where they have to be. It ends with a move to the exact end.
 ///
+/// StreamMode::segments tells an axis what changes only where the speed of the course bends: the
+/// speed that it is to have from then on, and the acceleration that leads there (AN-035: at t1 and
+/// at t3). An axis that is seen off the course is brought back within some updates. Where the speed
+/// does not jump, it takes no more than the axis' own acceleration and a tenth.
+///
 /// StreamMode::position loads the legs of the course one after the other into ramp generators with
 /// start and stop speeds (family sixpoint). The next leg is loaded a little before the present one
 /// ends, so that nothing stands still in between, and with the speed that brings the axis to its
@@ -27,6 +32,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "tmcl/clock.hpp"
@@ -49,27 +55,30 @@ constexpr double observer_gain = 0.2;
 constexpr double spare_part_of_bus = 0.25;
 constexpr Duration shortest_stream_period = std::chrono::milliseconds(5);
 
-enum class StreamMode : std::uint8_t { velocity, position };
+enum class StreamMode : std::uint8_t { velocity, segments, position };
+/// "segments"; part of the stable interface.
+std::string_view name_of(StreamMode mode);
+std::optional<StreamMode> stream_mode_named(std::string_view name);
 
 /// An axis of the course, and how its module counts.
 struct StreamAxis {
   double microsteps_per_unit = 1;  ///< Negative where the axis counts the other way.
   ModuleUnits units{};
-  std::int32_t greatest_velocity = 0;      ///< That ROR and parameter 4 take, in the module's unit.
-  std::int32_t greatest_acceleration = 0;  ///< That parameter 5 takes, likewise.
+  std::int32_t greatest_velocity = 0;       ///< That it is told, in the module's unit.
+  std::int32_t greatest_acceleration = 0;   ///< That parameter 5 takes, likewise.
   std::int32_t greatest_stop_velocity = 0;  ///< That parameter 20 takes; position mode only.
   std::optional<AxisTwin> twin{};           ///< Set as the axis is; position mode only.
-  Family family = Family::firmware;         ///< Velocity mode only.
+  Family family = Family::firmware;         ///< Velocity mode, and by segments.
 };
 
 struct StreamOptions {
   StreamMode mode = StreamMode::velocity;
   /// How far a reading of an axis may be off the course, in its units.
   double most_deviation = 1;
-  /// No updates more often than this, in velocity mode.
+  /// No updates more often than this, in velocity mode and by segments.
   Duration period_min = shortest_stream_period;
   /// Position mode: a leg on which a constant speed stays so close to the course is passed with it,
-  /// and takes fewer commands.
+  /// and takes fewer commands. By segments: an axis that is farther off is brought back.
   double even_within = 0.005;
   /// Brings the axes to the start of the course first; otherwise they must stand there.
   bool to_start = false;
@@ -87,7 +96,7 @@ struct StreamReport : DriveReport {
   Duration worst_round_trip{};  ///< Before anything moved.
   Duration period{};            ///< Of updates; position mode: the least time for a leg.
   Duration worst_delay{};       ///< Of an update, or of a leg's load.
-  std::size_t updates = 0;      ///< Velocity mode: of all axes; position mode: legs.
+  std::size_t updates = 0;      ///< Velocity mode: of all axes; segments; position mode: legs.
   std::size_t commands = 0;     ///< While the course was passed.
   double passed_s = 0;          ///< How long that took.
   double busy_s = 0;            ///< How much of that commands took.
