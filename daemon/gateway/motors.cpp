@@ -24,8 +24,8 @@ constexpr std::uint8_t all_motors = 255;
 enum class Search : std::uint8_t { start = 0, stop = 1 };
 
 bool names_several(const Request& request) {
-  return request.command == Command::MVP && request.type == positions_of_several &&
-         request.motor >= first_mask;
+  const bool moves = request.command == Command::MVP || request.command == Command::MVPA;
+  return moves && request.type == positions_of_several && request.motor >= first_mask;
 }
 
 // Commands above 127 control programs and chips, and RST a program: they know no motor, so they may
@@ -64,6 +64,7 @@ bool ends_turning(const Request& request) {
     case Command::ROL: return request.value == 0;
     case Command::SAP: return request.type == tmcl::axis_parameter::target_position;
     case Command::MVP:
+    case Command::MVPA:
     case Command::RFS: return can_move(request);
     default: return false;
   }
@@ -73,7 +74,8 @@ bool ends_turning(const Request& request) {
 bool goes_to_position(const Request& request) {
   constexpr std::uint8_t relative = 1;
   switch (request.command) {
-    case Command::MVP: return request.type != relative;
+    case Command::MVP:
+    case Command::MVPA: return request.type != relative;
     case Command::SAP:
     case Command::RSAP:
     case Command::AAP: return request.type == tmcl::axis_parameter::target_position;

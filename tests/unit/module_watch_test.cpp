@@ -146,8 +146,14 @@ TEST_F(Unreferenced, AnAxisIsSentToNoPositionByARawCommandEither) {
   };
   const auto sent = module().executed().size();
   constexpr int x_and_y = 0x43;
-  for (const auto& [command, type, motor] :
-       {std::tuple{"MVP", 0, 1}, {"MVP", 2, 1}, {"MVP", 2, x_and_y}, {"SAP", 0, 1}, {"AAP", 0, 1}})
+  for (const auto& [command, type, motor] : {std::tuple{"MVP", 0, 1},
+                                             {"MVP", 2, 1},
+                                             {"MVP", 2, x_and_y},
+                                             {"MVPA", 0, 1},
+                                             {"MVPA", 2, 1},
+                                             {"MVPA", 2, x_and_y},
+                                             {"SAP", 0, 1},
+                                             {"AAP", 0, 1}})
     EXPECT_EQ(name_of_raw(command, type, motor), "latched") << command << ' ' << type;
   EXPECT_EQ(module().executed().size(), sent);
   EXPECT_EQ(name_of_raw("MVP", 0, 0), "none") << "the other axis needs no reference";

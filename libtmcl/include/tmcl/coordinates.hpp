@@ -24,7 +24,7 @@ enum class Together : std::uint8_t {
   interpolated,     ///< Velocities are scaled so that all of them arrive together.
 };
 
-/// Whether this is a move to a coordinate (MVP COORD) of several motors, `motor` among them.
+/// Whether this is a move of several motors to a coordinate (MVP, MVPA COORD), `motor` among them.
 bool moves_together(const Request& request, std::uint8_t motor);
 
 namespace verbs {

@@ -16,7 +16,8 @@ constexpr std::uint8_t greatest_mask = 0x3F;
 }  // namespace
 
 bool moves_together(const Request& request, std::uint8_t motor) {
-  const bool names_several = request.command == Command::MVP && request.type == coordinate_move &&
+  const bool moves = request.command == Command::MVP || request.command == Command::MVPA;
+  const bool names_several = moves && request.type == coordinate_move &&
                              (request.motor & (each_for_itself | interpolated)) != 0;
   return names_several && motor < 6 && (request.motor >> motor & 1) != 0;
 }
