@@ -1,15 +1,12 @@
 #include "sim/ports/pty_port.hpp"
 
-#include <array>
 #include <utility>
 
-#include <boost/asio/buffer.hpp>
-#include <boost/asio/posix/stream_descriptor.hpp>
-
-#include "sim/ports/link_file.hpp"
-#include "sim/ports/pty.hpp"
+#include "sim/ports/pty_stream.hpp"
 #include "sim/ports/silence.hpp"
 #include "sim/wire/serial_line.hpp"
+#include "sim/wire/usb_line.hpp"
+#include "tmcl/parameter.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -18,57 +15,64 @@ namespace asio = boost::asio;
 
 class PtyPort final : public Port {
  public:
-  PtyPort(asio::io_context& io, Scheduler& scheduler, Pty pty, LinkFile link)
-      : scheduler_(&scheduler),
-        master_(io, pty.master.release()),
-        silence_(io, master_.native_handle()),
-        slave_(std::move(pty.slave)),
-        slave_name_(std::move(pty.slave_name)),
-        link_(std::move(link)),
-        line_(scheduler.bench(), [this](auto bytes) { write(bytes); }) {
-    master_.non_blocking(true);
-    read();
-  }
-
-  std::string description() const override {
-    return "pty " + link_.path().string() + " -> " + slave_name_;
-  }
-
- private:
-  void read() {
-    master_.async_read_some(asio::buffer(input_), [this](const auto& error, std::size_t size) {
-      if (error) return;
-      line_.receive(std::span(input_).first(size), silence_.seen_at());
-      scheduler_->touch();
+  PtyPort(asio::io_context& io, Scheduler& scheduler, LinkedPty pty)
+      : stream_(io, std::move(pty.pty), std::move(pty.link)),
+        silence_(io, stream_.descriptor()),
+        line_(scheduler.bench(), [this](auto bytes) { stream_.write(bytes); }) {
+    stream_.read([this, &scheduler](auto bytes) {
+      line_.receive(bytes, silence_.seen_at());
+      scheduler.touch();
       if (line_.is_unfinished()) silence_.look_later();
-      read();
     });
   }
 
-  void write(std::span<const std::uint8_t> bytes) {
-    boost::system::error_code full;
-    master_.write_some(asio::buffer(bytes.data(), bytes.size()), full);
+  std::string description() const override { return "pty " + stream_.description(); }
+
+ private:
+  PtyStream stream_;
+  Silence silence_;
+  SerialLine line_;
+};
+
+class UsbPtyPort final : public Port {
+ public:
+  UsbPtyPort(asio::io_context& io, Scheduler& scheduler, Module& module, LinkedPty pty,
+             std::uint64_t seed)
+      : module_(&module),
+        stream_(io, std::move(pty.pty), std::move(pty.link)),
+        line_(
+            scheduler.bench(), module, [this](auto bytes) { stream_.write(bytes); }, seed) {
+    stream_.read([this, &scheduler](auto bytes) {
+      line_.receive(bytes);
+      scheduler.touch();
+    });
   }
 
-  Scheduler* scheduler_;
-  asio::posix::stream_descriptor master_;
-  Silence silence_;
-  FileDescriptor slave_;
-  std::string slave_name_;
-  LinkFile link_;
-  SerialLine line_;
-  std::array<std::uint8_t, 1024> input_{};
+  std::string description() const override {
+    const auto address = module_->globals().value(global_parameter::serial_address);
+    return "usb-pty " + stream_.description() + ", module " + std::to_string(address);
+  }
+
+ private:
+  Module* module_;
+  PtyStream stream_;
+  UsbLine line_;
 };
 
 }  // namespace
 
 OpenedPort open_pty_port(asio::io_context& io, Scheduler& scheduler,
                          const std::filesystem::path& path) {
-  auto pty = open_pty();
+  auto pty = open_linked_pty(path);
   if (!pty) return tl::unexpected(pty.error());
-  auto link = LinkFile::create(path, pty->slave_name);
-  if (!link) return tl::unexpected(link.error());
-  return std::make_unique<PtyPort>(io, scheduler, std::move(*pty), std::move(*link));
+  return std::make_unique<PtyPort>(io, scheduler, std::move(*pty));
+}
+
+OpenedPort open_usb_pty_port(asio::io_context& io, Scheduler& scheduler, Module& module,
+                             const std::filesystem::path& path, std::uint64_t seed) {
+  auto pty = open_linked_pty(path);
+  if (!pty) return tl::unexpected(pty.error());
+  return std::make_unique<UsbPtyPort>(io, scheduler, module, std::move(*pty), seed);
 }
 
 }  // namespace tmcl::sim

@@ -1,6 +1,7 @@
-/// A serial line on a pseudo terminal.
+/// A serial line, or the USB port of one module, on a pseudo terminal.
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 
 #include <boost/asio/io_context.hpp>
@@ -14,5 +15,9 @@ namespace tmcl::sim {
 /// as often as they like. Replies that no host takes are lost, as on a real line.
 OpenedPort open_pty_port(boost::asio::io_context& io, Scheduler& scheduler,
                          const std::filesystem::path& path);
+/// Likewise. What a host has written when it is read is taken for one packet: a pseudo terminal
+/// does not keep them apart.
+OpenedPort open_usb_pty_port(boost::asio::io_context& io, Scheduler& scheduler, Module& module,
+                             const std::filesystem::path& path, std::uint64_t seed);
 
 }  // namespace tmcl::sim

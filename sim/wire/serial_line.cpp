@@ -4,8 +4,8 @@
 #include <utility>
 
 #include "sim/bench.hpp"
+#include "sim/wire/answer_bytes.hpp"
 #include "tmcl/parameter.hpp"
-#include "tmcl/version.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -15,32 +15,9 @@ namespace gp = global_parameter;
 // A host that asks on without waiting for replies loses some, as with a real module's buffer.
 constexpr std::size_t most_delayed = 64;
 
-struct Sender {
-  std::uint8_t host;
-  std::uint8_t module;
-};
-
-Sender sender(const Globals& globals) {
-  return {globals.byte(gp::serial_host_address), globals.byte(gp::serial_address)};
-}
-
 bool obeys_silently(const Globals& globals, std::uint8_t address) {
   const auto secondary = globals.serial_secondary_address();
   return secondary != 0 && address == secondary;
-}
-
-SerialBytes text_bytes(std::uint8_t host, FirmwareVersion version) {
-  SerialBytes bytes{host};
-  std::ranges::copy(to_text(version), bytes.begin() + 1);
-  return bytes;
-}
-
-SerialBytes answer_bytes(Sender from, const Module& module, Command command, const Answer& answer) {
-  if (answer.form == Answer::Form::version_text) return text_bytes(from.host, module.version());
-  if (answer.form == Answer::Form::program_line) {
-    return encode_serial(program::memory_reply(answer.line, from.host));
-  }
-  return encode_serial(Reply{from.host, from.module, answer.status, command, answer.value});
 }
 
 std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
@@ -156,8 +133,7 @@ void SerialLine::run_due() {
 }
 
 void SerialLine::target_reached(const Module& module, std::int32_t motors) {
-  const auto from = sender(module.globals());
-  const Reply event{from.host, from.module, Status::delayed, Command::TARGET_REACHED_EVENT, motors};
+  const auto event = arrival_of(sender(module.globals()), motors);
   if (module.in_ascii_mode()) return send(module, bytes_of(ascii::to_text(event) + '\r'));
   const auto bytes = encode_serial(event);
   send(module, Bytes(bytes.begin(), bytes.end()));

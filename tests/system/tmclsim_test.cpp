@@ -235,6 +235,38 @@ TEST_F(TmclsimTest, PassesEveryByteThroughThePty) {
   }
 }
 
+TEST_F(TmclsimTest, ServesAModuleAsByItsUsbPort) {
+  Tmclsim sim(
+      {"--module", "TMCM-1110", "--module", "TMCM-3110@7", "--usb-pty", "7=" + path("usb")});
+  const auto line = sim.lines_until_ready().back();
+  const auto terminal = fs::read_symlink(path("usb")).string();
+  EXPECT_EQ(line, "usb-pty " + path("usb") + " -> " + terminal + ", module 7");
+  const auto host = open_pty(path("usb"));
+  const auto reply = host.exchange(ask_version);  // of module 1
+  EXPECT_EQ(Bytes(reply.begin(), reply.begin() + 6),
+            (Bytes{2, 7, 100, 136, 3110 / 256, 3110 % 256}));
+  EXPECT_EQ(host.exchange(Bytes(9, 0)), (Bytes{2, 7, 2, 0, 0, 0, 0, 0, 11}));
+}
+
+TEST_F(TmclsimTest, SaysWhichModuleAUsbPortIsMissing) {
+  const Words two{"--module", "TMCM-1110", "--module", "TMCM-3110@7"};
+  const auto error_of = [&](Words more) {
+    Words words = two;
+    words.insert(words.end(), more.begin(), more.end());
+    Tmclsim sim(words);
+    EXPECT_EQ(sim.wait(), 2);
+    return sim.errors();
+  };
+  EXPECT_THAT(error_of({"--usb-pty", path("usb")}), HasSubstr("which of the 2 modules"));
+  EXPECT_THAT(error_of({"--usb-pty", "9=" + path("usb")}),
+              HasSubstr("no module has the address 9"));
+  EXPECT_THAT(error_of({"--usb-pty", "7="}), HasSubstr("names no file"));
+  EXPECT_THAT(error_of({"--usb-pty", "7=" + path("a"), "--usb-pty", "7=" + path("b")}),
+              HasSubstr("has a USB port already"));
+  EXPECT_THAT(error_of({"--module", "TMCM-1140@7", "--usb-pty", "7=" + path("usb")}),
+              HasSubstr("several modules have the address 7"));
+}
+
 TEST_F(TmclsimTest, MovesInRealTime) {
   Tmclsim sim({"--module", "TMCM-1110", "--pty", path("bus")});
   sim.lines_until_ready();

@@ -133,6 +133,11 @@ bool open_ports(boost::asio::io_context& io, sim::Scheduler& scheduler,
   for (const auto& path : options.ptys) {
     if (!keep(ports, sim::open_pty_port(io, scheduler, path))) return false;
   }
+  for (const auto& [module, path] : options.usb_ptys) {
+    auto& owner = *scheduler.bench().modules().at(module);
+    if (!keep(ports, sim::open_usb_pty_port(io, scheduler, owner, path, options.seed + module)))
+      return false;
+  }
   if (!options.can_interfaces.empty()) warn_of_replies_taken_for_commands(scheduler.bench());
   for (const auto& interface : options.can_interfaces) {
     if (!keep(ports, sim::open_can_port(io, scheduler, interface))) return false;

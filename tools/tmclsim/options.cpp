@@ -11,8 +11,8 @@ namespace tmclsim {
 namespace {
 
 constexpr auto known_options =
-    std::to_array<std::string_view>({"--module", "--bench", "--pty", "--can", "--tcp", "--eeprom",
-                                     "--console", "--help", "--version"});
+    std::to_array<std::string_view>({"--module", "--bench", "--pty", "--usb-pty", "--can", "--tcp",
+                                     "--eeprom", "--seed", "--console", "--help", "--version"});
 
 constexpr auto description =
     "Simulates TMCL modules: what talks to a module on a wire can talk to this instead.\n"
@@ -34,9 +34,16 @@ Examples
   Commands typed by hand, such as AMVP ABS, 0, 50000, until ABIN goes back to datagrams:
       tmclctl --direct serial:/tmp/tmcm raw 1 ENTER_ASCII_MODE 0 0 0
       picocom --imap crcrlf /tmp/tmcm
+  A module as its USB port shows it: it ignores addresses and takes 0.25 to 2 ms to answer:
+      tmclsim --module TMCM-3110 --usb-pty /tmp/ttyACM0
   A module on a virtual CAN bus:
       sudo ip link add dev vcan0 type vcan && sudo ip link set up vcan0
       tmclsim --module TMCM-3110 --can vcan0
+
+By --usb-pty a host has one module alone on a cable, as by the module's own USB port. The address of
+a command is ignored, and answers have the module's own. What the host writes at once is a packet: its
+first nine bytes are a command, the rest is lost, and a shorter one is lost whole. With several
+modules, ADDRESS= says which one.
 
 With --bench, motors have something to drive. FILE is TOML; all its keys but model are optional:
     [[module]]
@@ -87,6 +94,7 @@ struct Words {
   std::vector<std::string> modules;
   std::string bench;
   std::vector<std::string> tcp;
+  std::vector<std::string> usb_ptys;
   Options options;
 };
 
@@ -109,6 +117,8 @@ void describe(CLI::App& app, Words& words) {
       ->type_name("FILE");
   repeatable("--pty", words.options.ptys, "PATH",
              "Serve them on a pseudo terminal, and make PATH a link to it");
+  repeatable("--usb-pty", words.usb_ptys, "[ADDRESS=]PATH",
+             "Serve one of them as by its USB port on a pseudo terminal (see below)");
   repeatable("--can", words.options.can_interfaces, "INTERFACE",
              "Serve them on a CAN interface of Linux, such as vcan0");
   repeatable("--tcp", words.tcp, "HOST:PORT",
@@ -116,6 +126,9 @@ void describe(CLI::App& app, Words& words) {
   app.add_option("--eeprom", words.options.eeprom_folder,
                  "Remember what the modules store, in a file for each in this folder")
       ->type_name("DIR");
+  app.add_option("--seed", words.options.seed,
+                 "Draw what is random, such as how long USB takes, from this (default 0)")
+      ->type_name("N");
   app.add_flag("--console", words.options.console,
                "Take commands on standard input: loads, switches, inputs (see below)");
 }
@@ -142,15 +155,19 @@ tl::expected<Options, EarlyExit> check(Words words) {
     return tl::unexpected(wrong("no module to simulate. Add one: --module TMCM-1110"));
   }
   const auto& ports = words.options;
-  if (ports.ptys.empty() && ports.can_interfaces.empty() && words.tcp.empty()) {
+  const bool has_serial = !ports.ptys.empty() || !words.usb_ptys.empty() || !words.tcp.empty();
+  if (!has_serial && ports.can_interfaces.empty()) {
     return tl::unexpected(
-        wrong("no way to reach the modules. Add one: --pty PATH, --can INTERFACE "
+        wrong("no way to reach the modules. Add one: --pty PATH, --usb-pty PATH, --can INTERFACE "
               "or --tcp HOST:PORT"));
   }
   auto modules = all_modules(words);
   if (!modules) return tl::unexpected(wrong(modules.error()));
   if (modules->empty()) return tl::unexpected(wrong(words.bench + " describes no module."));
   words.options.modules = std::move(*modules);
+  auto usb_ptys = parse_usb_ports(words.usb_ptys, words.options.modules);
+  if (!usb_ptys) return tl::unexpected(wrong(usb_ptys.error()));
+  words.options.usb_ptys = std::move(*usb_ptys);
   for (const auto& text : words.tcp) {
     const auto endpoint = tmcl::sim::parse_endpoint(text);
     if (!endpoint) {

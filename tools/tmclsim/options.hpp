@@ -1,6 +1,7 @@
 /// The command line of tmclsim.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
@@ -8,14 +9,17 @@
 
 #include "module_spec.hpp"
 #include "sim/ports/endpoint.hpp"
+#include "usb_ports.hpp"
 
 namespace tmclsim {
 
 struct Options {
   std::vector<ModuleSpec> modules;
   std::vector<std::string> ptys;
+  std::vector<UsbPort> usb_ptys;
   std::vector<std::string> can_interfaces;
   std::vector<tmcl::sim::Endpoint> tcp_endpoints;
+  std::uint64_t seed = 0;  ///< Of whatever is drawn.
   bool console = false;
   std::string eeprom_folder;  ///< Empty if modules forget everything at the end.
 };
