@@ -9,6 +9,15 @@ namespace {
 
 namespace ap = axis_parameter;
 
+constexpr auto closed_loop_mode = number_of("closed_loop_mode");
+constexpr auto encoder_initialization = number_of("encoder_initialization");
+constexpr auto closed_loop_init_flag = number_of("closed_loop_init_flag");
+constexpr std::int32_t encoder_is_initialized = 2;
+
+bool has_closed_loop(Family family) {
+  return family == Family::tmc4361 || family == Family::firmware;
+}
+
 bool in_range(const ParameterInfo& row, std::int32_t value) {
   return value >= row.minimum && value <= row.maximum;
 }
@@ -48,6 +57,9 @@ std::optional<std::int32_t> Axis::reading(const ParameterInfo& row) const {
   const auto position_of = [this](const EncoderWatch& encoder) {
     return static_cast<std::int32_t>(encoder.position(coupling_.stage()));
   };
+  if (has_closed_loop(family_)) {
+    if (const auto ready = closed_loop_reading(row.number)) return ready;
+  }
   switch (row.number) {
     case number_of("home_switch"): return switches_.home ? 1 : 0;
     case number_of("right_limit_switch"): return switches_.right ? 1 : 0;
@@ -70,6 +82,14 @@ std::optional<std::int32_t> Axis::reading(const ParameterInfo& row) const {
   }
 }
 
+std::optional<std::int32_t> Axis::closed_loop_reading(std::uint8_t number) const {
+  if (number == closed_loop_init_flag) return closed_loop_.is_calibrated(now_);
+  // A TMC4361 has a speed under that number.
+  const bool initializes = family_ == Family::firmware && number == encoder_initialization;
+  if (initializes && closed_loop_.is_encoder_initialized(now_)) return encoder_is_initialized;
+  return std::nullopt;
+}
+
 tl::expected<std::int32_t, Status> Axis::read(std::uint8_t number) {
   const auto result = get(number);
   if (result && number == number_of("extended_error_flags")) errors_ = 0;
@@ -89,6 +109,10 @@ Status Axis::set(std::uint8_t number, std::int32_t value) {
 }
 
 void Axis::take_note(std::uint8_t number, std::int32_t value) {
+  if (has_closed_loop(family_)) {
+    if (number == closed_loop_mode) closed_loop_.set_mode(value, now_);
+    if (number == encoder_initialization) closed_loop_.initialize_encoder(value, now_);
+  }
   switch (number) {
     case ap::microstep_resolution:
       coupling_.set_resolution(value);

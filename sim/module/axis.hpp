@@ -11,6 +11,7 @@
 
 #include <tl/expected.hpp>
 
+#include "sim/module/closed_loop.hpp"
 #include "sim/module/coupling.hpp"
 #include "sim/module/encoder_watch.hpp"
 #include "sim/module/homing.hpp"
@@ -93,6 +94,7 @@ class Axis {
  private:
   void move(std::int64_t position);
   std::optional<std::int32_t> reading(const ParameterInfo& row) const;
+  std::optional<std::int32_t> closed_loop_reading(std::uint8_t number) const;
   void take_note(std::uint8_t number, std::int32_t value);
 
   /// Something was written: what follows from it is done, and when to look next is worked out.
@@ -141,6 +143,7 @@ class Axis {
   Switches switches_;
   Switches barring_;  // as the chip was told
   Homing homing_;
+  ClosedLoop closed_loop_;
   EncoderWatch encoder_;
   EncoderWatch external_encoder_;
   std::int32_t errors_ = 0;

@@ -2,6 +2,11 @@
 
 namespace tmcl::sim {
 
+// That of several motors is what odemis' driver of the TMCM-3110 writes: bits for limit switches.
+Io::Io(const Model& model)
+    : ports_(model.ports),
+      greatest_pull_ups_(model.number == 3110 || model.number == 6110 ? 3 : 1) {}
+
 void Io::reset() {
   outputs_ = 0;
   pull_ups_ = false;
@@ -54,8 +59,8 @@ Status Io::set(std::uint8_t bank, std::uint8_t port, std::int32_t value) {
 
 Status Io::set_pull_ups(std::uint8_t port, std::int32_t value) {
   if (port != 0) return Status::wrong_type;
-  if (value != 0 && value != 1) return Status::invalid_value;
-  pull_ups_ = value == 1;
+  if (value < 0 || value > greatest_pull_ups_) return Status::invalid_value;
+  pull_ups_ = (value & 1) != 0;
   return Status::ok;
 }
 

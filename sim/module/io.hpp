@@ -29,7 +29,7 @@ class Io {
 
   static constexpr std::int32_t greatest_analog = 65535;
 
-  explicit Io(const Model& model) : ports_(model.ports) {}
+  explicit Io(const Model& model);
 
   /// As after power-on. What the world outside does to the inputs stays.
   void reset();
@@ -37,7 +37,8 @@ class Io {
   /// What GIO answers: wrong_type for an unknown port, invalid_value for an unknown bank.
   tl::expected<std::int32_t, Status> get(std::uint8_t bank, std::uint8_t port) const;
   /// What SIO answers: wrong_type for an unknown port, invalid_value for a bank that is no output
-  /// or a value out of range. Bank 0, port 0 switches the pull-up resistors of the inputs.
+  /// or a value out of range. Bank 0, port 0 switches the pull-up resistors of the inputs; the
+  /// TMCM-3110 and 6110 have a second bit there, for limit switches, which are never open here.
   Status set(std::uint8_t bank, std::uint8_t port, std::int32_t value);
 
   /// The world outside drives an input; false, and nothing happens, if there is no such port. An
@@ -63,6 +64,7 @@ class Io {
   Status set_output(std::uint8_t port, std::int32_t value);
 
   Ports ports_;
+  std::int32_t greatest_pull_ups_;
   bool pull_ups_ = false;
   std::uint32_t outputs_ = 0;
   std::array<std::optional<bool>, most_ports> driven_{};

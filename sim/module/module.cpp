@@ -115,6 +115,7 @@ Answer Module::execute_direct(const Request& request, EventSink& from) {
   if (application_.in_download() && request.command < Command::STOP_APPLICATION)
     return application_.record(request);
   if (Application::is_control(request.command)) return control_application(request);
+  if (is_direct_calculation(request.command)) return application_.execute_directly(request, now_);
   switch (request.command) {
     case Command::GET_FIRMWARE_VERSION: return tell_version(request);
     case Command::TARGET_REACHED_EVENT: return arm_event(request, from);

@@ -44,7 +44,9 @@ std::optional<std::int32_t> Tmc457Motor::read(const ParameterInfo& row) const {
     case ap::actual_velocity: return units().read(row.scale, chip().motion().velocity);
     case ap::position_reached: return reached() ? 1 : 0;
     case status_flags_number: return status_flags();
-    case velocity_reached: return chip().status().v_reached ? 1 : 0;
+    // The manual: the actual speed is equal to the target speed. So it is at rest, where the chip's
+    // flag is not set.
+    case velocity_reached: return chip().status().v_reached || chip().settled() ? 1 : 0;
     default: return ChipMotor::read(row);
   }
 }

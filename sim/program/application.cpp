@@ -24,7 +24,7 @@ Answer Application::execute(const Request& request, TimePoint now) {
     case Command::START_DOWNLOAD: return begin_download(request);
     case Command::END_DOWNLOAD: return end_download(request);
     case Command::READ_TMCL_MEMORY: return read(request);
-    case Command::GET_APPLICATION_STATUS: return reading(status());
+    case Command::GET_APPLICATION_STATUS: return reading(state_and_address());
     case Command::BREAKPOINT: return set_breakpoint(request);
     case Command::STOP_APPLICATION: processor_.stop(); return echo(request);
     case Command::RESET_APPLICATION: processor_.reset(); return echo(request);
@@ -113,6 +113,19 @@ void Application::load(std::span<const program::Instruction> lines) {
   memory_.abandon_download();
   processor_.clear();
   memory_.assign(lines);
+}
+
+// Within a download, the address is that of the next line.
+std::int32_t Application::state_and_address() const {
+  constexpr int state_shift = 24;
+  const auto address =
+      in_download() ? static_cast<std::int32_t>(memory_.next_address()) : program_counter();
+  return status() << state_shift | address;
+}
+
+Answer Application::execute_directly(const Request& request, TimePoint now) {
+  return echo(request, processor_.execute_directly(
+                           {request.command, request.type, request.motor, request.value}, now));
 }
 
 std::int32_t Application::last_error() const {

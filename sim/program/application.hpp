@@ -45,6 +45,10 @@ class Application {
   ///   everything is as before.
   Answer execute(const Request& request, TimePoint now);
 
+  /// Executes a command for which is_direct_calculation() is true, whether a program runs or not.
+  /// Errors are those that would end a program.
+  Answer execute_directly(const Request& request, TimePoint now);
+
   /// Whether a host's commands below 128 are for record().
   bool in_download() const { return memory_.in_download(); }
   /// Answers with command_loaded, or with maximum_exceeded if the memory is full.
@@ -74,6 +78,8 @@ class Application {
   TimePoint next_due() const { return processor_.next_due(); }
 
  private:
+  /// What GET_APPLICATION_STATUS answers.
+  std::int32_t state_and_address() const;
   Answer run(const Request& request, TimePoint now);
   Answer step(const Request& request, TimePoint now);
   Answer begin_download(const Request& request);

@@ -37,6 +37,8 @@ class ProgramMemory {
   /// Within a download. False, and the memory is as it was before, if there were too many lines.
   bool end_download();
   void abandon_download() { download_.reset(); }
+  /// Within a download: where the next line goes.
+  std::size_t next_address() const { return download_->first + download_->lines.size(); }
 
  private:
   struct Download {

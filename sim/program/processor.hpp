@@ -28,6 +28,9 @@ constexpr std::size_t most_breakpoints = 10;  ///< Likewise.
 /// Whether a command means the same when a host sends it as within a program. (Those that take a
 /// value from the accumulator do not, nor do jumps.)
 bool is_direct(Command command);
+/// Whether a host may send a command that works on the accumulator, the X register, user variables
+/// or interrupts of the program. It shares them with a program that runs.
+bool is_direct_calculation(Command command);
 
 /// Commands that a host could send as well go to the module, and what they read goes to the
 /// accumulator. A command that fails ends the program and stays the current one; last_error() then
@@ -67,6 +70,11 @@ class Processor {
   /// Executes one command and halts. A WAIT is done when it is over.
   void step(TimePoint now);
   void stop() { state_ = State::stopped; }
+
+  /// A command for which is_direct_calculation() is true, by a host.
+  Status execute_directly(const program::Instruction& line, TimePoint now) {
+    return execute(line, now);
+  }
 
   State state() const { return state_; }
   std::uint16_t counter() const { return counter_; }

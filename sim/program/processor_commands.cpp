@@ -90,6 +90,26 @@ bool is_direct(Command command) {
   }
 }
 
+// The manuals print answers in direct mode for calculations (TMCM-6212 V1.11: AGP, CALC; TMCM-1211
+// V1.10: CALCX; TMCM-3351), and hosts set up interrupts in it. Of comparisons, jumps and waiting
+// they say that they are for programs.
+bool is_direct_calculation(Command command) {
+  switch (command) {
+    case Command::CALC:
+    case Command::CALCX:
+    case Command::CALCV:
+    case Command::CALCVV:
+    case Command::CALCVA:
+    case Command::CALCAV:
+    case Command::CALCVX:
+    case Command::CALCXV:
+    case Command::EI:
+    case Command::DI:
+    case Command::VECT: return true;
+    default: return with_value(command).has_value();
+  }
+}
+
 Status Processor::execute(const Instruction& line, TimePoint now) {
   if (has_wrong_type(line)) return Status::wrong_type;
   const Cell accumulator{Cell::Kind::accumulator};

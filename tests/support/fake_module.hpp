@@ -41,6 +41,8 @@ class FakeModule {
     return globals_.try_emplace(type, 2'000'000 + type).first->second;
   }
   std::int32_t application_status = 0;
+  /// Where the answer to command 135 has it.
+  bool status_is_in_highest_byte = true;
   /// Carries a request out as if nobody had sent it.
   void execute_quietly(const Request& request) {
     Reply unread;
@@ -93,10 +95,14 @@ class FakeModule {
         if (request.type == global_parameter::tick_timer && request.motor == 0)
           reply.status = Status::wrong_type;
         reply.value = global(request.type);
+        if (request.type == global_parameter::application_status && request.motor == 0)
+          reply.value = application_status;
         break;
       case Command::START_DOWNLOAD: begin_download(request.value); break;
       case Command::END_DOWNLOAD: downloading_ = false; break;
-      case Command::GET_APPLICATION_STATUS: reply.value = application_status; break;
+      case Command::GET_APPLICATION_STATUS:
+        reply.value = status_is_in_highest_byte ? application_status << 24 | 7 : application_status;
+        break;
       case Command::READ_TMCL_MEMORY: read_memory(request, reply); break;
       case Command::MVP:
         if (request.type == 0) arrive(request.motor, request.value);

@@ -394,6 +394,39 @@ TEST(Programs, ARunningProgramIsNotWrittenOver) {
   EXPECT_EQ(std::ranges::count(bus.sent(), Command::START_DOWNLOAD, &Request::command), 0);
 }
 
+// Older firmware may not have parameter 128.
+TEST(Programs, NorWhereOnlyCommand135TellsThatItRuns) {
+  for (const bool is_in_highest_byte : {true, false}) {
+    ScriptedBus bus;
+    auto& fake = bus.add_module(1);
+    fake.application_status = 1;
+    fake.status_is_in_highest_byte = is_in_highest_byte;
+    fake.refuse = [](const Request& request) -> std::optional<Status> {
+      const bool is_asked =
+          request.command == Command::GGP && request.type == global_parameter::application_status;
+      return is_asked ? std::optional(Status::wrong_type) : std::nullopt;
+    };
+    const auto loaded = bus.run(verbs::load_program(module, moving));
+    ASSERT_FALSE(loaded) << is_in_highest_byte;
+    EXPECT_THAT(loaded.error().message, HasSubstr("running"));
+    fake.application_status = 0;
+    EXPECT_TRUE(bus.run(verbs::load_program(module, moving))) << is_in_highest_byte;
+  }
+}
+
+TEST(Programs, TheStateIsThatOfParameter128WhateverCommand135Says) {
+  for (const bool is_in_highest_byte : {true, false}) {
+    ScriptedBus bus;
+    auto& fake = bus.add_module(1);
+    fake.status_is_in_highest_byte = is_in_highest_byte;
+    fake.application_status = 1;
+    EXPECT_EQ(bus.run(verbs::program_status(module)).value().state, ProgramStatus::State::running);
+    fake.application_status = 0;
+    EXPECT_EQ(bus.run(verbs::program_status(module)).value().state, ProgramStatus::State::stopped);
+    EXPECT_TRUE(bus.run(verbs::load_program(module, moving)));
+  }
+}
+
 TEST(Programs, ReadingEndsAfterEnoughEmptyCommands) {
   for (const auto framing : {Framing::serial, Framing::can}) {
     ScriptedBus bus(framing);

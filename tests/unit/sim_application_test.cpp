@@ -26,7 +26,8 @@ class ApplicationTest : public ProgramTest {
     EXPECT_EQ(answer.form, Answer::Form::program_line);
     return answer.line;
   }
-  std::int32_t state() { return control(Command::GET_APPLICATION_STATUS).value; }
+  std::int32_t state() { return control(Command::GET_APPLICATION_STATUS).value >> 24; }
+  std::int32_t address() { return control(Command::GET_APPLICATION_STATUS).value & 0xffffff; }
 };
 
 TEST_F(ApplicationTest, KnowsItsCommands) {
@@ -49,6 +50,18 @@ TEST_F(ApplicationTest, ADownloadIsStoredAndRuns) {
   pass(milliseconds(1));
   EXPECT_EQ(variable(0), 42);
   EXPECT_EQ(state(), stopped);
+}
+
+TEST_F(ApplicationTest, TellsBelowTheStateWhereItIs) {
+  download(5, "MST 0\n MST 1");
+  EXPECT_EQ(address(), 7) << "where the next line of the download goes";
+  control(Command::END_DOWNLOAD);
+  EXPECT_EQ(address(), 0);
+  load("MST 0\n WAIT TICKS, 0, 10\n STOP");
+  control(Command::RUN_APPLICATION);
+  pass(milliseconds(1));
+  EXPECT_EQ(state(), run_state);
+  EXPECT_EQ(address(), 1);
 }
 
 TEST_F(ApplicationTest, ADownloadLeavesTheRestAsItIs) {

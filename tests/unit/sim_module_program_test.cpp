@@ -1,6 +1,8 @@
 // Stand-alone programs on a whole module, through its serial line and CAN.
 #include <string>
 
+#include "sim/program/calculation.hpp"
+#include "sim/program/interrupts.hpp"
 #include "sim_fixture.hpp"
 #include "support/program_host.hpp"
 #include "tmcl/program.hpp"
@@ -14,6 +16,10 @@ using program::Program;
 constexpr std::uint8_t variables = 2;
 constexpr std::uint8_t interrupts = 3;
 constexpr std::int32_t reset_code = 1234;
+
+constexpr std::uint8_t type_of(Calculation calculation) {
+  return static_cast<std::uint8_t>(calculation);
+}
 
 class ModuleProgramTest : public SimTest {
  protected:
@@ -80,11 +86,46 @@ TEST_F(ModuleProgramTest, RefusesToReadBeyondTheMemory) {
 }
 
 TEST_F(ModuleProgramTest, CommandsOfProgramsAreNotForHosts) {
-  for (const auto command : {Command::CALC, Command::JA, Command::WAIT, Command::STOP, Command::AAP,
-                             Command::VECT, Command::MVPA, Command::CALL}) {
+  for (const auto command :
+       {Command::COMP, Command::JA, Command::WAIT, Command::STOP, Command::RETI, Command::CALL}) {
     EXPECT_EQ(status_of(command, 0, 0), Status::command_not_available) << name_of(command);
   }
   EXPECT_EQ(status_of(Command{18}, 0, 0), Status::invalid_command);
+}
+
+TEST_F(ModuleProgramTest, AHostCanCalculate) {
+  EXPECT_EQ(status_of(Command::CALC, type_of(Calculation::load), 0, 700), Status::ok);
+  EXPECT_EQ(status_of(Command::AGP, 3, variables), Status::ok);
+  EXPECT_EQ(global(3, variables), 700);
+  EXPECT_EQ(status_of(Command::CALCX, type_of(Calculation::load), 0), Status::ok);
+  EXPECT_EQ(status_of(Command::CALCXV, type_of(Calculation::add), 3), Status::ok);
+  EXPECT_EQ(status_of(Command::CALCVX, type_of(Calculation::load), 4), Status::ok);
+  EXPECT_EQ(global(4, variables), 1400);
+  EXPECT_EQ(status_of(Command::AAP, axis_parameter::max_velocity, 0), Status::ok);
+  EXPECT_EQ(get(axis_parameter::max_velocity), 700);
+  EXPECT_EQ(status_of(Command::MVPA, 0, 0), Status::ok);
+  EXPECT_EQ(get(axis_parameter::target_position), 700);
+  EXPECT_EQ(ask(Command::CALC, type_of(Calculation::divide), 0, 0)->status, Status::invalid_value);
+  EXPECT_EQ(status_of(Command::CALC, 99, 0, 0), Status::wrong_type);
+}
+
+TEST_F(ModuleProgramTest, AHostCanSetUpInterrupts) {
+  download("JA 0\n SGP 0, 2, 1\n RETI");
+  EXPECT_EQ(status_of(Command::SGP, 0, 3, 20), Status::ok);
+  EXPECT_EQ(status_of(Command::RUN_APPLICATION, 0, 0), Status::ok);
+  EXPECT_EQ(status_of(Command::VECT, interrupt::timer, 0, 1), Status::ok);
+  EXPECT_EQ(status_of(Command::EI, interrupt::timer, 0), Status::ok);
+  EXPECT_EQ(status_of(Command::EI, interrupt::global_enable, 0), Status::ok);
+  pass(milliseconds(10));
+  EXPECT_EQ(global(0, variables), 0);
+  pass(milliseconds(20));
+  EXPECT_EQ(global(0, variables), 1);
+  EXPECT_EQ(status_of(Command::DI, interrupt::global_enable, 0), Status::ok);
+  ask(Command::SGP, 0, variables, 0);
+  pass(milliseconds(100));
+  EXPECT_EQ(global(0, variables), 0);
+  EXPECT_EQ(status_of(Command::VECT, 99, 0, 1), Status::wrong_type);
+  EXPECT_EQ(status_of(Command::VECT, interrupt::timer, 0, 99'999), Status::invalid_value);
 }
 
 TEST_F(ModuleProgramTest, TellsHowTheProgramIsDoing) {
@@ -92,7 +133,7 @@ TEST_F(ModuleProgramTest, TellsHowTheProgramIsDoing) {
   EXPECT_EQ(global(128), 1);
   EXPECT_EQ(global(130), 0);
   EXPECT_EQ(global(131), 0);
-  EXPECT_EQ(ask(Command::GET_APPLICATION_STATUS, 0, 0)->value, 1);
+  EXPECT_EQ(ask(Command::GET_APPLICATION_STATUS, 0, 0)->value, 1 << 24);
   pass(milliseconds(101));
   EXPECT_EQ(global(128), 0);
   EXPECT_EQ(global(130), 1);

@@ -181,6 +181,21 @@ Script<Result<void>> be_readable(ModuleAddress module, CallOptions options) {
       "global parameter 81 says so; setting it to 0 erases the program"));
 }
 
+/// Firmware puts the state into the highest byte of what it answers to command 135 (and an address
+/// below), or into the lowest. So parameter 128 decides; without that, whichever of the two says
+/// that a program runs.
+Script<Result<bool>> is_running(ModuleAddress module, CallOptions options) {
+  constexpr std::int32_t running = 1;
+  constexpr int highest_byte = 24;
+  const Request parameter{module, Command::GGP, global_parameter::application_status, 0, 0};
+  const auto state = co_await must(unless_refused(command(parameter, options)));
+  if (state && state->reply.status == Status::ok) co_return state->reply.value == running;
+  const Request request{module, Command::GET_APPLICATION_STATUS, 0, 0, 0};
+  const auto packed = co_await must(unless_refused(command(request, options)));
+  if (!packed || packed->reply.status != Status::ok) co_return false;
+  co_return packed->reply.value == running || packed->reply.value >> highest_byte == running;
+}
+
 Script<Result<void>> be_writable(ModuleAddress module, CallOptions options) {
   const auto protection = co_await must(protection_of(module, options));
   if ((protection & no_writing) != 0) {
@@ -189,9 +204,7 @@ Script<Result<void>> be_writable(ModuleAddress module, CallOptions options) {
         fmt::format("the program of module {} is protected from writing", number(module)),
         "global parameter 81 says so; setting it to 0 erases the program"));
   }
-  const Request request{module, Command::GET_APPLICATION_STATUS, 0, 0, 0};
-  const auto state = co_await must(unless_refused(command(request, options)));
-  const bool runs = state && state->reply.status == Status::ok && state->reply.value == 1;
+  const bool runs = co_await must(is_running(module, options));
   if (!runs) co_return Result<void>{};
   co_return tl::unexpected(
       refused_unsent(Status::download_not_possible,
@@ -276,7 +289,8 @@ Script<Result<void>> reset_program(ModuleAddress module) {
 }
 
 Script<Result<ProgramStatus>> program_status(ModuleAddress module) {
-  const auto state = co_await must(ask({module, Command::GET_APPLICATION_STATUS, 0, 0, 0}));
+  const auto state =
+      co_await must(ask({module, Command::GGP, global_parameter::application_status, 0, 0}));
   const auto counter = co_await must(global_if_there(module, global_parameter::program_counter));
   const auto error = co_await must(global_if_there(module, global_parameter::tmcl_error));
   co_return ProgramStatus{static_cast<ProgramStatus::State>(state & 3), counter, error};
