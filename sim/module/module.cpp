@@ -98,9 +98,17 @@ void Module::power_cycle() {
   run_application();
 }
 
+void Module::power_off() {
+  run_due();
+  bootloader_wanted_ = false;
+  restart();
+  application_.power_on(false, now_);
+  deaf_until_ = TimePoint::max();
+}
+
 Answer Module::execute(const Request& request, Medium medium, EventSink& from) {
   run_due();
-  if (now_ < deaf_until_) return no_answer;
+  if (!hears()) return no_answer;
   heartbeat(medium).heard(now_);
   auto answer = in_bootloader_ ? execute_in_bootloader(request) : execute_direct(request, from);
   const bool reads = effect_of(request.command, request.type) == Effect::reads;

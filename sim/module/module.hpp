@@ -60,6 +60,10 @@ class Module final : private ProgramHost {
   Answer execute(const Request& request, Medium medium, EventSink& from);
   /// Its supply fails now, and is back at once.
   void power_cycle();
+  /// Its supply fails until power_cycle(): it is deaf, and no motor moves.
+  void power_off();
+  /// It is on, and has started.
+  bool hears() const { return clock_->now() >= deaf_until_; }
   /// No more events to this sink.
   void forget(const EventSink& sink) { events_.forget(sink); }
 

@@ -20,12 +20,14 @@ constexpr auto look_again = std::chrono::milliseconds(200);
 
 class CanPort final : public Port {
  public:
-  CanPort(asio::io_context& io, Scheduler& scheduler, FileDescriptor socket, std::string interface)
+  CanPort(asio::io_context& io, Scheduler& scheduler, FileDescriptor socket, std::string interface,
+          Pace pace)
       : scheduler_(&scheduler),
         socket_(io, socket.release()),
         pause_(io.get_executor()),
         interface_(std::move(interface)),
-        line_(scheduler.bench(), [this](const CanFrame& frame) { write(frame); }) {
+        line_(
+            scheduler.bench(), [this](const CanFrame& frame) { write(frame); }, pace) {
     wait();
   }
 
@@ -87,10 +89,11 @@ class CanPort final : public Port {
 
 }  // namespace
 
-OpenedPort open_can_port(asio::io_context& io, Scheduler& scheduler, const std::string& interface) {
+OpenedPort open_can_port(asio::io_context& io, Scheduler& scheduler, const std::string& interface,
+                         Pace pace) {
   auto socket = open_can_socket(interface);
   if (!socket) return tl::unexpected(socket.error());
-  return std::make_unique<CanPort>(io, scheduler, std::move(*socket), interface);
+  return std::make_unique<CanPort>(io, scheduler, std::move(*socket), interface, pace);
 }
 
 }  // namespace tmcl::sim

@@ -7,6 +7,7 @@
 
 #include "sim/ports/port.hpp"
 #include "sim/ports/scheduler.hpp"
+#include "sim/wire/pace.hpp"
 
 namespace tmcl::sim {
 
@@ -14,6 +15,6 @@ namespace tmcl::sim {
 /// Survives that the interface goes down and comes up again, or is deleted and made anew; that it
 /// is gone, and there again, is said on standard error.
 OpenedPort open_can_port(boost::asio::io_context& io, Scheduler& scheduler,
-                         const std::string& interface);
+                         const std::string& interface, Pace pace = {});
 
 }  // namespace tmcl::sim

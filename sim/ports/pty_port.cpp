@@ -3,6 +3,7 @@
 #include <utility>
 
 #include "sim/ports/pty_stream.hpp"
+#include "sim/ports/rate_of_terminal.hpp"
 #include "sim/ports/silence.hpp"
 #include "sim/wire/serial_line.hpp"
 #include "sim/wire/usb_line.hpp"
@@ -15,11 +16,13 @@ namespace asio = boost::asio;
 
 class PtyPort final : public Port {
  public:
-  PtyPort(asio::io_context& io, Scheduler& scheduler, LinkedPty pty)
+  PtyPort(asio::io_context& io, Scheduler& scheduler, LinkedPty pty, const SerialWire& wire)
       : stream_(io, std::move(pty.pty), std::move(pty.link)),
         silence_(io, stream_.descriptor()),
-        line_(scheduler.bench(), [this](auto bytes) { stream_.write(bytes); }) {
-    stream_.read([this, &scheduler](auto bytes) {
+        line_(
+            scheduler.bench(), [this](auto bytes) { stream_.write(bytes); }, wire) {
+    stream_.read([this, &scheduler, has_rates = wire.has_rates_of_modules](auto bytes) {
+      if (has_rates) line_.set_host_rate(rate_of_terminal(stream_.descriptor()));
       line_.receive(bytes, silence_.seen_at());
       scheduler.touch();
       if (line_.is_unfinished()) silence_.look_later();
@@ -62,10 +65,10 @@ class UsbPtyPort final : public Port {
 }  // namespace
 
 OpenedPort open_pty_port(asio::io_context& io, Scheduler& scheduler,
-                         const std::filesystem::path& path) {
+                         const std::filesystem::path& path, const SerialWire& wire) {
   auto pty = open_linked_pty(path);
   if (!pty) return tl::unexpected(pty.error());
-  return std::make_unique<PtyPort>(io, scheduler, std::move(*pty));
+  return std::make_unique<PtyPort>(io, scheduler, std::move(*pty), wire);
 }
 
 OpenedPort open_usb_pty_port(asio::io_context& io, Scheduler& scheduler, Module& module,

@@ -24,11 +24,12 @@ constexpr auto pause_after_failure = std::chrono::milliseconds(100);
 
 class Client {
  public:
-  Client(asio::io_context& io, tcp::socket socket, Scheduler& scheduler)
+  Client(asio::io_context& io, tcp::socket socket, Scheduler& scheduler, const SerialWire& wire)
       : socket_(std::move(socket)),
         silence_(io, socket_.native_handle()),
         scheduler_(&scheduler),
-        line_(scheduler.bench(), [this](auto bytes) { write(bytes); }) {
+        line_(
+            scheduler.bench(), [this](auto bytes) { write(bytes); }, wire) {
     error_code ignored;
     socket_.set_option(tcp::no_delay(true), ignored);
     socket_.non_blocking(true, ignored);
@@ -68,8 +69,10 @@ class Client {
 
 class TcpPort final : public Port {
  public:
-  TcpPort(asio::io_context& io, Scheduler& scheduler, tcp::acceptor acceptor)
+  TcpPort(asio::io_context& io, Scheduler& scheduler, tcp::acceptor acceptor,
+          const SerialWire& wire)
       : io_(&io),
+        wire_(wire),
         scheduler_(&scheduler),
         acceptor_(std::move(acceptor)),
         pause_(io.get_executor()) {
@@ -102,11 +105,12 @@ class TcpPort final : public Port {
 
   void admit(tcp::socket socket) {
     const auto client = clients_.insert(
-        clients_.end(), std::make_unique<Client>(*io_, std::move(socket), *scheduler_));
+        clients_.end(), std::make_unique<Client>(*io_, std::move(socket), *scheduler_, wire_));
     (*client)->serve([this, client] { clients_.erase(client); });
   }
 
   asio::io_context* io_;
+  SerialWire wire_;
   Scheduler* scheduler_;
   tcp::acceptor acceptor_;
   Timer pause_;
@@ -115,7 +119,8 @@ class TcpPort final : public Port {
 
 }  // namespace
 
-OpenedPort open_tcp_port(asio::io_context& io, Scheduler& scheduler, const Endpoint& endpoint) {
+OpenedPort open_tcp_port(asio::io_context& io, Scheduler& scheduler, const Endpoint& endpoint,
+                         const SerialWire& wire) {
   error_code error;
   const auto found =
       tcp::resolver(io).resolve(endpoint.host, endpoint.port, tcp::resolver::passive, error);
@@ -131,7 +136,7 @@ OpenedPort open_tcp_port(asio::io_context& io, Scheduler& scheduler, const Endpo
   if (error)
     return tl::unexpected("cannot listen on " + endpoint.host + ":" + endpoint.port + ": " +
                           error.message());
-  return std::make_unique<TcpPort>(io, scheduler, std::move(acceptor));
+  return std::make_unique<TcpPort>(io, scheduler, std::move(acceptor), wire);
 }
 
 }  // namespace tmcl::sim

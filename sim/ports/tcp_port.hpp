@@ -8,6 +8,7 @@
 #include "sim/ports/endpoint.hpp"
 #include "sim/ports/port.hpp"
 #include "sim/ports/scheduler.hpp"
+#include "sim/wire/serial_wire.hpp"
 
 namespace tmcl::sim {
 
@@ -17,6 +18,6 @@ constexpr std::size_t most_tcp_clients = 32;  ///< Further connections are close
 /// and the description tells which. Each client has a line of its own to the same modules. A client
 /// that does not take its replies is disconnected.
 OpenedPort open_tcp_port(boost::asio::io_context& io, Scheduler& scheduler,
-                         const Endpoint& endpoint);
+                         const Endpoint& endpoint, const SerialWire& wire = {});
 
 }  // namespace tmcl::sim

@@ -13,6 +13,9 @@
 
 namespace tmcl::sim {
 
+/// What a module takes to answer, as far as anybody has measured: no manual has a figure.
+constexpr Duration usual_time_to_answer = std::chrono::microseconds(200);
+
 struct Pace {
   std::uint32_t bits_per_second = 0;  ///< 0: off.
   Duration to_answer{};               ///< What a module takes to answer; only where it is not off.
@@ -45,6 +48,8 @@ class Transit {
     items_.emplace_back(free_at_, std::move(item));
   }
   std::size_t size() const { return items_.size(); }
+  /// What was sent last, if it is still on its way; else null.
+  Item* last() { return items_.empty() ? nullptr : &items_.back().second; }
   /// When the next one has come; `never` if there is none.
   TimePoint next_due() const { return items_.empty() ? never : items_.front().first; }
   /// The next one, if it has come by now.

@@ -5,6 +5,7 @@
 
 #include "sim/bench.hpp"
 #include "sim/wire/answer_bytes.hpp"
+#include "sim/wire/rates.hpp"
 #include "tmcl/parameter.hpp"
 
 namespace tmcl::sim {
@@ -24,25 +25,36 @@ std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin
 
 }  // namespace
 
-SerialLine::SerialLine(Bench& bench, Output output, Pace pace)
-    : Line(bench), output_(std::move(output)), pace_(pace) {}
+SerialLine::SerialLine(Bench& bench, Output output, const SerialWire& wire)
+    : Line(bench), output_(std::move(output)), wire_(wire), disturbance_(wire.noise, wire.seed) {}
 
 void SerialLine::receive(std::span<const std::uint8_t> bytes) {
   receive(bytes, bench().clock().now());
 }
 
 void SerialLine::receive(std::span<const std::uint8_t> bytes, TimePoint earliest) {
-  if (!pace_) return hear(bytes, earliest);
-  coming_.send({earliest, Bytes(bytes.begin(), bytes.end())}, bench().clock().now(),
-               pace_.of_bytes(bytes.size()));
+  Bytes said(bytes.begin(), bytes.end());
+  if (!wire_.pace) return hear(std::move(said), earliest);
+  coming_.send({earliest, std::move(said)}, bench().clock().now(),
+               wire_.pace.of_bytes(bytes.size()));
 }
 
-void SerialLine::hear(std::span<const std::uint8_t> bytes, TimePoint earliest) {
+void SerialLine::hear(Bytes bytes, TimePoint earliest) {
+  if (wire_.echoes) output_(bytes);
+  disturbance_.disturb(bytes);
   const auto& modules = bench().modules();
   ears_.resize(modules.size());
   for (const auto byte : bytes) {
-    for (std::size_t i = 0; i < modules.size(); ++i) hear(*modules[i], ears_[i], byte, earliest);
+    for (std::size_t i = 0; i < modules.size(); ++i) {
+      const auto heard = is_at_rate_of_host(*modules[i]) ? byte : disturbance_.garbage();
+      hear(*modules[i], ears_[i], heard, earliest);
+    }
   }
+}
+
+bool SerialLine::is_at_rate_of_host(const Module& module) const {
+  if (!wire_.pace || !wire_.has_rates_of_modules) return true;
+  return serial_rate(module.globals().value(gp::serial_baud_rate)) == wire_.pace.bits_per_second;
 }
 
 bool SerialLine::is_unfinished() const {
@@ -67,7 +79,7 @@ void SerialLine::hear_character(Module& module, Ear& ear, std::uint8_t byte) {
 void SerialLine::hand_to(Module& module, const SerialBytes& frame) {
   const auto from = sender(module.globals());
   const bool addressed = frame[0] == from.module;
-  if (!addressed && !obeys_silently(module.globals(), frame[0])) return;
+  if (!module.hears() || (!addressed && !obeys_silently(module.globals(), frame[0]))) return;
   const auto request = decode_serial_request(frame);
   const auto answer = request ? module.execute(*request, Medium::serial, *this)
                               : Answer{Answer::Form::reply, Status::wrong_checksum, 0};
@@ -82,7 +94,8 @@ void SerialLine::hand_to(Module& module, const std::string& line) {
   const auto meant = ascii::address_of(line);
   if (!meant) return;
   const bool addressed = reply_byte(*meant) == from.module;
-  if (!addressed && !obeys_silently(module.globals(), reply_byte(*meant))) return;
+  if (!module.hears() || (!addressed && !obeys_silently(module.globals(), reply_byte(*meant))))
+    return;
   const auto order = ascii::parse(line);
   const auto answer =
       order ? execute(module, *order) : Answer{Answer::Form::reply, order.error().status, 0};
@@ -100,16 +113,21 @@ Answer SerialLine::execute(Module& module, const ascii::Order& order) {
 
 void SerialLine::send(const Module& module, Bytes bytes) {
   Duration pause = module.globals().milliseconds(gp::telegram_pause_time);
-  if (pace_) pause += pace_.to_answer;
-  if (pause.count() == 0) return say(std::move(bytes));
+  if (wire_.pace) pause += wire_.pace.to_answer;
+  if (pause.count() == 0) return say({std::move(bytes), &module});
   if (delayed_.size() < most_delayed)
-    delayed_.push_back({bench().clock().now() + pause, std::move(bytes)});
+    delayed_.push_back({bench().clock().now() + pause, std::move(bytes), &module});
 }
 
-void SerialLine::say(Bytes bytes) {
-  if (!pace_) return output_(bytes);
-  const auto takes = pace_.of_bytes(bytes.size());
-  going_.send(std::move(bytes), bench().clock().now(), takes);
+void SerialLine::say(Said said) {
+  if (!is_at_rate_of_host(*said.speaker)) disturbance_.garble(said.bytes);
+  disturbance_.disturb(said.bytes);
+  if (!wire_.pace) return output_(said.bytes);
+  auto* before = going_.last();
+  if (before != nullptr && before->speaker != said.speaker)
+    return disturbance_.garble(before->bytes);
+  const auto takes = wire_.pace.of_bytes(said.bytes.size());
+  going_.send(std::move(said), bench().clock().now(), takes);
 }
 
 TimePoint SerialLine::next_due() const {
@@ -121,14 +139,14 @@ TimePoint SerialLine::next_due() const {
 void SerialLine::run_due() {
   const auto now = bench().clock().now();
   while (next_due() <= now) {
-    if (const auto heard = coming_.take(now)) hear(heard->bytes, heard->at);
+    if (const auto said = going_.take(now)) output_(said->bytes);
+    if (auto heard = coming_.take(now)) hear(std::move(heard->bytes), heard->at);
     const auto first = std::ranges::min_element(delayed_, {}, &Delayed::at);
     if (first != delayed_.end() && first->at <= now) {
-      auto bytes = std::move(first->bytes);
+      Said said{std::move(first->bytes), first->speaker};
       delayed_.erase(first);
-      say(std::move(bytes));
+      say(std::move(said));
     }
-    if (const auto said = going_.take(now)) output_(*said);
   }
 }
 

@@ -12,8 +12,8 @@
 #include "sim/module/module.hpp"
 #include "sim/wire/ascii_terminal.hpp"
 #include "sim/wire/line.hpp"
-#include "sim/wire/pace.hpp"
 #include "sim/wire/serial_framer.hpp"
+#include "sim/wire/serial_wire.hpp"
 #include "tmcl/datagram.hpp"
 
 namespace tmcl::sim {
@@ -33,7 +33,13 @@ class SerialLine final : public Line {
 
   /// `output` gets each reply whole, and must not destroy the line. With a pace, requests and
   /// replies are heard when their last byte has come, and each direction has a wire of its own.
-  SerialLine(Bench& bench, Output output, Pace pace = {});
+  /// Modules that speak at the same time then make garbage together.
+  SerialLine(Bench& bench, Output output, const SerialWire& wire = {});
+
+  /// The host speaks and hears at another rate from now on. Only with a pace.
+  void set_host_rate(std::uint32_t bits_per_second) {
+    wire_.pace.bits_per_second = bits_per_second;
+  }
 
   /// Bytes from the host, in the instant that the bench's clock shows.
   void receive(std::span<const std::uint8_t> bytes);
@@ -51,6 +57,11 @@ class SerialLine final : public Line {
   struct Delayed {
     TimePoint at;
     Bytes bytes;
+    const Module* speaker = nullptr;  ///< Null: the host.
+  };
+  struct Said {
+    Bytes bytes;
+    const Module* speaker;
   };
   /// What a module has heard of something unfinished.
   struct Ear {
@@ -59,21 +70,23 @@ class SerialLine final : public Line {
     bool ascii = false;
   };
 
-  void hear(std::span<const std::uint8_t> bytes, TimePoint earliest);
+  void hear(Bytes bytes, TimePoint earliest);
   void hear(Module& module, Ear& ear, std::uint8_t byte, TimePoint earliest);
   void hear_character(Module& module, Ear& ear, std::uint8_t byte);
   void hand_to(Module& module, const SerialBytes& frame);
   void hand_to(Module& module, const std::string& line);
   Answer execute(Module& module, const ascii::Order& order);
   void send(const Module& module, Bytes bytes);
-  void say(Bytes bytes);
+  void say(Said said);
+  bool is_at_rate_of_host(const Module& module) const;
 
   Output output_;
-  Pace pace_;
+  SerialWire wire_;
+  Disturbance disturbance_;
   std::vector<Ear> ears_;  ///< Of the bench's modules, in their order.
   std::deque<Delayed> delayed_;
   Transit<Delayed> coming_;  ///< Requests, and since when they can have come.
-  Transit<Bytes> going_;
+  Transit<Said> going_;
 };
 
 }  // namespace tmcl::sim

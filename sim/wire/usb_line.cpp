@@ -12,7 +12,7 @@ UsbLine::UsbLine(Bench& bench, Module& module, Output output, std::uint64_t seed
     : Line(bench), module_(&module), output_(std::move(output)), random_(seed) {}
 
 void UsbLine::receive(std::span<const std::uint8_t> packet) {
-  if (packet.size() < serial_datagram_size) return;
+  if (packet.size() < serial_datagram_size || !module_->hears()) return;
   SerialBytes frame;
   std::ranges::copy(packet.first<serial_datagram_size>(), frame.begin());
   const auto from = sender(module_->globals());

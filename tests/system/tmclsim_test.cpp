@@ -62,8 +62,11 @@ class Descriptor {
     return {bytes.begin(), bytes.end()};
   }
 
+  void write(const Bytes& bytes) const {
+    EXPECT_EQ(::write(fd_, bytes.data(), bytes.size()), static_cast<ssize_t>(bytes.size()));
+  }
   Bytes exchange(const Bytes& request) const {
-    if (::write(fd_, request.data(), request.size()) < 0) return {};
+    write(request);
     return read(9);
   }
 
@@ -265,6 +268,56 @@ TEST_F(TmclsimTest, SaysWhichModuleAUsbPortIsMissing) {
               HasSubstr("has a USB port already"));
   EXPECT_THAT(error_of({"--module", "TMCM-1140@7", "--usb-pty", "7=" + path("usb")}),
               HasSubstr("several modules have the address 7"));
+}
+
+TEST_F(TmclsimTest, AHostHasToSetTheRateOfTheModuleIfThereIsAPace) {
+  Tmclsim sim({"--module", "TMCM-1110", "--pace", "--pty", path("bus")});
+  sim.lines_until_ready();
+  const auto host = open_pty(path("bus"));
+  const auto set_rate = [&](speed_t rate) {
+    termios settings{};
+    ASSERT_EQ(::tcgetattr(host.get(), &settings), 0);
+    ::cfsetspeed(&settings, rate);
+    ASSERT_EQ(::tcsetattr(host.get(), TCSANOW, &settings), 0);
+  };
+  set_rate(B19200);
+  host.write(ask_version);
+  EXPECT_THAT(host.read(1, 300), IsEmpty());
+  set_rate(B9600);
+  EXPECT_EQ(host.exchange(ask_version), version_1110);
+}
+
+TEST_F(TmclsimTest, APaceMakesExchangesTakeTheTimeOfTheirBits) {
+  Tmclsim sim({"--module", "TMCM-1110", "--pace", "4800", "--pty", path("bus")});
+  sim.lines_until_ready();
+  const auto host = open_pty(path("bus"));
+  const auto start = std::chrono::steady_clock::now();
+  EXPECT_EQ(host.exchange(ask_version), version_1110);
+  EXPECT_GE(std::chrono::steady_clock::now() - start, std::chrono::microseconds(37'500));
+}
+
+TEST_F(TmclsimTest, EchoesWhatTheHostSays) {
+  Tmclsim sim({"--module", "TMCM-1110", "--echo", "--tcp", "127.0.0.1:0"});
+  const auto host = connect_to(port_in(sim.lines_until_ready().back()));
+  host.write(ask_version);
+  EXPECT_EQ(host.read(9), ask_version);
+  EXPECT_EQ(host.read(9), version_1110);
+}
+
+TEST_F(TmclsimTest, RefusesWiresThatThereAreNot) {
+  const auto error_of = [&](Words more) {
+    Words words{"--module", "TMCM-1110"};
+    words.insert(words.end(), more.begin(), more.end());
+    Tmclsim sim(words);
+    EXPECT_EQ(sim.wait(), 2);
+    return sim.errors();
+  };
+  const auto bus = path("bus");
+  EXPECT_THAT(error_of({"--pty", bus, "--pace", "fast"}), HasSubstr("--pace fast is no baud rate"));
+  EXPECT_THAT(error_of({"--pty", bus, "--pace", "0"}), HasSubstr("--pace 0 is no baud rate"));
+  EXPECT_THAT(error_of({"--pty", bus, "--noise", "2"}), HasSubstr("--noise is 0 to 1"));
+  EXPECT_THAT(error_of({"--pty", bus, "--noise", "nan"}), HasSubstr("--noise is 0 to 1"));
+  EXPECT_THAT(error_of({"--usb-pty", bus, "--echo"}), HasSubstr("of serial lines"));
 }
 
 TEST_F(TmclsimTest, MovesInRealTime) {

@@ -141,7 +141,7 @@ TEST_F(SimSerial, HasTheBaudRateAndTheModulesOwnTimeIfAsked) {
   Bytes replies;
   SerialLine paced(bench,
                    [&](auto bytes) { replies.insert(replies.end(), bytes.begin(), bytes.end()); },
-                   {.bits_per_second = 9600, .to_answer = milliseconds(1)});
+                   {.pace = {.bits_per_second = 9600, .to_answer = milliseconds(1)}});
   paced.receive(ask_version);
   // Twice nine bytes of ten bits at 9600 baud, and a millisecond.
   pass(milliseconds(19) + std::chrono::microseconds(749));
@@ -155,7 +155,7 @@ TEST_F(SimSerial, APacedLineDropsADatagramThatSilenceCutsInTwo) {
   Bytes replies;
   SerialLine paced(bench,
                    [&](auto bytes) { replies.insert(replies.end(), bytes.begin(), bytes.end()); },
-                   {.bits_per_second = 115'200});
+                   {.pace = {.bits_per_second = 115'200}});
   paced.receive(std::span(ask_version).first(4), clock.now());
   pass(milliseconds(6));
   paced.receive(std::span(ask_version).subspan(4), clock.now());

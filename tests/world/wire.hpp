@@ -61,8 +61,9 @@ class Wire {
         clock_(context),
         bench_(clock_),
         scheduler_(context, bench_),
-        serial_(bench_, [this](auto bytes) { pass_on(Bytes(bytes.begin(), bytes.end())); },
-                {.bits_per_second = 115'200, .to_answer = std::chrono::microseconds(500)}),
+        serial_(
+            bench_, [this](auto bytes) { pass_on(Bytes(bytes.begin(), bytes.end())); },
+            {.pace = {.bits_per_second = 115'200, .to_answer = std::chrono::microseconds(500)}}),
         can_(bench_, [this](const tmcl::CanFrame& frame) { pass_on(frame); },
              {.bits_per_second = 1'000'000, .to_answer = std::chrono::microseconds(200)}),
         readiness_(context) {}

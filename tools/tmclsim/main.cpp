@@ -22,6 +22,7 @@
 #include "sim/ports/pty_port.hpp"
 #include "sim/ports/scheduler.hpp"
 #include "sim/ports/tcp_port.hpp"
+#include "sim/wire/rates.hpp"
 
 namespace {
 
@@ -128,10 +129,33 @@ bool keep(Ports& ports, sim::OpenedPort opened) {
   return true;
 }
 
+/// Those of the first module; they are delivered with the same ones.
+sim::SerialWire serial_wire(const tmclsim::Options& options, const sim::Bench& bench) {
+  const auto& wires = options.wires;
+  sim::SerialWire wire;
+  wire.echoes = wires.echo;
+  wire.noise = wires.noise;
+  wire.seed = options.seed;
+  if (!wires.has_pace) return wire;
+  using tmcl::global_parameter::serial_baud_rate;
+  const auto code = bench.modules().front()->globals().value(serial_baud_rate);
+  wire.pace = {wires.baud != 0 ? wires.baud : sim::serial_rate(code), sim::usual_time_to_answer};
+  wire.has_rates_of_modules = wires.baud == 0;
+  return wire;
+}
+
+sim::Pace can_pace(const tmclsim::Options& options, const sim::Bench& bench) {
+  if (!options.wires.has_pace) return {};
+  const auto code = bench.modules().front()->globals().value(tmcl::global_parameter::can_bit_rate);
+  return {sim::can_rate(code), sim::usual_time_to_answer};
+}
+
 bool open_ports(boost::asio::io_context& io, sim::Scheduler& scheduler,
                 const tmclsim::Options& options, Ports& ports) {
+  const auto wire = serial_wire(options, scheduler.bench());
+  const auto pace = can_pace(options, scheduler.bench());
   for (const auto& path : options.ptys) {
-    if (!keep(ports, sim::open_pty_port(io, scheduler, path))) return false;
+    if (!keep(ports, sim::open_pty_port(io, scheduler, path, wire))) return false;
   }
   for (const auto& [module, path] : options.usb_ptys) {
     auto& owner = *scheduler.bench().modules().at(module);
@@ -140,10 +164,10 @@ bool open_ports(boost::asio::io_context& io, sim::Scheduler& scheduler,
   }
   if (!options.can_interfaces.empty()) warn_of_replies_taken_for_commands(scheduler.bench());
   for (const auto& interface : options.can_interfaces) {
-    if (!keep(ports, sim::open_can_port(io, scheduler, interface))) return false;
+    if (!keep(ports, sim::open_can_port(io, scheduler, interface, pace))) return false;
   }
   for (const auto& endpoint : options.tcp_endpoints) {
-    if (!keep(ports, sim::open_tcp_port(io, scheduler, endpoint))) return false;
+    if (!keep(ports, sim::open_tcp_port(io, scheduler, endpoint, wire))) return false;
   }
   return true;
 }

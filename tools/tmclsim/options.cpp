@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <array>
+#include <charconv>
 #include <string_view>
 
 #include "bench_file.hpp"
@@ -10,9 +11,9 @@
 namespace tmclsim {
 namespace {
 
-constexpr auto known_options =
-    std::to_array<std::string_view>({"--module", "--bench", "--pty", "--usb-pty", "--can", "--tcp",
-                                     "--eeprom", "--seed", "--console", "--help", "--version"});
+constexpr auto known_options = std::to_array<std::string_view>(
+    {"--module", "--bench", "--pty", "--usb-pty", "--can", "--tcp", "--pace", "--echo", "--noise",
+     "--eeprom", "--seed", "--console", "--help", "--version"});
 
 constexpr auto description =
     "Simulates TMCL modules: what talks to a module on a wire can talk to this instead.\n"
@@ -45,6 +46,11 @@ a command is ignored, and answers have the module's own. What the host writes at
 first nine bytes are a command, the rest is lost, and a shorter one is lost whole. With several
 modules, ADDRESS= says which one.
 
+With --pace, requests and answers take as long as on a line of that many baud, or of the rate that each
+module has in global parameter 65, and a module takes 0.2 ms; CAN has the rate of global parameter 69.
+At the modules' own rates, a host that opens a pseudo terminal at another one hears garbage, and so
+does the module. Modules that answer at the same time, as two of one address do, make garbage.
+
 With --bench, motors have something to drive. FILE is TOML; all its keys but model are optional:
     [[module]]
     model = "TMCM-1110"
@@ -71,7 +77,10 @@ With --console, each line on standard input is answered with "ok" or "error: ...
     press 1/0 right      hold a switch with a finger: left, right or home
     release 1/0 right
     input 1 0 1          digital input 0 of module 1 is high
-    analog 1 0 512       its analogue input 0 reads so much; 8: supply in 0.1 V, 9: temperature
+    analog 1 0 512       its analogue input 0 reads so much
+    supply 1 23.5        its supply is so many volts; it reads them, and goes on
+    temperature 1 40     it has so many degrees centigrade
+    power 1 off          its supply fails; on, or cycle for both: it starts again
     shutdown 1 1         its shutdown input is high, for global parameter 80
 With --eeprom, what modules store (STAP, SGP, programs, coordinates) is in a file for each, such as
 DIR/TMCM-1110@1.eeprom, and is there again next time. The name is that of the command line; a module
@@ -95,6 +104,7 @@ struct Words {
   std::string bench;
   std::vector<std::string> tcp;
   std::vector<std::string> usb_ptys;
+  std::string pace;
   Options options;
 };
 
@@ -126,8 +136,18 @@ void describe(CLI::App& app, Words& words) {
   app.add_option("--eeprom", words.options.eeprom_folder,
                  "Remember what the modules store, in a file for each in this folder")
       ->type_name("DIR");
+  app.add_option(
+         "--pace", words.pace,
+         "Make ports as slow as lines and modules are, at BAUD or at the modules' own rates")
+      ->type_name("[BAUD]")
+      ->expected(0, 1);
+  app.add_flag("--echo", words.options.wires.echo,
+               "Serial lines: let the host hear what it says, as some adapters do");
+  app.add_option("--noise", words.options.wires.noise,
+                 "Serial lines: how likely a byte gets a wrong bit, such as 0.001")
+      ->type_name("RATE");
   app.add_option("--seed", words.options.seed,
-                 "Draw what is random, such as how long USB takes, from this (default 0)")
+                 "Draw what is random, noise and how long USB takes, from this (default 0)")
       ->type_name("N");
   app.add_flag("--console", words.options.console,
                "Take commands on standard input: loads, switches, inputs (see below)");
@@ -150,7 +170,27 @@ tl::expected<std::vector<ModuleSpec>, std::string> all_modules(const Words& word
   return modules;
 }
 
-tl::expected<Options, EarlyExit> check(Words words) {
+// A port by USB has the pace that USB has, and no wires.
+tl::expected<void, EarlyExit> check_wires(Words& words, bool has_pace) {
+  auto& wires = words.options.wires;
+  const bool has_line = !words.options.ptys.empty() || !words.tcp.empty();
+  if ((wires.echo || wires.noise != 0) && !has_line)
+    return tl::unexpected(
+        wrong("--echo and --noise are of serial lines: --pty PATH, --tcp HOST:PORT."));
+  if (!(wires.noise >= 0 && wires.noise <= 1))
+    return tl::unexpected(wrong("--noise is 0 to 1, such as 0.001: one byte of a thousand."));
+  wires.has_pace = has_pace;
+  if (words.pace.empty()) return {};
+  constexpr std::uint32_t fastest = 4'000'000;
+  const auto* end = words.pace.data() + words.pace.size();
+  const auto [stop, error] = std::from_chars(words.pace.data(), end, wires.baud);
+  if (error != std::errc{} || stop != end || wires.baud == 0 || wires.baud > fastest)
+    return tl::unexpected(
+        wrong("--pace " + words.pace + " is no baud rate, such as 9600 or 115200."));
+  return {};
+}
+
+tl::expected<Options, EarlyExit> check(Words words, bool has_pace) {
   if (words.modules.empty() && words.bench.empty()) {
     return tl::unexpected(wrong("no module to simulate. Add one: --module TMCM-1110"));
   }
@@ -161,6 +201,7 @@ tl::expected<Options, EarlyExit> check(Words words) {
         wrong("no way to reach the modules. Add one: --pty PATH, --usb-pty PATH, --can INTERFACE "
               "or --tcp HOST:PORT"));
   }
+  if (auto checked = check_wires(words, has_pace); !checked) return tl::unexpected(checked.error());
   auto modules = all_modules(words);
   if (!modules) return tl::unexpected(wrong(modules.error()));
   if (modules->empty()) return tl::unexpected(wrong(words.bench + " describes no module."));
@@ -196,7 +237,7 @@ tl::expected<Options, EarlyExit> parse_options(int argc, const char* const* argv
   if (const auto rest = app.remaining(); !rest.empty()) {
     return tl::unexpected(unexpected_word(rest.front()));
   }
-  return check(std::move(words));
+  return check(std::move(words), app.count("--pace") > 0);
 }
 
 }  // namespace tmclsim

@@ -13,12 +13,21 @@
 
 namespace tmclsim {
 
+/// How slow, and how bad, the wires are.
+struct Wires {
+  bool has_pace = false;
+  std::uint32_t baud = 0;  ///< Of serial lines; 0: the modules' own, each.
+  bool echo = false;
+  double noise = 0;
+};
+
 struct Options {
   std::vector<ModuleSpec> modules;
   std::vector<std::string> ptys;
   std::vector<UsbPort> usb_ptys;
   std::vector<std::string> can_interfaces;
   std::vector<tmcl::sim::Endpoint> tcp_endpoints;
+  Wires wires;
   std::uint64_t seed = 0;  ///< Of whatever is drawn.
   bool console = false;
   std::string eeprom_folder;  ///< Empty if modules forget everything at the end.
