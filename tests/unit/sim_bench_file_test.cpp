@@ -10,6 +10,8 @@ namespace {
 
 using testing::HasSubstr;
 using testing::StartsWith;
+using tmcl::Command;
+using tmcl::sim::Bytes;
 
 std::string error_of(std::string_view text) {
   const auto file = parse_bench_file(text, "b.toml");
@@ -125,6 +127,62 @@ TEST_F(Console, SetsInputs) {
   EXPECT_EQ(say("analog 1 -1 1"), "error: '-1' is not a port");
   EXPECT_EQ(say("analog 1 0 y"), "error: 'y' is not a number");
   EXPECT_EQ(say("input 1 0"), "error: it is: input ADDRESS PORT 0|1");
+}
+
+TEST_F(Console, SetsSupplyAndTemperature) {
+  auto& module = add(1110);
+  const auto analog = [&](std::uint8_t port) {
+    return module.io().get(tmcl::sim::Io::analog_bank, port).value();
+  };
+  EXPECT_EQ(say("supply 1 23.5"), "ok");
+  EXPECT_EQ(analog(8), 235);
+  EXPECT_EQ(say("supply 1 12"), "ok");
+  EXPECT_EQ(analog(8), 120);
+  EXPECT_EQ(say("temperature 1 40"), "ok");
+  EXPECT_EQ(analog(9), 40);
+  for (const char* wrong : {"x", "-1", "1.25", "1.", ".5", "1001", "1.-5", "24V"})
+    EXPECT_EQ(say("supply 1 " + std::string(wrong)),
+              "error: '" + std::string(wrong) + "' is no voltage, such as 24 or 23.5");
+  EXPECT_THAT(say("temperature 1 -5"), HasSubstr("no temperature"));
+  EXPECT_THAT(say("temperature 2 5"), HasSubstr("no module with the address 2"));
+  EXPECT_EQ(analog(8), 120);
+}
+
+TEST_F(Console, TakesThePowerAwayAndGivesItBack) {
+  add(1110);
+  const auto is_heard = [this] { return ask(Command::GAP, 1, 0).has_value(); };
+  ask(Command::ROR, 0, 0, 500);
+  EXPECT_EQ(say("power 1 off"), "ok");
+  pass(std::chrono::hours(1));
+  EXPECT_FALSE(is_heard());
+  auto wrong = tmcl::encode_serial({tmcl::ModuleAddress{1}, Command::GAP, 1, 0, 0});
+  ++wrong.back();
+  EXPECT_THAT(exchange(Bytes(wrong.begin(), wrong.end())), testing::IsEmpty());
+  EXPECT_EQ(bench.modules().front()->axis(0).get(1), 0) << "it stands, and has forgotten where";
+  EXPECT_EQ(say("power 1 on"), "ok");
+  EXPECT_FALSE(is_heard());
+  pass(tmcl::sim::Module::boot_time);
+  EXPECT_TRUE(is_heard());
+  EXPECT_EQ(say("power 1 on"), "ok");
+  EXPECT_TRUE(is_heard()) << "it was on";
+  EXPECT_EQ(say("power 1 cycle"), "ok");
+  EXPECT_FALSE(is_heard());
+  EXPECT_THAT(say("power 1 up"), HasSubstr("'up' is not off, on or cycle"));
+}
+
+TEST_F(Console, NoProgramRunsWithoutPower) {
+  auto& module = add(1110);
+  ask(Command::START_DOWNLOAD, 0, 0, 0);
+  ask(Command::SGP, 1, 2, 77);
+  ask(Command::STOP, 0, 0, 0);
+  ask(Command::END_DOWNLOAD, 0, 0);
+  ask(Command::SGP, tmcl::global_parameter::auto_start_mode, 0, 1);
+  say("power 1 off");
+  pass(std::chrono::seconds(1));
+  EXPECT_EQ(module.globals().user_variable(1), 0);
+  say("power 1 on");
+  pass(std::chrono::seconds(1));
+  EXPECT_EQ(module.globals().user_variable(1), 77);
 }
 
 TEST_F(Console, SaysWhatIsWrong) {

@@ -133,15 +133,56 @@ Outcome set_analog(sim::Module& module, std::uint8_t port, std::int32_t value) {
   return {};
 }
 
-Outcome shut_down(sim::Bench& bench, const Words& words) {
+Outcome shut_down(sim::Module& module, std::string_view word) {
+  if (word != "0" && word != "1") return tl::unexpected(std::string("an input is 0 or 1"));
+  if (!module.set_shutdown_input(word == "1")) {
+    return tl::unexpected(std::string(module.model().name) + " has no shutdown input");
+  }
+  return {};
+}
+
+// In tenths, as the module reads it: "24" or "23.5".
+std::optional<std::int32_t> parse_volts(std::string_view text) {
+  const auto point = std::min(text.find('.'), text.size());
+  const auto whole = parse_number(text.substr(0, point));
+  const auto tenth = point == text.size() ? std::optional(0) : parse_number(text.substr(point + 1));
+  constexpr std::int32_t most = 1'000;
+  if (!whole || *whole < 0 || *whole > most || !tenth || text.size() > point + 2)
+    return std::nullopt;
+  return *whole * 10 + *tenth;
+}
+
+Outcome set_supply(sim::Module& module, std::string_view word) {
+  const auto tenths = parse_volts(word);
+  if (!tenths) return tl::unexpected(quoted(word) + " is no voltage, such as 24 or 23.5");
+  module.set_analog(sim::Io::supply_voltage_port, *tenths);
+  return {};
+}
+
+Outcome set_temperature(sim::Module& module, std::string_view word) {
+  const auto degrees = parse_number(word);
+  const bool is_set = degrees && module.set_analog(sim::Io::temperature_port, *degrees);
+  if (!is_set) return tl::unexpected(quoted(word) + " is no temperature in deg C from 0 on");
+  return {};
+}
+
+Outcome set_power(sim::Module& module, std::string_view word) {
+  if (word == "off") {
+    module.power_off();
+  } else if (word == "cycle" || (word == "on" && !module.hears())) {
+    module.power_cycle();
+  } else if (word != "on") {
+    return tl::unexpected(quoted(word) + " is not off, on or cycle");
+  }
+  return {};
+}
+
+Outcome at_module(sim::Bench& bench, const Words& words,
+                  Outcome (*change)(sim::Module& module, std::string_view word)) {
   const auto address = parse_number(words[1]);
   auto* module = address ? find_module(bench, *address) : nullptr;
   if (module == nullptr) return tl::unexpected(no_such_module(words[1]));
-  if (words[2] != "0" && words[2] != "1") return tl::unexpected(std::string("an input is 0 or 1"));
-  if (!module->set_shutdown_input(words[2] == "1")) {
-    return tl::unexpected(std::string(module->model().name) + " has no shutdown input");
-  }
-  return {};
+  return change(*module, words[2]);
 }
 
 Outcome at_motor(sim::Bench& bench, const Words& words,
@@ -183,7 +224,14 @@ constexpr auto commands = std::to_array<ConsoleCommand>({
      [](auto& bench, const auto& words) { return at_motor(bench, words, release); }},
     {"input", "input ADDRESS PORT 0|1", 4,
      [](auto& bench, const auto& words) { return at_port(bench, words, set_input); }},
-    {"shutdown", "shutdown ADDRESS 0|1", 3, shut_down},
+    {"shutdown", "shutdown ADDRESS 0|1", 3,
+     [](auto& bench, const auto& words) { return at_module(bench, words, shut_down); }},
+    {"supply", "supply ADDRESS VOLTS", 3,
+     [](auto& bench, const auto& words) { return at_module(bench, words, set_supply); }},
+    {"temperature", "temperature ADDRESS DEGREES", 3,
+     [](auto& bench, const auto& words) { return at_module(bench, words, set_temperature); }},
+    {"power", "power ADDRESS off|on|cycle", 3,
+     [](auto& bench, const auto& words) { return at_module(bench, words, set_power); }},
     {"analog", "analog ADDRESS PORT VALUE", 4,
      [](auto& bench, const auto& words) { return at_port(bench, words, set_analog); }},
 });
