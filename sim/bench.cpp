@@ -5,12 +5,13 @@
 
 namespace tmcl::sim {
 
-Module& Bench::add(const Model& model, ModuleAddress address) {
-  return *modules_.emplace_back(std::make_unique<Module>(model, address, *clock_));
+Module& Bench::add(const Model& model, ModuleAddress address, const ModuleSettings& settings) {
+  return *modules_.emplace_back(std::make_unique<Module>(model, address, *clock_, settings));
 }
 
-Module& Bench::add(const Model& model, Eeprom eeprom) {
-  return *modules_.emplace_back(std::make_unique<Module>(model, std::move(eeprom), *clock_));
+Module& Bench::add(const Model& model, Eeprom eeprom, const ModuleSettings& settings) {
+  return *modules_.emplace_back(
+      std::make_unique<Module>(model, std::move(eeprom), *clock_, settings));
 }
 
 void Bench::detach(Line& line) {

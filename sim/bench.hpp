@@ -17,9 +17,9 @@ class Bench {
   /// The clock, real or virtual, must outlive the bench.
   explicit Bench(const Clock& clock) : clock_(&clock) {}
 
-  Module& add(const Model& model, ModuleAddress address);
+  Module& add(const Model& model, ModuleAddress address, const ModuleSettings& settings = {});
   /// One that remembers; its address is in the memory.
-  Module& add(const Model& model, Eeprom eeprom);
+  Module& add(const Model& model, Eeprom eeprom, const ModuleSettings& settings = {});
   const std::vector<std::unique_ptr<Module>>& modules() const { return modules_; }
   const Clock& clock() const { return *clock_; }
 

@@ -35,16 +35,17 @@ Status refusal_of(Command command) {
   return only_in_programs ? Status::command_not_available : Status::invalid_command;
 }
 
-FirmwareVersion delivered_firmware(const Model& model) { return {model.number, 1, 1}; }
-
 }  // namespace
 
-Module::Module(const Model& model, ModuleAddress address, const Clock& clock)
-    : Module(model, delivered(address), clock) {}
+Module::Module(const Model& model, ModuleAddress address, const Clock& clock,
+               const ModuleSettings& settings)
+    : Module(model, delivered(address), clock, settings) {}
 
-Module::Module(const Model& model, Eeprom eeprom, const Clock& clock)
+Module::Module(const Model& model, Eeprom eeprom, const Clock& clock,
+               const ModuleSettings& settings)
     : model_(&model),
       clock_(&clock),
+      settings_(settings),
       now_(clock.now()),
       deaf_until_(now_),
       eeprom_(std::move(eeprom)),
@@ -53,13 +54,18 @@ Module::Module(const Model& model, Eeprom eeprom, const Clock& clock)
       coordinates_(model, eeprom_),
       stages_(model.axes, Stage(delivered_stage(model))),
       events_(model.axes),
-      bootloader_(model.number, delivered_firmware(model)) {
+      bootloader_(model.number, delivered_version()) {
   power_up();
+}
+
+FirmwareVersion Module::delivered_version() const {
+  const auto release = settings_.firmware.value_or(delivered_firmware(*model_));
+  return {model_->number, release.major, release.minor};
 }
 
 void Module::power_up() {
   in_bootloader_ = std::exchange(bootloader_wanted_, false) || !bootloader_.has_firmware();
-  firmware_ = bootloader_.firmware_version(delivered_firmware(*model_));
+  firmware_ = bootloader_.firmware_version(delivered_version());
   const auto magic = eeprom_.read(global_cell(gp::eeprom_magic)).value_or(eeprom_is_valid);
   if (magic != eeprom_is_valid) eeprom_.erase();
   globals_ = Globals(*model_, eeprom_, now_);

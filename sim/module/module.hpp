@@ -16,6 +16,7 @@
 #include "sim/module/globals.hpp"
 #include "sim/module/heartbeat.hpp"
 #include "sim/module/io.hpp"
+#include "sim/module/module_settings.hpp"
 #include "sim/module/target_events.hpp"
 #include "sim/program/application.hpp"
 #include "sim/stage/stage.hpp"
@@ -50,9 +51,11 @@ class Module final : private ProgramHost {
 
   /// A module as delivered, except for its address on serial lines and CAN alike. The clock must
   /// outlive the module.
-  Module(const Model& model, ModuleAddress address, const Clock& clock);
+  Module(const Model& model, ModuleAddress address, const Clock& clock,
+         const ModuleSettings& settings = {});
   /// One with this memory.
-  Module(const Model& model, Eeprom eeprom, const Clock& clock);
+  Module(const Model& model, Eeprom eeprom, const Clock& clock,
+         const ModuleSettings& settings = {});
   Module(const Module&) = delete;
   Module& operator=(const Module&) = delete;
 
@@ -87,11 +90,11 @@ class Module final : private ProgramHost {
   void mount(std::size_t motor, const StageSettings& settings);
   /// Somebody does something to the stage of a motor, now.
   void at_stage(std::size_t motor, const std::function<void(Stage&)>& change);
-  /// Of its firmware or, while it is in there, of its bootloader.
   /// Whether its serial interface speaks ASCII, after command 139 or a start with bit 0 of global
   /// parameter 67.
   bool in_ascii_mode() const { return in_ascii_mode_; }
   void leave_ascii_mode() { in_ascii_mode_ = false; }
+  /// Of its firmware or, while it is in there, of its bootloader.
   FirmwareVersion version() const { return in_bootloader_ ? bootloader_.version() : firmware_; }
 
  private:
@@ -212,8 +215,12 @@ class Module final : private ProgramHost {
   void bring_to(TimePoint time);
   void run_what_is_due_now();
 
+  /// Of the firmware that it came with.
+  FirmwareVersion delivered_version() const;
+
   const Model* model_;
   const Clock* clock_;
+  ModuleSettings settings_;
   TimePoint now_;  ///< How far the module has come: never later than the clock.
   TimePoint deaf_until_;
   Eeprom eeprom_;

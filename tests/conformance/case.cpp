@@ -179,7 +179,7 @@ class Reader {
     } else if (take(line, "case")) {
       group_ = cases_.size();
       for (const auto* model : models_) {
-        cases_.push_back({name_, std::string(line), number_, model, {}, {}});
+        cases_.push_back({name_, std::string(line), number_, model, {}, {}, {}});
       }
     } else {
       if (cases_.empty()) throw std::runtime_error("this belongs to no case");
@@ -198,6 +198,8 @@ class Reader {
   void interpret_in_case(std::string_view line) {
     if (take(line, "stage")) {
       for (auto& one : group()) one.stage.emplace_back(line);
+    } else if (take(line, "setting")) {
+      for (auto& one : group()) one.settings.emplace_back(line);
     } else if (take(line, "raw")) {
       add(raw_of(line));
     } else if (take(line, "wait")) {

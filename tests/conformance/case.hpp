@@ -5,6 +5,7 @@
 ///
 ///     case MST brings a motor to rest
 ///       stage left_switch = -1000          a line of the axis in the simulator's bench file
+///       setting firmware_version = "1.09"  a line of the module in that file
 ///       before GAP 3, 0 -> 100 0           command, status and value of the reply
 ///       ROR 0, 350 -> 100 350              "-> 100" alone leaves the value open
 ///       MST 0 -> 100 0
@@ -13,7 +14,7 @@
 ///       until 2 s GAP 3, 0 -> 100 0        asked again until the reply fits
 ///       event 128 1                        a datagram that comes by itself, within two seconds
 ///       FACTORY_RESET 0, 0, 1234 -> silence
-///       GET_FIRMWARE_VERSION 0, 0, 0 -> text 1110V101
+///       GET_FIRMWARE_VERSION 0, 0, 0 -> text 1110V113
 ///       console input 1 0 1                a line for tmclsim's console
 ///       restart                            the power goes off and on; what is stored stays
 ///       program                            downloaded; text in the assembler's language
@@ -84,7 +85,8 @@ struct Case {
   std::string title;
   std::size_t line = 0;  ///< Where it begins.
   const Model* model = nullptr;
-  std::vector<std::string> stage;  ///< Lines for the bench file's axis.
+  std::vector<std::string> stage;     ///< Lines for the bench file's axis.
+  std::vector<std::string> settings;  ///< Lines for its module.
   std::vector<Line> lines;
 };
 

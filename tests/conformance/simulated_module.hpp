@@ -69,7 +69,7 @@ class SimulatedModule {
     std::vector<std::string> words{"tmclsim", "--pty", pty()};
     if (does<Console>()) words.emplace_back("--console");
     if (does<Restart>()) words.insert(words.end(), {"--eeprom", folder_.string()});
-    if (case_.stage.empty()) {
+    if (case_.stage.empty() && case_.settings.empty()) {
       words.insert(words.end(), {"--module", std::string(case_.model->name) + "@1"});
     } else {
       write_bench_file();
@@ -96,8 +96,9 @@ class SimulatedModule {
   std::string bench_file() const { return (folder_ / "bench.toml").string(); }
   void write_bench_file() const {
     std::ofstream file(bench_file());
-    file << "[[module]]\nmodel = \"" << case_.model->name << "\"\naddress = 1\n"
-         << "[[module.axis]]\nmotor = 0\n";
+    file << "[[module]]\nmodel = \"" << case_.model->name << "\"\naddress = 1\n";
+    for (const auto& line : case_.settings) file << line << '\n';
+    file << "[[module.axis]]\nmotor = 0\n";
     for (const auto& line : case_.stage) file << line << '\n';
   }
 

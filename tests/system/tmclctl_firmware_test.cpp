@@ -41,7 +41,7 @@ TEST_F(TmclctlFirmware, IsRefusedForAnotherModel) {
   const auto wrong = run({"firmware", "upload", file("3110.hex"), "1"});
   EXPECT_EQ(wrong.status, 2);
   EXPECT_THAT(wrong.err, HasSubstr("the image is for 3110V107; module 1 is a TMCM-1110"));
-  EXPECT_THAT(version("1"), HasSubstr("<- 1110V101"));
+  EXPECT_THAT(version("1"), HasSubstr("<- 1110V113"));
 }
 
 TEST_F(TmclctlFirmware, AnUploadThatWasKilledIsDoneAgain) {

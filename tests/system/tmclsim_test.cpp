@@ -86,7 +86,7 @@ Bytes request(Bytes bytes, std::int32_t value = 0) {
 }
 
 const Bytes ask_version = request({1, 136, 1, 0});
-const Bytes version_1110{0x02, 0x01, 0x64, 0x88, 0x04, 0x56, 0x01, 0x01, 0x4B};
+const Bytes version_1110{0x02, 0x01, 0x64, 0x88, 0x04, 0x56, 0x01, 0x0D, 0x57};
 
 class Tmclsim {
  public:
@@ -204,9 +204,9 @@ TEST_F(TmclsimTest, SaysWhatItServesAndEndsCleanly) {
                  path("bus"), "--tcp", "127.0.0.1:0"});
     const auto lines = sim.lines_until_ready();
     ASSERT_EQ(lines.size(), 5U);
-    EXPECT_EQ(lines[0], "module 1 TMCM-1110, 1 motor, firmware 1.01");
-    EXPECT_EQ(lines[1], "module 7 TMCM-6110, 6 motors, firmware 1.01");
-    EXPECT_EQ(lines[2], "module 2 TMCM-3110, 3 motors, firmware 1.01");
+    EXPECT_EQ(lines[0], "module 1 TMCM-1110, 1 motor, firmware 1.13");
+    EXPECT_EQ(lines[1], "module 7 TMCM-6110, 6 motors, firmware 1.46");
+    EXPECT_EQ(lines[2], "module 2 TMCM-3110, 3 motors, firmware 1.14");
     EXPECT_EQ(lines[3], "pty " + path("bus") + " -> " + fs::read_symlink(path("bus")).string());
     EXPECT_THAT(lines[4], HasSubstr("tcp 127.0.0.1:"));
     EXPECT_EQ(sim.end(signal), 0);

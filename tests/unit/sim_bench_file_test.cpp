@@ -23,6 +23,7 @@ TEST(BenchFile, DescribesModulesAndWhatTheirMotorsDrive) {
     [[module]]
     model = "TMCM-6110"
     address = 7
+    firmware_version = "1.09"
     [[module.axis]]
     motor = 2
     position = 5
@@ -58,7 +59,10 @@ TEST(BenchFile, DescribesModulesAndWhatTheirMotorsDrive) {
   EXPECT_EQ(stage.encoder->counts_per_turn, 400);
   EXPECT_TRUE(stage.encoder->backwards);
   EXPECT_EQ(stage.load, 50);
-  EXPECT_EQ(file->back().spec, "TMCM-1110");
+  EXPECT_EQ(first.settings.firmware, (tmcl::sim::FirmwareRelease{1, 9}));
+  const auto& second = file->back();
+  EXPECT_EQ(second.spec, "TMCM-1110");
+  EXPECT_EQ(second.settings.firmware, std::nullopt);
 }
 
 TEST(BenchFile, SaysWhereAndWhatIsWrong) {
@@ -86,6 +90,17 @@ TEST(BenchFile, SaysWhereAndWhatIsWrong) {
   EXPECT_THAT(error_of(axis + "left_stop = 5\nright_stop = 4\n"), StartsWith("b.toml:4: "));
   EXPECT_THAT(error_of(axis + "motor = 0\n[[module.axis]]\n"),
               "b.toml:5: motor 0 is described twice");
+}
+
+TEST(BenchFile, SaysWhatIsWrongAboutAFirmware) {
+  const std::string module = "[[module]]\nmodel = \"TMCM-1110\"\n";
+  for (const auto* wrong : {"", "1", "1.9", "1.095", "10.00", "256.00", "a.bc", "-1.0", "1,09"}) {
+    EXPECT_THAT(error_of(module + "firmware_version = \"" + wrong + "\"\n"),
+                StartsWith("b.toml:3: '" + std::string(wrong) + "' is not a version: "));
+  }
+  EXPECT_THAT(error_of(module + "firmware_version = 1.09\n"),
+              "b.toml:3: 'firmware_version' must be a text in quotes, such as \"1.09\"");
+  EXPECT_THAT(error_of(module + "firmware = \"1.09\"\n"), HasSubstr("no key 'firmware'"));
 }
 
 TEST(BenchFile, SaysWhichFileCannotBeRead) {

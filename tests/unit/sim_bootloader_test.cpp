@@ -205,7 +205,7 @@ TEST_F(SimModuleBootloader, IsEnteredSilentlyAndLeftAgain) {
   EXPECT_EQ(status_of(Command::GAP, 1, 0), Status::invalid_command);
   EXPECT_EQ(status_of(Command::BOOT_GET_INFO, 0, 0), Status::ok);
   start();
-  EXPECT_EQ(version_text(), (Bytes{2, '1', '1', '1', '0', 'V', '1', '0', '1'}));
+  EXPECT_EQ(version_text(), (Bytes{2, '1', '1', '1', '0', 'V', '1', '1', '3'}));
   EXPECT_EQ(status_of(Command::GAP, 1, 0), Status::ok);
   EXPECT_EQ(status_of(Command::BOOT_GET_INFO, 0, 0), Status::invalid_command);
 }

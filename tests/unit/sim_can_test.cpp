@@ -33,7 +33,7 @@ Request version_request(std::uint16_t address, VersionForm form) {
 TEST_F(SimCan, AnswersSevenBytesWithSeven) {
   add(1110);
   const auto reply = ask_frame(encode_can(version_request(1, VersionForm::binary)));
-  const CanFrame expected{2, false, 7, {0x01, 0x64, 0x88, 0x04, 0x56, 0x01, 0x01, 0}};
+  const CanFrame expected{2, false, 7, {0x01, 0x64, 0x88, 0x04, 0x56, 0x01, 0x0D, 0}};
   EXPECT_EQ(reply, expected);
 }
 
@@ -138,9 +138,9 @@ TEST_F(SimCan, AnswersInTheIdentifierFormatOfTheRequest) {
 TEST_F(SimCan, CutsTheVersionTextToTheFrame) {
   add(1110);
   auto request = encode_can(version_request(1, VersionForm::text));
-  EXPECT_EQ(*ask_frame(request), (CanFrame{2, false, 7, {'1', '1', '1', '0', 'V', '1', '0', 0}}));
+  EXPECT_EQ(*ask_frame(request), (CanFrame{2, false, 7, {'1', '1', '1', '0', 'V', '1', '1', 0}}));
   request.length = 8;
-  EXPECT_EQ(*ask_frame(request), (CanFrame{2, false, 8, {'1', '1', '1', '0', 'V', '1', '0', '1'}}));
+  EXPECT_EQ(*ask_frame(request), (CanFrame{2, false, 8, {'1', '1', '1', '0', 'V', '1', '1', '3'}}));
 }
 
 TEST_F(SimCan, IgnoresForeignIdentifiers) {

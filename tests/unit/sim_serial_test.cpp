@@ -12,13 +12,13 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 
 const Bytes ask_version{0x01, 0x88, 0x01, 0, 0, 0, 0, 0, 0x8A};
-const Bytes version{0x02, 0x01, 0x64, 0x88, 0x04, 0x56, 0x01, 0x01, 0x4B};
+const Bytes version{0x02, 0x01, 0x64, 0x88, 0x04, 0x56, 0x01, 0x0D, 0x57};
 
 TEST_F(SimSerial, AnswersTheGoldenFrames) {
   add(1110);
   EXPECT_EQ(exchange(ask_version), version);
   EXPECT_EQ(exchange({0x01, 0x88, 0, 0, 0, 0, 0, 0, 0x89}),
-            (Bytes{0x02, '1', '1', '1', '0', 'V', '1', '0', '1'}));
+            (Bytes{0x02, '1', '1', '1', '0', 'V', '1', '1', '3'}));
   EXPECT_EQ(exchange({0x01, 0x06, 0x01, 0, 0, 0, 0, 0, 0xFF}),
             (Bytes{0x02, 0x01, 0x01, 0, 0, 0, 0, 0, 0x04}));
   EXPECT_EQ(exchange({0x01, 0x06, 0x01, 0, 0, 0, 0, 0, 0x08}),

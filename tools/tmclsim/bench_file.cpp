@@ -9,6 +9,7 @@
 #include <optional>
 #include <sstream>
 
+#include "settings_words.hpp"
 #include "sim/module/delivered_stage.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/spelling.hpp"
@@ -19,6 +20,7 @@ namespace {
 using tmcl::quoted;
 using tmcl::sim::EncoderSettings;
 using tmcl::sim::Interval;
+using tmcl::sim::ModuleSettings;
 using tmcl::sim::Place;
 using tmcl::sim::StageSettings;
 
@@ -29,7 +31,8 @@ constexpr std::int64_t greatest_count = 1 << 24;
 constexpr std::int64_t greatest_load = 1'000'000;
 
 constexpr auto file_keys = std::to_array<std::string_view>({"module"});
-constexpr auto module_keys = std::to_array<std::string_view>({"model", "address", "axis"});
+constexpr auto module_keys =
+    std::to_array<std::string_view>({"model", "address", "firmware_version", "axis"});
 constexpr auto axis_keys = std::to_array<std::string_view>(
     {"motor", "position", "left_switch", "right_switch", "switch_tolerance", "normally_closed",
      "home", "home_normally_closed", "left_stop", "right_stop", "encoder_counts_per_turn",
@@ -166,11 +169,29 @@ const tmcl::Model& model_of(const toml::table& table) {
                       tmcl::did_you_mean(name->get(), names));
 }
 
+std::string word(const toml::node& node, std::string_view key, std::string_view example) {
+  const auto* text = node.as_string();
+  if (text != nullptr) return text->get();
+  complain(node,
+           quoted(key) + " must be a text in quotes, such as \"" + std::string(example) + "\"");
+}
+
+ModuleSettings settings_of(const toml::table& table) {
+  ModuleSettings settings;
+  if (const auto* node = table.get("firmware_version")) {
+    const auto text = word(*node, "firmware_version", "1.09");
+    settings.firmware = parse_release(text);
+    if (!settings.firmware) complain(*node, quoted(text) + std::string(no_release));
+  }
+  return settings;
+}
+
 BenchModule module_of(const toml::table& table) {
   want_known_keys(table, module_keys);
   const auto& model = model_of(table);
   BenchModule module{std::string(model.name),
-                     std::vector<StageSettings>(model.axes, tmcl::sim::delivered_stage(model))};
+                     std::vector<StageSettings>(model.axes, tmcl::sim::delivered_stage(model)),
+                     settings_of(table)};
   if (const auto address = number(table, "address", {1, greatest_address})) {
     module.spec += "@" + std::to_string(*address);
   }

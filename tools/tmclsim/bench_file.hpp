@@ -7,6 +7,7 @@
 
 #include <tl/expected.hpp>
 
+#include "sim/module/module_settings.hpp"
 #include "sim/stage/stage.hpp"
 
 namespace tmclsim {
@@ -15,6 +16,7 @@ namespace tmclsim {
 struct BenchModule {
   std::string spec;                            ///< As for --module: "TMCM-1110" or "TMCM-1110@3".
   std::vector<tmcl::sim::StageSettings> axes;  ///< One for each motor.
+  tmcl::sim::ModuleSettings settings{};
 };
 
 /// The error is a sentence that begins with file and line, and names what is wrong there.

@@ -51,11 +51,11 @@ std::filesystem::path eeprom_path(const std::string& folder, const tmclsim::Modu
 tl::expected<sim::Module*, std::string> add_module(sim::Bench& bench,
                                                    const tmclsim::ModuleSpec& spec,
                                                    const std::filesystem::path& file) {
-  if (file.empty()) return &bench.add(*spec.model, spec.address);
+  if (file.empty()) return &bench.add(*spec.model, spec.address, spec.settings);
   auto eeprom = sim::read_eeprom_file(file, *spec.model);
   if (!eeprom) return tl::unexpected(eeprom.error());
-  if (!*eeprom) return &bench.add(*spec.model, spec.address);
-  return &bench.add(*spec.model, std::move(**eeprom));
+  if (!*eeprom) return &bench.add(*spec.model, spec.address, spec.settings);
+  return &bench.add(*spec.model, std::move(**eeprom), spec.settings);
 }
 
 std::string name_of(const sim::Module& module) {

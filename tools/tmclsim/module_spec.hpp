@@ -7,6 +7,7 @@
 
 #include <tl/expected.hpp>
 
+#include "sim/module/module_settings.hpp"
 #include "sim/stage/stage.hpp"
 #include "tmcl/datagram.hpp"
 #include "tmcl/model.hpp"
@@ -17,6 +18,7 @@ struct ModuleSpec {
   const tmcl::Model* model = nullptr;
   tmcl::ModuleAddress address{1};
   std::vector<tmcl::sim::StageSettings> stages{};  ///< For as many of its motors as there are.
+  tmcl::sim::ModuleSettings settings{};
 };
 
 /// One spec for each text. Without an address a module gets the lowest, from 1 on, that no other

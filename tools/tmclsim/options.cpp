@@ -1,19 +1,23 @@
 #include "options.hpp"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <optional>
+#include <span>
 #include <string_view>
 
 #include "bench_file.hpp"
+#include "settings_words.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmclsim {
 namespace {
 
 constexpr auto known_options = std::to_array<std::string_view>(
-    {"--module", "--bench", "--pty", "--usb-pty", "--can", "--tcp", "--pace", "--echo", "--noise",
-     "--eeprom", "--seed", "--console", "--help", "--version"});
+    {"--module", "--firmware", "--bench", "--pty", "--usb-pty", "--can", "--tcp", "--pace",
+     "--echo", "--noise", "--eeprom", "--seed", "--console", "--help", "--version"});
 
 constexpr auto description =
     "Simulates TMCL modules: what talks to a module on a wire can talk to this instead.\n"
@@ -25,13 +29,16 @@ a TMC429), TMCM-142 (one motor, TMC457) or TMCM-6212 (six motors, sixPoint ramps
 255, on serial lines and on CAN alike; without it a module gets the next free one from 1 on. Every
 port reaches every module, and a module answers by the port that asked. Ports can be repeated as
 well. On CAN modules hear each other, as real ones do: one with address 2 takes the replies of the
-others, whose identifier that is, for commands.
+others, whose identifier that is, for commands. A module says that it has the firmware of its
+model's manual, where that is known; with --firmware behind it, it says VERSION instead.
 
 Examples
   One motor on a serial port that programs open as /tmp/tmcm:
       tmclsim --module TMCM-1110 --pty /tmp/tmcm
   Two modules on one line, at addresses 1 and 7, reached over TCP as well:
       tmclsim --module TMCM-1110@1 --module TMCM-6110@7 --pty /tmp/tmcm --tcp 127.0.0.1:4001
+  One whose firmware is an old one, for a host that looks at that:
+      tmclsim --module TMCM-3110 --firmware 1.09 --pty /tmp/tmcm
   Commands typed by hand, such as AMVP ABS, 0, 50000, until ABIN goes back to datagrams:
       tmclctl --direct serial:/tmp/tmcm raw 1 ENTER_ASCII_MODE 0 0 0
       picocom --imap crcrlf /tmp/tmcm
@@ -55,6 +62,7 @@ With --bench, motors have something to drive. FILE is TOML; all its keys but mod
     [[module]]
     model = "TMCM-1110"
     address = 1
+    firmware_version = "1.09"        # what it says to have, as with --firmware
       [[module.axis]]
       motor = 0
       left_switch = -51200           # closed here and to the left; right_switch likewise
@@ -101,6 +109,8 @@ EarlyExit unexpected_word(const std::string& word) {
 
 struct Words {
   std::vector<std::string> modules;
+  std::vector<std::string> firmware;
+  std::vector<std::optional<std::string>> firmware_of_module;  // as many as modules
   std::string bench;
   std::vector<std::string> tcp;
   std::vector<std::string> usb_ptys;
@@ -122,6 +132,8 @@ void describe(CLI::App& app, Words& words) {
   };
   repeatable("--module", words.modules, "MODEL[@ADDRESS]",
              "Simulate this module (see below); repeat it for more");
+  repeatable("--firmware", words.firmware, "VERSION",
+             "Let the --module before this say that it has such firmware: 1.09");
   app.add_option("--bench", words.bench,
                  "Simulate the modules of this file, and what their motors drive (see below)")
       ->type_name("FILE");
@@ -153,6 +165,44 @@ void describe(CLI::App& app, Words& words) {
                "Take commands on standard input: loads, switches, inputs (see below)");
 }
 
+using Done = tl::expected<void, std::string>;
+
+// Which --firmware stands behind which --module.
+Done sort_firmware(const CLI::App& app, Words& words) {
+  auto& of_module = words.firmware_of_module;
+  auto text = words.firmware.begin();
+  for (const auto* option : app.parse_order()) {
+    if (option->get_name() == "--module") of_module.emplace_back();
+    if (option->get_name() != "--firmware") continue;
+    const auto named = "--firmware " + *text;
+    if (of_module.empty()) {
+      return tl::unexpected(named +
+                            " stands before any --module: put it behind the one it is for.");
+    }
+    auto& firmware = of_module.back();
+    if (firmware) {
+      return tl::unexpected(named + " is one too many: --module " +
+                            words.modules[of_module.size() - 1] + " has --firmware " + *firmware +
+                            " already.");
+    }
+    firmware = *text++;
+  }
+  return {};
+}
+
+// `modules` are those of the command line.
+Done give_firmware(const Words& words, std::span<ModuleSpec> modules) {
+  const auto& of_module = words.firmware_of_module;
+  for (std::size_t i = 0; i < std::min(modules.size(), of_module.size()); ++i) {
+    const auto& text = of_module[i];
+    if (!text) continue;
+    modules[i].settings.firmware = parse_release(*text);
+    if (modules[i].settings.firmware) continue;
+    return tl::unexpected("'" + *text + "'" + std::string(no_release) + ".");
+  }
+  return {};
+}
+
 // The modules of the file, then those of the command line.
 tl::expected<std::vector<ModuleSpec>, std::string> all_modules(const Words& words) {
   std::vector<BenchModule> bench;
@@ -166,7 +216,12 @@ tl::expected<std::vector<ModuleSpec>, std::string> all_modules(const Words& word
   texts.insert(texts.end(), words.modules.begin(), words.modules.end());
   auto modules = parse_modules(texts);
   if (!modules) return modules;
-  for (std::size_t i = 0; i < bench.size(); ++i) (*modules)[i].stages = std::move(bench[i].axes);
+  for (std::size_t i = 0; i < bench.size(); ++i) {
+    (*modules)[i].stages = std::move(bench[i].axes);
+    (*modules)[i].settings = bench[i].settings;
+  }
+  const auto given = give_firmware(words, std::span(*modules).subspan(bench.size()));
+  if (!given) return tl::unexpected(given.error());
   return modules;
 }
 
@@ -236,6 +291,9 @@ tl::expected<Options, EarlyExit> parse_options(int argc, const char* const* argv
   }
   if (const auto rest = app.remaining(); !rest.empty()) {
     return tl::unexpected(unexpected_word(rest.front()));
+  }
+  if (const auto sorted = sort_firmware(app, words); !sorted) {
+    return tl::unexpected(wrong(sorted.error()));
   }
   return check(std::move(words), app.count("--pace") > 0);
 }

@@ -1,0 +1,59 @@
+// The command line of tmclsim: what it says of each module.
+#include <gmock/gmock.h>
+
+#include <string>
+#include <vector>
+
+#include "tools/tmclsim/options.hpp"
+
+namespace tmclsim {
+namespace {
+
+using testing::HasSubstr;
+using tmcl::sim::FirmwareRelease;
+
+tl::expected<Options, EarlyExit> parse(std::vector<std::string> words) {
+  words.insert(words.begin(), "tmclsim");
+  words.insert(words.end(), {"--pty", "/tmp/bus"});
+  std::vector<const char*> pointers;
+  for (const auto& word : words) pointers.push_back(word.c_str());
+  return parse_options(static_cast<int>(pointers.size()), pointers.data());
+}
+
+std::string error_of(const std::vector<std::string>& words) {
+  const auto parsed = parse(words);
+  if (parsed) return "";
+  EXPECT_EQ(parsed.error().status, 2);
+  return parsed.error().message;
+}
+
+TEST(SimOptions, AFirmwareIsThatOfTheModuleBefore) {
+  const auto parsed = parse({"--module", "TMCM-1110", "--firmware", "1.09", "--module", "TMCM-3110",
+                             "--module=TMCM-6110", "--firmware=9.99"});
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  const auto& modules = parsed->modules;
+  ASSERT_EQ(modules.size(), 3U);
+  EXPECT_EQ(modules[0].settings.firmware, (FirmwareRelease{1, 9}));
+  EXPECT_EQ(modules[1].settings.firmware, std::nullopt);
+  EXPECT_EQ(modules[2].settings.firmware, (FirmwareRelease{9, 99}));
+}
+
+TEST(SimOptions, AFirmwareHasAModuleOfItsOwn) {
+  EXPECT_THAT(error_of({"--firmware", "1.09", "--module", "TMCM-1110"}),
+              HasSubstr("--firmware 1.09 stands before any --module"));
+  EXPECT_THAT(error_of({"--module", "TMCM-1110", "--firmware", "1.09", "--firmware", "1.10"}),
+              HasSubstr("--firmware 1.10 is one too many: --module TMCM-1110 has --firmware 1.09"));
+}
+
+TEST(SimOptions, AFirmwareIsAVersion) {
+  for (const auto* wrong : {"1", "1.9", "1.095", "10.00", "256.00", "1110V109", "x.yz"}) {
+    EXPECT_THAT(
+        error_of({"--module", "TMCM-1110", "--firmware", wrong}),
+        HasSubstr("'" + std::string(wrong) + "' is not a version: it is MAJOR.MINOR, 0.00"));
+  }
+  EXPECT_THAT(error_of({"--module", "TMCM-1110", "--firmwar", "1.09"}),
+              HasSubstr("Did you mean '--firmware'?"));
+}
+
+}  // namespace
+}  // namespace tmclsim
