@@ -20,7 +20,7 @@ Answer Module::enter_ascii_mode(const Request& request) {
 // The motors stand still: whatever drives them begins anew.
 Answer Module::enter_bootloader(const Request& request) {
   const auto status = check_bootloader_entry(request);
-  if (status != Status::ok) return echo(request, status);
+  if (status != Status::ok) return echo(request, wrong_code(status));
   bootloader_wanted_ = true;
   restarts_ = true;
   return no_answer;

@@ -190,6 +190,11 @@ class Module final : private ProgramHost {
   Answer tell_measured_speed(const Request& request) const;
   Answer reset_board(const Request& request);
 
+  /// What a wrong code is answered by, where the manual's firmware refuses it so.
+  Status wrong_code(Status refusal) const {
+    return settings_.behaviour == Behaviour::lite ? Status::ok : refusal;
+  }
+
   // mode_commands.cpp
   Answer enter_ascii_mode(const Request& request);
   Answer enter_bootloader(const Request& request);

@@ -8,8 +8,15 @@
 
 namespace tmcl::sim {
 
+/// Whom the firmware is like where the manual and the vendor's example firmware do not agree.
+enum class Behaviour : std::uint8_t {
+  manual,  ///< What the manual says of a wrong value or type: it is refused.
+  lite,    ///< TMCL-LITE: commands 242 and 255 with wrong codes do nothing, and say ok.
+};
+
 struct ModuleSettings {
   std::optional<FirmwareRelease> firmware{};  ///< Otherwise that of delivered_firmware().
+  Behaviour behaviour = Behaviour::manual;
 };
 
 }  // namespace tmcl::sim

@@ -53,7 +53,7 @@ Answer Module::arm_event(const Request& request, EventSink& from) {
 }
 
 Answer Module::restart_after_reply(const Request& request) {
-  if (request.value != reset_code) return echo(request, Status::invalid_value);
+  if (request.value != reset_code) return echo(request, wrong_code(Status::invalid_value));
   restarts_ = true;
   return echo(request);
 }

@@ -5,7 +5,7 @@
 ///
 ///     case MST brings a motor to rest
 ///       stage left_switch = -1000          a line of the axis in the simulator's bench file
-///       setting firmware_version = "1.09"  a line of the module in that file
+///       setting behaviour = "lite"         a line of the module in that file
 ///       before GAP 3, 0 -> 100 0           command, status and value of the reply
 ///       ROR 0, 350 -> 100 350              "-> 100" alone leaves the value open
 ///       MST 0 -> 100 0

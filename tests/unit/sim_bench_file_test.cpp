@@ -24,6 +24,7 @@ TEST(BenchFile, DescribesModulesAndWhatTheirMotorsDrive) {
     model = "TMCM-6110"
     address = 7
     firmware_version = "1.09"
+    behaviour = "lite"
     [[module.axis]]
     motor = 2
     position = 5
@@ -60,9 +61,11 @@ TEST(BenchFile, DescribesModulesAndWhatTheirMotorsDrive) {
   EXPECT_TRUE(stage.encoder->backwards);
   EXPECT_EQ(stage.load, 50);
   EXPECT_EQ(first.settings.firmware, (tmcl::sim::FirmwareRelease{1, 9}));
+  EXPECT_EQ(first.settings.behaviour, tmcl::sim::Behaviour::lite);
   const auto& second = file->back();
   EXPECT_EQ(second.spec, "TMCM-1110");
   EXPECT_EQ(second.settings.firmware, std::nullopt);
+  EXPECT_EQ(second.settings.behaviour, tmcl::sim::Behaviour::manual);
 }
 
 TEST(BenchFile, SaysWhereAndWhatIsWrong) {
@@ -101,6 +104,11 @@ TEST(BenchFile, SaysWhatIsWrongAboutAFirmware) {
   EXPECT_THAT(error_of(module + "firmware_version = 1.09\n"),
               "b.toml:3: 'firmware_version' must be a text in quotes, such as \"1.09\"");
   EXPECT_THAT(error_of(module + "firmware = \"1.09\"\n"), HasSubstr("no key 'firmware'"));
+  EXPECT_THAT(error_of(module + "behaviour = \"lit\"\n"),
+              "b.toml:3: 'behaviour' is 'lit', but must be manual or lite. Did you mean 'lite'?");
+  EXPECT_THAT(error_of(module + "behavior = \"lite\"\n"), HasSubstr("Did you mean 'behaviour'?"));
+  EXPECT_THAT(error_of(module + "behaviour = true\n"),
+              StartsWith("b.toml:3: 'behaviour' must be a text in quotes"));
 }
 
 TEST(BenchFile, SaysWhichFileCannotBeRead) {

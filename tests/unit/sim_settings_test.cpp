@@ -1,4 +1,5 @@
-// What a module can be set to be: its firmware's version.
+// What a module can be set to be: its firmware's version, whom it is like where the manual and the
+// vendor's example firmware TMCL-LITE do not agree.
 #include <gmock/gmock.h>
 
 #include <map>
@@ -8,6 +9,8 @@
 
 namespace tmcl::sim {
 namespace {
+
+namespace ap = axis_parameter;
 
 constexpr auto magic = static_cast<std::int32_t>(0xA3B4C5D6);
 
@@ -24,7 +27,12 @@ class SimSettings : public SimTest {
   std::uint32_t value_of(Command command, std::uint8_t type) {
     return static_cast<std::uint32_t>(ask(command, type, 0)->value);
   }
+  Status set(std::uint8_t parameter, std::int32_t value) {
+    return status_of(Command::SAP, parameter, 0, value);
+  }
 };
+
+// ---- Firmware
 
 TEST_F(SimSettings, TheVersionOfEveryModelCanBeSaidAsTextAndAsNumbers) {
   for (const auto& model : models()) {
@@ -64,6 +72,42 @@ TEST_F(SimSettings, TheSetVersionIsThatOfTheFirmwareAndNotOfTheBootloader) {
   module.power_cycle();
   pass(Module::boot_time);
   EXPECT_EQ(version_text(), "1110V250");
+}
+
+// ---- Behaviour
+
+TEST_F(SimSettings, AWrongCodeForAResetIsRefusedAsTheManualHasIt) {
+  add_with({});
+  EXPECT_EQ(status_of(Command::SOFTWARE_RESET, 0, 0, 1233), Status::invalid_value);
+  EXPECT_EQ(status_of(Command::ENTER_BOOTLOADER, 0, 0, 0), Status::wrong_type);
+}
+
+TEST_F(SimSettings, TmclLiteIgnoresAWrongCodeForAReset) {
+  add_with({.behaviour = Behaviour::lite});
+  set(ap::max_velocity, 99);
+  EXPECT_EQ(ask(Command::SOFTWARE_RESET, 0, 0, 1233)->value, 1233);
+  EXPECT_EQ(status_of(Command::SOFTWARE_RESET, 7, 7, 0), Status::ok);
+  EXPECT_EQ(get(ap::max_velocity), 99) << "it has not started again";
+  EXPECT_EQ(status_of(Command::SOFTWARE_RESET, 0, 0, 1234), Status::ok);
+  pass(Module::boot_time);
+  EXPECT_EQ(get(ap::max_velocity), 1000);
+}
+
+TEST_F(SimSettings, TmclLiteIgnoresWrongCodesForItsBootloader) {
+  add_with({.behaviour = Behaviour::lite});
+  EXPECT_EQ(status_of(Command::ENTER_BOOTLOADER, 0, 0x92, magic), Status::ok);
+  EXPECT_EQ(status_of(Command::ENTER_BOOTLOADER, 0x81, 0, magic), Status::ok);
+  EXPECT_EQ(ask(Command::ENTER_BOOTLOADER, 0x81, 0x92, 1)->value, 1);
+  EXPECT_EQ(version_text(), "1110V113");
+  EXPECT_EQ(ask(Command::ENTER_BOOTLOADER, 0x81, 0x92, magic), std::nullopt);
+  pass(Module::boot_time);
+  EXPECT_EQ(version_text(), "1110B101");
+}
+
+TEST_F(SimSettings, TmclLiteRefusesWhatItRefusesElsewhere) {
+  add_with({.behaviour = Behaviour::lite});
+  EXPECT_EQ(status_of(Command::SAP, 99, 0, 0), Status::wrong_type);
+  EXPECT_EQ(set(ap::max_velocity, 2048), Status::invalid_value);
 }
 
 }  // namespace

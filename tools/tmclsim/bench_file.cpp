@@ -32,7 +32,7 @@ constexpr std::int64_t greatest_load = 1'000'000;
 
 constexpr auto file_keys = std::to_array<std::string_view>({"module"});
 constexpr auto module_keys =
-    std::to_array<std::string_view>({"model", "address", "firmware_version", "axis"});
+    std::to_array<std::string_view>({"model", "address", "firmware_version", "behaviour", "axis"});
 constexpr auto axis_keys = std::to_array<std::string_view>(
     {"motor", "position", "left_switch", "right_switch", "switch_tolerance", "normally_closed",
      "home", "home_normally_closed", "left_stop", "right_stop", "encoder_counts_per_turn",
@@ -176,6 +176,16 @@ std::string word(const toml::node& node, std::string_view key, std::string_view 
            quoted(key) + " must be a text in quotes, such as \"" + std::string(example) + "\"");
 }
 
+template <class Value>
+void take_word(const toml::table& table, std::string_view key,
+               tl::expected<Value, std::string> (*parse)(std::string_view), Value& target) {
+  const auto* node = table.get(key);
+  if (node == nullptr) return;
+  const auto value = parse(word(*node, key, "manual"));
+  if (!value) complain(*node, quoted(key) + " " + value.error());
+  target = *value;
+}
+
 ModuleSettings settings_of(const toml::table& table) {
   ModuleSettings settings;
   if (const auto* node = table.get("firmware_version")) {
@@ -183,6 +193,7 @@ ModuleSettings settings_of(const toml::table& table) {
     settings.firmware = parse_release(text);
     if (!settings.firmware) complain(*node, quoted(text) + std::string(no_release));
   }
+  take_word(table, "behaviour", parse_behaviour, settings.behaviour);
   return settings;
 }
 

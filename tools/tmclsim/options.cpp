@@ -63,6 +63,9 @@ With --bench, motors have something to drive. FILE is TOML; all its keys but mod
     model = "TMCM-1110"
     address = 1
     firmware_version = "1.09"        # what it says to have, as with --firmware
+    behaviour = "lite"               # wrong codes for commands 242 and 255 do nothing and are
+                                     # answered ok, as by the vendor's example firmware TMCL-LITE;
+                                     # "manual": they are refused
       [[module.axis]]
       motor = 0
       left_switch = -51200           # closed here and to the left; right_switch likewise

@@ -2,7 +2,10 @@
 #pragma once
 
 #include <optional>
+#include <string>
 #include <string_view>
+
+#include <tl/expected.hpp>
 
 #include "sim/module/module_settings.hpp"
 
@@ -15,4 +18,6 @@ std::optional<tmcl::sim::FirmwareRelease> parse_release(std::string_view text);
 inline constexpr std::string_view no_release =
     " is not a version: it is MAJOR.MINOR, 0.00 to 9.99, such as 1.09";
 
+/// "manual" or "lite"; the error names the words and the nearest of them.
+tl::expected<tmcl::sim::Behaviour, std::string> parse_behaviour(std::string_view word);
 }  // namespace tmclsim
