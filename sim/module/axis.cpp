@@ -24,8 +24,9 @@ bool in_range(const ParameterInfo& row, std::int32_t value) {
 
 }  // namespace
 
-Axis::Axis(const Model& model, Stage& stage, TimePoint power_on)
+Axis::Axis(const Model& model, Stage& stage, TimePoint power_on, RangeCheck range_check)
     : family_(model.family),
+      wraps_(range_check == RangeCheck::wrap && can_wrap(model)),
       table_(axis_parameters(model)),
       motor_(make_motor(model, power_on)),
       coupling_(*motor_, stage),
@@ -50,7 +51,12 @@ tl::expected<std::int32_t, Status> Axis::get(std::uint8_t number) const {
   const auto* row = find_parameter(table_, number);
   if (row == nullptr) return tl::unexpected(Status::wrong_type);
   if (const auto own = reading(*row)) return *own;
-  return motor_->read(*row).value_or(values_[number]);
+  if (wraps_ && is_remembered(*row)) return values_[number];
+  return in_force(*row);
+}
+
+std::int32_t Axis::in_force(const ParameterInfo& row) const {
+  return motor_->read(row).value_or(values_[row.number]);
 }
 
 std::optional<std::int32_t> Axis::reading(const ParameterInfo& row) const {
@@ -99,13 +105,19 @@ tl::expected<std::int32_t, Status> Axis::read(std::uint8_t number) {
 Status Axis::set(std::uint8_t number, std::int32_t value) {
   const auto* row = find_parameter(table_, number);
   if (row == nullptr || row->access == Access::read) return Status::wrong_type;
-  if (row->scale == Scale::fixed && !in_range(*row, value)) return Status::invalid_value;
-  const auto status = motor_->write(*row, value);
+  const auto taken = accepted(*row, value);
+  if (!taken) return Status::invalid_value;
+  const auto status = motor_->write(*row, taken->written);
   if (status != Status::ok) return status;
-  values_[number] = value;
-  take_note(number, value);
+  values_[number] = taken->kept;
+  take_note(number, taken->kept);
   settle();
   return status;
+}
+
+std::optional<Wrapped> Axis::accepted(const ParameterInfo& row, std::int32_t value) const {
+  if (row.scale != Scale::fixed || in_range(row, value)) return Wrapped{value, value};
+  return wraps_ ? wrapped(row, value) : std::nullopt;
 }
 
 void Axis::take_note(std::uint8_t number, std::int32_t value) {
@@ -156,6 +168,7 @@ std::int32_t Axis::read_driver(std::uint8_t address) const {
 // ---- Motion
 
 Status Axis::rotate(std::int64_t velocity) {
+  if (wraps_) velocity = wrapped_velocity(velocity);
   const auto status = motor_->rotate(velocity);
   if (status == Status::ok) homing_.abort();
   settle();
@@ -169,13 +182,13 @@ void Axis::stop() {
 }
 
 Status Axis::move_to(std::int32_t position) {
-  if (!is_position(position)) return Status::invalid_value;
+  if (!can_move(position)) return Status::invalid_value;
   move(position);
   return Status::ok;
 }
 
 Status Axis::move_by(std::int32_t distance) {
-  if (!is_position(distance)) return Status::invalid_value;
+  if (!can_move(distance)) return Status::invalid_value;
   move(std::int64_t{motor_->relative_origin()} + distance);
   return Status::ok;
 }

@@ -15,7 +15,9 @@
 #include "sim/module/coupling.hpp"
 #include "sim/module/encoder_watch.hpp"
 #include "sim/module/homing.hpp"
+#include "sim/module/module_settings.hpp"
 #include "sim/module/motor.hpp"
+#include "sim/module/wrapping.hpp"
 #include "sim/stage/stage.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
@@ -28,14 +30,16 @@ namespace tmcl::sim {
 class Axis {
  public:
   /// The stage outlives the axis: a module that restarts finds it where it was.
-  Axis(const Model& model, Stage& stage, TimePoint power_on);
+  Axis(const Model& model, Stage& stage, TimePoint power_on,
+       RangeCheck range_check = RangeCheck::manual);
 
   /// What GAP answers: wrong_type for a number that is not in the model's table. A reading that is
   /// cleared by being read stays: see read().
   tl::expected<std::int32_t, Status> get(std::uint8_t number) const;
   /// GAP itself: error flags (207) are 0 from then on.
   tl::expected<std::int32_t, Status> read(std::uint8_t number);
-  /// What SAP answers: wrong_type for a number that cannot be written, invalid_value out of range.
+  /// What SAP answers: wrong_type for a number that cannot be written, invalid_value out of range
+  /// unless that wraps.
   Status set(std::uint8_t number, std::int32_t value);
 
   /// Registers of the motion controller, as Motor has them.
@@ -51,7 +55,10 @@ class Axis {
   void stop();
   /// Whether the chip has such a position.
   bool is_position(std::int32_t value) const;
-  /// What MVP ABS answers: invalid_value for a position that the chip does not have.
+  /// Whether MVP takes it, as a target or a distance.
+  bool can_move(std::int32_t value) const { return wraps_ || is_position(value); }
+  /// What MVP ABS answers: invalid_value for a position that the chip does not have, unless it
+  /// wraps.
   Status move_to(std::int32_t position);
   /// What MVP REL answers, likewise for a distance. The target wraps as the chip's positions do.
   Status move_by(std::int32_t distance);
@@ -95,6 +102,10 @@ class Axis {
   void move(std::int64_t position);
   std::optional<std::int32_t> reading(const ParameterInfo& row) const;
   std::optional<std::int32_t> closed_loop_reading(std::uint8_t number) const;
+  /// As the motor has it, or else the firmware.
+  std::int32_t in_force(const ParameterInfo& row) const;
+  /// What a value that is written becomes; nothing if it is refused.
+  std::optional<Wrapped> accepted(const ParameterInfo& row, std::int32_t value) const;
   void take_note(std::uint8_t number, std::int32_t value);
 
   /// Something was written: what follows from it is done, and when to look next is worked out.
@@ -130,6 +141,7 @@ class Axis {
   static constexpr std::int32_t deviation_error = 2;
 
   Family family_;
+  bool wraps_;
   std::span<const ParameterInfo> table_;
   std::unique_ptr<Motor> motor_;
   Coupling coupling_;

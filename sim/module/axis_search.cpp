@@ -48,7 +48,7 @@ void Axis::obey(const Homing::Order& order) {
 
 // A speed that was never set is no wish to stand: old firmware takes 0 for the full speed.
 void Axis::drive(int direction, std::uint8_t speed_parameter) {
-  const auto full = get(ap::max_velocity).value_or(0);
+  const auto full = in_force(*find_parameter(table_, ap::max_velocity));
   const auto wanted = values_[speed_parameter] != 0 ? values_[speed_parameter] : full;
   motor_->rotate(std::int64_t{direction} * wanted);
 }

@@ -99,8 +99,10 @@ TimePoint Axis::next_stall_check() const {
 void Axis::watch_stall() {
   if (!may_stall() || load_value() != 0) return;
   if ((now_ - power_on_) % control_period != Duration::zero()) return;
-  const auto speed = std::abs(get(ap::actual_velocity).value_or(0));
-  if (motor_->heading() == 0 || speed <= values_[number_of("smart_energy_stall_velocity")]) return;
+  // Without a sign, because a velocity that was wrapped may have any bits.
+  const auto speed = static_cast<std::uint32_t>(std::abs(get(ap::actual_velocity).value_or(0)));
+  const auto least = static_cast<std::uint32_t>(values_[number_of("smart_energy_stall_velocity")]);
+  if (motor_->heading() == 0 || speed <= least) return;
   emergency_stop(stall_error);
 }
 

@@ -85,7 +85,7 @@ void Module::build_axes() {
   axes_.clear();
   axes_.reserve(model_->axes);
   for (std::size_t motor = 0; motor < model_->axes; ++motor) {
-    axes_.emplace_back(*model_, stages_[motor], now_);
+    axes_.emplace_back(*model_, stages_[motor], now_, settings_.range_check);
   }
   wire_axes();
   for (std::size_t motor = 0; motor < model_->axes; ++motor) restore_axis(motor);

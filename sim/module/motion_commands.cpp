@@ -48,7 +48,7 @@ Answer Module::move(const Request& request) {
     return echo(request, Status::wrong_type);
   }
   if (!has_motor(request)) return echo(request, Status::invalid_value);
-  if (!axes_[request.motor].is_position(request.value)) return echo(request, Status::invalid_value);
+  if (!axes_[request.motor].can_move(request.value)) return echo(request, Status::invalid_value);
   const bool relative = request.type == move_relative;
   for (std::size_t motor = 0; motor < axes_.size(); ++motor) {
     if ((companions(request.motor) >> motor & 1U) == 0) continue;

@@ -25,6 +25,7 @@ TEST(BenchFile, DescribesModulesAndWhatTheirMotorsDrive) {
     address = 7
     firmware_version = "1.09"
     behaviour = "lite"
+    range_check = "wrap"
     [[module.axis]]
     motor = 2
     position = 5
@@ -62,10 +63,12 @@ TEST(BenchFile, DescribesModulesAndWhatTheirMotorsDrive) {
   EXPECT_EQ(stage.load, 50);
   EXPECT_EQ(first.settings.firmware, (tmcl::sim::FirmwareRelease{1, 9}));
   EXPECT_EQ(first.settings.behaviour, tmcl::sim::Behaviour::lite);
+  EXPECT_EQ(first.settings.range_check, tmcl::sim::RangeCheck::wrap);
   const auto& second = file->back();
   EXPECT_EQ(second.spec, "TMCM-1110");
   EXPECT_EQ(second.settings.firmware, std::nullopt);
   EXPECT_EQ(second.settings.behaviour, tmcl::sim::Behaviour::manual);
+  EXPECT_EQ(second.settings.range_check, tmcl::sim::RangeCheck::manual);
 }
 
 TEST(BenchFile, SaysWhereAndWhatIsWrong) {
@@ -109,6 +112,16 @@ TEST(BenchFile, SaysWhatIsWrongAboutAFirmware) {
   EXPECT_THAT(error_of(module + "behavior = \"lite\"\n"), HasSubstr("Did you mean 'behaviour'?"));
   EXPECT_THAT(error_of(module + "behaviour = true\n"),
               StartsWith("b.toml:3: 'behaviour' must be a text in quotes"));
+  EXPECT_THAT(error_of(module + "range_check = \"wrapp\"\n"),
+              "b.toml:3: 'range_check' is 'wrapp', but must be manual or wrap. "
+              "Did you mean 'wrap'?");
+}
+
+TEST(BenchFile, WrapsTheValuesOfModulesOnlyOfWhichItIsKnown) {
+  const std::string module = "[[module]]\nmodel = \"TMCM-6212\"\n";
+  EXPECT_THAT(error_of(module + "range_check = \"wrap\"\n"),
+              StartsWith("b.toml:3: what a TMCM-6212 does with values out of range is not known"));
+  EXPECT_EQ(error_of(module + "range_check = \"manual\"\n"), "");
 }
 
 TEST(BenchFile, SaysWhichFileCannotBeRead) {

@@ -1,11 +1,13 @@
 // What a module can be set to be: its firmware's version, whom it is like where the manual and the
-// vendor's example firmware TMCL-LITE do not agree.
+// vendor's example firmware TMCL-LITE do not agree, and what becomes of values out of range.
 #include <gmock/gmock.h>
 
 #include <map>
 #include <string>
 
+#include "sim/module/wrapping.hpp"
 #include "sim_fixture.hpp"
+#include "tmcl/parameter_number.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -108,6 +110,153 @@ TEST_F(SimSettings, TmclLiteRefusesWhatItRefusesElsewhere) {
   add_with({.behaviour = Behaviour::lite});
   EXPECT_EQ(status_of(Command::SAP, 99, 0, 0), Status::wrong_type);
   EXPECT_EQ(set(ap::max_velocity, 2048), Status::invalid_value);
+}
+
+// ---- Ranges
+
+class SimWrapping : public SimSettings {
+ protected:
+  SimWrapping() : module(add_with({.range_check = RangeCheck::wrap})) {}
+  std::uint32_t chip(std::uint8_t address) { return value_of(Command::READ_MC, address); }
+  Module& module;
+};
+
+TEST_F(SimSettings, ValuesOutOfRangeAreRefusedAsTheManualHasIt) {
+  add_with({});
+  EXPECT_EQ(set(ap::max_acceleration, 2048), Status::invalid_value);
+  EXPECT_EQ(status_of(Command::ROL, 0, 0, 3000), Status::invalid_value);
+  EXPECT_EQ(status_of(Command::MVP, 0, 0, 1 << 23), Status::invalid_value);
+}
+
+TEST_F(SimWrapping, VelocityAndAccelerationAreRememberedAndTheChipGetsElevenBits) {
+  EXPECT_EQ(set(ap::max_acceleration, 2048), Status::ok);
+  EXPECT_EQ(get(ap::max_acceleration), 2048);
+  EXPECT_EQ(chip(0x0C), 0U);
+  EXPECT_EQ(set(ap::max_velocity, 5000), Status::ok);
+  EXPECT_EQ(get(ap::max_velocity), 5000);
+  EXPECT_EQ(chip(0x06), 5000U & 0x7FFU);
+  EXPECT_EQ(set(ap::max_velocity, 300), Status::ok);
+  EXPECT_EQ(get(ap::max_velocity), 300);
+}
+
+TEST_F(SimWrapping, ThePositioningAfterARotationHasTheCutVelocityAgain) {
+  set(ap::max_velocity, 2048 + 100);
+  ask(Command::ROR, 0, 0, 500);
+  pass(std::chrono::seconds(1));
+  EXPECT_EQ(get(ap::actual_velocity), 500);
+  ask(Command::MVP, 0, 0, 8'000'000);
+  pass(std::chrono::seconds(2));
+  EXPECT_EQ(get(ap::actual_velocity), 100);
+}
+
+TEST_F(SimWrapping, AReferenceSearchAtFullSpeedTurnsAtTheCutVelocity) {
+  set(ap::max_velocity, 2048 + 100);
+  set(number_of("reference_search_speed"), 0);
+  EXPECT_EQ(status_of(Command::RFS, 0, 0), Status::ok);
+  pass(std::chrono::seconds(1));
+  EXPECT_EQ(get(ap::actual_velocity), -100);
+}
+
+TEST_F(SimWrapping, RotationsAreOfTwelveBitsWithASign) {
+  EXPECT_EQ(ask(Command::ROL, 0, 0, 3000)->value, 3000);
+  EXPECT_EQ(get(ap::target_velocity), 4096 - 3000) << "it turns right";
+  ask(Command::ROR, 0, 0, 3000);
+  EXPECT_EQ(get(ap::target_velocity), 3000 - 4096);
+  ask(Command::ROR, 0, 0, 2048);
+  EXPECT_EQ(get(ap::target_velocity), -2047);
+  EXPECT_EQ(set(ap::target_velocity, 4096 + 5), Status::ok);
+  EXPECT_EQ(get(ap::target_velocity), 5);
+  ask(Command::ROL, 0, 0, INT32_MIN);
+  EXPECT_EQ(get(ap::target_velocity), 0);
+}
+
+TEST_F(SimWrapping, PositionsAreOfTwentyFourBitsWithASign) {
+  EXPECT_EQ(status_of(Command::MVP, 0, 0, (1 << 24) + 700), Status::ok);
+  EXPECT_EQ(get(ap::target_position), 700);
+  EXPECT_EQ(set(ap::actual_position, 1 << 23), Status::ok);
+  EXPECT_EQ(get(ap::actual_position), -(1 << 23));
+  EXPECT_EQ(set(ap::target_position, INT32_MIN), Status::ok);
+  EXPECT_EQ(get(ap::target_position), 0);
+  set(ap::actual_position, 5);
+  EXPECT_EQ(status_of(Command::MVP, 1, 0, (1 << 25) + 10), Status::ok);
+  EXPECT_EQ(get(ap::target_position), 15);
+}
+
+TEST_F(SimWrapping, CurrentsAreBytes) {
+  EXPECT_EQ(ask(Command::SAP, number_of("max_current"), 0, 1000)->value, 1000);
+  EXPECT_EQ(get(number_of("max_current")), 1000 & 0xFF);
+  set(number_of("standby_current"), -1);
+  EXPECT_EQ(get(number_of("standby_current")), 255);
+}
+
+struct Write {
+  std::uint8_t parameter;
+  std::int32_t value;
+  std::int32_t reads;
+};
+
+TEST_F(SimWrapping, OtherRegistersAndBytesKeepWhatFits) {
+  const Write writes[] = {
+      {12, 256, 0},    {12, 2, 1},      {13, 255, 1},  {130, 2049, 1}, {138, 3, 3},
+      {138, 6, 2},     {141, 4097, 1},  {149, 256, 1}, {153, 21, 5},   {154, -12, 4},
+      {160, 2, 2},     {160, 256, 0},   {161, 3, 3},   {162, 9, 3},    {163, 4, 4},
+      {164, 2, 2},     {166, 9, 7},     {167, 16, 15}, {168, -1, 1},   {169, 256, 0},
+      {170, 300, 15},  {171, 5, 3},     {172, 20, 20}, {173, 3, 3},    {174, 127, 63},
+      {174, 200, -56}, {174, 128, -63}, {177, 2, 2},   {179, 257, 1},  {181, 5000, 5000},
+      {182, -1, -1},   {183, 257, 1},   {184, 258, 2},
+  };
+  for (const auto& write : writes) {
+    EXPECT_EQ(set(write.parameter, write.value), Status::ok) << int{write.parameter};
+    EXPECT_EQ(get(write.parameter), write.reads)
+        << int{write.parameter} << " set to " << write.value;
+  }
+}
+
+TEST_F(SimWrapping, WhatNobodyKnowsIsRefused) {
+  const Write writes[] = {{140, 9, 8},     {153, 14, 3}, {154, 15, 2},     {165, 13, 0},
+                          {175, 4, 0},     {178, 4, 0},  {194, 3000, 500}, {204, 65536, 0},
+                          {212, 65536, 0}, {214, 0, 200}};
+  for (const auto& write : writes) {
+    const auto before = get(write.parameter);
+    EXPECT_EQ(set(write.parameter, write.value), Status::invalid_value) << int{write.parameter};
+    EXPECT_EQ(get(write.parameter), before) << int{write.parameter};
+  }
+  EXPECT_EQ(set(ap::position_reached, 1), Status::wrong_type);
+}
+
+TEST_F(SimWrapping, WhatIsInRangeIsTakenAsItIs) {
+  for (const auto& row : axis_parameters(module.model())) {
+    if (row.access == Access::read || row.number == ap::actual_position) continue;
+    for (const auto value : {row.minimum, row.maximum}) {
+      EXPECT_EQ(set(row.number, value), Status::ok) << row.name;
+      if (row.number == ap::target_velocity) continue;
+      EXPECT_EQ(get(row.number), value) << row.name;
+    }
+  }
+}
+
+TEST_F(SimWrapping, AStoredValueWrapsAgainAtTheNextStart) {
+  set(ap::max_velocity, 5000);
+  ask(Command::STAP, ap::max_velocity, 0);
+  module.power_cycle();
+  pass(Module::boot_time);
+  EXPECT_EQ(get(ap::max_velocity), 5000);
+  EXPECT_EQ(chip(0x06), 5000U & 0x7FFU);
+}
+
+TEST_F(SimWrapping, AStallVelocityHasNoSign) {
+  module.at_stage(0, [](Stage& stage) { stage.set_load(600); });
+  set(number_of("smart_energy_stall_velocity"), -1);
+  ask(Command::ROR, 0, 0, 1000);
+  pass(std::chrono::seconds(2));
+  EXPECT_EQ(get(ap::actual_velocity), 1000) << "no speed is above that";
+}
+
+TEST_F(SimSettings, OtherFamiliesRefuseWhateverIsSet) {
+  add_with({.range_check = RangeCheck::wrap}, 6212);
+  EXPECT_EQ(set(number_of("max_current"), 1000), Status::invalid_value);
+  EXPECT_FALSE(can_wrap(*find_model(6212)));
+  EXPECT_TRUE(can_wrap(*find_model(351)));
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 
 #include "settings_words.hpp"
 #include "sim/module/delivered_stage.hpp"
+#include "sim/module/wrapping.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/spelling.hpp"
 
@@ -31,8 +32,8 @@ constexpr std::int64_t greatest_count = 1 << 24;
 constexpr std::int64_t greatest_load = 1'000'000;
 
 constexpr auto file_keys = std::to_array<std::string_view>({"module"});
-constexpr auto module_keys =
-    std::to_array<std::string_view>({"model", "address", "firmware_version", "behaviour", "axis"});
+constexpr auto module_keys = std::to_array<std::string_view>(
+    {"model", "address", "firmware_version", "behaviour", "range_check", "axis"});
 constexpr auto axis_keys = std::to_array<std::string_view>(
     {"motor", "position", "left_switch", "right_switch", "switch_tolerance", "normally_closed",
      "home", "home_normally_closed", "left_stop", "right_stop", "encoder_counts_per_turn",
@@ -186,7 +187,7 @@ void take_word(const toml::table& table, std::string_view key,
   target = *value;
 }
 
-ModuleSettings settings_of(const toml::table& table) {
+ModuleSettings settings_of(const toml::table& table, const tmcl::Model& model) {
   ModuleSettings settings;
   if (const auto* node = table.get("firmware_version")) {
     const auto text = word(*node, "firmware_version", "1.09");
@@ -194,6 +195,12 @@ ModuleSettings settings_of(const toml::table& table) {
     if (!settings.firmware) complain(*node, quoted(text) + std::string(no_release));
   }
   take_word(table, "behaviour", parse_behaviour, settings.behaviour);
+  take_word(table, "range_check", parse_range_check, settings.range_check);
+  if (settings.range_check == tmcl::sim::RangeCheck::wrap && !tmcl::sim::can_wrap(model)) {
+    complain(*table.get("range_check"), "what a " + std::string(model.name) +
+                                            " does with values out of range is not known: "
+                                            "'range_check' can be wrap with a TMC429 only");
+  }
   return settings;
 }
 
@@ -202,7 +209,7 @@ BenchModule module_of(const toml::table& table) {
   const auto& model = model_of(table);
   BenchModule module{std::string(model.name),
                      std::vector<StageSettings>(model.axes, tmcl::sim::delivered_stage(model)),
-                     settings_of(table)};
+                     settings_of(table, model)};
   if (const auto address = number(table, "address", {1, greatest_address})) {
     module.spec += "@" + std::to_string(*address);
   }

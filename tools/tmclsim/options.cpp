@@ -66,6 +66,8 @@ With --bench, motors have something to drive. FILE is TOML; all its keys but mod
     behaviour = "lite"               # wrong codes for commands 242 and 255 do nothing and are
                                      # answered ok, as by the vendor's example firmware TMCL-LITE;
                                      # "manual": they are refused
+    range_check = "wrap"             # values out of range are cut to the width of what they are
+                                     # written to, with a TMC429; "manual": they are refused
       [[module.axis]]
       motor = 0
       left_switch = -51200           # closed here and to the left; right_switch likewise

@@ -10,10 +10,12 @@ namespace {
 
 using tmcl::sim::Behaviour;
 using tmcl::sim::FirmwareRelease;
+using tmcl::sim::RangeCheck;
 
 // The words of an enumeration, in its order.
 using Words = std::array<std::string_view, 2>;
 constexpr Words behaviours{"manual", "lite"};
+constexpr Words range_checks{"manual", "wrap"};
 
 template <class Value>
 tl::expected<Value, std::string> parse(std::string_view word, const Words& words) {
@@ -38,6 +40,10 @@ std::optional<FirmwareRelease> parse_release(std::string_view text) {
 
 tl::expected<Behaviour, std::string> parse_behaviour(std::string_view word) {
   return parse<Behaviour>(word, behaviours);
+}
+
+tl::expected<RangeCheck, std::string> parse_range_check(std::string_view word) {
+  return parse<RangeCheck>(word, range_checks);
 }
 
 }  // namespace tmclsim

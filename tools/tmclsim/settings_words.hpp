@@ -20,4 +20,7 @@ inline constexpr std::string_view no_release =
 
 /// "manual" or "lite"; the error names the words and the nearest of them.
 tl::expected<tmcl::sim::Behaviour, std::string> parse_behaviour(std::string_view word);
+/// "manual" or "wrap", likewise.
+tl::expected<tmcl::sim::RangeCheck, std::string> parse_range_check(std::string_view word);
+
 }  // namespace tmclsim
