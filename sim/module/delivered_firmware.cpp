@@ -25,7 +25,7 @@ constexpr auto rows = std::to_array<Row>({
     {1111, unknown},  // TMCL-LITE-1111 says 1111V101; no manual found
     {1140, {1, 47}},  // manual
     {1141, {1, 19}},  // manual rev. 1.01, 2012
-    {1160, {1, 19}},  // manual of the PD-1160, rev. 1.01, 2012
+    {1160, {1, 42}},  // manual of the PD-1160, rev. 1.06, 2018
     {1161, {1, 46}},  // manual rev. 1.11
     {1210, unknown},  // none found
     {1211, {1, 10}},  // manual
