@@ -120,6 +120,8 @@ Script<Result<void>> Deadman::write(std::int32_t ms) {
   if (!written) co_return written;
   const auto held = co_await must(read());
   if (held == ms) co_return Result<void>{};
+  // The module has said that it took it; a late answer to another question may say otherwise.
+  note_set(shorter(held, ms));
   tmcl::Error error;
   error.code = tmcl::Errc::unexpected_value;
   error.outcome = Outcome::unknown;

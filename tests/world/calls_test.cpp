@@ -96,7 +96,9 @@ INSTANTIATE_TEST_SUITE_P(
         // A movement that waited for its turn while the gateway stood still went out after that.
         KnownWorld{880371, "20,0,0,0,0,4,14,0,1"},
         // A search whose module started again was said not to have been sent.
-        KnownWorld{3434676156, "20,20,10,1,1,4,32,0,1"}));
+        KnownWorld{3434676156, "20,20,10,1,1,4,32,0,1"},
+        // A deadman was thought to be off: a late answer to something else came after setting it.
+        KnownWorld{202796, "20,20,0,0,0,2,9,0,0"}));
 
 TEST(WorldTrouble, IsShrunkToWhatMakesAWorldFail) {
   const auto fails_by_late_replies = [](const Trouble& trouble) {

@@ -171,6 +171,16 @@ TEST_F(Deadmen, StopTheMotorsWhenTheDaemonIsNotThereAnyMore) {
   EXPECT_LT(mm(0), 200);
 }
 
+TEST_F(Deadmen, DoNotStopTheMotorsAfterOneLostAnswer) {
+  set_out();
+  lose_answer_to(Command::MVP, 0);
+  EXPECT_FALSE(call("axis.move_to", {{"axis", "y"}, {"position", 1}}));
+  EXPECT_TRUE(wire.is_cut);
+  wire.is_cut = false;
+  time.run_for(5s);
+  EXPECT_TRUE(moves());
+}
+
 TEST_F(Deadmen, StopTheMotorsWhenTheCableIsCut) {
   set_out();
   wire.is_cut = true;
