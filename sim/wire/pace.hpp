@@ -13,7 +13,7 @@
 
 namespace tmcl::sim {
 
-/// What a module takes to answer, as far as anybody has measured: no manual has a figure.
+/// What a module takes to answer: our choice, because no document at hand has a figure.
 constexpr Duration usual_time_to_answer = std::chrono::microseconds(200);
 
 struct Pace {

@@ -13,9 +13,9 @@
 
 namespace tmcl::sim {
 
-/// As in the vendor's open firmware for the TMCM-1110: the address byte of a command is ignored,
-/// and an answer has the module's own. Of a packet the first nine bytes are a command, the rest is
-/// lost; a shorter packet is lost whole. A wrong checksum is answered.
+/// As in the vendor's open firmware for the newer TMCM-1110, with a GD32: the address byte of a
+/// command is ignored, and an answer has the module's own. Of a packet the first nine bytes are a
+/// command, the rest is lost; a shorter packet is lost whole. A wrong checksum is answered.
 ///
 /// An answer takes 0.25 to 2 ms, as on a bus of full speed: evenly distributed, by the seed.
 class UsbLine final : public Line {
