@@ -265,7 +265,7 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
 void GatewayBus::note_answer(const tmcl::Request& request,
                              const tmcl::Result<tmcl::Answer>& answer) {
   auto* module = find_module(request.address);
-  if (module != nullptr && answer) module->deadman().note_answer(*answer);
+  if (module != nullptr && answer) module->note_answer(request, *answer);
 }
 
 /// What is proven by another command behind it, is proven by the question of the sentinel.

@@ -109,17 +109,23 @@ Script<Result<void>> GatewayModule::meet() {
 }
 
 Script<Result<Verdict>> GatewayModule::look_at_sentinel() {
-  const auto first = co_await must(judge_sentinel(tmcl::Proof::none));
-  if (first == Verdict::same) co_return first;
-  // It could have been the answer to something else.
+  if (!sentinel_.in_doubt()) {
+    const auto first = co_await must(judge_sentinel(tmcl::Proof::none));
+    if (first == Verdict::same) co_return first;
+    // It could have been the answer to something else. Should nothing more be answered, that stays.
+    sentinel_.doubt();
+  }
   const auto second = co_await must(judge_sentinel(tmcl::Proof::followed));
   if (second == Verdict::missing) {
     auto left = co_await give_up_sentinel("it has no " + sentinel_.name());
     co_return left;
   }
-  if (second == Verdict::same || !sentinel_.may_stand()) co_return second;
-  co_await tmcl::pause(time_to_tick);
+  const bool may_stand = sentinel_.may_stand();
+  if (second != Verdict::same && !may_stand) co_return second;
+  // One that fits may be late, and one that does not may be of a timer that stands.
+  if (may_stand) co_await tmcl::pause(time_to_tick);
   const auto third = co_await must(judge_sentinel(tmcl::Proof::followed));
+  if (third == Verdict::same) sentinel_.end_doubt();
   if (third == Verdict::same || !sentinel_.may_stand()) co_return third;
   auto left = co_await give_up_sentinel("its tick timer stands");
   co_return left;
@@ -144,6 +150,11 @@ Script<Result<Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proof) {
 void GatewayModule::note_sentinel(const tmcl::Request& question,
                                   const Result<tmcl::Answer>& answer) {
   if (answer && state_ == State::ready) sentinel_.take(Sentinel::Reading::of(question, *answer));
+}
+
+void GatewayModule::note_answer(const tmcl::Request& request, const tmcl::Answer& answer) {
+  deadman_.note_answer(answer);
+  sentinel_.overhear(request, answer);
 }
 
 void GatewayModule::note_sent(const tmcl::Request& request) {

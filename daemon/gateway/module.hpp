@@ -63,6 +63,8 @@ class GatewayModule {
   void note_sent(const tmcl::Request& request);
   /// This question of its sentinel was asked along with others.
   void note_sentinel(const tmcl::Request& question, const tmcl::Result<tmcl::Answer>& answer);
+  /// It has answered somebody.
+  void note_answer(const tmcl::Request& request, const tmcl::Answer& answer);
 
   /// What stops its motors when nobody sends it anything.
   Deadman& deadman() { return deadman_; }

@@ -74,8 +74,20 @@ Sentinel::Verdict Sentinel::take(const Reading& reading) {
   return verdict;
 }
 
+bool Sentinel::answers(const tmcl::Request& question) const {
+  const auto own = this->question(question.address);
+  const bool is_alike = question.command == own.command && question.type == own.type;
+  return is_alike && (is_by_settings() || question.motor == own.motor);
+}
+
+void Sentinel::overhear(const tmcl::Request& question, const tmcl::Answer& answer) {
+  if (!watches() || !answers(question)) return;
+  if (judge(Reading::of(question, answer)) != Verdict::same) doubt();
+}
+
 void Sentinel::forget() {
   last_.reset();
+  in_doubt_ = false;
   has_run_ = false;
   may_stand_ = false;
   is_given_up_ = false;

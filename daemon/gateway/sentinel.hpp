@@ -69,19 +69,25 @@ class Sentinel {
     return is_by_settings() ? starts_program_ == false && !away_.empty() : kind() != Kind::none;
   }
   tmcl::Request question(tmcl::ModuleAddress module) const;
-  /// It was found to be as it should be when it was asked then, or later.
-  bool was_seen_since(tmcl::TimePoint asked) const { return last_ && last_->asked >= asked; }
   /// Nothing where that means nothing to another run of the gateway.
   std::optional<Reading> last() const { return is_by_settings() ? std::nullopt : last_; }
 
   /// Until when what was read last says what the module is. Where answers take longer than that,
   /// it counts for a moment after it has come.
   tmcl::TimePoint counts_until(tmcl::Duration age) const {
-    return last_ ? std::max(last_->asked + age, last_->answered + moment) : tmcl::TimePoint{};
+    const bool counts = last_ && !in_doubt_;
+    return counts ? std::max(last_->asked + age, last_->answered + moment) : tmcl::TimePoint{};
   }
 
   /// Whether this fits to what was read before; what does, is remembered.
   Verdict take(const Reading& reading);
+  /// An answer to its question, whoever asked it. One that does not fit puts it in doubt.
+  void overhear(const tmcl::Request& question, const tmcl::Answer& answer);
+  /// Something did not fit. From then on what was read before says nothing, and one answer that
+  /// fits is not believed: it may be a late one, from before the restart.
+  bool in_doubt() const { return in_doubt_; }
+  void doubt() { in_doubt_ = true; }
+  void end_doubt() { in_doubt_ = false; }
   /// After a reading that did not fit: it is the same as before, so perhaps the timer stands.
   bool may_stand() const { return may_stand_; }
   /// A variable that nobody has set since the module started.
@@ -107,6 +113,9 @@ class Sentinel {
   Kind kind() const {
     return is_given_up_ && config_.kind != Kind::none ? Kind::settings : config_.kind;
   }
+  bool answers(const tmcl::Request& question) const;
+  /// It was found to be as it should be when it was asked then, or later.
+  bool was_seen_since(tmcl::TimePoint asked) const { return last_ && last_->asked >= asked; }
   bool is_variable() const { return kind() == Kind::variable; }
   bool is_by_settings() const { return kind() == Kind::settings; }
   Verdict judge(const Reading& reading) const;
@@ -115,6 +124,7 @@ class Sentinel {
   bool is_given_up_ = false;
   bool has_run_ = false;
   bool may_stand_ = false;
+  bool in_doubt_ = false;
   std::optional<Reading> last_;
   std::optional<bool> starts_program_;
   std::set<std::uint8_t> away_;         ///< Motors whose target is not 0.

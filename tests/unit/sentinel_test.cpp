@@ -145,6 +145,28 @@ TEST_F(SentinelBySettings, FindsARestartByATargetThatIsZero) {
   EXPECT_EQ(read(1, 0), Verdict::restarted);
 }
 
+TEST_F(SentinelBySettings, IsInDoubtWhenSomebodyElseHasReadWhatDoesNotFit) {
+  const auto overhear = [this](const tmcl::Request& question, int value) {
+    tmcl::Answer answer;
+    answer.reply.value = value;
+    sentinel.overhear(question, answer);
+    return sentinel.in_doubt();
+  };
+  using tmcl::Command;
+  move(1, 500);
+  read(1, 500);
+  const auto counted = sentinel.counts_until(500ms);
+  EXPECT_FALSE(overhear(sent(Command::GAP, 0, 1, 0), 500));
+  EXPECT_FALSE(overhear(sent(Command::GAP, 1, 1, 0), 0)) << "the actual position";
+  EXPECT_FALSE(overhear(sent(Command::GAP, 0, 0, 0), 0)) << "a motor that nobody has moved";
+  EXPECT_EQ(sentinel.counts_until(500ms), counted);
+  EXPECT_TRUE(overhear(sent(Command::GAP, 0, 1, 0), 0));
+  EXPECT_EQ(read(1, 500), Verdict::same) << "a late answer, perhaps";
+  EXPECT_EQ(sentinel.counts_until(500ms), TimePoint{}) << "until that is proven";
+  sentinel.end_doubt();
+  EXPECT_GT(sentinel.counts_until(500ms), counted);
+}
+
 TEST_F(SentinelBySettings, HoldsNothingAgainstATargetThatMayBeZero) {
   using tmcl::Command;
   for (const auto& request :
