@@ -8,13 +8,24 @@
 
 namespace tmcl::sim {
 
-UsbLine::UsbLine(Bench& bench, Module& module, Output output, std::uint64_t seed)
-    : Line(bench), module_(&module), output_(std::move(output)), random_(seed) {}
+UsbLine::UsbLine(Bench& bench, Module& module, Output output, std::uint64_t seed, UsbLayout layout)
+    : Line(bench),
+      module_(&module),
+      output_(std::move(output)),
+      random_(seed),
+      keeps_short_packets_(layout == UsbLayout::mk20) {}
 
 void UsbLine::receive(std::span<const std::uint8_t> packet) {
-  if (packet.size() < serial_datagram_size || !module_->hears()) return;
+  if (!keeps_short_packets_) heard_.clear();
+  heard_.insert(heard_.end(), packet.begin(), packet.end());
+  if (heard_.size() < serial_datagram_size) return;
   SerialBytes frame;
-  std::ranges::copy(packet.first<serial_datagram_size>(), frame.begin());
+  std::copy_n(heard_.begin(), frame.size(), frame.begin());
+  heard_.clear();
+  if (module_->hears()) execute(frame);
+}
+
+void UsbLine::execute(const SerialBytes& frame) {
   const auto from = sender(module_->globals());
   const auto request = decode_serial_request(frame);
   const auto answer = request ? module_->execute(*request, Medium::serial, *this)

@@ -1,4 +1,4 @@
-// tmclsim: simulated TMCL modules on ptys, CAN and TCP.
+// tmclsim: simulated TMCL modules on ptys, USB, CAN and TCP.
 #include <algorithm>
 #include <csignal>
 #include <cstdio>
@@ -22,6 +22,7 @@
 #include "sim/ports/pty_port.hpp"
 #include "sim/ports/scheduler.hpp"
 #include "sim/ports/tcp_port.hpp"
+#include "sim/ports/usb_port.hpp"
 #include "sim/wire/rates.hpp"
 
 namespace {
@@ -160,6 +161,11 @@ bool open_ports(boost::asio::io_context& io, sim::Scheduler& scheduler,
   for (const auto& [module, path] : options.usb_ptys) {
     auto& owner = *scheduler.bench().modules().at(module);
     if (!keep(ports, sim::open_usb_pty_port(io, scheduler, owner, path, options.seed + module)))
+      return false;
+  }
+  for (const auto& [module, layout] : options.usb_devices) {
+    auto& owner = *scheduler.bench().modules().at(module);
+    if (!keep(ports, sim::open_usb_port(io, scheduler, owner, layout, options.seed + module)))
       return false;
   }
   if (!options.can_interfaces.empty()) warn_of_replies_taken_for_commands(scheduler.bench());

@@ -16,7 +16,7 @@ namespace tmclsim {
 namespace {
 
 constexpr auto known_options = std::to_array<std::string_view>(
-    {"--module", "--firmware", "--bench", "--pty", "--usb-pty", "--can", "--tcp", "--pace",
+    {"--module", "--firmware", "--bench", "--pty", "--usb-pty", "--usb", "--can", "--tcp", "--pace",
      "--echo", "--noise", "--eeprom", "--seed", "--console", "--help", "--version"});
 
 constexpr auto description =
@@ -44,6 +44,8 @@ Examples
       picocom --imap crcrlf /tmp/tmcm
   A module as its USB port shows it: it ignores addresses and takes 0.25 to 2 ms to answer:
       tmclsim --module TMCM-3110 --usb-pty /tmp/ttyACM0
+  The same as a USB device of this computer, which gets a /dev/ttyACM0 of the kernel's:
+      sudo modprobe vhci-hcd && sudo tmclsim --module TMCM-3110 --usb
   A module on a virtual CAN bus:
       sudo ip link add dev vcan0 type vcan && sudo ip link set up vcan0
       tmclsim --module TMCM-3110 --can vcan0
@@ -52,6 +54,11 @@ By --usb-pty a host has one module alone on a cable, as by the module's own USB 
 a command is ignored, and answers have the module's own. What the host writes at once is a packet: its
 first nine bytes are a command, the rest is lost, and a shorter one is lost whole. With several
 modules, ADDRESS= says which one.
+
+With --usb a module is a USB device of this computer: the kernel's cdc_acm makes a terminal of it, and
+libusb finds it. gd32 has the descriptors of newer modules, mk20 those of older ones, with packets of
+16 bytes, of which a short one waits for the next. When tmclsim ends, the cable is pulled. Needs
+root, and the kernel's driver vhci-hcd.
 
 With --pace, requests and answers take as long as on a line of that many baud, or of the rate that each
 module has in global parameter 65, and a module takes 0.2 ms; CAN has the rate of global parameter 69.
@@ -119,6 +126,7 @@ struct Words {
   std::string bench;
   std::vector<std::string> tcp;
   std::vector<std::string> usb_ptys;
+  std::vector<std::string> usb_devices;
   std::string pace;
   Options options;
 };
@@ -129,7 +137,7 @@ void describe(CLI::App& app, Words& words) {
   app.set_help_flag("-h,--help", "Print this help and exit");
   app.footer(explanation);
   const auto repeatable = [&](const char* name, auto& target, const char* type, const char* help) {
-    app.add_option(name, target, help)
+    return app.add_option(name, target, help)
         ->type_name(type)
         ->expected(1)
         ->allow_extra_args(false)
@@ -146,6 +154,9 @@ void describe(CLI::App& app, Words& words) {
              "Serve them on a pseudo terminal, and make PATH a link to it");
   repeatable("--usb-pty", words.usb_ptys, "[ADDRESS=]PATH",
              "Serve one of them as by its USB port on a pseudo terminal (see below)");
+  repeatable("--usb", words.usb_devices, "[ADDRESS=][gd32|mk20]",
+             "Let one of them be a USB device of this computer (see below)")
+      ->expected(0, 1);
   repeatable("--can", words.options.can_interfaces, "INTERFACE",
              "Serve them on a CAN interface of Linux, such as vcan0");
   repeatable("--tcp", words.tcp, "HOST:PORT",
@@ -255,11 +266,12 @@ tl::expected<Options, EarlyExit> check(Words words, bool has_pace) {
     return tl::unexpected(wrong("no module to simulate. Add one: --module TMCM-1110"));
   }
   const auto& ports = words.options;
-  const bool has_serial = !ports.ptys.empty() || !words.usb_ptys.empty() || !words.tcp.empty();
-  if (!has_serial && ports.can_interfaces.empty()) {
+  const bool has_usb = !words.usb_ptys.empty() || !words.usb_devices.empty();
+  const bool has_serial = !ports.ptys.empty() || !words.tcp.empty();
+  if (!has_usb && !has_serial && ports.can_interfaces.empty()) {
     return tl::unexpected(
-        wrong("no way to reach the modules. Add one: --pty PATH, --usb-pty PATH, --can INTERFACE "
-              "or --tcp HOST:PORT"));
+        wrong("no way to reach the modules. Add one: --pty PATH, --usb-pty PATH, --usb, "
+              "--can INTERFACE or --tcp HOST:PORT"));
   }
   if (auto checked = check_wires(words, has_pace); !checked) return tl::unexpected(checked.error());
   auto modules = all_modules(words);
@@ -269,6 +281,9 @@ tl::expected<Options, EarlyExit> check(Words words, bool has_pace) {
   auto usb_ptys = parse_usb_ports(words.usb_ptys, words.options.modules);
   if (!usb_ptys) return tl::unexpected(wrong(usb_ptys.error()));
   words.options.usb_ptys = std::move(*usb_ptys);
+  auto usb_devices = parse_usb_devices(words.usb_devices, words.options.modules);
+  if (!usb_devices) return tl::unexpected(wrong(usb_devices.error()));
+  words.options.usb_devices = std::move(*usb_devices);
   for (const auto& text : words.tcp) {
     const auto endpoint = tmcl::sim::parse_endpoint(text);
     if (!endpoint) {

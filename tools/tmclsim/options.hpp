@@ -25,6 +25,7 @@ struct Options {
   std::vector<ModuleSpec> modules;
   std::vector<std::string> ptys;
   std::vector<UsbPort> usb_ptys;
+  std::vector<UsbDevicePort> usb_devices;
   std::vector<std::string> can_interfaces;
   std::vector<tmcl::sim::Endpoint> tcp_endpoints;
   Wires wires;

@@ -1,0 +1,109 @@
+// tmclsim --usb with the kernel's own drivers: tests/vm/run brings a kernel that has them.
+
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "sim/wire/usb_layout.hpp"
+#include "support/program.hpp"
+
+namespace tmcl {
+namespace {
+
+namespace fs = std::filesystem;
+using namespace std::chrono_literals;
+using test::Program;
+using test::run_program;
+using testing::HasSubstr;
+
+/// The kernel takes half a second to make a terminal of a device.
+template <typename Condition>
+bool comes_true(const Condition& condition) {
+  const auto end = std::chrono::steady_clock::now() + 20s;
+  while (!condition() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(20ms);
+  return condition();
+}
+
+std::string text_of(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class Usb : public testing::TestWithParam<const char*> {
+ protected:
+  void plug_in(std::vector<std::string> words) {
+    words.insert(words.begin(), "tmclsim");
+    sim = std::make_unique<Program>(words);
+    ASSERT_TRUE(sim->wait_for("\nready\n")) << sim->output();
+    const auto line = sim->output().find("\nusb ") + 5;
+    place = sim->output().substr(line, sim->output().find(',', line) - line);
+    ASSERT_TRUE(comes_true([&] { return !terminal().empty(); })) << sim->output();
+  }
+  fs::path device() const { return fs::path("/sys/bus/usb/devices") / place; }
+  /// What cdc_acm calls it; empty if there is none.
+  std::string terminal() const {
+    std::error_code none;
+    for (const auto& entry : fs::directory_iterator(device() / (place + ":1.0") / "tty", none))
+      return "/dev/" + entry.path().filename().string();
+    return {};
+  }
+  auto tmclctl(std::vector<std::string> words) const {
+    words.insert(words.begin(), {"tmclctl", "--direct", "serial:" + terminal()});
+    return run_program(words);
+  }
+
+  std::unique_ptr<Program> sim;
+  std::string place;
+};
+
+TEST_P(Usb, IsATerminalOfTheKernels) {
+  plug_in({"--module", "TMCM-3110@7", "--usb", GetParam()});
+  const auto layout =
+      GetParam() == std::string("mk20") ? sim::UsbLayout::mk20 : sim::UsbLayout::gd32;
+  const auto& own = sim::descriptors_of(layout);
+  std::string expected(own.device.begin(), own.device.end());
+  expected.append(own.configuration.begin(), own.configuration.end());
+  EXPECT_EQ(text_of(device() / "descriptors"), expected);
+  EXPECT_EQ(text_of(device() / "product"), std::string(own.strings[1]) + "\n");
+  EXPECT_EQ(text_of(device() / "speed"), "12\n");
+  const auto moved = tmclctl({"move", "7/0", "1000microsteps", "--wait"});
+  EXPECT_EQ(moved.status, 0) << moved.output;
+  const auto position = tmclctl({"get", "7/0", "actual_position"});
+  EXPECT_THAT(position.output, HasSubstr("1000"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Layouts, Usb, testing::Values("gd32", "mk20"));
+
+class UsbCable : public Usb {};
+
+TEST_F(UsbCable, IsPulledWhenTheSimulatorGoes) {
+  plug_in({"--module", "TMCM-1110", "--module", "TMCM-3110@7", "--usb", "7"});
+  const auto went = device();
+  sim->signal(SIGKILL);
+  EXPECT_TRUE(comes_true([&] { return !fs::exists(went); }));
+  plug_in({"--module", "TMCM-1110", "--usb"});
+  EXPECT_EQ(tmclctl({"get", "1/0", "max_velocity"}).status, 0);
+}
+
+TEST_F(UsbCable, FindsASocketForEachOfTwoModules) {
+  plug_in({"--module", "TMCM-1110", "--module", "TMCM-3110@7", "--usb", "1", "--usb", "7=mk20"});
+  const auto of_both = [] {
+    std::vector<std::string> terminals;
+    for (const auto& entry : fs::directory_iterator("/sys/class/tty"))
+      if (entry.path().filename().string().starts_with("ttyACM"))
+        terminals.push_back(entry.path().filename());
+    return terminals.size() == 2;
+  };
+  EXPECT_TRUE(comes_true(of_both));
+}
+
+}  // namespace
+}  // namespace tmcl
