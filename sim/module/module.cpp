@@ -54,6 +54,7 @@ Module::Module(const Model& model, Eeprom eeprom, const Clock& clock,
       coordinates_(model, eeprom_),
       stages_(model.axes, Stage(delivered_stage(model))),
       events_(model.axes),
+      logger_(now_),
       bootloader_(model.number, delivered_version()) {
   power_up();
 }
@@ -76,6 +77,7 @@ void Module::power_up() {
   if (keeps_coordinates()) coordinates_.load_all(0);
   build_axes();
   events_ = TargetEvents(model_->axes);
+  logger_ = DataLogger(now_);
   start_application();
   serial_.heard(now_);
   can_.heard(now_);
@@ -148,8 +150,8 @@ Answer Module::execute_direct(const Request& request, EventSink& from) {
     case Command::SOFTWARE_RESET: return restart_after_reply(request);
     case Command::ENTER_ASCII_MODE: return enter_ascii_mode(request);
     case Command::ENTER_BOOTLOADER: return enter_bootloader(request);
+    case Command::RAM_DEBUG: return access_data_logger(request);
     // Known, but only to firmware for special boards or customers.
-    case Command::RAM_DEBUG:
     case Command::GET_IDS:
     case Command::WRITE_USER_CHANNEL:
     case Command::READ_USER_CHANNEL: return echo(request, Status::command_not_available);
@@ -205,7 +207,8 @@ void Module::stop_if_silent() {
 }
 
 TimePoint Module::next_due() const {
-  auto due = std::min({serial_due(), can_due(), events_.next_due(axes_), application_.next_due()});
+  auto due = std::min({serial_due(), can_due(), events_.next_due(axes_), logger_.next_due(),
+                       application_.next_due()});
   for (const auto& axis : axes_) due = std::min(due, axis.next_due());
   return due;
 }
@@ -251,6 +254,7 @@ void Module::run_what_is_due_now() {
   stop_if_silent();
   for (auto& axis : axes_) axis.run_due();
   events_.run_due(now_, axes_, *this);
+  logger_.run_due(now_, data_logger_probe());
   run_application();
 }
 

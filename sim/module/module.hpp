@@ -11,6 +11,7 @@
 #include "sim/module/axis.hpp"
 #include "sim/module/bootloader.hpp"
 #include "sim/module/coordinates.hpp"
+#include "sim/module/data_logger.hpp"
 #include "sim/module/eeprom.hpp"
 #include "sim/module/event_sink.hpp"
 #include "sim/module/globals.hpp"
@@ -133,6 +134,13 @@ class Module final : private ProgramHost {
   };
   std::optional<ChipRegister> controller_register(const Request& request) const;
 
+  // data_logger_commands.cpp
+  bool has_data_logger() const;
+  Answer access_data_logger(const Request& request);
+  DataLogger::Probe data_logger_probe();
+  std::uint32_t read_channel(const DataLogger::Channel& channel);
+  std::uint32_t stacked_register(std::uint32_t select);
+
   // io_commands.cpp
   Answer set_output(const Request& request);
   Answer get_input(const Request& request) const;
@@ -235,6 +243,7 @@ class Module final : private ProgramHost {
   std::vector<Stage> stages_;  // what is bolted on stays, whatever happens to the module
   std::vector<Axis> axes_;
   TargetEvents events_;
+  DataLogger logger_;
   Application application_{*this};
   std::optional<bool> shutdown_input_;  // nothing connected: it does not act
   Heartbeat serial_;

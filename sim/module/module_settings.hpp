@@ -24,6 +24,7 @@ struct ModuleSettings {
   std::optional<FirmwareRelease> firmware{};  ///< Otherwise that of delivered_firmware().
   Behaviour behaviour = Behaviour::manual;
   RangeCheck range_check = RangeCheck::manual;  ///< wrap has no effect unless can_wrap().
+  std::optional<bool> data_logger{};  ///< Otherwise as has_data_logger() says of its family.
 };
 
 }  // namespace tmcl::sim

@@ -26,6 +26,7 @@ TEST(BenchFile, DescribesModulesAndWhatTheirMotorsDrive) {
     firmware_version = "1.09"
     behaviour = "lite"
     range_check = "wrap"
+    data_logger = true
     [[module.axis]]
     motor = 2
     position = 5
@@ -64,11 +65,13 @@ TEST(BenchFile, DescribesModulesAndWhatTheirMotorsDrive) {
   EXPECT_EQ(first.settings.firmware, (tmcl::sim::FirmwareRelease{1, 9}));
   EXPECT_EQ(first.settings.behaviour, tmcl::sim::Behaviour::lite);
   EXPECT_EQ(first.settings.range_check, tmcl::sim::RangeCheck::wrap);
+  EXPECT_EQ(first.settings.data_logger, true);
   const auto& second = file->back();
   EXPECT_EQ(second.spec, "TMCM-1110");
   EXPECT_EQ(second.settings.firmware, std::nullopt);
   EXPECT_EQ(second.settings.behaviour, tmcl::sim::Behaviour::manual);
   EXPECT_EQ(second.settings.range_check, tmcl::sim::RangeCheck::manual);
+  EXPECT_EQ(second.settings.data_logger, std::nullopt);
 }
 
 TEST(BenchFile, SaysWhereAndWhatIsWrong) {
@@ -110,6 +113,9 @@ TEST(BenchFile, SaysWhatIsWrongAboutAFirmware) {
   EXPECT_THAT(error_of(module + "behaviour = \"lit\"\n"),
               "b.toml:3: 'behaviour' is 'lit', but must be manual or lite. Did you mean 'lite'?");
   EXPECT_THAT(error_of(module + "behavior = \"lite\"\n"), HasSubstr("Did you mean 'behaviour'?"));
+  EXPECT_THAT(error_of(module + "data_loger = true\n"), HasSubstr("Did you mean 'data_logger'?"));
+  EXPECT_EQ(error_of(module + "data_logger = \"yes\"\n"),
+            "b.toml:3: 'data_logger' must be true or false");
   EXPECT_THAT(error_of(module + "behaviour = true\n"),
               StartsWith("b.toml:3: 'behaviour' must be a text in quotes"));
   EXPECT_THAT(error_of(module + "range_check = \"wrapp\"\n"),

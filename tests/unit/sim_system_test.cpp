@@ -60,7 +60,7 @@ TEST_F(SimSystem, ResetsItsChipsButNotItself) {
 
 TEST_F(SimSystem, KnowsWhatOtherFirmwareHas) {
   add(1110);
-  for (const auto command : {Command::UF0, Command::UF7, Command::RAM_DEBUG, Command::GET_IDS,
+  for (const auto command : {Command::UF0, Command::UF7, Command::GET_IDS,
                              Command::WRITE_USER_CHANNEL, Command::READ_USER_CHANNEL}) {
     EXPECT_EQ(status_of(command, 0, 0), Status::command_not_available) << name_of(command);
   }

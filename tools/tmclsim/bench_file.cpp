@@ -33,7 +33,7 @@ constexpr std::int64_t greatest_load = 1'000'000;
 
 constexpr auto file_keys = std::to_array<std::string_view>({"module"});
 constexpr auto module_keys = std::to_array<std::string_view>(
-    {"model", "address", "firmware_version", "behaviour", "range_check", "axis"});
+    {"model", "address", "firmware_version", "behaviour", "range_check", "data_logger", "axis"});
 constexpr auto axis_keys = std::to_array<std::string_view>(
     {"motor", "position", "left_switch", "right_switch", "switch_tolerance", "normally_closed",
      "home", "home_normally_closed", "left_stop", "right_stop", "encoder_counts_per_turn",
@@ -94,6 +94,12 @@ void take(const toml::table& table, std::string_view key, bool& target) {
   if (node == nullptr) return;
   if (!node->is_boolean()) complain(*node, quoted(key) + " must be true or false");
   target = node->as_boolean()->get();
+}
+
+void take(const toml::table& table, std::string_view key, std::optional<bool>& target) {
+  if (table.get(key) == nullptr) return;
+  target.emplace();
+  take(table, key, *target);
 }
 
 void take_home(const toml::table& table, std::optional<Interval>& home) {
@@ -196,6 +202,7 @@ ModuleSettings settings_of(const toml::table& table, const tmcl::Model& model) {
   }
   take_word(table, "behaviour", parse_behaviour, settings.behaviour);
   take_word(table, "range_check", parse_range_check, settings.range_check);
+  take(table, "data_logger", settings.data_logger);
   if (settings.range_check == tmcl::sim::RangeCheck::wrap && !tmcl::sim::can_wrap(model)) {
     complain(*table.get("range_check"), "what a " + std::string(model.name) +
                                             " does with values out of range is not known: "

@@ -75,6 +75,8 @@ With --bench, motors have something to drive. FILE is TOML; all its keys but mod
                                      # "manual": they are refused
     range_check = "wrap"             # values out of range are cut to the width of what they are
                                      # written to, with a TMC429; "manual": they are refused
+    data_logger = true               # it has command 142, RAMDebug; without the key modules with a
+                                     # TMC4361 or a sixPoint ramp have it, and others have not
       [[module.axis]]
       motor = 0
       left_switch = -51200           # closed here and to the left; right_switch likewise
