@@ -5,7 +5,9 @@
 #include <set>
 #include <tuple>
 
+#include "support/data_logger.hpp"
 #include "support/scripted_bus.hpp"
+#include "tmcl/data_logger.hpp"
 #include "unit/engine_requests.hpp"
 
 namespace tmcl {
@@ -39,6 +41,10 @@ std::string count(const Result<std::int32_t>& result) {
 }
 std::string place(const Result<Microsteps>& result) {
   return show(result, [](Microsteps value) { return std::to_string(value.value); });
+}
+
+CaptureSetup short_capture() {
+  return {{capture_channel(axis.motor, 1), capture_channel(axis.motor, 3)}, 2, 0, 1, {}};
 }
 
 std::vector<Case> all_verbs() {
@@ -146,6 +152,34 @@ std::vector<Case> all_verbs() {
        [](ScriptedBus& bus) { return done(bus.run(verbs::add_breakpoint(axis.module, 5))); }},
       {"reset_module",
        [](ScriptedBus& bus) { return done(bus.run(verbs::reset_module(axis.module))); }},
+      {"data_logger_info",
+       [](ScriptedBus& bus) {
+         test::give_data_logger(bus.module(1), bus.clock());
+         return show(bus.run(verbs::data_logger_info(axis.module)), [](const DataLoggerInfo& info) {
+           return std::to_string(info.channels) + " " + std::to_string(info.elements);
+         });
+       }},
+      {"start_capture",
+       [](ScriptedBus& bus) {
+         test::give_data_logger(bus.module(1), bus.clock());
+         return done(bus.run(verbs::start_capture(axis.module, short_capture())));
+       }},
+      {"read_samples",
+       [](ScriptedBus& bus) {
+         test::give_data_logger(bus.module(1), bus.clock());
+         if (const auto begun = bus.run(verbs::start_capture(axis.module, short_capture())); !begun)
+           return text_of(begun.error());
+         bus.pass(std::chrono::milliseconds(10));
+         return show(bus.run(verbs::read_samples(axis.module, 0, 4)), [](const auto& values) {
+           return std::to_string(values.size()) +
+                  " from the same tick: " + std::to_string(values[1] - values[0]);
+         });
+       }},
+      {"end_capture",
+       [](ScriptedBus& bus) {
+         test::give_data_logger(bus.module(1), bus.clock());
+         return done(bus.run(verbs::end_capture(axis.module)));
+       }},
       {"identify",
        [](ScriptedBus& bus) {
          return show(bus.run(verbs::identify(axis.module)), [](const FoundModule& found) {
