@@ -6,6 +6,7 @@
 #include "api/call.hpp"
 #include "api/rpc_error.hpp"
 #include "tmcl/api/axis.hpp"
+#include "tmcl/api/capture.hpp"
 #include "tmcl/api/errors.hpp"
 #include "tmcl/api/lease.hpp"
 #include "tmcl/api/module.hpp"
@@ -48,6 +49,11 @@ Answer<axis::Recover> recover(Call& call, const axis::Recover& params);
 Answer<axis::GetErrors> get_errors(Call& call, const axis::GetErrors& params);
 Answer<axis::SetDeadman> set_deadman(Call& call, const axis::SetDeadman& params);
 Answer<axis::TestDeadman> test_deadman(Call& call, const axis::TestDeadman& params);
+
+Answer<capture::Start> start_capture(Call& call, const capture::Start& params);
+Answer<capture::GetState> capture_state(Call& call, const capture::GetState& params);
+Answer<capture::Read> read_capture(Call& call, const capture::Read& params);
+Answer<capture::End> end_capture(Call& call, const capture::End& params);
 
 Answer<lease::Acquire> acquire_lease(Call& call, const lease::Acquire& params);
 Answer<lease::Renew> renew_lease(Call& call, const lease::Renew& params);

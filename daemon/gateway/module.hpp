@@ -74,6 +74,10 @@ class GatewayModule {
   /// Sends it something, unless that takes longer.
   boost::asio::awaitable<void> feed(tmcl::TimePoint deadline);
 
+  /// The last thing that its data logger was told to record; 0: nothing since the daemon started.
+  std::int32_t capture() const { return capture_; }
+  void begin_capture() { ++capture_; }
+
   /// Learns from how a call ended.
   void note(const tmcl::Error& error);
   void note_duplicate() { duplicate_suspected_ = true; }
@@ -103,6 +107,7 @@ class GatewayModule {
   Sentinel sentinel_;
   SharedWork<tmcl::Result<void>> meetings_;
   Deadman deadman_;
+  std::int32_t capture_ = 0;
 };
 
 std::string_view name_of(GatewayModule::State state);

@@ -29,16 +29,16 @@ inline std::string contents(const std::filesystem::path& path) {
   return {std::istreambuf_iterator<char>(in), {}};
 }
 
-/// A simulated TMCM-1110 at address 1 and a TMCM-3110 at 3, on a pty and on TCP, and a folder for
-/// files.
+/// Simulated modules, otherwise a TMCM-1110 at address 1 and a TMCM-3110 at 3, on a pty and on TCP,
+/// and a folder for files.
 class CtlBench {
  public:
-  CtlBench() {
+  explicit CtlBench(const Words& modules = {"TMCM-1110", "TMCM-3110@3"}) {
     std::string name = std::filesystem::temp_directory_path() / "tmclctl-XXXXXX";
     folder_ = ::mkdtemp(name.data());
-    simulator_ = std::make_unique<Program>(Words{"tmclsim", "--module", "TMCM-1110", "--module",
-                                                 "TMCM-3110@3", "--pty", file("bus"), "--tcp",
-                                                 "127.0.0.1:0"});
+    Words words{"tmclsim", "--pty", file("bus"), "--tcp", "127.0.0.1:0"};
+    for (const auto& module : modules) words.insert(words.end(), {"--module", module});
+    simulator_ = std::make_unique<Program>(words);
     if (!simulator_->wait_for("ready"))
       throw std::runtime_error("no simulator: " + simulator_->output());
   }

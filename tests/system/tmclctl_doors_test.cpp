@@ -45,6 +45,8 @@ const std::vector<std::string> lines{
     "watch 1/0 --for 0.2",
     "recover 1/0",
     "errors 1/0",
+    "capture 1/0 --channel actual_position",
+    "capture 1/0 --channel actual_positon",
     "deadman set 1/0 600",
     "deadman off 1/0",
     "rotate 3/2 500 --unattended",

@@ -252,6 +252,25 @@ how much the two differ: beyond what the time can explain that command and readi
   tmclctl plot x --by 1000 --csv -               CSV on standard output, no drawing
 )";
 
+constexpr const char* capture = R"(
+Has the module record parameters of the axis at the ticks of its own clock (command 142, RAMDebug),
+many times faster than a bus could ask for them, and reads the recording afterwards: as CSV, with the
+time from the trigger on, and values as the module counts them. Few modules have this, and no manual
+says which.
+
+--rate is the module's own rate or a whole part of it; without --samples or --for the recording
+fills the module's buffer. Reading takes about 2 ms for each value at 115200 baud; others use the bus
+meanwhile, and while axes of that bus are led along a path, this waits.
+
+Ctrl-C ends the recording and frees the module. What an error ends, such as a lost connection, is
+taken up again by the same command with --resume.
+
+  tmclctl capture x --channel actual_position --channel actual_velocity --samples 1000
+  tmclctl capture x --channel actual_velocity --rate 500Hz --for 4 --csv start.csv
+  tmclctl capture x --channel actual_position --channel actual_velocity --rate 1kHz \
+      --trigger 'actual_velocity rising 100' --pretrigger 20% --svg start.svg
+)";
+
 constexpr const char* home = R"(
 Waits until the module says that its search has ended, unless --no-wait is given. Ctrl-C ends the
 waiting and NOT the search. If somebody else ends the search, tmcld tells so; with --direct that

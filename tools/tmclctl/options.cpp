@@ -86,6 +86,7 @@ Parser::Parser() {
   add_leases(grammar_);
   add_watch(grammar_);
   add_plot(grammar_);
+  add_capture(grammar_);
   add_home(grammar_);
   add_recover(grammar_);
   add_errors(grammar_);

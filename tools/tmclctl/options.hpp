@@ -99,6 +99,24 @@ struct Plot {
   bool compare = false;
   bool internal = false;
 };
+/// What a module records by itself, at the ticks of its own clock.
+struct Capture {
+  struct Trigger {
+    std::string parameter;
+    std::string edge;  ///< rising, falling or both.
+    std::int32_t value = 0;
+  };
+  std::string axis;
+  std::vector<std::string> channels;
+  std::optional<double> rate_hz;
+  std::optional<std::int32_t> samples;
+  std::optional<double> for_s;
+  std::optional<Trigger> trigger;
+  std::optional<std::int32_t> pretrigger_percent;
+  std::string svg;  ///< Empty: none.
+  std::string csv;  ///< Empty: none; "-": standard output, as without a file.
+  bool resume = false;
+};
 struct Raw {
   std::string bus;
   std::uint16_t address = 0;
@@ -285,14 +303,16 @@ struct Complete {
 
 }  // namespace verb
 
-using Verb = std::variant<
-    verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models, verb::Get, verb::Set,
-    verb::Move, verb::Wait, verb::Line, verb::Rotate, verb::Stop, verb::State, verb::Watch,
-    verb::Plot, verb::Raw, verb::Simulate, verb::SolveProfile, verb::CheckMint, verb::RunMint,
-    verb::CheckPath, verb::RunPath, verb::Assemble, verb::Disassemble, verb::FirmwareInfo,
-    verb::CheckFirmware, verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask, verb::Arrivals,
-    verb::Home, verb::Recover, verb::Errors, verb::Upload, verb::Download, verb::RunLeased,
-    verb::Leases, verb::BreakLease, verb::SetDeadman, verb::TestDeadman, verb::Complete>;
+using Verb =
+    std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models, verb::Get,
+                 verb::Set, verb::Move, verb::Wait, verb::Line, verb::Rotate, verb::Stop,
+                 verb::State, verb::Watch, verb::Plot, verb::Raw, verb::Simulate,
+                 verb::SolveProfile, verb::CheckMint, verb::RunMint, verb::CheckPath, verb::RunPath,
+                 verb::Assemble, verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware,
+                 verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask, verb::Arrivals,
+                 verb::Home, verb::Recover, verb::Errors, verb::Upload, verb::Download,
+                 verb::RunLeased, verb::Leases, verb::BreakLease, verb::SetDeadman,
+                 verb::TestDeadman, verb::Capture, verb::Complete>;
 
 struct Options {
   Where where;

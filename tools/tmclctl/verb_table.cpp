@@ -37,6 +37,7 @@ constexpr auto table = std::to_array<VerbInfo>({
     {"state", both, reads},
     {"watch", both, reads},
     {"plot", both, acts},
+    {"capture", both, acts},
     {"home", both, acts},
     {"recover", both, acts},
     {"errors", both, reads},

@@ -31,6 +31,7 @@ VerbResult run(const verb::Stop& verb, Context& context);
 VerbResult run(const verb::State& verb, Context& context);
 VerbResult run(const verb::Watch& verb, Context& context);
 VerbResult run(const verb::Plot& verb, Context& context);
+VerbResult run(const verb::Capture& verb, Context& context);
 VerbResult run(const verb::Raw& verb, Context& context);
 VerbResult run(const verb::CheckFirmware& verb, Context& context);
 VerbResult run(const verb::UploadFirmware& verb, Context& context);

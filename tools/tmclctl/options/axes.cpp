@@ -1,6 +1,11 @@
 // Everything that is said of axes.
+#include <algorithm>
+#include <array>
+#include <sstream>
+
 #include "grammar.hpp"
 #include "help_text.hpp"
+#include "tmcl/spelling.hpp"
 
 namespace tmclctl {
 namespace {
@@ -11,6 +16,8 @@ constexpr double shortest_ttl_s = 0.2;
 constexpr double longest_ttl_s = 60;
 constexpr int shortest_interval_ms = 10;
 constexpr int longest_interval_ms = 60'000;
+// More than any buffer holds.
+constexpr std::int32_t most_samples = 1 << 24;
 
 Reading read_range(const std::string& text, ScanRange& range) {
   const auto dash = text.find('-');
@@ -32,6 +39,47 @@ Reading read_goal(const std::string& text, std::vector<verb::Line::Goal>& goals)
     return tl::unexpected("'" + text + "' is no AXIS=POSITION");
   goals.push_back({text.substr(0, equals), text.substr(equals + 1)});
   return {};
+}
+
+Reading read_rate(const std::string& text, std::optional<double>& rate_hz) {
+  constexpr double kilo = 1000;
+  std::string_view digits = text;
+  if (digits.ends_with("Hz")) digits.remove_suffix(2);
+  const bool thousands = digits.ends_with("k") && digits.size() + 2 == text.size();
+  if (thousands) digits.remove_suffix(1);
+  while (digits.ends_with(" ")) digits.remove_suffix(1);
+  return parse_number<double>(digits, 0)
+      .map([&](double value) { rate_hz = thousands ? value * kilo : value; })
+      .map_error(
+          [&](const std::string&) { return "'" + text + "' is no rate such as 500Hz or 1kHz"; });
+}
+
+Reading read_percent(const std::string& text, std::optional<std::int32_t>& percent) {
+  std::string_view digits = text;
+  if (digits.ends_with('%')) digits.remove_suffix(1);
+  return parse_number<std::int32_t>(digits, 0, 100).map([&](std::int32_t value) {
+    percent = value;
+  });
+}
+
+// PARAMETER EDGE VALUE
+Reading read_trigger(const std::string& text, std::optional<verb::Capture::Trigger>& trigger) {
+  verb::Capture::Trigger said;
+  std::istringstream words(text);
+  std::string value;
+  std::string rest;
+  const std::string form = " is no trigger such as 'actual_velocity rising 100'";
+  if (!(words >> said.parameter >> said.edge >> value) || words >> rest)
+    return tl::unexpected("'" + text + "'" + form);
+  constexpr auto edges = std::to_array<std::string_view>({"rising", "falling", "both"});
+  if (std::ranges::find(edges, said.edge) == edges.end()) {
+    return tl::unexpected("'" + said.edge + "' is no edge: rising, falling or both." +
+                          tmcl::did_you_mean(said.edge, edges));
+  }
+  return parse_number<std::int32_t>(value).map([&](std::int32_t number) {
+    said.value = number;
+    trigger = said;
+  });
 }
 
 }  // namespace
@@ -192,6 +240,41 @@ void add_plot(Grammar& grammar) {
     if (said.compare && said.to.empty() && said.by.empty())
       return "--compare needs a move: --to or --by";
     if (!said.to.empty() && !said.by.empty()) return "--to and --by exclude each other";
+    return json && said.csv == "-" ? "--json and '--csv -' both want standard output" : "";
+  });
+}
+
+void add_capture(Grammar& grammar) {
+  auto capture = grammar.verb<verb::Capture>(
+      "capture", "Have the module record parameters at its own ticks", help_text::capture);
+  capture.axis(capture->axis);
+  auto& values = *capture.operator->();
+  capture.repeated_option("--channel", "PARAM", "Record this axis parameter; may be given again",
+                          [&values](const std::string& text) -> Reading {
+                            values.channels.push_back(text);
+                            return {};
+                          });
+  capture.option("--rate", "RATE", "So many samples a second, such as 500Hz or 1kHz",
+                 [&values](const std::string& text) { return read_rate(text, values.rate_hz); });
+  capture.option("--samples", "N", "Record so many of each channel",
+                 number(values.samples, 1, most_samples));
+  capture.option("--for", "SECONDS", "Record for so long; needs --rate",
+                 number(values.for_s, shortest_time_s, longest_time_s));
+  capture.option("--trigger", "'PARAM EDGE VALUE'",
+                 "Begin when the parameter passes the value: rising, falling or both",
+                 [&values](const std::string& text) { return read_trigger(text, values.trigger); });
+  capture.option(
+      "--pretrigger", "PERCENT", "So much of the recording lies before the trigger",
+      [&values](const std::string& text) { return read_percent(text, values.pretrigger_percent); });
+  capture.option("--svg", "FILE", "Write a drawing to this file", text(values.svg));
+  capture.option("--csv", "FILE", "Write the samples to this file; '-': to standard output",
+                 text(values.csv));
+  capture.flag("--resume", "Read what the module records, or has recorded, already", values.resume);
+  capture.object([](const verb::Capture& said, bool json) {
+    if (said.channels.empty()) return "say what to record: --channel PARAM";
+    if (said.for_s && said.samples) return "--for and --samples exclude each other";
+    if (said.for_s && !said.rate_hz) return "--for needs --rate";
+    if (said.pretrigger_percent && !said.trigger) return "--pretrigger needs --trigger";
     return json && said.csv == "-" ? "--json and '--csv -' both want standard output" : "";
   });
 }

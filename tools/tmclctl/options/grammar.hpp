@@ -87,6 +87,7 @@ void add_motion(Grammar& grammar);
 void add_leases(Grammar& grammar);
 void add_watch(Grammar& grammar);
 void add_plot(Grammar& grammar);
+void add_capture(Grammar& grammar);
 void add_home(Grammar& grammar);
 void add_recover(Grammar& grammar);
 void add_errors(Grammar& grammar);

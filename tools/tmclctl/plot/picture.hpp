@@ -18,8 +18,8 @@ struct Mark {
 struct Picture {
   std::string title;
   std::string time_unit;
-  std::vector<Curve> curves;  ///< At least one; named position, velocity, acceleration, jerk
-                              ///< or difference.
+  std::vector<Curve> curves;  ///< At least one; named or coloured position, velocity,
+                              ///< acceleration, jerk or difference.
   std::vector<Mark> marks;    ///< Ascending by time.
 };
 

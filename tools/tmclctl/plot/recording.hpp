@@ -46,6 +46,7 @@ struct Curve {
   std::vector<double> times;
   std::vector<double> values;
   std::vector<double> planned{};  ///< What the values should have been; may be empty.
+  std::string colour_of{};        ///< Drawn like the curve of this name; empty: like its own.
 };
 
 Curve position_curve(const Recording& recording);

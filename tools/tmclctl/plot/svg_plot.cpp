@@ -30,8 +30,7 @@ class Panel {
       : curve_(curve), time_(time), values_(curve.values, value_ticks), top_(top) {}
 
   std::string text() const {
-    auto text =
-        frame() + value_axis() + time_grid() + name() + polyline(curve_.values, curve_.name);
+    auto text = frame() + value_axis() + time_grid() + name() + polyline(curve_.values, colour());
     if (!curve_.planned.empty()) text += polyline(curve_.planned, "planned");
     return text;
   }
@@ -86,8 +85,11 @@ class Panel {
                        left, top_, panel_width, panel_height);
   }
 
+  const std::string& colour() const {
+    return curve_.colour_of.empty() ? curve_.name : curve_.colour_of;
+  }
   std::string name() const {
-    return fmt::format("  <text class=\"name {}\" x=\"{}\" y=\"{}\">{} [{}]</text>\n", curve_.name,
+    return fmt::format("  <text class=\"name {}\" x=\"{}\" y=\"{}\">{} [{}]</text>\n", colour(),
                        left, top_ - 8, curve_.name, curve_.unit);
   }
 

@@ -1,0 +1,304 @@
+// capture: what a module records by itself.
+#include <array>
+#include <cmath>
+
+#include <fmt/format.h>
+
+#include "following.hpp"
+#include "options/form.hpp"
+#include "output_file.hpp"
+#include "plot/svg_plot.hpp"
+#include "print.hpp"
+#include "progress_line.hpp"
+#include "tmcl/api/capture.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+namespace api = tmcl::api;
+namespace capture = tmcl::api::capture;
+
+constexpr tmcl::Duration look_interval = std::chrono::milliseconds(100);
+// A journey on the bus is over in seconds at the earliest.
+constexpr tmcl::Duration journey_interval = std::chrono::milliseconds(500);
+
+capture::Start params_of(const verb::Capture& verb) {
+  capture::Start params{.axis = verb.axis, .channels = verb.channels};
+  params.rate_hz = verb.rate_hz;
+  params.samples = verb.samples;
+  if (verb.for_s && verb.rate_hz)
+    params.samples = static_cast<std::int32_t>(std::lround(*verb.for_s * *verb.rate_hz));
+  if (const auto& trigger = verb.trigger) {
+    params.trigger_parameter = trigger->parameter;
+    params.trigger_edge = trigger->edge;
+    params.trigger_value = trigger->value;
+  }
+  params.pretrigger_percent = verb.pretrigger_percent;
+  if (verb.resume) params.resume = true;
+  return params;
+}
+
+// A number does not travel as text.
+api::NameOrNumber named(const std::string& parameter) {
+  const auto number = parse_number<std::int32_t>(parameter);
+  return number ? api::NameOrNumber(*number) : api::NameOrNumber(parameter);
+}
+
+std::string text_of(const verb::Capture::Trigger& trigger) {
+  return fmt::format("{} {} {}", trigger.parameter, trigger.edge, trigger.value);
+}
+
+/// From the first call to the last value, or to what ends it.
+class Recorder {
+ public:
+  Recorder(const verb::Capture& verb, Context& context)
+      : verb_(verb), context_(context), line_(context.output) {}
+
+  Attempt<void> record() {
+    auto begun = call(params_of(verb_));
+    if (!begun) return tl::unexpected(begun.error());
+    started_ = std::move(*begun);
+    auto whole = wait();
+    if (whole) whole = read();
+    line_.clear();
+    if (context_.host.signal() != 0) return tl::unexpected(interrupted());
+    if (!whole) return tl::unexpected(resumable(whole.error()));
+    // What is here is here, whatever becomes of the module.
+    (void)call(capture::End{.axis = verb_.axis, .capture = started_.capture});
+    return {};
+  }
+
+  const capture::Started& started() const { return started_; }
+  const std::vector<std::int32_t>& values() const { return values_; }
+
+ private:
+  /// Each is short, and a signal does not end it: the module is to be freed afterwards.
+  template <class Method>
+  Attempt<typename Method::Result> call(const Method& params) {
+    return context_.target
+        .perform_watched(std::string(Method::method.name), api::to_json(params), nullptr,
+                         {.on_news = {}, .meanwhile = [] {}})
+        .map(api::from_json<typename Method::Result>);
+  }
+  /// The same again for as long as others are led along a path on that bus.
+  template <class Method>
+  Attempt<typename Method::Result> call_beside_journeys(const Method& params) {
+    auto result = call(params);
+    while (!result && result.error().name == "axis_claimed" && context_.host.signal() == 0) {
+      tell("waits: " + result.error().message);
+      context_.target.sleep(journey_interval);
+      result = call(params);
+    }
+    return result;
+  }
+
+  Attempt<void> wait() {
+    while (context_.host.signal() == 0) {
+      const auto progress =
+          call_beside_journeys(capture::GetState{.axis = verb_.axis, .capture = started_.capture});
+      if (!progress) return tl::unexpected(progress.error());
+      if (progress->state == "complete") return {};
+      if (progress->state == "idle" || progress->state == "error")
+        return tl::unexpected(lost(progress->state));
+      tell_of(progress->state);
+      context_.target.sleep(look_interval);
+    }
+    return {};
+  }
+
+  Attempt<void> read() {
+    const auto all = total();
+    const auto begin = context_.host.now();
+    while (values_.size() < all && context_.host.signal() == 0) {
+      const auto done = values_.size();
+      const auto count = std::min<std::size_t>(capture::most_values, all - done);
+      auto part = call_beside_journeys(capture::Read{.axis = verb_.axis,
+                                                     .capture = started_.capture,
+                                                     .first = static_cast<std::int32_t>(done),
+                                                     .count = static_cast<std::int32_t>(count)});
+      if (!part) return tl::unexpected(part.error());
+      if (part->values.empty()) return tl::unexpected(lost("empty"));
+      values_.insert(values_.end(), part->values.begin(), part->values.end());
+      const std::chrono::duration<double> passed = context_.host.now() - begin;
+      const auto left = static_cast<double>(all - values_.size()) /
+                        static_cast<double>(values_.size()) * passed.count();
+      line_.show(fmt::format("{}: reads {} of {} values, {:.0f} s left", verb_.axis, values_.size(),
+                             all, std::ceil(left)));
+    }
+    return {};
+  }
+
+  std::size_t total() const {
+    return static_cast<std::size_t>(started_.samples) * started_.channels.size();
+  }
+
+  void tell_of(const std::string& state) {
+    if (state == "capture") {
+      if (!records_since_) records_since_ = context_.host.now();
+      const std::chrono::duration<double> passed = context_.host.now() - *records_since_;
+      const auto all = (started_.samples - started_.pretrigger) / started_.rate_hz;
+      tell(fmt::format("records, {:.0f} s left", std::ceil(std::max(all - passed.count(), 0.0))));
+    } else if (state == "pretrigger") {
+      tell("records what lies before the trigger");
+    } else if (verb_.trigger) {
+      const auto value = call(api::parameter::Get{{verb_.axis, named(verb_.trigger->parameter)}});
+      const auto now = value ? fmt::format("; it is {} now", value->value) : std::string();
+      tell("waits for the trigger: " + text_of(*verb_.trigger) + now);
+      say_once("waits for the trigger: " + text_of(*verb_.trigger) + now);
+    }
+  }
+  void tell(const std::string& what) { line_.show(verb_.axis + ": " + what); }
+  /// Where there is no terminal for a line that is drawn again and again.
+  void say_once(const std::string& what) {
+    if (line_.visible() || has_said_) return;
+    has_said_ = true;
+    context_.output.err << verb_.axis << ": " << what << " (Ctrl-C ends that)\n" << std::flush;
+  }
+
+  Failure lost(const std::string& state) const {
+    return {ExitCode::refused, "unexpected_value",
+            fmt::format("the module of {} records nothing any more: {}", verb_.axis, state),
+            "it has started again, or somebody has ended the capture", tmcl::Outcome::done};
+  }
+  Failure resumable(Failure failure) const {
+    if (failure.name == "unexpected_value" || !failure.hint.empty()) return failure;
+    failure.hint = "go on with the same command and --resume: the module keeps what it records";
+    return failure;
+  }
+  /// Frees the module.
+  Failure interrupted() {
+    const auto signal = context_.host.take_signal();
+    const auto ended = call(capture::End{.axis = verb_.axis, .capture = started_.capture});
+    return interrupted_failure(
+        signal,
+        ended ? fmt::format("no longer recording; the module of {} is free", verb_.axis)
+              : fmt::format("no longer recording, but the module of {} may be: {}", verb_.axis,
+                            ended.error().message),
+        "");
+  }
+
+  const verb::Capture& verb_;
+  Context& context_;
+  ProgressLine line_;
+  capture::Started started_;
+  std::vector<std::int32_t> values_;
+  std::optional<tmcl::TimePoint> records_since_;
+  bool has_said_ = false;
+};
+
+// ---- What came of it
+
+std::string name_of(const capture::Channel& channel) {
+  return channel.parameter.value_or(std::to_string(channel.number));
+}
+
+/// A column for the time, from the trigger on, and one for each channel.
+struct Recording {
+  std::vector<std::string> names;
+  std::vector<double> times;
+  std::vector<std::vector<std::int32_t>> values;  ///< Of each channel.
+};
+
+Recording recording_of(const capture::Started& started, const std::vector<std::int32_t>& values) {
+  Recording recording;
+  for (const auto& channel : started.channels) recording.names.push_back(name_of(channel));
+  const auto channels = started.channels.size();
+  recording.values.resize(channels);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    recording.values[i % channels].push_back(values[i]);
+  for (std::int32_t i = 0; i < started.samples; ++i)
+    recording.times.push_back((i - started.pretrigger) / started.rate_hz);
+  return recording;
+}
+
+std::string to_csv(const Recording& recording) {
+  std::string text = "time_s";
+  for (const auto& name : recording.names) text += "," + name;
+  for (std::size_t i = 0; i < recording.times.size(); ++i) {
+    text += fmt::format("\n{:.6g}", recording.times[i]);
+    for (const auto& channel : recording.values) text += "," + std::to_string(channel[i]);
+  }
+  return text + "\n";
+}
+
+std::string summary(const verb::Capture& verb, const capture::Started& started) {
+  std::string names;
+  for (const auto& channel : started.channels)
+    names += (names.empty() ? "" : ", ") + name_of(channel);
+  return fmt::format("{}: {} samples of {} at {:g} Hz", verb.axis, started.samples, names,
+                     started.rate_hz);
+}
+
+plot::Picture picture_of(const verb::Capture& verb, const capture::Started& started,
+                         const Recording& recording) {
+  constexpr std::array colours{"position", "velocity", "acceleration", "jerk"};
+  plot::Picture picture{summary(verb, started), "s", {}, {}};
+  for (std::size_t i = 0; i < recording.names.size(); ++i) {
+    plot::Curve curve;
+    curve.name = recording.names[i];
+    curve.unit = started.channels[i].unit.value_or("internal");
+    curve.times = recording.times;
+    curve.values.assign(recording.values[i].begin(), recording.values[i].end());
+    curve.colour_of = colours.at(i % colours.size());
+    picture.curves.push_back(std::move(curve));
+  }
+  if (verb.trigger) picture.marks.push_back({0, text_of(*verb.trigger)});
+  return picture;
+}
+
+json::value or_null(const std::string& text) {
+  return text.empty() ? json::value(nullptr) : json::value(text);
+}
+
+json::object to_json(const verb::Capture& verb, const capture::Started& started,
+                     const Recording& recording) {
+  json::array channels;
+  for (std::size_t i = 0; i < recording.names.size(); ++i) {
+    auto channel = api::to_json(started.channels[i]);
+    const auto& values = recording.values[i];
+    channel["values"] = json::array(values.begin(), values.end());
+    channels.push_back(std::move(channel));
+  }
+  return {{"axis", verb.axis},
+          {"rate_hz", started.rate_hz},
+          {"pretrigger", started.pretrigger},
+          {"time_s", json::array(recording.times.begin(), recording.times.end())},
+          {"channels", std::move(channels)},
+          {"svg", or_null(verb.svg)},
+          {"csv", or_null(verb.csv)}};
+}
+
+void show(const verb::Capture& verb, const capture::Started& started, const Recording& recording,
+          Output& output) {
+  const bool has_file = !verb.svg.empty() || (!verb.csv.empty() && verb.csv != "-");
+  if (output.json) {
+    print_json(to_json(verb, started, recording), output);
+  } else if (!has_file || verb.csv == "-") {
+    output.out << to_csv(recording);
+  } else {
+    output.out << summary(verb, started) << '\n';
+  }
+}
+
+}  // namespace
+
+VerbResult run(const verb::Capture& verb, Context& context) {
+  OutputFile svg;
+  OutputFile csv;
+  if (auto opened = svg.open(verb.svg); !opened) return tl::unexpected(opened.error());
+  if (auto opened = csv.open(verb.csv == "-" ? "" : verb.csv); !opened)
+    return tl::unexpected(opened.error());
+  Recorder recorder(verb, context);
+  if (auto recorded = recorder.record(); !recorded) return tl::unexpected(recorded.error());
+  const auto& started = recorder.started();
+  const auto recording = recording_of(started, recorder.values());
+  if (auto written = svg.write(plot::to_svg(picture_of(verb, started, recording))); !written)
+    return tl::unexpected(written.error());
+  if (auto written = csv.write(to_csv(recording)); !written) return tl::unexpected(written.error());
+  show(verb, started, recording, context.output);
+  return ExitCode::done;
+}
+
+}  // namespace tmclctl
