@@ -37,8 +37,8 @@ std::vector<State> nodes(const Profile& profile, Moving from, const Forces& forc
     const double t = profile.ticks[i];
     const auto& course = profile.courses[i];
     double jerk = 0;
-    if (course.force == Course::Force::jerk) {
-      jerk = course.negative ? -forces.jerk : forces.jerk;
+    if (const double bow = forces.bows.of(course.force); bow > 0) {
+      jerk = course.negative ? -bow : bow;
     } else {
       a = force_of(course, forces);
     }
@@ -61,8 +61,8 @@ Side side(double v, double a, double j) {
 
 double rest_to_rest(double distance, double v_max, const Forces& forces) {
   const auto both = [&](double v) {
-    const auto up = side(v, forces.acceleration, forces.jerk);
-    const auto down = side(v, forces.deceleration, forces.jerk);
+    const auto up = side(v, forces.acceleration, forces.bows.first);
+    const auto down = side(v, forces.deceleration, forces.bows.first);
     return Side{up.duration + down.duration, up.distance + down.distance};
   };
   if (const auto full = both(v_max); full.distance <= distance) {
@@ -89,8 +89,9 @@ class Dice {
 
   Forces forces() {
     const double acceleration = scale * any_size(0.1, 10);
-    return {acceleration, coin() ? acceleration : scale * any_size(0.1, 10),
-            scale * any_size(0.1, 10)};
+    return {acceleration,
+            coin() ? acceleration : scale * any_size(0.1, 10),
+            {scale * any_size(0.1, 10)}};
   }
 
  private:
@@ -102,7 +103,7 @@ TEST(SCurve, TakesTheTimeOfTheClosedFormFromRestToRest) {
     SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
     Dice dice(seed);
     auto forces = dice.forces();
-    if (dice.between(0, 5) < 1) forces.jerk = no_jerk_limit;
+    if (dice.between(0, 5) < 1) forces.bows = {no_jerk_limit};
     const double v_max = scale * dice.any_size(0.1, 10);
     const double distance = scale * dice.any_size(0.01, 100);
     const auto profile = plan_move({0, 0}, distance, {v_max, 0}, forces);
@@ -137,7 +138,7 @@ TEST(SCurve, IsAsFastAsAnIndependentSolutionFromAnyState) {
       {3.25, 0, -6.25, 3.25, 4, 4.25, 5.36372802586},
   };
   for (const auto& c : cases) {
-    const Forces forces{c.a_max * scale, c.a_max * scale, c.jerk * scale};
+    const Forces forces{c.a_max * scale, c.a_max * scale, {c.jerk * scale}};
     const auto profile = plan_move({c.v * scale, c.a * scale}, c.distance * scale,
                                    {c.v_max * scale, c.v_max * scale}, forces);
     EXPECT_NEAR(profile.duration(), c.duration, 1e-11 * c.duration) << c.distance;
@@ -149,17 +150,19 @@ TEST(SCurve, EndsOnTheTargetWithinItsLimitsFromAnyState) {
     SCOPED_TRACE("TMCL_SEED=" + std::to_string(seed));
     Dice dice(seed);
     auto forces = dice.forces();
-    if (dice.between(0, 5) < 1) forces.jerk = no_jerk_limit;
+    if (dice.between(0, 5) < 1) forces.bows = {no_jerk_limit};
     const double v_max = scale * dice.any_size(0.1, 10);
     const double distance = scale * dice.between(-10, 10);
     // Some are too fast, and some have more acceleration than they may.
-    const Moving from{v_max * dice.between(-1.5, 1.5),
-                      std::isinf(forces.jerk) ? 0 : forces.acceleration * dice.between(-1.5, 1.5)};
+    const Moving from{
+        v_max * dice.between(-1.5, 1.5),
+        std::isinf(forces.bows.first) ? 0 : forces.acceleration * dice.between(-1.5, 1.5)};
     const auto profile = plan_move(from, distance, {v_max, v_max}, forces);
     const auto path = nodes(profile, from, forces);
     ASSERT_TRUE(profile.arrives);
-    const double most =
-        std::isinf(forces.jerk) ? 0 : from.acceleration * from.acceleration / 2 / forces.jerk;
+    const double most = std::isinf(forces.bows.first)
+                            ? 0
+                            : from.acceleration * from.acceleration / 2 / forces.bows.first;
     const double v_bound = std::max(v_max, std::abs(from.velocity) + most) * (1 + 1e-9);
     const double a_bound =
         std::max({std::abs(from.acceleration), forces.acceleration, forces.deceleration}) *
@@ -177,7 +180,7 @@ TEST(SCurve, EndsOnTheTargetWithinItsLimitsFromAnyState) {
 
 // Speeding up is limited by one of the two, slowing down by the other, in either direction.
 TEST(SCurve, KeepsAccelerationAndDecelerationApartWhenItTurns) {
-  const Forces forces{scale * 3, scale * 1, scale * 10};
+  const Forces forces{scale * 3, scale * 1, {scale * 10}};
   const Moving from{scale * 4, 0};
   const auto profile = plan_move(from, -10 * scale, {5 * scale, 5 * scale}, forces);
   const auto path = nodes(profile, from, forces);
@@ -191,7 +194,7 @@ TEST(SCurve, KeepsAccelerationAndDecelerationApartWhenItTurns) {
 }
 
 TEST(SCurve, ChangesVelocityInTheTimeOfTheClosedForm) {
-  const Forces forces{2, 1, 4};
+  const Forces forces{2, 1, {4}};
   const auto duration = [&](double from, double to) {
     return plan_velocity({from, 0}, to, forces).duration();
   };
@@ -204,7 +207,7 @@ TEST(SCurve, ChangesVelocityInTheTimeOfTheClosedForm) {
 }
 
 TEST(SCurve, TakesBackTheAccelerationThatItHas) {
-  const Forces forces{2, 2, 4};
+  const Forces forces{2, 2, {4}};
   const auto profile = plan_velocity({1, 2}, 1.5, forces);
   EXPECT_EQ(profile.count, 1);
   EXPECT_DOUBLE_EQ(profile.duration(), 0.5);
@@ -214,25 +217,25 @@ TEST(SCurve, TakesBackTheAccelerationThatItHas) {
 TEST(SCurve, DoesWhatItCanWithoutAForce) {
   const Moving from{3 * scale, 0};
   const Speeds limits{5 * scale, 5 * scale};
-  const auto weak = plan_move(from, 100 * scale, limits, {0, scale, scale});
+  const auto weak = plan_move(from, 100 * scale, limits, {0, scale, {scale}});
   EXPECT_TRUE(weak.arrives);  // at the velocity that it has
-  const auto turning = plan_move(from, -100 * scale, limits, {0, scale, scale});
+  const auto turning = plan_move(from, -100 * scale, limits, {0, scale, {scale}});
   EXPECT_FALSE(turning.arrives);
   EXPECT_EQ(turning.end_velocity, 0);
-  const auto brakeless = plan_move(from, 100 * scale, limits, {scale, 0, scale});
+  const auto brakeless = plan_move(from, 100 * scale, limits, {scale, 0, {scale}});
   EXPECT_FALSE(brakeless.arrives);
   EXPECT_EQ(brakeless.end_velocity, 3 * scale);
-  EXPECT_EQ(plan_move({0, 0}, scale, limits, {scale, 0, scale}).count, 0);
-  const auto barred = plan_move({0, 0}, -scale, {5 * scale, 0}, {scale, scale, scale});
+  EXPECT_EQ(plan_move({0, 0}, scale, limits, {scale, 0, {scale}}).count, 0);
+  const auto barred = plan_move({0, 0}, -scale, {5 * scale, 0}, {scale, scale, {scale}});
   EXPECT_EQ(barred.count, 0);
   EXPECT_FALSE(barred.arrives);
 }
 
 TEST(SCurve, NeedsNoMovementForWhatNobodySees) {
-  const auto profile = plan_move({0, 0}, unseen / 2, {1, 1}, {1, 1, 1});
+  const auto profile = plan_move({0, 0}, unseen / 2, {1, 1}, {1, 1, {1}});
   EXPECT_TRUE(profile.arrives);
   EXPECT_EQ(profile.count, 0);
-  EXPECT_GT(plan_move({0, 0}, unseen * 2, {1, 1}, {1, 1, 1}).count, 0);
+  EXPECT_GT(plan_move({0, 0}, unseen * 2, {1, 1}, {1, 1, {1}}).count, 0);
 }
 
 }  // namespace

@@ -95,13 +95,13 @@ void CubicTrack::apply(Course course, const Forces& forces) {
   start_.i = 0;
   switch (course.force) {
     case Course::Force::none: start_.h = 0; break;
-    case Course::Force::jerk: start_.i = to_fixed(direction * forces.jerk / 6); break;
     case Course::Force::acceleration:
       start_.h = to_fixed(direction * forces.acceleration / 2);
       break;
     case Course::Force::deceleration:
       start_.h = to_fixed(direction * forces.deceleration / 2);
       break;
+    default: start_.i = to_fixed(direction * forces.bows.of(course.force) / 6); break;
   }
 }
 

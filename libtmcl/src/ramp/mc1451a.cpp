@@ -76,7 +76,7 @@ std::vector<Finding> Mc1451a::findings() const {
 Forces Mc1451a::forces() const {
   const double a = acceleration_ * a_unit;
   const bool s_curve = shape_ == Shape::s_curve;
-  return {a, a, s_curve ? jerk_ * jerk_unit : std::numeric_limits<double>::infinity()};
+  return {a, a, {s_curve ? jerk_ * jerk_unit : std::numeric_limits<double>::infinity()}};
 }
 
 void Mc1451a::plan() {
@@ -94,7 +94,7 @@ void Mc1451a::plan() {
       2 * std::abs(distance) * limits.deceleration > speed * speed) {
     slows_ = true;
     profile = plan_velocity({v, 0}, std::copysign(most, v), limits);
-  } else if (limits.jerk > 0) {
+  } else if (limits.bows.first > 0) {
     profile = plan_move({v, 0}, distance, {std::max(most, v), std::max(most, -v)}, limits);
   }
   track_.begin(profile, 0, limits, tick_, position_);

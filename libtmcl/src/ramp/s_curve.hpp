@@ -22,6 +22,9 @@ struct Speeds {
 /// that is not corrected by another movement.
 constexpr double unseen = 0x1p-10;
 
+/// Where the velocity comes to if the acceleration is taken back at once.
+double eventual_velocity(Moving from, const Forces& forces);
+
 /// To `velocity`, with no acceleration at the end. Limited forces may let it end elsewhere: one
 /// that cannot decelerate keeps its speed, one that cannot accelerate stops at the most.
 Profile plan_velocity(Moving from, double velocity, const Forces& forces);
@@ -31,8 +34,9 @@ Profile plan_velocity(Moving from, double velocity, const Forces& forces);
 /// A speed that is above its limit falls at once, unless the target is so near that the movement
 /// stops on it straight away. Where the target cannot be reached without turning round, the
 /// motor turns without pause; the acceleration in the instant of standstill is then the greatest
-/// that both limits allow. A motor that may not go in the direction of the target stops, one
-/// that cannot decelerate keeps its speed: such a profile does not arrive.
+/// that both limits allow, or none if the second and the fourth bow differ. A motor that may not go
+/// in the direction of the target stops, one that cannot decelerate keeps its speed: such a profile
+/// does not arrive.
 Profile plan_move(Moving from, double distance, Speeds limits, const Forces& forces);
 
 }  // namespace tmcl::ramp

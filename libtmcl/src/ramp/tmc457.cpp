@@ -135,12 +135,12 @@ bool Tmc457::barred(double velocity) const {
 
 Forces Tmc457::forces() const {
   constexpr double infinite = std::numeric_limits<double>::infinity();
-  if (course_ == Course::stop) return {0, d_stop_ * a_unit, infinite};
+  if (course_ == Course::stop) return {0, d_stop_ * a_unit, {infinite}};
   if (course_ == Course::oscillation) {
-    return {bow_value() * a_unit, bow_value() * a_unit, infinite};
+    return {bow_value() * a_unit, bow_value() * a_unit, {infinite}};
   }
-  if (bow_max_ == 0) return {a_max_ * a_unit, d_max_ * a_unit, infinite};
-  return {a_max_ * a_unit, d_max_ * a_unit * 15 / 16, bow_value() * bow_unit};
+  if (bow_max_ == 0) return {a_max_ * a_unit, d_max_ * a_unit, {infinite}};
+  return {a_max_ * a_unit, d_max_ * a_unit * 15 / 16, {bow_value() * bow_unit}};
 }
 
 double Tmc457::distance() const { return to_double(to_fixed(x_target_) - track_.at(tick_).x); }
@@ -176,7 +176,7 @@ void Tmc457::plan() {
 void Tmc457::plan_ramp(double velocity, double acceleration) {
   const auto limits = forces();
   const double along = acceleration < 0 ? -velocity : velocity;
-  const double most = std::sqrt(2 * limits.jerk * std::max(0.0, overflow - along));
+  const double most = std::sqrt(2 * limits.bows.second * std::max(0.0, overflow - along));
   const Moving from{velocity, std::clamp(acceleration, -most, most)};
   const double v = v_max_ * v_unit;
   const auto profile = mode_ == Mode::velocity

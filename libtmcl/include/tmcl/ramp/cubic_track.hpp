@@ -49,31 +49,58 @@ struct Cubic {
   bool operator==(const Cubic&) const = default;
 };
 
-/// The forces, in microsteps and ticks; none is negative. An infinite jerk makes trapezoids.
-struct Forces {
-  double acceleration;  ///< While the speed grows.
-  double deceleration;  ///< While it falls.
-  double jerk;
-};
-
 /// What acts during a stretch.
 struct Course {
   enum class Force : std::uint8_t {
     none,          ///< Constant velocity.
-    jerk,          ///< The acceleration grows.
+    bow1,          ///< The speed grows, and so does the acceleration...
+    bow2,          ///< ... or that falls.
+    bow3,          ///< The speed falls, and the deceleration grows...
+    bow4,          ///< ... or falls, too.
     acceleration,  ///< The greatest acceleration...
     deceleration,  ///< ... and the greatest deceleration are kept.
   };
-  Force force = Force::none;
-  bool negative = false;
+  constexpr Course() = default;
+  constexpr Course(Force what, bool is_negative) : force(what), negative(is_negative) {}
   bool operator==(const Course&) const = default;
+
+  // One byte: a generator carries a dozen of them.
+  Force force : 7 = Force::none;
+  bool negative : 1 = false;
+};
+
+/// How fast the acceleration may change. Most chips have one jerk for all four.
+struct Bows {
+  double first;
+  double second = first;
+  double third = first;
+  double fourth = first;
+
+  double of(Course::Force bow) const {
+    switch (bow) {
+      case Course::Force::bow1: return first;
+      case Course::Force::bow2: return second;
+      case Course::Force::bow3: return third;
+      case Course::Force::bow4: return fourth;
+      default: return 0;
+    }
+  }
+  bool operator==(const Bows&) const = default;
+};
+
+/// The forces, in microsteps and ticks; none is negative. Infinite bows make trapezoids.
+struct Forces {
+  double acceleration;  ///< While the speed grows.
+  double deceleration;  ///< While it falls.
+  Bows bows;
 };
 
 /// A movement: one stretch after another, and the velocity at its end.
 struct Profile {
-  /// Through zero to the other direction, and then to a stop, takes the most: four until the
-  /// velocity is zero, two until it is constant, that stretch, and three to stop.
-  static constexpr std::size_t most = 10;
+  /// Through zero twice takes the most: two until an acceleration is taken back that turns the
+  /// motor round, three until it stands, three until its velocity is constant, that stretch, and
+  /// three to stop.
+  static constexpr std::size_t most = 12;
 
   std::array<double, most> ticks{};
   std::array<Course, most> courses{};
