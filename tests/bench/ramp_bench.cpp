@@ -19,6 +19,7 @@
 #include "tmcl/ramp/mc1451a.hpp"
 #include "tmcl/ramp/sixpoint.hpp"
 #include "tmcl/ramp/tmc429.hpp"
+#include "tmcl/ramp/tmc4361.hpp"
 #include "tmcl/ramp/tmc457.hpp"
 
 namespace {
@@ -124,6 +125,27 @@ struct Axis<ramp::Tmc457> {
     axis.write(R::mode, 2);
     axis.write(R::v_target, 4'096'000);
   }
+  static void tick_to(const G& axis, Tick end) { add_up(axis, end); }
+};
+
+template <>
+struct Axis<ramp::Tmc4361> {
+  using G = ramp::Tmc4361;
+  using R = G::Register;
+
+  static G make() {
+    G axis;
+    axis.write(R::vmax, 61'000 * 256);
+    axis.write(R::amax, 700'000 * 4);
+    axis.write(R::dmax, 500'000 * 4);
+    axis.write(R::bow1, 8'000'000);
+    axis.write(R::bow2, 12'000'000);
+    axis.write(R::bow3, 10'000'000);
+    axis.write(R::bow4, 6'000'000);
+    return axis;
+  }
+  static void go(G& axis, std::int32_t target) { axis.write(R::xtarget, target); }
+  static void cruise(G& axis) { axis.write(G::Mode::velocity); }
   static void tick_to(const G& axis, Tick end) { add_up(axis, end); }
 };
 
@@ -280,6 +302,7 @@ void add(const std::string& name) {
 const int added = [] {
   add<ramp::Tmc429>("tmc429");
   add<ramp::Tmc457>("tmc457");
+  add<ramp::Tmc4361>("tmc4361");
   add<ramp::SixPoint>("sixpoint");
   add<ramp::Mc1451a>("mc1451a");
   return 0;

@@ -11,6 +11,7 @@
 #include "tmcl/ramp/passing.hpp"
 #include "tmcl/ramp/sixpoint.hpp"
 #include "tmcl/ramp/tmc429.hpp"
+#include "tmcl/ramp/tmc4361.hpp"
 #include "tmcl/ramp/tmc457.hpp"
 
 namespace tmcl::ramp {
@@ -108,6 +109,38 @@ Tmc457 begin(Random<>& random, Tmc457 axis) {
   return axis;
 }
 
+void disturb(Random<>& random, Tmc4361& axis) {
+  using R = Tmc4361::Register;
+  constexpr R bows[] = {R::bow1, R::bow2, R::bow3, R::bow4};
+  switch (random.between(0, 6)) {
+    case 0: axis.write(R::vmax, random.either_way(random.any_size(INT32_MAX))); break;
+    case 1: axis.write(R::amax, random.any_size(0xFFFFFF)); break;
+    case 2: axis.write(R::rampmode, random.one_in(2) ? 2 : 6); break;
+    case 3: axis.write(bows[random.between(0, 3)], random.any_size(0xFFFFFF)); break;
+    case 4: some_switches(random, axis); break;
+    case 5: axis.write(R::xactual, INT32_MAX - random.any_size(3000)); break;
+    default: {
+      const auto way = random.either_way(random.any_size(3000));
+      axis.write(R::xtarget, static_cast<std::int32_t>(axis.motion().position + way));
+    }
+  }
+}
+
+Tmc4361 begin(Random<>& random, Tmc4361 axis) {
+  using R = Tmc4361::Register;
+  axis.write(R::vmax, INT32_MAX / random.between(1, 20));
+  axis.write(R::amax, 0xFFFFFF / random.between(1, 5));
+  axis.write(R::dmax, 0xFFFFFF / random.between(1, 5));
+  axis.write(R::dstop, 0xFFFFFF);
+  for (const auto bow : {R::bow1, R::bow2, R::bow3, R::bow4}) {
+    axis.write(bow, random.one_in(3) ? 0 : random.between(1 << 18, 0xFFFFFF));
+  }
+  axis.write(R::soft_stop_en, random.between(0, 1));
+  axis.write(R::stop_left_en, 1);
+  axis.write(R::stop_right_en, 1);
+  return axis;
+}
+
 void disturb(Random<>& random, Mc1451a& axis) {
   using R = Mc1451a::Register;
   axis.write(R::position, axis.motion().position + random.either_way(random.any_size(3000)));
@@ -136,7 +169,7 @@ struct Scripts<Tmc457> {
 
 template <class G>
 class PassingProperty : public testing::Test {};
-using Generators = testing::Types<Tmc429, SixPoint, Tmc457, Mc1451a>;
+using Generators = testing::Types<Tmc429, SixPoint, Tmc457, Tmc4361, Mc1451a>;
 TYPED_TEST_SUITE(PassingProperty, Generators);
 
 template <class G>

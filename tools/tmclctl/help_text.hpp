@@ -460,9 +460,9 @@ Nothing is sent anywhere: no bus, no tmcld, no module is needed.
 )";
 
 constexpr const char* simulate = R"(
-Computes, exactly to the tick, how a chip's ramp generator moves: from rest at position 0 and tick 0
-until it stands on its target, or until --until. Draws position and velocity; --csv, --svg and
---json say it in other ways. x is in microsteps, v and a are in the chip's units.
+Computes, exactly to the tick (tmc4361: by a model), how a chip's ramp generator moves: from rest at
+position 0 and tick 0 until it stands on its target, or until --until. Draws position and velocity;
+--csv, --svg and --json say it in other ways. x is in microsteps, v and a are in the chip's units.
 
   tmclctl profile simulate --generator tmc429 v_max=1000 a_max=500 pulse_div=2 ramp_div=3 \
       x_target=100000
@@ -470,6 +470,8 @@ until it stands on its target, or until --until. Draws position and velocity; --
       d1=3000 xtarget=512000 --sample 0.5,1
   tmclctl profile simulate --generator tmc457 v_max=5000000 a_max=24624 d_max=24624 bow_max=11 \
       x_target=50000 --csv 0.01
+  tmclctl profile simulate --generator tmc4361 vmax=25600000 amax=800000 dmax=400000 \
+      bow1=1000000 bow2=2000000 bow3=500000 bow4=400000 xtarget=300000
   tmclctl profile simulate --generator mc1451a profile=s_curve velocity=180224 acceleration=66 \
       jerk=42950 position=100000 --svg s_curve.svg
   tmclctl profile simulate --generator tmc429 mode=velocity v_max=2047 a_max=100 pulse_div=3 \
@@ -483,6 +485,8 @@ Registers are called as in the data sheets; values are decimal, 0x..., or these 
             factor_rule=percent_99|percent_95|percent_98_8|nearest|nearest_less_one
             order=ramp_first|pulse_first accumulator=cleared|kept
   tmc457    mode=position|velocity|hold v_max v_target a_max d_max d_stop bow_max x_target
+  tmc4361   rampmode=position|velocity vmax amax dmax bow1 bow2 bow3 bow4 xtarget, S-shaped ramps
+            only: a model, not exact to the tick; clk_freq is to be f_clk if that is given
   sixpoint  (TMC5130, TMC5160, TMC5072) rampmode=position|velocity_positive|velocity_negative|hold
             vstart a1 v1 amax vmax dmax d1 vstop tzerowait xtarget; vstop is vstart, and at least
             10, if not given

@@ -7,6 +7,7 @@
 #include "tmcl/ramp/mc1451a.hpp"
 #include "tmcl/ramp/sixpoint.hpp"
 #include "tmcl/ramp/tmc429.hpp"
+#include "tmcl/ramp/tmc4361.hpp"
 #include "tmcl/ramp/tmc457.hpp"
 
 namespace tmclctl::profile {
@@ -41,6 +42,9 @@ constexpr Symbol tmc457_symbols[] = {
     {"mode", "position", 0}, {"mode", "velocity", 2}, {"mode", "hold", 3}};
 // a_max_d_max writes two registers, and gives way to what is said of one of them.
 constexpr std::string_view tmc457_last[] = {"a_max", "d_max", "mode", "v_target", "x_target"};
+
+constexpr Symbol tmc4361_symbols[] = {{"rampmode", "velocity", 2}, {"rampmode", "position", 6}};
+constexpr std::string_view tmc4361_last[] = {"rampmode", "xtarget"};
 
 constexpr Symbol sixpoint_symbols[] = {
     {"rampmode", "position", 0},
@@ -81,6 +85,7 @@ std::span<const GeneratorInfo> generators() {
   static const auto all = [] {
     std::array rows{info<Tmc429>(tmc429_symbols, tmc429_defaults, tmc429_last),
                     info<Tmc457>(tmc457_symbols, {}, tmc457_last),
+                    info<Tmc4361>(tmc4361_symbols, {}, tmc4361_last),
                     info<SixPoint>(sixpoint_symbols, sixpoint_defaults, sixpoint_last),
                     info<Mc1451a>(mc1451a_symbols, {}, mc1451a_last)};
     // Its data sheet counts in cycles and steps, however long a cycle is.
