@@ -65,4 +65,6 @@ RegisterMap<ramp::SixPoint> register_map(const ramp::SixPoint& /*chip*/) {
   return {0xFFFF'FFFF, fields};
 }
 
+RegisterMap<ramp::Tmc4361> register_map(const ramp::Tmc4361& /*chip*/) { return {0xFFFF'FFFF, {}}; }
+
 }  // namespace tmcl::sim

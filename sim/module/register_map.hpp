@@ -7,6 +7,7 @@
 
 #include "tmcl/ramp/sixpoint.hpp"
 #include "tmcl/ramp/tmc429.hpp"
+#include "tmcl/ramp/tmc4361.hpp"
 #include "tmcl/ramp/tmc457.hpp"
 
 namespace tmcl::sim {
@@ -31,6 +32,8 @@ struct RegisterMap {
 RegisterMap<ramp::Tmc429> register_map(const ramp::Tmc429& chip);
 RegisterMap<ramp::Tmc457> register_map(const ramp::Tmc457& chip);
 RegisterMap<ramp::SixPoint> register_map(const ramp::SixPoint& chip);
+/// Nothing: no command reaches them, because another generator drives its trapezoids.
+RegisterMap<ramp::Tmc4361> register_map(const ramp::Tmc4361& chip);
 
 /// What the chip alone writes: speeds, states, latched positions.
 namespace tmc429_address {

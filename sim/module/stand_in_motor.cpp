@@ -87,6 +87,20 @@ Status StandInMotor::rotate(std::int64_t velocity) {
   return SixPointMotor::rotate(std::clamp(velocity, -most, most));
 }
 
+void StandInMotor::place(std::int32_t position, std::int32_t target) {
+  stop();
+  chip().write(R::xactual, position);
+  chip().write(R::xtarget, target);
+  if (position == target) move_to(target);
+}
+
+StandInMotor::Stops StandInMotor::stops() const {
+  const auto mode = static_cast<std::int32_t>(chip().read(R::sw_mode));
+  const auto has = [mode](std::int32_t bits) { return (mode & bits) != 0; };
+  return {has(ramp::SixPoint::stop_l_enable), has(ramp::SixPoint::stop_r_enable),
+          has(ramp::SixPoint::en_softstop)};
+}
+
 std::int64_t StandInMotor::within(Register name, Scale scale, std::int64_t value) const {
   return std::min(value, units().greatest(scale, range_of(name)));
 }

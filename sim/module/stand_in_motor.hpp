@@ -1,4 +1,5 @@
-/// A motor whose ramps are made by something that has no model here: a TMC4361, or the firmware.
+/// A motor whose ramps are made by something that has no model here: the firmware, or a TMC4361
+/// that drives trapezoids.
 #pragma once
 
 #include "sim/module/sixpoint_motor.hpp"
@@ -7,8 +8,8 @@
 namespace tmcl::sim {
 
 /// A sixPoint chip stands in for it, with the same speeds, accelerations and edges of the ramp;
-/// what goes beyond the chip's registers is set as far as these go, and reads as it was written. An
-/// S-curve is driven as a trapezoid. Always counts in microsteps per second.
+/// what goes beyond the chip's registers is set as far as these go, and reads as it was written.
+/// Always counts in microsteps per second.
 class StandInMotor final : public SixPointMotor {
  public:
   StandInMotor(const Model& model, TimePoint power_on);
@@ -16,6 +17,17 @@ class StandInMotor final : public SixPointMotor {
   std::optional<std::int32_t> read(const ParameterInfo& row) const override;
   Status write(const ParameterInfo& row, std::int32_t value) override;
   Status rotate(std::int64_t velocity) override;
+
+  std::int32_t target() const { return static_cast<std::int32_t>(chip().read(Register::xtarget)); }
+  /// Stands there from now on, and calls that its target.
+  void place(std::int32_t position, std::int32_t target);
+  /// Which switches stop it, and whether it slows down at them.
+  struct Stops {
+    bool left;
+    bool right;
+    bool soft;
+  };
+  Stops stops() const;
 
  private:
   using Register = ramp::SixPoint::Register;

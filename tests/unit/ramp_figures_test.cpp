@@ -16,6 +16,7 @@
 #include "tmcl/ramp/mc1451a.hpp"
 #include "tmcl/ramp/sixpoint.hpp"
 #include "tmcl/ramp/tmc429.hpp"
+#include "tmcl/ramp/tmc4361.hpp"
 #include "tmcl/ramp/tmc457.hpp"
 
 namespace tmcl::ramp {
@@ -182,6 +183,27 @@ TEST(RampFigures, Tmc457Trapezoid) {
 }
 TEST(RampFigures, Tmc457SShaped) {
   expect_drawn("tmc457-s-shaped", {"TMC457, figure 3: bow_max = 7", "s", jerk_of(64)}, tmc457(7));
+}
+
+using T4361 = Tmc4361::Register;
+
+TEST(RampFigures, Tmc4361FourBows) {
+  const auto axis = with<Tmc4361>({{T4361::vmax, 25'600'000},
+                                   {T4361::amax, 800'000},
+                                   {T4361::dmax, 400'000},
+                                   {T4361::bow1, 1'000'000},
+                                   {T4361::bow2, 2'000'000},
+                                   {T4361::bow3, 500'000},
+                                   {T4361::bow4, 400'000},
+                                   {T4361::xtarget, 150'000}});
+  const auto jerk = [](std::string_view phase) {
+    return phase == "B1"   ? 1e6
+           : phase == "B2" ? -2e6
+           : phase == "B3" ? -5e5
+           : phase == "B4" ? 4e5
+                           : 0;
+  };
+  expect_drawn("tmc4361-four-bows", {"TMC4361: S-shaped ramp with four bows", "s", jerk}, axis);
 }
 
 using M1451 = Mc1451a::Register;
