@@ -148,7 +148,8 @@ is not in the list works by number.
 ## Models
 
 Where no document tells a chip or the ports, the chips are those that have all registers of the model's parameters, and
-the ports those of PyTrinamic's lists. The simulator makes the ramps of the families TMC4361 and firmware with a sixPoint generator, without S-curves.
+the ports those of PyTrinamic's lists. The simulator makes the ramps of the family firmware, and the
+trapezoids of the family TMC4361, with a sixPoint generator; [RAMPS.md](RAMPS.md#the-tmc4361-a-model) has the S-curves of the latter.
 
 )";
   page += model_table();

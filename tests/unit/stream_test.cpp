@@ -580,6 +580,25 @@ INSTANTIATE_TEST_SUITE_P(Families, Guided,
 INSTANTIATE_TEST_SUITE_P(Families, Turned, testing::ValuesIn(first_turned, std::end(own_settings)),
                          name_of_model);
 
+// Four soft bows: with them it would leave the path.
+TEST(Stream, ATmc4361DrivesTrapezoidsOnThePath) {
+  Bench bench(1111);
+  constexpr std::uint8_t ramp_type = 14;
+  for (const auto [parameter, value] :
+       {Setting{4, 200'000}, Setting{5, 500'000}, Setting{17, 400'000}, Setting{22, 3'000'000},
+        Setting{23, 4'000'000}, Setting{24, 5'000'000}, Setting{25, 6'000'000},
+        Setting{ramp_type, 1}})
+    EXPECT_TRUE(bench.ask(Command::SAP, parameter, 0, value));
+  path_file::Path path{{"X"}, {}, {}};
+  for (const double x : {4.0, -3.0, 2.0})
+    path.elements.push_back(path_file::LineTo{{x}, 4.0, {}, 1});
+  const auto report = bench.pass(path, StreamMode::velocity);
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  EXPECT_LT(report.axes[0].largest, 0.1);
+  EXPECT_EQ(bench.mm(0), 2);
+  EXPECT_EQ(bench.get(0, ramp_type), 1);
+}
+
 // A TMC429 goes the wrong way to a target that is more than 2^23 microsteps away.
 TEST(Stream, ALongStretchIsPassedTowardsTargetsOnTheWay) {
   Bench bench(3110);

@@ -22,6 +22,7 @@ constexpr std::array<std::uint8_t, 2> sixpoint_accelerations{ap::max_acceleratio
 constexpr std::array<Setting, 1> tmc429_settings{{{number_of("minimum_velocity"), 1}}};
 // A bow would take time from each change of speed.
 constexpr std::array<Setting, 1> tmc457_settings{{{number_of("max_bow"), 0}}};
+constexpr std::array<Setting, 1> tmc4361_settings{{{number_of("ramp_type"), 0}}};
 constexpr std::array<Setting, 3> sixpoint_settings{
     {{number_of("velocity_v1"), 0},
      {number_of(Family::sixpoint, "start_velocity"), 0},
@@ -52,23 +53,26 @@ const Guidance& guidance_of(Family family) {
                                      sixpoint_settings,
                                      sixpoint_goes_to_target,
                                      farthest_of_others};
+  static constexpr Guidance tmc4361{
+      false, one_acceleration, ap::max_acceleration, tmc4361_settings, {}, 0};
   static constexpr Guidance by_velocities{false, one_acceleration, ap::max_acceleration, {}, {}, 0};
   switch (family) {
     case Family::tmc429: return tmc429;
     case Family::tmc457: return tmc457;
     case Family::sixpoint: return sixpoint;
-    case Family::tmc4361:
+    case Family::tmc4361: return tmc4361;
     case Family::firmware: break;
   }
   return by_velocities;
 }
 
 // With a greatest speed of 0 a target sets nothing in motion.
-Script<DriveRunner::Fault> PathStream::Runner::prepare_targets(std::size_t axis) {
+Script<DriveRunner::Fault> PathStream::Runner::prepare_ramp(std::size_t axis) {
   for (const auto setting : guidance_of(axes_[axis].info.family).settings) {
     auto refused = co_await set(axis, setting);
     if (refused) co_return refused;
   }
+  if (!has_targets(axis)) co_return std::nullopt;
   auto refused = co_await set(axis, {ap::max_velocity, 0});
   co_return refused;
 }

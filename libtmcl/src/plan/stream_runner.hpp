@@ -189,7 +189,7 @@ class PathStream::Runner final : public DriveRunner {
   bool has_targets(std::size_t axis) const {
     return guidance_of(axes_[axis].info.family).by_targets;
   }
-  Script<Fault> prepare_targets(std::size_t axis);
+  Script<Fault> prepare_ramp(std::size_t axis);
   Script<Fault> set_out(std::size_t axis);
   /// `next_update`: of the course.
   Script<Fault> guide(std::size_t axis, std::int32_t velocity, double next_update);

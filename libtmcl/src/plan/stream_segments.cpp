@@ -116,8 +116,7 @@ Script<DriveRunner::Fault> PathStream::Runner::prepare_segments() {
       auto unknown = co_await know(axis, parameter);
       if (unknown) co_return unknown;
     }
-    Fault refused;
-    if (has_targets(axis)) refused = co_await prepare_targets(axis);
+    auto refused = co_await prepare_ramp(axis);
     if (refused) co_return refused;
   }
   const auto commands = commands_of_an_axis * axes_.size() + slopes + 1;

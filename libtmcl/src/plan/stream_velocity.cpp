@@ -36,7 +36,7 @@ Script<DriveRunner::Fault> PathStream::Runner::prepare_velocities() {
   if (asked) co_return asked;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     auto refused = co_await raise_accelerations(axis);
-    if (!refused && has_targets(axis)) refused = co_await prepare_targets(axis);
+    if (!refused) refused = co_await prepare_ramp(axis);
     if (refused) co_return refused;
   }
   set_pause_ramp();
@@ -158,7 +158,8 @@ std::int32_t PathStream::Runner::velocity_for(std::size_t axis) const {
   const double planned = course_.at(clock_.passed()).position[axis];
   const double next = course_.at(clock_.passed_in(report_.period)).position[axis];
   double behind = planned * info.microsteps_per_unit - expected(axis, now_);
-  if (std::abs(behind) < 1) behind = 0;  // readings are whole microsteps
+  // Readings are whole microsteps. Where the course stands, a motor would go to and fro for one.
+  if (std::abs(behind) < (next == planned ? 2 : 1)) behind = 0;
   const double period = seconds(report_.period);
   const double most_way =
       most_correction * course_.top_speed(axis) * std::abs(info.microsteps_per_unit) * period;
