@@ -17,16 +17,8 @@ using tmcl::Errc;
 using tmcl::Request;
 
 constexpr std::uint8_t first_control_function = 128;
-constexpr std::uint8_t positions_of_several = 2;  // the type of MVP
-constexpr std::uint8_t first_mask = 0x40;
-constexpr std::uint8_t motors_in_mask = 6;
 constexpr std::uint8_t all_motors = 255;
 enum class Search : std::uint8_t { start = 0, stop = 1 };
-
-bool names_several(const Request& request) {
-  const bool moves = request.command == Command::MVP || request.command == Command::MVPA;
-  return moves && request.type == positions_of_several && request.motor >= first_mask;
-}
 
 // Commands above 127 control programs and chips, and RST a program: they know no motor, so they may
 // concern any.
@@ -54,7 +46,7 @@ bool names_motor(const Request& request) {
 bool concerns(const Request& request, AxisAddress motor) {
   if (request.address != motor.module) return false;
   return !names_motor(request) || request.motor == motor.motor || request.motor == all_motors ||
-         names_several(request);
+         moves_several(request);
 }
 
 /// It is sent to somewhere, or stands.
@@ -105,16 +97,16 @@ bool can_move(const Request& request) {
 bool can_move(const Request& request, AxisAddress motor) {
   if (!can_move(request) || request.address != motor.module) return false;
   if (knows_no_motor(request)) return true;
-  return names_several(request) ? moves_together(request, motor.motor)
+  return moves_several(request) ? moves_together(request, motor.motor)
                                 : request.motor == motor.motor;
 }
 
 // A stop of any motor of the module ends what knows no motor.
 std::set<AxisAddress> motors_of(const Request& request) {
   if (knows_no_motor(request)) return {{request.address, 0}};
-  if (!names_several(request)) return {{request.address, request.motor}};
+  if (!moves_several(request)) return {{request.address, request.motor}};
   std::set<AxisAddress> motors;
-  for (std::uint8_t motor = 0; motor < motors_in_mask; ++motor)
+  for (std::uint8_t motor = 0; motor < tmcl::motors_in_mask; ++motor)
     if (moves_together(request, motor)) motors.insert({request.address, motor});
   return motors;
 }
@@ -183,7 +175,7 @@ std::optional<tmcl::Error> Motors::objection(AxisAddress motor, Permit permit) c
 }
 
 std::optional<tmcl::Error> Motors::objection(const Request& request, Permit permit) const {
-  const bool names_one = !names_several(request) && !knows_no_motor(request);
+  const bool names_one = !moves_several(request) && !knows_no_motor(request);
   if (names_one) {
     const AxisAddress motor{request.address, request.motor};
     auto objection = this->objection(motor, permit);

@@ -15,11 +15,14 @@ constexpr std::uint8_t greatest_mask = 0x3F;
 
 }  // namespace
 
-bool moves_together(const Request& request, std::uint8_t motor) {
+bool moves_several(const Request& request) {
   const bool moves = request.command == Command::MVP || request.command == Command::MVPA;
-  const bool names_several = moves && request.type == coordinate_move &&
-                             (request.motor & (each_for_itself | interpolated)) != 0;
-  return names_several && motor < 6 && (request.motor >> motor & 1) != 0;
+  return moves && request.type == coordinate_move &&
+         (request.motor & (each_for_itself | interpolated)) != 0;
+}
+
+bool moves_together(const Request& request, std::uint8_t motor) {
+  return moves_several(request) && motor < motors_in_mask && (request.motor >> motor & 1) != 0;
 }
 
 namespace verbs {
