@@ -162,9 +162,11 @@ class Recorder {
             fmt::format("the module of {} records nothing any more: {}", verb_.axis, state),
             "it has started again, or somebody has ended the capture", tmcl::Outcome::done};
   }
-  Failure resumable(Failure failure) const {
-    if (failure.name == "unexpected_value" || !failure.hint.empty()) return failure;
-    failure.hint = "go on with the same command and --resume: the module keeps what it records";
+  /// Where the module may still have what it records, whatever else there is to try.
+  static Failure resumable(Failure failure) {
+    if (failure.name == "unexpected_value") return failure;
+    if (!failure.hint.empty()) failure.hint += ". ";
+    failure.hint += "The same command with --resume goes on: the module keeps what it records";
     return failure;
   }
   /// Frees the module.
