@@ -27,6 +27,8 @@ TEST(BenchFile, DescribesModulesAndWhatTheirMotorsDrive) {
     behaviour = "lite"
     range_check = "wrap"
     data_logger = true
+    supply = 23.46
+    temperature = 40
     [[module.axis]]
     motor = 2
     position = 5
@@ -66,12 +68,15 @@ TEST(BenchFile, DescribesModulesAndWhatTheirMotorsDrive) {
   EXPECT_EQ(first.settings.behaviour, tmcl::sim::Behaviour::lite);
   EXPECT_EQ(first.settings.range_check, tmcl::sim::RangeCheck::wrap);
   EXPECT_EQ(first.settings.data_logger, true);
+  EXPECT_EQ(first.surroundings.supply_tenths, 235);
+  EXPECT_EQ(first.surroundings.temperature, 40);
   const auto& second = file->back();
   EXPECT_EQ(second.spec, "TMCM-1110");
   EXPECT_EQ(second.settings.firmware, std::nullopt);
   EXPECT_EQ(second.settings.behaviour, tmcl::sim::Behaviour::manual);
   EXPECT_EQ(second.settings.range_check, tmcl::sim::RangeCheck::manual);
   EXPECT_EQ(second.settings.data_logger, std::nullopt);
+  EXPECT_EQ(second.surroundings.supply_tenths, std::nullopt);
 }
 
 TEST(BenchFile, SaysWhereAndWhatIsWrong) {
@@ -113,6 +118,11 @@ TEST(BenchFile, SaysWhatIsWrongAboutAFirmware) {
   EXPECT_THAT(error_of(module + "behaviour = \"lit\"\n"),
               "b.toml:3: 'behaviour' is 'lit', but must be manual or lite. Did you mean 'lite'?");
   EXPECT_THAT(error_of(module + "behavior = \"lite\"\n"), HasSubstr("Did you mean 'behaviour'?"));
+  for (const auto* supply : {"-1", "1001", "nan", "\"24 V\""}) {
+    EXPECT_THAT(error_of(module + "supply = " + supply + "\n"),
+                "b.toml:3: 'supply' must be 0 to 1000, in volts, such as 23.5");
+  }
+  EXPECT_THAT(error_of(module + "temperature = 40.5\n"), HasSubstr("must be a whole number"));
   EXPECT_THAT(error_of(module + "data_loger = true\n"), HasSubstr("Did you mean 'data_logger'?"));
   EXPECT_EQ(error_of(module + "data_logger = \"yes\"\n"),
             "b.toml:3: 'data_logger' must be true or false");

@@ -3,6 +3,7 @@
 #include <toml++/toml.h>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <fstream>
 #include <limits>
@@ -30,10 +31,13 @@ constexpr std::int64_t greatest_address = 255;
 constexpr std::int64_t greatest_place = std::int64_t{1} << 50;
 constexpr std::int64_t greatest_count = 1 << 24;
 constexpr std::int64_t greatest_load = 1'000'000;
+constexpr double greatest_supply = 1000;  // in volts
+constexpr std::int64_t greatest_temperature = 1000;
 
 constexpr auto file_keys = std::to_array<std::string_view>({"module"});
 constexpr auto module_keys = std::to_array<std::string_view>(
-    {"model", "address", "firmware_version", "behaviour", "range_check", "data_logger", "axis"});
+    {"model", "address", "firmware_version", "behaviour", "range_check", "data_logger", "supply",
+     "temperature", "axis"});
 constexpr auto axis_keys = std::to_array<std::string_view>(
     {"motor", "position", "left_switch", "right_switch", "switch_tolerance", "normally_closed",
      "home", "home_normally_closed", "left_stop", "right_stop", "encoder_counts_per_turn",
@@ -211,12 +215,25 @@ ModuleSettings settings_of(const toml::table& table, const tmcl::Model& model) {
   return settings;
 }
 
+Surroundings surroundings_of(const toml::table& table) {
+  Surroundings surroundings;
+  if (const auto* node = table.get("supply")) {
+    const auto volts = node->value<double>();
+    if (!volts || !(*volts >= 0 && *volts <= greatest_supply))
+      complain(*node, "'supply' must be 0 to 1000, in volts, such as 23.5");
+    surroundings.supply_tenths = static_cast<std::int32_t>(std::lround(*volts * 10));
+  }
+  if (const auto degrees = number(table, "temperature", {0, greatest_temperature}))
+    surroundings.temperature = static_cast<std::int32_t>(*degrees);
+  return surroundings;
+}
+
 BenchModule module_of(const toml::table& table) {
   want_known_keys(table, module_keys);
   const auto& model = model_of(table);
   BenchModule module{std::string(model.name),
                      std::vector<StageSettings>(model.axes, tmcl::sim::delivered_stage(model)),
-                     settings_of(table, model)};
+                     settings_of(table, model), surroundings_of(table)};
   if (const auto address = number(table, "address", {1, greatest_address})) {
     module.spec += "@" + std::to_string(*address);
   }

@@ -7,6 +7,7 @@
 
 #include <tl/expected.hpp>
 
+#include "module_spec.hpp"
 #include "sim/module/module_settings.hpp"
 #include "sim/stage/stage.hpp"
 
@@ -17,6 +18,7 @@ struct BenchModule {
   std::string spec;                            ///< As for --module: "TMCM-1110" or "TMCM-1110@3".
   std::vector<tmcl::sim::StageSettings> axes;  ///< One for each motor.
   tmcl::sim::ModuleSettings settings{};
+  Surroundings surroundings{};
 };
 
 /// The error is a sentence that begins with file and line, and names what is wrong there.

@@ -70,6 +70,11 @@ void introduce(const sim::Module& module) {
             << ", firmware " << to_string(module.version()) << '\n';
 }
 
+void surround(sim::Module& module, const tmclsim::Surroundings& by) {
+  if (by.supply_tenths) module.set_analog(sim::Io::supply_voltage_port, *by.supply_tenths);
+  if (by.temperature) module.set_analog(sim::Io::temperature_port, *by.temperature);
+}
+
 bool add_modules(boost::asio::io_context& io, sim::Bench& bench, const tmclsim::Options& options,
                  Memories& memories) {
   for (const auto& sentence : tmclsim::shared_addresses(options.modules)) {
@@ -87,6 +92,7 @@ bool add_modules(boost::asio::io_context& io, sim::Bench& bench, const tmclsim::
     for (std::size_t motor = 0; motor < spec.stages.size(); ++motor) {
       (*module)->mount(motor, spec.stages[motor]);
     }
+    surround(**module, spec.surroundings);
     introduce(**module);
     auto file = folder.empty() ? nullptr : std::make_unique<sim::EepromFile>(io, **module, path);
     memories.push_back({*module, std::move(file), (*module)->eeprom().writes()});

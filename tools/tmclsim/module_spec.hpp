@@ -1,6 +1,7 @@
 /// Which modules to simulate: "TMCM-1110" or "TMCM-1110@3".
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -14,11 +15,18 @@
 
 namespace tmclsim {
 
+/// What a module measures of its surroundings; nothing: what it measures without being told.
+struct Surroundings {
+  std::optional<std::int32_t> supply_tenths{};  ///< Volts, in tenths.
+  std::optional<std::int32_t> temperature{};    ///< Degrees centigrade.
+};
+
 struct ModuleSpec {
   const tmcl::Model* model = nullptr;
   tmcl::ModuleAddress address{1};
   std::vector<tmcl::sim::StageSettings> stages{};  ///< For as many of its motors as there are.
   tmcl::sim::ModuleSettings settings{};
+  Surroundings surroundings{};
 };
 
 /// One spec for each text. Without an address a module gets the lowest, from 1 on, that no other

@@ -75,6 +75,8 @@ With --bench, motors have something to drive. FILE is TOML; all its keys but mod
                                      # "manual": they are refused
     range_check = "wrap"             # values out of range are cut to the width of what they are
                                      # written to, with a TMC429; "manual": they are refused
+    supply = 23.5                    # what it measures, in volts
+    temperature = 40                 # likewise, in degrees centigrade
     data_logger = true               # it has command 142, RAMDebug; without the key modules with a
                                      # TMC4361 or a sixPoint ramp have it, and others have not
       [[module.axis]]
@@ -237,6 +239,7 @@ tl::expected<std::vector<ModuleSpec>, std::string> all_modules(const Words& word
   for (std::size_t i = 0; i < bench.size(); ++i) {
     (*modules)[i].stages = std::move(bench[i].axes);
     (*modules)[i].settings = bench[i].settings;
+    (*modules)[i].surroundings = bench[i].surroundings;
   }
   const auto given = give_firmware(words, std::span(*modules).subspan(bench.size()));
   if (!given) return tl::unexpected(given.error());
