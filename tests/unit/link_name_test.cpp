@@ -18,6 +18,9 @@ TEST(LinkName, GoesThereAndBack) {
     EXPECT_EQ(to_string(*name), text);
   }
   EXPECT_EQ(std::get<SerialName>(*parse_link_name("serial:/dev/ttyS0")).baud, 9600U);
+  EXPECT_EQ(to_string(*parse_link_name("/dev/ttyACM0")), "serial:/dev/ttyACM0@9600");
+  EXPECT_EQ(to_string(*parse_link_name("/dev/serial/by-path/pci-0:1.0@115200")),
+            "serial:/dev/serial/by-path/pci-0:1.0@115200");
 }
 
 TEST(LinkName, WhatIsWrongIsNamed) {
@@ -27,6 +30,7 @@ TEST(LinkName, WhatIsWrongIsNamed) {
   };
   EXPECT_THAT(message("serial"), HasSubstr("does not begin with a kind"));
   EXPECT_THAT(message("seriel:/dev/x"), HasSubstr("Did you mean 'serial'?"));
+  EXPECT_THAT(message("/dev/x@"), HasSubstr("baud rate"));
   EXPECT_THAT(message("serial:"), HasSubstr("device is missing"));
   EXPECT_THAT(message("serial:/dev/x@fast"), HasSubstr("baud rate"));
   EXPECT_THAT(message("serial:/dev/x@49"), HasSubstr("baud rate"));

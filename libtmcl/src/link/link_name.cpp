@@ -64,6 +64,8 @@ Result<LinkName> parse_tcp(std::string_view text, std::string_view rest) {
 }  // namespace
 
 Result<LinkName> parse_link_name(std::string_view text) {
+  // A device alone, as everybody calls it; its name may have a colon.
+  if (text.starts_with('/')) return parse_serial(text, text);
   const auto colon = text.find(':');
   const auto kind = text.substr(0, colon);
   if (colon == std::string_view::npos)
