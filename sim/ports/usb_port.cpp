@@ -43,7 +43,7 @@ class UsbPort final : public Port {
       if (error) return;  // the kernel has taken the device off
       decoder_.feed(std::span(input_).first(size));
       while (const auto command = decoder_.next())
-        std::visit([this](const auto& what) { carry_out(what); }, *command);
+        std::visit([this](const auto& what) { this->carry_out(what); }, *command);
       scheduler_->touch();
       if (decoder_.is_broken()) return socket_.close();
       read_on();
