@@ -115,20 +115,24 @@ Script<Result<Verdict>> GatewayModule::look_at_sentinel() {
     // It could have been the answer to something else. Should nothing more be answered, that stays.
     sentinel_.doubt();
   }
-  const auto second = co_await must(judge_sentinel(tmcl::Proof::followed));
-  if (second == Verdict::missing) {
+  auto seen = co_await must(judge_sentinel(tmcl::Proof::followed));
+  if (seen == Verdict::missing) {
     auto left = co_await give_up_sentinel("it has no " + sentinel_.name());
     co_return left;
   }
-  const bool may_stand = sentinel_.may_stand();
-  if (second != Verdict::same && !may_stand) co_return second;
-  // One that fits may be late, and one that does not may be of a timer that stands.
-  if (may_stand) co_await tmcl::pause(time_to_tick);
-  const auto third = co_await must(judge_sentinel(tmcl::Proof::followed));
-  if (third == Verdict::same) sentinel_.end_doubt();
-  if (third == Verdict::same || !sentinel_.may_stand()) co_return third;
-  auto left = co_await give_up_sentinel("its tick timer stands");
-  co_return left;
+  if (seen != Verdict::same && sentinel_.may_stand()) {
+    co_await tmcl::pause(time_to_tick);
+    seen = co_await must(judge_sentinel(tmcl::Proof::followed));
+    if (seen != Verdict::same && sentinel_.may_stand()) {
+      auto left = co_await give_up_sentinel("its tick timer stands");
+      co_return left;
+    }
+  }
+  if (seen != Verdict::same) co_return seen;
+  // One that fits may be late, from before a restart: only the next one says that it is not.
+  seen = co_await must(judge_sentinel(tmcl::Proof::followed));
+  if (seen == Verdict::same) sentinel_.end_doubt();
+  co_return seen;
 }
 
 Script<Result<Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proof) {
