@@ -63,8 +63,6 @@ struct CaptureSetup {
 /// Errc::bad_argument for what the module cannot record: the message names what it can.
 Result<CaptureSetup> plan_capture(const DataLoggerInfo& info, const CaptureWish& wish);
 
-/// "waits for the trigger"
-std::string_view describe(ram_debug::State state);
 /// snake_case; part of the stable interface.
 std::string_view name_of(ram_debug::State state);
 

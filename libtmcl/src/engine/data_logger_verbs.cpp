@@ -92,18 +92,6 @@ Result<CaptureSetup> plan_capture(const DataLoggerInfo& info, const CaptureWish&
   return CaptureSetup{wish.channels, *samples, pretrigger, *divider, wish.trigger};
 }
 
-std::string_view describe(State state) {
-  switch (state) {
-    case State::idle: return "records nothing";
-    case State::trigger: return "waits for the trigger";
-    case State::capture: return "records";
-    case State::complete: return "has recorded";
-    case State::pretrigger: return "records what lies before the trigger";
-    case State::error: break;
-  }
-  return "says that its recording has failed";
-}
-
 std::string_view name_of(State state) {
   switch (state) {
     case State::idle: return "idle";
