@@ -1,4 +1,5 @@
 // capture: what a module records by itself.
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -20,6 +21,8 @@ namespace json = boost::json;
 namespace api = tmcl::api;
 namespace capture = tmcl::api::capture;
 
+// More than any buffer holds.
+constexpr double most_samples = 1 << 24;
 constexpr tmcl::Duration look_interval = std::chrono::milliseconds(100);
 // A journey on the bus is over in seconds at the earliest.
 constexpr tmcl::Duration journey_interval = std::chrono::milliseconds(500);
@@ -29,7 +32,8 @@ capture::Start params_of(const verb::Capture& verb) {
   params.rate_hz = verb.rate_hz;
   params.samples = verb.samples;
   if (verb.for_s && verb.rate_hz)
-    params.samples = static_cast<std::int32_t>(std::lround(*verb.for_s * *verb.rate_hz));
+    params.samples =
+        static_cast<std::int32_t>(std::min(std::round(*verb.for_s * *verb.rate_hz), most_samples));
   if (const auto& trigger = verb.trigger) {
     params.trigger_parameter = trigger->parameter;
     params.trigger_edge = trigger->edge;
@@ -145,8 +149,9 @@ class Recorder {
     } else if (verb_.trigger) {
       const auto value = call(api::parameter::Get{{verb_.axis, named(verb_.trigger->parameter)}});
       const auto now = value ? fmt::format("; it is {} now", value->value) : std::string();
-      tell("waits for the trigger: " + text_of(*verb_.trigger) + now);
-      say_once("waits for the trigger: " + text_of(*verb_.trigger) + now);
+      const auto what = "waits for the trigger: " + text_of(*verb_.trigger) + now;
+      tell(what);
+      say_once(what);
     }
   }
   void tell(const std::string& what) { line_.show(verb_.axis + ": " + what); }
