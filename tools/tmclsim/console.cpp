@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -10,6 +9,7 @@
 
 #include <tl/expected.hpp>
 
+#include "number_text.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmclsim {
@@ -37,11 +37,7 @@ Words split(std::string_view line) {
 }
 
 std::optional<std::int32_t> parse_number(std::string_view text) {
-  std::int32_t value = 0;
-  const auto* end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data(), end, value);
-  const bool whole = parsed.ec == std::errc{} && parsed.ptr == end;
-  return whole ? std::optional(value) : std::nullopt;
+  return tmclsim::parse_number<std::int32_t>(text);
 }
 
 sim::Module* find_module(sim::Bench& bench, std::int32_t address) {

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <bitset>
-#include <charconv>
 #include <string_view>
 
+#include "number_text.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmclsim {
@@ -26,11 +26,8 @@ Parts split(std::string_view text) {
 }
 
 std::optional<std::uint8_t> parse_address(std::string_view text) {
-  unsigned value = 0;
-  const auto* end = text.data() + text.size();
-  const auto parsed = std::from_chars(text.data(), end, value);
-  const bool valid = parsed.ec == std::errc{} && parsed.ptr == end && value >= 1 && value <= 255;
-  return valid ? std::optional(static_cast<std::uint8_t>(value)) : std::nullopt;
+  const auto value = parse_number<std::uint8_t>(text);
+  return value && *value >= 1 ? value : std::nullopt;
 }
 
 std::string no_such_model(std::string_view name) {

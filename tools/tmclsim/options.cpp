@@ -3,12 +3,12 @@
 #include <CLI/CLI.hpp>
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <optional>
 #include <span>
 #include <string_view>
 
 #include "bench_file.hpp"
+#include "number_text.hpp"
 #include "settings_words.hpp"
 #include "tmcl/spelling.hpp"
 
@@ -258,9 +258,8 @@ tl::expected<void, EarlyExit> check_wires(Words& words, bool has_pace) {
   wires.has_pace = has_pace;
   if (words.pace.empty()) return {};
   constexpr std::uint32_t fastest = 4'000'000;
-  const auto* end = words.pace.data() + words.pace.size();
-  const auto [stop, error] = std::from_chars(words.pace.data(), end, wires.baud);
-  if (error != std::errc{} || stop != end || wires.baud == 0 || wires.baud > fastest)
+  wires.baud = parse_number<std::uint32_t>(words.pace).value_or(0);
+  if (wires.baud == 0 || wires.baud > fastest)
     return tl::unexpected(
         wrong("--pace " + words.pace + " is no baud rate, such as 9600 or 115200."));
   return {};

@@ -1,10 +1,11 @@
 #include "usb_ports.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <optional>
 #include <string_view>
 #include <utility>
+
+#include "number_text.hpp"
 
 namespace tmclsim {
 namespace {
@@ -17,20 +18,12 @@ struct Named {
   std::string rest;
 };
 
-std::optional<unsigned> number_in(std::string_view text) {
-  unsigned value = 0;
-  const auto* end = text.data() + text.size();
-  const auto [stop, error] = std::from_chars(text.data(), end, value);
-  if (error != std::errc{} || stop != end) return std::nullopt;
-  return value;
-}
-
 // What stands before '=' and is no number belongs to the rest.
 Named split(const std::string& option, const std::string& text) {
   const auto typed = text.empty() ? option : option + " " + text;
   const auto equals = text.find('=');
   if (equals == std::string::npos) return {typed, {}, text};
-  const auto address = number_in(std::string_view(text).substr(0, equals));
+  const auto address = parse_number<unsigned>(std::string_view(text).substr(0, equals));
   return {typed, address, address ? text.substr(equals + 1) : text};
 }
 
@@ -89,11 +82,12 @@ tl::expected<std::vector<UsbDevicePort>, std::string> parse_usb_devices(
   std::vector<UsbDevicePort> ports;
   for (const auto& text : texts) {
     auto named = split("--usb", text);
-    if (const auto address = number_in(named.rest)) named = {named.option, address, ""};
+    if (const auto address = parse_number<unsigned>(named.rest))
+      named = {named.option, address, ""};
     const bool is_known = named.rest.empty() || named.rest == "gd32" || named.rest == "mk20";
     if (!is_known) {
-      return Failure(named.option + ": modules are of gd32 (newer ones) or mk20, not '" +
-                     named.rest + "'.");
+      return Failure(named.option + ": '" + named.rest +
+                     "' is neither gd32, for a newer module, nor mk20, for an older one.");
     }
     const auto layout = named.rest == "mk20" ? UsbLayout::mk20 : UsbLayout::gd32;
     const auto added = add(ports, named, UsbDevicePort{0, layout}, modules);
