@@ -24,11 +24,12 @@ bool in_range(const ParameterInfo& row, std::int32_t value) {
 
 }  // namespace
 
-Axis::Axis(const Model& model, Stage& stage, TimePoint power_on, RangeCheck range_check)
+Axis::Axis(const Model& model, Stage& stage, TimePoint power_on, const ModuleTraits& traits)
     : family_(model.family),
-      wraps_(range_check == RangeCheck::wrap && can_wrap(model)),
+      traits_(traits),
+      wraps_(traits.find(Trait::range_check) == index_of(RangeCheck::wrap) && can_wrap(model)),
       table_(axis_parameters(model)),
-      motor_(make_motor(model, power_on)),
+      motor_(make_motor(model, power_on, traits)),
       coupling_(*motor_, stage),
       power_on_(power_on),
       now_(power_on),
@@ -36,7 +37,7 @@ Axis::Axis(const Model& model, Stage& stage, TimePoint power_on, RangeCheck rang
   // The chip itself starts with zeros; the firmware writes what it has stored.
   for (const auto& row : table_) {
     values_[row.number] = row.initial;
-    if (row.stored) motor_->write(row, row.initial);
+    if (row.stored) motor_->write(row, in_motor(row, row.initial));
     take_note(row.number, row.initial);
   }
   encoder_.set_position(0, stage);
@@ -51,7 +52,7 @@ tl::expected<std::int32_t, Status> Axis::get(std::uint8_t number) const {
   const auto* row = find_parameter(table_, number);
   if (row == nullptr) return tl::unexpected(Status::wrong_type);
   if (const auto own = reading(*row)) return *own;
-  if (wraps_ && is_remembered(*row)) return values_[number];
+  if ((wraps_ && is_remembered(*row)) || overruled(*row)) return values_[number];
   return in_force(*row);
 }
 
@@ -107,7 +108,7 @@ Status Axis::set(std::uint8_t number, std::int32_t value) {
   if (row == nullptr || row->access == Access::read) return Status::wrong_type;
   const auto taken = accepted(*row, value);
   if (!taken) return Status::invalid_value;
-  const auto status = motor_->write(*row, taken->written);
+  const auto status = motor_->write(*row, in_motor(*row, taken->written));
   if (status != Status::ok) return status;
   values_[number] = taken->kept;
   take_note(number, taken->kept);
@@ -118,6 +119,24 @@ Status Axis::set(std::uint8_t number, std::int32_t value) {
 std::optional<Wrapped> Axis::accepted(const ParameterInfo& row, std::int32_t value) const {
   if (row.scale != Scale::fixed || in_range(row, value)) return Wrapped{value, value};
   return wraps_ ? wrapped(row, value) : std::nullopt;
+}
+
+// The firmware keeps what was set, whatever its motors do.
+std::optional<std::int32_t> Axis::overruled(const ParameterInfo& row) const {
+  const auto stop = traits_.find(Trait::limit_stop);
+  if (!stop || stop == index_of(LimitStop::as_set) || row.name != "soft_stop") return std::nullopt;
+  return stop == index_of(LimitStop::soft) ? 1 : 0;
+}
+
+std::int32_t Axis::in_motor(const ParameterInfo& row, std::int32_t value) const {
+  return overruled(row).value_or(value);
+}
+
+std::int32_t Axis::relative_origin() const {
+  const auto from = traits_.find(Trait::relative_from);
+  if (!from) return motor_->relative_origin();
+  return from == index_of(RelativeFrom::actual) ? motor_->position()
+                                                : get(ap::target_position).value_or(0);
 }
 
 void Axis::take_note(std::uint8_t number, std::int32_t value) {
@@ -189,7 +208,7 @@ Status Axis::move_to(std::int32_t position) {
 
 Status Axis::move_by(std::int32_t distance) {
   if (!can_move(distance)) return Status::invalid_value;
-  move(std::int64_t{motor_->relative_origin()} + distance);
+  move(std::int64_t{relative_origin()} + distance);
   return Status::ok;
 }
 

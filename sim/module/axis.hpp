@@ -30,8 +30,7 @@ namespace tmcl::sim {
 class Axis {
  public:
   /// The stage outlives the axis: a module that restarts finds it where it was.
-  Axis(const Model& model, Stage& stage, TimePoint power_on,
-       RangeCheck range_check = RangeCheck::manual);
+  Axis(const Model& model, Stage& stage, TimePoint power_on, const ModuleTraits& traits = {});
 
   /// What GAP answers: wrong_type for a number that is not in the model's table. A reading that is
   /// cleared by being read stays: see read().
@@ -116,6 +115,12 @@ class Axis {
   void sense();
   Switches sensed() const;
 
+  /// What the motor is told of a parameter, whatever was set; nothing: what was.
+  std::optional<std::int32_t> overruled(const ParameterInfo& row) const;
+  std::int32_t in_motor(const ParameterInfo& row, std::int32_t value) const;
+  /// What MVP REL counts from.
+  std::int32_t relative_origin() const;
+
   // axis_search.cpp
   void run_search();
   void obey(const Homing::Order& order);
@@ -141,6 +146,7 @@ class Axis {
   static constexpr std::int32_t deviation_error = 2;
 
   Family family_;
+  ModuleTraits traits_;
   bool wraps_;
   std::span<const ParameterInfo> table_;
   std::unique_ptr<Motor> motor_;

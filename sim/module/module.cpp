@@ -87,7 +87,7 @@ void Module::build_axes() {
   axes_.clear();
   axes_.reserve(model_->axes);
   for (std::size_t motor = 0; motor < model_->axes; ++motor) {
-    axes_.emplace_back(*model_, stages_[motor], now_, settings_.range_check);
+    axes_.emplace_back(*model_, stages_[motor], now_, settings_.traits);
   }
   wire_axes();
   for (std::size_t motor = 0; motor < model_->axes; ++motor) restore_axis(motor);
@@ -193,10 +193,19 @@ Answer Module::perform(const Request& request) {
 }
 
 TimePoint Module::serial_due() const {
+  if (ignores_silence()) return never;
   return serial_.due(globals_.milliseconds(gp::serial_heartbeat));
 }
 
-TimePoint Module::can_due() const { return can_.due(globals_.milliseconds(gp::can_heartbeat)); }
+TimePoint Module::can_due() const {
+  if (ignores_silence()) return never;
+  return can_.due(globals_.milliseconds(gp::can_heartbeat));
+}
+
+bool Module::ignores_silence() const {
+  return settings_.traits.get<tmcl::Heartbeat>(Trait::heartbeat, *model_) ==
+         tmcl::Heartbeat::ignored;
+}
 
 void Module::stop_if_silent() {
   const bool serial_silent = serial_due() <= now_;

@@ -60,6 +60,8 @@ class Module final : private ProgramHost {
   Module(const Module&) = delete;
   Module& operator=(const Module&) = delete;
 
+  const ModuleSettings& settings() const { return settings_; }
+
   /// Executes a command that was addressed to this module. `from` is where a later event goes.
   Answer execute(const Request& request, Medium medium, EventSink& from);
   /// Its supply fails now, and is back at once.
@@ -111,6 +113,7 @@ class Module final : private ProgramHost {
   Answer search(const Request& request);
   /// The motors that an MVP of this one moves: bit n for motor n.
   std::uint32_t companions(std::size_t motor) const;
+  bool answers_with_target() const;
 
   // parameter_commands.cpp
   Answer set_axis_parameter(const Request& request);
@@ -167,6 +170,7 @@ class Module final : private ProgramHost {
   bool has_letter() const;
   Answer control_application(const Request& request);
   void keep_program();
+  bool has_state_in_low_byte() const;
   void protect_program(std::int32_t before, std::int32_t after);
   /// What a global parameter of bank 0 tells about the program; nothing if it is about other
   /// things.
@@ -224,6 +228,7 @@ class Module final : private ProgramHost {
   TimePoint serial_due() const;
   TimePoint can_due() const;
   void stop_if_silent();
+  bool ignores_silence() const;
 
   void bring_to(TimePoint time);
   void run_what_is_due_now();

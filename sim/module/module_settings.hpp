@@ -5,6 +5,8 @@
 #include <optional>
 
 #include "sim/module/delivered_firmware.hpp"
+#include "tmcl/clock.hpp"
+#include "tmcl/module_traits.hpp"
 
 namespace tmcl::sim {
 
@@ -14,17 +16,12 @@ enum class Behaviour : std::uint8_t {
   lite,    ///< TMCL-LITE: commands 242 and 255 with wrong codes do nothing, and say ok.
 };
 
-/// What becomes of values that are out of range.
-enum class RangeCheck : std::uint8_t {
-  manual,  ///< They are refused.
-  wrap,    ///< They are cut to the width of what they are written to, where that is known.
-};
-
 struct ModuleSettings {
   std::optional<FirmwareRelease> firmware{};  ///< Otherwise that of delivered_firmware().
   Behaviour behaviour = Behaviour::manual;
-  RangeCheck range_check = RangeCheck::manual;  ///< wrap has no effect unless can_wrap().
-  std::optional<bool> data_logger{};  ///< Otherwise as has_data_logger() says of its family.
+  ModuleTraits traits{};                ///< RangeCheck::wrap has no effect unless can_wrap().
+  std::optional<Duration> to_answer{};  ///< Otherwise as its port has it.
+  std::optional<bool> data_logger{};    ///< Otherwise as has_data_logger() says of its family.
 };
 
 }  // namespace tmcl::sim

@@ -13,11 +13,6 @@ constexpr std::uint8_t move_to_stored = 2;
 constexpr std::uint8_t search_stop = 1;
 constexpr std::uint8_t search_status = 2;
 
-// The newer firmware tells where a relative movement goes.
-bool answers_with_target(Family family) {
-  return family == Family::sixpoint || family == Family::tmc4361 || family == Family::firmware;
-}
-
 }  // namespace
 
 Answer Module::rotate(const Request& request, std::int32_t sign) {
@@ -59,9 +54,13 @@ Answer Module::move(const Request& request) {
     }
     events_.move_begun(motor);
   }
-  return relative && answers_with_target(model_->family)
-             ? reading(axes_[request.motor].get(ap::target_position))
-             : echo(request);
+  return relative && answers_with_target() ? reading(axes_[request.motor].get(ap::target_position))
+                                           : echo(request);
+}
+
+bool Module::answers_with_target() const {
+  return settings_.traits.get<RelativeAnswer>(Trait::relative_answer, *model_) ==
+         RelativeAnswer::target;
 }
 
 // Facts are few: the numbers of the parameter, and that motors with the same one move together. So

@@ -8,9 +8,10 @@
 
 namespace tmcl::sim {
 
-std::unique_ptr<Motor> make_motor(const Model& model, TimePoint power_on) {
+std::unique_ptr<Motor> make_motor(const Model& model, TimePoint power_on,
+                                  const ModuleTraits& traits) {
   switch (model.family) {
-    case Family::tmc429: return std::make_unique<Tmc429Motor>(power_on);
+    case Family::tmc429: return std::make_unique<Tmc429Motor>(power_on, traits);
     case Family::tmc457: return std::make_unique<Tmc457Motor>(power_on);
     case Family::sixpoint: return std::make_unique<SixPointMotor>(power_on);
     case Family::tmc4361: return std::make_unique<Tmc4361Motor>(model, power_on);

@@ -7,6 +7,7 @@
 
 #include "sim/module/due.hpp"
 #include "tmcl/clock.hpp"
+#include "tmcl/module_traits.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/status.hpp"
 
@@ -99,6 +100,7 @@ inline std::int64_t way_between(std::int32_t from, std::int32_t to, int position
   return static_cast<std::int64_t>(raw << spare) >> spare;
 }
 
-std::unique_ptr<Motor> make_motor(const Model& model, TimePoint power_on);
+std::unique_ptr<Motor> make_motor(const Model& model, TimePoint power_on,
+                                  const ModuleTraits& traits);
 
 }  // namespace tmcl::sim

@@ -26,9 +26,16 @@ void Module::start_application() {
 Answer Module::control_application(const Request& request) {
   const bool changes_memory =
       request.command == Command::END_DOWNLOAD && application_.in_download();
-  const auto answer = application_.execute(request, now_);
+  auto answer = application_.execute(request, now_);
+  const bool tells_state = request.command == Command::GET_APPLICATION_STATUS;
+  if (tells_state && has_state_in_low_byte()) answer = reading(application_.status());
   if (changes_memory && answer.status == Status::ok) keep_program();
   return answer;
+}
+
+bool Module::has_state_in_low_byte() const {
+  return settings_.traits.get<ProgramState>(Trait::program_state, *model_) ==
+         ProgramState::low_byte;
 }
 
 void Module::keep_program() {

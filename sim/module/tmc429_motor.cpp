@@ -20,7 +20,10 @@ using Mode = ramp::Tmc429::Mode;
 
 }  // namespace
 
-Tmc429Motor::Tmc429Motor(TimePoint power_on) : ChipMotor(power_on, mapped()) {}
+Tmc429Motor::Tmc429Motor(TimePoint power_on, const ModuleTraits& traits)
+    : ChipMotor(power_on, mapped()) {
+  take_traits(chip(), traits);
+}
 
 std::span<const Tmc429Motor::Mapped> Tmc429Motor::mapped() {
   static constexpr std::array<Mapped, 11> all{{

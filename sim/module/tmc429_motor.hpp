@@ -10,7 +10,7 @@ namespace tmcl::sim {
 /// TMCM-1110, without its errors.
 class Tmc429Motor final : public ChipMotor<ramp::Tmc429> {
  public:
-  explicit Tmc429Motor(TimePoint power_on);
+  explicit Tmc429Motor(TimePoint power_on, const ModuleTraits& traits = {});
 
   std::optional<std::int32_t> read(const ParameterInfo& row) const override;
   Status write(const ParameterInfo& row, std::int32_t value) override;

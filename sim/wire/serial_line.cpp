@@ -76,9 +76,14 @@ void SerialLine::hear_character(Module& module, Ear& ear, std::uint8_t byte) {
   if (heard.line) hand_to(module, *heard.line);
 }
 
+bool SerialLine::takes_any_address(const Module& module) {
+  return module.settings().traits.get<Addressing>(Trait::addressing, module.model()) ==
+         Addressing::any;
+}
+
 void SerialLine::hand_to(Module& module, const SerialBytes& frame) {
   const auto from = sender(module.globals());
-  const bool addressed = frame[0] == from.module;
+  const bool addressed = frame[0] == from.module || takes_any_address(module);
   if (!module.hears() || (!addressed && !obeys_silently(module.globals(), frame[0]))) return;
   const auto request = decode_serial_request(frame);
   const auto answer = request ? module.execute(*request, Medium::serial, *this)
@@ -113,7 +118,8 @@ Answer SerialLine::execute(Module& module, const ascii::Order& order) {
 
 void SerialLine::send(const Module& module, Bytes bytes) {
   Duration pause = module.globals().milliseconds(gp::telegram_pause_time);
-  if (wire_.pace) pause += wire_.pace.to_answer;
+  const auto own = module.settings().to_answer;
+  if (own || wire_.pace) pause += own.value_or(wire_.pace.to_answer);
   if (pause.count() == 0) return say({std::move(bytes), &module});
   if (delayed_.size() < most_delayed)
     delayed_.push_back({bench().clock().now() + pause, std::move(bytes), &module});

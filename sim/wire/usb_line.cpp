@@ -37,7 +37,8 @@ void UsbLine::execute(const SerialBytes& frame) {
 void UsbLine::send(const SerialBytes& bytes) {
   std::uniform_int_distribution<Duration::rep> takes(shortest_answer.count(),
                                                      longest_answer.count());
-  going_.send(bytes, bench().clock().now(), Duration(takes(random_)));
+  const Duration usual(takes(random_));
+  going_.send(bytes, bench().clock().now(), module_->settings().to_answer.value_or(usual));
 }
 
 void UsbLine::run_due() {

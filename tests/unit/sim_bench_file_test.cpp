@@ -1,7 +1,10 @@
 // The file of tmclsim --bench, and the lines of its console.
 #include <gmock/gmock.h>
 
+#include <fstream>
+
 #include "sim_fixture.hpp"
+#include "support/temp_path.hpp"
 #include "tools/tmclsim/bench_file.hpp"
 #include "tools/tmclsim/console.hpp"
 
@@ -66,7 +69,8 @@ TEST(BenchFile, DescribesModulesAndWhatTheirMotorsDrive) {
   EXPECT_EQ(stage.load, 50);
   EXPECT_EQ(first.settings.firmware, (tmcl::sim::FirmwareRelease{1, 9}));
   EXPECT_EQ(first.settings.behaviour, tmcl::sim::Behaviour::lite);
-  EXPECT_EQ(first.settings.range_check, tmcl::sim::RangeCheck::wrap);
+  EXPECT_EQ(first.settings.traits.find(tmcl::Trait::range_check),
+            tmcl::index_of(tmcl::RangeCheck::wrap));
   EXPECT_EQ(first.settings.data_logger, true);
   EXPECT_EQ(first.surroundings.supply_tenths, 235);
   EXPECT_EQ(first.surroundings.temperature, 40);
@@ -74,7 +78,7 @@ TEST(BenchFile, DescribesModulesAndWhatTheirMotorsDrive) {
   EXPECT_EQ(second.spec, "TMCM-1110");
   EXPECT_EQ(second.settings.firmware, std::nullopt);
   EXPECT_EQ(second.settings.behaviour, tmcl::sim::Behaviour::manual);
-  EXPECT_EQ(second.settings.range_check, tmcl::sim::RangeCheck::manual);
+  EXPECT_TRUE(second.settings.traits.empty());
   EXPECT_EQ(second.settings.data_logger, std::nullopt);
   EXPECT_EQ(second.surroundings.supply_tenths, std::nullopt);
 }
@@ -136,8 +140,36 @@ TEST(BenchFile, SaysWhatIsWrongAboutAFirmware) {
 TEST(BenchFile, WrapsTheValuesOfModulesOnlyOfWhichItIsKnown) {
   const std::string module = "[[module]]\nmodel = \"TMCM-6212\"\n";
   EXPECT_THAT(error_of(module + "range_check = \"wrap\"\n"),
-              StartsWith("b.toml:3: what a TMCM-6212 does with values out of range is not known"));
+              "b.toml:3: a TMCM-6212 has no TMC429: 'range_check' can only be manual");
   EXPECT_EQ(error_of(module + "range_check = \"manual\"\n"), "");
+}
+
+TEST(BenchFile, HasTheTraitsOfAModule) {
+  const std::string module = "[[module]]\nmodel = \"TMCM-1110\"\n";
+  const auto file = parse_bench_file(module + "last_step = \"r2\"\nanswer_us = 1500\n", "b.toml");
+  ASSERT_TRUE(file) << file.error();
+  const auto& settings = file->front().settings;
+  EXPECT_EQ(settings.traits.find(tmcl::Trait::last_step), 2);
+  EXPECT_EQ(settings.to_answer, std::chrono::microseconds(1500));
+  EXPECT_THAT(error_of(module + "last_step = \"r4\"\n"),
+              StartsWith("b.toml:3: 'last_step' is 'r4', but must be r3, r1 or r2."));
+  EXPECT_THAT(error_of(module + "as = \"/nowhere/m.toml\"\n"),
+              "b.toml:3: /nowhere/m.toml: cannot be read, or is empty");
+}
+
+TEST(BenchFile, TakesWhatWasMeasuredOfAModuleOfTheSameModelOnly) {
+  const auto measured = tmcl::test::temp_path("module.toml");
+  std::ofstream(measured) << "[module]\nmodel = \"TMCM-1110\"\nfirmware_version = \"1.09\"\n"
+                             "heartbeat = \"ignored\"\n";
+  const auto as = "as = \"" + measured + "\"\n";
+  const auto file = parse_bench_file(
+      "[[module]]\nmodel = \"TMCM-1110\"\nfirmware_version = \"1.10\"\n" + as, "b.toml");
+  ASSERT_TRUE(file) << file.error();
+  const auto& settings = file->front().settings;
+  EXPECT_EQ(settings.traits.find(tmcl::Trait::heartbeat), 1);
+  EXPECT_EQ(settings.firmware->minor, 10) << "what the bench file says itself holds";
+  EXPECT_THAT(error_of("[[module]]\nmodel = \"TMCM-6212\"\n" + as),
+              "b.toml:3: " + measured + " is of a TMCM-1110, not of a TMCM-6212");
 }
 
 TEST(BenchFile, SaysWhichFileCannotBeRead) {

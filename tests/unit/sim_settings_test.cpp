@@ -21,6 +21,11 @@ class SimSettings : public SimTest {
   Module& add_with(const ModuleSettings& settings, std::uint16_t model = 1110) {
     return bench.add(*find_model(model), ModuleAddress{1}, settings);
   }
+  static ModuleSettings wrapping() {
+    ModuleSettings settings;
+    settings.traits.set(Trait::range_check, RangeCheck::wrap);
+    return settings;
+  }
   std::string version_text() {
     const auto request = encode_serial(Request{ModuleAddress{1}, Command::GET_FIRMWARE_VERSION});
     const auto bytes = exchange(Bytes(request.begin(), request.end()));
@@ -116,7 +121,7 @@ TEST_F(SimSettings, TmclLiteRefusesWhatItRefusesElsewhere) {
 
 class SimWrapping : public SimSettings {
  protected:
-  SimWrapping() : module(add_with({.range_check = RangeCheck::wrap})) {}
+  SimWrapping() : module(add_with(wrapping())) {}
   std::uint32_t chip(std::uint8_t address) { return value_of(Command::READ_MC, address); }
   Module& module;
 };
@@ -253,7 +258,7 @@ TEST_F(SimWrapping, AStallVelocityHasNoSign) {
 }
 
 TEST_F(SimSettings, OtherFamiliesRefuseWhateverIsSet) {
-  add_with({.range_check = RangeCheck::wrap}, 6212);
+  add_with(wrapping(), 6212);
   EXPECT_EQ(set(number_of("max_current"), 1000), Status::invalid_value);
   EXPECT_FALSE(can_wrap(*find_model(6212)));
   EXPECT_TRUE(can_wrap(*find_model(351)));

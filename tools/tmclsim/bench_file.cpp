@@ -12,8 +12,8 @@
 
 #include "settings_words.hpp"
 #include "sim/module/delivered_stage.hpp"
-#include "sim/module/wrapping.hpp"
 #include "tmcl/model.hpp"
+#include "tmcl/module_traits.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmclsim {
@@ -33,11 +33,12 @@ constexpr std::int64_t greatest_count = 1 << 24;
 constexpr std::int64_t greatest_load = 1'000'000;
 constexpr double greatest_supply = 1000;  // in volts
 constexpr std::int64_t greatest_temperature = 1000;
+constexpr std::int64_t greatest_answer_us = 1'000'000;
 
 constexpr auto file_keys = std::to_array<std::string_view>({"module"});
-constexpr auto module_keys = std::to_array<std::string_view>(
-    {"model", "address", "firmware_version", "behaviour", "range_check", "data_logger", "supply",
-     "temperature", "axis"});
+constexpr auto own_module_keys =
+    std::to_array<std::string_view>({"model", "address", "as", "firmware_version", "behaviour",
+                                     "answer_us", "data_logger", "supply", "temperature", "axis"});
 constexpr auto axis_keys = std::to_array<std::string_view>(
     {"motor", "position", "left_switch", "right_switch", "switch_tolerance", "normally_closed",
      "home", "home_normally_closed", "left_stop", "right_stop", "encoder_counts_per_turn",
@@ -104,6 +105,13 @@ void take(const toml::table& table, std::string_view key, std::optional<bool>& t
   if (table.get(key) == nullptr) return;
   target.emplace();
   take(table, key, *target);
+}
+
+// And the names of the traits.
+std::vector<std::string_view> module_keys() {
+  std::vector<std::string_view> keys(own_module_keys.begin(), own_module_keys.end());
+  for (const auto& info : tmcl::trait_table()) keys.push_back(info.name);
+  return keys;
 }
 
 void take_home(const toml::table& table, std::optional<Interval>& home) {
@@ -197,21 +205,37 @@ void take_word(const toml::table& table, std::string_view key,
   target = *value;
 }
 
+void take_traits(const toml::table& table, const tmcl::Model& model, tmcl::ModuleTraits& traits) {
+  for (const auto& info : tmcl::trait_table()) {
+    const auto* node = table.get(info.name);
+    if (node == nullptr) continue;
+    const auto variant = tmcl::parse_variant(info, word(*node, info.name, info.variants[0]));
+    if (!variant) complain(*node, quoted(info.name) + " " + variant.error());
+    // The first is what a module does that has no choice.
+    if (*variant != 0 && !tmcl::concerns(info.trait, model))
+      complain(*node, "a " + std::string(model.name) + " has no TMC429: " + quoted(info.name) +
+                          " can only be " + std::string(info.variants[0]));
+    traits.set(info.trait, *variant);
+  }
+}
+
 ModuleSettings settings_of(const toml::table& table, const tmcl::Model& model) {
   ModuleSettings settings;
+  if (const auto* node = table.get("as")) {
+    const auto measured = settings_as(word(*node, "as", "module.toml"), model);
+    if (!measured) complain(*node, measured.error());
+    settings = *measured;
+  }
   if (const auto* node = table.get("firmware_version")) {
     const auto text = word(*node, "firmware_version", "1.09");
     settings.firmware = parse_release(text);
     if (!settings.firmware) complain(*node, quoted(text) + std::string(no_release));
   }
   take_word(table, "behaviour", parse_behaviour, settings.behaviour);
-  take_word(table, "range_check", parse_range_check, settings.range_check);
+  take_traits(table, model, settings.traits);
+  if (const auto us = number(table, "answer_us", {0, greatest_answer_us}))
+    settings.to_answer = std::chrono::microseconds(*us);
   take(table, "data_logger", settings.data_logger);
-  if (settings.range_check == tmcl::sim::RangeCheck::wrap && !tmcl::sim::can_wrap(model)) {
-    complain(*table.get("range_check"), "what a " + std::string(model.name) +
-                                            " does with values out of range is not known: "
-                                            "'range_check' can be wrap with a TMC429 only");
-  }
   return settings;
 }
 
@@ -229,7 +253,7 @@ Surroundings surroundings_of(const toml::table& table) {
 }
 
 BenchModule module_of(const toml::table& table) {
-  want_known_keys(table, module_keys);
+  want_known_keys(table, module_keys());
   const auto& model = model_of(table);
   BenchModule module{std::string(model.name),
                      std::vector<StageSettings>(model.axes, tmcl::sim::delivered_stage(model)),

@@ -16,8 +16,8 @@ namespace tmclsim {
 namespace {
 
 constexpr auto known_options = std::to_array<std::string_view>(
-    {"--module", "--firmware", "--bench", "--pty", "--usb-pty", "--usb", "--can", "--tcp", "--pace",
-     "--echo", "--noise", "--eeprom", "--seed", "--console", "--help", "--version"});
+    {"--module", "--firmware", "--as", "--bench", "--pty", "--usb-pty", "--usb", "--can", "--tcp",
+     "--pace", "--echo", "--noise", "--eeprom", "--seed", "--console", "--help", "--version"});
 
 constexpr auto description =
     "Simulates TMCL modules: what talks to a module on a wire can talk to this instead.\n"
@@ -75,6 +75,8 @@ With --bench, motors have something to drive. FILE is TOML; all its keys but mod
                                      # "manual": they are refused
     range_check = "wrap"             # values out of range are cut to the width of what they are
                                      # written to, with a TMC429; "manual": they are refused
+    as = "module.toml"               # like the one of that file, as with --as; any key of it can
+                                     # stand here, too, and overrules the file
     supply = 23.5                    # what it measures, in volts
     temperature = 40                 # likewise, in degrees centigrade
     data_logger = true               # it has command 142, RAMDebug; without the key modules with a
@@ -94,6 +96,20 @@ With --bench, motors have something to drive. FILE is TOML; all its keys but mod
       load_per_velocity = 5          # more of it for each full step per second, in 1/1000
 Places are microsteps of 1/256 of a full step, counted from where the motor stands at first unless
 position says otherwise. The modules of the file come before those of --module.
+
+With --as, a module is like one that was measured. FILE is TOML; all its keys but model are optional:
+    [module]
+    model = "TMCM-1110"              # the same as that of --module
+    firmware_version = "1.09"
+    answer_us = 1840                 # how long it takes to answer
+    last_step = "r3"                 # of a TMC429, also r1, r2; and factor_rule, order, accumulator
+    relative_from = "actual"         # what MVP REL counts from; or target
+    relative_answer = "distance"     # what that is answered with; or target
+    limit_stop = "as_set"            # how it stops at a switch, whatever is set: hard, soft
+    program_state = "high_byte"      # where command 135 has it; or low_byte
+    heartbeat = "stops"              # when nobody sends anything; or ignored
+    range_check = "manual"           # values out of range are refused; or wrap, with a TMC429
+    addressing = "own"               # which commands it takes; or any
 
 With --console, each line on standard input is answered with "ok" or "error: ...":
     load 1/0 500         put so much load on motor 0 of module 1
@@ -126,7 +142,9 @@ EarlyExit unexpected_word(const std::string& word) {
 struct Words {
   std::vector<std::string> modules;
   std::vector<std::string> firmware;
+  std::vector<std::string> as;
   std::vector<std::optional<std::string>> firmware_of_module;  // as many as modules
+  std::vector<std::optional<std::string>> as_of_module;        // likewise
   std::string bench;
   std::vector<std::string> tcp;
   std::vector<std::string> usb_ptys;
@@ -151,6 +169,8 @@ void describe(CLI::App& app, Words& words) {
              "Simulate this module (see below); repeat it for more");
   repeatable("--firmware", words.firmware, "VERSION",
              "Let the --module before this say that it has such firmware: 1.09");
+  repeatable("--as", words.as, "FILE",
+             "Let the --module before this be like one that was measured (see below)");
   app.add_option("--bench", words.bench,
                  "Simulate the modules of this file, and what their motors drive (see below)")
       ->type_name("FILE");
@@ -187,25 +207,38 @@ void describe(CLI::App& app, Words& words) {
 
 using Done = tl::expected<void, std::string>;
 
-// Which --firmware stands behind which --module.
-Done sort_firmware(const CLI::App& app, Words& words) {
-  auto& of_module = words.firmware_of_module;
-  auto text = words.firmware.begin();
+using OfModules = std::vector<std::optional<std::string>>;
+
+// Which of these options stands behind which --module.
+Done sort(const CLI::App& app, const std::string& name, const std::vector<std::string>& texts,
+          const std::vector<std::string>& modules, OfModules& of_module) {
+  auto text = texts.begin();
   for (const auto* option : app.parse_order()) {
     if (option->get_name() == "--module") of_module.emplace_back();
-    if (option->get_name() != "--firmware") continue;
-    const auto named = "--firmware " + *text;
+    if (option->get_name() != name) continue;
+    const auto named = name + " " + *text;
     if (of_module.empty()) {
       return tl::unexpected(named +
                             " stands before any --module: put it behind the one it is for.");
     }
-    auto& firmware = of_module.back();
-    if (firmware) {
-      return tl::unexpected(named + " is one too many: --module " +
-                            words.modules[of_module.size() - 1] + " has --firmware " + *firmware +
-                            " already.");
+    auto& given = of_module.back();
+    if (given) {
+      return tl::unexpected(named + " is one too many: --module " + modules[of_module.size() - 1] +
+                            " has " + name + " " + *given + " already.");
     }
-    firmware = *text++;
+    given = *text++;
+  }
+  return {};
+}
+
+// `modules` are those of the command line.
+Done be_as(const Words& words, std::span<ModuleSpec> modules) {
+  for (std::size_t i = 0; i < std::min(modules.size(), words.as_of_module.size()); ++i) {
+    const auto& path = words.as_of_module[i];
+    if (!path) continue;
+    const auto settings = settings_as(*path, *modules[i].model);
+    if (!settings) return tl::unexpected("--as: " + settings.error() + ".");
+    modules[i].settings = *settings;
   }
   return {};
 }
@@ -241,7 +274,10 @@ tl::expected<std::vector<ModuleSpec>, std::string> all_modules(const Words& word
     (*modules)[i].settings = bench[i].settings;
     (*modules)[i].surroundings = bench[i].surroundings;
   }
-  const auto given = give_firmware(words, std::span(*modules).subspan(bench.size()));
+  const auto on_command_line = std::span(*modules).subspan(bench.size());
+  const auto measured = be_as(words, on_command_line);
+  if (!measured) return tl::unexpected(measured.error());
+  const auto given = give_firmware(words, on_command_line);
   if (!given) return tl::unexpected(given.error());
   return modules;
 }
@@ -316,9 +352,9 @@ tl::expected<Options, EarlyExit> parse_options(int argc, const char* const* argv
   if (const auto rest = app.remaining(); !rest.empty()) {
     return tl::unexpected(unexpected_word(rest.front()));
   }
-  if (const auto sorted = sort_firmware(app, words); !sorted) {
-    return tl::unexpected(wrong(sorted.error()));
-  }
+  auto sorted = sort(app, "--firmware", words.firmware, words.modules, words.firmware_of_module);
+  if (sorted) sorted = sort(app, "--as", words.as, words.modules, words.as_of_module);
+  if (!sorted) return tl::unexpected(wrong(sorted.error()));
   return check(std::move(words), app.count("--pace") > 0);
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "module_file/module_file.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmclsim {
@@ -10,12 +11,10 @@ namespace {
 
 using tmcl::sim::Behaviour;
 using tmcl::sim::FirmwareRelease;
-using tmcl::sim::RangeCheck;
 
 // The words of an enumeration, in its order.
 using Words = std::array<std::string_view, 2>;
 constexpr Words behaviours{"manual", "lite"};
-constexpr Words range_checks{"manual", "wrap"};
 
 template <class Value>
 tl::expected<Value, std::string> parse(std::string_view word, const Words& words) {
@@ -38,12 +37,26 @@ std::optional<FirmwareRelease> parse_release(std::string_view text) {
                          static_cast<std::uint8_t>(10 * digit(2) + digit(3))};
 }
 
-tl::expected<Behaviour, std::string> parse_behaviour(std::string_view word) {
-  return parse<Behaviour>(word, behaviours);
+tl::expected<tmcl::sim::ModuleSettings, std::string> settings_as(const std::string& path,
+                                                                 const tmcl::Model& model) {
+  const auto file = tmcl::read_module_file(path);
+  if (!file) return tl::unexpected(file.error());
+  if (file->model != &model) {
+    return tl::unexpected(path + " is of a " + std::string(file->model->name) + ", not of a " +
+                          std::string(model.name));
+  }
+  tmcl::sim::ModuleSettings settings;
+  settings.traits = file->traits;
+  settings.to_answer = file->to_answer;
+  if (file->firmware_version.empty()) return settings;
+  settings.firmware = parse_release(file->firmware_version);
+  if (settings.firmware) return settings;
+  return tl::unexpected(path + ": " + tmcl::quoted(file->firmware_version) +
+                        std::string(no_release));
 }
 
-tl::expected<RangeCheck, std::string> parse_range_check(std::string_view word) {
-  return parse<RangeCheck>(word, range_checks);
+tl::expected<Behaviour, std::string> parse_behaviour(std::string_view word) {
+  return parse<Behaviour>(word, behaviours);
 }
 
 }  // namespace tmclsim

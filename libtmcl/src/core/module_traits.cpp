@@ -1,0 +1,102 @@
+#include "tmcl/module_traits.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "tmcl/spelling.hpp"
+
+namespace tmcl {
+namespace {
+
+using Word = std::string_view;
+
+constexpr std::array<Word, 3> last_steps{"r3", "r1", "r2"};
+constexpr std::array<Word, 5> factor_rules{"percent_99", "percent_95", "percent_98_8", "nearest",
+                                           "nearest_less_one"};
+constexpr std::array<Word, 2> orders{"ramp_first", "pulse_first"};
+constexpr std::array<Word, 2> accumulators{"cleared", "kept"};
+constexpr std::array<Word, 2> origins{"actual", "target"};
+constexpr std::array<Word, 2> relative_answers{"distance", "target"};
+constexpr std::array<Word, 3> limit_stops{"as_set", "hard", "soft"};
+constexpr std::array<Word, 2> state_places{"high_byte", "low_byte"};
+constexpr std::array<Word, 2> heartbeats{"stops", "ignored"};
+constexpr std::array<Word, 2> range_checks{"manual", "wrap"};
+constexpr std::array<Word, 2> addressings{"own", "any"};
+
+constexpr std::array<TraitInfo, trait_count> table{{
+    {Trait::last_step, "last_step", last_steps,
+     "from which distance a TMC429 takes the speed at which it comes to its target"},
+    {Trait::factor_rule, "factor_rule", factor_rules,
+     "how the firmware rounds PMUL and PDIV, by which a TMC429 brakes"},
+    {Trait::order, "order", orders, "which stage of a TMC429 comes first at a common tick"},
+    {Trait::accumulator, "accumulator", accumulators,
+     "what a TMC429 does with the fraction of a microstep on its target"},
+    {Trait::relative_from, "relative_from", origins, "where a relative move counts from"},
+    {Trait::relative_answer, "relative_answer", relative_answers,
+     "what a relative move is answered with"},
+    {Trait::limit_stop, "limit_stop", limit_stops, "how a motor stops at a limit switch"},
+    {Trait::program_state, "program_state", state_places,
+     "where the answer to command 135 has the state of the program"},
+    {Trait::heartbeat, "heartbeat", heartbeats,
+     "what the module does when nobody has sent it anything for the time it keeps"},
+    {Trait::range_check, "range_check", range_checks,
+     "what becomes of a value that is out of range"},
+    {Trait::addressing, "addressing", addressings,
+     "whether commands for other addresses are taken"},
+}};
+
+bool is_newer(Family family) {
+  return family == Family::sixpoint || family == Family::tmc4361 || family == Family::firmware;
+}
+
+}  // namespace
+
+std::span<const TraitInfo, trait_count> trait_table() { return table; }
+
+const TraitInfo& info_of(Trait trait) { return table[static_cast<std::size_t>(trait)]; }
+
+const TraitInfo* find_trait(std::string_view name) {
+  const auto* found = std::ranges::find(table, name, &TraitInfo::name);
+  return found == table.end() ? nullptr : &*found;
+}
+
+// The newer firmware counts relative movements from the target, and tells where they go.
+std::uint8_t usual_variant(Trait trait, const Model& model) {
+  const bool is_of_relative = trait == Trait::relative_from || trait == Trait::relative_answer;
+  return is_of_relative && is_newer(model.family) ? 1 : 0;
+}
+
+bool concerns(Trait trait, const Model& model) {
+  const bool is_of_chip = trait <= Trait::accumulator || trait == Trait::range_check;
+  return !is_of_chip || model.family == Family::tmc429;
+}
+
+tl::expected<std::uint8_t, std::string> parse_variant(const TraitInfo& info,
+                                                      std::string_view word) {
+  const auto found = std::ranges::find(info.variants, word);
+  if (found != info.variants.end()) return static_cast<std::uint8_t>(found - info.variants.begin());
+  std::string choices;
+  for (std::size_t i = 0; i < info.variants.size(); ++i) {
+    const bool is_last = i + 1 == info.variants.size();
+    choices += std::string(i == 0 ? "" : is_last ? " or " : ", ") + std::string(info.variants[i]);
+  }
+  return tl::unexpected("is " + quoted(word) + ", but must be " + choices + "." +
+                        did_you_mean(word, info.variants));
+}
+
+void take_traits(ramp::Tmc429& chip, const ModuleTraits& traits) {
+  using R = ramp::Tmc429::Register;
+  constexpr std::array<std::pair<Trait, R>, 4> of_chip{{{Trait::last_step, R::last_step},
+                                                        {Trait::factor_rule, R::factor_rule},
+                                                        {Trait::order, R::order},
+                                                        {Trait::accumulator, R::accumulator}}};
+  for (const auto& [trait, name] : of_chip) {
+    if (const auto variant = traits.find(trait)) chip.write(name, *variant);
+  }
+}
+
+bool ModuleTraits::empty() const {
+  return std::ranges::none_of(variants_, [](const auto& variant) { return variant.has_value(); });
+}
+
+}  // namespace tmcl

@@ -1,0 +1,144 @@
+// Each trait of a module makes the difference that it stands for.
+#include <gtest/gtest.h>
+
+#include "sim_fixture.hpp"
+#include "tmcl/parameter_number.hpp"
+
+namespace tmcl::sim {
+namespace {
+
+namespace ap = axis_parameter;
+using namespace std::chrono_literals;
+
+struct Nobody : EventSink {
+  void target_reached(const Module&, std::int32_t) override {}
+};
+
+class SimTraits : public SimTest {
+ protected:
+  template <class Variant>
+  Module& add_with(Trait trait, Variant variant, std::uint16_t model = 1110) {
+    ModuleSettings settings;
+    settings.traits.set(trait, variant);
+    return bench.add(*find_model(model), ModuleAddress{1}, settings);
+  }
+  std::int32_t value_of(Command command, std::uint8_t type, std::int32_t value = 0) {
+    return ask(command, type, 0, value)->value;
+  }
+  /// From before it moves until it stands.
+  Duration time_of_one_microstep() {
+    for (const auto& [parameter, value] : {std::pair{ap::max_velocity, 1000},
+                                           {ap::max_acceleration, 500},
+                                           {number_of("minimum_velocity"), 1},
+                                           {number_of("ramp_divisor"), 5},
+                                           {number_of("pulse_divisor"), 5}})
+      EXPECT_EQ(status_of(Command::SAP, parameter, 0, value), Status::ok);
+    value_of(Command::MVP, 0, 1);
+    for (Duration time{}; time < 1s; time += 1ms) {
+      if (value_of(Command::GAP, ap::actual_position) == 1) return time;
+      pass(1ms);
+    }
+    return 1s;
+  }
+  void stop_halfway_to(std::int32_t target) {
+    value_of(Command::MVP, 0, target);
+    while (value_of(Command::GAP, ap::actual_position) < target / 2) pass(1ms);
+    value_of(Command::MST, 0);
+    pass(3s);
+  }
+};
+
+TEST_F(SimTraits, ATmc429TakesItsLastStepAsItIsSaidTo) {
+  add_with(Trait::last_step, ramp::Tmc429::LastStep::r3);
+  EXPECT_GT(time_of_one_microstep(), 100ms);
+}
+
+TEST_F(SimTraits, AndFasterByAnotherRule) {
+  add_with(Trait::last_step, ramp::Tmc429::LastStep::r2);
+  EXPECT_LT(time_of_one_microstep(), 60ms);
+}
+
+TEST_F(SimTraits, ARelativeMoveCountsFromWhereTheMotorIs) {
+  add_with(Trait::relative_from, RelativeFrom::actual);
+  stop_halfway_to(20000);
+  const auto here = value_of(Command::GAP, ap::actual_position);
+  value_of(Command::MVP, 1, 100);
+  EXPECT_EQ(value_of(Command::GAP, ap::target_position), here + 100);
+}
+
+TEST_F(SimTraits, OrFromItsTarget) {
+  add_with(Trait::relative_from, RelativeFrom::target);
+  stop_halfway_to(20000);
+  const auto target = value_of(Command::GAP, ap::target_position);
+  ASSERT_NE(target, value_of(Command::GAP, ap::actual_position));
+  value_of(Command::MVP, 1, 100);
+  EXPECT_EQ(value_of(Command::GAP, ap::target_position), target + 100);
+}
+
+TEST_F(SimTraits, ARelativeMoveIsAnsweredWithItsDistance) {
+  add_with(Trait::relative_answer, RelativeAnswer::distance, 1276);
+  value_of(Command::MVP, 0, 1000);
+  EXPECT_EQ(value_of(Command::MVP, 1, 100), 100);
+}
+
+TEST_F(SimTraits, OrWithItsTarget) {
+  add_with(Trait::relative_answer, RelativeAnswer::target);
+  pass(1ms);
+  EXPECT_EQ(value_of(Command::MVP, 1, 100), value_of(Command::GAP, ap::target_position));
+  pass(5s);
+  EXPECT_EQ(value_of(Command::MVP, 1, 100), 200);
+}
+
+// The parameter is read as it was set.
+TEST_F(SimTraits, AMotorStopsHardOrSoftAtALimitWhateverTheParameterSays) {
+  const auto soft_stop = number_of(Family::tmc429, "soft_stop");
+  for (const auto stop : {LimitStop::hard, LimitStop::soft, LimitStop::as_set}) {
+    for (const auto set : {0, 1}) {
+      ModuleSettings settings;
+      settings.traits.set(Trait::limit_stop, stop);
+      VirtualClock time;
+      Nobody sink;
+      Module module(*find_model(1110), ModuleAddress{1}, time, settings);
+      StageSettings stage;
+      stage.right_switch = 20000;
+      module.mount(0, stage);
+      const auto run = [&](Command command, std::uint8_t type, std::int32_t value) {
+        return module.execute({ModuleAddress{1}, command, type, 0, value}, Medium::serial, sink)
+            .value;
+      };
+      run(Command::SAP, soft_stop, set);
+      EXPECT_EQ(run(Command::GAP, soft_stop, 0), set);
+      run(Command::ROR, 0, 1000);
+      time.advance(10s);
+      const bool is_soft = stop == LimitStop::soft || (stop == LimitStop::as_set && set == 1);
+      const auto beyond = run(Command::GAP, ap::actual_position, 0) - 20000;
+      EXPECT_EQ(beyond > 100, is_soft) << index_of(stop) << " " << set << ": " << beyond;
+    }
+  }
+}
+
+TEST_F(SimTraits, TheStateOfAProgramIsInTheLowByte) {
+  add_with(Trait::program_state, ProgramState::low_byte);
+  value_of(Command::RESET_APPLICATION, 0);
+  EXPECT_EQ(value_of(Command::GET_APPLICATION_STATUS, 0),
+            ask(Command::GGP, global_parameter::application_status, 0)->value);
+}
+
+TEST_F(SimTraits, AHeartbeatIsKeptAndIgnored) {
+  add_with(Trait::heartbeat, tmcl::Heartbeat::ignored);
+  ASSERT_EQ(status_of(Command::SGP, global_parameter::serial_heartbeat, 0, 100), Status::ok);
+  value_of(Command::ROR, 0, 500);
+  pass(2s);
+  EXPECT_NE(value_of(Command::GAP, ap::actual_velocity), 0);
+}
+
+TEST_F(SimTraits, CommandsForAnyAddressAreTaken) {
+  add_with(Trait::addressing, Addressing::any);
+  const auto request = encode_serial(Request{ModuleAddress{9}, Command::GAP, 1, 0, 0});
+  const auto bytes = exchange(Bytes(request.begin(), request.end()));
+  ASSERT_EQ(bytes.size(), 9U);
+  EXPECT_EQ(bytes[1], 1) << "its own";
+}
+
+}  // namespace
+}  // namespace tmcl::sim
