@@ -12,6 +12,7 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 
+#include "async/rest.hpp"
 #include "async/spawn.hpp"
 #include "async/wait_until.hpp"
 #include "fronts/descriptors.hpp"
@@ -62,12 +63,15 @@ std::string state_file(const DaemonConfig& config, std::string_view suffix) {
 
 tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(boost::asio::io_context& context,
                                                                   const Config& config,
-                                                                  const OpenLink& open_link) {
-  auto file = SocketFile::claim(config.daemon.socket);
+                                                                  const OpenLink& open_link,
+                                                                  Service service) {
+  const auto passed = service.take_socket();
+  auto file = passed ? SocketFile::passed(*passed, config.daemon.socket)
+                     : SocketFile::claim(config.daemon.socket);
   if (!file) return tl::unexpected(std::move(file.error()));
   auto audit = AuditTrail::open(config.daemon.audit);
   if (!audit) return tl::unexpected(std::move(audit.error()));
-  std::unique_ptr<Daemon> daemon(new Daemon(context));
+  std::unique_ptr<Daemon> daemon(new Daemon(context, std::move(service)));
   daemon->audit_ = std::move(*audit);
   const auto executor = context.get_executor();
   GatewayOptions options{open_link, log};
@@ -105,7 +109,33 @@ awaitable<void> Daemon::begin_to_serve(Daemon& daemon) {
   co_await wait_until(
       [&] { return daemon.ending_ || std::ranges::all_of(daemon.gateway_->buses(), is_open); },
       time_to_open);
-  if (!daemon.ending_) daemon.server_->start();
+  if (daemon.ending_) co_return;
+  daemon.server_->start();
+  if (!daemon.service_.is_watched()) co_return;
+  daemon.service_.ready(daemon.status());
+  spawn(daemon.context_.get_executor(), report(daemon));
+}
+
+awaitable<void> Daemon::report(Daemon& daemon) {
+  auto told = daemon.status();
+  while (!daemon.has_ended_) {
+    daemon.service_.alive();
+    auto status = daemon.status();
+    if (!daemon.ending_ && status != told) {
+      daemon.service_.status(status);
+      told = std::move(status);
+    }
+    co_await rest(daemon.service_.report_interval());
+  }
+}
+
+std::string Daemon::status() const {
+  const auto& buses = gateway_->buses();
+  if (buses.empty()) return "no bus is configured";
+  const auto open = std::ranges::count_if(
+      buses, [](const auto& bus) { return bus->state() == GatewayBus::State::open; });
+  return std::to_string(gateway_->axes().size()) + " axes, " + std::to_string(open) + " of " +
+         std::to_string(buses.size()) + " buses open";
 }
 
 // Whoever threw has ended; all others go on, as long as it takes to stop what moves.
@@ -151,6 +181,7 @@ awaitable<void> Daemon::wait_for_signal(Daemon& daemon) {
 
 awaitable<void> Daemon::end(Daemon& daemon) {
   auto& server = *daemon.server_;
+  daemon.service_.stopping("ending: axes that move are stopped first");
   server.stop_accepting();
   co_await end_gateway(daemon.gateway_);
   server.finish_sessions();

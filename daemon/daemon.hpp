@@ -4,6 +4,7 @@
 #include <exception>
 #include <memory>
 #include <string>
+#include <utility>
 
 #include <boost/asio/io_context.hpp>
 #include <tl/expected.hpp>
@@ -12,16 +13,17 @@
 #include "fronts/unix_server.hpp"
 #include "gateway/gateway.hpp"
 #include "log/audit_trail.hpp"
+#include "service/service.hpp"
 
 namespace tmcld {
 
 class Daemon {
  public:
-  /// Claims the socket. The context must outlive it. Errors: a sentence for a person, with what to
-  /// try.
+  /// Claims the socket, or takes that of the service. The context must outlive it. Errors: a
+  /// sentence for a person, with what to try.
   static tl::expected<std::unique_ptr<Daemon>, std::string> create(
       boost::asio::io_context& context, const Config& config,
-      const OpenLink& open_link = open_configured_link);
+      const OpenLink& open_link = open_configured_link, Service service = {});
 
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
@@ -50,13 +52,19 @@ class Daemon {
   bool is_opening_links() const;
 
  private:
-  explicit Daemon(boost::asio::io_context& context) : context_(context) {}
+  Daemon(boost::asio::io_context& context, Service service)
+      : context_(context), service_(std::move(service)) {}
   static boost::asio::awaitable<void> begin_to_serve(Daemon& daemon);
   static boost::asio::awaitable<void> wait_for_signal(Daemon& daemon);
   static boost::asio::awaitable<void> end(Daemon& daemon);
+  /// Says that the reactor turns, for as long as it does: a bus that is lost or a module that is
+  /// silent is no reason to be started again.
+  static boost::asio::awaitable<void> report(Daemon& daemon);
+  std::string status() const;
   void end_after(const std::exception_ptr& failure) noexcept;
 
   boost::asio::io_context& context_;
+  Service service_;
   std::shared_ptr<AuditTrail> audit_;
   std::shared_ptr<Gateway> gateway_;
   std::shared_ptr<UnixServer> server_;

@@ -94,8 +94,13 @@ int check(const Config& config) {
 int serve(const Config& config) {
   // A peer that has gone is an error value of the write, not the end of the daemon.
   std::signal(SIGPIPE, SIG_IGN);
+  auto service = Service::of_environment();
+  if (!service) {
+    log(LogLevel::error, service.error());
+    return exit_code::runtime_failure;
+  }
   boost::asio::io_context context(1);
-  auto daemon = Daemon::create(context, config);
+  auto daemon = Daemon::create(context, config, open_configured_link, std::move(*service));
   if (!daemon) {
     log(LogLevel::error, daemon.error());
     return exit_code::runtime_failure;

@@ -55,6 +55,13 @@ ino_t inode_of(const std::string& path) {
   return ::lstat(path.c_str(), &status) == 0 ? status.st_ino : 0;
 }
 
+std::string path_of(int descriptor) {
+  sockaddr_un address{};
+  socklen_t size = sizeof address;
+  if (::getsockname(descriptor, reinterpret_cast<sockaddr*>(&address), &size) != 0) return {};
+  return {address.sun_path, ::strnlen(address.sun_path, sizeof address.sun_path)};
+}
+
 bool is_same_file(int descriptor, const std::string& path) {
   struct stat status {};
   return ::fstat(descriptor, &status) == 0 && status.st_ino == inode_of(path);
@@ -111,6 +118,19 @@ tl::expected<SocketFile, std::string> SocketFile::claim(const std::string& path)
   return file;
 }
 
+tl::expected<SocketFile, std::string> SocketFile::passed(int descriptor, const std::string& path) {
+  SocketFile file(path, -1);
+  file.descriptor_ = descriptor;
+  file.was_passed_ = true;
+  const auto its_path = path_of(descriptor);
+  std::error_code error;
+  if (its_path == path || std::filesystem::equivalent(its_path, path, error)) return file;
+  return tl::unexpected("the socket that tmcld was passed is at " + its_path +
+                        ", but clients look for it at " + path +
+                        ": let 'socket' in [daemon] and ListenStream= of the socket's unit name "
+                        "the same path");
+}
+
 std::string SocketFile::listen() {
   descriptor_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const auto address = address_of(path_);
@@ -129,7 +149,8 @@ SocketFile::SocketFile(SocketFile&& other) noexcept
     : path_(std::move(other.path_)),
       lock_(std::exchange(other.lock_, -1)),
       descriptor_(std::exchange(other.descriptor_, -1)),
-      inode_(std::exchange(other.inode_, 0)) {}
+      inode_(std::exchange(other.inode_, 0)),
+      was_passed_(other.was_passed_) {}
 
 SocketFile::~SocketFile() {
   remove();

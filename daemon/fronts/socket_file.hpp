@@ -1,4 +1,5 @@
-/// The unix socket in the file system: claimed by one daemon at a time, and gone when it ends.
+/// The unix socket in the file system: claimed by one daemon at a time, and gone when it ends; or
+/// made by somebody else, who keeps it.
 #pragma once
 
 #include <sys/types.h>
@@ -13,6 +14,9 @@ class SocketFile {
  public:
   /// Errors: a sentence for a person, with what to try.
   static tl::expected<SocketFile, std::string> claim(const std::string& path);
+  /// One that listens already, and is left where it is at the end. Takes the descriptor over.
+  /// Errors: likewise, if it is not the socket at `path`.
+  static tl::expected<SocketFile, std::string> passed(int descriptor, const std::string& path);
 
   SocketFile(SocketFile&& other) noexcept;
   SocketFile& operator=(SocketFile&&) = delete;
@@ -20,6 +24,8 @@ class SocketFile {
 
   /// Listens; whoever takes it over closes it.
   int release_descriptor();
+  /// Clients may have come before anybody served them.
+  bool was_passed() const { return was_passed_; }
   /// Removes the file, unless another program has put its own there.
   void remove();
 
@@ -31,6 +37,7 @@ class SocketFile {
   int lock_ = -1;
   int descriptor_ = -1;
   ino_t inode_ = 0;
+  bool was_passed_ = false;
 };
 
 }  // namespace tmcld

@@ -29,7 +29,30 @@ UnixServer::UnixServer(const boost::asio::any_io_executor& executor, SocketFile 
       gateway_(std::move(gateway)),
       most_clients_(clients) {}
 
-void UnixServer::start() { spawn(acceptor_.get_executor(), accept(shared_from_this())); }
+void UnixServer::start() {
+  if (file_.was_passed()) take_in_who_waits();
+  spawn(acceptor_.get_executor(), accept(shared_from_this()));
+}
+
+void UnixServer::take_in_who_waits() {
+  boost::system::error_code error;
+  acceptor_.non_blocking(true, error);
+  std::size_t cut_off = 0;
+  // Whoever comes while this goes on is for accept().
+  for (int i = 0; i < SOMAXCONN; ++i) {
+    Protocol::socket socket(acceptor_.get_executor());
+    acceptor_.accept(socket, error);
+    if (error) break;
+    const bool has_spoken = socket.available(error) > 0;
+    cut_off += has_spoken ? 1 : 0;
+    if (!has_spoken && !is_full()) take_in(std::move(socket));
+  }
+  if (cut_off == 0) return;
+  gateway_->log(LogLevel::warning,
+                std::to_string(cut_off) +
+                    " clients had asked for something before tmcld served them: they were cut off, "
+                    "and nothing was done");
+}
 
 void UnixServer::stop_accepting() {
   boost::system::error_code ignored;

@@ -42,6 +42,9 @@ class UnixServer : public std::enable_shared_from_this<UnixServer> {
  private:
   using Protocol = boost::asio::local::stream_protocol;
 
+  /// On a socket that somebody else opened, clients may wait since long ago. Who of them has asked
+  /// for something already is cut off: nobody knows whether it is still wanted.
+  void take_in_who_waits();
   static boost::asio::awaitable<void> accept(std::shared_ptr<UnixServer> self);
   void take_in(Protocol::socket socket);
   bool is_full() const { return sessions_.size() - for_stops_.size() >= most_clients_; }
