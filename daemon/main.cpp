@@ -73,9 +73,12 @@ void print_feeding(const BusConfig& bus) {
   }
 }
 
-int check(const Config& config) {
-  std::printf("ok: %s, %s\n", counted(config.buses.size(), "bus", "buses").c_str(),
+int check(const LoadedConfig& loaded) {
+  const auto& config = loaded.config;
+  std::printf("ok: %s, %s", counted(config.buses.size(), "bus", "buses").c_str(),
               counted(config.axes.size(), "axis", "axes").c_str());
+  if (loaded.files > 1) std::printf(", from %zu files", loaded.files);
+  std::printf("\n");
   for (const auto& bus : config.buses) print_feeding(bus);
   for (const auto& axis : config.axes) {
     if (!axis.scale.unit.empty() || axis.scale.limits || axis.motion_limits.of_settings() ||
@@ -121,13 +124,13 @@ int main(int argc, char** argv) {
   const auto parsed = parse_command_line(argc, argv);
   if (const auto* code = std::get_if<ExitCode>(&parsed)) return code->value;
   const auto& command_line = std::get<CommandLine>(parsed);
-  const auto config = load_config(command_line.config_file);
-  if (!config) return report(config.error());
-  if (command_line.only_check) return check(*config);
-  start_log(config->daemon.log_level);
+  const auto loaded = load_config(command_line.config_file);
+  if (!loaded) return report(loaded.error());
+  if (command_line.only_check) return check(*loaded);
+  start_log(loaded->config.daemon.log_level);
   int code = exit_code::runtime_failure;
   try {
-    code = serve(*config);
+    code = serve(loaded->config);
   } catch (...) {  // nothing was served yet, or nothing is any more
     log_failure(tmcld::log, "tmcld", std::current_exception());
   }

@@ -1,74 +1,85 @@
 #include "config/load.hpp"
 
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstdio>
-#include <cstring>
-#include <memory>
-#include <optional>
+#include <tuple>
 #include <utility>
 
 #include "config/build.hpp"
+#include "config/files.hpp"
 #include "config/section.hpp"
 
 namespace tmcld {
 namespace {
 
-// A configuration of max_axes axes has some 20 kB; a whole disk given by mistake has more.
-constexpr std::size_t max_file_bytes = 1U << 20U;
-
-tl::unexpected<std::string> cannot_be_read(const std::string& path) {
-  return tl::unexpected(path + ": cannot be read: " + std::strerror(errno));
-}
-
-/// Whoever writes the configuration decides where motors may go.
-std::optional<std::string> objection_to_writers(const std::string& path,
-                                                const struct stat& status) {
-  const bool is_ours = status.st_uid == 0 || status.st_uid == ::geteuid();
-  if (!is_ours) {
-    return path + ": belongs to another user (uid " + std::to_string(status.st_uid) +
-           "), who could change limits of axes; make it root's or your own: `chown`";
-  }
-  if (S_ISREG(status.st_mode) && (status.st_mode & S_IWOTH) != 0) {
-    return path + ": everybody may write to it, and so change limits of axes; try `chmod o-w " +
-           path + "`";
-  }
-  return std::nullopt;
-}
-
-tl::expected<std::string, std::string> read_file(const std::string& path) {
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "re"),
-                                                             &std::fclose);
-  struct stat status {};
-  if (!file || ::fstat(::fileno(file.get()), &status) != 0) return cannot_be_read(path);
-  if (auto objection = objection_to_writers(path, status)) return tl::unexpected(*objection);
-  std::string text(max_file_bytes + 1, '\0');
-  text.resize(std::fread(text.data(), 1, text.size(), file.get()));
-  if (std::ferror(file.get()) != 0) return cannot_be_read(path);
-  if (text.size() > max_file_bytes) return tl::unexpected(path + ": is larger than 1 MiB");
-  return text;
-}
-
 using Problems = std::vector<ConfigProblem>;
 
+bool comes_first(const ConfigProblem& a, const ConfigProblem& b) {
+  const auto key = [](const Place& place) {
+    return std::tuple(place.file, place.line, place.column);
+  };
+  return key(a.place) < key(b.place);
+}
+
 tl::expected<Config, Problems> build(ConfigText text) {
-  if (!text.is_toml) return tl::unexpected(std::move(text.problems));
-  auto config = build_config(text.sections, text.problems);
+  Config config;
+  if (text.is_toml) config = build_config(text.sections, text.problems);
   if (text.problems.empty()) return config;
-  std::ranges::stable_sort(text.problems, {}, [](const ConfigProblem& problem) {
-    return std::pair(problem.place.line, problem.place.column);
-  });
+  std::ranges::stable_sort(text.problems, comes_first);
   return tl::unexpected(std::move(text.problems));
 }
 
-tl::expected<Config, std::vector<std::string>> with_lines(const std::string& path,
+void demand_daemon_section(ConfigText& text) {
+  if (!text.is_toml || text.names_daemon) return;
+  text.problems.push_back({{}, "the section [daemon] with its key 'socket' is missing"});
+}
+
+// ---- several files -----------------------------------------------------------------------------
+
+using Files = std::vector<ConfigFile>;
+
+/// Sections go by their order; where they stand tells the file, too.
+void append(ConfigText& all, ConfigText one, std::uint32_t file) {
+  for (auto& section : one.sections) {
+    section.place.file = file;
+    for (auto& [key, value] : section.values) value.place.file = file;
+    all.sections.push_back(std::move(section));
+  }
+  for (auto& problem : one.problems) {
+    problem.place.file = file;
+    all.problems.push_back(std::move(problem));
+  }
+  all.is_toml = all.is_toml && one.is_toml;
+  all.names_daemon = all.names_daemon || one.names_daemon;
+}
+
+void check_daemon_sections(ConfigText& text, const Files& files) {
+  const ConfigSection* first = nullptr;
+  for (const auto& section : text.sections) {
+    if (section.kind != SectionKind::daemon) continue;
+    if (first == nullptr) {
+      first = &section;
+    } else {
+      text.problems.push_back({section.place, "[daemon] stands in " +
+                                                  files.at(first->place.file).path +
+                                                  " already: it is for one file"});
+    }
+  }
+}
+
+ConfigText read_all(const Files& files, DaemonSection daemon) {
+  ConfigText all;
+  for (std::size_t i = 0; i < files.size(); ++i)
+    append(all, read_sections(files[i].text, daemon), static_cast<std::uint32_t>(i));
+  check_daemon_sections(all, files);
+  return all;
+}
+
+tl::expected<Config, std::vector<std::string>> with_lines(const Files& files,
                                                           tl::expected<Config, Problems> config) {
   if (config) return std::move(*config);
   std::vector<std::string> lines;
-  for (const auto& problem : config.error()) lines.push_back(describe(path, problem));
+  for (const auto& problem : config.error())
+    lines.push_back(describe(files.at(problem.place.file).path, problem));
   return tl::unexpected(std::move(lines));
 }
 
@@ -113,21 +124,27 @@ void keep_only(std::vector<ConfigSection>& sections, const std::string& bus) {
 }  // namespace
 
 tl::expected<Config, std::vector<ConfigProblem>> parse_config(std::string_view toml) {
-  return build(read_sections(toml, DaemonSection::required));
+  auto text = read_sections(toml, DaemonSection::read);
+  demand_daemon_section(text);
+  return build(std::move(text));
 }
 
-tl::expected<Config, std::vector<std::string>> load_config(const std::string& path) {
-  const auto text = read_file(path);
-  if (!text) return tl::unexpected(std::vector{text.error()});
-  return with_lines(path, parse_config(*text));
+tl::expected<LoadedConfig, std::vector<std::string>> load_config(const std::string& path) {
+  const auto files = read_config_files(path);
+  if (!files) return tl::unexpected(std::vector{files.error()});
+  auto text = read_all(*files, DaemonSection::read);
+  demand_daemon_section(text);
+  auto config = with_lines(*files, build(std::move(text)));
+  if (!config) return tl::unexpected(std::move(config.error()));
+  return LoadedConfig{std::move(*config), files->size()};
 }
 
 tl::expected<Config, std::vector<std::string>> load_config_for_link(const std::string& path,
                                                                     const tmcl::LinkName& link) {
-  const auto file = read_file(path);
-  if (!file) return tl::unexpected(std::vector{file.error()});
-  auto text = read_sections(*file, DaemonSection::ignored);
-  if (!text.problems.empty()) return with_lines(path, build(std::move(text)));
+  const auto files = read_config_files(path);
+  if (!files) return tl::unexpected(std::vector{files.error()});
+  auto text = read_all(*files, DaemonSection::ignored);
+  if (!text.problems.empty()) return with_lines(*files, build(std::move(text)));
   const auto bus = bus_for(text.sections, link);
   if (bus == text.sections.end())
     return tl::unexpected(std::vector{path + ": " + no_bus_for(text.sections, link)});
@@ -138,7 +155,7 @@ tl::expected<Config, std::vector<std::string>> load_config_for_link(const std::s
   for (auto& one : config ? config->buses : std::vector<BusConfig>{}) {
     for (auto& module : one.modules) module.deadman_ms.reset();
   }
-  return with_lines(path, std::move(config));
+  return with_lines(*files, std::move(config));
 }
 
 Config config_for_link(const tmcl::LinkName& link) {

@@ -1,6 +1,7 @@
 /// From a configuration file to a Config that can be relied on.
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -15,8 +16,14 @@ namespace tmcld {
 /// Errors: everything that is wrong, in the order of the text. Never throws.
 tl::expected<Config, std::vector<ConfigProblem>> parse_config(std::string_view toml);
 
-/// Errors: one line each, "FILE:LINE:COLUMN: what is wrong", or why the file cannot be read.
-tl::expected<Config, std::vector<std::string>> load_config(const std::string& path);
+struct LoadedConfig {
+  Config config;
+  std::size_t files = 1;
+};
+
+/// From the file and those beside it: see read_config_files().
+/// Errors: one line each, "FILE:LINE:COLUMN: what is wrong", or why a file cannot be read.
+tl::expected<LoadedConfig, std::vector<std::string>> load_config(const std::string& path);
 
 /// For a gateway on one link: [daemon] may be missing, and is ignored. The link takes the place of
 /// that of the only bus, or of the bus that has this link; no other bus is kept, nor its axes.

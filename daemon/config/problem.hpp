@@ -6,10 +6,11 @@
 
 namespace tmcld {
 
-/// A place in a text; both count from one.
+/// A place in a text; line and column count from one, files from zero.
 struct Place {
   std::uint32_t line = 1;
   std::uint32_t column = 1;
+  std::uint32_t file = 0;
 };
 
 struct ConfigProblem {

@@ -45,12 +45,13 @@ struct ConfigSection {
 };
 
 struct ConfigText {
-  bool is_toml = true;  ///< If not, there are no sections, and one problem.
+  bool is_toml = true;        ///< If not, there are no sections, and one problem.
+  bool names_daemon = false;  ///< Its section, right or wrong.
   std::vector<ConfigSection> sections;
   std::vector<ConfigProblem> problems;
 };
 
-enum class DaemonSection : std::uint8_t { required, ignored };
+enum class DaemonSection : std::uint8_t { read, ignored };
 
 /// Reads TOML and checks every key against the table of keys. Never throws.
 ConfigText read_sections(std::string_view toml, DaemonSection daemon);

@@ -14,7 +14,7 @@ namespace {
 using tmcl::quoted;
 
 Place place_of(const toml::source_region& source) {
-  return {source.begin.line, source.begin.column};
+  return {source.begin.line, source.begin.column, 0};
 }
 
 class Reader {
@@ -24,7 +24,8 @@ class Reader {
   void read(const toml::table& root) {
     for (const auto& [key, node] : root) {
       if (key == "daemon") {
-        if (daemon_ == DaemonSection::required) read_single(node);
+        text_.names_daemon = true;
+        if (daemon_ == DaemonSection::read) read_single(node);
       } else if (key == "access") {
         read_list(SectionKind::access, node);
       } else if (key == "bus") {
@@ -37,8 +38,6 @@ class Reader {
         complain_unknown(key, node);
       }
     }
-    if (daemon_ == DaemonSection::required && !root.contains("daemon"))
-      complain({}, "the section [daemon] with its key 'socket' is missing");
   }
 
  private:
@@ -155,10 +154,6 @@ class Reader {
   DaemonSection daemon_;
 };
 
-bool comes_first(const ConfigProblem& a, const ConfigProblem& b) {
-  return std::pair(a.place.line, a.place.column) < std::pair(b.place.line, b.place.column);
-}
-
 }  // namespace
 
 ConfigText read_sections(std::string_view toml, DaemonSection daemon) {
@@ -170,7 +165,6 @@ ConfigText read_sections(std::string_view toml, DaemonSection daemon) {
     text.is_toml = false;
     text.problems.push_back({place_of(error.source()), std::string(error.description())});
   }
-  std::ranges::stable_sort(text.problems, comes_first);
   return text;
 }
 

@@ -262,6 +262,12 @@ TEST_F(Tmcld, ChecksItsConfiguration) {
   EXPECT_EQ(good.output, "ok: 1 bus, 3 axes\n");
   EXPECT_FALSE(std::filesystem::exists(socket()));
 
+  std::filesystem::create_directory(path("tmcld.d"));
+  std::ofstream(path("tmcld.d/cell.toml")) << "[[bus]]\nname = \"cell\"\nlink = \"can:can0\"\n";
+  EXPECT_EQ(run_program({"tmcld", "--config", config(), "--check"}).output,
+            "ok: 2 buses, 3 axes, from 2 files\n");
+  std::filesystem::remove_all(path("tmcld.d"));
+
   std::ofstream(config(), std::ios::app) << "moter = 1\n";
   const auto bad = run_program({"tmcld", "--config", config(), "--check"});
   EXPECT_EQ(bad.status, 2);

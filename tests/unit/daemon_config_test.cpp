@@ -494,7 +494,7 @@ TEST(DaemonConfig, ExampleFileIsGoodAndMentionsEveryKey) {
   const std::string path = TMCL_SOURCE_DIR "/config/tmcld.toml";
   const auto config = load_config(path);
   ASSERT_TRUE(config) << config.error().front();
-  EXPECT_FALSE(config->axes.empty());
+  EXPECT_FALSE(config->config.axes.empty());
   std::ifstream file(path);
   const std::string text{std::istreambuf_iterator<char>(file), {}};
   for (const auto& key : config_keys()) {

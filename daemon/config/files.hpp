@@ -1,0 +1,26 @@
+/// The files that a configuration is made of: one by name, and those beside it.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include <tl/expected.hpp>
+
+namespace tmcld {
+
+/// Besides the one that is named.
+constexpr std::size_t max_drop_ins = 64;
+
+struct ConfigFile {
+  std::string path;
+  std::string text;
+};
+
+/// The file, and after it all of NAME.d/*.toml beside it by the order of their names, where
+/// NAME.toml is the file: of /etc/tmcl/tmcld.toml those in /etc/tmcl/tmcld.d. That directory may be
+/// missing.
+/// Errors: "PATH: why it is not taken".
+tl::expected<std::vector<ConfigFile>, std::string> read_config_files(const std::string& path);
+
+}  // namespace tmcld

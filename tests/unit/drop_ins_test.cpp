@@ -1,0 +1,132 @@
+// A configuration of several files: one by name, and those in the directory beside it.
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include <unistd.h>
+
+#include <gmock/gmock.h>
+
+#include "config/files.hpp"
+#include "config/load.hpp"
+#include "tmcl/link_name.hpp"
+
+namespace tmcld {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+class DropIns : public testing::Test {
+ protected:
+  DropIns() {
+    auto name = (std::filesystem::temp_directory_path() / "drop-ins-XXXXXX").string();
+    folder_ = ::mkdtemp(name.data());
+    std::filesystem::create_directory(path("tmcld.d"));
+    write("tmcld.toml", "[daemon]\nsocket = \"s\"\n");
+  }
+  ~DropIns() override { std::filesystem::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return folder_ + "/" + name; }
+  void write(const std::string& name, const std::string& text) const {
+    std::ofstream(path(name)) << text;
+  }
+  auto load() const { return load_config(path("tmcld.toml")); }
+  std::vector<std::string> problems() const {
+    auto loaded = load();
+    return loaded ? std::vector<std::string>{} : loaded.error();
+  }
+
+ private:
+  std::string folder_;
+};
+
+constexpr auto bus = "[[bus]]\nname = \"bench\"\nlink = \"serial:/dev/a\"\n";
+
+std::string axis(const std::string& name, int motor) {
+  return "[[axis]]\nname = \"" + name +
+         "\"\nbus = \"bench\"\naddress = 1\nmotor = " + std::to_string(motor) + "\n";
+}
+
+TEST_F(DropIns, NoBusAtAllIsAConfiguration) {
+  const auto loaded = load();
+  ASSERT_TRUE(loaded) << loaded.error().front();
+  EXPECT_TRUE(loaded->config.buses.empty());
+  EXPECT_EQ(loaded->files, 1U);
+}
+
+TEST_F(DropIns, AddSectionsInTheOrderOfTheirNames) {
+  write("tmcld.d/20-b.toml", axis("second", 0));
+  write("tmcld.d/10-a.toml", std::string(bus) + axis("first", 1));
+  const auto loaded = load();
+  ASSERT_TRUE(loaded) << loaded.error().front();
+  EXPECT_EQ(loaded->files, 3U);
+  ASSERT_EQ(loaded->config.axes.size(), 2U);
+  EXPECT_EQ(loaded->config.axes[0].name, "first");
+  EXPECT_EQ(loaded->config.axes[1].name, "second");
+}
+
+TEST_F(DropIns, MistakesAreToldWithTheirFile) {
+  write("tmcld.d/10-bus.toml", std::string(bus) + "speed = 1\n");
+  write("tmcld.d/20-axis.toml", axis("x", 0) + axis("x", 1) + "moter = 2\n");
+  EXPECT_THAT(
+      problems(),
+      ElementsAre(HasSubstr("tmcld.d/10-bus.toml:4:1: unknown key 'speed' in [[bus]]"),
+                  HasSubstr("tmcld.d/20-axis.toml:7:8: the name 'x' is given twice in [[axis]]"),
+                  HasSubstr("tmcld.d/20-axis.toml:11:1: unknown key 'moter' in [[axis]]")));
+}
+
+TEST_F(DropIns, AFileThatIsNoTomlIsTheOnlyMistakeTold) {
+  write("tmcld.d/a.toml", "[[bus\n");
+  write("tmcld.d/b.toml", axis("x", 0));
+  EXPECT_THAT(problems(), ElementsAre(HasSubstr("tmcld.d/a.toml:1:")));
+}
+
+TEST_F(DropIns, DaemonSectionIsForOneFile) {
+  write("tmcld.d/a.toml", "\n[daemon]\nsocket = \"t\"\n");
+  EXPECT_THAT(problems(), ElementsAre(path("tmcld.d/a.toml") + ":2:1: [daemon] stands in " +
+                                      path("tmcld.toml") + " already: it is for one file"));
+  write("tmcld.toml", "");
+  const auto loaded = load();
+  ASSERT_TRUE(loaded) << loaded.error().front();
+  EXPECT_EQ(loaded->config.daemon.socket, "t");
+  std::filesystem::remove(path("tmcld.d/a.toml"));
+  EXPECT_THAT(problems(),
+              ElementsAre(HasSubstr("tmcld.toml:1:1: the section [daemon] with its key")));
+}
+
+TEST_F(DropIns, OtherFilesAreLeftAlone) {
+  for (const std::string name : {"README", "a.toml.dpkg-old", "a.toml~", ".#a.toml"})
+    write("tmcld.d/" + name, "this is no TOML");
+  EXPECT_THAT(problems(), ElementsAre());
+}
+
+TEST_F(DropIns, DirectoryHasTheNameOfTheFile) {
+  write("tmcld.d/a.toml", bus);
+  std::filesystem::rename(path("tmcld.toml"), path("other.toml"));
+  EXPECT_EQ(load_config(path("other.toml"))->files, 1U);
+  std::filesystem::rename(path("tmcld.d"), path("other.d"));
+  EXPECT_EQ(load_config(path("other.toml"))->files, 2U);
+}
+
+TEST_F(DropIns, AreRefusedWhereOthersMayAddSome) {
+  std::filesystem::permissions(path("tmcld.d"), std::filesystem::perms(0777));
+  EXPECT_THAT(problems(), ElementsAre(HasSubstr("tmcld.d: everybody may write to it")));
+}
+
+TEST_F(DropIns, ThereAreNotTooMany) {
+  for (std::size_t i = 0; i <= max_drop_ins; ++i)
+    write("tmcld.d/" + std::to_string(i) + ".toml", "");
+  EXPECT_THAT(problems(), ElementsAre(HasSubstr("tmcld.d: has more than 64 files")));
+}
+
+TEST_F(DropIns, CountForAGatewayOfOneCallToo) {
+  write("tmcld.d/a.toml", std::string(bus) + axis("x", 0));
+  const auto config =
+      load_config_for_link(path("tmcld.toml"), *tmcl::parse_link_name("tcp:far:4001"));
+  ASSERT_TRUE(config) << config.error().front();
+  EXPECT_EQ(config->axes.at(0).name, "x");
+}
+
+}  // namespace
+}  // namespace tmcld
