@@ -13,6 +13,7 @@
 #include <boost/asio/thread_pool.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
+#include "async/ordinary_priority.hpp"
 #include "async/rest.hpp"
 
 namespace tmcld {
@@ -38,6 +39,7 @@ namespace detail {
 // Shared: what a coroutine hands over between threads must be default-constructible.
 template <class Work>
 boost::asio::awaitable<std::shared_ptr<std::invoke_result_t<Work>>> run_now(Work work) {
+  take_ordinary_priority();
   co_return std::make_shared<std::invoke_result_t<Work>>(work());
 }
 

@@ -20,6 +20,7 @@
 
 #include <fmt/format.h>
 
+#include "async/ordinary_priority.hpp"
 #include "log/log.hpp"
 
 namespace tmcld {
@@ -131,7 +132,10 @@ tl::expected<std::unique_ptr<AuditTrail>, std::string> AuditTrail::open(std::str
     if (!opened) return tl::unexpected(opened.error());
     shared->descriptor = *opened;
   }
-  std::thread([shared] { write(shared); }).detach();
+  std::thread([shared] {
+    take_ordinary_priority();
+    write(shared);
+  }).detach();
   return std::unique_ptr<AuditTrail>(new AuditTrail(shared));
 }
 

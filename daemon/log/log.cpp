@@ -10,6 +10,8 @@
 #include <spdlog/sinks/stdout_color_sinks.h>
 #include <spdlog/spdlog.h>
 
+#include "async/ordinary_priority.hpp"
+
 namespace tmcld {
 namespace {
 
@@ -40,7 +42,7 @@ void note_left_out() {
 
 // A thread of its own writes: whoever does not read standard error keeps nobody but that one.
 void start_log(LogLevel level) {
-  spdlog::init_thread_pool(most_waiting_lines, 1);
+  spdlog::init_thread_pool(most_waiting_lines, 1, take_ordinary_priority);
   auto logger = spdlog::create_async_nb<spdlog::sinks::stderr_color_sink_mt>("tmcld");
   logger->set_pattern("%Y-%m-%dT%H:%M:%S.%e %^%l%$ %v");
   logger->set_level(to_spdlog(level));

@@ -1,8 +1,10 @@
 // The daemon as systemd starts it: told where to report, and given its socket.
 #include <array>
-#include <chrono>
+#include <filesystem>
+#include <set>
 
 #include <poll.h>
+#include <sched.h>
 #include <sys/socket.h>
 #include <sys/un.h>
 
@@ -146,6 +148,31 @@ TEST_F(TmcldService, RefusesASocketThatClientsWouldNotFind) {
   EXPECT_EQ(daemon->wait(), 1);
   EXPECT_THAT(daemon->output(), HasSubstr("clients look for it at " + socket()));
   EXPECT_TRUE(std::filesystem::exists(path("elsewhere")));
+}
+
+/// The policies of all threads of a process but its first.
+std::multiset<int> policies_of_workers(pid_t process) {
+  std::multiset<int> policies;
+  const auto folder = "/proc/" + std::to_string(process) + "/task";
+  for (const auto& thread : std::filesystem::directory_iterator(folder)) {
+    const auto number = std::stoi(thread.path().filename().string());
+    if (number != process) policies.insert(::sched_getscheduler(number));
+  }
+  return policies;
+}
+
+TEST_F(TmcldService, KeepsRealTimeForItsReactor) {
+  start_simulator_on_pty();
+  write_config(pty_link());
+  // Where this user may not have it, there is nothing to be given up.
+  start_as_service("chrt -r -p 1 $$ || true");
+  ASSERT_TRUE(daemon->wait_for("module_answers (module 2)")) << daemon->output();
+  const bool may = daemon->output().find("failed to set") == std::string::npos;
+  EXPECT_EQ(::sched_getscheduler(daemon->process()), may ? SCHED_RR : SCHED_OTHER);
+  const auto workers = policies_of_workers(daemon->process());
+  // The log, the audit trail, and who opens links.
+  EXPECT_GE(workers.size(), 3U);
+  EXPECT_EQ(workers.count(SCHED_OTHER), workers.size());
 }
 
 }  // namespace
