@@ -70,7 +70,7 @@ TEST(ModuleFile, TellsWhatItSaysAndNothingElse) {
 TEST(ModuleFile, NamesLineAndNearestKeyOrWord) {
   EXPECT_EQ(error_of("[module]\n"), "m.toml:1: [module] has no 'model'");
   EXPECT_EQ(error_of("[module]\nmodel = \"TMCM-1111O\"\n"),
-            "m.toml:2: there is no module 'TMCM-1111O'. Did you mean 'TMCM-1110'?");
+            "m.toml:2: there is no module 'TMCM-1111O'. Did you mean 'TMCM-1111'?");
   EXPECT_EQ(error_of(head + "last_stepp = \"r3\"\n"),
             "m.toml:3: there is no key 'last_stepp'. Did you mean 'last_step'?");
   EXPECT_EQ(error_of(head + "order = \"ramp_frist\"\n"),

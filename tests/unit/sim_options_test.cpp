@@ -1,9 +1,11 @@
 // The command line of tmclsim: what it says of each module.
 #include <gmock/gmock.h>
 
+#include <fstream>
 #include <string>
 #include <vector>
 
+#include "support/temp_path.hpp"
 #include "tools/tmclsim/options.hpp"
 
 namespace tmclsim {
@@ -43,6 +45,23 @@ TEST(SimOptions, AFirmwareHasAModuleOfItsOwn) {
               HasSubstr("--firmware 1.09 stands before any --module"));
   EXPECT_THAT(error_of({"--module", "TMCM-1110", "--firmware", "1.09", "--firmware", "1.10"}),
               HasSubstr("--firmware 1.10 is one too many: --module TMCM-1110 has --firmware 1.09"));
+}
+
+TEST(SimOptions, AModuleIsLikeTheOneOfAFileAndStillHasTheFirmwareThatIsSaid) {
+  const auto path = tmcl::test::temp_path("module.toml");
+  std::ofstream(path) << "[module]\nmodel = \"TMCM-1110\"\nfirmware_version = \"1.09\"\n"
+                         "order = \"pulse_first\"\n";
+  const auto parsed = parse({"--module", "TMCM-1110", "--as", path.c_str(), "--module", "TMCM-1110",
+                             "--as", path.c_str(), "--firmware", "1.11"});
+  ASSERT_TRUE(parsed) << parsed.error().message;
+  const auto& modules = parsed->modules;
+  EXPECT_EQ(modules[0].settings.firmware, (FirmwareRelease{1, 9}));
+  EXPECT_EQ(modules[1].settings.firmware, (FirmwareRelease{1, 11}));
+  for (const auto& module : modules) EXPECT_EQ(module.settings.traits.find(tmcl::Trait::order), 1);
+  EXPECT_THAT(error_of({"--module", "TMCM-1140", "--as", path.c_str()}),
+              HasSubstr("is of a TMCM-1110, not of a TMCM-1140"));
+  EXPECT_THAT(error_of({"--as", path.c_str(), "--module", "TMCM-1110"}),
+              HasSubstr("stands before any --module"));
 }
 
 TEST(SimOptions, AFirmwareIsAVersion) {

@@ -237,7 +237,7 @@ Done be_as(const Words& words, std::span<ModuleSpec> modules) {
     const auto& path = words.as_of_module[i];
     if (!path) continue;
     const auto settings = settings_as(*path, *modules[i].model);
-    if (!settings) return tl::unexpected("--as: " + settings.error() + ".");
+    if (!settings) return tl::unexpected("--as: " + settings.error());
     modules[i].settings = *settings;
   }
   return {};
