@@ -151,6 +151,9 @@ void Axis::take_note(std::uint8_t number, std::int32_t value) {
       break;
     case number_of("encoder_resolution"):
     case number_of("external_encoder_resolution"): scale_encoders(); break;
+    case number_of("toff"):
+      if (value == 0) protection_.reset();
+      break;
     case number_of("reverse_shaft"): coupling_.reverse(value == 1); break;
     case number_of(Family::tmc457, "encoder_position"):
       if (family_ == Family::tmc457) encoder_.set_position(value, coupling_.stage());
@@ -261,7 +264,8 @@ void Axis::advance_to(TimePoint time) {
 }
 
 void Axis::run_due() {
-  if (now_ >= due_) settle();
+  const bool changes = now_ >= model_tick_ && run_model_tick();
+  if (changes || now_ >= due_) settle();
 }
 
 void Axis::stage_changed() {
@@ -269,13 +273,20 @@ void Axis::stage_changed() {
   settle();
 }
 
+void Axis::set_supply(std::int32_t supply) {
+  supply_ = supply;
+  settle();
+}
+
 void Axis::settle() {
   coupling_.rebase();
   look_ahead();
+  watch_driver();
   sense();
   run_search();
   watch_encoders();
   watch_stall();
+  watch_rotor();
   due_ = next_look();
 }
 

@@ -1,6 +1,7 @@
 /// One motor of a module, its axis parameters, and how it deals with what it drives.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <map>
@@ -12,12 +13,15 @@
 #include <tl/expected.hpp>
 
 #include "sim/module/closed_loop.hpp"
+#include "sim/module/cool_step.hpp"
 #include "sim/module/coupling.hpp"
+#include "sim/module/driver_protection.hpp"
 #include "sim/module/encoder_watch.hpp"
 #include "sim/module/homing.hpp"
 #include "sim/module/module_settings.hpp"
 #include "sim/module/motor.hpp"
 #include "sim/module/wrapping.hpp"
+#include "sim/stage/motor_load.hpp"
 #include "sim/stage/stage.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
@@ -79,6 +83,8 @@ class Axis {
   void reverse_shaft(bool reversed);
   /// Somebody has changed the stage or its load.
   void stage_changed();
+  /// What the motors have, in tenths of a volt.
+  void set_supply(std::int32_t supply);
 
   /// The active switches, after polarity and swapping.
   const Switches& switches() const { return switches_; }
@@ -92,7 +98,7 @@ class Axis {
   /// Lets time pass, no further than next_due().
   void advance_to(TimePoint time);
   /// When run_due() has something to do if no command comes before.
-  TimePoint next_due() const { return due_; }
+  TimePoint next_due() const { return std::min(due_, model_tick_); }
   void run_due();
   /// What becomes of the present movement if nothing stops it.
   const Outlook& outlook() const { return outlook_; }
@@ -127,7 +133,7 @@ class Axis {
   void drive(int direction, std::uint8_t speed_parameter);
   void finish_search(std::int32_t reference);
 
-  // axis_watch.cpp: encoders, stalls, currents.
+  // axis_watch.cpp: encoders, stalls.
   void scale_encoders();
   EncoderScale scale_by(std::uint8_t parameter) const;
   std::int64_t deviation(const EncoderWatch& encoder) const;
@@ -137,10 +143,28 @@ class Axis {
   TimePoint next_stall_check() const;
   std::int32_t load_value() const;
   std::int32_t scaled_load_value(const ParameterInfo& row) const;
+  void emergency_stop(std::int32_t error);
+
+  // axis_drive.cpp: the driver, its current, and whether the rotor follows.
+  void watch_driver();
+  void watch_rotor();
+  bool run_model_tick();
+  TimePoint next_model_tick() const;
+  void measure_load();
+  bool changes_by_itself() const;
+  MotorState motor_state() const;
+  bool is_driver_on() const;
+  std::int32_t torque_current() const;
   std::int32_t driver_flags() const;
   std::int32_t current_scale() const;
+  std::int32_t run_scale() const;
+  std::int32_t current_setting() const;
+  std::int32_t moving_current() const;
+  std::int32_t resting_current() const;
+  bool is_slow() const;
+  bool cools() const;
+  CoolStepSettings cool_step_settings() const;
   Duration standstill() const;
-  void emergency_stop(std::int32_t error);
 
   static constexpr std::int32_t stall_error = 1;
   static constexpr std::int32_t deviation_error = 2;
@@ -157,6 +181,7 @@ class Axis {
   TimePoint now_;
   Outlook outlook_;
   TimePoint due_ = never;
+  TimePoint model_tick_ = never;
   TimePoint rest_;  // since when it stands, or when it will
   Switches switches_;
   Switches barring_;  // as the chip was told
@@ -164,6 +189,13 @@ class Axis {
   ClosedLoop closed_loop_;
   EncoderWatch encoder_;
   EncoderWatch external_encoder_;
+  DriverProtection protection_;
+  CoolStep cool_step_;
+  Rotor rotor_;
+  std::int32_t supply_ = nominal_supply;
+  std::int64_t speed_at_tick_ = 0;   // in 1/256 of a full step per second
+  std::int64_t acceleration_ = 0;    // in full steps per second squared, in the tick before
+  std::int64_t way_to_reading_ = 0;  // towards the next full step, in 1/256000
   std::int32_t errors_ = 0;
   bool deviates_ = false;
   std::int32_t latched_encoder_ = 0;

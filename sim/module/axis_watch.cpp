@@ -1,4 +1,4 @@
-// What the module watches while a motor turns: its encoders, its load and its current.
+// What the module watches while a motor turns: its encoders and its load.
 #include <algorithm>
 #include <cstdlib>
 
@@ -12,18 +12,12 @@ namespace ap = axis_parameter;
 
 // The control loop of the vendor's open firmware runs so often; it looks for a stall.
 constexpr auto control_period = std::chrono::milliseconds(10);
-// Parameters 204 and 214 are counted in these.
-constexpr auto delay_unit = std::chrono::milliseconds(10);
 
 // How a load shows: stallGuard2 reads 500 without one, and 0 from half of what the motor can drive;
 // a threshold makes it less sensitive.
 constexpr std::int64_t free_reading = 500;
 constexpr std::int64_t reading_per_threshold = 8;
 constexpr std::int64_t greatest_reading = 1023;
-
-// Of the TMC262 and its relatives.
-constexpr std::int32_t stall_flag = 1 << 0;
-constexpr std::int32_t standstill_flag = 1 << 7;
 
 }  // namespace
 
@@ -74,7 +68,7 @@ std::int32_t Axis::load_value() const {
   if (motor_->heading() == 0 || coupling_.is_held()) return 0;
   const auto threshold = values_[number_of("stallguard2_threshold")];
   const auto reading = free_reading + reading_per_threshold * threshold -
-                       coupling_.stage().load_at(coupling_.speed());
+                       relative_load(coupling_.stage().settings(), motor_state());
   return static_cast<std::int32_t>(std::clamp<std::int64_t>(reading, 0, greatest_reading));
 }
 
@@ -86,8 +80,7 @@ std::int32_t Axis::scaled_load_value(const ParameterInfo& row) const {
 // Only then is it worth looking.
 bool Axis::may_stall() const {
   if (values_[number_of("smart_energy_stall_velocity")] == 0 || !is_moving()) return false;
-  const bool changes_with_speed = coupling_.stage().settings().load_per_velocity != 0;
-  return motor_->heading() == 0 || changes_with_speed || load_value() == 0;
+  return motor_->heading() == 0 || changes_by_itself() || load_value() == 0;
 }
 
 TimePoint Axis::next_stall_check() const {
@@ -104,40 +97,6 @@ void Axis::watch_stall() {
   const auto least = static_cast<std::uint32_t>(values_[number_of("smart_energy_stall_velocity")]);
   if (motor_->heading() == 0 || speed <= least) return;
   emergency_stop(stall_error);
-}
-
-// ---- Current
-
-Duration Axis::standstill() const { return is_moving() ? Duration::zero() : now_ - rest_; }
-
-std::int32_t Axis::driver_flags() const {
-  if (motor_->heading() == 0) return standstill_flag;
-  return load_value() == 0 ? stall_flag : 0;
-}
-
-// In steps of the driver, 0..31; models count currents in different units.
-std::int32_t Axis::current_scale() const {
-  constexpr std::int32_t steps = 32;
-  const auto current = [this] {
-    const auto delay = [this](std::uint8_t parameter) { return values_[parameter] * delay_unit; };
-    const auto stands = standstill();
-    if (is_moving()) {
-      const bool accelerates = motor_->accelerates() && values_[number_of("boost_current")] != 0;
-      return values_[accelerates ? number_of("boost_current") : number_of("max_current")];
-    }
-    const bool at_end = switches_.left || switches_.right;
-    // These numbers are something else on other families.
-    const bool powers_down =
-        family_ == Family::tmc429 && values_[number_of("end_switch_power_down")] == 1;
-    if (at_end && powers_down) return 0;
-    const bool has_delay = family_ == Family::tmc429 || family_ == Family::firmware;
-    const bool freewheels = has_delay && values_[number_of("freewheeling_delay")] != 0;
-    if (freewheels && stands >= delay(number_of("freewheeling_delay"))) return 0;
-    const bool down = stands >= delay(number_of("power_down_delay"));
-    return values_[down ? number_of("standby_current") : number_of("max_current")];
-  };
-  const auto greatest = find_parameter(table_, number_of("max_current"))->maximum;
-  return current() * steps / (greatest + 1);
 }
 
 }  // namespace tmcl::sim

@@ -9,7 +9,8 @@ void Coupling::follow() {
   const auto position = motor_->position();
   const auto way = way_between(seen_, position, motor_->position_bits());
   seen_ = position;
-  if (way != 0) stage_->move((reversed_ ? -way : way) * (Place{1} << (finest - exponent_)));
+  if (way == 0 || slips_) return;
+  stage_->move((reversed_ ? -way : way) * (Place{1} << (finest - exponent_)));
 }
 
 Reach Coupling::in_microsteps(Reach reach) const {

@@ -24,8 +24,11 @@ class Coupling {
   void set_resolution(std::int32_t exponent) { exponent_ = exponent; }
   void reverse(bool reversed) { reversed_ = reversed; }
 
+  /// The rotor does not follow the motor's field, and the stage not either.
+  void let_slip(bool slips) { slips_ = slips; }
+
   /// The stage does not follow where the motor turns.
-  bool is_held() const { return stage_->holds(on_stage(motor_->heading())); }
+  bool is_held() const { return slips_ || stage_->holds(on_stage(motor_->heading())); }
   /// In microsteps of the motor and its directions: how far it can go before something about the
   /// stage changes.
   Reach reach() const;
@@ -35,6 +38,8 @@ class Coupling {
   std::int64_t microsteps() const;
   /// In full steps per second.
   std::int64_t speed() const { return motor_->speed() >> exponent_; }
+  /// In 1/256 of that.
+  std::int64_t fine_speed() const { return motor_->speed() << (finest - exponent_); }
 
  private:
   // Ways on the stage are counted as finely as a microstep can be.
@@ -48,6 +53,7 @@ class Coupling {
   std::int32_t seen_;
   std::int32_t exponent_ = finest;
   bool reversed_ = false;
+  bool slips_ = false;
 };
 
 }  // namespace tmcl::sim

@@ -47,6 +47,9 @@ class Io {
   /// Likewise. Values are what the converter reads, 0..65535, or those of the two special ports.
   bool set_analog(std::uint8_t port, std::int32_t value);
 
+  /// Of the motors, in 0.1 V.
+  std::int32_t supply() const { return analog_[supply_voltage_port]; }
+
   std::size_t inputs() const { return ports_.digital_inputs; }
   bool input(std::size_t port) const { return driven_.at(port).value_or(pull_ups_); }
   /// Bit n for port n.

@@ -1,4 +1,6 @@
 // SIO, GIO.
+#include <algorithm>
+
 #include "sim/module/module.hpp"
 
 namespace tmcl::sim {
@@ -9,6 +11,9 @@ namespace gp = global_parameter;
 // No document at hand says which is which.
 constexpr std::int32_t shuts_down_when_high = 1;
 constexpr std::int32_t shuts_down_when_low = 2;
+
+// In tenths of a volt: too little for the drivers. Our choice.
+constexpr std::int32_t brown_out_supply = 60;
 
 }  // namespace
 
@@ -29,7 +34,36 @@ bool Module::set_input(std::uint8_t port, bool high) {
 
 bool Module::set_analog(std::uint8_t port, std::int32_t value) {
   run_due();
-  return io_.set_analog(port, value);
+  if (port != Io::supply_voltage_port) return io_.set_analog(port, value);
+  if (value < 0 || value > Io::greatest_analog) return false;
+  set_supply(value);
+  return true;
+}
+
+void Module::set_supply(std::int32_t supply) {
+  run_due();
+  supply_returns_ = never;
+  put_supply(supply);
+  run_application();
+}
+
+void Module::brown_out(Duration duration) {
+  run_due();
+  if (supply_returns_ == never) supply_before_ = io_.supply();
+  supply_returns_ = now_ + duration;
+  put_supply(std::min(brown_out_supply, supply_before_));
+  run_application();
+}
+
+void Module::end_brown_out() {
+  if (now_ < supply_returns_) return;
+  supply_returns_ = never;
+  put_supply(supply_before_);
+}
+
+void Module::put_supply(std::int32_t supply) {
+  io_.set_analog(Io::supply_voltage_port, supply);
+  for (auto& axis : axes_) axis.set_supply(supply);
 }
 
 bool Module::set_shutdown_input(bool high) {

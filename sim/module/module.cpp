@@ -88,6 +88,7 @@ void Module::build_axes() {
   axes_.reserve(model_->axes);
   for (std::size_t motor = 0; motor < model_->axes; ++motor) {
     axes_.emplace_back(*model_, stages_[motor], now_, settings_.traits);
+    axes_.back().set_supply(io_.supply());
   }
   wire_axes();
   for (std::size_t motor = 0; motor < model_->axes; ++motor) restore_axis(motor);
@@ -217,7 +218,7 @@ void Module::stop_if_silent() {
 
 TimePoint Module::next_due() const {
   auto due = std::min({serial_due(), can_due(), events_.next_due(axes_), logger_.next_due(),
-                       application_.next_due()});
+                       application_.next_due(), supply_returns_});
   for (const auto& axis : axes_) due = std::min(due, axis.next_due());
   return due;
 }
@@ -261,6 +262,7 @@ void Module::bring_to(TimePoint time) {
 
 void Module::run_what_is_due_now() {
   stop_if_silent();
+  end_brown_out();
   for (auto& axis : axes_) axis.run_due();
   events_.run_due(now_, axes_, *this);
   logger_.run_due(now_, data_logger_probe());

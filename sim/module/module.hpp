@@ -84,6 +84,11 @@ class Module final : private ProgramHost {
   /// The world outside drives an input now. False for a port or value that does not exist.
   bool set_input(std::uint8_t port, bool high);
   bool set_analog(std::uint8_t port, std::int32_t value);
+  /// The supply of the motors, in tenths of a volt; the module goes on, as by USB. Below 7 V their
+  /// drivers are off.
+  void set_supply(std::int32_t supply);
+  /// Too little of it for so long.
+  void brown_out(Duration duration);
   /// Likewise its shutdown input, for global parameter 80; false for a model without.
   bool set_shutdown_input(bool high);
   /// As it was when run_due() or execute() last ran.
@@ -223,6 +228,8 @@ class Module final : private ProgramHost {
   /// Lets the stand-alone program run; a shutdown has the last word.
   void run_application();
   bool shut_down() const;
+  void put_supply(std::int32_t supply);
+  void end_brown_out();
 
   Heartbeat& heartbeat(Medium medium) { return medium == Medium::serial ? serial_ : can_; }
   TimePoint serial_due() const;
@@ -251,6 +258,8 @@ class Module final : private ProgramHost {
   DataLogger logger_;
   Application application_{*this};
   std::optional<bool> shutdown_input_;  // nothing connected: it does not act
+  TimePoint supply_returns_ = never;
+  std::int32_t supply_before_ = 0;  // the brown-out
   Heartbeat serial_;
   Heartbeat can_;
   Bootloader bootloader_;

@@ -1,9 +1,12 @@
-/// What a motor drives: the mechanics, the switches on them, and what measures the way.
+/// What a motor drives: the mechanics, the switches on them, and what measures the way; and what is
+/// wrong with its cable.
 #pragma once
 
 #include <cstdint>
 #include <limits>
 #include <optional>
+
+#include "sim/stage/driver_fault.hpp"
 
 namespace tmcl::sim {
 
@@ -37,6 +40,13 @@ struct StageSettings {
   std::int32_t full_steps_per_turn = 200;
   std::int32_t load = 0;               ///< In 1/1000 of what the motor can just drive.
   std::int32_t load_per_velocity = 0;  ///< More of it for each full step per second, in 1/1000.
+  std::int32_t inertia = 0;  ///< More for each full step per second squared, in 1/1000000.
+  /// In full steps per second, at 24 V: above it the torque of the motor falls. Without one, never.
+  std::optional<std::int32_t> corner_speed{};
+  /// Likewise: only below it a motor that has lost its steps catches on. Without one, at any speed.
+  std::optional<std::int32_t> pull_in_speed{};
+  bool torque_follows_current = false;  ///< Otherwise every current is the full one.
+  DriverFaults faults{};                ///< Of the driver, and of the cable to the motor.
 };
 
 /// Levels at the module's inputs, before it makes anything of them.
@@ -89,10 +99,8 @@ class Stage {
   void slip(std::int64_t counts) { slip_ += counts; }
 
   void set_load(std::int32_t load) { settings_.load = load; }
-  /// At this speed in full steps per second, in 1/1000 of what the motor can just drive.
-  std::int64_t load_at(std::int64_t speed) const {
-    return settings_.load + settings_.load_per_velocity * speed / 1000;
-  }
+
+  void set_fault(DriverFault fault, bool on) { settings_.faults.set(fault, on); }
 
  private:
   // A contact with the place where it is closed, and how it got there.

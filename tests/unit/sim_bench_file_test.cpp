@@ -124,7 +124,7 @@ TEST(BenchFile, SaysWhatIsWrongAboutAFirmware) {
   EXPECT_THAT(error_of(module + "behavior = \"lite\"\n"), HasSubstr("Did you mean 'behaviour'?"));
   for (const auto* supply : {"-1", "1001", "nan", "\"24 V\""}) {
     EXPECT_THAT(error_of(module + "supply = " + supply + "\n"),
-                "b.toml:3: 'supply' must be 0 to 1000, in volts, such as 23.5");
+                "b.toml:3: 'supply' must be 0 to 1000, in volts, such as 23.5, or \"usb\"");
   }
   EXPECT_THAT(error_of(module + "temperature = 40.5\n"), HasSubstr("must be a whole number"));
   EXPECT_THAT(error_of(module + "data_loger = true\n"), HasSubstr("Did you mean 'data_logger'?"));
@@ -226,10 +226,59 @@ TEST_F(Console, SetsSupplyAndTemperature) {
   EXPECT_EQ(analog(9), 40);
   for (const char* wrong : {"x", "-1", "1.25", "1.", ".5", "1001", "1.-5", "24V"})
     EXPECT_EQ(say("supply 1 " + std::string(wrong)),
-              "error: '" + std::string(wrong) + "' is no voltage, such as 24 or 23.5");
+              "error: '" + std::string(wrong) + "' is no voltage, such as 24 or 23.5, nor usb");
   EXPECT_THAT(say("temperature 1 -5"), HasSubstr("no temperature"));
   EXPECT_THAT(say("temperature 2 5"), HasSubstr("no module with the address 2"));
   EXPECT_EQ(analog(8), 120);
+}
+
+TEST_F(Console, TakesTheSupplyOfMotorsAway) {
+  auto& module = add(1110);
+  EXPECT_EQ(say("supply 1 usb"), "ok");
+  EXPECT_EQ(module.io().supply(), 50);
+  EXPECT_EQ(say("supply 1 24"), "ok");
+  EXPECT_EQ(say("brown_out 1 200"), "ok");
+  EXPECT_EQ(module.io().supply(), 60);
+  for (const char* wrong : {"0", "-1", "x", "3600001"})
+    EXPECT_THAT(say("brown_out 1 " + std::string(wrong)), HasSubstr("1 to 3600000 ms"));
+}
+
+TEST_F(Console, BreaksADriverAndMendsIt) {
+  add(1110);
+  EXPECT_EQ(say("driver 1/0 open_load_a on"), "ok");
+  EXPECT_EQ(get(208), 0xA0);
+  EXPECT_EQ(say("driver 1/0 open_load_a off"), "ok");
+  EXPECT_EQ(get(208), 0x80);
+  EXPECT_THAT(say("driver 1/0 open_laod_a on"), HasSubstr("'open_load_a'?"));
+  EXPECT_THAT(say("driver 1/0 short_a yes"), HasSubstr("'yes' is not on or off"));
+  EXPECT_THAT(say("driver 1/9 short_a on"), HasSubstr("has no motor 9"));
+}
+
+TEST(BenchFile, LimitsAMotor) {
+  const auto file = parse_bench_file(R"(
+    [[module]]
+    model = "TMCM-1110"
+    supply = "usb"
+    [[module.axis]]
+    inertia = 400
+    corner_speed = 600
+    pull_in_speed = 0
+    torque_follows_current = true
+    driver_faults = ["short_a", "open_load_b"]
+  )",
+                                     "b.toml");
+  ASSERT_TRUE(file) << file.error();
+  const auto& stage = file->front().axes[0];
+  EXPECT_EQ(stage.inertia, 400);
+  EXPECT_EQ(stage.corner_speed, 600);
+  EXPECT_EQ(stage.pull_in_speed, 0);
+  EXPECT_TRUE(stage.torque_follows_current);
+  EXPECT_EQ(stage.faults.bits(), 0x48);
+  EXPECT_EQ(file->front().surroundings.supply_tenths, 50);
+  const std::string axis = "[[module]]\nmodel = \"TMCM-1110\"\n[[module.axis]]\n";
+  EXPECT_THAT(error_of(axis + "corner_speed = 0\n"), HasSubstr("b.toml:4: 'corner_speed' is 0"));
+  EXPECT_THAT(error_of(axis + "driver_faults = 3\n"), HasSubstr("must be a list"));
+  EXPECT_THAT(error_of(axis + "driver_faults = [\"shrt_a\"]\n"), HasSubstr("'short_a'?"));
 }
 
 TEST_F(Console, TakesThePowerAwayAndGivesItBack) {

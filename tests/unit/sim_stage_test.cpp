@@ -97,12 +97,6 @@ TEST(Stage, AnEncoderMountedBackwardsCountsDown) {
   EXPECT_EQ(stage.encoder_counts(), -3000);
 }
 
-TEST(Stage, TheLoadGrowsWithTheSpeed) {
-  const Stage stage({.load = 100, .load_per_velocity = 50});
-  EXPECT_EQ(stage.load_at(0), 100);
-  EXPECT_EQ(stage.load_at(2000), 200);
-}
-
 // Nothing changes within the reach, and something does right behind it.
 TEST(Stage, ItsReachEndsWhereSomethingChanges) {
   test::Random<> random(test::seed());

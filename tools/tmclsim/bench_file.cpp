@@ -10,6 +10,7 @@
 #include <optional>
 #include <sstream>
 
+#include "motor_words.hpp"
 #include "settings_words.hpp"
 #include "sim/module/delivered_stage.hpp"
 #include "tmcl/model.hpp"
@@ -31,6 +32,7 @@ constexpr std::int64_t greatest_address = 255;
 constexpr std::int64_t greatest_place = std::int64_t{1} << 50;
 constexpr std::int64_t greatest_count = 1 << 24;
 constexpr std::int64_t greatest_load = 1'000'000;
+constexpr std::int64_t greatest_speed = 1'000'000'000;
 constexpr double greatest_supply = 1000;  // in volts
 constexpr std::int64_t greatest_temperature = 1000;
 constexpr std::int64_t greatest_answer_us = 1'000'000;
@@ -39,10 +41,26 @@ constexpr auto file_keys = std::to_array<std::string_view>({"module"});
 constexpr auto own_module_keys =
     std::to_array<std::string_view>({"model", "address", "as", "firmware_version", "behaviour",
                                      "answer_us", "data_logger", "supply", "temperature", "axis"});
-constexpr auto axis_keys = std::to_array<std::string_view>(
-    {"motor", "position", "left_switch", "right_switch", "switch_tolerance", "normally_closed",
-     "home", "home_normally_closed", "left_stop", "right_stop", "encoder_counts_per_turn",
-     "encoder_sign", "full_steps_per_turn", "load", "load_per_velocity"});
+constexpr auto axis_keys = std::to_array<std::string_view>({"motor",
+                                                            "position",
+                                                            "left_switch",
+                                                            "right_switch",
+                                                            "switch_tolerance",
+                                                            "normally_closed",
+                                                            "home",
+                                                            "home_normally_closed",
+                                                            "left_stop",
+                                                            "right_stop",
+                                                            "encoder_counts_per_turn",
+                                                            "encoder_sign",
+                                                            "full_steps_per_turn",
+                                                            "load",
+                                                            "load_per_velocity",
+                                                            "inertia",
+                                                            "corner_speed",
+                                                            "pull_in_speed",
+                                                            "torque_follows_current",
+                                                            "driver_faults"});
 
 struct Range {
   std::int64_t least;
@@ -94,6 +112,12 @@ void take(const toml::table& table, std::string_view key, std::optional<Place>& 
   if (const auto value = number(table, key, places)) target = *value;
 }
 
+void take_speed(const toml::table& table, std::string_view key, std::int64_t least,
+                std::optional<std::int32_t>& target) {
+  if (const auto value = number(table, key, {least, greatest_speed}))
+    target = static_cast<std::int32_t>(*value);
+}
+
 void take(const toml::table& table, std::string_view key, bool& target) {
   const auto* node = table.get(key);
   if (node == nullptr) return;
@@ -139,6 +163,22 @@ void take_encoder(const toml::table& table, std::optional<EncoderSettings>& enco
   encoder->backwards = value < 0;
 }
 
+void take_faults(const toml::table& table, tmcl::sim::DriverFaults& faults) {
+  const auto* node = table.get("driver_faults");
+  if (node == nullptr) return;
+  const auto* names = node->as_array();
+  if (names == nullptr) complain(*node, "'driver_faults' must be a list: [\"open_load_a\"]");
+  for (const auto& element : *names) {
+    const auto name = element.value_or<std::string_view>("");
+    const auto fault = parse_driver_fault(name);
+    if (!fault) {
+      complain(element, quoted(name) + " is nothing that can be wrong with a driver." +
+                            tmcl::did_you_mean(name, driver_fault_names));
+    }
+    faults.set(*fault, true);
+  }
+}
+
 StageSettings stage_of(const toml::table& table, StageSettings stage) {
   take(table, "position", places, stage.position);
   take(table, "left_switch", stage.left_switch);
@@ -153,6 +193,11 @@ StageSettings stage_of(const toml::table& table, StageSettings stage) {
   take(table, "full_steps_per_turn", {1, greatest_count}, stage.full_steps_per_turn);
   take(table, "load", {0, greatest_load}, stage.load);
   take(table, "load_per_velocity", {0, greatest_load}, stage.load_per_velocity);
+  take(table, "inertia", {0, greatest_load}, stage.inertia);
+  take_speed(table, "corner_speed", 1, stage.corner_speed);
+  take_speed(table, "pull_in_speed", 0, stage.pull_in_speed);
+  take(table, "torque_follows_current", stage.torque_follows_current);
+  take_faults(table, stage.faults);
   if (stage.left_stop && stage.right_stop && *stage.left_stop > *stage.right_stop) {
     complain(*table.get("left_stop"), "'left_stop' is to the right of 'right_stop'");
   }
@@ -239,14 +284,17 @@ ModuleSettings settings_of(const toml::table& table, const tmcl::Model& model) {
   return settings;
 }
 
+std::int32_t supply_of(const toml::node& node) {
+  if (node.value<std::string_view>() == usb_supply_word) return usb_supply;
+  const auto volts = node.value<double>();
+  if (!volts || !(*volts >= 0 && *volts <= greatest_supply))
+    complain(node, "'supply' must be 0 to 1000, in volts, such as 23.5, or \"usb\"");
+  return static_cast<std::int32_t>(std::lround(*volts * 10));
+}
+
 Surroundings surroundings_of(const toml::table& table) {
   Surroundings surroundings;
-  if (const auto* node = table.get("supply")) {
-    const auto volts = node->value<double>();
-    if (!volts || !(*volts >= 0 && *volts <= greatest_supply))
-      complain(*node, "'supply' must be 0 to 1000, in volts, such as 23.5");
-    surroundings.supply_tenths = static_cast<std::int32_t>(std::lround(*volts * 10));
-  }
+  if (const auto* node = table.get("supply")) surroundings.supply_tenths = supply_of(*node);
   if (const auto degrees = number(table, "temperature", {0, greatest_temperature}))
     surroundings.temperature = static_cast<std::int32_t>(*degrees);
   return surroundings;

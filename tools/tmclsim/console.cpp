@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cstdint>
 #include <optional>
 #include <span>
@@ -9,6 +10,7 @@
 
 #include <tl/expected.hpp>
 
+#include "motor_words.hpp"
 #include "number_text.hpp"
 #include "tmcl/spelling.hpp"
 
@@ -105,6 +107,18 @@ Outcome set_switch(Motor motor, std::string_view word, bool pressed) {
   return {};
 }
 
+Outcome set_fault(Motor motor, std::string_view name, std::string_view level) {
+  const auto fault = parse_driver_fault(name);
+  if (!fault) {
+    return tl::unexpected(quoted(name) + " is nothing that can be wrong with a driver." +
+                          tmcl::did_you_mean(name, driver_fault_names));
+  }
+  if (level != "on" && level != "off") return tl::unexpected(quoted(level) + " is not on or off");
+  motor.module->at_stage(motor.number,
+                         [&](sim::Stage& stage) { stage.set_fault(*fault, level == "on"); });
+  return {};
+}
+
 Outcome press(Motor motor, std::string_view word) { return set_switch(motor, word, true); }
 
 Outcome release(Motor motor, std::string_view word) { return set_switch(motor, word, false); }
@@ -137,21 +151,19 @@ Outcome shut_down(sim::Module& module, std::string_view word) {
   return {};
 }
 
-// In tenths, as the module reads it: "24" or "23.5".
-std::optional<std::int32_t> parse_volts(std::string_view text) {
-  const auto point = std::min(text.find('.'), text.size());
-  const auto whole = parse_number(text.substr(0, point));
-  const auto tenth = point == text.size() ? std::optional(0) : parse_number(text.substr(point + 1));
-  constexpr std::int32_t most = 1'000;
-  if (!whole || *whole < 0 || *whole > most || !tenth || text.size() > point + 2)
-    return std::nullopt;
-  return *whole * 10 + *tenth;
+Outcome set_supply(sim::Module& module, std::string_view word) {
+  const auto tenths = parse_supply(word);
+  if (!tenths) return tl::unexpected(quoted(word) + " is no voltage, such as 24 or 23.5, nor usb");
+  module.set_supply(*tenths);
+  return {};
 }
 
-Outcome set_supply(sim::Module& module, std::string_view word) {
-  const auto tenths = parse_volts(word);
-  if (!tenths) return tl::unexpected(quoted(word) + " is no voltage, such as 24 or 23.5");
-  module.set_analog(sim::Io::supply_voltage_port, *tenths);
+Outcome brown_out(sim::Module& module, std::string_view word) {
+  constexpr std::int32_t longest = 3'600'000;
+  const auto time = parse_number(word);
+  if (!time || *time < 1 || *time > longest)
+    return tl::unexpected(quoted(word) + " is no time: it is 1 to 3600000 ms");
+  module.brown_out(std::chrono::milliseconds(*time));
   return {};
 }
 
@@ -188,6 +200,12 @@ Outcome at_motor(sim::Bench& bench, const Words& words,
   return change(*motor, words[2]);
 }
 
+Outcome at_driver(sim::Bench& bench, const Words& words) {
+  const auto motor = find_motor(bench, words[1]);
+  if (!motor) return tl::unexpected(motor.error());
+  return set_fault(*motor, words[2], words[3]);
+}
+
 Outcome at_port(sim::Bench& bench, const Words& words,
                 Outcome (*change)(sim::Module& module, std::uint8_t port, std::int32_t value)) {
   const auto address = parse_number(words[1]);
@@ -222,8 +240,11 @@ constexpr auto commands = std::to_array<ConsoleCommand>({
      [](auto& bench, const auto& words) { return at_port(bench, words, set_input); }},
     {"shutdown", "shutdown ADDRESS 0|1", 3,
      [](auto& bench, const auto& words) { return at_module(bench, words, shut_down); }},
-    {"supply", "supply ADDRESS VOLTS", 3,
+    {"driver", "driver ADDRESS/MOTOR FAULT on|off", 4, at_driver},
+    {"supply", "supply ADDRESS VOLTS|usb", 3,
      [](auto& bench, const auto& words) { return at_module(bench, words, set_supply); }},
+    {"brown_out", "brown_out ADDRESS MILLISECONDS", 3,
+     [](auto& bench, const auto& words) { return at_module(bench, words, brown_out); }},
     {"temperature", "temperature ADDRESS DEGREES", 3,
      [](auto& bench, const auto& words) { return at_module(bench, words, set_temperature); }},
     {"power", "power ADDRESS off|on|cycle", 3,

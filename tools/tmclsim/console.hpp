@@ -16,7 +16,9 @@ namespace tmclsim {
 ///     release 1/0 right
 ///     input 1 0 1         module 1: digital input 0 is high
 ///     analog 1 0 512      its analogue input 0 reads so much
-///     supply 1 23.5       its supply, in volts
+///     driver 1/0 short_a on  coil A of the motor has a short circuit
+///     supply 1 23.5       the supply of its motors, in volts; usb: as much as that port has
+///     brown_out 1 200     too little of it, for so many ms
 ///     temperature 1 40    in degrees centigrade
 ///     power 1 off         its supply fails: off, on, or cycle for both
 std::string run_console_line(tmcl::sim::Bench& bench, std::string_view line);

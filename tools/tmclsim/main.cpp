@@ -71,7 +71,7 @@ void introduce(const sim::Module& module) {
 }
 
 void surround(sim::Module& module, const tmclsim::Surroundings& by) {
-  if (by.supply_tenths) module.set_analog(sim::Io::supply_voltage_port, *by.supply_tenths);
+  if (by.supply_tenths) module.set_supply(*by.supply_tenths);
   if (by.temperature) module.set_analog(sim::Io::temperature_port, *by.temperature);
 }
 

@@ -17,7 +17,7 @@ namespace tmclsim {
 
 /// What a module measures of its surroundings; nothing: what it measures without being told.
 struct Surroundings {
-  std::optional<std::int32_t> supply_tenths{};  ///< Volts, in tenths.
+  std::optional<std::int32_t> supply_tenths{};  ///< Of the motors: volts, in tenths.
   std::optional<std::int32_t> temperature{};    ///< Degrees centigrade.
 };
 

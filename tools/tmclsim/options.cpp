@@ -77,7 +77,7 @@ With --bench, motors have something to drive. FILE is TOML; all its keys but mod
                                      # written to, with a TMC429; "manual": they are refused
     as = "module.toml"               # like the one of that file, as with --as; any key of it can
                                      # stand here, too, and overrules the file
-    supply = 23.5                    # what it measures, in volts
+    supply = 23.5                    # of its motors, in volts, or "usb"; below 7 they have no torque
     temperature = 40                 # likewise, in degrees centigrade
     data_logger = true               # it has command 142, RAMDebug; without the key modules with a
                                      # TMC4361 or a sixPoint ramp have it, and others have not
@@ -94,6 +94,11 @@ With --bench, motors have something to drive. FILE is TOML; all its keys but mod
       full_steps_per_turn = 200
       load = 100                     # in 1/1000 of what the motor can drive
       load_per_velocity = 5          # more of it for each full step per second, in 1/1000
+      inertia = 400                  # more for each full step per second squared, in 1/1000000
+      corner_speed = 600             # full steps per second at 24 V, above which its torque falls
+      pull_in_speed = 200            # below it a motor that has lost steps catches on
+      torque_follows_current = true  # otherwise it has all its torque at any current
+      driver_faults = ["short_a"]    # as for the console
 Places are microsteps of 1/256 of a full step, counted from where the motor stands at first unless
 position says otherwise. The modules of the file come before those of --module.
 
@@ -118,7 +123,11 @@ With --console, each line on standard input is answered with "ok" or "error: ...
     release 1/0 right
     input 1 0 1          digital input 0 of module 1 is high
     analog 1 0 512       its analogue input 0 reads so much
-    supply 1 23.5        its supply is so many volts; it reads them, and goes on
+    driver 1/0 short_a on    something is wrong with the driver of motor 0, or off: it is not.
+                         overtemperature, overtemperature_warning, short_a, short_b,
+                         open_load_a or open_load_b
+    supply 1 23.5        its motors have so many volts, or usb; it goes on
+    brown_out 1 200      its motors have too few volts, for so many milliseconds
     temperature 1 40     it has so many degrees centigrade
     power 1 off          its supply fails; on, or cycle for both: it starts again
     shutdown 1 1         its shutdown input is high, for global parameter 80
