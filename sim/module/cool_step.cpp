@@ -7,7 +7,7 @@
 namespace tmcl::sim {
 namespace {
 
-// From the data sheets of the TMC260/261/262 and the TMC5130, chapter coolStep.
+// Of SMARTEN (TMC26x) and COOLCONF (TMC5130), as the vendor describes the registers in its headers.
 constexpr std::int32_t threshold_unit = 32;
 constexpr auto increments = std::to_array<std::int32_t>({1, 2, 4, 8});
 constexpr auto readings_per_decrement = std::to_array<int>({32, 8, 2, 1});
