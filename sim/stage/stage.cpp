@@ -104,8 +104,8 @@ Reach Stage::reach() const {
   limit(reach, left_, left());
   limit(reach, right_, right());
   limit(reach, home_, settings_.home);
-  if (settings_.left_stop && !holds(-1)) reach.limit_back(position_ - *settings_.left_stop);
-  if (settings_.right_stop && !holds(1)) reach.limit_ahead(*settings_.right_stop - position_);
+  if (settings_.left_stop && !holds(-1)) reach.limit_back(position_ - *settings_.left_stop - 1);
+  if (settings_.right_stop && !holds(1)) reach.limit_ahead(*settings_.right_stop - position_ - 1);
   return reach;
 }
 

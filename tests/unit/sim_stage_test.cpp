@@ -141,5 +141,20 @@ TEST(Stage, ItsReachEndsWhereSomethingChanges) {
   }
 }
 
+// Whoever looks between, or only then, sees the same.
+TEST(StageReach, EndsWhereAnEndHoldsTheMotor) {
+  StageSettings settings;
+  settings.left_stop = -100;
+  settings.right_stop = 100;
+  Stage stage(settings);
+  for (const auto direction : {1, -1}) {
+    const auto way = direction > 0 ? stage.reach().ahead : stage.reach().back;
+    stage.move(direction * way);
+    EXPECT_FALSE(stage.holds(direction)) << direction;
+    stage.move(direction);
+    EXPECT_TRUE(stage.holds(direction)) << direction;
+  }
+}
+
 }  // namespace
 }  // namespace tmcl::sim
