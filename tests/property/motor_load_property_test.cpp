@@ -128,7 +128,10 @@ struct Pair {
       : seldom(model, one), often(model, other) {}
 
   void step(Script& script, bool sixpoint, bool with_events) {
-    const auto request = script.command(sixpoint);
+    auto request = script.command(sixpoint);
+    // A stage that is looked at more often can see a stall one check, 10 ms, earlier than another.
+    const bool stops_on_stall = request.command == Command::SAP && request.type == 181;
+    if (!with_events && stops_on_stall) request.value = 0;
     EXPECT_EQ(seldom.ask(request), often.ask(request));
     const auto event = with_events ? script.event() : Event{};
     event.happen(seldom.module);
