@@ -307,7 +307,7 @@ TimePoint Axis::next_look() const {
   const bool watched =
       !coupling_.stage().is_bare() || encoder_.is_on() || external_encoder_.is_on();
   if (watched) due = std::min(due, motor_->passing(reach.back, reach.ahead));
-  if (coupling_.is_held()) due = std::min(due, motor_->turning());
+  if (coupling_.is_at_end()) due = std::min(due, motor_->turning());
   return due;
 }
 

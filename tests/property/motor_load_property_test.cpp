@@ -93,7 +93,7 @@ class Script : public test::Random<std::int32_t> {
       return Request{ModuleAddress{1}, command, type, 0, value};
     };
     const auto fastest = sixpoint ? 500'000 : 2047;
-    switch (between(0, 11)) {
+    switch (between(0, 13)) {
       case 0: return with(Command::ROR, 0, any_size(fastest));
       case 1: return with(Command::ROL, 0, any_size(fastest));
       case 2: return with(Command::MST, 0, 0);
@@ -104,7 +104,9 @@ class Script : public test::Random<std::int32_t> {
       case 7: return with(Command::SAP, 167, one_in(4) ? 0 : 4);
       case 8:
         return with(Command::SAP, static_cast<std::uint8_t>(168 + between(0, 4)), between(0, 1));
-      case 9: return with(Command::SAP, 1, either_way(any_size(8'000'000)));
+      case 9:
+      case 10: return with(Command::SAP, 172, 1 + any_size(14));
+      case 11: return with(Command::SAP, 1, either_way(any_size(8'000'000)));
       default: return with(Command::MVP, 0, either_way(any_size(200'000)));
     }
   }
@@ -128,10 +130,7 @@ struct Pair {
       : seldom(model, one), often(model, other) {}
 
   void step(Script& script, bool sixpoint, bool with_events) {
-    auto request = script.command(sixpoint);
-    // A stage that is looked at more often can see a stall one check, 10 ms, earlier than another.
-    const bool stops_on_stall = request.command == Command::SAP && request.type == 181;
-    if (!with_events && stops_on_stall) request.value = 0;
+    const auto request = script.command(sixpoint);
     EXPECT_EQ(seldom.ask(request), often.ask(request));
     const auto event = with_events ? script.event() : Event{};
     event.happen(seldom.module);
@@ -172,8 +171,8 @@ TEST(MotorLoadProperty, LookingChangesNothing) {
     }
     lost += has_lost_steps(pair.seldom) ? 1 : 0;
   }
-  EXPECT_GT(lost, scripts / 40);
-  EXPECT_GT(cooled, 0);
+  EXPECT_GT(lost, scripts / 10);
+  EXPECT_GT(cooled, scripts / 10);
 }
 
 TEST(MotorLoadProperty, LimitsThatAreNotReachedChangeNothing) {

@@ -358,5 +358,24 @@ TEST_F(SimMotor, ASupplyThatIsSetEndsABrownOut) {
   EXPECT_EQ(ask(Command::GIO, 8, 1)->value, 120);
 }
 
+// It turns round within its first microstep, so that no way tells of it.
+TEST_F(SimMotor, ThatTurnsBackToAnEndIsSeenToStall) {
+  add_watched({.right_stop = 256});
+  set(ap::microstep_resolution, 0);
+  set(ap::max_acceleration, 1000);
+  ask(Command::ROR, 0, 0, 5);
+  pass(seconds(3));
+  ASSERT_EQ(get(load_value), 0);
+  ask(Command::ROL, 0, 0, 5);
+  pass(milliseconds(100));
+  const auto place = get(encoder_position);
+  set(stop_on_stall, 1);
+  ask(Command::ROR, 0, 0, 5);
+  pass(seconds(1));
+  EXPECT_EQ(get(encoder_position), place);
+  EXPECT_EQ(get(ap::actual_velocity), 0);
+  EXPECT_EQ(get(error_flags), 1);
+}
+
 }  // namespace
 }  // namespace tmcl::sim
