@@ -4,10 +4,9 @@
 
 #include <string>
 
-#include "sim/bench.hpp"
+#include "support/lone_module.hpp"
 #include "support/random.hpp"
 #include "support/seed.hpp"
-#include "tmcl/clock.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -15,24 +14,9 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-struct Nobody : EventSink {
-  void target_reached(const Module&, std::int32_t) override {}
-};
+struct World : test::LoneModule {
+  using LoneModule::LoneModule;
 
-struct World {
-  VirtualClock clock;
-  Nobody nobody;
-  Module module;
-
-  World(std::uint16_t model, const StageSettings& stage)
-      : module(*find_model(model), ModuleAddress{1}, clock) {
-    module.mount(0, stage);
-  }
-  Answer ask(const Request& request) { return module.execute(request, Medium::serial, nobody); }
-  void look_at(TimePoint time) {
-    clock.advance_to(time);
-    module.run_due();
-  }
   std::string state() const {
     std::string text;
     for (const auto number : {1, 3, 180, 206, 207, 208, 209}) {

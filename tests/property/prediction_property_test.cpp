@@ -5,6 +5,7 @@
 #include <array>
 
 #include "sim/module/module.hpp"
+#include "support/no_events.hpp"
 #include "support/random.hpp"
 #include "support/seed.hpp"
 #include "tmcl/parameter.hpp"
@@ -22,11 +23,6 @@ constexpr int modules = 25;
 constexpr int moves_per_module = 100;
 constexpr std::int32_t farthest = 400'000;
 constexpr Duration most_patience = std::chrono::minutes(10);
-
-class NoEvents final : public sim::EventSink {
- public:
-  void target_reached(const sim::Module&, std::int32_t) override {}
-};
 
 class Pair {
  public:
@@ -125,7 +121,7 @@ class Pair {
   const Model& model_;
   test::Random<> random_;
   VirtualClock clock_;
-  NoEvents events_;
+  tmcl::test::NoEvents events_;
   sim::Module module_;
   AxisTwin twin_;
 

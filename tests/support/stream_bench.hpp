@@ -15,6 +15,7 @@
 #include <gtest/gtest.h>
 
 #include "sim/module/module.hpp"
+#include "support/no_events.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/plan/stream.hpp"
 
@@ -29,11 +30,6 @@ inline tl::unexpected<Error> no_reply() {
   error.message = "no reply";
   return tl::unexpected(std::move(error));
 }
-
-class NoEvents final : public sim::EventSink {
- public:
-  void target_reached(const sim::Module&, std::int32_t) override {}
-};
 
 /// The axes of one module, two at most, and somebody who carries out what a stream says.
 class StreamBench {
@@ -161,7 +157,7 @@ class StreamBench {
 
   const Model& model_;
   VirtualClock clock_;
-  NoEvents events_;
+  tmcl::test::NoEvents events_;
   sim::Module module_;
   PathLimits limits_;
   TimePoint looked_at_{};

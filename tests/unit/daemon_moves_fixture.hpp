@@ -7,6 +7,7 @@
 
 #include "gateway/motors.hpp"
 #include "sim/module/module.hpp"
+#include "support/no_events.hpp"
 #include "tmcl/hex.hpp"
 #include "unit/daemon_fixture.hpp"
 
@@ -35,12 +36,7 @@ class SimulatedModule {
   }
 
  private:
-  class NoEvents final : public tmcl::sim::EventSink {
-   public:
-    void target_reached(const tmcl::sim::Module&, std::int32_t) override {}
-  };
-
-  NoEvents events_;
+  tmcl::test::NoEvents events_;
   tmcl::sim::Module module_;
 };
 

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "sim/module/module.hpp"
+#include "support/no_events.hpp"
 #include "tmcl/parameter.hpp"
 #include "unit/daemon_fixture.hpp"
 
@@ -15,11 +16,6 @@ namespace ap = tmcl::axis_parameter;
 constexpr std::int32_t own_velocity = 240'000;
 constexpr std::int32_t own_acceleration = 4'999'922;
 constexpr double microsteps_per_mm = 51'200 / 5.0;
-
-class NoEvents final : public tmcl::sim::EventSink {
- public:
-  void target_reached(const tmcl::sim::Module&, std::int32_t) override {}
-};
 
 /// What a FakeModule plays: everything but what the test refuses.
 class Played {
@@ -63,7 +59,7 @@ class Played {
   bool moves() { return get(0, ap::actual_velocity) != 0 || get(1, ap::actual_velocity) != 0; }
 
  private:
-  NoEvents events_;
+  tmcl::test::NoEvents events_;
   tmcl::sim::Module module_;
 };
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "support/no_events.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/ramp_limits.hpp"
 #include "unit/journey_bench.hpp"
@@ -101,11 +102,7 @@ class PlannerLimits {
       all.push_back({parameter, read(parameter)});
     return all;
   }
-  class Nobody final : public tmcl::sim::EventSink {
-    void target_reached(const tmcl::sim::Module&, std::int32_t) override {}
-  };
-
-  Nobody nothing_;
+  tmcl::test::NoEvents nothing_;
   JourneyBench bench_;
   const tmcl::Model* model_;
   Settings before_;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -87,6 +88,20 @@ class SimTest : public testing::Test {
                     sent.insert(sent.end(), bytes.begin(), bytes.end());
                   }};
   CanLine can{bench, [this](const CanFrame& frame) { can_sent.push_back(frame); }};
+};
+
+/// With hands on the stage of the first motor of the first module, too.
+class SimStageTest : public SimTest {
+ protected:
+  void set(std::uint8_t parameter, std::int32_t value) {
+    EXPECT_EQ(status_of(Command::SAP, parameter, 0, value), Status::ok) << int{parameter};
+  }
+  void at_stage(const std::function<void(Stage&)>& change) {
+    bench.modules().front()->at_stage(0, change);
+  }
+  void load(std::int32_t value) {
+    at_stage([&](Stage& stage) { stage.set_load(value); });
+  }
 };
 
 }  // namespace tmcl::sim

@@ -8,6 +8,7 @@
 #include <string>
 
 #include "sim_fixture.hpp"
+#include "support/no_events.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -143,9 +144,7 @@ TEST_F(SimHoming, DoesTheSameOnEveryFamily) {
     Bench other(clock);
     auto& module = other.add(*find_model(model), ModuleAddress{1});
     module.mount(0, StageSettings{.left_switch = -30'000});
-    struct Nobody : EventSink {
-      void target_reached(const Module&, std::int32_t) override {}
-    } nobody;
+    test::NoEvents nobody;
     const Request search{ModuleAddress{1}, Command::RFS, start, 0, 0};
     EXPECT_EQ(module.execute(search, Medium::serial, nobody).status, Status::ok);
     for (int due = 0; other.next_due() != never && due < 1000; ++due) {

@@ -4,10 +4,9 @@
 #include <array>
 #include <string>
 
-#include "sim/bench.hpp"
+#include "support/lone_module.hpp"
 #include "support/random.hpp"
 #include "support/seed.hpp"
-#include "tmcl/clock.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -15,28 +14,7 @@ namespace {
 using std::chrono::microseconds;
 using std::chrono::milliseconds;
 
-struct Nobody : EventSink {
-  void target_reached(const Module&, std::int32_t) override {}
-};
-
-// A module in a time of its own.
-struct World {
-  VirtualClock clock;
-  Nobody nobody;
-  Module module;
-
-  World(std::uint16_t model, const StageSettings& stage)
-      : module(*find_model(model), ModuleAddress{1}, clock) {
-    module.mount(0, stage);
-  }
-  Answer ask(Command command, std::uint8_t type, std::int32_t value) {
-    return module.execute({ModuleAddress{1}, command, type, 0, value}, Medium::serial, nobody);
-  }
-  void look_at(TimePoint time) {
-    clock.advance_to(time);
-    module.run_due();
-  }
-};
+using World = test::LoneModule;
 
 class Script : public test::Random<std::int32_t> {
  public:

@@ -32,7 +32,7 @@ constexpr std::int32_t standstill_flag = 0x80;
 // In microsteps per second, as the sixPoint modules count.
 constexpr std::int32_t full_steps(std::int32_t number) { return 256 * number; }
 
-class SimMotor : public SimTest {
+class SimMotor : public SimStageTest {
  protected:
   // A TMCM-1276, with an encoder that shows where its motor really is.
   Module& add_watched(StageSettings stage, std::uint16_t model = 1276) {
@@ -40,15 +40,6 @@ class SimMotor : public SimTest {
     auto& module = add(model, stage);
     if (model == 1276) set(ap::max_acceleration, full_steps(10'000));
     return module;
-  }
-  void set(std::uint8_t parameter, std::int32_t value) {
-    EXPECT_EQ(status_of(Command::SAP, parameter, 0, value), Status::ok) << int{parameter};
-  }
-  void at_stage(const std::function<void(Stage&)>& change) {
-    bench.modules().front()->at_stage(0, change);
-  }
-  void load(std::int32_t value) {
-    at_stage([&](Stage& stage) { stage.set_load(value); });
   }
   void fault(DriverFault which, bool on = true) {
     at_stage([&](Stage& stage) { stage.set_fault(which, on); });

@@ -23,17 +23,8 @@ constexpr std::uint8_t freewheeling_delay = 204;
 constexpr std::int32_t stall_error = 1;
 constexpr std::int32_t deviation_error = 2;
 
-class SimWatch : public SimTest {
+class SimWatch : public SimStageTest {
  protected:
-  void set(std::uint8_t parameter, std::int32_t value) {
-    EXPECT_EQ(status_of(Command::SAP, parameter, 0, value), Status::ok) << int{parameter};
-  }
-  void at_stage(const std::function<void(Stage&)>& change) {
-    bench.modules().front()->at_stage(0, change);
-  }
-  void load(std::int32_t value) {
-    at_stage([&](Stage& stage) { stage.set_load(value); });
-  }
   // Asks for nothing, so that asking cannot be what makes something happen.
   std::int32_t look(std::uint8_t parameter) {
     return bench.modules().front()->axis(0).get(parameter).value_or(INT32_MIN);

@@ -9,6 +9,7 @@
 #include <string>
 
 #include "sim/module/module.hpp"
+#include "support/no_events.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/axis_twin.hpp"
@@ -58,11 +59,6 @@ class Motor {
   AxisTwin twin_;
 };
 
-class NoEvents final : public sim::EventSink {
- public:
-  void target_reached(const sim::Module&, std::int32_t) override {}
-};
-
 class FirmwareMotor final : public Motor {
  public:
   explicit FirmwareMotor(const Model& model)
@@ -90,7 +86,7 @@ class FirmwareMotor final : public Motor {
   }
 
   VirtualClock clock_;
-  NoEvents events_;
+  tmcl::test::NoEvents events_;
   sim::Module module_;
 };
 

@@ -14,6 +14,7 @@
 #include "config/load.hpp"
 #include "gateway/gateway.hpp"
 #include "log/log.hpp"
+#include "support/no_events.hpp"
 #include "tmcl/virtual_time.hpp"
 #include "world/cable_config.hpp"
 #include "world/wire.hpp"
@@ -65,9 +66,7 @@ class CableBench {
   }
   /// Of a host that tmcld knows nothing of.
   void other_master(const tmcl::Request& request) {
-    class Nobody final : public tmcl::sim::EventSink {
-      void target_reached(const tmcl::sim::Module&, std::int32_t) override {}
-    } nobody;
+    tmcl::test::NoEvents nobody;
     module.execute(request, tmcl::sim::Medium::serial, nobody);
     wire.touch();
   }

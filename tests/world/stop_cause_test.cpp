@@ -4,6 +4,7 @@
 #include <string>
 
 #include "sim/module/event_sink.hpp"
+#include "support/no_events.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "world/cable.hpp"
 
@@ -39,9 +40,7 @@ class StopCauses : public Cable {
   }
   /// Of a host that tmcld knows nothing of.
   void other_master_stops() {
-    class Nobody final : public tmcl::sim::EventSink {
-      void target_reached(const tmcl::sim::Module&, std::int32_t) override {}
-    } nobody;
+    tmcl::test::NoEvents nobody;
     module.execute({tmcl::ModuleAddress{1}, tmcl::Command::MST, 0, 0, 0}, tmcl::sim::Medium::serial,
                    nobody);
     wire.touch();
