@@ -134,8 +134,8 @@ std::string Daemon::status() const {
   if (buses.empty()) return "no bus is configured";
   const auto open = std::ranges::count_if(
       buses, [](const auto& bus) { return bus->state() == GatewayBus::State::open; });
-  return std::to_string(gateway_->axes().size()) + " axes, " + std::to_string(open) + " of " +
-         std::to_string(buses.size()) + " buses open";
+  return "axes: " + std::to_string(gateway_->axes().size()) +
+         ", buses open: " + std::to_string(open) + " of " + std::to_string(buses.size());
 }
 
 // Whoever threw has ended; all others go on, as long as it takes to stop what moves.

@@ -49,9 +49,9 @@ void UnixServer::take_in_who_waits() {
   }
   if (cut_off == 0) return;
   gateway_->log(LogLevel::warning,
-                std::to_string(cut_off) +
-                    " clients had asked for something before tmcld served them: they were cut off, "
-                    "and nothing was done");
+                "clients that were cut off, because they had asked for something before tmcld "
+                "served them: " +
+                    std::to_string(cut_off) + "; nothing of it was done");
 }
 
 void UnixServer::stop_accepting() {

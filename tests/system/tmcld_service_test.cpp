@@ -105,7 +105,7 @@ TEST_F(TmcldService, FeedsItsWatchdogWhateverBecomesOfItsBuses) {
   EXPECT_NE(told("WATCHDOG=1"), "");
   EXPECT_NE(told("WATCHDOG=1"), "");
   simulator.reset();
-  EXPECT_EQ(told("0 of 1"), "STATUS=3 axes, 0 of 1 buses open");
+  EXPECT_EQ(told("0 of 1"), "STATUS=axes: 3, buses open: 0 of 1");
   EXPECT_NE(told("WATCHDOG=1"), "");
 }
 
@@ -136,7 +136,7 @@ TEST_F(TmcldService, DoesNothingThatWasAskedForBeforeItServed) {
   early.send("axis.list");
   start_as_service(passing(for_shell));
   EXPECT_TRUE(early.is_cut_off());
-  EXPECT_TRUE(daemon->wait_for("1 clients had asked for something")) << daemon->output();
+  EXPECT_TRUE(daemon->wait_for("before tmcld served them: 1; nothing")) << daemon->output();
 }
 
 TEST_F(TmcldService, RefusesASocketThatClientsWouldNotFind) {
