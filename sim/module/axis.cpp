@@ -27,7 +27,8 @@ bool in_range(const ParameterInfo& row, std::int32_t value) {
 Axis::Axis(const Model& model, Stage& stage, TimePoint power_on, const ModuleTraits& traits)
     : family_(model.family),
       traits_(traits),
-      wraps_(traits.find(Trait::range_check) == index_of(RangeCheck::wrap) && can_wrap(model)),
+      wraps_(concerns(Trait::range_check, model) &&
+             traits.get<RangeCheck>(Trait::range_check, model) == RangeCheck::wrap),
       table_(axis_parameters(model)),
       motor_(make_motor(model, power_on, traits)),
       coupling_(*motor_, stage),

@@ -19,8 +19,8 @@ enum class Behaviour : std::uint8_t {
 struct ModuleSettings {
   std::optional<FirmwareRelease> firmware{};  ///< Otherwise that of delivered_firmware().
   Behaviour behaviour = Behaviour::manual;
-  ModuleTraits traits{};                ///< RangeCheck::wrap has no effect unless can_wrap().
-  std::optional<Duration> to_answer{};  ///< Otherwise as its port has it.
+  ModuleTraits traits{};                ///< What concerns() other models has no effect.
+  std::optional<Duration> to_answer{};  ///< Serial lines and USB; otherwise as those have it.
   std::optional<bool> data_logger{};    ///< Otherwise as has_data_logger() says of its family.
 };
 

@@ -117,8 +117,6 @@ std::int32_t written(const Row& row, const ParameterInfo& info, std::int32_t val
 
 }  // namespace
 
-bool can_wrap(const Model& model) { return model.family == Family::tmc429; }
-
 std::optional<Wrapped> wrapped(const ParameterInfo& info, std::int32_t value) {
   const auto* row = find(info.name);
   if (row == nullptr) return std::nullopt;

@@ -9,16 +9,13 @@
 
 namespace tmcl::sim {
 
-/// Whether that is known of a model: of those with a TMC429, by the vendor's example firmware
-/// TMCL-LITE for the TMCM-1110.
-bool can_wrap(const Model& model);
-
 struct Wrapped {
   std::int32_t kept;     ///< What GAP answers.
   std::int32_t written;  ///< What the chip gets.
   bool operator==(const Wrapped&) const = default;
 };
-/// Of a value that is out of the parameter's range; the row is one of a model that can_wrap().
+/// Of a value that is out of the parameter's range; the row is one of a model with a TMC429: of
+/// those it is known, by the vendor's example firmware TMCL-LITE for the TMCM-1110.
 /// Nothing for a parameter that the example firmware does not have, or of which it does not tell
 /// what the chip makes of it.
 std::optional<Wrapped> wrapped(const ParameterInfo& info, std::int32_t value);

@@ -23,6 +23,11 @@ bool obeys_silently(const Globals& globals, std::uint8_t address) {
 
 std::vector<std::uint8_t> bytes_of(const std::string& text) { return {text.begin(), text.end()}; }
 
+bool takes_any_address(const Module& module) {
+  return module.settings().traits.get<Addressing>(Trait::addressing, module.model()) ==
+         Addressing::any;
+}
+
 }  // namespace
 
 SerialLine::SerialLine(Bench& bench, Output output, const SerialWire& wire)
@@ -74,11 +79,6 @@ void SerialLine::hear_character(Module& module, Ear& ear, std::uint8_t byte) {
   const auto heard = ear.terminal.push(byte, globals.byte(gp::serial_address), echo);
   if (!heard.echo.empty()) output_(bytes_of(heard.echo));
   if (heard.line) hand_to(module, *heard.line);
-}
-
-bool SerialLine::takes_any_address(const Module& module) {
-  return module.settings().traits.get<Addressing>(Trait::addressing, module.model()) ==
-         Addressing::any;
 }
 
 void SerialLine::hand_to(Module& module, const SerialBytes& frame) {

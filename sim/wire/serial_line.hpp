@@ -73,7 +73,6 @@ class SerialLine final : public Line {
   void hear(Bytes bytes, TimePoint earliest);
   void hear(Module& module, Ear& ear, std::uint8_t byte, TimePoint earliest);
   void hear_character(Module& module, Ear& ear, std::uint8_t byte);
-  static bool takes_any_address(const Module& module);
   void hand_to(Module& module, const SerialBytes& frame);
   void hand_to(Module& module, const std::string& line);
   Answer execute(Module& module, const ascii::Order& order);

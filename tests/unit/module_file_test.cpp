@@ -4,23 +4,20 @@
 #include <set>
 #include <string>
 
-#include "module_file/module_file.hpp"
+#include "tmcl/module_traits.hpp"
+#include "tools/tmclsim/module_file.hpp"
 
-namespace tmcl {
+namespace tmclsim {
 namespace {
 
-std::string error_of(const std::string& text) {
-  const auto file = parse_module_file(text, "m.toml");
-  return file ? "" : file.error();
-}
-const std::string head = "[module]\nmodel = \"TMCM-1110\"\n";
+using namespace tmcl;  // the traits
+using tmcl::sim::ModuleSettings;
 
 TEST(Traits, StandInTheTableInTheirOrderWithWordsOfTheirOwn) {
   std::set<std::string_view> names;
   for (std::size_t i = 0; i < trait_count; ++i) {
     const auto& info = trait_table()[i];
     EXPECT_EQ(index_of(info.trait), i) << info.name;
-    EXPECT_EQ(find_trait(info.name), &info);
     names.insert(info.name);
     std::set<std::string_view> words(info.variants.begin(), info.variants.end());
     EXPECT_EQ(words.size(), info.variants.size()) << info.name;
@@ -52,23 +49,33 @@ TEST(Traits, OfTheChipConcernOnlyModulesThatHaveIt) {
   EXPECT_TRUE(concerns(Trait::limit_stop, newer));
 }
 
+ModuleSettings settings_of(const std::string& text) {
+  const auto file = parse_module_file(text, "m.toml", *tmcl::find_model("TMCM-1110"));
+  EXPECT_TRUE(file) << file.error();
+  return file.value_or(ModuleSettings{});
+}
+std::string error_of(const std::string& text, std::string_view model = "TMCM-1110") {
+  const auto file = parse_module_file(text, "m.toml", *tmcl::find_model(model));
+  return file ? "" : file.error();
+}
+const std::string head = "[module]\nmodel = \"TMCM-1110\"\n";
+
 TEST(ModuleFile, TellsWhatItSaysAndNothingElse) {
-  const auto file = parse_module_file(head +
-                                          "firmware_version = \"1.09\"\nanswer_us = 1840\n"
-                                          "last_step = \"r2\"\nheartbeat = \"ignored\"\n"
-                                          "[[point]]\nname = \"anything\"\n",
-                                      "m.toml");
-  ASSERT_TRUE(file) << file.error();
-  EXPECT_EQ(file->model, find_model("TMCM-1110"));
-  EXPECT_EQ(file->firmware_version, "1.09");
-  EXPECT_EQ(file->to_answer, std::chrono::microseconds(1840));
-  EXPECT_EQ(file->traits.find(Trait::last_step), index_of(ramp::Tmc429::LastStep::r2));
-  EXPECT_EQ(file->traits.find(Trait::heartbeat), index_of(Heartbeat::ignored));
-  EXPECT_FALSE(file->traits.find(Trait::order));
+  const auto settings = settings_of(head +
+                                    "firmware_version = \"1.09\"\nanswer_us = 1840\n"
+                                    "last_step = \"r2\"\nheartbeat = \"ignored\"\n"
+                                    "behaviour = \"lite\"\ndata_logger = true\n");
+  EXPECT_EQ(settings.firmware, (tmcl::sim::FirmwareRelease{1, 9}));
+  EXPECT_EQ(settings.to_answer, std::chrono::microseconds(1840));
+  EXPECT_EQ(settings.traits.find(Trait::last_step), index_of(tmcl::ramp::Tmc429::LastStep::r2));
+  EXPECT_EQ(settings.traits.find(Trait::heartbeat), index_of(tmcl::Heartbeat::ignored));
+  EXPECT_FALSE(settings.traits.find(Trait::order));
+  EXPECT_EQ(settings.behaviour, tmcl::sim::Behaviour::lite);
+  EXPECT_EQ(settings.data_logger, true);
 }
 
 TEST(ModuleFile, NamesLineAndNearestKeyOrWord) {
-  EXPECT_EQ(error_of("[module]\n"), "m.toml:1: [module] has no 'model'");
+  EXPECT_EQ(error_of("[module]\n"), "m.toml:1: this module has no 'model'");
   EXPECT_EQ(error_of("[module]\nmodel = \"TMCM-1111O\"\n"),
             "m.toml:2: there is no module 'TMCM-1111O'. Did you mean 'TMCM-1111'?");
   EXPECT_EQ(error_of(head + "last_stepp = \"r3\"\n"),
@@ -77,19 +84,22 @@ TEST(ModuleFile, NamesLineAndNearestKeyOrWord) {
             "m.toml:3: 'order' is 'ramp_frist', but must be ramp_first or pulse_first. Did you "
             "mean 'ramp_first'?");
   EXPECT_EQ(error_of(head + "answer_us = -1\n"),
-            "m.toml:3: 'answer_us' must be 0 to 1000000, in microseconds");
-  EXPECT_EQ(error_of("[module]\nmodel = \"TMCM-1276\"\norder = \"ramp_first\"\n"),
-            "m.toml:3: 'order' is of modules with a TMC429, and a TMCM-1276 has none");
-  EXPECT_NE(error_of("module = 1\n"), "");
+            "m.toml:3: 'answer_us' is -1, but must be 0 to 1000000");
+  EXPECT_EQ(error_of("[module]\nmodel = \"TMCM-1276\"\norder = \"pulse_first\"\n", "TMCM-1276"),
+            "m.toml:3: a TMCM-1276 has no TMC429: 'order' can only be ramp_first");
+  EXPECT_EQ(error_of(head, "TMCM-6212"), "m.toml:2: this is a TMCM-1110, not a TMCM-6212");
+  EXPECT_EQ(error_of("module = 1\n"), "m.toml:1: there is no section [module]");
+  EXPECT_EQ(error_of(head + "address = 1\n"),
+            "m.toml:3: there is no key 'address'. Did you mean 'addressing'?");
   EXPECT_NE(error_of("[module\n"), "");
   EXPECT_NE(error_of("[modul]\n"), "");
 }
 
 TEST(ModuleFile, ThatIsNotThereIsAnError) {
-  const auto file = read_module_file("/nowhere/m.toml");
+  const auto file = read_module_file("/nowhere/m.toml", *tmcl::find_model("TMCM-1110"));
   ASSERT_FALSE(file);
   EXPECT_EQ(file.error(), "/nowhere/m.toml: cannot be read, or is empty");
 }
 
 }  // namespace
-}  // namespace tmcl
+}  // namespace tmclsim

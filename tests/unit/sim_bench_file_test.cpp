@@ -169,7 +169,7 @@ TEST(BenchFile, TakesWhatWasMeasuredOfAModuleOfTheSameModelOnly) {
   EXPECT_EQ(settings.traits.find(tmcl::Trait::heartbeat), 1);
   EXPECT_EQ(settings.firmware->minor, 10) << "what the bench file says itself holds";
   EXPECT_THAT(error_of("[[module]]\nmodel = \"TMCM-6212\"\n" + as),
-              "b.toml:3: " + measured + " is of a TMCM-1110, not of a TMCM-6212");
+              "b.toml:3: " + measured + ":2: this is a TMCM-1110, not a TMCM-6212");
 }
 
 TEST(BenchFile, SaysWhichFileCannotBeRead) {

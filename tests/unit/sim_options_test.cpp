@@ -59,7 +59,7 @@ TEST(SimOptions, AModuleIsLikeTheOneOfAFileAndStillHasTheFirmwareThatIsSaid) {
   EXPECT_EQ(modules[1].settings.firmware, (FirmwareRelease{1, 11}));
   for (const auto& module : modules) EXPECT_EQ(module.settings.traits.find(tmcl::Trait::order), 1);
   EXPECT_THAT(error_of({"--module", "TMCM-1140", "--as", path.c_str()}),
-              HasSubstr("is of a TMCM-1110, not of a TMCM-1140"));
+              HasSubstr("this is a TMCM-1110, not a TMCM-1140"));
   EXPECT_THAT(error_of({"--as", path.c_str(), "--module", "TMCM-1110"}),
               HasSubstr("stands before any --module"));
 }

@@ -260,8 +260,8 @@ TEST_F(SimWrapping, AStallVelocityHasNoSign) {
 TEST_F(SimSettings, OtherFamiliesRefuseWhateverIsSet) {
   add_with(wrapping(), 6212);
   EXPECT_EQ(set(number_of("max_current"), 1000), Status::invalid_value);
-  EXPECT_FALSE(can_wrap(*find_model(6212)));
-  EXPECT_TRUE(can_wrap(*find_model(351)));
+  EXPECT_FALSE(concerns(Trait::range_check, *find_model(6212)));
+  EXPECT_TRUE(concerns(Trait::range_check, *find_model(351)));
 }
 
 }  // namespace

@@ -1,7 +1,9 @@
 // Each trait of a module makes the difference that it stands for.
 #include <gtest/gtest.h>
 
+#include "sim/wire/usb_line.hpp"
 #include "sim_fixture.hpp"
+#include "support/lone_module.hpp"
 #include "tmcl/parameter_number.hpp"
 
 namespace tmcl::sim {
@@ -9,10 +11,6 @@ namespace {
 
 namespace ap = axis_parameter;
 using namespace std::chrono_literals;
-
-struct Nobody : EventSink {
-  void target_reached(const Module&, std::int32_t) override {}
-};
 
 class SimTraits : public SimTest {
  protected:
@@ -89,28 +87,21 @@ TEST_F(SimTraits, OrWithItsTarget) {
 }
 
 // The parameter is read as it was set.
-TEST_F(SimTraits, AMotorStopsHardOrSoftAtALimitWhateverTheParameterSays) {
+TEST(SimLimitStop, IsHardOrSoftWhateverTheParameterSays) {
   const auto soft_stop = number_of(Family::tmc429, "soft_stop");
+  StageSettings stage;
+  stage.right_switch = 20000;
   for (const auto stop : {LimitStop::hard, LimitStop::soft, LimitStop::as_set}) {
     for (const auto set : {0, 1}) {
       ModuleSettings settings;
       settings.traits.set(Trait::limit_stop, stop);
-      VirtualClock time;
-      Nobody sink;
-      Module module(*find_model(1110), ModuleAddress{1}, time, settings);
-      StageSettings stage;
-      stage.right_switch = 20000;
-      module.mount(0, stage);
-      const auto run = [&](Command command, std::uint8_t type, std::int32_t value) {
-        return module.execute({ModuleAddress{1}, command, type, 0, value}, Medium::serial, sink)
-            .value;
-      };
-      run(Command::SAP, soft_stop, set);
-      EXPECT_EQ(run(Command::GAP, soft_stop, 0), set);
-      run(Command::ROR, 0, 1000);
-      time.advance(10s);
+      test::LoneModule one(1110, stage, settings);
+      one.ask(Command::SAP, soft_stop, set);
+      EXPECT_EQ(one.ask(Command::GAP, soft_stop, 0).value, set);
+      one.ask(Command::ROR, 0, 1000);
+      one.look_at(one.clock.now() + 10s);
       const bool is_soft = stop == LimitStop::soft || (stop == LimitStop::as_set && set == 1);
-      const auto beyond = run(Command::GAP, ap::actual_position, 0) - 20000;
+      const auto beyond = one.ask(Command::GAP, ap::actual_position, 0).value - 20000;
       EXPECT_EQ(beyond > 100, is_soft) << index_of(stop) << " " << set << ": " << beyond;
     }
   }
@@ -137,6 +128,27 @@ TEST_F(SimTraits, CommandsForAnyAddressAreTaken) {
   const auto bytes = exchange(Bytes(request.begin(), request.end()));
   ASSERT_EQ(bytes.size(), 9U);
   EXPECT_EQ(bytes[1], 1) << "its own";
+}
+
+TEST_F(SimTraits, AnAnswerTakesAsLongAsWasMeasured) {
+  ModuleSettings settings;
+  settings.to_answer = 1500us;
+  auto& module = bench.add(*find_model(1110), ModuleAddress{1}, settings);
+  const auto request = encode_serial(Request{ModuleAddress{1}, Command::GAP, 1, 0, 0});
+  EXPECT_TRUE(exchange(Bytes(request.begin(), request.end())).empty());
+  pass(1499us);
+  EXPECT_TRUE(heard().empty());
+  pass(1us);
+  EXPECT_EQ(heard().size(), serial_datagram_size);
+
+  Bytes by_usb;
+  UsbLine usb(
+      bench, module, [&](auto bytes) { by_usb.assign(bytes.begin(), bytes.end()); }, 0);
+  usb.receive(request);
+  pass(1499us);
+  EXPECT_TRUE(by_usb.empty());
+  pass(1us);
+  EXPECT_EQ(by_usb.size(), serial_datagram_size);
 }
 
 }  // namespace

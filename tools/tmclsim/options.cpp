@@ -8,6 +8,7 @@
 #include <string_view>
 
 #include "bench_file.hpp"
+#include "module_file.hpp"
 #include "number_text.hpp"
 #include "settings_words.hpp"
 #include "tmcl/spelling.hpp"
@@ -106,7 +107,7 @@ With --as, a module is like one that was measured. FILE is TOML; all its keys bu
     [module]
     model = "TMCM-1110"              # the same as that of --module
     firmware_version = "1.09"
-    answer_us = 1840                 # how long it takes to answer
+    answer_us = 1840                 # how long it takes to answer, on serial lines and by USB
     last_step = "r3"                 # of a TMC429, also r1, r2; and factor_rule, order, accumulator
     relative_from = "actual"         # what MVP REL counts from; or target
     relative_answer = "distance"     # what that is answered with; or target
@@ -245,7 +246,7 @@ Done be_as(const Words& words, std::span<ModuleSpec> modules) {
   for (std::size_t i = 0; i < std::min(modules.size(), words.as_of_module.size()); ++i) {
     const auto& path = words.as_of_module[i];
     if (!path) continue;
-    const auto settings = settings_as(*path, *modules[i].model);
+    const auto settings = read_module_file(*path, *modules[i].model);
     if (!settings) return tl::unexpected("--as: " + settings.error());
     modules[i].settings = *settings;
   }

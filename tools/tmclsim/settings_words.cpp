@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 
-#include "module_file/module_file.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmclsim {
@@ -35,24 +34,6 @@ std::optional<FirmwareRelease> parse_release(std::string_view text) {
   const auto digit = [text](std::size_t at) { return static_cast<unsigned>(text[at] - '0'); };
   return FirmwareRelease{static_cast<std::uint8_t>(digit(0)),
                          static_cast<std::uint8_t>(10 * digit(2) + digit(3))};
-}
-
-tl::expected<tmcl::sim::ModuleSettings, std::string> settings_as(const std::string& path,
-                                                                 const tmcl::Model& model) {
-  const auto file = tmcl::read_module_file(path);
-  if (!file) return tl::unexpected(file.error());
-  if (file->model != &model) {
-    return tl::unexpected(path + " is of a " + std::string(file->model->name) + ", not of a " +
-                          std::string(model.name));
-  }
-  tmcl::sim::ModuleSettings settings;
-  settings.traits = file->traits;
-  settings.to_answer = file->to_answer;
-  if (file->firmware_version.empty()) return settings;
-  settings.firmware = parse_release(file->firmware_version);
-  if (settings.firmware) return settings;
-  return tl::unexpected(path + ": " + tmcl::quoted(file->firmware_version) +
-                        std::string(no_release));
 }
 
 tl::expected<Behaviour, std::string> parse_behaviour(std::string_view word) {

@@ -18,11 +18,6 @@ std::optional<tmcl::sim::FirmwareRelease> parse_release(std::string_view text);
 inline constexpr std::string_view no_release =
     " is not a version: it is MAJOR.MINOR, 0.00 to 9.99, such as 1.09";
 
-/// Of a module like the one that the file describes. The error is a sentence, also for a file of
-/// another model.
-tl::expected<tmcl::sim::ModuleSettings, std::string> settings_as(const std::string& path,
-                                                                 const tmcl::Model& model);
-
 /// "manual" or "lite"; the error names the words and the nearest of them.
 tl::expected<tmcl::sim::Behaviour, std::string> parse_behaviour(std::string_view word);
 

@@ -1,7 +1,7 @@
 /// In what a module may differ from others of its model, or what no document settles: each has a
 /// few known variants, and a measurement on the module can tell which it is.
 ///
-/// A simulated module and the twin of an axis take them, so that both are of that module.
+/// A simulated module takes them, so that it is like that one.
 #pragma once
 
 #include <array>
@@ -60,13 +60,9 @@ struct TraitInfo {
   Trait trait;
   std::string_view name;
   std::span<const std::string_view> variants;
-  std::string_view question;
 };
 /// In the order of the enumeration.
 std::span<const TraitInfo, trait_count> trait_table();
-const TraitInfo& info_of(Trait trait);
-/// Null if there is none of this name.
-const TraitInfo* find_trait(std::string_view name);
 /// Which variant a word is; the error says what it may be, and which word is the nearest: "is
 /// 'wrapp', but must be manual or wrap. Did you mean 'wrap'?".
 tl::expected<std::uint8_t, std::string> parse_variant(const TraitInfo& info, std::string_view word);

@@ -24,25 +24,17 @@ constexpr std::array<Word, 2> range_checks{"manual", "wrap"};
 constexpr std::array<Word, 2> addressings{"own", "any"};
 
 constexpr std::array<TraitInfo, trait_count> table{{
-    {Trait::last_step, "last_step", last_steps,
-     "from which distance a TMC429 takes the speed at which it comes to its target"},
-    {Trait::factor_rule, "factor_rule", factor_rules,
-     "how the firmware rounds PMUL and PDIV, by which a TMC429 brakes"},
-    {Trait::order, "order", orders, "which stage of a TMC429 comes first at a common tick"},
-    {Trait::accumulator, "accumulator", accumulators,
-     "what a TMC429 does with the fraction of a microstep on its target"},
-    {Trait::relative_from, "relative_from", origins, "where a relative move counts from"},
-    {Trait::relative_answer, "relative_answer", relative_answers,
-     "what a relative move is answered with"},
-    {Trait::limit_stop, "limit_stop", limit_stops, "how a motor stops at a limit switch"},
-    {Trait::program_state, "program_state", state_places,
-     "where the answer to command 135 has the state of the program"},
-    {Trait::heartbeat, "heartbeat", heartbeats,
-     "what the module does when nobody has sent it anything for the time it keeps"},
-    {Trait::range_check, "range_check", range_checks,
-     "what becomes of a value that is out of range"},
-    {Trait::addressing, "addressing", addressings,
-     "whether commands for other addresses are taken"},
+    {Trait::last_step, "last_step", last_steps},
+    {Trait::factor_rule, "factor_rule", factor_rules},
+    {Trait::order, "order", orders},
+    {Trait::accumulator, "accumulator", accumulators},
+    {Trait::relative_from, "relative_from", origins},
+    {Trait::relative_answer, "relative_answer", relative_answers},
+    {Trait::limit_stop, "limit_stop", limit_stops},
+    {Trait::program_state, "program_state", state_places},
+    {Trait::heartbeat, "heartbeat", heartbeats},
+    {Trait::range_check, "range_check", range_checks},
+    {Trait::addressing, "addressing", addressings},
 }};
 
 bool is_newer(Family family) {
@@ -52,13 +44,6 @@ bool is_newer(Family family) {
 }  // namespace
 
 std::span<const TraitInfo, trait_count> trait_table() { return table; }
-
-const TraitInfo& info_of(Trait trait) { return table[static_cast<std::size_t>(trait)]; }
-
-const TraitInfo* find_trait(std::string_view name) {
-  const auto* found = std::ranges::find(table, name, &TraitInfo::name);
-  return found == table.end() ? nullptr : &*found;
-}
 
 // The newer firmware counts relative movements from the target, and tells where they go.
 std::uint8_t usual_variant(Trait trait, const Model& model) {
