@@ -3,9 +3,9 @@
 /// Torque is in 1/1000 of what the motor holds at its full current. Asked are the load, the load
 /// that grows with the speed, and the inertia times the acceleration; slowing down, the inertia
 /// drives. The motor has as much as its current is of the full one, up to a corner speed, which the
-/// supply moves; above it, so much less as it is faster. A motor that is asked for all it has, or for
-/// more, stalls: its field goes on, and its rotor stays where it is. It catches on again when it
-/// has enough and the field is slow enough for it. docs/LOAD.md tells where that comes from.
+/// supply moves; above it, so much less as it is faster. A motor that is asked for all it has, or
+/// for more, stalls: its field goes on, and its rotor stays where it is. It catches on again when
+/// it has enough and the field is slow enough for it. docs/LOAD.md tells where that comes from.
 #pragma once
 
 #include <cstdint>
