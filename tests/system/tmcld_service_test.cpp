@@ -95,7 +95,7 @@ TEST_F(TmcldService, FeedsItsWatchdogWhateverBecomesOfItsBuses) {
   start_simulator_on_pty();
   write_config(pty_link());
   start_as_service(reporting() + "; export WATCHDOG_USEC=100000");
-  EXPECT_THAT(told("READY=1"), HasSubstr("3 axes"));
+  EXPECT_THAT(told("READY=1"), HasSubstr("axes: 3, buses open: 1 of 1"));
   EXPECT_NE(told("WATCHDOG=1"), "");
   EXPECT_NE(told("WATCHDOG=1"), "");
   ASSERT_TRUE(daemon->wait_for("module_answers (module 2)")) << daemon->output();
