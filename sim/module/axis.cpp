@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "sim/module/driver_registers.hpp"
 #include "tmcl/parameter_number.hpp"
 
 namespace tmcl::sim {
@@ -175,10 +176,26 @@ void Axis::take_note(std::uint8_t number, std::int32_t value) {
 
 // ---- Registers
 
-std::int32_t Axis::read_chip(std::uint8_t address) { return motor_->read_chip(address); }
+std::int32_t Axis::read_chip(std::uint8_t address) {
+  if (family_ == Family::sixpoint && address == driver_status_address)
+    return driver_status({load_value(), current_scale(), driver_flags()});
+  auto word = static_cast<std::uint32_t>(motor_->read_chip(address));
+  for (const auto& field : driver_fields(family_)) {
+    const auto* row = find_parameter(table_, field.parameter);
+    if (field.address == address && row != nullptr)
+      word = with_value(field, word, values_[field.parameter], *row);
+  }
+  return static_cast<std::int32_t>(word);
+}
 
+// A setting that the model has not is a bit without effect.
 Status Axis::write_chip(std::uint8_t address, std::int32_t value) {
   const auto status = motor_->write_chip(address, value);
+  for (const auto& field : driver_fields(family_)) {
+    const auto* row = find_parameter(table_, field.parameter);
+    if (status != Status::ok || field.address != address || row == nullptr) continue;
+    set(field.parameter, value_in(field, static_cast<std::uint32_t>(value), *row));
+  }
   settle();
   return status;
 }

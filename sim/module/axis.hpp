@@ -45,10 +45,11 @@ class Axis {
   /// unless that wraps.
   Status set(std::uint8_t number, std::int32_t value);
 
-  /// Registers of the motion controller, as Motor has them.
+  /// Registers of the motion controller, as Motor has them; where the driver is in the same chip,
+  /// its registers are the settings of the axis.
   std::int32_t read_chip(std::uint8_t address);
   Status write_chip(std::uint8_t address, std::int32_t value);
-  /// Those of the motor driver: words without effect, 0 at first.
+  /// Those of a motor driver of its own: words without effect, 0 at first.
   std::int32_t read_driver(std::uint8_t address) const;
   void write_driver(std::uint8_t address, std::int32_t value) { driver_words_[address] = value; }
 
