@@ -15,9 +15,11 @@ using tmcl::Dimension;
 using tmcl::Quantity;
 using tmcl::quoted;
 
-/// Of a parameter `param`.
-RpcError quantity_error(std::string_view param, const tmcl::QuantityError& error) {
-  return param_error(error.code, param, error.message, error.hint);
+RpcError has_no_unit_of_its_own(const GatewayAxis& axis, std::string_view param) {
+  return param_error("bad_argument", param,
+                     "axis " + quoted(axis.name()) + " has no unit of its own",
+                     "the configuration gives it one by 'unit' and 'units_per_revolution'; a text "
+                     "can be in others, such as '1.5rev'");
 }
 
 /// What one of them says.
@@ -38,10 +40,7 @@ Lookup<Quantity> quantity_of(const api::Amount& amount, std::string_view param, 
   }
   if (!axis.unit().empty())
     return Quantity{std::get<double>(amount.said), unit_of(dimension, axis.unit())};
-  return tl::unexpected(
-      param_error("bad_argument", param, "axis " + quoted(axis.name()) + " has no unit of its own",
-                  "the configuration gives it one by 'unit' and 'units_per_revolution'; a text "
-                  "can be in others, such as '1.5rev'"));
+  return tl::unexpected(has_no_unit_of_its_own(axis, param));
 }
 
 /// `plain_unit`: empty for what the module counts.
@@ -89,34 +88,99 @@ awaitable<Lookup<AxisUnits>> units_for(GatewayAxis& axis, std::string_view param
   co_return units;
 }
 
-/// `parameter` is what holds such a limit.
 template <class Value>
-awaitable<Lookup<std::optional<Value>>> limit_of(
-    GatewayAxis& axis, Either either, Dimension dimension, const char* plain_unit,
-    std::uint8_t parameter,
-    tmcl::Converted<Value> (*in_pulses)(const Quantity&, const AxisUnits&)) {
-  if (!either.plain && !either.amount) co_return std::nullopt;
-  const auto limit_said = said_in(either, axis, dimension, plain_unit);
-  if (!limit_said) co_return tl::unexpected(limit_said.error());
-  const auto& [param, said] = *limit_said;
+using InPulses = tmcl::Converted<Value> (*)(const Quantity&, const AxisUnits&);
+
+template <class Value>
+awaitable<Lookup<SaidRate<Value>>> rate_of(GatewayAxis& axis, Either either, Dimension dimension,
+                                           const char* plain_unit, InPulses<Value> in_pulses) {
+  auto rate_said = said_in(either, axis, dimension, plain_unit);
+  if (!rate_said) co_return tl::unexpected(rate_said.error());
+  auto& [param, said] = *rate_said;
   if (!(said.number > 0)) {
     co_return tl::unexpected(
         param_error("out_of_range", param, quoted(param) + " must be greater than 0"));
   }
-  const auto units = co_await units_for(axis, param, said, dimension);
+  auto units = co_await units_for(axis, param, said, dimension);
   if (!units) co_return tl::unexpected(units.error());
-  const auto undirected = units->undirected();
-  const auto limit = in_pulses(said, undirected);
-  if (!limit) co_return tl::unexpected(quantity_error(param, limit.error()));
+  auto undirected = units->undirected();
+  const auto rate = in_pulses(said, undirected);
+  if (!rate) co_return tl::unexpected(quantity_error(param, rate.error()));
+  co_return SaidRate<Value>{*rate, param, std::move(said), std::move(undirected)};
+}
+
+/// `parameter` is what holds such a limit.
+template <class Value>
+awaitable<Lookup<std::optional<Value>>> limit_of(GatewayAxis& axis, Either either,
+                                                 Dimension dimension, const char* plain_unit,
+                                                 std::uint8_t parameter,
+                                                 InPulses<Value> in_pulses) {
+  if (!either.plain && !either.amount) co_return std::nullopt;
+  const auto limit = co_await rate_of(axis, std::move(either), dimension, plain_unit, in_pulses);
+  if (!limit) co_return tl::unexpected(limit.error());
   const auto* row = find_parameter(axis.parameters(), parameter);
-  if (!units->module || row == nullptr) co_return *limit;
-  auto fits = to_parameter(said, undirected, *row);
-  if (fits) co_return *limit;
+  if (!limit->units.module || row == nullptr) co_return limit->in_pulses;
+  auto fits = to_parameter(limit->quantity, limit->units, *row);
+  if (fits) co_return limit->in_pulses;
   fits.error().message = "axis " + quoted(axis.name()) + ": " + fits.error().message;
-  co_return tl::unexpected(quantity_error(param, fits.error()));
+  co_return tl::unexpected(quantity_error(limit->param, fits.error()));
 }
 
 }  // namespace
+
+RpcError quantity_error(std::string_view param, const tmcl::QuantityError& error) {
+  return param_error(error.code, param, error.message, error.hint);
+}
+
+awaitable<Lookup<SaidRate<tmcl::PulsesPerSecond>>> velocity_rate_of(GatewayAxis& axis,
+                                                                    Either said) {
+  return rate_of<tmcl::PulsesPerSecond>(axis, std::move(said), Dimension::velocity, "",
+                                        tmcl::to_pps);
+}
+
+awaitable<Lookup<SaidRate<tmcl::PulsesPerSecond2>>> acceleration_rate_of(GatewayAxis& axis,
+                                                                         Either said) {
+  return rate_of<tmcl::PulsesPerSecond2>(axis, std::move(said), Dimension::acceleration, "",
+                                         tmcl::to_pps2);
+}
+
+namespace {
+
+constexpr std::string_view jerk_param = api::name_of<&api::axis::OfRamp::jerk>();
+
+Lookup<Quantity> jerk_quantity_of(const api::Amount& said, const GatewayAxis& axis) {
+  const auto* text = std::get_if<std::string>(&said.said);
+  const auto& unit = axis.unit();
+  if (text == nullptr && unit.empty())
+    return tl::unexpected(has_no_unit_of_its_own(axis, jerk_param));
+  if (text == nullptr) return Quantity{std::get<double>(said.said), unit + "/s^3"};
+  const auto quantity = tmcl::parse_quantity(*text);
+  if (!quantity) return tl::unexpected(quantity_error(jerk_param, quantity.error()));
+  if (!quantity->unit.empty()) return *quantity;
+  const auto alone = quoted(*text) + " has no unit";
+  const auto in_pulses = *text + "pps/s^2";
+  if (unit.empty()) {
+    return tl::unexpected(param_error(
+        "bare_number", jerk_param, alone,
+        in_pulses + ", or a bow of 1 to " + std::to_string(tmcl::greatest_bow) + " for 'bow'"));
+  }
+  return tl::unexpected(param_error("bare_number", jerk_param, alone + ", and the axis has one",
+                                    *text + unit + "/s^3 or " + in_pulses));
+}
+
+}  // namespace
+
+awaitable<Lookup<tmcl::PulsesPerSecond3>> jerk_of(GatewayAxis& axis, const api::Amount& said) {
+  const auto quantity = jerk_quantity_of(said, axis);
+  if (!quantity) co_return tl::unexpected(quantity.error());
+  const auto units = co_await units_for(axis, jerk_param, *quantity);
+  if (!units) co_return tl::unexpected(units.error());
+  const auto jerk = tmcl::to_pps3(*quantity, units->undirected());
+  if (!jerk) co_return tl::unexpected(quantity_error(jerk_param, jerk.error()));
+  if (jerk->value > 0) co_return *jerk;
+  co_return tl::unexpected(
+      param_error("out_of_range", jerk_param, quoted(jerk_param) + " must be greater than 0"));
+}
 
 awaitable<Lookup<SaidLength>> length_of(GatewayAxis& axis, Either either,
                                         const tmcl::ParameterInfo* row) {

@@ -11,6 +11,7 @@
 #include "api/call.hpp"
 #include "api/lookup.hpp"
 #include "tmcl/api/axis.hpp"
+#include "tmcl/jerk.hpp"
 #include "tmcl/quantity.hpp"
 
 namespace tmcld {
@@ -47,6 +48,26 @@ Either either(const Params& params) {
 /// tmcl::to_parameter() objects to, an axis without a unit.
 boost::asio::awaitable<Lookup<SaidLength>> length_of(GatewayAxis& axis, Either said,
                                                      const tmcl::ParameterInfo* row);
+
+/// A velocity or an acceleration, the same in both directions: in microsteps, and as it was said.
+template <class Value>
+struct SaidRate {
+  Value in_pulses;
+  std::string_view param;  ///< Where it was said.
+  tmcl::Quantity quantity;
+  tmcl::AxisUnits units;  ///< What was read to know it.
+};
+/// Errors: neither or both are there; it is not above 0; what tmcl::to_pps() objects to.
+boost::asio::awaitable<Lookup<SaidRate<tmcl::PulsesPerSecond>>> velocity_rate_of(GatewayAxis& axis,
+                                                                                 Either said);
+boost::asio::awaitable<Lookup<SaidRate<tmcl::PulsesPerSecond2>>> acceleration_rate_of(
+    GatewayAxis& axis, Either said);
+/// A number: in the axis' unit per second cubed.
+boost::asio::awaitable<Lookup<tmcl::PulsesPerSecond3>> jerk_of(GatewayAxis& axis,
+                                                               const api::Amount& said);
+
+/// An error about the parameter `param`.
+RpcError quantity_error(std::string_view param, const tmcl::QuantityError& error);
 
 /// An upper limit of a velocity or an acceleration in microsteps, or nothing if both are absent.
 /// Errors: both are there; it is not above 0, or above what the axis can do.

@@ -69,13 +69,16 @@ TEST(CtlComparison, IsOfMovesOfModulesThatAreKnown) {
   test::Ctl ctl;
   EXPECT_EQ(ctl.run({"plot", "x", "--compare"}), ExitCode::usage);
   EXPECT_THAT(ctl.err, HasSubstr("--to or --by"));
-  // The fake axis holds values that no TMCM-1110 can hold.
-  EXPECT_NE(ctl.run({"plot", "x", "--to", "100", "--compare"}), ExitCode::done);
+  // What no TMCM-1110 can hold, and a model of which this program has not heard.
+  ctl.target.result = {
+      {"model", "TMCM-1110"},
+      {"settings", {{{"parameter", "max_velocity"}, {"number", 4}, {"value", -7}}}}};
+  EXPECT_EQ(ctl.run({"plot", "x", "--to", "100", "--compare"}), ExitCode::usage);
   EXPECT_THAT(ctl.err, HasSubstr("cannot be foreseen"));
   EXPECT_EQ(ctl.out, "");
-  ctl.target.counts.model = nullptr;
-  EXPECT_NE(ctl.run({"plot", "x", "--to", "100", "--compare"}), ExitCode::done);
-  EXPECT_THAT(ctl.err, HasSubstr("is not known"));
+  ctl.target.result = {{"model", "TMCM-9999"}};
+  EXPECT_EQ(ctl.run({"plot", "x", "--to", "100", "--compare"}), ExitCode::usage);
+  EXPECT_THAT(ctl.err, HasSubstr("does not know the ramps of a TMCM-9999"));
 }
 
 }  // namespace

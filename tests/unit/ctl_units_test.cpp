@@ -277,185 +277,74 @@ TEST_F(CtlUnits, CoordinatesAreInTheUnitOfTheAxis) {
 
 class CtlRamp : public CtlUnits {
  protected:
-  std::vector<std::string> ramp(const std::string& velocity, const std::string& acceleration) {
-    return {"ramp", "x", "--velocity", velocity, "--acceleration", acceleration};
+  CtlRamp() {
+    target.result = {{"axis", "x"},
+                     {"model", "TMCM-1110"},
+                     {"unit", "mm"},
+                     {"velocity_pps", 49'987.79297},
+                     {"velocity", 4.881620407},
+                     {"acceleration_pps2", 200'001.5229},
+                     {"acceleration", 19.53139872},
+                     {"deceleration_pps2", 200'001.5229},
+                     {"deceleration", 19.53139872},
+                     {"jerk_pps3", nullptr},
+                     {"jerk", nullptr},
+                     {"ramp_s", 0.2499},
+                     {"ramp_microsteps", 6247},
+                     {"settings",
+                      {{{"parameter", "pulse_divisor"}, {"number", 154}, {"value", 3}},
+                       {{"parameter", "max_velocity"}, {"number", 4}, {"value", 1638}}}},
+                     {"remarks", {"the deceleration is the acceleration"}},
+                     {"warnings", {"the motor may oscillate"}}};
   }
-};
-
-TEST_F(CtlRamp, ChoosesAndWritesDividersAndRegisters) {
-  target.values["154"] = 2;
-  EXPECT_EQ(run(ramp("50000pps", "200000pps/s")), ExitCode::done) << err;
-  EXPECT_THAT(target.calls, ElementsAre("units x", "get x 154", "set x 154 3", "set x 153 8",
-                                        "set x 4 1638", "set x 5 859", "set x 130 20"));
-  EXPECT_THAT(out, HasSubstr("pulse_divisor      3"));
-  EXPECT_THAT(
-      out,
-      HasSubstr(
-          "gives 4.88162 mm/s, 19.5314 mm/s^2; up to speed in 0.2499 s and 6247 microsteps\n"));
-  auto internal = ramp("50000pps", "200000pps/s");
-  internal.emplace_back("--internal");
-  run(internal);
-  EXPECT_THAT(out, HasSubstr("gives 49987.79297 pps, 200001.5229 pps/s;"));
-  EXPECT_NEAR(json(ramp("50000pps", "200000pps/s")).at("velocity").as_double(), 4.8816, 1e-4);
-}
-
-TEST_F(CtlRamp, ALowerDividerIsWrittenAfterTheRegistersSoThatNothingIsFastInBetween) {
-  target.values["154"] = 5;
-  run(ramp("50000pps", "200000pps/s"));
-  EXPECT_THAT(target.calls, ElementsAre("units x", "get x 154", "set x 4 1638", "set x 5 859",
-                                        "set x 130 20", "set x 154 3", "set x 153 8"));
-}
-
-TEST_F(CtlRamp, TellsOnceWhatAllSettingsMakeOfMoves) {
-  target.values["154"] = 2;
-  target.warnings = {"the motor may oscillate"};
-  EXPECT_EQ(run(ramp("50000pps", "200000pps/s")), ExitCode::done);
-  EXPECT_EQ(err, "tmclctl: warning: the motor may oscillate\n");
-  const auto document = json(ramp("50000pps", "200000pps/s"));
-  EXPECT_EQ(document.at("warnings").as_array().size(), 1U);
-}
-
-// Ramp ticks of 8 ms: each changes the speed by seven of its units.
-TEST_F(CtlRamp, WarnsOfARampWithWhichAMoveDoesNotArrive) {
-  auto words = ramp("125564.8pps", "102854.9pps/s");
-  words.emplace_back("--dry-run");
-  EXPECT_EQ(run(words), ExitCode::done);
-  EXPECT_THAT(err, HasSubstr("may not come to rest on its target"));
-  words = ramp("125564.8pps", "100000pps/s");
-  words.emplace_back("--dry-run");
-  EXPECT_EQ(run(words), ExitCode::done);
-  EXPECT_EQ(err, "");
-}
-
-TEST_F(CtlRamp, DryRunWritesNothing) {
-  auto words = ramp("10mm/s", "100mm/s2");
-  words.emplace_back("--dry-run");
-  const auto document = json(words);
-  EXPECT_THAT(target.calls, ElementsAre("units x"));
-  EXPECT_EQ(document.at("written"), false);
-  EXPECT_EQ(document.at("model"), "TMCM-1110");
-  EXPECT_EQ(document.at("parameters").at("pulse_divisor"), 2);
-  EXPECT_NEAR(document.at("velocity_pps").as_double(), 102'400, 31);
-  EXPECT_NEAR(document.at("acceleration_pps2").as_double(), 1'024'000, 500);
-}
-
-TEST_F(CtlRamp, RefusesWhileTheAxisMoves) {
-  run({"move", "x", "10000"});
-  target.calls.clear();
-  EXPECT_THAT(refusal(ramp("50000pps", "200000pps/s"), ExitCode::refused), HasSubstr("x moves"));
-  EXPECT_THAT(target.calls, ElementsAre("units x"));
-}
-
-TEST_F(CtlRamp, RefusesWhatCannotBeHadAndNamesTheNearest) {
-  EXPECT_THAT(refusal(ramp("600000pps", "1e6pps/s")), HasSubstr("499755.859375 pps"));
-  EXPECT_THAT(refusal(ramp("20rps", "1rps/s")), HasSubstr("20 rps is too fast"));
-  EXPECT_THAT(refusal(ramp("400000pps", "1pps/s")), HasSubstr("too small an acceleration"));
-  EXPECT_THAT(refusal(ramp("10pps", "1e9pps/s")), HasSubstr("too large an acceleration"));
-  EXPECT_THAT(refusal(ramp("0pps", "1000pps/s")), HasSubstr("too slow"));
-  EXPECT_THAT(refusal(ramp("-50000pps", "1000pps/s")), HasSubstr("too slow"));
-  EXPECT_THAT(refusal(ramp("50000pps", "1000pps")), HasSubstr("no acceleration"));
-  EXPECT_THAT(refusal(ramp("500", "1000pps/s")), HasSubstr("500mm/s or 500pps"));
-  EXPECT_THAT(target.calls, testing::Each("units x"));
-}
-
-TEST_F(CtlRamp, TakesWhatTheModuleCountsIfAsked) {
-  auto internal = ramp("1000", "100");
-  internal.emplace_back("--internal");
-  internal.emplace_back("--dry-run");
-  EXPECT_EQ(run(internal), ExitCode::done) << err;
-  EXPECT_THAT(out, HasSubstr("gives 61035.15625 pps"));
-}
-
-class CtlBow : public CtlRamp {
- protected:
-  CtlBow() { be("TMCM-142", {0}); }
-  std::vector<std::string> with(std::vector<std::string> more) {
-    auto words = ramp("40000pps", "400000pps/s");
+  std::vector<std::string> ramp(std::vector<std::string> more = {}) {
+    std::vector<std::string> words{"ramp",           "x",          "--velocity", "50000pps",
+                                   "--acceleration", "200000pps/s"};
     words.insert(words.end(), more.begin(), more.end());
     return words;
   }
-  /// What becomes of parameter 18; empty: nothing.
-  std::string written(std::vector<std::string> more) {
-    target.calls.clear();
-    EXPECT_EQ(run(with(std::move(more))), ExitCode::done) << err;
-    for (const auto& call : target.calls)
-      if (call.starts_with("set x 18 ")) return call.substr(9);
-    return "";
-  }
 };
 
-TEST_F(CtlBow, IsLeftAsItIsUnlessAJerkIsAskedFor) {
-  target.values["18"] = 11;
-  EXPECT_EQ(written({}), "");
-  EXPECT_THAT(out, HasSubstr(", 90949.47018 mm/s^3;")) << "but what it makes is told";
-  EXPECT_EQ(err, "");
-  target.values["18"] = 0;
-  EXPECT_EQ(written({}), "");
-  EXPECT_THAT(out, Not(HasSubstr("/s^3")));
-}
-
-TEST_F(CtlBow, ThatWouldSwingIsWarnedOf) {
-  target.values["18"] = 18;
-  EXPECT_EQ(written({}), "");
-  EXPECT_THAT(err, HasSubstr("with its bow of 18 the motor may swing"));
-}
-
-TEST_F(CtlBow, IsTheHighestThatTheJerkAllows) {
-  // 931322575 pps/s2 is that of 11; a bow of 13 would swing at 6872 of the register.
-  EXPECT_EQ(written({"--jerk", "1e9pps/s2"}), "11");
-  EXPECT_THAT(err, HasSubstr("the jerk is 9.31323e+08 microsteps/s^3, not 1e+09"));
-  EXPECT_EQ(written({"--jerk", "max"}), "12");
-  EXPECT_EQ(written({"--jerk", "1e9mm/s^3"}), "12");
-  EXPECT_EQ(written({"--jerk", "90000mm/s3"}), "10");
-  EXPECT_EQ(written({"--jerk", "7", "--internal"}), "7");
-}
-
-TEST_F(CtlBow, IsNoOtherQuantity) {
-  for (const auto* wrong : {"5mm/s^2", "5pps/s", "5mm"})
-    EXPECT_THAT(refusal(with({"--jerk", wrong})), HasSubstr("is no jerk")) << wrong;
-  EXPECT_THAT(refusal(with({"--jerk", "11"})), HasSubstr("11mm/s^3 or 11pps/s^2"));
-  EXPECT_THAT(refusal(with({"--jerk", "19", "--internal"})), HasSubstr("1 to 18"));
-  EXPECT_THAT(refusal(with({"--jerk", "0pps/s2"})), HasSubstr("greater than 0"));
-}
-
-TEST_F(CtlRamp, BrakesAsAskedWhereTheModuleCan) {
-  be("TMCM-6212", {1});
-  auto words = ramp("50000pps", "200000pps/s");
-  words.insert(words.end(), {"--deceleration", "100000pps/s"});
-  EXPECT_EQ(run(words), ExitCode::done) << err;
-  EXPECT_THAT(target.calls, ElementsAre("units x", "set x 4 50000", "set x 5 200000",
-                                        "set x 15 200000", "set x 17 100000", "set x 18 100000"));
-  EXPECT_THAT(out, HasSubstr(", 9.76562 mm/s^2;"));
-  words.back() = "1e9pps/s";
-  EXPECT_THAT(refusal(words), HasSubstr("1e+09 pps/s is too large"));
-  be("TMCM-1110", {3, 7});
-  words.back() = "100000pps/s";
-  words.emplace_back("--dry-run");
-  EXPECT_EQ(run(words), ExitCode::done);
-  EXPECT_THAT(err, HasSubstr("the deceleration is"));
-}
-
-TEST_F(CtlRamp, TellsWhatWasWrittenBeforeAFailure) {
-  target.refused_parameter = "4";
-  target.values["154"] = 2;
-  EXPECT_THAT(refusal(ramp("50000pps", "200000pps/s"), ExitCode::refused),
-              HasSubstr("about max_velocity = 1638, and these were written before: "
-                        "pulse_divisor = 3, ramp_divisor = 8"));
-}
-
-TEST_F(CtlRamp, SetsThePlainParametersOfOtherModules) {
-  be("TMCM-6212", {1});
-  EXPECT_EQ(run(ramp("50000pps", "200000pps/s")), ExitCode::done) << err;
-  EXPECT_THAT(target.calls, ElementsAre("units x", "set x 4 50000", "set x 5 200000",
-                                        "set x 15 200000", "set x 17 200000", "set x 18 200000"));
-  be("TMCM-142", {0});
+TEST_F(CtlRamp, IsOneCall) {
+  EXPECT_EQ(run(ramp({"--deceleration", "5mm/s2", "--jerk", "max"})), ExitCode::done) << err;
+  EXPECT_THAT(target.calls,
+              ElementsAre(R"(axis.set_ramp {"axis":"x","velocity":"50000pps",)"
+                          R"("acceleration":"200000pps/s","deceleration":"5mm/s2","jerk":"max"})"));
   target.calls.clear();
-  run(ramp("1000000pps", "200000pps/s"));
-  EXPECT_THAT(target.calls, ElementsAre("units x", "get x 18", "set x 4 67108864", "set x 16 3436",
-                                        "set x 17 3436"));
-  EXPECT_THAT(out, HasSubstr("gives 97.65625 mm/s,"));
-  target.counts.model = nullptr;
-  EXPECT_THAT(refusal(ramp("5pps", "5pps/s")), HasSubstr("not known"));
+  run({"ramp", "x", "--velocity", "1000", "--acceleration", "100", "--jerk", "7", "--internal",
+       "--dry-run"});
+  EXPECT_THAT(target.calls, ElementsAre(R"(axis.plan_ramp {"axis":"x","velocity_internal":1000,)"
+                                        R"("acceleration_internal":100,"bow":7})"));
+}
+
+TEST_F(CtlRamp, ShowsWhatIsSetAndWhatThatGives) {
+  run(ramp());
+  EXPECT_EQ(out,
+            "pulse_divisor      3\n"
+            "max_velocity       1638\n"
+            "gives 4.88162 mm/s, 19.5314 mm/s^2; up to speed in 0.2499 s and 6247 microsteps\n");
+  EXPECT_EQ(err,
+            "tmclctl: warning: the motor may oscillate\n"
+            "tmclctl: warning: the deceleration is the acceleration\n");
+  run(ramp({"--internal", "--dry-run"}));
+  EXPECT_THAT(out, HasSubstr("gives 49987.79297 pps, 200001.5229 pps/s; up to"));
+  EXPECT_THAT(out, HasSubstr("; nothing was written\n"));
+  target.result["deceleration"] = 10;
+  target.result["deceleration_pps2"] = 102'400;
+  target.result["jerk"] = 90'949.5;
+  target.result["jerk_pps3"] = 931'322'575;
+  run(ramp());
+  EXPECT_THAT(out, HasSubstr(" mm/s^2, 10 mm/s^2, 90949.5 mm/s^3;"));
+}
+
+TEST_F(CtlRamp, TellsAllOfItInJson) {
+  const auto document = json(ramp({"--dry-run"}));
+  EXPECT_EQ(document.at("written"), false);
+  EXPECT_EQ(document.at("model"), "TMCM-1110");
+  EXPECT_EQ(document.at("parameters").at("pulse_divisor"), 3);
+  EXPECT_FALSE(document.contains("settings"));
+  EXPECT_EQ(document.at("warnings").as_array().size(), 1U);
+  EXPECT_EQ(json(ramp()).at("written"), true);
 }
 
 class CtlConvert : public CtlUnits {};

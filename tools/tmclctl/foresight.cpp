@@ -2,42 +2,34 @@
 
 #include <fmt/format.h>
 
-namespace tmclctl {
-namespace {
+#include "tmcl/api/axis.hpp"
 
+namespace tmclctl {
+
+namespace api = tmcl::api;
 using tmcl::plan::AxisTwin;
 
-Failure not_foreseeable(const std::string& axis, const std::string& why) {
-  return usage_failure("not_foreseeable",
-                       fmt::format("how {} will move cannot be foreseen: {}", axis, why));
-}
-
-}  // namespace
-
 Attempt<AxisTwin> twin_of(const std::string& axis, Target& target) {
-  const auto units = target.units(axis);
-  if (!units) return tl::unexpected(units.error());
-  if (units->model == nullptr)
-    return tl::unexpected(not_foreseeable(axis, "the model of its module is not known"));
-  auto twin = AxisTwin::of(*units->model);
-  if (!twin) {
-    return tl::unexpected(not_foreseeable(
-        axis, fmt::format("nobody has described the ramps of a {}", units->model->name)));
-  }
-  for (const auto parameter : AxisTwin::parameters(*units->model)) {
-    const auto value = target.get(axis, std::to_string(parameter));
-    if (!value) return tl::unexpected(value.error());
-    if (!twin->set({parameter, value->value})) {
-      return tl::unexpected(not_foreseeable(
-          axis,
-          fmt::format("{} is {}, which such a module cannot hold", value->name, value->value)));
+  const auto answer = target.perform(std::string(api::axis::GetRamp::method.name),
+                                     api::to_json(api::axis::GetRamp{axis}), {});
+  if (!answer) return tl::unexpected(answer.error());
+  const auto held = api::from_json<api::axis::HeldRamp>(*answer);
+  const auto* model = tmcl::find_model(held.model);
+  auto twin = model == nullptr ? std::nullopt : AxisTwin::of(*model);
+  if (twin) {
+    for (const auto& setting : held.settings) {
+      if (!twin->set({setting.number, setting.value})) twin.reset();
+      if (!twin) break;
     }
   }
-  const auto state = target.state(axis);
-  if (!state) return tl::unexpected(state.error());
-  // Where it is when the command comes could only be guessed.
-  if (state->moving) return tl::unexpected(not_foreseeable(axis, "it moves already"));
-  twin->place(state->position);
+  // The gateway knows such a model, and this program does not: they are of different versions.
+  if (!twin) {
+    return tl::unexpected(
+        usage_failure("not_foreseeable", fmt::format("how {} will move cannot be foreseen: this "
+                                                     "tmclctl does not know the ramps of a {}",
+                                                     axis, held.model)));
+  }
+  twin->place({held.position_microsteps});
   return *twin;
 }
 

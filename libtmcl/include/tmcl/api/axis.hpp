@@ -2,6 +2,7 @@
 #pragma once
 
 #include "tmcl/api/field.hpp"
+#include "tmcl/jerk.hpp"
 
 namespace tmcl::api::axis {
 
@@ -162,6 +163,80 @@ struct StopHome {
 struct Recover {
   TMCL_METHOD("axis.recover", writes, Nothing,
               "says that an axis may move again whose module is not what it was", Recover);
+  TMCL_FIELD(std::string, axis, axis_summary);
+};
+
+// ---- how it speeds up and brakes ----
+
+/// What a ramp should be like; a ramp is the same in both directions.
+struct OfRamp {
+  TMCL_STRUCT(OfRamp);
+  TMCL_FIELD(std::string, axis, axis_summary);
+  TMCL_FIELD(std::optional<Amount>, velocity,
+             "of positioning moves; a number: in the axis' unit per second");
+  TMCL_FIELD(std::optional<std::int32_t>, velocity_internal,
+             "the same, instead, in the module's own unit");
+  TMCL_FIELD(std::optional<Amount>, acceleration,
+             "of every ramp; a number: in the axis' unit per second squared");
+  TMCL_FIELD(std::optional<std::int32_t>, acceleration_internal,
+             "the same, instead, in the module's own unit");
+  TMCL_FIELD(std::optional<Amount>, deceleration,
+             "to brake with, where the module has it apart; as the acceleration if absent");
+  TMCL_FIELD(std::optional<std::int32_t>, deceleration_internal,
+             "the same, instead, in the module's own unit");
+  TMCL_FIELD(std::optional<Amount>, jerk,
+             "how fast the acceleration may change; a number: in the axis' unit per second cubed; "
+             "'max': as fast as it can without swinging; as it is if absent");
+  TMCL_FIELD(std::optional<std::int32_t>, bow, "the same, instead, as a TMC457 counts it",
+             {1, greatest_bow});
+};
+struct RampSetting {
+  TMCL_STRUCT(RampSetting);
+  TMCL_FIELD(std::string, parameter, "standard name of the axis parameter");
+  TMCL_FIELD(std::uint8_t, number, "its number");
+  TMCL_FIELD(std::int32_t, value, "what it is set to");
+};
+struct Ramp {
+  TMCL_STRUCT(Ramp);
+  TMCL_FIELD(std::string, axis, axis_summary);
+  TMCL_FIELD(std::string, model, "model of its module");
+  TMCL_FIELD(std::optional<std::string>, unit, unit_summary);
+  TMCL_FIELD(double, velocity_pps, "what the settings give, in microsteps per second");
+  TMCL_FIELD(std::optional<double>, velocity, "the same in the unit per second");
+  TMCL_FIELD(double, acceleration_pps2, "likewise, per second squared");
+  TMCL_FIELD(std::optional<double>, acceleration, "the same in the unit");
+  TMCL_FIELD(double, deceleration_pps2, "likewise, of braking");
+  TMCL_FIELD(std::optional<double>, deceleration, "the same in the unit");
+  TMCL_FIELD(std::optional<double>, jerk_pps3,
+             "likewise, per second cubed; null for an acceleration that changes at once");
+  TMCL_FIELD(std::optional<double>, jerk, "the same in the unit");
+  TMCL_FIELD(double, ramp_s, "how long it takes to get up to speed");
+  TMCL_FIELD(double, ramp_microsteps, "how far it goes meanwhile");
+  TMCL_FIELD(std::vector<RampSetting>, settings, "what makes the ramp");
+  TMCL_FIELD(std::vector<std::string>, remarks,
+             "what it will do instead where the module cannot do what was asked");
+  TMCL_FIELD(std::vector<std::string>, warnings, settings_summary);
+};
+struct PlanRamp : OfRamp {
+  TMCL_METHOD("axis.plan_ramp", reads, Ramp,
+              "chooses the parameters that make a ramp; writes nothing", PlanRamp, OfRamp);
+};
+struct SetRamp : OfRamp {
+  TMCL_METHOD("axis.set_ramp", moves, Ramp, "chooses them, and sets them on an axis that stands",
+              SetRamp, OfRamp);
+};
+
+struct HeldRamp {
+  TMCL_STRUCT(HeldRamp);
+  TMCL_FIELD(std::string, model, "model of its module");
+  TMCL_FIELD(std::int32_t, position_microsteps, "where it stands");
+  TMCL_FIELD(std::vector<RampSetting>, settings,
+             "every parameter that makes a difference to its ramps, in the order in which to give "
+             "them to its twin");
+};
+struct GetRamp {
+  TMCL_METHOD("axis.get_ramp", reads, HeldRamp,
+              "what its movements can be foreseen from; of an axis that stands", GetRamp);
   TMCL_FIELD(std::string, axis, axis_summary);
 };
 

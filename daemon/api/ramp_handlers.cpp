@@ -1,0 +1,283 @@
+// The ramp of an axis: what makes it, which parameters would make another, and setting them.
+#include <algorithm>
+#include <cmath>
+
+#include "api/handlers.hpp"
+#include "api/lookup.hpp"
+#include "api/quantity.hpp"
+#include "tmcl/parameter_number.hpp"
+#include "tmcl/plan/ramp_choice.hpp"
+
+namespace tmcld::handlers {
+namespace {
+
+namespace plan = tmcl::plan;
+using boost::asio::awaitable;
+using plan::RampChoice;
+using plan::Setting;
+using Rate = SaidRate<tmcl::PulsesPerSecond>;
+using Rate2 = SaidRate<tmcl::PulsesPerSecond2>;
+
+constexpr auto max_bow = tmcl::number_of("max_bow");
+constexpr auto pulse_divisor = tmcl::number_of("pulse_divisor");
+constexpr std::string_view jerk_param = api::name_of<&axis::OfRamp::jerk>();
+
+/// What was asked for, as it was said and in microsteps.
+struct Wish {
+  Rate velocity;
+  Rate2 acceleration;
+  Rate2 deceleration;
+  plan::RampRequest request;
+};
+
+/// What the settings are to give, and of which axis.
+struct Chosen {
+  const tmcl::Model* model = nullptr;
+  RampChoice choice;
+  std::vector<std::string> warnings;
+};
+
+/// Nothing: as it is.
+awaitable<Lookup<std::optional<double>>> jerk_asked_for(GatewayAxis& axis,
+                                                        const axis::OfRamp& params) {
+  if (params.jerk && params.bow) {
+    co_return tl::unexpected(
+        param_error("bad_argument", jerk_param, "give 'jerk' or 'bow', not both"));
+  }
+  if (params.bow) co_return tmcl::to_pps3(*params.bow).value;
+  if (!params.jerk) co_return std::nullopt;
+  const auto* text = std::get_if<std::string>(&params.jerk->said);
+  if (text != nullptr && *text == "max") co_return plan::highest_jerk;
+  const auto jerk = co_await jerk_of(axis, *params.jerk);
+  if (!jerk) co_return tl::unexpected(jerk.error());
+  co_return jerk->value;
+}
+
+awaitable<Lookup<Wish>> wish_of(GatewayAxis& axis, const axis::OfRamp& params) {
+  using axis::OfRamp;
+  auto velocity = co_await velocity_rate_of(
+      axis, either<&OfRamp::velocity_internal, &OfRamp::velocity>(params));
+  if (!velocity) co_return tl::unexpected(velocity.error());
+  auto acceleration = co_await acceleration_rate_of(
+      axis, either<&OfRamp::acceleration_internal, &OfRamp::acceleration>(params));
+  if (!acceleration) co_return tl::unexpected(acceleration.error());
+  auto deceleration = acceleration;
+  if (params.deceleration || params.deceleration_internal) {
+    deceleration = co_await acceleration_rate_of(
+        axis, either<&OfRamp::deceleration_internal, &OfRamp::deceleration>(params));
+    if (!deceleration) co_return tl::unexpected(deceleration.error());
+  }
+  const auto jerk = co_await jerk_asked_for(axis, params);
+  if (!jerk) co_return tl::unexpected(jerk.error());
+  const plan::RampRequest request{velocity->in_pulses, acceleration->in_pulses,
+                                  deceleration->in_pulses, *jerk};
+  co_return Wish{std::move(*velocity), std::move(*acceleration), std::move(*deceleration), request};
+}
+
+/// Which of them the module does not have.
+RpcError too_far(const tmcl::RampOutOfReach& fault, const Wish& wish) {
+  const auto error_at = [&](const auto& said) {
+    return quantity_error(said.param, out_of_reach(said.quantity, said.units, fault.error));
+  };
+  if (fault.is_velocity) return error_at(wish.velocity);
+  const auto off = [&](const Rate2& rate) {
+    return std::abs(fault.error.wished - rate.in_pulses.value);
+  };
+  const bool is_braking = off(wish.deceleration) < off(wish.acceleration);
+  return error_at(is_braking ? wish.deceleration : wish.acceleration);
+}
+
+tmcl::RampLength ramp_up(const RampChoice& choice) {
+  return tmcl::ramp_length(choice.velocity, choice.acceleration, {choice.jerk});
+}
+
+/// What comes of a move that gets up to speed. A TMC429 whose ramp ticks are long may pass its
+/// target again and again, whatever its data sheet allows.
+std::vector<std::string> foreseen(const RampChoice& choice, const tmcl::Model& model) {
+  constexpr double farthest = 8e6;
+  if (model.family != tmcl::Family::tmc429) return {};
+  auto twin = plan::AxisTwin::of(model);
+  if (!twin || !twin->set(choice.settings)) return {};
+  const double way = std::min(3 * ramp_up(choice).microsteps + 1, farthest);
+  twin->move_to({static_cast<std::int32_t>(way)});
+  if (twin->time_to_arrival()) return {};
+  return {
+      "with these settings a move may not come to rest on its target; another acceleration does"};
+}
+
+awaitable<Lookup<Chosen>> choose(GatewayAxis& axis, const axis::OfRamp& params) {
+  const auto ready = co_await axis.be_ready();
+  if (!ready) co_return tl::unexpected(call_error(ready.error(), axis.name()));
+  const auto* model = axis.module().model();
+  const auto units = co_await axis.module_units();
+  if (!units) co_return tl::unexpected(call_error(units.error(), axis.name()));
+  if (model == nullptr || !*units) {
+    co_return tl::unexpected(
+        param_error("unknown_model", api::name_of<&axis::OfRamp::axis>(),
+                    "the model of axis " + axis.name() +
+                        " is not known, so what its parameters mean is not, either"));
+  }
+  auto wish = co_await wish_of(axis, params);
+  if (!wish) co_return tl::unexpected(wish.error());
+  if (model->family == tmcl::Family::tmc457) {
+    const auto bow = co_await axis.get(max_bow, {});
+    if (!bow) co_return tl::unexpected(call_error(bow.error(), axis.name()));
+    wish->request.bow = *bow;
+  }
+  auto choice = plan::choose_ramp(*model, wish->request, **units);
+  if (!choice) co_return tl::unexpected(too_far(choice.error(), *wish));
+  auto warnings = foreseen(*choice, *model);
+  co_return Chosen{model, std::move(*choice), std::move(warnings)};
+}
+
+// The table has a row for everything that is chosen from it.
+const tmcl::ParameterInfo& row_of(Setting setting, const GatewayAxis& axis) {
+  return *find_parameter(axis.parameters(), setting.parameter);
+}
+
+/// How many of the axis' unit a microstep is; nothing without a unit.
+awaitable<std::optional<double>> unit_per_microstep(GatewayAxis& axis) {
+  if (axis.unit().empty()) co_return std::nullopt;
+  auto scale = co_await axis.scale();
+  if (!scale || !*scale) co_return std::nullopt;
+  (*scale)->reverse = false;
+  co_return to_user(tmcl::PulsesPerSecond{1}, **scale).value;
+}
+
+std::vector<axis::RampSetting> view_of(const std::vector<Setting>& settings,
+                                       const GatewayAxis& axis) {
+  std::vector<axis::RampSetting> views;
+  for (const auto& setting : settings)
+    views.push_back({std::string(row_of(setting, axis).name), setting.parameter, setting.value});
+  return views;
+}
+
+awaitable<axis::Ramp> view_of(GatewayAxis& axis, Chosen chosen) {
+  const auto& choice = chosen.choice;
+  const auto unit = co_await unit_per_microstep(axis);
+  const auto in_unit = [&](double pulses) {
+    return unit ? std::optional(pulses * *unit) : std::nullopt;
+  };
+  axis::Ramp ramp;
+  ramp.axis = axis.name();
+  ramp.model = chosen.model->name;
+  if (unit) ramp.unit = axis.unit();
+  ramp.velocity_pps = choice.velocity.value;
+  ramp.velocity = in_unit(choice.velocity.value);
+  ramp.acceleration_pps2 = choice.acceleration.value;
+  ramp.acceleration = in_unit(choice.acceleration.value);
+  ramp.deceleration_pps2 = choice.deceleration.value;
+  ramp.deceleration = in_unit(choice.deceleration.value);
+  if (std::isfinite(choice.jerk)) {
+    ramp.jerk_pps3 = choice.jerk;
+    ramp.jerk = in_unit(choice.jerk);
+  }
+  const auto [seconds, microsteps] = ramp_up(choice);
+  ramp.ramp_s = seconds;
+  ramp.ramp_microsteps = microsteps;
+  ramp.settings = view_of(choice.settings, axis);
+  ramp.remarks = choice.remarks;
+  ramp.warnings = std::move(chosen.warnings);
+  co_return ramp;
+}
+
+/// A ramp that changes on the way would end nobody knows where.
+awaitable<std::optional<RpcError>> refusal_in_motion(GatewayAxis& axis) {
+  const auto reading = co_await axis.read_state();
+  if (!reading) co_return call_error(reading.error(), axis.name());
+  if (reading->state.velocity.value == 0) co_return std::nullopt;
+  co_return rpc_error(
+      rpc_code::not_allowed, "moving",
+      "axis " + axis.name() + " moves; a ramp is changed at standstill, and nothing was written",
+      "axis.stop stops it");
+}
+
+/// The order in which to write them, with what the module has now.
+awaitable<Lookup<std::vector<Setting>>> in_safe_order(GatewayAxis& axis,
+                                                      std::vector<Setting> settings) {
+  if (std::ranges::find(settings, pulse_divisor, &Setting::parameter) == settings.end())
+    co_return settings;
+  const auto present = co_await axis.get(pulse_divisor, {});
+  if (!present) co_return tl::unexpected(call_error(present.error(), axis.name()));
+  co_return plan::in_safe_order(std::move(settings), *present);
+}
+
+awaitable<std::optional<RpcError>> write_all(GatewayAxis& axis,
+                                             const std::vector<Setting>& settings,
+                                             const RunOptions& movement) {
+  std::string written;
+  for (const auto& setting : settings) {
+    const auto assignment =
+        std::string(row_of(setting, axis).name) + " = " + std::to_string(setting.value);
+    const auto done = co_await axis.set(setting.parameter, setting.value, movement);
+    if (!done) {
+      auto error = call_error(done.error(), axis.name());
+      error.message += "; it was about " + assignment;
+      if (!written.empty()) error.message += ", and these were written before: " + written;
+      co_return error;
+    }
+    written += (written.empty() ? "" : ", ") + assignment;
+  }
+  co_return std::nullopt;
+}
+
+RpcError not_foreseeable(const GatewayAxis& axis, const std::string& why) {
+  return param_error("not_foreseeable", api::name_of<&axis::GetRamp::axis>(),
+                     "how " + axis.name() + " will move cannot be foreseen: " + why);
+}
+
+}  // namespace
+
+Answer<axis::GetRamp> get_ramp(Call& call, const axis::GetRamp& params) {
+  const auto found = axis_of(call, params.axis);
+  if (!found) co_return tl::unexpected(found.error());
+  auto& axis = **found;
+  const auto ready = co_await axis.be_ready();
+  if (!ready) co_return tl::unexpected(call_error(ready.error(), axis.name()));
+  const auto* model = axis.module().model();
+  if (model == nullptr)
+    co_return tl::unexpected(not_foreseeable(axis, "the model of its module is not known"));
+  const auto twin = co_await axis.twin({});
+  if (!twin) co_return tl::unexpected(call_error(twin.error(), axis.name()));
+  if (!*twin) {
+    co_return tl::unexpected(
+        not_foreseeable(axis, "nobody has described the ramps of a " + std::string(model->name)));
+  }
+  const auto motion = (*twin)->motion();
+  // Where it is when a command comes could only be guessed.
+  if (motion.velocity.value != 0)
+    co_return tl::unexpected(not_foreseeable(axis, "it moves already"));
+  co_return axis::HeldRamp{std::string(model->name), motion.position.value,
+                           view_of(axis.ramp_settings(), axis)};
+}
+
+Answer<axis::PlanRamp> plan_ramp(Call& call, const axis::PlanRamp& params) {
+  const auto axis = axis_of(call, params.axis);
+  if (!axis) co_return tl::unexpected(axis.error());
+  auto chosen = co_await choose(**axis, params);
+  if (!chosen) co_return tl::unexpected(chosen.error());
+  auto ramp = co_await view_of(**axis, std::move(*chosen));
+  co_return ramp;
+}
+
+Answer<axis::SetRamp> set_ramp(Call& call, const axis::SetRamp& params) {
+  const auto ready = co_await ready_to_move(call, params.axis, {});
+  if (!ready) co_return tl::unexpected(ready.error());
+  auto& axis = *ready->axis;
+  auto chosen = co_await choose(axis, params);
+  if (!chosen) co_return tl::unexpected(chosen.error());
+  auto refusal = co_await refusal_in_motion(axis);
+  if (refusal) co_return tl::unexpected(std::move(*refusal));
+  auto settings = co_await in_safe_order(axis, chosen->choice.settings);
+  if (!settings) co_return tl::unexpected(settings.error());
+  chosen->choice.settings = std::move(*settings);
+  auto failed = co_await write_all(axis, chosen->choice.settings, ready->moves);
+  if (failed) co_return tl::unexpected(std::move(*failed));
+  auto warnings = co_await axis.warnings();
+  if (!warnings) warnings = std::vector{"not foreseen: " + warnings.error().message};
+  chosen->warnings.insert(chosen->warnings.end(), warnings->begin(), warnings->end());
+  auto ramp = co_await view_of(axis, std::move(*chosen));
+  co_return ramp;
+}
+
+}  // namespace tmcld::handlers
