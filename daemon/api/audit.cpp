@@ -16,7 +16,7 @@ bool is_audited(const Call& call) {
 }
 
 std::string words_of(const Call& call) {
-  auto params = boost::json::serialize(call.params.object());
+  auto params = boost::json::serialize(call.params);
   if (params.size() > max_params_bytes) params = params.substr(0, max_params_bytes) + "...";
   return "method=" + std::string(call.method.name) + " params=" + std::move(params);
 }

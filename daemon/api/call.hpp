@@ -10,7 +10,6 @@
 #include <tl/expected.hpp>
 
 #include "api/method.hpp"
-#include "api/params.hpp"
 #include "api/peer.hpp"
 #include "gateway/gateway.hpp"
 #include "tmcl/api/system.hpp"
@@ -42,7 +41,7 @@ struct Call {
   std::shared_ptr<Gateway> gateway;
   std::shared_ptr<Peer> peer;
   boost::json::value id;
-  Params params;
+  boost::json::object params;
   tmcl::TimePoint received;
   /// From when the request came in: a stop that came in behind it wins, whatever it waits for.
   Permit permit;
@@ -56,7 +55,7 @@ struct Call {
   /// The parameters; they live as long as the call.
   template <class T>
   const T& read() {
-    auto read = std::make_shared<const T>(api::from_json<T>(params.object()));
+    auto read = std::make_shared<const T>(api::from_json<T>(params));
     typed = read;
     return *read;
   }

@@ -78,9 +78,8 @@ boost::asio::awaitable<RpcResult> dispatch(std::shared_ptr<Gateway> gateway,
   // A deadline counts from there.
   const auto now = gateway->clock().now();
   const auto received = std::min(now, request.sent_at.value_or(now));
-  Call call{
-      std::move(gateway), std::move(peer), std::move(request.id), Params(std::move(request.params)),
-      received,           permit,          std::move(caller),     *request.method};
+  Call call{std::move(gateway), std::move(peer), std::move(request.id), std::move(request.params),
+            received,           permit,          std::move(caller),     *request.method};
   auto result = co_await carry_out(call, request.sent_at);
   audit_end(call, result);
   co_return result;

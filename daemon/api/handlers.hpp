@@ -67,13 +67,12 @@ Answer<lease::Break> break_lease(Call& call, const lease::Break& params);
 Answer<line::Move> move_line(Call& call, const line::Move& params);
 
 Answer<path::Stage> stage_path(Call& call, const path::Stage& params);
-using Untyped = boost::asio::awaitable<RpcResult>;
-Untyped plan_path(Call& call);
-Untyped run_path(Call& call);
-Untyped pause_path(Call& call);
-Untyped resume_path(Call& call);
-Untyped stop_path(Call& call);
-Untyped run_mint(Call& call);
+Answer<path::Plan> plan_path(Call& call, const path::Plan& params);
+Answer<path::Run> run_path(Call& call, const path::Run& params);
+Answer<path::Pause> pause_path(Call& call, const path::Pause& params);
+Answer<path::Resume> resume_path(Call& call, const path::Resume& params);
+Answer<path::Stop> stop_path(Call& call, const path::Stop& params);
+Answer<mint::Run> run_mint(Call& call, const mint::Run& params);
 
 Answer<coordinate::Get> get_coordinate(Call& call, const coordinate::Get& params);
 Answer<coordinate::Set> set_coordinate(Call& call, const coordinate::Set& params);

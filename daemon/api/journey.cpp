@@ -10,16 +10,15 @@ namespace tmcld {
 namespace json = boost::json;
 namespace plan = tmcl::plan;
 
-Lookup<std::string> text_of(const Call& call) {
-  const bool in_line = call.params.has("text");
-  if (in_line == call.params.has("bytes")) {
+Lookup<std::string> text_of(const Call& call, const std::optional<std::string>& text,
+                            std::optional<std::uint32_t> bytes) {
+  if (text.has_value() == bytes.has_value()) {
     return tl::unexpected(
         param_error("bad_argument", "text", "give one of 'text' and 'bytes', and not both"));
   }
-  if (in_line) return call.params.text("text");
-  const auto size = static_cast<std::size_t>(call.params.integer("bytes"));
-  return take_staged(call, staged_path, size).map([](const std::vector<std::uint8_t>& bytes) {
-    return std::string(bytes.begin(), bytes.end());
+  if (text) return *text;
+  return take_staged(call, staged_path, *bytes).map([](const std::vector<std::uint8_t>& staged) {
+    return std::string(staged.begin(), staged.end());
   });
 }
 
@@ -62,9 +61,8 @@ RpcError error_of(const AwaitedRun& run, json::object report) {
   return error;
 }
 
-json::array remarks_of(const AwaitedRun& run) {
-  const auto remarks = tmcl::remarks_of(run.report(), run.axis_names());
-  return json::array(remarks.begin(), remarks.end());
+std::vector<std::string> remarks_of(const AwaitedRun& run) {
+  return tmcl::remarks_of(run.report(), run.axis_names());
 }
 
 }  // namespace tmcld

@@ -14,7 +14,12 @@
 namespace tmcld {
 
 /// The parameter "text", or what was staged, by "bytes".
-Lookup<std::string> text_of(const Call& call);
+Lookup<std::string> text_of(const Call& call, const std::optional<std::string>& text,
+                            std::optional<std::uint32_t> bytes);
+template <class Params>
+Lookup<std::string> text_of(const Call& call, const Params& params) {
+  return text_of(call, params.text, params.bytes);
+}
 
 /// `param` is where the client gave what is wrong.
 RpcError error_of(const tmcl::plan::PathObjection& objection, std::string_view param);
@@ -30,6 +35,6 @@ void add_outcome(RpcError& error, const std::vector<std::string>& unstopped);
 /// Why it did not come to its end; `report` is what it would have answered.
 RpcError error_of(const AwaitedRun& run, boost::json::object report);
 /// What else is to be said, such as of a parameter not set back.
-boost::json::array remarks_of(const AwaitedRun& run);
+std::vector<std::string> remarks_of(const AwaitedRun& run);
 
 }  // namespace tmcld

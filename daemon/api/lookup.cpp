@@ -79,11 +79,6 @@ Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call,
   return chosen;
 }
 
-Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call) {
-  return axes_of(call,
-                 call.params.has("axes") ? AxisNames(call.params.texts("axes")) : AxisNames());
-}
-
 Lookup<std::shared_ptr<GatewayBus>> bus_of(const Call& call, const std::string& name) {
   if (auto* bus = call.gateway->find_bus(name)) return bus->shared_from_this();
   return tl::unexpected(unknown("bus", "bus", name, call.gateway->buses()));

@@ -41,8 +41,6 @@ auto ready_to_move(const Call& call, const Params& params) {
 using AxisNames = std::optional<std::vector<std::string>>;
 /// Each once; all configured ones without names.
 Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call, const AxisNames& names);
-/// The parameter "axes".
-Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call);
 Lookup<std::shared_ptr<GatewayBus>> bus_of(const Call& call, const std::string& name);
 
 struct ParameterChoice {

@@ -24,8 +24,9 @@ struct ParamsOf<awaitable<Lookup<R>> (*)(Call&, const Params&)> {
   using Type = Params;
 };
 
-template <class Params>
-constexpr MethodInfo described(awaitable<RpcResult> (*handler)(Call&), Role role) {
+template <auto handler>
+constexpr MethodInfo method(Role role) {
+  using Params = typename ParamsOf<decltype(handler)>::Type;
   const auto& method = Params::method;
   return {method.name,
           method.summary,
@@ -33,14 +34,7 @@ constexpr MethodInfo described(awaitable<RpcResult> (*handler)(Call&), Role role
           api::rows<typename Params::Result>,
           method.effect,
           role,
-          handler};
-}
-
-template <auto handler>
-constexpr MethodInfo method(Role role) {
-  using Params = typename ParamsOf<decltype(handler)>::Type;
-  return described<Params>([](Call& call) { return written(handler(call, call.read<Params>())); },
-                           role);
+          [](Call& call) { return written(handler(call, call.read<Params>())); }};
 }
 
 constexpr auto table = std::to_array<MethodInfo>({
@@ -62,12 +56,12 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::break_lease>(configure),
     method<handlers::move_line>(operate),
     method<handlers::stage_path>(operate),
-    described<api::path::Plan>(handlers::plan_path, operate),
-    described<api::path::Run>(handlers::run_path, operate),
-    described<api::path::Pause>(handlers::pause_path, operate),
-    described<api::path::Resume>(handlers::resume_path, operate),
-    described<api::path::Stop>(handlers::stop_path, stop),
-    described<api::mint::Run>(handlers::run_mint, operate),
+    method<handlers::plan_path>(operate),
+    method<handlers::run_path>(operate),
+    method<handlers::pause_path>(operate),
+    method<handlers::resume_path>(operate),
+    method<handlers::stop_path>(stop),
+    method<handlers::run_mint>(operate),
     method<handlers::get_ramp>(observe),
     method<handlers::plan_ramp>(observe),
     method<handlers::set_ramp>(operate),

@@ -1,8 +1,6 @@
 // Mint programs, run by the daemon.
 #include <map>
 
-#include <boost/json/array.hpp>
-
 #include "api/audit.hpp"
 #include "api/handlers.hpp"
 #include "api/journey.hpp"
@@ -15,7 +13,6 @@
 namespace tmcld::handlers {
 namespace {
 
-namespace json = boost::json;
 namespace plan = tmcl::plan;
 using boost::asio::awaitable;
 using tmcl::seconds;
@@ -33,17 +30,16 @@ RpcError wrong_numbers() {
 }
 
 /// Those of "axes" that the program moves, in the order of their numbers.
-Lookup<Chosen> chosen(const Call& call, const plan::mint::Program& program) {
-  const auto axes = axes_of(call);
+Lookup<Chosen> chosen(const Call& call, const mint::Run& params,
+                      const plan::mint::Program& program) {
+  const auto axes = axes_of(call, params.axes);
   if (!axes) return tl::unexpected(axes.error());
-  const auto count = call.params.count("axes");
-  const bool in_order = !call.params.has("numbers");
-  if (axes->size() != count || (!in_order && call.params.count("numbers") != count))
+  const auto count = params.axes.size();
+  if (axes->size() != count || (params.numbers && params.numbers->size() != count))
     return tl::unexpected(wrong_numbers());
   std::map<unsigned, std::shared_ptr<GatewayAxis>> by_number;
   for (std::size_t i = 0; i < count; ++i) {
-    const auto number =
-        in_order ? i : call.params.value("numbers").as_array()[i].to_number<std::size_t>();
+    const auto number = params.numbers ? (*params.numbers)[i] : i;
     if (number >= plan::mint::most_axes ||
         !by_number.emplace(static_cast<unsigned>(number), (*axes)[i]).second)
       return tl::unexpected(wrong_numbers());
@@ -59,8 +55,8 @@ Lookup<Chosen> chosen(const Call& call, const plan::mint::Program& program) {
   return found;
 }
 
-Lookup<bool> counts_encoder(const Call& call) {
-  const auto said = call.params.text_or("counts", "microsteps");
+Lookup<bool> counts_encoder(const mint::Run& params) {
+  const auto said = params.counts.value_or("microsteps");
   if (said == "encoder" || said == "microsteps") return said == "encoder";
   return tl::unexpected(
       param_error("bad_argument", "counts", "'counts' must be 'microsteps' or 'encoder'"));
@@ -105,38 +101,32 @@ awaitable<Lookup<plan::MintAxis>> known_axis(unsigned number, GatewayAxis& axis,
   co_return known;
 }
 
-json::object to_json(const MintRun& run) {
-  json::array groups;
+mint::Ran view_of(const MintRun& run) {
+  mint::Ran ran;
   for (std::size_t i = 0; i < run.report().took.size(); ++i) {
-    groups.push_back(json::object{{"line", run.groups()[i].line},
-                                  {"planned_s", run.groups()[i].duration},
-                                  {"took_s", seconds(run.report().took[i])}});
+    const auto& group = run.groups()[i];
+    ran.groups.push_back(
+        {static_cast<std::int32_t>(group.line), group.duration, seconds(run.report().took[i])});
   }
-  return {{"groups", std::move(groups)}, {"remarks", remarks_of(run)}};
+  ran.remarks = remarks_of(run);
+  return ran;
 }
 
-json::object checked(const Chosen& chosen, const plan::MintPlan& plan, const json::value& id) {
-  json::array axes;
+MintChecked checked(const Chosen& chosen, const plan::MintPlan& plan) {
+  MintChecked told{"checked", {}, plan.remarks};
   for (std::size_t i = 0; i < chosen.members.size(); ++i) {
-    axes.push_back(
-        json::object{{"number", chosen.numbers[i]}, {"axis", chosen.members[i].axis->name()}});
+    told.axes.push_back(
+        {static_cast<std::uint8_t>(chosen.numbers[i]), chosen.members[i].axis->name()});
   }
-  return {{"id", id},
-          {"phase", "checked"},
-          {"axes", std::move(axes)},
-          {"remarks", json::array(plan.remarks.begin(), plan.remarks.end())}};
+  return told;
 }
 
 /// A group that stands is told once, the one that is under way each time.
 MintRun::OnProgress progress_to(const Call& call) {
-  return [peer = call.peer, id = call.id, told = std::size_t{0}](const MintRun& run) mutable {
+  return [teller = call.teller(), told = std::size_t{0}](const MintRun& run) mutable {
     const auto tell = [&](const char* phase, const plan::MintDriveGroup& group,
                           tmcl::Duration passed) {
-      peer->notify("notify_progress", json::object{{"id", id},
-                                                   {"phase", phase},
-                                                   {"line", group.line},
-                                                   {"passed_s", seconds(passed)},
-                                                   {"duration_s", group.duration}});
+      teller(MintProgress{phase, group.line, seconds(passed), group.duration});
     };
     const auto& took = run.report().took;
     for (; told < took.size(); ++told) tell("stands", run.groups()[told], took[told]);
@@ -146,18 +136,18 @@ MintRun::OnProgress progress_to(const Call& call) {
 
 }  // namespace
 
-Untyped run_mint(Call& call) {
-  auto text = text_of(call);
+Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
+  auto text = text_of(call, params);
   if (!text) co_return tl::unexpected(text.error());
   auto& planner = call.gateway->planner;
   auto read = [text = std::move(*text)] { return plan::read_mint(text); };
   auto program = co_await elsewhere(planner, std::move(read));
   if (!program) co_return tl::unexpected(error_of(program.error(), "text"));
   begin_journey(call);
-  auto members = chosen(call, *program);
+  auto members = chosen(call, params, *program);
   if (!members) co_return tl::unexpected(members.error());
 
-  const auto in_counts = counts_encoder(call);
+  const auto in_counts = counts_encoder(params);
   if (!in_counts) co_return tl::unexpected(in_counts.error());
   std::vector<plan::MintAxis> axes;
   for (std::size_t i = 0; i < members->members.size(); ++i) {
@@ -175,14 +165,15 @@ Untyped run_mint(Call& call) {
   if (members->members.empty()) {
     co_return tl::unexpected(param_error("bad_program", "text", "the program moves nothing"));
   }
-  call.peer->notify("notify_progress", checked(*members, *planned, call.id));
+  call.teller()(checked(*members, *planned));
   const auto executor = co_await boost::asio::this_coro::executor;
   const auto run = std::make_shared<MintRun>(executor, std::move(planned->groups),
                                              std::move(members->members), progress_to(call));
   const auto failure = co_await MintRun::pass(run);
   if (failure) co_return tl::unexpected(call_error(failure->error, failure->axis));
-  if (run->report().fault) co_return tl::unexpected(error_of(*run, to_json(*run)));
-  co_return to_json(*run);
+  auto ran = view_of(*run);
+  if (run->report().fault) co_return tl::unexpected(error_of(*run, api::to_json(ran)));
+  co_return ran;
 }
 
 }  // namespace tmcld::handlers

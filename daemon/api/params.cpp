@@ -41,6 +41,8 @@ bool has_type(const json::value& value, FieldType type) {
     case FieldType::texts:
       return value.is_array() &&
              std::ranges::all_of(value.get_array(), [](const auto& e) { return e.is_string(); });
+    case FieldType::numbers:
+    case FieldType::number_lists:
     case FieldType::text_or_object:
     case FieldType::object:
     case FieldType::objects: return false;  // only results have them
@@ -100,33 +102,6 @@ std::optional<RpcError> check_params(const MethodInfo& method, const json::objec
                        std::string(row.summary));
   }
   return std::nullopt;
-}
-
-std::string Params::text(std::string_view name) const {
-  const auto& value = object_.at(name).get_string();
-  return std::string(value.data(), value.size());
-}
-
-namespace {
-
-std::int32_t as_integer(const json::value& value) {
-  if (value.is_double()) return static_cast<std::int32_t>(value.get_double());
-  if (value.is_uint64()) return static_cast<std::int32_t>(value.get_uint64());
-  return static_cast<std::int32_t>(value.get_int64());
-}
-
-}  // namespace
-
-std::int32_t Params::integer(std::string_view name) const { return as_integer(object_.at(name)); }
-
-std::vector<std::string> Params::texts(std::string_view name) const {
-  std::vector<std::string> all;
-  if (!has(name)) return all;
-  for (const auto& value : object_.at(name).get_array()) {
-    const auto& text = value.get_string();
-    all.emplace_back(text.data(), text.size());
-  }
-  return all;
 }
 
 }  // namespace tmcld

@@ -3,12 +3,11 @@
 #include <cctype>
 #include <utility>
 
-#include <boost/json/array.hpp>
-
 #include "api/audit.hpp"
-#include "api/course_json.hpp"
+#include "api/course_view.hpp"
 #include "api/handlers.hpp"
 #include "api/journey.hpp"
+#include "api/path_request.hpp"
 #include "api/staging.hpp"
 #include "async/elsewhere.hpp"
 #include "async/rest.hpp"
@@ -16,103 +15,29 @@
 #include "gateway/path_run.hpp"
 #include "gateway/planned_path.hpp"
 #include "gateway/standing_stop.hpp"
+#include "tmcl/seconds.hpp"
 
 namespace tmcld::handlers {
 namespace {
 
-namespace json = boost::json;
 namespace plan = tmcl::plan;
 namespace ap = tmcl::axis_parameter;
 using boost::asio::awaitable;
 
 constexpr tmcl::Duration look_interval = std::chrono::milliseconds(10);
 
-// ---- what is asked for ----
-
-Lookup<plan::StreamMode> mode_of(const Call& call) {
-  const auto mode = plan::stream_mode_named(call.params.text_or("mode", "velocity"));
-  if (mode) return *mode;
-  return tl::unexpected(
-      param_error("bad_argument", "mode", "'mode' must be 'velocity', 'segments' or 'position'"));
-}
-
-Lookup<double> in_range(double value, std::string_view param) {
-  if (value >= plan::least_of_path && value <= plan::most_of_path) return value;
-  return tl::unexpected(
-      param_error("out_of_range", param, "'" + std::string(param) + "' is outside 1e-9..1e9"));
-}
-
-/// A number is in the file's units, a text has its own with it.
-Lookup<tmcl::Quantity> quantity_in(const Call& call, std::string_view param) {
-  const auto& value = call.params.value(param);
-  if (!value.is_string())
-    return in_range(call.params.number(param), param).map([](double number) {
-      return tmcl::Quantity{number, {}};
-    });
-  const auto said = tmcl::parse_quantity(call.params.text(param));
-  if (!said)
-    return tl::unexpected(
-        param_error(said.error().code, param, said.error().message, said.error().hint));
-  if (!said->unit.empty()) return *said;
-  return tl::unexpected(param_error("bare_number", param,
-                                    "'" + std::string(param) + "' is a text without a unit",
-                                    "give a number, in the units of the file, or a text with a "
-                                    "unit, such as '20mm/s'"));
-}
-
-Lookup<plan::PathRequest> request_of(const Call& call) {
-  plan::PathRequest request;
-  const auto mode = mode_of(call);
-  if (!mode) return tl::unexpected(mode.error());
-  request.mode = *mode;
-  std::optional<double> tolerance;
-  const std::pair<const char*, std::optional<double>*> numbers[] = {
-      {"tolerance", &tolerance},
-      {"per_turn", &request.per_turn},
-      {"deviation", &request.deviation}};
-  for (const auto& [name, into] : numbers) {
-    if (!call.params.has(name)) continue;
-    const auto value = in_range(call.params.number(name), name);
-    if (!value) return tl::unexpected(value.error());
-    *into = *value;
-  }
-  const std::pair<const char*, std::optional<tmcl::Quantity>*> quantities[] = {
-      {"velocity", &request.velocity},
-      {"acceleration", &request.acceleration},
-      {"feed", &request.feed},
-      {"corner_jump", &request.corner_jump}};
-  for (const auto& [name, into] : quantities) {
-    if (!call.params.has(name)) continue;
-    auto value = quantity_in(call, name);
-    if (!value) return tl::unexpected(std::move(value.error()));
-    *into = std::move(*value);
-  }
-  request.tolerance = tolerance.value_or(request.tolerance);
-  if (call.params.has("period_ms"))
-    request.period = std::chrono::milliseconds(call.params.integer("period_ms"));
-  return request;
-}
-
-Lookup<plan::PathFormat> format_of(const Call& call, const std::string& text) {
-  if (!call.params.has("format")) return plan::format_of("", text);
-  const auto said = call.params.text("format");
-  for (const auto format : {plan::PathFormat::csv, plan::PathFormat::gcode}) {
-    if (said == name_of(format)) return format;
-  }
-  return tl::unexpected(param_error("bad_argument", "format", "'format' must be 'csv' or 'gcode'"));
-}
-
 // ---- the axes ----
 
 using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
+using path::OfPath;
 
 /// Those of "axes"; none if it is absent.
-Lookup<Axes> named_axes(const Call& call) {
-  if (!call.params.has("axes")) return Axes{};
-  auto axes = axes_of(call);
+Lookup<Axes> named_axes(const Call& call, const OfPath& params) {
+  if (!params.axes) return Axes{};
+  auto axes = axes_of(call, params.axes);
   if (!axes) return axes;
-  const auto named = call.params.count("axes");
-  const auto letters = call.params.count("file_axes");
+  const auto named = params.axes->size();
+  const auto letters = params.file_axes ? params.file_axes->size() : 0;
   if (axes->size() == named && (letters == 0 || letters == named)) return axes;
   return tl::unexpected(param_error("bad_argument", letters == named ? "axes" : "file_axes",
                                     "there must be one of 'axes' for each of 'file_axes', and "
@@ -120,10 +45,9 @@ Lookup<Axes> named_axes(const Call& call) {
 }
 
 /// Which axis of the file each of them is; without "file_axes" they come in the file's order.
-std::vector<plan::PathChoice> choices_of(const Call& call, const plan::PathSource& source,
+std::vector<plan::PathChoice> choices_of(const OfPath& params, const plan::PathSource& source,
                                          const Axes& axes) {
-  const auto letters =
-      call.params.has("file_axes") ? call.params.texts("file_axes") : source.path.axes;
+  const auto& letters = params.file_axes ? *params.file_axes : source.path.axes;
   std::vector<plan::PathChoice> choices;
   for (std::size_t i = 0; i < std::min(letters.size(), axes.size()); ++i)
     choices.push_back({letters[i], axes[i]->name()});
@@ -147,10 +71,11 @@ void add_namesakes(const Gateway& gateway, const plan::PathSource& source, Axes&
 }
 
 /// In the order of the file's axes.
-Lookup<Axes> axes_for(const Call& call, const plan::PathSource& source, bool with_namesakes) {
-  auto axes = named_axes(call);
+Lookup<Axes> axes_for(const Call& call, const OfPath& params, const plan::PathSource& source,
+                      bool with_namesakes) {
+  auto axes = named_axes(call, params);
   if (!axes) return axes;
-  auto choices = choices_of(call, source, *axes);
+  auto choices = choices_of(params, source, *axes);
   if (choices.size() < axes->size()) {
     return tl::unexpected(param_error("bad_argument", "axes",
                                       "the file has " + std::to_string(choices.size()) +
@@ -255,18 +180,19 @@ awaitable<Lookup<std::vector<plan::PathAxis>>> path_axes(const plan::PathSource&
 // ---- the course ----
 
 /// `with_namesakes`: axes of the file that are not named are those of the same name.
-awaitable<Lookup<PlannedPath>> plan_for(const Call& call, bool with_namesakes) {
-  const auto request = request_of(call);
+awaitable<Lookup<PlannedPath>> plan_for(const Call& call, const OfPath& params,
+                                        bool with_namesakes) {
+  const auto request = request_of(params);
   if (!request) co_return tl::unexpected(request.error());
   // Before the text is read, which may take a while.
-  if (!with_namesakes && !call.params.has("axes")) {
+  if (!with_namesakes && !params.axes) {
     co_return tl::unexpected(
         param_error("bad_argument", "axes", "path.run needs the parameter 'axes', or a 'plan'"));
   }
-  if (auto named = named_axes(call); !named) co_return tl::unexpected(named.error());
-  auto given = text_of(call);
+  if (auto named = named_axes(call, params); !named) co_return tl::unexpected(named.error());
+  auto given = text_of(call, params);
   if (!given) co_return tl::unexpected(given.error());
-  const auto format = format_of(call, *given);
+  const auto format = format_of(params, *given);
   if (!format) co_return tl::unexpected(format.error());
   auto& planner = call.gateway->planner;
 
@@ -277,7 +203,7 @@ awaitable<Lookup<PlannedPath>> plan_for(const Call& call, bool with_namesakes) {
   };
   auto source = co_await elsewhere(planner, std::move(read));
   if (!source) co_return tl::unexpected(error_of(source.error(), "text"));
-  auto axes = axes_for(call, *source, with_namesakes);
+  auto axes = axes_for(call, params, *source, with_namesakes);
   if (!axes) co_return tl::unexpected(axes.error());
   auto known = co_await path_axes(*source, *axes, *request, call.permit);
   if (!known) co_return tl::unexpected(known.error());
@@ -301,14 +227,17 @@ awaitable<Lookup<PlannedPath>> plan_for(const Call& call, bool with_namesakes) {
 }
 
 /// The parameter "plan". What has changed since then is found out, and where the axes are now.
-awaitable<Lookup<PlannedPath>> planned_before(const Call& call) {
-  for (const auto* other : {"axes", "text", "bytes"}) {
-    if (!call.params.has(other)) continue;
+awaitable<Lookup<PlannedPath>> planned_before(const Call& call, const path::Run& params) {
+  std::string_view other;
+  if (params.bytes) other = api::name_of<&OfPath::bytes>();
+  if (params.text) other = api::name_of<&OfPath::text>();
+  if (params.axes) other = api::name_of<&OfPath::axes>();
+  if (!other.empty()) {
     co_return tl::unexpected(param_error(
         "bad_argument", other, "give 'plan' alone; it has all that the path was planned with"));
   }
   auto& kept = call.gateway->planned_path;
-  if (!kept || kept->number != call.params.integer("plan")) {
+  if (!kept || kept->number != *params.plan) {
     co_return tl::unexpected(param_error("no_plan", "plan", "there is no such plan any more",
                                          "plan the path again: the daemon keeps one, and runs it "
                                          "once"));
@@ -328,12 +257,12 @@ awaitable<Lookup<PlannedPath>> planned_before(const Call& call) {
 }
 
 /// Of the settings with which each axis moves to the start, and is stopped.
-awaitable<json::array> warnings_of(const Axes& axes) {
-  json::array all;
+awaitable<std::vector<std::string>> warnings_of(const Axes& axes) {
+  std::vector<std::string> all;
   for (const auto& axis : axes) {
     const auto warnings = co_await axis->warnings();
     if (!warnings) continue;  // The path itself tells of what cannot be read.
-    for (const auto& text : *warnings) all.emplace_back(axis->name() + ": " + text);
+    for (const auto& text : *warnings) all.push_back(axis->name() + ": " + text);
   }
   co_return all;
 }
@@ -341,44 +270,44 @@ awaitable<json::array> warnings_of(const Axes& axes) {
 // ---- how it goes ----
 
 PathRun::OnProgress progress_to(const Call& call) {
-  return [peer = call.peer, id = call.id](const PathRun& run) {
-    peer->notify("notify_progress", json::object{{"id", id},
-                                                 {"phase", name_of(run.phase())},
-                                                 {"passed_s", run.passed()},
-                                                 {"duration_s", run.duration()}});
+  return [tell = call.teller()](const PathRun& run) {
+    tell(PathProgress{std::string(name_of(run.phase())), run.passed(), run.duration()});
   };
 }
 
-json::object to_json(const std::vector<plan::Figure>& figures) {
-  json::object out;
-  for (const auto& figure : figures)
-    std::visit([&](const auto value) { out[figure.first] = value; }, figure.second);
-  return out;
+path::Passage passage_of(const PathRun& run) {
+  const auto& report = run.report();
+  const auto a_second = [&](double count) {
+    return report.passed_s > 0 ? count / report.passed_s : 0;
+  };
+  path::Passage passage;
+  passage.passed_s = report.passed_s;
+  passage.updates = report.updates;
+  passage.period_ms = 1e3 * tmcl::seconds(report.period);
+  passage.worst_delay_ms = 1e3 * tmcl::seconds(report.worst_delay);
+  passage.commands = report.commands;
+  passage.commands_per_s = a_second(static_cast<double>(report.commands));
+  passage.bus_load = a_second(report.busy_s);
+  passage.round_trip_us = 1e6 * tmcl::seconds(report.round_trip);
+  const auto names = run.axis_names();
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto& axis = report.axes[i];
+    passage.tracking_error.push_back({axis.largest, axis.rms(), axis.readings, names[i]});
+  }
+  passage.remarks = remarks_of(run);
+  return passage;
 }
 
-json::object to_json(const PathRun& run) {
-  const auto& report = run.report();
-  const auto names = run.axis_names();
-  json::array tracking;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    auto row = to_json(figures_of(report.axes[i]));
-    row["axis"] = names[i];
-    tracking.push_back(std::move(row));
-  }
-  auto out = to_json(figures_of(report));
-  out["tracking_error"] = std::move(tracking);
-  out["remarks"] = remarks_of(run);
-  return out;
-}
+using PathRuns = std::vector<std::shared_ptr<PathRun>>;
 
 /// The paths of the axes that are named; all of them if none is.
-Lookup<std::vector<std::shared_ptr<PathRun>>> runs_of(const Call& call) {
-  const auto axes = axes_of(call);
+Lookup<PathRuns> runs_of(const Call& call, const path::OnPaths& params) {
+  const auto axes = axes_of(call, params.axes);
   if (!axes) return tl::unexpected(axes.error());
-  std::vector<std::shared_ptr<PathRun>> runs;
+  PathRuns runs;
   for (const auto& axis : *axes) {
     const auto path = std::dynamic_pointer_cast<PathRun>(axis->journey());
-    if (!path && call.params.has("axes")) {
+    if (!path && params.axes) {
       return tl::unexpected(
           param_error("no_path", "axes", "axis '" + axis->name() + "' is on no path"));
     }
@@ -387,15 +316,15 @@ Lookup<std::vector<std::shared_ptr<PathRun>>> runs_of(const Call& call) {
   return runs;
 }
 
-json::object to_json(const std::vector<std::shared_ptr<PathRun>>& runs) {
-  json::array axes;
+path::PathAxes axes_on(const PathRuns& runs) {
+  path::PathAxes all;
   for (const auto& run : runs) {
-    for (const auto& name : run->axis_names()) axes.emplace_back(name);
+    for (const auto& name : run->axis_names()) all.axes.push_back(name);
   }
-  return {{"axes", std::move(axes)}};
+  return all;
 }
 
-std::optional<RpcError> failure_to_stop(const std::vector<std::shared_ptr<PathRun>>& runs) {
+std::optional<RpcError> failure_to_stop(const PathRuns& runs) {
   std::string text;
   std::vector<std::string> unstopped;
   for (const auto& run : runs) {
@@ -410,11 +339,11 @@ std::optional<RpcError> failure_to_stop(const std::vector<std::shared_ptr<PathRu
   return error;
 }
 
-Untyped pause_all(Call& call, bool on) {
-  const auto runs = runs_of(call);
+awaitable<Lookup<path::PathAxes>> pause_all(Call& call, const path::OnPaths& params, bool on) {
+  const auto runs = runs_of(call, params);
   if (!runs) co_return tl::unexpected(runs.error());
   for (const auto& run : *runs) run->pause(on);
-  co_return to_json(*runs);
+  co_return axes_on(*runs);
 }
 
 }  // namespace
@@ -423,27 +352,24 @@ Answer<path::Stage> stage_path(Call& call, const path::Stage& params) {
   co_return stage_part(call, {params.offset, params.data}, staged_path);
 }
 
-Untyped plan_path(Call& call) {
-  auto planned = co_await plan_for(call, true);
+Answer<path::Plan> plan_path(Call& call, const path::Plan& params) {
+  auto planned = co_await plan_for(call, params, true);
   if (!planned) co_return tl::unexpected(planned.error());
   auto& kept = call.gateway->planned_path;
   planned->number = call.gateway->next_path_number();
-  const auto points = call.params.integer_or("points", 0);
-  json::array axes;
-  for (const auto& axis : planned->axes) axes.emplace_back(axis->name());
-  json::object result{{"plan", planned->number},
-                      {"axes", std::move(axes)},
-                      {"course", tmcld::to_json(planned->course, planned->source.path.axes)}};
-  auto warnings = co_await warnings_of(planned->axes);
-  result["warnings"] = std::move(warnings);
-  if (points > 0) result["curve"] = curve_json(planned->course, points);
+  path::Planned result;
+  result.plan = planned->number;
+  for (const auto& axis : planned->axes) result.axes.push_back(axis->name());
+  result.course = view_of(planned->course, planned->source.path.axes);
+  result.warnings = co_await warnings_of(planned->axes);
+  const auto points = params.points.value_or(0);
+  if (points > 0) result.curve = curve_of(planned->course, points);
   kept = std::make_shared<PlannedPath>(std::move(*planned));
   co_return result;
 }
 
-Untyped run_path(Call& call) {
-  const bool has_plan = call.params.has("plan");
-  auto planning = has_plan ? planned_before(call) : plan_for(call, false);
+Answer<path::Run> run_path(Call& call, const path::Run& params) {
+  auto planning = params.plan ? planned_before(call, params) : plan_for(call, params, false);
   auto planned = co_await std::move(planning);
   if (!planned) co_return tl::unexpected(planned.error());
   auto warnings = co_await warnings_of(planned->axes);
@@ -453,7 +379,7 @@ Untyped run_path(Call& call) {
   for (const auto& axis : planned->axes)
     members.push_back({axis, axis->begin_movement(call.permit, {})});
   auto options = options_of(planned->request);
-  options.to_start = call.params.boolean_or("to_start", false);
+  options.to_start = params.to_start.value_or(false);
 
   const auto executor = co_await boost::asio::this_coro::executor;
   const auto run =
@@ -461,17 +387,20 @@ Untyped run_path(Call& call) {
                                 streamed(planned->known), options, progress_to(call));
   const auto failure = co_await PathRun::pass(run);
   if (failure) co_return tl::unexpected(call_error(failure->error, failure->axis));
-  if (run->report().fault) co_return tl::unexpected(error_of(*run, to_json(*run)));
-  auto result = to_json(*run);
-  result["warnings"] = std::move(warnings);
-  co_return result;
+  auto passage = passage_of(*run);
+  if (run->report().fault) co_return tl::unexpected(error_of(*run, api::to_json(passage)));
+  co_return path::Passed{std::move(passage), std::move(warnings)};
 }
 
-Untyped pause_path(Call& call) { return pause_all(call, true); }
-Untyped resume_path(Call& call) { return pause_all(call, false); }
+Answer<path::Pause> pause_path(Call& call, const path::Pause& params) {
+  return pause_all(call, params, true);
+}
+Answer<path::Resume> resume_path(Call& call, const path::Resume& params) {
+  return pause_all(call, params, false);
+}
 
-Untyped stop_path(Call& call) {
-  const auto runs = runs_of(call);
+Answer<path::Stop> stop_path(Call& call, const path::Stop& params) {
+  const auto runs = runs_of(call, params);
   if (!runs) co_return tl::unexpected(runs.error());
   for (const auto& run : *runs)
     run->end({plan::DriveFault::Kind::asked, {}, "a client has stopped the path"});
@@ -479,7 +408,7 @@ Untyped stop_path(Call& call) {
     while (!run->has_ended()) co_await rest(look_interval);
   }
   if (auto failed = failure_to_stop(*runs)) co_return tl::unexpected(std::move(*failed));
-  co_return to_json(*runs);
+  co_return axes_on(*runs);
 }
 
 }  // namespace tmcld::handlers

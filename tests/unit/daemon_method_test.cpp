@@ -146,15 +146,6 @@ TEST(DaemonParams, BoundsThemselvesAreAdmitted) {
   EXPECT_GT(ranges, 0);
 }
 
-TEST(DaemonParams, AreReadAsTheNumbersTheyAre) {
-  const Params params({{"a", -7}, {"b", 7U}, {"c", 1e3}, {"d", json::array{"x", "y"}}});
-  EXPECT_EQ(params.integer("a"), -7);
-  EXPECT_EQ(params.integer("b"), 7);
-  EXPECT_EQ(params.integer("c"), 1000);
-  EXPECT_THAT(params.texts("d"), testing::ElementsAre("x", "y"));
-  EXPECT_THAT(params.texts("none"), testing::IsEmpty());
-}
-
 TEST(DaemonJsonText, WritesNumbersAsPeopleDo) {
   EXPECT_EQ(to_text({{"a", 30517.578125}, {"b", 0.0}, {"c", json::array{}}, {"d", "\"\n"}}),
             R"({"a":30517.578125,"b":0,"c":[],"d":"\"\n"})");

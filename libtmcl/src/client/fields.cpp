@@ -19,6 +19,8 @@ std::string_view name_of(FieldType type) {
     case object: return "object";
     case texts: return "array of strings";
     case integers: return "array of integers";
+    case numbers: return "array of numbers";
+    case number_lists: return "array of arrays of numbers";
     case quantities: return "array of quantities";
     case objects: return "array of objects";
   }

@@ -99,10 +99,6 @@ PathResult<PathSource> flattened(const path_file::Reading& path, PathFormat form
   return PathSource{format, std::move(*flat)};
 }
 
-double milliseconds(Duration time) {
-  return std::chrono::duration<double, std::milli>(time).count();
-}
-
 }  // namespace
 
 // ---- the file ----
@@ -347,26 +343,6 @@ std::string_view name_of(PathStream::Phase phase) {
 bool is_before_motion(DriveFault::Kind kind) {
   return kind == DriveFault::Kind::not_at_start || kind == DriveFault::Kind::unsuited ||
          kind == DriveFault::Kind::slow_bus;
-}
-
-std::vector<Figure> figures_of(const StreamReport& report) {
-  const auto a_second = [&](double count) {
-    return report.passed_s > 0 ? count / report.passed_s : 0;
-  };
-  return {{"passed_s", report.passed_s},
-          {"updates", std::uint64_t{report.updates}},
-          {"period_ms", milliseconds(report.period)},
-          {"worst_delay_ms", milliseconds(report.worst_delay)},
-          {"commands", std::uint64_t{report.commands}},
-          {"commands_per_s", a_second(static_cast<double>(report.commands))},
-          {"bus_load", a_second(report.busy_s)},
-          {"round_trip_us", 1e3 * milliseconds(report.round_trip)}};
-}
-
-std::vector<Figure> figures_of(const AxisTracking& tracking) {
-  return {{"largest", tracking.largest},
-          {"rms", tracking.rms()},
-          {"readings", std::uint64_t{tracking.readings}}};
 }
 
 }  // namespace tmcl::plan

@@ -1,7 +1,7 @@
 // path check.
 #include <limits>
 
-#include "api/course_json.hpp"
+#include "api/course_view.hpp"
 #include "json_read.hpp"
 #include "path/leg_table.hpp"
 #include "path/path_source.hpp"
@@ -34,9 +34,10 @@ VerbResult run(const verb::CheckPath& verb, Output& output) {
   const double feed = verb.feed.value_or(unlimited);
   const auto planned = plan::course_of(*source, limits, feed, verb.tolerance);
   if (!planned) return tl::unexpected(failure_of(verb, planned.error(), output));
-  auto course = tmcld::to_json(*planned, source->path.axes);
+  auto course = tmcl::api::to_json(tmcld::view_of(*planned, source->path.axes));
   if (!verb.svg.empty()) {
-    const auto curve = tmcld::curve_json(*planned, tmcld::most_curve_points);
+    const auto curve =
+        tmcl::api::to_json(tmcld::curve_of(*planned, tmcl::api::path::most_curve_points));
     if (const auto drawn = path::draw(verb.svg, verb.file, course, curve); !drawn)
       return tl::unexpected(drawn.error());
   }

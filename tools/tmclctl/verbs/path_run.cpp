@@ -4,13 +4,13 @@
 #include <fmt/format.h>
 #include <boost/json/array.hpp>
 
-#include "api/course_json.hpp"
 #include "following.hpp"
 #include "json_read.hpp"
 #include "options/form.hpp"
 #include "path/path_source.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
+#include "tmcl/api/path.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -54,7 +54,7 @@ json::object params_of(const verb::RunPath& verb, const std::string& text) {
   add_quantity("corner_jump", verb.corner_jump);
   add("per_turn", verb.per_turn);
   add("deviation", verb.deviation);
-  if (!verb.svg.empty()) params["points"] = tmcld::most_curve_points;
+  if (!verb.svg.empty()) params["points"] = tmcl::api::path::most_curve_points;
   return params;
 }
 

@@ -49,6 +49,8 @@ enum class FieldType : std::uint8_t {
   object,
   texts,  ///< An array of texts; likewise those that follow.
   integers,
+  numbers,
+  number_lists,  ///< An array of arrays of numbers.
   quantities,
   objects,
 };
@@ -234,6 +236,8 @@ boost::json::value write_value(const WordOr<T>& value) {
 constexpr FieldType list_of(FieldType type) {
   switch (type) {
     case FieldType::integer: return FieldType::integers;
+    case FieldType::number: return FieldType::numbers;
+    case FieldType::numbers: return FieldType::number_lists;
     case FieldType::quantity: return FieldType::quantities;
     case FieldType::object: return FieldType::objects;
     default: return FieldType::texts;

@@ -69,8 +69,9 @@ struct Tracking {
   TMCL_FIELD(std::uint64_t, readings, "how often it was looked at");
   TMCL_FIELD(std::string, axis, axis::axis_summary);
 };
-struct Passed {
-  TMCL_STRUCT(Passed);
+/// As far as it has been passed.
+struct Passage {
+  TMCL_STRUCT(Passage);
   TMCL_FIELD(double, passed_s, "how long it took");
   TMCL_FIELD(std::uint64_t, updates, "of velocities; of segments; legs in position mode");
   TMCL_FIELD(
@@ -84,6 +85,9 @@ struct Passed {
   TMCL_FIELD(std::vector<Tracking>, tracking_error, "of each axis");
   TMCL_FIELD(std::vector<std::string>, remarks,
              "what else is to be said, such as of a parameter not set back");
+};
+struct Passed : Passage {
+  TMCL_STRUCT(Passed, Passage);
   TMCL_FIELD(std::vector<std::string>, warnings, axis::settings_summary);
 };
 /// What is to be passed, and how.
@@ -119,15 +123,40 @@ struct OfPath {
              "in velocity mode, and by segments, no updates more often than this; 5 if absent",
              {5, 1000});
 };
+struct CourseAxis {
+  TMCL_STRUCT(CourseAxis);
+  TMCL_FIELD(std::string, axis, "of the file");
+  TMCL_FIELD(double, least, "least position of it");
+  TMCL_FIELD(double, greatest, "greatest position");
+  TMCL_FIELD(double, top_speed, "how fast it gets");
+};
+struct Corner {
+  TMCL_STRUCT(Corner);
+  TMCL_FIELD(std::uint64_t, line, "of the file");
+  TMCL_FIELD(double, time_s, "when it is passed");
+  TMCL_FIELD(double, speed, "along the path");
+  TMCL_FIELD(std::vector<double>, position, "of each axis");
+};
+/// In the units of the file.
+struct Course {
+  TMCL_STRUCT(Course);
+  TMCL_FIELD(double, length, "of the path");
+  TMCL_FIELD(double, duration_s, "how long it takes");
+  TMCL_FIELD(std::uint64_t, legs, "how many it has");
+  TMCL_FIELD(std::vector<CourseAxis>, axes, "of the file");
+  TMCL_FIELD(std::vector<Corner>, slowest_corners, "where it gets slowest; five at most");
+};
+struct Curve {
+  TMCL_STRUCT(Curve);
+  TMCL_FIELD(std::vector<double>, times_s, "of its points");
+  TMCL_FIELD(std::vector<std::vector<double>>, positions, "of each axis at each of them");
+};
 struct Planned {
   TMCL_STRUCT(Planned);
   TMCL_FIELD(std::int32_t, plan, "by which path.run runs it, once; the daemon keeps the last one");
   TMCL_FIELD(std::vector<std::string>, axes, "in the order of the file's");
-  TMCL_FIELD(boost::json::object, course,
-             "length, duration_s, legs, axes (of the file: axis, least, greatest, top_speed) and "
-             "slowest_corners (line, time_s, speed, position)");
-  TMCL_FIELD(std::optional<boost::json::object>, curve,
-             "times_s and positions; only if points are asked for");
+  TMCL_FIELD(Course, course, "where it leads, and how fast");
+  TMCL_FIELD(std::optional<Curve>, curve, "to draw it; null unless points are asked for");
   TMCL_FIELD(std::vector<std::string>, warnings, axis::settings_summary);
 };
 /// So many points at most: an answer has to be sent.

@@ -133,6 +133,25 @@ struct PathProgress {
   TMCL_FIELD(double, passed_s, "how much of it has been passed");
   TMCL_FIELD(double, duration_s, "how long all of it takes");
 };
+struct MintProgress {
+  TMCL_STRUCT(MintProgress);
+  TMCL_FIELD(std::string, phase, "running, or stands: at the end of a group");
+  TMCL_FIELD(std::uint64_t, line, "of the GO of the group");
+  TMCL_FIELD(double, passed_s, "how much of the group has been passed");
+  TMCL_FIELD(double, duration_s, "how long it was to take");
+};
+struct MintAxis {
+  TMCL_STRUCT(MintAxis);
+  TMCL_FIELD(std::uint8_t, number, "in the program");
+  TMCL_FIELD(std::string, axis, axis::axis_summary);
+};
+/// Once, before anything moves.
+struct MintChecked {
+  TMCL_STRUCT(MintChecked);
+  TMCL_FIELD(std::string, phase, "checked");
+  TMCL_FIELD(std::vector<MintAxis>, axes, "those that the program moves");
+  TMCL_FIELD(std::vector<std::string>, remarks, "what else is to be said of the program");
+};
 
 /// What happened to a bus, a module or an axis, to whoever has a subscription.
 struct Event {

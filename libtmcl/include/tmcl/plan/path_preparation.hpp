@@ -15,7 +15,6 @@
 #include <string>
 #include <string_view>
 #include <utility>
-#include <variant>
 #include <vector>
 
 #include <tl/expected.hpp>
@@ -151,11 +150,5 @@ std::string_view name_of(const DriveFault& fault);
 std::string_view name_of(PathStream::Phase phase);
 /// Whether nothing has moved.
 bool is_before_motion(DriveFault::Kind kind);
-
-using Figure = std::pair<std::string_view, std::variant<std::uint64_t, double>>;
-/// A report in names and numbers, without its axes.
-std::vector<Figure> figures_of(const StreamReport& report);
-/// Those of one axis.
-std::vector<Figure> figures_of(const AxisTracking& tracking);
 
 }  // namespace tmcl::plan

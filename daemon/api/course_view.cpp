@@ -1,0 +1,41 @@
+#include "api/course_view.hpp"
+
+namespace tmcld {
+
+namespace path = tmcl::api::path;
+using tmcl::plan::Course;
+
+namespace {
+
+constexpr std::size_t most_corners = 5;
+
+std::vector<double> to_list(const tmcl::plan::AxisValues& values, std::size_t axes) {
+  return {values.begin(), values.begin() + static_cast<std::ptrdiff_t>(axes)};
+}
+
+}  // namespace
+
+path::Course view_of(const Course& course, const std::vector<std::string>& names) {
+  path::Course view{course.length(), course.duration(), course.legs()};
+  for (std::size_t axis = 0; axis < course.axes(); ++axis) {
+    view.axes.push_back(
+        {names[axis], course.least()[axis], course.greatest()[axis], course.top_speed(axis)});
+  }
+  for (const auto& corner : course.slowest_corners(most_corners)) {
+    view.slowest_corners.push_back(
+        {corner.line, corner.time, corner.speed, to_list(corner.position, course.axes())});
+  }
+  return view;
+}
+
+path::Curve curve_of(const Course& course, int points) {
+  path::Curve curve;
+  for (int i = 0; i <= points; ++i) {
+    const double time = course.duration() * i / points;
+    curve.times_s.push_back(time);
+    curve.positions.push_back(to_list(course.at(time).position, course.axes()));
+  }
+  return curve;
+}
+
+}  // namespace tmcld

@@ -1,0 +1,18 @@
+/// A planned path as clients see it.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tmcl/api/path.hpp"
+#include "tmcl/plan/course.hpp"
+
+namespace tmcld {
+
+/// `axes` are those of the file, in the order of the course.
+tmcl::api::path::Course view_of(const tmcl::plan::Course& course,
+                                const std::vector<std::string>& axes);
+/// Where the axes are at so many times and at the end: enough to draw it.
+tmcl::api::path::Curve curve_of(const tmcl::plan::Course& course, int points);
+
+}  // namespace tmcld
