@@ -17,6 +17,17 @@ system::StoppedAxes to_result(const std::vector<StopReport>& reports) {
   return result;
 }
 
+constexpr std::string_view word_for(tmcl::Effect effect) {
+  using enum tmcl::Effect;
+  switch (effect) {
+    case reads: return "reads";
+    case writes: return "writes";
+    case moves: return "moves";
+    case stops: break;
+  }
+  return "stops";
+}
+
 /// `of_params`: they have bounds, and may be absent; results may be null.
 std::vector<rpc::FieldInfo> infos(std::span<const Field> rows, bool of_params) {
   std::vector<rpc::FieldInfo> all;
@@ -48,8 +59,12 @@ Answer<system::StopAll> stop_all(Call& call, const system::StopAll&) {
 Answer<rpc::Discover> discover(Call&, const rpc::Discover&) {
   rpc::Methods all;
   for (const auto& method : method_table()) {
-    all.methods.push_back({std::string(method.name), std::string(method.summary),
-                           infos(method.params, true), infos(method.result, false)});
+    all.methods.push_back({.name = std::string(method.name),
+                           .summary = std::string(method.summary),
+                           .effect = std::string(word_for(method.effect)),
+                           .role = std::string(name_of(method.role)),
+                           .params = infos(method.params, true),
+                           .result = infos(method.result, false)});
   }
   co_return all;
 }

@@ -23,6 +23,9 @@ struct MethodInfo {
   TMCL_STRUCT(MethodInfo);
   TMCL_FIELD(std::string, name, "what it is called");
   TMCL_FIELD(std::string, summary, "what it does");
+  TMCL_FIELD(std::string, effect,
+             "what it does to a machine at most: reads, writes, moves or stops");
+  TMCL_FIELD(std::string, role, "who may call it: stop, observe, operate or configure");
   TMCL_FIELD(std::vector<FieldInfo>, params, "what it takes");
   TMCL_FIELD(std::vector<FieldInfo>, result, "what it gives");
 };
