@@ -29,6 +29,8 @@ socat|joins and cuts serial lines
 python3|hosts in Python, and some tests
 python3-serial|serial ports in Python
 python3-can|CAN in Python
+mypy|the types of the package for Python
+openssl|makes the certificates that tests connect with
 '
 
 packages_vm='

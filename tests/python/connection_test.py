@@ -1,0 +1,390 @@
+"""Both faces against a daemon that fails at every step."""
+
+import asyncio
+import os
+import pathlib
+import tempfile
+import threading
+import unittest
+from unittest import mock
+
+import tmcl
+import tmcl.connection
+import tmcl.link
+from fake_daemon import HANG_UP, SILENCE, STATE, FakeDaemon, FakeWebDaemon, error, tls_context
+
+MOVED = {"target_microsteps": 5, "unit": "mm", "target": 12.5, "predicted_s": 0.5, "warnings": []}
+GRANTED = {"lease": 7, "epoch": 9, "axes": ["x"], "ttl_ms": 2000}
+
+
+class ConnectionTest(unittest.TestCase):
+    def setUp(self):
+        self.daemon = self.enterContext(FakeDaemon())
+        self.daemon.answers["axis.move_to"] = MOVED
+        self.daemon.answers["axis.get_state"] = STATE
+
+    def connect(self, **how):
+        return self.enterContext(tmcl.connect(self.daemon.path, **how))
+
+    def failure(self, call, *args, **params):
+        with self.assertRaises(tmcl.Error) as raised:
+            call(*args, **params)
+        return raised.exception
+
+    # ---- what is said ----
+
+    def test_a_number_and_a_text_with_a_unit_go_out_as_they_are(self):
+        d = self.connect()
+        self.assertEqual(d.x.move(12.5).target, 12.5)
+        d["x"].move("12.5 mm")
+        d.axis("1/0").move(microsteps=5120)
+        self.assertEqual(
+            [call["params"] for call in self.daemon.calls if call["method"] == "axis.move_to"],
+            [{"axis": "x", "position": 12.5}, {"axis": "x", "position": "12.5 mm"},
+             {"axis": "1/0", "position_microsteps": 5120}],
+        )
+
+    def test_axes_are_attributes_where_the_daemon_has_them(self):
+        d = self.connect()
+        self.assertEqual([axis.name for axis in d.axes()], ["x"])
+        with self.assertRaisesRegex(AttributeError, r"no axis 'y' \(there are: x\)"):
+            d.y  # noqa: B018
+
+    def test_an_axis_without_a_unit_has_no_position_in_it(self):
+        self.daemon.answers["axis.get_state"] = {**STATE, "unit": None, "position": None}
+        d = self.connect()
+        wrong = self.failure(lambda: d.x.position)
+        self.assertEqual((wrong.name, wrong.outcome), ("no_unit", "not_sent"))
+        self.assertEqual(d.x.state().position_microsteps, 0)
+
+    def test_what_a_newer_daemon_says_besides_does_no_harm(self):
+        self.daemon.answers["axis.get_state"] = {**STATE, "temperament": "mild"}
+        self.assertEqual(self.connect().x.position, 1.5)
+
+    # ---- calls that fail ----
+
+    def test_an_error_is_an_exception_with_all_that_is_known(self):
+        self.daemon.answers["axis.move_to"] = error("refused_by_module", hint="look", status=4)
+        wrong = self.failure(self.connect().x.move, 1)
+        self.assertEqual((wrong.name, wrong.outcome, wrong.hint, wrong.data["status"]),
+                         ("refused_by_module", "refused", "look", 4))
+
+    def test_a_move_whose_connection_is_lost_is_unknown_and_never_sent_again(self):
+        self.daemon.answers["axis.move_to"] = [HANG_UP, MOVED]
+        d = self.connect()
+        wrong = self.failure(d.x.move, 1)
+        self.assertIsInstance(wrong, tmcl.ConnectionLost)
+        self.assertEqual(wrong.outcome, "unknown")
+        self.assertEqual(self.daemon.count("axis.move_to"), 1)
+        self.assertEqual(d.x.move(1).target, 12.5)  # a new one goes out on a new connection
+
+    def test_what_reads_or_stops_is_asked_again(self):
+        self.daemon.answers["axis.get_state"] = [HANG_UP, HANG_UP, STATE]
+        self.daemon.answers["axis.stop"] = [HANG_UP, {}]
+        d = self.connect()
+        self.assertEqual(d.x.position, 1.5)
+        d.x.stop()
+        self.assertEqual(self.daemon.count("axis.get_state"), 3)
+        self.assertEqual(self.daemon.count("axis.stop"), 2)
+
+    def test_a_daemon_that_hangs_up_on_every_reading_is_not_asked_for_ever(self):
+        self.daemon.answers["axis.get_state"] = HANG_UP
+        wrong = self.failure(lambda: self.connect().x.position)
+        self.assertEqual(wrong.name, "connection_lost")
+        self.assertEqual(self.daemon.count("axis.get_state"), tmcl.connection.MOST_REPEATS)
+
+    def test_garbage_and_long_lines_end_a_call_and_not_the_program(self):
+        for garbage in (b"good morning\n", b"x" * (1 << 20) + b"xx", b'{"id":4711,"result":{}}\n'):
+            self.daemon.answers["axis.move_to"] = [garbage, MOVED]
+            d = self.connect()
+            wrong = self.failure(d.x.move, 1)
+            self.assertEqual(wrong.outcome, "unknown")
+            self.assertEqual(d.x.move(1).target, 12.5)
+
+    def test_an_answer_that_lacks_something_is_garbage(self):
+        self.daemon.answers["subscribe"] = {"states": []}
+        self.assertEqual(self.failure(next, self.connect().watch("x")).name, "connection_lost")
+        self.assertEqual(self.daemon.count("subscribe"), tmcl.connection.MOST_REPEATS)
+
+    def test_a_restarted_daemon_is_found_again(self):
+        d = self.connect()
+        self.daemon.stop()
+        timer = threading.Timer(0.2, self.daemon.start)
+        timer.start()
+        self.assertEqual(d.x.position, 1.5)
+        timer.join()
+
+    def test_what_moves_is_not_kept_for_a_daemon_that_comes_back_late(self):
+        d = self.connect(patience=0.1)
+        self.daemon.stop()
+        self.failure(lambda: d.x.position)  # which notices
+        wrong = self.failure(d.x.move, 1)
+        self.assertIsInstance(wrong, tmcl.NotConnected)
+        self.assertEqual(wrong.outcome, "not_sent")
+        self.daemon.start()
+        self.assertEqual(d.x.position, 1.5)
+        self.assertEqual(self.daemon.count("axis.move_to"), 0)
+
+    def test_a_daemon_that_says_nothing_any_more_counts_as_lost(self):
+        self.daemon.answers["axis.move_to"] = SILENCE
+        self.daemon.answers["bus.list"] = SILENCE
+        with mock.patch.object(tmcl.connection.Connection.__init__, "__defaults__", (0.1,)):
+            d = self.connect()
+        wrong = self.failure(d.x.move, 1)
+        self.assertIn("has said nothing", str(wrong))
+        self.assertEqual(wrong.outcome, "unknown")
+
+    def test_a_long_wait_goes_on_while_the_daemon_answers_other_things(self):
+        done = threading.Event()
+
+        def late(peer, request):
+            def answer():
+                done.wait(5)
+                peer.say({"id": request["id"], "result": {"position_microsteps": 5}})
+            threading.Thread(target=answer, daemon=True).start()
+            return SILENCE
+
+        def probed(_, __):
+            if self.daemon.count("bus.list") > 3:
+                done.set()
+            return {"buses": []}
+
+        self.daemon.answers["axis.wait"] = late
+        self.daemon.answers["bus.list"] = probed
+        with mock.patch.object(tmcl.connection.Connection.__init__, "__defaults__", (0.2,)):
+            d = self.connect()
+        self.assertEqual(d.x.wait().position_microsteps, 5)
+        self.assertGreater(self.daemon.count("bus.list"), 3)
+
+    def test_what_cannot_be_reached_says_why_and_what_to_try(self):
+        with mock.patch.object(tmcl.aio, "PATIENCE_TO_CONNECT_S", 0):
+            wrong = self.failure(tmcl.connect, "/nowhere/tmcld.sock")
+        self.assertIsInstance(wrong, tmcl.NotConnected)
+        self.assertIn("/nowhere/tmcld.sock: No such file or directory", str(wrong))
+        self.assertIn("is tmcld running?", wrong.hint)
+
+    def test_after_close_nothing_is_sent(self):
+        d = self.connect()
+        d.close()
+        self.assertEqual(self.failure(d.x.move, 1).outcome, "not_sent")
+        d.close()
+
+    # ---- leases ----
+
+    def leased(self, d, **how):
+        self.daemon.answers["lease.acquire"] = GRANTED
+        self.daemon.answers.setdefault("lease.renew", GRANTED)
+        return d.lease("x", **how)
+
+    def test_calls_that_act_name_their_lease_and_it_is_released(self):
+        d = self.connect()
+        with self.leased(d):
+            d.x.move(1)
+            self.assertEqual(d.x.position, 1.5)
+            d.x.stop()
+        d.x.move(2)
+        moves = [c["params"] for c in self.daemon.calls if c["method"] == "axis.move_to"]
+        self.assertEqual(moves[0], {"axis": "x", "position": 1, "lease": 7, "epoch": 9})
+        self.assertEqual(moves[1], {"axis": "x", "position": 2})
+        self.assertEqual(self.daemon.count("lease.release"), 1)
+
+    def test_the_lease_of_tmclctl_lease_run_is_named(self):
+        with mock.patch.dict(os.environ, TMCL_LEASE="3", TMCL_EPOCH="4"):
+            d = self.connect()
+        d.x.move(1)
+        self.assertEqual(self.daemon.calls[-1]["params"]["lease"], 3)
+
+    def test_a_lease_is_renewed_while_the_program_does_something_else(self):
+        renewed = threading.Event()
+        self.daemon.answers["lease.renew"] = lambda *_: renewed.set() or GRANTED
+        with self.leased(self.connect(), ttl=0.3):
+            self.assertTrue(renewed.wait(10))
+
+    def test_by_hand_it_is_renewed_when_the_program_says_so(self):
+        with self.leased(self.connect(), by_hand=True) as lease:
+            lease.renew()
+        self.assertEqual(self.daemon.count("lease.renew"), 1)
+
+    def test_a_lost_lease_raises_in_the_next_call_of_the_block(self):
+        for loss in (error("lease_lost", "not_sent"), HANG_UP, SILENCE):
+            with self.subTest(loss=loss):
+                lost = threading.Event()
+                self.daemon.answers["lease.renew"] = lambda *_: lost.set() or loss
+                moves = self.daemon.count("axis.move_to")
+                d = self.connect()
+                with self.assertRaises(tmcl.LeaseLost):
+                    with self.leased(d, ttl=0.3):
+                        self.assertTrue(lost.wait(10))
+                        while True:  # until the loss has been told
+                            d.x.state()
+                with self.assertRaises(tmcl.LeaseLost):
+                    with self.leased(d, ttl=0.3):
+                        lost.clear()
+                        self.assertTrue(lost.wait(10))
+                        for _ in range(1000):
+                            d.x.stop()  # a stop is let through
+                        while True:
+                            d.x.state()
+                self.assertEqual(self.daemon.count("axis.move_to"), moves)
+
+    def test_a_lease_that_was_lost_unnoticed_raises_at_the_end_of_its_block(self):
+        self.daemon.answers["lease.release"] = error("lease_lost", "not_sent")
+        with self.assertRaises(tmcl.LeaseLost):
+            with self.leased(self.connect()):
+                pass
+
+    def test_what_the_block_raises_is_not_hidden_by_the_loss(self):
+        self.daemon.answers["lease.release"] = HANG_UP
+        with self.assertRaises(ZeroDivisionError):
+            with self.leased(self.connect()):
+                1 / 0  # noqa: B018
+
+    # ---- watching ----
+
+    def test_watches_through_a_restart_of_the_daemon(self):
+        def subscribed(peer, request):
+            peer.say({"id": request["id"], "result": {"subscription": 3, "states": [STATE],
+                                                      "failed": []}})
+            peer.say({"method": "notify_state", "params": {
+                **STATE, "seq": 2, "position": 2.5, "subscription": 3, "dropped": 4}})
+            peer.say({"method": "notify_state", "params": {**STATE, "subscription": 99}})
+            return HANG_UP
+
+        self.daemon.answers["subscribe"] = subscribed
+        states = self.connect().watch("x", interval=0.02)
+        self.assertEqual([next(states).position for _ in range(4)], [1.5, 2.5, 1.5, 2.5])
+        subscribe = [call for call in self.daemon.calls if call["method"] == "subscribe"]
+        self.assertEqual(subscribe[1]["params"], {"axes": ["x"], "interval_ms": 20})
+        states.close()
+
+    def test_a_watch_that_nobody_reads_keeps_so_many_states(self):
+        with mock.patch.object(tmcl.connection, "MOST_STATES", 10):
+            async def fill():
+                states = tmcl.connection.States()
+                states.waiting = type(states.waiting)(maxlen=10)
+                for _ in range(25):
+                    states.add(STATE)
+                return len(states.waiting), states.dropped
+            self.assertEqual(asyncio.run(fill()), (10, 15))
+
+    def test_a_watch_of_an_axis_that_is_not_there_says_so(self):
+        self.daemon.answers["subscribe"] = error("unknown_axis", "not_sent")
+        self.assertEqual(self.failure(next, self.connect().watch("q")).name, "unknown_axis")
+
+    def test_records_states_with_their_times(self):
+        self.daemon.answers["subscribe"] = {"subscription": 3, "failed": [], "states": [STATE]}
+        with self.connect().record("x") as recording:
+            while not recording:
+                pass
+        file = f"{self.daemon.folder.name}/x.csv"
+        recording.write_csv(file)
+        head, row = pathlib.Path(file).read_text().splitlines()
+        self.assertTrue(head.startswith("time_s,utc,axis,unit,position,"))
+        self.assertRegex(row, r"^0\.0,20\d\d-.*Z,x,mm,1\.5,0\.0,1\.5,0,")
+        self.assertEqual(self.daemon.count("unsubscribe"), 1)
+
+    def test_without_matplotlib_a_plot_names_the_package(self):
+        with mock.patch.dict("sys.modules", {"matplotlib.figure": None}):
+            wrong = self.failure(tmcl.Recording().plot)
+        self.assertEqual(wrong.name, "no_matplotlib")
+        self.assertIn("python3-matplotlib", wrong.hint)
+
+
+class AioTest(unittest.IsolatedAsyncioTestCase):
+    async def test_the_same_by_asyncio(self):
+        with FakeDaemon() as daemon:
+            daemon.answers |= {"axis.move_to": MOVED, "axis.get_state": STATE,
+                               "lease.acquire": GRANTED,
+                               "subscribe": {"subscription": 3, "failed": [], "states": [STATE]}}
+            async with await tmcl.aio.connect(daemon.path) as d:
+                async with d.lease("x"):
+                    self.assertEqual((await d.x.move(12.5)).target, 12.5)
+                positions = await asyncio.gather(*(d.x.position() for _ in range(50)))
+                self.assertEqual(set(positions), {1.5})
+                async for state in d.watch():
+                    self.assertEqual(state.axis, "x")
+                    break
+
+    async def test_a_call_that_is_given_up_leaves_the_others_alone(self):
+        with FakeDaemon() as daemon:
+            daemon.answers |= {"axis.wait": SILENCE, "axis.get_state": STATE}
+            async with await tmcl.aio.connect(daemon.path) as d:
+                with self.assertRaises(asyncio.TimeoutError):
+                    await asyncio.wait_for(d.x.wait(), 0.05)
+                self.assertEqual(await d.x.position(), 1.5)
+
+
+class WebTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.folder = tempfile.TemporaryDirectory()
+        cls.context = tls_context(cls.folder.name)
+        cls.ca = f"{cls.folder.name}/cert.pem"
+        cls.token = f"{cls.folder.name}/token"
+        with open(cls.token, "w") as file:
+            file.write("secret\n")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.folder.cleanup()
+
+    def test_the_same_over_https(self):
+        with FakeWebDaemon(self.context) as daemon:
+            daemon.answers["axis.move_to"] = MOVED
+            daemon.answers["axis.get_state"] = [HANG_UP, STATE]
+            with tmcl.connect(daemon.url, token_file=self.token, ca=self.ca) as d:
+                self.assertEqual(d.x.move(12.5).target, 12.5)
+                self.assertEqual(d.x.position, 1.5)  # on a second connection
+            self.assertEqual(len(daemon.peers), 2)
+            self.assertEqual(daemon.peers[0].request, "GET /ws HTTP/1.1")
+
+    def test_the_same_over_http_on_this_machine(self):
+        with FakeWebDaemon() as daemon:
+            with tmcl.connect(daemon.url, token_file=self.token) as d:
+                self.assertEqual([axis.name for axis in d.axes()], ["x"])
+
+    def refusal(self, *where, **how):
+        with self.assertRaises(tmcl.NotConnected) as raised:
+            tmcl.connect(*where, **how)
+        self.assertEqual(raised.exception.outcome, "not_sent")
+        return raised.exception
+
+    def test_refuses_a_certificate_that_nobody_vouches_for(self):
+        with FakeWebDaemon(self.context) as daemon:
+            wrong = self.refusal(daemon.url, token_file=self.token)
+            self.assertEqual(wrong.name, "bad_certificate")
+            self.assertIn("ca=", wrong.hint)
+            other = daemon.url.replace("localhost", "127.0.0.1")
+            wrong = self.refusal(other, token_file=self.token, ca=self.ca)
+            self.assertEqual(wrong.name, "bad_certificate")
+
+    def test_says_that_a_token_is_wrong(self):
+        with FakeWebDaemon(self.context) as daemon:
+            wrong = self.refusal(daemon.url, token="other", ca=self.ca)
+            self.assertEqual(wrong.name, "http_401")
+            self.assertEqual(len(daemon.peers), 1)  # asked once
+
+    def test_says_that_a_door_is_no_gateway(self):
+        with mock.patch.object(tmcl.aio, "PATIENCE_TO_CONNECT_S", 0):
+            with FakeWebDaemon() as plain:
+                self.refusal(plain.url.replace("http:", "https:"), token="secret", ca=self.ca)
+            with FakeWebDaemon(self.context) as secure:
+                self.refusal(secure.url.replace("https:", "http:"), token="secret")
+
+    def test_names_what_is_wrong_with_what_it_was_given(self):
+        for where, how, name in (
+            ("ftp://gateway", {}, "bad_url"),
+            ("https://", {}, "bad_url"),
+            ("https://gateway:99999", {}, "bad_url"),
+            ("http://gateway.example", {"token": "secret"}, "bad_url"),
+            ("https://gateway", {"ca": "/nowhere"}, "bad_ca"),
+            ("https://gateway", {"ca": self.token}, "bad_ca"),
+            ("https://gateway", {"token_file": "/nowhere"}, "no_token"),
+            ("https://gateway", {"token_file": self.ca}, "no_token"),
+        ):
+            with self.subTest(where=where, how=how):
+                self.assertEqual(self.refusal(where, **how).name, name)
+
+
+if __name__ == "__main__":
+    unittest.main()

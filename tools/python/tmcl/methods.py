@@ -1,0 +1,2415 @@
+"""The methods of tmcld and what they give.
+
+Drawn by tools/python/draw_methods from rpc.discover: change nothing here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Awaitable, Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, ClassVar
+
+from .record import Record
+
+#: What each method does to a machine at most: reads, writes, moves or stops.
+EFFECTS: Mapping[str, str] = {
+    "rpc.discover": "reads",
+    "bus.list": "reads",
+    "bus.scan": "reads",
+    "module.list": "reads",
+    "module.execute": "moves",
+    "axis.list": "reads",
+    "axis.move_to": "moves",
+    "axis.move_by": "moves",
+    "axis.rotate": "moves",
+    "axis.stop": "stops",
+    "axis.wait": "reads",
+    "lease.acquire": "writes",
+    "lease.renew": "writes",
+    "lease.release": "stops",
+    "lease.list": "reads",
+    "lease.break": "writes",
+    "line.move": "moves",
+    "path.stage": "reads",
+    "path.plan": "reads",
+    "path.run": "moves",
+    "path.pause": "writes",
+    "path.resume": "moves",
+    "path.stop": "stops",
+    "mint.run": "moves",
+    "axis.home": "moves",
+    "axis.start_home": "moves",
+    "axis.stop_home": "stops",
+    "axis.recover": "writes",
+    "axis.set_deadman": "writes",
+    "axis.test_deadman": "moves",
+    "capture.start": "writes",
+    "capture.state": "reads",
+    "capture.read": "reads",
+    "capture.end": "writes",
+    "axis.get_state": "reads",
+    "axis.get_errors": "reads",
+    "axis.get_units": "reads",
+    "parameter.get": "reads",
+    "parameter.set": "moves",
+    "parameter.store": "writes",
+    "parameter.restore": "moves",
+    "parameter.list": "reads",
+    "coordinate.get": "reads",
+    "coordinate.set": "writes",
+    "coordinate.capture": "writes",
+    "coordinate.move": "moves",
+    "coordinate.start": "moves",
+    "coordinate.store": "writes",
+    "coordinate.load": "writes",
+    "global.get": "reads",
+    "global.set": "writes",
+    "global.store": "writes",
+    "global.restore": "writes",
+    "io.get": "reads",
+    "io.set": "writes",
+    "module.info": "reads",
+    "module.report_arrivals": "writes",
+    "module.reset": "moves",
+    "module.factory_reset": "moves",
+    "program.load": "writes",
+    "program.compare": "reads",
+    "program.read": "reads",
+    "program.run": "moves",
+    "program.stop": "writes",
+    "program.step": "moves",
+    "program.reset": "writes",
+    "program.status": "reads",
+    "program.set_breakpoint": "writes",
+    "program.clear_breakpoint": "writes",
+    "program.clear_breakpoints": "writes",
+    "firmware.status": "reads",
+    "firmware.stage": "reads",
+    "firmware.upload": "moves",
+    "system.stop_all": "stops",
+    "subscribe": "reads",
+    "unsubscribe": "reads",
+}
+
+
+@dataclass(frozen=True)
+class RpcDiscoverMethodsParams(Record):
+    #: what it is called
+    name: str = ""
+    #: what it is in JSON
+    type: str = ""
+    #: of a parameter
+    required: bool | None = None
+    #: of a parameter that is an integer
+    minimum: int | None = None
+    #: likewise
+    maximum: int | None = None
+    #: what it means
+    summary: str = ""
+    #: of an object, or of each object of an array
+    members: tuple[Mapping[str, Any], ...] | None = None
+
+
+@dataclass(frozen=True)
+class RpcDiscoverMethods(Record):
+    #: what it is called
+    name: str = ""
+    #: what it does
+    summary: str = ""
+    #: what it does to a machine at most: reads, writes, moves or stops
+    effect: str = ""
+    #: who may call it: stop, observe, operate or configure
+    role: str = ""
+    #: what it takes
+    params: tuple[RpcDiscoverMethodsParams, ...] = ()
+    #: what it gives
+    result: tuple[RpcDiscoverMethodsParams, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"params": RpcDiscoverMethodsParams, "result": RpcDiscoverMethodsParams}
+
+
+@dataclass(frozen=True)
+class RpcDiscover(Record):
+    #: every method
+    methods: tuple[RpcDiscoverMethods, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"methods": RpcDiscoverMethods}
+
+
+@dataclass(frozen=True)
+class Counters(Record):
+    #: datagrams sent
+    requests: int = 0
+    #: answers accepted
+    replies: int = 0
+    #: requests without an answer in time
+    timeouts: int = 0
+    #: answers to requests that had been given up; dropped
+    late_replies: int = 0
+    #: answers to nothing that was asked, or from another module; dropped
+    unexpected_replies: int = 0
+    #: bytes that belong to no datagram
+    garbage_bytes: int = 0
+    #: exchanges that proved that a module is in step, or that what it had answered before was
+    #: right
+    fences: int = 0
+    #: replies beyond what a module was asked for; dropped
+    surplus: int = 0
+    #: answers that were given out only when a further exchange had proven them: on a line that
+    #: loses, doubles or delays replies, and wherever a movement depends on the value
+    suspect: int = 0
+
+
+@dataclass(frozen=True)
+class Bus(Record):
+    #: name of the bus
+    name: str = ""
+    #: how it is reached
+    link: str = ""
+    #: opening, open, lost
+    state: str = ""
+    #: why it is not open
+    error: str | None = None
+    #: since the daemon started
+    counters: Counters = field(default_factory=lambda: Counters())
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"counters": Counters}
+
+
+@dataclass(frozen=True)
+class BusList(Record):
+    #: the buses
+    buses: tuple[Bus, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"buses": Bus}
+
+
+@dataclass(frozen=True)
+class BusScanModules(Record):
+    #: name of the bus
+    bus: str = ""
+    #: address of the module
+    address: int = 0
+    #: model of the module; null if it has no name
+    model: str | None = None
+    #: its number
+    model_number: int | None = None
+    #: its version
+    firmware: str | None = None
+    #: how many motors it has
+    axes: int | None = None
+    #: no firmware runs
+    in_bootloader: bool = False
+    #: several have this address
+    duplicate_suspected: bool = False
+    #: it takes replies for commands
+    address_is_reply_id: bool = False
+
+
+@dataclass(frozen=True)
+class BusScanFailed(Record):
+    #: name of the bus
+    bus: str = ""
+    #: why it could not be scanned
+    error: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class BusScan(Record):
+    #: who has answered
+    modules: tuple[BusScanModules, ...] = ()
+    #: buses that could not be scanned
+    failed: tuple[BusScanFailed, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"modules": BusScanModules, "failed": BusScanFailed}
+
+
+@dataclass(frozen=True)
+class ModuleListModulesDeadman(Record):
+    #: what the module is set to
+    ms: int = 0
+    #: after so many milliseconds without a command it has stopped
+    measured: int = 0
+
+
+@dataclass(frozen=True)
+class Module(Record):
+    #: name of the bus
+    bus: str = ""
+    #: address of the module
+    address: int = 0
+    #: model of the module; null if it has no name
+    model: str | None = None
+    #: its number
+    model_number: int | None = None
+    #: its version
+    firmware: str | None = None
+    #: how many motors it has
+    axes: int | None = None
+    #: unknown, ready, silent, in_bootloader
+    state: str = ""
+    #: several have this address
+    duplicate_suspected: bool = False
+    #: by what it is noticed that it has started again: tick, variable:N, settings, or none
+    watched_by: str = ""
+    #: whether it stops its motors when nobody sends it anything: unknown, none, or what a test
+    #: has found
+    deadman: str | ModuleListModulesDeadman = ""
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"deadman": ModuleListModulesDeadman}
+
+
+@dataclass(frozen=True)
+class ModuleList(Record):
+    #: the modules
+    modules: tuple[Module, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"modules": Module}
+
+
+@dataclass(frozen=True)
+class ModuleExecute(Record):
+    #: status byte of the reply
+    status: int = 0
+    #: its standard name
+    status_name: str = ""
+    #: command byte of the reply
+    command: int = 0
+    #: value of the reply
+    value: int = 0
+    #: the firmware version where it came as text
+    text: str | None = None
+
+
+@dataclass(frozen=True)
+class AxisInfo(Record):
+    #: name of the axis
+    name: str = ""
+    #: name of its bus
+    bus: str = ""
+    #: address of its module
+    address: int = 0
+    #: number of its motor
+    motor: int = 0
+    #: model of its module; null if it is not known
+    model: str | None = None
+    #: unknown, ready, silent, in_bootloader, no_such_motor
+    state: str = ""
+    #: what it measures in; null if the axis has no unit
+    unit: str | None = None
+
+
+@dataclass(frozen=True)
+class AxisList(Record):
+    #: the axes
+    axes: tuple[AxisInfo, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"axes": AxisInfo}
+
+
+@dataclass(frozen=True)
+class StartedMove(Record):
+    #: where the move ends
+    target_microsteps: int = 0
+    #: what it measures in; null if the axis has no unit
+    unit: str | None = None
+    #: where it ends, in the unit
+    target: float | None = None
+    #: how many seconds it will take; null where nobody can tell
+    predicted_s: float | None = None
+    #: what its settings make of it that nobody may want, and why it cannot be foreseen
+    warnings: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Turning(Record):
+    #: speed in the module's own unit
+    velocity_internal: int = 0
+    #: what it measures in; null if the axis has no unit
+    unit: str | None = None
+    #: speed in the unit per second
+    velocity: float | None = None
+    #: such as that it is faster than max_velocity, which holds for positions
+    warnings: tuple[str, ...] | None = None
+
+
+@dataclass(frozen=True)
+class Standing(Record):
+    #: where it is
+    position_microsteps: int = 0
+    #: what it measures in; null if the axis has no unit
+    unit: str | None = None
+    #: where it is, in the unit
+    position: float | None = None
+    #: what its settings make of moves that nobody may want
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class GrantedLease(Record):
+    #: number of the lease
+    lease: int = 0
+    #: proves that a call is made under this lease
+    epoch: int = 0
+    #: its axes
+    axes: tuple[str, ...] = ()
+    #: how soon it has to be renewed
+    ttl_ms: int = 0
+
+
+@dataclass(frozen=True)
+class LeaseListLeases(Record):
+    #: number of the lease
+    lease: int = 0
+    #: its axes
+    axes: tuple[str, ...] = ()
+    #: who has it
+    holder: str = ""
+    #: for how long
+    since_s: float = 0.0
+    #: when it ends unless it is renewed
+    expires_ms: int = 0
+
+
+@dataclass(frozen=True)
+class LeaseList(Record):
+    #: the leases there are
+    leases: tuple[LeaseListLeases, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"leases": LeaseListLeases}
+
+
+@dataclass(frozen=True)
+class LineMoveAxes(Record):
+    #: name of the axis
+    axis: str = ""
+    #: where it is to go
+    target_microsteps: int = 0
+    #: the same in its unit
+    target: float | None = None
+    #: what it measures in; null if the axis has no unit
+    unit: str | None = None
+    #: when it arrives
+    predicted_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class LineMove(Record):
+    #: its axes, in the order of the request
+    axes: tuple[LineMoveAxes, ...] = ()
+    #: when the last of them arrives
+    predicted_s: float = 0.0
+    #: how much earlier the first of them does, as predicted
+    spread_s: float = 0.0
+    #: how far off the line they get, as predicted; a part of the longest way
+    deviation: float = 0.0
+    #: one command has started them all
+    one_command: bool = False
+    #: how long the starts were expected to take
+    predicted_skew_s: float = 0.0
+    #: from the first start to the last, as the answers tell
+    skew_s: float = 0.0
+    #: what the settings make of it that nobody may want
+    warnings: tuple[str, ...] | None = None
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"axes": LineMoveAxes}
+
+
+@dataclass(frozen=True)
+class PathStage(Record):
+    #: how many there are now
+    bytes: int = 0
+
+
+@dataclass(frozen=True)
+class PathPlan(Record):
+    #: by which path.run runs it, once; the daemon keeps the last one
+    plan: int = 0
+    #: in the order of the file's
+    axes: tuple[str, ...] = ()
+    #: length, duration_s, legs, axes (of the file: axis, least, greatest, top_speed) and
+    #: slowest_corners (line, time_s, speed, position)
+    course: Mapping[str, Any] = field(default_factory=dict)
+    #: times_s and positions; only if points are asked for
+    curve: Mapping[str, Any] | None = None
+    #: what its settings make of moves that nobody may want
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class PathRunTrackingError(Record):
+    #: how far off its plan it was seen
+    largest: float = 0.0
+    #: root of the mean square
+    rms: float = 0.0
+    #: how often it was looked at
+    readings: int = 0
+    #: name of the axis
+    axis: str = ""
+
+
+@dataclass(frozen=True)
+class PathRun(Record):
+    #: how long it took
+    passed_s: float = 0.0
+    #: of velocities; of segments; legs in position mode
+    updates: int = 0
+    #: between updates; the least that a segment takes; of the shortest leg in position mode
+    period_ms: float = 0.0
+    #: of an update, or of the load of a leg
+    worst_delay_ms: float = 0.0
+    #: sent meanwhile
+    commands: int = 0
+    #: of them
+    commands_per_s: float = 0.0
+    #: part of the time that they took
+    bus_load: float = 0.0
+    #: of a command, measured before
+    round_trip_us: float = 0.0
+    #: of each axis
+    tracking_error: tuple[PathRunTrackingError, ...] = ()
+    #: what else is to be said, such as of a parameter not set back
+    remarks: tuple[str, ...] = ()
+    #: what its settings make of moves that nobody may want
+    warnings: tuple[str, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"tracking_error": PathRunTrackingError}
+
+
+@dataclass(frozen=True)
+class PathPause(Record):
+    #: of the paths concerned
+    axes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class MintRunGroups(Record):
+    #: of its GO
+    line: int = 0
+    #: how long it was to take
+    planned_s: float = 0.0
+    #: how long it took
+    took_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class MintRun(Record):
+    #: one for each GO
+    groups: tuple[MintRunGroups, ...] = ()
+    #: what else is to be said, such as of a parameter not set back
+    remarks: tuple[str, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"groups": MintRunGroups}
+
+
+@dataclass(frozen=True)
+class HomedAxis(Record):
+    #: where the axis believed to be at what is zero now; null if the module does not say
+    correction_microsteps: int | None = None
+    #: from one end switch to the other; null if the module does not say
+    switch_distance_microsteps: int | None = None
+    #: what it measures in; null if the axis has no unit
+    unit: str | None = None
+    #: the same correction in the unit
+    correction: float | None = None
+    #: the same way between the switches
+    switch_distance: float | None = None
+
+
+@dataclass(frozen=True)
+class AxisSetDeadman(Record):
+    #: what its module is set to now; 0: off
+    ms: int = 0
+
+
+@dataclass(frozen=True)
+class AxisTestDeadman(Record):
+    #: none, or what was found
+    deadman: str | ModuleListModulesDeadman = ""
+    #: why there is none
+    reason: str | None = None
+    #: how far the axis has gone
+    way_microsteps: int = 0
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"deadman": ModuleListModulesDeadman}
+
+
+@dataclass(frozen=True)
+class CaptureStartChannels(Record):
+    #: standard name; null if the number has none
+    parameter: str | None = None
+    #: number of the axis parameter
+    number: int = 0
+    #: what its values count; null if that has no name
+    unit: str | None = None
+
+
+@dataclass(frozen=True)
+class CaptureStart(Record):
+    #: its number, for the other methods
+    capture: int = 0
+    #: what is recorded, in the order of the values
+    channels: tuple[CaptureStartChannels, ...] = ()
+    #: how many of each channel
+    samples: int = 0
+    #: how many of them lie before the trigger
+    pretrigger: int = 0
+    #: how many a second
+    rate_hz: float = 0.0
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"channels": CaptureStartChannels}
+
+
+@dataclass(frozen=True)
+class CaptureState(Record):
+    #: idle, pretrigger, trigger, capture, complete or error
+    state: str = ""
+
+
+@dataclass(frozen=True)
+class CaptureRead(Record):
+    #: one of each channel after the other
+    values: tuple[int, ...] = ()
+
+
+@dataclass(frozen=True)
+class State(Record):
+    #: name of the axis
+    axis: str = ""
+    #: where it is
+    position_microsteps: int = 0
+    #: speed in the module's own unit
+    velocity_internal: int = 0
+    #: speed in microsteps per second; null if unknown
+    velocity_pps: float | None = None
+    #: where it is to go
+    target_microsteps: int = 0
+    #: position equals target, perhaps only in passing
+    position_reached: bool = False
+    #: its speed is not zero
+    moving: bool = False
+    #: what the next three are in; null if the axis has none
+    unit: str | None = None
+    #: where it is
+    position: float | None = None
+    #: speed per second
+    velocity: float | None = None
+    #: where it is to go
+    target: float | None = None
+    #: its module has started again, or is another one: nothing moves it until axis.recover or
+    #: axis.home
+    latched: bool = False
+    #: it has searched its reference, or was told where it is, while tmcld was there, and its
+    #: module has not started again since
+    referenced: bool = False
+    #: why it stands short of its target: stall, deviation, left_limit, right_limit, deadman,
+    #: supply, client, lease_lost, daemon, velocity_mode (something else than tmcld has stopped
+    #: it) or unknown; null while it moves or where that is not known
+    stop_cause: str | None = None
+    #: how old the oldest of these values is
+    age_ms: int = 0
+    #: number of its lease; null if it has none
+    lease: int | None = None
+    #: it turns, and does not stop when a connection ends
+    unattended: bool = False
+
+
+@dataclass(frozen=True)
+class Errors(Record):
+    #: name of the axis
+    axis: str = ""
+    #: what its module says is wrong: stall, deviation, overtemperature,
+    #: overtemperature_warning, short_to_ground_a, short_to_ground_b, open_load_a, open_load_b,
+    #: undervoltage, overvoltage, i2t_exceeded
+    flags: tuple[str, ...] = ()
+    #: those that are closed: left, right, home
+    switches: tuple[str, ...] = ()
+    #: as in axis.get_state
+    stop_cause: str | None = None
+    #: voltage of the supply; null if it tells none
+    supply_volts: float | None = None
+    #: temperature of the module; null if it tells none
+    temperature_celsius: float | None = None
+
+
+@dataclass(frozen=True)
+class Units(Record):
+    #: name of the axis
+    axis: str = ""
+    #: model of its module; null if it is not known
+    model: str | None = None
+    #: what positions are measured in; null if nothing is set
+    unit: str | None = None
+    #: how many of these a turn of the motor is
+    units_per_revolution: float | None = None
+    #: how many of these a turn of what its gear drives is
+    units_per_output_revolution: float | None = None
+    #: turns of the motor for one of those
+    gear_ratio: float | None = None
+    #: they grow in the motor's negative direction
+    reverse: bool | None = None
+    #: null where the module tells none
+    microsteps_per_revolution: int | None = None
+    #: full steps of a turn
+    full_steps: int | None = None
+    #: what the module's unit of velocity is, in microsteps per second
+    velocity_unit_pps: float | None = None
+    #: what its unit of acceleration is, in microsteps per second squared
+    acceleration_unit_pps2: float | None = None
+    #: least position that moves may end at, in the unit; null without soft limits
+    soft_limit_minimum: float | None = None
+    #: the greatest
+    soft_limit_maximum: float | None = None
+    #: the least one in microsteps; also without a unit
+    soft_limit_minimum_microsteps: int | None = None
+    #: the greatest
+    soft_limit_maximum_microsteps: int | None = None
+    #: what encoder positions count in; null where that is microsteps
+    encoder_counts_per_unit: float | None = None
+
+
+@dataclass(frozen=True)
+class Parameter(Record):
+    #: standard name; null if the number has none
+    parameter: str | None = None
+    #: number of the axis parameter
+    number: int = 0
+    #: its value
+    value: int = 0
+    #: what the next one is in, such as mm/s; null if there is none
+    unit: str | None = None
+    #: its value in the axis' unit
+    value_in_unit: float | None = None
+
+
+@dataclass(frozen=True)
+class ParameterSet(Record):
+    #: standard name; null if the number has none
+    parameter: str | None = None
+    #: number of the axis parameter
+    number: int = 0
+    #: its value
+    value: int = 0
+    #: what the next one is in, such as mm/s; null if there is none
+    unit: str | None = None
+    #: its value in the axis' unit
+    value_in_unit: float | None = None
+    #: what its settings make of moves that nobody may want
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class ParameterStore(Record):
+    #: standard name; null if the number has none
+    parameter: str | None = None
+    #: number of the axis parameter
+    number: int = 0
+
+
+@dataclass(frozen=True)
+class ParameterInfo(Record):
+    #: its number
+    number: int = 0
+    #: its standard name
+    name: str = ""
+    #: read or read_write
+    access: str = ""
+    #: can be kept in the EEPROM
+    stored: bool = False
+    #: least value
+    minimum: int = 0
+    #: greatest value
+    maximum: int = 0
+    #: factory default
+    initial: int = 0
+    #: what the module counts in
+    unit: str = ""
+    #: what it is
+    meaning: str = ""
+    #: what value_in_unit is in
+    axis_unit: str | None = None
+    #: other names that are understood
+    aliases: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class ParameterList(Record):
+    #: ascending; none for a model that is not known
+    parameters: tuple[ParameterInfo, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"parameters": ParameterInfo}
+
+
+@dataclass(frozen=True)
+class CoordinateGet(Record):
+    #: where it is
+    position_microsteps: int = 0
+    #: what it measures in; null if the axis has no unit
+    unit: str | None = None
+    #: where it is, in the unit
+    position: float | None = None
+
+
+@dataclass(frozen=True)
+class GlobalGet(Record):
+    #: standard name; null if it was given by number
+    parameter: str | None = None
+    #: number of the global parameter
+    number: int = 0
+    #: its bank
+    bank: int = 0
+    #: its value
+    value: int = 0
+
+
+@dataclass(frozen=True)
+class GlobalStore(Record):
+    #: standard name; null if it was given by number
+    parameter: str | None = None
+    #: number of the global parameter
+    number: int = 0
+    #: its bank
+    bank: int = 0
+
+
+@dataclass(frozen=True)
+class IoGet(Record):
+    #: value of the port
+    value: int = 0
+
+
+@dataclass(frozen=True)
+class ModuleInfo(Record):
+    #: what the firmware is for
+    module_id: int | None = None
+    #: its version
+    version: int | None = None
+    #: 1 bootloader, 2 stand-alone programs, 4 CANopen, 8 EtherCAT, 16 IO-Link
+    capabilities: int | None = None
+    #: kind of release
+    release_type: int | None = None
+    #: what the bootloader is for
+    bootloader_id: int | None = None
+    #: its version
+    bootloader_version: int | None = None
+    #: bits of an axis parameter's number
+    axis_parameter_width: int | None = None
+    #: bits of a register's address
+    register_address_width: int | None = None
+    #: what it was built from
+    git_hash: int | None = None
+
+
+@dataclass(frozen=True)
+class ProgramLoad(Record):
+    #: how many commands it has
+    commands: int = 0
+
+
+@dataclass(frozen=True)
+class ProgramRead(Record):
+    #: how many commands it has
+    commands: int = 0
+    #: a program file, in hexadecimal
+    program: str = ""
+
+
+@dataclass(frozen=True)
+class ProgramStatus(Record):
+    #: stopped, running, stepping or reset
+    state: str = ""
+    #: the next command; null if the module does not say
+    next_address: int | None = None
+    #: 0: none; null if the module does not say
+    last_error: int | None = None
+
+
+@dataclass(frozen=True)
+class FirmwareStatus(Record):
+    #: model of the module; null if it has no name
+    model: str | None = None
+    #: its number
+    model_number: int = 0
+    #: what answers: 1110V142, or 1110B101 for its bootloader
+    running: str = ""
+    #: no firmware runs
+    in_bootloader: bool = False
+
+
+@dataclass(frozen=True)
+class FirmwareUpload(Record):
+    #: model of the module; null if it has no name
+    model: str | None = None
+    #: its number
+    model_number: int = 0
+    #: what ran before: 1110V101
+    before: str = ""
+    #: what runs now
+    running: str = ""
+    #: of the image
+    checksum: int = 0
+
+
+@dataclass(frozen=True)
+class SystemStopAllStopped(Record):
+    #: name of the axis
+    axis: str = ""
+    #: passed until its module had confirmed
+    milliseconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class SystemStopAllFailed(Record):
+    #: name of the axis
+    axis: str = ""
+    #: what went wrong
+    error: Mapping[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class StoppedAxes(Record):
+    #: those that confirmed
+    stopped: tuple[SystemStopAllStopped, ...] = ()
+    #: those that did not
+    failed: tuple[SystemStopAllFailed, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"stopped": SystemStopAllStopped, "failed": SystemStopAllFailed}
+
+
+@dataclass(frozen=True)
+class WatchedState(Record):
+    #: name of the axis
+    axis: str = ""
+    #: where it is
+    position_microsteps: int = 0
+    #: speed in the module's own unit
+    velocity_internal: int = 0
+    #: speed in microsteps per second; null if unknown
+    velocity_pps: float | None = None
+    #: where it is to go
+    target_microsteps: int = 0
+    #: position equals target, perhaps only in passing
+    position_reached: bool = False
+    #: its speed is not zero
+    moving: bool = False
+    #: what the next three are in; null if the axis has none
+    unit: str | None = None
+    #: where it is
+    position: float | None = None
+    #: speed per second
+    velocity: float | None = None
+    #: where it is to go
+    target: float | None = None
+    #: its module has started again, or is another one: nothing moves it until axis.recover or
+    #: axis.home
+    latched: bool = False
+    #: it has searched its reference, or was told where it is, while tmcld was there, and its
+    #: module has not started again since
+    referenced: bool = False
+    #: why it stands short of its target: stall, deviation, left_limit, right_limit, deadman,
+    #: supply, client, lease_lost, daemon, velocity_mode (something else than tmcld has stopped
+    #: it) or unknown; null while it moves or where that is not known
+    stop_cause: str | None = None
+    #: how old the oldest of these values is
+    age_ms: int = 0
+    #: number of its lease; null if it has none
+    lease: int | None = None
+    #: it turns, and does not stop when a connection ends
+    unattended: bool = False
+    #: counts the states of the axis
+    seq: int = 0
+    #: when it was read, on the daemon's monotonic clock
+    event_time_ms: int = 0
+
+
+@dataclass(frozen=True)
+class Subscribe(Record):
+    #: what unsubscribe takes
+    subscription: int = 0
+    #: the state of each axis now
+    states: tuple[WatchedState, ...] = ()
+    #: those that do not answer now
+    failed: tuple[SystemStopAllFailed, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"states": WatchedState, "failed": SystemStopAllFailed}
+
+
+class Methods:
+    """Each method of the daemon, by its name with `_` for `.`."""
+
+    def __init__(self, call: Callable[[str, Mapping[str, Any]], Mapping[str, Any]]) -> None:
+        self._call = call
+
+    def rpc_discover(self) -> RpcDiscover:
+        """`rpc.discover` every method, as this daemon has it."""
+        return RpcDiscover.of(self._call("rpc.discover", {}))
+
+    def bus_list(self) -> BusList:
+        """`bus.list` the configured buses and how they are."""
+        return BusList.of(self._call("bus.list", {}))
+
+    def bus_scan(
+        self,
+        *,
+        bus: str | None = None,
+        first: int | None = None,
+        last: int | None = None,
+    ) -> BusScan:
+        """`bus.scan` asks every address who is there; tells its progress by notify_progress."""
+        return BusScan.of(self._call("bus.scan", {"bus": bus, "first": first, "last": last}))
+
+    def module_list(self) -> ModuleList:
+        """`module.list` the configured modules and how they are."""
+        return ModuleList.of(self._call("module.list", {}))
+
+    def module_execute(
+        self,
+        bus: str,
+        address: int,
+        command: str | int,
+        *,
+        deadline_ms: int | None = None,
+        type: str | int | None = None,
+        motor: int | None = None,
+        value: int | None = None,
+    ) -> ModuleExecute:
+        """`module.execute` any TMCL command, exactly as given."""
+        return ModuleExecute.of(self._call("module.execute", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "command": command, "type": type, "motor": motor, "value": value}))
+
+    def axis_list(
+        self,
+        *,
+        all: bool | None = None,
+    ) -> AxisList:
+        """`axis.list` the axes and how they are."""
+        return AxisList.of(self._call("axis.list", {"all": all}))
+
+    def axis_move_to(
+        self,
+        axis: str,
+        *,
+        position_microsteps: int | None = None,
+        position: float | str | None = None,
+        predict: bool | None = None,
+        deadline_ms: int | None = None,
+    ) -> StartedMove:
+        """`axis.move_to` starts a move to a position; does not wait for its end."""
+        return StartedMove.of(self._call("axis.move_to", {"axis": axis, "position_microsteps": position_microsteps, "position": position, "predict": predict, "deadline_ms": deadline_ms}))
+
+    def axis_move_by(
+        self,
+        axis: str,
+        *,
+        distance_microsteps: int | None = None,
+        distance: float | str | None = None,
+        predict: bool | None = None,
+        deadline_ms: int | None = None,
+    ) -> StartedMove:
+        """`axis.move_by` starts a move over a distance; does not wait for its end."""
+        return StartedMove.of(self._call("axis.move_by", {"axis": axis, "distance_microsteps": distance_microsteps, "distance": distance, "predict": predict, "deadline_ms": deadline_ms}))
+
+    def axis_rotate(
+        self,
+        axis: str,
+        *,
+        velocity_internal: int | None = None,
+        velocity: float | str | None = None,
+        unattended: bool | None = None,
+        deadline_ms: int | None = None,
+    ) -> Turning:
+        """`axis.rotate` turns without end."""
+        return Turning.of(self._call("axis.rotate", {"axis": axis, "velocity_internal": velocity_internal, "velocity": velocity, "unattended": unattended, "deadline_ms": deadline_ms}))
+
+    def axis_stop(self, axis: str) -> None:
+        """`axis.stop` ramps down to standstill; goes out before everything else."""
+        self._call("axis.stop", {"axis": axis})
+
+    def axis_wait(
+        self,
+        axis: str,
+        *,
+        timeout_ms: int | None = None,
+    ) -> Standing:
+        """`axis.wait` answers when the axis stands at its target."""
+        return Standing.of(self._call("axis.wait", {"axis": axis, "timeout_ms": timeout_ms}))
+
+    def lease_acquire(
+        self,
+        axes: Sequence[str],
+        *,
+        ttl_ms: int | None = None,
+        on_loss: str | None = None,
+    ) -> GrantedLease:
+        """`lease.acquire` gives the client the right to move some axes alone: all of them, or
+        none."""
+        return GrantedLease.of(self._call("lease.acquire", {"axes": axes, "ttl_ms": ttl_ms, "on_loss": on_loss}))
+
+    def lease_renew(
+        self,
+        lease: int,
+        epoch: int,
+        *,
+        ttl_ms: int | None = None,
+    ) -> GrantedLease:
+        """`lease.renew` says that its holder is still there."""
+        return GrantedLease.of(self._call("lease.renew", {"lease": lease, "epoch": epoch, "ttl_ms": ttl_ms}))
+
+    def lease_release(
+        self,
+        lease: int,
+        epoch: int,
+        *,
+        stop: bool | None = None,
+    ) -> None:
+        """`lease.release` ends it, once its axes have taken a stop."""
+        self._call("lease.release", {"lease": lease, "epoch": epoch, "stop": stop})
+
+    def lease_list(self) -> LeaseList:
+        """`lease.list` who may move which axes alone."""
+        return LeaseList.of(self._call("lease.list", {}))
+
+    def lease_break(self, axis: str) -> None:
+        """`lease.break` takes the lease of an axis away, as if its time were over."""
+        self._call("lease.break", {"axis": axis})
+
+    def line_move(
+        self,
+        axes: Sequence[str],
+        *,
+        positions_microsteps: Sequence[int] | None = None,
+        positions: Sequence[float | str] | None = None,
+        velocity: float | str | None = None,
+        velocity_pps: float | None = None,
+        acceleration: float | str | None = None,
+        acceleration_pps2: float | None = None,
+        time_s: float | None = None,
+        deadline_ms: int | None = None,
+    ) -> LineMove:
+        """`line.move` moves several axes so that they start and arrive together."""
+        return LineMove.of(self._call("line.move", {"axes": axes, "positions_microsteps": positions_microsteps, "positions": positions, "velocity": velocity, "velocity_pps": velocity_pps, "acceleration": acceleration, "acceleration_pps2": acceleration_pps2, "time_s": time_s, "deadline_ms": deadline_ms}))
+
+    def path_stage(
+        self,
+        offset: int,
+        data: str,
+    ) -> PathStage:
+        """`path.stage` hands over the next part of a path file."""
+        return PathStage.of(self._call("path.stage", {"offset": offset, "data": data}))
+
+    def path_plan(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+        file_axes: Sequence[str] | None = None,
+        text: str | None = None,
+        bytes: int | None = None,
+        format: str | None = None,
+        mode: str | None = None,
+        tolerance: float | None = None,
+        velocity: float | str | None = None,
+        acceleration: float | str | None = None,
+        feed: float | str | None = None,
+        corner_jump: float | str | None = None,
+        per_turn: float | None = None,
+        deviation: float | None = None,
+        period_ms: int | None = None,
+        points: int | None = None,
+    ) -> PathPlan:
+        """`path.plan` plans a path, and says what will be run."""
+        return PathPlan.of(self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "points": points}))
+
+    def path_run(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+        file_axes: Sequence[str] | None = None,
+        text: str | None = None,
+        bytes: int | None = None,
+        format: str | None = None,
+        mode: str | None = None,
+        tolerance: float | None = None,
+        velocity: float | str | None = None,
+        acceleration: float | str | None = None,
+        feed: float | str | None = None,
+        corner_jump: float | str | None = None,
+        per_turn: float | None = None,
+        deviation: float | None = None,
+        period_ms: int | None = None,
+        plan: int | None = None,
+        to_start: bool | None = None,
+    ) -> PathRun:
+        """`path.run` moves axes along a path and answers at its end; tells its progress by
+        notify_progress."""
+        return PathRun.of(self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "plan": plan, "to_start": to_start}))
+
+    def path_pause(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+    ) -> PathPause:
+        """`path.pause` lets axes stand on their path."""
+        return PathPause.of(self._call("path.pause", {"axes": axes}))
+
+    def path_resume(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+    ) -> PathPause:
+        """`path.resume` lets them go on."""
+        return PathPause.of(self._call("path.resume", {"axes": axes}))
+
+    def path_stop(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+    ) -> PathPause:
+        """`path.stop` ends paths: answers when their axes stand and have their settings again."""
+        return PathPause.of(self._call("path.stop", {"axes": axes}))
+
+    def mint_run(
+        self,
+        axes: Sequence[str],
+        *,
+        numbers: Sequence[int] | None = None,
+        counts: str | None = None,
+        text: str | None = None,
+        bytes: int | None = None,
+    ) -> MintRun:
+        """`mint.run` moves axes as a Mint program says and answers at its end; tells its progress
+        by notify_progress."""
+        return MintRun.of(self._call("mint.run", {"axes": axes, "numbers": numbers, "counts": counts, "text": text, "bytes": bytes}))
+
+    def axis_home(
+        self,
+        axis: str,
+        *,
+        mode: int | None = None,
+        timeout_ms: int | None = None,
+    ) -> HomedAxis:
+        """`axis.home` searches the reference and answers when that has ended."""
+        return HomedAxis.of(self._call("axis.home", {"axis": axis, "mode": mode, "timeout_ms": timeout_ms}))
+
+    def axis_start_home(
+        self,
+        axis: str,
+        *,
+        mode: int | None = None,
+    ) -> None:
+        """`axis.start_home` starts a reference search; does not wait for its end."""
+        self._call("axis.start_home", {"axis": axis, "mode": mode})
+
+    def axis_stop_home(self, axis: str) -> None:
+        """`axis.stop_home` ends a reference search."""
+        self._call("axis.stop_home", {"axis": axis})
+
+    def axis_recover(self, axis: str) -> None:
+        """`axis.recover` says that an axis may move again whose module is not what it was."""
+        self._call("axis.recover", {"axis": axis})
+
+    def axis_set_deadman(
+        self,
+        axis: str,
+        ms: int,
+    ) -> AxisSetDeadman:
+        """`axis.set_deadman` sets the deadman of the module of an axis, in its EEPROM."""
+        return AxisSetDeadman.of(self._call("axis.set_deadman", {"axis": axis, "ms": ms}))
+
+    def axis_test_deadman(self, axis: str) -> AxisTestDeadman:
+        """`axis.test_deadman` moves an axis slowly, sends its module nothing, and measures when it
+        stops."""
+        return AxisTestDeadman.of(self._call("axis.test_deadman", {"axis": axis}))
+
+    def capture_start(
+        self,
+        axis: str,
+        channels: Sequence[str],
+        *,
+        rate_hz: float | None = None,
+        samples: int | None = None,
+        trigger_parameter: str | None = None,
+        trigger_edge: str | None = None,
+        trigger_value: int | None = None,
+        pretrigger_percent: int | None = None,
+        resume: bool | None = None,
+    ) -> CaptureStart:
+        """`capture.start` has the module of an axis record parameters of it, by command 142."""
+        return CaptureStart.of(self._call("capture.start", {"axis": axis, "channels": channels, "rate_hz": rate_hz, "samples": samples, "trigger_parameter": trigger_parameter, "trigger_edge": trigger_edge, "trigger_value": trigger_value, "pretrigger_percent": pretrigger_percent, "resume": resume}))
+
+    def capture_state(
+        self,
+        axis: str,
+        capture: int,
+    ) -> CaptureState:
+        """`capture.state` how far a capture has come."""
+        return CaptureState.of(self._call("capture.state", {"axis": axis, "capture": capture}))
+
+    def capture_read(
+        self,
+        axis: str,
+        capture: int,
+        first: int,
+        count: int,
+    ) -> CaptureRead:
+        """`capture.read` reads what a module has recorded."""
+        return CaptureRead.of(self._call("capture.read", {"axis": axis, "capture": capture, "first": first, "count": count}))
+
+    def capture_end(
+        self,
+        axis: str,
+        *,
+        capture: int | None = None,
+    ) -> None:
+        """`capture.end` the module records nothing any more, and forgets what it has."""
+        self._call("capture.end", {"axis": axis, "capture": capture})
+
+    def axis_get_state(
+        self,
+        axis: str,
+        *,
+        max_age_ms: int | None = None,
+    ) -> State:
+        """`axis.get_state` where the axis is and what it does."""
+        return State.of(self._call("axis.get_state", {"axis": axis, "max_age_ms": max_age_ms}))
+
+    def axis_get_errors(self, axis: str) -> Errors:
+        """`axis.get_errors` what its module says is wrong, in words."""
+        return Errors.of(self._call("axis.get_errors", {"axis": axis}))
+
+    def axis_get_units(self, axis: str) -> Units:
+        """`axis.get_units` what the axis counts in."""
+        return Units.of(self._call("axis.get_units", {"axis": axis}))
+
+    def parameter_get(
+        self,
+        axis: str,
+        parameter: str | int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> Parameter:
+        """`parameter.get` reads an axis parameter."""
+        return Parameter.of(self._call("parameter.get", {"axis": axis, "parameter": parameter, "deadline_ms": deadline_ms}))
+
+    def parameter_set(
+        self,
+        axis: str,
+        parameter: str | int,
+        *,
+        deadline_ms: int | None = None,
+        value: int | None = None,
+        value_in_unit: float | str | None = None,
+    ) -> ParameterSet:
+        """`parameter.set` sets an axis parameter."""
+        return ParameterSet.of(self._call("parameter.set", {"axis": axis, "parameter": parameter, "deadline_ms": deadline_ms, "value": value, "value_in_unit": value_in_unit}))
+
+    def parameter_store(
+        self,
+        axis: str,
+        parameter: str | int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> ParameterStore:
+        """`parameter.store` copies an axis parameter to the EEPROM."""
+        return ParameterStore.of(self._call("parameter.store", {"axis": axis, "parameter": parameter, "deadline_ms": deadline_ms}))
+
+    def parameter_restore(
+        self,
+        axis: str,
+        parameter: str | int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> ParameterStore:
+        """`parameter.restore` copies an axis parameter back from the EEPROM."""
+        return ParameterStore.of(self._call("parameter.restore", {"axis": axis, "parameter": parameter, "deadline_ms": deadline_ms}))
+
+    def parameter_list(self, axis: str) -> ParameterList:
+        """`parameter.list` the parameters that the model of an axis has."""
+        return ParameterList.of(self._call("parameter.list", {"axis": axis}))
+
+    def coordinate_get(
+        self,
+        axis: str,
+        number: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> CoordinateGet:
+        """`coordinate.get` reads a coordinate."""
+        return CoordinateGet.of(self._call("coordinate.get", {"axis": axis, "number": number, "deadline_ms": deadline_ms}))
+
+    def coordinate_set(
+        self,
+        axis: str,
+        number: int,
+        *,
+        deadline_ms: int | None = None,
+        position_microsteps: int | None = None,
+        position: float | str | None = None,
+    ) -> None:
+        """`coordinate.set` remembers a position by a number."""
+        self._call("coordinate.set", {"axis": axis, "number": number, "deadline_ms": deadline_ms, "position_microsteps": position_microsteps, "position": position})
+
+    def coordinate_capture(
+        self,
+        axis: str,
+        number: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> CoordinateGet:
+        """`coordinate.capture` remembers where the axis is."""
+        return CoordinateGet.of(self._call("coordinate.capture", {"axis": axis, "number": number, "deadline_ms": deadline_ms}))
+
+    def coordinate_move(
+        self,
+        axis: str,
+        number: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`coordinate.move` starts a move to a coordinate."""
+        self._call("coordinate.move", {"axis": axis, "number": number, "deadline_ms": deadline_ms})
+
+    def coordinate_start(
+        self,
+        bus: str,
+        address: int,
+        number: int,
+        motors: Sequence[int],
+        *,
+        deadline_ms: int | None = None,
+        interpolated: bool | None = None,
+    ) -> None:
+        """`coordinate.start` starts motors of a module together, each to its own coordinate of
+        this number."""
+        self._call("coordinate.start", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "number": number, "motors": motors, "interpolated": interpolated})
+
+    def coordinate_store(
+        self,
+        axis: str,
+        *,
+        number: int | None = None,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`coordinate.store` copies coordinates of all motors of the axis' module to the EEPROM."""
+        self._call("coordinate.store", {"axis": axis, "number": number, "deadline_ms": deadline_ms})
+
+    def coordinate_load(
+        self,
+        axis: str,
+        *,
+        number: int | None = None,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`coordinate.load` copies them back from the EEPROM."""
+        self._call("coordinate.load", {"axis": axis, "number": number, "deadline_ms": deadline_ms})
+
+    def global_get(
+        self,
+        bus: str,
+        address: int,
+        parameter: str | int,
+        *,
+        deadline_ms: int | None = None,
+        bank: int | None = None,
+    ) -> GlobalGet:
+        """`global.get` reads a global parameter."""
+        return GlobalGet.of(self._call("global.get", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "parameter": parameter, "bank": bank}))
+
+    def global_set(
+        self,
+        bus: str,
+        address: int,
+        parameter: str | int,
+        value: int,
+        *,
+        deadline_ms: int | None = None,
+        bank: int | None = None,
+    ) -> GlobalGet:
+        """`global.set` sets a global parameter."""
+        return GlobalGet.of(self._call("global.set", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "parameter": parameter, "bank": bank, "value": value}))
+
+    def global_store(
+        self,
+        bus: str,
+        address: int,
+        parameter: str | int,
+        *,
+        deadline_ms: int | None = None,
+        bank: int | None = None,
+    ) -> GlobalStore:
+        """`global.store` copies a global parameter to the EEPROM."""
+        return GlobalStore.of(self._call("global.store", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "parameter": parameter, "bank": bank}))
+
+    def global_restore(
+        self,
+        bus: str,
+        address: int,
+        parameter: str | int,
+        *,
+        deadline_ms: int | None = None,
+        bank: int | None = None,
+    ) -> GlobalStore:
+        """`global.restore` copies a global parameter back from the EEPROM."""
+        return GlobalStore.of(self._call("global.restore", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "parameter": parameter, "bank": bank}))
+
+    def io_get(
+        self,
+        bus: str,
+        address: int,
+        port: int,
+        *,
+        deadline_ms: int | None = None,
+        bank: int | None = None,
+    ) -> IoGet:
+        """`io.get` reads an input or output."""
+        return IoGet.of(self._call("io.get", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "port": port, "bank": bank}))
+
+    def io_set(
+        self,
+        bus: str,
+        address: int,
+        port: int,
+        value: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> IoGet:
+        """`io.set` sets a digital output."""
+        return IoGet.of(self._call("io.set", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "port": port, "value": value}))
+
+    def module_info(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> ModuleInfo:
+        """`module.info` what a module's firmware says of itself."""
+        return ModuleInfo.of(self._call("module.info", {"bus": bus, "address": address, "deadline_ms": deadline_ms}))
+
+    def module_report_arrivals(
+        self,
+        bus: str,
+        address: int,
+        motors: Sequence[int],
+        *,
+        deadline_ms: int | None = None,
+        every: bool | None = None,
+    ) -> None:
+        """`module.report_arrivals` lets a module tell when motors arrive: events of the kind
+        target_reached."""
+        self._call("module.report_arrivals", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "motors": motors, "every": every})
+
+    def module_reset(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`module.reset` restarts a module."""
+        self._call("module.reset", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+
+    def module_factory_reset(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`module.factory_reset` restores everything in a module to how it was delivered."""
+        self._call("module.factory_reset", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+
+    def program_load(
+        self,
+        bus: str,
+        address: int,
+        program: str,
+        *,
+        first_address: int | None = None,
+        compare: bool | None = None,
+    ) -> ProgramLoad:
+        """`program.load` loads a program into a module; tells its progress by notify_progress."""
+        return ProgramLoad.of(self._call("program.load", {"bus": bus, "address": address, "program": program, "first_address": first_address, "compare": compare}))
+
+    def program_compare(
+        self,
+        bus: str,
+        address: int,
+        program: str,
+        *,
+        first_address: int | None = None,
+    ) -> ProgramLoad:
+        """`program.compare` compares a program with the one in a module."""
+        return ProgramLoad.of(self._call("program.compare", {"bus": bus, "address": address, "program": program, "first_address": first_address}))
+
+    def program_read(
+        self,
+        bus: str,
+        address: int,
+        *,
+        first_address: int | None = None,
+        length: int | None = None,
+    ) -> ProgramRead:
+        """`program.read` reads the program in a module."""
+        return ProgramRead.of(self._call("program.read", {"bus": bus, "address": address, "first_address": first_address, "length": length}))
+
+    def program_run(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+        first_address: int | None = None,
+    ) -> None:
+        """`program.run` runs the program in a module."""
+        self._call("program.run", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "first_address": first_address})
+
+    def program_stop(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`program.stop` ends the program; motors go on."""
+        self._call("program.stop", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+
+    def program_step(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`program.step` executes one command of the program."""
+        self._call("program.step", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+
+    def program_reset(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`program.reset` ends the program and sets it back to its start."""
+        self._call("program.reset", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+
+    def program_status(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> ProgramStatus:
+        """`program.status` what the program does."""
+        return ProgramStatus.of(self._call("program.status", {"bus": bus, "address": address, "deadline_ms": deadline_ms}))
+
+    def program_set_breakpoint(
+        self,
+        bus: str,
+        address: int,
+        at: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`program.set_breakpoint` stops the program there from now on."""
+        self._call("program.set_breakpoint", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "at": at})
+
+    def program_clear_breakpoint(
+        self,
+        bus: str,
+        address: int,
+        at: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`program.clear_breakpoint` does not stop it there any more."""
+        self._call("program.clear_breakpoint", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "at": at})
+
+    def program_clear_breakpoints(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`program.clear_breakpoints` does not stop it anywhere any more."""
+        self._call("program.clear_breakpoints", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+
+    def firmware_status(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> FirmwareStatus:
+        """`firmware.status` what runs in a module, as its updates need to know."""
+        return FirmwareStatus.of(self._call("firmware.status", {"bus": bus, "address": address, "deadline_ms": deadline_ms}))
+
+    def firmware_stage(
+        self,
+        offset: int,
+        data: str,
+    ) -> PathStage:
+        """`firmware.stage` hands over the next part of a firmware image."""
+        return PathStage.of(self._call("firmware.stage", {"offset": offset, "data": data}))
+
+    def firmware_upload(
+        self,
+        bus: str,
+        address: int,
+        start: int,
+        bytes: int,
+        *,
+        force: bool | None = None,
+    ) -> FirmwareUpload:
+        """`firmware.upload` exchanges the firmware of a module for the image that was handed over;
+        tells its progress by notify_progress."""
+        return FirmwareUpload.of(self._call("firmware.upload", {"bus": bus, "address": address, "start": start, "bytes": bytes, "force": force}))
+
+    def system_stop_all(self) -> StoppedAxes:
+        """`system.stop_all` stops all axes at once."""
+        return StoppedAxes.of(self._call("system.stop_all", {}))
+
+    def subscribe(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+        interval_ms: int | None = None,
+    ) -> Subscribe:
+        """`subscribe` tells of states by notify_state whenever they change, and of events."""
+        return Subscribe.of(self._call("subscribe", {"axes": axes, "interval_ms": interval_ms}))
+
+    def unsubscribe(self, subscription: int) -> None:
+        """`unsubscribe` ends a subscription."""
+        self._call("unsubscribe", {"subscription": subscription})
+
+
+class AsyncMethods:
+    """Each method of the daemon, by its name with `_` for `.`."""
+
+    def __init__(self, call: Callable[[str, Mapping[str, Any]], Awaitable[Mapping[str, Any]]]) -> None:
+        self._call = call
+
+    async def rpc_discover(self) -> RpcDiscover:
+        """`rpc.discover` every method, as this daemon has it."""
+        return RpcDiscover.of(await self._call("rpc.discover", {}))
+
+    async def bus_list(self) -> BusList:
+        """`bus.list` the configured buses and how they are."""
+        return BusList.of(await self._call("bus.list", {}))
+
+    async def bus_scan(
+        self,
+        *,
+        bus: str | None = None,
+        first: int | None = None,
+        last: int | None = None,
+    ) -> BusScan:
+        """`bus.scan` asks every address who is there; tells its progress by notify_progress."""
+        return BusScan.of(await self._call("bus.scan", {"bus": bus, "first": first, "last": last}))
+
+    async def module_list(self) -> ModuleList:
+        """`module.list` the configured modules and how they are."""
+        return ModuleList.of(await self._call("module.list", {}))
+
+    async def module_execute(
+        self,
+        bus: str,
+        address: int,
+        command: str | int,
+        *,
+        deadline_ms: int | None = None,
+        type: str | int | None = None,
+        motor: int | None = None,
+        value: int | None = None,
+    ) -> ModuleExecute:
+        """`module.execute` any TMCL command, exactly as given."""
+        return ModuleExecute.of(await self._call("module.execute", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "command": command, "type": type, "motor": motor, "value": value}))
+
+    async def axis_list(
+        self,
+        *,
+        all: bool | None = None,
+    ) -> AxisList:
+        """`axis.list` the axes and how they are."""
+        return AxisList.of(await self._call("axis.list", {"all": all}))
+
+    async def axis_move_to(
+        self,
+        axis: str,
+        *,
+        position_microsteps: int | None = None,
+        position: float | str | None = None,
+        predict: bool | None = None,
+        deadline_ms: int | None = None,
+    ) -> StartedMove:
+        """`axis.move_to` starts a move to a position; does not wait for its end."""
+        return StartedMove.of(await self._call("axis.move_to", {"axis": axis, "position_microsteps": position_microsteps, "position": position, "predict": predict, "deadline_ms": deadline_ms}))
+
+    async def axis_move_by(
+        self,
+        axis: str,
+        *,
+        distance_microsteps: int | None = None,
+        distance: float | str | None = None,
+        predict: bool | None = None,
+        deadline_ms: int | None = None,
+    ) -> StartedMove:
+        """`axis.move_by` starts a move over a distance; does not wait for its end."""
+        return StartedMove.of(await self._call("axis.move_by", {"axis": axis, "distance_microsteps": distance_microsteps, "distance": distance, "predict": predict, "deadline_ms": deadline_ms}))
+
+    async def axis_rotate(
+        self,
+        axis: str,
+        *,
+        velocity_internal: int | None = None,
+        velocity: float | str | None = None,
+        unattended: bool | None = None,
+        deadline_ms: int | None = None,
+    ) -> Turning:
+        """`axis.rotate` turns without end."""
+        return Turning.of(await self._call("axis.rotate", {"axis": axis, "velocity_internal": velocity_internal, "velocity": velocity, "unattended": unattended, "deadline_ms": deadline_ms}))
+
+    async def axis_stop(self, axis: str) -> None:
+        """`axis.stop` ramps down to standstill; goes out before everything else."""
+        await self._call("axis.stop", {"axis": axis})
+
+    async def axis_wait(
+        self,
+        axis: str,
+        *,
+        timeout_ms: int | None = None,
+    ) -> Standing:
+        """`axis.wait` answers when the axis stands at its target."""
+        return Standing.of(await self._call("axis.wait", {"axis": axis, "timeout_ms": timeout_ms}))
+
+    async def lease_acquire(
+        self,
+        axes: Sequence[str],
+        *,
+        ttl_ms: int | None = None,
+        on_loss: str | None = None,
+    ) -> GrantedLease:
+        """`lease.acquire` gives the client the right to move some axes alone: all of them, or
+        none."""
+        return GrantedLease.of(await self._call("lease.acquire", {"axes": axes, "ttl_ms": ttl_ms, "on_loss": on_loss}))
+
+    async def lease_renew(
+        self,
+        lease: int,
+        epoch: int,
+        *,
+        ttl_ms: int | None = None,
+    ) -> GrantedLease:
+        """`lease.renew` says that its holder is still there."""
+        return GrantedLease.of(await self._call("lease.renew", {"lease": lease, "epoch": epoch, "ttl_ms": ttl_ms}))
+
+    async def lease_release(
+        self,
+        lease: int,
+        epoch: int,
+        *,
+        stop: bool | None = None,
+    ) -> None:
+        """`lease.release` ends it, once its axes have taken a stop."""
+        await self._call("lease.release", {"lease": lease, "epoch": epoch, "stop": stop})
+
+    async def lease_list(self) -> LeaseList:
+        """`lease.list` who may move which axes alone."""
+        return LeaseList.of(await self._call("lease.list", {}))
+
+    async def lease_break(self, axis: str) -> None:
+        """`lease.break` takes the lease of an axis away, as if its time were over."""
+        await self._call("lease.break", {"axis": axis})
+
+    async def line_move(
+        self,
+        axes: Sequence[str],
+        *,
+        positions_microsteps: Sequence[int] | None = None,
+        positions: Sequence[float | str] | None = None,
+        velocity: float | str | None = None,
+        velocity_pps: float | None = None,
+        acceleration: float | str | None = None,
+        acceleration_pps2: float | None = None,
+        time_s: float | None = None,
+        deadline_ms: int | None = None,
+    ) -> LineMove:
+        """`line.move` moves several axes so that they start and arrive together."""
+        return LineMove.of(await self._call("line.move", {"axes": axes, "positions_microsteps": positions_microsteps, "positions": positions, "velocity": velocity, "velocity_pps": velocity_pps, "acceleration": acceleration, "acceleration_pps2": acceleration_pps2, "time_s": time_s, "deadline_ms": deadline_ms}))
+
+    async def path_stage(
+        self,
+        offset: int,
+        data: str,
+    ) -> PathStage:
+        """`path.stage` hands over the next part of a path file."""
+        return PathStage.of(await self._call("path.stage", {"offset": offset, "data": data}))
+
+    async def path_plan(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+        file_axes: Sequence[str] | None = None,
+        text: str | None = None,
+        bytes: int | None = None,
+        format: str | None = None,
+        mode: str | None = None,
+        tolerance: float | None = None,
+        velocity: float | str | None = None,
+        acceleration: float | str | None = None,
+        feed: float | str | None = None,
+        corner_jump: float | str | None = None,
+        per_turn: float | None = None,
+        deviation: float | None = None,
+        period_ms: int | None = None,
+        points: int | None = None,
+    ) -> PathPlan:
+        """`path.plan` plans a path, and says what will be run."""
+        return PathPlan.of(await self._call("path.plan", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "points": points}))
+
+    async def path_run(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+        file_axes: Sequence[str] | None = None,
+        text: str | None = None,
+        bytes: int | None = None,
+        format: str | None = None,
+        mode: str | None = None,
+        tolerance: float | None = None,
+        velocity: float | str | None = None,
+        acceleration: float | str | None = None,
+        feed: float | str | None = None,
+        corner_jump: float | str | None = None,
+        per_turn: float | None = None,
+        deviation: float | None = None,
+        period_ms: int | None = None,
+        plan: int | None = None,
+        to_start: bool | None = None,
+    ) -> PathRun:
+        """`path.run` moves axes along a path and answers at its end; tells its progress by
+        notify_progress."""
+        return PathRun.of(await self._call("path.run", {"axes": axes, "file_axes": file_axes, "text": text, "bytes": bytes, "format": format, "mode": mode, "tolerance": tolerance, "velocity": velocity, "acceleration": acceleration, "feed": feed, "corner_jump": corner_jump, "per_turn": per_turn, "deviation": deviation, "period_ms": period_ms, "plan": plan, "to_start": to_start}))
+
+    async def path_pause(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+    ) -> PathPause:
+        """`path.pause` lets axes stand on their path."""
+        return PathPause.of(await self._call("path.pause", {"axes": axes}))
+
+    async def path_resume(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+    ) -> PathPause:
+        """`path.resume` lets them go on."""
+        return PathPause.of(await self._call("path.resume", {"axes": axes}))
+
+    async def path_stop(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+    ) -> PathPause:
+        """`path.stop` ends paths: answers when their axes stand and have their settings again."""
+        return PathPause.of(await self._call("path.stop", {"axes": axes}))
+
+    async def mint_run(
+        self,
+        axes: Sequence[str],
+        *,
+        numbers: Sequence[int] | None = None,
+        counts: str | None = None,
+        text: str | None = None,
+        bytes: int | None = None,
+    ) -> MintRun:
+        """`mint.run` moves axes as a Mint program says and answers at its end; tells its progress
+        by notify_progress."""
+        return MintRun.of(await self._call("mint.run", {"axes": axes, "numbers": numbers, "counts": counts, "text": text, "bytes": bytes}))
+
+    async def axis_home(
+        self,
+        axis: str,
+        *,
+        mode: int | None = None,
+        timeout_ms: int | None = None,
+    ) -> HomedAxis:
+        """`axis.home` searches the reference and answers when that has ended."""
+        return HomedAxis.of(await self._call("axis.home", {"axis": axis, "mode": mode, "timeout_ms": timeout_ms}))
+
+    async def axis_start_home(
+        self,
+        axis: str,
+        *,
+        mode: int | None = None,
+    ) -> None:
+        """`axis.start_home` starts a reference search; does not wait for its end."""
+        await self._call("axis.start_home", {"axis": axis, "mode": mode})
+
+    async def axis_stop_home(self, axis: str) -> None:
+        """`axis.stop_home` ends a reference search."""
+        await self._call("axis.stop_home", {"axis": axis})
+
+    async def axis_recover(self, axis: str) -> None:
+        """`axis.recover` says that an axis may move again whose module is not what it was."""
+        await self._call("axis.recover", {"axis": axis})
+
+    async def axis_set_deadman(
+        self,
+        axis: str,
+        ms: int,
+    ) -> AxisSetDeadman:
+        """`axis.set_deadman` sets the deadman of the module of an axis, in its EEPROM."""
+        return AxisSetDeadman.of(await self._call("axis.set_deadman", {"axis": axis, "ms": ms}))
+
+    async def axis_test_deadman(self, axis: str) -> AxisTestDeadman:
+        """`axis.test_deadman` moves an axis slowly, sends its module nothing, and measures when it
+        stops."""
+        return AxisTestDeadman.of(await self._call("axis.test_deadman", {"axis": axis}))
+
+    async def capture_start(
+        self,
+        axis: str,
+        channels: Sequence[str],
+        *,
+        rate_hz: float | None = None,
+        samples: int | None = None,
+        trigger_parameter: str | None = None,
+        trigger_edge: str | None = None,
+        trigger_value: int | None = None,
+        pretrigger_percent: int | None = None,
+        resume: bool | None = None,
+    ) -> CaptureStart:
+        """`capture.start` has the module of an axis record parameters of it, by command 142."""
+        return CaptureStart.of(await self._call("capture.start", {"axis": axis, "channels": channels, "rate_hz": rate_hz, "samples": samples, "trigger_parameter": trigger_parameter, "trigger_edge": trigger_edge, "trigger_value": trigger_value, "pretrigger_percent": pretrigger_percent, "resume": resume}))
+
+    async def capture_state(
+        self,
+        axis: str,
+        capture: int,
+    ) -> CaptureState:
+        """`capture.state` how far a capture has come."""
+        return CaptureState.of(await self._call("capture.state", {"axis": axis, "capture": capture}))
+
+    async def capture_read(
+        self,
+        axis: str,
+        capture: int,
+        first: int,
+        count: int,
+    ) -> CaptureRead:
+        """`capture.read` reads what a module has recorded."""
+        return CaptureRead.of(await self._call("capture.read", {"axis": axis, "capture": capture, "first": first, "count": count}))
+
+    async def capture_end(
+        self,
+        axis: str,
+        *,
+        capture: int | None = None,
+    ) -> None:
+        """`capture.end` the module records nothing any more, and forgets what it has."""
+        await self._call("capture.end", {"axis": axis, "capture": capture})
+
+    async def axis_get_state(
+        self,
+        axis: str,
+        *,
+        max_age_ms: int | None = None,
+    ) -> State:
+        """`axis.get_state` where the axis is and what it does."""
+        return State.of(await self._call("axis.get_state", {"axis": axis, "max_age_ms": max_age_ms}))
+
+    async def axis_get_errors(self, axis: str) -> Errors:
+        """`axis.get_errors` what its module says is wrong, in words."""
+        return Errors.of(await self._call("axis.get_errors", {"axis": axis}))
+
+    async def axis_get_units(self, axis: str) -> Units:
+        """`axis.get_units` what the axis counts in."""
+        return Units.of(await self._call("axis.get_units", {"axis": axis}))
+
+    async def parameter_get(
+        self,
+        axis: str,
+        parameter: str | int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> Parameter:
+        """`parameter.get` reads an axis parameter."""
+        return Parameter.of(await self._call("parameter.get", {"axis": axis, "parameter": parameter, "deadline_ms": deadline_ms}))
+
+    async def parameter_set(
+        self,
+        axis: str,
+        parameter: str | int,
+        *,
+        deadline_ms: int | None = None,
+        value: int | None = None,
+        value_in_unit: float | str | None = None,
+    ) -> ParameterSet:
+        """`parameter.set` sets an axis parameter."""
+        return ParameterSet.of(await self._call("parameter.set", {"axis": axis, "parameter": parameter, "deadline_ms": deadline_ms, "value": value, "value_in_unit": value_in_unit}))
+
+    async def parameter_store(
+        self,
+        axis: str,
+        parameter: str | int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> ParameterStore:
+        """`parameter.store` copies an axis parameter to the EEPROM."""
+        return ParameterStore.of(await self._call("parameter.store", {"axis": axis, "parameter": parameter, "deadline_ms": deadline_ms}))
+
+    async def parameter_restore(
+        self,
+        axis: str,
+        parameter: str | int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> ParameterStore:
+        """`parameter.restore` copies an axis parameter back from the EEPROM."""
+        return ParameterStore.of(await self._call("parameter.restore", {"axis": axis, "parameter": parameter, "deadline_ms": deadline_ms}))
+
+    async def parameter_list(self, axis: str) -> ParameterList:
+        """`parameter.list` the parameters that the model of an axis has."""
+        return ParameterList.of(await self._call("parameter.list", {"axis": axis}))
+
+    async def coordinate_get(
+        self,
+        axis: str,
+        number: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> CoordinateGet:
+        """`coordinate.get` reads a coordinate."""
+        return CoordinateGet.of(await self._call("coordinate.get", {"axis": axis, "number": number, "deadline_ms": deadline_ms}))
+
+    async def coordinate_set(
+        self,
+        axis: str,
+        number: int,
+        *,
+        deadline_ms: int | None = None,
+        position_microsteps: int | None = None,
+        position: float | str | None = None,
+    ) -> None:
+        """`coordinate.set` remembers a position by a number."""
+        await self._call("coordinate.set", {"axis": axis, "number": number, "deadline_ms": deadline_ms, "position_microsteps": position_microsteps, "position": position})
+
+    async def coordinate_capture(
+        self,
+        axis: str,
+        number: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> CoordinateGet:
+        """`coordinate.capture` remembers where the axis is."""
+        return CoordinateGet.of(await self._call("coordinate.capture", {"axis": axis, "number": number, "deadline_ms": deadline_ms}))
+
+    async def coordinate_move(
+        self,
+        axis: str,
+        number: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`coordinate.move` starts a move to a coordinate."""
+        await self._call("coordinate.move", {"axis": axis, "number": number, "deadline_ms": deadline_ms})
+
+    async def coordinate_start(
+        self,
+        bus: str,
+        address: int,
+        number: int,
+        motors: Sequence[int],
+        *,
+        deadline_ms: int | None = None,
+        interpolated: bool | None = None,
+    ) -> None:
+        """`coordinate.start` starts motors of a module together, each to its own coordinate of
+        this number."""
+        await self._call("coordinate.start", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "number": number, "motors": motors, "interpolated": interpolated})
+
+    async def coordinate_store(
+        self,
+        axis: str,
+        *,
+        number: int | None = None,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`coordinate.store` copies coordinates of all motors of the axis' module to the EEPROM."""
+        await self._call("coordinate.store", {"axis": axis, "number": number, "deadline_ms": deadline_ms})
+
+    async def coordinate_load(
+        self,
+        axis: str,
+        *,
+        number: int | None = None,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`coordinate.load` copies them back from the EEPROM."""
+        await self._call("coordinate.load", {"axis": axis, "number": number, "deadline_ms": deadline_ms})
+
+    async def global_get(
+        self,
+        bus: str,
+        address: int,
+        parameter: str | int,
+        *,
+        deadline_ms: int | None = None,
+        bank: int | None = None,
+    ) -> GlobalGet:
+        """`global.get` reads a global parameter."""
+        return GlobalGet.of(await self._call("global.get", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "parameter": parameter, "bank": bank}))
+
+    async def global_set(
+        self,
+        bus: str,
+        address: int,
+        parameter: str | int,
+        value: int,
+        *,
+        deadline_ms: int | None = None,
+        bank: int | None = None,
+    ) -> GlobalGet:
+        """`global.set` sets a global parameter."""
+        return GlobalGet.of(await self._call("global.set", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "parameter": parameter, "bank": bank, "value": value}))
+
+    async def global_store(
+        self,
+        bus: str,
+        address: int,
+        parameter: str | int,
+        *,
+        deadline_ms: int | None = None,
+        bank: int | None = None,
+    ) -> GlobalStore:
+        """`global.store` copies a global parameter to the EEPROM."""
+        return GlobalStore.of(await self._call("global.store", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "parameter": parameter, "bank": bank}))
+
+    async def global_restore(
+        self,
+        bus: str,
+        address: int,
+        parameter: str | int,
+        *,
+        deadline_ms: int | None = None,
+        bank: int | None = None,
+    ) -> GlobalStore:
+        """`global.restore` copies a global parameter back from the EEPROM."""
+        return GlobalStore.of(await self._call("global.restore", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "parameter": parameter, "bank": bank}))
+
+    async def io_get(
+        self,
+        bus: str,
+        address: int,
+        port: int,
+        *,
+        deadline_ms: int | None = None,
+        bank: int | None = None,
+    ) -> IoGet:
+        """`io.get` reads an input or output."""
+        return IoGet.of(await self._call("io.get", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "port": port, "bank": bank}))
+
+    async def io_set(
+        self,
+        bus: str,
+        address: int,
+        port: int,
+        value: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> IoGet:
+        """`io.set` sets a digital output."""
+        return IoGet.of(await self._call("io.set", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "port": port, "value": value}))
+
+    async def module_info(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> ModuleInfo:
+        """`module.info` what a module's firmware says of itself."""
+        return ModuleInfo.of(await self._call("module.info", {"bus": bus, "address": address, "deadline_ms": deadline_ms}))
+
+    async def module_report_arrivals(
+        self,
+        bus: str,
+        address: int,
+        motors: Sequence[int],
+        *,
+        deadline_ms: int | None = None,
+        every: bool | None = None,
+    ) -> None:
+        """`module.report_arrivals` lets a module tell when motors arrive: events of the kind
+        target_reached."""
+        await self._call("module.report_arrivals", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "motors": motors, "every": every})
+
+    async def module_reset(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`module.reset` restarts a module."""
+        await self._call("module.reset", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+
+    async def module_factory_reset(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`module.factory_reset` restores everything in a module to how it was delivered."""
+        await self._call("module.factory_reset", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+
+    async def program_load(
+        self,
+        bus: str,
+        address: int,
+        program: str,
+        *,
+        first_address: int | None = None,
+        compare: bool | None = None,
+    ) -> ProgramLoad:
+        """`program.load` loads a program into a module; tells its progress by notify_progress."""
+        return ProgramLoad.of(await self._call("program.load", {"bus": bus, "address": address, "program": program, "first_address": first_address, "compare": compare}))
+
+    async def program_compare(
+        self,
+        bus: str,
+        address: int,
+        program: str,
+        *,
+        first_address: int | None = None,
+    ) -> ProgramLoad:
+        """`program.compare` compares a program with the one in a module."""
+        return ProgramLoad.of(await self._call("program.compare", {"bus": bus, "address": address, "program": program, "first_address": first_address}))
+
+    async def program_read(
+        self,
+        bus: str,
+        address: int,
+        *,
+        first_address: int | None = None,
+        length: int | None = None,
+    ) -> ProgramRead:
+        """`program.read` reads the program in a module."""
+        return ProgramRead.of(await self._call("program.read", {"bus": bus, "address": address, "first_address": first_address, "length": length}))
+
+    async def program_run(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+        first_address: int | None = None,
+    ) -> None:
+        """`program.run` runs the program in a module."""
+        await self._call("program.run", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "first_address": first_address})
+
+    async def program_stop(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`program.stop` ends the program; motors go on."""
+        await self._call("program.stop", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+
+    async def program_step(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`program.step` executes one command of the program."""
+        await self._call("program.step", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+
+    async def program_reset(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`program.reset` ends the program and sets it back to its start."""
+        await self._call("program.reset", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+
+    async def program_status(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> ProgramStatus:
+        """`program.status` what the program does."""
+        return ProgramStatus.of(await self._call("program.status", {"bus": bus, "address": address, "deadline_ms": deadline_ms}))
+
+    async def program_set_breakpoint(
+        self,
+        bus: str,
+        address: int,
+        at: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`program.set_breakpoint` stops the program there from now on."""
+        await self._call("program.set_breakpoint", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "at": at})
+
+    async def program_clear_breakpoint(
+        self,
+        bus: str,
+        address: int,
+        at: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`program.clear_breakpoint` does not stop it there any more."""
+        await self._call("program.clear_breakpoint", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "at": at})
+
+    async def program_clear_breakpoints(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> None:
+        """`program.clear_breakpoints` does not stop it anywhere any more."""
+        await self._call("program.clear_breakpoints", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+
+    async def firmware_status(
+        self,
+        bus: str,
+        address: int,
+        *,
+        deadline_ms: int | None = None,
+    ) -> FirmwareStatus:
+        """`firmware.status` what runs in a module, as its updates need to know."""
+        return FirmwareStatus.of(await self._call("firmware.status", {"bus": bus, "address": address, "deadline_ms": deadline_ms}))
+
+    async def firmware_stage(
+        self,
+        offset: int,
+        data: str,
+    ) -> PathStage:
+        """`firmware.stage` hands over the next part of a firmware image."""
+        return PathStage.of(await self._call("firmware.stage", {"offset": offset, "data": data}))
+
+    async def firmware_upload(
+        self,
+        bus: str,
+        address: int,
+        start: int,
+        bytes: int,
+        *,
+        force: bool | None = None,
+    ) -> FirmwareUpload:
+        """`firmware.upload` exchanges the firmware of a module for the image that was handed over;
+        tells its progress by notify_progress."""
+        return FirmwareUpload.of(await self._call("firmware.upload", {"bus": bus, "address": address, "start": start, "bytes": bytes, "force": force}))
+
+    async def system_stop_all(self) -> StoppedAxes:
+        """`system.stop_all` stops all axes at once."""
+        return StoppedAxes.of(await self._call("system.stop_all", {}))
+
+    async def subscribe(
+        self,
+        *,
+        axes: Sequence[str] | None = None,
+        interval_ms: int | None = None,
+    ) -> Subscribe:
+        """`subscribe` tells of states by notify_state whenever they change, and of events."""
+        return Subscribe.of(await self._call("subscribe", {"axes": axes, "interval_ms": interval_ms}))
+
+    async def unsubscribe(self, subscription: int) -> None:
+        """`unsubscribe` ends a subscription."""
+        await self._call("unsubscribe", {"subscription": subscription})
