@@ -52,7 +52,25 @@ class WebSocketTest(unittest.TestCase):
             self.receive(b"HTTP/1.1 401 Unauthorized\r\nContent-Length: 0\r\n\r\n")
         self.assertEqual(raised.exception.name, "http_401")
         self.assertEqual(raised.exception.outcome, "not_sent")
-        self.assertIn("token", raised.exception.hint)
+        self.assertIn("Unauthorized", str(raised.exception))
+
+    def test_a_refusal_says_what_the_gateway_says(self):
+        body = b'{"error":{"message":"no such token","data":{"name":"unknown_token","hint":"h"}}}'
+        head = b"HTTP/1.1 401 Unauthorized\r\ncontent-length: %d\r\n\r\n" % len(body)
+        self.assertEqual(self.receive(head), [])
+        self.assertEqual(self.socket.missing, len(body))
+        with self.assertRaises(NotConnected) as raised:
+            self.receive(body)
+        refusal = raised.exception
+        self.assertEqual((refusal.message, refusal.name, refusal.hint, refusal.data["status"]),
+                         ("no such token", "unknown_token", "h", 401))
+
+    def test_a_refusal_that_says_nothing_in_json_is_one_too(self):
+        for body in (b"<html>", b"[]", b'{"error":1}', b"\xff"):
+            with self.subTest(body=body), self.assertRaises(NotConnected) as raised:
+                self.setUp()
+                self.receive(b"HTTP/1.1 500 Oops\r\nContent-Length: %d\r\n\r\n" % len(body) + body)
+            self.assertEqual(raised.exception.name, "http_500")
 
     def test_refuses_what_is_no_handshake(self):
         for answer in (

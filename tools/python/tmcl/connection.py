@@ -24,7 +24,7 @@ LONGEST_PAUSE_S = 1.0
 #: Of states that nobody has taken yet; the oldest are dropped.
 MOST_STATES = 65_536
 # These do not get better by waiting.
-_HOPELESS = ("http_401", "http_403", "http_404", "bad_certificate", "garbage", "too_many_clients")
+_HOPELESS = ("bad_certificate", "garbage", "too_many_clients")
 
 Said = Mapping[str, Any]
 
@@ -222,6 +222,11 @@ def _lost(why: str) -> ConnectionLost:
     return ConnectionLost(why, name="connection_lost", outcome="unknown")
 
 
+def _is_hopeless(error: NotConnected) -> bool:
+    """A refusal by HTTP that says that something is wrong with what was asked for."""
+    return error.name in _HOPELESS or 400 <= int(error.data.get("status", 0)) < 500
+
+
 class Connection:
     """Calls, over connections that come and go. What reads or stops is asked again when its
     answer was lost; what sets or moves something never is."""
@@ -271,7 +276,7 @@ class Connection:
                 return await self._open_once()
             except NotConnected as error:
                 left = until - loop.time()
-                if self._closed or left <= 0 or error.name in _HOPELESS:
+                if self._closed or left <= 0 or _is_hopeless(error):
                     raise
                 await asyncio.sleep(min(pause, left))
                 pause = min(2 * pause, LONGEST_PAUSE_S)

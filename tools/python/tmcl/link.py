@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from .engine import Framing
-from .errors import NOT_SENT, NotConnected, garbage
+from .errors import NOT_SENT, NotConnected
 from .lines import Lines
 from .websocket import WebSocket
 
@@ -133,9 +133,9 @@ async def _shake_hands(link: Link, framing: WebSocket) -> None:
     """What comes behind the headers stays in the reader, for the engine."""
     link.writer.write(framing.opening())
     try:
-        answer = await link.reader.readuntil(b"\r\n\r\n")
+        list(framing.receive(await link.reader.readuntil(b"\r\n\r\n")))
+        if not framing.opened:  # a refusal, which says why
+            list(framing.receive(await link.reader.readexactly(framing.missing)))
     except (OSError, asyncio.IncompleteReadError, asyncio.LimitOverrunError) as wrong:
         message = f"{link.name} does not shake hands: {wrong}"
         raise _not_connected("not_connected", message, "is it a tmcld, by http or https?") from wrong
-    for _ in framing.receive(answer):
-        raise garbage("a message before its time")

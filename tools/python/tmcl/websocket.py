@@ -4,25 +4,23 @@ from __future__ import annotations
 
 import base64
 import hashlib
+import json
 import os
 from collections.abc import Callable, Iterator
 
-from .errors import NOT_SENT, ConnectionLost, Error, NotConnected, garbage
+from .errors import NOT_SENT, ConnectionLost, Error, NotConnected, error_of, garbage
 from .lines import MOST_BYTES
 
 MOST_HEADER_BYTES = 16_384
 _MOST_CONTROL_BYTES = 125
 _GUID = "258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
 _CONTINUATION, _TEXT, _BINARY, _CLOSE, _PING, _PONG = 0x0, 0x1, 0x2, 0x8, 0x9, 0xA
-_HINTS = {
-    401: "the token is wrong, or was revoked: 'tmclctl token list' on the gateway",
-    403: "this token, or this origin, may not come in",
-    404: "nothing listens at /ws there: is the URL that of a tmcld?",
-}
+_HINT = "is it a tmcld that listens there?"
 
 
 class WebSocket:
-    """Before anything else goes out, `opening()`; `opened` says whether the answer has come."""
+    """Before anything else goes out, `opening()`; `opened` says whether the answer has come, and
+    `missing` how much of a refusal has not."""
 
     def __init__(
         self,
@@ -38,6 +36,7 @@ class WebSocket:
         self._fragments: bytearray | None = None
         self._to_send = bytearray()
         self.opened = False
+        self.missing = 0
 
     def opening(self) -> bytes:
         lines = [
@@ -74,31 +73,31 @@ class WebSocket:
 
     def _open(self) -> bool:
         end = self._received.find(b"\r\n\r\n")
-        if max(end, len(self._received) if end < 0 else 0) > MOST_HEADER_BYTES:
+        if (len(self._received) if end < 0 else end) > MOST_HEADER_BYTES:
             raise garbage(f"the headers are longer than {MOST_HEADER_BYTES} bytes")
         if end < 0:
             return False
-        status, *lines = self._received[:end].decode("latin-1").split("\r\n")
-        del self._received[: end + 4]
+        first, *lines = self._received[:end].decode("latin-1").split("\r\n")
         headers = {
             name.strip().lower(): value.strip()
             for name, _, value in (line.partition(":") for line in lines)
         }
-        self._check(status.split(" ", 2), headers)
+        status = first.split(" ", 2)
+        if len(status) < 2 or not status[0].startswith("HTTP/1.") or not status[1].isdecimal():
+            raise garbage("the answer is not HTTP")
+        if status[1] != "101":
+            length = headers.get("content-length", "")
+            size = min(int(length), MOST_HEADER_BYTES) if length.isdecimal() else 0
+            self.missing = max(end + 4 + size - len(self._received), 0)
+            if self.missing == 0:
+                raise _refusal(status, bytes(self._received[end + 4 :]))
+            return False
+        del self._received[: end + 4]
+        self._check(headers)
         self.opened = True
         return True
 
-    def _check(self, status: list[str], headers: dict[str, str]) -> None:
-        if len(status) < 2 or not status[0].startswith("HTTP/1.") or not status[1].isdecimal():
-            raise garbage("the answer is not HTTP")
-        number = int(status[1])
-        if number != 101:
-            raise NotConnected(
-                f"the gateway refuses the connection: {' '.join(status[1:])}",
-                name="http_" + status[1],
-                outcome=NOT_SENT,
-                hint=_HINTS.get(number),
-            )
+    def _check(self, headers: dict[str, str]) -> None:
         digest = hashlib.sha1((self._key + _GUID).encode(), usedforsecurity=False).digest()
         if (
             headers.get("upgrade", "").lower() != "websocket"
@@ -171,3 +170,19 @@ class WebSocket:
             name="connection_lost",
             outcome="unknown",
         )
+
+
+def _refusal(status: list[str], body: bytes) -> NotConnected:
+    """A gateway says in JSON why, and what to try."""
+    try:
+        said = json.loads(body)
+        error = error_of(said["error"]) if isinstance(said["error"], dict) else None
+    except (ValueError, RecursionError, TypeError, KeyError):
+        error = None
+    return NotConnected(
+        error.message if error else f"the connection is refused: {' '.join(status[1:])}",
+        name=error.name if error else "http_" + status[1],
+        outcome=NOT_SENT,
+        hint=error.hint if error else _HINT,
+        data={"status": int(status[1])},
+    )
