@@ -1,6 +1,7 @@
 // The daemon as systemd starts it: told where to report, and given its socket.
 #include <array>
 #include <filesystem>
+#include <fstream>
 #include <set>
 
 #include <poll.h>
@@ -16,6 +17,7 @@ namespace tmcl::test {
 namespace {
 
 using testing::HasSubstr;
+using testing::StartsWith;
 
 sockaddr_un address_of(const std::string& path) {
   sockaddr_un address{};
@@ -89,6 +91,20 @@ TEST_F(TmcldService, SaysWhenItServesAndWhenItEnds) {
   daemon->signal(SIGTERM);
   EXPECT_THAT(told("STOPPING=1"), HasSubstr("STATUS=ending"));
   EXPECT_EQ(daemon->wait(), 0) << daemon->output();
+}
+
+TEST_F(TmcldService, TellsJournaldTheLevelOfEachLine) {
+  write_config_without_a_bus();
+  const auto log = path("log");
+  start_as_service("exec 2>" + log + "; export JOURNAL_STREAM=$(stat -c %d:%i " + log + "); " +
+                   reporting());
+  ASSERT_NE(told("READY=1"), "");
+  daemon->signal(SIGTERM);
+  EXPECT_EQ(daemon->wait(), 0);
+  std::ifstream lines(log);
+  std::string line;
+  for (; std::getline(lines, line) && line != "<6>ended";) EXPECT_THAT(line, StartsWith("<6>"));
+  EXPECT_EQ(line, "<6>ended");
 }
 
 TEST_F(TmcldService, FeedsItsWatchdogWhateverBecomesOfItsBuses) {
