@@ -89,7 +89,7 @@ _tmclctl() {
   else
     case ${verb[*]}:$arguments in
       "coordinate start":*) ;;
-      get:0 | set:0 | move:0 | rotate:0 | stop:0 | state:0 | watch:0 | plot:0 | capture:0 | params:0 | ramp:0 | home:0 | \
+      get:0 | set:0 | move:0 | rotate:0 | stop:0 | state:0 | watch:* | plot:0 | capture:0 | params:0 | ramp:0 | home:0 | \
         store:0 | restore:0 | "coordinate "*:0 | wait:* | "path pause":* | "path resume":* | "path stop":* | \
         "lease run":* | "lease break":0)
         words=$(_tmclctl_words axes) ;;

@@ -17,6 +17,7 @@ libfmt-dev|text formatting, under spdlog and in the tools
 libtomlplusplus-dev|reads tmcld.toml
 libcli11-dev|command lines of the tools
 libexpected-dev|tl::expected, results that are a value or an error
+libncurses-dev|draws the axes on the whole terminal (tmclctl top)
 '
 
 packages_test='

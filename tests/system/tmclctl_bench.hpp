@@ -148,8 +148,9 @@ class OnTerminal {
     }
     return true;
   }
-  void press_ctrl_c() const { [[maybe_unused]] const auto written = ::write(terminal_, "\x03", 1); }
-  void press_ctrl_z() const { [[maybe_unused]] const auto written = ::write(terminal_, "\x1a", 1); }
+  void press(char key) const { [[maybe_unused]] const auto written = ::write(terminal_, &key, 1); }
+  void press_ctrl_c() const { press('\x03'); }
+  void press_ctrl_z() const { press('\x1a'); }
   int wait() {
     while (read_more()) {
     }

@@ -4,9 +4,11 @@
 #include <algorithm>
 #include <csignal>
 #include <cstdlib>
+#include <deque>
 #include <map>
 #include <sstream>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <boost/json.hpp>
@@ -180,6 +182,29 @@ class FakeTarget : public Target {
       host_.sleep(interval);
     }
   }
+  Attempt<void> watch_axes(const std::vector<std::string>& axes, tmcl::Duration interval,
+                           const AxesWatcher& watcher) override {
+    calls.push_back("watch " + std::to_string(axes.size()));
+    if (failure) return tl::unexpected(*failure);
+    for (const auto& axis : axes) watcher.on_reading(axis, *state(axis));
+    for (const auto& event : std::exchange(events, {})) watcher.on_event(event);
+    if (losses-- > 0) return tl::unexpected(away());
+    while (watcher.wanted()) {
+      host_.sleep(interval);
+      for (const auto& axis : axes) watcher.on_reading(axis, *state(axis));
+    }
+    return {};
+  }
+  Attempt<void> reopen() override {
+    if (away_for-- > 0) return tl::unexpected(away());
+    return {};
+  }
+  static Failure away() {
+    return {ExitCode::not_sent, std::string(tmcl::client::error_name::lost), "tmcld has gone"};
+  }
+  std::vector<boost::json::object> events;  ///< Told once.
+  int losses = 0;                           ///< So often tmcld goes away,
+  int away_for = 0;                         ///< and it is asked for so often in vain.
   Attempt<RawAnswer> raw(const RawCommand& command) override {
     if (failure) return tl::unexpected(*failure);
     RawAnswer answer;
@@ -195,8 +220,12 @@ class FakeTarget : public Target {
     if (on_news && !on_news({{"phase", "writing"}, {"done", 1}, {"of", 2}, {"step", 1}})) {
       return tl::unexpected(Failure{ExitCode::unknown, "download_broken", "it was cancelled"});
     }
+    if (results.empty()) return result;
+    result = results.front();
+    results.pop_front();
     return result;
   }
+  std::deque<boost::json::object> results;  ///< One after the other, before `result`.
   Attempt<boost::json::object> stand() {
     if (passes_its_goal-- > 0)
       return tl::unexpected(Failure{ExitCode::not_reached, "deadline_passed", "it moves"});

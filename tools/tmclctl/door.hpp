@@ -44,6 +44,9 @@ class Door {
   /// Hands out what comes unasked until the time has passed, or at once after the first message.
   /// Errors: there is nobody any more from whom something could come.
   virtual Attempt<void> listen(tmcl::Duration at_most) = 0;
+  /// A connection that was lost, made anew. Errors: nobody is there; a gateway in this process is
+  /// never lost.
+  virtual Attempt<void> reopen() = 0;
   /// At most one listener; an empty one removes it.
   virtual void on_notification(Listener listener) = 0;
   /// Lets time pass; a signal ends that early.

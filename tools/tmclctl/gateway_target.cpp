@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <deque>
 #include <utility>
 
 #include <fmt/format.h>
@@ -402,6 +403,42 @@ Attempt<void> GatewayTarget::watch(const std::string& axis, tmcl::Duration inter
   }
   door_->on_notification({});
   return {};
+}
+
+Attempt<void> GatewayTarget::watch_axes(const std::vector<std::string>& axes,
+                                        tmcl::Duration interval, const AxesWatcher& watcher) {
+  // What a handler asks is answered while the next notifications come, so they wait for their turn.
+  std::deque<std::pair<std::string, json::object>> news;
+  door_->on_notification([&](std::string_view method, const json::object& params) {
+    news.emplace_back(method, params);
+  });
+  const auto hand_out = [&] {
+    for (; !news.empty(); news.pop_front()) {
+      const auto& [method, params] = news.front();
+      if (method == api::NewState::notification && watcher.on_reading) {
+        const auto state = api::from_json<api::NewState>(params);
+        watcher.on_reading(state.axis, reading_from(state));
+      }
+      if (method == api::Event::notification && watcher.on_event) watcher.on_event(params);
+    }
+  };
+  api::Subscribe subscribe{.interval_ms = static_cast<std::int32_t>(
+                               std::chrono::round<std::chrono::milliseconds>(interval).count())};
+  if (!axes.empty()) subscribe.axes = axes;
+  const auto subscribed = door_->call(subscribe);
+  auto result = subscribed.map([](const auto&) {});
+  if (subscribed) {
+    for (const auto& state : subscribed->states)
+      if (watcher.on_reading) watcher.on_reading(state.axis, reading_from(state));
+    for (const auto& [axis, error] : subscribed->failed)
+      if (watcher.on_failure) watcher.on_failure(axis, failure_from_json(error));
+  }
+  while (result && watcher.wanted()) {
+    result = door_->listen(longest_silence);
+    hand_out();
+  }
+  door_->on_notification({});
+  return result;
 }
 
 Attempt<api::bus::Bus> GatewayTarget::bus_named(const std::string& name) {

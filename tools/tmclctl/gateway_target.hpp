@@ -36,6 +36,9 @@ class GatewayTarget final : public Target {
   Attempt<AxisReading> state(const std::string& axis) override;
   Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
                       const ReadingHandler& on_reading) override;
+  Attempt<void> watch_axes(const std::vector<std::string>& axes, tmcl::Duration interval,
+                           const AxesWatcher& watcher) override;
+  Attempt<void> reopen() override { return door_->reopen(); }
   Attempt<RawAnswer> raw(const RawCommand& command) override;
   Attempt<tmcl::FirmwareMatch> match_firmware(const ModuleName& module,
                                               const tmcl::firmware::Image& image) override;

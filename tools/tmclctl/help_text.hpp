@@ -229,11 +229,34 @@ second that the module has taken it; if it cannot, it says so and exits with 3 (
 )";
 
 constexpr const char* watch = R"(
-One line for each change, until Ctrl-C (exit code 0) or the end of --for, in the unit of the axis if
-it has one. With --json, one document a line.
+One line for each change of some axes or of all, until Ctrl-C (exit code 0) or the end of --for, in the
+unit of the axis if it has one. With --json, one document a line. It stays while modules do not answer, a
+bus is lost or tmcld starts again, and says so; documents of that have "event" or "away" instead of "axis".
 
   tmclctl watch x
-  tmclctl --json watch x --interval 50 --for 10
+  tmclctl watch --all
+  tmclctl --json watch x y --interval 50 --for 10
+)";
+
+constexpr const char* top = R"(
+One row for each axis: whether its module answers, its position, a bar from its lower soft limit to the
+upper one, its velocity, and what else is to be known: latched, no reference, leased, unattended, why it
+stands short of its target. It stays while modules do not answer or tmcld starts again. q or Ctrl-C ends
+it; the axes go on. It needs a terminal: 'watch --all' writes lines.
+
+  tmclctl top
+)";
+
+constexpr const char* buses = R"(
+One row for each bus: its link, whether it is open, how much of what the wire carries was used while it
+looked (only for serial lines, whose baud rate says that; the rate of a USB port means nothing), and since
+tmcld started: requests without an answer in time (TIMEOUTS), answers that came too late (LATE), bytes that
+belong to no datagram (GARBAGE), replies that nobody asked for (SURPLUS), and answers that were given out
+only when they had been proven (SUSPECT). A bus that is not open says why.
+
+  tmclctl buses
+  tmclctl buses --for 10
+  tmclctl --json buses
 )";
 
 constexpr const char* plot = R"(

@@ -84,10 +84,19 @@ struct State {
   bool internal = false;
 };
 struct Watch {
-  std::string axis;
+  std::vector<std::string> axes;
+  bool all = false;
   std::chrono::milliseconds interval{100};
   std::optional<double> for_s;
   bool internal = false;
+};
+/// All axes on the whole terminal.
+struct Top {
+  std::chrono::milliseconds interval{200};
+  bool internal = false;
+};
+struct Buses {
+  double for_s = 1;  ///< So long the load is measured.
 };
 struct Plot {
   std::string axis;
@@ -306,13 +315,13 @@ struct Complete {
 using Verb =
     std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models, verb::Get,
                  verb::Set, verb::Move, verb::Wait, verb::Line, verb::Rotate, verb::Stop,
-                 verb::State, verb::Watch, verb::Plot, verb::Raw, verb::Simulate,
-                 verb::SolveProfile, verb::CheckMint, verb::RunMint, verb::CheckPath, verb::RunPath,
-                 verb::Assemble, verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware,
-                 verb::UploadFirmware, verb::Ramp, verb::Convert, verb::Ask, verb::Arrivals,
-                 verb::Home, verb::Recover, verb::Errors, verb::Upload, verb::Download,
-                 verb::RunLeased, verb::Leases, verb::BreakLease, verb::SetDeadman,
-                 verb::TestDeadman, verb::Capture, verb::Complete>;
+                 verb::State, verb::Watch, verb::Top, verb::Buses, verb::Plot, verb::Raw,
+                 verb::Simulate, verb::SolveProfile, verb::CheckMint, verb::RunMint,
+                 verb::CheckPath, verb::RunPath, verb::Assemble, verb::Disassemble,
+                 verb::FirmwareInfo, verb::CheckFirmware, verb::UploadFirmware, verb::Ramp,
+                 verb::Convert, verb::Ask, verb::Arrivals, verb::Home, verb::Recover, verb::Errors,
+                 verb::Upload, verb::Download, verb::RunLeased, verb::Leases, verb::BreakLease,
+                 verb::SetDeadman, verb::TestDeadman, verb::Capture, verb::Complete>;
 
 struct Options {
   Where where;

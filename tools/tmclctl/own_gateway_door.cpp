@@ -34,6 +34,7 @@ class OwnGatewayDoor final : public Door {
   Attempt<json::object> call(std::string_view method, json::object params,
                              CallOptions options) override;
   Attempt<void> listen(tmcl::Duration at_most) override;
+  Attempt<void> reopen() override { return check_bus(); }
   void on_notification(Listener listener) override {
     gateway_->on_notification(std::move(listener));
   }

@@ -24,6 +24,7 @@ class SocketDoor final : public Door {
   Attempt<void> listen(tmcl::Duration at_most) override {
     return attempt(daemon_->listen(at_most));
   }
+  Attempt<void> reopen() override { return open({}); }
   void on_notification(Listener listener) override {
     daemon_->on_notification(std::move(listener));
   }

@@ -191,6 +191,15 @@ struct StoppedAxis {
 /// Told each reading; null when a while went by without one. False ends the watching.
 using ReadingHandler = std::function<bool(const AxisReading*)>;
 
+/// Of somebody who watches several axes; all but `wanted` may be empty. They may make other calls.
+struct AxesWatcher {
+  std::function<void(const std::string& axis, const AxisReading&)> on_reading;
+  /// Of an axis that does not answer when the watching begins; it is watched all the same.
+  std::function<void(const std::string& axis, const Failure&)> on_failure;
+  std::function<void(const boost::json::object& event)> on_event;  ///< What notify_event tells.
+  std::function<bool()> wanted;  ///< Asked ten times a second; false ends the watching.
+};
+
 /// Errors: as values; no member throws.
 class Target {
  public:
@@ -219,6 +228,12 @@ class Target {
   virtual Attempt<AxisReading> state(const std::string& axis) = 0;
   virtual Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
                               const ReadingHandler& on_reading) = 0;
+  /// Those that the configuration names if `axes` is empty. Modules that do not answer do not end
+  /// it.
+  virtual Attempt<void> watch_axes(const std::vector<std::string>& axes, tmcl::Duration interval,
+                                   const AxesWatcher& watcher) = 0;
+  /// After an error that is_away(): looks whether tmcld is there again.
+  virtual Attempt<void> reopen() = 0;
   virtual Attempt<RawAnswer> raw(const RawCommand& command) = 0;
   virtual Attempt<tmcl::FirmwareMatch> match_firmware(const ModuleName& module,
                                                       const tmcl::firmware::Image& image) = 0;

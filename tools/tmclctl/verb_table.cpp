@@ -36,6 +36,8 @@ constexpr auto table = std::to_array<VerbInfo>({
     {"stop", both, acts},
     {"state", both, reads},
     {"watch", both, reads},
+    {"top", both, reads},
+    {"buses", both, reads},
     {"plot", both, acts},
     {"capture", both, acts},
     {"home", both, acts},

@@ -30,6 +30,8 @@ VerbResult run(const verb::Rotate& verb, Context& context);
 VerbResult run(const verb::Stop& verb, Context& context);
 VerbResult run(const verb::State& verb, Context& context);
 VerbResult run(const verb::Watch& verb, Context& context);
+VerbResult run(const verb::Top& verb, Context& context);
+VerbResult run(const verb::Buses& verb, Context& context);
 VerbResult run(const verb::Plot& verb, Context& context);
 VerbResult run(const verb::Capture& verb, Context& context);
 VerbResult run(const verb::Raw& verb, Context& context);

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double shortest_time_s = 0.001;
 constexpr double longest_line_s = 86'400;
+constexpr double shortest_load_s = 0.1;
 constexpr double shortest_ttl_s = 0.2;
 constexpr double longest_ttl_s = 60;
 constexpr int shortest_interval_ms = 10;
@@ -211,14 +212,33 @@ void add_watch(Grammar& grammar) {
                                          help_text::state);
   state.axis(state->axis);
   state.internal(state->internal);
-  auto watch = grammar.verb<verb::Watch>("watch", "Show every change of an axis", help_text::watch);
-  watch.axis(watch->axis);
+  auto watch = grammar.verb<verb::Watch>("watch", "Show every change of axes", help_text::watch);
+  watch.words("AXIS", axis_meaning, [&axes = watch->axes](const std::string& text) -> Reading {
+    axes.push_back(text);
+    return {};
+  });
+  watch.flag("--all", "Every axis there is", watch->all);
+  watch.object(
+      [](const verb::Watch& said, bool) {
+        return said.axes.empty() != said.all ? "name one AXIS or more, or say --all" : "";
+      },
+      "'tmclctl axes' lists the axes");
   auto& interval = watch->interval;
   watch.option("--interval", "MS", "At most one line in so many milliseconds (default 100)",
                [&interval](const std::string& text) { return read_interval(text, interval); });
   watch.option("--for", "SECONDS", "End after so long",
                number(watch->for_s, shortest_time_s, longest_time_s));
   watch.internal(watch->internal);
+  auto top = grammar.verb<verb::Top>("top", "Show all axes on the whole terminal", help_text::top);
+  auto& top_interval = top->interval;
+  top.option(
+      "--interval", "MS", "Draw at most once in so many milliseconds (default 200)",
+      [&top_interval](const std::string& text) { return read_interval(text, top_interval); });
+  top.internal(top->internal);
+  auto buses = grammar.verb<verb::Buses>("buses", "Show the buses, their load and what went wrong",
+                                         help_text::buses);
+  buses.option("--for", "SECONDS", "Measure the load for so long (default 1)",
+               number(buses->for_s, shortest_load_s, longest_time_s));
 }
 
 void add_plot(Grammar& grammar) {

@@ -1,4 +1,4 @@
-// state, watch.
+// state
 #include <fmt/format.h>
 
 #include "print.hpp"
@@ -7,34 +7,6 @@
 
 namespace tmclctl {
 namespace {
-
-bool same(const AxisReading& a, const AxisReading& b) {
-  return a.position == b.position && a.velocity == b.velocity && a.target == b.target &&
-         a.moving == b.moving && a.position_reached == b.position_reached &&
-         a.condition == b.condition;
-}
-
-std::string motion_text(const AxisReading& reading) {
-  if (reading.moving) return "moving";
-  if (reading.position_reached) return "at target";
-  const auto& cause = reading.condition.stop_cause;
-  return cause ? "stopped: " + *cause : "standing";
-}
-
-void print_change(const verb::Watch& verb, const AxisReading& reading, double at_s,
-                  Output& output) {
-  if (output.json) {
-    auto document = to_json(verb.axis, reading);
-    document["time_s"] = at_s;
-    print_json(document, output);
-    return;
-  }
-  output.out << fmt::format("{:9.3f} s  {}  position {}  velocity {}  target {}  {}", at_s,
-                            verb.axis, position_text(reading, verb.internal),
-                            velocity_text(reading, verb.internal),
-                            target_text(reading, verb.internal), motion_text(reading))
-             << std::endl;
-}
 
 void print_condition(const std::string& axis, const AxisCondition& condition, std::ostream& out) {
   if (condition.stop_cause) out << "stopped   " << *condition.stop_cause << '\n';
@@ -83,26 +55,6 @@ VerbResult run(const verb::State& verb, Context& context) {
                                : "")
                        << '\n';
   print_condition(verb.axis, reading->condition, context.output.out);
-  return ExitCode::done;
-}
-
-VerbResult run(const verb::Watch& verb, Context& context) {
-  const auto begin = context.host.now();
-  const auto seconds_since_begin = [&](tmcl::TimePoint at) {
-    return std::chrono::duration<double>(at - begin).count();
-  };
-  std::optional<AxisReading> last;
-  const auto watched =
-      context.target.watch(verb.axis, verb.interval, [&](const AxisReading* reading) {
-        if (reading != nullptr && !(last && same(*last, *reading))) {
-          print_change(verb, *reading, seconds_since_begin(context.host.now()), context.output);
-          last = *reading;
-        }
-        // Ending it is what Ctrl-C is for here, so that is no failure.
-        return context.host.signal() == 0 &&
-               !(verb.for_s && seconds_since_begin(context.host.now()) >= *verb.for_s);
-      });
-  if (!watched && context.host.signal() == 0) return tl::unexpected(watched.error());
   return ExitCode::done;
 }
 

@@ -1,0 +1,139 @@
+// watch, buses, and what top draws: on axes that move in virtual time.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "axis_rows.hpp"
+#include "ctl_fixture.hpp"
+
+namespace tmclctl::test {
+namespace {
+
+using std::chrono::milliseconds;
+using testing::AllOf;
+using testing::ContainsRegex;
+using testing::HasSubstr;
+using testing::Not;
+using testing::SizeIs;
+
+class CtlWatch : public testing::Test, public Ctl {
+ protected:
+  static boost::json::object event(const std::string& kind, const std::string& text) {
+    return {{"kind", kind}, {"bus", "bench"}, {"address", 1}, {"text", text}};
+  }
+  static boost::json::object bus(const std::string& link, int requests, int replies) {
+    const boost::json::object counters{{"requests", requests}, {"replies", replies},
+                                       {"timeouts", 3},        {"late_replies", 0},
+                                       {"garbage_bytes", 7},   {"surplus", 2}};
+    return {{"name", "bench"}, {"link", link}, {"state", "open"}, {"counters", counters}};
+  }
+  static boost::json::object list(boost::json::array buses) {
+    return {{"buses", std::move(buses)}};
+  }
+};
+
+TEST_F(CtlWatch, SeveralAxesAreWatchedAtOnce) {
+  EXPECT_EQ(run({"watch", "x", "y", "--for", "1"}), ExitCode::done);
+  EXPECT_THAT(out, AllOf(HasSubstr("s  x  position"), HasSubstr("s  y  position")));
+  EXPECT_EQ(std::ranges::count(out, '\n'), 2) << "one for each state";
+}
+
+TEST_F(CtlWatch, AllIsEveryAxisThatTmcldHas) {
+  EXPECT_EQ(run({"watch", "--all", "--for", "1"}), ExitCode::done);
+  EXPECT_THAT(target.calls, testing::Contains("watch 1"));
+}
+
+TEST_F(CtlWatch, EitherAxesOrAllAreNamed) {
+  EXPECT_EQ(run({"watch"}), ExitCode::usage);
+  EXPECT_EQ(run({"watch", "x", "--all"}), ExitCode::usage);
+}
+
+TEST_F(CtlWatch, StaysWhileTmcldStartsAgain) {
+  target.losses = 1;
+  target.away_for = 5;
+  EXPECT_EQ(run({"watch", "x", "--for", "20"}), ExitCode::done);
+  EXPECT_THAT(out, AllOf(HasSubstr("s  tmcld has gone\n"), HasSubstr("s  tmcld is there again\n")));
+  EXPECT_EQ(err, "");
+  target.losses = 1;
+  target.away_for = 5;
+  EXPECT_EQ(run({"watch", "x", "--for", "20", "--json"}), ExitCode::done);
+  EXPECT_THAT(out,
+              AllOf(HasSubstr(R"("away":{"name":"daemon_lost")"), HasSubstr(R"("away":null)")));
+}
+
+TEST_F(CtlWatch, EndsWhileTmcldIsAwayAsWell) {
+  target.losses = 1;
+  target.away_for = 1'000'000;
+  EXPECT_EQ(run({"watch", "x", "--for", "20"}), ExitCode::done);
+  target.losses = 1;
+  host.press_ctrl_c_after(milliseconds(5500));
+  EXPECT_EQ(run({"watch", "x"}), ExitCode::done);
+}
+
+TEST_F(CtlWatch, SaysWhatBecomesOfModulesAndLinks) {
+  target.events = {event("module_silent", "module 1 does not answer"), event("target_reached", "")};
+  EXPECT_EQ(run({"watch", "x", "--for", "1"}), ExitCode::done);
+  EXPECT_THAT(out, HasSubstr("s  bench: module 1 does not answer\n"));
+  EXPECT_EQ(std::ranges::count(out, '\n'), 2) << "that it has arrived is seen in its state";
+}
+
+TEST_F(CtlWatch, BusesTellTheLoadOfALine) {
+  // 64 exchanges of 18 bytes in a second are 11,520 of 115,200 bits.
+  target.results = {list({bus("serial:/dev/ttyS0@115200", 100, 100)}),
+                    list({bus("serial:/dev/ttyS0@115200", 164, 164)})};
+  EXPECT_EQ(run({"buses"}), ExitCode::done);
+  EXPECT_THAT(out, ContainsRegex("bench +serial:/dev/ttyS0@115200 +open +10.0 % +164 +3 +0 +7 +2"));
+}
+
+TEST_F(CtlWatch, BusesTellNoLoadThatNobodyKnows) {
+  target.result = list({bus("can:can0", 1, 1)});
+  const auto document = json({"buses", "--for", "2"});
+  EXPECT_TRUE(document.at("buses").at(0).at("load_percent").is_null());
+  EXPECT_EQ(document.at("buses").at(0).at("counters").at("timeouts"), 3);
+  // tmcld has started again in between.
+  target.results = {list({bus("serial:/dev/ttyS0", 100, 100)}),
+                    list({bus("serial:/dev/ttyS0", 1, 1)})};
+  EXPECT_EQ(run({"buses"}), ExitCode::done);
+  EXPECT_THAT(out, ContainsRegex("open +- +1 "));
+}
+
+TEST_F(CtlWatch, TopNeedsATerminal) {
+  EXPECT_EQ(run({"top"}), ExitCode::usage);
+  EXPECT_THAT(err, AllOf(HasSubstr("needs a terminal"), HasSubstr("watch --all")));
+}
+
+TEST(AxisRows, PlacesAnAxisWithinItsLimits) {
+  EXPECT_EQ(place_between(-10, 10, -10, 7), "[#....]");
+  EXPECT_EQ(place_between(-10, 10, 0, 7), "[..#..]");
+  EXPECT_EQ(place_between(-10, 10, 10, 7), "[....#]");
+  EXPECT_EQ(place_between(-10, 10, -10.1, 7), "[<....]");
+  EXPECT_EQ(place_between(-10, 10, 11, 7), "[....>]");
+  EXPECT_EQ(place_between(0, 0, 0, 7), "[#....]");
+}
+
+TEST(AxisRows, SaysAllAboutAnAxisInOneLine) {
+  AxisReading reading;
+  reading.user = UserReading{"mm", 5, 10, 2.5};
+  reading.moving = true;
+  reading.condition = {.latched = true, .referenced = true, .stop_cause = "stall", .lease = 7};
+  const std::vector<AxisLine> axes{
+      {"x", "ready", reading, tmcl::SoftLimits{{0}, {10}}}, {"ghost", "silent"}, {"new", "ready"}};
+  const auto lines = lines_of(axes, 100, false);
+  ASSERT_THAT(lines, SizeIs(4));
+  EXPECT_THAT(lines[0], ContainsRegex("AXIS +STATE +POSITION +LIMITS +VELOCITY +FLAGS"));
+  EXPECT_THAT(lines[1],
+              ContainsRegex(R"(x +moving +5 mm  \[\.+#\.+\] +2.5 mm/s  LATCHED, lease 7)"));
+  EXPECT_THAT(lines[1], Not(HasSubstr("stall"))) << "it moves";
+  EXPECT_THAT(lines[2], ContainsRegex("ghost +silent +- +-$"));
+  EXPECT_THAT(lines[3], ContainsRegex(R"(new +\? +- )"));
+}
+
+TEST(AxisRows, WhatAnAxisWithoutAUnitIsWithinIsInMicrosteps) {
+  AxisReading reading;
+  reading.position = {100};
+  reading.position_reached = true;
+  const auto lines = lines_of({{"x", "ready", reading, tmcl::SoftLimits{{0}, {100}}}}, 60, false);
+  EXPECT_THAT(lines[1], ContainsRegex(R"(x +at target +100  \[\.+#\] +0$)"));
+}
+
+}  // namespace
+}  // namespace tmclctl::test

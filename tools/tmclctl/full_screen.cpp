@@ -1,0 +1,58 @@
+#include "full_screen.hpp"
+
+#include <unistd.h>
+
+#include <clocale>
+#include <cstdio>
+#include <limits>
+
+#define NCURSES_NOMACROS  // they would be called erase and refresh
+#include <curses.h>
+#include <fmt/format.h>
+
+namespace tmclctl {
+
+struct FullScreen::Terminal {
+  SCREEN* screen;
+};
+
+Attempt<std::unique_ptr<FullScreen>> FullScreen::open(const Screen& out) {
+  const auto no_terminal = [](std::string message) {
+    return tl::unexpected(usage_failure("no_terminal", std::move(message),
+                                        "'tmclctl watch --all' writes lines, to anywhere"));
+  };
+  if (!out.terminal || ::isatty(STDIN_FILENO) == 0)
+    return no_terminal("this needs a terminal to draw on");
+  std::setlocale(LC_CTYPE, "");
+  auto* screen = ::newterm(nullptr, stdout, stdin);
+  if (screen == nullptr) return no_terminal("this terminal is not known: what is $TERM?");
+  ::cbreak();
+  ::noecho();
+  ::curs_set(0);
+  ::keypad(stdscr, TRUE);
+  ::nodelay(stdscr, TRUE);
+  return std::unique_ptr<FullScreen>(new FullScreen(std::make_unique<Terminal>(Terminal{screen})));
+}
+
+FullScreen::FullScreen(std::unique_ptr<Terminal> terminal) : terminal_(std::move(terminal)) {}
+
+FullScreen::~FullScreen() {
+  ::endwin();
+  ::delscreen(terminal_->screen);
+}
+
+int FullScreen::width() const { return getmaxx(stdscr); }
+
+void FullScreen::show(const std::vector<std::string>& lines) {
+  ::erase();
+  for (int y = 0; y < getmaxy(stdscr) && y < static_cast<int>(lines.size()); ++y)
+    ::mvaddstr(y, 0, fmt::format("{:.{}}", lines[static_cast<std::size_t>(y)], width()).c_str());
+  ::refresh();
+}
+
+char FullScreen::take_key() {
+  const int key = ::getch();  // also takes note of a new size
+  return key > 0 && key <= std::numeric_limits<char>::max() ? static_cast<char>(key) : '\0';
+}
+
+}  // namespace tmclctl

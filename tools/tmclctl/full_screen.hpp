@@ -1,0 +1,35 @@
+/// The whole terminal, for what is drawn anew again and again.
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "failure.hpp"
+#include "screen.hpp"
+
+namespace tmclctl {
+
+/// The terminal is as it was when this ends.
+class FullScreen {
+ public:
+  /// Errors: no_terminal.
+  static Attempt<std::unique_ptr<FullScreen>> open(const Screen& out);
+  FullScreen(const FullScreen&) = delete;
+  FullScreen& operator=(const FullScreen&) = delete;
+  ~FullScreen();
+
+  int width() const;  ///< In columns, as it is now.
+  /// Lines that do not fit are left out, and so is what does not fit of a line.
+  void show(const std::vector<std::string>& lines);
+  /// The next key that was pressed; 0 if none was.
+  char take_key();
+
+ private:
+  struct Terminal;
+  explicit FullScreen(std::unique_ptr<Terminal> terminal);
+
+  std::unique_ptr<Terminal> terminal_;
+};
+
+}  // namespace tmclctl

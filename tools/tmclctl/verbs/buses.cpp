@@ -1,0 +1,100 @@
+// buses
+#include <map>
+
+#include <fmt/format.h>
+
+#include "print.hpp"
+#include "tmcl/api/module.hpp"
+#include "tmcl/datagram.hpp"
+#include "tmcl/link_name.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+namespace api = tmcl::api;
+
+// A start bit, eight bits of data and a stop bit.
+constexpr double bits_per_byte = 10;
+constexpr double percent = 100;
+
+Attempt<api::bus::Buses> list(Context& context) {
+  return context.target.perform(std::string(api::bus::List::method.name), {}, {})
+      .map(api::from_json<api::bus::Buses>);
+}
+
+std::uint64_t datagrams(const api::bus::Counters& counters) {
+  // Those in `surplus` are among the unexpected ones.
+  return counters.requests + counters.replies + counters.late_replies + counters.unexpected_replies;
+}
+
+/// How much of the time the line was busy; nothing where its name does not tell how fast it is.
+std::optional<double> load_percent(const api::bus::Bus& before, const api::bus::Bus& after,
+                                   double passed_s) {
+  const auto name = tmcl::parse_link_name(after.link);
+  const auto* serial = name ? std::get_if<tmcl::SerialName>(&*name) : nullptr;
+  if (serial == nullptr || passed_s <= 0 || datagrams(after.counters) < datagrams(before.counters))
+    return std::nullopt;
+  const auto passed_on = datagrams(after.counters) - datagrams(before.counters);
+  const auto bytes = static_cast<double>(passed_on) * tmcl::serial_datagram_size +
+                     static_cast<double>(after.counters.garbage_bytes) -
+                     static_cast<double>(before.counters.garbage_bytes);
+  return percent * bytes * bits_per_byte / serial->baud / passed_s;
+}
+
+struct Row {
+  api::bus::Bus bus;
+  std::optional<double> load;
+};
+
+json::object to_json(const Row& row) {
+  auto object = api::to_json(row.bus);
+  object["load_percent"] = row.load ? json::value(*row.load) : json::value(nullptr);
+  return object;
+}
+
+void print(const std::vector<Row>& rows, Output& output) {
+  Table table({"BUS", "LINK", "STATE", "LOAD", "REQUESTS", "TIMEOUTS", "LATE", "GARBAGE", "SURPLUS",
+               "SUSPECT"});
+  for (const auto& [bus, load] : rows) {
+    const auto& counters = bus.counters;
+    table.add({bus.name, bus.link, bus.state, load ? fmt::format("{:.1f} %", *load) : "-",
+               std::to_string(counters.requests), std::to_string(counters.timeouts),
+               std::to_string(counters.late_replies), std::to_string(counters.garbage_bytes),
+               std::to_string(counters.surplus), std::to_string(counters.suspect)});
+  }
+  table.print(output.out);
+  for (const auto& row : rows) {
+    if (row.bus.error)
+      output.err << fmt::format("bus {} is not open: {}\n", row.bus.name, *row.bus.error);
+  }
+}
+
+}  // namespace
+
+VerbResult run(const verb::Buses& verb, Context& context) {
+  const auto first = list(context);
+  if (!first) return tl::unexpected(first.error());
+  const auto begin = context.host.now();
+  context.target.sleep(
+      std::chrono::round<tmcl::Duration>(std::chrono::duration<double>(verb.for_s)));
+  const auto second = list(context);
+  if (!second) return tl::unexpected(second.error());
+  const std::chrono::duration<double> passed = context.host.now() - begin;
+  std::map<std::string, api::bus::Bus> before;
+  for (const auto& bus : first->buses) before.emplace(bus.name, bus);
+  std::vector<Row> rows;
+  for (const auto& bus : second->buses)
+    rows.push_back({bus, load_percent(before[bus.name], bus, passed.count())});
+  if (!context.output.json) {
+    print(rows, context.output);
+    return ExitCode::done;
+  }
+  json::array buses;
+  for (const auto& row : rows) buses.push_back(to_json(row));
+  print_json({{"buses", std::move(buses)}}, context.output);
+  return ExitCode::done;
+}
+
+}  // namespace tmclctl

@@ -1,0 +1,123 @@
+// top
+#include <algorithm>
+#include <iterator>
+#include <set>
+
+#include <fmt/format.h>
+
+#include "axis_rows.hpp"
+#include "full_screen.hpp"
+#include "staying.hpp"
+#include "tmcl/api/axis.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace json = boost::json;
+namespace api = tmcl::api;
+
+// What axis.list knows costs no exchange.
+constexpr auto list_interval = std::chrono::seconds(1);
+
+/// All axes on the screen, until somebody presses q.
+class Top {
+ public:
+  Top(const verb::Top& verb, const std::vector<AxisRow>& rows, FullScreen& screen, Context& context)
+      : verb_(verb), screen_(screen), context_(context) {
+    for (const auto& row : rows) {
+      axes_.push_back({row.name, row.state});
+      names_.push_back(row.name);
+    }
+  }
+
+  Attempt<void> run() {
+    const AxesWatcher watcher{
+        .on_reading = [this](const auto& axis, const auto& reading) { note(axis, reading); },
+        .on_failure = {},
+        .on_event = {},
+        .wanted = [this] { return go_on(); }};
+    return keep_watching(
+        names_, verb_.interval, watcher,
+        [this](const Failure* why) { away_ = why != nullptr ? why->message : std::string(); },
+        context_);
+  }
+
+ private:
+  void note(const std::string& axis, const AxisReading& reading) {
+    const auto line = std::ranges::find(axes_, axis, &AxisLine::name);
+    if (line != axes_.end()) line->reading = reading;
+  }
+
+  bool go_on() {
+    for (char key = screen_.take_key(); key != 0; key = screen_.take_key()) {
+      if (key == 'q') wanted_ = false;
+    }
+    const auto now = context_.host.now();
+    if (away_.empty() && now - listed_at_ >= list_interval) {
+      listed_at_ = now;
+      look_at_modules();
+    }
+    if (now - drawn_at_ >= verb_.interval) {
+      drawn_at_ = now;
+      draw();
+    }
+    return wanted_ && context_.host.signal() == 0;
+  }
+
+  /// An error is left to the watching, which notices it as well.
+  void look_at_modules() {
+    const auto listed = context_.target.perform("axis.list", {{"all", true}}, {})
+                            .map(api::from_json<api::axis::Axes>);
+    if (!listed) return;
+    for (const auto& found : listed->axes) {
+      const auto line = std::ranges::find(axes_, found.name, &AxisLine::name);
+      if (line == axes_.end()) continue;
+      line->state = found.state;
+      if (!line->limits && found.state == "ready" && !asked_.contains(found.name)) {
+        asked_.insert(found.name);
+        if (const auto units = context_.target.units(found.name)) line->limits = units->limits;
+      }
+    }
+  }
+
+  void draw() {
+    const auto moving = std::ranges::count_if(
+        axes_, [](const AxisLine& axis) { return axis.reading && axis.reading->moving; });
+    std::vector<std::string> lines{
+        away_.empty()
+            ? fmt::format("{} axes, {} moving; q ends this, the axes go on", axes_.size(), moving)
+            : fmt::format("AWAY: {}", away_),
+        ""};
+    auto shown = axes_;
+    if (!away_.empty()) {
+      for (auto& axis : shown) axis.state.clear();
+    }
+    std::ranges::move(lines_of(shown, screen_.width(), verb_.internal), std::back_inserter(lines));
+    screen_.show(lines);
+  }
+
+  const verb::Top& verb_;
+  FullScreen& screen_;
+  Context& context_;
+  std::vector<AxisLine> axes_;
+  std::vector<std::string> names_;
+  std::set<std::string> asked_;  ///< For their limits.
+  std::string away_;             ///< Why tmcld is; empty while it is there.
+  bool wanted_ = true;
+  tmcl::TimePoint listed_at_{};
+  tmcl::TimePoint drawn_at_{};
+};
+
+}  // namespace
+
+VerbResult run(const verb::Top& verb, Context& context) {
+  const auto rows = context.target.axes();
+  if (!rows) return tl::unexpected(rows.error());
+  if (rows->empty()) return tl::unexpected(usage_failure("no_axes", "there are no axes to watch"));
+  const auto screen = FullScreen::open(context.output.out_screen);
+  if (!screen) return tl::unexpected(screen.error());
+  Top top(verb, *rows, **screen, context);
+  return top.run().map([] { return ExitCode::done; });
+}
+
+}  // namespace tmclctl

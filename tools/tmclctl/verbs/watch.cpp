@@ -1,0 +1,117 @@
+// watch
+#include <algorithm>
+#include <array>
+#include <map>
+
+#include <fmt/format.h>
+
+#include "json_read.hpp"
+#include "print.hpp"
+#include "staying.hpp"
+#include "tmcl/api/system.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace api = tmcl::api;
+
+// What becomes of links and modules; what axes do is seen in their states.
+constexpr auto told_events = std::to_array<std::string_view>(
+    {"module_silent", "module_answers", "module_in_bootloader", "module_reset", "module_replaced",
+     "duplicate_address", "link_lost", "link_restored", "link_condition"});
+
+bool same(const AxisReading& a, const AxisReading& b) {
+  return a.position == b.position && a.velocity == b.velocity && a.target == b.target &&
+         a.moving == b.moving && a.position_reached == b.position_reached &&
+         a.condition == b.condition;
+}
+
+std::string motion_text(const AxisReading& reading) {
+  if (reading.moving) return "moving";
+  if (reading.position_reached) return "at target";
+  const auto& cause = reading.condition.stop_cause;
+  return cause ? "stopped: " + *cause : "standing";
+}
+
+/// Prints what is told of axes, and says for how long that is wanted.
+class Watching {
+ public:
+  Watching(const verb::Watch& verb, Context& context)
+      : verb_(verb), output_(context.output), host_(context.host), begin_(context.host.now()) {}
+
+  AxesWatcher watcher() {
+    return {
+        .on_reading = [this](const auto& axis, const auto& reading) { tell(axis, reading); },
+        .on_failure =
+            [this](const auto& axis, const auto& failure) {
+              tell("failed", axis + ": " + failure.message, to_json(failure));
+            },
+        .on_event = [this](const auto& event) { tell(event); },
+        .wanted =
+            [this] { return host_.signal() == 0 && !(verb_.for_s && passed_s() >= *verb_.for_s); }};
+  }
+  void tell_away(const Failure* why) {
+    if (why == nullptr) return tell("away", "tmcld is there again", nullptr);
+    tell("away", why->message, to_json(*why));
+  }
+
+ private:
+  double passed_s() const { return std::chrono::duration<double>(host_.now() - begin_).count(); }
+  void tell(const std::string& axis, const AxisReading& reading);
+  void tell(const boost::json::object& event);
+  /// What is no reading; `key` is what its document has it under.
+  void tell(std::string_view key, const std::string& text, boost::json::value document);
+
+  const verb::Watch& verb_;
+  Output& output_;
+  Host& host_;
+  tmcl::TimePoint begin_;
+  std::map<std::string, AxisReading> last_;
+};
+
+void Watching::tell(const std::string& axis, const AxisReading& reading) {
+  const auto last = last_.find(axis);
+  if (last != last_.end() && same(last->second, reading)) return;
+  last_.insert_or_assign(axis, reading);
+  if (output_.json) {
+    auto document = to_json(axis, reading);
+    document["time_s"] = passed_s();
+    return print_json(document, output_);
+  }
+  output_.out << fmt::format("{:9.3f} s  {}  position {}  velocity {}  target {}  {}", passed_s(),
+                             axis, position_text(reading, verb_.internal),
+                             velocity_text(reading, verb_.internal),
+                             target_text(reading, verb_.internal), motion_text(reading))
+              << std::endl;
+}
+
+void Watching::tell(const boost::json::object& event) {
+  const auto told = api::from_json<api::Event>(event);
+  if (std::ranges::find(told_events, told.kind) == told_events.end()) return;
+  tell("event", fmt::format("{}: {}", told.bus, told.text), event);
+}
+
+void Watching::tell(std::string_view key, const std::string& text, boost::json::value document) {
+  if (output_.json)
+    return print_json({{key, std::move(document)}, {"time_s", passed_s()}}, output_);
+  output_.out << fmt::format("{:9.3f} s  {}", passed_s(), text) << std::endl;
+}
+
+}  // namespace
+
+VerbResult run(const verb::Watch& verb, Context& context) {
+  auto axes = verb.axes;
+  if (verb.all) {
+    const auto rows = context.target.axes();
+    if (!rows) return tl::unexpected(rows.error());
+    for (const auto& row : *rows) axes.push_back(row.name);
+    if (axes.empty()) return tl::unexpected(usage_failure("no_axes", "there are no axes to watch"));
+  }
+  Watching watching(verb, context);
+  return keep_watching(
+             axes, verb.interval, watching.watcher(),
+             [&](const Failure* why) { watching.tell_away(why); }, context)
+      .map([] { return ExitCode::done; });
+}
+
+}  // namespace tmclctl
