@@ -43,6 +43,7 @@ const std::vector<std::string> lines{
     "line 3/0=4000 3/1=2000 --wait",
     "state 1/0",
     "watch 1/0 --for 0.2",
+    "top",
     "recover 1/0",
     "errors 1/0",
     "capture 1/0 --channel actual_position",
@@ -91,15 +92,12 @@ const std::vector<std::string> lines{
     "factory-reset 1 --yes",
 };
 /// What these print is the door's own, or measured: they only end well.
-const std::vector<std::string> lists{"modules",
-                                     "axes",
-                                     "state 1/0",
-                                     "recover 1/0",
-                                     "deadman set 1/0 500",
-                                     "deadman test 1/0",
-                                     "deadman off 1/0",
-                                     "stop --all",
-                                     "plot 1/0 --for 0.1 --csv FOLDER/plot.csv"};
+const std::vector<std::string> lists{
+    "modules",          "axes",
+    "buses --for 0.1",  "state 1/0",
+    "recover 1/0",      "deadman set 1/0 500",
+    "deadman test 1/0", "deadman off 1/0",
+    "stop --all",       "plot 1/0 --for 0.1 --csv FOLDER/plot.csv"};
 
 /// What is measured, and what the bus and the door are called, is not the same twice.
 std::string without_what_differs(std::string text) {

@@ -16,16 +16,27 @@ struct FullScreen::Terminal {
   SCREEN* screen;
 };
 
+namespace {
+
+Failure no_terminal(std::string message) {
+  return usage_failure("no_terminal", std::move(message),
+                       "'tmclctl watch --all' writes lines, to anywhere");
+}
+
+}  // namespace
+
+Attempt<void> FullScreen::look_for(const Screen& out) {
+  if (out.terminal && ::isatty(STDIN_FILENO) != 0) return {};
+  return tl::unexpected(no_terminal("this needs a terminal to draw on"));
+}
+
 Attempt<std::unique_ptr<FullScreen>> FullScreen::open(const Screen& out) {
-  const auto no_terminal = [](std::string message) {
-    return tl::unexpected(usage_failure("no_terminal", std::move(message),
-                                        "'tmclctl watch --all' writes lines, to anywhere"));
-  };
-  if (!out.terminal || ::isatty(STDIN_FILENO) == 0)
-    return no_terminal("this needs a terminal to draw on");
+  const auto found = look_for(out);
+  if (!found) return tl::unexpected(found.error());
   std::setlocale(LC_CTYPE, "");
   auto* screen = ::newterm(nullptr, stdout, stdin);
-  if (screen == nullptr) return no_terminal("this terminal is not known: what is $TERM?");
+  if (screen == nullptr)
+    return tl::unexpected(no_terminal("this terminal is not known: what is $TERM?"));
   ::cbreak();
   ::noecho();
   ::curs_set(0);

@@ -13,7 +13,9 @@ namespace tmclctl {
 /// The terminal is as it was when this ends.
 class FullScreen {
  public:
-  /// Errors: no_terminal.
+  /// Whether there is a terminal. Errors: no_terminal.
+  static Attempt<void> look_for(const Screen& out);
+  /// Errors: no_terminal, also for one that is not known.
   static Attempt<std::unique_ptr<FullScreen>> open(const Screen& out);
   FullScreen(const FullScreen&) = delete;
   FullScreen& operator=(const FullScreen&) = delete;

@@ -111,6 +111,9 @@ class Top {
 }  // namespace
 
 VerbResult run(const verb::Top& verb, Context& context) {
+  // Before anything is looked for, which may take a while.
+  const auto found = FullScreen::look_for(context.output.out_screen);
+  if (!found) return tl::unexpected(found.error());
   const auto rows = context.target.axes();
   if (!rows) return tl::unexpected(rows.error());
   if (rows->empty()) return tl::unexpected(usage_failure("no_axes", "there are no axes to watch"));
