@@ -28,7 +28,7 @@ constexpr auto footer = R"(The least configuration file:
     address = 1
     motor = 0
 
-Links: serial:DEVICE@BAUD, can:INTERFACE, tcp:HOST:PORT. Below the folder that tmcld was installed
+Links: serial:DEVICE@BAUD, usb:PORT, can:INTERFACE, tcp:HOST:PORT. Below the folder that tmcld was installed
 to, such as /usr/local, share/doc/tmcl/examples/tmcld.toml explains every key, and
 share/doc/tmcl/PROTOCOL.md what clients say to it.
 

@@ -54,7 +54,7 @@ _tmclctl() {
       compopt -o default
       return ;;
     --direct)
-      mapfile -t COMPREPLY < <(compgen -W "serial:/dev/ can: tcp:" -- "$current")
+      mapfile -t COMPREPLY < <(compgen -W "serial:/dev/ usb: can: tcp: auto" -- "$current")
       compopt -o nospace
       return ;;
     --model)

@@ -48,6 +48,8 @@ inline FeedingWire feeding_wire(const BusConfig& bus) {
     return std::chrono::duration_cast<tmcl::Duration>(
         std::chrono::duration<double>(seconds + answering_s));
   };
+  constexpr double usb_turns_s = 0.002;
+  if (std::holds_alternative<tmcl::UsbName>(bus.link)) return {lasting(usb_turns_s), "by USB"};
   if (std::holds_alternative<tmcl::CanName>(bus.link))
     return {lasting(2 * can_frame_bits / can_bit_rate), "if it runs at 125 kbit/s"};
   const auto* serial = std::get_if<tmcl::SerialName>(&bus.link);

@@ -38,7 +38,7 @@ constexpr auto keys = std::to_array<KeyInfo>({
 
     {bus, "name", string, required, 0, 0, any, "how axes and clients call this bus"},
     {bus, "link", string, required, 0, 0, any,
-     "serial:DEVICE@BAUD, can:INTERFACE or tcp:HOST:PORT"},
+     "serial:DEVICE@BAUD, usb:PORT, can:INTERFACE or tcp:HOST:PORT"},
     {bus, "reply_timeout_ms", integer, optional, 1, 60000, any,
      "how long a module may take to answer, besides the time on the wire"},
     {bus, "attempts", integer, optional, 1, 10, any,

@@ -16,6 +16,7 @@ libspdlog-dev|logging
 libfmt-dev|text formatting, under spdlog and in the tools
 libtomlplusplus-dev|reads tmcld.toml
 libcli11-dev|command lines of the tools
+libusb-1.0-0-dev|modules on USB without their terminal
 libexpected-dev|tl::expected, results that are a value or an error
 libncurses-dev|draws the axes on the whole terminal (tmclctl top)
 '

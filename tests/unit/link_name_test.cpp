@@ -12,7 +12,8 @@ using testing::HasSubstr;
 TEST(LinkName, GoesThereAndBack) {
   for (const auto* text :
        {"serial:/dev/ttyACM0@115200", "serial:/dev/ttyS0@28800", "can:can0", "tcp:127.0.0.1:4001",
-        "tcp:[::1]:4001", "serial:/dev/serial/by-id/usb-Trinamic@if00@250000"}) {
+        "tcp:[::1]:4001", "usb:auto", "usb:1-1.2", "usb:12-4.1.1.10",
+        "serial:/dev/serial/by-id/usb-Trinamic@if00@250000"}) {
     const auto name = parse_link_name(text);
     ASSERT_TRUE(name) << text;
     EXPECT_EQ(to_string(*name), text);
@@ -38,6 +39,11 @@ TEST(LinkName, WhatIsWrongIsNamed) {
   EXPECT_THAT(message("can:a-name-that-is-too-long"), HasSubstr("15 characters"));
   EXPECT_THAT(message("can:vcan0@500000"),
               HasSubstr("`ip link set vcan0 type can bitrate 500000`"));
+  EXPECT_THAT(message("usb:any"), HasSubstr("comes auto, or the kernel's name of a port"));
+  for (const auto* port :
+       {"usb:", "usb:1", "usb:1-", "usb:-1", "usb:1-1.", "usb:1-1..2", "usb:1-2x", "usb:1-1:1.0",
+        "usb:../../1-1", "usb:1-1.1.1.1.1.1.1.1.1.1.1.1.1.1.1.1"})
+    EXPECT_THAT(message(port), HasSubstr("`tmclctl ports`")) << port;
   EXPECT_THAT(message("tcp:host"), HasSubstr("port is missing"));
   EXPECT_THAT(message("tcp:host:0"), HasSubstr("1 to 65535"));
   EXPECT_THAT(message("tcp::4001"), HasSubstr("host is missing"));

@@ -2,67 +2,28 @@
 
 #include <gmock/gmock.h>
 
-#include <chrono>
-#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <memory>
 #include <string>
-#include <thread>
 #include <vector>
 
 #include "sim/wire/usb_layout.hpp"
-#include "support/program.hpp"
+#include "usb/plugged_in.hpp"
 
 namespace tmcl {
 namespace {
 
 namespace fs = std::filesystem;
-using namespace std::chrono_literals;
-using test::Program;
-using test::run_program;
+using test::comes_true;
 using testing::HasSubstr;
-
-/// The kernel takes half a second to make a terminal of a device.
-template <typename Condition>
-bool comes_true(const Condition& condition) {
-  const auto end = std::chrono::steady_clock::now() + 20s;
-  while (!condition() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(20ms);
-  return condition();
-}
 
 std::string text_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
   return {std::istreambuf_iterator<char>(file), {}};
 }
 
-class Usb : public testing::TestWithParam<const char*> {
- protected:
-  void plug_in(std::vector<std::string> words) {
-    words.insert(words.begin(), "tmclsim");
-    sim = std::make_unique<Program>(words);
-    ASSERT_TRUE(sim->wait_for("\nready\n")) << sim->output();
-    const auto line = sim->output().find("\nusb ") + 5;
-    place = sim->output().substr(line, sim->output().find(',', line) - line);
-    ASSERT_TRUE(comes_true([&] { return !terminal().empty(); })) << sim->output();
-  }
-  fs::path device() const { return fs::path("/sys/bus/usb/devices") / place; }
-  /// What cdc_acm calls it; empty if there is none.
-  std::string terminal() const {
-    std::error_code none;
-    for (const auto& entry : fs::directory_iterator(device() / (place + ":1.0") / "tty", none))
-      return "/dev/" + entry.path().filename().string();
-    return {};
-  }
-  auto tmclctl(std::vector<std::string> words) const {
-    words.insert(words.begin(), {"tmclctl", "--direct", "serial:" + terminal()});
-    return run_program(words);
-  }
-
-  std::unique_ptr<Program> sim;
-  std::string place;
-};
+class Usb : public testing::TestWithParam<const char*>, protected test::PluggedIn {};
 
 TEST_P(Usb, IsATerminalOfTheKernels) {
   plug_in({"--module", "TMCM-3110@7", "--usb", GetParam()});
@@ -86,9 +47,7 @@ class UsbCable : public Usb {};
 
 TEST_F(UsbCable, IsPulledWhenTheSimulatorGoes) {
   plug_in({"--module", "TMCM-1110", "--module", "TMCM-3110@7", "--usb", "7"});
-  const auto went = device();
-  sim->signal(SIGKILL);
-  EXPECT_TRUE(comes_true([&] { return !fs::exists(went); }));
+  pull_out();
   plug_in({"--module", "TMCM-1110", "--usb"});
   EXPECT_EQ(tmclctl({"get", "1/0", "max_velocity"}).status, 0);
 }

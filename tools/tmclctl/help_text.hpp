@@ -86,6 +86,15 @@ and counts of its encoder, a unit is.
   tmclctl --direct can:can0 axes
 )";
 
+constexpr const char* ports = R"(
+Looks at what the kernel lists, and opens nothing. LINK is what --direct and the
+configuration of tmcld take; 'usb:' with the USB port leads there as well, past the
+serial port. Programs of other users cannot be seen holding a port unless they lock it.
+
+  tmclctl ports
+  tmclctl --direct auto scan                     the only module by USB that there is
+)";
+
 constexpr const char* models = R"(
 Needs no module. 'tmclctl params --model MODEL' lists what one of them can be told.
 

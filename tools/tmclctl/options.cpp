@@ -69,7 +69,8 @@ Parser::Parser() {
       ->type_name("PATH")
       ->take_last();
   app_.add_option("--direct", options_.where.direct,
-                  "Use a bus without tmcld: serial:DEVICE[@BAUD], can:INTERFACE or tcp:HOST:PORT")
+                  "Use a bus without tmcld: serial:DEVICE[@BAUD], usb:PORT, can:INTERFACE or "
+                  "tcp:HOST:PORT; auto: the only module by USB")
       ->type_name("LINK")
       ->take_last();
   app_.add_option("--config", options_.where.config,

@@ -31,6 +31,8 @@ struct Params {
   bool globals = false;
 };
 struct Models {};
+/// What this computer has that may lead to modules.
+struct Ports {};
 struct Get {
   std::string axis;
   std::string parameter;
@@ -321,7 +323,7 @@ using Verb =
                  verb::FirmwareInfo, verb::CheckFirmware, verb::UploadFirmware, verb::Ramp,
                  verb::Convert, verb::Ask, verb::Arrivals, verb::Home, verb::Recover, verb::Errors,
                  verb::Upload, verb::Download, verb::RunLeased, verb::Leases, verb::BreakLease,
-                 verb::SetDeadman, verb::TestDeadman, verb::Capture, verb::Complete>;
+                 verb::SetDeadman, verb::TestDeadman, verb::Capture, verb::Ports, verb::Complete>;
 
 struct Options {
   Where where;

@@ -9,6 +9,7 @@
 #include "config/load.hpp"
 #include "door.hpp"
 #include "following.hpp"
+#include "port_choice.hpp"
 
 namespace tmclctl {
 namespace {
@@ -165,7 +166,9 @@ Attempt<tmcld::Config> config_of(const OwnBus& bus, const tmcl::LinkName& link) 
 
 Attempt<std::unique_ptr<Door>> open_own_gateway(const OwnBus& bus, tmcl::Duration wait,
                                                 Host& host) {
-  const auto link = attempt(tmcl::parse_link_name(bus.link));
+  const auto name = bus.link == any_port ? only_module(tmcl::list_ports()) : bus.link;
+  if (!name) return tl::unexpected(name.error());
+  const auto link = attempt(tmcl::parse_link_name(*name));
   if (!link) return tl::unexpected(link.error());
   const auto config = config_of(bus, *link);
   if (!config) return tl::unexpected(config.error());

@@ -15,10 +15,12 @@ constexpr std::string_view computes = "it computes, and asks no module";
 constexpr std::string_view alone = "with --direct nobody else is there";
 constexpr std::string_view files = "it is about files";
 constexpr std::string_view tables = "it shows what this program knows";
+constexpr std::string_view looks = "it opens no port";
 constexpr std::string_view leads =
     "with --direct it is the program that began a path that leads it";
 
 constexpr auto table = std::to_array<VerbInfo>({
+    {"ports", offline, reads, looks},
     {"scan", both, reads},
     {"modules", both, reads},
     {"axes", both, reads},

@@ -67,6 +67,7 @@ VerbResult run(const verb::Disassemble& verb, Output& output);
 VerbResult run(const verb::FirmwareInfo& verb, Output& output);
 VerbResult run(const verb::Convert& verb, Output& output);
 VerbResult run(const verb::Models& verb, Output& output);
+VerbResult run(const verb::Ports& verb, Output& output);
 VerbResult run_on_model(const verb::Params& verb, Output& output);
 
 }  // namespace tmclctl

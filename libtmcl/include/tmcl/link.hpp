@@ -16,6 +16,8 @@
 
 namespace tmcl {
 
+class UsbPort;
+
 enum class Framing : std::uint8_t {
   serial,  ///< A stream of bytes with nine of them to a datagram; one request at a time.
   can,     ///< Frames; one request at a time for each module.
@@ -44,7 +46,9 @@ class Link {
  public:
   /// Opens what the name says. May block (name resolution, connecting), so a program with a reactor
   /// calls it on another thread. A serial port is for one program of this computer at a time, a CAN
-  /// interface for one with each reply identifier. Errors: Errc::bad_argument for a bad name;
+  /// interface for one with each reply identifier. A USB device whose terminal a program has open
+  /// is left to it. A program that itself looks for devices by libusb up to 1.0.26 begins with that
+  /// before it opens one here. Errors: Errc::bad_argument for a bad name;
   /// Errc::link_busy, naming the program that holds the port where it can be found;
   /// Errc::link_open_failed with what the system said and what to try.
   static Result<Link> open(std::string_view name, const LinkOptions& options = {});
@@ -79,6 +83,7 @@ class Link {
   friend Result<Link> open_serial(const SerialName&, const std::string&);
   friend Result<Link> open_can(const CanName&, const std::string&, const LinkOptions&);
   friend Result<Link> open_tcp(const TcpName&, const std::string&, const LinkOptions&);
+  friend Result<Link> open_usb(const UsbName&, const std::string&);
 
   int descriptor_ = -1;
   /// What keeps other programs off the port; undone before the descriptor is closed.
@@ -88,6 +93,7 @@ class Link {
   Duration wire_time_{};
   bool can_extended_ = false;
   bool is_socket_ = false;
+  std::shared_ptr<UsbPort> usb_;  ///< Null for what is read from the descriptor.
 };
 
 }  // namespace tmcl

@@ -11,6 +11,7 @@
 
 #include "link/can_condition.hpp"
 #include "link/opening.hpp"
+#include "link/usb_port.hpp"
 
 namespace tmcl {
 namespace {
@@ -59,6 +60,7 @@ Result<Link> Link::open(const LinkName& name, const LinkOptions& options) {
   const auto text = to_string(name);
   if (const auto* serial = std::get_if<SerialName>(&name)) return open_serial(*serial, text);
   if (const auto* can = std::get_if<CanName>(&name)) return open_can(*can, text, options);
+  if (const auto* usb = std::get_if<UsbName>(&name)) return open_usb(*usb, text);
   return open_tcp(std::get<TcpName>(name), text, options);
 }
 
@@ -81,7 +83,8 @@ Link::Link(Link&& other) noexcept
       name_(std::move(other.name_)),
       wire_time_(other.wire_time_),
       can_extended_(other.can_extended_),
-      is_socket_(other.is_socket_) {}
+      is_socket_(other.is_socket_),
+      usb_(std::move(other.usb_)) {}
 
 Link& Link::operator=(Link&& other) noexcept {
   std::swap(descriptor_, other.descriptor_);
@@ -91,10 +94,12 @@ Link& Link::operator=(Link&& other) noexcept {
   wire_time_ = other.wire_time_;
   can_extended_ = other.can_extended_;
   is_socket_ = other.is_socket_;
+  std::swap(usb_, other.usb_);
   return *this;
 }
 
 Link::~Link() {
+  usb_.reset();
   lock_.reset();
   if (descriptor_ >= 0) ::close(descriptor_);
 }
@@ -111,9 +116,15 @@ tl::unexpected<Error> lost(const std::string& link, const std::string& why) {
                               {}});
 }
 
+Result<std::size_t> told(const std::string& link, tl::expected<std::size_t, std::string> count) {
+  if (!count) return lost(link, count.error());
+  return *count;
+}
+
 }  // namespace
 
 Result<std::size_t> Link::read(std::span<std::uint8_t> into) {
+  if (usb_) return told(name_, usb_->read(into));
   const auto count = ::read(descriptor_, into.data(), into.size());
   if (count > 0) return static_cast<std::size_t>(count);
   if (count == 0) return lost(name_, "the other end has closed the link");
@@ -122,6 +133,7 @@ Result<std::size_t> Link::read(std::span<std::uint8_t> into) {
 }
 
 Result<std::size_t> Link::write(std::span<const std::uint8_t> bytes) {
+  if (usb_) return told(name_, usb_->write(bytes));
   // A closed socket is an error like any other, not a signal that ends the program.
   const auto count = is_socket_ ? ::send(descriptor_, bytes.data(), bytes.size(), MSG_NOSIGNAL)
                                 : ::write(descriptor_, bytes.data(), bytes.size());

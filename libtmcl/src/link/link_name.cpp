@@ -10,11 +10,13 @@
 namespace tmcl {
 namespace {
 
-constexpr std::array<std::string_view, 3> kinds{"serial", "can", "tcp"};
-constexpr auto how_to = "a link is serial:DEVICE[@BAUD], can:INTERFACE or tcp:HOST:PORT";
+constexpr std::array<std::string_view, 4> kinds{"serial", "can", "tcp", "usb"};
+constexpr auto how_to =
+    "a link is serial:DEVICE[@BAUD], usb:PORT, usb:auto, can:INTERFACE or tcp:HOST:PORT";
 constexpr std::uint32_t lowest_baud = 50;
 constexpr std::uint32_t highest_baud = 4'000'000;
 constexpr std::size_t longest_interface = 15;  // IFNAMSIZ - 1
+constexpr std::size_t longest_usb_port = 31;   // hubs behind hubs: no more than five
 
 tl::unexpected<Error> bad_link(std::string_view text, std::string_view what) {
   return tl::unexpected(bad_argument(fmt::format("'{}' is no link: {}", text, what), how_to));
@@ -61,6 +63,30 @@ Result<LinkName> parse_tcp(std::string_view text, std::string_view rest) {
   return TcpName{std::string(host), *port};
 }
 
+/// Nothing but digits with a '-', then '.', between them: it becomes part of a file's name.
+bool is_usb_port(std::string_view text) {
+  if (text.size() > longest_usb_port) return false;
+  const auto dash = text.find('-');
+  const auto is_number = [](std::string_view part) {
+    return text::parse_integer<std::uint8_t>(part).has_value();
+  };
+  if (dash == std::string_view::npos || !is_number(text.substr(0, dash))) return false;
+  for (auto rest = text.substr(dash + 1);;) {
+    const auto dot = rest.find('.');
+    if (!is_number(rest.substr(0, dot))) return false;
+    if (dot == std::string_view::npos) return true;
+    rest = rest.substr(dot + 1);
+  }
+}
+
+Result<LinkName> parse_usb(std::string_view text, std::string_view rest) {
+  if (rest == "auto") return UsbName{};
+  if (is_usb_port(rest)) return UsbName{std::string(rest)};
+  return bad_link(text,
+                  "behind usb: comes auto, or the kernel's name of a port such as 1-1.2; "
+                  "`tmclctl ports` lists them");
+}
+
 }  // namespace
 
 Result<LinkName> parse_link_name(std::string_view text) {
@@ -74,6 +100,7 @@ Result<LinkName> parse_link_name(std::string_view text) {
   if (kind == "serial") return parse_serial(text, rest);
   if (kind == "can") return parse_can(text, rest);
   if (kind == "tcp") return parse_tcp(text, rest);
+  if (kind == "usb") return parse_usb(text, rest);
   return bad_link(text, fmt::format("there is no kind '{}'.{}", kind, did_you_mean(kind, kinds)));
 }
 
@@ -81,6 +108,8 @@ std::string to_string(const LinkName& name) {
   if (const auto* serial = std::get_if<SerialName>(&name))
     return fmt::format("serial:{}@{}", serial->device, serial->baud);
   if (const auto* can = std::get_if<CanName>(&name)) return "can:" + can->interface;
+  if (const auto* usb = std::get_if<UsbName>(&name))
+    return "usb:" + (usb->port.empty() ? "auto" : usb->port);
   const auto& tcp = std::get<TcpName>(name);
   const bool is_ipv6 = tcp.host.find(':') != std::string::npos;
   return is_ipv6 ? fmt::format("tcp:[{}]:{}", tcp.host, tcp.port)

@@ -11,6 +11,7 @@ namespace tmcl {
 Result<Link> open_serial(const SerialName& name, const std::string& text);
 Result<Link> open_can(const CanName& name, const std::string& text, const LinkOptions& options);
 Result<Link> open_tcp(const TcpName& name, const std::string& text, const LinkOptions& options);
+Result<Link> open_usb(const UsbName& name, const std::string& text);
 
 /// Ends a TCP connection so that nothing of what was written leaves this computer any more; the
 /// descriptor stays open. False for any other descriptor, with which nothing happens.

@@ -86,6 +86,8 @@ Reading read_trigger(const std::string& text, std::optional<verb::Capture::Trigg
 }  // namespace
 
 void add_lists(Grammar& grammar) {
+  grammar.verb<verb::Ports>("ports", "List the serial ports and modules by USB of this computer",
+                            help_text::ports);
   auto scan =
       grammar.verb<verb::Scan>("scan", "Look for modules on all addresses", help_text::scan);
   auto& range = scan->range;

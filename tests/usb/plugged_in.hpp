@@ -1,0 +1,71 @@
+/// A simulated module that is a USB device of this computer.
+#pragma once
+
+#include <gmock/gmock.h>
+
+#include <chrono>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "support/program.hpp"
+
+namespace tmcl::test {
+
+/// The kernel takes half a second to make a terminal of a device.
+template <typename Condition>
+bool comes_true(const Condition& condition) {
+  using namespace std::chrono_literals;
+  const auto end = std::chrono::steady_clock::now() + 20s;
+  while (!condition() && std::chrono::steady_clock::now() < end) std::this_thread::sleep_for(20ms);
+  return condition();
+}
+
+inline std::filesystem::path usb_device_at(const std::string& place) {
+  return std::filesystem::path("/sys/bus/usb/devices") / place;
+}
+
+/// What cdc_acm calls it; empty if there is none.
+inline std::string terminal_at(const std::string& place) {
+  std::error_code none;
+  const auto folder = usb_device_at(place) / (place + ":1.0") / "tty";
+  for (const auto& entry : std::filesystem::directory_iterator(folder, none))
+    return "/dev/" + entry.path().filename().string();
+  return {};
+}
+
+class PluggedIn {
+ protected:
+  void plug_in(std::vector<std::string> words) {
+    plug_in_for_somebody(std::move(words));
+    ASSERT_TRUE(comes_true([&] { return !terminal().empty(); })) << sim->output();
+  }
+  /// Who takes it before the kernel has made a terminal of it.
+  void plug_in_for_somebody(std::vector<std::string> words) {
+    words.insert(words.begin(), "tmclsim");
+    sim = std::make_unique<Program>(words);
+    ASSERT_TRUE(sim->wait_for("\nready\n")) << sim->output();
+    const auto line = sim->output().find("\nusb ") + 5;
+    place = sim->output().substr(line, sim->output().find(',', line) - line);
+  }
+  void pull_out() {
+    sim->signal(SIGKILL);
+    ASSERT_TRUE(comes_true([&] { return !std::filesystem::exists(device()); }));
+  }
+  std::filesystem::path device() const { return usb_device_at(place); }
+  std::string terminal() const { return terminal_at(place); }
+  static auto tmclctl(const std::string& link, std::vector<std::string> words) {
+    words.insert(words.begin(), {"tmclctl", "--direct", link});
+    return run_program(words);
+  }
+  auto tmclctl(std::vector<std::string> words) const {
+    return tmclctl("serial:" + terminal(), std::move(words));
+  }
+
+  std::unique_ptr<Program> sim;
+  std::string place;
+};
+
+}  // namespace tmcl::test
