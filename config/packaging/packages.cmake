@@ -1,0 +1,103 @@
+# Debian packages: cmake --build --preset release --target package. They go to the folder `packages` of the build.
+#
+# A target of our own, because CPack's would first build all tests. What only packages have is installed with
+# EXCLUDE_FROM_ALL, so that `cmake --install` leaves it out.
+set(packaging ${CMAKE_CURRENT_LIST_DIR})
+
+# ---- what tmcld is as a service ----------------------------------------------------------------
+
+install(FILES ${packaging}/tmcld.toml DESTINATION /etc/tmcl COMPONENT tmcld EXCLUDE_FROM_ALL)
+install(DIRECTORY DESTINATION /etc/tmcl/tmcld.d COMPONENT tmcld EXCLUDE_FROM_ALL)
+install(FILES ${PROJECT_SOURCE_DIR}/config/systemd/tmcld.service ${PROJECT_SOURCE_DIR}/config/systemd/tmcld.socket
+  DESTINATION /lib/systemd/system COMPONENT tmcld EXCLUDE_FROM_ALL)
+install(FILES ${PROJECT_SOURCE_DIR}/config/sysusers/tmcld.conf
+  DESTINATION lib/sysusers.d COMPONENT tmcld EXCLUDE_FROM_ALL)
+install(FILES ${PROJECT_SOURCE_DIR}/config/udev/60-tmcl.rules
+  DESTINATION /lib/udev/rules.d COMPONENT tmcld EXCLUDE_FROM_ALL)
+
+# ---- the packages ------------------------------------------------------------------------------
+
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME tmcl)
+# Whoever gives packages to others says here who they are.
+set(TMCL_PACKAGE_MAINTAINER "The libtmcl authors <libtmcl@localhost>" CACHE STRING "Maintainer of the Debian packages")
+set(CPACK_PACKAGE_CONTACT ${TMCL_PACKAGE_MAINTAINER})
+set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_PACKAGE_DIRECTORY ${PROJECT_BINARY_DIR}/packages)
+set(CPACK_DEB_COMPONENT_INSTALL ON)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_PRE_BUILD_SCRIPTS ${packaging}/stage.cmake)
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS_PRIVATE_DIRS ${PROJECT_BINARY_DIR}/libtmcl/package)
+set(CPACK_DEBIAN_PACKAGE_CONTROL_STRICT_PERMISSION ON)
+
+# Until version 1 the library of each version is another one.
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS ON)
+set(CPACK_DEBIAN_PACKAGE_GENERATE_SHLIBS_POLICY "=")
+
+
+# tmcl_package(COMPONENT NAME SECTION SYNOPSIS DESCRIPTION [DEPENDS ...] [RECOMMENDS ...] [EXTRA ...]):
+# EXTRA are files of config/packaging for the package's control.
+macro(tmcl_package component name section synopsis description)
+  cmake_parse_arguments(package "" "" "DEPENDS;RECOMMENDS;EXTRA" ${ARGN})
+  string(TOUPPER ${component} key)
+  list(APPEND CPACK_COMPONENTS_ALL ${component})
+  set(CPACK_DEBIAN_${key}_PACKAGE_NAME ${name})
+  set(CPACK_DEBIAN_${key}_PACKAGE_SECTION ${section})
+  set(CPACK_DEBIAN_${key}_DESCRIPTION "${synopsis}\n${description}")
+  list(JOIN package_DEPENDS ", " CPACK_DEBIAN_${key}_PACKAGE_DEPENDS)
+  list(JOIN package_RECOMMENDS ", " CPACK_DEBIAN_${key}_PACKAGE_RECOMMENDS)
+  list(TRANSFORM package_EXTRA PREPEND ${packaging}/${component}/ OUTPUT_VARIABLE CPACK_DEBIAN_${key}_PACKAGE_CONTROL_EXTRA)
+endmacro()
+
+tmcl_package(tools tmcl-tools electronics "command line for motors on TMCL modules"
+  "tmclctl moves axes, reads and sets parameters, draws movements, loads
+programs and firmware: through tmcld, or straight on a serial port, a CAN
+interface or a TCP converter. TMCM modules by Trinamic (Analog Devices)
+speak TMCL."
+  RECOMMENDS tmcld)
+tmcl_package(tmcld tmcld electronics "gateway to motors on TMCL modules, for many programs"
+  "tmcld owns the buses that TMCM modules are on and lets many programs use
+their axes safely: stops come first, nothing that moves a motor is repeated
+on suspicion, and whoever has a lease of an axis has it alone. Members of
+the group tmcl may use it."
+  DEPENDS "systemd | systemd-standalone-sysusers" RECOMMENDS tmcl-tools
+  EXTRA conffiles postinst prerm postrm)
+tmcl_package(sim tmcl-sim electronics "simulated TMCL modules, with the ramps of the real ones"
+  "tmclsim stands in for TMCM modules on a pseudo terminal, a TCP port, a CAN
+interface or as a USB device. Its ramps are those of the ramp generators of
+the chips, tick by tick.")
+tmcl_package(library libtmcl0 libs "library to move motors on TMCL modules"
+  "The protocol of TMCM modules with what it does not say by itself, motions
+planned and predicted, and the same axes through tmcld. C++20, on Boost.Asio
+or blocking."
+  EXTRA triggers postinst postrm)
+tmcl_package(dev libtmcl-dev libdevel "library to move motors on TMCL modules (development files)"
+  "Headers, examples and what CMake and pkg-config want to know to build
+programs with libtmcl."
+  DEPENDS "libtmcl0 (= ${PROJECT_VERSION})" libboost1.81-dev libboost-json1.81-dev libexpected-dev libfmt-dev)
+
+# The Python package is where its sources are.
+set(python_sources ${PROJECT_SOURCE_DIR}/tools/python/tmcl)
+if(EXISTS ${python_sources}/__init__.py)
+  install(DIRECTORY ${python_sources} DESTINATION lib/python3/dist-packages COMPONENT python EXCLUDE_FROM_ALL
+    FILES_MATCHING PATTERN "*.py" PATTERN py.typed PATTERN __pycache__ EXCLUDE)
+  tmcl_package(python python3-tmcl python "motors on TMCL modules, through tmcld, from Python"
+    "Axes by name and in their units, over the socket of tmcld or over HTTPS; blocking and with asyncio. Standard library only."
+    DEPENDS python3:any RECOMMENDS tmcld EXTRA postinst prerm)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
+endif()
+
+# Another name than CPackConfig.cmake, which would make CMake add its own target.
+set(CPACK_OUTPUT_CONFIG_FILE ${PROJECT_BINARY_DIR}/PackagesConfig.cmake)
+set(CPACK_SOURCE_OUTPUT_CONFIG_FILE ${PROJECT_BINARY_DIR}/SourcePackagesConfig.cmake)
+configure_file(${packaging}/changelog.in ${PROJECT_BINARY_DIR}/packages/changelog @ONLY)
+set(CPACK_TMCL_PACKAGING ${packaging})
+include(CPack)
+add_custom_target(package
+  COMMAND ${CMAKE_CPACK_COMMAND} --config ${PROJECT_BINARY_DIR}/PackagesConfig.cmake
+  WORKING_DIRECTORY ${PROJECT_BINARY_DIR} USES_TERMINAL VERBATIM
+  COMMENT "Packing Debian packages into ${PROJECT_BINARY_DIR}/packages")
+add_dependencies(package programs tmcl_shared)
