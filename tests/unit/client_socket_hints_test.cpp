@@ -19,6 +19,13 @@ TEST(SocketHints, AGroupForSharingIsJoined) {
   EXPECT_THAT(hint, HasSubstr("'sudo adduser $USER lab'"));
 }
 
+TEST(SocketHints, TheGroupThatThePackageMakesIsJoinedThoughItIsOneOfTheSystem) {
+  const auto hint = access_hint({"tmcld", "tmcl", 998});
+  EXPECT_THAT(hint, HasSubstr("user 'tmcld' and group 'tmcl'"));
+  EXPECT_THAT(hint, HasSubstr("'sudo adduser $USER tmcl', and log in again"));
+  EXPECT_THAT(hint, Not(HasSubstr("addgroup")));
+}
+
 TEST(SocketHints, NobodyIsToldToJoinAGroupOfTheSystemOrOfAUser) {
   for (const auto& owner :
        {SocketOwner{"root", "root", 0}, SocketOwner{"root", "sudo", 27},

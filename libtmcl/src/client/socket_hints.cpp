@@ -2,6 +2,7 @@
 
 #include <cerrno>
 #include <optional>
+#include <string_view>
 
 #include <grp.h>
 #include <pwd.h>
@@ -14,6 +15,8 @@ namespace {
 
 // Debian's policy: groups below are the system's, and many of them may do more than share a socket.
 constexpr gid_t first_own_group = 1000;
+// But for the one that the package of tmcld makes.
+constexpr std::string_view packaged_group = "tmcl";
 
 std::optional<SocketOwner> owner_of(const std::string& path) {
   struct stat status {};
@@ -27,7 +30,8 @@ std::optional<SocketOwner> owner_of(const std::string& path) {
 
 /// Not the system's, and not that of one user only.
 bool is_for_sharing(const SocketOwner& owner) {
-  return owner.group_id >= first_own_group && owner.group != owner.user;
+  const bool is_own = owner.group_id >= first_own_group && owner.group != owner.user;
+  return is_own || owner.group == packaged_group;
 }
 
 }  // namespace
