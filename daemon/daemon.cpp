@@ -12,11 +12,13 @@
 #include <boost/asio/post.hpp>
 #include <boost/asio/signal_set.hpp>
 
+#include "async/elsewhere.hpp"
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
 #include "async/wait_until.hpp"
 #include "fronts/descriptors.hpp"
 #include "gateway/ending.hpp"
+#include "gateway/reload.hpp"
 #include "log/log.hpp"
 #include "tmcl/timer.hpp"
 
@@ -73,6 +75,8 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(boost::asio::i
   if (!audit) return tl::unexpected(std::move(audit.error()));
   std::unique_ptr<Daemon> daemon(new Daemon(context, std::move(service)));
   daemon->audit_ = std::move(*audit);
+  daemon->config_ = config.daemon;
+  daemon->other_sections_ = config.others;
   const auto executor = context.get_executor();
   GatewayOptions options{open_link, log};
   options.lease_epoch = any_epoch();
@@ -165,7 +169,10 @@ void Daemon::stop() {
   });
 }
 
-void Daemon::end_on_signals() { spawn(context_.get_executor(), wait_for_signal(*this)); }
+void Daemon::end_on_signals(LoadAgain load) {
+  load_ = std::move(load);
+  spawn(context_.get_executor(), wait_for_signal(*this));
+}
 
 awaitable<void> Daemon::wait_for_signal(Daemon& daemon) {
   boost::asio::signal_set signals(daemon.context_, SIGTERM, SIGINT, SIGHUP);
@@ -173,10 +180,63 @@ awaitable<void> Daemon::wait_for_signal(Daemon& daemon) {
   auto number = co_await signals.async_wait(redirect_error(use_awaitable, ignored));
   while (number == SIGHUP) {
     daemon.audit_->reopen();
+    // A stop must not wait for it.
+    if (daemon.load_) spawn(daemon.context_.get_executor(), load_again(daemon));
     number = co_await signals.async_wait(redirect_error(use_awaitable, ignored));
   }
   log(LogLevel::info, number == SIGINT ? "ending: SIGINT" : "ending: SIGTERM");
   daemon.stop();
+}
+
+// ---- another configuration ---------------------------------------------------------------------
+
+awaitable<void> Daemon::load_again(Daemon& daemon) {
+  daemon.loads_once_more_ = true;
+  if (std::exchange(daemon.is_loading_, true)) co_return;
+  while (std::exchange(daemon.loads_once_more_, false)) {
+    auto config = co_await elsewhere(daemon.gateway_->planner, daemon.load_);
+    Reloaded reloaded;
+    if (config) {
+      reloaded = co_await reload(daemon, std::move(*config));
+    } else {
+      reloaded = tl::unexpected(std::move(config.error()));
+    }
+    if (reloaded) {
+      log(LogLevel::info, "the configuration was loaded again: " + *reloaded);
+      continue;
+    }
+    for (const auto& line : reloaded.error()) log(LogLevel::error, line);
+    log(LogLevel::error, "the configuration stays as it was");
+  }
+  daemon.is_loading_ = false;
+}
+
+namespace {
+
+/// Empty if nothing does.
+std::string takes_a_restart(const DaemonConfig& now, const DaemonConfig& next) {
+  if (now.socket != next.socket) return "'socket' in [daemon]";
+  if (now.state != next.state) return "'state' in [daemon]";
+  if (now.audit != next.audit) return "'audit' in [daemon]";
+  if (now.log_level != next.log_level) return "'log_level' in [daemon]";
+  return {};
+}
+
+}  // namespace
+
+awaitable<Daemon::Reloaded> Daemon::reload(Daemon& daemon, Config config) {
+  auto what = takes_a_restart(daemon.config_, config.daemon);
+  if (what.empty() && config.others != daemon.other_sections_)
+    what = "a section that is not of a bus, a module, an axis or access";
+  if (!what.empty()) {
+    co_return tl::unexpected(
+        std::vector{what + " has changed, which takes a restart: systemctl restart tmcld"});
+  }
+  const auto next = config.daemon;
+  auto words = co_await tmcld::reload(daemon.gateway_, std::move(config));
+  if (!words) co_return tl::unexpected(std::vector{std::move(words.error())});
+  daemon.config_ = next;
+  co_return std::move(*words);
 }
 
 awaitable<void> Daemon::end(Daemon& daemon) {

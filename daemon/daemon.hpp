@@ -2,9 +2,11 @@
 #pragma once
 
 #include <exception>
+#include <functional>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include <boost/asio/io_context.hpp>
 #include <tl/expected.hpp>
@@ -19,6 +21,11 @@ namespace tmcld {
 
 class Daemon {
  public:
+  /// The configuration as it is now; errors: lines for a person. May block.
+  using LoadAgain = std::function<tl::expected<Config, std::vector<std::string>>()>;
+  /// What has become of it, in a line; errors: likewise, and all is as it was.
+  using Reloaded = tl::expected<std::string, std::vector<std::string>>;
+
   /// Claims the socket, or takes that of the service. The context must outlive it. Errors: a
   /// sentence for a person, with what to try.
   static tl::expected<std::unique_ptr<Daemon>, std::string> create(
@@ -42,8 +49,10 @@ class Daemon {
   /// as the configuration says, for which they may take some seconds, and firmware uploads come
   /// to their end, for which they may take some minutes.
   void stop();
-  /// SIGHUP has the audit file opened again.
-  void end_on_signals();
+  /// SIGHUP has the audit file opened again, and the configuration taken over as it is then.
+  void end_on_signals(LoadAgain load = {});
+  /// All of it, or nothing: see gateway/reload.hpp.
+  static boost::asio::awaitable<Reloaded> reload(Daemon& daemon, Config config);
   bool has_ended() const { return has_ended_; }
 
   Gateway& gateway() { return *gateway_; }
@@ -56,6 +65,7 @@ class Daemon {
       : context_(context), service_(std::move(service)) {}
   static boost::asio::awaitable<void> begin_to_serve(Daemon& daemon);
   static boost::asio::awaitable<void> wait_for_signal(Daemon& daemon);
+  static boost::asio::awaitable<void> load_again(Daemon& daemon);
   static boost::asio::awaitable<void> end(Daemon& daemon);
   /// Says that the reactor turns, for as long as it does: a bus that is lost or a module that is
   /// silent is no reason to be started again.
@@ -65,6 +75,11 @@ class Daemon {
 
   boost::asio::io_context& context_;
   Service service_;
+  DaemonConfig config_;
+  std::string other_sections_;
+  LoadAgain load_;
+  bool is_loading_ = false;
+  bool loads_once_more_ = false;  ///< It may have changed since it was read.
   std::shared_ptr<AuditTrail> audit_;
   std::shared_ptr<Gateway> gateway_;
   std::shared_ptr<UnixServer> server_;

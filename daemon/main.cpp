@@ -5,6 +5,8 @@
 #include <exception>
 #include <string>
 
+#include <unistd.h>
+
 #include <boost/asio/io_context.hpp>
 
 #include "command_line.hpp"
@@ -21,8 +23,13 @@ std::string counted(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
-int report(const std::vector<std::string>& problems) {
+int report(const std::vector<std::string>& problems, const std::string& path) {
   for (const auto& line : problems) std::fprintf(stderr, "%s\n", line.c_str());
+  if (::access(path.c_str(), F_OK) != 0) {
+    std::fprintf(stderr,
+                 "  'tmcld --config FILE' takes another one; 'tmcld --help' shows the least that "
+                 "there can be\n");
+  }
   return exit_code::bad_usage;
 }
 
@@ -94,7 +101,16 @@ int check(const LoadedConfig& loaded) {
   std::_Exit(code);
 }
 
-int serve(const Config& config) {
+/// From the files as they are then.
+Daemon::LoadAgain loading(const std::string& path) {
+  return [path]() -> tl::expected<Config, std::vector<std::string>> {
+    auto loaded = load_config(path);
+    if (!loaded) return tl::unexpected(std::move(loaded.error()));
+    return std::move(loaded->config);
+  };
+}
+
+int serve(const Config& config, const std::string& path) {
   // A peer that has gone is an error value of the write, not the end of the daemon.
   std::signal(SIGPIPE, SIG_IGN);
   auto service = Service::of_environment();
@@ -108,7 +124,7 @@ int serve(const Config& config) {
     log(LogLevel::error, daemon.error());
     return exit_code::runtime_failure;
   }
-  (*daemon)->end_on_signals();
+  (*daemon)->end_on_signals(loading(path));
   log(LogLevel::info,
       "serving " + counted(config.axes.size(), "axis", "axes") + " on " + config.daemon.socket);
   const int code = (*daemon)->run() ? exit_code::ok : exit_code::runtime_failure;
@@ -125,12 +141,12 @@ int main(int argc, char** argv) {
   if (const auto* code = std::get_if<ExitCode>(&parsed)) return code->value;
   const auto& command_line = std::get<CommandLine>(parsed);
   const auto loaded = load_config(command_line.config_file);
-  if (!loaded) return report(loaded.error());
+  if (!loaded) return report(loaded.error(), command_line.config_file);
   if (command_line.only_check) return check(*loaded);
   start_log(loaded->config.daemon.log_level);
   int code = exit_code::runtime_failure;
   try {
-    code = serve(loaded->config);
+    code = serve(loaded->config, command_line.config_file);
   } catch (...) {  // nothing was served yet, or nothing is any more
     log_failure(tmcld::log, "tmcld", std::current_exception());
   }

@@ -79,6 +79,17 @@ bool applies(LinkScope key, LinkScope link) {
          (key == LinkScope::serial_framing && link == LinkScope::tcp);
 }
 
+/// The same for sections that say the same, wherever they stand.
+std::string text_of(const ConfigSection& section) {
+  auto text = fmt::format("{}\n", title_of(section.kind));
+  for (const auto& [key, entry] : section.values) {
+    const auto value =
+        std::visit([](const auto& said) { return fmt::format("{}", said); }, entry.value);
+    text += fmt::format("{} = {}\n", key, value);
+  }
+  return text;
+}
+
 class Builder {
  public:
   explicit Builder(std::vector<ConfigProblem>& problems) : problems_(problems) {}
@@ -100,6 +111,7 @@ class Builder {
     each(SectionKind::bus, [&](const auto& section) { add_bus(section); });
     each(SectionKind::module, [&](const auto& section) { add_module(section); });
     each(SectionKind::axis, [&](const auto& section) { add_axis(section); });
+    for (const auto& section : sections) note_text(section);
     check_whole();
     return std::move(config_);
   }
@@ -107,6 +119,17 @@ class Builder {
  private:
   void complain(Place place, std::string message) {
     problems_.push_back({place, std::move(message)});
+  }
+
+  void note_text(const ConfigSection& section) {
+    if (section.kind == SectionKind::daemon || section.kind == SectionKind::access) return;
+    const bool is_bus = section.kind == SectionKind::bus;
+    const bool is_on_bus = section.kind == SectionKind::module || section.kind == SectionKind::axis;
+    const auto* name = section.get<std::string>(is_bus ? "name" : "bus");
+    const auto bus = name == nullptr || !(is_bus || is_on_bus)
+                         ? config_.buses.end()
+                         : std::ranges::find(config_.buses, *name, &BusConfig::name);
+    (bus == config_.buses.end() ? config_.others : bus->said) += text_of(section);
   }
 
   void add_daemon(const ConfigSection& section) {

@@ -73,6 +73,8 @@ struct BusConfig {
   tmcl::LinkOptions link_options;
   tmcl::BusOptions bus_options;         ///< `name` is the configured one, so that errors carry it.
   std::vector<ModuleConfig> modules{};  ///< Those that something is said about.
+  /// All that is said about it, its modules and its axes: another text, another bus.
+  std::string said{};
 };
 
 /// What an axis is measured in.
@@ -124,6 +126,8 @@ struct Config {
   std::vector<BusConfig> buses;
   std::vector<AxisConfig> axes;
   std::vector<AccessConfig> access{};  ///< Empty: whoever can connect may do everything.
+  /// All that is said in sections of other kinds than these.
+  std::string others{};
 };
 
 }  // namespace tmcld

@@ -22,6 +22,7 @@ constexpr tmcl::Duration stable_after = 2s;
 // How often silent modules are asked whether they are back: a question to one that is not takes
 // some 100 ms of a serial line.
 constexpr tmcl::Duration module_check_interval = 2s;
+constexpr std::string_view why_retired = "the configuration of this bus has changed";
 
 tmcl::BusCounters sum(tmcl::BusCounters a, const tmcl::BusCounters& b) {
   a.requests += b.requests;
@@ -70,6 +71,12 @@ void GatewayBus::close() {
   if (bus_) bus_->close();
   changed_.notify();
   feeding_.notify();
+}
+
+void GatewayBus::retire() {
+  retired_ = true;
+  emit({GatewayEvent::Kind::link_lost, config_.name, {}, 0, std::string(why_retired)});
+  close();
 }
 
 tmcl::BusCounters GatewayBus::counters() const {
@@ -272,8 +279,9 @@ tmcl::Error GatewayBus::not_open() const {
   tmcl::Error error;
   error.code = tmcl::Errc::link_lost;
   error.outcome = tmcl::Outcome::not_sent;
-  error.message = closed_ ? "the daemon is ending"
-                          : "the bus is not open" + (error_.empty() ? "" : ": " + error_);
+  error.message = retired_  ? std::string(why_retired)
+                  : closed_ ? "the daemon is ending"
+                            : "the bus is not open" + (error_.empty() ? "" : ": " + error_);
   error.hint =
       closed_ ? "" : "it is opened again as soon as that is possible; check cable and power";
   error.bus = config_.name;

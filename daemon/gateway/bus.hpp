@@ -61,6 +61,8 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// Ends everything in progress with Errc::link_lost and stays closed.
   void close();
   bool is_closed() const { return closed_; }
+  /// The same, because the configuration has no such bus any more: those who use it are told.
+  void retire();
 
   const std::string& name() const { return config_.name; }
   const BusConfig& config() const { return config_; }
@@ -209,6 +211,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   bool opening_link_ = false;
   Wake changed_;
   bool closed_ = false;
+  bool retired_ = false;
   State state_ = State::opening;
   std::string error_;
   std::shared_ptr<tmcl::Bus> bus_;

@@ -34,44 +34,107 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
                                          const Config& config, GatewayOptions options) {
   std::shared_ptr<Gateway> gateway(new Gateway(executor, std::move(options)));
   const auto& own = gateway->options_;
-  gateway->access_ = config.access;
-  gateway->moves_need_lease_ = config.daemon.moves_need_lease;
-  const auto tell = [weak = std::weak_ptr(gateway)](const GatewayEvent& event) {
-    if (const auto self = weak.lock()) self->tell(event);
-  };
-  for (const auto& bus : config.buses) {
-    gateway->buses_.push_back(std::make_shared<GatewayBus>(executor, bus, own.open_link, own.log,
-                                                           tell, gateway->arrivals_));
-  }
   gateway->deadmen_ = DeadmanMemory::open(own.deadmen, own.log);
-  for (const auto& bus : gateway->buses_) {
-    bus->keep_audit(own.audit);
-    bus->keep_deadmen(gateway->deadmen_);
-  }
-  for (const auto& axis : config.axes) {
-    const auto bus = std::ranges::find(gateway->buses_, axis.bus, &GatewayBus::name);
-    gateway->axes_.push_back(std::make_shared<GatewayAxis>(axis, *bus));
-    gateway->axes_.back()->module().note_configured();
-  }
-  gateway->configured_axes_ = gateway->axes_.size();
   const auto stop = [weak = std::weak_ptr(gateway)](const std::shared_ptr<GatewayAxis>& axis) {
     if (const auto self = weak.lock()) self->begin_to_stop(axis);
   };
   gateway->leases_ = std::make_shared<Leases>(executor, own.lease_epoch, stop);
-  if (own.journal.empty()) return gateway;
-  const auto held = [weak = std::weak_ptr(gateway)] {
-    const auto self = weak.lock();
-    return self ? self->holdings() : Holdings();
-  };
-  gateway->journal_ = std::make_shared<Journal>(executor, own.journal, held, own.log);
-  for (const auto& bus : gateway->buses_) bus->keep_journal(gateway->journal_);
+  if (!own.journal.empty()) {
+    const auto held = [weak = std::weak_ptr(gateway)] {
+      const auto self = weak.lock();
+      return self ? self->holdings() : Holdings();
+    };
+    gateway->journal_ = std::make_shared<Journal>(executor, own.journal, held, own.log);
+  }
+  gateway->access_ = config.access;
+  gateway->moves_need_lease_ = config.daemon.moves_need_lease;
+  gateway->add_buses(config);
+  gateway->add_axes(config);
   return gateway;
+}
+
+/// Those that it does not have yet, in the order of the configuration.
+void Gateway::add_buses(const Config& config) {
+  const auto tell = [weak = weak_from_this()](const GatewayEvent& event) {
+    if (const auto self = weak.lock()) self->tell(event);
+  };
+  std::vector<std::shared_ptr<GatewayBus>> buses;
+  for (const auto& bus : config.buses) {
+    const auto known = std::ranges::find(buses_, bus.name, &GatewayBus::name);
+    if (known != buses_.end()) {
+      buses.push_back(*known);
+      continue;
+    }
+    buses.push_back(std::make_shared<GatewayBus>(executor_, bus, options_.open_link, options_.log,
+                                                 tell, arrivals_));
+    buses.back()->keep_audit(options_.audit);
+    buses.back()->keep_deadmen(deadmen_);
+    if (journal_) buses.back()->keep_journal(journal_);
+  }
+  buses_ = std::move(buses);
+}
+
+/// Likewise; those without a configuration come behind.
+void Gateway::add_axes(const Config& config) {
+  std::vector<std::shared_ptr<GatewayAxis>> axes;
+  for (const auto& axis : config.axes) {
+    if (auto known = find_axis(axis.name)) {
+      axes.push_back(std::move(known));
+      continue;
+    }
+    const auto bus = std::ranges::find(buses_, axis.bus, &GatewayBus::name);
+    axes.push_back(std::make_shared<GatewayAxis>(axis, *bus));
+    axes.back()->module().note_configured();
+  }
+  const auto added = all_axes().subspan(configured_axes_);
+  configured_axes_ = axes.size();
+  axes.insert(axes.end(), added.begin(), added.end());
+  axes_ = std::move(axes);
 }
 
 void Gateway::start() {
   if (journal_) take_over_orphans();
   for (const auto& bus : buses_) bus->start();
-  if (!buses_.empty()) spawn(buses_.front()->executor(), watch_for_gaps(shared_from_this()));
+  begin_to_watch_for_gaps();
+}
+
+void Gateway::begin_to_watch_for_gaps() {
+  if (buses_.empty() || std::exchange(watches_for_gaps_, true)) return;
+  spawn(executor_, watch_for_gaps(shared_from_this()));
+}
+
+std::vector<std::shared_ptr<GatewayBus>> Gateway::changed_by(const Config& config) const {
+  std::vector<std::shared_ptr<GatewayBus>> changed;
+  for (const auto& bus : buses_) {
+    const auto next = std::ranges::find(config.buses, bus->name(), &BusConfig::name);
+    if (next == config.buses.end() || next->said != bus->config().said) changed.push_back(bus);
+  }
+  return changed;
+}
+
+void Gateway::adopt(const Config& config) {
+  std::erase_if(retired_, [](const auto& bus) { return !bus->is_opening_link(); });
+  const auto closed = changed_by(config);
+  const auto is_closed = [&](const GatewayBus& bus) {
+    return std::ranges::any_of(closed, [&](const auto& one) { return one.get() == &bus; });
+  };
+  const auto is_on_closed = [&](const auto& axis) { return is_closed(axis->bus()); };
+  configured_axes_ -= static_cast<std::size_t>(std::ranges::count_if(axes(), is_on_closed));
+  std::erase_if(axes_, is_on_closed);
+  std::erase_if(buses_, [&](const auto& bus) { return is_closed(*bus); });
+  // It may be one on axes that are not there any more.
+  if (!closed.empty()) planned_path.reset();
+  for (const auto& bus : closed) bus->retire();
+  retired_.insert(retired_.end(), closed.begin(), closed.end());
+  access_ = config.access;
+  moves_need_lease_ = config.daemon.moves_need_lease;
+  options_.on_exit = config.daemon.on_exit;
+  const auto kept = buses_;
+  add_buses(config);
+  add_axes(config);
+  for (const auto& bus : buses_)
+    if (std::ranges::find(kept, bus) == kept.end()) bus->start();
+  begin_to_watch_for_gaps();
 }
 
 // ---- what has to be put in order if the process ends --------------------------------------------
@@ -205,6 +268,7 @@ void Gateway::close() {
 
 void Gateway::join() {
   for (const auto& bus : buses_) bus->wait_for_opener();
+  for (const auto& bus : retired_) bus->wait_for_opener();
   planner.join();
   if (journal_) journal_->join();
   deadmen_->join();

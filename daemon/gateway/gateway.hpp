@@ -59,6 +59,11 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   /// Begins to open the buses, to identify the modules, and to put in order what another run has
   /// left; returns at once.
   void start();
+  /// Buses that this configuration has not, or says something else about.
+  std::vector<std::shared_ptr<GatewayBus>> changed_by(const Config& config) const;
+  /// Closes those, opens the ones that it has in their place or besides, and does from now on as it
+  /// says; all other buses go on as they are. Nothing may move on those that are closed.
+  void adopt(const Config& config);
   const tmcl::ContextClock& clock() const { return clock_; }
   const std::shared_ptr<DeadmanMemory>& deadmen() const { return deadmen_; }
   const std::shared_ptr<Leases>& leases() const { return leases_; }
@@ -141,7 +146,10 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
 
  private:
   Gateway(const boost::asio::any_io_executor& executor, GatewayOptions options)
-      : clock_(executor), options_(std::move(options)), closed_(executor) {}
+      : clock_(executor), options_(std::move(options)), executor_(executor), closed_(executor) {}
+  void add_buses(const Config& config);
+  void add_axes(const Config& config);
+  void begin_to_watch_for_gaps();
   void tell(const GatewayEvent& event);
   void begin_to_stop(const std::shared_ptr<GatewayAxis>& axis);
   Holdings holdings() const;
@@ -158,13 +166,16 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   std::shared_ptr<Leases> leases_;
   std::shared_ptr<Journal> journal_;  ///< Null if none is kept.
   std::shared_ptr<DeadmanMemory> deadmen_;
+  boost::asio::any_io_executor executor_;
   std::vector<std::shared_ptr<GatewayBus>> buses_;
-  std::vector<std::shared_ptr<GatewayAxis>> axes_;  ///< The configured ones first.
+  std::vector<std::shared_ptr<GatewayBus>> retired_;  ///< Whose links are still being opened.
+  std::vector<std::shared_ptr<GatewayAxis>> axes_;    ///< The configured ones first.
   std::size_t configured_axes_ = 0;
   std::map<std::uint64_t, OnGatewayEvent> listeners_;
   std::uint64_t last_listener_ = 0;
   std::int32_t last_path_number_ = 0;
   bool is_closed_ = false;
+  bool watches_for_gaps_ = false;
   Wake closed_;
 };
 

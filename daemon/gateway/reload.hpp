@@ -1,0 +1,24 @@
+/// Another configuration for a gateway that runs: all of it, or nothing.
+///
+/// A bus about which it says the same goes on untouched. One about which it says something else, or
+/// nothing any more, is closed, and opened anew with all of its modules and axes, as if tmcld had
+/// been started again for it. So all of its motors must rest, and be nobody's.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <boost/asio/awaitable.hpp>
+#include <tl/expected.hpp>
+
+#include "config/config.hpp"
+#include "gateway/gateway.hpp"
+
+namespace tmcld {
+
+/// What has become of the buses, in words.
+/// Errors: why all stays as it was, with the axis or bus that it is for.
+boost::asio::awaitable<tl::expected<std::string, std::string>> reload(
+    std::shared_ptr<Gateway> gateway, Config config);
+
+}  // namespace tmcld
