@@ -54,7 +54,8 @@ std::variant<CommandLine, ExitCode> parse_command_line(int argc, const char* con
   app.set_version_flag("--version", std::string("tmcld ") + TMCL_VERSION);
   CommandLine result;
   app.add_option("-c,--config", result.config_file, "the configuration file, in TOML")
-      ->type_name("FILE");
+      ->type_name("FILE")
+      ->capture_default_str();
   app.add_flag("--check", result.only_check,
                "check the configuration file, say what is in it, and end");
   try {
@@ -65,7 +66,6 @@ std::variant<CommandLine, ExitCode> parse_command_line(int argc, const char* con
   } catch (const CLI::ParseError& error) {
     return complain(error.what());
   }
-  if (result.config_file.empty()) return complain("which configuration? Say --config FILE");
   return result;
 }
 

@@ -7,7 +7,8 @@
 namespace tmcld {
 
 struct CommandLine {
-  std::string config_file;
+  /// Where the package has it.
+  std::string config_file = "/etc/tmcl/tmcld.toml";
   bool only_check = false;
 };
 

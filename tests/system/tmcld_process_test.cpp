@@ -245,13 +245,18 @@ TEST_F(Tmcld, IsFrozenAndItsModulesStopTheirMotors) {
 }
 
 TEST_F(Tmcld, SaysWhatIsMissing) {
-  const auto without = run_program({"tmcld"});
-  EXPECT_EQ(without.status, 2);
-  EXPECT_THAT(without.output, testing::HasSubstr("tmcld: which configuration? Say --config FILE"));
-  EXPECT_THAT(without.output, testing::HasSubstr("tmcld --help"));
+  const auto missing = run_program({"tmcld", "--config", path("missing.toml")});
+  EXPECT_EQ(missing.status, 2);
+  EXPECT_THAT(missing.output, testing::HasSubstr(path("missing.toml") + ": cannot be read"));
+  EXPECT_THAT(missing.output, testing::HasSubstr("tmcld --help"));
   const auto unknown = run_program({"tmcld", "--conf", "x"});
   EXPECT_EQ(unknown.status, 2);
   EXPECT_THAT(unknown.output, testing::HasSubstr("--conf"));
+}
+
+TEST_F(Tmcld, TakesTheConfigurationOfItsPackageUnlessTold) {
+  EXPECT_THAT(run_program({"tmcld", "--help"}).output,
+              testing::HasSubstr("FILE [/etc/tmcl/tmcld.toml]"));
 }
 
 TEST_F(Tmcld, ChecksItsConfiguration) {
