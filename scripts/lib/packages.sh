@@ -43,6 +43,13 @@ kmod|knows in which order drivers load
 iproute2|sets CAN interfaces up
 '
 
+packages_package='
+dpkg-dev|finds out which libraries a package needs
+file|knows what has to be stripped
+lintian|checks packages
+debootstrap|makes the bare Debian in which packages are installed
+'
+
 packages_check='
 clang-format|checks the formatting
 '
