@@ -212,6 +212,10 @@ std::vector<std::uint8_t> AxisTwin::parameters(const Model& model) {
   return numbers;
 }
 
+void AxisTwin::take_traits(const ModuleTraits& traits) {
+  if (auto* chip = std::get_if<Tmc429>(&chip_)) tmcl::take_traits(*chip, traits);
+}
+
 bool AxisTwin::set(Setting setting) {
   const auto* row = find_parameter(axis_parameters(*model_), setting.parameter);
   return row != nullptr && units_.accepts(*row, setting.value) && take(*row, setting.value);

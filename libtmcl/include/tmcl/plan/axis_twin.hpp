@@ -14,6 +14,7 @@
 
 #include "tmcl/clock.hpp"
 #include "tmcl/model.hpp"
+#include "tmcl/module_traits.hpp"
 #include "tmcl/ramp/generator.hpp"
 #include "tmcl/ramp/sixpoint.hpp"
 #include "tmcl/ramp/tmc429.hpp"
@@ -52,6 +53,9 @@ class AxisTwin {
   const Model& model() const { return *model_; }
   /// Null if it is another generator.
   const ramp::Tmc429* tmc429() const { return std::get_if<ramp::Tmc429>(&chip_); }
+
+  /// It is the twin of a module that is like this.
+  void take_traits(const ModuleTraits& traits);
 
   /// As SAP does, for the parameters of a ramp; others make no difference. False, and nothing has
   /// changed, for what the module would refuse.

@@ -1,0 +1,468 @@
+#include "tmcl/verification.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cstdlib>
+
+#include <fmt/format.h>
+
+#include "engine/verb_steps.hpp"
+#include "tmcl/parameter_number.hpp"
+#include "tmcl/verbs.hpp"
+#include "verify/watched_axis.hpp"
+
+namespace tmcl {
+namespace verbs {
+namespace {
+
+namespace ap = axis_parameter;
+namespace gp = global_parameter;
+using namespace std::chrono_literals;
+using plan::Experiment;
+using Pairs = plan::ChipCandidates::Pairs;
+
+constexpr std::uint8_t relative = 1;  // the type of MVP
+constexpr auto pulse_divisor = number_of("pulse_divisor");
+/// What a divider is written to has four bits.
+constexpr std::int32_t beyond_divider = 16;
+constexpr auto chip_traits =
+    std::to_array<Trait>({Trait::last_step, Trait::factor_rule, Trait::order, Trait::accumulator});
+
+// For the relative move: some 40 microsteps a second, for a second and a half.
+constexpr Experiment stroll{168, 500, 1, {10, 7}, 1};
+constexpr double stroll_pps = 40;
+constexpr std::int32_t stroll_distance = 60;
+constexpr std::int32_t least_stroll = 10;
+constexpr int strolls = 3;
+constexpr Duration longest_stroll = 20s;
+
+/// Each that helps is made twice, if need be: readings come at other moments then.
+constexpr unsigned most_repetitions = 2;
+/// What only the order of the stages is seen by, seldom tells.
+constexpr unsigned most_of_order = 3;
+constexpr Duration grace = 2s;
+/// A late answer to another address has come by then.
+constexpr Duration stray_time = 200ms;
+
+std::string count(std::size_t number, std::string_view what) {
+  return fmt::format("{} {}{}", number, what, number == 1 ? "" : "s");
+}
+
+std::string text_of(const Experiment& experiment) {
+  return fmt::format("v_max={} a_max={} v_min={} pulse_div={} ramp_div={}", experiment.velocity,
+                     experiment.acceleration, experiment.minimum_velocity,
+                     experiment.dividers.pulse, experiment.dividers.ramp);
+}
+
+class Verifier {
+ public:
+  Verifier(AxisAddress axis, VerifyOptions options)
+      : axis_(axis), options_(std::move(options)), watched_(axis, options_.settings) {}
+
+  Script<Result<Verification>> run();
+
+ private:
+  Script<Result<void>> course();
+  Script<Result<void>> questions();
+  Script<Result<void>> movements();
+  Script<Result<void>> ask_version();
+  Script<Result<void>> ask_another_address();
+  Script<Result<void>> ask_program_state();
+  Script<Result<void>> set_beyond_range();
+  Script<Result<void>> set_slow();
+  Script<Result<void>> move_relatively();
+  Script<Result<bool>> move_relatively_once(std::int32_t target);
+  Script<Result<void>> tell_chip_apart();
+  Script<std::optional<std::size_t>> choose(const plan::ChipCandidates& candidates,
+                                            Pairs pairs) const;
+  Script<Result<void>> level(plan::ChipCandidates& candidates);
+  Script<Result<void>> experiment(plan::ChipCandidates& candidates, Experiment experiment);
+  Script<Result<void>> way(plan::ChipCandidates& candidates, Experiment experiment,
+                           std::int32_t target);
+
+  const Model& model() const { return *options_.model; }
+  bool has_tmc429() const { return model().family == Family::tmc429; }
+  bool is_within(const Experiment& experiment) const;
+  bool may_be_as_fast_as(double pps) const {
+    return !options_.greatest_velocity || pps <= options_.greatest_velocity->value;
+  }
+  std::int64_t room() const { return sign_ > 0 ? above_ : below_; }
+  void tell(const std::string& what) const {
+    if (options_.tell) options_.tell(what);
+  }
+  void finding(Trait trait, std::vector<std::uint8_t> fits, std::string text);
+  template <class Variant>
+  void finding(Trait trait, std::optional<Variant> variant, std::string text) {
+    finding(trait, variant ? std::vector{index_of(*variant)} : std::vector<std::uint8_t>{},
+            std::move(text));
+  }
+  void not_measured(Trait trait, std::string why);
+  void conclude(const plan::ChipCandidates& candidates);
+
+  AxisAddress axis_;
+  VerifyOptions options_;
+  WatchedAxis watched_;
+  Verification found_;
+  std::int64_t above_ = 0;  ///< Room for movements.
+  std::int64_t below_ = 0;
+  std::int32_t sign_ = 1;
+  bool runs_program_ = false;
+  std::int32_t offset_ = 0;  ///< From home, in the direction of the movements.
+  std::array<unsigned, 64> made_{};
+};
+
+void Verifier::finding(Trait trait, std::vector<std::uint8_t> fits, std::string text) {
+  const auto expected = options_.expected.variant(trait, model());
+  found_.traits.push_back({trait, expected, true, std::move(fits), std::move(text)});
+}
+
+void Verifier::not_measured(Trait trait, std::string why) {
+  const auto expected = options_.expected.variant(trait, model());
+  found_.traits.push_back({trait, expected, false, {}, std::move(why)});
+}
+
+// ---- questions --------------------------------------------------------------------------------
+
+Script<Result<void>> Verifier::ask_version() {
+  const Request request{axis_.module, Command::GET_FIRMWARE_VERSION,
+                        static_cast<std::uint8_t>(VersionForm::binary), 0, 0};
+  const auto value = co_await must(ask(request));
+  found_.version = version_from_value(value);
+  co_return Result<void>{};
+}
+
+// What answers is another module's reply, which the bus counts and drops.
+Script<Result<void>> Verifier::ask_another_address() {
+  if (!options_.nobody || !options_.strays) {
+    not_measured(Trait::addressing, "there is no address here that certainly nobody has");
+    co_return Result<void>{};
+  }
+  tell("asks another address");
+  const auto before = options_.strays();
+  CallOptions options;
+  options.attempts = 1;
+  const Request request{*options_.nobody, Command::GGP, gp::application_status, 0, 0};
+  const auto answer = co_await exchange(request, options);
+  co_await pause(stray_time);
+  const auto who = fmt::format("address {}", number(*options_.nobody));
+  if (answer || answer.error().outcome == Outcome::refused) {
+    not_measured(Trait::addressing, "another module has " + who);
+  } else if (!is_silence(answer.error())) {
+    co_return tl::unexpected(answer.error());
+  } else if (options_.strays() != before) {
+    finding(Trait::addressing, std::optional(Addressing::any),
+            "asked for " + who + ", it answered");
+  } else {
+    finding(Trait::addressing, std::optional(Addressing::own),
+            "asked for " + who + ", it did not answer");
+  }
+  co_return Result<void>{};
+}
+
+Script<Result<void>> Verifier::ask_program_state() {
+  constexpr auto trait = Trait::program_state;
+  constexpr unsigned high_byte = 24;
+  const auto state =
+      co_await must(unless_refused(watched_.ask(Command::GGP, gp::application_status)));
+  if (!state) {
+    not_measured(trait, "the module does not tell global parameter 128");
+    co_return Result<void>{};
+  }
+  runs_program_ = *state == 1;
+  const auto said = co_await must(unless_refused(watched_.ask(Command::GET_APPLICATION_STATUS, 0)));
+  if (!said) {
+    not_measured(trait, "the module does not know command 135");
+  } else if (*state == 0) {
+    not_measured(trait, "its program is stopped: the state is 0 wherever it stands");
+  } else {
+    std::optional<ProgramState> where;
+    if (static_cast<std::uint32_t>(*said) >> high_byte == static_cast<std::uint32_t>(*state))
+      where = ProgramState::high_byte;
+    if (*said == *state) where = ProgramState::low_byte;
+    finding(trait, where, fmt::format("command 135 says {:#x} in state {}", *said, *state));
+  }
+  co_return Result<void>{};
+}
+
+// A module that cuts a divider to four bits keeps what it has.
+Script<Result<void>> Verifier::set_beyond_range() {
+  constexpr auto trait = Trait::range_check;
+  tell("sets a value out of range");
+  const auto parameter = has_tmc429() ? pulse_divisor : ap::max_velocity;
+  const auto present = co_await must(watched_.get(parameter));
+  const auto* row = find_parameter(axis_parameters(model()), parameter);
+  const auto beyond = has_tmc429() ? std::int64_t{present} + beyond_divider
+                                   : std::int64_t{row == nullptr ? INT32_MAX : row->maximum} + 1;
+  if (beyond > INT32_MAX) {
+    not_measured(trait, "there is no harmless value that is out of range");
+    co_return Result<void>{};
+  }
+  watched_.forget(parameter);
+  const auto value = static_cast<std::int32_t>(beyond);
+  const auto answer =
+      co_await exchange({axis_.module, Command::SAP, parameter, axis_.motor, value});
+  if (!answer && answer.error().outcome != Outcome::refused)
+    co_return tl::unexpected(answer.error());
+  const auto kept = co_await must(watched_.get(parameter));
+  co_await must(watched_.set(plan::Setting{parameter, present}));
+  std::optional<RangeCheck> check;
+  if (!answer && kept == present) check = RangeCheck::manual;
+  if (answer && kept == present && has_tmc429()) check = RangeCheck::wrap;
+  finding(trait, check,
+          answer ? fmt::format("it took {} for parameter {}, and has {}", value, parameter, kept)
+                 : fmt::format("it refused {} for parameter {}", value, parameter));
+  co_return Result<void>{};
+}
+
+// ---- a relative move --------------------------------------------------------------------------
+
+Script<Result<void>> Verifier::set_slow() {
+  if (has_tmc429()) {
+    co_await must(watched_.set(stroll));
+    co_return Result<void>{};
+  }
+  const auto values = co_await must(get_all(axis_, unit_parameters(model())));
+  const auto units = module_units(model(), values);
+  const auto unit = units ? units->velocity.value : 1;
+  co_await must(watched_.set(
+      plan::Setting{ap::max_velocity, std::max(1, static_cast<std::int32_t>(stroll_pps / unit))}));
+  co_return Result<void>{};
+}
+
+// On its way the motor is not where it goes. A distance of 0 takes it no farther than that,
+// whatever it is added to, and however often.
+Script<Result<bool>> Verifier::move_relatively_once(std::int32_t target) {
+  co_await must(watched_.ask(Command::MVP, 0, target));
+  const auto home = watched_.home().value;
+  auto here = home;
+  const auto begin = co_await current_time();
+  while (std::abs(std::int64_t{here} - home) < 2) {
+    here = co_await must(watched_.get(ap::actual_position));
+    const auto now = co_await current_time();
+    if (now - begin > longest_stroll) co_return tl::unexpected(watched_.interrupted(target, here));
+  }
+  const auto answer = co_await must(watched_.ask(Command::MVP, relative, 0));
+  const auto aim = co_await must(watched_.get(ap::target_position));
+  const auto later = co_await must(watched_.get(ap::actual_position));
+  // It was there already, or what it says can mean both.
+  if (here == target || aim == 0) co_return false;
+  std::optional<RelativeFrom> from;
+  if (aim == target) from = RelativeFrom::target;
+  const auto [least, most] = std::minmax(here, later);
+  if (aim != target && aim >= least - 2 && aim <= most + 2) from = RelativeFrom::actual;
+  finding(Trait::relative_from, from,
+          fmt::format("0 from {} on the way to {} led to {}", here, target, aim));
+  std::optional<RelativeAnswer> said;
+  if (answer == 0) said = RelativeAnswer::distance;
+  if (answer == aim) said = RelativeAnswer::target;
+  finding(Trait::relative_answer, said, fmt::format("0 led to {}; the answer was {}", aim, answer));
+  co_return true;
+}
+
+Script<Result<void>> Verifier::move_relatively() {
+  const auto not_done = [&](const std::string& why) {
+    not_measured(Trait::relative_from, why);
+    not_measured(Trait::relative_answer, why);
+  };
+  const auto distance = std::min<std::int64_t>(room(), stroll_distance);
+  if (distance < least_stroll) {
+    not_done(fmt::format("it needs a travel of {} microsteps", least_stroll));
+  } else if (!may_be_as_fast_as(stroll_pps)) {
+    not_done(fmt::format("it needs {} microsteps a second", stroll_pps));
+  } else {
+    tell("moves by a distance of 0 on its way");
+    co_await must(set_slow());
+    bool is_done = false;
+    for (auto i = 0; i < strolls && !is_done; ++i) {
+      const auto by = sign_ * static_cast<std::int32_t>(distance - i);
+      is_done = co_await must(move_relatively_once(watched_.home().value + by));
+      co_await must(watched_.return_home());
+    }
+    if (!is_done) not_done("the axis was not seen on its way");
+  }
+  co_return Result<void>{};
+}
+
+// ---- the chip ---------------------------------------------------------------------------------
+
+bool Verifier::is_within(const Experiment& experiment) const {
+  const auto& greatest = options_.greatest_acceleration;
+  return experiment.distance < room() && may_be_as_fast_as(experiment.pps().value) &&
+         (!greatest || experiment.pps2() <= *greatest);
+}
+
+/// What tells most apart in the time that it takes; nothing where nothing does. Others may want
+/// the computer meanwhile.
+Script<std::optional<std::size_t>> Verifier::choose(const plan::ChipCandidates& candidates,
+                                                    Pairs pairs_of) const {
+  std::optional<std::size_t> best;
+  double best_score = 0;
+  const auto all = plan::experiments();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (made_.at(i) >= most_repetitions || !is_within(all[i])) continue;
+    const auto pairs = candidates.pairs_apart(all[i], 2 * watched_.usual_exchange(), pairs_of);
+    co_await pause({});
+    if (pairs == 0) continue;
+    const std::chrono::duration<double> time = 1s + 2 * candidates.longest(all[i]);
+    const auto score = static_cast<double>(pairs) / time.count();
+    if (score > best_score) best = i;
+    best_score = std::max(score, best_score);
+  }
+  co_return best;
+}
+
+Script<Result<void>> Verifier::way(plan::ChipCandidates& candidates, Experiment experiment,
+                                   std::int32_t target) {
+  const auto limit = candidates.longest(experiment) + grace;
+  const auto move = co_await must(watched_.move_to(target, limit));
+  const auto foreseen = candidates.judge(experiment, move);
+  const auto& arrival = move.sightings.back().when;
+  auto last_before = move.told.received;
+  for (const auto& sighting : move.sightings) {
+    if (sighting.steps != std::abs(move.distance)) last_before = sighting.when.sent;
+  }
+  found_.moves.push_back({move.distance, text_of(experiment), foreseen,
+                          std::max(last_before - move.told.received, Duration{}),
+                          arrival.received - move.told.sent});
+  co_return Result<void>{};
+}
+
+Script<Result<void>> Verifier::level(plan::ChipCandidates& candidates) {
+  co_await must(watched_.set(plan::levelling()));
+  const auto next = 1 - offset_;
+  const auto target = watched_.home().value + sign_ * next;
+  co_await must(watched_.move_to(target, grace));
+  candidates.level(sign_ * (next - offset_));
+  offset_ = next;
+  co_return Result<void>{};
+}
+
+Script<Result<void>> Verifier::experiment(plan::ChipCandidates& candidates, Experiment experiment) {
+  co_await must(level(candidates));
+  co_await must(watched_.set(experiment));
+  const auto here = watched_.home().value + sign_ * offset_;
+  co_await must(way(candidates, experiment, here + sign_ * experiment.distance));
+  co_await must(way(candidates, experiment, here));
+  co_return Result<void>{};
+}
+
+Script<Result<void>> Verifier::tell_chip_apart() {
+  plan::ChipCandidates candidates(options_.expected);
+  unsigned of_order = 0;
+  while (candidates.size() > 1) {
+    auto best = co_await choose(candidates, Pairs::any);
+    if (!best && of_order++ < most_of_order)
+      best = co_await choose(candidates, Pairs::only_by_order);
+    if (!best) break;
+    ++made_.at(*best);
+    const auto& next = plan::experiments()[*best];
+    tell(fmt::format("moves by {} there and back: {} of the chip left",
+                     count(static_cast<std::size_t>(next.distance), "microstep"),
+                     count(candidates.size(), "variant")));
+    co_await must(experiment(candidates, next));
+  }
+  conclude(candidates);
+  co_await must(watched_.go_home());
+  co_return Result<void>{};
+}
+
+void Verifier::conclude(const plan::ChipCandidates& candidates) {
+  const auto moves = count(found_.moves.size(), "move");
+  const auto left_out = std::ranges::count_if(
+      plan::experiments(), [&](const auto& experiment) { return !is_within(experiment); });
+  for (const auto trait : chip_traits) {
+    auto fits = candidates.variants(trait);
+    if (found_.moves.empty()) {
+      not_measured(trait, left_out > 0 ? "no experiment fits into the travel and the limits"
+                                       : "the line is too slow to tell variants apart");
+      continue;
+    }
+    auto text = "as " + moves + " say";
+    if (fits.empty()) text = "no known variant moves like this";
+    if (fits.size() > 1) text = "these move alike, as far as this line shows";
+    if (fits.size() > 1 && left_out > 0)
+      text += fmt::format("; {} did not fit into the travel and the limits",
+                          count(static_cast<std::size_t>(left_out), "experiment"));
+    finding(trait, std::move(fits), std::move(text));
+  }
+}
+
+// ---- all of it --------------------------------------------------------------------------------
+
+Script<Result<void>> Verifier::questions() {
+  co_await must(ask_version());
+  co_await must(watched_.begin());
+  co_await must(ask_another_address());
+  co_await must(ask_program_state());
+  co_await must(set_beyond_range());
+  not_measured(Trait::limit_stop, "it needs a limit switch within the travel");
+  not_measured(Trait::heartbeat, "a test of the deadman tells");
+  co_return Result<void>{};
+}
+
+Script<Result<void>> Verifier::movements() {
+  const auto home = std::int64_t{watched_.home().value};
+  above_ = options_.travel.greatest - home;
+  below_ = home - options_.travel.least;
+  sign_ = above_ >= below_ ? 1 : -1;
+  co_await must(move_relatively());
+  if (has_tmc429()) co_await must(tell_chip_apart());
+  co_return Result<void>{};
+}
+
+Script<Result<void>> Verifier::course() {
+  co_await must(questions());
+  if (runs_program_) {
+    for (const auto& info : trait_table()) {
+      const bool is_of_moves =
+          info.trait <= Trait::relative_answer && concerns(info.trait, model());
+      if (is_of_moves) not_measured(info.trait, "a program runs in the module: end it first");
+    }
+  } else {
+    co_await must(movements());
+  }
+  co_return Result<void>{};
+}
+
+Script<Result<Verification>> Verifier::run() {
+  found_.model = options_.model;
+  auto done = co_await course();
+  if (!done) co_await watched_.stop();
+  auto back = co_await watched_.put_back();
+  if (!done) {
+    if (!back) done.error().message += "; and not all of its settings could be given back";
+    if (!back) done.error().outcome = Outcome::unknown;
+    co_return tl::unexpected(std::move(done.error()));
+  }
+  if (!back) co_return tl::unexpected(std::move(back.error()));
+  const auto quickest = watched_.quickest_exchange();
+  // What comes sooner than its bytes can was on no wire.
+  found_.answer = quickest > options_.wire_time ? quickest - options_.wire_time : quickest;
+  std::ranges::sort(found_.traits, {}, &TraitFinding::trait);
+  co_return std::move(found_);
+}
+
+}  // namespace
+
+Script<Result<Verification>> verify(AxisAddress axis, VerifyOptions options) {
+  Verifier verifier(axis, std::move(options));
+  auto result = co_await verifier.run();
+  co_return result;
+}
+
+}  // namespace verbs
+
+std::vector<std::uint8_t> verify_parameters(const Model& model) {
+  if (model.family == Family::tmc429) return plan::AxisTwin::parameters(model);
+  return {axis_parameter::max_velocity};
+}
+
+ModuleTraits Verification::found() const {
+  ModuleTraits all;
+  for (const auto& finding : traits) {
+    if (const auto variant = finding.found()) all.set(finding.trait, *variant);
+  }
+  return all;
+}
+
+}  // namespace tmcl
