@@ -16,6 +16,7 @@
 #include <fmt/ranges.h>
 
 #include "config/feeding.hpp"
+#include "config/module_file.hpp"
 #include "tmcl/mechanics.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/spelling.hpp"
@@ -282,6 +283,7 @@ class Builder {
     }
     modules.push_back({address});
     add_deadman(section, *std::ranges::find(config_.buses, *bus_name, &BusConfig::name));
+    add_measured(section, modules.back());
     const auto* text = section.get<std::string>("sentinel");
     if (text == nullptr) return;
     const auto sentinel = sentinel_of(*text);
@@ -290,6 +292,14 @@ class Builder {
     complain(section.place_of("sentinel"),
              "'sentinel' is " + quoted(*text) +
                  ", but must be auto, tick, settings, none or variable:N with N from 56 to 255");
+  }
+
+  void add_measured(const ConfigSection& section, ModuleConfig& module) {
+    const auto* path = section.get<std::string>("as");
+    if (path == nullptr) return;
+    auto measured = read_measured_module(*path);
+    if (!measured) return complain(section.place_of("as"), "'as': " + measured.error());
+    module.as = *measured;
   }
 
   /// Of the module that was added last.

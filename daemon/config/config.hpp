@@ -13,6 +13,7 @@
 #include "tmcl/link.hpp"
 #include "tmcl/link_name.hpp"
 #include "tmcl/mechanics.hpp"
+#include "tmcl/module_traits.hpp"
 #include "tmcl/verbs.hpp"
 
 namespace tmcld {
@@ -53,6 +54,12 @@ struct AccessConfig {
   std::vector<Account> groups{};
 };
 
+/// What one module was measured to be like.
+struct MeasuredModule {
+  const tmcl::Model* model = nullptr;  ///< Null: nobody has measured it.
+  tmcl::ModuleTraits traits{};
+};
+
 /// By what it is noticed that a module has restarted.
 struct SentinelConfig {
   enum class Kind : std::uint8_t { tick, variable, settings, none };
@@ -65,6 +72,7 @@ struct ModuleConfig {
   SentinelConfig sentinel{};
   /// After so long without a command it stops its motors; 0: never. Nothing: it is left alone.
   std::optional<std::int32_t> deadman_ms{};
+  MeasuredModule as{};
 };
 
 struct BusConfig {

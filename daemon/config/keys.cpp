@@ -61,6 +61,7 @@ constexpr auto keys = std::to_array<KeyInfo>({
      "by what a restart of it is noticed: auto, tick, variable:N, settings or none"},
     {module, "deadman_ms", integer, optional, 0, longest_deadman_ms, any,
      "it stops its motors when nobody has sent it anything for so long; 0: never"},
+    {module, "as", string, optional, 0, 0, any, "file about what was measured of it"},
 
     {axis, "name", string, required, 0, 0, any, "how clients call this axis"},
     {axis, "bus", string, required, 0, 0, any, "name of the bus the module is on"},

@@ -1,4 +1,4 @@
-// The only file that knows the TOML library: it costs three seconds to compile.
+// What knows the TOML library costs three seconds to compile.
 #include <toml++/toml.h>
 
 #include <algorithm>

@@ -15,7 +15,7 @@
 
 #include "tmcl/spelling.hpp"
 
-namespace tmclsim {
+namespace tmcld {
 
 using tmcl::quoted;
 
@@ -119,4 +119,4 @@ inline tl::expected<std::string, std::string> text_of_file(const std::string& pa
   return tl::unexpected(path + ": cannot be read, or is empty");
 }
 
-}  // namespace tmclsim
+}  // namespace tmcld

@@ -94,6 +94,7 @@ AxisUnits::Script<std::vector<std::string>> AxisUnits::warnings(RampKnowledge fr
   const auto known = co_await know_ramp(*model);
   if (!known) co_return tl::unexpected(known.error());
   if (!*known || !twin->set(ramp_->value)) co_return warnings;
+  twin->take_traits(axis_.module().traits());
   twin->move_to({});
   for (auto& finding : twin->findings()) warnings.push_back(std::move(finding.message));
   co_return warnings;
@@ -109,6 +110,7 @@ AxisUnits::Script<std::optional<tmcl::plan::AxisTwin>> AxisUnits::twin(tmcl::Pro
   auto twin = co_await tmcl::verbs::read_twin(axis_.address(), *model, ramp_->value, proof);
   // Nobody has described its ramps.
   if (!twin && twin.error().code == tmcl::Errc::bad_argument) co_return Twin{};
+  if (twin) twin->take_traits(axis_.module().traits());
   co_return if_it_tells(std::move(twin));
 }
 

@@ -46,6 +46,10 @@ const tmcl::Model* GatewayModule::model() const {
   return identity_ ? tmcl::find_model(identity_->version.model) : nullptr;
 }
 
+tmcl::ModuleTraits GatewayModule::traits() const {
+  return as_.model != nullptr && as_.model == model() ? as_.traits : tmcl::ModuleTraits{};
+}
+
 boost::asio::awaitable<Result<void>> GatewayModule::be_ready() {
   if (state_ == State::ready) co_return Result<void>{};
   auto met = co_await meetings_.join([this] { return bus_.run(meet(), {}); });

@@ -29,7 +29,11 @@ class GatewayModule {
   };
 
   GatewayModule(GatewayBus& bus, const ModuleConfig& config)
-      : bus_(bus), address_(config.address), sentinel_(config.sentinel), deadman_(bus, config) {}
+      : bus_(bus),
+        address_(config.address),
+        as_(config.as),
+        sentinel_(config.sentinel),
+        deadman_(bus, config) {}
 
   tmcl::ModuleAddress address() const { return address_; }
   /// An axis of it is in the configuration. Others are only asked what they are when somebody
@@ -41,6 +45,8 @@ class GatewayModule {
   const std::optional<tmcl::FoundModule>& identity() const { return identity_; }
   /// Null for a model that is not known, and before the module has said what it is.
   const tmcl::Model* model() const;
+  /// What the configuration says that it is like; nothing if it is of another model.
+  tmcl::ModuleTraits traits() const;
   bool duplicate_suspected() const { return duplicate_suspected_; }
   /// Changes whenever its settings may have been changed by something else than parameter calls.
   std::uint64_t settings_epoch() const { return settings_epoch_; }
@@ -99,6 +105,7 @@ class GatewayModule {
 
   GatewayBus& bus_;
   tmcl::ModuleAddress address_;
+  MeasuredModule as_;
   bool is_configured_ = false;
   State state_ = State::unknown;
   std::optional<tmcl::FoundModule> identity_;

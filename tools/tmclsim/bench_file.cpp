@@ -7,14 +7,18 @@
 #include <limits>
 #include <optional>
 
+#include "config/module_keys.hpp"
+#include "config/toml_reading.hpp"
 #include "firmware_keys.hpp"
 #include "motor_words.hpp"
 #include "sim/module/delivered_stage.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/spelling.hpp"
-#include "toml_reading.hpp"
 
 namespace tmclsim {
+
+using namespace tmcld;  // how TOML is read
+
 namespace {
 
 using tmcl::sim::EncoderSettings;
@@ -66,7 +70,7 @@ void take_speed(const toml::table& table, std::string_view key, std::int64_t lea
 }
 
 std::vector<std::string_view> module_keys() {
-  auto keys = firmware_keys();
+  auto keys = measured_keys();
   for (const auto* key : {"as", "address", "supply", "temperature", "axis"}) keys.push_back(key);
   return keys;
 }

@@ -1,8 +1,5 @@
-/// The keys that say what a module and its firmware are like.
+/// What the keys say that a module and its firmware are like.
 #pragma once
-
-#include <string_view>
-#include <vector>
 
 #include <toml++/toml.h>
 
@@ -11,11 +8,7 @@
 
 namespace tmclsim {
 
-/// "model" and those that settings_of() reads, but for "as".
-std::vector<std::string_view> firmware_keys();
-
-// Both throw what toml_reading.hpp throws.
-const tmcl::Model& model_of(const toml::table& table);
+/// Of measured_keys() and "as". Throws what toml_reading.hpp throws.
 tmcl::sim::ModuleSettings settings_of(const toml::table& table, const tmcl::Model& model);
 
 }  // namespace tmclsim

@@ -3,7 +3,7 @@
 /// A movement is watched through a line: of each reading it is known when it was asked for and when
 /// it came, so the chip had it in between. A variant fits if there is a moment within the exchange
 /// that set the motor out, and a phase of the chip's ramp tick, with which it makes every microstep
-/// when the readings say so. Nothing is estimated: a busy line tells less, and never anything wrong.
+/// when the readings say so. Nothing is estimated: a busy line tells less, but nothing wrong.
 ///
 /// All variants do the same as long as nothing of a microstep is left over from before; so the
 /// motor first makes one microstep at the least speed that there is, after which nothing is.
