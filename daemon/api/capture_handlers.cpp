@@ -99,7 +99,8 @@ tmcl::Script<tmcl::Result<Begun>> begin(GatewayModule& module, CaptureWish wish,
 
 /// A journey needs its bus; what a module records does not run away.
 std::optional<tmcl::Error> objection_by_journey(const GatewayBus& bus) {
-  for (const auto by : {Mover::path, Mover::line, Mover::mint, Mover::deadman_test}) {
+  for (const auto by :
+       {Mover::path, Mover::line, Mover::mint, Mover::deadman_test, Mover::verification}) {
     if (bus.motors().claimed_by(by) == 0) continue;
     tmcl::Error error;
     error.code = tmcl::Errc::axis_claimed;

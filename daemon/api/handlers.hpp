@@ -14,6 +14,7 @@
 #include "tmcl/api/path.hpp"
 #include "tmcl/api/program.hpp"
 #include "tmcl/api/system.hpp"
+#include "tmcl/api/verify.hpp"
 
 namespace tmcld::handlers {
 
@@ -52,6 +53,7 @@ Answer<axis::Recover> recover(Call& call, const axis::Recover& params);
 Answer<axis::GetErrors> get_errors(Call& call, const axis::GetErrors& params);
 Answer<axis::SetDeadman> set_deadman(Call& call, const axis::SetDeadman& params);
 Answer<axis::TestDeadman> test_deadman(Call& call, const axis::TestDeadman& params);
+Answer<axis::Verify> verify(Call& call, const axis::Verify& params);
 
 Answer<capture::Start> start_capture(Call& call, const capture::Start& params);
 Answer<capture::GetState> capture_state(Call& call, const capture::GetState& params);

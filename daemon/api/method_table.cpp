@@ -71,6 +71,7 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::recover>(operate),
     method<handlers::set_deadman>(configure),
     method<handlers::test_deadman>(configure),
+    method<handlers::verify>(configure),
     method<handlers::start_capture>(operate),
     method<handlers::capture_state>(observe),
     method<handlers::read_capture>(observe),

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
-#include <limits>
 #include <utility>
 #include <vector>
 
@@ -11,6 +10,7 @@
 #include "async/spawn.hpp"
 #include "async/wait_until.hpp"
 #include "gateway/axis_limits.hpp"
+#include "gateway/axis_range.hpp"
 #include "gateway/claim.hpp"
 #include "gateway/gateway.hpp"
 #include "gateway/orphans.hpp"
@@ -44,20 +44,6 @@ tl::unexpected<tmcl::Error> failed(tmcl::Errc code, std::string message, std::st
   error.message = std::move(message);
   error.hint = std::move(hint);
   return tl::unexpected(std::move(error));
-}
-
-/// What is between the axis and the end of where it may go, one way and the other.
-tmcl::ValueRange bounds_of(const GatewayAxis& axis, const tmcl::UserScale& scale) {
-  tmcl::ValueRange range{std::numeric_limits<std::int32_t>::min(),
-                         std::numeric_limits<std::int32_t>::max()};
-  const auto* row = find_parameter(axis.parameters(), ap::target_position);
-  if (row != nullptr) range = {row->minimum, row->maximum};
-  if (const auto& limits = axis.soft_limits()) {
-    const auto within =
-        microsteps_within(*limits, axis.unit().empty() ? tmcl::microsteps_scale() : scale);
-    range = {std::max(range.least, within.least), std::min(range.greatest, within.greatest)};
-  }
-  return range;
 }
 
 tmcl::Script<Result<std::int32_t>> ask_held(tmcl::AxisAddress axis, std::uint8_t parameter,
@@ -133,7 +119,7 @@ GatewayAxis::Awaitable<std::int32_t> Measurement::slow_speed(double greatest_pps
 
 Result<Microsteps> Measurement::target_of(std::int32_t way, Microsteps from,
                                           const tmcl::UserScale& scale) {
-  const auto bounds = bounds_of(axis(), scale);
+  const auto bounds = range_of(axis(), scale);
   const auto above = bounds.greatest - std::int64_t{from.value};
   const auto below = from.value - std::int64_t{bounds.least};
   if (std::max(above, below) < way) {

@@ -148,6 +148,7 @@ std::string why_held(const GatewayAxis& axis, const Leases& leases) {
     case Mover::path: return "path";
     case Mover::mint: return "mint";
     case Mover::deadman_test: return "deadman test";
+    case Mover::verification: return "verification";
     case Mover::stop: return "stop";
     case Mover::nobody:
     case Mover::search: break;

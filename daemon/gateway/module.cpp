@@ -227,6 +227,10 @@ void GatewayModule::adopt(const tmcl::FoundModule& found) {
   duplicate_suspected_ = duplicate_suspected_ || found.duplicate_suspected;
   ++settings_epoch_;
   if (!news) return;
+  if (runs && as_.model != nullptr && as_.model != model())
+    bus_.log(LogLevel::warning,
+             "module " + std::to_string(number(address_)) + " is not what its file is about, a " +
+                 std::string(as_.model->name) + ": its movements are foreseen as usual");
   bus_.look_at_feeding();
   const auto kind =
       runs ? GatewayEvent::Kind::module_answers : GatewayEvent::Kind::module_in_bootloader;

@@ -83,6 +83,7 @@ std::string_view words_for(Mover by) {
     case Mover::mint: return "is moved by a Mint program";
     case Mover::search: return "searches its reference";
     case Mover::deadman_test: return "moves to test the deadman of its module";
+    case Mover::verification: return "moves so that its module can be verified";
     case Mover::stop: return "could not be stopped, and is stopped until its module says it stands";
   }
   return "is not moved by anybody";

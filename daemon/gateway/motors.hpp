@@ -77,6 +77,7 @@ enum class Mover : std::uint8_t {
   mint,
   search,
   deadman_test,
+  verification,
   stop,  ///< Nobody, until it is certain that it stands: see standing_stop.hpp.
 };
 

@@ -95,8 +95,7 @@ TEST(Verification, OfOtherFamiliesMeasuresWhatConcernsThem) {
     EXPECT_TRUE(of(*found, Trait::relative_from).found()) << of(*found, Trait::relative_from).text;
     EXPECT_TRUE(of(*found, Trait::addressing).found());
     EXPECT_EQ(std::ranges::count(found->traits, Trait::order, &TraitFinding::trait), 0);
-    for (const auto& [parameter, value] : options.settings)
-      EXPECT_EQ(module.get(parameter), value);
+    for (const auto& [parameter, value] : options.settings) EXPECT_EQ(module.get(parameter), value);
   }
 }
 
