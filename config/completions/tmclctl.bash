@@ -24,7 +24,7 @@ _tmclctl() {
       --direct | --config | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus | --change | \
         --sample | --until | --full-steps | --velocity | --acceleration | --model | --pulse-div | --ramp-div | \
         --unit-mode | --microsteps | --mode | --bank | --start | --length | --axis | --tolerance | --deviation | --feed | --per-turn | --period | \
-        --channel | --rate | --samples | --trigger | --pretrigger | -o | --output)
+        --channel | --rate | --samples | --trigger | --pretrigger | --travel | --report | -o | --output)
         # --by of move takes no value.
         [[ ${COMP_WORDS[i]} == --by && ${verb[*]} == move ]] || ((i++)) ;;
       # Bash splits serial:/dev/ttyACM0 at the colon.
@@ -46,7 +46,7 @@ _tmclctl() {
     return
   fi
   case $previous in
-    --csv)
+    --csv | --report)
       # The one of simulate is a time.
       [[ ${verb[*]} == "profile simulate" ]] || compopt -o default
       return ;;
@@ -89,7 +89,7 @@ _tmclctl() {
   else
     case ${verb[*]}:$arguments in
       "coordinate start":*) ;;
-      get:0 | set:0 | move:0 | rotate:0 | stop:0 | state:0 | watch:* | plot:0 | capture:0 | params:0 | ramp:0 | home:0 | \
+      get:0 | set:0 | move:0 | rotate:0 | stop:0 | state:0 | watch:* | plot:0 | capture:0 | params:0 | ramp:0 | home:0 | verify:0 | \
         store:0 | restore:0 | "coordinate "*:0 | wait:* | "path pause":* | "path resume":* | "path stop":* | \
         "lease run":* | "lease break":0)
         words=$(_tmclctl_words axes) ;;

@@ -92,12 +92,17 @@ const std::vector<std::string> lines{
     "factory-reset 1 --yes",
 };
 /// What these print is the door's own, or measured: they only end well.
-const std::vector<std::string> lists{
-    "modules",          "axes",
-    "buses --for 0.1",  "state 1/0",
-    "recover 1/0",      "deadman set 1/0 500",
-    "deadman test 1/0", "deadman off 1/0",
-    "stop --all",       "plot 1/0 --for 0.1 --csv FOLDER/plot.csv"};
+const std::vector<std::string> lists{"modules",
+                                     "axes",
+                                     "buses --for 0.1",
+                                     "state 1/0",
+                                     "recover 1/0",
+                                     "deadman set 1/0 500",
+                                     "deadman test 1/0",
+                                     "deadman off 1/0",
+                                     "verify 1/0 --travel 0..1 --yes",
+                                     "stop --all",
+                                     "plot 1/0 --for 0.1 --csv FOLDER/plot.csv"};
 
 /// What is measured, and what the bus and the door are called, is not the same twice.
 std::string without_what_differs(std::string text) {

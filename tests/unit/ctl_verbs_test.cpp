@@ -444,5 +444,39 @@ TEST_F(CtlVerbs, DeadmanTestTellsWhatWasFound) {
   EXPECT_THAT(out, HasSubstr("x: no deadman: it is switched off; it has gone 0 microsteps\n"));
 }
 
+TEST_F(CtlVerbs, VerifyMovesNothingThatNobodyAllowed) {
+  EXPECT_EQ(run({"verify", "x", "--travel", "-2mm..2mm"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("--yes says that it may"));
+  EXPECT_EQ(run({"verify", "x", "--travel", "2mm", "--yes"}), ExitCode::usage);
+  EXPECT_THAT(target.calls, IsEmpty());
+}
+
+TEST_F(CtlVerbs, VerifyTellsWhatTheTwinHasAndWhatTheModuleDoes) {
+  using boost::json::array;
+  using boost::json::object;
+  const auto trait = [](const char* name, bool measured, array fits, const char* text) {
+    return object{{"trait", name},
+                  {"foreseen", "r3"},
+                  {"measured", measured},
+                  {"fits", std::move(fits)},
+                  {"text", text}};
+  };
+  target.result = {{"model", "TMCM-1110"},
+                   {"firmware", "1.13"},
+                   {"answer_us", 420},
+                   {"traits",
+                    {trait("last_step", true, {"r1"}, "as 8 moves say"),
+                     trait("limit_stop", false, {}, "it needs a switch")}},
+                   {"moves", array{}},
+                   {"report", "[module]\n"}};
+  EXPECT_EQ(run({"verify", "x", "--travel", "-2mm..2mm", "--yes"}), ExitCode::done);
+  EXPECT_THAT(target.calls, ElementsAre(R"(axis.verify {"axis":"x","from":"-2mm","to":"2mm"})"));
+  EXPECT_THAT(out, HasSubstr("TMCM-1110, firmware 1.13, answers within 0.42 ms\n"));
+  EXPECT_THAT(out, HasSubstr("not measured"));
+  EXPECT_THAT(out, HasSubstr("1 of 2 traits measured; 1 not as foreseen\n"));
+  EXPECT_EQ(run({"verify", "x", "--yes", "--report", "-"}), ExitCode::done);
+  EXPECT_THAT(out, testing::EndsWith("[module]\n"));
+}
+
 }  // namespace
 }  // namespace tmclctl::test

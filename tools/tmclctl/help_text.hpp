@@ -354,6 +354,26 @@ then; a stop, or Ctrl-C, ends the test. tmcld remembers what was found: 'tmclctl
   tmclctl deadman off x
 )";
 
+constexpr const char* verify_module = R"(
+What a move will do is foreseen by a twin of the module's ramp generator, and some of what chips and
+firmware do is in no document. This finds it out: small, slow moves, up to a hundred microsteps, and some
+questions. Each move is watched, and every known variant that could not have moved like this is out. The
+table says for each trait what the twin has, what the module was found to be, and how that is known, or
+why it is not: a trait whose variants differ by milliseconds does not show on a line of 9600 baud.
+
+The axis ends where it began, and has the settings that it had. Currents are never touched. A value out of
+range is sent that a module without a check cuts to what it has, and one question to an address that no
+module here has. Nobody else can move or set the axis meanwhile; a stop, or Ctrl-C, ends it: the axis stands
+then, and gets its settings back. It takes a minute or less.
+
+--report writes a file that says all this, for a person and for programs: 'tmclsim --module MODEL --as FILE'
+makes a simulated module like it, and 'as' in a [[module]] of tmcld.toml a twin.
+
+  tmclctl verify x --travel -2mm..2mm
+  tmclctl verify x --yes --report x.toml
+  tmclctl verify 1/0 --travel -100..100 --yes --report -
+)";
+
 constexpr const char* coordinate = R"(
 Coordinates 0 to 20 are lost with the module's power, unless they are stored; 0 never is.
 

@@ -1,9 +1,11 @@
 #include "host.hpp"
 
 #include <poll.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
+#include <iostream>
 
 namespace tmclctl {
 namespace {
@@ -30,6 +32,14 @@ void RealHost::catch_signals() {
   struct sigaction before {};
   ::sigaction(SIGHUP, nullptr, &before);
   if (before.sa_handler != SIG_IGN) ::sigaction(SIGHUP, &action, nullptr);
+}
+
+std::optional<bool> RealHost::confirm(const std::string& question) {
+  if (::isatty(STDIN_FILENO) == 0 || ::isatty(STDERR_FILENO) == 0) return std::nullopt;
+  std::cerr << question << std::flush;
+  std::string said;
+  std::getline(std::cin, said);
+  return said == "y" || said == "Y" || said == "yes";
 }
 
 void RealHost::sleep(tmcl::Duration duration) {

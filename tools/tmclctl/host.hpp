@@ -1,6 +1,9 @@
 /// What a verb needs of the process it runs in: the time, waiting, and signals.
 #pragma once
 
+#include <optional>
+#include <string>
+
 #include "tmcl/clock.hpp"
 
 namespace tmclctl {
@@ -23,6 +26,8 @@ class Host {
   /// end; SIGCONT asks for its end, too.
   virtual void catch_pauses() = 0;
   virtual bool pause_asked() const = 0;
+  /// Whether a person on the terminal says yes; nothing if none is there.
+  virtual std::optional<bool> confirm(const std::string& /*question*/) { return std::nullopt; }
 };
 
 /// Real time and real signals.
@@ -35,6 +40,7 @@ class RealHost final : public Host {
   int take_signal() override;
   void catch_pauses() override;
   bool pause_asked() const override;
+  std::optional<bool> confirm(const std::string& question) override;
 
  private:
   tmcl::RealClock clock_;

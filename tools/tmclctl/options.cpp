@@ -92,6 +92,7 @@ Parser::Parser() {
   add_recover(grammar_);
   add_errors(grammar_);
   add_deadman(grammar_);
+  add_verify(grammar_);
   add_coordinates(grammar_);
   add_arrivals(grammar_);
   add_eeprom(grammar_);

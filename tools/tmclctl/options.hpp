@@ -265,6 +265,15 @@ struct SetDeadman {
 struct TestDeadman {
   std::string axis;
 };
+/// In what the module of an axis is not like its twin.
+struct Verify {
+  std::string axis;
+  std::string travel_from;  ///< Empty: to its soft limits; as typed, from where it stands.
+  std::string travel_to;
+  std::string report;  ///< Empty: none; "-": to standard output, and nothing else.
+  bool yes = false;
+  bool internal = false;
+};
 /// Lets a module tell when motors arrive, and shows that.
 struct Arrivals {
   std::string module;
@@ -314,16 +323,15 @@ struct Complete {
 
 }  // namespace verb
 
-using Verb =
-    std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models, verb::Get,
-                 verb::Set, verb::Move, verb::Wait, verb::Line, verb::Rotate, verb::Stop,
-                 verb::State, verb::Watch, verb::Top, verb::Buses, verb::Plot, verb::Raw,
-                 verb::Simulate, verb::SolveProfile, verb::CheckMint, verb::RunMint,
-                 verb::CheckPath, verb::RunPath, verb::Assemble, verb::Disassemble,
-                 verb::FirmwareInfo, verb::CheckFirmware, verb::UploadFirmware, verb::Ramp,
-                 verb::Convert, verb::Ask, verb::Arrivals, verb::Home, verb::Recover, verb::Errors,
-                 verb::Upload, verb::Download, verb::RunLeased, verb::Leases, verb::BreakLease,
-                 verb::SetDeadman, verb::TestDeadman, verb::Capture, verb::Ports, verb::Complete>;
+using Verb = std::variant<
+    verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models, verb::Get, verb::Set,
+    verb::Move, verb::Wait, verb::Line, verb::Rotate, verb::Stop, verb::State, verb::Watch,
+    verb::Top, verb::Buses, verb::Plot, verb::Raw, verb::Simulate, verb::SolveProfile,
+    verb::CheckMint, verb::RunMint, verb::CheckPath, verb::RunPath, verb::Assemble,
+    verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware, verb::UploadFirmware, verb::Ramp,
+    verb::Convert, verb::Ask, verb::Arrivals, verb::Home, verb::Recover, verb::Errors, verb::Upload,
+    verb::Download, verb::RunLeased, verb::Leases, verb::BreakLease, verb::SetDeadman,
+    verb::TestDeadman, verb::Capture, verb::Ports, verb::Verify, verb::Complete>;
 
 struct Options {
   Where where;

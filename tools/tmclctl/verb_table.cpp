@@ -48,6 +48,7 @@ constexpr auto table = std::to_array<VerbInfo>({
     {"deadman set", both, acts},
     {"deadman off", both, acts},
     {"deadman test", both, acts},
+    {"verify", both, acts},
     {"coordinate set", both, acts},
     {"coordinate get", both, reads},
     {"coordinate capture", both, acts},

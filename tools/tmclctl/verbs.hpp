@@ -47,6 +47,7 @@ VerbResult run(const verb::Recover& verb, Context& context);
 VerbResult run(const verb::Errors& verb, Context& context);
 VerbResult run(const verb::SetDeadman& verb, Context& context);
 VerbResult run(const verb::TestDeadman& verb, Context& context);
+VerbResult run(const verb::Verify& verb, Context& context);
 VerbResult run(const verb::Upload& verb, Context& context);
 VerbResult run(const verb::Download& verb, Context& context);
 VerbResult run(const verb::RunLeased& verb, Context& context);

@@ -123,6 +123,39 @@ void add_deadman(Grammar& grammar) {
   test.axis(test->axis);
 }
 
+namespace {
+
+/// "-2mm..2mm"
+Reading read_travel(const std::string& said, verb::Verify& verb) {
+  constexpr std::string_view between = "..";
+  const auto at = said.find(between);
+  const auto end = at == std::string::npos ? at : at + between.size();
+  if (at == std::string::npos || at == 0 || end == said.size())
+    return tl::unexpected("'" + said + "' is no travel, such as -2mm..2mm");
+  verb.travel_from = said.substr(0, at);
+  verb.travel_to = said.substr(end);
+  return {};
+}
+
+}  // namespace
+
+void add_verify(Grammar& grammar) {
+  auto verify = grammar.verb<verb::Verify>(
+      "verify", "Find out in what a module is not like its twin", help_text::verify_module);
+  verify.axis(verify->axis);
+  auto& values = *verify.operator->();
+  verify.option("--travel", "FROM..TO",
+                "How far it may go from where it stands; without it, to its soft limits",
+                [&values](const std::string& said) { return read_travel(said, values); });
+  verify.option("--report", "FILE", "Write what was found; '-': to standard output",
+                text(verify->report));
+  verify.flag("--yes", "Do not ask whether the axis may move", verify->yes);
+  verify.internal(verify->internal);
+  verify.object([](const verb::Verify& said, bool json) {
+    return json && said.report == "-" ? "--json and '--report -' both want standard output" : "";
+  });
+}
+
 void add_coordinates(Grammar& grammar) {
   const auto group = grammar.group("coordinate", "Positions that modules remember by number",
                                    help_text::coordinate);
