@@ -7,7 +7,7 @@
 
 #include <boost/asio/posix/stream_descriptor.hpp>
 
-#include "sim/ports/can_socket.hpp"
+#include "tmcl/can_socket.hpp"
 #include "sim/wire/can_line.hpp"
 
 namespace tmcl::sim {

@@ -10,7 +10,7 @@
 #include <span>
 #include <vector>
 
-#include "sim/ports/file_descriptor.hpp"
+#include "tmcl/file_descriptor.hpp"
 
 namespace tmcl::sim {
 namespace {

@@ -10,8 +10,8 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 
-#include "sim/ports/link_file.hpp"
-#include "sim/ports/pty.hpp"
+#include "tmcl/link_file.hpp"
+#include "tmcl/pty.hpp"
 
 namespace tmcl::sim {
 

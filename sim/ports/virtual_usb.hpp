@@ -5,7 +5,7 @@
 
 #include <tl/expected.hpp>
 
-#include "sim/ports/file_descriptor.hpp"
+#include "tmcl/file_descriptor.hpp"
 
 namespace tmcl::sim {
 

@@ -17,7 +17,7 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
-#include "sim/ports/file_descriptor.hpp"
+#include "tmcl/file_descriptor.hpp"
 #include "sim/ports/pty_port.hpp"
 #include "sim/ports/tcp_port.hpp"
 #include "support/temp_path.hpp"

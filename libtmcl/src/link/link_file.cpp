@@ -1,8 +1,8 @@
-#include "sim/ports/link_file.hpp"
+#include "tmcl/link_file.hpp"
 
 #include <system_error>
 
-namespace tmcl::sim {
+namespace tmcl {
 namespace {
 
 namespace fs = std::filesystem;
@@ -13,12 +13,12 @@ std::string refusal(const fs::path& path, const fs::path& target) {
   const auto found = fs::symlink_status(path, error);
   if (found.type() == fs::file_type::not_found) return {};
   if (found.type() != fs::file_type::symlink) {
-    return path.string() + " exists and is not a link of the simulator; choose another path";
+    return path.string() + " exists and is no symbolic link; choose another path";
   }
   const auto leads_to = fs::read_symlink(path, error);
   if (fs::exists(path, error) && leads_to != target) {
     return path.string() + " already leads to " + leads_to.string() +
-           ", which is in use. Is another tmclsim running? If not, remove it: rm " + path.string();
+           ", which is in use. Does another program serve it? If not, remove it: rm " + path.string();
   }
   fs::remove(path, error);
   return error ? "cannot replace " + path.string() + ": " + error.message() : std::string{};
@@ -45,4 +45,4 @@ LinkFile::~LinkFile() {
   if (fs::read_symlink(path_, error) == target_ && !error) fs::remove(path_, error);
 }
 
-}  // namespace tmcl::sim
+}  // namespace tmcl

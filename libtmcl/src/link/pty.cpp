@@ -1,4 +1,4 @@
-#include "sim/ports/pty.hpp"
+#include "tmcl/pty.hpp"
 
 #include <fcntl.h>
 #include <stdlib.h>
@@ -8,7 +8,7 @@
 #include <cerrno>
 #include <system_error>
 
-namespace tmcl::sim {
+namespace tmcl {
 namespace {
 
 tl::unexpected<std::string> failure(const char* what) {
@@ -44,4 +44,4 @@ tl::expected<Pty, std::string> open_pty() {
   return pty;
 }
 
-}  // namespace tmcl::sim
+}  // namespace tmcl

@@ -7,7 +7,7 @@
 
 #include <tl/expected.hpp>
 
-namespace tmcl::sim {
+namespace tmcl {
 
 class LinkFile {
  public:
@@ -33,4 +33,4 @@ class LinkFile {
   std::filesystem::path target_;
 };
 
-}  // namespace tmcl::sim
+}  // namespace tmcl

@@ -6,10 +6,10 @@
 
 #include <tl/expected.hpp>
 
-#include "sim/ports/file_descriptor.hpp"
+#include "tmcl/file_descriptor.hpp"
 #include "tmcl/datagram.hpp"
 
-namespace tmcl::sim {
+namespace tmcl {
 
 /// Non-blocking, bound to one interface. The error is a sentence that says what to do.
 tl::expected<FileDescriptor, std::string> open_can_socket(const std::string& interface);
@@ -28,4 +28,4 @@ CanRead read_can(int socket);
 /// False if the kernel did not take the frame.
 bool write_can(int socket, const CanFrame& frame);
 
-}  // namespace tmcl::sim
+}  // namespace tmcl

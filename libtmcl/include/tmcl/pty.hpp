@@ -5,9 +5,9 @@
 
 #include <tl/expected.hpp>
 
-#include "sim/ports/file_descriptor.hpp"
+#include "tmcl/file_descriptor.hpp"
 
-namespace tmcl::sim {
+namespace tmcl {
 
 struct Pty {
   FileDescriptor master;
@@ -20,4 +20,4 @@ struct Pty {
 /// Raw, without echo: bytes pass as they are. The error is a sentence.
 tl::expected<Pty, std::string> open_pty();
 
-}  // namespace tmcl::sim
+}  // namespace tmcl

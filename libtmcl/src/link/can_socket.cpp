@@ -1,4 +1,4 @@
-#include "sim/ports/can_socket.hpp"
+#include "tmcl/can_socket.hpp"
 
 #include <linux/can.h>
 #include <linux/can/raw.h>
@@ -11,7 +11,7 @@
 #include <cstring>
 #include <system_error>
 
-namespace tmcl::sim {
+namespace tmcl {
 namespace {
 
 std::string reason() { return std::generic_category().message(errno); }
@@ -93,4 +93,4 @@ bool write_can(int socket, const CanFrame& frame) {
   return ::write(socket, &raw, sizeof raw) == sizeof raw;
 }
 
-}  // namespace tmcl::sim
+}  // namespace tmcl
