@@ -158,6 +158,10 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Errors: also Errc::move_interrupted if the module has ended the search in vain.
   Awaitable<tmcl::Homed> home(tmcl::HomeOptions options, RunOptions movement);
   Awaitable<void> start_home(std::optional<std::int32_t> mode, RunOptions movement);
+  /// A raw command that names it, sent once, with what the module says to it. What moves the axis
+  /// or sets it off is admitted like any other movement; a stop is not for this.
+  /// A relative move is sent as an absolute one, and answered as the firmware of its model would.
+  Awaitable<tmcl::Answer> execute(tmcl::Request request, RunOptions movement);
   /// Any other verb. One that can move the motor needs what admit() gives.
   template <class T>
   Awaitable<T> perform(tmcl::Script<tmcl::Result<T>> script, RunOptions options) {
@@ -204,6 +208,9 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
     auto result = co_await axis_.run(std::move(script), std::move(*admitted));
     co_return result;
   }
+  Awaitable<tmcl::Answer> execute_admitted(tmcl::Request request, Admitted admitted);
+  /// What the firmware of its model counts relative moves from now.
+  Awaitable<std::uint8_t> origin_of_relative_moves();
   Awaitable<AxisReading> look();
   /// Until it stands at its target; for longer where its settings may let it swing about that.
   Awaitable<StoodAt> stand(tmcl::WaitOptions wait, RunOptions options);

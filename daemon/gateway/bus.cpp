@@ -7,7 +7,7 @@
 
 #include "async/gather.hpp"
 #include "async/spawn.hpp"
-#include "tmcl/relative_move.hpp"
+#include "gateway/raw_command.hpp"
 
 namespace tmcld {
 namespace {
@@ -288,32 +288,6 @@ tmcl::Error GatewayBus::not_open() const {
   return error;
 }
 
-namespace {
-
-constexpr std::uint8_t move_relative = 1;  // the type of MVP
-
-bool is_relative_move(const tmcl::Request& request) {
-  return request.command == tmcl::Command::MVP && request.type == move_relative;
-}
-
-/// If it came twice, the motor would go twice as far: read, add, and send where that is.
-tmcl::Script<tmcl::Result<tmcl::Answer>> move_by(tmcl::Request request) {
-  const auto add = [request](tmcl::Microsteps here) -> tmcl::Result<tmcl::Microsteps> {
-    const auto target = std::int64_t{here.value} + request.value;
-    if (std::in_range<std::int32_t>(target))
-      return tmcl::Microsteps{static_cast<std::int32_t>(target)};
-    return tl::unexpected(tmcl::bad_argument("it would end outside 32 bits", "move less far"));
-  };
-  const auto target = co_await tmcl::verbs::move_from_here({request.address, request.motor}, add);
-  if (!target) co_return tl::unexpected(target.error());
-  tmcl::Answer answer;
-  answer.reply = {tmcl::default_host_address, tmcl::reply_byte(request.address), tmcl::Status::ok,
-                  request.command, target->value};
-  co_return answer;
-}
-
-}  // namespace
-
 awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
                                                           RunOptions options) {
   if (!bus_) {
@@ -326,7 +300,8 @@ awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
   // What is read or checked while it is on its way may be from before it.
   if (module != nullptr && !asks) module->note_settings_changed();
   options.objection = [this, request] { return motors_.misses_reference(request); };
-  auto script = is_relative_move(request) ? move_by(request) : tmcl::verbs::command(request);
+  auto script =
+      is_relative_move(request) ? move_relatively(request, {}) : tmcl::verbs::command(request);
   auto answer = co_await run(std::move(script), std::move(options));
   if (module == nullptr) co_return answer;
   if (!answer) module->note(answer.error());

@@ -35,13 +35,6 @@ bool restarts(const Request& request) {
          request.command == Command::SOFTWARE_RESET || request.command == Command::FACTORY_RESET;
 }
 
-bool names_motor(const Request& request) {
-  const auto* row = tmcl::find_command(static_cast<std::uint8_t>(request.command));
-  return row != nullptr && row->operands &&
-         std::ranges::any_of(*row->operands,
-                             [](const auto& operand) { return operand.name == "motor"; });
-}
-
 /// Whether what the request changes can matter to the motor: others are about the whole module.
 bool concerns(const Request& request, AxisAddress motor) {
   if (request.address != motor.module) return false;
@@ -75,6 +68,20 @@ bool goes_to_position(const Request& request) {
   }
 }
 
+/// It has no target any more that a relative move could count from.
+bool leaves_positions(const Request& request) {
+  switch (request.command) {
+    case Command::ROR:
+    case Command::ROL:
+    case Command::RORA:
+    case Command::ROLA:
+    case Command::MST:
+    case Command::RFS: return effect_of(request.command, request.type) != tmcl::Effect::reads;
+    case Command::SAP: return request.type == tmcl::axis_parameter::target_velocity;
+    default: return false;
+  }
+}
+
 std::string_view words_for(Mover by) {
   switch (by) {
     case Mover::nobody: break;
@@ -90,6 +97,13 @@ std::string_view words_for(Mover by) {
 }
 
 }  // namespace
+
+bool names_motor(const Request& request) {
+  const auto* row = tmcl::find_command(static_cast<std::uint8_t>(request.command));
+  return row != nullptr && row->operands &&
+         std::ranges::any_of(*row->operands,
+                             [](const auto& operand) { return operand.name == "motor"; });
+}
 
 bool can_move(const Request& request) {
   return effect_of(request.command, request.type) == tmcl::Effect::moves;
@@ -378,6 +392,21 @@ void Motors::note_moved(const Request& request) {
   if (static_cast<std::size_t>(others) < most_other_motors) moved_.merge(motors_of(request));
 }
 
+void Motors::note_target(const Request& request) {
+  const bool to_position = goes_to_position(request);
+  if (!to_position && !leaves_positions(request)) return;
+  for (auto& [address, motor] : motors_) {
+    const bool names_it = request.address == address.module && request.motor == address.motor;
+    if (names_it || (to_position && can_move(request, address)))
+      motor.was_sent_to_position = to_position;
+  }
+}
+
+bool Motors::was_sent_to_position(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  return found != motors_.end() && found->second.was_sent_to_position;
+}
+
 bool Motors::may_move(AxisAddress motor) const {
   return moved_.contains(motor) || claimant_of(motor).by != Mover::nobody ||
          std::ranges::any_of(on_their_way_,
@@ -438,7 +467,10 @@ tmcl::Error Motors::claimed(AxisAddress motor) const {
 void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answer, Claimant before,
                   std::uint64_t turning) {
   const AxisAddress motor{request.address, request.motor};
-  if (answer || answer.error().outcome == tmcl::Outcome::unknown) note_moved(request);
+  if (answer || answer.error().outcome == tmcl::Outcome::unknown) {
+    note_moved(request);
+    note_target(request);
+  }
   // Whoever lets it turn may have said so while this was on its way.
   if (answer && ends_turning(request) && turning == turning_of(motor)) end_turning(motor);
   if (answer && request.command == Command::MST) moved_.erase(motor);

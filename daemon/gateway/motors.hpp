@@ -107,6 +107,8 @@ class Claim {
 bool can_move(const tmcl::Request& request);
 bool can_move(const tmcl::Request& request, tmcl::AxisAddress motor);
 bool starts_search(const tmcl::Request& request);
+/// Its motor field says which motor it is about, or that it is about several.
+bool names_motor(const tmcl::Request& request);
 /// Those that a request names; motor 0 if it knows none.
 std::set<tmcl::AxisAddress> motors_of(const tmcl::Request& request);
 /// What moves then, and where to, nobody knows.
@@ -203,6 +205,8 @@ class Motors {
   std::set<tmcl::AxisAddress> others_that_may_move() const;
   /// As far as is known: something that can move it has gone out since it was stopped last.
   bool may_move(tmcl::AxisAddress motor) const;
+  /// What moved or stopped it last was sent from here, and said where it is to stand.
+  bool was_sent_to_position(tmcl::AxisAddress motor) const;
 
   /// Learns from what goes past whether reference searches run, and what turns: `before` it was
   /// sent, the motor was claimed like this, and `turning` was its turning.
@@ -222,6 +226,7 @@ class Motors {
     Permit searcher{};          ///< Who may move it all the same.
     bool is_referenced = false;
     bool needs_reference = false;
+    bool was_sent_to_position = false;
   };
 
   bool is_axis(tmcl::AxisAddress motor) const;
@@ -229,6 +234,7 @@ class Motors {
   void note_claim(tmcl::AxisAddress motor, Claimant claimant);
   void forget_other_motors();
   void note_moved(const tmcl::Request& request);
+  void note_target(const tmcl::Request& request);
   bool is_stopped_since(tmcl::AxisAddress motor, Permit permit) const;
   std::optional<tmcl::Error> objection_to_all(Permit permit) const;
   void end_turning(tmcl::AxisAddress motor);

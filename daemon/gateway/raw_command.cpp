@@ -1,0 +1,77 @@
+#include "gateway/raw_command.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace tmcld {
+namespace {
+
+using tmcl::Command;
+namespace ap = tmcl::axis_parameter;
+
+enum class Move : std::uint8_t { absolute = 0, relative = 1, to_coordinate = 2 };
+
+/// The least number of 32 bits has no positive counterpart; no module turns that fast anyway.
+std::int32_t opposite(std::int32_t velocity) {
+  return -std::max(velocity, -std::numeric_limits<std::int32_t>::max());
+}
+
+Intent intent_of_move(const tmcl::Request& request) {
+  switch (static_cast<Move>(request.type)) {
+    case Move::absolute: return intent::MoveTo{{tmcl::Microsteps{request.value}}};
+    case Move::relative: return intent::MoveFromHere{};
+    case Move::to_coordinate:
+      return intent::MoveToCoordinate{static_cast<std::uint8_t>(request.value)};
+  }
+  return intent::Restore{ap::target_position};
+}
+
+}  // namespace
+
+std::optional<Intent> intent_of(const tmcl::Request& request) {
+  switch (request.command) {
+    case Command::MVP: return intent_of_move(request);
+    case Command::ROR: return intent::Turn{{request.value}};
+    case Command::ROL: return intent::Turn{{opposite(request.value)}};
+    case Command::SAP: return intent::Write{request.type, request.value};
+    case Command::RSAP:
+    case Command::AAP: return intent::Restore{request.type};
+    case Command::MVPA: return intent::Restore{ap::target_position};
+    case Command::ROLA:
+    case Command::RORA: return intent::Restore{ap::target_velocity};
+    case Command::RFS:
+      return starts_search(request) ? std::optional<Intent>(intent::Search{}) : std::nullopt;
+    default: return std::nullopt;
+  }
+}
+
+bool is_relative_move(const tmcl::Request& request) {
+  return request.command == Command::MVP &&
+         request.type == static_cast<std::uint8_t>(Move::relative);
+}
+
+tmcl::Script<tmcl::Result<tmcl::Answer>> move_relatively(tmcl::Request request, RelativeMove move) {
+  tmcl::CallOptions proven;
+  proven.proof = tmcl::Proof::twice;
+  const tmcl::Request question{request.address, Command::GAP, move.origin, request.motor, 0};
+  auto here = co_await tmcl::exchange(question, proven);
+  if (!here) {
+    here.error().outcome = tmcl::Outcome::not_sent;
+    co_return here;
+  }
+  const auto target = std::int64_t{here->reply.value} + request.value;
+  if (!std::in_range<std::int32_t>(target))
+    co_return tl::unexpected(tmcl::bad_argument("it would end outside 32 bits", "move less far"));
+  auto absolute = request;
+  absolute.type = static_cast<std::uint8_t>(Move::absolute);
+  absolute.value = static_cast<std::int32_t>(target);
+  if (move.aim) move.aim(tmcl::Microsteps{absolute.value});
+  auto answer = co_await tmcl::exchange(absolute);
+  if (!answer) co_return answer;
+  const bool tells_target = move.answer == tmcl::RelativeAnswer::target;
+  answer->reply.value = tells_target ? absolute.value : request.value;
+  co_return answer;
+}
+
+}  // namespace tmcld
