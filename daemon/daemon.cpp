@@ -85,8 +85,14 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(boost::asio::i
   options.deadmen = state_file(config.daemon, ".deadman.json");
   options.audit = [trail = daemon->audit_](AuditEntry entry) { trail->add(std::move(entry)); };
   daemon->gateway_ = Gateway::create(executor, config, std::move(options));
-  daemon->server_ = std::make_shared<UnixServer>(executor, std::move(*file), daemon->gateway_,
-                                                 make_room_for_clients(config.buses.size()));
+  daemon->server_ =
+      std::make_shared<UnixServer>(executor, std::move(*file), daemon->gateway_,
+                                   make_room_for_clients(config.buses.size(), config.ports.size()));
+  for (const auto& one : config.ports) {
+    auto port = open_port(one, daemon->gateway_);
+    if (!port) return tl::unexpected(std::move(port.error()));
+    daemon->ports_.push_back(std::move(*port));
+  }
   return daemon;
 }
 
@@ -115,6 +121,7 @@ awaitable<void> Daemon::begin_to_serve(Daemon& daemon) {
       time_to_open);
   if (daemon.ending_) co_return;
   daemon.server_->start();
+  for (const auto& port : daemon.ports_) port->start();
   if (!daemon.service_.is_watched()) co_return;
   daemon.service_.ready(daemon.status());
   spawn(daemon.context_.get_executor(), report(daemon));
@@ -244,6 +251,7 @@ awaitable<void> Daemon::end(Daemon& daemon) {
   daemon.service_.stopping("ending: axes that move are stopped first");
   server.stop_accepting();
   co_await end_gateway(daemon.gateway_);
+  for (const auto& port : daemon.ports_) port->close();
   server.finish_sessions();
   co_await wait_until([&] { return server.clients() == 0; }, time_for_answers);
   server.close_sessions();

@@ -12,6 +12,7 @@
 #include <tl/expected.hpp>
 
 #include "config/config.hpp"
+#include "fronts/port.hpp"
 #include "fronts/unix_server.hpp"
 #include "gateway/gateway.hpp"
 #include "log/audit_trail.hpp"
@@ -26,8 +27,8 @@ class Daemon {
   /// What has become of it, in a line; errors: likewise, and all is as it was.
   using Reloaded = tl::expected<std::string, std::vector<std::string>>;
 
-  /// Claims the socket, or takes that of the service. The context must outlive it. Errors: a
-  /// sentence for a person, with what to try.
+  /// Claims the socket, or takes that of the service, and opens the ports. The context must outlive
+  /// it. Errors: a sentence for a person, with what to try.
   static tl::expected<std::unique_ptr<Daemon>, std::string> create(
       boost::asio::io_context& context, const Config& config,
       const OpenLink& open_link = open_configured_link, Service service = {});
@@ -83,6 +84,7 @@ class Daemon {
   std::shared_ptr<AuditTrail> audit_;
   std::shared_ptr<Gateway> gateway_;
   std::shared_ptr<UnixServer> server_;
+  std::vector<std::shared_ptr<Port>> ports_;
   bool ending_ = false;
   bool has_ended_ = false;
 };

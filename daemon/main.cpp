@@ -62,6 +62,15 @@ void print_access(const AccessConfig& access) {
   std::printf("\n");
 }
 
+void print_port(const PortConfig& port) {
+  constexpr auto may = [](Role role) {
+    if (role == Role::configure) return "read, stop, move and configure";
+    return role == Role::operate ? "read, stop and move" : "read and stop";
+  };
+  std::printf("port %s: hosts may %s on bus %s\n", port.name.c_str(), may(port.role),
+              port.bus.c_str());
+}
+
 void print_feeding(const BusConfig& bus) {
   const auto percent = feeding_percent(bus);
   if (percent == 0) return;
@@ -93,6 +102,7 @@ int check(const LoadedConfig& loaded) {
       print_mechanics(axis);
   }
   for (const auto& access : config.access) print_access(access);
+  for (const auto& port : config.ports) print_port(port);
   return exit_code::ok;
 }
 

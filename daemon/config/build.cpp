@@ -91,6 +91,12 @@ std::string text_of(const ConfigSection& section) {
   return text;
 }
 
+std::string text_of(const decltype(PortConfig::place)& place) {
+  if (const auto* pty = std::get_if<PtyName>(&place)) return "pty:" + pty->path;
+  if (const auto* tcp = std::get_if<tmcl::TcpName>(&place)) return to_string(tmcl::LinkName(*tcp));
+  return to_string(tmcl::LinkName(std::get<tmcl::CanName>(place)));
+}
+
 class Builder {
  public:
   explicit Builder(std::vector<ConfigProblem>& problems) : problems_(problems) {}
@@ -112,6 +118,7 @@ class Builder {
     each(SectionKind::bus, [&](const auto& section) { add_bus(section); });
     each(SectionKind::module, [&](const auto& section) { add_module(section); });
     each(SectionKind::axis, [&](const auto& section) { add_axis(section); });
+    each(SectionKind::port, [&](const auto& section) { add_port(section); });
     for (const auto& section : sections) note_text(section);
     check_whole();
     return std::move(config_);
@@ -479,6 +486,80 @@ class Builder {
     scale.encoder_counts_per_unit = counts_per_unit(encoder, scale.with_resolution(0));
   }
 
+  void add_port(const ConfigSection& section) {
+    const auto* name = new_name(section, config_.ports);
+    const auto* bus_name = section.get<std::string>("bus");
+    const auto role = role_of_port(section);
+    const auto place = place_of_port(section);
+    const auto* bus = bus_name == nullptr ? nullptr : find_bus(section, *bus_name);
+    if (bus == nullptr || name == nullptr || !place) return;
+    config_.ports.push_back({*name, *bus_name, *place, role});
+  }
+
+  Role role_of_port(const ConfigSection& section) {
+    constexpr std::array<std::string_view, 2> words{"move", "configure"};
+    auto role = Role::observe;
+    const auto* may = section.get<ConfigTexts>("may");
+    if (may == nullptr) return role;
+    for (const auto& word : *may) {
+      if (word == words[0]) role = std::max(role, Role::operate);
+      if (word == words[1]) role = Role::configure;
+      if (std::ranges::count(words, word) != 0) continue;
+      complain(section.place_of("may"),
+               fmt::format("'may' has '{}', but can only have {}.{}", word,
+                           fmt::join(words, " and "), tmcl::did_you_mean(word, words)));
+    }
+    return role;
+  }
+
+  using PortPlace = decltype(PortConfig::place);
+
+  /// Nothing, and a complaint, if it is not one of the three, or in use.
+  std::optional<PortPlace> place_of_port(const ConfigSection& section) {
+    std::optional<PortPlace> place;
+    constexpr std::array<std::string_view, 3> keys{"pty", "tcp", "can"};
+    const auto given =
+        std::ranges::count_if(keys, [&](auto key) { return section.find(key) != nullptr; });
+    if (given != 1) {
+      complain(section.place,
+               "[[port]] needs one of 'pty', 'tcp' and 'can': where its hosts find the bus");
+      return place;
+    }
+    for (const auto key : keys)
+      if (const auto* text = section.get<std::string>(key))
+        place = parse_place(section, key, *text);
+    const auto key =
+        *std::ranges::find_if(keys, [&](auto one) { return section.find(one) != nullptr; });
+    for (const auto& other : config_.ports) {
+      if (!place || text_of(other.place) != text_of(*place)) continue;
+      complain(section.place_of(key), "port " + quoted(other.name) + " is there already");
+    }
+    return place;
+  }
+
+  std::optional<PortPlace> parse_place(const ConfigSection& section, std::string_view key,
+                                       const std::string& text) {
+    if (key == "pty") {
+      if (!text.empty()) return PtyName{text};
+      complain(section.place_of(key), "'pty' must be a path");
+      return std::nullopt;
+    }
+    auto link = tmcl::parse_link_name(std::string(key) + ":" + text);
+    if (!link) {
+      const std::string form = key == "tcp" ? "HOST:PORT" : "the name of an interface";
+      complain(section.place_of(key), fmt::format("'{}' is '{}', but must be {}", key, text, form));
+      return std::nullopt;
+    }
+    for (const auto& bus : config_.buses) {
+      if (to_string(bus.link) != to_string(*link)) continue;
+      complain(section.place_of(key), "bus " + quoted(bus.name) + " is there: a port needs " +
+                                          (key == "can" ? "an interface" : "a place") +
+                                          " of its own");
+    }
+    if (const auto* tcp = std::get_if<tmcl::TcpName>(&*link)) return *tcp;
+    return std::get<tmcl::CanName>(*link);
+  }
+
   const BusConfig* find_bus(const ConfigSection& section, const std::string& name) {
     const auto found = std::ranges::find(config_.buses, name, &BusConfig::name);
     if (found != config_.buses.end()) return &*found;
@@ -496,6 +577,9 @@ class Builder {
     }
     if (config_.axes.size() > max_axes) {
       complain({}, "more than " + std::to_string(max_axes) + " axes");
+    }
+    if (config_.ports.size() > max_ports) {
+      complain({}, "more than " + std::to_string(max_ports) + " ports");
     }
   }
 

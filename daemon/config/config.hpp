@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include "tmcl/bus_options.hpp"
@@ -21,6 +22,7 @@ namespace tmcld {
 /// Bounds of a configuration; more than a gateway has ports for.
 constexpr std::size_t max_buses = 32;
 constexpr std::size_t max_axes = 256;
+constexpr std::size_t max_ports = 32;
 
 enum class LogLevel : std::uint8_t { error, warning, info, debug };
 
@@ -128,12 +130,25 @@ struct AxisConfig {
   MotionLimits motion_limits{};
 };
 
+struct PtyName {
+  std::string path;  ///< Of a symbolic link to the pseudo terminal.
+};
+
+/// Where a host that speaks TMCL finds a bus, as if it were alone there.
+struct PortConfig {
+  std::string name;
+  std::string bus;
+  std::variant<PtyName, tmcl::TcpName, tmcl::CanName> place;
+  Role role = Role::observe;  ///< operate: it may move; configure: everything.
+};
+
 /// Every axis is on one of the buses; names are unique, and so are motors.
 struct Config {
   DaemonConfig daemon;
   std::vector<BusConfig> buses;
   std::vector<AxisConfig> axes;
   std::vector<AccessConfig> access{};  ///< Empty: whoever can connect may do everything.
+  std::vector<PortConfig> ports{};
   /// All that is said in sections of other kinds than these.
   std::string others{};
 };

@@ -105,6 +105,17 @@ constexpr auto keys = std::to_array<KeyInfo>({
      "microsteps"},
     {axis, "max_current", integer, optional, 0, 255, any,
      "greatest current, as the module counts it, likewise"},
+
+    {port, "name", string, required, 0, 0, any, "how the log and holders of leases call this port"},
+    {port, "bus", string, required, 0, 0, any, "name of the bus that its host speaks to"},
+    {port, "pty", string, optional, 0, 0, any,
+     "path of a link to a pseudo terminal, on which the host finds the bus"},
+    {port, "tcp", string, optional, 0, 0, any,
+     "HOST:PORT where hosts find the bus; instead of pty"},
+    {port, "can", string, optional, 0, 0, any,
+     "CAN interface, such as a virtual one, where the host finds the bus; instead of pty"},
+    {port, "may", strings, optional, 0, 0, any,
+     "what hosts may do besides reading and stopping: move, configure"},
 });
 
 }  // namespace
@@ -116,6 +127,7 @@ std::string_view title_of(SectionKind section) {
     case bus: return "[[bus]]";
     case module: return "[[module]]";
     case axis: return "[[axis]]";
+    case port: return "[[port]]";
   }
   return {};
 }

@@ -34,6 +34,8 @@ class Reader {
         read_list(SectionKind::module, node);
       } else if (key == "axis") {
         read_list(SectionKind::axis, node);
+      } else if (key == "port") {
+        read_list(SectionKind::port, node);
       } else {
         complain_unknown(key, node);
       }
@@ -46,7 +48,8 @@ class Reader {
   }
 
   void complain_unknown(const toml::key& key, const toml::node& node) {
-    constexpr std::array<std::string_view, 5> known{"daemon", "access", "bus", "module", "axis"};
+    constexpr std::array<std::string_view, 6> known{"daemon", "access", "bus",
+                                                    "module", "axis",   "port"};
     if (!node.is_table() && !node.is_array_of_tables()) {
       return complain(place_of(key.source()), quoted(key.str()) + " stands outside of any section");
     }

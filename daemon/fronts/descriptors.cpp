@@ -11,14 +11,17 @@ namespace {
 
 // A link, its lock, and both again while the next one is opened before the last one is closed.
 constexpr std::size_t descriptors_of_a_bus = 4;
+// Of TCP: what listens, its connections, and one that is too many.
+constexpr std::size_t descriptors_of_a_port = 10;
 // Standard input and output, the reactor, signals, the socket, a client that waits for a place, and
 // some to spare for what the libraries of the system open.
 constexpr std::size_t descriptors_of_the_daemon = 24;
 
 }  // namespace
 
-std::size_t make_room_for_clients(std::size_t buses) {
-  const auto others = descriptors_of_the_daemon + descriptors_of_a_bus * buses + places_for_stops;
+std::size_t make_room_for_clients(std::size_t buses, std::size_t ports) {
+  const auto others = descriptors_of_the_daemon + descriptors_of_a_bus * buses +
+                      descriptors_of_a_port * ports + places_for_stops;
   rlimit limit{};
   if (::getrlimit(RLIMIT_NOFILE, &limit) != 0) return max_clients;
   const auto wanted = static_cast<rlim_t>(max_clients + others);

@@ -1,0 +1,33 @@
+#include "fronts/port.hpp"
+
+#include <poll.h>
+
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+#include "fronts/port_stream.hpp"
+
+namespace tmcld {
+
+bool has_input(int descriptor) {
+  pollfd entry{descriptor, POLLIN, 0};
+  return ::poll(&entry, 1, 0) > 0;
+}
+
+OpenedPort open_port(const PortConfig& config, std::shared_ptr<Gateway> gateway) {
+  auto port = std::visit(
+      [&](const auto& name) {
+        using Name = std::decay_t<decltype(name)>;
+        if constexpr (std::is_same_v<Name, PtyName>) return open_pty_port(config, name, gateway);
+        if constexpr (std::is_same_v<Name, tmcl::TcpName>)
+          return open_tcp_port(config, name, gateway);
+        if constexpr (std::is_same_v<Name, tmcl::CanName>)
+          return open_can_port(config, name, gateway);
+      },
+      config.place);
+  if (!port) return tl::unexpected("port '" + config.name + "': " + port.error());
+  return port;
+}
+
+}  // namespace tmcld

@@ -1,0 +1,37 @@
+/// Where hosts that speak TMCL find a bus, as if they were alone with its modules: a pseudo
+/// terminal, a TCP port or a CAN interface.
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "gateway/gateway.hpp"
+
+namespace tmcld {
+
+class Port {
+ public:
+  virtual ~Port() = default;
+  /// Lets hosts speak; returns at once.
+  virtual void start() = 0;
+  /// Its hosts go.
+  virtual void close() = 0;
+};
+
+using OpenedPort = tl::expected<std::shared_ptr<Port>, std::string>;
+
+/// The error is a sentence that says what to try. A CAN interface may be missing: it is looked for
+/// again and again.
+OpenedPort open_port(const PortConfig& config, std::shared_ptr<Gateway> gateway);
+
+// Each of its kind.
+OpenedPort open_pty_port(const PortConfig& config, const PtyName& name,
+                         std::shared_ptr<Gateway> gateway);
+OpenedPort open_tcp_port(const PortConfig& config, const tmcl::TcpName& name,
+                         std::shared_ptr<Gateway> gateway);
+OpenedPort open_can_port(const PortConfig& config, const tmcl::CanName& name,
+                         std::shared_ptr<Gateway> gateway);
+
+}  // namespace tmcld

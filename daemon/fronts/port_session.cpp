@@ -1,0 +1,193 @@
+#include "fronts/port_session.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include <unistd.h>
+
+#include "async/spawn.hpp"
+
+namespace tmcld {
+namespace {
+
+using boost::asio::awaitable;
+using tmcl::Command;
+
+constexpr unsigned highest_serial_address = 0xFF;
+
+std::shared_ptr<GatewayBus> bus_named(const Gateway& gateway, const std::string& name) {
+  const auto buses = gateway.buses();
+  return *std::ranges::find(buses, name, &GatewayBus::name);
+}
+
+bool is_stop(const tmcl::Request& request) {
+  return effect_of(request.command, request.type) == tmcl::Effect::stops;
+}
+
+std::string reason_of(const tmcl::Error& error) {
+  return error.message + (error.hint.empty() ? "" : "; " + error.hint);
+}
+
+}  // namespace
+
+PortSession::PortSession(std::shared_ptr<Gateway> gateway, const PortConfig& config,
+                         std::string name, Output output)
+    : gateway_(std::move(gateway)),
+      bus_(bus_named(*gateway_, config.bus)),
+      name_(std::move(name)),
+      output_(std::move(output)),
+      conduct_(gateway_, bus_, config.role, Client{gateway_->enter(), name_}),
+      asked_(bus_->executor()) {}
+
+void PortSession::start() {
+  listener_ = gateway_->on_event([weak = weak_from_this()](const GatewayEvent& event) {
+    if (const auto self = weak.lock()) self->on_event(event);
+  });
+  const auto on_failure = [self = shared_from_this()](const auto& failure) { self->fail(failure); };
+  spawn(bus_->executor(), serve(shared_from_this()), on_failure);
+}
+
+void PortSession::close() {
+  if (std::exchange(closed_, true)) return;
+  gateway_->ignore_events(listener_);
+  pending_.clear();
+  conduct_.close();
+  asked_.notify();
+}
+
+void PortSession::fail(const std::exception_ptr& failure) {
+  close();
+  gateway_->log_failure(name_ + ", which was closed", failure);
+}
+
+// ---- what the host says ------------------------------------------------------------------------
+
+bool PortSession::has_room(bool stops) const {
+  const auto count = std::ranges::count_if(
+      pending_, [&](const AskedPtr& asked) { return is_stop(asked->request) == stops; });
+  return static_cast<std::size_t>(count) < (stops ? most_stops_at_port : most_requests_at_port);
+}
+
+void PortSession::on_request(const tmcl::Request& request, CanForm form) {
+  if (closed_) return;
+  conduct_.note_datagram();
+  last_form_ = form;
+  const bool stops = is_stop(request);
+  if (!has_room(stops)) return;
+  if (!bus_->is_can() && number(request.address) > highest_serial_address) return;
+  const auto asked = std::make_shared<Asked>();
+  asked->request = request;
+  asked->form = form;
+  asked->permit = conduct_.admit();
+  asked->received = gateway_->clock().now();
+  pending_.push_back(asked);
+  if (!stops || conduct_.is_in_download(request)) return asked_.notify();
+  asked->begun = true;
+  const auto on_failure = [self = shared_from_this()](const auto& failure) { self->fail(failure); };
+  spawn(bus_->executor(), serve_stop(shared_from_this(), asked), on_failure);
+}
+
+void PortSession::on_wrong_checksum(tmcl::ModuleAddress module) {
+  if (closed_ || !is_known(module) || !has_room(false)) return;
+  const auto asked = std::make_shared<Asked>();
+  asked->begun = true;
+  pending_.push_back(asked);
+  end(*asked, Told{wrong_checksum(module, host_address(module))});
+}
+
+void PortSession::forget_answers() {
+  for (const auto& asked : pending_) asked->unwanted = true;
+}
+
+bool PortSession::is_known(tmcl::ModuleAddress module) const {
+  const auto* found = bus_->find_module(module);
+  const bool is_ready = found != nullptr && found->state() == GatewayModule::State::ready;
+  return is_ready || hosts_.contains(module);
+}
+
+std::uint8_t PortSession::host_address(tmcl::ModuleAddress module) const {
+  const auto found = hosts_.find(module);
+  return found != hosts_.end() ? found->second : bus_->config().bus_options.host_address;
+}
+
+// ---- what it is told ---------------------------------------------------------------------------
+
+PortSession::AskedPtr PortSession::next() const {
+  const auto found =
+      std::ranges::find_if(pending_, [](const AskedPtr& asked) { return !asked->begun; });
+  return found == pending_.end() ? nullptr : *found;
+}
+
+awaitable<void> PortSession::serve(std::shared_ptr<PortSession> self) {
+  while (!self->closed_) {
+    if (const auto asked = self->next()) {
+      asked->begun = true;
+      co_await self->carry_out(asked);
+    } else {
+      co_await self->asked_.wait();
+    }
+  }
+}
+
+awaitable<void> PortSession::serve_stop(std::shared_ptr<PortSession> self, AskedPtr asked) {
+  co_await self->carry_out(asked);
+}
+
+awaitable<void> PortSession::carry_out(AskedPtr asked) {
+  const auto& request = asked->request;
+  const auto deadline =
+      is_stop(request) ? std::nullopt : Deadline(asked->received + longest_wait_at_port);
+  const auto answer = co_await conduct_.carry_out(request, asked->permit, deadline);
+  note(*asked, answer);
+  end(*asked, told_about(request, answer, host_address(request.address)));
+}
+
+void PortSession::end(Asked& asked, std::optional<Told> told) {
+  asked.told = std::move(told);
+  asked.ended = true;
+  while (!pending_.empty() && pending_.front()->ended) {
+    const auto first = pending_.front();
+    pending_.pop_front();
+    if (first->told && !first->unwanted && !closed_) output_(*first->told, first->form);
+  }
+}
+
+// ---- what others are told ----------------------------------------------------------------------
+
+void PortSession::note(const Asked& asked, const tmcl::Result<tmcl::Answer>& answer) {
+  const auto& request = asked.request;
+  if (answer) hosts_[request.address] = answer->reply.host;
+  if (answer) note_arrival_events(request);
+  const auto what = describe(request);
+  if (effect_of(request.command, request.type) != tmcl::Effect::reads) {
+    auto line = name_ + " of bus " + bus_->name() + ": " + what;
+    line += answer ? " outcome=done"
+                   : " outcome=" + std::string(name_of(answer.error().outcome)) +
+                         " error=" + std::string(name_of(answer.error().code));
+    gateway_->audit({::geteuid(), ::getpid(), std::move(line)});
+  }
+  if (answer || is_silence(answer.error())) return;
+  if (answer.error().code == tmcl::Errc::refused_by_module) return;
+  gateway_->log_often(name_, LogLevel::warning,
+                      name_ + ": refused " + what + ": " + reason_of(answer.error()));
+}
+
+void PortSession::note_arrival_events(const tmcl::Request& request) {
+  if (request.command != Command::TARGET_REACHED_EVENT) return;
+  const bool always = request.type == static_cast<std::uint8_t>(tmcl::ArrivalEvents::every_move);
+  wants_arrivals_[request.address] = always;
+}
+
+void PortSession::on_event(const GatewayEvent& event) {
+  const bool arrived = event.kind == GatewayEvent::Kind::target_reached;
+  if (!arrived || closed_ || event.bus != bus_->name() || !event.address) return;
+  const tmcl::ModuleAddress module{*event.address};
+  const auto wanted = wants_arrivals_.find(module);
+  if (wanted == wants_arrivals_.end()) return;
+  if (!wanted->second) wants_arrivals_.erase(wanted);
+  const tmcl::Reply reply{host_address(module), reply_byte(module), tmcl::Status::delayed,
+                          Command::TARGET_REACHED_EVENT, event.value};
+  output_(Told{reply}, last_form_);
+}
+
+}  // namespace tmcld
