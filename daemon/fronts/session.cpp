@@ -1,29 +1,14 @@
 #include "fronts/session.hpp"
 
-#include <array>
 #include <utility>
-
-#include <poll.h>
-#include <sys/socket.h>
-
-#include <boost/asio/buffer.hpp>
-#include <boost/asio/write.hpp>
 
 #include "api/dispatch.hpp"
 #include "async/spawn.hpp"
-#include "fronts/peer_credentials.hpp"
 
 namespace tmcld {
 namespace {
 
 using boost::asio::awaitable;
-using boost::asio::redirect_error;
-using boost::asio::use_awaitable;
-
-constexpr std::size_t read_bytes = 16U * 1024U;
-constexpr std::size_t write_batch_bytes = 64U * 1024U;
-// How often a client that has ended its input is looked at, whether it still reads.
-constexpr tmcl::Duration hang_up_check_interval = std::chrono::milliseconds(200);
 
 static_assert(max_unsent_answers >= 2 * max_requests_in_flight);
 
@@ -36,10 +21,6 @@ boost::json::object hello(Session::Serves serves) {
   params["daemon"] = TMCL_VERSION;
   if (serves == Session::Serves::stops) params["serves"] = "stops";
   return params;
-}
-
-std::string words_for(const Credentials& peer) {
-  return "process " + std::to_string(peer.pid) + " of user " + std::to_string(peer.uid);
 }
 
 RpcError too_many_requests() {
@@ -58,27 +39,19 @@ RpcError too_many_clients() {
 
 }  // namespace
 
-Session::Session(Socket socket, std::shared_ptr<Gateway> gateway, Serves serves,
-                 std::function<void()> on_closed)
-    : socket_(std::move(socket)),
+Session::Session(const boost::asio::any_io_executor& executor, std::shared_ptr<Gateway> gateway,
+                 Options options)
+    : executor_(executor),
       gateway_(std::move(gateway)),
-      serves_(serves),
-      on_closed_(std::move(on_closed)),
-      caller_(caller_with(credentials_of_peer(socket_.native_handle()), gateway_->access())),
-      client_{gateway_->enter(), words_for(caller_.credentials)},
-      lines_(max_line_bytes),
-      output_(socket_.get_executor()),
-      input_ended_(socket_.get_executor()),
+      share_(std::move(options.share)),
+      serves_(options.serves),
+      on_closed_(std::move(options.on_closed)),
+      caller_(std::move(options.caller)),
+      client_{gateway_->enter(), std::move(options.name)},
+      output_(executor_),
       notifications_(gateway_, [this] { output_.notify(); }) {}
 
-void Session::start() {
-  boost::system::error_code ignored;
-  socket_.non_blocking(true, ignored);
-  outbox_.push_answer(notification_line("hello", hello(serves_)));
-  const auto on_failure = [self = shared_from_this()](const auto& failure) { self->fail(failure); };
-  spawn(socket_.get_executor(), write(shared_from_this()), on_failure);
-  spawn(socket_.get_executor(), read(shared_from_this()), on_failure);
-}
+void Session::greet() { outbox_.push_answer(notification_line("hello", hello(serves_))); }
 
 void Session::finish() {
   finishing_ = true;
@@ -90,10 +63,8 @@ void Session::close() {
   notifications_.end();
   waiting_.clear();
   gateway_->leave(client_.number);
-  boost::system::error_code ignored;
-  socket_.close(ignored);
+  disconnect();
   output_.notify();
-  input_ended_.notify();
   on_closed_();
 }
 
@@ -104,42 +75,11 @@ void Session::fail(const std::exception_ptr& failure) {
 
 // ---- input -------------------------------------------------------------------------------------
 
-awaitable<void> Session::read(std::shared_ptr<Session> self) {
-  std::array<char, read_bytes> bytes{};
-  while (!self->closed_) {
-    boost::system::error_code error;
-    const auto count = co_await self->socket_.async_read_some(boost::asio::buffer(bytes),
-                                                              redirect_error(use_awaitable, error));
-    if (error) break;
-    self->is_taking_input_ = true;
-    self->lines_.push(std::string_view(bytes.data(), count),
-                      [&](std::optional<std::string_view> line) { self->on_line(line); });
-    self->is_taking_input_ = false;
-    self->send_answers();
-  }
-  if (!self->closed_) co_await self->outlive_input();
-}
-
-// A client may end its input and still read: `echo '...' | nc -U SOCKET` does. Subscriptions keep
-// such a connection open.
-awaitable<void> Session::outlive_input() {
-  while (!closed_ && !has_hung_up()) {
-    if (subscriptions().size() == 0) finish();
-    co_await input_ended_.wait_for(hang_up_check_interval);
-  }
-  close();
-}
-
-bool Session::has_hung_up() {
-  pollfd state{socket_.native_handle(), 0, 0};
-  return ::poll(&state, 1, 0) > 0 && (state.revents & (POLLHUP | POLLERR | POLLNVAL)) != 0;
-}
-
-void Session::on_line(std::optional<std::string_view> line) {
+void Session::take(std::optional<std::string_view> message) {
   if (closed_ || finishing_) return;
-  if (!line) return answer(nullptr, tl::unexpected(line_too_long()));
-  if (line->find_first_not_of(" \t\r") == std::string_view::npos) return;
-  auto request = parse_request(*line);
+  if (!message) return answer(nullptr, tl::unexpected(line_too_long()));
+  if (message->find_first_not_of(" \t\r") == std::string_view::npos) return;
+  auto request = parse_request(*message);
   if (request) return begin(std::move(*request));
   answer(request.error().id, tl::unexpected(std::move(request.error().error)));
 }
@@ -163,7 +103,7 @@ bool Session::must_wait(const RpcRequest& request) const {
 }
 
 void Session::start_serving(RpcRequest request) {
-  spawn(socket_.get_executor(), serve(shared_from_this(), std::move(request)),
+  spawn(executor_, serve(shared_from_this(), std::move(request)),
         [self = shared_from_this()](const auto& failure) { self->fail(failure); });
 }
 
@@ -178,7 +118,10 @@ void Session::start_waiting() {
 awaitable<void> Session::serve(std::shared_ptr<Session> self, RpcRequest request) {
   const auto id = request.id;
   const auto effect = request.method->effect;
+  const auto came = self->gateway_->clock().now();
   auto result = co_await dispatch(self->gateway_, self, std::move(request));
+  if (effect == tmcl::Effect::stops)
+    self->share_->stop_latency.note(self->gateway_->clock().now() - came);
   --(effect == tmcl::Effect::stops ? self->stops_in_flight_ : self->calls_in_flight_);
   self->answer(id, std::move(result), effect);
 }
@@ -187,69 +130,31 @@ awaitable<void> Session::serve(std::shared_ptr<Session> self, RpcRequest request
 
 void Session::answer(const boost::json::value& id, RpcResult result, tmcl::Effect effect) {
   if (closed_) return;
-  if (!outbox_.push_answer(answer_line(id, std::move(result), effect))) {
-    gateway_->log_often("cut off", LogLevel::warning,
-                        "a client was cut off: it does not read its answers");
-    return close();
-  }
-  if (!is_taking_input_) send_answers();
+  if (outbox_.push_answer(answer_line(id, std::move(result), effect))) return on_answer();
+  gateway_->log_often("cut off", LogLevel::warning,
+                      "a client was cut off: it does not read its answers");
+  close();
 }
 
 void Session::notify(std::string_view method, boost::json::object params) {
   if (!closed_) notifications_.push(method, std::move(params));
 }
 
-bool Session::has_output() const {
-  return !batch_.empty() || !outbox_.empty() || notifications_.has_pending();
+std::optional<std::string> Session::next_message() {
+  if (auto message = outbox_.take_answer()) return message;
+  auto notification = notifications_.take();
+  if (!notification) return std::nullopt;
+  return notification_line(notification->method, std::move(notification->params));
 }
 
-/// The last answer that is awaited goes out at once, with those before it; otherwise there may be
-/// more by the time the writer has its turn.
-void Session::send_answers() {
-  if (closed_) return;
-  if (!is_writing_ && !has_calls_in_flight()) write_now();
-  if (has_output() || !waiting_.empty() || finishing_) output_.notify();
-}
-
-void Session::write_now() {
-  batch_ += take_output();
-  boost::system::error_code error;  // is met again by whoever writes the rest
-  batch_.erase(0, socket_.write_some(boost::asio::buffer(batch_), error));
-}
-
-std::string Session::take_output() {
-  std::string batch;
-  const auto add = [&](const std::string& line) { (batch += line) += '\n'; };
-  while (batch.size() < write_batch_bytes) {
-    if (const auto line = outbox_.take_answer()) {
-      add(*line);
-    } else if (auto notification = notifications_.take()) {
-      add(notification_line(notification->method, std::move(notification->params)));
-    } else {
-      break;
-    }
+awaitable<bool> Session::wait_for_output() {
+  while (!closed_) {
+    start_waiting();
+    if (has_output()) co_return true;
+    if (finishing_ && !has_calls_in_flight()) break;
+    co_await output_.wait();
   }
-  return batch;
-}
-
-awaitable<void> Session::write(std::shared_ptr<Session> self) {
-  while (!self->closed_) {
-    self->start_waiting();
-    if (!self->has_output()) {
-      if (self->finishing_ && !self->has_calls_in_flight()) break;
-      co_await self->output_.wait();
-      continue;
-    }
-    if (self->batch_.empty()) self->batch_ = self->take_output();
-    boost::system::error_code error;
-    self->is_writing_ = true;
-    co_await boost::asio::async_write(self->socket_, boost::asio::buffer(self->batch_),
-                                      redirect_error(use_awaitable, error));
-    self->is_writing_ = false;
-    self->batch_.clear();
-    if (error) break;
-  }
-  self->close();
+  co_return false;
 }
 
 }  // namespace tmcld

@@ -1,5 +1,5 @@
-/// One client on the unix socket: reads its lines, runs its requests side by side, writes what
-/// they give.
+/// One client, whatever it is connected by: takes its messages, runs its requests side by side, and
+/// gives what they come to. A front derives its connection, which carries messages as it does.
 #pragma once
 
 #include <cstddef>
@@ -11,14 +11,15 @@
 #include <string>
 #include <string_view>
 
+#include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
-#include <boost/asio/local/stream_protocol.hpp>
 
 #include "api/notifications.hpp"
 #include "api/peer.hpp"
 #include "api/request.hpp"
+#include "api/token_keeper.hpp"
 #include "async/wake.hpp"
-#include "fronts/line_buffer.hpp"
+#include "fronts/front_share.hpp"
 #include "fronts/outbox.hpp"
 #include "gateway/gateway.hpp"
 
@@ -33,20 +34,25 @@ constexpr std::size_t reads_wait_at_unsent_bytes = 128U * 1024U;
 
 /// Whatever a client does, it costs nobody else anything, and no more memory than the bounds here
 /// and in the outbox allow.
-class Session final : public Peer, public std::enable_shared_from_this<Session> {
+class Session : public Peer, public TokenKeeper, public std::enable_shared_from_this<Session> {
  public:
-  using Socket = boost::asio::local::stream_protocol::socket;
-
   enum class Serves : std::uint8_t { all, stops };
 
-  Session(Socket socket, std::shared_ptr<Gateway> gateway, Serves serves,
-          std::function<void()> on_closed);
+  struct Options {
+    std::shared_ptr<FrontShare> share = std::make_shared<FrontShare>();
+    Caller caller{};
+    std::string name{};  ///< As others are told of it.
+    Serves serves = Serves::all;
+    std::function<void()> on_closed = [] {};
+  };
 
-  /// Says hello and begins to read; returns at once.
-  void start();
-  /// Reads no more, and closes when everything in progress has been answered.
+  Session(const boost::asio::any_io_executor& executor, std::shared_ptr<Gateway> gateway,
+          Options options);
+
+  /// Takes no more requests, and closes when everything in progress has been answered.
   void finish();
   void close();
+  bool is_closed() const { return closed_; }
   bool has_calls_in_flight() const { return calls_in_flight_ > 0 || stops_in_flight_ > 0; }
 
   void notify(std::string_view method, boost::json::object params) override;
@@ -54,42 +60,53 @@ class Session final : public Peer, public std::enable_shared_from_this<Session> 
   Subscriptions& subscriptions() override { return notifications_.subscriptions(); }
   Client client() const override { return client_; }
   Caller caller() const override { return caller_; }
+  const std::shared_ptr<Tokens>& tokens() const override { return share_->tokens; }
+
+ protected:
+  /// The first message, where a connection has one.
+  void greet();
+  /// A message of the client; nothing: one that was too long.
+  void take(std::optional<std::string_view> message);
+  /// The next one to the client: answers first.
+  std::optional<std::string> next_message();
+  std::optional<std::string> next_answer() { return outbox_.take_answer(); }
+  /// Until there is something to write. False at the end of everything.
+  boost::asio::awaitable<bool> wait_for_output();
+  void wake_output() { output_.notify(); }
+  Wake& output() { return output_; }
+  bool is_finishing() const { return finishing_; }
+  bool has_waiting_requests() const { return !waiting_.empty(); }
+  /// Memory is missing, or there is a bug: costs this client its connection, and nobody else
+  /// anything.
+  void fail(const std::exception_ptr& failure);
+  const boost::asio::any_io_executor& executor() const { return executor_; }
+  Gateway& gateway() { return *gateway_; }
+
+  /// Something of what a front has taken may wait there.
+  virtual bool has_output() const { return !outbox_.empty() || notifications_.has_pending(); }
+  virtual void on_answer() { output_.notify(); }
+  /// Ends the connection, after everything else has ended.
+  virtual void disconnect() = 0;
 
  private:
-  static boost::asio::awaitable<void> read(std::shared_ptr<Session> self);
-  static boost::asio::awaitable<void> write(std::shared_ptr<Session> self);
   static boost::asio::awaitable<void> serve(std::shared_ptr<Session> self, RpcRequest request);
 
-  boost::asio::awaitable<void> outlive_input();
-  bool has_hung_up();
-  void on_line(std::optional<std::string_view> line);
   void begin(RpcRequest request);
   bool must_wait(const RpcRequest& request) const;
   void start_serving(RpcRequest request);
   void start_waiting();
   void answer(const boost::json::value& id, RpcResult result,
               tmcl::Effect effect = tmcl::Effect::reads);
-  /// Memory is missing, or there is a bug: costs this client its connection, and nobody else
-  /// anything.
-  void fail(const std::exception_ptr& failure);
-  bool has_output() const;
-  std::string take_output();
-  void send_answers();
-  void write_now();
 
-  Socket socket_;
+  boost::asio::any_io_executor executor_;
   std::shared_ptr<Gateway> gateway_;
+  std::shared_ptr<FrontShare> share_;
   Serves serves_;
   std::function<void()> on_closed_;
   Caller caller_;
   Client client_;
-  LineBuffer lines_;
   Outbox outbox_;
-  std::string batch_;  ///< What is being written.
-  bool is_writing_ = false;
-  bool is_taking_input_ = false;
   Wake output_;
-  Wake input_ended_;
   Notifications notifications_;
   std::deque<RpcRequest> waiting_;  ///< In progress as far as clients are concerned.
   std::size_t calls_in_flight_ = 0;

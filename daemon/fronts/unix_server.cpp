@@ -23,11 +23,13 @@ constexpr auto pause_after_failure = std::chrono::milliseconds(100);
 }  // namespace
 
 UnixServer::UnixServer(const boost::asio::any_io_executor& executor, SocketFile file,
-                       std::shared_ptr<Gateway> gateway, std::size_t clients)
+                       std::shared_ptr<Gateway> gateway, std::size_t clients,
+                       std::shared_ptr<FrontShare> share)
     : acceptor_(executor, Protocol(), file.release_descriptor()),
       file_(std::move(file)),
       gateway_(std::move(gateway)),
-      most_clients_(clients) {}
+      most_clients_(clients),
+      share_(std::move(share)) {}
 
 void UnixServer::start() {
   if (file_.was_passed()) take_in_who_waits();
@@ -109,13 +111,15 @@ void UnixServer::take_in(Protocol::socket socket) {
   const auto id = ++last_id_;
   const auto serves = is_full() ? Session::Serves::stops : Session::Serves::all;
   if (serves == Session::Serves::stops) for_stops_.push_back({id, gateway_->clock().now()});
-  auto session =
-      std::make_shared<Session>(std::move(socket), gateway_, serves, [weak = weak_from_this(), id] {
+  auto session = std::make_shared<UnixSession>(
+      std::move(socket), gateway_, serves,
+      [weak = weak_from_this(), id] {
         const auto self = weak.lock();
         if (!self) return;
         self->sessions_.erase(id);
         std::erase_if(self->for_stops_, [&](const PlaceForStops& one) { return one.id == id; });
-      });
+      },
+      share_);
   sessions_.emplace(id, session);
   session->start();
 }

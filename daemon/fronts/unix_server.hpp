@@ -12,8 +12,8 @@
 #include <boost/asio/awaitable.hpp>
 #include <boost/asio/local/stream_protocol.hpp>
 
-#include "fronts/session.hpp"
 #include "fronts/socket_file.hpp"
+#include "fronts/unix_session.hpp"
 #include "gateway/gateway.hpp"
 
 namespace tmcld {
@@ -29,7 +29,8 @@ constexpr tmcl::Duration time_to_ask = std::chrono::milliseconds(50);
 class UnixServer : public std::enable_shared_from_this<UnixServer> {
  public:
   UnixServer(const boost::asio::any_io_executor& executor, SocketFile file,
-             std::shared_ptr<Gateway> gateway, std::size_t clients = max_clients);
+             std::shared_ptr<Gateway> gateway, std::size_t clients = max_clients,
+             std::shared_ptr<FrontShare> share = std::make_shared<FrontShare>());
 
   void start();
   /// Takes in no more clients and removes the socket.
@@ -56,7 +57,8 @@ class UnixServer : public std::enable_shared_from_this<UnixServer> {
   SocketFile file_;
   std::shared_ptr<Gateway> gateway_;
   std::size_t most_clients_;
-  std::map<std::uint64_t, std::shared_ptr<Session>> sessions_;
+  std::shared_ptr<FrontShare> share_;
+  std::map<std::uint64_t, std::shared_ptr<UnixSession>> sessions_;
   struct PlaceForStops {
     std::uint64_t id;
     tmcl::TimePoint since;

@@ -16,7 +16,7 @@
 #include <boost/asio/posix/stream_descriptor.hpp>
 
 #include "config/load.hpp"
-#include "fronts/session.hpp"
+#include "fronts/unix_session.hpp"
 #include "gateway/gateway.hpp"
 #include "log/log.hpp"
 #include "require.hpp"
@@ -125,8 +125,8 @@ class SessionClient {
     int ends[2] = {};
     require(::socketpair(AF_UNIX, SOCK_STREAM | SOCK_NONBLOCK, 0, ends) == 0, "sockets");
     descriptor_ = ends[0];
-    Session::Socket socket(context, boost::asio::local::stream_protocol(), ends[1]);
-    const auto session = std::make_shared<Session>(std::move(socket), gateway, serves, [] {});
+    UnixSession::Socket socket(context, boost::asio::local::stream_protocol(), ends[1]);
+    const auto session = std::make_shared<UnixSession>(std::move(socket), gateway, serves, [] {});
     session_ = session;
     session->start();
   }
