@@ -19,6 +19,7 @@
 #include "fronts/descriptors.hpp"
 #include "gateway/ending.hpp"
 #include "gateway/reload.hpp"
+#include "gateway/tokens.hpp"
 #include "log/log.hpp"
 #include "tmcl/timer.hpp"
 
@@ -63,10 +64,9 @@ std::string state_file(const DaemonConfig& config, std::string_view suffix) {
 
 }  // namespace
 
-tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(boost::asio::io_context& context,
-                                                                  const Config& config,
-                                                                  const OpenLink& open_link,
-                                                                  Service service) {
+tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(
+    boost::asio::io_context& context, const Config& config, const OpenLink& open_link,
+    Service service, const std::optional<HttpConfig>& http) {
   const auto passed = service.take_socket();
   auto file = passed ? SocketFile::passed(*passed, config.daemon.socket)
                      : SocketFile::claim(config.daemon.socket);
@@ -85,14 +85,21 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(boost::asio::i
   options.deadmen = state_file(config.daemon, ".deadman.json");
   options.audit = [trail = daemon->audit_](AuditEntry entry) { trail->add(std::move(entry)); };
   daemon->gateway_ = Gateway::create(executor, config, std::move(options));
+  const auto clients =
+      make_room_for_clients(config.buses.size(), config.ports.size(), http.has_value());
+  const auto share = std::make_shared<FrontShare>();
+  share->tokens = Tokens::open(state_file(config.daemon, ".tokens.json"), log);
   daemon->server_ =
-      std::make_shared<UnixServer>(executor, std::move(*file), daemon->gateway_,
-                                   make_room_for_clients(config.buses.size(), config.ports.size()));
+      std::make_shared<UnixServer>(executor, std::move(*file), daemon->gateway_, clients, share);
   for (const auto& one : config.ports) {
     auto port = open_port(one, daemon->gateway_);
     if (!port) return tl::unexpected(std::move(port.error()));
     daemon->ports_.push_back(std::move(*port));
   }
+  if (!http) return daemon;
+  auto server = HttpServer::create(executor, *http, daemon->gateway_, share, clients);
+  if (!server) return tl::unexpected(std::move(server.error()));
+  daemon->http_ = std::move(*server);
   return daemon;
 }
 
@@ -122,6 +129,10 @@ awaitable<void> Daemon::begin_to_serve(Daemon& daemon) {
   if (daemon.ending_) co_return;
   daemon.server_->start();
   for (const auto& port : daemon.ports_) port->start();
+  if (daemon.http_) {
+    daemon.http_->start();
+    for (const auto& address : daemon.http_->addresses()) log(LogLevel::info, "serving " + address);
+  }
   if (!daemon.service_.is_watched()) co_return;
   daemon.service_.ready(daemon.status());
   spawn(daemon.context_.get_executor(), report(daemon));
@@ -138,6 +149,10 @@ awaitable<void> Daemon::report(Daemon& daemon) {
     }
     co_await rest(daemon.service_.report_interval());
   }
+}
+
+std::size_t Daemon::clients() const {
+  return server_->clients() + (http_ ? http_->connections() : 0);
 }
 
 std::string Daemon::status() const {
@@ -250,11 +265,14 @@ awaitable<void> Daemon::end(Daemon& daemon) {
   auto& server = *daemon.server_;
   daemon.service_.stopping("ending: axes that move are stopped first");
   server.stop_accepting();
+  if (daemon.http_) daemon.http_->stop_accepting();
   co_await end_gateway(daemon.gateway_);
   for (const auto& port : daemon.ports_) port->close();
   server.finish_sessions();
-  co_await wait_until([&] { return server.clients() == 0; }, time_for_answers);
+  if (daemon.http_) daemon.http_->finish_sessions();
+  co_await wait_until([&] { return daemon.clients() == 0; }, time_for_answers);
   server.close_sessions();
+  if (daemon.http_) daemon.http_->close_sessions();
   daemon.has_ended_ = true;
   daemon.context_.stop();
 }

@@ -4,6 +4,7 @@
 #include <exception>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -12,6 +13,7 @@
 #include <tl/expected.hpp>
 
 #include "config/config.hpp"
+#include "fronts/http_server.hpp"
 #include "fronts/port.hpp"
 #include "fronts/unix_server.hpp"
 #include "gateway/gateway.hpp"
@@ -31,7 +33,8 @@ class Daemon {
   /// it. Errors: a sentence for a person, with what to try.
   static tl::expected<std::unique_ptr<Daemon>, std::string> create(
       boost::asio::io_context& context, const Config& config,
-      const OpenLink& open_link = open_configured_link, Service service = {});
+      const OpenLink& open_link = open_configured_link, Service service = {},
+      const std::optional<HttpConfig>& http = {});
 
   Daemon(const Daemon&) = delete;
   Daemon& operator=(const Daemon&) = delete;
@@ -71,6 +74,7 @@ class Daemon {
   /// Says that the reactor turns, for as long as it does: a bus that is lost or a module that is
   /// silent is no reason to be started again.
   static boost::asio::awaitable<void> report(Daemon& daemon);
+  std::size_t clients() const;
   std::string status() const;
   void end_after(const std::exception_ptr& failure) noexcept;
 
@@ -85,6 +89,7 @@ class Daemon {
   std::shared_ptr<Gateway> gateway_;
   std::shared_ptr<UnixServer> server_;
   std::vector<std::shared_ptr<Port>> ports_;
+  std::shared_ptr<HttpServer> http_;  ///< Null: there is none.
   bool ending_ = false;
   bool has_ended_ = false;
 };

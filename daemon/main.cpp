@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <exception>
+#include <optional>
 #include <string>
 
 #include <unistd.h>
@@ -11,8 +12,10 @@
 
 #include "command_line.hpp"
 #include "config/feeding.hpp"
+#include "config/http_config.hpp"
 #include "config/load.hpp"
 #include "daemon.hpp"
+#include "fronts/http_server.hpp"
 #include "log/log.hpp"
 
 namespace {
@@ -89,8 +92,10 @@ void print_feeding(const BusConfig& bus) {
   }
 }
 
-int check(const LoadedConfig& loaded) {
+int check(const LoadedConfig& loaded, const std::optional<HttpConfig>& http) {
   const auto& config = loaded.config;
+  const auto problems = http ? problems_of_files(*http) : std::vector<std::string>{};
+  if (!problems.empty()) return report(problems);
   std::printf("ok: %s, %s", counted(config.buses.size(), "bus", "buses").c_str(),
               counted(config.axes.size(), "axis", "axes").c_str());
   if (loaded.files > 1) std::printf(", from %zu files", loaded.files);
@@ -120,7 +125,7 @@ Daemon::LoadAgain loading(const std::string& path) {
   };
 }
 
-int serve(const Config& config, const std::string& path) {
+int serve(const Config& config, const std::string& path, const std::optional<HttpConfig>& http) {
   // A peer that has gone is an error value of the write, not the end of the daemon.
   std::signal(SIGPIPE, SIG_IGN);
   auto service = Service::of_environment();
@@ -129,7 +134,7 @@ int serve(const Config& config, const std::string& path) {
     return exit_code::runtime_failure;
   }
   boost::asio::io_context context(1);
-  auto daemon = Daemon::create(context, config, open_configured_link, std::move(*service));
+  auto daemon = Daemon::create(context, config, open_configured_link, std::move(*service), http);
   if (!daemon) {
     log(LogLevel::error, daemon.error());
     return exit_code::runtime_failure;
@@ -152,11 +157,13 @@ int main(int argc, char** argv) {
   const auto& command_line = std::get<CommandLine>(parsed);
   const auto loaded = load_config(command_line.config_file);
   if (!loaded) return report(loaded.error(), command_line.config_file);
-  if (command_line.only_check) return check(*loaded);
+  const auto http = load_http_config(command_line.config_file);
+  if (!http) return report(http.error(), command_line.config_file);
+  if (command_line.only_check) return check(*loaded, *http);
   start_log(loaded->config.daemon.log_level);
   int code = exit_code::runtime_failure;
   try {
-    code = serve(loaded->config, command_line.config_file);
+    code = serve(loaded->config, command_line.config_file, *http);
   } catch (...) {  // nothing was served yet, or nothing is any more
     log_failure(tmcld::log, "tmcld", std::current_exception());
   }

@@ -3,6 +3,7 @@
 
 #include "api/handlers.hpp"
 #include "api/method.hpp"
+#include "api/token_handlers.hpp"
 
 namespace tmcld {
 namespace {
@@ -54,6 +55,9 @@ constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::release_lease>(stop),
     method<handlers::list_leases>(observe),
     method<handlers::break_lease>(configure),
+    method<handlers::add_token>(configure),
+    method<handlers::list_tokens>(configure),
+    method<handlers::revoke_token>(configure),
     method<handlers::move_line>(operate),
     method<handlers::stage_path>(operate),
     method<handlers::plan_path>(operate),

@@ -31,6 +31,18 @@ constexpr auto keys = std::to_array<KeyInfo>({
     {daemon, "moves_need_lease", boolean, optional, 0, 0, any,
      "who moves an axis needs a lease of it, but for lines and paths"},
 
+    {http, "listen", strings, required, 0, 0, any,
+     "addresses that are served, such as 127.0.0.1:4143"},
+    {http, "certificate", string, optional, 0, 0, any,
+     "file of the certificate and those that vouch for it, in PEM"},
+    {http, "key", string, optional, 0, 0, any, "file of the key of the certificate, in PEM"},
+    {http, "client_ca", string, optional, 0, 0, any,
+     "file of the certificates that vouch for those of clients, which must have one then"},
+    {http, "origins", strings, optional, 0, 0, any,
+     "origins of pages that may call tmcld, besides one that comes from its own address"},
+    {http, "loopback_without_token", boolean, optional, 0, 0, any,
+     "programs of this computer need no token on loopback addresses"},
+
     {access, "role", string, required, 0, 0, any,
      "what they may do: observe, operate or configure"},
     {access, "users", strings, optional, 0, 0, any, "names of users"},
@@ -123,6 +135,7 @@ constexpr auto keys = std::to_array<KeyInfo>({
 std::string_view title_of(SectionKind section) {
   switch (section) {
     case daemon: return "[daemon]";
+    case http: return "[http]";
     case access: return "[[access]]";
     case bus: return "[[bus]]";
     case module: return "[[module]]";

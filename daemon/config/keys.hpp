@@ -8,7 +8,7 @@
 
 namespace tmcld {
 
-enum class SectionKind : std::uint8_t { daemon, access, bus, module, axis, port };
+enum class SectionKind : std::uint8_t { daemon, http, access, bus, module, axis, port };
 enum class KeyType : std::uint8_t { string, strings, integer, number, boolean, range };
 /// On which links a key of [[bus]] means something.
 enum class LinkScope : std::uint8_t { any, can, tcp, serial_framing };
@@ -24,7 +24,7 @@ struct KeyInfo {
   std::string_view meaning;
 };
 
-/// "[daemon]", "[[access]]", "[[bus]]", "[[module]]", "[[axis]]", "[[port]]"
+/// "[daemon]", "[http]", "[[access]]", "[[bus]]", "[[module]]", "[[axis]]", "[[port]]"
 std::string_view title_of(SectionKind section);
 std::string_view name_of(KeyType type);
 std::string_view name_of(LinkScope scope);

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "config/build.hpp"
+#include "config/build_http.hpp"
 #include "config/files.hpp"
 #include "config/section.hpp"
 
@@ -20,9 +21,16 @@ bool comes_first(const ConfigProblem& a, const ConfigProblem& b) {
   return key(a.place) < key(b.place);
 }
 
+std::optional<HttpConfig> http_of(ConfigText& text) {
+  const auto section = std::ranges::find(text.sections, SectionKind::http, &ConfigSection::kind);
+  if (section == text.sections.end()) return std::nullopt;
+  return build_http(*section, text.problems);
+}
+
 tl::expected<Config, Problems> build(ConfigText text) {
   Config config;
   if (text.is_toml) config = build_config(text.sections, text.problems);
+  (void)http_of(text);
   if (text.problems.empty()) return config;
   std::ranges::stable_sort(text.problems, comes_first);
   return tl::unexpected(std::move(text.problems));
@@ -52,14 +60,14 @@ void append(ConfigText& all, ConfigText one, std::uint32_t file) {
   all.names_daemon = all.names_daemon || one.names_daemon;
 }
 
-void check_daemon_sections(ConfigText& text, const Files& files) {
+void check_single_section(ConfigText& text, const Files& files, SectionKind kind) {
   const ConfigSection* first = nullptr;
   for (const auto& section : text.sections) {
-    if (section.kind != SectionKind::daemon) continue;
+    if (section.kind != kind) continue;
     if (first == nullptr) {
       first = &section;
     } else {
-      text.problems.push_back({section.place, "[daemon] stands in " +
+      text.problems.push_back({section.place, std::string(title_of(kind)) + " stands in " +
                                                   files.at(first->place.file).path +
                                                   " already: it is for one file"});
     }
@@ -70,7 +78,8 @@ ConfigText read_all(const Files& files, DaemonSection daemon) {
   ConfigText all;
   for (std::size_t i = 0; i < files.size(); ++i)
     append(all, read_sections(files[i].text, daemon), static_cast<std::uint32_t>(i));
-  check_daemon_sections(all, files);
+  check_single_section(all, files, SectionKind::daemon);
+  check_single_section(all, files, SectionKind::http);
   return all;
 }
 
@@ -137,6 +146,16 @@ tl::expected<LoadedConfig, std::vector<std::string>> load_config(const std::stri
   auto config = with_lines(*files, build(std::move(text)));
   if (!config) return tl::unexpected(std::move(config.error()));
   return LoadedConfig{std::move(*config), files->size()};
+}
+
+tl::expected<std::optional<HttpConfig>, std::vector<std::string>> load_http_config(
+    const std::string& path) {
+  const auto files = read_config_files(path);
+  if (!files) return tl::unexpected(std::vector{files.error()});
+  auto text = read_all(*files, DaemonSection::read);
+  auto http = http_of(text);
+  if (text.problems.empty()) return http;
+  return with_lines(*files, build(std::move(text))).map([&](const Config&) { return http; });
 }
 
 tl::expected<Config, std::vector<std::string>> load_config_for_link(const std::string& path,

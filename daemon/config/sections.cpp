@@ -25,7 +25,9 @@ class Reader {
     for (const auto& [key, node] : root) {
       if (key == "daemon") {
         text_.names_daemon = true;
-        if (daemon_ == DaemonSection::read) read_single(node);
+        if (daemon_ == DaemonSection::read) read_single(SectionKind::daemon, node);
+      } else if (key == "http") {
+        if (daemon_ == DaemonSection::read) read_single(SectionKind::http, node);
       } else if (key == "access") {
         read_list(SectionKind::access, node);
       } else if (key == "bus") {
@@ -48,8 +50,8 @@ class Reader {
   }
 
   void complain_unknown(const toml::key& key, const toml::node& node) {
-    constexpr std::array<std::string_view, 6> known{"daemon", "access", "bus",
-                                                    "module", "axis",   "port"};
+    constexpr std::array<std::string_view, 7> known{"daemon", "http", "access", "bus",
+                                                    "module", "axis", "port"};
     if (!node.is_table() && !node.is_array_of_tables()) {
       return complain(place_of(key.source()), quoted(key.str()) + " stands outside of any section");
     }
@@ -57,9 +59,10 @@ class Reader {
              "unknown section " + quoted(key.str()) + "." + tmcl::did_you_mean(key.str(), known));
   }
 
-  void read_single(const toml::node& node) {
-    if (const auto* table = node.as_table()) return read_section(SectionKind::daemon, *table);
-    complain(place_of(node.source()), "'daemon' must be one section, written [daemon]");
+  void read_single(SectionKind kind, const toml::node& node) {
+    if (const auto* table = node.as_table()) return read_section(kind, *table);
+    complain(place_of(node.source()),
+             "there is one such section, written " + std::string(title_of(kind)));
   }
 
   void read_list(SectionKind kind, const toml::node& node) {

@@ -17,6 +17,8 @@ libfmt-dev|text formatting, under spdlog and in the tools
 libtomlplusplus-dev|reads tmcld.toml
 libcli11-dev|command lines of the tools
 libusb-1.0-0-dev|modules on USB without their terminal
+libssl-dev|TLS, and the hashes of tokens
+prometheus-cpp-dev|writes /metrics in the form that Prometheus reads
 libexpected-dev|tl::expected, results that are a value or an error
 libncurses-dev|draws the axes on the whole terminal (tmclctl top)
 '
@@ -27,6 +29,8 @@ libgmock-dev|unit tests
 libbenchmark-dev|benchmarks
 iproute2|sets CAN interfaces up
 can-utils|cansend and candump, which tests compare with
+curl|calls tmcld by HTTP, as docs/PROTOCOL.md shows
+openssl|makes certificates for tests
 socat|joins and cuts serial lines
 python3|hosts in Python, and some tests
 python3-serial|serial ports in Python

@@ -1,0 +1,105 @@
+#include "api/token_handlers.hpp"
+
+#include <algorithm>
+#include <span>
+#include <utility>
+
+#include "api/suggest.hpp"
+#include "api/token_keeper.hpp"
+#include "gateway/tokens.hpp"
+
+namespace tmcld::handlers {
+namespace {
+
+/// Those that a token can give: a stop is everybody's.
+constexpr auto roles = std::span(role_names).subspan(1);
+
+/// Null if the front of the call knows none.
+std::shared_ptr<tmcld::Tokens> tokens_of(const Call& call) {
+  const auto* keeper = dynamic_cast<const TokenKeeper*>(call.peer.get());
+  return keeper == nullptr ? nullptr : keeper->tokens();
+}
+
+/// Nothing if tokens can be made and revoked.
+std::optional<RpcError> objection(const Call& call) {
+  const auto tokens = tokens_of(call);
+  if (!tokens)
+    return rpc_error(rpc_code::not_allowed, "no_tokens", "this gateway lets nobody in by a token",
+                     "tokens are for clients of a running tmcld");
+  if (tokens->problem().empty()) return std::nullopt;
+  return rpc_error(rpc_code::not_allowed, "no_tokens",
+                   "the file of the tokens cannot be used: " + tokens->problem(),
+                   "put it right, or move it away; then start tmcld again");
+}
+
+Lookup<Role> role_of(const token::Add& params) {
+  const auto found = std::ranges::find(roles, params.role);
+  if (found != roles.end()) return static_cast<Role>(found - roles.begin() + 1);
+  return tl::unexpected(param_error("bad_argument", api::name_of<&token::Add::role>(),
+                                    "'role' is observe, operate or configure",
+                                    suggest(params.role, roles)));
+}
+
+Lookup<std::string> name_of(const token::Add& params, const tmcld::Tokens& tokens) {
+  const auto refuse = [](std::string message) {
+    return tl::unexpected(
+        param_error("bad_argument", api::name_of<&token::Add::name>(), std::move(message)));
+  };
+  if (tokens.all().size() >= most_tokens)
+    return refuse("there are " + std::to_string(most_tokens) +
+                  " tokens, and no more than that: revoke one that nobody needs");
+  const auto name = params.name.value_or(tokens.free_name());
+  if (!tmcld::Tokens::is_name(name))
+    return refuse("the name of a token has 1 to " + std::to_string(max_token_name_bytes) +
+                  " letters, digits, '_', '-', '.'");
+  if (tokens.find(name) != nullptr) return refuse("there is a token '" + name + "' already");
+  return name;
+}
+
+RpcError not_kept(const std::string& why, std::string message) {
+  return rpc_error(rpc_code::call_failed, "not_kept", std::move(message) + ": " + why,
+                   "look at the directory of tmcld's state: is there room, and may it write?");
+}
+
+}  // namespace
+
+Answer<token::Add> add_token(Call& call, const token::Add& params) {
+  if (auto refused = objection(call)) co_return tl::unexpected(std::move(*refused));
+  const auto tokens = tokens_of(call);
+  const auto role = role_of(params);
+  if (!role) co_return tl::unexpected(role.error());
+  const auto name = name_of(params, *tokens);
+  if (!name) co_return tl::unexpected(name.error());
+  auto secret = tokens->add(*name, *role);
+  const auto failure = co_await tmcld::Tokens::write(tokens);
+  if (failure.empty()) co_return token::Added{*name, params.role, std::move(secret)};
+  tokens->remove(*name);
+  co_return tl::unexpected(not_kept(failure, "the token was not made"));
+}
+
+Answer<token::List> list_tokens(Call& call, const token::List&) {
+  if (auto refused = objection(call)) co_return tl::unexpected(std::move(*refused));
+  token::Tokens result;
+  for (const auto& one : tokens_of(call)->all())
+    result.tokens.push_back({one.name, std::string(tmcld::name_of(one.role)), one.made});
+  co_return result;
+}
+
+Answer<token::Revoke> revoke_token(Call& call, const token::Revoke& params) {
+  if (auto refused = objection(call)) co_return tl::unexpected(std::move(*refused));
+  const auto tokens = tokens_of(call);
+  if (tokens->find(params.name) == nullptr) {
+    std::vector<std::string_view> names;
+    for (const auto& one : tokens->all()) names.push_back(one.name);
+    co_return tl::unexpected(param_error("bad_argument", api::name_of<&token::Revoke::name>(),
+                                         "there is no token '" + params.name + "'",
+                                         suggest(params.name, names, "token.list shows them")));
+  }
+  tokens->remove(params.name);
+  const auto failure = co_await tmcld::Tokens::write(tokens);
+  if (failure.empty()) co_return Nothing{};
+  co_return tl::unexpected(
+      not_kept(failure, "it is revoked, but would be good again if tmcld were started again"));
+}
+
+}  // namespace tmcld::handlers

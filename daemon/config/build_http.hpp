@@ -1,0 +1,14 @@
+/// What the section [http] means.
+#pragma once
+
+#include <vector>
+
+#include "config/http_config.hpp"
+#include "config/section.hpp"
+
+namespace tmcld {
+
+/// Appends what is wrong to `problems`. That files can be read is for whoever opens them.
+HttpConfig build_http(const ConfigSection& section, std::vector<ConfigProblem>& problems);
+
+}  // namespace tmcld

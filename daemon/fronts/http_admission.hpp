@@ -1,0 +1,77 @@
+/// Whether a request that came by HTTP is let in, as whom, and to what; decided by its head alone.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include <tl/expected.hpp>
+
+#include "api/caller.hpp"
+#include "gateway/tokens.hpp"
+
+namespace tmcld {
+
+enum class HttpRoute : std::uint8_t { health, metrics, rpc, websocket };
+
+/// What is looked at of the head of a request.
+struct HttpHead {
+  std::string_view method{};
+  std::string_view target{};
+  std::string_view host{};
+  std::optional<std::string_view> origin{};
+  std::string_view authorization{};
+  std::string_view content_type{};
+  std::string_view protocols{};  ///< Sec-WebSocket-Protocol
+  bool is_upgrade = false;       ///< To a WebSocket.
+};
+
+/// How it came.
+struct HttpConnectionInfo {
+  std::string peer{};        ///< Address and port, for people.
+  bool is_loopback = false;  ///< Both ends are on this computer.
+  bool has_tls = false;
+  std::uint16_t port = 0;  ///< Of the daemon.
+};
+
+struct HttpRefusal {
+  unsigned status = 0;
+  std::string name{};  ///< snake_case
+  std::string message{};
+  std::string hint{};
+};
+
+struct HttpEntry {
+  HttpRoute route = HttpRoute::health;
+  Caller caller{};
+  std::string token{};     ///< By which it was let in; empty: by none.
+  std::string name{};      ///< Of the client, as others are told.
+  std::string protocol{};  ///< Of the WebSocket, if it wants one; to be agreed on.
+};
+
+struct HttpRules {
+  std::span<const std::string> origins{};
+  bool loopback_without_token = false;
+};
+
+/// The WebSocket protocol of browsers, which carry their token in another one behind it:
+/// new WebSocket(url, ["tmcl", "bearer.TOKEN"]).
+constexpr std::string_view websocket_protocol = "tmcl";
+constexpr std::string_view token_protocol_prefix = "bearer.";
+
+/// A browser says on whose behalf it asks: its own pages may, and those of the configuration.
+bool is_allowed_origin(std::string_view origin, std::string_view host, bool has_tls,
+                       std::span<const std::string> allowed);
+/// By which this computer is called from itself: no name that a page could have made point here.
+bool is_loopback_host(std::string_view host, std::uint16_t port);
+/// The token that came along; empty if none did.
+std::string_view token_of(const HttpHead& head);
+
+tl::expected<HttpEntry, HttpRefusal> admit_http(const HttpHead& head,
+                                                const HttpConnectionInfo& connection,
+                                                const HttpRules& rules, const Tokens& tokens,
+                                                std::span<const AccessConfig> access);
+
+}  // namespace tmcld

@@ -1,0 +1,128 @@
+#include "fronts/metrics.hpp"
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <sstream>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include <prometheus/metric_family.h>
+#include <prometheus/text_serializer.h>
+
+#include "tmcl/bus_options.hpp"
+
+namespace tmcld {
+namespace {
+
+using prometheus::ClientMetric;
+using prometheus::MetricFamily;
+using prometheus::MetricType;
+using Labels = std::vector<ClientMetric::Label>;
+
+struct Counted {
+  const char* name;
+  const char* help;
+  std::uint64_t tmcl::BusCounters::*of;
+};
+constexpr auto counters = std::to_array<Counted>({
+    {"tmcl_requests_total", "Datagrams that were sent.", &tmcl::BusCounters::requests},
+    {"tmcl_replies_total", "Answers that were accepted.", &tmcl::BusCounters::replies},
+    {"tmcl_timeouts_total", "Requests that nobody answered in time.", &tmcl::BusCounters::timeouts},
+    {"tmcl_late_replies_total", "Answers to requests that had been given up.",
+     &tmcl::BusCounters::late_replies},
+    {"tmcl_surplus_replies_total", "Replies beyond what a module was asked for.",
+     &tmcl::BusCounters::surplus},
+    {"tmcl_garbage_bytes_total", "Bytes that belonged to no datagram.",
+     &tmcl::BusCounters::garbage_bytes},
+    {"tmcl_fences_total", "Exchanges that proved that a module is in step.",
+     &tmcl::BusCounters::fences},
+});
+
+void set(ClientMetric& metric, MetricType type, double value) {
+  if (type == MetricType::Counter) metric.counter.value = value;
+  if (type == MetricType::Gauge) metric.gauge.value = value;
+}
+
+class Page {
+ public:
+  /// Of a new family, or of the last one.
+  void add(const char* name, const char* help, MetricType type, Labels labels, double value) {
+    if (families_.empty() || families_.back().name != name)
+      families_.push_back({name, help, type, {}});
+    ClientMetric metric;
+    metric.label = std::move(labels);
+    set(metric, type, value);
+    families_.back().metric.push_back(std::move(metric));
+  }
+
+  void add(const char* name, const char* help, const Latency& latency) {
+    auto& family = families_.emplace_back(MetricFamily{name, help, MetricType::Histogram, {}});
+    auto& histogram = family.metric.emplace_back().histogram;
+    std::uint64_t count = 0;
+    for (std::size_t i = 0; i < latency.counts().size(); ++i) {
+      count += latency.counts()[i];
+      const bool is_last = i == Latency::bounds_s.size();
+      histogram.bucket.push_back(
+          {count, is_last ? std::numeric_limits<double>::infinity() : Latency::bounds_s.at(i)});
+    }
+    histogram.sample_count = count;
+    histogram.sample_sum = latency.sum_s();
+  }
+
+  std::string text() const {
+    std::ostringstream text;
+    prometheus::TextSerializer().Serialize(text, families_);
+    return text.str();
+  }
+
+ private:
+  std::vector<MetricFamily> families_;
+};
+
+void add_buses(Page& page, const Gateway& gateway) {
+  for (const auto& counter : counters) {
+    for (const auto& bus : gateway.buses()) {
+      page.add(counter.name, counter.help, MetricType::Counter, {{"bus", bus->name()}},
+               static_cast<double>(bus->counters().*counter.of));
+    }
+  }
+  for (const auto& bus : gateway.buses()) {
+    page.add("tmcl_bus_open", "1 while the link of the bus is open.", MetricType::Gauge,
+             {{"bus", bus->name()}}, bus->state() == GatewayBus::State::open ? 1 : 0);
+  }
+}
+
+void add_axes(Page& page, const Gateway& gateway) {
+  const auto add = [&](const char* name, const char* help, auto&& is_so) {
+    for (const auto& axis : gateway.axes()) {
+      page.add(name, help, MetricType::Gauge, {{"axis", axis->name()}, {"bus", axis->bus().name()}},
+               is_so(*axis) ? 1 : 0);
+    }
+  };
+  add("tmcl_axis_up", "1 while the module of the axis answers.",
+      [](const GatewayAxis& axis) { return axis.module().state() == GatewayModule::State::ready; });
+  add("tmcl_axis_latched", "1 while nothing moves the axis until somebody says that it may.",
+      [](const GatewayAxis& axis) { return axis.latched().has_value(); });
+  add("tmcl_axis_referenced", "1 if the axis has found its reference.",
+      [](const GatewayAxis& axis) { return axis.is_referenced(); });
+  add("tmcl_axis_led", "1 while tmcld leads the axis: on a line, a path or a search.",
+      [](const GatewayAxis& axis) { return axis.mover() != Mover::nobody; });
+}
+
+}  // namespace
+
+std::string metrics_text(const Gateway& gateway, const Latency& stops, std::size_t clients) {
+  Page page;
+  add_buses(page, gateway);
+  page.add("tmcl_stop_seconds", "From when a stop came in until it was answered.", stops);
+  add_axes(page, gateway);
+  page.add("tmcl_leases", "Leases that clients have.", MetricType::Gauge, {},
+           static_cast<double>(gateway.leases()->all().size()));
+  page.add("tmcl_http_clients", "Clients that are connected by HTTP.", MetricType::Gauge, {},
+           static_cast<double>(clients));
+  return page.text();
+}
+
+}  // namespace tmcld

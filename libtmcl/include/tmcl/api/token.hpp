@@ -1,0 +1,48 @@
+/// Tokens: by them clients come in from the network, each with the role of its token.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tmcl/api/axis.hpp"
+
+namespace tmcl::api::token {
+
+constexpr std::string_view name_summary = "what it is called";
+constexpr std::string_view role_summary =
+    "what whoever has it may do: observe, operate or configure";
+
+struct Added {
+  TMCL_STRUCT(Added);
+  TMCL_FIELD(std::string, name, name_summary);
+  TMCL_FIELD(std::string, role, role_summary);
+  TMCL_FIELD(std::string, token, "the token, which is told this once and kept nowhere");
+};
+struct Add {
+  TMCL_METHOD("token.add", writes, Added, "makes a token, by which a client is let in", Add);
+  TMCL_FIELD(std::string, role, role_summary);
+  TMCL_FIELD(std::optional<std::string>, name,
+             "what it is called; token-1 or the next one that is free if absent");
+};
+
+struct Token {
+  TMCL_STRUCT(Token);
+  TMCL_FIELD(std::string, name, name_summary);
+  TMCL_FIELD(std::string, role, role_summary);
+  TMCL_FIELD(std::string, made, "when it was made, in UTC");
+};
+struct Tokens {
+  TMCL_STRUCT(Tokens);
+  TMCL_FIELD(std::vector<Token>, tokens, "the tokens there are");
+};
+struct List {
+  TMCL_METHOD("token.list", reads, Tokens, "which tokens there are", List);
+};
+struct Revoke {
+  TMCL_METHOD("token.revoke", writes, Nothing,
+              "lets nobody in by it any more, and ends the connections of whoever is", Revoke);
+  TMCL_FIELD(std::string, name, name_summary);
+};
+
+}  // namespace tmcl::api::token

@@ -1,0 +1,224 @@
+// tmcld by HTTP and WebSocket: real programs, real sockets, and clients that behave badly.
+#include <fstream>
+#include <iostream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include <gmock/gmock.h>
+
+#include "support/build_paths.hpp"
+#include "system/tmcld_fixture.hpp"
+
+namespace tmcl::test {
+namespace {
+
+using testing::HasSubstr;
+using testing::StartsWith;
+
+class TmcldHttp : public TmcldTest {
+ protected:
+  void start(const std::string& keys = "loopback_without_token = true\n") {
+    start_simulator_on_pty();
+    write_config(pty_link());
+    std::ofstream(config(), std::ios::app) << "[http]\nlisten = [\"127.0.0.1:0\"]\n" << keys;
+    start_daemon();
+    const auto& said = daemon->output();
+    const std::string_view address = "://127.0.0.1:";
+    if (said.find(address) == std::string::npos) ASSERT_TRUE(daemon->wait_for(address));
+    const auto at = daemon->output().find(address) + address.size();
+    port = daemon->output().substr(at, daemon->output().find('\n', at) - at);
+  }
+
+  /// What the program says, and that it ends well.
+  std::string say(std::vector<std::string> words) {
+    Program program(std::move(words));
+    EXPECT_EQ(program.wait(), 0) << program.output();
+    return program.output();
+  }
+  std::string shell(const std::string& line) { return say({"/bin/sh", "-c", line}); }
+  std::string web(std::vector<std::string> words) {
+    words.insert(words.begin(), TMCL_SOURCE_DIR "/tests/system/web_clients.py");
+    return say(std::move(words));
+  }
+
+  std::string make_token(const std::string& role, const std::string& name) const {
+    RpcClient client(socket());
+    const auto added = client.result("token.add", {{"role", role}, {"name", name}});
+    return std::string(added.at("token").as_string());
+  }
+
+  /// A certificate for localhost that vouches for itself.
+  std::string make_certificate(const std::string& options = {}) {
+    return shell(
+        "openssl req -x509 -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes "
+        "-subj /CN=localhost -addext subjectAltName=DNS:localhost " +
+        options + " -keyout " + path("key.pem") + " -out " + path("cert.pem") + " 2>/dev/null");
+  }
+  std::string tls_keys() const {
+    return "loopback_without_token = true\ncertificate = \"" + path("cert.pem") + "\"\nkey = \"" +
+           path("key.pem") + "\"\n";
+  }
+  std::string https() const { return "https://localhost:" + port; }
+
+  double memory_mb() const {
+    std::ifstream status("/proc/" + std::to_string(daemon->process()) + "/status");
+    std::string word;
+    while (status >> word) {
+      double kb = 0;
+      if (word == "VmRSS:" && status >> kb) return kb / 1024;
+    }
+    return 0;
+  }
+  void crowd(const std::vector<std::string>& more, double most_mb) {
+    std::vector<std::string> words{TMCL_SOURCE_DIR "/tests/system/web_clients.py", "crowd", port,
+                                   "1000"};
+    words.insert(words.end(), more.begin(), more.end());
+    Program clients(words, Program::Input::piped);
+    ASSERT_TRUE(clients.wait_for("p99")) << clients.output();
+    const auto used = memory_mb();
+    std::cout << clients.output() << "memory of tmcld: " << used << " MB\n";
+    EXPECT_LT(used, most_mb);
+  }
+
+  std::string port;
+};
+
+bool matches(std::string_view text, std::string_view pattern) {
+  const auto gap = pattern.find("...");
+  if (gap == std::string_view::npos) return text == pattern;
+  if (!text.starts_with(pattern.substr(0, gap))) return false;
+  text.remove_prefix(gap);
+  pattern.remove_prefix(gap + 3);
+  for (std::size_t skipped = 0; skipped <= text.size(); ++skipped) {
+    if (matches(text.substr(skipped), pattern)) return true;
+  }
+  return false;
+}
+
+TEST_F(TmcldHttp, AnswersCurlAsTheProtocolShows) {
+  start();
+  std::ifstream file(TMCL_SOURCE_DIR "/docs/PROTOCOL.md");
+  std::string line, command, answer;
+  int commands = 0;
+  const auto compare = [&] {
+    if (command.empty()) return;
+    ++commands;
+    EXPECT_TRUE(matches(shell(command), answer)) << command << "\n" << shell(command);
+  };
+  for (bool in_example = false; std::getline(file, line);) {
+    if (line.starts_with("```")) {
+      if (in_example) compare();
+      command.clear();
+      in_example = line == "```curl";
+    } else if (in_example && line.starts_with("$ ")) {
+      compare();
+      command = line.substr(2);
+      if (const auto at = command.find("4143"); at != std::string::npos)
+        command.replace(at, 4, port);
+      answer.clear();
+    } else if (in_example) {
+      answer += line + "\n";
+      if (line == "...") answer.pop_back();
+    }
+  }
+  EXPECT_GE(commands, 6);
+}
+
+TEST_F(TmcldHttp, ServesOthersBesideTenThousandConnectionsThatSayNothing) {
+  start();
+  EXPECT_THAT(web({"half-open", port, "10000"}), HasSubstr("others served"));
+  EXPECT_LT(memory_mb(), 100);
+}
+
+TEST_F(TmcldHttp, RefusesABodyOfAHundredMegabytes) {
+  start();
+  EXPECT_THAT(web({"body", port, "100000000"}), StartsWith("HTTP/1.1 413"));
+}
+
+TEST_F(TmcldHttp, GreetsWhoeverOpensAWebSocketAndSaysNothing) {
+  start();
+  EXPECT_EQ(web({"silent", port}), "hello\n3 axes\n");
+}
+
+TEST_F(TmcldHttp, EndsSessionAndLeaseOfATokenThatIsRevoked) {
+  start("");
+  const auto token = make_token("operate", "bench");
+  const auto boss = make_token("configure", "boss");
+  EXPECT_EQ(web({"revoked", port, token, boss, "bench"}),
+            "holder: token 'bench'\n"
+            "closed: 1008 the token was revoked\n"
+            "leases: 0\n"
+            "again: HTTP/1.1 401 Unauthorized\n");
+}
+
+TEST_F(TmcldHttp, LetsTheRoleOfATokenStopButNotMove) {
+  start("");
+  const auto token = make_token("observe", "page");
+  const auto call = [&](const std::string& method, const std::string& more) {
+    return shell("curl -s -H 'Authorization: Bearer " + token +
+                 R"(' --json '{"jsonrpc":"2.0","id":1,"method":")" + method +
+                 R"(","params":{"axis":"y")" + more + "}}' http://localhost:" + port + "/rpc");
+  };
+  EXPECT_THAT(call("axis.move_to", R"(,"position_microsteps":1)"),
+              AllOf(HasSubstr("not_permitted"), HasSubstr("by the token 'page'")));
+  EXPECT_THAT(call("axis.stop", ""), HasSubstr(R"("result":{})"));
+}
+
+TEST_F(TmcldHttp, NamesWhatIsWrongWithTls) {
+  make_certificate();
+  start(tls_keys());
+  const auto curl = [&](const std::string& options, const std::string& url) {
+    return shell("curl -sS " + options + " " + url + "/healthz 2>&1 || true");
+  };
+  EXPECT_EQ(curl("--cacert " + path("cert.pem"), https()), "ok\n");
+  EXPECT_THAT(curl("", https()), HasSubstr("self-signed certificate"));
+  ASSERT_TRUE(daemon->wait_for("was not let in by TLS")) << daemon->output();
+  EXPECT_THAT(curl("", "http://localhost:" + port), HasSubstr("this port speaks TLS"));
+  ASSERT_TRUE(daemon->wait_for("speaks no TLS to a port that does")) << daemon->output();
+}
+
+TEST_F(TmcldHttp, WantsACertificateOfClientsIfItIsConfigured) {
+  make_certificate();
+  start(tls_keys() + "client_ca = \"" + path("cert.pem") + "\"\n");
+  const auto curl = "curl -sS --cacert " + path("cert.pem") + " ";
+  EXPECT_THAT(shell(curl + https() + "/healthz 2>&1 || true"), HasSubstr("certificate"));
+  EXPECT_EQ(shell(curl + "--cert " + path("cert.pem") + " --key " + path("key.pem") + " " +
+                  https() + "/healthz"),
+            "ok\n");
+}
+
+TEST_F(TmcldHttp, SaysBeforeItStartsWhatIsWrongWithItsCertificate) {
+  const auto check = [&](const std::string& keys) {
+    write_config("serial:/dev/none");
+    std::ofstream(config(), std::ios::app) << keys;
+    Program program({"tmcld", "--config", config(), "--check"});
+    EXPECT_EQ(program.wait(), 2);
+    return program.output();
+  };
+  EXPECT_THAT(check("[http]\nlisten = [\"0.0.0.0:4143\"]\n"),
+              HasSubstr("needs a 'certificate' and its 'key'"));
+  EXPECT_THAT(check("[http]\nlisten = [\"127.0.0.1:4143\"]\n" + tls_keys()),
+              HasSubstr("the certificate " + path("cert.pem") + " cannot be read"));
+  // x509 makes what has run out; req does not.
+  make_certificate();
+  shell("openssl req -new -key " + path("key.pem") + " -subj /CN=localhost -out " + path("csr") +
+        " && openssl x509 -req -in " + path("csr") + " -signkey " + path("key.pem") +
+        " -days -1 -out " + path("cert.pem") + " 2>/dev/null");
+  EXPECT_THAT(check("[http]\nlisten = [\"127.0.0.1:4143\"]\n" + tls_keys()),
+              HasSubstr("has run out"));
+}
+
+TEST_F(TmcldHttp, AnswersAThousandWebSocketsInLessThanAHundredMegabytes) {
+  start();
+  crowd({}, 100);
+}
+
+TEST_F(TmcldHttp, AnswersAThousandWebSocketsWithTlsInLessThanTwoHundredMegabytes) {
+  make_certificate();
+  start(tls_keys());
+  crowd({path("cert.pem")}, 200);
+}
+
+}  // namespace
+}  // namespace tmcl::test
