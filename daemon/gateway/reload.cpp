@@ -121,6 +121,16 @@ awaitable<Objection> objection_to_closing(std::shared_ptr<Gateway> gateway, cons
   co_return "bus '" + buses.front()->name() + "' is sent commands all the time: try again later";
 }
 
+/// The program at a port would speak to a bus that is not there any more.
+Objection objection_of_ports(const Config& config, const Buses& buses) {
+  for (const auto& port : config.ports) {
+    if (std::ranges::find(buses, port.bus, &GatewayBus::name) == buses.end()) continue;
+    return fmt::format("bus '{}' is at port '{}', which only a start of tmcld opens anew", port.bus,
+                       port.name);
+  }
+  return std::nullopt;
+}
+
 std::string in_words(const Gateway& gateway, const Config& config, const Buses& closed) {
   const auto is_there = [&](const auto& bus) {
     return std::ranges::count(config.buses, bus->name(), &BusConfig::name) != 0;
@@ -136,6 +146,8 @@ std::string in_words(const Gateway& gateway, const Config& config, const Buses& 
 awaitable<tl::expected<std::string, std::string>> reload(std::shared_ptr<Gateway> gateway,
                                                          Config config) {
   const auto closed = gateway->changed_by(config);
+  if (const auto objection = objection_of_ports(config, closed))
+    co_return tl::unexpected(*objection);
   if (!closed.empty()) {
     const auto objection = co_await objection_to_closing(gateway, closed);
     if (objection) co_return tl::unexpected(*objection);
