@@ -1,6 +1,7 @@
 // Another configuration for a daemon that runs: all of it, or nothing.
 #include <gmock/gmock.h>
 
+#include "support/temp_path.hpp"
 #include "unit/daemon_moves_fixture.hpp"
 
 namespace tmcld::test {
@@ -17,7 +18,8 @@ std::string on_other_bus(const std::string& name) {
 
 class Reload : public testing::Test {
  protected:
-  Reload() {
+  explicit Reload(const std::string& more = {})
+      : daemon_(x_and_y() + other_bus + on_other_bus("u") + more, reactor_) {
     module_.be_played_by(daemon_.wire().modules.at(1));
     daemon_.start();
     client_ = std::make_unique<RpcClient>(daemon_.socket());
@@ -55,7 +57,7 @@ class Reload : public testing::Test {
   SimulatedModule module_{reactor_->clock};
 
  protected:
-  TestDaemon daemon_{x_and_y() + other_bus + on_other_bus("u"), reactor_};
+  TestDaemon daemon_;
   std::unique_ptr<RpcClient> client_;
 };
 
@@ -109,6 +111,23 @@ TEST_F(Reload, RefusesWhatIsLeasedOrTurns) {
   daemon_.run_for(1s);
   EXPECT_EQ(reload(other_bus + on_other_bus("u")),
             "buses: 1 as before, 0 opened anew, 0 new, 1 gone; axes: 1");
+}
+
+class ReloadAtPort : public Reload {
+ protected:
+  ReloadAtPort() : Reload(at_port()) {}
+  static std::string at_port() {
+    return "[[port]]\nname = \"a\"\nbus = \"other\"\npty = \"" +
+           tmcl::test::temp_path("reload.pty") + "\"\n";
+  }
+};
+
+TEST_F(ReloadAtPort, OpensNoBusAnewThatAProgramHas) {
+  EXPECT_THAT(reload(x_and_y() + other_bus + on_other_bus("v") + at_port()),
+              HasSubstr("bus 'other' is at port 'a'"));
+  EXPECT_EQ(daemon_.daemon().gateway().axes().size(), 3U);
+  EXPECT_EQ(reload(x_and_y() + axis_section("z", 2) + other_bus + on_other_bus("u") + at_port()),
+            "buses: 1 as before, 1 opened anew, 0 new, 0 gone; axes: 4");
 }
 
 TEST_F(Reload, RefusesWhatTakesARestart) {
