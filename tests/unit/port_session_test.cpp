@@ -56,10 +56,10 @@ TEST_F(Port, SaysNothingForModulesThatAreNotThere) {
   EXPECT_EQ(host.ask(request_of(Command::SGP, 66, 0, 100, 7)), std::nullopt) << "nor a refusal";
 }
 
-TEST_F(Port, SaysNothingWhileTheLinkIsLost) {
+TEST_F(Port, SaysNothingWhenTheLinkIsLost) {
   bench.wire.unplug();
-  EXPECT_EQ(host.ask(read_of(ap::actual_position)), std::nullopt);
   EXPECT_EQ(host.ask(move_to(100)), std::nullopt);
+  EXPECT_EQ(host.status_of(read_of(ap::actual_position)), Status::ok) << "it was opened again";
 }
 
 // ---- what it may do ----------------------------------------------------------------------------
@@ -149,6 +149,7 @@ TEST(PortOfNewerModules, AnswersARelativeMoveWithItsTarget) {
   bench.wire.modules.at(1).parameter(0, tmcl::number_of("relative_positioning_option")) = 0;
   // It is asked anew what it is.
   bench.gateway().buses().front()->find_module(tmcl::ModuleAddress{1})->forget_state();
+  ASSERT_TRUE(bench.call("axis.get_state", {{"axis", "x"}}));
   ASSERT_TRUE(bench.call("axis.recover", {{"axis", "x"}})) << "it is another module than before";
   PortHost host(bench, "a", Role::operate);
   host.ask(move_to(500));
