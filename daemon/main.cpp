@@ -95,7 +95,8 @@ void print_feeding(const BusConfig& bus) {
 int check(const LoadedConfig& loaded, const std::optional<HttpConfig>& http) {
   const auto& config = loaded.config;
   const auto problems = http ? problems_of_files(*http) : std::vector<std::string>{};
-  if (!problems.empty()) return report(problems);
+  for (const auto& problem : problems) std::fprintf(stderr, "%s\n", problem.c_str());
+  if (!problems.empty()) return exit_code::bad_usage;
   std::printf("ok: %s, %s", counted(config.buses.size(), "bus", "buses").c_str(),
               counted(config.axes.size(), "axis", "axes").c_str());
   if (loaded.files > 1) std::printf(", from %zu files", loaded.files);
