@@ -77,7 +77,8 @@ or blocking."
 tmcl_package(dev libtmcl-dev libdevel "library to move motors on TMCL modules (development files)"
   "Headers, examples and what CMake and pkg-config want to know to build
 programs with libtmcl."
-  DEPENDS "libtmcl0 (= ${PROJECT_VERSION})" libboost1.81-dev libboost-json1.81-dev libexpected-dev libfmt-dev)
+  DEPENDS "libtmcl0 (= ${PROJECT_VERSION})" libboost1.81-dev libboost-json1.81-dev libexpected-dev libfmt-dev libusb-1.0-0-dev
+  pkg-config)
 
 # The Python package is where its sources are.
 set(python_sources ${PROJECT_SOURCE_DIR}/tools/python/tmcl)
