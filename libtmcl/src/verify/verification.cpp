@@ -193,8 +193,10 @@ Script<Result<void>> Verifier::set_beyond_range() {
   const auto* row = find_parameter(axis_parameters(model()), parameter);
   const auto beyond = has_tmc429() ? std::int64_t{present} + beyond_divider
                                    : std::int64_t{row == nullptr ? INT32_MAX : row->maximum} + 1;
-  if (beyond > INT32_MAX) {
-    not_measured(trait, "there is no harmless value that is out of range");
+  const bool is_limited = options_.greatest_velocity || options_.greatest_acceleration;
+  if (is_limited || beyond > INT32_MAX) {
+    not_measured(trait, is_limited ? "the limits of the axis forbid to try"
+                                   : "there is no harmless value that is out of range");
     co_return Result<void>{};
   }
   watched_.forget(parameter);
