@@ -249,7 +249,7 @@ bus is lost or tmcld starts again, and says so; documents of that have "event" o
 
 constexpr const char* top = R"(
 One row for each axis: whether its module answers, its position, a bar from its lower soft limit to the
-upper one, its velocity, and what else is to be known: latched, no reference, leased, unattended, why it
+upper one, its velocity, and what else is to be known: latched, referenced, leased, unattended, why it
 stands short of its target. It stays while modules do not answer or tmcld starts again. q or Ctrl-C ends
 it; the axes go on. It needs a terminal: 'watch --all' writes lines.
 
