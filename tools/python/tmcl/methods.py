@@ -29,6 +29,9 @@ EFFECTS: Mapping[str, str] = {
     "lease.release": "stops",
     "lease.list": "reads",
     "lease.break": "writes",
+    "token.add": "writes",
+    "token.list": "reads",
+    "token.revoke": "writes",
     "line.move": "moves",
     "path.stage": "reads",
     "path.plan": "reads",
@@ -37,12 +40,16 @@ EFFECTS: Mapping[str, str] = {
     "path.resume": "moves",
     "path.stop": "stops",
     "mint.run": "moves",
+    "axis.get_ramp": "reads",
+    "axis.plan_ramp": "reads",
+    "axis.set_ramp": "moves",
     "axis.home": "moves",
     "axis.start_home": "moves",
     "axis.stop_home": "stops",
     "axis.recover": "writes",
     "axis.set_deadman": "writes",
     "axis.test_deadman": "moves",
+    "axis.verify": "moves",
     "capture.start": "writes",
     "capture.state": "reads",
     "capture.read": "reads",
@@ -371,6 +378,33 @@ class LeaseList(Record):
 
 
 @dataclass(frozen=True)
+class TokenAdd(Record):
+    #: what it is called
+    name: str = ""
+    #: what whoever has it may do: observe, operate or configure
+    role: str = ""
+    #: the token, which is told this once and kept nowhere
+    token: str = ""
+
+
+@dataclass(frozen=True)
+class TokenListTokens(Record):
+    #: what it is called
+    name: str = ""
+    #: what whoever has it may do: observe, operate or configure
+    role: str = ""
+    #: when it was made, in UTC
+    made: str = ""
+
+
+@dataclass(frozen=True)
+class TokenList(Record):
+    #: the tokens there are
+    tokens: tuple[TokenListTokens, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"tokens": TokenListTokens}
+
+
+@dataclass(frozen=True)
 class LineMoveAxes(Record):
     #: name of the axis
     axis: str = ""
@@ -519,6 +553,51 @@ class AxisTestDeadman(Record):
     #: how far the axis has gone
     way_microsteps: int = 0
     _inner: ClassVar[Mapping[str, type[Record]]] = {"deadman": ModuleListModulesDeadman}
+
+
+@dataclass(frozen=True)
+class AxisVerifyTraits(Record):
+    #: such as last_step: a key of a file for tmclsim --as
+    trait: str = ""
+    #: the variant that its twin has
+    foreseen: str = ""
+    #: it was tried what the module does
+    measured: bool = False
+    #: which variants do; none of those that are known, if it was tried and nothing is here
+    fits: tuple[str, ...] = ()
+    #: what was seen, or why it was not tried
+    text: str = ""
+
+
+@dataclass(frozen=True)
+class AxisVerifyMoves(Record):
+    #: how far
+    distance_microsteps: int = 0
+    #: what the ramp generator was set to
+    settings: str = ""
+    #: how long its twin takes
+    foreseen_s: float = 0.0
+    #: it took longer than this
+    least_s: float = 0.0
+    #: and no longer than this
+    most_s: float = 0.0
+
+
+@dataclass(frozen=True)
+class AxisVerify(Record):
+    #: of the module
+    model: str = ""
+    #: its version
+    firmware: str = ""
+    #: how quickly it has answered at best, without what the wire takes; null on CAN
+    answer_us: int | None = None
+    #: those that make a difference to its model
+    traits: tuple[AxisVerifyTraits, ...] = ()
+    #: those that told variants of its chip apart
+    moves: tuple[AxisVerifyMoves, ...] = ()
+    #: all this as a text: the file that tmclsim --as and 'as' in [[module]] take
+    report: str = ""
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"traits": AxisVerifyTraits, "moves": AxisVerifyMoves}
 
 
 @dataclass(frozen=True)
@@ -1055,6 +1134,23 @@ class Methods:
         """`lease.break` takes the lease of an axis away, as if its time were over."""
         self._call("lease.break", {"axis": axis})
 
+    def token_add(
+        self,
+        role: str,
+        *,
+        name: str | None = None,
+    ) -> TokenAdd:
+        """`token.add` makes a token, by which a client is let in."""
+        return TokenAdd.of(self._call("token.add", {"role": role, "name": name}))
+
+    def token_list(self) -> TokenList:
+        """`token.list` which tokens there are."""
+        return TokenList.of(self._call("token.list", {}))
+
+    def token_revoke(self, name: str) -> None:
+        """`token.revoke` lets nobody in by it any more, and ends the connections of whoever is."""
+        self._call("token.revoke", {"name": name})
+
     def line_move(
         self,
         axes: Sequence[str],
@@ -1162,6 +1258,18 @@ class Methods:
         by notify_progress."""
         return MintRun.of(self._call("mint.run", {"axes": axes, "numbers": numbers, "counts": counts, "text": text, "bytes": bytes}))
 
+    def axis_get_ramp(self) -> None:
+        """`axis.get_ramp` what its movements can be foreseen from; of an axis that stands."""
+        self._call("axis.get_ramp", {})
+
+    def axis_plan_ramp(self) -> None:
+        """`axis.plan_ramp` chooses the parameters that make a ramp; writes nothing."""
+        self._call("axis.plan_ramp", {})
+
+    def axis_set_ramp(self) -> None:
+        """`axis.set_ramp` chooses them, and sets them on an axis that stands."""
+        self._call("axis.set_ramp", {})
+
     def axis_home(
         self,
         axis: str,
@@ -1201,6 +1309,19 @@ class Methods:
         """`axis.test_deadman` moves an axis slowly, sends its module nothing, and measures when it
         stops."""
         return AxisTestDeadman.of(self._call("axis.test_deadman", {"axis": axis}))
+
+    def axis_verify(
+        self,
+        axis: str,
+        *,
+        from_microsteps: int | None = None,
+        from: float | str | None = None,
+        to_microsteps: int | None = None,
+        to: float | str | None = None,
+    ) -> AxisVerify:
+        """`axis.verify` moves an axis a little, and finds out in what its module is not like its
+        twin."""
+        return AxisVerify.of(self._call("axis.verify", {"axis": axis, "from_microsteps": from_microsteps, "from": from, "to_microsteps": to_microsteps, "to": to}))
 
     def capture_start(
         self,
@@ -1804,6 +1925,23 @@ class AsyncMethods:
         """`lease.break` takes the lease of an axis away, as if its time were over."""
         await self._call("lease.break", {"axis": axis})
 
+    async def token_add(
+        self,
+        role: str,
+        *,
+        name: str | None = None,
+    ) -> TokenAdd:
+        """`token.add` makes a token, by which a client is let in."""
+        return TokenAdd.of(await self._call("token.add", {"role": role, "name": name}))
+
+    async def token_list(self) -> TokenList:
+        """`token.list` which tokens there are."""
+        return TokenList.of(await self._call("token.list", {}))
+
+    async def token_revoke(self, name: str) -> None:
+        """`token.revoke` lets nobody in by it any more, and ends the connections of whoever is."""
+        await self._call("token.revoke", {"name": name})
+
     async def line_move(
         self,
         axes: Sequence[str],
@@ -1911,6 +2049,18 @@ class AsyncMethods:
         by notify_progress."""
         return MintRun.of(await self._call("mint.run", {"axes": axes, "numbers": numbers, "counts": counts, "text": text, "bytes": bytes}))
 
+    async def axis_get_ramp(self) -> None:
+        """`axis.get_ramp` what its movements can be foreseen from; of an axis that stands."""
+        await self._call("axis.get_ramp", {})
+
+    async def axis_plan_ramp(self) -> None:
+        """`axis.plan_ramp` chooses the parameters that make a ramp; writes nothing."""
+        await self._call("axis.plan_ramp", {})
+
+    async def axis_set_ramp(self) -> None:
+        """`axis.set_ramp` chooses them, and sets them on an axis that stands."""
+        await self._call("axis.set_ramp", {})
+
     async def axis_home(
         self,
         axis: str,
@@ -1950,6 +2100,19 @@ class AsyncMethods:
         """`axis.test_deadman` moves an axis slowly, sends its module nothing, and measures when it
         stops."""
         return AxisTestDeadman.of(await self._call("axis.test_deadman", {"axis": axis}))
+
+    async def axis_verify(
+        self,
+        axis: str,
+        *,
+        from_microsteps: int | None = None,
+        from: float | str | None = None,
+        to_microsteps: int | None = None,
+        to: float | str | None = None,
+    ) -> AxisVerify:
+        """`axis.verify` moves an axis a little, and finds out in what its module is not like its
+        twin."""
+        return AxisVerify.of(await self._call("axis.verify", {"axis": axis, "from_microsteps": from_microsteps, "from": from, "to_microsteps": to_microsteps, "to": to}))
 
     async def capture_start(
         self,
