@@ -1,8 +1,11 @@
 // Programs that know nothing of tmcld find its bus at ports, beside each other and beside tmclctl.
+#include <chrono>
+
 #include <gmock/gmock.h>
 
 #include "support/tmcl_host.hpp"
 #include "system/tmcld_fixture.hpp"
+#include "tmcl/error.hpp"
 #include "tmcl/parameter.hpp"
 
 namespace tmcl::test {
@@ -86,6 +89,59 @@ TEST_F(TmcldPort, MovesWhileSomebodyWatches) {
   const auto move = run_program({"tmclctl", "--socket", socket(), "move", "y", "0"});
   EXPECT_NE(move.status, 0);
   EXPECT_THAT(move.output, HasSubstr("port a"));
+}
+
+/// One host, an axis and settings of its own.
+class Worker {
+ public:
+  Worker(TmclHost host, std::uint8_t module, std::uint8_t motor)
+      : host_(std::move(host)), module_(module), motor_(motor) {}
+
+  void work(std::int32_t round) {
+    const auto speed = 500 + round % 500 + module_;
+    EXPECT_EQ(host_.value_of(of(Command::SAP, ap::max_velocity, speed)), speed);
+    EXPECT_EQ(host_.value_of(of(Command::GAP, ap::max_velocity)), speed);
+    const auto target = round * 10 % 2000 + module_;
+    EXPECT_EQ(host_.value_of(of(Command::MVP, absolute, target)), target);
+    EXPECT_EQ(host_.value_of(of(Command::GAP, ap::target_position)), target);
+    EXPECT_EQ(host_.value_of(of(Command::GAP, ap::max_velocity)), speed);
+    const auto here = host_.value_of(of(Command::GAP, ap::actual_position));
+    EXPECT_TRUE(here >= 0 && here <= 2002) << here;
+    if (round % 10 == 0) {
+      EXPECT_EQ(host_.value_of(of(Command::MST, 0)), 0);
+    }
+  }
+
+ private:
+  Request of(Command command, std::uint8_t type, std::int32_t value = 0) const {
+    return to(module_, command, type, motor_, value);
+  }
+
+  TmclHost host_;
+  std::uint8_t module_;
+  std::uint8_t motor_;
+};
+
+TEST_F(TmcldPort, TwoHostsAndTmclctlWorkSideBySide) {
+  start(port_on_pty("a") + port_on_pty("b"));
+  Program watch({"tmclctl", "--socket", socket(), "watch", "y"});
+  ASSERT_TRUE(watch.wait_for("y"));
+  Worker a(host("a"), 1, 0);
+  Worker b(host("b"), 2, 0);
+  const auto end = std::chrono::steady_clock::now() + std::chrono::seconds(20);
+  std::int32_t round = 0;
+  for (; std::chrono::steady_clock::now() < end && !HasFailure(); ++round) {
+    a.work(round);
+    b.work(round);
+    if (round % 100 != 0) continue;
+    const auto moved =
+        run_program({"tmclctl", "--socket", socket(), "move", "z", std::to_string(round)});
+    EXPECT_EQ(moved.status, 0) << moved.output;
+  }
+  EXPECT_GT(round, 0);
+  RpcClient client(socket());
+  const auto buses = client.result("bus.list").at("buses").as_array();
+  EXPECT_EQ(buses.front().at("counters").at("surplus").as_int64(), 0);
 }
 
 TEST_F(TmcldPort, StartsAnewWithEachHost) {
