@@ -310,6 +310,54 @@ TEST(CanLink, TheSimulatorFindsAnInterfaceThatWasMadeAnew) {
   EXPECT_EQ(run_program({"/bin/ip", "link", "delete", name}).status, 0);
 }
 
+/// A virtual interface for as long as this lives.
+class Vcan {
+ public:
+  explicit Vcan(std::string name) : name_(std::move(name)) {
+    const auto made = run_program({"/bin/ip", "link", "add", "dev", name_, "type", "vcan"});
+    EXPECT_EQ(made.status, 0) << made.output;
+    ip_link_set(name_, "up");
+  }
+  Vcan(const Vcan&) = delete;
+  Vcan& operator=(const Vcan&) = delete;
+  ~Vcan() { EXPECT_EQ(run_program({"/bin/ip", "link", "delete", name_}).status, 0); }
+
+ private:
+  std::string name_;
+};
+
+TEST(CanPort, AHostOnAnInterfaceOfItsOwnFindsTheBusOfADaemon) {
+  const Vcan wire("can62");
+  const Vcan of_host("can63");
+  const auto folder = std::filesystem::temp_directory_path() / "tmcl-can-port";
+  std::filesystem::create_directories(folder);
+  const auto config = (folder / "tmcld.toml").string();
+  std::ofstream(config) << "[daemon]\nsocket = \"" << (folder / "socket").string()
+                        << "\"\n[[bus]]\nname = \"bench\"\nlink = \"can:can62\"\n"
+                           "[[port]]\nname = \"p\"\nbus = \"bench\"\ncan = \"can63\"\n"
+                           "may = [\"move\"]\n"
+                           "[[axis]]\nname = \"x\"\nbus = \"bench\"\naddress = 3\nmotor = 0\n";
+  Program simulator({"tmclsim", "--module", "TMCM-1110@3", "--can", "can62"});
+  ASSERT_TRUE(simulator.wait_for("ready")) << simulator.output();
+  Program daemon({"tmcld", "--config", config});
+  ASSERT_TRUE(daemon.wait_for("port p: bus bench on can63")) << daemon.output();
+  ASSERT_TRUE(daemon.wait_for("module_answers (module 3)")) << daemon.output();
+  auto host = blocking::Bus::open("can:can63", {}, {.reply_timeout = 2s});
+  ASSERT_TRUE(host) << describe(host.error());
+  auto axis = host->module(ModuleAddress{3}).axis(0);
+  const auto moved = axis.move_to(Microsteps{2000});
+  ASSERT_TRUE(moved) << describe(moved.error());
+  const auto there = axis.wait_until_reached();
+  ASSERT_TRUE(there) << describe(there.error());
+  EXPECT_EQ(there->value, 2000);
+  const auto stored = host->execute({ModuleAddress{3}, Command::STAP, 4, 0, 0});
+  ASSERT_FALSE(stored);
+  EXPECT_EQ(stored.error().status, Status::command_not_available);
+  const auto text = host->execute({ModuleAddress{3}, Command::GET_FIRMWARE_VERSION, 0, 0, 0});
+  ASSERT_TRUE(text) << describe(text.error());
+  EXPECT_TRUE(text->version_text);
+}
+
 TEST(CanLink, AnInterfaceThatGoesDownIsALostLink) {
   const auto name = interface("TMCL_CAN_VCAN2");
   auto bus = blocking::Bus::open("can:" + name);
