@@ -32,6 +32,7 @@ std::string_view what_moves(Mover mover) {
     case Mover::mint: return "is moved by a Mint program";
     case Mover::search: return "searches its reference";
     case Mover::deadman_test: return "is in a test of its deadman";
+    case Mover::verification: return "is held against its twin";
     case Mover::stop: return "could not be stopped, and is not known to stand";
     case Mover::nobody: break;
   }
