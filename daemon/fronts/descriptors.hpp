@@ -7,8 +7,8 @@ namespace tmcld {
 
 /// Raises the limit of descriptors as far as clients, `buses` and `ports` need and the system
 /// allows, and gives how many clients each of the fronts may have then: max_clients, or fewer. What
-/// buses need to be opened again, the hosts of ports and the places for stops are kept free; if that
-/// is all there is, it gives 0.
+/// buses need to be opened again, the hosts of ports and the places for stops are kept free; if
+/// that is all there is, it gives 0.
 std::size_t make_room_for_clients(std::size_t buses, std::size_t ports, bool by_http);
 
 }  // namespace tmcld

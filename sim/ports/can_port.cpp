@@ -7,8 +7,8 @@
 
 #include <boost/asio/posix/stream_descriptor.hpp>
 
-#include "tmcl/can_socket.hpp"
 #include "sim/wire/can_line.hpp"
+#include "tmcl/can_socket.hpp"
 
 namespace tmcl::sim {
 namespace {

@@ -17,11 +17,11 @@
 #include <boost/asio/read.hpp>
 #include <boost/asio/write.hpp>
 
-#include "tmcl/file_descriptor.hpp"
 #include "sim/ports/pty_port.hpp"
 #include "sim/ports/tcp_port.hpp"
 #include "support/temp_path.hpp"
 #include "tmcl/datagram.hpp"
+#include "tmcl/file_descriptor.hpp"
 #include "tmcl/model.hpp"
 
 namespace tmcl::sim {

@@ -6,8 +6,8 @@
 
 #include <tl/expected.hpp>
 
-#include "tmcl/file_descriptor.hpp"
 #include "tmcl/datagram.hpp"
+#include "tmcl/file_descriptor.hpp"
 
 namespace tmcl {
 

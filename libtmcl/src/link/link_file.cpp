@@ -18,7 +18,8 @@ std::string refusal(const fs::path& path, const fs::path& target) {
   const auto leads_to = fs::read_symlink(path, error);
   if (fs::exists(path, error) && leads_to != target) {
     return path.string() + " already leads to " + leads_to.string() +
-           ", which is in use. Does another program serve it? If not, remove it: rm " + path.string();
+           ", which is in use. Does another program serve it? If not, remove it: rm " +
+           path.string();
   }
   fs::remove(path, error);
   return error ? "cannot replace " + path.string() + ": " + error.message() : std::string{};
