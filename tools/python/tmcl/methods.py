@@ -1315,13 +1315,13 @@ class Methods:
         axis: str,
         *,
         from_microsteps: int | None = None,
-        from: float | str | None = None,
+        from_: float | str | None = None,
         to_microsteps: int | None = None,
         to: float | str | None = None,
     ) -> AxisVerify:
         """`axis.verify` moves an axis a little, and finds out in what its module is not like its
         twin."""
-        return AxisVerify.of(self._call("axis.verify", {"axis": axis, "from_microsteps": from_microsteps, "from": from, "to_microsteps": to_microsteps, "to": to}))
+        return AxisVerify.of(self._call("axis.verify", {"axis": axis, "from_microsteps": from_microsteps, "from": from_, "to_microsteps": to_microsteps, "to": to}))
 
     def capture_start(
         self,
@@ -2106,13 +2106,13 @@ class AsyncMethods:
         axis: str,
         *,
         from_microsteps: int | None = None,
-        from: float | str | None = None,
+        from_: float | str | None = None,
         to_microsteps: int | None = None,
         to: float | str | None = None,
     ) -> AxisVerify:
         """`axis.verify` moves an axis a little, and finds out in what its module is not like its
         twin."""
-        return AxisVerify.of(await self._call("axis.verify", {"axis": axis, "from_microsteps": from_microsteps, "from": from, "to_microsteps": to_microsteps, "to": to}))
+        return AxisVerify.of(await self._call("axis.verify", {"axis": axis, "from_microsteps": from_microsteps, "from": from_, "to_microsteps": to_microsteps, "to": to}))
 
     async def capture_start(
         self,
