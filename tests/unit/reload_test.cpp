@@ -146,7 +146,7 @@ TEST_F(Reload, TakesOverWhatHoldsForAll) {
 TEST_F(Reload, TellsThatABusIsGone) {
   reload(x_and_y());
   const auto event = client_->notification("notify_event");
-  EXPECT_EQ(event.at("event"), "link_lost");
+  EXPECT_EQ(event.at("kind"), "link_lost");
   EXPECT_EQ(event.at("bus"), "other");
 }
 
