@@ -144,6 +144,7 @@ TEST_F(Reload, TakesOverWhatHoldsForAll) {
 }
 
 TEST_F(Reload, TellsThatABusIsGone) {
+  result("subscribe", {{"axes", json::array{"x"}}});
   reload(x_and_y());
   const auto event = client_->notification("notify_event");
   EXPECT_EQ(event.at("kind"), "link_lost");
