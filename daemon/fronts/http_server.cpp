@@ -407,7 +407,8 @@ class StreamConnection final : public Connection,
 
   awaitable<bool> tell_health(const Request& request) {
     if (connections_->gateway->is_closing()) {
-      co_await refuse(ending());
+      const auto refusal = ending();
+      co_await refuse(refusal);
       co_return false;
     }
     const bool goes_on = co_await respond(request, plain_type, "ok\n");
@@ -433,14 +434,17 @@ class StreamConnection final : public Connection,
     lowest().expires_never();
     const auto& body = parser.get().body();
     if (body.find_first_not_of(" \t\r\n") == std::string::npos) {
-      co_await refuse({400, "no_message", "the request has no body",
-                       "one JSON-RPC message is wanted: {\"jsonrpc\":\"2.0\",\"id\":1,...}"});
+      const HttpRefusal refusal{
+          400, "no_message", "the request has no body",
+          "one JSON-RPC message is wanted: {\"jsonrpc\":\"2.0\",\"id\":1,...}"};
+      co_await refuse(refusal);
       co_return false;
     }
     const bool has_place = connections_->let_in(id_);
     begin_session(entry, has_place ? Session::Serves::all : Session::Serves::stops);
     if (session_->is_finishing()) {
-      co_await refuse(ending());
+      const auto refusal = ending();
+      co_await refuse(refusal);
       co_return false;
     }
     session_->take(body);
@@ -491,7 +495,8 @@ class StreamConnection final : public Connection,
 
   awaitable<void> serve_websocket(Request request, const HttpEntry& entry) {
     if (!connections_->let_in(id_)) {
-      co_await refuse(too_many_clients());
+      const auto refusal = too_many_clients();
+      co_await refuse(refusal);
       co_return;
     }
     // It has timers of its own.
@@ -546,6 +551,7 @@ class StreamConnection final : public Connection,
     co_return !error && request.keep_alive();
   }
 
+  // It is given a value with a name: g++ 12 destroys one in braces behind co_await twice.
   awaitable<void> refuse(const HttpRefusal& refusal) {
     auto response = response_of(refusal.status, json_type, body_of(refusal), 11, false);
     error_code error;
@@ -556,15 +562,19 @@ class StreamConnection final : public Connection,
 
   awaitable<void> refuse_unreadable(error_code why) {
     if (why == http::error::header_limit) {
-      co_await refuse({431, "head_too_long", "the head of a request may have 8192 bytes", {}});
+      const HttpRefusal refusal{
+          431, "head_too_long", "the head of a request may have 8192 bytes", {}};
+      co_await refuse(refusal);
     } else if (why == http::error::body_limit || why == http::error::buffer_overflow) {
-      co_await refuse({413, "message_too_long",
-                       "a message may have " + std::to_string(max_line_bytes) + " bytes",
-                       "nothing of it was done"});
+      const HttpRefusal refusal{413, "message_too_long",
+                                "a message may have " + std::to_string(max_line_bytes) + " bytes",
+                                "nothing of it was done"};
+      co_await refuse(refusal);
     } else if (why.category() == make_error_code(http::error::bad_method).category() &&
                why != http::error::end_of_stream && why != http::error::partial_message) {
-      co_await refuse({400, "no_http", "this is no request by HTTP: " + why.message(),
-                       "is it https:// to a port without TLS?"});
+      const HttpRefusal refusal{400, "no_http", "this is no request by HTTP: " + why.message(),
+                                "is it https:// to a port without TLS?"};
+      co_await refuse(refusal);
     }
   }
 
