@@ -8,7 +8,7 @@ _tmclctl_words() {
 
 # Whether a verb must follow.
 _tmclctl_is_group() {
-  [[ " '' profile mint path program coordinate global firmware " == *" ${1:-''} "* ]]
+  [[ " '' profile mint path program coordinate global firmware lease deadman token " == *" ${1:-''} "* ]]
 }
 
 _tmclctl() {
@@ -20,6 +20,8 @@ _tmclctl() {
   for ((i = 1; i < COMP_CWORD; i++)); do
     case ${COMP_WORDS[i]} in
       --socket) where=(--socket "${COMP_WORDS[i+1]}"); ((i++)) ;;
+      --url | --token-file | --ca) where+=("${COMP_WORDS[i]}" "${COMP_WORDS[i+1]}"); ((i++)) ;;
+      --role | --name) ((i++)) ;;
       --generator) generator=${COMP_WORDS[i+1]}; ((i++)) ;;
       --direct | --config | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus | --change | \
         --sample | --until | --full-steps | --velocity | --acceleration | --model | --pulse-div | --ramp-div | \
@@ -50,7 +52,10 @@ _tmclctl() {
       # The one of simulate is a time.
       [[ ${verb[*]} == "profile simulate" ]] || compopt -o default
       return ;;
-    --socket | --config | --svg | -o | --output)
+    --role)
+      mapfile -t COMPREPLY < <(compgen -W "observe operate configure" -- "$current")
+      return ;;
+    --socket | --config | --svg | -o | --output | --token-file | --ca)
       compopt -o default
       return ;;
     --direct)

@@ -209,6 +209,72 @@ TEST_F(TmcldHttp, SaysBeforeItStartsWhatIsWrongWithItsCertificate) {
               HasSubstr("has run out"));
 }
 
+/// tmclctl by URL: what it says, standard error too, and how it ends.
+struct ByUrl {
+  int status;
+  std::string output;
+};
+ByUrl by_url(const std::string& url, std::vector<std::string> words) {
+  words.insert(words.begin(), {"tmclctl", "--url", url});
+  Program program(std::move(words));
+  const int status = program.wait();
+  return {status, program.output()};
+}
+
+TEST_F(TmcldHttp, DoesForTmclctlByUrlWhatTheSocketDoes) {
+  start("");
+  const auto url = "http://localhost:" + port;
+  EXPECT_THAT(by_url(url, {"axes"}).output,
+              AllOf(HasSubstr("it wants a token"), HasSubstr("--token-file")));
+  shell("tmclctl --socket " + socket() + " token add --role operate --name lab 2>/dev/null > " +
+        path("token"));
+  const std::vector<std::string> token{"--token-file", path("token")};
+  const auto say = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), token.begin(), token.end());
+    return by_url(url, std::move(words));
+  };
+  EXPECT_THAT(say({"axes"}).output, HasSubstr("TMCM-"));
+  const auto moved = say({"move", "y", "2000", "--wait"});
+  EXPECT_EQ(moved.status, 0) << moved.output;
+  EXPECT_EQ(moved.output, "y stands at 2000\n");
+  EXPECT_THAT(
+      say({"lease", "run", "y", "--", "tmclctl", "--url", url, token[0], token[1], "lease", "list"})
+          .output,
+      HasSubstr("token 'lab'"));
+  EXPECT_EQ(say({"watch", "y", "--for", "0.2"}).status, 0);
+  EXPECT_EQ(say({"rotate", "y", "nonsense"}).status, 2);
+  EXPECT_EQ(say({"token", "list"}).status, 1) << "it may operate, and not configure";
+  shell("tmclctl --socket " + socket() + " token revoke lab");
+  const auto again = say({"axes"});
+  EXPECT_EQ(again.status, 3);
+  EXPECT_THAT(again.output, HasSubstr("it knows no such token as that in"));
+}
+
+TEST_F(TmcldHttp, TellsTmclctlWhatIsWrongWithACertificate) {
+  make_certificate();
+  start(tls_keys());
+  const auto said = [&](const std::string& url, std::vector<std::string> words = {}) {
+    words.push_back("axes");
+    return by_url(url, std::move(words)).output;
+  };
+  EXPECT_THAT(said(https(), {"--ca", path("cert.pem")}), HasSubstr("TMCM-"));
+  EXPECT_THAT(said(https()), AllOf(HasSubstr("self-signed certificate"), HasSubstr("--ca FILE")));
+  EXPECT_THAT(said("https://127.0.0.1:" + port, {"--ca", path("cert.pem")}),
+              HasSubstr("for another name"));
+  EXPECT_THAT(said("http://localhost:" + port), HasSubstr("begins with https://"));
+  EXPECT_THAT(said("https://localhost:" + port, {"--ca", config()}), HasSubstr("as certificate"));
+  EXPECT_THAT(said("ftp://localhost"), HasSubstr("is no URL of a tmcld"));
+  EXPECT_THAT(said("https://localhost:1"), HasSubstr("Nobody listens there"));
+  EXPECT_THAT(said(https(), {"--token-file", path("none")}), HasSubstr("cannot read a token"));
+}
+
+TEST_F(TmcldHttp, TellsTmclctlThatNothingThereSpeaksTls) {
+  start();
+  const auto said = by_url("https://localhost:" + port, {"axes"});
+  EXPECT_EQ(said.status, 3);
+  EXPECT_THAT(said.output, HasSubstr("begins with http://"));
+}
+
 TEST_F(TmcldHttp, AnswersAThousandWebSocketsInLessThanAHundredMegabytes) {
   start();
   crowd({}, 100);

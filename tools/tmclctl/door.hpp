@@ -13,6 +13,7 @@
 #include "host.hpp"
 #include "screen.hpp"
 #include "tmcl/client.hpp"
+#include "web_socket.hpp"
 
 namespace tmclctl {
 
@@ -60,6 +61,10 @@ class Door {
 /// `in_all`: from now on so long everything may take, all calls together; nothing: no such bound.
 Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait, Host& host,
                                            std::optional<tmcl::Duration> in_all = {});
+
+/// To a tmcld in the network; `in_all` likewise.
+Attempt<std::unique_ptr<Door>> open_url(WebPlace place, Host& host,
+                                        std::optional<tmcl::Duration> in_all = {});
 
 /// A bus without tmcld.
 struct OwnBus {

@@ -10,14 +10,12 @@ namespace api = tmcl::api;
 using tmcl::plan::AxisTwin;
 
 Attempt<AxisTwin> twin_of(const std::string& axis, Target& target) {
-  const auto answer = target.perform(std::string(api::axis::GetRamp::method.name),
-                                     api::to_json(api::axis::GetRamp{axis}), {});
-  if (!answer) return tl::unexpected(answer.error());
-  const auto held = api::from_json<api::axis::HeldRamp>(*answer);
-  const auto* model = tmcl::find_model(held.model);
+  const auto held = target.perform(api::axis::GetRamp{axis});
+  if (!held) return tl::unexpected(held.error());
+  const auto* model = tmcl::find_model(held->model);
   auto twin = model == nullptr ? std::nullopt : AxisTwin::of(*model);
   if (twin) {
-    for (const auto& setting : held.settings) {
+    for (const auto& setting : held->settings) {
       if (!twin->set({setting.number, setting.value})) twin.reset();
       if (!twin) break;
     }
@@ -27,9 +25,9 @@ Attempt<AxisTwin> twin_of(const std::string& axis, Target& target) {
     return tl::unexpected(
         usage_failure("not_foreseeable", fmt::format("how {} will move cannot be foreseen: this "
                                                      "tmclctl does not know the ramps of a {}",
-                                                     axis, held.model)));
+                                                     axis, held->model)));
   }
-  twin->place({held.position_microsteps});
+  twin->place({held->position_microsteps});
   return *twin;
 }
 

@@ -33,6 +33,7 @@ Examples:
   tmclctl plot x --by 51200 --svg move.svg       move and draw how it went
   tmclctl --direct serial:/dev/ttyACM0@115200 get 1/0 actual_position
   tmclctl --direct can:can0 --config tmcld.toml move x 12.5mm --wait
+  tmclctl --url https://gateway.example:4143 --token-file lab.token stop --all
   tmclctl --json state x                         for scripts: one JSON document
   tmclctl profile simulate --help                how would a chip move?
   tmclctl program upload loop.tmc 1 --run        programs that modules run by themselves
@@ -224,6 +225,18 @@ hangs, the axes stop.
   tmclctl lease run x y -- ./measure.sh
   tmclctl lease list
   tmclctl lease break x
+)";
+
+constexpr const char* token = R"(
+A token lets a client in from the network, by [http] of tmcld's configuration, with the role that it was
+made for: observe, operate or configure, each with what is before it. It is printed once; tmcld keeps a
+hash of it. 'token revoke' ends the connections and the leases of whoever uses it. All of this needs the
+role configure.
+
+  tmclctl token add --role operate --name lab > lab.token
+  tmclctl --url https://gateway.example:4143 --token-file lab.token axes
+  tmclctl token list
+  tmclctl token revoke lab
 )";
 
 constexpr const char* stop = R"(

@@ -68,6 +68,18 @@ Parser::Parser() {
   app_.add_option("--socket", options_.where.socket, "Socket of the tmcld to use")
       ->type_name("PATH")
       ->take_last();
+  app_.add_option("--url", options_.where.web.url,
+                  "The tmcld on another computer: https://HOST:PORT, or http://HOST:PORT")
+      ->type_name("URL")
+      ->take_last();
+  app_.add_option("--token-file", options_.where.web.token_file,
+                  "With --url: file with the token that lets this program in")
+      ->type_name("FILE")
+      ->take_last();
+  app_.add_option("--ca", options_.where.web.ca_file,
+                  "With --url: certificate that vouches for that of tmcld")
+      ->type_name("FILE")
+      ->take_last();
   app_.add_option("--direct", options_.where.direct,
                   "Use a bus without tmcld: serial:DEVICE[@BAUD], usb:PORT, can:INTERFACE or "
                   "tcp:HOST:PORT; auto: the only module by USB")
@@ -92,6 +104,7 @@ Parser::Parser() {
   add_recover(grammar_);
   add_errors(grammar_);
   add_deadman(grammar_);
+  add_tokens(grammar_);
   add_verify(grammar_);
   add_coordinates(grammar_);
   add_arrivals(grammar_);
@@ -294,6 +307,11 @@ std::optional<Failure> Parser::conflicting_options() const {
     return usage_failure("usage",
                          "--socket and --direct exclude each other: through tmcld, or without it?");
   }
+  const auto& web = options_.where.web;
+  if (!web.url.empty() && !(options_.where.socket.empty() && options_.where.direct.empty()))
+    return usage_failure("usage", "--url goes with neither --socket nor --direct");
+  if (web.url.empty() && !(web.token_file.empty() && web.ca_file.empty()))
+    return usage_failure("usage", "--token-file and --ca go with --url");
   if (!options_.where.config.empty() && options_.where.direct.empty()) {
     return usage_failure("usage",
                          "--config goes with --direct: a running tmcld has read its own file");

@@ -312,6 +312,14 @@ struct RunLeased {
   std::vector<std::string> command;  ///< What stands behind "--".
 };
 struct Leases {};
+struct AddToken {
+  std::string role;
+  std::string name;  ///< Empty: the daemon gives it one.
+};
+struct Tokens {};
+struct RevokeToken {
+  std::string name;
+};
 struct BreakLease {
   std::string axis;
 };
@@ -323,15 +331,17 @@ struct Complete {
 
 }  // namespace verb
 
-using Verb = std::variant<
-    verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models, verb::Get, verb::Set,
-    verb::Move, verb::Wait, verb::Line, verb::Rotate, verb::Stop, verb::State, verb::Watch,
-    verb::Top, verb::Buses, verb::Plot, verb::Raw, verb::Simulate, verb::SolveProfile,
-    verb::CheckMint, verb::RunMint, verb::CheckPath, verb::RunPath, verb::Assemble,
-    verb::Disassemble, verb::FirmwareInfo, verb::CheckFirmware, verb::UploadFirmware, verb::Ramp,
-    verb::Convert, verb::Ask, verb::Arrivals, verb::Home, verb::Recover, verb::Errors, verb::Upload,
-    verb::Download, verb::RunLeased, verb::Leases, verb::BreakLease, verb::SetDeadman,
-    verb::TestDeadman, verb::Capture, verb::Ports, verb::Verify, verb::Complete>;
+using Verb =
+    std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models, verb::Get,
+                 verb::Set, verb::Move, verb::Wait, verb::Line, verb::Rotate, verb::Stop,
+                 verb::State, verb::Watch, verb::Top, verb::Buses, verb::Plot, verb::Raw,
+                 verb::Simulate, verb::SolveProfile, verb::CheckMint, verb::RunMint,
+                 verb::CheckPath, verb::RunPath, verb::Assemble, verb::Disassemble,
+                 verb::FirmwareInfo, verb::CheckFirmware, verb::UploadFirmware, verb::Ramp,
+                 verb::Convert, verb::Ask, verb::Arrivals, verb::Home, verb::Recover, verb::Errors,
+                 verb::Upload, verb::Download, verb::RunLeased, verb::Leases, verb::BreakLease,
+                 verb::SetDeadman, verb::TestDeadman, verb::Capture, verb::Ports, verb::Verify,
+                 verb::AddToken, verb::Tokens, verb::RevokeToken, verb::Complete>;
 
 struct Options {
   Where where;

@@ -10,10 +10,13 @@ namespace {
 
 using tmcl::client::Connection;
 
+/// A connection that is made with these options.
+using Connect = std::function<tmcl::client::CallResult<Connection>(tmcl::client::Options)>;
+
 class SocketDoor final : public Door {
  public:
-  SocketDoor(std::string path, Host& host, std::optional<tmcl::Duration> in_all)
-      : path_(std::move(path)), host_(host) {
+  SocketDoor(Connect connect, Host& host, std::optional<tmcl::Duration> in_all)
+      : connect_(std::move(connect)), host_(host) {
     if (in_all) limit_ = host.now() + *in_all;
   }
 
@@ -38,7 +41,7 @@ class SocketDoor final : public Door {
     return limit_ ? std::clamp(*limit_ - host_.now(), tmcl::Duration{}, time) : time;
   }
 
-  std::string path_;
+  Connect connect_;
   Host& host_;
   std::optional<tmcl::TimePoint> limit_;
   std::function<void()> meanwhile_;  ///< Of the call in progress.
@@ -56,15 +59,8 @@ Attempt<void> SocketDoor::open(tmcl::Duration wait) {
     meanwhile_();
     return false;
   };
-  auto daemon = attempt(Connection::open(path_, std::move(options)));
-  if (!daemon) {
-    if (daemon.error().name == tmcl::client::error_name::unreachable) {
-      daemon.error().hint +=
-          ".\n  Another socket: --socket PATH or $TMCLD_SOCKET. Without tmcld: "
-          "--direct serial:/dev/ttyACM0@115200 (or can:can0, tcp:HOST:PORT)";
-    }
-    return tl::unexpected(daemon.error());
-  }
+  auto daemon = attempt(connect_(std::move(options)));
+  if (!daemon) return tl::unexpected(daemon.error());
   daemon_ = std::move(*daemon);
   return {};
 }
@@ -83,7 +79,7 @@ Attempt<boost::json::object> SocketDoor::call(std::string_view method, boost::js
   add_lease(method, params);
   if (meanwhile_) return attempt(second_->call(method, std::move(params), options.timeout));
   if (options.meanwhile && !second_) {
-    auto second = attempt(Connection::open(path_));
+    auto second = attempt(connect_({}));
     if (!second) return tl::unexpected(second.error());
     second_ = std::move(*second);
   }
@@ -97,8 +93,29 @@ Attempt<boost::json::object> SocketDoor::call(std::string_view method, boost::js
 
 Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait, Host& host,
                                            std::optional<tmcl::Duration> in_all) {
-  auto door = std::make_unique<SocketDoor>(std::move(path), host, in_all);
+  const auto connect = [path = std::move(path)](tmcl::client::Options options) {
+    auto daemon = Connection::open(path, std::move(options));
+    if (!daemon && daemon.error().name == tmcl::client::error_name::unreachable) {
+      daemon.error().hint +=
+          ".\n  Another socket: --socket PATH or $TMCLD_SOCKET. Without tmcld: "
+          "--direct serial:/dev/ttyACM0@115200 (or can:can0, tcp:HOST:PORT)";
+    }
+    return daemon;
+  };
+  auto door = std::make_unique<SocketDoor>(connect, host, in_all);
   return door->open(wait).map([&] { return std::unique_ptr<Door>(std::move(door)); });
+}
+
+Attempt<std::unique_ptr<Door>> open_url(WebPlace place, Host& host,
+                                        std::optional<tmcl::Duration> in_all) {
+  const auto connect = [place = std::move(place)](tmcl::client::Options options) {
+    return open_web_socket(place, options.hello_timeout, options.cancelled)
+        .and_then([&](std::unique_ptr<tmcl::client::Channel> channel) {
+          return Connection::open(std::move(channel), std::move(options));
+        });
+  };
+  auto door = std::make_unique<SocketDoor>(connect, host, in_all);
+  return door->open({}).map([&] { return std::unique_ptr<Door>(std::move(door)); });
 }
 
 }  // namespace tmclctl

@@ -23,6 +23,9 @@ std::string options_of(const Where& where) {
     if (!value.empty()) options += fmt::format(" {} {}", name, value);
   };
   add("--socket", where.socket);
+  add("--url", where.web.url);
+  add("--token-file", where.web.token_file);
+  add("--ca", where.web.ca_file);
   add("--direct", where.direct);
   add("--config", where.config);
   return options;
@@ -44,7 +47,8 @@ Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration 
                                              std::optional<tmcl::Duration> in_all) {
   const bool own = !where.direct.empty();
   auto door = own ? open_own_gateway({where.direct, where.config, where.full_steps}, wait, host)
-                  : open_socket(socket_path(where), wait, host, in_all);
+              : where.web.url.empty() ? open_socket(socket_path(where), wait, host, in_all)
+                                      : open_url(where.web, host, in_all);
   return std::move(door).map([&](std::unique_ptr<Door> open) -> std::unique_ptr<Target> {
     const auto axes = own && where.config.empty() ? AxesFrom::scan : AxesFrom::configuration;
     return std::make_unique<GatewayTarget>(std::move(open), options_of(where), axes, host);

@@ -14,6 +14,7 @@
 #include "names.hpp"
 #include "screen.hpp"
 #include "shown.hpp"
+#include "tmcl/api/field.hpp"
 #include "tmcl/awaited_file.hpp"
 #include "tmcl/firmware_verbs.hpp"
 #include "tmcl/link.hpp"
@@ -21,6 +22,7 @@
 #include "tmcl/quantity.hpp"
 #include "tmcl/units.hpp"
 #include "tmcl/verbs.hpp"
+#include "web_socket.hpp"
 
 namespace tmclctl {
 
@@ -249,6 +251,12 @@ class Target {
   virtual Attempt<boost::json::object> perform(const std::string& method,
                                                boost::json::object params,
                                                const NewsHandler& on_news) = 0;
+  /// A method of tmcl/api.
+  template <tmcl::api::IsMethod Method>
+  Attempt<typename Method::Result> perform(const Method& method) {
+    return perform(std::string(Method::method.name), tmcl::api::to_json(method), {})
+        .map(tmcl::api::from_json<typename Method::Result>);
+  }
   /// The same with somebody who watches it; then a signal does not end it. `text` is handed over
   /// first, for methods that take "text" or "bytes"; it may be null.
   virtual Attempt<boost::json::object> perform_watched(const std::string& method,
@@ -270,6 +278,7 @@ constexpr std::string_view default_socket = "/run/tmcld/tmcld.sock";
 /// Where the axes are, as the command line says it.
 struct Where {
   std::string socket;  ///< Empty: $TMCLD_SOCKET, else default_socket.
+  WebPlace web{};      ///< A daemon in the network; an empty URL: the socket.
   std::string direct;  ///< Name of a link; empty: through the daemon.
   std::string config;  ///< With a link: the file that says how its axes are called; may be empty.
   std::int32_t full_steps = tmcl::MotorSteps{}.full_steps;  ///< Of a turn, without the daemon.

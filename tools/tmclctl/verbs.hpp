@@ -53,6 +53,9 @@ VerbResult run(const verb::Download& verb, Context& context);
 VerbResult run(const verb::RunLeased& verb, Context& context);
 VerbResult run(const verb::Leases& verb, Context& context);
 VerbResult run(const verb::BreakLease& verb, Context& context);
+VerbResult run(const verb::AddToken& verb, Context& context);
+VerbResult run(const verb::Tokens& verb, Context& context);
+VerbResult run(const verb::RevokeToken& verb, Context& context);
 VerbResult run(const verb::RunPath& verb, Context& context);
 VerbResult run(const verb::RunMint& verb, Context& context);
 

@@ -76,6 +76,17 @@ struct Options {
   std::function<bool()> cancelled{};
 };
 
+/// What carries the messages of a connection, each in one line of text without its end.
+class Channel {
+ public:
+  virtual ~Channel() = default;
+  /// What it leads to, for errors.
+  virtual const std::string& name() const = 0;
+  virtual CallResult<void> write_line(std::string line, TimePoint deadline) = 0;
+  /// Nothing when the deadline comes first.
+  virtual CallResult<std::optional<std::string>> read_line(TimePoint deadline) = 0;
+};
+
 class Axis;
 
 /// Thread safety: none. Errors: as values; no member throws.
@@ -85,6 +96,8 @@ class Connection {
 
   /// Connects, as soon as there is a socket, and reads the daemon's greeting.
   static CallResult<Connection> open(const std::string& socket_path, Options options = {});
+  /// Over a channel that is open; of the options, those about the socket make no difference.
+  static CallResult<Connection> open(std::unique_ptr<Channel> channel, Options options = {});
   Connection(Connection&&) noexcept;
   Connection& operator=(Connection&&) noexcept;
   ~Connection();

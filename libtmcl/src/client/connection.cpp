@@ -70,8 +70,8 @@ CallError call_error_from(const json::object& said) {
 
 class Connection::State {
  public:
-  State(LineSocket socket, Options options)
-      : socket_(std::move(socket)), options_(std::move(options)) {}
+  State(std::unique_ptr<Channel> channel, Options options)
+      : channel_(std::move(channel)), options_(std::move(options)) {}
 
   CallResult<void> read_hello();
   CallResult<json::object> call(std::string_view method, json::object params, Duration timeout);
@@ -87,17 +87,17 @@ class Connection::State {
   /// True if it was a progress report about the call `id`.
   bool hand_out(const json::object& notification, std::int64_t id);
 
-  LineSocket socket_;
+  std::unique_ptr<Channel> channel_;
   Options options_;
   std::int64_t last_id_ = 0;
 };
 
 CallResult<std::optional<json::object>> Connection::State::next_message(TimePoint deadline) {
-  const auto line = socket_.read_line(deadline);
+  const auto line = channel_->read_line(deadline);
   if (!line) return tl::unexpected(line.error());
   if (!line->has_value()) return std::optional<json::object>{};
   auto message = parse_message(**line);
-  if (!message) return tl::unexpected(incompatible(socket_.path(), "does not speak JSON-RPC"));
+  if (!message) return tl::unexpected(incompatible(channel_->name(), "does not speak JSON-RPC"));
   return message;
 }
 
@@ -105,20 +105,20 @@ CallResult<void> Connection::State::read_hello() {
   auto message = next_message(from_now(options_.hello_timeout));
   if (!message) return tl::unexpected(message.error());
   if (!message->has_value()) {
-    auto error = incompatible(socket_.path(), "does not greet in time");
+    auto error = incompatible(channel_->name(), "does not greet in time");
     error.hint = "Is that tmcld, and is it neither stopped nor overloaded?";
     return tl::unexpected(std::move(error));
   }
   const auto* params = object_of(**message, "params");
   if (text_of(**message, "method") != "hello" || params == nullptr) {
-    return tl::unexpected(incompatible(socket_.path(), "greets in another way than tmcld does"));
+    return tl::unexpected(incompatible(channel_->name(), "greets in another way than tmcld does"));
   }
   const auto* protocol = object_of(*params, "protocol");
   const auto major = protocol != nullptr ? integer_of(*protocol, "major") : std::nullopt;
   daemon_version_ = text_of(*params, "daemon");
   if (major != protocol_major) {
     return tl::unexpected(incompatible(
-        socket_.path(),
+        channel_->name(),
         fmt::format("is tmcld {} with another protocol than {}", daemon_version_, protocol_major)));
   }
   return {};
@@ -142,7 +142,7 @@ CallResult<void> Connection::State::send(std::string_view method, json::object p
   }
   const json::object request{
       {"jsonrpc", "2.0"}, {"id", id}, {"method", method}, {"params", std::move(params)}};
-  auto sent = socket_.write_line(json::serialize(request), from_now(options_.call_timeout));
+  auto sent = channel_->write_line(json::serialize(request), from_now(options_.call_timeout));
   // A line that did not go out whole is not executed.
   if (!sent) sent.error().outcome = Outcome::not_sent;
   return sent;
@@ -189,7 +189,11 @@ CallResult<void> Connection::State::listen(Duration at_most) {
 CallResult<Connection> Connection::open(const std::string& socket_path, Options options) {
   auto socket = LineSocket::open(socket_path, options.wait_for_socket, options.cancelled);
   if (!socket) return tl::unexpected(std::move(socket.error()));
-  auto state = std::make_unique<State>(std::move(*socket), std::move(options));
+  return open(std::make_unique<LineSocket>(std::move(*socket)), std::move(options));
+}
+
+CallResult<Connection> Connection::open(std::unique_ptr<Channel> channel, Options options) {
+  auto state = std::make_unique<State>(std::move(channel), std::move(options));
   if (auto greeted = state->read_hello(); !greeted) {
     greeted.error().outcome = Outcome::not_sent;
     return tl::unexpected(std::move(greeted.error()));

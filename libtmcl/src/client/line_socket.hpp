@@ -11,20 +11,18 @@
 namespace tmcl::client {
 
 /// Move-only; closes its descriptor.
-class LineSocket {
+class LineSocket final : public Channel {
  public:
   /// Waits so long for a socket that is not there yet.
   static CallResult<LineSocket> open(const std::string& path, Duration wait,
                                      std::function<bool()> cancelled);
   LineSocket(LineSocket&& other) noexcept;
   LineSocket& operator=(LineSocket&& other) noexcept;
-  ~LineSocket();
+  ~LineSocket() override;
 
-  const std::string& path() const { return path_; }
-
-  CallResult<void> write_line(std::string line, TimePoint deadline);
-  /// The next line without its end; nothing when the deadline comes first.
-  CallResult<std::optional<std::string>> read_line(TimePoint deadline);
+  const std::string& name() const override { return path_; }
+  CallResult<void> write_line(std::string line, TimePoint deadline) override;
+  CallResult<std::optional<std::string>> read_line(TimePoint deadline) override;
 
  private:
   LineSocket(int descriptor, std::string path, std::function<bool()> cancelled);

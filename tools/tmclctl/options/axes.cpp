@@ -209,6 +209,20 @@ void add_leases(Grammar& grammar) {
   breaks.axis(breaks->axis);
 }
 
+void add_tokens(Grammar& grammar) {
+  const auto group =
+      grammar.group("token", "What lets clients in from the network", help_text::token);
+  auto add = grammar.verb<verb::AddToken>(group, "add", "Make one and print it, this once",
+                                          help_text::token);
+  add.required_option("--role", "ROLE", "What it lets do: observe, operate or configure",
+                      text(add->role));
+  add.option("--name", "NAME", "What it is called; token-1 or the next without", text(add->name));
+  grammar.verb<verb::Tokens>(group, "list", "Which there are", help_text::token);
+  auto revoke = grammar.verb<verb::RevokeToken>(
+      group, "revoke", "Let nobody in by it any more, and end who is", help_text::token);
+  revoke.word("NAME", "As list has it", text(revoke->name));
+}
+
 void add_watch(Grammar& grammar) {
   auto state = grammar.verb<verb::State>("state", "Show where an axis is and what it does",
                                          help_text::state);

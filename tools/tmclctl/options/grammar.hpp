@@ -92,6 +92,7 @@ void add_home(Grammar& grammar);
 void add_recover(Grammar& grammar);
 void add_errors(Grammar& grammar);
 void add_deadman(Grammar& grammar);
+void add_tokens(Grammar& grammar);
 void add_verify(Grammar& grammar);
 void add_coordinates(Grammar& grammar);
 void add_arrivals(Grammar& grammar);

@@ -22,14 +22,6 @@ constexpr tmcl::Duration look_interval = std::chrono::milliseconds(20);
 constexpr int renewals_in_ttl = 4;
 
 template <class Method>
-Attempt<typename Method::Result> perform(const Method& method, Context& context) {
-  return context.target.perform(std::string(Method::method.name), api::to_json(method), {})
-      .map([](const json::object& result) {
-        return api::from_json<typename Method::Result>(result);
-      });
-}
-
-template <class Method>
 Method on(const api::lease::Granted& lease) {
   Method method;
   method.lease = lease.lease;
@@ -50,7 +42,7 @@ Attempt<int> lead(ChildProcess& program, const api::lease::Granted& lease, Conte
     }
     context.target.sleep(look_interval);
     if (context.host.now() - renewed < interval) continue;
-    const auto granted = perform(on<api::lease::Renew>(lease), context);
+    const auto granted = context.target.perform(on<api::lease::Renew>(lease));
     if (!granted) return tl::unexpected(granted.error());
     renewed = context.host.now();
   }
@@ -70,20 +62,20 @@ VerbResult run(const verb::RunLeased& verb, Context& context) {
     return tl::unexpected(usage_failure("usage", "say what is to be run: AXIS... -- COMMAND..."));
   api::lease::Acquire wanted{verb.axes};
   if (verb.ttl_s) wanted.ttl_ms = static_cast<std::int64_t>(*verb.ttl_s * 1000);
-  const auto lease = perform(wanted, context);
+  const auto lease = context.target.perform(wanted);
   if (!lease) return tl::unexpected(lease.error());
   set_in_environment({lease->lease, lease->epoch});
   auto program = ChildProcess::start(verb.command);
   if (!program) return tl::unexpected(program.error());
   const auto code = lead(*program, *lease, context);
   if (!code) return tl::unexpected(lost(code.error(), *program));
-  const auto released = perform(on<api::lease::Release>(*lease), context);
+  const auto released = context.target.perform(on<api::lease::Release>(*lease));
   if (!released) return tl::unexpected(released.error());
   return static_cast<ExitCode>(*code);
 }
 
 VerbResult run(const verb::Leases&, Context& context) {
-  const auto all = perform(api::lease::List{}, context);
+  const auto all = context.target.perform(api::lease::List{});
   if (!all) return tl::unexpected(all.error());
   if (context.output.json) {
     print_json(api::to_json(*all), context.output);
@@ -100,7 +92,7 @@ VerbResult run(const verb::Leases&, Context& context) {
 }
 
 VerbResult run(const verb::BreakLease& verb, Context& context) {
-  const auto broken = perform(api::lease::Break{verb.axis}, context);
+  const auto broken = context.target.perform(api::lease::Break{verb.axis});
   if (!broken) return tl::unexpected(broken.error());
   if (context.output.json) {
     print_json({{"axis", verb.axis}, {"broken", true}}, context.output);
