@@ -53,7 +53,10 @@ TEST_F(VerifiedAxis, IsMeasuredAndAsItWas) {
   for (const auto& trait : result->at("traits").as_array()) {
     if (!trait.at("measured").as_bool()) continue;
     ++measured;
-    EXPECT_EQ(trait.at("fits"), json::array{trait.at("foreseen")}) << trait;
+    // Which stage of the chip is first does not show in most movements.
+    const auto& fits = trait.at("fits").as_array();
+    EXPECT_NE(std::ranges::find(fits, trait.at("foreseen")), fits.end()) << trait;
+    EXPECT_TRUE(fits.size() == 1 || trait.at("trait") == "order") << trait;
   }
   EXPECT_EQ(measured, 8);
   EXPECT_EQ(get(0, ap::actual_position), position);
@@ -64,7 +67,7 @@ TEST_F(VerifiedAxis, IsMeasuredAndAsItWas) {
 TEST_F(VerifiedAxis, IsMovedAndSetByNobodyElse) {
   const auto answer = verification_under_way();
   be_another_client();
-  EXPECT_EQ(name_of_error(call("axis.move_to", {{"axis", "x"}, {"position", 1}})), "leased");
+  EXPECT_EQ(name_of_error(call("axis.move_to", {{"axis", "x"}, {"position", 1}})), "axis_claimed");
   EXPECT_EQ(name_of_error(call("parameter.set", {{"axis", "x"}, {"parameter", 4}, {"value", 1}})),
             "leased");
   EXPECT_TRUE(end(answer));
