@@ -80,16 +80,10 @@ programs with libtmcl."
   DEPENDS "libtmcl0 (= ${PROJECT_VERSION})" libboost1.81-dev libboost-json1.81-dev libexpected-dev libfmt-dev libusb-1.0-0-dev
   pkg-config)
 
-# The Python package is where its sources are.
-set(python_sources ${PROJECT_SOURCE_DIR}/tools/python/tmcl)
-if(EXISTS ${python_sources}/__init__.py)
-  install(DIRECTORY ${python_sources} DESTINATION lib/python3/dist-packages COMPONENT python EXCLUDE_FROM_ALL
-    FILES_MATCHING PATTERN "*.py" PATTERN py.typed PATTERN __pycache__ EXCLUDE)
-  tmcl_package(python python3-tmcl python "motors on TMCL modules, through tmcld, from Python"
-    "Axes by name and in their units, over the socket of tmcld or over HTTPS; blocking and with asyncio. Standard library only."
-    DEPENDS python3:any RECOMMENDS tmcld EXTRA postinst prerm)
-  set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
-endif()
+tmcl_package(python python3-tmcl python "motors on TMCL modules, through tmcld, from Python"
+  "Axes by name and in their units, over the socket of tmcld or over HTTPS; blocking and with asyncio. Standard library only."
+  DEPENDS python3:any RECOMMENDS tmcld EXTRA postinst prerm)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 
 # Another name than CPackConfig.cmake, which would make CMake add its own target.
 set(CPACK_OUTPUT_CONFIG_FILE ${PROJECT_BINARY_DIR}/PackagesConfig.cmake)
