@@ -22,7 +22,11 @@ std::string words_of(const Call& call) {
 }
 
 AuditEntry entry_of(const Call& call, std::string text) {
-  return {call.caller.credentials.uid, call.caller.credentials.pid, std::move(text)};
+  const auto& who = call.caller.credentials;
+  // No process of this computer: the token, or the port, says more.
+  const auto name = call.peer->client().name;
+  if (who.pid == 0 && !name.empty()) text = "client=\"" + name + "\" " + text;
+  return {who.uid, who.pid, std::move(text)};
 }
 
 std::string outcome_of(const RpcResult& result) {

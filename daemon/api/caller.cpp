@@ -72,7 +72,7 @@ std::optional<RpcError> objection_by_role(const Caller& caller, Role needed,
                     std::string(name_of(caller.role)) + "' (" + caller.reason + ")",
                 "whoever configures tmcld can give it: 'users' or 'groups' of an "
                 "[[access]] with role = \"" +
-                    role + "\"");
+                    role + "\", or a token with it");
   error.data["role"] = name_of(caller.role);
   error.data["needs_role"] = role;
   return error;
