@@ -5,10 +5,10 @@
 #include <fstream>
 
 #include "config/module_file.hpp"
-#include "module_file.hpp"
 #include "support/temp_path.hpp"
 #include "support/verified_module.hpp"
 #include "tmcl/parameter_number.hpp"
+#include "tools/tmclsim/module_file.hpp"
 
 namespace tmcl {
 namespace {
