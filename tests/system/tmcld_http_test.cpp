@@ -25,7 +25,9 @@ class TmcldHttp : public TmcldTest {
     start_daemon();
     const auto& said = daemon->output();
     const std::string_view address = "://127.0.0.1:";
-    if (said.find(address) == std::string::npos) ASSERT_TRUE(daemon->wait_for(address));
+    if (said.find(address) == std::string::npos) {
+      ASSERT_TRUE(daemon->wait_for(address));
+    }
     const auto at = daemon->output().find(address) + address.size();
     port = daemon->output().substr(at, daemon->output().find('\n', at) - at);
   }

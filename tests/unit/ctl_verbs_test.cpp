@@ -398,6 +398,8 @@ TEST_F(CtlVerbs, WhatOnlyTmcldDoesIsRefusedWithoutIt) {
     std::vector<std::string> words{"--direct", "can:can0"};
     for (std::string word; name >> word;) words.push_back(word);
     if (verb.name.starts_with("lease ") && verb.name != "lease list") words.emplace_back("x");
+    if (verb.name == "token add") words.insert(words.end(), {"--role", "operate"});
+    if (verb.name == "token revoke") words.emplace_back("lab");
     EXPECT_EQ(run(words), ExitCode::usage) << verb.name;
     EXPECT_THAT(err, HasSubstr("needs a running tmcld: " + std::string(verb.reason)));
   }

@@ -114,6 +114,7 @@ inline std::vector<MovingExample> moving_examples() {
       one("axis.start_home", {{"axis", "x"}, {"mode", 1}}),
       one("axis.start_home", {{"axis", "x"}}),
       one("axis.test_deadman", {{"axis", "x"}}),
+      one("axis.verify", {{"axis", "x"}, {"from_microsteps", 0}, {"to_microsteps", 2'000}}),
       one("parameter.set", {{"axis", "x"}, {"parameter", 0}, {"value", 51'200}}),
       one("parameter.set", {{"axis", "x"}, {"parameter", 2}, {"value", example_velocity}}),
       one("parameter.restore", {{"axis", "x"}, {"parameter", 5}}),

@@ -233,7 +233,7 @@ made for: observe, operate or configure, each with what is before it. It is prin
 hash of it. 'token revoke' ends the connections and the leases of whoever uses it. All of this needs the
 role configure.
 
-  tmclctl token add --role operate --name lab > lab.token
+  tmclctl token add --role operate --name lab
   tmclctl --url https://gateway.example:4143 --token-file lab.token axes
   tmclctl token list
   tmclctl token revoke lab

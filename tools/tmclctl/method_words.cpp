@@ -47,6 +47,7 @@ constexpr auto table = std::to_array<MethodWord>({
     {"axis.get_errors", "errors"},
     {"axis.set_deadman", "deadman set"},
     {"axis.test_deadman", "deadman test"},
+    {"axis.verify", "verify"},
     {"capture.start", "capture"},
     {"capture.state", "capture"},
     {"capture.read", "capture"},

@@ -222,7 +222,7 @@ struct PlanRamp : OfRamp {
               "chooses the parameters that make a ramp; writes nothing", PlanRamp, OfRamp);
 };
 struct SetRamp : OfRamp {
-  TMCL_METHOD("axis.set_ramp", moves, Ramp, "chooses them, and sets them on an axis that stands",
+  TMCL_METHOD("axis.set_ramp", writes, Ramp, "chooses them, and sets them on an axis that stands",
               SetRamp, OfRamp);
 };
 
