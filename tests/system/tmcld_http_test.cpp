@@ -228,8 +228,8 @@ TEST_F(TmcldHttp, DoesForTmclctlByUrlWhatTheSocketDoes) {
   const auto url = "http://localhost:" + port;
   EXPECT_THAT(by_url(url, {"axes"}).output,
               AllOf(HasSubstr("it wants a token"), HasSubstr("--token-file")));
-  shell("tmclctl --socket " + socket() + " token add --role operate --name lab 2>/dev/null > " +
-        path("token"));
+  shell(TMCL_BIN_DIR "/tmclctl --socket " + socket() +
+        " token add --role operate --name lab 2>/dev/null > " + path("token"));
   const std::vector<std::string> token{"--token-file", path("token")};
   const auto say = [&](std::vector<std::string> words) {
     words.insert(words.begin(), token.begin(), token.end());
@@ -239,14 +239,14 @@ TEST_F(TmcldHttp, DoesForTmclctlByUrlWhatTheSocketDoes) {
   const auto moved = say({"move", "y", "2000", "--wait"});
   EXPECT_EQ(moved.status, 0) << moved.output;
   EXPECT_EQ(moved.output, "y stands at 2000\n");
-  EXPECT_THAT(
-      say({"lease", "run", "y", "--", "tmclctl", "--url", url, token[0], token[1], "lease", "list"})
-          .output,
-      HasSubstr("token 'lab'"));
+  EXPECT_THAT(say({"lease", "run", "y", "--", TMCL_BIN_DIR "/tmclctl", "--url", url, token[0],
+                   token[1], "lease", "list"})
+                  .output,
+              HasSubstr("token 'lab'"));
   EXPECT_EQ(say({"watch", "y", "--for", "0.2"}).status, 0);
   EXPECT_EQ(say({"rotate", "y", "nonsense"}).status, 2);
   EXPECT_EQ(say({"token", "list"}).status, 1) << "it may operate, and not configure";
-  shell("tmclctl --socket " + socket() + " token revoke lab");
+  shell(TMCL_BIN_DIR "/tmclctl --socket " + socket() + " token revoke lab");
   const auto again = say({"axes"});
   EXPECT_EQ(again.status, 3);
   EXPECT_THAT(again.output, HasSubstr("it knows no such token as that in"));

@@ -255,8 +255,7 @@ TEST_F(Tmcld, SaysWhatIsMissing) {
 }
 
 TEST_F(Tmcld, TakesTheConfigurationOfItsPackageUnlessTold) {
-  EXPECT_THAT(run_program({"tmcld", "--help"}).output,
-              testing::HasSubstr("FILE [/etc/tmcl/tmcld.toml]"));
+  EXPECT_THAT(run_program({"tmcld", "--help"}).output, testing::HasSubstr("/etc/tmcl/tmcld.toml"));
 }
 
 TEST_F(Tmcld, ChecksItsConfiguration) {
