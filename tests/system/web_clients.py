@@ -87,7 +87,11 @@ def health(port):
 def half_open(port, count):
     most = resource.getrlimit(resource.RLIMIT_NOFILE)[1] - 100
     count = min(count, most)
-    ends = [socket.create_connection(("127.0.0.1", port), PATIENCE_S) for _ in range(count)]
+    ends = []
+    while len(ends) < count:
+        ends.append(socket.create_connection(("127.0.0.1", port), PATIENCE_S))
+        if len(ends) % 500 == 0:  # Whoever waits for this program can see that it goes on.
+            print(".", flush=True)
     health(port)
     closed = sum(end.fileno() < 0 or is_closed(end) for end in ends)
     print(f"{count} connections, {closed} closed, others served")
