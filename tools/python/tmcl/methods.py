@@ -42,7 +42,7 @@ EFFECTS: Mapping[str, str] = {
     "mint.run": "moves",
     "axis.get_ramp": "reads",
     "axis.plan_ramp": "reads",
-    "axis.set_ramp": "moves",
+    "axis.set_ramp": "writes",
     "axis.home": "moves",
     "axis.start_home": "moves",
     "axis.stop_home": "stops",
@@ -446,18 +446,65 @@ class PathStage(Record):
 
 
 @dataclass(frozen=True)
+class PathPlanCourseAxes(Record):
+    #: of the file
+    axis: str = ""
+    #: least position of it
+    least: float = 0.0
+    #: greatest position
+    greatest: float = 0.0
+    #: how fast it gets
+    top_speed: float = 0.0
+
+
+@dataclass(frozen=True)
+class PathPlanCourseSlowestCorners(Record):
+    #: of the file
+    line: int = 0
+    #: when it is passed
+    time_s: float = 0.0
+    #: along the path
+    speed: float = 0.0
+    #: of each axis
+    position: tuple[float, ...] = ()
+
+
+@dataclass(frozen=True)
+class PathPlanCourse(Record):
+    #: of the path
+    length: float = 0.0
+    #: how long it takes
+    duration_s: float = 0.0
+    #: how many it has
+    legs: int = 0
+    #: of the file
+    axes: tuple[PathPlanCourseAxes, ...] = ()
+    #: where it gets slowest; five at most
+    slowest_corners: tuple[PathPlanCourseSlowestCorners, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"axes": PathPlanCourseAxes, "slowest_corners": PathPlanCourseSlowestCorners}
+
+
+@dataclass(frozen=True)
+class PathPlanCurve(Record):
+    #: of its points
+    times_s: tuple[float, ...] = ()
+    #: of each axis at each of them
+    positions: tuple[tuple[float, ...], ...] = ()
+
+
+@dataclass(frozen=True)
 class PathPlan(Record):
     #: by which path.run runs it, once; the daemon keeps the last one
     plan: int = 0
     #: in the order of the file's
     axes: tuple[str, ...] = ()
-    #: length, duration_s, legs, axes (of the file: axis, least, greatest, top_speed) and
-    #: slowest_corners (line, time_s, speed, position)
-    course: Mapping[str, Any] = field(default_factory=dict)
-    #: times_s and positions; only if points are asked for
-    curve: Mapping[str, Any] | None = None
+    #: where it leads, and how fast
+    course: PathPlanCourse = field(default_factory=lambda: PathPlanCourse())
+    #: to draw it; null unless points are asked for
+    curve: PathPlanCurve | None = None
     #: what its settings make of moves that nobody may want
     warnings: tuple[str, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"course": PathPlanCourse, "curve": PathPlanCurve}
 
 
 @dataclass(frozen=True)
@@ -522,6 +569,65 @@ class MintRun(Record):
     #: what else is to be said, such as of a parameter not set back
     remarks: tuple[str, ...] = ()
     _inner: ClassVar[Mapping[str, type[Record]]] = {"groups": MintRunGroups}
+
+
+@dataclass(frozen=True)
+class AxisGetRampSettings(Record):
+    #: standard name of the axis parameter
+    parameter: str = ""
+    #: its number
+    number: int = 0
+    #: what it is set to
+    value: int = 0
+
+
+@dataclass(frozen=True)
+class AxisGetRamp(Record):
+    #: model of its module
+    model: str = ""
+    #: where it stands
+    position_microsteps: int = 0
+    #: every parameter that makes a difference to its ramps, in the order in which to give them
+    #: to its twin
+    settings: tuple[AxisGetRampSettings, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"settings": AxisGetRampSettings}
+
+
+@dataclass(frozen=True)
+class AxisPlanRamp(Record):
+    #: name of the axis
+    axis: str = ""
+    #: model of its module
+    model: str = ""
+    #: what it measures in; null if the axis has no unit
+    unit: str | None = None
+    #: what the settings give, in microsteps per second
+    velocity_pps: float = 0.0
+    #: the same in the unit per second
+    velocity: float | None = None
+    #: likewise, per second squared
+    acceleration_pps2: float = 0.0
+    #: the same in the unit
+    acceleration: float | None = None
+    #: likewise, of braking
+    deceleration_pps2: float = 0.0
+    #: the same in the unit
+    deceleration: float | None = None
+    #: likewise, per second cubed; null for an acceleration that changes at once
+    jerk_pps3: float | None = None
+    #: the same in the unit
+    jerk: float | None = None
+    #: how long it takes to get up to speed
+    ramp_s: float = 0.0
+    #: how far it goes meanwhile
+    ramp_microsteps: float = 0.0
+    #: what makes the ramp
+    settings: tuple[AxisGetRampSettings, ...] = ()
+    #: what it will do instead where the module cannot do what was asked
+    remarks: tuple[str, ...] = ()
+    #: what its settings make of moves that nobody may want
+    warnings: tuple[str, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"settings": AxisGetRampSettings}
 
 
 @dataclass(frozen=True)
@@ -1258,17 +1364,41 @@ class Methods:
         by notify_progress."""
         return MintRun.of(self._call("mint.run", {"axes": axes, "numbers": numbers, "counts": counts, "text": text, "bytes": bytes}))
 
-    def axis_get_ramp(self) -> None:
+    def axis_get_ramp(self, axis: str) -> AxisGetRamp:
         """`axis.get_ramp` what its movements can be foreseen from; of an axis that stands."""
-        self._call("axis.get_ramp", {})
+        return AxisGetRamp.of(self._call("axis.get_ramp", {"axis": axis}))
 
-    def axis_plan_ramp(self) -> None:
+    def axis_plan_ramp(
+        self,
+        axis: str,
+        *,
+        velocity: float | str | None = None,
+        velocity_internal: int | None = None,
+        acceleration: float | str | None = None,
+        acceleration_internal: int | None = None,
+        deceleration: float | str | None = None,
+        deceleration_internal: int | None = None,
+        jerk: float | str | None = None,
+        bow: int | None = None,
+    ) -> AxisPlanRamp:
         """`axis.plan_ramp` chooses the parameters that make a ramp; writes nothing."""
-        self._call("axis.plan_ramp", {})
+        return AxisPlanRamp.of(self._call("axis.plan_ramp", {"axis": axis, "velocity": velocity, "velocity_internal": velocity_internal, "acceleration": acceleration, "acceleration_internal": acceleration_internal, "deceleration": deceleration, "deceleration_internal": deceleration_internal, "jerk": jerk, "bow": bow}))
 
-    def axis_set_ramp(self) -> None:
+    def axis_set_ramp(
+        self,
+        axis: str,
+        *,
+        velocity: float | str | None = None,
+        velocity_internal: int | None = None,
+        acceleration: float | str | None = None,
+        acceleration_internal: int | None = None,
+        deceleration: float | str | None = None,
+        deceleration_internal: int | None = None,
+        jerk: float | str | None = None,
+        bow: int | None = None,
+    ) -> AxisPlanRamp:
         """`axis.set_ramp` chooses them, and sets them on an axis that stands."""
-        self._call("axis.set_ramp", {})
+        return AxisPlanRamp.of(self._call("axis.set_ramp", {"axis": axis, "velocity": velocity, "velocity_internal": velocity_internal, "acceleration": acceleration, "acceleration_internal": acceleration_internal, "deceleration": deceleration, "deceleration_internal": deceleration_internal, "jerk": jerk, "bow": bow}))
 
     def axis_home(
         self,
@@ -2049,17 +2179,41 @@ class AsyncMethods:
         by notify_progress."""
         return MintRun.of(await self._call("mint.run", {"axes": axes, "numbers": numbers, "counts": counts, "text": text, "bytes": bytes}))
 
-    async def axis_get_ramp(self) -> None:
+    async def axis_get_ramp(self, axis: str) -> AxisGetRamp:
         """`axis.get_ramp` what its movements can be foreseen from; of an axis that stands."""
-        await self._call("axis.get_ramp", {})
+        return AxisGetRamp.of(await self._call("axis.get_ramp", {"axis": axis}))
 
-    async def axis_plan_ramp(self) -> None:
+    async def axis_plan_ramp(
+        self,
+        axis: str,
+        *,
+        velocity: float | str | None = None,
+        velocity_internal: int | None = None,
+        acceleration: float | str | None = None,
+        acceleration_internal: int | None = None,
+        deceleration: float | str | None = None,
+        deceleration_internal: int | None = None,
+        jerk: float | str | None = None,
+        bow: int | None = None,
+    ) -> AxisPlanRamp:
         """`axis.plan_ramp` chooses the parameters that make a ramp; writes nothing."""
-        await self._call("axis.plan_ramp", {})
+        return AxisPlanRamp.of(await self._call("axis.plan_ramp", {"axis": axis, "velocity": velocity, "velocity_internal": velocity_internal, "acceleration": acceleration, "acceleration_internal": acceleration_internal, "deceleration": deceleration, "deceleration_internal": deceleration_internal, "jerk": jerk, "bow": bow}))
 
-    async def axis_set_ramp(self) -> None:
+    async def axis_set_ramp(
+        self,
+        axis: str,
+        *,
+        velocity: float | str | None = None,
+        velocity_internal: int | None = None,
+        acceleration: float | str | None = None,
+        acceleration_internal: int | None = None,
+        deceleration: float | str | None = None,
+        deceleration_internal: int | None = None,
+        jerk: float | str | None = None,
+        bow: int | None = None,
+    ) -> AxisPlanRamp:
         """`axis.set_ramp` chooses them, and sets them on an axis that stands."""
-        await self._call("axis.set_ramp", {})
+        return AxisPlanRamp.of(await self._call("axis.set_ramp", {"axis": axis, "velocity": velocity, "velocity_internal": velocity_internal, "acceleration": acceleration, "acceleration_internal": acceleration_internal, "deceleration": deceleration, "deceleration_internal": deceleration_internal, "jerk": jerk, "bow": bow}))
 
     async def axis_home(
         self,
