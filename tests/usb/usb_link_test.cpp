@@ -45,6 +45,7 @@ class UsbLink : public testing::TestWithParam<const char*>, protected test::Plug
 
 TEST_P(UsbLink, MovesAnAxisAndGivesTheTerminalBack) {
   plug_in({"--module", "TMCM-3110@7", "--usb", GetParam()});
+  ASSERT_TRUE(comes_true([&] { return !terminal().empty(); }));
   for (const auto& name : {link(), std::string("usb:auto")}) {
     const auto moved = tmclctl(name, {"move", "7/0", "1000microsteps", "--wait"});
     EXPECT_EQ(moved.status, 0) << moved.output;

@@ -44,6 +44,9 @@ std::string describe(libusb_transfer_status status) {
 
 UsbRefusal refusal(int error) {
   if (error == LIBUSB_ERROR_BUSY) return {UsbRefusal::Why::busy};
+  // It was plugged in a moment ago.
+  if (error == LIBUSB_ERROR_NOT_FOUND)
+    return {UsbRefusal::Why::other, "the kernel has not taken the device in yet: try again"};
   return {UsbRefusal::Why::other, libusb_strerror(static_cast<libusb_error>(error))};
 }
 
