@@ -19,7 +19,7 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-class Ports : public testing::Test {
+class ListedPorts : public testing::Test {
  protected:
   void SetUp() override { fs::create_directories(root / "sys/class/tty"); }
   void TearDown() override { fs::remove_all(root); }
@@ -68,12 +68,12 @@ class Ports : public testing::Test {
   fs::path root = test::temp_path("ports");
 };
 
-TEST_F(Ports, AComputerMayHaveNone) {
+TEST_F(ListedPorts, AComputerMayHaveNone) {
   EXPECT_THAT(list_ports(root), IsEmpty());
   EXPECT_THAT(list_ports(root / "nowhere"), IsEmpty());
 }
 
-TEST_F(Ports, TellWhatIsBehindThem) {
+TEST_F(ListedPorts, TellWhatIsBehindThem) {
   add_terminal("ttyACM0", plug_in_module("1-1.2") / "1-1.2:1.0", "cdc_acm");
   const auto name = std::string("pci-0000:00:14.0-usb-0:1.2:1.0");
   link("dev/serial/by-path/" + name, "dev/ttyACM0");
@@ -89,12 +89,12 @@ TEST_F(Ports, TellWhatIsBehindThem) {
   EXPECT_TRUE(is_module(ports[0]));
 }
 
-TEST_F(Ports, AModuleWithoutADriverIsNamedByItsPlace) {
+TEST_F(ListedPorts, AModuleWithoutADriverIsNamedByItsPlace) {
   plug_in_module("1-4");
   EXPECT_THAT(links(), ElementsAre("usb:1-4"));
 }
 
-TEST_F(Ports, WhatIsNoSerialPortIsLeftOut) {
+TEST_F(ListedPorts, WhatIsNoSerialPortIsLeftOut) {
   const auto keyboard = plug_in("1-2", "046d", "c31c", "Keyboard");
   write(keyboard / "1-2:1.0/bInterfaceClass", "03");
   plug_in("usb1", "1d6b", "0002", "root hub");
@@ -103,7 +103,7 @@ TEST_F(Ports, WhatIsNoSerialPortIsLeftOut) {
   EXPECT_THAT(links(), IsEmpty());
 }
 
-TEST_F(Ports, OnlySerialHardwareThatIsThereCounts) {
+TEST_F(ListedPorts, OnlySerialHardwareThatIsThereCounts) {
   add_terminal("ttyS0", "sys/devices/pnp0/00:05", "serial");
   write("sys/class/tty/ttyS0/type", "4");
   add_terminal("ttyS1", "sys/devices/platform/serial8250", "serial8250");
@@ -116,12 +116,12 @@ TEST_F(Ports, OnlySerialHardwareThatIsThereCounts) {
   EXPECT_EQ(list_ports(root)[1].usb->port, "1-3");
 }
 
-TEST_F(Ports, WhatADeviceSaysCannotControlTheScreen) {
+TEST_F(ListedPorts, WhatADeviceSaysCannotControlTheScreen) {
   plug_in("1-5", "2a3c", "0100", "\x1b[31mred\x7f");
   EXPECT_EQ(describe(*list_ports(root).at(0).usb), "2a3c:0100 ?[31mred?");
 }
 
-TEST_F(Ports, OlderModulesHaveOtherIdentifiers) {
+TEST_F(ListedPorts, OlderModulesHaveOtherIdentifiers) {
   const auto is_one = [](std::uint16_t vendor, std::uint16_t product) {
     UsbDeviceInfo device;
     device.vendor = vendor;
@@ -133,7 +133,7 @@ TEST_F(Ports, OlderModulesHaveOtherIdentifiers) {
   EXPECT_FALSE(is_one(0x0483, 0x374b)) << "an adapter that many boards have";
 }
 
-TEST_F(Ports, AutoIsTheOnlyModuleThereIs) {
+TEST_F(ListedPorts, AutoIsTheOnlyModuleThereIs) {
   add_terminal("ttyS0", "sys/devices/pnp0/00:05", "serial");
   const auto none = tmclctl::only_module(list_ports(root));
   ASSERT_FALSE(none);

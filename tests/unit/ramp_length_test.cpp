@@ -1,26 +1,32 @@
-// What `ramp`, `convert` and `profile simulate` say of the time and length of a ramp is the same,
-// and what the generator of the chip does.
+// What a chosen ramp, `convert` and `profile simulate` say of the time and length of a ramp is the
+// same, and what the generator of the chip does.
 #include <gmock/gmock.h>
 
 #include <fmt/format.h>
 
 #include "support/seed.hpp"
 #include "tmcl/jerk.hpp"
+#include "tmcl/parameter.hpp"
+#include "tmcl/plan/ramp_choice.hpp"
 #include "unit/ctl_fixture.hpp"
 
 namespace tmclctl::test {
 namespace {
 
+namespace plan = tmcl::plan;
 using Words = std::vector<std::string>;
+/// Values by the names of parameters.
+using Settings = std::map<std::string, std::int32_t>;
 
 struct Chip {
   const char* model;
   const char* generator;
-  /// Registers of `profile simulate` by the parameters that `ramp` chooses.
+  /// Registers of `profile simulate` by the parameters that are chosen.
   std::map<std::string, std::string> registers;
   Words also;  ///< What else the generator needs.
   double greatest_velocity_pps;
 };
+constexpr double no_bow = std::numeric_limits<double>::infinity();
 
 const Chip tmc429{"TMCM-1110",
                   "tmc429",
@@ -56,81 +62,72 @@ void expect_near(tmcl::RampLength expected, const boost::json::object& ramp) {
   EXPECT_NEAR(expected.microsteps, ramp.at("microsteps").to_number<double>(),
               .01 * expected.microsteps + 5);
 }
-/// Of one that may be slower than the other.
-tmcl::RampLength braking(const boost::json::object& chosen) {
-  const auto* jerk = chosen.if_contains("jerk_pps3");
-  return tmcl::ramp_length(
-      {chosen.at("velocity_pps").as_double()}, {chosen.at("deceleration_pps2").as_double()},
-      {jerk != nullptr ? jerk->as_double() : std::numeric_limits<double>::infinity()});
-}
-
 class LengthOfARamp : public testing::Test, public Ctl {
  protected:
   double between(double least, double greatest) {
     return std::exp(std::uniform_real_distribution<>(std::log(least), std::log(greatest))(random_));
   }
-  void be(const Chip& chip) {
-    target.counts.model = tmcl::find_model(chip.model);
-    target.counts.module = chip.generator == std::string("tmc429")
-                               ? tmcl::module_units(tmcl::Tmc429Dividers{2, 3})
-                               : *tmcl::module_units(*target.counts.model, std::vector{0});
-    target.counts.scale->unit.clear();
+  static plan::RampChoice chosen(const Chip& chip, const plan::RampRequest& wish) {
+    const auto& model = *tmcl::find_model(chip.model);
+    const auto units = chip.generator == tmc429.generator
+                           ? tmcl::module_units(tmcl::Tmc429Dividers{2, 3})
+                           : *tmcl::module_units(model, std::vector{0});
+    return plan::choose_ramp(model, wish, units).value();
   }
-  boost::json::object simulated(const Chip& chip, const boost::json::object& parameters,
-                                double microsteps) {
+  static Settings named(const Chip& chip, const plan::RampChoice& choice) {
+    const auto table = tmcl::axis_parameters(*tmcl::find_model(chip.model));
+    Settings all;
+    for (const auto& setting : choice.settings)
+      all[std::string(tmcl::find_parameter(table, setting.parameter)->name)] = setting.value;
+    return all;
+  }
+  boost::json::object simulated(const Chip& chip, const Settings& settings, double microsteps) {
     Words words{"profile", "simulate", "--generator", chip.generator};
-    for (const auto& [name, value] : parameters) {
+    for (const auto& [name, value] : settings) {
       if (const auto found = chip.registers.find(name); found != chip.registers.end())
-        words.push_back(fmt::format("{}={}", found->second, value.as_int64()));
+        words.push_back(fmt::format("{}={}", found->second, value));
     }
     words.insert(words.end(), chip.also.begin(), chip.also.end());
     const char* target_register = chip.generator == sixpoint.generator ? "xtarget" : "x_target";
     words.push_back(fmt::format("{}={:.0f}", target_register, 4 * microsteps + 100));
     return json(words);
   }
-  boost::json::object converted(const Chip& chip, const boost::json::object& parameters,
+  boost::json::object converted(const Chip& chip, const Settings& settings,
                                 const char* acceleration) {
     Words words{"convert",        "--model",
-                chip.model,       fmt::format("{}", parameters.at("max_velocity").as_int64()),
-                "--acceleration", fmt::format("{}", parameters.at(acceleration).as_int64())};
+                chip.model,       fmt::format("{}", settings.at("max_velocity")),
+                "--acceleration", fmt::format("{}", settings.at(acceleration))};
     const auto add = [&](const char* option, const char* parameter) {
-      if (const auto* value = parameters.if_contains(parameter))
-        words.insert(words.end(), {option, std::to_string(value->as_int64())});
+      if (const auto found = settings.find(parameter); found != settings.end())
+        words.insert(words.end(), {option, std::to_string(found->second)});
     };
     add("--pulse-div", "pulse_divisor");
     add("--ramp-div", "ramp_divisor");
-    const auto* bow = parameters.if_contains("max_bow");
-    if (bow != nullptr && bow->as_int64() > 0) add("--bow", "max_bow");
+    const auto bow = settings.find("max_bow");
+    if (bow != settings.end() && bow->second > 0) add("--bow", "max_bow");
     if (chip.generator != tmc429.generator) words.insert(words.end(), {"--unit-mode", "0"});
     return json(words).at("ramp").as_object();
   }
-  void compare(const Chip& chip, double velocity_pps, double seconds, Words jerk = {}) {
-    be(chip);
-    Words words{"ramp",
-                "x",
-                "--dry-run",
-                "--velocity",
-                fmt::format("{}pps", velocity_pps),
-                "--acceleration",
-                fmt::format("{}pps/s", velocity_pps / seconds)};
-    words.insert(words.end(), jerk.begin(), jerk.end());
-    SCOPED_TRACE(fmt::format("{}", fmt::join(words, " ")));
-    const auto chosen = json(words);
-    const auto parameters = chosen.at("parameters").as_object();
-    const double ramp_s = chosen.at("ramp_s").as_double();
-    const double microsteps = chosen.at("ramp_microsteps").as_double();
-    const auto moved = simulated(chip, parameters, microsteps);
-    expect_near({ramp_s, microsteps}, moved.at("ramp_up").as_object());
+  void compare(const Chip& chip, double velocity_pps, double seconds, double jerk = no_bow) {
+    const double acceleration_pps2 = velocity_pps / seconds;
+    SCOPED_TRACE(fmt::format("{} to {} pps at {} pps/s, jerk {}", chip.model, velocity_pps,
+                             acceleration_pps2, jerk));
+    const auto choice =
+        chosen(chip, {{velocity_pps}, {acceleration_pps2}, {acceleration_pps2}, jerk});
+    const auto settings = named(chip, choice);
+    const auto up = tmcl::ramp_length(choice.velocity, choice.acceleration, {choice.jerk});
+    const auto down = tmcl::ramp_length(choice.velocity, choice.deceleration, {choice.jerk});
+    const auto moved = simulated(chip, settings, up.microsteps);
+    expect_near(up, moved.at("ramp_up").as_object());
     // The law by which a TMC429 brakes is another one: a root in whole numbers.
-    if (chip.generator != tmc429.generator)
-      expect_near(braking(chosen), moved.at("ramp_down").as_object());
+    if (chip.generator != tmc429.generator) expect_near(down, moved.at("ramp_down").as_object());
     const auto* acceleration =
-        parameters.contains("acceleration") ? "acceleration" : "max_acceleration";
-    const auto told = converted(chip, parameters, acceleration);
-    EXPECT_NEAR(told.at("duration_s").to_number<double>(), ramp_s, 1e-9 * ramp_s);
-    EXPECT_NEAR(told.at("microsteps").to_number<double>(), microsteps, 1e-9 * microsteps);
+        settings.contains("acceleration") ? "acceleration" : "max_acceleration";
+    const auto told = converted(chip, settings, acceleration);
+    EXPECT_NEAR(told.at("duration_s").to_number<double>(), up.seconds, 1e-9 * up.seconds);
+    EXPECT_NEAR(told.at("microsteps").to_number<double>(), up.microsteps, 1e-9 * up.microsteps);
   }
-  void compare_many(const Chip& chip, const Words& jerk = {}) {
+  void compare_many(const Chip& chip, double jerk = no_bow) {
     constexpr int times = 40;
     for (int i = 0; i < times && !HasFailure(); ++i) {
       const double v = between(2000, chip.greatest_velocity_pps);
@@ -146,10 +143,10 @@ TEST_F(LengthOfARamp, IsThatOfATmc429) { compare_many(tmc429); }
 TEST_F(LengthOfARamp, IsThatOfATmc457) { compare_many(tmc457); }
 TEST_F(LengthOfARamp, IsThatOfSixPoints) { compare_many(sixpoint); }
 
-TEST_F(LengthOfARamp, IsThatOfAnSCurve) { compare_many(tmc457, {"--jerk", "max"}); }
+TEST_F(LengthOfARamp, IsThatOfAnSCurve) { compare_many(tmc457, plan::highest_jerk); }
 
 TEST_F(LengthOfARamp, IsThatOfAnSCurveWithoutFullAcceleration) {
-  for (const char* bow : {"3", "5", "7"}) compare(tmc457, 40'000, 0.01, {"--jerk", bow});
+  for (const int bow : {3, 5, 7}) compare(tmc457, 40'000, 0.01, tmcl::to_pps3(bow).value);
 }
 
 TEST_F(LengthOfARamp, IsPrinted) {
