@@ -16,6 +16,7 @@
 #include "tmcl/bus_options.hpp"
 #include "tmcl/context_clock.hpp"
 #include "tmcl/link.hpp"
+#include "tmcl/traffic.hpp"
 #include "tmcl/verbs.hpp"
 
 namespace tmcl {
@@ -65,7 +66,11 @@ class Bus {
   /// Called on the executor for everything that comes unasked. At most one handler; an empty one
   /// removes it.
   void on_event(std::function<void(const BusEvent&)> handler);
+  /// Called for everything that goes over the bus. At most one handler; an empty one removes it.
+  void on_traffic(OnTraffic handler);
   BusCounters counters() const;
+  /// How many exchanges wait for their turn.
+  std::size_t queued() const;
   const std::string& name() const;
   /// False after the link was lost or closed; the bus cannot be used any more then.
   bool is_open() const;

@@ -9,6 +9,9 @@ using Duration = std::chrono::nanoseconds;
 /// A monotonic instant; the origin means nothing.
 using TimePoint = std::chrono::time_point<std::chrono::steady_clock, Duration>;
 
+/// For people, and for what is laid beside something else: it may jump.
+using UtcTime = std::chrono::sys_time<Duration>;
+
 class Clock {
  public:
   virtual ~Clock() = default;
@@ -18,6 +21,7 @@ class Clock {
 class RealClock final : public Clock {
  public:
   TimePoint now() const override { return std::chrono::steady_clock::now(); }
+  static UtcTime utc() { return std::chrono::system_clock::now(); }
 };
 
 /// Stands still until it is told to go on.

@@ -74,6 +74,11 @@ class ContextClock final : public Clock {
   TimePoint now() const override {
     return timeline_ != nullptr ? timeline_->clock.now() : RealClock().now();
   }
+  /// What the time of day was at an instant, as it is now thought to be; virtual time begins at 0.
+  UtcTime utc_of(TimePoint instant) const {
+    if (timeline_ != nullptr) return UtcTime(instant.time_since_epoch());
+    return RealClock::utc() + (instant - now());
+  }
   /// In virtual time: how long work takes that a program does on another thread otherwise, and that
   /// is to be done on the thread of the context then. Nothing in real time.
   std::optional<Duration> time_for_work() const {

@@ -21,6 +21,7 @@
 #pragma once
 
 #include <coroutine>
+#include <cstdint>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -80,6 +81,8 @@ struct CallOptions {
   bool is_program_line = false;
   /// Of a read, of how sure its value must be.
   Proof proof = Proof::none;
+  /// Whoever listens to the bus is told this with the request, and nobody else looks at it.
+  std::uint64_t asker = 0;
 };
 
 /// A reply, and what the engine noticed about it.

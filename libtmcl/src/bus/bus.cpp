@@ -258,6 +258,8 @@ asio::awaitable<StepResult> Bus::perform(std::shared_ptr<State> state, Step step
 void Bus::on_event(std::function<void(const BusEvent&)> handler) {
   state_->on_event = std::move(handler);
 }
+void Bus::on_traffic(OnTraffic handler) { state_->core().on_traffic(std::move(handler)); }
+std::size_t Bus::queued() const { return state_->core().engine().queued(); }
 BusCounters Bus::counters() const { return state_->core().engine().counters(); }
 const std::string& Bus::name() const { return state_->core().name(); }
 bool Bus::is_open() const { return state_->core().is_open(); }

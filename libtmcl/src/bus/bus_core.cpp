@@ -14,6 +14,10 @@ constexpr int frames_per_round = 64;
 // silent.
 constexpr unsigned most_looks = 8;
 
+Traffic traffic_of(const CanFrame& frame, Traffic::Direction direction, TimePoint now) {
+  return {now, direction, frame.id, frame.extended, std::span(frame.data).first(frame.length)};
+}
+
 BusOptions named(BusOptions options, const Link& link) {
   if (options.name.empty()) options.name = link.name();
   return options;
@@ -40,7 +44,9 @@ bool BusCore::read_bytes(TimePoint now, const Request* next) {
   if (count && *count == 0) return false;
   if (next != nullptr) engine_.on_input_before(*next);
   if (count) {
-    engine_.on_bytes(std::span(buffer).first(*count), now);
+    const auto bytes = std::span(buffer).first(*count);
+    tell({now, Traffic::Direction::in, 0, false, bytes});
+    engine_.on_bytes(bytes, now);
   } else {
     close(count.error().message);
   }
@@ -57,6 +63,7 @@ bool BusCore::read_frames(TimePoint now, const Request* next) {
       return true;
     }
     if (const auto* frame = std::get_if<CanFrame>(&**input)) {
+      tell(traffic_of(*frame, Traffic::Direction::in, now));
       engine_.on_frame(*frame, now);
     } else {
       const auto& condition = std::get<CanCondition>(**input);
@@ -81,26 +88,34 @@ void BusCore::close(const std::string& why) {
   engine_.on_link_lost(why);
 }
 
-void BusCore::send(const Request& request, TimePoint now) {
+void BusCore::send(const engine::Send& send, TimePoint now) {
   if (!open_) return;
   // What has come in before the request goes out is no answer to it.
-  looks_ = looks_ < most_looks && read(now, &request) ? looks_ + 1 : 0;
+  looks_ = looks_ < most_looks && read(now, &send.request) ? looks_ + 1 : 0;
   if (looks_ > 0) return engine_.on_deadline(now);
-  if (link_.framing() == Framing::serial) return send_bytes(request, now);
-  const auto sent = link_.write_frame(encode_can(request, link_.can_extended()));
-  if (!sent) return close(sent.error().message);
-  if (!*sent) engine_.on_send_refused(request, now);
+  link_.framing() == Framing::serial ? send_bytes(send, now) : send_frame(send, now);
 }
 
-void BusCore::send_bytes(const Request& request, TimePoint now) {
+void BusCore::send_frame(const engine::Send& send, TimePoint now) {
+  const auto frame = encode_can(send.request, link_.can_extended());
+  const auto sent = link_.write_frame(frame);
+  if (!sent) return close(sent.error().message);
+  if (!*sent) return engine_.on_send_refused(send.request, now);
+  auto traffic = traffic_of(frame, Traffic::Direction::out, now);
+  traffic.asker = send.asker;
+  tell(traffic);
+}
+
+void BusCore::send_bytes(const engine::Send& send, TimePoint now) {
   // What a stuck link cannot take now must not reach the module later, when nobody wants it any
   // more.
-  if (wants_to_write()) return engine_.on_send_refused(request, now);
-  unfinished_ = encode_serial(request);
+  if (wants_to_write()) return engine_.on_send_refused(send.request, now);
+  unfinished_ = encode_serial(send.request);
   const auto count = link_.write(unfinished_);
   if (!count) return close(count.error().message);
-  if (*count == 0) return engine_.on_send_refused(request, now);
+  if (*count == 0) return engine_.on_send_refused(send.request, now);
   unwritten_ = std::span(unfinished_).subspan(*count);
+  tell({now, Traffic::Direction::out, 0, false, unfinished_, send.asker});
 }
 
 namespace {
@@ -119,7 +134,7 @@ void BusCore::run_actions(TimePoint now,
   for (const auto& event : std::exchange(conditions_, {})) on_event(event);
   while (auto action = engine_.next_action()) {
     if (const auto* to_send = std::get_if<engine::Send>(&*action)) {
-      send(to_send->request, now);
+      send(*to_send, now);
     } else if (auto* completion = std::get_if<engine::Completion>(&*action)) {
       const bool comes_late = is_unanswered_movement(completion->result);
       on_completion(std::move(*completion));

@@ -6,6 +6,7 @@
 
 #include "engine/bus_engine.hpp"
 #include "tmcl/link.hpp"
+#include "tmcl/traffic.hpp"
 
 namespace tmcl {
 
@@ -25,6 +26,8 @@ class BusCore {
   void on_writable(TimePoint now);
   /// Ends everything in progress; the descriptor stays open, because somebody may wait on it.
   void close(const std::string& why);
+  /// Called for everything that is written and read; empty: nobody listens.
+  void on_traffic(OnTraffic listener) { on_traffic_ = std::move(listener); }
   /// Closes the descriptor, so that the link can be opened again at once.
   void drop_link() { const Link closed = std::move(link_); }
 
@@ -36,8 +39,12 @@ class BusCore {
   bool read(TimePoint now, const Request* next);
   bool read_bytes(TimePoint now, const Request* next);
   bool read_frames(TimePoint now, const Request* next);
-  void send(const Request& request, TimePoint now);
-  void send_bytes(const Request& request, TimePoint now);
+  void send(const engine::Send& send, TimePoint now);
+  void send_bytes(const engine::Send& send, TimePoint now);
+  void send_frame(const engine::Send& send, TimePoint now);
+  void tell(const Traffic& traffic) const {
+    if (on_traffic_) on_traffic_(traffic);
+  }
 
   Link link_;
   engine::BusEngine engine_;
@@ -45,6 +52,7 @@ class BusCore {
   SerialBytes unfinished_{};
   std::span<const std::uint8_t> unwritten_;
   std::vector<BusEvent> conditions_;
+  OnTraffic on_traffic_;
   unsigned looks_ = 0;  ///< For input before a request, that have found some, in a row.
 };
 

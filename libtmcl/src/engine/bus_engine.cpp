@@ -181,7 +181,7 @@ void BusEngine::send_early(Call& call) {
   module.lane.abandon(call.request.command, scheduler_.now());
   modules_.channel_of(module).keep_quiet_until(scheduler_.now() + wire_time_ + options_.quiet_time);
   ++counters_.requests;
-  send({call.request, call.place});
+  send({call.request, call.place, call.options.asker});
 }
 
 void BusEngine::start(Call call) {
@@ -218,7 +218,7 @@ void BusEngine::start_end(Conversation& module) {
 
 void BusEngine::put_in_flight(Channel& channel, InFlight in_flight) {
   ++counters_.requests;
-  send({in_flight.sent});
+  send({in_flight.sent, 0, in_flight.call ? in_flight.call->options.asker : 0});
   in_flight.sent_at = scheduler_.now();
   channel.put(std::move(in_flight));
   expect_answer();

@@ -59,6 +59,7 @@ namespace tmcl::engine {
 struct Send {
   Request request;
   std::uint64_t place = 0;  ///< Of the call that it is for, if that stays in the queue.
+  std::uint64_t asker = 0;
 };
 /// The call is over.
 struct Completion {
@@ -95,6 +96,8 @@ class BusEngine {
 
   const BusOptions& options() const { return options_; }
   BusCounters counters() const;
+  /// How many calls wait for their turn.
+  std::size_t queued() const { return scheduler_.queue().size(); }
 
  private:
   friend class EngineState;  ///< Of tests: tells two apart.

@@ -18,6 +18,7 @@ namespace tmcl::engine {
 class Scheduler {
  public:
   CallQueue& queue() { return queue_; }
+  const CallQueue& queue() const { return queue_; }
 
   /// What follows is as of this instant.
   void begin_round(TimePoint now) { now_ = now; }
