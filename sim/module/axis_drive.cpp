@@ -27,6 +27,14 @@ constexpr std::int32_t scales = 32;
 constexpr std::int32_t full_scaler = 256;
 static_assert(scales * full_scaler == full_current);
 
+// Millivolts over the sense resistors at full current, by VSENSE.
+struct FullScale {
+  std::int32_t high;
+  std::int32_t low;
+};
+constexpr FullScale of_tmc26x{305, 165};
+constexpr FullScale of_tmc5130{320, 180};
+
 // Of the TMC262 and its relatives.
 constexpr std::int32_t stall_flag = 1 << 0;
 constexpr std::int32_t standstill_flag = 1 << 7;
@@ -175,7 +183,10 @@ std::int32_t Axis::torque_current() const {
   constexpr std::int32_t least = 32;
   const bool has_scaler = family_ == Family::sixpoint && values_[scaler] != 0;
   const auto factor = has_scaler ? std::max(values_[scaler], least) : full_scaler;
-  return (current_scale() + 1) * factor;
+  const auto current = (current_scale() + 1) * factor;
+  if (values_[number_of("vsense")] == 0) return current;
+  const auto& full_scale = family_ == Family::sixpoint ? of_tmc5130 : of_tmc26x;
+  return current * full_scale.low / full_scale.high;
 }
 
 }  // namespace tmcl::sim

@@ -18,6 +18,7 @@ constexpr std::uint8_t up_step = 171;
 constexpr std::uint8_t hysteresis_start = 172;
 constexpr std::uint8_t toff = 167;
 constexpr std::uint8_t global_scaler = 178;
+constexpr std::uint8_t vsense = 179;
 constexpr std::uint8_t current = 180;
 constexpr std::uint8_t stop_on_stall = 181;
 constexpr std::uint8_t threshold_speed = 182;
@@ -110,6 +111,23 @@ TEST_F(SimMotor, TurnsWhatItsCurrentIsEnoughFor) {
   pass(seconds(1));
   EXPECT_NEAR(lost(), full_steps(100), 256);
   EXPECT_EQ(get(current), 10);
+}
+
+TEST_F(SimMotor, HasHalfTheCurrentWhereItsResistorsSeeLittle) {
+  add_watched({.load = 550, .torque_follows_current = true}, 6212);
+  set(max_current, 255);
+  ask(Command::ROR, 0, 0, full_steps(100));
+  pass(seconds(1));
+  set(vsense, 1);
+  pass(seconds(1));
+  EXPECT_EQ(lost(), 0) << "180 of 320 are enough";
+  at_stage([](Stage& stage) { stage.set_load(570); });
+  pass(seconds(1));
+  EXPECT_NEAR(lost(), full_steps(100), 256);
+  set(vsense, 0);
+  const auto lost_for_good = lost();
+  pass(seconds(1));
+  EXPECT_NEAR(lost(), lost_for_good, 256);
 }
 
 TEST_F(SimMotor, TheGlobalScalerScalesItsTorque) {

@@ -103,6 +103,7 @@ inline constexpr ParameterNumber list[] = {
     {"stallguard2_threshold", 174, all_but_tmc457},
     {"short_protection_disable", 177, all_but_tmc457},
     {"global_current_scaler", 178, sixpoint},
+    {"vsense", 179, all_but_tmc457},
     {"smart_energy_actual_current", 180, all_but_tmc457},
     {"smart_energy_stall_velocity", 181, all_but_tmc457},
     {"smart_energy_threshold_speed", 182, all_but_tmc457},
