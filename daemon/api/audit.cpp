@@ -15,12 +15,6 @@ bool is_audited(const Call& call) {
   return call.effect != tmcl::Effect::reads && !is_daily;
 }
 
-std::string words_of(const Call& call) {
-  auto params = boost::json::serialize(call.params);
-  if (params.size() > max_params_bytes) params = params.substr(0, max_params_bytes) + "...";
-  return "method=" + std::string(call.method.name) + " params=" + std::move(params);
-}
-
 AuditEntry entry_of(const Call& call, std::string text) {
   const auto& who = call.caller.credentials;
   // No process of this computer: the token, or the port, says more.
@@ -40,20 +34,26 @@ std::string outcome_of(const RpcResult& result) {
 
 }  // namespace
 
+std::string words_of(std::string_view method, const boost::json::object& given) {
+  auto params = boost::json::serialize(given);
+  if (params.size() > max_params_bytes) params = params.substr(0, max_params_bytes) + "...";
+  return "method=" + std::string(method) + " params=" + std::move(params);
+}
+
 void begin_journey(Call& call) {
   call.permit.needs_lease = false;
-  call.gateway->audit(entry_of(call, words_of(call) + " begins"));
+  call.gateway->audit(entry_of(call, words_of(call.method.name, call.params) + " begins"));
 }
 
 void audit_end(const Call& call, const RpcResult& result) {
   const bool is_under_way = call.goes_on && result;
   if (!is_audited(call) || is_under_way) return;
-  call.gateway->audit(entry_of(call, words_of(call) + outcome_of(result)));
+  call.gateway->audit(entry_of(call, words_of(call.method.name, call.params) + outcome_of(result)));
 }
 
 std::function<void(std::string_view fault)> audit_of_end(const Call& call) {
   return [gateway = std::weak_ptr(call.gateway),
-          entry = entry_of(call, words_of(call))](std::string_view fault) {
+          entry = entry_of(call, words_of(call.method.name, call.params))](std::string_view fault) {
     auto ended = entry;
     ended.text += fault.empty() ? " outcome=done" : " outcome=done error=";
     ended.text += fault;

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <functional>
+#include <string>
 #include <string_view>
 
 #include "api/call.hpp"
 
 namespace tmcld {
 
+/// What is asked for, in so many words: "method=axis.stop params={...}". Long ones are cut.
+std::string words_of(std::string_view method, const boost::json::object& params);
 /// A line or a path, which the gateway leads to its end: it needs no lease, and a line says that it
 /// begins.
 void begin_journey(Call& call);

@@ -18,5 +18,7 @@ bool end_log();
 void silence_log();
 
 void log(LogLevel level, std::string_view line);
+/// For lines that are work to write.
+bool is_logged(LogLevel level);
 
 }  // namespace tmcld
