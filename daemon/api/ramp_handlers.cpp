@@ -5,6 +5,7 @@
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
+#include "tmcl/module_traits.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/ramp_choice.hpp"
 
@@ -103,6 +104,15 @@ std::vector<std::string> foreseen(const RampChoice& choice, const tmcl::Model& m
   if (twin->time_to_arrival()) return {};
   return {
       "with these settings a move may not come to rest on its target; another acceleration does"};
+}
+
+std::vector<axis::ModuleTrait> view_of(const tmcl::ModuleTraits& traits) {
+  std::vector<axis::ModuleTrait> views;
+  for (const auto& info : tmcl::trait_table()) {
+    if (const auto variant = traits.find(info.trait))
+      views.push_back({std::string(info.name), std::string(info.variants[*variant])});
+  }
+  return views;
 }
 
 awaitable<Lookup<Chosen>> choose(GatewayAxis& axis, const axis::OfRamp& params) {
@@ -248,7 +258,7 @@ Answer<axis::GetRamp> get_ramp(Call& call, const axis::GetRamp& params) {
   if (motion.velocity.value != 0)
     co_return tl::unexpected(not_foreseeable(axis, "it moves already"));
   co_return axis::HeldRamp{std::string(model->name), motion.position.value,
-                           view_of(axis.ramp_settings(), axis)};
+                           view_of(axis.ramp_settings(), axis), view_of(axis.module().traits())};
 }
 
 Answer<axis::PlanRamp> plan_ramp(Call& call, const axis::PlanRamp& params) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "ctl_fixture.hpp"
+#include "foresight.hpp"
 #include "plot/comparison.hpp"
 #include "plot/svg_plot.hpp"
 
@@ -63,6 +64,25 @@ TEST(CtlComparison, SaysWhereTheAxisWasOffThePlan) {
   const auto svg = to_svg(picture);
   EXPECT_THAT(svg, HasSubstr("class=\"curve planned\""));
   EXPECT_THAT(svg, HasSubstr("class=\"curve difference\""));
+}
+
+// As [[module]] as = FILE of the gateway has it; words that only a newer one knows are as usual.
+TEST(CtlComparison, IsWithWhatWasMeasuredOfTheModule) {
+  test::Ctl ctl;
+  const auto arrival = [&](boost::json::array traits) {
+    ctl.target.result = {{"model", "TMCM-1110"}, {"traits", std::move(traits)}};
+    auto twin = twin_of("x", ctl.target).value();
+    twin.move_to({1'001});
+    return twin.time_to_arrival();
+  };
+  const auto trait = [](const char* name, const char* variant) {
+    return boost::json::array{boost::json::object{{"trait", name}, {"variant", variant}}};
+  };
+  const auto usual = arrival({});
+  EXPECT_NE(arrival(trait("last_step", "r1")), usual);
+  EXPECT_EQ(arrival(trait("last_step", "r3")), usual);
+  EXPECT_EQ(arrival(trait("last_step", "r9")), usual);
+  EXPECT_EQ(arrival(trait("next_step", "r1")), usual);
 }
 
 TEST(CtlComparison, IsOfMovesOfModulesThatAreKnown) {

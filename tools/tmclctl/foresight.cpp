@@ -1,13 +1,32 @@
 #include "foresight.hpp"
 
+#include <algorithm>
+
 #include <fmt/format.h>
 
 #include "tmcl/api/axis.hpp"
+#include "tmcl/module_traits.hpp"
 
 namespace tmclctl {
 
 namespace api = tmcl::api;
 using tmcl::plan::AxisTwin;
+
+namespace {
+
+tmcl::ModuleTraits traits_of(const api::axis::HeldRamp& held) {
+  tmcl::ModuleTraits traits;
+  for (const auto& told : held.traits) {
+    const auto info = std::ranges::find(tmcl::trait_table(), told.trait, &tmcl::TraitInfo::name);
+    if (info == tmcl::trait_table().end()) continue;
+    // What only a newer gateway knows is as usual here.
+    if (const auto variant = tmcl::parse_variant(*info, told.variant))
+      traits.set(info->trait, *variant);
+  }
+  return traits;
+}
+
+}  // namespace
 
 Attempt<AxisTwin> twin_of(const std::string& axis, Target& target) {
   const auto held = target.perform(api::axis::GetRamp{axis});
@@ -27,6 +46,7 @@ Attempt<AxisTwin> twin_of(const std::string& axis, Target& target) {
                                                      "tmclctl does not know the ramps of a {}",
                                                      axis, held->model)));
   }
+  twin->take_traits(traits_of(*held));
   twin->place({held->position_microsteps});
   return *twin;
 }

@@ -226,6 +226,11 @@ struct SetRamp : OfRamp {
               SetRamp, OfRamp);
 };
 
+struct ModuleTrait {
+  TMCL_STRUCT(ModuleTrait);
+  TMCL_FIELD(std::string, trait, "as a report of axis.verify names it, such as last_step");
+  TMCL_FIELD(std::string, variant, "which one the module has, such as r3");
+};
 struct HeldRamp {
   TMCL_STRUCT(HeldRamp);
   TMCL_FIELD(std::string, model, "model of its module");
@@ -233,6 +238,7 @@ struct HeldRamp {
   TMCL_FIELD(std::vector<RampSetting>, settings,
              "every parameter that makes a difference to its ramps, in the order in which to give "
              "them to its twin");
+  TMCL_FIELD(std::vector<ModuleTrait>, traits, "what the configuration says of its module");
 };
 struct GetRamp {
   TMCL_METHOD("axis.get_ramp", reads, HeldRamp,
