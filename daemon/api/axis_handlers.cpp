@@ -90,7 +90,7 @@ Answer<axis::Stop> stop(Call& call, const axis::Stop& params) {
   const auto axis = axis_of(call, params.axis);
   if (!axis) co_return tl::unexpected(axis.error());
   ++call.gateway->stops_in_progress;
-  const auto stopped = co_await (*axis)->stop();
+  const auto stopped = co_await (*axis)->stop(StopCause::client, call.permit.client);
   --call.gateway->stops_in_progress;
   if (!stopped) co_return failed(stopped.error(), **axis);
   co_return Nothing{};

@@ -1,7 +1,10 @@
+#include <algorithm>
+
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/views.hpp"
 #include "async/gather.hpp"
+#include "tmcl/hex.hpp"
 
 namespace tmcld::handlers {
 namespace {
@@ -66,12 +69,41 @@ Lookup<bus::FoundModules> found_by(const std::vector<std::shared_ptr<GatewayBus>
   return all;
 }
 
+bus::Datagram view_of(const TrafficLog::Entry& entry, bool is_can, const Gateway& gateway) {
+  using std::chrono::microseconds;
+  bus::Datagram out{entry.number};
+  const auto utc = gateway.clock().utc_of(entry.at).time_since_epoch();
+  out.utc_us = std::chrono::duration_cast<microseconds>(utc).count();
+  out.direction = entry.direction == tmcl::Traffic::Direction::out ? "out" : "in";
+  out.bytes = tmcl::to_hex(std::span(entry.bytes).first(entry.size));
+  if (is_can) out.can_id = entry.can_id;
+  if (entry.can_extended) out.can_extended = true;
+  if (entry.is_garbage) out.garbage = true;
+  if (entry.asker != 0) out.client = gateway.name_of_client(entry.asker);
+  return out;
+}
+
 }  // namespace
 
 Answer<bus::List> list_buses(Call& call, const bus::List&) {
   bus::Buses result;
   for (const auto& bus : call.gateway->buses()) result.buses.push_back(view_of(*bus));
   co_return result;
+}
+
+Answer<bus::Trace> trace(Call& call, const bus::Trace& params) {
+  constexpr std::int32_t default_limit = 256;
+  const auto bus = bus_of(call, params.bus);
+  if (!bus) co_return tl::unexpected(bus.error());
+  const auto& log = (*bus)->traffic();
+  const auto limit = static_cast<std::uint64_t>(params.limit.value_or(default_limit));
+  const auto newest = log.last() - std::min(log.last(), limit);
+  // What was numbered by an earlier daemon says nothing.
+  const auto after = std::min(params.after.value_or(newest), log.last());
+  bus::Traffic traffic{(*bus)->name(), log.last(), std::max(after + 1, log.first()) - after - 1};
+  for (const auto& entry : log.after(after, limit))
+    traffic.datagrams.push_back(view_of(entry, (*bus)->is_can(), *call.gateway));
+  co_return traffic;
 }
 
 Answer<bus::Scan> scan(Call& call, const bus::Scan& params) {

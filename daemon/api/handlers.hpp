@@ -26,6 +26,7 @@ using Answer = boost::asio::awaitable<Lookup<typename Params::Result>>;
 Answer<rpc::Discover> discover(Call& call, const rpc::Discover& params);
 
 Answer<bus::List> list_buses(Call& call, const bus::List& params);
+Answer<bus::Trace> trace(Call& call, const bus::Trace& params);
 Answer<bus::Scan> scan(Call& call, const bus::Scan& params);
 
 Answer<module::List> list_modules(Call& call, const module::List& params);

@@ -29,7 +29,7 @@ class LocalPeer final : public Peer {
  public:
   LocalPeer(std::shared_ptr<Gateway> gateway, std::shared_ptr<bool> news)
       : gateway_(std::move(gateway)),
-        client_{gateway_->enter(), "process " + std::to_string(::getpid())},
+        client_(gateway_->enter("process " + std::to_string(::getpid()))),
         notifications_(gateway_, [news = std::move(news)] { *news = true; }) {}
 
   void notify(std::string_view method, boost::json::object params) override {

@@ -41,6 +41,7 @@ constexpr MethodInfo method(Role role) {
 constexpr auto table = std::to_array<MethodInfo>({
     method<handlers::discover>(observe),
     method<handlers::list_buses>(observe),
+    method<handlers::trace>(observe),
     method<handlers::scan>(observe),
     method<handlers::list_modules>(observe),
     method<handlers::execute>(stop),

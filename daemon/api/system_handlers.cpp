@@ -52,7 +52,7 @@ std::vector<rpc::FieldInfo> infos(std::span<const Field> rows, bool of_params) {
 }  // namespace
 
 Answer<system::StopAll> stop_all(Call& call, const system::StopAll&) {
-  const auto reports = co_await tmcld::stop_all(call.gateway);
+  const auto reports = co_await tmcld::stop_all(call.gateway, call.permit.client);
   co_return to_result(reports);
 }
 

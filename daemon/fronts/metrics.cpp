@@ -92,6 +92,10 @@ void add_buses(Page& page, const Gateway& gateway) {
     page.add("tmcl_bus_open", "1 while the link of the bus is open.", MetricType::Gauge,
              {{"bus", bus->name()}}, bus->state() == GatewayBus::State::open ? 1 : 0);
   }
+  for (const auto& bus : gateway.buses()) {
+    page.add("tmcl_bus_queue", "Exchanges that wait for their turn.", MetricType::Gauge,
+             {{"bus", bus->name()}}, static_cast<double>(bus->queued()));
+  }
 }
 
 void add_axes(Page& page, const Gateway& gateway) {

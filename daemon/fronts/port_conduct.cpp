@@ -108,8 +108,7 @@ PortConduct::Awaitable<tmcl::Answer> PortConduct::stop(tmcl::Request request) {
   const auto axis = gateway_->find_axis(*bus_, motor);
   if (axis) axis->revoke_movements();
   ++gateway_->stops_in_progress;
-  RunOptions options;
-  auto answer = co_await bus_->execute(request, std::move(options));
+  auto answer = co_await bus_->execute(request, asked_by(host_.number));
   --gateway_->stops_in_progress;
   if (axis && answer) leases_->note_turning(*axis, false);
   co_return answer;

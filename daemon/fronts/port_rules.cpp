@@ -14,18 +14,6 @@ bool is_of_module(const tmcl::Request& request, const tmcl::Error& error) {
          error.request->motor == request.motor;
 }
 
-/// A reading that there is none of is 0; anything else that is refused has the value that it came
-/// with (vendor's open firmware).
-std::int32_t value_of_refused(const tmcl::Request& request, tmcl::Status status) {
-  switch (request.command) {
-    case tmcl::Command::GAP:
-    case tmcl::Command::GGP:
-    case tmcl::Command::GIO:
-    case tmcl::Command::GCO: return status == tmcl::Status::invalid_value ? request.value : 0;
-    default: return request.value;
-  }
-}
-
 }  // namespace
 
 tmcl::SerialBytes to_serial(const Told& told) {
@@ -84,7 +72,8 @@ tmcl::Reply wrong_checksum(tmcl::ModuleAddress module, std::uint8_t host) {
 }
 
 std::optional<Told> told_about(const tmcl::Request& request,
-                               const tmcl::Result<tmcl::Answer>& answer, std::uint8_t host) {
+                               const tmcl::Result<tmcl::Answer>& answer, std::uint8_t host,
+                               const std::optional<tmcl::Reply>& heard) {
   const bool is_answered = reply_kind(request.command) != tmcl::ReplyKind::none;
   if (answer) {
     if (!is_answered) return std::nullopt;
@@ -92,8 +81,11 @@ std::optional<Told> told_about(const tmcl::Request& request,
   }
   const auto& error = answer.error();
   if (is_of_module(request, error)) {
+    // In another form it was refused another value: most modules repeat what they are told.
+    const bool is_this = heard && error.request == request && heard->status == *error.status &&
+                         heard->command == request.command;
     return Told{{host, reply_byte(request.address), *error.status, request.command,
-                 value_of_refused(request, *error.status)}};
+                 is_this ? heard->value : request.value}};
   }
   if (error.code == tmcl::Errc::refused_by_module) return Told{refusal_at_port(request, host)};
   if (is_silence(error)) return std::nullopt;

@@ -40,8 +40,9 @@ tmcl::Reply refusal_at_port(const tmcl::Request& request, std::uint8_t host);
 tmcl::Reply wrong_checksum(tmcl::ModuleAddress module, std::uint8_t host);
 
 /// What the host is told about how its request has ended; nothing: silence. `host`: the address of
-/// hosts, as the module has it.
+/// hosts, as the module has it; `heard`: the last reply on the bus that was for this host.
 std::optional<Told> told_about(const tmcl::Request& request,
-                               const tmcl::Result<tmcl::Answer>& answer, std::uint8_t host);
+                               const tmcl::Result<tmcl::Answer>& answer, std::uint8_t host,
+                               const std::optional<tmcl::Reply>& heard);
 
 }  // namespace tmcld

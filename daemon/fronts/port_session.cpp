@@ -36,7 +36,7 @@ PortSession::PortSession(std::shared_ptr<Gateway> gateway, const PortConfig& con
       bus_(bus_named(*gateway_, config.bus)),
       name_(std::move(name)),
       output_(std::move(output)),
-      conduct_(gateway_, bus_, config.role, Client{gateway_->enter(), name_}),
+      conduct_(gateway_, bus_, config.role, gateway_->enter(name_)),
       asked_(bus_->executor()) {}
 
 void PortSession::start() {
@@ -139,7 +139,8 @@ awaitable<void> PortSession::carry_out(AskedPtr asked) {
       is_stop(request) ? std::nullopt : Deadline(asked->received + longest_wait_at_port);
   const auto answer = co_await conduct_.carry_out(request, asked->permit, deadline);
   note(*asked, answer);
-  end(*asked, told_about(request, answer, host_address(request.address)));
+  end(*asked, told_about(request, answer, host_address(request.address),
+                         bus_->traffic().last_reply_to(asked->permit.client)));
 }
 
 void PortSession::end(Asked& asked, std::optional<Told> told) {

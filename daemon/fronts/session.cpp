@@ -1,9 +1,14 @@
 #include "fronts/session.hpp"
 
+#include <chrono>
 #include <utility>
 
+#include <fmt/format.h>
+
+#include "api/audit.hpp"
 #include "api/dispatch.hpp"
 #include "async/spawn.hpp"
+#include "log/log.hpp"
 
 namespace tmcld {
 namespace {
@@ -47,7 +52,7 @@ Session::Session(const boost::asio::any_io_executor& executor, std::shared_ptr<G
       serves_(options.serves),
       on_closed_(std::move(options.on_closed)),
       caller_(std::move(options.caller)),
-      client_{gateway_->enter(), std::move(options.name)},
+      client_(gateway_->enter(std::move(options.name))),
       output_(executor_),
       notifications_(gateway_, [this] { output_.notify(); }) {}
 
@@ -116,14 +121,25 @@ void Session::start_waiting() {
 }
 
 awaitable<void> Session::serve(std::shared_ptr<Session> self, RpcRequest request) {
+  const auto text =
+      is_logged(LogLevel::debug) ? words_of(request.method->name, request.params) : std::string();
   const auto id = request.id;
   const auto effect = request.method->effect;
   const auto came = self->gateway_->clock().now();
   auto result = co_await dispatch(self->gateway_, self, std::move(request));
   if (effect == tmcl::Effect::stops)
     self->share_->stop_latency.note(self->gateway_->clock().now() - came);
+  if (!text.empty()) self->log_call(text, result, self->gateway_->clock().now() - came);
   --(effect == tmcl::Effect::stops ? self->stops_in_flight_ : self->calls_in_flight_);
   self->answer(id, std::move(result), effect);
+}
+
+void Session::log_call(const std::string& text, const RpcResult& result, tmcl::Duration took) {
+  const std::chrono::duration<double, std::milli> milliseconds = took;
+  gateway_->log(
+      LogLevel::debug,
+      fmt::format("client=\"{}\" {} outcome={} after {:.1f} ms", client_.name, text,
+                  result ? "done" : "\"" + result.error().message + '"', milliseconds.count()));
 }
 
 // ---- output ------------------------------------------------------------------------------------

@@ -177,12 +177,12 @@ GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity
   co_return result;
 }
 
-GatewayAxis::Awaitable<void> GatewayAxis::stop(StopCause cause) {
+GatewayAxis::Awaitable<void> GatewayAxis::stop(StopCause cause, std::uint64_t client) {
   revoke_movements();
   note_stop(cause);
   expected_arrival_ = {};
   const bool was_searching = mover() == Mover::search;
-  auto result = co_await axis_.run(tmcl::verbs::stop(address()));
+  auto result = co_await axis_.run(tmcl::verbs::stop(address()), asked_by(client));
   // A firmware that searches on may start the motor again.
   if (!was_searching || !result) co_return result;
   auto ended = co_await stop_home();

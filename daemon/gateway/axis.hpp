@@ -172,8 +172,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   }
 
   /// Goes out before everything else, whatever is known about the module. Ends a reference search
-  /// that was begun here, too.
-  Awaitable<void> stop(StopCause cause = StopCause::client);
+  /// that was begun here, too. `client`: who asks.
+  Awaitable<void> stop(StopCause cause = StopCause::client, std::uint64_t client = 0);
   /// The same by whoever moves the axis: calls that began before keep their right to move it.
   Awaitable<void> brake();
   /// Its module has started again, or is another one, and somebody knows that the axis may move.

@@ -58,6 +58,8 @@ GatewayBus::GatewayBus(const boost::asio::any_io_executor& executor, BusConfig c
       on_event_(std::move(on_event)),
       clock_(executor),
       changed_(executor),
+      traffic_(std::make_shared<TrafficLog>(is_can() ? tmcl::Framing::can : tmcl::Framing::serial,
+                                            config_.bus_options.host_address)),
       feeding_(executor),
       motors_(config_.name, std::move(arrivals)) {}
 
@@ -150,6 +152,7 @@ void GatewayBus::attach(tmcl::Link link) {
   bus_->on_event([weak = weak_from_this()](const tmcl::BusEvent& event) {
     if (const auto self = weak.lock()) self->on_bus_event(event);
   });
+  bus_->on_traffic([log = traffic_](const tmcl::Traffic& traffic) { log->note(traffic); });
   state_ = State::open;
   error_.clear();
   if (again) {

@@ -23,6 +23,7 @@
 #include "gateway/module.hpp"
 #include "gateway/motors.hpp"
 #include "gateway/queue_shares.hpp"
+#include "gateway/traffic_log.hpp"
 #include "log/audit.hpp"
 #include "log/limiter.hpp"
 #include "log/sink.hpp"
@@ -46,6 +47,13 @@ struct RunOptions : tmcl::RunOptions {
   /// move it.
   tmcl::Duration sentinel_age = movement_sentinel_age;
 };
+
+/// For what needs no permit.
+inline RunOptions asked_by(std::uint64_t client) {
+  RunOptions options;
+  options.permit.client = client;
+  return options;
+}
 
 class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
  public:
@@ -73,6 +81,10 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   const std::string& error() const { return error_; }
   /// Since the daemon started, over all openings.
   tmcl::BusCounters counters() const;
+  /// How many exchanges wait for their turn.
+  std::size_t queued() const { return bus_ ? bus_->queued() : 0; }
+  /// What went over it lately.
+  const TrafficLog& traffic() const { return *traffic_; }
   /// A thread may be blocked in the system, and cannot be called back.
   bool is_opening_link() const { return opening_link_; }
   /// Waits for that thread. After this no link is opened any more.
@@ -216,6 +228,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   std::string error_;
   std::shared_ptr<tmcl::Bus> bus_;
   tmcl::BusCounters earlier_counters_;
+  std::shared_ptr<TrafficLog> traffic_;
   std::map<tmcl::ModuleAddress, std::unique_ptr<GatewayModule>> modules_;
   Wake feeding_;
   std::shared_ptr<Journal> journal_;

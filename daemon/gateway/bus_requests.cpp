@@ -310,6 +310,7 @@ tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Conduct& c
     if (conduct.module != nullptr) co_await conduct.module->watch(conduct.options.sentinel_age);
   } else if (auto* one = std::get_if<tmcl::step::Exchange>(&step)) {
     const auto request = one->request;
+    one->options.asker = conduct.options.permit.client;
     const auto place =
         shares_.take(conduct.options.permit.client, effect_of(request.command, request.type));
     if (!place) {
@@ -320,6 +321,7 @@ tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Conduct& c
     results.push_back(std::move(answer));
   } else {
     auto& all = std::get<tmcl::step::ExchangeAll>(step).exchanges;
+    for (auto& each : all) each.options.asker = conduct.options.permit.client;
     const bool moves =
         std::ranges::any_of(all, [](const auto& each) { return can_move(each.request); });
     if (!moves) {

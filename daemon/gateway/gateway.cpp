@@ -200,9 +200,18 @@ boost::asio::awaitable<void> Gateway::end_journal() {
 
 OnExit Gateway::on_exit() const { return options_.on_exit; }
 
-std::uint64_t Gateway::enter() {
-  arrivals_->clients.insert(++arrivals_->last_client);
-  return arrivals_->last_client;
+Client Gateway::enter(std::string name) {
+  constexpr std::size_t most_names = 1000;
+  const auto number = ++arrivals_->last_client;
+  arrivals_->clients.insert(number);
+  if (client_names_.size() == most_names) client_names_.erase(client_names_.begin());
+  client_names_.emplace(number, name);
+  return {number, std::move(name)};
+}
+
+std::string Gateway::name_of_client(std::uint64_t number) const {
+  const auto found = client_names_.find(number);
+  return found == client_names_.end() ? "client " + std::to_string(number) : found->second;
 }
 
 void Gateway::leave(std::uint64_t client) {

@@ -67,8 +67,10 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   const tmcl::ContextClock& clock() const { return clock_; }
   const std::shared_ptr<DeadmanMemory>& deadmen() const { return deadmen_; }
   const std::shared_ptr<Leases>& leases() const { return leases_; }
-  /// A client has come, which has this number until it leaves.
-  std::uint64_t enter();
+  /// A client has come, which has its number until it leaves.
+  Client enter(std::string name = {});
+  /// Of a client that is there, or was lately: the names of the last thousand are remembered.
+  std::string name_of_client(std::uint64_t number) const;
   /// What it has asked for and was not sent yet moves nothing any more. Its leases are lost, and
   /// axes that it lets turn are stopped.
   void leave(std::uint64_t client);
@@ -163,6 +165,7 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   bool moves_need_lease_ = false;
   std::map<std::string, LogLimiter, std::less<>> limiters_;  ///< By cause; few.
   std::shared_ptr<Arrivals> arrivals_ = std::make_shared<Arrivals>();
+  std::map<std::uint64_t, std::string> client_names_;
   std::shared_ptr<Leases> leases_;
   std::shared_ptr<Journal> journal_;  ///< Null if none is kept.
   std::shared_ptr<DeadmanMemory> deadmen_;

@@ -61,23 +61,22 @@ std::vector<Target> targets_of(const Gateway& gateway, const std::shared_ptr<Gat
   return targets;
 }
 
-awaitable<StopReport> stop_one(Target target) {
+awaitable<StopReport> stop_one(Target target, std::uint64_t client) {
   const auto& clock = target.bus->clock();
   const auto began = clock.now();
   StopReport report{target.name, {}, {}};
   if (target.axis) {
-    report.result = co_await target.axis->stop();
+    report.result = co_await target.axis->stop(StopCause::client, client);
   } else {
-    RunOptions options;
-    report.result = co_await target.bus->run(tmcl::verbs::stop(target.motor), std::move(options));
+    report.result = co_await target.bus->run(tmcl::verbs::stop(target.motor), asked_by(client));
   }
   report.took = clock.now() - began;
   co_return report;
 }
 
-awaitable<Reports> stop_each(std::vector<Target> targets) {
+awaitable<Reports> stop_each(std::vector<Target> targets, std::uint64_t client) {
   std::vector<awaitable<StopReport>> stops;
-  for (auto& target : targets) stops.push_back(stop_one(std::move(target)));
+  for (auto& target : targets) stops.push_back(stop_one(std::move(target), client));
   auto reports = co_await gather(std::move(stops));
   co_return reports;
 }
@@ -95,13 +94,13 @@ void put_in_order(std::vector<Target>& targets) {
 }
 
 /// The reports come in the order of the targets.
-awaitable<Reports> stop_bus(std::vector<Target> targets) {
+awaitable<Reports> stop_bus(std::vector<Target> targets, std::uint64_t client) {
   put_in_order(targets);
   const auto first_delaying = std::ranges::find_if(targets, delays_others);
   const std::vector<Target> first(targets.begin(), first_delaying);
   const std::vector<Target> last(first_delaying, targets.end());
-  auto reports = co_await stop_each(first);
-  auto late = co_await stop_each(last);
+  auto reports = co_await stop_each(first, client);
+  auto late = co_await stop_each(last, client);
   reports.insert(reports.end(), late.begin(), late.end());
   Reports in_place(reports.size());
   for (std::size_t i = 0; i < reports.size(); ++i)
@@ -111,10 +110,11 @@ awaitable<Reports> stop_bus(std::vector<Target> targets) {
 
 }  // namespace
 
-awaitable<Reports> stop_all(std::shared_ptr<Gateway> gateway) {
+awaitable<Reports> stop_all(std::shared_ptr<Gateway> gateway, std::uint64_t client) {
   gateway->revoke_movements();
   std::vector<awaitable<Reports>> stops;
-  for (const auto& bus : gateway->buses()) stops.push_back(stop_bus(targets_of(*gateway, bus)));
+  for (const auto& bus : gateway->buses())
+    stops.push_back(stop_bus(targets_of(*gateway, bus), client));
   ++gateway->stops_in_progress;
   const auto of_each_bus = co_await gather(std::move(stops));
   --gateway->stops_in_progress;

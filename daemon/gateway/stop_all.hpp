@@ -1,6 +1,7 @@
 /// A stop for everything that could move.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,7 +22,8 @@ struct StopReport {
 /// of them lose the right to move before the first stop is on its way. Each takes one exchange,
 /// those that may move first and modules in turn; an axis that searches its reference takes one
 /// more, behind all others. Nobody waits for a module that was silent before: on a serial line it
-/// is told when all others were.
-boost::asio::awaitable<std::vector<StopReport>> stop_all(std::shared_ptr<Gateway> gateway);
+/// is told when all others were. `client`: who asks.
+boost::asio::awaitable<std::vector<StopReport>> stop_all(std::shared_ptr<Gateway> gateway,
+                                                         std::uint64_t client = 0);
 
 }  // namespace tmcld

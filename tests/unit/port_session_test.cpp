@@ -50,6 +50,21 @@ TEST_F(Port, AnswersAsTheModuleItself) {
   }
 }
 
+// Most repeat the value, and some say 0; it is handed on, whatever it is. What is no question is
+// answered with the value that it came with, or it is no answer to it.
+TEST_F(Port, ARefusedReadingHasTheValueThatTheModuleGivesIt) {
+  const auto asked = {read_of(max_current), request_of(Command::GIO, 0),
+                      request_of(Command::GCO, 3)};
+  module().play = [&](const Request& request) -> std::optional<Reply> {
+    if (std::ranges::count(asked, request) == 0) return std::nullopt;
+    return Reply{2, 1, Status::wrong_type, request.command, 4711};
+  };
+  for (const auto& request : asked) {
+    const Reply refusal{2, 1, Status::wrong_type, request.command, 4711};
+    EXPECT_THAT(host.ask(request), Optional(refusal)) << describe(request);
+  }
+}
+
 TEST_F(Port, SaysNothingForModulesThatAreNotThere) {
   EXPECT_EQ(host.ask(request_of(Command::GAP, 1, 0, 0, 7)), std::nullopt);
   EXPECT_EQ(host.ask(request_of(Command::MVP, 0, 0, 100, 7)), std::nullopt);

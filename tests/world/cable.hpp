@@ -60,7 +60,7 @@ class CableBench {
       if (event.kind == GatewayEvent::Kind::orphan_stopped) orphans.push_back(event.text);
       events.emplace_back(name_of(event.kind));
     });
-    peer_->number = gateway_->enter();
+    peer_->number = gateway_->enter().number;
     gateway_->start();
     time.run_for(std::chrono::seconds(1));
   }
@@ -74,7 +74,7 @@ class CableBench {
   /// Who has called until now stays.
   void be_another_client() {
     peer_ = std::make_shared<WorldPeer>(trace_);
-    peer_->number = gateway_->enter();
+    peer_->number = gateway_->enter().number;
   }
   /// It sends nothing any more.
   void end_gateway() {

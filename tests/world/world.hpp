@@ -162,7 +162,7 @@ class World {
   boost::asio::awaitable<void> client(int index) {
     auto random = generator(seed_, "client " + std::to_string(index));
     const auto peer = std::make_shared<WorldPeer>(trace_);
-    peer->number = gateway_->enter();
+    peer->number = gateway_->enter().number;
     if (trouble_.deaths) spawn(context_.get_executor(), die_at_times(index, peer));
     for (int i = 0; i < trouble_.calls; ++i) {
       co_await rest(std::chrono::microseconds(random.any_size(200'000)));
@@ -247,7 +247,7 @@ class World {
       co_await rest(std::chrono::milliseconds(random.between(100, 5'000)));
       if (peer->has_ended) break;
       leave(*peer);
-      peer->number = gateway_->enter();
+      peer->number = gateway_->enter().number;
     }
   }
 

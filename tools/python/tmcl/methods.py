@@ -15,6 +15,7 @@ from .record import Record
 EFFECTS: Mapping[str, str] = {
     "rpc.discover": "reads",
     "bus.list": "reads",
+    "bus.trace": "reads",
     "bus.scan": "reads",
     "module.list": "reads",
     "module.execute": "moves",
@@ -185,6 +186,39 @@ class BusList(Record):
     #: the buses
     buses: tuple[Bus, ...] = ()
     _inner: ClassVar[Mapping[str, type[Record]]] = {"buses": Bus}
+
+
+@dataclass(frozen=True)
+class BusTraceDatagrams(Record):
+    #: counts what went over the bus, from 1 on
+    number: int = 0
+    #: when, in microseconds since 1970
+    utc_us: int = 0
+    #: out: to the modules; in: from them
+    direction: str = ""
+    #: in hexadecimal, as they were on the wire
+    bytes: str = ""
+    #: identifier of the frame, on CAN
+    can_id: int | None = None
+    #: true: that has 29 bits
+    can_extended: bool | None = None
+    #: true: they belong to no datagram
+    garbage: bool | None = None
+    #: who asked, or whose question it seems to answer; absent: the daemon itself
+    client: str | None = None
+
+
+@dataclass(frozen=True)
+class BusTrace(Record):
+    #: name of the bus
+    bus: str = ""
+    #: number of the newest one that there is
+    last: int = 0
+    #: how many after 'after' are not remembered any more
+    dropped: int = 0
+    #: the oldest first
+    datagrams: tuple[BusTraceDatagrams, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"datagrams": BusTraceDatagrams}
 
 
 @dataclass(frozen=True)
@@ -582,6 +616,14 @@ class AxisGetRampSettings(Record):
 
 
 @dataclass(frozen=True)
+class AxisGetRampTraits(Record):
+    #: as a report of axis.verify names it, such as last_step
+    trait: str = ""
+    #: which one the module has, such as r3
+    variant: str = ""
+
+
+@dataclass(frozen=True)
 class AxisGetRamp(Record):
     #: model of its module
     model: str = ""
@@ -590,7 +632,9 @@ class AxisGetRamp(Record):
     #: every parameter that makes a difference to its ramps, in the order in which to give them
     #: to its twin
     settings: tuple[AxisGetRampSettings, ...] = ()
-    _inner: ClassVar[Mapping[str, type[Record]]] = {"settings": AxisGetRampSettings}
+    #: what the configuration says of its module
+    traits: tuple[AxisGetRampTraits, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"settings": AxisGetRampSettings, "traits": AxisGetRampTraits}
 
 
 @dataclass(frozen=True)
@@ -1115,6 +1159,16 @@ class Methods:
     def bus_list(self) -> BusList:
         """`bus.list` the configured buses and how they are."""
         return BusList.of(self._call("bus.list", {}))
+
+    def bus_trace(
+        self,
+        bus: str,
+        *,
+        after: int | None = None,
+        limit: int | None = None,
+    ) -> BusTrace:
+        """`bus.trace` what went over a bus lately: the last 4096 datagrams."""
+        return BusTrace.of(self._call("bus.trace", {"bus": bus, "after": after, "limit": limit}))
 
     def bus_scan(
         self,
@@ -1930,6 +1984,16 @@ class AsyncMethods:
     async def bus_list(self) -> BusList:
         """`bus.list` the configured buses and how they are."""
         return BusList.of(await self._call("bus.list", {}))
+
+    async def bus_trace(
+        self,
+        bus: str,
+        *,
+        after: int | None = None,
+        limit: int | None = None,
+    ) -> BusTrace:
+        """`bus.trace` what went over a bus lately: the last 4096 datagrams."""
+        return BusTrace.of(await self._call("bus.trace", {"bus": bus, "after": after, "limit": limit}))
 
     async def bus_scan(
         self,

@@ -58,6 +58,35 @@ struct List {
   TMCL_METHOD("bus.list", reads, Buses, "the configured buses and how they are", List);
 };
 
+struct Datagram {
+  TMCL_STRUCT(Datagram);
+  static constexpr bool omits_absent = true;
+  TMCL_FIELD(std::uint64_t, number, "counts what went over the bus, from 1 on");
+  TMCL_FIELD(std::int64_t, utc_us, "when, in microseconds since 1970");
+  TMCL_FIELD(std::string, direction, "out: to the modules; in: from them");
+  TMCL_FIELD(std::string, bytes, "in hexadecimal, as they were on the wire");
+  TMCL_FIELD(std::optional<std::uint32_t>, can_id, "identifier of the frame, on CAN");
+  TMCL_FIELD(std::optional<bool>, can_extended, "true: that has 29 bits");
+  TMCL_FIELD(std::optional<bool>, garbage, "true: they belong to no datagram");
+  TMCL_FIELD(std::optional<std::string>, client,
+             "who asked, or whose question it seems to answer; absent: the daemon itself");
+};
+struct Traffic {
+  TMCL_STRUCT(Traffic);
+  TMCL_FIELD(std::string, bus, bus_summary);
+  TMCL_FIELD(std::uint64_t, last, "number of the newest one that there is");
+  TMCL_FIELD(std::uint64_t, dropped, "how many after 'after' are not remembered any more");
+  TMCL_FIELD(std::vector<Datagram>, datagrams, "the oldest first");
+};
+struct Trace {
+  TMCL_METHOD("bus.trace", reads, Traffic, "what went over a bus lately: the last 4096 datagrams",
+              Trace);
+  TMCL_FIELD(std::string, bus, bus_summary);
+  TMCL_FIELD(std::optional<std::uint64_t>, after,
+             "those behind the one of this number; the newest if absent");
+  TMCL_FIELD(std::optional<std::int32_t>, limit, "how many at most; 256 if absent", {1, 1024});
+};
+
 struct FoundModule {
   TMCL_STRUCT(FoundModule);
   TMCL_FIELD(std::string, bus, bus_summary);
