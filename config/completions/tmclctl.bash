@@ -26,7 +26,7 @@ _tmclctl() {
       --direct | --config | --addresses | --timeout | --interval | --for | --to | --by | --svg | --csv | --bus | --change | \
         --sample | --until | --full-steps | --velocity | --acceleration | --model | --pulse-div | --ramp-div | \
         --unit-mode | --microsteps | --mode | --bank | --start | --length | --axis | --tolerance | --deviation | --feed | --per-turn | --period | \
-        --channel | --rate | --samples | --trigger | --pretrigger | --travel | --report | -o | --output)
+        --channel | --rate | --samples | --trigger | --pretrigger | --travel | --report | --last | -w | --write | -r | --read | -o | --output)
         # --by of move takes no value.
         [[ ${COMP_WORDS[i]} == --by && ${verb[*]} == move ]] || ((i++)) ;;
       # Bash splits serial:/dev/ttyACM0 at the colon.
@@ -55,7 +55,7 @@ _tmclctl() {
     --role)
       mapfile -t COMPREPLY < <(compgen -W "observe operate configure" -- "$current")
       return ;;
-    --socket | --config | --svg | -o | --output | --token-file | --ca)
+    --socket | --config | --svg | -o | --output | -w | --write | -r | --read | --token-file | --ca)
       compopt -o default
       return ;;
     --direct)

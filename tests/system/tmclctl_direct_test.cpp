@@ -122,7 +122,7 @@ TEST_F(TmclctlDirect, PlotsAMoveIntoFiles) {
   EXPECT_THAT(plot.out, HasSubstr("1/0 went from 0 to 10000 microsteps"));
   EXPECT_THAT(plot.out, Not(HasSubstr("\x1b")));
   EXPECT_EQ(plot.err, "");
-  EXPECT_TRUE(contents(file("p.csv")).ends_with(",10000,0\n"));
+  EXPECT_THAT(contents(file("p.csv")), testing::ContainsRegex(",10000,0,20[0-9T:.-]+Z\n$"));
   const auto parsed = run_program(
       {"/bin/sh", "-c",
        "python3 -c 'import sys, xml.dom.minidom as m; m.parse(sys.argv[1])' " + file("p.svg")});

@@ -23,6 +23,7 @@ namespace tmclctl::test {
 class FakeHost final : public Host {
  public:
   tmcl::TimePoint now() const override { return now_; }
+  tmcl::UtcTime utc() const override { return tmcl::UtcTime(now_.time_since_epoch()); }
   void sleep(tmcl::Duration duration) override { now_ += std::max(duration, tmcl::Duration{}); }
   void catch_signals() override { caught_ = true; }
   int signal() const override { return caught_ && now_ >= ctrl_c_at_ ? SIGINT : 0; }

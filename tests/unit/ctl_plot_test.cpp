@@ -231,6 +231,15 @@ TEST(CtlCsv, OneLineForEachSample) {
             "time_s,position_microsteps,velocity_internal\n0.000000,-5,0\n0.012500,7,100\n");
 }
 
+TEST(CtlCsv, TheTimeOfDayIsTheLastColumn) {
+  Recording recording{"x", {{0, -5, 0}, {0.0125, 7, 100}}};
+  recording.begin_utc = tmcl::UtcTime(std::chrono::microseconds(1'764'065'521'123'456));
+  EXPECT_EQ(to_csv(recording),
+            "time_s,position_microsteps,velocity_internal,utc\n"
+            "0.000000,-5,0,2025-11-25T10:12:01.123456Z\n"
+            "0.012500,7,100,2025-11-25T10:12:01.135956Z\n");
+}
+
 TEST(CtlSvg, ALongTitleThatSaysTwoThingsHasTwoLines) {
   Picture picture{"short; title", "s", {position_curve(trapezoid())}, {}};
   EXPECT_THAT(to_svg(picture), HasSubstr(">short; title</text>"));

@@ -372,8 +372,8 @@ TEST_F(CtlVerbs, PlotRecordsAMoveToItsEnd) {
 TEST_F(CtlVerbs, PlotWithoutAMoveEndsWhenTheAxisStands) {
   target.move_to("x", counted(5000));
   EXPECT_EQ(run({"plot", "x", "--csv", "-"}), ExitCode::done);
-  EXPECT_TRUE(out.starts_with("time_s,position_microsteps,velocity_internal\n0.000000,"));
-  EXPECT_THAT(out, HasSubstr(",5000,0\n"));
+  EXPECT_TRUE(out.starts_with("time_s,position_microsteps,velocity_internal,utc\n0.000000,"));
+  EXPECT_THAT(out, HasSubstr(",5000,0,1970-01-01T01:00:0"));
   EXPECT_EQ(run({"plot", "x", "--for", "0.3", "--csv", "-"}), ExitCode::done);
   EXPECT_NEAR(static_cast<double>(std::ranges::count(out, '\n')), 32, 2);
 }

@@ -24,6 +24,7 @@ using testing::Not;
 class EventfulHost final : public Host {
  public:
   tmcl::TimePoint now() const override { return clock_.now(); }
+  tmcl::UtcTime utc() const override { return tmcl::UtcTime(clock_.now().time_since_epoch()); }
   void sleep(tmcl::Duration duration) override {
     clock_.advance(duration);
     if (event_ && passed() >= event_at_) std::exchange(event_, {})();

@@ -281,6 +281,24 @@ only when they had been proven (SUSPECT). A bus that is not open says why.
   tmclctl --json buses
 )";
 
+constexpr const char* trace = R"(
+One line for each datagram that tmcld sends over a bus or gets from it, for whichever client: when (UTC),
+-> to the modules or <- from them, the bytes as they were on the wire, what they mean (beginning with the
+address of the module), and who asked: a process, a token, a port. Nobody: tmcld itself. On CAN, the
+identifier of the frame comes first. What belongs to no datagram is shown as garbage.
+
+tmcld remembers the last 4096 datagrams of each bus at any time: after something went wrong, --last shows
+what was before. -w writes a pcapng file (link type USER0) that Wireshark shows with tmcl.lua, which is in
+the folder wireshark beside the examples; --read shows such a file here, and 'tmclsim --replay' asks
+virtual modules the same. Ctrl-C ends it (exit code 0).
+
+  tmclctl trace bench
+  tmclctl trace bench --last 200 --for 0.1
+  tmclctl trace bench -w bench.pcapng --for 60
+  tmclctl trace --read bench.pcapng
+  tmclctl trace bench -w -                     for a pipe: | wireshark -k -i -
+)";
+
 constexpr const char* plot = R"(
 Records position and velocity, and draws both over time. With --to or --by it starts that move and
 records until the axis stands; otherwise it records until the axis stands, or for the time that

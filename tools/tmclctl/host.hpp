@@ -12,6 +12,7 @@ class Host {
  public:
   virtual ~Host() = default;
   virtual tmcl::TimePoint now() const = 0;
+  virtual tmcl::UtcTime utc() const = 0;
   /// Returns early when a signal comes.
   virtual void sleep(tmcl::Duration duration) = 0;
   /// From here on SIGINT, SIGTERM and SIGHUP are for the verb to notice; a second one ends the
@@ -34,6 +35,7 @@ class Host {
 class RealHost final : public Host {
  public:
   tmcl::TimePoint now() const override { return clock_.now(); }
+  tmcl::UtcTime utc() const override { return tmcl::RealClock::utc(); }
   void sleep(tmcl::Duration duration) override;
   void catch_signals() override;
   int signal() const override;

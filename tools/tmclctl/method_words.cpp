@@ -13,6 +13,7 @@ constexpr auto table = std::to_array<MethodWord>({
     // No verb lists the buses; this one says which there are modules on.
     {"bus.list", "modules"},
     {"bus.scan", "scan"},
+    {"bus.trace", "trace"},
     {"module.list", "modules"},
     {"module.execute", "raw"},
     {"axis.list", "axes"},

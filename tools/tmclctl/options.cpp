@@ -98,6 +98,7 @@ Parser::Parser() {
   add_motion(grammar_);
   add_leases(grammar_);
   add_watch(grammar_);
+  add_trace(grammar_);
   add_plot(grammar_);
   add_capture(grammar_);
   add_home(grammar_);

@@ -100,6 +100,14 @@ struct Top {
 struct Buses {
   double for_s = 1;  ///< So long the load is measured.
 };
+/// What goes over a bus.
+struct Trace {
+  std::string bus;                   ///< Empty: the only one.
+  std::optional<std::int32_t> last;  ///< So many of those that went before, first.
+  std::optional<double> for_s;
+  std::string file;  ///< Empty: none; "-": standard output.
+  std::string read;  ///< A file to show instead; empty: none.
+};
 struct Plot {
   std::string axis;
   std::string to;  ///< Empty: none.
@@ -334,8 +342,8 @@ struct Complete {
 using Verb =
     std::variant<verb::Scan, verb::Modules, verb::Axes, verb::Params, verb::Models, verb::Get,
                  verb::Set, verb::Move, verb::Wait, verb::Line, verb::Rotate, verb::Stop,
-                 verb::State, verb::Watch, verb::Top, verb::Buses, verb::Plot, verb::Raw,
-                 verb::Simulate, verb::SolveProfile, verb::CheckMint, verb::RunMint,
+                 verb::State, verb::Watch, verb::Top, verb::Buses, verb::Trace, verb::Plot,
+                 verb::Raw, verb::Simulate, verb::SolveProfile, verb::CheckMint, verb::RunMint,
                  verb::CheckPath, verb::RunPath, verb::Assemble, verb::Disassemble,
                  verb::FirmwareInfo, verb::CheckFirmware, verb::UploadFirmware, verb::Ramp,
                  verb::Convert, verb::Ask, verb::Arrivals, verb::Home, verb::Recover, verb::Errors,

@@ -91,6 +91,8 @@ std::optional<Failure> refusal(const Options& options) {
 }
 
 VerbResult run(const Options& options, Output& output, Host& host, Target* ready) {
+  const auto* trace = std::get_if<verb::Trace>(&options.verb);
+  if (trace != nullptr && !trace->read.empty()) return run_on_file(*trace, output);
   if (auto refused = refusal(options)) return tl::unexpected(std::move(*refused));
   const auto* params = std::get_if<verb::Params>(&options.verb);
   if (params != nullptr && !params->model.empty()) return run_on_model(*params, output);

@@ -43,6 +43,7 @@ constexpr auto table = std::to_array<VerbInfo>({
     {"watch", both, reads},
     {"top", both, reads},
     {"buses", both, reads},
+    {"trace", tmcld_only, reads, alone},
     {"plot", both, acts},
     {"capture", both, acts},
     {"home", both, acts},

@@ -32,6 +32,7 @@ VerbResult run(const verb::State& verb, Context& context);
 VerbResult run(const verb::Watch& verb, Context& context);
 VerbResult run(const verb::Top& verb, Context& context);
 VerbResult run(const verb::Buses& verb, Context& context);
+VerbResult run(const verb::Trace& verb, Context& context);
 VerbResult run(const verb::Plot& verb, Context& context);
 VerbResult run(const verb::Capture& verb, Context& context);
 VerbResult run(const verb::Raw& verb, Context& context);
@@ -73,5 +74,6 @@ VerbResult run(const verb::Convert& verb, Output& output);
 VerbResult run(const verb::Models& verb, Output& output);
 VerbResult run(const verb::Ports& verb, Output& output);
 VerbResult run_on_model(const verb::Params& verb, Output& output);
+VerbResult run_on_file(const verb::Trace& verb, Output& output);
 
 }  // namespace tmclctl

@@ -16,6 +16,7 @@
 
 #include "console_input.hpp"
 #include "options.hpp"
+#include "replay.hpp"
 #include "sim/bench.hpp"
 #include "sim/ports/can_port.hpp"
 #include "sim/ports/eeprom_file.hpp"
@@ -184,6 +185,23 @@ bool open_ports(boost::asio::io_context& io, sim::Scheduler& scheduler,
   return true;
 }
 
+int run_replay(const tmclsim::Options& options) {
+  const auto trace = tmcl::read_trace_file(options.replay);
+  if (!trace) {
+    std::cerr << "tmclsim: " << trace.error() << '\n';
+    return exit_failed;
+  }
+  boost::asio::io_context io(1);
+  tmcl::VirtualClock clock;
+  sim::Bench bench(clock);
+  Memories memories;
+  if (!add_modules(io, bench, options, memories)) return exit_failed;
+  const auto tell = [](const std::string& line) { std::cout << line << '\n'; };
+  const auto report = tmclsim::replay(*trace, bench, clock, tell);
+  std::cout << describe(report) << '\n';
+  return report.all_equal() ? 0 : exit_failed;
+}
+
 int run(const tmclsim::Options& options) {
   boost::asio::io_context io(1);
   boost::asio::signal_set signals(io, SIGINT, SIGTERM);
@@ -214,7 +232,7 @@ int main(int argc, char** argv) try {
     (exit.status == 0 ? std::cout : std::cerr) << exit.message;
     return exit.status;
   }
-  return run(*options);
+  return options->replay.empty() ? run(*options) : run_replay(*options);
 } catch (const std::exception& error) {
   std::fprintf(stderr, "tmclsim: %s\n", error.what());
   return exit_failed;

@@ -18,7 +18,8 @@ namespace {
 
 constexpr auto known_options = std::to_array<std::string_view>(
     {"--module", "--firmware", "--as", "--bench", "--pty", "--usb-pty", "--usb", "--can", "--tcp",
-     "--pace", "--echo", "--noise", "--eeprom", "--seed", "--console", "--help", "--version"});
+     "--pace", "--echo", "--noise", "--eeprom", "--seed", "--replay", "--console", "--help",
+     "--version"});
 
 constexpr auto description =
     "Simulates TMCL modules: what talks to a module on a wire can talk to this instead.\n"
@@ -132,12 +133,19 @@ With --console, each line on standard input is answered with "ok" or "error: ...
     temperature 1 40     it has so many degrees centigrade
     power 1 off          its supply fails; on, or cycle for both: it starts again
     shutdown 1 1         its shutdown input is high, for global parameter 80
+With --replay, there is no port: the modules are asked what FILE has recorded (tmclctl trace -w), as
+far apart as then but in virtual time, and each reply that is not the recorded one is printed. The
+record should begin where the module had just been switched on, or been set up. What is read of a
+motor that moves may differ by what it goes in some microseconds, and so does the tick timer.
+    tmclsim --module TMCM-1110 --as measured.toml --replay bench.pcapng
+
 With --eeprom, what modules store (STAP, SGP, programs, coordinates) is in a file for each, such as
 DIR/TMCM-1110@1.eeprom, and is there again next time. The name is that of the command line; a module
 whose address was changed has the new one.
 
 When all is set up it prints a line for each module and each port, and then "ready".
-Exit status: 0 ended as asked, 1 a port or file could not be opened, 2 the command line is wrong.)";
+Exit status: 0 ended as asked, 1 a port or file could not be opened or a reply is not the recorded
+one, 2 the command line is wrong.)";
 
 EarlyExit wrong(const std::string& sentence) {
   return {2, "tmclsim: " + sentence + "\nSee tmclsim --help.\n"};
@@ -211,6 +219,9 @@ void describe(CLI::App& app, Words& words) {
   app.add_option("--seed", words.options.seed,
                  "Draw what is random, noise and how long USB takes, from this (default 0)")
       ->type_name("N");
+  app.add_option("--replay", words.options.replay,
+                 "Ask the modules what FILE has recorded, and compare what they answer (see below)")
+      ->type_name("FILE");
   app.add_flag("--console", words.options.console,
                "Take commands on standard input: loads, switches, inputs (see below)");
 }
@@ -318,7 +329,11 @@ tl::expected<Options, EarlyExit> check(Words words, bool has_pace) {
   const auto& ports = words.options;
   const bool has_usb = !words.usb_ptys.empty() || !words.usb_devices.empty();
   const bool has_serial = !ports.ptys.empty() || !words.tcp.empty();
-  if (!has_usb && !has_serial && ports.can_interfaces.empty()) {
+  const bool has_port = has_usb || has_serial || !ports.can_interfaces.empty();
+  const bool replays = !ports.replay.empty();
+  if (replays && (has_port || ports.console))
+    return tl::unexpected(wrong("--replay takes no port and no console: it asks by itself."));
+  if (!replays && !has_port) {
     return tl::unexpected(
         wrong("no way to reach the modules. Add one: --pty PATH, --usb-pty PATH, --usb, "
               "--can INTERFACE or --tcp HOST:PORT"));

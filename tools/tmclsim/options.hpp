@@ -31,6 +31,7 @@ struct Options {
   Wires wires;
   std::uint64_t seed = 0;  ///< Of whatever is drawn.
   bool console = false;
+  std::string replay;         ///< A file with recorded traffic; empty: none.
   std::string eeprom_folder;  ///< Empty if modules forget everything at the end.
 };
 

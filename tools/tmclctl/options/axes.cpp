@@ -17,6 +17,8 @@ constexpr double shortest_ttl_s = 0.2;
 constexpr double longest_ttl_s = 60;
 constexpr int shortest_interval_ms = 10;
 constexpr int longest_interval_ms = 60'000;
+// Of what bus.trace gives at once.
+constexpr std::int32_t most_remembered = 1024;
 // More than any buffer holds.
 constexpr std::int32_t most_samples = 1 << 24;
 
@@ -255,6 +257,24 @@ void add_watch(Grammar& grammar) {
                                          help_text::buses);
   buses.option("--for", "SECONDS", "Measure the load for so long (default 1)",
                number(buses->for_s, shortest_load_s, longest_time_s));
+}
+
+void add_trace(Grammar& grammar) {
+  auto trace = grammar.verb<verb::Trace>("trace", "Show what goes over a bus", help_text::trace);
+  trace.optional_word("BUS", "Its name; not needed where there is one", text(trace->bus));
+  trace.option("--last", "N", "Begin with the last N datagrams that tmcld remembers",
+               number(trace->last, 1, most_remembered));
+  trace.option("--for", "SECONDS", "End after so long",
+               number(trace->for_s, shortest_time_s, longest_time_s));
+  trace.option("-w,--write", "FILE", "Write a file for Wireshark instead; '-': to standard output",
+               text(trace->file));
+  trace.option("-r,--read", "FILE", "Show what is in such a file", text(trace->read));
+  trace.object(
+      [](const verb::Trace& said, bool) {
+        const bool more = !said.bus.empty() || !said.file.empty() || said.last || said.for_s;
+        return !said.read.empty() && more ? "--read takes nothing beside it" : "";
+      },
+      "'tmclctl trace --read FILE'");
 }
 
 void add_plot(Grammar& grammar) {

@@ -86,6 +86,7 @@ void add_parameters(Grammar& grammar);
 void add_motion(Grammar& grammar);
 void add_leases(Grammar& grammar);
 void add_watch(Grammar& grammar);
+void add_trace(Grammar& grammar);
 void add_plot(Grammar& grammar);
 void add_capture(Grammar& grammar);
 void add_home(Grammar& grammar);

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "shown.hpp"
+#include "tmcl/utc_text.hpp"
 
 namespace tmclctl::plot {
 namespace {
@@ -80,13 +81,17 @@ std::string to_csv(const Recording& recording) {
   std::string text = "time_s,position_microsteps,velocity_internal";
   if (const auto& user = recording.user)
     text += fmt::format(",position_{0},velocity_{0}_per_s", user->scale.unit);
-  text += '\n';
+  text += recording.begin_utc ? ",utc\n" : "\n";
   for (const auto& sample : recording.samples) {
     auto end = std::back_inserter(text);
     fmt::format_to(end, "{:.6f},{},{}", sample.time, sample.position, sample.velocity);
     if (recording.user) {
       fmt::format_to(end, ",{:.12g},{:.12g}", position_of(sample, recording),
                      velocity_of(sample, recording));
+    }
+    if (recording.begin_utc) {
+      const auto time = std::chrono::duration<double>(sample.time);
+      text += ',' + tmcl::to_text(*recording.begin_utc + std::chrono::round<tmcl::Duration>(time));
     }
     text += '\n';
   }

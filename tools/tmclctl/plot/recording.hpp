@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "tmcl/clock.hpp"
 #include "tmcl/conversion.hpp"
 
 namespace tmclctl::plot {
@@ -30,6 +31,8 @@ struct Recording {
   std::string position_unit = "microsteps";
   std::string velocity_unit = "internal";
   std::optional<UserUnit> user{};  ///< Nothing: it is drawn in what it was recorded in.
+  /// What the time of day was at 0 s; nothing if nobody knows.
+  std::optional<tmcl::UtcTime> begin_utc{};
 };
 
 /// Draws it in the unit of its axis from now on.
@@ -57,7 +60,8 @@ Curve velocity_curve(const Recording& recording);
 std::string summary(const Recording& recording);
 
 /// A line of column names, and one line for each sample; of a recording in the usual units. What is
-/// drawn in the unit of the axis has two more columns with that.
+/// drawn in the unit of the axis has two more columns with that, and the last one is the time of
+/// day if that is known.
 std::string to_csv(const Recording& recording);
 
 }  // namespace tmclctl::plot

@@ -12,6 +12,7 @@
 #include "plot/text_plot.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
+#include "tmcl/utc_text.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -33,6 +34,7 @@ class Recorder {
   Recorder(std::string axis, bool internal, Context& context)
       : room_(context), internal_(internal), begin_(context.host.now()), line_(context.output) {
     recording_.axis = std::move(axis);
+    recording_.begin_utc = context.host.utc();
   }
 
   void add(const AxisReading& reading) {
@@ -168,6 +170,7 @@ json::object to_json(const verb::Plot& verb, const plot::Recording& recording,
     return json::array(curve.values.begin(), curve.values.end());
   };
   return {{"axis", verb.axis},
+          {"begin_utc", tmcl::to_text(recording.begin_utc.value())},
           {"time_s", std::move(times)},
           {"position_microsteps", std::move(positions)},
           {"velocity_internal", std::move(velocities)},

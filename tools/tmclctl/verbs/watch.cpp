@@ -9,6 +9,7 @@
 #include "print.hpp"
 #include "staying.hpp"
 #include "tmcl/api/system.hpp"
+#include "tmcl/utc_text.hpp"
 
 namespace tmclctl {
 namespace {
@@ -76,6 +77,7 @@ void Watching::tell(const std::string& axis, const AxisReading& reading) {
   if (output_.json) {
     auto document = to_json(axis, reading);
     document["time_s"] = passed_s();
+    document["utc"] = tmcl::to_text(host_.utc());
     return print_json(document, output_);
   }
   output_.out << fmt::format("{:9.3f} s  {}  position {}  velocity {}  target {}  {}", passed_s(),
@@ -93,7 +95,9 @@ void Watching::tell(const boost::json::object& event) {
 
 void Watching::tell(std::string_view key, const std::string& text, boost::json::value document) {
   if (output_.json)
-    return print_json({{key, std::move(document)}, {"time_s", passed_s()}}, output_);
+    return print_json(
+        {{key, std::move(document)}, {"time_s", passed_s()}, {"utc", tmcl::to_text(host_.utc())}},
+        output_);
   output_.out << fmt::format("{:9.3f} s  {}", passed_s(), text) << std::endl;
 }
 

@@ -1,0 +1,181 @@
+// trace
+#include <algorithm>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include "names.hpp"
+#include "print.hpp"
+#include "tmcl/api/module.hpp"
+#include "tmcl/hex.hpp"
+#include "tmcl/trace_file.hpp"
+#include "tmcl/utc_text.hpp"
+#include "verbs.hpp"
+
+namespace tmclctl {
+namespace {
+
+namespace api = tmcl::api;
+using std::chrono::microseconds;
+using tmcl::TracedDatagram;
+using tmcl::Traffic;
+
+constexpr tmcl::Duration pause_between_looks = std::chrono::milliseconds(100);
+constexpr std::int32_t most_at_once = 1024;
+
+TracedDatagram datagram_of(const api::bus::Datagram& told) {
+  TracedDatagram datagram;
+  datagram.at = tmcl::UtcTime(microseconds(told.utc_us));
+  datagram.direction = told.direction == "in" ? Traffic::Direction::in : Traffic::Direction::out;
+  datagram.on_can = told.can_id.has_value();
+  datagram.can_id = told.can_id.value_or(0);
+  datagram.can_extended = told.can_extended.value_or(false);
+  datagram.is_garbage = told.garbage.value_or(false);
+  datagram.bytes = tmcl::from_hex(told.bytes).value_or(std::vector<std::uint8_t>());
+  datagram.client = told.client.value_or("");
+  return datagram;
+}
+
+void print(const TracedDatagram& datagram, Output& output) {
+  const auto time = tmcl::to_text(datagram.at);
+  const bool is_in = datagram.direction == Traffic::Direction::in;
+  const auto text = describe(datagram, common_parameters());
+  if (!output.json) {
+    // "10:12:01.123456" of "2026-11-25T10:12:01.123456Z"
+    constexpr std::size_t clock_begin = 11;
+    constexpr std::size_t clock_size = 15;
+    const auto id = datagram.on_can ? fmt::format("{:03x} ", datagram.can_id) : std::string();
+    output.out << fmt::format("{} {} {}{:<26}  {:<40}{}", time.substr(clock_begin, clock_size),
+                              is_in ? "<-" : "->", id,
+                              fmt::format("{:02x}", fmt::join(datagram.bytes, " ")), text,
+                              datagram.client.empty() ? "" : "  " + datagram.client)
+               << '\n';
+    return;
+  }
+  boost::json::object document{{"utc", time},
+                               {"direction", is_in ? "in" : "out"},
+                               {"bytes", tmcl::to_hex(datagram.bytes)},
+                               {"text", text}};
+  if (datagram.on_can) document["can_id"] = datagram.can_id;
+  if (datagram.is_garbage) document["garbage"] = true;
+  if (!datagram.client.empty()) document["client"] = datagram.client;
+  print_json(document, output);
+}
+
+/// Where datagrams go: lines, documents, or a file for Wireshark.
+class Sink {
+ public:
+  explicit Sink(Output& output) : output_(output) {}
+
+  /// An empty path: lines or documents; "-": as a file, on standard output.
+  Attempt<void> open(const std::string& path, const std::string& bus) {
+    path_ = path;
+    if (path.empty()) return {};
+    if (path != "-") file_.open(path, std::ios::binary | std::ios::trunc);
+    stream() << tmcl::trace_file_header(bus);
+    return flush();
+  }
+  void put(const TracedDatagram& datagram) {
+    ++count_;
+    if (path_.empty()) return print(datagram, output_);
+    stream() << tmcl::trace_file_packet(datagram);
+  }
+  Attempt<void> flush() {
+    if (stream().flush()) return {};
+    return tl::unexpected(
+        usage_failure("cannot_write", path_.empty() || path_ == "-"
+                                          ? std::string("cannot write to standard output")
+                                          : "cannot write " + path_));
+  }
+  void tell_end() {
+    if (!path_.empty() && path_ != "-")
+      output_.err << fmt::format("{} datagrams are in {}\n", count_, path_);
+  }
+
+ private:
+  std::ostream& stream() { return path_.empty() || path_ == "-" ? output_.out : file_; }
+
+  Output& output_;
+  std::string path_;
+  std::ofstream file_;
+  std::size_t count_ = 0;
+};
+
+Attempt<std::string> bus_of(const verb::Trace& verb, Context& context) {
+  const auto listed = context.target.perform(std::string(api::bus::List::method.name), {}, {})
+                          .map(api::from_json<api::bus::Buses>);
+  if (!listed) return tl::unexpected(listed.error());
+  std::vector<std::string> names;
+  for (const auto& bus : listed->buses) names.push_back(bus.name);
+  if (verb.bus.empty() && names.size() == 1) return names.front();
+  if (std::ranges::count(names, verb.bus) > 0) return verb.bus;
+  const auto hint = fmt::format("It has: {}", fmt::join(names, ", "));
+  if (verb.bus.empty())
+    return tl::unexpected(usage_failure("missing_bus", "which bus of tmcld?", hint));
+  return tl::unexpected(
+      usage_failure("unknown_bus", fmt::format("tmcld has no bus '{}'", verb.bus), hint));
+}
+
+Attempt<api::bus::Traffic> look(const api::bus::Trace& params, Context& context) {
+  return context.target.perform(std::string(api::bus::Trace::method.name), api::to_json(params), {})
+      .map(api::from_json<api::bus::Traffic>);
+}
+
+/// What goes over the bus from now on, until nobody wants it any more.
+Attempt<void> follow(const std::string& bus, std::uint64_t last, const verb::Trace& verb,
+                     Sink& sink, Context& context) {
+  const auto begin = context.host.now();
+  const auto is_wanted = [&] {
+    const std::chrono::duration<double> passed = context.host.now() - begin;
+    return context.host.signal() == 0 && !(verb.for_s && passed.count() >= *verb.for_s);
+  };
+  bool ends = false;
+  while (true) {
+    ends = ends || !is_wanted();
+    // What has passed until then is wanted as well.
+    if (ends) context.host.take_signal();
+    const auto traffic = look({bus, last, most_at_once}, context);
+    if (!traffic && !ends && context.host.signal() != 0) continue;
+    if (!traffic) return tl::unexpected(traffic.error());
+    if (traffic->dropped > 0 && traffic->last >= last) {
+      warn(fmt::format("{} datagrams went by too fast and are missing", traffic->dropped),
+           context.output);
+    }
+    for (const auto& datagram : traffic->datagrams) sink.put(datagram_of(datagram));
+    if (auto flushed = sink.flush(); !flushed) return flushed;
+    last = traffic->datagrams.empty() ? traffic->last : traffic->datagrams.back().number;
+    if (last < traffic->last) continue;
+    if (ends) return {};
+    context.target.sleep(pause_between_looks);
+  }
+}
+
+}  // namespace
+
+VerbResult run(const verb::Trace& verb, Context& context) {
+  const auto bus = bus_of(verb, context);
+  if (!bus) return tl::unexpected(bus.error());
+  const auto before = look({*bus, std::nullopt, verb.last.value_or(1)}, context);
+  if (!before) return tl::unexpected(before.error());
+  Sink sink(context.output);
+  if (const auto opened = sink.open(verb.file, *bus); !opened)
+    return tl::unexpected(opened.error());
+  if (verb.last)
+    for (const auto& datagram : before->datagrams) sink.put(datagram_of(datagram));
+  const auto followed = follow(*bus, before->last, verb, sink, context);
+  if (!followed) return tl::unexpected(followed.error());
+  sink.tell_end();
+  return ExitCode::done;
+}
+
+VerbResult run_on_file(const verb::Trace& verb, Output& output) {
+  const auto trace = tmcl::read_trace_file(verb.read);
+  if (!trace) {
+    return tl::unexpected(
+        usage_failure("bad_trace", trace.error(), "'tmclctl trace BUS -w FILE' writes such files"));
+  }
+  for (const auto& datagram : trace->datagrams) print(datagram, output);
+  return ExitCode::done;
+}
+
+}  // namespace tmclctl
