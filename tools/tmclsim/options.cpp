@@ -133,6 +133,7 @@ With --console, each line on standard input is answered with "ok" or "error: ...
     temperature 1 40     it has so many degrees centigrade
     power 1 off          its supply fails; on, or cycle for both: it starts again
     shutdown 1 1         its shutdown input is high, for global parameter 80
+
 With --replay, there is no port: the modules are asked what FILE has recorded (tmclctl trace -w), as
 far apart as then but in virtual time, and each reply that is not the recorded one is printed. The
 record should begin where the module had just been switched on, or been set up. What is read of a

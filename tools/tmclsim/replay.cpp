@@ -18,27 +18,12 @@ namespace {
 
 namespace sim = tmcl::sim;
 using tmcl::CanFrame;
-using tmcl::Reply;
 using tmcl::TracedDatagram;
 using tmcl::Traffic;
 
 // A reply of the record comes later than a virtual one, whose wire takes no time; and at the end of
 // the record some may be on their way.
 constexpr tmcl::Duration time_for_last_events = std::chrono::seconds(1);
-
-CanFrame frame_of(const TracedDatagram& datagram) {
-  CanFrame frame{datagram.can_id, datagram.can_extended};
-  const auto size = std::min(datagram.bytes.size(), frame.data.size());
-  frame.length = static_cast<std::uint8_t>(size);
-  std::copy_n(datagram.bytes.begin(), size, frame.data.begin());
-  return frame;
-}
-
-std::optional<Reply> reply_of(const TracedDatagram& datagram) {
-  if (datagram.on_can) return tmcl::decode_can_reply(frame_of(datagram));
-  if (datagram.bytes.size() != tmcl::serial_datagram_size) return std::nullopt;
-  return tmcl::decode_serial_reply(std::span(datagram.bytes).first<tmcl::serial_datagram_size>());
-}
 
 class Replay {
  public:
@@ -78,7 +63,7 @@ class Replay {
   void ask(const TracedDatagram& request) {
     ++report_.requests;
     if (request.on_can) {
-      can_.receive(frame_of(request));
+      can_.receive(can_frame_of(request));
     } else {
       serial_.receive(request.bytes);
     }

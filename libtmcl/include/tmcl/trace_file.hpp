@@ -10,6 +10,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
@@ -18,6 +19,7 @@
 #include <tl/expected.hpp>
 
 #include "tmcl/clock.hpp"
+#include "tmcl/datagram.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/traffic.hpp"
 
@@ -52,7 +54,12 @@ tl::expected<Trace, std::string> parse_trace_file(std::string_view contents);
 /// The same of a file. Errors: likewise, with the name of the file; or why it cannot be read.
 tl::expected<Trace, std::string> read_trace_file(const std::string& path);
 
-/// What it means, for people: "1 MVP ABS 51200 motor 0" or "1 MVP wrong_value (4) 0", which begin
+/// As it was on CAN: its first eight bytes.
+CanFrame can_frame_of(const TracedDatagram& datagram);
+/// Nothing if its bytes are no reply.
+std::optional<Reply> reply_of(const TracedDatagram& datagram);
+
+/// What it means, for people: "1 MVP ABS 51200 motor 0" or "1 MVP invalid_value (4) 0", which begin
 /// with the address of the module. Axis parameters have names where they are in `parameters`.
 std::string describe(const TracedDatagram& datagram,
                      std::span<const ParameterInfo> parameters = {});

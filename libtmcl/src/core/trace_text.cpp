@@ -19,14 +19,6 @@ namespace {
 constexpr auto about_parameters =
     std::to_array({Command::SAP, Command::GAP, Command::STAP, Command::RSAP});
 
-CanFrame frame_of(const TracedDatagram& datagram) {
-  CanFrame frame{datagram.can_id, datagram.can_extended};
-  const auto size = std::min(datagram.bytes.size(), frame.data.size());
-  frame.length = static_cast<std::uint8_t>(size);
-  std::copy_n(datagram.bytes.begin(), size, frame.data.begin());
-  return frame;
-}
-
 std::optional<std::span<const std::uint8_t, serial_datagram_size>> serial_bytes(
     const TracedDatagram& datagram) {
   if (datagram.bytes.size() != serial_datagram_size) return std::nullopt;
@@ -34,15 +26,9 @@ std::optional<std::span<const std::uint8_t, serial_datagram_size>> serial_bytes(
 }
 
 std::optional<Request> request_of(const TracedDatagram& datagram) {
-  if (datagram.on_can) return decode_can_request(frame_of(datagram));
+  if (datagram.on_can) return decode_can_request(can_frame_of(datagram));
   const auto bytes = serial_bytes(datagram);
   return bytes ? decode_serial_request(*bytes) : std::nullopt;
-}
-
-std::optional<Reply> reply_of(const TracedDatagram& datagram) {
-  if (datagram.on_can) return decode_can_reply(frame_of(datagram));
-  const auto bytes = serial_bytes(datagram);
-  return bytes ? decode_serial_reply(*bytes) : std::nullopt;
 }
 
 /// On CAN the text is all of the frame, on a serial line the host's address comes before it.
@@ -73,6 +59,20 @@ std::string text_of(const Reply& reply) {
 }
 
 }  // namespace
+
+CanFrame can_frame_of(const TracedDatagram& datagram) {
+  CanFrame frame{datagram.can_id, datagram.can_extended};
+  const auto size = std::min(datagram.bytes.size(), frame.data.size());
+  frame.length = static_cast<std::uint8_t>(size);
+  std::copy_n(datagram.bytes.begin(), size, frame.data.begin());
+  return frame;
+}
+
+std::optional<Reply> reply_of(const TracedDatagram& datagram) {
+  if (datagram.on_can) return decode_can_reply(can_frame_of(datagram));
+  const auto bytes = serial_bytes(datagram);
+  return bytes ? decode_serial_reply(*bytes) : std::nullopt;
+}
 
 std::string describe(const TracedDatagram& datagram, std::span<const ParameterInfo> parameters) {
   if (datagram.is_garbage) return "garbage";
