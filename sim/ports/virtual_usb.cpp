@@ -25,20 +25,6 @@ tl::unexpected<std::string> cannot(const std::string& why) {
   return tl::unexpected("cannot plug in a USB device: " + why);
 }
 
-/// A line for each socket: "hs  0000 004 000 00000000 000000 0-0".
-std::optional<int> free_socket() {
-  constexpr int is_free = 4;
-  std::ifstream status(controller / "status");
-  for (std::string line; std::getline(status, line);) {
-    std::istringstream words(line);
-    std::string hub;
-    int socket = 0;
-    int state = 0;
-    if (words >> hub >> socket >> state && hub == "hs" && state == is_free) return socket;
-  }
-  return std::nullopt;
-}
-
 // The driver has a root hub for each speed; this is the number of the slower one.
 std::string number_of_bus() {
   std::error_code ignored;
@@ -50,6 +36,30 @@ std::string number_of_bus() {
     if (speed == 480) return name.substr(3);
   }
   return "?";
+}
+
+/// What the kernel calls a device there.
+std::string place_of(int socket) { return number_of_bus() + "-" + std::to_string(socket + 1); }
+
+/// The kernel needs some tenths of a second to see that a cable was pulled. A device that is plugged
+/// in before that stays the old one for it, and never works.
+bool is_empty(int socket) {
+  return !fs::exists(fs::path("/sys/bus/usb/devices") / place_of(socket));
+}
+
+/// A line for each socket: "hs  0000 004 000 00000000 000000 0-0".
+std::optional<int> free_socket() {
+  constexpr int is_free = 4;
+  std::ifstream status(controller / "status");
+  for (std::string line; std::getline(status, line);) {
+    std::istringstream words(line);
+    std::string hub;
+    int socket = 0;
+    int state = 0;
+    if (words >> hub >> socket >> state && hub == "hs" && state == is_free && is_empty(socket))
+      return socket;
+  }
+  return std::nullopt;
 }
 
 bool attach(int socket, int end) {
@@ -77,7 +87,7 @@ tl::expected<VirtualUsb, std::string> plug_in_virtual_usb() {
     const bool may_not = error == EACCES || error == EPERM;
     return cannot(may_not ? "that takes root; try sudo" : std::strerror(error));
   }
-  return VirtualUsb{std::move(own), number_of_bus() + "-" + std::to_string(*socket + 1)};
+  return VirtualUsb{std::move(own), place_of(*socket)};
 }
 
 }  // namespace tmcl::sim

@@ -52,6 +52,19 @@ TEST_F(UsbCable, IsPulledWhenTheSimulatorGoes) {
   EXPECT_EQ(tmclctl({"get", "1/0", "max_velocity"}).status, 0);
 }
 
+/// As somebody does who starts the simulator again. The kernel takes longer to see two cables pulled.
+TEST_F(UsbCable, IsPluggedInAgainAtOnce) {
+  for (int i = 0; i < 5; ++i) {
+    plug_in({"--module", "TMCM-1110", "--module", "TMCM-3110@7", "--usb", "1", "--usb", "7=mk20"});
+    sim->signal(SIGKILL);
+    sim->wait();
+    plug_in({"--module", "TMCM-1110", "--usb"});
+    const auto answer = tmclctl({"get", "1/0", "max_velocity"});
+    EXPECT_EQ(answer.status, 0) << answer.output;
+    pull_out();
+  }
+}
+
 TEST_F(UsbCable, FindsASocketForEachOfTwoModules) {
   plug_in({"--module", "TMCM-1110", "--module", "TMCM-3110@7", "--usb", "1", "--usb", "7=mk20"});
   const auto of_both = [] {
