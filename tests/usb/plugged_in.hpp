@@ -36,8 +36,24 @@ inline std::string terminal_at(const std::string& place) {
   return {};
 }
 
+/// Besides the hubs that computers have inside.
+inline bool nothing_is_plugged_in() {
+  for (const auto& entry : std::filesystem::directory_iterator("/sys/bus/usb/devices")) {
+    const auto name = entry.path().filename().string();
+    const bool is_hub = name.starts_with("usb");
+    const bool is_interface = name.find(':') != std::string::npos;
+    if (!is_hub && !is_interface) return false;
+  }
+  return true;
+}
+
 class PluggedIn {
  protected:
+  /// The next test finds its place as this one did.
+  ~PluggedIn() {
+    sim.reset();
+    EXPECT_TRUE(comes_true(nothing_is_plugged_in));
+  }
   void plug_in(std::vector<std::string> words) {
     plug_in_for_somebody(std::move(words));
     ASSERT_TRUE(comes_true([&] { return !terminal().empty(); })) << sim->output();
