@@ -81,7 +81,8 @@ programs with libtmcl."
   pkg-config)
 
 tmcl_package(python python3-tmcl python "motors on TMCL modules, through tmcld, from Python"
-  "Axes by name and in their units, over the socket of tmcld or over HTTPS; blocking and with asyncio. Standard library only."
+  "Axes by name and in their units, over the socket of tmcld or over HTTPS;
+blocking and with asyncio. Standard library only."
   DEPENDS python3:any RECOMMENDS tmcld EXTRA postinst prerm)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_ARCHITECTURE all)
 

@@ -52,6 +52,9 @@ packages_package='
 dpkg-dev|finds out which libraries a package needs
 file|knows what has to be stripped
 lintian|checks packages
+'
+
+packages_bare='
 debootstrap|makes the bare Debian in which packages are installed
 '
 
