@@ -3,6 +3,7 @@
 #include <string>
 
 #include "api/can_identifiers.hpp"
+#include "tmcl/bit_rate.hpp"
 #include "tmcl/quantity.hpp"
 
 namespace tmcld {
@@ -144,6 +145,7 @@ api::bus::Bus view_of(const GatewayBus& bus) {
           to_string(bus.config().link),
           std::string(name_of(bus.state())),
           if_any(bus.error()),
+          tmcl::bit_rate_of(bus.config().link),
           {counters.requests, counters.replies, counters.timeouts, counters.late_replies,
            counters.unexpected_replies, counters.garbage_bytes, counters.fences, counters.surplus,
            counters.suspect}};

@@ -161,6 +161,18 @@ class PtyPort final : public Port, public std::enable_shared_from_this<PtyPort> 
   int hosts_ = 0;                       ///< How often the terminal is open, besides here.
 };
 
+/// Whoever may use the daemon's socket may use its ports.
+void share_with_group(int terminal, const PortConfig& config, const Gateway& gateway) {
+  const bool is_shared = ::fchown(terminal, static_cast<uid_t>(-1), ::getegid()) == 0 &&
+                         ::fchmod(terminal, S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP) == 0;
+  if (is_shared) return;
+  gateway.log(LogLevel::warning,
+              "port " + config.name + ": only root and the user of tmcld can open its terminal (" +
+                  std::generic_category().message(errno) +
+                  "); the service may share it with: systemctl edit tmcld, [Service] "
+                  "SystemCallFilter=fchown");
+}
+
 tl::unexpected<std::string> failure(const std::string& what) {
   return tl::unexpected("cannot " + what + ": " + std::generic_category().message(errno));
 }
@@ -173,10 +185,7 @@ OpenedPort open_pty_port(const PortConfig& config, const PtyName& name,
   if (!pty) return tl::unexpected(std::move(pty.error()));
   const int on = 1;
   if (::ioctl(pty->master.get(), TIOCPKT, &on) != 0) return failure("set up a pseudo terminal");
-  // Whoever may use the daemon's socket may use its ports.
-  const auto group = ::getegid();
-  const bool is_shared = ::fchown(pty->slave.get(), static_cast<uid_t>(-1), group) == 0;
-  if (is_shared) ::fchmod(pty->slave.get(), S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP);
+  share_with_group(pty->slave.get(), config, *gateway);
   FileDescriptor watch(::inotify_init1(IN_NONBLOCK | IN_CLOEXEC));
   const bool watches = watch.valid() && ::inotify_add_watch(watch.get(), pty->slave_name.c_str(),
                                                             IN_OPEN | IN_CLOSE) >= 0;

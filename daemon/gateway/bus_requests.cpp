@@ -204,14 +204,9 @@ tmcl::Script<std::optional<tmcl::Result<tmcl::Answer>>> GatewayBus::send_watched
     tmcl::step::Exchange exchange, Conduct& conduct) {
   const auto given = earliest(exchange.options.deadline, conduct.options.deadline);
   const auto* module = watched_module(exchange);
-  // Of one that was told to start again nothing is known that could be watched: see
-  // GatewayModule::watch().
-  const bool is_known = module != nullptr && (module->state() == GatewayModule::State::ready ||
-                                              module->state() == GatewayModule::State::silent);
-  const bool is_watched = is_known && module->sentinel().watches();
   // What still waits for its turn when the reactor stands still has to be asked about again.
   exchange.options.deadline = earliest(given, clock_.now() + Gaps::longest_gap);
-  if (is_watched) {
+  if (module != nullptr && module->is_watched()) {
     exchange.options.deadline = earliest(
         exchange.options.deadline, module->sentinel().counts_until(conduct.options.sentinel_age));
   }

@@ -72,8 +72,7 @@ Script<Result<void>> GatewayModule::watch(tmcl::Duration max_age) {
   // It may fall silent while a verb that found it ready is on its way.
   const bool is_silent = state_ == State::silent;
   const bool is_due = is_silent || sentinel_.counts_until(max_age) <= now;
-  const bool is_known = is_silent || state_ == State::ready;
-  if (!is_known || !sentinel_.watches() || !is_due) co_return Result<void>{};
+  if (!is_watched() || !is_due) co_return Result<void>{};
   auto look = is_silent ? meet() : look_after();
   auto met = co_await std::move(look);
   if (met) co_return met;

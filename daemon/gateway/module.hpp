@@ -62,6 +62,10 @@ class GatewayModule {
   /// Errors: those of the exchange, with Outcome::not_sent for what was to follow.
   tmcl::Script<tmcl::Result<void>> watch(tmcl::Duration max_age);
   const Sentinel& sentinel() const { return sentinel_; }
+  /// What it has to be is known. Of one that was told to start again nothing is.
+  bool is_watched() const {
+    return (state_ == State::ready || state_ == State::silent) && sentinel_.watches();
+  }
   /// Something that can move its motors is about to go out, and is on its way no more.
   void note_sending(const tmcl::Request& request) { sentinel_.note_sending(request); }
   void note_moved(const tmcl::Request& request, bool done) { sentinel_.note_sent(request, done); }

@@ -41,8 +41,8 @@ std::string number_of_bus() {
 /// What the kernel calls a device there.
 std::string place_of(int socket) { return number_of_bus() + "-" + std::to_string(socket + 1); }
 
-/// The kernel needs some tenths of a second to see that a cable was pulled. A device that is plugged
-/// in before that stays the old one for it, and never works.
+/// The kernel needs some tenths of a second to see that a cable was pulled. A device that is
+/// plugged in before that stays the old one for it, and never works.
 bool is_empty(int socket) {
   return !fs::exists(fs::path("/sys/bus/usb/devices") / place_of(socket));
 }

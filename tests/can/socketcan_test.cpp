@@ -14,6 +14,7 @@
 #include <thread>
 
 #include "support/program.hpp"
+#include "tmcl/bit_rate.hpp"
 #include "tmcl/blocking.hpp"
 #include "tmcl/parameter.hpp"
 
@@ -270,6 +271,11 @@ TEST(CanLink, SaysWhenTheInterfaceIsMissingOrDown) {
   EXPECT_THAT(down.error().message, HasSubstr("down"));
   EXPECT_THAT(down.error().hint, HasSubstr("ip link set"));
   EXPECT_TRUE(Link::open("can:" + name));
+}
+
+TEST(CanLink, AControllerHasABitRateAndAVirtualOneHasNone) {
+  EXPECT_EQ(bit_rate_of(CanName{interface("TMCL_CAN_HOST")}), 1'000'000U);
+  EXPECT_EQ(bit_rate_of(CanName{interface("TMCL_CAN_VCAN")}), std::nullopt);
 }
 
 TEST(CanLink, ASecondHostLearnsWhoUsesTheInterface) {

@@ -74,7 +74,7 @@ TEST(ApiFields, BecomeTheSameAgain) {
   expect_same_again(module::Execute{{{"bench", 3}, 500}, "GAP", 4, {}, -7});
   expect_same_again(line::Move{.axes = {"x", "y"}, .positions = {{1.5, "2mm"}}});
   expect_same_again(axis::Axes{{{"x", "bench", 1, 0, "TMCM-1110", "ready", "mm"}, {}}});
-  expect_same_again(bus::Buses{{{"bench", "can:can0", "open", {}, {1, 2, 3, 4, 5, 6, 7}}}});
+  expect_same_again(bus::Buses{{{"bench", "can:can0", "open", {}, 500000, {1, 2, 3, 4, 5, 6, 7}}}});
 }
 
 TEST(ApiFields, StayAsTheyAreWhereTheJsonIsOfAnotherKind) {

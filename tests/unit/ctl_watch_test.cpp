@@ -20,11 +20,16 @@ class CtlWatch : public testing::Test, public Ctl {
   static boost::json::object event(const std::string& kind, const std::string& text) {
     return {{"kind", kind}, {"bus", "bench"}, {"address", 1}, {"text", text}};
   }
-  static boost::json::object bus(const std::string& link, int requests, int replies) {
+  static boost::json::object bus(const std::string& link, boost::json::value bit_rate, int requests,
+                                 int replies) {
     const boost::json::object counters{{"requests", requests}, {"replies", replies},
                                        {"timeouts", 3},        {"late_replies", 0},
                                        {"garbage_bytes", 7},   {"surplus", 2}};
-    return {{"name", "bench"}, {"link", link}, {"state", "open"}, {"counters", counters}};
+    return {{"name", "bench"},
+            {"link", link},
+            {"state", "open"},
+            {"bit_rate", std::move(bit_rate)},
+            {"counters", counters}};
   }
   static boost::json::object list(boost::json::array buses) {
     return {{"buses", std::move(buses)}};
@@ -78,20 +83,29 @@ TEST_F(CtlWatch, SaysWhatBecomesOfModulesAndLinks) {
 
 TEST_F(CtlWatch, BusesTellTheLoadOfALine) {
   // 64 exchanges of 18 bytes in a second are 11,520 of 115,200 bits.
-  target.results = {list({bus("serial:/dev/ttyS0@115200", 100, 100)}),
-                    list({bus("serial:/dev/ttyS0@115200", 164, 164)})};
+  target.results = {list({bus("serial:/dev/ttyS0@115200", 115200, 100, 100)}),
+                    list({bus("serial:/dev/ttyS0@115200", 115200, 164, 164)})};
   EXPECT_EQ(run({"buses"}), ExitCode::done);
   EXPECT_THAT(out, ContainsRegex("bench +serial:/dev/ttyS0@115200 +open +10.0 % +164 +3 +0 +7 +2"));
 }
 
+TEST_F(CtlWatch, BusesTellTheLoadOfAController) {
+  // A frame of seven bytes has 90 bits that up to 22 are stuffed into, and 13 more: 125. 400
+  // exchanges in a second are 100,000 of a million bits.
+  target.results = {list({bus("can:can0", 1'000'000, 100, 100)}),
+                    list({bus("can:can0", 1'000'000, 500, 500)})};
+  EXPECT_EQ(run({"buses"}), ExitCode::done);
+  EXPECT_THAT(out, ContainsRegex("bench +can:can0 +open +10.0 % +500"));
+}
+
 TEST_F(CtlWatch, BusesTellNoLoadThatNobodyKnows) {
-  target.result = list({bus("can:can0", 1, 1)});
+  target.result = list({bus("can:vcan0", nullptr, 1, 1)});
   const auto document = json({"buses", "--for", "2"});
   EXPECT_TRUE(document.at("buses").at(0).at("load_percent").is_null());
   EXPECT_EQ(document.at("buses").at(0).at("counters").at("timeouts"), 3);
   // tmcld has started again in between.
-  target.results = {list({bus("serial:/dev/ttyS0", 100, 100)}),
-                    list({bus("serial:/dev/ttyS0", 1, 1)})};
+  target.results = {list({bus("serial:/dev/ttyS0", 9600, 100, 100)}),
+                    list({bus("serial:/dev/ttyS0", 9600, 1, 1)})};
   EXPECT_EQ(run({"buses"}), ExitCode::done);
   EXPECT_THAT(out, ContainsRegex("open +- +1 "));
 }

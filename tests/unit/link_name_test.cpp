@@ -2,6 +2,7 @@
 
 #include <gmock/gmock.h>
 
+#include "tmcl/bit_rate.hpp"
 #include "tmcl/link.hpp"
 
 namespace tmcl {
@@ -22,6 +23,15 @@ TEST(LinkName, GoesThereAndBack) {
   EXPECT_EQ(to_string(*parse_link_name("/dev/ttyACM0")), "serial:/dev/ttyACM0@9600");
   EXPECT_EQ(to_string(*parse_link_name("/dev/serial/by-path/pci-0:1.0@115200")),
             "serial:/dev/serial/by-path/pci-0:1.0@115200");
+}
+
+TEST(LinkName, TellsTheBitRateOfASerialLineOnly) {
+  const auto rate = [](const char* text) { return bit_rate_of(*parse_link_name(text)); };
+  EXPECT_EQ(rate("serial:/dev/ttyS0@115200"), 115200U);
+  EXPECT_EQ(rate("serial:/dev/nothing-there"), 9600U);
+  for (const auto* text :
+       {"/dev/ttyACM0@115200", "usb:1-1.2", "usb:auto", "tcp:127.0.0.1:1", "can:no-such-can"})
+    EXPECT_EQ(rate(text), std::nullopt) << text;
 }
 
 TEST(LinkName, WhatIsWrongIsNamed) {

@@ -52,7 +52,8 @@ TEST_F(UsbCable, IsPulledWhenTheSimulatorGoes) {
   EXPECT_EQ(tmclctl({"get", "1/0", "max_velocity"}).status, 0);
 }
 
-/// As somebody does who starts the simulator again. The kernel takes longer to see two cables pulled.
+/// As somebody does who starts the simulator again. The kernel takes longer to see two cables
+/// pulled.
 TEST_F(UsbCable, IsPluggedInAgainAtOnce) {
   for (int i = 0; i < 5; ++i) {
     plug_in({"--module", "TMCM-1110", "--module", "TMCM-3110@7", "--usb", "1", "--usb", "7=mk20"});

@@ -176,6 +176,8 @@ class Bus(Record):
     state: str = ""
     #: why it is not open
     error: str | None = None
+    #: bits a second on its wire; null where nobody knows: TCP, USB, virtual CAN
+    bit_rate: int | None = None
     #: since the daemon started
     counters: Counters = field(default_factory=lambda: Counters())
     _inner: ClassVar[Mapping[str, type[Record]]] = {"counters": Counters}

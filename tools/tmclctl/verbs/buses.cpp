@@ -6,7 +6,6 @@
 #include "print.hpp"
 #include "tmcl/api/module.hpp"
 #include "tmcl/datagram.hpp"
-#include "tmcl/link_name.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -17,6 +16,8 @@ namespace api = tmcl::api;
 
 // A start bit, eight bits of data and a stop bit.
 constexpr double bits_per_byte = 10;
+// With seven bytes and a short identifier, and as many stuffed bits as there can be.
+constexpr double bits_per_can_frame = 34 + 7 * 8 + (34 + 7 * 8 - 1) / 4 + 13;
 constexpr double percent = 100;
 
 Attempt<api::bus::Buses> list(Context& context) {
@@ -29,18 +30,18 @@ std::uint64_t datagrams(const api::bus::Counters& counters) {
   return counters.requests + counters.replies + counters.late_replies + counters.unexpected_replies;
 }
 
-/// How much of the time the line was busy; nothing where its name does not tell how fast it is.
+/// How much of the time the wire was busy; nothing where its speed is not known.
 std::optional<double> load_percent(const api::bus::Bus& before, const api::bus::Bus& after,
                                    double passed_s) {
-  const auto name = tmcl::parse_link_name(after.link);
-  const auto* serial = name ? std::get_if<tmcl::SerialName>(&*name) : nullptr;
-  if (serial == nullptr || passed_s <= 0 || datagrams(after.counters) < datagrams(before.counters))
+  if (!after.bit_rate || passed_s <= 0 || datagrams(after.counters) < datagrams(before.counters))
     return std::nullopt;
-  const auto passed_on = datagrams(after.counters) - datagrams(before.counters);
-  const auto bytes = static_cast<double>(passed_on) * tmcl::serial_datagram_size +
-                     static_cast<double>(after.counters.garbage_bytes) -
-                     static_cast<double>(before.counters.garbage_bytes);
-  return percent * bytes * bits_per_byte / serial->baud / passed_s;
+  const auto passed = static_cast<double>(datagrams(after.counters) - datagrams(before.counters));
+  const auto garbage = static_cast<double>(after.counters.garbage_bytes) -
+                       static_cast<double>(before.counters.garbage_bytes);
+  const bool is_can = after.link.starts_with("can:");
+  const auto bits = is_can ? passed * bits_per_can_frame
+                           : (passed * tmcl::serial_datagram_size + garbage) * bits_per_byte;
+  return percent * bits / *after.bit_rate / passed_s;
 }
 
 struct Row {

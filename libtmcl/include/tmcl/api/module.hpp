@@ -48,6 +48,8 @@ struct Bus {
   TMCL_FIELD(std::string, link, "how it is reached");
   TMCL_FIELD(std::string, state, "opening, open, lost");
   TMCL_FIELD(std::optional<std::string>, error, "why it is not open");
+  TMCL_FIELD(std::optional<std::uint32_t>, bit_rate,
+             "bits a second on its wire; null where nobody knows: TCP, USB, virtual CAN");
   TMCL_FIELD(Counters, counters, "since the daemon started");
 };
 struct Buses {
