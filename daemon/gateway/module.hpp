@@ -62,7 +62,7 @@ class GatewayModule {
   /// Errors: those of the exchange, with Outcome::not_sent for what was to follow.
   tmcl::Script<tmcl::Result<void>> watch(tmcl::Duration max_age);
   const Sentinel& sentinel() const { return sentinel_; }
-  /// What it has to be is known. Of one that was told to start again nothing is.
+  /// It is identified, and its sentinel would show a restart: not after a reset by tmcld.
   bool is_watched() const {
     return (state_ == State::ready || state_ == State::silent) && sentinel_.watches();
   }
