@@ -14,7 +14,7 @@ namespace plan = tmcl::plan;
 namespace mint = tmcl::plan::mint;
 using tmcl::fuzz::require;
 
-void look_at(const plan::TextProblems& problems, std::string_view text) {
+void look_at(const tmcl::TextProblems& problems, std::string_view text) {
   const auto lines = static_cast<std::size_t>(std::ranges::count(text, '\n')) + 1;
   require(!problems.empty() && problems.size() <= plan::most_text_problems, "some problems");
   for (const auto& problem : problems) {

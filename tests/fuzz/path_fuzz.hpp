@@ -30,7 +30,7 @@ inline void look_at(const plan::path_file::Path& path) {
     std::visit([](const auto& one) { look_at(one); }, element);
 }
 
-inline void look_at(const tl::expected<plan::path_file::Path, plan::TextProblems>& read,
+inline void look_at(const tl::expected<plan::path_file::Path, TextProblems>& read,
                     std::string_view text) {
   if (!read) {
     const auto lines = static_cast<std::size_t>(std::ranges::count(text, '\n')) + 2;

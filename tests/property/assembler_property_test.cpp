@@ -14,7 +14,7 @@ namespace {
 
 using Random = std::mt19937_64;
 
-tl::expected<Assembly, std::vector<Problem>> assembled(const std::string& text) {
+tl::expected<Assembly, TextProblems> assembled(const std::string& text) {
   return assemble("random.tmc", [&](const std::string&) -> tl::expected<std::string, std::string> {
     return text;
   });

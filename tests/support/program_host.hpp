@@ -22,7 +22,7 @@ inline program::Program assembled(const std::string& text) {
   const auto assembly =
       program::assemble("test.tmc", [&](const std::string&) { return Text(text); });
   if (assembly) return assembly->program;
-  ADD_FAILURE() << program::describe(assembly.error().front());
+  ADD_FAILURE() << describe(assembly.error().front());
   return {};
 }
 

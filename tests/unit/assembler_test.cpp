@@ -25,7 +25,7 @@ ReadFile reader_of(const Files& files) {
   };
 }
 
-tl::expected<Assembly, std::vector<Problem>> assembled(const Files& files) {
+tl::expected<Assembly, TextProblems> assembled(const Files& files) {
   return assemble("main.tmc", reader_of(files));
 }
 

@@ -21,10 +21,10 @@ using Bytes = std::vector<std::uint8_t>;
 
 std::string data(std::uint16_t offset, const Bytes& bytes) { return hex_record(0, offset, bytes); }
 
-Problem problem_of(const std::string& text) {
+TextProblem problem_of(const std::string& text) {
   const auto image = read_intel_hex(text);
   EXPECT_FALSE(image) << text;
-  return image ? Problem{} : image.error();
+  return image ? TextProblem{} : image.error();
 }
 
 TEST(IntelHex, DataBecomesAnImageAtItsAddress) {
@@ -124,8 +124,8 @@ TEST(IntelHex, WhatIsWrongIsToldWithLineAndColumn) {
 }
 
 TEST(IntelHex, ProblemsAreToldLikeThoseOfACompiler) {
-  EXPECT_EQ(describe({3, 4, "x", "wrong"}, "a.hex"), "a.hex:3:4: wrong");
-  EXPECT_EQ(describe({0, 0, "", "wrong"}, "a.hex"), "a.hex: wrong");
+  EXPECT_EQ(describe({3, 4, "wrong"}, "a.hex"), "a.hex:3:4: wrong");
+  EXPECT_EQ(describe({0, 0, "wrong"}, "a.hex"), "a.hex: wrong");
 }
 
 TEST(IntelHex, EveryDamagedByteOfARecordIsFound) {

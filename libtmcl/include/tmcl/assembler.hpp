@@ -34,6 +34,7 @@
 #include <tl/expected.hpp>
 
 #include "tmcl/program.hpp"
+#include "tmcl/text_problem.hpp"
 
 namespace tmcl::program {
 
@@ -50,18 +51,6 @@ constexpr std::size_t most_problems = 100;            ///< Reported.
 /// Asked for no more than most_files files; what is larger than most_source_bytes need not be read
 /// to its end.
 using ReadFile = std::function<tl::expected<std::string, std::string>(const std::string& path)>;
-
-/// What is wrong with a program, and where.
-struct Problem {
-  std::string file;
-  std::size_t line = 0;    ///< From 1; 0 if it is about the file as a whole.
-  std::size_t column = 0;  ///< In bytes, from 1; 0 if it is about the line or file as a whole.
-  std::string word;        ///< What it is about, printable and perhaps cut short; may be empty.
-  std::string message;     ///< Without a full stop, unless a question or suggestion follows.
-};
-
-/// "file:line:column: message"
-std::string describe(const Problem& problem);
 
 struct SourceLine {
   std::size_t file = 0;  ///< Index into Assembly::files.
@@ -85,8 +74,7 @@ struct Assembly {
 };
 
 /// All problems, in the order of the text, or none.
-tl::expected<Assembly, std::vector<Problem>> assemble(const std::string& path,
-                                                      const ReadFile& read);
+tl::expected<Assembly, TextProblems> assemble(const std::string& path, const ReadFile& read);
 
 /// One row a line of source: address, the bytes of the program file, line number and text.
 std::string listing(const Assembly& assembly);

@@ -16,6 +16,7 @@
 
 #include <tl/expected.hpp>
 
+#include "tmcl/text_problem.hpp"
 #include "tmcl/version.hpp"
 
 namespace tmcl::firmware {
@@ -32,23 +33,12 @@ struct Image {
   std::vector<std::uint8_t> bytes;  ///< Without gaps; those of the file are filled.
 };
 
-/// What is wrong with a file, and where.
-struct Problem {
-  std::size_t line = 0;    ///< From 1; 0 if it is about the file as a whole.
-  std::size_t column = 0;  ///< In bytes, from 1; 0 if it is about the line or file as a whole.
-  std::string word;        ///< What it is about, printable and perhaps cut short; may be empty.
-  std::string message;     ///< Without a full stop.
-};
-
-/// "FILE:line:column: message"
-std::string describe(const Problem& problem, std::string_view file);
-
 /// Reads an Intel HEX file: data (record type 0), end of file (1), segment (2) and linear (4) base
 /// addresses; start addresses (3, 5) are checked and mean nothing here. Lines may end in CR LF.
 /// The first thing that is wrong ends it: also a byte that is given twice, a record that runs over
 /// the end of its segment, data farther apart than most_image_bytes, and a missing end record, for
 /// then the file was cut short.
-tl::expected<Image, Problem> read_intel_hex(std::string_view text);
+tl::expected<Image, TextProblem> read_intel_hex(std::string_view text);
 
 /// The sum of all bytes, as bootloaders compute it.
 std::uint32_t checksum(const Image& image);

@@ -229,22 +229,15 @@ std::string_view without_blanks_at_end(std::string_view line) {
   return last == std::string_view::npos ? std::string_view{} : line.substr(0, last + 1);
 }
 
-tl::unexpected<Problem> problem(std::string message) {
-  return tl::unexpected(Problem{0, 0, {}, std::move(message)});
+tl::unexpected<TextProblem> problem(std::string message) {
+  return tl::unexpected(TextProblem{0, 0, std::move(message)});
 }
 
 }  // namespace
 
 std::string address_text(std::uint32_t address) { return "0x" + digits_of(address, 8); }
 
-std::string describe(const Problem& problem, std::string_view file) {
-  std::string text(file);
-  if (problem.line != 0) text += ':' + std::to_string(problem.line);
-  if (problem.column != 0) text += ':' + std::to_string(problem.column);
-  return text + ": " + problem.message;
-}
-
-tl::expected<Image, Problem> read_intel_hex(std::string_view text) {
+tl::expected<Image, TextProblem> read_intel_hex(std::string_view text) {
   if (text.size() > most_file_bytes)
     return problem("the file has more than " + std::to_string(most_file_bytes) + " bytes");
   Reader reader;
@@ -256,7 +249,7 @@ tl::expected<Image, Problem> read_intel_hex(std::string_view text) {
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.empty()) continue;
     if (auto wrong = reader.take(line, number))
-      return tl::unexpected(Problem{number, wrong->at + 1, wrong->word, wrong->message});
+      return tl::unexpected(TextProblem{number, wrong->at + 1, wrong->message, wrong->word});
   }
   if (!reader.ended()) return problem("there is no end record; the file seems to be cut short");
   if (reader.memory().empty()) return problem("there is no data in it");

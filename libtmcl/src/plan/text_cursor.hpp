@@ -9,7 +9,8 @@
 #include <string_view>
 #include <utility>
 
-#include "tmcl/plan/text_problem.hpp"
+#include "tmcl/plan/text_bounds.hpp"
+#include "tmcl/text_problem.hpp"
 
 namespace tmcl::plan {
 

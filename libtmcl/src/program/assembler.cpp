@@ -334,15 +334,7 @@ std::vector<SourceLine> lines_of(const Source& source, const std::vector<Stateme
 
 }  // namespace
 
-std::string describe(const Problem& problem) {
-  auto text = problem.file;
-  if (problem.line != 0) text += ':' + std::to_string(problem.line);
-  if (problem.column != 0) text += ':' + std::to_string(problem.column);
-  return text + ": " + problem.message;
-}
-
-tl::expected<Assembly, std::vector<Problem>> assemble(const std::string& path,
-                                                      const ReadFile& read) {
+tl::expected<Assembly, TextProblems> assemble(const std::string& path, const ReadFile& read) {
   Problems problems;
   Source source(path, read, problems);
   Parser parser(source, problems);

@@ -72,12 +72,12 @@ std::string_view file_name(std::string_view text) {
 
 }  // namespace
 
-std::vector<Problem> Problems::in_order() const {
+TextProblems Problems::in_order() const {
   auto sorted = all_;
   std::ranges::stable_sort(sorted, [](const auto& a, const auto& b) {
     return std::pair(a.first, a.second.column) < std::pair(b.first, b.second.column);
   });
-  std::vector<Problem> problems;
+  TextProblems problems;
   for (auto& [line, problem] : sorted) problems.push_back(std::move(problem));
   return problems;
 }
@@ -88,18 +88,18 @@ Source::Source(const std::string& path, const ReadFile& read, Problems& problems
   if (text) {
     take_file(path, std::move(*text));
   } else {
-    problems_.add(0, {path, 0, 0, {}, "cannot be read: " + text.error()});
+    problems_.add(0, {0, 0, "cannot be read: " + text.error(), {}, path});
   }
 }
 
 void Source::report(std::size_t line, const Fault& fault) {
   const auto& at = lines_[line];
-  problems_.add(line, {files_[at.file], at.number, fault.at + 1, fault.word, fault.message});
+  problems_.add(line, {at.number, fault.at + 1, fault.message, fault.word, files_[at.file]});
 }
 
 /// About the file that is being read.
 void Source::report_file(std::string message) {
-  problems_.add(lines_.size(), {files_[open_files_.back()], 0, 0, {}, std::move(message)});
+  problems_.add(lines_.size(), {0, 0, std::move(message), {}, files_[open_files_.back()]});
 }
 
 void Source::take_file(const std::string& path, std::string text) {

@@ -18,13 +18,13 @@ class Problems {
   bool empty() const { return all_.empty(); }
   bool full() const { return all_.size() >= most_problems; }
   /// `line`: counted through all files; says where the problem stands among the others.
-  void add(std::size_t line, Problem problem) {
+  void add(std::size_t line, TextProblem problem) {
     if (!full()) all_.emplace_back(line, std::move(problem));
   }
-  std::vector<Problem> in_order() const;
+  TextProblems in_order() const;
 
  private:
-  std::vector<std::pair<std::size_t, Problem>> all_;
+  std::vector<std::pair<std::size_t, TextProblem>> all_;
 };
 
 struct Line {

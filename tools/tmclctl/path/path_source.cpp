@@ -10,6 +10,7 @@
 #include "output_file.hpp"
 #include "plot/plane.hpp"
 #include "print.hpp"
+#include "text_problems.hpp"
 
 namespace tmclctl::path {
 namespace {
@@ -62,29 +63,15 @@ Attempt<std::string> text_of(const std::string& file, std::size_t most) {
   return std::move(*text);
 }
 
-Failure failure_from(const std::string& file, const plan::TextProblems& problems, Output& output) {
-  const bool all = problems.size() < plan::most_text_problems;
-  auto failure = usage_failure(
-      "bad_program", fmt::format("{}{} problem{} in {}", all ? "" : "at least ", problems.size(),
-                                 problems.size() == 1 ? "" : "s", file));
-  json::array list;
-  for (const auto& problem : problems) {
-    if (!output.json) output.err << describe(problem, file) << '\n';
-    list.push_back(json::object{
-        {"line", problem.line}, {"column", problem.column}, {"message", problem.message}});
-  }
-  failure.details["problems"] = std::move(list);
-  return failure;
-}
-
 Failure explained(Failure failure, const std::string& file, Output& output) {
-  plan::TextProblems problems;
+  tmcl::TextProblems problems;
   for (const auto& value : array_at(failure.details, "problems")) {
     const auto& row = value.as_object();
     problems.push_back({integer_at<std::size_t>(row, "line"),
                         integer_at<std::size_t>(row, "column"), text_at(row, "message")});
   }
-  if (!problems.empty()) return failure_from(file, problems, output);
+  if (!problems.empty())
+    return failure_from(file, problems, tmcl::plan::most_text_problems, output);
   const auto axis = text_at(failure.details, "file_axis");
   if (!axis.empty()) failure.hint = fmt::format("--axis {}=NAME", axis);
   if (failure.name == "bad_path") failure.message = file + ": " + failure.message;

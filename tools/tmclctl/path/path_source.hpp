@@ -15,10 +15,7 @@ namespace tmclctl::path {
 Attempt<std::string> text_of(const std::string& file, std::size_t most_bytes);
 constexpr std::size_t most_path_bytes = std::size_t{64} << 20U;
 
-/// Prints each problem as FILE:LINE:COLUMN: MESSAGE, and says how many there are.
-Failure failure_from(const std::string& file, const tmcl::plan::TextProblems& problems,
-                     Output& output);
-/// What a gateway says of a text, likewise, with what the command line can do about it.
+/// What a gateway says of a text: each problem printed, with what the command line can do about it.
 Failure explained(Failure failure, const std::string& file, Output& output);
 /// The "remarks" of a report.
 void warn(const boost::json::object& report, Output& output);

@@ -40,16 +40,15 @@ Attempt<Image> read_image(const std::string& path) {
     return tl::unexpected(
         usage_failure("cannot_read", fmt::format("cannot read {}: {}", path, contents.error())));
   }
-  return tmcl::firmware::read_intel_hex(*contents).map_error(
-      [&](const tmcl::firmware::Problem& problem) {
-        auto failure = usage_failure("bad_firmware", describe(problem, path),
-                                     "Firmware comes as an Intel HEX file; get it again");
-        failure.details["file"] = path;
-        failure.details["line"] = problem.line;
-        failure.details["column"] = problem.column;
-        failure.details["word"] = problem.word;
-        return failure;
-      });
+  return tmcl::firmware::read_intel_hex(*contents).map_error([&](const tmcl::TextProblem& problem) {
+    auto failure = usage_failure("bad_firmware", describe(problem, path),
+                                 "Firmware comes as an Intel HEX file; get it again");
+    failure.details["file"] = path;
+    failure.details["line"] = problem.line;
+    failure.details["column"] = problem.column;
+    failure.details["word"] = problem.word;
+    return failure;
+  });
 }
 
 json::object to_json(const std::string& path, const Image& image) {

@@ -3,6 +3,7 @@
 
 #include "path/path_source.hpp"
 #include "print.hpp"
+#include "text_problems.hpp"
 #include "tmcl/plan/mint.hpp"
 #include "verbs.hpp"
 
@@ -68,8 +69,8 @@ Attempt<mint::DryRun> dry_run(const std::string& file, Output& output) {
   if (!text) return tl::unexpected(text.error());
   return mint::read(*text)
       .and_then([](const mint::Program& program) { return mint::dry_run(program); })
-      .map_error([&](const plan::TextProblems& problems) {
-        return path::failure_from(file, problems, output);
+      .map_error([&](const tmcl::TextProblems& problems) {
+        return failure_from(file, problems, tmcl::plan::most_text_problems, output);
       });
 }
 

@@ -6,6 +6,7 @@
 #include "path/leg_table.hpp"
 #include "path/path_source.hpp"
 #include "print.hpp"
+#include "text_problems.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -15,7 +16,8 @@ namespace plan = tmcl::plan;
 
 Failure failure_of(const verb::CheckPath& verb, const plan::PathObjection& objection,
                    Output& output) {
-  if (!objection.problems.empty()) return path::failure_from(verb.file, objection.problems, output);
+  if (!objection.problems.empty())
+    return failure_from(verb.file, objection.problems, tmcl::plan::most_text_problems, output);
   auto failure = usage_failure(objection.name, verb.file + ": " + objection.message);
   failure.exit = exit_for_objection(objection.name);
   return failure;

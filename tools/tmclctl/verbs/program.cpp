@@ -10,6 +10,7 @@
 #include "output_file.hpp"
 #include "print.hpp"
 #include "program_file.hpp"
+#include "text_problems.hpp"
 #include "tmcl/assembler.hpp"
 #include "tmcl/disassembler.hpp"
 #include "verbs.hpp"
@@ -19,32 +20,12 @@ namespace {
 
 namespace json = boost::json;
 using tmcl::program::Assembly;
-using tmcl::program::Problem;
 using tmcl::program::Program;
 
 // One byte more than there may be tells a file that is too long.
 constexpr std::size_t most_text = tmcl::program::most_source_bytes + 1;
 constexpr std::size_t most_binary =
     tmcl::program::most_commands * tmcl::program::instruction_size + 1;
-
-json::object to_json(const Problem& problem) {
-  return {{"file", problem.file},
-          {"line", problem.line},
-          {"column", problem.column},
-          {"word", problem.word},
-          {"message", problem.message}};
-}
-
-Failure failure_from(const std::string& path, const std::vector<Problem>& problems) {
-  const bool all = problems.size() < tmcl::program::most_problems;
-  auto failure = usage_failure(
-      "bad_program", fmt::format("{}{} problem{} in {}", all ? "" : "at least ", problems.size(),
-                                 problems.size() == 1 ? "" : "s", path));
-  json::array list;
-  for (const auto& problem : problems) list.push_back(to_json(problem));
-  failure.details["problems"] = std::move(list);
-  return failure;
-}
 
 json::object to_json(const std::string& path, const Assembly& assembly) {
   json::array labels;
@@ -104,10 +85,7 @@ Attempt<Assembly> assemble_file(const std::string& path, Output& output) {
   auto assembly = tmcl::program::assemble(
       path, [](const std::string& name) { return read_file(name, most_text); });
   if (assembly) return std::move(*assembly);
-  if (!output.json) {
-    for (const auto& problem : assembly.error()) output.err << describe(problem) << '\n';
-  }
-  return tl::unexpected(failure_from(path, assembly.error()));
+  return tl::unexpected(failure_from(path, assembly.error(), tmcl::program::most_problems, output));
 }
 
 Attempt<Program> program_from(const std::string& path, Output& output) {

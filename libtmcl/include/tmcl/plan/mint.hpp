@@ -29,7 +29,8 @@
 #include <tl/expected.hpp>
 
 #include "tmcl/plan/profile.hpp"
-#include "tmcl/plan/text_problem.hpp"
+#include "tmcl/plan/text_bounds.hpp"
+#include "tmcl/text_problem.hpp"
 
 namespace tmcl::plan::mint {
 

@@ -25,8 +25,8 @@
 #include "tmcl/plan/path_file.hpp"
 #include "tmcl/plan/ramp_limits.hpp"
 #include "tmcl/plan/stream.hpp"
-#include "tmcl/plan/text_problem.hpp"
 #include "tmcl/quantity.hpp"
+#include "tmcl/text_problem.hpp"
 
 namespace tmcl::plan {
 
