@@ -26,12 +26,8 @@ struct Pace {
   }
   /// With start and stop bit.
   Duration of_bytes(std::size_t count) const { return of_bits(10 * count); }
-  /// With as many stuffed bits as there can be.
   Duration of_frame(const CanFrame& frame) const {
-    const std::size_t data = 8U * frame.length;
-    const std::size_t stuffed_part = (frame.extended ? 54U : 34U) + data;
-    const std::size_t rest = 13U;  // from the CRC's delimiter to the pause before the next frame
-    return of_bits(stuffed_part + (stuffed_part - 1) / 4 + rest);
+    return of_bits(most_bits_of_frame(frame.length, frame.extended));
   }
 };
 

@@ -64,6 +64,14 @@ struct CanFrame {
   auto operator<=>(const CanFrame&) const = default;
 };
 
+/// What a frame takes on the wire, with the pause behind it, and with as many stuffed bits as there
+/// can be: one after each four from the start of the frame to its CRC (ISO 11898-1).
+constexpr std::size_t most_bits_of_frame(std::size_t length, bool extended = false) {
+  const std::size_t stuffed_part = (extended ? 54U : 34U) + 8 * length;
+  constexpr std::size_t rest = 13;  // from the CRC's delimiter to the next frame
+  return stuffed_part + (stuffed_part - 1) / 4 + rest;
+}
+
 constexpr std::uint8_t checksum(std::span<const std::uint8_t> bytes) {
   std::uint8_t sum = 0;
   for (const auto byte : bytes) sum = static_cast<std::uint8_t>(sum + byte);

@@ -16,8 +16,8 @@ namespace api = tmcl::api;
 
 // A start bit, eight bits of data and a stop bit.
 constexpr double bits_per_byte = 10;
-// With seven bytes and a short identifier, and as many stuffed bits as there can be.
-constexpr double bits_per_can_frame = 34 + 7 * 8 + (34 + 7 * 8 - 1) / 4 + 13;
+constexpr auto bits_per_can_frame =
+    static_cast<double>(tmcl::most_bits_of_frame(tmcl::can_datagram_size));
 constexpr double percent = 100;
 
 Attempt<api::bus::Buses> list(Context& context) {
