@@ -103,6 +103,7 @@ Answer<axis::Wait> wait(Call& call, const axis::Wait& params) {
   if (!ready) co_return failed(ready.error(), **axis);
   tmcl::WaitOptions options;
   options.timeout = call.timeout_left(params.timeout_ms);
+  if (params.target_microsteps) options.goal = tmcl::Microsteps{*params.target_microsteps};
   // Nobody else ends a wait without a timeout.
   Objection objection = [peer = call.peer]() -> std::optional<tmcl::Error> {
     if (!peer->is_gone()) return std::nullopt;

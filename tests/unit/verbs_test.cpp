@@ -73,6 +73,13 @@ std::vector<Case> all_verbs() {
          bus.module(1).parameter(axis.motor, axis_parameter::actual_velocity) = 0;
          return place(bus.run(verbs::wait_until_reached(axis)));
        }},
+      {"wait_until_reached for a goal",
+       [](ScriptedBus& bus) {
+         bus.module(1).parameter(axis.motor, axis_parameter::actual_velocity) = 0;
+         const Microsteps goal{
+             bus.module(1).parameter(axis.motor, axis_parameter::target_position)};
+         return place(bus.run(verbs::wait_until_reached(axis, {.goal = goal})));
+       }},
       {"store", [](ScriptedBus& bus) { return done(bus.run(verbs::store(axis, 4))); }},
       {"restore", [](ScriptedBus& bus) { return done(bus.run(verbs::restore(axis, 4))); }},
       {"parameter_range",
@@ -242,6 +249,7 @@ TEST_P(EveryStepFails, ReadsAndStopsSurviveAnySingleFault) {
                                      "position",
                                      "state",
                                      "wait_until_reached",
+                                     "wait_until_reached for a goal",
                                      "parameter_range",
                                      "stop_reference_search",
                                      "coordinate",
@@ -355,6 +363,84 @@ TEST(Verbs, WaitingGivesTheTargetWheneverTheAxisArrives) {
     };
     EXPECT_EQ(bus.run(verbs::wait_until_reached(axis)), Microsteps{100}) << n;
   }
+}
+
+/// An axis that is sent to 100, on its way; its module says by 138 whether it turns by velocity.
+class WaitForGoal : public testing::Test {
+ protected:
+  static constexpr std::uint8_t ramp_mode = 138;
+
+  WaitForGoal() {
+    set(axis_parameter::position_reached, 0);
+    set(axis_parameter::actual_velocity, 50);
+    set(axis_parameter::actual_position, 90);
+    set(axis_parameter::target_position, 100);
+    set(ramp_mode, 0);
+  }
+  void set(std::uint8_t parameter, std::int32_t value) {
+    module.parameter(axis.motor, parameter) = value;
+  }
+  /// Before anything that is asked from then on.
+  void change_after(Duration passed, std::function<void()> change) {
+    module.before = [=, this](test::FakeModule&, const Request&) {
+      if (bus.clock().now() >= TimePoint{} + passed) change();
+    };
+  }
+  Result<Microsteps> wait() {
+    return bus.run(verbs::wait_until_reached(
+        axis,
+        {.expected = std::chrono::hours(1), .goal = Microsteps{100}, .ramp_mode = ramp_mode}));
+  }
+  void expect_interrupted(std::string_view why, Duration at_most) {
+    const auto result = wait();
+    ASSERT_FALSE(result);
+    EXPECT_EQ(result.error().code, Errc::move_interrupted);
+    EXPECT_THAT(result.error().message, testing::HasSubstr(std::string(why)));
+    EXPECT_LE(bus.clock().now() - TimePoint{}, at_most);
+  }
+
+  ScriptedBus bus;
+  test::FakeModule& module = bus.add_module(1);
+};
+
+TEST_F(WaitForGoal, EndsWhereTheAxisStandsThen) {
+  change_after(std::chrono::seconds(5), [this] {
+    set(axis_parameter::position_reached, 1);
+    set(axis_parameter::actual_velocity, 0);
+    set(axis_parameter::actual_position, 100);
+  });
+  EXPECT_EQ(wait(), Microsteps{100});
+}
+
+TEST_F(WaitForGoal, EndsWhenTheAxisIsSentElsewhere) {
+  change_after(std::chrono::seconds(5), [this] { set(axis_parameter::target_position, 500); });
+  expect_interrupted("was sent to 500 instead, at 90, 10 microsteps short of its target 100",
+                     std::chrono::milliseconds(6500));
+}
+
+TEST_F(WaitForGoal, EndsWhenTheAxisStandsAtAnotherTarget) {
+  change_after(std::chrono::seconds(5), [this] {
+    set(axis_parameter::position_reached, 1);
+    set(axis_parameter::actual_velocity, 0);
+    set(axis_parameter::target_position, 90);
+  });
+  expect_interrupted("was sent to 90 instead", std::chrono::milliseconds(6500));
+}
+
+TEST_F(WaitForGoal, EndsWhenTheAxisTurnsByVelocity) {
+  change_after(std::chrono::seconds(5), [this] { set(ramp_mode, 2); });
+  expect_interrupted("was stopped, or turned by velocity, at 90", std::chrono::milliseconds(6500));
+}
+
+TEST_F(WaitForGoal, AsksForTheModeTwiceASecondAtMost) {
+  // Near the end of the move it is looked at often.
+  change_after(std::chrono::seconds(3), [this] { set(axis_parameter::target_position, 500); });
+  const auto result =
+      bus.run(verbs::wait_until_reached(axis, {.goal = Microsteps{100}, .ramp_mode = ramp_mode}));
+  ASSERT_FALSE(result);
+  const auto asked = std::ranges::count(module.executed(), ramp_mode, &Request::type);
+  EXPECT_GE(asked, 5);
+  EXPECT_LE(asked, 6);
 }
 
 // Once a second as long as nothing can be expected, and often from shortly before.

@@ -124,5 +124,47 @@ TEST_F(StopCauses, IsToldToWhoeverWaits) {
   EXPECT_THAT(result.error().message, HasSubstr("cause: right_limit"));
 }
 
+/// Waits for the target that the axis has now; somebody does something else with it meanwhile.
+class WaitsForATarget : public StopCausesOfTmc429 {
+ protected:
+  void expect_interrupted(const std::function<void()>& meanwhile, const std::string& why) {
+    set_out();
+    const auto target = call("axis.get_state", {{"axis", "x"}})->at("target_microsteps");
+    const auto waits = begin("axis.wait", {{"axis", "x"}, {"target_microsteps", target}});
+    time.run_for(200ms);
+    meanwhile();
+    const auto result = end(waits);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(name_of_error(result), "move_interrupted");
+    EXPECT_THAT(result.error().message, HasSubstr(why));
+  }
+};
+
+TEST_F(WaitsForATarget, EndsWhenTheAxisIsSentElsewhere) {
+  expect_interrupted(
+      [this] {
+        EXPECT_TRUE(call("axis.move_to", {{"axis", "x"}, {"position_microsteps", 0}}));
+      },
+      "was sent to 0 instead");
+}
+
+TEST_F(WaitsForATarget, EndsWhenTheAxisTurnsByVelocity) {
+  const json::object turn{{"axis", "x"}, {"velocity_internal", 100}, {"unattended", true}};
+  expect_interrupted([&] { EXPECT_TRUE(call("axis.rotate", turn)); }, "turned by velocity");
+}
+
+TEST_F(WaitsForATarget, EndsWhenAnotherMasterStopsTheAxis) {
+  expect_interrupted([this] { other_master_stops(); }, "cause: velocity_mode");
+}
+
+TEST_F(WaitsForATarget, IsOverAtOnceWhereTheAxisStandsThere) {
+  EXPECT_TRUE(call("axis.move_to", {{"axis", "x"}, {"position_microsteps", 100}}));
+  EXPECT_TRUE(call("axis.wait", {{"axis", "x"}, {"target_microsteps", 100}}));
+  const auto elsewhere =
+      call("axis.wait", {{"axis", "x"}, {"target_microsteps", 5}, {"timeout_ms", 5000}});
+  ASSERT_FALSE(elsewhere) << "it was never sent there";
+  EXPECT_EQ(name_of_error(elsewhere), "move_interrupted");
+}
+
 }  // namespace
 }  // namespace tmcld::test

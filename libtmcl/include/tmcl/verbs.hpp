@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -50,6 +51,12 @@ struct WaitOptions {
   Duration expected{};
   /// An axis that has not moved for so long without having arrived counts as interrupted.
   Duration standstill_limit = std::chrono::seconds(1);
+  /// Where it is to stand: an axis that is on its way to somewhere else, or turns by velocity,
+  /// counts as interrupted. Nothing: wherever its target is then.
+  std::optional<Microsteps> goal{};
+  /// The parameter that is 2 while the axis turns by velocity, asked twice a second for the sake of
+  /// a goal. Nothing: there is none.
+  std::optional<std::uint8_t> ramp_mode{};
   /// For so long it must be seen to stand at its target, at every look: an axis that swings about
   /// it stands there now and then. Zero: two looks, one right after the other.
   Duration steady{};

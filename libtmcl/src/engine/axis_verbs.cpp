@@ -32,12 +32,12 @@ Error cannot_see(AxisAddress axis, Error error) {
   return error;
 }
 
-Error interrupted(AxisAddress axis, const AxisState& state, std::string_view why) {
+Error interrupted(AxisAddress axis, const AxisState& state, Microsteps goal, std::string_view why) {
   Error error{Errc::move_interrupted, Outcome::done, {}, {}, {}, {}, {}};
   error.message =
       fmt::format("motor {} of module {} {} at {}, {} microsteps short of its target {}",
                   axis.motor, number(axis.module), why, state.position.value,
-                  std::int64_t{state.target.value} - state.position.value, state.target.value);
+                  std::int64_t{goal.value} - state.position.value, goal.value);
   error.hint = "someone may have stopped it, or a limit switch did; move again when it is safe";
   return error;
 }
@@ -60,14 +60,14 @@ Error still_moving(AxisAddress axis, const std::optional<AxisState>& last) {
 }
 
 // A look that comes too late costs as much as one that comes too early, so what is predicted for
-// now is looked at as if nothing were. `look`: how long the last one took; the last of all is to
-// end with the timeout.
-Duration next_pause(const WaitOptions& options, Duration waited, Duration look) {
+// now is looked at as if nothing were. `left`: until it should arrive; `look`: how long the last
+// look took; the last of all is to end with the timeout.
+Duration next_pause(const WaitOptions& options, Duration left, Duration waited, Duration look) {
   constexpr Duration shortest = std::chrono::milliseconds(1);
   constexpr Duration longest = std::chrono::seconds(1);
   const auto early = 2 * options.poll_interval;
-  const auto pause = std::clamp(options.expected - waited - early, options.poll_interval,
-                                std::max(longest, options.poll_interval));
+  const auto pause =
+      std::clamp(left - early, options.poll_interval, std::max(longest, options.poll_interval));
   if (options.timeout == Duration{}) return pause;
   return std::min(pause, std::max(options.timeout - waited - look, shortest));
 }
@@ -82,6 +82,27 @@ Script<Result<AxisState>> look_at(AxisAddress axis, CallOptions options) {
   const auto target = co_await must(read(ap::target_position));
   const auto at = co_await must(read(ap::actual_position));
   co_return AxisState{Microsteps{at}, InternalVelocity{speed}, Microsteps{target}, reached != 0};
+}
+
+// Of the parameter "ramp_mode": the axis turns by velocity, at 0 after a stop.
+constexpr std::int32_t velocity_mode = 2;
+constexpr Duration mode_interval = std::chrono::milliseconds(500);
+// A reading may be a little older than it seems: one with the old target proves nothing.
+constexpr Duration sent_elsewhere_limit = std::chrono::milliseconds(200);
+
+/// False if nobody can tell.
+Script<bool> turns_by_velocity(AxisAddress axis, const WaitOptions& options, CallOptions call) {
+  if (!options.goal || !options.ramp_mode) co_return false;
+  const auto mode = co_await ask(axis_request(axis, Command::GAP, *options.ramp_mode), call);
+  co_return mode == velocity_mode;
+}
+
+/// Why an axis will not come to its goal; empty as long as it may.
+std::string interruption(Verdict verdict, const AxisState& state) {
+  if (verdict == Verdict::stands_elsewhere) return "stands still";
+  if (verdict == Verdict::sent_elsewhere)
+    return fmt::format("was sent to {} instead,", state.target.value);
+  return {};
 }
 
 plan::Arrival::Reading reading_of(const AxisState& state, TimePoint at) {
@@ -211,7 +232,8 @@ Script<Result<AxisState>> state(AxisAddress axis) { return look_at(axis, {}); }
 Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions options) {
   const auto begin = co_await current_time();
   const auto call = until_timeout(begin, options.timeout);
-  plan::Arrival arrival({}, begin, {options.standstill_limit});
+  plan::Arrival arrival(options.goal, begin, {options.standstill_limit, sent_elsewhere_limit});
+  auto mode_asked_at = begin;
   std::optional<AxisState> last;
   std::optional<TimePoint> steady_since;
   while (true) {
@@ -230,10 +252,19 @@ Script<Result<Microsteps>> wait_until_reached(AxisAddress axis, WaitOptions opti
         co_return sure->position;
     }
     steady_since = stands_there ? std::optional(steady_since.value_or(time)) : std::nullopt;
-    if (verdict == Verdict::stands_elsewhere)
-      co_return tl::unexpected(interrupted(axis, *now, "stands still"));
+    const auto goal = options.goal.value_or(now->target);
+    auto why = interruption(verdict, *now);
+    if (why.empty() && time - mode_asked_at >= mode_interval) {
+      mode_asked_at = time;
+      if (co_await turns_by_velocity(axis, options, call))
+        why = "was stopped, or turned by velocity,";
+    }
+    if (!why.empty()) co_return tl::unexpected(interrupted(axis, *now, goal, why));
     if (is_over(call, time)) co_return tl::unexpected(still_moving(axis, last));
-    co_await pause(next_pause(options, time - begin, time - look_begin));
+    // Whether it will arrive at all is to be known soon.
+    const bool is_doubtful = now->velocity.value == 0 || now->target != goal;
+    const auto left = is_doubtful ? Duration{} : options.expected - (time - begin);
+    co_await pause(next_pause(options, left, time - begin, time - look_begin));
   }
 }
 

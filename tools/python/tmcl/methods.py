@@ -1253,9 +1253,10 @@ class Methods:
         axis: str,
         *,
         timeout_ms: int | None = None,
+        target_microsteps: int | None = None,
     ) -> Standing:
         """`axis.wait` answers when the axis stands at its target."""
-        return Standing.of(self._call("axis.wait", {"axis": axis, "timeout_ms": timeout_ms}))
+        return Standing.of(self._call("axis.wait", {"axis": axis, "timeout_ms": timeout_ms, "target_microsteps": target_microsteps}))
 
     def lease_acquire(
         self,
@@ -2078,9 +2079,10 @@ class AsyncMethods:
         axis: str,
         *,
         timeout_ms: int | None = None,
+        target_microsteps: int | None = None,
     ) -> Standing:
         """`axis.wait` answers when the axis stands at its target."""
-        return Standing.of(await self._call("axis.wait", {"axis": axis, "timeout_ms": timeout_ms}))
+        return Standing.of(await self._call("axis.wait", {"axis": axis, "timeout_ms": timeout_ms, "target_microsteps": target_microsteps}))
 
     async def lease_acquire(
         self,

@@ -125,6 +125,8 @@ struct Wait {
   TMCL_METHOD("axis.wait", reads, Standing, "answers when the axis stands at its target", Wait);
   TMCL_FIELD(std::string, axis, axis_summary);
   TMCL_FIELD(std::optional<std::int64_t>, timeout_ms, timeout_summary, milliseconds);
+  TMCL_FIELD(std::optional<std::int32_t>, target_microsteps,
+             "which target; the one that it has then if absent");
 };
 
 // ---- reference searches ----
