@@ -19,6 +19,8 @@
 
 namespace tmclctl::test {
 
+namespace api = tmcl::api;
+
 /// Time passes only while someone sleeps. May be told to press Ctrl-C at some instant.
 class FakeHost final : public Host {
  public:
@@ -41,6 +43,21 @@ class FakeHost final : public Host {
   tmcl::TimePoint now_{std::chrono::hours(1)};
   tmcl::TimePoint ctrl_c_at_ = tmcl::TimePoint::max();
   bool caught_ = false;
+};
+
+/// What an axis with a unit tells beside what its module counts.
+struct UserReading {
+  std::string unit;
+  double position = 0;
+  double target = 0;
+  std::optional<double> velocity;
+
+  void put_into(AxisReading& reading) const {
+    reading.unit = unit;
+    reading.position = position;
+    reading.target = target;
+    reading.velocity = velocity;
+  }
 };
 
 /// One axis "x" that moves at a constant rate. Every module is a TMCM-1110, as far as firmware
@@ -68,7 +85,6 @@ class FakeTarget : public Target {
   std::string refused_parameter;                 ///< set() of it fails.
   std::optional<Failure> stop_failure;           ///< Of stop() only.
   Warnings warnings;                             ///< Of set() and of waits.
-  int passes_its_goal = 0;                       ///< So often it does not stay there.
   std::string closed_because;                    ///< Why the bus of all axes is not open.
   tmcl::FirmwareVersion runs_then{1110, 1, 42};  ///< After an upload.
 
@@ -88,39 +104,47 @@ class FakeTarget : public Target {
   Attempt<std::vector<AxisRow>> axes() override {
     if (failure) return tl::unexpected(*failure);
     if (!closed_because.empty()) {
-      return std::vector<AxisRow>{{"x", "bench", 1, 0, "", "unknown", "", closed_because},
-                                  {"y", "bench", 1, 1, "", "unknown", "", closed_because}};
+      return std::vector<AxisRow>{{{"x", "bench", 1, 0, {}, "unknown", {}}, closed_because},
+                                  {{"y", "bench", 1, 1, {}, "unknown", {}}, closed_because}};
     }
-    return std::vector<AxisRow>{
-        {"x", "bench", 1, 0, "TMCM-1110", "ready", user ? user->unit : std::string()}};
+    const auto unit = user ? std::optional(user->unit) : std::nullopt;
+    return std::vector<AxisRow>{{{"x", "bench", 1, 0, "TMCM-1110", "ready", unit}}};
   }
-  Attempt<std::vector<ParameterRow>> parameters(const std::string&) override {
-    return std::vector<ParameterRow>{
-        {4, "max_velocity", true, 0, 2047, "internal", "speed", true, 1000, {"v_max"}},
-        {0, "target_position", true, -9, 9, "microstep", "where to", false, 0, {"xtarget"}},
-        {3, "actual_velocity", false, -9, 9, "internal", "speed now"}};
+  Attempt<std::vector<api::parameter::Parameter>> parameters(const std::string&) override {
+    const std::string both = "read_write";
+    return std::vector<api::parameter::Parameter>{
+        {4, "max_velocity", both, true, 0, 2047, 1000, "internal", "speed", {}, {"v_max"}},
+        {0, "target_position", both, false, -9, 9, 0, "microstep", "where to", {}, {"xtarget"}},
+        {3, "actual_velocity", "read", false, -9, 9, 0, "internal", "speed now", {}, {}}};
   }
-  Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) override {
+  static api::parameter::Held held(std::uint8_t number, const std::string& name, std::int32_t value,
+                                   const std::optional<InUnit>& in_unit = {},
+                                   const Warnings& warnings = {}) {
+    api::parameter::Held held{{{name, number}, value, {}, {}}, warnings};
+    if (in_unit) held.unit = in_unit->unit;
+    if (in_unit) held.value_in_unit = in_unit->value;
+    return held;
+  }
+  Attempt<api::parameter::Held> get(const std::string& axis,
+                                    const std::string& parameter) override {
     if (failure) return tl::unexpected(*failure);
-    if (parameter == "ramp_mode") return ParameterValue{138, parameter, stopped_now() ? 2 : 0};
     const auto name = parse_parameter(common_parameters(), parameter);
     if (!name) return tl::unexpected(name.error());
     calls.push_back("get " + axis + ' ' + name->name);
     if (values.contains(parameter))
-      return ParameterValue{name->number, name->name, values[parameter], told_in_unit};
-    return ParameterValue{name->number, name->name, -1500};
+      return held(name->number, name->name, values[parameter], told_in_unit);
+    return held(name->number, name->name, -1500);
   }
   using Target::set;
-  Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
-                              const Typed& typed) override {
+  Attempt<api::parameter::Held> set(const std::string& axis, const std::string& parameter,
+                                    const Typed& typed) override {
     if (failure) return tl::unexpected(*failure);
     calls.push_back("set " + axis + ' ' + parameter + ' ' + typed.text);
     if (parameter == refused_parameter)
       return tl::unexpected(Failure{ExitCode::refused, "refused_by_module", "it refused"});
     const auto value = attempt(tmcl::parse_quantity(typed.text));
     if (!value) return tl::unexpected(value.error());
-    return ParameterValue{
-        4, "max_velocity", static_cast<std::int32_t>(value->number), {}, warnings};
+    return held(4, "max_velocity", static_cast<std::int32_t>(value->number), {}, warnings);
   }
   Attempt<AxisUnits> units(const std::string& axis) override {
     if (failure) return tl::unexpected(*failure);
@@ -129,14 +153,14 @@ class FakeTarget : public Target {
       return tl::unexpected(usage_failure("unknown_axis", "there is no axis '" + axis + "'"));
     return counts;
   }
-  Attempt<StartedMove> move_to(const std::string& axis, const Typed& position) override {
+  Attempt<api::axis::StartedMove> move_to(const std::string& axis, const Typed& position) override {
     return go(axis, position, 0);
   }
-  Attempt<StartedMove> move_by(const std::string& axis, const Typed& distance) override {
+  Attempt<api::axis::StartedMove> move_by(const std::string& axis, const Typed& distance) override {
     return go(axis, distance, at());
   }
-  Attempt<Turning> rotate(const std::string& axis, const Typed& velocity,
-                          bool unattended) override {
+  Attempt<api::axis::Turning> rotate(const std::string& axis, const Typed& velocity,
+                                     bool unattended) override {
     if (failure) return tl::unexpected(*failure);
     const auto value = counted(velocity, tmcl::axis_parameter::target_velocity);
     if (!value) return tl::unexpected(value.error());
@@ -148,7 +172,10 @@ class FakeTarget : public Target {
       target_ = far_away;
       began_ = host_.now();
     }
-    return Turning{{*value}, told_in_unit};
+    api::axis::Turning turning{*value, {}, {}, {}};
+    if (told_in_unit) turning.unit = told_in_unit->unit;
+    if (told_in_unit) turning.velocity = told_in_unit->value;
+    return turning;
   }
   Attempt<void> stop(const std::string& axis) override {
     if (failure) return tl::unexpected(*failure);
@@ -163,15 +190,17 @@ class FakeTarget : public Target {
   Attempt<AxisReading> state(const std::string&) override {
     if (failure) return tl::unexpected(*failure);
     AxisReading reading;
-    reading.position = {at()};
-    reading.target = {target_};
+    reading.axis = "x";
+    reading.position_microsteps = at();
+    reading.target_microsteps = target_;
     const auto direction = target_ >= from_ ? 1 : -1;
     reading.moving = at() != target_ && !stopped_now();
-    reading.velocity = {reading.moving ? 100 * direction : 0};
+    reading.velocity_internal = reading.moving ? 100 * direction : 0;
     reading.position_reached = at() == target_;
     reading.taken_at = host_.now();
-    reading.user = user;
-    if (tells_position_in_mm) reading.user = {"mm", at() / 10'240.0, target_ / 10'240.0, 0.5};
+    if (user) user->put_into(reading);
+    if (tells_position_in_mm)
+      UserReading{"mm", at() / 10'240.0, target_ / 10'240.0, 0.5}.put_into(reading);
     return reading;
   }
   Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
@@ -181,6 +210,23 @@ class FakeTarget : public Target {
       if (!reading) return tl::unexpected(reading.error());
       if (!on_reading(&*reading)) return {};
       host_.sleep(interval);
+    }
+  }
+  Attempt<Warnings> wait(const Wait& wait,
+                         const std::function<void(const AxisReading&)>& on_reading) override {
+    const auto begin = host_.now();
+    while (true) {
+      const auto reading = state(wait.axis);
+      if (!reading) return tl::unexpected(reading.error());
+      on_reading(*reading);
+      if (host_.signal() != 0)
+        return tl::unexpected(Failure{ExitCode::interrupted, "cancelled", "interrupted"});
+      if (reading->position_microsteps == wait.goal.value) return warnings;
+      if (stopped_now())
+        return tl::unexpected(Failure{ExitCode::not_reached, "move_interrupted", "it stands"});
+      if (wait.at_most && host_.now() - begin >= *wait.at_most)
+        return tl::unexpected(Failure{ExitCode::not_reached, "deadline_passed", "it moves"});
+      host_.sleep(wait.interval);
     }
   }
   Attempt<void> watch_axes(const std::vector<std::string>& axes, tmcl::Duration interval,
@@ -216,7 +262,6 @@ class FakeTarget : public Target {
   Attempt<boost::json::object> perform(const std::string& method, boost::json::object params,
                                        const NewsHandler& on_news) override {
     if (failure) return tl::unexpected(*failure);
-    if (method == "axis.wait") return stand();
     calls.push_back(method + ' ' + boost::json::serialize(params));
     if (on_news && !on_news({{"phase", "writing"}, {"done", 1}, {"of", 2}, {"step", 1}})) {
       return tl::unexpected(Failure{ExitCode::unknown, "download_broken", "it was cancelled"});
@@ -227,12 +272,7 @@ class FakeTarget : public Target {
     return result;
   }
   std::deque<boost::json::object> results;  ///< One after the other, before `result`.
-  Attempt<boost::json::object> stand() {
-    if (passes_its_goal-- > 0)
-      return tl::unexpected(Failure{ExitCode::not_reached, "deadline_passed", "it moves"});
-    return boost::json::object{{"warnings", boost::json::array(warnings.begin(), warnings.end())}};
-  }
-  boost::json::object result;  ///< Of every other method.
+  boost::json::object result;               ///< Of every other method.
   Attempt<void> hear_arrivals(const ModuleName&, const std::function<Attempt<void>()>& ask,
                               const ArrivalHandler& on_arrival) override {
     auto asked = ask();
@@ -302,7 +342,7 @@ class FakeTarget : public Target {
     return attempt(to_parameter(*quantity, quantity->unit.empty() ? AxisUnits{"x"} : counts,
                                 *find_parameter(counts.parameters(), parameter)));
   }
-  Attempt<StartedMove> go(const std::string& axis, const Typed& way, std::int32_t from) {
+  Attempt<api::axis::StartedMove> go(const std::string& axis, const Typed& way, std::int32_t from) {
     if (failure) return tl::unexpected(*failure);
     const auto microsteps = counted(way, tmcl::axis_parameter::target_position);
     if (!microsteps) return tl::unexpected(microsteps.error());
@@ -311,7 +351,10 @@ class FakeTarget : public Target {
     from_ = at();
     target_ = goal.value;
     began_ = host_.now();
-    return StartedMove{goal, predicted_s, told_in_unit};
+    api::axis::StartedMove move{goal.value, {}, {}, predicted_s, {}};
+    if (told_in_unit) move.unit = told_in_unit->unit;
+    if (told_in_unit) move.target = told_in_unit->value;
+    return move;
   }
   bool stopped_now() const {
     return stopped_by_other_after && host_.now() - began_ >= *stopped_by_other_after;

@@ -126,9 +126,12 @@ TEST(AxisRows, PlacesAnAxisWithinItsLimits) {
 
 TEST(AxisRows, SaysAllAboutAnAxisInOneLine) {
   AxisReading reading;
-  reading.user = UserReading{"mm", 5, 10, 2.5};
+  UserReading{"mm", 5, 10, 2.5}.put_into(reading);
   reading.moving = true;
-  reading.condition = {.latched = true, .referenced = true, .stop_cause = "stall", .lease = 7};
+  reading.latched = true;
+  reading.referenced = true;
+  reading.stop_cause = "stall";
+  reading.lease = 7;
   const std::vector<AxisLine> axes{
       {"x", "ready", reading, tmcl::SoftLimits{{0}, {10}}}, {"ghost", "silent"}, {"new", "ready"}};
   const auto lines = lines_of(axes, 100, false);
@@ -143,7 +146,7 @@ TEST(AxisRows, SaysAllAboutAnAxisInOneLine) {
 
 TEST(AxisRows, WhatAnAxisWithoutAUnitIsWithinIsInMicrosteps) {
   AxisReading reading;
-  reading.position = {100};
+  reading.position_microsteps = 100;
   reading.position_reached = true;
   const auto lines = lines_of({{"x", "ready", reading, tmcl::SoftLimits{{0}, {100}}}}, 60, false);
   EXPECT_THAT(lines[1], ContainsRegex(R"(x +at target +100  \[\.+#\] +0$)"));

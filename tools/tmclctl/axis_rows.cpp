@@ -27,21 +27,21 @@ std::string motion_word(const AxisLine& axis) {
   return axis.reading->position_reached ? "at target" : "stands";
 }
 
-std::string flags_text(const AxisCondition& condition, bool moving) {
+std::string flags_text(const AxisReading& reading) {
   std::string flags;
   const auto add = [&](const std::string& flag) { flags += (flags.empty() ? "" : ", ") + flag; };
-  if (condition.latched) add("LATCHED");
-  if (condition.stop_cause && !moving) add("stopped: " + *condition.stop_cause);
-  if (condition.unattended) add("unattended");
-  if (condition.lease) add(fmt::format("lease {}", *condition.lease));
-  if (condition.referenced) add("referenced");
+  if (reading.latched) add("LATCHED");
+  if (reading.stop_cause && !reading.moving) add("stopped: " + *reading.stop_cause);
+  if (reading.unattended) add("unattended");
+  if (reading.lease) add(fmt::format("lease {}", *reading.lease));
+  if (reading.referenced) add("referenced");
   return flags;
 }
 
 std::string bar_text(const AxisLine& axis, int width) {
   if (!axis.reading || !axis.limits) return {};
   const auto& reading = *axis.reading;
-  const double position = reading.user ? reading.user->position : reading.position.value;
+  const double position = reading.position.value_or(reading.position_microsteps);
   return place_between(axis.limits->least.value, axis.limits->greatest.value, position, width);
 }
 
@@ -81,7 +81,7 @@ std::vector<std::string> lines_of(const std::vector<AxisLine>& axes, int width, 
     lines.push_back(
         line(axis.name, motion_word(axis), reading ? position_text(*reading, internal) : "-",
              bar_text(axis, bar_width), reading ? velocity_text(*reading, internal) : "-",
-             reading ? flags_text(reading->condition, reading->moving) : ""));
+             reading ? flags_text(*reading) : ""));
   }
   return lines;
 }

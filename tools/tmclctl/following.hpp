@@ -1,4 +1,4 @@
-/// Looks at an axis on its way, until it has arrived or something else ends the move.
+/// Waits for an axis on its way, until it has arrived or something else ends the move.
 #pragma once
 
 #include <functional>
@@ -8,21 +8,18 @@
 
 namespace tmclctl {
 
-/// How long an axis may stand before it counts as stopped.
-constexpr tmcl::Duration standstill_limit = std::chrono::seconds(1);
-
 struct Journey {
   std::string axis;
   tmcl::Microsteps goal;
   tmcl::TimePoint started_at;
-  tmcl::Duration interval;  ///< Between two looks.
+  tmcl::Duration interval;  ///< Between two readings.
   std::optional<tmcl::Duration> timeout{};
   /// The goal in the unit of the axis: then everything is told in that.
   std::optional<InUnit> goal_in_unit{};
 };
 
 /// What the settings of the axis make of moves, once it stands at its goal and stays there, or why
-/// it is not going to be watched any longer: interrupted by someone else, by a signal, by the time
+/// it is not waited for any longer: interrupted by someone else, by a signal, by the time
 /// limit, or because it does not answer.
 Attempt<Warnings> follow(const Journey& journey, Context& context,
                          const std::function<void(const AxisReading&)>& on_reading);

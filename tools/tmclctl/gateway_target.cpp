@@ -25,6 +25,8 @@ constexpr int move_deadline_ms = 5000;
 constexpr auto longest_silence = std::chrono::milliseconds(100);
 // An axis that says nothing for so long while it is watched is asked whether it is still there.
 constexpr auto doubtful_silence = std::chrono::seconds(1);
+// Of one call that waits: shorter than any client waits for an answer.
+constexpr tmcl::Duration longest_wait_call = std::chrono::seconds(5);
 // Of a firmware image, in one line of the protocol: a third of what that may have.
 constexpr std::size_t staged_at_once = 16'384;
 // A module may say nothing for so long while it erases its firmware, three times.
@@ -53,6 +55,10 @@ std::optional<std::int32_t> counted_in(const Typed& typed) {
 }
 std::optional<api::Amount> amount_in(const Typed& typed) {
   return counted_in(typed) ? std::nullopt : std::optional<api::Amount>(typed.text);
+}
+
+std::int32_t in_milliseconds(tmcl::Duration interval) {
+  return static_cast<std::int32_t>(std::chrono::round<std::chrono::milliseconds>(interval).count());
 }
 
 std::string or_empty(const std::optional<std::string>& text) { return text.value_or(""); }
@@ -86,25 +92,8 @@ std::vector<ModuleRow> modules_from(const std::vector<Module>& found) {
   return rows;
 }
 
-std::optional<InUnit> in_unit(std::optional<double> number,
-                              const std::optional<std::string>& unit) {
-  return number ? std::optional(InUnit{*number, or_empty(unit)}) : std::nullopt;
-}
-
 Failure failure_from_json(const json::object& error) {
   return failure_from(tmcl::client::call_error_from(error));
-}
-
-ParameterValue value_from(const api::parameter::Value& value) {
-  return {value.number, value.parameter.value_or(std::to_string(value.number)), value.value,
-          in_unit(value.value_in_unit, value.unit)};
-}
-
-StartedMove move_from(const api::axis::StartedMove& moved) {
-  return {{moved.target_microsteps},
-          moved.predicted_s,
-          in_unit(moved.target, moved.unit),
-          moved.warnings.value_or(std::vector<std::string>())};
 }
 
 std::optional<tmcl::UserScale> scale_from(const api::axis::Units& units) {
@@ -208,7 +197,9 @@ Attempt<std::vector<AxisRow>> GatewayTarget::found_axes() {
     for (const auto& module : found) {
       for (std::uint8_t motor = 0; motor < module.axes; ++motor) {
         const auto name = axis_name({tmcl::ModuleAddress{module.address}, motor});
-        rows.push_back({name, module.bus, module.address, motor, module.model, "ready"});
+        auto& row =
+            rows.emplace_back(AxisRow{{name, module.bus, module.address, motor, {}, "ready", {}}});
+        if (!module.model.empty()) row.model = module.model;
       }
     }
     return rows;
@@ -220,10 +211,7 @@ Attempt<std::vector<AxisRow>> GatewayTarget::axes() {
   const auto found = door_->call(api::axis::List{});
   if (!found) return tl::unexpected(found.error());
   std::vector<AxisRow> rows;
-  for (const auto& axis : found->axes) {
-    rows.push_back({axis.name, axis.bus, axis.address, axis.motor, or_empty(axis.model), axis.state,
-                    or_empty(axis.unit)});
-  }
+  for (const auto& axis : found->axes) rows.push_back({axis});
   if (std::ranges::count(rows, unknown_state, &AxisRow::state) != 0) add_reasons(rows);
   return rows;
 }
@@ -241,32 +229,24 @@ void GatewayTarget::add_reasons(std::vector<AxisRow>& axes) {
   }
 }
 
-Attempt<std::vector<ParameterRow>> GatewayTarget::parameters(const std::string& axis) {
-  const auto found = door_->call(api::parameter::List{axis});
-  if (!found) return tl::unexpected(found.error());
-  std::vector<ParameterRow> rows;
-  for (const auto& row : found->parameters) {
-    const bool writable = row.access.find('w') != std::string::npos;
-    rows.push_back({row.number, row.name, writable, row.minimum, row.maximum, row.unit, row.meaning,
-                    row.stored, row.initial, row.aliases});
-  }
-  return rows;
+Attempt<std::vector<api::parameter::Parameter>> GatewayTarget::parameters(const std::string& axis) {
+  return door_->call(api::parameter::List{axis}).map([](const api::parameter::Parameters& found) {
+    return found.parameters;
+  });
 }
 
-Attempt<ParameterValue> GatewayTarget::get(const std::string& axis, const std::string& parameter) {
-  return door_->call(api::parameter::Get{{axis, parameter_value(parameter)}}).map(value_from);
-}
-
-Attempt<ParameterValue> GatewayTarget::set(const std::string& axis, const std::string& parameter,
-                                           const Typed& value) {
-  return door_
-      ->call(api::parameter::Set{
-          {axis, parameter_value(parameter)}, counted_in(value), amount_in(value)})
-      .map([](const api::parameter::Held& held) {
-        auto kept = value_from(held);
-        kept.warnings = held.warnings;
-        return kept;
+Attempt<api::parameter::Held> GatewayTarget::get(const std::string& axis,
+                                                 const std::string& parameter) {
+  return door_->call(api::parameter::Get{{axis, parameter_value(parameter)}})
+      .map([](const api::parameter::Value& value) {
+        return api::parameter::Held{value, {}};
       });
+}
+
+Attempt<api::parameter::Held> GatewayTarget::set(const std::string& axis,
+                                                 const std::string& parameter, const Typed& value) {
+  return door_->call(
+      api::parameter::Set{{axis, parameter_value(parameter)}, counted_in(value), amount_in(value)});
 }
 
 Attempt<AxisUnits> GatewayTarget::units(const std::string& axis) {
@@ -275,30 +255,22 @@ Attempt<AxisUnits> GatewayTarget::units(const std::string& axis) {
   });
 }
 
-Attempt<StartedMove> GatewayTarget::move_to(const std::string& axis, const Typed& position) {
-  return door_
-      ->call(
-          api::axis::MoveTo{axis, counted_in(position), amount_in(position), {}, move_deadline_ms})
-      .map(move_from);
+Attempt<api::axis::StartedMove> GatewayTarget::move_to(const std::string& axis,
+                                                       const Typed& position) {
+  return door_->call(
+      api::axis::MoveTo{axis, counted_in(position), amount_in(position), {}, move_deadline_ms});
 }
 
-Attempt<StartedMove> GatewayTarget::move_by(const std::string& axis, const Typed& distance) {
-  return door_
-      ->call(
-          api::axis::MoveBy{axis, counted_in(distance), amount_in(distance), {}, move_deadline_ms})
-      .map(move_from);
+Attempt<api::axis::StartedMove> GatewayTarget::move_by(const std::string& axis,
+                                                       const Typed& distance) {
+  return door_->call(
+      api::axis::MoveBy{axis, counted_in(distance), amount_in(distance), {}, move_deadline_ms});
 }
 
-Attempt<Turning> GatewayTarget::rotate(const std::string& axis, const Typed& velocity,
-                                       bool unattended) {
-  return door_
-      ->call(api::axis::Rotate{axis, counted_in(velocity), amount_in(velocity), unattended,
-                               move_deadline_ms})
-      .map([](const api::axis::Turning& turning) {
-        return Turning{{turning.velocity_internal},
-                       in_unit(turning.velocity, turning.unit),
-                       turning.warnings.value_or(std::vector<std::string>())};
-      });
+Attempt<api::axis::Turning> GatewayTarget::rotate(const std::string& axis, const Typed& velocity,
+                                                  bool unattended) {
+  return door_->call(api::axis::Rotate{axis, counted_in(velocity), amount_in(velocity), unattended,
+                                       move_deadline_ms});
 }
 
 Attempt<void> GatewayTarget::stop(const std::string& axis) {
@@ -345,22 +317,7 @@ Attempt<std::vector<StoppedAxis>> GatewayTarget::stop_all() {
 }
 
 AxisReading GatewayTarget::reading_from(const api::axis::State& state) const {
-  AxisReading reading;
-  reading.position = {state.position_microsteps};
-  reading.velocity = {state.velocity_internal};
-  reading.velocity_pps = state.velocity_pps;
-  reading.target = {state.target_microsteps};
-  reading.position_reached = state.position_reached;
-  reading.condition = {state.latched, state.referenced, state.stop_cause, state.lease,
-                       state.unattended};
-  reading.moving = state.moving;
-  if (state.position) {
-    reading.user = {or_empty(state.unit), *state.position, state.target.value_or(0),
-                    state.velocity};
-  }
-  reading.age = std::chrono::milliseconds(state.age_ms);
-  reading.taken_at = host_.now() - reading.age;
-  return reading;
+  return {state, host_.now() - std::chrono::milliseconds(state.age_ms)};
 }
 
 Attempt<AxisReading> GatewayTarget::state(const std::string& axis) {
@@ -376,14 +333,11 @@ Attempt<void> GatewayTarget::watch(const std::string& axis, tmcl::Duration inter
   door_->on_notification([&](std::string_view method, const json::object& params) {
     if (method != api::NewState::notification) return;
     const auto news = api::from_json<api::NewState>(params);
-    if (news.axis != axis) return;
     heard_at = host_.now();
     const auto reading = reading_from(news);
     if (wanted) wanted = on_reading(&reading);
   });
-  const auto interval_ms = std::chrono::duration_cast<std::chrono::milliseconds>(interval).count();
-  const auto subscribed =
-      door_->call(api::Subscribe{{{axis}}, static_cast<std::int32_t>(interval_ms)});
+  const auto subscribed = door_->call(api::Subscribe{{{axis}}, in_milliseconds(interval)});
   if (!subscribed) return tl::unexpected(subscribed.error());
   for (const auto& failed : subscribed->failed)
     return tl::unexpected(failure_from_json(failed.error));
@@ -405,6 +359,50 @@ Attempt<void> GatewayTarget::watch(const std::string& axis, tmcl::Duration inter
   return {};
 }
 
+/// Asked anew every few seconds: a gateway that says nothing any more is noticed.
+Attempt<Warnings> GatewayTarget::await_standing(const Wait& wait) {
+  using std::chrono::milliseconds;
+  const auto begin = host_.now();
+  while (true) {
+    const auto left = wait.at_most.value_or(tmcl::Duration::max()) - (host_.now() - begin);
+    const auto call_time = std::clamp<tmcl::Duration>(left, shortest_wait, longest_wait_call);
+    const api::axis::Wait call{wait.axis, std::chrono::ceil<milliseconds>(call_time).count(),
+                               wait.goal.value};
+    const auto stands = door_->call(call);
+    if (stands) return stands->warnings;
+    const bool goes_on =
+        stands.error().name == name_of(tmcl::Errc::deadline_passed) && left > longest_wait_call;
+    if (!goes_on) return tl::unexpected(stands.error());
+  }
+}
+
+Attempt<Warnings> GatewayTarget::wait(const Wait& wait,
+                                      const std::function<void(const AxisReading&)>& on_reading) {
+  door_->on_notification([&](std::string_view method, const json::object& params) {
+    if (method == api::NewState::notification)
+      on_reading(reading_from(api::from_json<api::NewState>(params)));
+  });
+  const auto subscribed =
+      door_->call(api::Subscribe{{{wait.axis}}, in_milliseconds(wait.interval)});
+  if (!subscribed) {
+    door_->on_notification({});
+    return tl::unexpected(subscribed.error());
+  }
+  for (const auto& now : subscribed->states) on_reading(reading_from(now));
+  auto stands = await_standing(wait);
+  door_->on_notification({});
+  // Nobody is there any more, or nobody wants to know.
+  if (!stands && (stands.error().exit != ExitCode::not_reached || host_.signal() != 0))
+    return stands;
+  const auto last = state(wait.axis);
+  if (last) on_reading(*last);
+  if (stands && !last) return tl::unexpected(last.error());
+  const api::Unsubscribe unsubscribe{static_cast<std::int32_t>(subscribed->subscription)};
+  const auto ended = door_->call(unsubscribe);
+  if (stands && !ended) return tl::unexpected(ended.error());
+  return stands;
+}
+
 Attempt<void> GatewayTarget::watch_axes(const std::vector<std::string>& axes,
                                         tmcl::Duration interval, const AxesWatcher& watcher) {
   // What a handler asks is answered while the next notifications come, so they wait for their turn.
@@ -422,8 +420,7 @@ Attempt<void> GatewayTarget::watch_axes(const std::vector<std::string>& axes,
       if (method == api::Event::notification && watcher.on_event) watcher.on_event(params);
     }
   };
-  api::Subscribe subscribe{.interval_ms = static_cast<std::int32_t>(
-                               std::chrono::round<std::chrono::milliseconds>(interval).count())};
+  api::Subscribe subscribe{.interval_ms = in_milliseconds(interval)};
   if (!axes.empty()) subscribe.axes = axes;
   const auto subscribed = door_->call(subscribe);
   auto result = subscribed.map([](const auto&) {});

@@ -22,20 +22,27 @@ class GatewayTarget final : public Target {
   Attempt<ScanResult> scan(ScanRange range, const Progress& progress) override;
   Attempt<std::vector<ModuleRow>> modules() override;
   Attempt<std::vector<AxisRow>> axes() override;
-  Attempt<std::vector<ParameterRow>> parameters(const std::string& axis) override;
-  Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) override;
+  Attempt<std::vector<tmcl::api::parameter::Parameter>> parameters(
+      const std::string& axis) override;
+  Attempt<tmcl::api::parameter::Held> get(const std::string& axis,
+                                          const std::string& parameter) override;
   using Target::set;
-  Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
-                              const Typed& value) override;
+  Attempt<tmcl::api::parameter::Held> set(const std::string& axis, const std::string& parameter,
+                                          const Typed& value) override;
   Attempt<AxisUnits> units(const std::string& axis) override;
-  Attempt<StartedMove> move_to(const std::string& axis, const Typed& position) override;
-  Attempt<StartedMove> move_by(const std::string& axis, const Typed& distance) override;
-  Attempt<Turning> rotate(const std::string& axis, const Typed& velocity, bool unattended) override;
+  Attempt<tmcl::api::axis::StartedMove> move_to(const std::string& axis,
+                                                const Typed& position) override;
+  Attempt<tmcl::api::axis::StartedMove> move_by(const std::string& axis,
+                                                const Typed& distance) override;
+  Attempt<tmcl::api::axis::Turning> rotate(const std::string& axis, const Typed& velocity,
+                                           bool unattended) override;
   Attempt<void> stop(const std::string& axis) override;
   Attempt<std::vector<StoppedAxis>> stop_all() override;
   Attempt<AxisReading> state(const std::string& axis) override;
   Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
                       const ReadingHandler& on_reading) override;
+  Attempt<Warnings> wait(const Wait& wait,
+                         const std::function<void(const AxisReading&)>& on_reading) override;
   Attempt<void> watch_axes(const std::vector<std::string>& axes, tmcl::Duration interval,
                            const AxesWatcher& watcher) override;
   Attempt<void> reopen() override { return door_->reopen(); }
@@ -62,6 +69,7 @@ class GatewayTarget final : public Target {
   Attempt<std::vector<AxisRow>> found_axes();
   Attempt<std::vector<StoppedAxis>> stop_found();
   void stop_motors(const ModuleRow& module, std::vector<StoppedAxis>& stopped);
+  Attempt<Warnings> await_standing(const Wait& wait);
   void add_reasons(std::vector<AxisRow>& axes);
   Attempt<boost::json::object> call(std::string_view method, boost::json::object params);
   AxisReading reading_from(const tmcl::api::axis::State& state) const;

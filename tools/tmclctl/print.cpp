@@ -50,20 +50,18 @@ void Table::print(std::ostream& out) const {
 }
 
 std::string position_text(const AxisReading& reading, bool internal) {
-  const bool in_unit = reading.user && !internal;
-  return shown(in_unit ? std::optional(reading.user->position_in_unit()) : std::nullopt,
-               reading.position.value);
+  return shown(internal ? std::nullopt : in_unit(reading.position, reading.unit),
+               reading.position_microsteps);
 }
 
 std::string target_text(const AxisReading& reading, bool internal) {
-  const bool in_unit = reading.user && !internal;
-  return shown(in_unit ? std::optional(reading.user->target_in_unit()) : std::nullopt,
-               reading.target.value);
+  return shown(internal ? std::nullopt : in_unit(reading.target, reading.unit),
+               reading.target_microsteps);
 }
 
 std::string velocity_text(const AxisReading& reading, bool internal) {
-  const bool in_unit = reading.user && !internal;
-  return shown(in_unit ? reading.user->velocity_in_unit() : std::nullopt, reading.velocity.value);
+  return shown(internal ? std::nullopt : in_unit_a_second(reading.velocity, reading.unit),
+               reading.velocity_internal);
 }
 
 std::string_view access_text(bool writable, bool stored) {
@@ -91,54 +89,24 @@ json::object to_json(const ModuleRow& row) {
 }
 
 json::object to_json(const AxisRow& row) {
-  return {{"name", row.name},
-          {"bus", row.bus},
-          {"address", row.address},
-          {"motor", row.motor},
-          {"model", text_or_null(row.model)},
-          {"state", row.state},
-          {"why", text_or_null(row.why)},
-          {"unit", text_or_null(row.unit)}};
-}
-
-json::object to_json(const std::string& axis, const ParameterValue& value) {
-  json::object object{
-      {"axis", axis}, {"parameter", value.name}, {"number", value.number}, {"value", value.value}};
-  if (value.in_unit) {
-    object["value_in_unit"] = value.in_unit->value;
-    object["unit"] = value.in_unit->unit;
-  }
+  auto object = tmcl::api::to_json<tmcl::api::axis::Axis>(row);
+  object["why"] = text_or_null(row.why);
   return object;
 }
 
-json::object to_json(const std::string& axis, const AxisReading& reading) {
-  const std::chrono::duration<double, std::milli> age = reading.age;
+std::string name_of(const tmcl::api::parameter::Number& parameter) {
+  return parameter.parameter.value_or(std::to_string(parameter.number));
+}
+
+json::object to_json(const std::string& axis, const tmcl::api::parameter::Held& value) {
   json::object object{{"axis", axis},
-                      {"position_microsteps", reading.position.value},
-                      {"velocity_internal", reading.velocity.value},
-                      {"velocity_pps", reading.velocity_pps ? json::value(*reading.velocity_pps)
-                                                            : json::value(nullptr)},
-                      {"target_microsteps", reading.target.value},
-                      {"position_reached", reading.position_reached},
-                      {"moving", reading.moving},
-                      {"unit", nullptr},
-                      {"position", nullptr},
-                      {"velocity", nullptr},
-                      {"target", nullptr},
-                      {"age_ms", age.count()}};
-  if (const auto& user = reading.user) {
-    object["unit"] = user->unit;
-    object["position"] = user->position;
-    if (user->velocity) object["velocity"] = *user->velocity;
-    object["target"] = user->target;
+                      {"parameter", name_of(value)},
+                      {"number", value.number},
+                      {"value", value.value}};
+  if (const auto shown = in_unit(value.value_in_unit, value.unit)) {
+    object["value_in_unit"] = shown->value;
+    object["unit"] = shown->unit;
   }
-  const auto& condition = reading.condition;
-  object["latched"] = condition.latched;
-  object["referenced"] = condition.referenced;
-  object["stop_cause"] =
-      condition.stop_cause ? json::value(*condition.stop_cause) : json::value(nullptr);
-  object["lease"] = condition.lease ? json::value(*condition.lease) : json::value(nullptr);
-  object["unattended"] = condition.unattended;
   return object;
 }
 

@@ -37,9 +37,11 @@ std::string velocity_text(const AxisReading& reading, bool internal);
 /// "R", "RW" or, for what can be kept in the EEPROM, "RWE".
 std::string_view access_text(bool writable, bool stored);
 
+/// Its standard name, or its number if it has none.
+std::string name_of(const tmcl::api::parameter::Number& parameter);
+
 boost::json::object to_json(const ModuleRow& row);
 boost::json::object to_json(const AxisRow& row);
-boost::json::object to_json(const std::string& axis, const ParameterValue& value);
-boost::json::object to_json(const std::string& axis, const AxisReading& reading);
+boost::json::object to_json(const std::string& axis, const tmcl::api::parameter::Held& value);
 
 }  // namespace tmclctl

@@ -25,6 +25,17 @@ int decimals_for(double one) {
 
 }  // namespace
 
+std::optional<InUnit> in_unit(const std::optional<double>& number,
+                              const std::optional<std::string>& unit) {
+  if (!number || !unit) return std::nullopt;
+  return InUnit{*number, *unit};
+}
+
+std::optional<InUnit> in_unit_a_second(const std::optional<double>& number,
+                                       const std::optional<std::string>& unit) {
+  return in_unit(number, unit ? std::optional(*unit + "/s") : std::nullopt);
+}
+
 std::string shown_number(double value, double counted) {
   // Nothing tells then what one is.
   if (counted == 0 || value == 0) return fmt::format("{:.10g}", value);

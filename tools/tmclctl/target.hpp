@@ -14,7 +14,7 @@
 #include "names.hpp"
 #include "screen.hpp"
 #include "shown.hpp"
-#include "tmcl/api/field.hpp"
+#include "tmcl/api/parameter.hpp"
 #include "tmcl/awaited_file.hpp"
 #include "tmcl/firmware_verbs.hpp"
 #include "tmcl/link.hpp"
@@ -47,75 +47,13 @@ struct ModuleRow {
   boost::json::value deadman{};  ///< Null after a scan; else as module.list has it.
 };
 
-struct AxisRow {
-  std::string name;
-  std::string bus;
-  std::uint16_t address = 0;
-  std::uint8_t motor = 0;
-  std::string model;
-  std::string state;
-  std::string unit{};  ///< Empty if it has none.
-  std::string why{};   ///< It cannot be reached; empty if nothing is known to be wrong.
+struct AxisRow : tmcl::api::axis::Axis {
+  std::string why{};  ///< It cannot be reached; empty if nothing is known to be wrong.
 };
 
-struct ParameterValue {
-  std::uint8_t number = 0;
-  std::string name;  ///< Standard name; the number as text for a parameter without one.
-  std::int32_t value = 0;
-  std::optional<InUnit> in_unit{};  ///< Nothing without a unit, and for what measures nothing.
-  Warnings warnings{};              ///< Of one that was set.
-};
-
-struct ParameterRow {
-  std::uint8_t number = 0;
-  std::string name;
-  bool writable = false;
-  std::int32_t minimum = 0;
-  std::int32_t maximum = 0;
-  std::string unit;
-  std::string meaning;
-  bool stored = false;       ///< Can be kept in the EEPROM.
-  std::int32_t initial = 0;  ///< As it was delivered.
-  std::vector<std::string> aliases{};
-};
-
-/// The same in the unit of the axis.
-struct UserReading {
-  std::string unit;
-  double position = 0;
-  double target = 0;
-  std::optional<double> velocity;
-  bool operator==(const UserReading&) const = default;
-
-  InUnit position_in_unit() const { return {position, unit}; }
-  InUnit target_in_unit() const { return {target, unit}; }
-  std::optional<InUnit> velocity_in_unit() const {
-    return velocity ? std::optional(InUnit{*velocity, unit + "/s"}) : std::nullopt;
-  }
-};
-
-/// What else is to be known about an axis before it is moved.
-struct AxisCondition {
-  bool latched = false;
-  bool referenced = false;
-  std::optional<std::string> stop_cause;
-  std::optional<std::int32_t> lease;
-  bool unattended = false;
-  bool operator==(const AxisCondition&) const = default;
-};
-
-struct AxisReading {
-  tmcl::Microsteps position;
-  tmcl::InternalVelocity velocity;
-  std::optional<double> velocity_pps;
-  tmcl::Microsteps target;
-  bool position_reached = false;
-  bool moving = false;
-  std::optional<UserReading> user;  ///< Nothing for an axis without a unit.
-  AxisCondition condition{};
+/// What an axis does, and when that was so.
+struct AxisReading : tmcl::api::axis::State {
   tmcl::TimePoint taken_at{};
-  tmcl::Duration age{};
-  bool operator==(const AxisReading&) const = default;
 };
 
 /// A position, a distance or a velocity.
@@ -129,22 +67,6 @@ inline Typed counted(std::int32_t value) { return {std::to_string(value), true};
 /// Puts it into the parameters of a method: as `name`, or as `plain` if it is what a module counts.
 void put(boost::json::object& params, std::string_view name, std::string_view plain,
          const Typed& typed);
-
-/// A move that a module has taken.
-struct StartedMove {
-  tmcl::Microsteps goal;
-  std::optional<double> predicted_s;     ///< How long it will take; nothing where nobody can tell.
-  std::optional<InUnit> goal_in_unit{};  ///< Nothing for an axis without a unit.
-  Warnings warnings{};
-};
-
-/// A speed that a module has taken.
-struct Turning {
-  tmcl::InternalVelocity velocity;
-  /// Per second; nothing for an axis without a unit, and where the conversion is not known.
-  std::optional<InUnit> in_unit{};
-  Warnings warnings{};
-};
 
 struct ScanRange {
   std::uint16_t first = 1;
@@ -184,6 +106,16 @@ struct Watcher {
   std::function<void()> meanwhile;  ///< Called ten times a second; may make other calls.
 };
 
+/// For an axis to stand where it was sent.
+struct Wait {
+  std::string axis;
+  tmcl::Microsteps goal;
+  tmcl::Duration interval;  ///< Between two readings.
+  /// At least shortest_wait; nothing: as long as it takes.
+  std::optional<tmcl::Duration> at_most{};
+};
+constexpr tmcl::Duration shortest_wait = std::chrono::milliseconds(1);
+
 struct StoppedAxis {
   std::string axis;
   std::optional<double> milliseconds;
@@ -210,26 +142,36 @@ class Target {
   virtual Attempt<ScanResult> scan(ScanRange range, const Progress& progress) = 0;
   virtual Attempt<std::vector<ModuleRow>> modules() = 0;
   virtual Attempt<std::vector<AxisRow>> axes() = 0;
-  virtual Attempt<std::vector<ParameterRow>> parameters(const std::string& axis) = 0;
+  virtual Attempt<std::vector<tmcl::api::parameter::Parameter>> parameters(
+      const std::string& axis) = 0;
 
-  virtual Attempt<ParameterValue> get(const std::string& axis, const std::string& parameter) = 0;
-  virtual Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
-                                      const Typed& value) = 0;
-  Attempt<ParameterValue> set(const std::string& axis, const std::string& parameter,
-                              std::int32_t value) {
+  virtual Attempt<tmcl::api::parameter::Held> get(const std::string& axis,
+                                                  const std::string& parameter) = 0;
+  virtual Attempt<tmcl::api::parameter::Held> set(const std::string& axis,
+                                                  const std::string& parameter,
+                                                  const Typed& value) = 0;
+  Attempt<tmcl::api::parameter::Held> set(const std::string& axis, const std::string& parameter,
+                                          std::int32_t value) {
     return set(axis, parameter, counted(value));
   }
   virtual Attempt<AxisUnits> units(const std::string& axis) = 0;
-  virtual Attempt<StartedMove> move_to(const std::string& axis, const Typed& position) = 0;
-  virtual Attempt<StartedMove> move_by(const std::string& axis, const Typed& distance) = 0;
+  virtual Attempt<tmcl::api::axis::StartedMove> move_to(const std::string& axis,
+                                                        const Typed& position) = 0;
+  virtual Attempt<tmcl::api::axis::StartedMove> move_by(const std::string& axis,
+                                                        const Typed& distance) = 0;
   /// `unattended`: it goes on turning when this program ends.
-  virtual Attempt<Turning> rotate(const std::string& axis, const Typed& velocity,
-                                  bool unattended) = 0;
+  virtual Attempt<tmcl::api::axis::Turning> rotate(const std::string& axis, const Typed& velocity,
+                                                   bool unattended) = 0;
   virtual Attempt<void> stop(const std::string& axis) = 0;
   virtual Attempt<std::vector<StoppedAxis>> stop_all() = 0;
   virtual Attempt<AxisReading> state(const std::string& axis) = 0;
   virtual Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
                               const ReadingHandler& on_reading) = 0;
+  /// What its settings make of moves, when it stands there and stays. The last reading is of the
+  /// end, whichever.
+  /// Errors: of the exit code not_reached if it will not come there; deadline_passed.
+  virtual Attempt<Warnings> wait(const Wait& wait,
+                                 const std::function<void(const AxisReading&)>& on_reading) = 0;
   /// Those that the configuration names if `axes` is empty. Modules that do not answer do not end
   /// it.
   virtual Attempt<void> watch_axes(const std::vector<std::string>& axes, tmcl::Duration interval,

@@ -119,7 +119,7 @@ void tell(const verb::Ask& verb, const json::object& result, Context& context) {
   }
 }
 
-bool is_called(const ParameterRow& row, const std::string& name) {
+bool is_called(const tmcl::api::parameter::Parameter& row, const std::string& name) {
   return row.name == name || std::to_string(row.number) == name ||
          std::ranges::count(row.aliases, name) != 0;
 }
@@ -130,8 +130,8 @@ Failure explained(Failure failure, const verb::Ask& verb, Target& target) {
   if (!of_eeprom || failure.outcome != tmcl::Outcome::refused) return failure;
   const auto rows = target.parameters(verb.axis);
   if (!rows) return failure;
-  const auto row = std::ranges::find_if(
-      *rows, [&](const ParameterRow& one) { return is_called(one, verb.parameter); });
+  const auto row =
+      std::ranges::find_if(*rows, [&](const auto& one) { return is_called(one, verb.parameter); });
   if (row == rows->end() || row->stored) return failure;
   failure.message =
       fmt::format("{} cannot be kept in the EEPROM of {}'s module", row->name, verb.axis);

@@ -14,6 +14,8 @@ namespace tmclctl {
 namespace {
 
 namespace json = boost::json;
+using tmcl::api::parameter::Held;
+using tmcl::api::parameter::Parameter;
 
 template <class Row>
 json::array to_json_array(const std::vector<Row>& rows) {
@@ -82,11 +84,11 @@ VerbResult show_partial_scan(const ScanResult& result, Output& output) {
   return exit;
 }
 
-json::object to_json(const ParameterRow& row, const std::optional<ParameterValue>& value) {
+json::object to_json(const Parameter& row, const std::optional<Held>& value) {
   json::object object{{"number", row.number},
                       {"name", row.name},
                       {"aliases", json::array(row.aliases.begin(), row.aliases.end())},
-                      {"access", row.writable ? "read_write" : "read"},
+                      {"access", row.access},
                       {"stored", row.stored},
                       {"minimum", row.minimum},
                       {"maximum", row.maximum},
@@ -94,9 +96,9 @@ json::object to_json(const ParameterRow& row, const std::optional<ParameterValue
                       {"unit", row.unit},
                       {"meaning", row.meaning}};
   if (value) object["value"] = value->value;
-  if (value && value->in_unit) {
-    object["value_in_unit"] = value->in_unit->value;
-    object["axis_unit"] = value->in_unit->unit;
+  if (const auto shown = value ? in_unit(value->value_in_unit, value->unit) : std::nullopt) {
+    object["value_in_unit"] = shown->value;
+    object["axis_unit"] = shown->unit;
   }
   return object;
 }
@@ -109,14 +111,17 @@ std::vector<std::string> headings(bool values, bool in_unit) {
   return names;
 }
 
-std::vector<std::string> cells_of(const ParameterRow& row,
-                                  const std::optional<ParameterValue>& value, bool internal) {
+std::vector<std::string> cells_of(const Parameter& row, const std::optional<Held>& value,
+                                  bool internal) {
   std::vector<std::string> cells{std::to_string(row.number), row.name};
   if (value) cells.push_back(std::to_string(value->value));
-  if (value && !internal)
-    cells.push_back(value->in_unit ? shown(value->in_unit, value->value) : "");
-  cells.emplace_back(access_text(row.writable, row.stored));
-  cells.push_back(row.writable ? fmt::format("{}..{}", row.minimum, row.maximum) : "read only");
+  if (value && !internal) {
+    const auto known = in_unit(value->value_in_unit, value->unit);
+    cells.push_back(known ? shown(known, value->value) : "");
+  }
+  const bool writable = row.access == "read_write";
+  cells.emplace_back(access_text(writable, row.stored));
+  cells.push_back(writable ? fmt::format("{}..{}", row.minimum, row.maximum) : "read only");
   cells.push_back(row.unit);
   cells.push_back(row.meaning);
   return cells;
@@ -132,7 +137,7 @@ json::array to_json(const std::vector<AxisRow>& rows, const std::vector<ScaleFac
 void print(const std::vector<AxisRow>& rows, const std::vector<ScaleFactors>& factors,
            std::ostream& out) {
   const bool has_unit =
-      std::ranges::any_of(rows, [](const AxisRow& row) { return !row.unit.empty(); });
+      std::ranges::any_of(rows, [](const AxisRow& row) { return row.unit.has_value(); });
   std::vector<std::string> headings{"AXIS", "BUS", "ADDRESS", "MOTOR", "MODEL", "STATE", "UNIT"};
   if (has_unit) headings.insert(headings.end(), {"MICROSTEPS/UNIT", "COUNTS/UNIT"});
   Table table(std::move(headings));
@@ -142,9 +147,9 @@ void print(const std::vector<AxisRow>& rows, const std::vector<ScaleFactors>& fa
                                    row.bus,
                                    std::to_string(row.address),
                                    std::to_string(row.motor),
-                                   model_text(row.model, 0),
+                                   model_text(row.model.value_or(""), 0),
                                    row.state,
-                                   row.unit.empty() ? "-" : row.unit};
+                                   row.unit.value_or("-")};
     if (has_unit) {
       cells.push_back(factor_text(factors[i].microsteps_per_unit));
       cells.push_back(factor_text(factors[i].encoder_counts_per_unit));
@@ -188,7 +193,7 @@ VerbResult run(const verb::Axes&, Context& context) {
   std::vector<ScaleFactors> factors;
   for (const auto& row : *rows)
     factors.push_back(
-        scale_factors_of(row.name, !row.unit.empty() && row.state == "ready", context.target));
+        scale_factors_of(row.name, row.unit.has_value() && row.state == "ready", context.target));
   if (context.output.json) {
     print_json({{"axes", to_json(*rows, factors)}}, context.output);
     return ExitCode::done;
@@ -205,14 +210,14 @@ VerbResult run(const verb::Axes&, Context& context) {
 VerbResult run(const verb::Params& verb, Context& context) {
   const auto rows = context.target.parameters(verb.axis);
   if (!rows) return tl::unexpected(rows.error());
-  std::vector<std::optional<ParameterValue>> values(rows->size());
+  std::vector<std::optional<Held>> values(rows->size());
   for (std::size_t i = 0; verb.values && i < rows->size(); ++i) {
     const auto got = context.target.get(verb.axis, std::to_string((*rows)[i].number));
     if (!got) return tl::unexpected(got.error());
     values[i] = *got;
   }
   const bool has_unit = std::ranges::any_of(
-      values, [](const auto& value) { return value && value->in_unit.has_value(); });
+      values, [](const auto& value) { return value && value->value_in_unit.has_value(); });
   const bool internal = verb.internal || !has_unit;
   json::array array;
   Table table(headings(verb.values, verb.values && !internal));

@@ -12,6 +12,7 @@ namespace tmclctl {
 namespace {
 
 namespace json = boost::json;
+namespace api = tmcl::api;
 
 constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
 constexpr tmcl::Duration turning_interval = std::chrono::milliseconds(100);
@@ -35,30 +36,30 @@ struct Stood {
 };
 
 // "1.4 s left"; empty where nobody can tell.
-std::string time_left(const StartedMove& move, tmcl::Duration passed) {
-  if (!move.predicted_s) return "";
+std::string time_left(const std::optional<double>& predicted_s, tmcl::Duration passed) {
+  if (!predicted_s) return "";
   const auto passed_s = std::chrono::duration<double>(passed).count();
-  return fmt::format("  {:.1f} s left", std::max(*move.predicted_s - passed_s, 0.0));
+  return fmt::format("  {:.1f} s left", std::max(*predicted_s - passed_s, 0.0));
 }
 
 /// Where the axis stands at last. What it was not warned of when it set out is told.
-Attempt<Stood> wait_for_arrival(Journey journey, const StartedMove& move, bool internal,
-                                Context& context) {
-  const auto goal = move.goal;
+Attempt<Stood> wait_for_arrival(const Journey& journey, const api::axis::StartedMove& move,
+                                bool internal, Context& context) {
   ProgressLine line(context.output);
   std::optional<std::int32_t> start;
   AxisReading last;
   const auto arrived = follow(journey, context, [&](const AxisReading& reading) {
     last = reading;
     if (!line.visible()) return;
-    if (!start) start = reading.position.value;
-    const auto done =
-        std::clamp(fraction_done(*start, goal.value, reading.position.value), 0.0, 1.0);
+    if (!start) start = reading.position_microsteps;
+    const auto done = std::clamp(
+        fraction_done(*start, journey.goal.value, reading.position_microsteps), 0.0, 1.0);
     const int width = std::clamp(line.screen().width - words_width, narrowest_bar, widest_bar);
     line.show(fmt::format("{} {} {:3}%{}  {} of {}  velocity {}", journey.axis,
                           bar(done, width, line.screen().utf8), static_cast<int>(done * 100),
-                          time_left(move, context.host.now() - journey.started_at),
-                          position_text(reading, internal), shown(move.goal_in_unit, goal.value),
+                          time_left(move.predicted_s, context.host.now() - journey.started_at),
+                          position_text(reading, internal),
+                          shown(journey.goal_in_unit, journey.goal.value),
                           velocity_text(reading, internal)));
   });
   if (!arrived) return tl::unexpected(arrived.error());
@@ -66,19 +67,12 @@ Attempt<Stood> wait_for_arrival(Journey journey, const StartedMove& move, bool i
   return Stood{last, *arrived};
 }
 
-Journey journey_of(const std::string& axis, const StartedMove& move,
+Journey journey_of(const std::string& axis, const api::axis::StartedMove& move, bool internal,
                    const std::optional<double>& timeout_s, tmcl::TimePoint started_at) {
-  Journey journey{axis, move.goal, started_at, follow_interval, {}, move.goal_in_unit};
+  Journey journey{axis, {move.target_microsteps}, started_at, follow_interval};
   if (timeout_s) journey.timeout = seconds(*timeout_s);
+  if (!internal) journey.goal_in_unit = in_unit(move.target, move.unit);
   return journey;
-}
-
-json::value value_or_null(const std::optional<InUnit>& value) {
-  return value ? json::value(value->value) : json::value(nullptr);
-}
-
-json::value unit_or_null(const std::optional<InUnit>& value) {
-  return value ? json::value(value->unit) : json::value(nullptr);
 }
 
 }  // namespace
@@ -86,28 +80,22 @@ json::value unit_or_null(const std::optional<InUnit>& value) {
 VerbResult run(const verb::Move& verb, Context& context) {
   if (auto interrupted = interrupted_before_move(context)) return tl::unexpected(*interrupted);
   const Typed typed{verb.position, verb.internal};
-  auto move =
+  const auto move =
       verb.by ? context.target.move_by(verb.axis, typed) : context.target.move_to(verb.axis, typed);
   if (!move) return tl::unexpected(move.error());
-  warn(move->warnings, context.output);
-  json::object document{
-      {"axis", verb.axis},
-      {"target_microsteps", move->goal.value},
-      {"unit", unit_or_null(move->goal_in_unit)},
-      {"target", value_or_null(move->goal_in_unit)},
-      {"predicted_s", move->predicted_s ? json::value(*move->predicted_s) : nullptr},
-      {"warnings", json::array(move->warnings.begin(), move->warnings.end())}};
-  if (verb.internal) move->goal_in_unit.reset();
+  warn(move->warnings.value_or(Warnings()), context.output);
+  const auto journey =
+      journey_of(verb.axis, *move, verb.internal, verb.timeout_s, context.host.now());
+  auto document = api::to_json(*move);
+  document["axis"] = verb.axis;
   auto line =
-      fmt::format("{} moves to {}{}\n", verb.axis, shown(move->goal_in_unit, move->goal.value),
+      fmt::format("{} moves to {}{}\n", verb.axis, shown(journey.goal_in_unit, journey.goal.value),
                   move->predicted_s ? fmt::format(" in {:.2f} s", *move->predicted_s) : "");
   if (verb.wait) {
-    const auto there =
-        wait_for_arrival(journey_of(verb.axis, *move, verb.timeout_s, context.host.now()), *move,
-                         verb.internal, context);
+    const auto there = wait_for_arrival(journey, *move, verb.internal, context);
     if (!there) return tl::unexpected(there.error());
-    document["position_microsteps"] = there->at.position.value;
-    document["position"] = there->at.user ? json::value(there->at.user->position) : nullptr;
+    document["position_microsteps"] = there->at.position_microsteps;
+    document["position"] = api::write_value(there->at.position);
     document["reached"] = true;
     line = fmt::format("{} stands at {}\n", verb.axis, position_text(there->at, verb.internal));
   }
@@ -125,10 +113,9 @@ Attempt<Stood> wait_for(const std::string& axis, const verb::Wait& verb, tmcl::T
                         Context& context) {
   const auto now = context.target.state(axis);
   if (!now) return tl::unexpected(now.error());
-  StartedMove move{now->target, {}};
-  if (now->user && !verb.internal) move.goal_in_unit = now->user->target_in_unit();
-  return wait_for_arrival(journey_of(axis, move, verb.timeout_s, started_at), move, verb.internal,
-                          context);
+  const api::axis::StartedMove move{now->target_microsteps, now->unit, now->target, {}, {}};
+  return wait_for_arrival(journey_of(axis, move, verb.internal, verb.timeout_s, started_at), move,
+                          verb.internal, context);
 }
 
 }  // namespace
@@ -141,9 +128,9 @@ VerbResult run(const verb::Wait& verb, Context& context) {
     if (!stood) return tl::unexpected(stood.error());
     const auto& [at, warnings] = *stood;
     axes.push_back(json::object{{"axis", axis},
-                                {"position_microsteps", at.position.value},
-                                {"unit", at.user ? json::value(at.user->unit) : nullptr},
-                                {"position", at.user ? json::value(at.user->position) : nullptr},
+                                {"position_microsteps", at.position_microsteps},
+                                {"unit", api::write_value(at.unit)},
+                                {"position", api::write_value(at.position)},
                                 {"warnings", json::array(warnings.begin(), warnings.end())}});
     if (!context.output.json) {
       context.output.out << fmt::format("{} stands at {}\n", axis,
@@ -156,19 +143,19 @@ VerbResult run(const verb::Wait& verb, Context& context) {
 
 namespace {
 
-void print_turning(const verb::Rotate& verb, const Turning& turning, const std::string& how_to_stop,
-                   Output& output) {
+void print_turning(const verb::Rotate& verb, const api::axis::Turning& turning,
+                   const std::string& how_to_stop, Output& output) {
   if (output.json) {
     return print_json({{"axis", verb.axis},
-                       {"velocity_internal", turning.velocity.value},
-                       {"unit", unit_or_null(turning.in_unit)},
-                       {"velocity", value_or_null(turning.in_unit)}},
+                       {"velocity_internal", turning.velocity_internal},
+                       {"unit", api::write_value(turning.unit)},
+                       {"velocity", api::write_value(turning.velocity)}},
                       output);
   }
-  auto speed = verb.internal ? std::nullopt : turning.in_unit;
-  if (speed) speed->unit += "/s";
+  const auto speed =
+      verb.internal ? std::nullopt : in_unit_a_second(turning.velocity, turning.unit);
   output.out << fmt::format("{} turns with velocity {}. {}", verb.axis,
-                            shown(speed, turning.velocity.value), how_to_stop)
+                            shown(speed, turning.velocity_internal), how_to_stop)
              << std::endl;
 }
 
@@ -223,8 +210,8 @@ VerbResult run(const verb::Rotate& verb, Context& context) {
   const auto turning =
       context.target.rotate(verb.axis, {verb.velocity, verb.internal}, verb.unattended);
   if (!turning) return tl::unexpected(turning.error());
-  warn(turning->warnings, context.output);
-  const bool attends = !verb.unattended && turning->velocity.value != 0;
+  warn(turning->warnings.value_or(Warnings()), context.output);
+  const bool attends = !verb.unattended && turning->velocity_internal != 0;
   print_turning(verb, *turning,
                 attends ? "Ctrl-C stops it" : how_to_stop(verb.axis, context.target),
                 context.output);

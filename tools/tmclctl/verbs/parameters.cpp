@@ -11,15 +11,17 @@ namespace {
 namespace json = boost::json;
 
 /// In the unit of the axis, or in turns if it has none.
-Attempt<Quantity> in_units(const ParameterValue& got, const std::string& axis, Target& target) {
-  if (got.in_unit) return Quantity{got.in_unit->value, got.in_unit->unit};
+Attempt<Quantity> in_units(const tmcl::api::parameter::Held& got, const std::string& axis,
+                           Target& target) {
+  if (const auto shown = in_unit(got.value_in_unit, got.unit))
+    return Quantity{shown->value, shown->unit};
   const auto units = target.units(axis);
   if (!units) return tl::unexpected(units.error());
   const auto* row = find_parameter(units->parameters(), got.number);
   if (row != nullptr) return attempt(from_parameter(got.value, *units, *row));
   return tl::unexpected(usage_failure(
       "unknown_unit",
-      fmt::format("what parameter {} of axis {} counts in is not known", got.name, axis)));
+      fmt::format("what parameter {} of axis {} counts in is not known", name_of(got), axis)));
 }
 
 }  // namespace

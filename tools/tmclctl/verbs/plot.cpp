@@ -24,6 +24,8 @@ constexpr tmcl::Duration sample_interval = std::chrono::milliseconds(10);
 // What the daemon remembers may come more than once; its age is not told more exactly than this.
 constexpr double least_distance_s = 0.001;
 constexpr tmcl::Duration tolerated_delay = std::chrono::milliseconds(25);
+// An axis that stands for so long does not go on.
+constexpr tmcl::Duration standstill_limit = std::chrono::seconds(1);
 // An hour at one sample every 10 ms.
 constexpr std::size_t most_samples = 360'000;
 
@@ -38,18 +40,19 @@ class Recorder {
   }
 
   void add(const AxisReading& reading) {
-    has_unit_ = has_unit_ || reading.user;
+    has_unit_ = has_unit_ || reading.position;
     // One that took much longer than usual does not say when exactly it was taken; of an axis that
     // stands, that does not matter.
-    usual_age_ = std::min(usual_age_, reading.age);
-    if (reading.moving && reading.age > usual_age_ + tolerated_delay) return;
+    const std::chrono::milliseconds age(reading.age_ms);
+    usual_age_ = std::min<tmcl::Duration>(usual_age_, age);
+    if (reading.moving && age > usual_age_ + tolerated_delay) return;
     auto& samples = recording_.samples;
     const double since_begin_s = std::chrono::duration<double>(reading.taken_at - begin_).count();
     // The first one counts for the beginning, although it may be a little older or younger.
     const double time_s = samples.empty() ? 0 : since_begin_s;
     if (full() || (!samples.empty() && time_s < samples.back().time + least_distance_s)) return;
-    samples.push_back({time_s, reading.position.value, reading.velocity.value,
-                       std::chrono::duration<double>(reading.age).count()});
+    samples.push_back({time_s, reading.position_microsteps, reading.velocity_internal,
+                       std::chrono::duration<double>(age).count()});
     line_.show(fmt::format("recording {}: {:.1f} s  position {}  velocity {}", recording_.axis,
                            time_s, position_text(reading, internal_),
                            velocity_text(reading, internal_)));
@@ -111,11 +114,12 @@ MaybeFailure record_move(const verb::Plot& verb, Recorder& recorder, Context& co
                                     : context.target.move_by(verb.axis, {verb.by, verb.internal});
   if (!move) return move.error();
   if (twin) {
-    twin->move_to(move->goal);
+    twin->move_to({move->target_microsteps});
     recorder.expect(*twin, {asked_at, recorder.seconds()});
   }
-  Journey journey{verb.axis, move->goal, context.host.now(), sample_interval, {}, {}};
-  if (!verb.internal) journey.goal_in_unit = move->goal_in_unit;
+  Journey journey{verb.axis, {move->target_microsteps}, context.host.now(), sample_interval, {},
+                  {}};
+  if (!verb.internal) journey.goal_in_unit = in_unit(move->target, move->unit);
   if (verb.for_s) {
     journey.timeout =
         std::chrono::duration_cast<tmcl::Duration>(std::chrono::duration<double>(*verb.for_s));
@@ -136,7 +140,7 @@ MaybeFailure record_as_it_is(const verb::Plot& verb, Recorder& recorder, Context
     if (!reading) return reading.error();
     recorder.add(*reading);
     if (verb.for_s && recorder.seconds() >= *verb.for_s) return std::nullopt;
-    if (reading->velocity.value != 0) last_moving = context.host.now();
+    if (reading->moving) last_moving = context.host.now();
     const bool stands = context.host.now() - last_moving >= standstill_limit;
     if (!verb.for_s && stands) return std::nullopt;
     context.target.sleep(next_look - context.host.now());

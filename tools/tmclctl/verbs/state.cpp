@@ -8,12 +8,12 @@
 namespace tmclctl {
 namespace {
 
-void print_condition(const std::string& axis, const AxisCondition& condition, std::ostream& out) {
-  if (condition.stop_cause) out << "stopped   " << *condition.stop_cause << '\n';
-  if (condition.referenced) out << "reference found\n";
-  if (condition.lease) out << "lease     " << *condition.lease << ": 'tmclctl lease list'\n";
-  if (condition.unattended) out << "watched   by nobody: it turns until it is stopped\n";
-  if (condition.latched) {
+void print_condition(const std::string& axis, const AxisReading& reading, std::ostream& out) {
+  if (reading.stop_cause) out << "stopped   " << *reading.stop_cause << '\n';
+  if (reading.referenced) out << "reference found\n";
+  if (reading.lease) out << "lease     " << *reading.lease << ": 'tmclctl lease list'\n";
+  if (reading.unattended) out << "watched   by nobody: it turns until it is stopped\n";
+  if (reading.latched) {
     out << "latched   its module has started again, or is another one: 'tmclctl home " << axis
         << "' or 'tmclctl recover " << axis << "'\n";
   }
@@ -24,9 +24,9 @@ void print_condition(const std::string& axis, const AxisCondition& condition, st
 VerbResult run(const verb::State& verb, Context& context) {
   const auto reading = context.target.state(verb.axis);
   if (!reading) return tl::unexpected(reading.error());
-  const auto factors = scale_factors_of(verb.axis, reading->user.has_value(), context.target);
+  const auto factors = scale_factors_of(verb.axis, reading->position.has_value(), context.target);
   if (context.output.json) {
-    auto document = to_json(verb.axis, *reading);
+    auto document = tmcl::api::to_json<tmcl::api::axis::State>(*reading);
     add(factors, document);
     print_json(document, context.output);
     return ExitCode::done;
@@ -34,27 +34,26 @@ VerbResult run(const verb::State& verb, Context& context) {
   const auto with = [&](std::string text, bool has_unit) {
     return has_unit && !verb.internal ? text + " = " : "";
   };
-  const auto& user = reading->user;
   const auto pps =
       reading->velocity_pps ? fmt::format(" ({:.1f} microsteps/s)", *reading->velocity_pps) : "";
   context.output.out << fmt::format(
       "axis      {}\nposition  {}{} microsteps\ntarget    {}{} microsteps{}\nvelocity  "
       "{}{}{}\nmoving    "
       "{}\n",
-      verb.axis, with(position_text(*reading, false), user.has_value()), reading->position.value,
-      with(target_text(*reading, false), user.has_value()), reading->target.value,
-      reading->position_reached ? ", reached" : "",
-      with(velocity_text(*reading, false), user && user->velocity), reading->velocity.value, pps,
-      reading->moving ? "yes" : "no");
+      verb.axis, with(position_text(*reading, false), reading->position.has_value()),
+      reading->position_microsteps, with(target_text(*reading, false), reading->target.has_value()),
+      reading->target_microsteps, reading->position_reached ? ", reached" : "",
+      with(velocity_text(*reading, false), reading->velocity.has_value()),
+      reading->velocity_internal, pps, reading->moving ? "yes" : "no");
   if (factors.microsteps_per_unit && !verb.internal)
-    context.output.out << fmt::format("unit      {}: {} microsteps", reading->user->unit,
+    context.output.out << fmt::format("unit      {}: {} microsteps", *reading->unit,
                                       factor_text(factors.microsteps_per_unit))
                        << (factors.encoder_counts_per_unit
                                ? ", " + factor_text(factors.encoder_counts_per_unit) +
                                      " counts of its encoder"
                                : "")
                        << '\n';
-  print_condition(verb.axis, reading->condition, context.output.out);
+  print_condition(verb.axis, *reading, context.output.out);
   return ExitCode::done;
 }
 

@@ -21,17 +21,16 @@ constexpr auto told_events = std::to_array<std::string_view>(
     {"module_silent", "module_answers", "module_in_bootloader", "module_reset", "module_replaced",
      "duplicate_address", "link_lost", "link_restored", "link_condition"});
 
-bool same(const AxisReading& a, const AxisReading& b) {
-  return a.position == b.position && a.velocity == b.velocity && a.target == b.target &&
-         a.moving == b.moving && a.position_reached == b.position_reached &&
-         a.condition == b.condition;
+/// What is told of an axis, but for how old it is.
+boost::json::object news_of(AxisReading reading) {
+  reading.age_ms = 0;
+  return api::to_json<api::axis::State>(reading);
 }
 
 std::string motion_text(const AxisReading& reading) {
   if (reading.moving) return "moving";
   if (reading.position_reached) return "at target";
-  const auto& cause = reading.condition.stop_cause;
-  return cause ? "stopped: " + *cause : "standing";
+  return reading.stop_cause ? "stopped: " + *reading.stop_cause : "standing";
 }
 
 /// Prints what is told of axes, and says for how long that is wanted.
@@ -67,15 +66,18 @@ class Watching {
   Output& output_;
   Host& host_;
   tmcl::TimePoint begin_;
-  std::map<std::string, AxisReading> last_;
+  std::map<std::string, boost::json::object> last_;
 };
 
 void Watching::tell(const std::string& axis, const AxisReading& reading) {
-  const auto last = last_.find(axis);
-  if (last != last_.end() && same(last->second, reading)) return;
-  last_.insert_or_assign(axis, reading);
+  auto& last = last_[axis];
+  if (auto news = news_of(reading); news != last) {
+    last = std::move(news);
+  } else {
+    return;
+  }
   if (output_.json) {
-    auto document = to_json(axis, reading);
+    auto document = api::to_json<api::axis::State>(reading);
     document["time_s"] = passed_s();
     document["utc"] = tmcl::to_text(host_.utc());
     return print_json(document, output_);
