@@ -4,7 +4,7 @@
 
 #include <sys/resource.h>
 
-#include "fronts/http_server.hpp"
+#include "fronts/http_connections.hpp"
 #include "fronts/unix_server.hpp"
 
 namespace tmcld {

@@ -15,9 +15,6 @@
 
 namespace tmcld {
 
-/// Connections that nobody has been let in by yet: of more than these, the oldest gives way.
-constexpr std::size_t most_unknown_connections = 128;
-
 /// What is wrong with the files of [http]: sentences for a person. Reads them.
 std::vector<std::string> problems_of_files(const HttpConfig& config);
 

@@ -11,11 +11,12 @@
 #include <boost/asio/connect.hpp>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/ssl.hpp>
+#include <boost/asio/ssl/context.hpp>
+#include <boost/asio/ssl/error.hpp>
 #include <boost/beast/core.hpp>
-#include <boost/beast/ssl.hpp>
 #include <boost/beast/websocket.hpp>
-#include <boost/beast/websocket/ssl.hpp>
+
+#include "web/web_stream.hpp"
 
 namespace tmclctl {
 namespace {
@@ -114,15 +115,12 @@ class Runner {
   std::function<bool()> cancelled_;
 };
 
-/// `Next`: what the WebSocket is on.
-template <class Next>
 class WebSocket final : public client::Channel {
  public:
-  template <class... More>
-  WebSocket(std::string url, std::unique_ptr<Runner> runner, More&&... more)
+  WebSocket(std::string url, std::unique_ptr<Runner> runner)
       : url_(std::move(url)),
         runner_(std::move(runner)),
-        stream_(runner_->context(), std::forward<More>(more)...) {}
+        stream_(beast::tcp_stream(runner_->context())) {}
 
   const std::string& name() const override { return url_; }
   CallResult<void> write_line(std::string line, TimePoint deadline) override;
@@ -140,14 +138,15 @@ class WebSocket final : public client::Channel {
     const auto done = runner_->run_until(is_done, deadline);
     if (done && *done) return result;
     // What was begun refers to this function.
-    beast::get_lowest_layer(stream_).close();
+    tcp().close();
     runner_->context().restart();
     while (!is_done && runner_->context().run_one() != 0) {
     }
     if (!done) return tl::unexpected(done.error());
     return error_code(asio::error::timed_out);
   }
-  websocket::stream<Next>& stream() { return stream_; }
+  websocket::stream<tmcld::WebStream>& stream() { return stream_; }
+  beast::tcp_stream& tcp() { return stream_.next_layer().next_layer(); }
   CallError lost(const std::string& why) const {
     return {0, std::string(client::error_name::lost), tmcl::Outcome::unknown,
             fmt::format("the connection to tmcld at {} broke: {}", url_, why),
@@ -157,15 +156,14 @@ class WebSocket final : public client::Channel {
  private:
   std::string url_;
   std::unique_ptr<Runner> runner_;
-  websocket::stream<Next> stream_;
+  websocket::stream<tmcld::WebStream> stream_;
   beast::flat_buffer received_;
   bool reads_ = false;
   bool has_read_ = false;
   error_code read_error_;
 };
 
-template <class Next>
-CallResult<void> WebSocket<Next>::write_line(std::string line, TimePoint deadline) {
+CallResult<void> WebSocket::write_line(std::string line, TimePoint deadline) {
   const auto sent = run(deadline, [&](auto end) {
     stream_.async_write(asio::buffer(line),
                         [end](const error_code& error, std::size_t) { end(error); });
@@ -175,8 +173,7 @@ CallResult<void> WebSocket<Next>::write_line(std::string line, TimePoint deadlin
   return {};
 }
 
-template <class Next>
-CallResult<std::optional<std::string>> WebSocket<Next>::read_line(TimePoint deadline) {
+CallResult<std::optional<std::string>> WebSocket::read_line(TimePoint deadline) {
   if (!std::exchange(reads_, true)) {
     stream_.async_read(received_, [this](const error_code& error, std::size_t) {
       read_error_ = error;
@@ -240,26 +237,23 @@ CallError refused(const WebPlace& place, const http::response<http::string_body>
                      "Is that a tmcld?");
 }
 
-template <class Next>
-CallResult<void> connect(WebSocket<Next>& socket, const Handshake& to) {
+CallResult<void> connect(WebSocket& socket, const Handshake& to) {
   tcp::resolver resolver(socket.stream().get_executor());
   error_code error;
   const auto endpoints = resolver.resolve(to.url.host, std::to_string(to.url.port), error);
   if (error) return tl::unexpected(unreachable(to.place.url, error.message(), hint_for(error)));
   const auto connected = socket.run(to.deadline, [&](auto end) {
-    beast::get_lowest_layer(socket.stream())
-        .async_connect(endpoints,
-                       [end](const error_code& failed, const tcp::endpoint&) { end(failed); });
+    socket.tcp().async_connect(
+        endpoints, [end](const error_code& failed, const tcp::endpoint&) { end(failed); });
   });
   if (!connected) return tl::unexpected(connected.error());
   if (*connected)
     return tl::unexpected(unreachable(to.place.url, connected->message(), hint_for(*connected)));
-  beast::get_lowest_layer(socket.stream()).socket().set_option(tcp::no_delay(true), error);
+  socket.tcp().socket().set_option(tcp::no_delay(true), error);
   return {};
 }
 
-template <class Next>
-CallResult<void> upgrade(WebSocket<Next>& socket, const Handshake& to) {
+CallResult<void> upgrade(WebSocket& socket, const Handshake& to) {
   auto& stream = socket.stream();
   stream.set_option(websocket::stream_base::decorator([&](websocket::request_type& request) {
     if (!to.token.empty()) request.set(http::field::authorization, "Bearer " + to.token);
@@ -282,8 +276,6 @@ CallResult<void> upgrade(WebSocket<Next>& socket, const Handshake& to) {
   }
   return {};
 }
-
-using Secure = beast::ssl_stream<beast::tcp_stream>;
 
 std::string hint_for_certificate(long verdict, const WebPlace& place) {
   switch (verdict) {
@@ -312,14 +304,19 @@ void expect_name(SSL* tls, const std::string& host) {
   SSL_set_tlsext_host_name(tls, host.c_str());
 }
 
-CallResult<void> secure(WebSocket<Secure>& socket, const Handshake& to) {
-  auto& tls = socket.stream().next_layer();
-  expect_name(tls.native_handle(), to.url.host);
-  const auto greeted = socket.run(
-      to.deadline, [&](auto end) { tls.async_handshake(asio::ssl::stream_base::client, end); });
+CallResult<void> secure(WebSocket& socket, asio::ssl::context& context, const Handshake& to) {
+  if (!to.url.is_secure) return {};
+  auto& stream = socket.stream().next_layer();
+  // It keeps what it needs of the context.
+  stream.use_tls(context);
+  expect_name(stream.native_handle(), to.url.host);
+  const auto greeted = socket.run(to.deadline, [&](auto end) {
+    stream.async_handshake(asio::ssl::stream_base::client, {},
+                           [end](const error_code& error, std::size_t) { end(error); });
+  });
   if (!greeted) return tl::unexpected(greeted.error());
   if (!*greeted) return {};
-  const auto verdict = SSL_get_verify_result(tls.native_handle());
+  const auto verdict = SSL_get_verify_result(stream.native_handle());
   const auto why = verdict == X509_V_OK ? greeted->message()
                                         : std::string(X509_verify_cert_error_string(verdict));
   return tl::unexpected(unreachable(to.place.url, why, hint_for_certificate(verdict, to.place)));
@@ -339,30 +336,11 @@ CallResult<void> trust(asio::ssl::context& context, const WebPlace& place) {
                         place.ca_file.empty() ? "the system's" : place.ca_file, error.message())));
 }
 
-using Opened = CallResult<std::unique_ptr<client::Channel>>;
-
-Opened open_plain(const Handshake& to, std::unique_ptr<Runner> runner) {
-  auto socket = std::make_unique<WebSocket<beast::tcp_stream>>(to.place.url, std::move(runner));
-  return connect(*socket, to).and_then([&] { return upgrade(*socket, to); }).map([&] {
-    return std::unique_ptr<client::Channel>(std::move(socket));
-  });
-}
-
-Opened open_secure(const Handshake& to, std::unique_ptr<Runner> runner) {
-  asio::ssl::context context(asio::ssl::context::tls_client);
-  if (auto trusted = trust(context, to.place); !trusted) return tl::unexpected(trusted.error());
-  // The stream keeps what it needs of the context.
-  auto socket = std::make_unique<WebSocket<Secure>>(to.place.url, std::move(runner), context);
-  return connect(*socket, to)
-      .and_then([&] { return secure(*socket, to); })
-      .and_then([&] { return upgrade(*socket, to); })
-      .map([&] { return std::unique_ptr<client::Channel>(std::move(socket)); });
-}
-
 }  // namespace
 
-Opened open_web_socket(const WebPlace& place, tmcl::Duration at_most,
-                       std::function<bool()> cancelled) {
+CallResult<std::unique_ptr<client::Channel>> open_web_socket(const WebPlace& place,
+                                                             tmcl::Duration at_most,
+                                                             std::function<bool()> cancelled) {
   const auto url = parse_url(place.url);
   if (!url) return tl::unexpected(url.error());
   std::string token;
@@ -371,9 +349,16 @@ Opened open_web_socket(const WebPlace& place, tmcl::Duration at_most,
     if (!read) return tl::unexpected(std::move(read.error()));
     token = std::move(*read);
   }
+  asio::ssl::context context(asio::ssl::context::tls_client);
+  auto trusted = url->is_secure ? trust(context, place) : CallResult<void>{};
+  if (!trusted) return tl::unexpected(std::move(trusted.error()));
   auto runner = std::make_unique<Runner>(std::move(cancelled));
   const Handshake to{place, *url, std::move(token), runner->now() + at_most};
-  return url->is_secure ? open_secure(to, std::move(runner)) : open_plain(to, std::move(runner));
+  auto socket = std::make_unique<WebSocket>(place.url, std::move(runner));
+  return connect(*socket, to)
+      .and_then([&] { return secure(*socket, context, to); })
+      .and_then([&] { return upgrade(*socket, to); })
+      .map([&] { return std::unique_ptr<client::Channel>(std::move(socket)); });
 }
 
 }  // namespace tmclctl

@@ -1,0 +1,509 @@
+// The only file of the daemon that knows Beast: it costs a minute to compile.
+#include "fronts/http_connection.hpp"
+
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include <poll.h>
+
+#include <boost/asio/redirect_error.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/http.hpp>
+#include <boost/beast/websocket.hpp>
+
+#include "api/request.hpp"
+#include "async/spawn.hpp"
+#include "fronts/metrics.hpp"
+#include "fronts/session.hpp"
+#include "web/web_stream.hpp"
+
+namespace tmcld {
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+namespace http = beast::http;
+namespace ssl = asio::ssl;
+namespace websocket = beast::websocket;
+using asio::awaitable;
+using asio::redirect_error;
+using asio::use_awaitable;
+using boost::system::error_code;
+using Tcp = asio::ip::tcp;
+using namespace std::chrono_literals;
+
+// Who comes has so long for TLS, for the head of a request, and for the rest of it.
+constexpr auto time_for_handshake = 5s;
+constexpr auto time_for_head = 5s;
+constexpr auto time_for_body = 10s;
+constexpr auto time_between_requests = 60s;
+// A WebSocket is asked for a sign of life at half of it.
+constexpr auto time_without_sign = 30s;
+// What a client still sends is read for so long, so that it reads why it was refused.
+constexpr auto time_to_linger = 2s;
+constexpr std::size_t linger_bytes = 16U * 1024U;
+constexpr std::uint32_t max_head_bytes = 8U * 1024U;
+// Room that a message has taken and that is given back behind it.
+constexpr std::size_t kept_buffer_bytes = 4096;
+constexpr auto hang_up_check_interval = 200ms;
+
+/// A client behind HTTP: its connection writes what it gives.
+class HttpSession final : public Session {
+ public:
+  HttpSession(const asio::any_io_executor& executor, std::shared_ptr<Gateway> gateway,
+              Options options, std::function<void()> disconnect)
+      : Session(executor, std::move(gateway), std::move(options)),
+        disconnect_(std::move(disconnect)) {}
+
+  using Session::fail;
+  using Session::greet;
+  using Session::is_finishing;
+  using Session::next_answer;
+  using Session::next_message;
+  using Session::output;
+  using Session::take;
+  using Session::wait_for_output;
+
+ private:
+  void disconnect() override { disconnect_(); }
+  std::function<void()> disconnect_;
+};
+
+using Request = http::request<http::string_body>;
+using Response = http::response<http::string_body>;
+
+std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
+
+HttpHead head_of(const Request& request) {
+  const auto field = [&](http::field name) { return view_of(request[name]); };
+  HttpHead head{view_of(request.method_string()),
+                view_of(request.target()),
+                field(http::field::host),
+                {},
+                field(http::field::authorization),
+                field(http::field::content_type),
+                field(http::field::sec_websocket_protocol),
+                websocket::is_upgrade(request)};
+  if (request.find(http::field::origin) != request.end()) head.origin = field(http::field::origin);
+  return head;
+}
+
+HttpRefusal too_many_clients() {
+  return {503, "too_many_clients", "tmcld has as many clients as it can serve",
+          "end programs that do not need their connection any more; stops are taken all the same, "
+          "by POST /rpc"};
+}
+
+HttpRefusal ending() { return {503, "daemon_ending", "tmcld is ending", "try again later"}; }
+
+/// As an answer to a call would be that could not be read.
+std::string body_of(const HttpRefusal& refusal) {
+  return answer_line(nullptr, tl::unexpected(rpc_error(rpc_code::not_allowed, refusal.name,
+                                                       refusal.message, refusal.hint))) +
+         "\n";
+}
+
+Response response_of(unsigned status, const char* type, std::string body, unsigned version,
+                     bool keep_alive) {
+  Response response(static_cast<http::status>(status), version);
+  response.set(http::field::server, "tmcld");
+  response.set(http::field::content_type, type);
+  response.set(http::field::cache_control, "no-store");
+  response.set("X-Content-Type-Options", "nosniff");
+  if (status == 401) response.set(http::field::www_authenticate, "Bearer");
+  if (status == 426) response.set(http::field::upgrade, "websocket");
+  response.keep_alive(keep_alive);
+  response.body() = std::move(body);
+  response.prepare_payload();
+  return response;
+}
+
+constexpr auto json_type = "application/json";
+constexpr auto plain_type = "text/plain; charset=utf-8";
+constexpr auto metrics_type = "text/plain; version=0.0.4; charset=utf-8";
+
+// ---- one connection ----------------------------------------------------------------------------
+
+class StreamConnection final : public HttpConnection,
+                               public std::enable_shared_from_this<StreamConnection> {
+  using Self = std::shared_ptr<StreamConnection>;
+
+ public:
+  /// `tls`: null for a port without.
+  StreamConnection(WebStream stream, std::shared_ptr<ssl::context> tls,
+                   std::shared_ptr<HttpConnections> connections, std::uint64_t id,
+                   HttpConnectionInfo info)
+      : stream_(std::move(stream)),
+        tls_(std::move(tls)),
+        connections_(std::move(connections)),
+        id_(id),
+        info_(std::move(info)) {}
+
+  void start() {
+    const auto self = shared_from_this();
+    spawn(executor(), run(self), [self](const auto& failure) { self->fail(failure); });
+  }
+
+  void finish() override {
+    is_finishing_ = true;
+    if (session_) session_->finish();
+    if (!is_serving_ && !ws_) close();
+  }
+  void close() override {
+    if (session_) session_->close();
+    close_socket();
+  }
+  void end_if_by_token(const std::string& name) override {
+    if (!session_ || token_ != name) return;
+    farewell_ = {websocket::close_code::policy_error, "the token was revoked"};
+    session_->close();
+  }
+
+ private:
+  static awaitable<void> run(Self self) {
+    const bool speaks = co_await self->shake_hands();
+    if (speaks) co_await self->serve();
+    self->end();
+  }
+
+  static awaitable<void> write(Self self) {
+    auto& session = *self->session_;
+    error_code error;
+    while (!error) {
+      const bool has_more = co_await session.wait_for_output();
+      if (!has_more) break;
+      const auto message = session.next_message();
+      if (!message) continue;
+      self->is_writing_ = true;
+      co_await self->ws_->async_write(asio::buffer(*message), redirect_error(use_awaitable, error));
+      self->is_writing_ = false;
+    }
+    if (!error && self->is_open())
+      co_await self->ws_->async_close(self->farewell_, redirect_error(use_awaitable, error));
+    session.close();
+    self->close_socket();
+  }
+
+  awaitable<bool> shake_hands() {
+    if (!tls_) co_return true;
+    lowest().expires_after(time_for_handshake);
+    error_code error;
+    const bool is_tls =
+        co_await beast::async_detect_ssl(lowest(), buffer_, redirect_error(use_awaitable, error));
+    if (error) co_return false;
+    if (!is_tls) {
+      co_await refuse_plain_text();
+      co_return false;
+    }
+    stream_.use_tls(*tls_);
+    const auto used = co_await stream_.async_handshake(ssl::stream_base::server, buffer_.data(),
+                                                       redirect_error(use_awaitable, error));
+    if (error) log_tls(error);
+    if (error) co_return false;
+    buffer_.consume(used);
+    co_return true;
+  }
+
+  awaitable<void> refuse_plain_text() {
+    log_refusal("speaks no TLS to a port that does");
+    const HttpRefusal refusal{400, "needs_tls", "this port speaks TLS", "use https:// or wss://"};
+    co_await refuse(refusal);
+  }
+
+  awaitable<void> serve() {
+    bool goes_on = true;
+    for (bool is_first = true; goes_on && is_open() && !is_finishing_; is_first = false) {
+      http::request_parser<http::string_body> parser;
+      parser.header_limit(max_head_bytes);
+      parser.body_limit(max_line_bytes);
+      if (is_first) {
+        lowest().expires_after(time_for_head);
+      } else {
+        lowest().expires_after(time_between_requests);
+      }
+      error_code error;
+      co_await http::async_read_header(stream_, buffer_, parser,
+                                       redirect_error(use_awaitable, error));
+      is_serving_ = true;
+      if (error) {
+        co_await refuse_unreadable(error);
+        break;
+      }
+      goes_on = co_await serve(parser);
+      is_serving_ = false;
+    }
+  }
+
+  /// False if this was the last request of the connection.
+  awaitable<bool> serve(http::request_parser<http::string_body>& parser) {
+    const auto entry = connections_->admit(head_of(parser.get()), info_);
+    if (!entry) {
+      if (entry.error().status == 401 || entry.error().status == 403)
+        log_refusal("was not let in: " + entry.error().message);
+      co_await refuse(entry.error());
+      co_return false;
+    }
+    bool goes_on = false;
+    switch (entry->route) {
+      case HttpRoute::health: goes_on = co_await tell_health(parser.get()); break;
+      case HttpRoute::metrics:
+        goes_on =
+            co_await respond(parser.get(), metrics_type,
+                             metrics_text(*connections_->gateway, connections_->share->stop_latency,
+                                          connections_->clients()));
+        break;
+      case HttpRoute::rpc: goes_on = co_await serve_call(parser, *entry); break;
+      case HttpRoute::websocket: co_await serve_websocket(parser.release(), *entry); break;
+    }
+    co_return goes_on;
+  }
+
+  awaitable<bool> tell_health(const Request& request) {
+    if (connections_->gateway->is_closing()) {
+      const auto refusal = ending();
+      co_await refuse(refusal);
+      co_return false;
+    }
+    const bool goes_on = co_await respond(request, plain_type, "ok\n");
+    co_return goes_on;
+  }
+
+  // ---- calls ----
+
+  awaitable<bool> serve_call(http::request_parser<http::string_body>& parser,
+                             const HttpEntry& entry) {
+    error_code error;
+    lowest().expires_after(time_for_body);
+    if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
+      http::response<http::empty_body> go_on(http::status::continue_, parser.get().version());
+      co_await http::async_write(stream_, go_on, redirect_error(use_awaitable, error));
+    }
+    if (!error)
+      co_await http::async_read(stream_, buffer_, parser, redirect_error(use_awaitable, error));
+    if (error) {
+      co_await refuse_unreadable(error);
+      co_return false;
+    }
+    lowest().expires_never();
+    const auto& body = parser.get().body();
+    if (body.find_first_not_of(" \t\r\n") == std::string::npos) {
+      const HttpRefusal refusal{
+          400, "no_message", "the request has no body",
+          "one JSON-RPC message is wanted: {\"jsonrpc\":\"2.0\",\"id\":1,...}"};
+      co_await refuse(refusal);
+      co_return false;
+    }
+    const bool has_place = connections_->let_in(id_);
+    begin_session(entry, has_place ? Session::Serves::all : Session::Serves::stops);
+    if (session_->is_finishing()) {
+      const auto refusal = ending();
+      co_await refuse(refusal);
+      co_return false;
+    }
+    session_->take(body);
+    const auto answer = co_await next_answer();
+    if (!answer) co_return false;
+    const bool goes_on = co_await respond(parser.get(), json_type, *answer + "\n");
+    co_return goes_on&& has_place;
+  }
+
+  /// The calls of a connection are of one client, as long as it comes with the same token.
+  void begin_session(const HttpEntry& entry, Session::Serves serves) {
+    if (session_ && !session_->is_closed() && token_ == entry.token) return;
+    if (session_) session_->close();
+    token_ = entry.token;
+    Session::Options options;
+    options.share = connections_->share;
+    options.caller = entry.caller;
+    options.name = entry.name;
+    options.serves = serves;
+    const std::weak_ptr<StreamConnection> weak = weak_from_this();
+    session_ = std::make_shared<HttpSession>(executor(), connections_->gateway, std::move(options),
+                                             [weak] {
+                                               const auto self = weak.lock();
+                                               // One that can be told says farewell first.
+                                               if (self && (!self->ws_ || self->is_writing_))
+                                                 self->close_socket();
+                                             });
+  }
+
+  awaitable<std::optional<std::string>> next_answer() {
+    std::optional<std::string> answer;
+    while (!answer && !session_->is_closed()) {
+      answer = session_->next_answer();
+      if (answer) break;
+      co_await session_->output().wait_for(hang_up_check_interval);
+      if (has_hung_up()) session_->close();
+    }
+    co_return answer;
+  }
+
+  bool has_hung_up() {
+    pollfd state{lowest().socket().native_handle(), POLLRDHUP, 0};
+    constexpr short gone = POLLHUP | POLLRDHUP | POLLERR | POLLNVAL;
+    return ::poll(&state, 1, 0) > 0 && (state.revents & gone) != 0;
+  }
+
+  // ---- WebSocket ----
+
+  awaitable<void> serve_websocket(Request request, const HttpEntry& entry) {
+    if (!connections_->let_in(id_)) {
+      const auto refusal = too_many_clients();
+      co_await refuse(refusal);
+      co_return;
+    }
+    // It has timers of its own.
+    lowest().expires_never();
+    ws_.emplace(std::move(stream_));
+    set_up(entry);
+    error_code error;
+    co_await ws_->async_accept(request, redirect_error(use_awaitable, error));
+    if (error) co_return;
+    if (session_) session_->close();
+    session_.reset();
+    begin_session(entry, Session::Serves::all);
+    session_->greet();
+    if (is_finishing_) session_->finish();
+    const auto self = shared_from_this();
+    spawn(executor(), write(self), [self](const auto& failure) { self->fail(failure); });
+    co_await read();
+    session_->close();
+  }
+
+  void set_up(const HttpEntry& entry) {
+    websocket::stream_base::timeout times{time_for_handshake, time_without_sign, true};
+    ws_->set_option(times);
+    ws_->set_option(websocket::stream_base::decorator([protocol = entry.protocol](auto& response) {
+      response.set(http::field::server, "tmcld");
+      if (!protocol.empty()) response.set(http::field::sec_websocket_protocol, protocol);
+    }));
+    ws_->read_message_max(max_line_bytes);
+    ws_->text(true);
+  }
+
+  awaitable<void> read() {
+    error_code error;
+    while (!session_->is_closed()) {
+      co_await ws_->async_read(buffer_, redirect_error(use_awaitable, error));
+      if (error) break;
+      const auto bytes = buffer_.data();
+      session_->take(std::string_view(static_cast<const char*>(bytes.data()), bytes.size()));
+      buffer_.consume(bytes.size());
+      if (buffer_.capacity() > kept_buffer_bytes) buffer_.shrink_to_fit();
+    }
+  }
+
+  // ---- answers ----
+
+  awaitable<bool> respond(const Request& request, const char* type, std::string body) {
+    auto response =
+        response_of(200, type, std::move(body), request.version(), request.keep_alive());
+    lowest().expires_after(time_for_body);
+    error_code error;
+    co_await http::async_write(stream_, response, redirect_error(use_awaitable, error));
+    co_return !error && request.keep_alive();
+  }
+
+  // It is given a value with a name: g++ 12 destroys one in braces behind co_await twice.
+  awaitable<void> refuse(const HttpRefusal& refusal) {
+    auto response = response_of(refusal.status, json_type, body_of(refusal), 11, false);
+    error_code error;
+    lowest().expires_after(time_for_body);
+    co_await http::async_write(stream_, response, redirect_error(use_awaitable, error));
+    if (!error) co_await linger();
+  }
+
+  awaitable<void> refuse_unreadable(error_code why) {
+    if (why == http::error::header_limit) {
+      const HttpRefusal refusal{
+          431, "head_too_long", "the head of a request may have 8192 bytes", {}};
+      co_await refuse(refusal);
+    } else if (why == http::error::body_limit || why == http::error::buffer_overflow) {
+      const HttpRefusal refusal{413, "message_too_long",
+                                "a message may have " + std::to_string(max_line_bytes) + " bytes",
+                                "nothing of it was done"};
+      co_await refuse(refusal);
+    } else if (why.category() == make_error_code(http::error::bad_method).category() &&
+               why != http::error::end_of_stream && why != http::error::partial_message) {
+      const HttpRefusal refusal{400, "no_http", "this is no request by HTTP: " + why.message(),
+                                "is it https:// to a port without TLS?"};
+      co_await refuse(refusal);
+    }
+  }
+
+  /// Reads on for a while: a connection that is closed with something unread loses the answer.
+  awaitable<void> linger() {
+    error_code error;
+    lowest().socket().shutdown(Tcp::socket::shutdown_send, error);
+    lowest().expires_after(time_to_linger);
+    std::string bytes(linger_bytes, '\0');
+    while (!error) {
+      co_await stream_.async_read_some(asio::buffer(bytes), redirect_error(use_awaitable, error));
+    }
+  }
+
+  void log_refusal(const std::string& what) {
+    connections_->gateway->log_often("http refused", LogLevel::warning,
+                                     "a client at " + info_.peer + " " + what);
+  }
+
+  /// Who only goes away is nobody's business.
+  void log_tls(error_code why) {
+    if (why.category() != asio::error::get_ssl_category()) return;
+    log_refusal("was not let in by TLS: " +
+                tls_error_text(static_cast<unsigned long>(why.value())));
+  }
+
+  // ---- the connection itself ----
+
+  beast::tcp_stream& lowest() {
+    return ws_ ? ws_->next_layer().next_layer() : stream_.next_layer();
+  }
+  asio::any_io_executor executor() { return lowest().get_executor(); }
+  bool is_open() { return lowest().socket().is_open(); }
+  void close_socket() {
+    error_code ignored;
+    lowest().socket().close(ignored);
+  }
+  void end() {
+    if (session_) session_->close();
+    // The writer of a WebSocket says farewell, and closes it then.
+    if (!ws_ || !session_) close_socket();
+    connections_->remove(id_);
+  }
+  void fail(const std::exception_ptr& failure) {
+    close();
+    connections_->gateway->log_failure("a client's connection, which was closed", failure);
+    connections_->remove(id_);
+  }
+
+  WebStream stream_;
+  std::shared_ptr<ssl::context> tls_;
+  std::optional<websocket::stream<WebStream>> ws_;
+  beast::flat_buffer buffer_{max_head_bytes + max_line_bytes};
+  std::shared_ptr<HttpConnections> connections_;
+  std::uint64_t id_;
+  HttpConnectionInfo info_;
+  std::shared_ptr<HttpSession> session_;
+  std::string token_;  ///< By which that was let in; empty: by none.
+  websocket::close_reason farewell_{websocket::close_code::going_away};
+  bool is_serving_ = false;
+  bool is_writing_ = false;
+  bool is_finishing_ = false;
+};
+
+}  // namespace
+
+void begin_http_connection(Tcp::socket socket, std::shared_ptr<ssl::context> tls,
+                           HttpConnectionInfo info, std::shared_ptr<HttpConnections> connections) {
+  const auto id = connections->add();
+  WebStream stream{beast::tcp_stream(std::move(socket))};
+  const auto connection = std::make_shared<StreamConnection>(std::move(stream), std::move(tls),
+                                                             connections, id, std::move(info));
+  connections->set(id, connection);
+  connection->start();
+}
+
+}  // namespace tmcld

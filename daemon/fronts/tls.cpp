@@ -1,0 +1,69 @@
+#include "fronts/tls.hpp"
+
+#include <array>
+
+#include <openssl/err.h>
+#include <openssl/x509.h>
+
+namespace tmcld {
+namespace {
+
+namespace ssl = boost::asio::ssl;
+using boost::system::error_code;
+
+/// What the library of TLS has complained of.
+std::string last_complaint() {
+  const auto error = ERR_peek_last_error();
+  ERR_clear_error();
+  return error == 0 ? "it is not as it should be" : tls_error_text(error);
+}
+
+/// Empty if it is good now.
+std::string age_problem(SSL_CTX* context, const std::string& file) {
+  const auto* certificate = SSL_CTX_get0_certificate(context);
+  if (certificate == nullptr) return {};
+  if (X509_cmp_current_time(X509_get0_notAfter(certificate)) < 0)
+    return "the certificate " + file + " has run out: clients will not trust it; get a new one";
+  if (X509_cmp_current_time(X509_get0_notBefore(certificate)) > 0)
+    return "the certificate " + file + " is not valid yet: is the clock of this computer right?";
+  return {};
+}
+
+}  // namespace
+
+std::string tls_error_text(unsigned long error) {
+  std::array<char, 256> text{};
+  ERR_error_string_n(error, text.data(), text.size());
+  const auto* reason = ERR_reason_error_string(error);
+  return reason != nullptr ? reason : text.data();
+}
+
+tl::expected<Tls, std::string> tls_of(const HttpConfig& config) {
+  Tls tls;
+  if (config.certificate.empty()) return tls;
+  tls.context = std::make_shared<ssl::context>(ssl::context::tls_server);
+  auto& context = *tls.context;
+  error_code error;
+  const auto fail = [](const std::string& what) {
+    return tl::unexpected(what + ": " + last_complaint());
+  };
+  context.set_options(ssl::context::default_workarounds | ssl::context::no_sslv2 |
+                          ssl::context::no_sslv3 | ssl::context::no_tlsv1 |
+                          ssl::context::no_tlsv1_1,
+                      error);
+  ERR_clear_error();
+  context.use_certificate_chain_file(config.certificate, error);
+  if (error) return fail("the certificate " + config.certificate + " cannot be read");
+  context.use_private_key_file(config.key, ssl::context::pem, error);
+  if (error) return fail("the key " + config.key + " does not go with " + config.certificate);
+  // A thousand clients share what one needs while it speaks.
+  SSL_CTX_set_mode(context.native_handle(), SSL_MODE_RELEASE_BUFFERS);
+  tls.age_problem = age_problem(context.native_handle(), config.certificate);
+  if (config.client_ca.empty()) return tls;
+  context.load_verify_file(config.client_ca, error);
+  if (error) return fail("the certificates in " + config.client_ca + " cannot be read");
+  context.set_verify_mode(ssl::verify_peer | ssl::verify_fail_if_no_peer_cert, error);
+  return tls;
+}
+
+}  // namespace tmcld
