@@ -1,6 +1,8 @@
 // Mint programs, run by the daemon.
 #include <map>
 
+#include <boost/asio/this_coro.hpp>
+
 #include "api/audit.hpp"
 #include "api/handlers.hpp"
 #include "api/journey.hpp"

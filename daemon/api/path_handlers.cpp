@@ -3,6 +3,8 @@
 #include <cctype>
 #include <utility>
 
+#include <boost/asio/this_coro.hpp>
+
 #include "api/audit.hpp"
 #include "api/course_view.hpp"
 #include "api/handlers.hpp"

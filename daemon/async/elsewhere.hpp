@@ -1,9 +1,7 @@
 /// What takes long, on another thread: the reactor goes on meanwhile.
 #pragma once
 
-#include <cstddef>
 #include <memory>
-#include <optional>
 #include <type_traits>
 #include <utility>
 
@@ -15,24 +13,9 @@
 
 #include "async/ordinary_priority.hpp"
 #include "async/rest.hpp"
+#include "async/workers.hpp"
 
 namespace tmcld {
-
-/// Threads for such work; they begin when there is some.
-class Workers {
- public:
-  explicit Workers(std::size_t threads) : threads_(threads) {}
-
-  boost::asio::thread_pool& pool() { return pool_ ? *pool_ : pool_.emplace(threads_); }
-  /// Waits for what is being done. To be called when no more is asked for.
-  void join() {
-    if (pool_) pool_->join();
-  }
-
- private:
-  std::size_t threads_;
-  std::optional<boost::asio::thread_pool> pool_;
-};
 
 namespace detail {
 

@@ -3,8 +3,6 @@
 
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
-#include <boost/asio/redirect_error.hpp>
-#include <boost/asio/use_awaitable.hpp>
 
 #include "tmcl/timer.hpp"
 
@@ -21,14 +19,7 @@ class Wake {
   }
   boost::asio::awaitable<void> wait() { return wait_until(tmcl::TimePoint::max()); }
   /// Until notified, or until then.
-  boost::asio::awaitable<void> wait_until(tmcl::TimePoint then) {
-    boost::system::error_code ignored;
-    while (!notified_ && timer_.now() < then) {
-      timer_.expires_at(then);
-      co_await timer_.async_wait(boost::asio::redirect_error(boost::asio::use_awaitable, ignored));
-    }
-    notified_ = false;
-  }
+  boost::asio::awaitable<void> wait_until(tmcl::TimePoint then);
   boost::asio::awaitable<void> wait_for(tmcl::Duration duration) {
     return wait_until(timer_.now() + duration);
   }

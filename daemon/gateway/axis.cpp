@@ -327,6 +327,27 @@ GatewayAxis::Awaitable<void> GatewayAxis::restore(std::uint8_t parameter, RunOpt
   co_return result;
 }
 
+GatewayAxis::Awaitable<void> GatewayAxis::store(std::uint8_t parameter, RunOptions options) {
+  return perform(tmcl::verbs::store(address(), parameter), std::move(options));
+}
+
+GatewayAxis::Awaitable<std::vector<std::string>> GatewayAxis::warnings() {
+  return axis_.run(units_.warnings());
+}
+
+GatewayAxis::Awaitable<std::optional<tmcl::ModuleUnits>> GatewayAxis::module_units() {
+  return axis_.run(units_.module_units());
+}
+
+GatewayAxis::Awaitable<std::optional<tmcl::UserScale>> GatewayAxis::scale() {
+  return axis_.run(units_.scale());
+}
+
+GatewayAxis::Awaitable<std::optional<tmcl::plan::AxisTwin>> GatewayAxis::twin(RunOptions options,
+                                                                              tmcl::Proof proof) {
+  return axis_.run(units_.twin(proof), std::move(options));
+}
+
 bool GatewayAxis::is_known(tmcl::Duration max_age) const {
   return last_ && last_->commands == bus().commands() &&
          last_->settings == module().settings_epoch() &&

@@ -101,29 +101,23 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<void> rotate(tmcl::InternalVelocity velocity, Tenant client, RunOptions movement);
   Awaitable<void> set(std::uint8_t parameter, std::int32_t value, RunOptions movement);
   /// To the EEPROM of its module, and back.
-  Awaitable<void> store(std::uint8_t parameter, RunOptions options) {
-    return perform(tmcl::verbs::store(address(), parameter), std::move(options));
-  }
+  Awaitable<void> store(std::uint8_t parameter, RunOptions options);
   Awaitable<void> restore(std::uint8_t parameter, RunOptions movement);
   /// What set() does once that is admitted.
   Awaitable<void> write(std::uint8_t parameter, std::int32_t value, Admitted admitted);
   Awaitable<StoodAt> wait(tmcl::WaitOptions options, Objection objection);
   /// What its settings make of moves that nobody may want. Errors: those of reading them.
-  Awaitable<std::vector<std::string>> warnings() { return axis_.run(units_.warnings()); }
+  Awaitable<std::vector<std::string>> warnings();
   Awaitable<std::int32_t> get(std::uint8_t parameter, Deadline deadline);
   /// At most so old, and not from before the last command on its bus: answered without the bus if
   /// somebody has just looked.
   Awaitable<AxisReading> read_state(tmcl::Duration max_age = {});
 
   // What AxisUnits knows.
-  Awaitable<std::optional<tmcl::ModuleUnits>> module_units() {
-    return axis_.run(units_.module_units());
-  }
-  Awaitable<std::optional<tmcl::UserScale>> scale() { return axis_.run(units_.scale()); }
+  Awaitable<std::optional<tmcl::ModuleUnits>> module_units();
+  Awaitable<std::optional<tmcl::UserScale>> scale();
   Awaitable<std::optional<tmcl::plan::AxisTwin>> twin(RunOptions options,
-                                                      tmcl::Proof proof = tmcl::Proof::none) {
-    return axis_.run(units_.twin(proof), std::move(options));
-  }
+                                                      tmcl::Proof proof = tmcl::Proof::none);
   std::vector<tmcl::plan::Setting> ramp_settings() const { return units_.ramp_settings(); }
   /// When a move that was started in another way should end.
   void expect_arrival(tmcl::TimePoint time) { expected_arrival_ = time; }

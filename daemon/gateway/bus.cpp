@@ -5,6 +5,7 @@
 
 #include <unistd.h>
 
+#include "async/elsewhere.hpp"
 #include "async/gather.hpp"
 #include "async/spawn.hpp"
 #include "gateway/raw_command.hpp"

@@ -15,8 +15,8 @@
 #include <boost/asio/any_io_executor.hpp>
 #include <boost/asio/awaitable.hpp>
 
-#include "async/elsewhere.hpp"
 #include "async/wake.hpp"
+#include "async/workers.hpp"
 #include "config/config.hpp"
 #include "gateway/event.hpp"
 #include "gateway/journal.hpp"
@@ -134,15 +134,10 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// open.
   template <class T>
   boost::asio::awaitable<T> run(tmcl::Script<T> script, RunOptions options) {
-    const auto bus = bus_;
-    if (!bus) co_return tl::unexpected(not_open());
-    // Steps of one verb all go to the link it began on: after a loss another module may be there.
-    tmcl::RunOptions of_bus{options.deadline, {}, options.on_answer};
-    of_bus.objection = [this, bus] {
-      return bus == bus_ ? std::nullopt : std::optional(not_open());
-    };
-    auto allowed = judged(std::move(script), std::move(options));
-    auto result = co_await bus->run(std::move(allowed), std::move(of_bus));
+    auto ended = co_await run_steps(script, std::move(options));
+    if (ended.objection) co_return tl::unexpected(std::move(*ended.objection));
+    auto result = script.take();
+    if (!result && ended.broke_off) result.error().outcome = tmcl::Outcome::unknown;
     co_return result;
   }
 
@@ -168,23 +163,13 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
     bool refused = false;  ///< Something that can move a motor was not sent: it ends by itself.
     GatewayModule* module = nullptr;  ///< The last that it has asked something.
   };
-  template <class T>
-  tmcl::Script<T> judged(tmcl::Script<T> script, RunOptions options) {
-    Conduct conduct{std::move(options)};
-    auto now = co_await tmcl::current_time();
-    auto step = script.start(now);
-    while (step) {
-      auto objection = objection_to(*step, conduct);
-      if (objection) co_return tl::unexpected(std::move(*objection));
-      auto result = co_await carry_out(std::move(*step), conduct);
-      now = co_await tmcl::current_time();
-      step = script.resume(std::move(result), now);
-    }
-    auto result = script.take();
-    if (!result && conduct.refused && conduct.acted)
-      result.error().outcome = tmcl::Outcome::unknown;
-    co_return result;
-  }
+  struct Ended {
+    std::optional<tmcl::Error> objection;
+    bool broke_off = false;  ///< Something of it went out, and something was refused.
+  };
+  /// Steps through a verb to its end, or until there is an objection.
+  boost::asio::awaitable<Ended> run_steps(tmcl::AnyScript& script, RunOptions options);
+  tmcl::Script<tmcl::Result<void>> judged(tmcl::AnyScript& script, Conduct& conduct);
   static std::optional<tmcl::Error> objection_to(const tmcl::Step& step, const Conduct& conduct);
   tmcl::Script<tmcl::StepResult> carry_out(tmcl::Step step, Conduct& conduct);
   tmcl::Script<tmcl::Result<tmcl::Answer>> send(tmcl::step::Exchange exchange, Conduct& conduct);

@@ -290,6 +290,32 @@ tmcl::Script<tmcl::StepResult> GatewayBus::exchange_all(
   co_return results;
 }
 
+boost::asio::awaitable<GatewayBus::Ended> GatewayBus::run_steps(tmcl::AnyScript& script,
+                                                                RunOptions options) {
+  const auto bus = bus_;
+  if (!bus) co_return Ended{not_open()};
+  // Steps of one verb all go to the link it began on: after a loss another module may be there.
+  tmcl::RunOptions of_bus{options.deadline, {}, options.on_answer};
+  of_bus.objection = [this, bus] { return bus == bus_ ? std::nullopt : std::optional(not_open()); };
+  Conduct conduct{std::move(options)};
+  auto ended = co_await bus->run(judged(script, conduct), std::move(of_bus));
+  if (!ended) co_return Ended{std::move(ended.error())};
+  co_return Ended{std::nullopt, conduct.refused && conduct.acted};
+}
+
+tmcl::Script<tmcl::Result<void>> GatewayBus::judged(tmcl::AnyScript& script, Conduct& conduct) {
+  auto now = co_await tmcl::current_time();
+  auto step = script.start(now);
+  while (step) {
+    auto objection = objection_to(*step, conduct);
+    if (objection) co_return tl::unexpected(std::move(*objection));
+    auto result = co_await carry_out(std::move(*step), conduct);
+    now = co_await tmcl::current_time();
+    step = script.resume(std::move(result), now);
+  }
+  co_return tmcl::Result<void>{};
+}
+
 std::optional<tmcl::Error> GatewayBus::objection_to(const tmcl::Step& step,
                                                     const Conduct& conduct) {
   // What is judged is refused in send(), and a verb that was refused sets back what it has set.

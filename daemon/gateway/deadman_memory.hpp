@@ -12,7 +12,7 @@
 
 #include <boost/asio/awaitable.hpp>
 
-#include "async/elsewhere.hpp"
+#include "async/workers.hpp"
 #include "log/sink.hpp"
 #include "tmcl/address.hpp"
 #include "tmcl/version.hpp"

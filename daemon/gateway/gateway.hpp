@@ -13,7 +13,7 @@
 
 #include <boost/asio/any_io_executor.hpp>
 
-#include "async/elsewhere.hpp"
+#include "async/workers.hpp"
 #include "config/config.hpp"
 #include "gateway/axis.hpp"
 #include "gateway/bus.hpp"

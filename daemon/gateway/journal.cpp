@@ -2,10 +2,12 @@
 
 #include <utility>
 
+#include <boost/asio/this_coro.hpp>
 #include <boost/json/parse.hpp>
 #include <boost/json/serialize.hpp>
 #include <boost/json/value_to.hpp>
 
+#include "async/elsewhere.hpp"
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
 #include "gateway/state_file.hpp"

@@ -19,7 +19,7 @@
 #include <boost/asio/awaitable.hpp>
 #include <tl/expected.hpp>
 
-#include "async/elsewhere.hpp"
+#include "async/workers.hpp"
 #include "log/limiter.hpp"
 #include "log/sink.hpp"
 #include "tmcl/address.hpp"

@@ -9,6 +9,8 @@
 
 #include <fmt/format.h>
 
+#include <boost/asio/this_coro.hpp>
+
 #include "async/elsewhere.hpp"
 #include "async/spawn.hpp"
 #include "gateway/drive_run.hpp"

@@ -14,7 +14,7 @@
 #include <boost/asio/awaitable.hpp>
 #include <tl/expected.hpp>
 
-#include "async/elsewhere.hpp"
+#include "async/workers.hpp"
 #include "gateway/claim.hpp"
 #include "tmcl/plan/line.hpp"
 

@@ -6,6 +6,7 @@
 #include <type_traits>
 
 #include <boost/asio/awaitable.hpp>
+#include <boost/asio/this_coro.hpp>
 
 #include "async/rest.hpp"
 #include "gateway/axis.hpp"

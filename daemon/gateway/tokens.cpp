@@ -15,6 +15,7 @@
 #include <boost/json/serialize.hpp>
 #include <boost/json/value_to.hpp>
 
+#include "async/elsewhere.hpp"
 #include "gateway/state_file.hpp"
 
 namespace tmcld {

@@ -11,7 +11,7 @@
 #include <boost/asio/awaitable.hpp>
 #include <tl/expected.hpp>
 
-#include "async/elsewhere.hpp"
+#include "async/workers.hpp"
 #include "config/config.hpp"
 #include "log/sink.hpp"
 

@@ -47,19 +47,8 @@ class Bus {
   /// Runs a verb to its end, or until there is an objection.
   template <class T>
   boost::asio::awaitable<T> run(Script<T> script, RunOptions options = {}) {
-    const auto state = state_;  // the bus may be gone before the verb has ended
-    const auto clock = clock_;
-    auto step = script.start(clock.now());
-    while (step) {
-      auto objection = options.objection ? options.objection() : std::nullopt;
-      if (objection) co_return tl::unexpected(std::move(*objection));
-      const bool is_exchange = std::holds_alternative<step::Exchange>(*step);
-      const auto asked = clock.now();
-      auto result = co_await perform(state, std::move(*step), options.deadline);
-      const auto now = clock.now();
-      if (options.on_answer && is_exchange && result.front()) options.on_answer(now - asked);
-      step = script.resume(std::move(result), now);
-    }
+    auto objection = co_await run_steps(state_, clock_, script, std::move(options));
+    if (objection) co_return tl::unexpected(std::move(*objection));
     co_return script.take();
   }
 
@@ -79,6 +68,11 @@ class Bus {
 
  private:
   class State;
+  /// Keeps what it needs alive: the bus may be gone before the verb has ended.
+  static boost::asio::awaitable<std::optional<Error>> run_steps(std::shared_ptr<State> state,
+                                                                ContextClock clock,
+                                                                AnyScript& script,
+                                                                RunOptions options);
   static boost::asio::awaitable<StepResult> perform(std::shared_ptr<State> state, Step step,
                                                     std::optional<TimePoint> deadline);
 

@@ -263,32 +263,16 @@ struct TimeAwaiter {
 
 }  // namespace detail
 
-/// A verb in progress. Move-only; destroying it ends it wherever it is. What is thrown in it,
+/// A verb in progress, whatever it gives: what its runner steps through. What is thrown in it,
 /// start() or resume() throws; all that can be done with it then is to destroy it.
-template <class T>
-class [[nodiscard]] Script {
+class AnyScript {
  public:
-  using promise_type = detail::ScriptPromise<T>;
-  using value_type = T;
-
-  explicit Script(std::coroutine_handle<promise_type> handle) : handle_(handle) {}
-  Script(Script&& other) noexcept
-      : handle_(std::exchange(other.handle_, {})), state_(std::move(other.state_)) {}
-  Script& operator=(Script&& other) noexcept {
-    std::swap(handle_, other.handle_);
-    std::swap(state_, other.state_);
-    return *this;
-  }
-  ~Script() {
-    if (handle_) handle_.destroy();
-  }
-
   /// Runs up to the first step; nothing if there was none.
   std::optional<Step> start(TimePoint now) {
     state_ = std::make_unique<detail::ScriptState>();
     state_->now = now;
-    handle_.promise().state = state_.get();
-    state_->innermost = &handle_.promise();
+    promise_->state = state_.get();
+    state_->innermost = promise_;
     return proceed(nullptr);
   }
   /// Tells what came of the last step and runs up to the next one; nothing when the script has
@@ -299,20 +283,21 @@ class [[nodiscard]] Script {
     auto& results = state_->result;
     return proceed(results.empty() || results.front() ? nullptr : &results.front().error());
   }
-  /// What the script returned; once, after it has ended.
-  T take() { return std::move(*handle_.promise().value); }
 
-  // One script waits for another: the inner one's steps go to the same runner.
-  bool await_ready() const noexcept { return false; }
-  template <class Promise>
-  std::coroutine_handle<> await_suspend(std::coroutine_handle<Promise> outer) {
-    auto& inner = handle_.promise();
-    inner.state = outer.promise().state;
-    inner.outer = &outer.promise();
-    inner.state->innermost = &inner;
-    return handle_;
+ protected:
+  explicit AnyScript(detail::ScriptPromiseBase& promise) : promise_(&promise) {}
+  AnyScript(AnyScript&& other) noexcept
+      : promise_(std::exchange(other.promise_, nullptr)), state_(std::move(other.state_)) {}
+  AnyScript& operator=(AnyScript&& other) noexcept {
+    std::swap(promise_, other.promise_);
+    std::swap(state_, other.state_);
+    return *this;
   }
-  T await_resume() { return take(); }
+  ~AnyScript() {
+    if (promise_ != nullptr) promise_->script.destroy();
+  }
+
+  detail::ScriptPromiseBase* promise_;
 
  private:
   std::optional<Step> proceed(Error* error) {
@@ -322,15 +307,37 @@ class [[nodiscard]] Script {
     return std::move(state_->step);
   }
 
-  std::coroutine_handle<promise_type> handle_;
   std::unique_ptr<detail::ScriptState> state_;
+};
+
+/// The same with what it gives. Move-only; destroying it ends it wherever it is.
+template <class T>
+class [[nodiscard]] Script : public AnyScript {
+ public:
+  using promise_type = detail::ScriptPromise<T>;
+  using value_type = T;
+
+  explicit Script(promise_type& promise) : AnyScript(promise) {}
+
+  /// What the script returned; once, after it has ended.
+  T take() { return std::move(*static_cast<promise_type*>(promise_)->value); }
+
+  // One script waits for another: the inner one's steps go to the same runner.
+  bool await_ready() const noexcept { return false; }
+  template <class Promise>
+  std::coroutine_handle<> await_suspend(std::coroutine_handle<Promise> outer) {
+    promise_->state = outer.promise().state;
+    promise_->outer = &outer.promise();
+    promise_->state->innermost = promise_;
+    return promise_->script;
+  }
+  T await_resume() { return take(); }
 };
 
 template <class T>
 Script<T> detail::ScriptPromise<T>::get_return_object() {
-  const auto handle = std::coroutine_handle<ScriptPromise>::from_promise(*this);
-  script = handle;
-  return Script<T>(handle);
+  script = std::coroutine_handle<ScriptPromise>::from_promise(*this);
+  return Script<T>(*this);
 }
 
 /// One exchange. An answer with an error status comes back as an Error with Outcome::refused.

@@ -232,6 +232,23 @@ asio::awaitable<Result<Answer>> Bus::execute(Request request, CallOptions option
   co_return result;
 }
 
+asio::awaitable<std::optional<Error>> Bus::run_steps(std::shared_ptr<State> state,
+                                                     ContextClock clock, AnyScript& script,
+                                                     RunOptions options) {
+  auto step = script.start(clock.now());
+  while (step) {
+    auto objection = options.objection ? options.objection() : std::nullopt;
+    if (objection) co_return objection;
+    const bool is_exchange = std::holds_alternative<step::Exchange>(*step);
+    const auto asked = clock.now();
+    auto result = co_await perform(state, std::move(*step), options.deadline);
+    const auto now = clock.now();
+    if (options.on_answer && is_exchange && result.front()) options.on_answer(now - asked);
+    step = script.resume(std::move(result), now);
+  }
+  co_return std::nullopt;
+}
+
 asio::awaitable<StepResult> Bus::perform(std::shared_ptr<State> state, Step step,
                                          std::optional<TimePoint> deadline) {
   if (auto* pause = std::get_if<step::Pause>(&step)) {
