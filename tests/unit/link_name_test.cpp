@@ -2,6 +2,11 @@
 
 #include <gmock/gmock.h>
 
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "support/temp_path.hpp"
 #include "tmcl/bit_rate.hpp"
 #include "tmcl/link.hpp"
 
@@ -32,6 +37,20 @@ TEST(LinkName, TellsTheBitRateOfASerialLineOnly) {
   for (const auto* text :
        {"/dev/ttyACM0@115200", "usb:1-1.2", "usb:auto", "tcp:127.0.0.1:1", "can:no-such-can"})
     EXPECT_EQ(rate(text), std::nullopt) << text;
+}
+
+TEST(LinkName, TellsNoBitRateOfAUsbModuleByAnotherName) {
+  const std::filesystem::path folder = test::temp_path("links");
+  std::filesystem::create_directories(folder);
+  const auto rate = [&](const std::string& device) {
+    std::ofstream{folder / device};
+    const auto link = folder / ("by-path-" + device);
+    std::filesystem::create_symlink(device, link);
+    return bit_rate_of(SerialName{link.string(), 57600});
+  };
+  EXPECT_EQ(rate("ttyACM7"), std::nullopt);
+  EXPECT_EQ(rate("ttyUSB7"), 57600U);
+  std::filesystem::remove_all(folder);
 }
 
 TEST(LinkName, WhatIsWrongIsNamed) {
