@@ -92,8 +92,16 @@ struct LocalPath : testing::Test {
 };
 
 TEST_F(LocalPath, IsPassedWhileSomebodyListens) {
-  const auto path = begin(short_way);
-  while (!path.has_ended()) bench.local().listen(100ms);
+  auto path = begin(short_way);
+  // A computer that is busy for more than a second ends a path, as it should.
+  const auto is_stale = [&] {
+    return path.has_ended() && !path.result() &&
+           path.result().error().data.at("name") == "stale_request";
+  };
+  while (!path.has_ended() || is_stale()) {
+    if (is_stale()) path = begin(short_way);
+    bench.local().listen(100ms);
+  }
   ASSERT_TRUE(path.result()) << path.result().error().message;
   EXPECT_EQ(module.mm(0), 9);
   expect_rest_and_own_settings();
