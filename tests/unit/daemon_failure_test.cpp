@@ -1,5 +1,8 @@
 // Exceptions, wherever they come from: one that a call throws is its answer, and one that nobody
 // can answer ends the daemon as it should end, with all axes stopped.
+#include <boost/asio/post.hpp>
+#include <boost/asio/use_awaitable.hpp>
+#include <filesystem>
 #include <new>
 #include <stdexcept>
 

@@ -3,6 +3,12 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+#include <boost/asio/post.hpp>
+
+#include "async/rest.hpp"
+#include "async/spawn.hpp"
 #include "unit/simulated_modules.hpp"
 
 namespace tmcld::test {

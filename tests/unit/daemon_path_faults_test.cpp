@@ -1,5 +1,6 @@
 // What happens beside a path: links that are lost, modules that fall silent, others who want the
 // reactor and the bus.
+#include <boost/asio/post.hpp>
 #include "gateway/link_patience.hpp"
 #include "gateway/poller.hpp"
 #include "unit/daemon_path_fixture.hpp"

@@ -1,6 +1,9 @@
 // Another configuration for a daemon that runs: all of it, or nothing.
 #include <gmock/gmock.h>
 
+#include <boost/asio/co_spawn.hpp>
+#include <boost/asio/detached.hpp>
+
 #include "support/temp_path.hpp"
 #include "unit/daemon_moves_fixture.hpp"
 

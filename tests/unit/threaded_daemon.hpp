@@ -4,6 +4,8 @@
 #include <future>
 #include <thread>
 
+#include <boost/asio/post.hpp>
+
 #include "unit/daemon_fixture.hpp"
 
 namespace tmcld::test {

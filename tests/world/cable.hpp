@@ -3,22 +3,20 @@
 
 #include <gmock/gmock.h>
 
-#include <csignal>
 #include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
+#include <boost/json/serialize.hpp>
+
 #include "api/dispatch.hpp"
-#include "async/spawn.hpp"
 #include "config/load.hpp"
 #include "gateway/gateway.hpp"
-#include "log/log.hpp"
-#include "support/no_events.hpp"
 #include "tmcl/virtual_time.hpp"
 #include "world/cable_config.hpp"
 #include "world/wire.hpp"
-#include "world/world.hpp"
+#include "world/world_peer.hpp"
 
 namespace tmcld::test {
 
@@ -28,102 +26,33 @@ class CableBench {
  public:
   explicit CableBench(const std::string& config = cable_config,
                       std::string_view model = "TMCM-6212",
-                      tmcl::Framing framing = tmcl::Framing::serial)
-      : config_(parse_config(config).value()),
-        wire(context_, "bench", framing, 1, {}, trace_),
-        module(wire.bench().add(*tmcl::find_model(model), tmcl::ModuleAddress{1})) {
-    std::signal(SIGPIPE, SIG_IGN);
-    silence_log();
-    start_gateway();
-    for (const char* axis : {"x", "y"}) {
-      for (const auto& [parameter, value] :
-           {std::pair{4, 240'000}, {5, 4'999'922}, {17, 4'999'922}})
-        call("parameter.set", {{"axis", axis}, {"parameter", parameter}, {"value", value}});
-    }
-  }
-  ~CableBench() {
-    gateway_->close();
-    time.run_for(std::chrono::seconds(10));
-  }
+                      tmcl::Framing framing = tmcl::Framing::serial);
+  ~CableBench();
   CableBench(const CableBench&) = delete;
   CableBench& operator=(const CableBench&) = delete;
-  void start_gateway(const std::string& journal = {}, const std::string& deadmen = {}) {
-    GatewayOptions options;
-    options.open_link = [this](const BusConfig&) { return wire.open(); };
-    options.journal = journal;
-    options.deadmen = deadmen;
-    options.log = [this](LogLevel, std::string_view line) { logged.emplace_back(line); };
-    options.audit = [this](const AuditEntry& entry) { audited.push_back(entry.text); };
-    gateway_ = Gateway::create(context_.get_executor(), config_, std::move(options));
-    gateway_->on_event([this](const GatewayEvent& event) {
-      if (event.kind == GatewayEvent::Kind::axis_stopped) stopped.push_back(event.text);
-      if (event.kind == GatewayEvent::Kind::orphan_stopped) orphans.push_back(event.text);
-      events.emplace_back(name_of(event.kind));
-    });
-    peer_->number = gateway_->enter().number;
-    gateway_->start();
-    time.run_for(std::chrono::seconds(1));
-  }
+  void start_gateway(const std::string& journal = {}, const std::string& deadmen = {});
   /// Of a host that tmcld knows nothing of.
-  void other_master(const tmcl::Request& request) {
-    tmcl::test::NoEvents nobody;
-    module.execute(request, tmcl::sim::Medium::serial, nobody);
-    wire.touch();
-  }
+  void other_master(const tmcl::Request& request);
   void client_leaves() { gateway_->leave(peer_->number); }
   /// Who has called until now stays.
-  void be_another_client() {
-    peer_ = std::make_shared<WorldPeer>(trace_);
-    peer_->number = gateway_->enter().number;
-  }
+  void be_another_client();
   /// It sends nothing any more.
-  void end_gateway() {
-    gateway_->close();
-    time.run_for(std::chrono::milliseconds(100));
-  }
+  void end_gateway();
 
   using Answer = std::shared_ptr<std::optional<RpcResult>>;
 
-  Answer begin(std::string_view method, json::object params) {
-    auto answer = std::make_shared<std::optional<RpcResult>>();
-    auto carry_out = [](auto gateway, auto peer, RpcRequest request,
-                        Answer into) -> boost::asio::awaitable<void> {
-      auto result = co_await dispatch(std::move(gateway), std::move(peer), std::move(request));
-      *into = std::move(result);
-    };
-    const RpcRequest request{1, find_method(method), std::move(params)};
-    spawn(context_.get_executor(), carry_out(gateway_, peer_, request, answer));
-    return answer;
-  }
-  RpcResult end(const Answer& answer) {
-    EXPECT_TRUE(time.run_while_not([&] { return answer->has_value(); }, std::chrono::hours(1)));
-    return std::move(**answer);
-  }
+  Answer begin(std::string_view method, json::object params);
+  RpcResult end(const Answer& answer);
   RpcResult call(std::string_view method, json::object params) {
     return end(begin(method, std::move(params)));
   }
-  Answer begin_path() {
-    const auto path = begin("path.run", {{"axes", json::array{"x", "y"}},
-                                         {"text", "G1 X20 Y10 F1200\nG1 X900 Y0\n"},
-                                         {"deviation", 900}});
-    EXPECT_TRUE(time.run_while_not([&] { return mm(0) > 12; }, std::chrono::minutes(1)));
-    return path;
-  }
+  Answer begin_path();
 
-  std::int32_t get(std::uint8_t motor, std::uint8_t parameter) {
-    wire.bench().run_due();
-    return *module.axis(motor).get(parameter);
-  }
+  std::int32_t get(std::uint8_t motor, std::uint8_t parameter);
   double mm(std::uint8_t motor) { return get(motor, ap::actual_position) / (51'200 / 5.0); }
   bool moves() { return get(0, ap::actual_velocity) != 0 || get(1, ap::actual_velocity) != 0; }
-  tmcl::Duration time_to_stand() {
-    const auto began = time.now();
-    EXPECT_TRUE(time.run_while_not([&] { return !moves(); }, std::chrono::minutes(1)));
-    return time.now() - began;
-  }
-  std::string name_of_error(const RpcResult& result) {
-    return result ? "none" : std::string(result.error().data.at("name").as_string());
-  }
+  tmcl::Duration time_to_stand();
+  std::string name_of_error(const RpcResult& result);
 
  private:
   boost::asio::io_context context_{1};

@@ -14,7 +14,6 @@
 #include <boost/json/serialize.hpp>
 
 #include "api/dispatch.hpp"
-#include "api/subscriptions.hpp"
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
 #include "config/load.hpp"
@@ -25,26 +24,11 @@
 #include "world/ledger.hpp"
 #include "world/trouble.hpp"
 #include "world/wire.hpp"
+#include "world/world_peer.hpp"
 
 namespace tmcld::test {
 
 namespace json = boost::json;
-
-class WorldPeer final : public Peer {
- public:
-  explicit WorldPeer(Trace& trace) : trace_(&trace) {}
-  void notify(std::string_view method, json::object) override { trace_->add(method); }
-  bool is_gone() const override { return false; }
-  Subscriptions& subscriptions() override { return subscriptions_; }
-  Client client() const override { return {number, "client"}; }
-
-  std::uint64_t number = 0;
-  bool has_ended = false;
-
- private:
-  Trace* trace_;
-  Subscriptions subscriptions_{[] {}};
-};
 
 /// Three motors of one module on a serial line, and three modules with one motor each on CAN.
 class World {
