@@ -80,7 +80,8 @@ TEST_F(TmclctlDaemon, AStopFromAnotherProgramEndsTheWaiting) {
   ASSERT_TRUE(waiting.wait_for("of 1000000"));
   EXPECT_EQ(run({"stop", "x"}).status, 0);
   EXPECT_EQ(waiting.wait(), 5);
-  EXPECT_THAT(waiting.output(), HasSubstr("was stopped"));
+  EXPECT_THAT(waiting.output(), HasSubstr("short of its target: at "));
+  EXPECT_THAT(waiting.output(), HasSubstr("cause: client"));
 }
 
 TEST_F(TmclctlDaemon, WatchSeesWhatOthersDo) {
