@@ -7,7 +7,6 @@
 #include <fstream>
 #include <string>
 #include <thread>
-#include <utility>
 #include <vector>
 
 #include <gmock/gmock.h>
@@ -32,20 +31,19 @@ class AuditFile : public testing::Test {
     for (std::string line; std::getline(in, line);) lines.push_back(line);
     return lines;
   }
-  /// At its end a trail waits for a moment only; a busy computer may take longer.
-  void add(AuditTrail& trail, AuditEntry entry) const {
-    const auto before = lines_of(path).size();
-    trail.add(std::move(entry));
-    while (lines_of(path).size() == before) std::this_thread::yield();
+  /// At its end a trail waits for a moment only; on a busy computer its thread writes the last lines
+  /// after that.
+  void await_lines(std::size_t count) const {
+    while (lines_of(path).size() < count) std::this_thread::yield();
   }
-  void add(AuditEntry entry) const { add(*AuditTrail::open(path).value(), std::move(entry)); }
 
   std::string path = tmcl::test::temp_path("audit");
   std::string old = path + ".1";
 };
 
 TEST_F(AuditFile, HasALineWithTimeUserAndProcess) {
-  add({0, 4711, "method=axis.stop"});
+  AuditTrail::open(path).value()->add({0, 4711, "method=axis.stop"});
+  await_lines(1);
   EXPECT_THAT(lines_of(path),
               testing::ElementsAre(testing::ContainsRegex(
                   "^20[0-9-]*T[0-9:]*\\.[0-9]*Z uid=0 user=root pid=4711 method=axis\\.stop$")));
@@ -55,8 +53,9 @@ TEST_F(AuditFile, HasALineWithTimeUserAndProcess) {
 }
 
 TEST_F(AuditFile, IsAddedTo) {
-  add({0, 1, "one"});
-  add({0, 1, "two"});
+  AuditTrail::open(path).value()->add({0, 1, "one"});
+  AuditTrail::open(path).value()->add({0, 1, "two"});
+  await_lines(2);
   EXPECT_EQ(lines_of(path).size(), 2U);
 }
 
@@ -70,10 +69,13 @@ TEST_F(AuditFile, IsNoSymbolicLinkAndNoDevice) {
 }
 
 TEST_F(AuditFile, IsOpenedAgainByItsName) {
-  const auto trail = AuditTrail::open(path).value();
-  std::filesystem::rename(path, old);
-  trail->reopen();
-  add(*trail, {0, 1, "behind it"});
+  {
+    const auto trail = AuditTrail::open(path).value();
+    std::filesystem::rename(path, old);
+    trail->reopen();
+    trail->add({0, 1, "behind it"});
+  }
+  await_lines(1);
   EXPECT_EQ(lines_of(path).size(), 1U);
   EXPECT_TRUE(lines_of(old).empty());
 }
@@ -90,8 +92,10 @@ std::size_t accounted_for(const std::vector<std::string>& lines) {
 
 TEST_F(AuditFile, SaysHowManyLinesAreMissing) {
   constexpr std::size_t all = 4 * AuditTrail::most_waiting_lines;
-  const auto trail = AuditTrail::open(path).value();
-  for (std::size_t i = 0; i < all; ++i) trail->add({0, 1, "line"});
+  {
+    const auto trail = AuditTrail::open(path).value();
+    for (std::size_t i = 0; i < all; ++i) trail->add({0, 1, "line"});
+  }
   while (accounted_for(lines_of(path)) < all) std::this_thread::yield();
   EXPECT_EQ(accounted_for(lines_of(path)), all);
 }
