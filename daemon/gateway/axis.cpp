@@ -257,8 +257,7 @@ GatewayAxis::Awaitable<StoodAt> GatewayAxis::wait(tmcl::WaitOptions wait_options
   };
   const auto left = expected_arrival_ - bus().clock().now();
   wait_options.expected = std::max(left, tmcl::Duration{});
-  if (const auto* mode = tmcl::find_parameter(parameters(), "ramp_mode"))
-    wait_options.ramp_mode = mode->number;
+  wait_options.mode = tmcl::mode_parameter(parameters());
   auto result = co_await stand(wait_options, std::move(options));
   // A module that has started again is at its target, which is where it is.
   auto watched = co_await axis_.run(module().watch(movement_sentinel_age));

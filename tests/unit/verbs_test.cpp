@@ -369,6 +369,7 @@ TEST(Verbs, WaitingGivesTheTargetWheneverTheAxisArrives) {
 class WaitForGoal : public testing::Test {
  protected:
   static constexpr std::uint8_t ramp_mode = 138;
+  static constexpr ModeParameter turning{ramp_mode, 2};
 
   WaitForGoal() {
     set(axis_parameter::position_reached, 0);
@@ -388,8 +389,7 @@ class WaitForGoal : public testing::Test {
   }
   Result<Microsteps> wait() {
     return bus.run(verbs::wait_until_reached(
-        axis,
-        {.expected = std::chrono::hours(1), .goal = Microsteps{100}, .ramp_mode = ramp_mode}));
+        axis, {.expected = std::chrono::hours(1), .goal = Microsteps{100}, .mode = turning}));
   }
   void expect_interrupted(std::string_view why, Duration at_most) {
     const auto result = wait();
@@ -436,7 +436,7 @@ TEST_F(WaitForGoal, AsksForTheModeTwiceASecondAtMost) {
   // Near the end of the move it is looked at often.
   change_after(std::chrono::seconds(3), [this] { set(axis_parameter::target_position, 500); });
   const auto result =
-      bus.run(verbs::wait_until_reached(axis, {.goal = Microsteps{100}, .ramp_mode = ramp_mode}));
+      bus.run(verbs::wait_until_reached(axis, {.goal = Microsteps{100}, .mode = turning}));
   ASSERT_FALSE(result);
   const auto asked = std::ranges::count(module.executed(), ramp_mode, &Request::type);
   EXPECT_GE(asked, 5);

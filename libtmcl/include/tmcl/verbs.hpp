@@ -17,6 +17,7 @@
 #include "tmcl/address.hpp"
 #include "tmcl/coordinates.hpp"
 #include "tmcl/homing.hpp"
+#include "tmcl/mechanics.hpp"
 #include "tmcl/module_verbs.hpp"
 #include "tmcl/program_verbs.hpp"
 #include "tmcl/script.hpp"
@@ -54,9 +55,8 @@ struct WaitOptions {
   /// Where it is to stand: an axis that is on its way to somewhere else, or turns by velocity,
   /// counts as interrupted. Nothing: wherever its target is then.
   std::optional<Microsteps> goal{};
-  /// The parameter that is 2 while the axis turns by velocity, asked twice a second for the sake of
-  /// a goal. Nothing: there is none.
-  std::optional<std::uint8_t> ramp_mode{};
+  /// With a goal: asked twice a second whether the axis turns by velocity. Nothing: not asked.
+  std::optional<ModeParameter> mode{};
   /// For so long it must be seen to stand at its target, at every look: an axis that swings about
   /// it stands there now and then. Zero: two looks, one right after the other.
   Duration steady{};

@@ -84,17 +84,15 @@ Script<Result<AxisState>> look_at(AxisAddress axis, CallOptions options) {
   co_return AxisState{Microsteps{at}, InternalVelocity{speed}, Microsteps{target}, reached != 0};
 }
 
-// Of the parameter "ramp_mode": the axis turns by velocity, at 0 after a stop.
-constexpr std::int32_t velocity_mode = 2;
 constexpr Duration mode_interval = std::chrono::milliseconds(500);
 // A reading may be a little older than it seems: one with the old target proves nothing.
 constexpr Duration sent_elsewhere_limit = std::chrono::milliseconds(200);
 
-/// False if nobody can tell.
+/// A stop is a turn at 0. False if nobody can tell.
 Script<bool> turns_by_velocity(AxisAddress axis, const WaitOptions& options, CallOptions call) {
-  if (!options.goal || !options.ramp_mode) co_return false;
-  const auto mode = co_await ask(axis_request(axis, Command::GAP, *options.ramp_mode), call);
-  co_return mode == velocity_mode;
+  if (!options.goal || !options.mode) co_return false;
+  const auto mode = co_await ask(axis_request(axis, Command::GAP, options.mode->number), call);
+  co_return mode == options.mode->velocity;
 }
 
 /// Why an axis will not come to its goal; empty as long as it may.
