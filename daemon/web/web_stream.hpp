@@ -6,7 +6,6 @@
 #include <cstddef>
 #include <functional>
 #include <memory>
-#include <span>
 #include <utility>
 
 #include <boost/asio/async_result.hpp>
@@ -41,7 +40,6 @@ class WebStream {
 
   /// Before anything is passed on; a handshake comes next.
   void use_tls(boost::asio::ssl::context& context);
-  bool has_tls() const { return tls_ != nullptr; }
   /// Null without TLS.
   SSL* native_handle();
 
