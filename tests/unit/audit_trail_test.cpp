@@ -31,8 +31,8 @@ class AuditFile : public testing::Test {
     for (std::string line; std::getline(in, line);) lines.push_back(line);
     return lines;
   }
-  /// At its end a trail waits for a moment only; on a busy computer its thread writes the last lines
-  /// after that.
+  /// At its end a trail waits for a moment only; on a busy computer its thread writes the last
+  /// lines after that.
   void await_lines(std::size_t count) const {
     while (lines_of(path).size() < count) std::this_thread::yield();
   }
