@@ -10,6 +10,7 @@
 #include "async/spawn.hpp"
 #include "async/wait_until.hpp"
 #include "gateway/ending.hpp"
+#include "tmcl/virtual_time.hpp"
 
 namespace tmcld {
 namespace {
@@ -20,8 +21,6 @@ using boost::asio::awaitable;
 constexpr tmcl::Duration look_interval = 20ms;
 // For calls that end because their bus is closed.
 constexpr tmcl::Duration time_for_last_answers = 300ms;
-
-tmcl::TimePoint now() { return tmcl::RealClock().now(); }
 
 }  // namespace
 
@@ -78,20 +77,22 @@ awaitable<void> end_with_calls(std::shared_ptr<Gateway> gateway, std::shared_ptr
 
 }  // namespace
 
-LocalGateway::LocalGateway() : work_(context_.get_executor()) {}
+LocalGateway::LocalGateway(std::shared_ptr<boost::asio::io_context> context)
+    : context_(std::move(context)), work_(context_->get_executor()) {}
 
 LocalGateway::~LocalGateway() {
   peer_->leave();
   gateway_->close();
   gateway_->join();
   // Whoever waits for a bus is told now that it is closed, and ends: it keeps that bus alive.
-  context_.poll();
+  context_->poll();
 }
 
-tmcl::Result<std::unique_ptr<LocalGateway>> LocalGateway::open(const Config& config,
-                                                               GatewayOptions options) {
-  std::unique_ptr<LocalGateway> local(new LocalGateway);
-  local->gateway_ = Gateway::create(local->context_.get_executor(), config, std::move(options));
+tmcl::Result<std::unique_ptr<LocalGateway>> LocalGateway::open(
+    const Config& config, GatewayOptions options,
+    std::shared_ptr<boost::asio::io_context> context) {
+  std::unique_ptr<LocalGateway> local(new LocalGateway(std::move(context)));
+  local->gateway_ = Gateway::create(local->context_->get_executor(), config, std::move(options));
   local->peer_ = std::make_shared<LocalPeer>(local->gateway_, local->news_);
   for (const auto& bus : local->gateway_->buses()) {
     if (auto opened = bus->open_now(); !opened) return tl::unexpected(std::move(opened.error()));
@@ -108,7 +109,7 @@ LocalCall LocalGateway::begin(std::string_view method, boost::json::object param
     return call;
   }
   request->id = ++last_id_;
-  spawn(context_.get_executor(),
+  spawn(context_->get_executor(),
         carry_out(gateway_, peer_, std::move(*request), call.result_, news_));
   return call;
 }
@@ -124,11 +125,19 @@ RpcResult LocalGateway::call(std::string_view method, boost::json::object params
 }
 
 bool LocalGateway::listen(tmcl::Duration at_most) {
-  const auto until = now() + at_most;
-  while (!*news_ && (context_.poll_one() > 0 || context_.run_one_until(until) > 0)) {
-    if (now() >= until) break;
-  }
+  run_until_news(tmcl::now(context_->get_executor()) + at_most);
   return deliver();
+}
+
+void LocalGateway::run_until_news(tmcl::TimePoint limit) {
+  if (auto time = tmcl::VirtualTime::of(*context_)) {
+    if (!time->run_while_not([this] { return *news_; }, limit - time->now()))
+      time->run_until(limit);
+    return;
+  }
+  while (!*news_ && (context_->poll_one() > 0 || context_->run_one_until(limit) > 0)) {
+    if (tmcl::RealClock().now() >= limit) break;
+  }
 }
 
 bool LocalGateway::deliver() {
@@ -147,7 +156,7 @@ void LocalGateway::hang_up() {
 void LocalGateway::end() {
   if (peer_->is_gone()) return;
   const auto has_ended = std::make_shared<bool>(false);
-  spawn(context_.get_executor(), end_with_calls(gateway_, peer_, has_ended));
+  spawn(context_->get_executor(), end_with_calls(gateway_, peer_, has_ended));
   while (!*has_ended) listen(look_interval);
 }
 

@@ -57,10 +57,13 @@ class LocalGateway {
   using OnNotification =
       std::function<void(std::string_view method, const boost::json::object& params)>;
 
-  /// Opens all links; blocks until they are open.
+  /// Opens all links; blocks until they are open. Nobody else runs the context, which may be on
+  /// virtual time.
   /// Errors: those of tmcl::Link::open() for the first that cannot be opened.
-  static tmcl::Result<std::unique_ptr<LocalGateway>> open(const Config& config,
-                                                          GatewayOptions options);
+  static tmcl::Result<std::unique_ptr<LocalGateway>> open(
+      const Config& config, GatewayOptions options,
+      std::shared_ptr<boost::asio::io_context> context =
+          std::make_shared<boost::asio::io_context>(1));
   LocalGateway(const LocalGateway&) = delete;
   LocalGateway& operator=(const LocalGateway&) = delete;
   ~LocalGateway();
@@ -91,10 +94,11 @@ class LocalGateway {
   Gateway& gateway() { return *gateway_; }
 
  private:
-  LocalGateway();
+  explicit LocalGateway(std::shared_ptr<boost::asio::io_context> context);
+  void run_until_news(tmcl::TimePoint limit);
   bool deliver();
 
-  boost::asio::io_context context_{1};
+  std::shared_ptr<boost::asio::io_context> context_;
   boost::asio::executor_work_guard<boost::asio::io_context::executor_type> work_;
   std::shared_ptr<Gateway> gateway_;
   std::shared_ptr<LocalPeer> peer_;

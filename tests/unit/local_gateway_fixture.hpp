@@ -1,4 +1,4 @@
-/// A gateway in the test's own process and thread, with one bus in memory.
+/// A gateway in the test's own process and thread, with one bus in memory, in virtual time.
 #pragma once
 
 #include "api/local_gateway.hpp"
@@ -10,7 +10,10 @@ using namespace std::chrono_literals;
 
 class LocalBench {
  public:
-  explicit LocalBench(const std::string& toml = two_axes()) : config_(parsed(toml)) {
+  explicit LocalBench(
+      const std::string& toml = two_axes(),
+      const std::shared_ptr<VirtualReactor>& reactor = std::make_shared<VirtualReactor>())
+      : reactor_(reactor), config_(parsed(toml)) {
     wire.modules.emplace(std::uint8_t{1}, FakeModule(1));
   }
   ~LocalBench() {
@@ -27,7 +30,7 @@ class LocalBench {
       far = ::dup(ends->second.descriptor());
       return std::move(ends->first);
     };
-    auto gateway = LocalGateway::open(config_, std::move(options));
+    auto gateway = LocalGateway::open(config_, std::move(options), context());
     if (!gateway) return gateway.error().message;
     gateway_ = std::move(*gateway);
     wire.plug_in(gateway_->gateway().buses().front()->executor(), far);
@@ -49,12 +52,16 @@ class LocalBench {
   FakeWire wire;
 
  private:
+  std::shared_ptr<boost::asio::io_context> context() const {
+    return {reactor_, &reactor_->context};
+  }
   static Config parsed(const std::string& toml) {
     const auto config = parse_config("[daemon]\nsocket = \"unused\"\n" + toml);
     if (!config) throw std::runtime_error(config.error().front().message);
     return *config;
   }
 
+  std::shared_ptr<VirtualReactor> reactor_;
   Config config_;
   std::unique_ptr<LocalGateway> gateway_;
 };

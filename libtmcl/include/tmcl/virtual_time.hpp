@@ -9,6 +9,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include <boost/asio/io_context.hpp>
@@ -22,11 +23,17 @@ namespace tmcl {
 class VirtualTime {
  public:
   explicit VirtualTime(boost::asio::io_context& context)
-      : context_(&context),
-        timeline_(&boost::asio::use_service<detail::VirtualTimeline>(
-            static_cast<boost::asio::execution_context&>(context))) {
+      : VirtualTime(context, boost::asio::use_service<detail::VirtualTimeline>(
+                                 static_cast<boost::asio::execution_context&>(context))) {
     // Far from zero: time points of zero mean "never" to some.
     timeline_->clock.advance_to(TimePoint(std::chrono::hours(1)));
+  }
+
+  /// None if the context is on the computer's time.
+  static std::optional<VirtualTime> of(boost::asio::io_context& context) {
+    if (!boost::asio::has_service<detail::VirtualTimeline>(context)) return std::nullopt;
+    return VirtualTime(context, boost::asio::use_service<detail::VirtualTimeline>(
+                                    static_cast<boost::asio::execution_context&>(context)));
   }
 
   TimePoint now() const { return timeline_->clock.now(); }
@@ -67,6 +74,9 @@ class VirtualTime {
   }
 
  private:
+  VirtualTime(boost::asio::io_context& context, detail::VirtualTimeline& timeline)
+      : context_(&context), timeline_(&timeline) {}
+
   bool go_on(TimePoint limit) {
     const auto next = timeline_->earliest();
     if (!next || next->first > limit) return false;
