@@ -8,14 +8,11 @@
 
 #include <boost/json/array.hpp>
 #include <boost/json/serialize.hpp>
-#include <boost/json/value.hpp>
 
 namespace tmcld {
 namespace {
 
 namespace json = boost::json;
-
-void append(std::string& text, const json::value& value);
 
 bool is_between(char byte, int low, int high) {
   const int value = static_cast<unsigned char>(byte);
@@ -59,62 +56,68 @@ std::string as_utf8(std::string_view text) {
   return readable;
 }
 
-void append(std::string& text, std::string_view words) {
-  text += json::serialize(json::string_view(as_utf8(words)));
+bool stands_for_itself(char byte) {
+  return is_between(byte, 0x20, 0x7E) && byte != '"' && byte != '\\';
 }
 
-void append(std::string& text, double number) {
-  // JSON has no way to write these.
-  if (!std::isfinite(number)) {
-    text += "null";
+void append(std::string& text, std::string_view words) {
+  if (!std::ranges::all_of(words, stands_for_itself)) {
+    text += json::serialize(json::string_view(as_utf8(words)));
     return;
   }
+  text += '"';
+  text += words;
+  text += '"';
+}
+
+void append_number(std::string& text, auto number) {
   std::array<char, 32> digits{};
   const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number).ptr;
   text.append(digits.data(), end);
-}
-
-void append(std::string& text, const json::object& object) {
-  std::string_view separator = "{";
-  for (const auto& [key, value] : object) {
-    text += separator;
-    append(text, std::string_view(key.data(), key.size()));
-    text += ':';
-    append(text, value);
-    separator = ",";
-  }
-  text += object.empty() ? "{}" : "}";
 }
 
 void append(std::string& text, const json::array& array) {
   std::string_view separator = "[";
   for (const auto& value : array) {
     text += separator;
-    append(text, value);
+    append_json(text, value);
     separator = ",";
   }
   text += array.empty() ? "[]" : "]";
 }
 
-void append(std::string& text, const json::value& value) {
+}  // namespace
+
+void append_json(std::string& text, const json::value& value) {
   switch (value.kind()) {
-    case json::kind::double_: return append(text, value.get_double());
-    case json::kind::object: return append(text, value.get_object());
-    case json::kind::array: return append(text, value.get_array());
+    case json::kind::null: text += "null"; return;
+    case json::kind::bool_: text += value.get_bool() ? "true" : "false"; return;
+    case json::kind::int64: return append_number(text, value.get_int64());
+    case json::kind::uint64: return append_number(text, value.get_uint64());
+    case json::kind::double_:
+      // JSON has no way to write the others.
+      if (std::isfinite(value.get_double())) return append_number(text, value.get_double());
+      text += "null";
+      return;
     case json::kind::string: {
       const auto& words = value.get_string();
       return append(text, std::string_view(words.data(), words.size()));
     }
-    default: text += json::serialize(value);
+    case json::kind::array: return append(text, value.get_array());
+    case json::kind::object: return append_json(text, value.get_object());
   }
 }
 
-}  // namespace
-
-std::string to_text(const json::object& object) {
-  std::string text;
-  append(text, object);
-  return text;
+void append_json(std::string& text, const json::object& object) {
+  std::string_view separator = "{";
+  for (const auto& [key, value] : object) {
+    text += separator;
+    append(text, std::string_view(key.data(), key.size()));
+    text += ':';
+    append_json(text, value);
+    separator = ",";
+  }
+  text += object.empty() ? "{}" : "}";
 }
 
 }  // namespace tmcld

@@ -4,10 +4,12 @@
 #include <string>
 
 #include <boost/json/object.hpp>
+#include <boost/json/value.hpp>
 
 namespace tmcld {
 
 /// On one line, members in the order they were added. Bytes that are not UTF-8 become U+FFFD.
-std::string to_text(const boost::json::object& object);
+void append_json(std::string& text, const boost::json::object& object);
+void append_json(std::string& text, const boost::json::value& value);
 
 }  // namespace tmcld

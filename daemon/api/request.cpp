@@ -17,6 +17,8 @@ namespace {
 
 namespace json = boost::json;
 
+// The state of an axis is no longer.
+constexpr std::size_t usual_line_bytes = 512;
 constexpr std::array<std::string_view, 4> members{"jsonrpc", "id", "method", "params"};
 
 RpcError invalid(std::string message, std::string hint = {}) {
@@ -77,16 +79,20 @@ RpcError unreadable(const boost::system::error_code& why) {
                         : "one JSON object a line, in UTF-8, and nothing else on it");
 }
 
-std::string line_of(const json::value& id, RpcResult result) {
-  json::object message;
-  message["jsonrpc"] = "2.0";
-  message["id"] = is_usable_id(id) ? id : json::value(nullptr);
+std::string line_of(const json::value& id, const RpcResult& result) {
+  std::string line;
+  line.reserve(usual_line_bytes);
+  line += R"({"jsonrpc":"2.0","id":)";
+  append_json(line, is_usable_id(id) ? id : json::value(nullptr));
   if (result) {
-    message["result"] = std::move(*result);
+    line += R"(,"result":)";
+    append_json(line, *result);
   } else {
-    message["error"] = to_json(result.error());
+    line += R"(,"error":)";
+    append_json(line, to_json(result.error()));
   }
-  return to_text(message);
+  line += '}';
+  return line;
 }
 
 /// Nobody but the answer has said what became of the call.
@@ -137,22 +143,22 @@ tl::expected<RpcRequest, RpcRefusal> parse_request(std::string_view line) {
   return std::move(*request);
 }
 
-std::string answer_line(const json::value& id, RpcResult result, tmcl::Effect effect) {
-  auto outcome = outcome_of(result, effect);
-  auto line = line_of(id, std::move(result));
+std::string answer_line(const json::value& id, const RpcResult& result, tmcl::Effect effect) {
+  auto line = line_of(id, result);
   if (line.size() < max_answer_bytes) return line;
   auto error = rpc_error(rpc_code::overload, "answer_too_long",
                          "the answer is longer than a line may be", "ask for less at a time");
-  error.data["outcome"] = std::move(outcome);
+  error.data["outcome"] = outcome_of(result, effect);
   return line_of(id, tl::unexpected(std::move(error)));
 }
 
-std::string notification_line(std::string_view method, json::object params) {
-  json::object message;
-  message["jsonrpc"] = "2.0";
-  message["method"] = method;
-  message["params"] = std::move(params);
-  return to_text(message);
+std::string notification_line(std::string_view method, const json::object& params) {
+  std::string line = R"({"jsonrpc":"2.0","method":")";
+  line += method;
+  line += R"(","params":)";
+  append_json(line, params);
+  line += '}';
+  return line;
 }
 
 }  // namespace tmcld

@@ -44,8 +44,8 @@ RpcError line_too_long();
 
 /// One line, without its end; never longer than max_answer_bytes with it. `effect`: of the method
 /// that gave the result.
-std::string answer_line(const boost::json::value& id, RpcResult result,
+std::string answer_line(const boost::json::value& id, const RpcResult& result,
                         tmcl::Effect effect = tmcl::Effect::reads);
-std::string notification_line(std::string_view method, boost::json::object params);
+std::string notification_line(std::string_view method, const boost::json::object& params);
 
 }  // namespace tmcld

@@ -131,7 +131,7 @@ awaitable<void> Session::serve(std::shared_ptr<Session> self, RpcRequest request
     self->share_->stop_latency.note(self->gateway_->clock().now() - came);
   if (!text.empty()) self->log_call(text, result, self->gateway_->clock().now() - came);
   --(effect == tmcl::Effect::stops ? self->stops_in_flight_ : self->calls_in_flight_);
-  self->answer(id, std::move(result), effect);
+  self->answer(id, result, effect);
 }
 
 void Session::log_call(const std::string& text, const RpcResult& result, tmcl::Duration took) {
@@ -144,9 +144,9 @@ void Session::log_call(const std::string& text, const RpcResult& result, tmcl::D
 
 // ---- output ------------------------------------------------------------------------------------
 
-void Session::answer(const boost::json::value& id, RpcResult result, tmcl::Effect effect) {
+void Session::answer(const boost::json::value& id, const RpcResult& result, tmcl::Effect effect) {
   if (closed_) return;
-  if (outbox_.push_answer(answer_line(id, std::move(result), effect))) return on_answer();
+  if (outbox_.push_answer(answer_line(id, result, effect))) return on_answer();
   gateway_->log_often("cut off", LogLevel::warning,
                       "a client was cut off: it does not read its answers");
   close();
@@ -160,7 +160,7 @@ std::optional<std::string> Session::next_message() {
   if (auto message = outbox_.take_answer()) return message;
   auto notification = notifications_.take();
   if (!notification) return std::nullopt;
-  return notification_line(notification->method, std::move(notification->params));
+  return notification_line(notification->method, notification->params);
 }
 
 awaitable<bool> Session::wait_for_output() {

@@ -96,7 +96,7 @@ class Session : public Peer, public TokenKeeper, public std::enable_shared_from_
   bool must_wait(const RpcRequest& request) const;
   void start_serving(RpcRequest request);
   void start_waiting();
-  void answer(const boost::json::value& id, RpcResult result,
+  void answer(const boost::json::value& id, const RpcResult& result,
               tmcl::Effect effect = tmcl::Effect::reads);
 
   boost::asio::any_io_executor executor_;

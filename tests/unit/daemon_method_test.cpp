@@ -1,5 +1,6 @@
 // The method table, and the check of parameters that reads it.
 #include <array>
+#include <limits>
 #include <random>
 #include <set>
 
@@ -20,6 +21,12 @@ namespace json = boost::json;
 using testing::HasSubstr;
 using tmcl::api::FieldType;
 using ParamInfo = tmcl::api::Field;
+
+std::string to_text(const json::object& object) {
+  std::string text;
+  append_json(text, object);
+  return text;
+}
 
 json::value good_value(const ParamInfo& row) {
   switch (row.type) {
@@ -149,6 +156,18 @@ TEST(DaemonParams, BoundsThemselvesAreAdmitted) {
 TEST(DaemonJsonText, WritesNumbersAsPeopleDo) {
   EXPECT_EQ(to_text({{"a", 30517.578125}, {"b", 0.0}, {"c", json::array{}}, {"d", "\"\n"}}),
             R"({"a":30517.578125,"b":0,"c":[],"d":"\"\n"})");
+}
+
+TEST(DaemonJsonText, IsReadAsWhatItWasMadeOf) {
+  std::string every_byte;
+  for (char byte = 0; byte < 0x7F; ++byte) every_byte += byte;
+  constexpr auto least = std::numeric_limits<std::int64_t>::min();
+  constexpr auto greatest = std::numeric_limits<std::uint64_t>::max();
+  const json::object all{{"words", every_byte},
+                         {every_byte, json::array{nullptr, true, false, 1e300, -0.5}},
+                         {"numbers", json::array{least, greatest, 0, -1}},
+                         {"empty", json::array{json::object{}, json::array{}, ""}}};
+  EXPECT_EQ(json::parse(to_text(all)), all);
 }
 
 TEST(DaemonJsonText, IsUtf8WhateverItIsMadeOf) {
