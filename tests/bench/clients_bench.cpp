@@ -3,11 +3,13 @@
 //
 //   clients/CLIENTS/OUTSTANDING   `items_per_second`: requests; `cpu`: seconds of processor time of
 //                                 tmcld in a second; `us_cpu_a_request`: of it, for a request
+//   answered/CLIENTS/OUTSTANDING  the same from the least server that could answer them
 
 #include <benchmark/benchmark.h>
 
 #include <algorithm>
 #include <array>
+#include <functional>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -20,6 +22,7 @@
 #include <sys/un.h>
 
 #include "bench/daemon_process.hpp"
+#include "bench/line_server.hpp"
 #include "support/pty.hpp"
 #include "support/responder.hpp"
 #include "tmcl/clock.hpp"
@@ -116,31 +119,45 @@ void allow_enough_descriptors() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-void serve(benchmark::State& state) {
-  allow_enough_descriptors();
-  const test::Pty pty;
-  const test::Responder responder(pty.master());
-  const bench::DaemonProcess daemon(pty.path());
-  Clients clients(daemon.socket(), static_cast<std::size_t>(state.range(0)));
+void ask(benchmark::State& state, const std::string& socket,
+         const std::function<double()>& cpu_seconds) {
+  Clients clients(socket, static_cast<std::size_t>(state.range(0)));
   const auto outstanding = static_cast<std::size_t>(state.range(1));
   const RealClock clock;
   clients.ask(outstanding);
   std::size_t answers = 0;
-  const auto cpu_before = daemon.cpu_seconds();
+  const auto cpu_before = cpu_seconds();
   const auto began = clock.now();
   for (auto _ : state) answers += clients.work();
   const std::chrono::duration<double> took = clock.now() - began;
-  const auto cpu = daemon.cpu_seconds() - cpu_before;
+  const auto cpu = cpu_seconds() - cpu_before;
   state.SetItemsProcessed(static_cast<std::int64_t>(answers));
   state.counters["cpu"] = cpu / took.count();
   state.counters["us_cpu_a_request"] = 1e6 * cpu / static_cast<double>(answers);
 }
 
-void clients(benchmark::State& state) { bench::attempt(state, serve); }
+void ask_tmcld(benchmark::State& state) {
+  allow_enough_descriptors();
+  const test::Pty pty;
+  const test::Responder responder(pty.master());
+  const bench::DaemonProcess daemon(pty.path());
+  ask(state, daemon.socket(), [&] { return daemon.cpu_seconds(); });
+}
 
-BENCHMARK(clients)
-    ->ArgsProduct({{1, 100, 1000}, {1, 16}})
-    ->UseRealTime()
-    ->Unit(benchmark::kMicrosecond);
+void ask_line_server(benchmark::State& state) {
+  allow_enough_descriptors();
+  const bench::LineServer server;
+  ask(state, server.socket(), [&] { return bench::cpu_seconds_of(server.process()); });
+}
+
+void clients(benchmark::State& state) { bench::attempt(state, ask_tmcld); }
+void answered(benchmark::State& state) { bench::attempt(state, ask_line_server); }
+
+void sizes(benchmark::internal::Benchmark* benchmark) {
+  benchmark->ArgsProduct({{1, 100, 1000}, {1, 16}})->UseRealTime()->Unit(benchmark::kMicrosecond);
+}
+
+BENCHMARK(clients)->Apply(sizes);
+BENCHMARK(answered)->Apply(sizes);
 
 }  // namespace

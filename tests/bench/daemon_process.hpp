@@ -26,6 +26,18 @@ void attempt(benchmark::State& state, Body body) {
   }
 }
 
+/// Processor time so far.
+inline double cpu_seconds_of(pid_t process) {
+  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
+  std::string skipped;
+  std::getline(file, skipped, ')');
+  constexpr int fields_before = 11;  // of utime, behind the name
+  for (int i = 0; i < fields_before; ++i) file >> skipped;
+  double user = 0, system = 0;
+  file >> user >> system;
+  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+}
+
 class DaemonProcess {
  public:
   /// Returns when the axis answers.
@@ -45,17 +57,7 @@ class DaemonProcess {
     if (!connection) throw std::runtime_error(connection.error().message);
     return std::move(*connection);
   }
-  /// Processor time so far.
-  double cpu_seconds() const {
-    std::ifstream file("/proc/" + std::to_string(program_.process()) + "/stat");
-    std::string skipped;
-    std::getline(file, skipped, ')');
-    constexpr int fields_before = 11;  // of utime, behind the name
-    for (int i = 0; i < fields_before; ++i) file >> skipped;
-    double user = 0, system = 0;
-    file >> user >> system;
-    return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
-  }
+  double cpu_seconds() const { return cpu_seconds_of(program_.process()); }
 
  private:
   static std::filesystem::path new_folder() {
