@@ -27,9 +27,8 @@ TEST(SocketHints, TheGroupThatThePackageMakesIsJoinedThoughItIsOneOfTheSystem) {
 }
 
 TEST(SocketHints, NobodyIsToldToJoinAGroupOfTheSystemOrOfAUser) {
-  for (const auto& owner :
-       {SocketOwner{"root", "root", 0}, SocketOwner{"root", "sudo", 27},
-        SocketOwner{"tmcld", "dialout", 20}, SocketOwner{"anna", "anna", 1000}}) {
+  for (const auto& owner : {FileOwner{"root", "root", 0}, FileOwner{"root", "sudo", 27},
+                            FileOwner{"tmcld", "dialout", 20}, FileOwner{"anna", "anna", 1000}}) {
     const auto hint = access_hint(owner);
     EXPECT_THAT(hint, HasSubstr("user '" + owner.user + "' and group '" + owner.group + "'"));
     EXPECT_THAT(hint, Not(HasSubstr("$USER " + owner.group)));

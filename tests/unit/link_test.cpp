@@ -108,6 +108,23 @@ TEST(SerialLink, CanBeOpenedAgainWhileSomebodyElseHasThePortOpen) {
   close(bystander);
 }
 
+TEST(SerialLink, WhoMayNotOpenItIsToldWhoMay) {
+  if (geteuid() != 0) GTEST_SKIP() << "only root can take its rights away";
+  const test::Pty pty;
+  constexpr gid_t games = 60;
+  ASSERT_EQ(chown(pty.path().c_str(), 0, games), 0);
+  const auto told = [&](mode_t mode) {
+    chmod(pty.path().c_str(), mode);
+    return test::told_by_other_user([&] {
+      const auto link = Link::open("serial:" + pty.path() + "@115200");
+      return link ? "opened" : describe(link.error());
+    });
+  };
+  EXPECT_THAT(told(0600), HasSubstr("only user 'root' may use it"));
+  EXPECT_THAT(told(0620), HasSubstr("only user 'root' may use it"));
+  EXPECT_THAT(told(0660), HasSubstr("it is for group 'games': `sudo usermod -aG games $USER`"));
+}
+
 TEST(SerialLink, AHangUpIsALostLink) {
   test::Pty pty;
   auto link = Link::open("serial:" + pty.path() + "@115200");

@@ -1,12 +1,7 @@
 #include "client/socket_hints.hpp"
 
 #include <cerrno>
-#include <optional>
 #include <string_view>
-
-#include <grp.h>
-#include <pwd.h>
-#include <sys/stat.h>
 
 #include <fmt/format.h>
 
@@ -18,25 +13,15 @@ constexpr gid_t first_own_group = 1000;
 // But for the one that the package of tmcld makes.
 constexpr std::string_view packaged_group = "tmcl";
 
-std::optional<SocketOwner> owner_of(const std::string& path) {
-  struct stat status {};
-  if (::stat(path.c_str(), &status) != 0) return std::nullopt;
-  const auto* user = ::getpwuid(status.st_uid);
-  const auto* group = ::getgrgid(status.st_gid);
-  return SocketOwner{user != nullptr ? user->pw_name : std::to_string(status.st_uid),
-                     group != nullptr ? group->gr_name : std::to_string(status.st_gid),
-                     status.st_gid};
-}
-
 /// Not the system's, and not that of one user only.
-bool is_for_sharing(const SocketOwner& owner) {
+bool is_for_sharing(const FileOwner& owner) {
   const bool is_own = owner.group_id >= first_own_group && owner.group != owner.user;
   return is_own || owner.group == packaged_group;
 }
 
 }  // namespace
 
-std::string access_hint(const SocketOwner& owner) {
+std::string access_hint(const FileOwner& owner) {
   const auto who =
       fmt::format("the socket is for user '{}' and group '{}'", owner.user, owner.group);
   if (is_for_sharing(owner)) {

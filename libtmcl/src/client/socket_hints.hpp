@@ -3,19 +3,12 @@
 
 #include <string>
 
-#include <sys/types.h>
+#include "link/file_owner.hpp"
 
 namespace tmcl::client {
 
-/// Whose the file of a socket is; who may open it is its owner and its group.
-struct SocketOwner {
-  std::string user;
-  std::string group;
-  gid_t group_id = 0;
-};
-
-/// For who may not open it.
-std::string access_hint(const SocketOwner& owner);
+/// For who may not open the file of a socket, which is for its owner and its group.
+std::string access_hint(const FileOwner& owner);
 /// For an errno of connect().
 std::string hint_for(int reason, const std::string& path);
 /// For a connection that broke.

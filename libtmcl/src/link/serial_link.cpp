@@ -12,6 +12,9 @@
 #include <cerrno>
 #include <filesystem>
 
+#include <fmt/format.h>
+
+#include "link/file_owner.hpp"
 #include "link/holder.hpp"
 #include "link/opening.hpp"
 
@@ -52,9 +55,19 @@ std::shared_ptr<void> keep_others_out(int descriptor) {
   return {nullptr, [descriptor](std::nullptr_t) { ioctl(descriptor, TIOCNXCL); }};
 }
 
-std::string hint_for(int error) {
-  if (error == EACCES)
-    return "your user may not use the port: `sudo usermod -aG dialout $USER`, then log in again";
+/// A pty is its maker's alone, as a rule; a serial port is for the group dialout, on Debian.
+std::string access_hint(const std::string& device) {
+  const auto owner = owner_of(device);
+  if (!owner) return "your user may not look into the directory of the port";
+  if (!owner->group_may_use || owner->group_id == 0)
+    return fmt::format("only user '{}' may use it, with whose rights it has to be opened",
+                       owner->user);
+  return fmt::format("it is for group '{0}': `sudo usermod -aG {0} $USER`, then log in again",
+                     owner->group);
+}
+
+std::string hint_for(int error, const std::string& device) {
+  if (error == EACCES) return access_hint(device);
   if (error == ENOENT) return "is the module plugged in? `ls /dev/serial/by-id` lists ports";
   return "is it a serial port?";
 }
@@ -64,7 +77,7 @@ std::string hint_for(int error) {
 Result<Link> open_serial(const SerialName& name, const std::string& text) {
   const int descriptor = ::open(name.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0 && errno == EBUSY) return busy(text, holder_of(name.device));
-  if (descriptor < 0) return cannot_open(text, system_text(errno), hint_for(errno));
+  if (descriptor < 0) return cannot_open(text, system_text(errno), hint_for(errno, name.device));
   Link link(descriptor, Framing::serial, text);
   // The lock stops programs that look for it, whoever runs them; TIOCEXCL stops all that are not
   // root's.
@@ -74,7 +87,7 @@ Result<Link> open_serial(const SerialName& name, const std::string& text) {
     return busy(text, holder_of(name.device));
   }
   if (!make_raw(descriptor, name.baud))
-    return cannot_open(text, system_text(errno), hint_for(errno));
+    return cannot_open(text, system_text(errno), hint_for(errno, name.device));
   link.lock_ = keep_others_out(descriptor);
   prefer_low_latency(descriptor);
   ioctl(descriptor, TCFLSH, TCIOFLUSH);

@@ -1,0 +1,21 @@
+/// Whose a file is: who may open it, for hints.
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include <sys/types.h>
+
+namespace tmcl {
+
+struct FileOwner {
+  std::string user;  ///< A number if it has no name; so has the group.
+  std::string group;
+  gid_t group_id = 0;
+  bool group_may_use = false;  ///< Read and write.
+};
+
+/// Empty if the file cannot be looked at.
+std::optional<FileOwner> owner_of(const std::string& path);
+
+}  // namespace tmcl
