@@ -1,15 +1,10 @@
 #include "gateway/stop_cause.hpp"
 
 #include "gateway/fault_report.hpp"
+#include "tmcl/mechanics.hpp"
 #include "tmcl/status_flags.hpp"
 
 namespace tmcld {
-namespace {
-
-// Of ramp_mode.
-constexpr std::int32_t velocity_mode = 2;
-
-}  // namespace
 
 std::string_view name_of(StopCause cause) {
   switch (cause) {
@@ -36,7 +31,8 @@ tmcl::Script<tmcl::Result<StopCause>> find_stop_cause(
   if (faults.has_switch("left")) co_return StopCause::left_limit;
   if (faults.has_switch("right")) co_return StopCause::right_limit;
   const auto mode = co_await must(read_if_any(axis, parameters, "ramp_mode"));
-  co_return mode == velocity_mode ? StopCause::velocity_mode : StopCause::unknown;
+  const auto known = tmcl::mode_parameter(parameters);
+  co_return known&& mode == known->velocity ? StopCause::velocity_mode : StopCause::unknown;
 }
 
 }  // namespace tmcld
