@@ -1,0 +1,16 @@
+/// What a section of each kind adds to a configuration.
+#pragma once
+
+#include "config/draft.hpp"
+
+namespace tmcld {
+
+void add_daemon(Draft& draft, const ConfigSection& section);
+void add_access(Draft& draft, const ConfigSection& section);
+void add_bus(Draft& draft, const ConfigSection& section);
+/// Of a bus that has been added; so is an axis, and a port.
+void add_module(Draft& draft, const ConfigSection& section);
+void add_axis(Draft& draft, const ConfigSection& section);
+void add_port(Draft& draft, const ConfigSection& section);
+
+}  // namespace tmcld
