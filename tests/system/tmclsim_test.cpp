@@ -330,7 +330,7 @@ TEST_F(TmclsimTest, MovesInRealTime) {
   EXPECT_EQ(host.read(9), (Bytes{2, 1, 128, 138, 0, 0, 0, 1, 0x0E}));  // has arrived
   const auto took = std::chrono::steady_clock::now() - start;
   EXPECT_GE(took, std::chrono::milliseconds(335));  // 20000 steps at 61035 a second, and the ramps
-  EXPECT_LE(took, std::chrono::milliseconds(1335));
+  EXPECT_LE(took, std::chrono::seconds(10)) << "even on a busy machine";
   EXPECT_EQ(host.exchange(request({1, 6, 1, 0})), (Bytes{2, 1, 100, 6, 0, 0, 0x4E, 0x20, 0xDB}));
 }
 

@@ -38,6 +38,7 @@ class LocalBench {
   }
 
   LocalGateway& local() { return *gateway_; }
+  tmcl::TimePoint now() const { return reactor_->time.now(); }
   /// What a call gives that must not fail.
   json::object result(std::string_view method, json::object params) {
     const auto answer = local().call(method, std::move(params));

@@ -49,7 +49,9 @@ TEST_F(LocalGatewayTest, TellsStatesAndProgressAsTheyCome) {
 
 TEST_F(LocalGatewayTest, ListensAsLongAsNothingComes) {
   bench.result("axis.get_state", {{"axis", "x"}});
+  const auto before = bench.now();
   EXPECT_FALSE(bench.local().listen(1ms));
+  EXPECT_EQ(bench.now() - before, 1ms);
 }
 
 TEST_F(LocalGatewayTest, CallsInProgressHaveEndedAtTheEnd) {
