@@ -60,8 +60,7 @@ std::string access_hint(const std::string& device) {
   const auto owner = owner_of(device);
   if (!owner) return "your user may not look into the directory of the port";
   if (!owner->group_may_use || owner->group_id == 0)
-    return fmt::format("only user '{}' may use it, with whose rights it has to be opened",
-                       owner->user);
+    return fmt::format("it is for user '{}' alone: open it as that user", owner->user);
   return fmt::format("it is for group '{0}': `sudo usermod -aG {0} $USER`, then log in again",
                      owner->group);
 }
@@ -72,12 +71,16 @@ std::string hint_for(int error, const std::string& device) {
   return "is it a serial port?";
 }
 
+tl::unexpected<Error> refused(const std::string& text, const std::string& device, int error) {
+  return cannot_open(text, system_text(error), hint_for(error, device));
+}
+
 }  // namespace
 
 Result<Link> open_serial(const SerialName& name, const std::string& text) {
   const int descriptor = ::open(name.device.c_str(), O_RDWR | O_NOCTTY | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0 && errno == EBUSY) return busy(text, holder_of(name.device));
-  if (descriptor < 0) return cannot_open(text, system_text(errno), hint_for(errno, name.device));
+  if (descriptor < 0) return refused(text, name.device, errno);
   Link link(descriptor, Framing::serial, text);
   // The lock stops programs that look for it, whoever runs them; TIOCEXCL stops all that are not
   // root's.
@@ -86,8 +89,7 @@ Result<Link> open_serial(const SerialName& name, const std::string& text) {
     { const Link closed = std::move(link); }
     return busy(text, holder_of(name.device));
   }
-  if (!make_raw(descriptor, name.baud))
-    return cannot_open(text, system_text(errno), hint_for(errno, name.device));
+  if (!make_raw(descriptor, name.baud)) return refused(text, name.device, errno);
   link.lock_ = keep_others_out(descriptor);
   prefer_low_latency(descriptor);
   ioctl(descriptor, TCFLSH, TCIOFLUSH);
