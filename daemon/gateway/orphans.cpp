@@ -3,8 +3,6 @@
 #include <chrono>
 #include <utility>
 
-#include <time.h>
-
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
 #include "gateway/standing_stop.hpp"
@@ -19,18 +17,9 @@ using std::chrono::milliseconds;
 constexpr tmcl::Duration pause = std::chrono::milliseconds(200);
 constexpr std::string_view unattended = "unattended";
 
-std::chrono::nanoseconds calendar_now() {
-  timespec now{};
-  ::clock_gettime(CLOCK_REALTIME, &now);
-  return std::chrono::seconds(now.tv_sec) + std::chrono::nanoseconds(now.tv_nsec);
-}
-
-/// In virtual time the calendar is that time.
-std::int64_t calendar_ms(const GatewayAxis& axis, tmcl::TimePoint time) {
-  const auto& clock = axis.bus().clock();
-  const auto at =
-      clock.time_for_work() ? time.time_since_epoch() : calendar_now() - (clock.now() - time);
-  return std::chrono::floor<milliseconds>(at).count();
+std::int64_t utc_ms(const GatewayAxis& axis, tmcl::TimePoint time) {
+  const auto utc = axis.bus().clock().utc_of(time);
+  return std::chrono::floor<milliseconds>(utc.time_since_epoch()).count();
 }
 
 Sentinel::Reading reading_of(const Holding::Seen& seen) {
@@ -132,8 +121,7 @@ void take_over(const std::shared_ptr<GatewayAxis>& axis, Holding holding) {
 std::optional<Holding::Seen> last_seen(const GatewayAxis& axis) {
   const auto& last = axis.module().sentinel().last();
   if (!last) return std::nullopt;
-  return Holding::Seen{last->value, calendar_ms(axis, last->asked),
-                       calendar_ms(axis, last->answered)};
+  return Holding::Seen{last->value, utc_ms(axis, last->asked), utc_ms(axis, last->answered)};
 }
 
 }  // namespace tmcld

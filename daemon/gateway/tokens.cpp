@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <ctime>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -17,6 +16,7 @@
 
 #include "async/elsewhere.hpp"
 #include "gateway/state_file.hpp"
+#include "tmcl/utc_text.hpp"
 
 namespace tmcld {
 namespace {
@@ -52,16 +52,6 @@ std::string new_secret() {
   if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
     throw std::runtime_error("the system gives no random numbers");
   return std::string(prefix) + hexadecimal(bytes, bytes.size());
-}
-
-std::string now_in_words() {
-  timespec now{};
-  ::clock_gettime(CLOCK_REALTIME, &now);
-  std::tm utc{};
-  ::gmtime_r(&now.tv_sec, &utc);
-  std::array<char, sizeof "0000-00-00T00:00:00Z"> text{};
-  std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &utc);
-  return text.data();
 }
 
 std::optional<Role> role_named(std::string_view name) {
@@ -145,7 +135,8 @@ bool Tokens::is_name(std::string_view name) {
 
 std::string Tokens::add(std::string name, Role role) {
   auto secret = new_secret();
-  all_.push_back({std::move(name), role, now_in_words(), hash_of(secret)});
+  all_.push_back(
+      {std::move(name), role, tmcl::to_text(tmcl::RealClock::utc(), 0), hash_of(secret)});
   return secret;
 }
 

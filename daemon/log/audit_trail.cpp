@@ -1,11 +1,9 @@
 #include "log/audit_trail.hpp"
 
-#include <array>
 #include <cerrno>
 #include <chrono>
 #include <condition_variable>
 #include <cstring>
-#include <ctime>
 #include <deque>
 #include <map>
 #include <mutex>
@@ -22,6 +20,7 @@
 
 #include "async/ordinary_priority.hpp"
 #include "log/log.hpp"
+#include "tmcl/utc_text.hpp"
 
 namespace tmcld {
 namespace {
@@ -42,21 +41,6 @@ tl::expected<int, std::string> open_file(const std::string& path) {
   return tl::unexpected("the audit file " + path + " is no file");
 }
 
-timespec now() {
-  timespec now{};
-  ::clock_gettime(CLOCK_REALTIME, &now);
-  return now;
-}
-
-/// "2026-11-23T01:35:12.345Z"
-std::string to_text(timespec when) {
-  std::tm utc{};
-  ::gmtime_r(&when.tv_sec, &utc);
-  std::array<char, sizeof "0000-00-00T00:00:00"> seconds{};
-  std::strftime(seconds.data(), seconds.size(), "%Y-%m-%dT%H:%M:%S", &utc);
-  return fmt::format("{}.{:03}Z", seconds.data(), when.tv_nsec / 1'000'000);
-}
-
 /// Asking may take a while where accounts are not on this computer.
 std::string name_of_user(std::uint32_t uid) {
   std::vector<char> buffer(entry_of_user_bytes);
@@ -70,7 +54,7 @@ std::string name_of_user(std::uint32_t uid) {
 
 struct AuditTrail::Shared {
   struct Line {
-    timespec when;
+    tmcl::UtcTime when;
     AuditEntry entry;
   };
 
@@ -112,9 +96,9 @@ struct AuditTrail::Shared {
     write(line.when, fmt::format("uid={}{} pid={} {}", uid, user(uid), pid, text));
   }
 
-  void write(timespec when, const std::string& text) {
+  void write(tmcl::UtcTime when, const std::string& text) {
     if (path.empty()) return log(LogLevel::info, "audit: " + text);
-    const auto line = to_text(when) + " " + text + "\n";
+    const auto line = tmcl::to_text(when, 3) + " " + text + "\n";
     const auto written = ::write(descriptor, line.data(), line.size());
     const bool is_written = written == static_cast<ssize_t>(line.size());
     // Once, not for each line: the disk may stay full.
@@ -147,7 +131,7 @@ AuditTrail::~AuditTrail() {
 }
 
 void AuditTrail::add(AuditEntry entry) {
-  const auto when = now();
+  const auto when = tmcl::RealClock::utc();
   const std::lock_guard lock(shared_->mutex);
   if (shared_->waiting.size() < most_waiting_lines) {
     shared_->waiting.push_back({when, std::move(entry)});
@@ -180,9 +164,10 @@ void AuditTrail::write(const std::shared_ptr<Shared>& shared) {
     try {
       if (must_reopen) it.reopen();
       if (left_out > 0)
-        it.write(now(), fmt::format("{} lines were left out: they came faster than they could be "
-                                    "written",
-                                    left_out));
+        it.write(tmcl::RealClock::utc(),
+                 fmt::format("{} lines were left out: they came faster than they could be "
+                             "written",
+                             left_out));
     } catch (const std::exception&) {
       unwritten += left_out;
     }

@@ -137,6 +137,10 @@ TEST(UtcText, IsIso8601) {
   EXPECT_EQ(to_text(UtcTime(microseconds(1'764'065'521'123'456))), "2025-11-25T10:12:01.123456Z");
   EXPECT_EQ(to_text(UtcTime(microseconds(0))), "1970-01-01T00:00:00.000000Z");
   EXPECT_EQ(to_text(UtcTime(microseconds(-1))), "1969-12-31T23:59:59.999999Z");
+  const UtcTime late{std::chrono::nanoseconds(59'999'999'999)};
+  EXPECT_EQ(to_text(late, 0), "1970-01-01T00:00:59Z");
+  EXPECT_EQ(to_text(late, 3), "1970-01-01T00:00:59.999Z");
+  EXPECT_EQ(to_text(late, 9), "1970-01-01T00:00:59.999999999Z");
 }
 
 // The dissector for Wireshark has tables of its own.
