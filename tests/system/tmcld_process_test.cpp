@@ -148,10 +148,10 @@ TEST_F(Tmcld, ServesManyClientsAtOnce) {
   }
 }
 
-TEST_F(Tmcld, EndsCleanlyAndSoon) {
+TEST_F(Tmcld, EndsCleanlyWithinASecond) {
   start_simulator_on_pty();
   write_config(pty_link());
-  for (const int signal : {SIGTERM, SIGINT}) {
+  const auto time_to_end = [&](int signal) {
     start_daemon();
     RpcClient client(socket());
     client.result("axis.rotate", {{"axis", "y"}, {"velocity_internal", 100}});
@@ -160,10 +160,16 @@ TEST_F(Tmcld, EndsCleanlyAndSoon) {
     const auto began = std::chrono::steady_clock::now();
     daemon->signal(signal);
     EXPECT_EQ(daemon->wait(), 0) << daemon->output();
-    EXPECT_LT(std::chrono::steady_clock::now() - began, 10s) << "even on a busy machine";
+    const auto took = std::chrono::steady_clock::now() - began;
     EXPECT_EQ(text(client.answer_to(waiting).at("error").at("data").at("name")), "link_lost");
     EXPECT_TRUE(client.is_cut_off());
     EXPECT_FALSE(std::filesystem::exists(socket()));
+    return took;
+  };
+  for (const int signal : {SIGTERM, SIGINT}) {
+    // A busy computer is late now and then; a daemon that waits for somebody, each time.
+    int tries = 5;
+    while (time_to_end(signal) >= 1s) ASSERT_GT(--tries, 0);
   }
 }
 

@@ -324,14 +324,23 @@ TEST_F(TmclsimTest, MovesInRealTime) {
   Tmclsim sim({"--module", "TMCM-1110", "--pty", path("bus")});
   sim.lines_until_ready();
   const auto host = open_pty(path("bus"));
-  host.exchange(request({1, 138, 0, 0}, 1));
-  const auto start = std::chrono::steady_clock::now();
-  host.exchange(request({1, 4, 0, 0}, 20'000));
-  EXPECT_EQ(host.read(9), (Bytes{2, 1, 128, 138, 0, 0, 0, 1, 0x0E}));  // has arrived
-  const auto took = std::chrono::steady_clock::now() - start;
-  EXPECT_GE(took, std::chrono::milliseconds(335));  // 20000 steps at 61035 a second, and the ramps
-  EXPECT_LE(took, std::chrono::seconds(10)) << "even on a busy machine";
-  EXPECT_EQ(host.exchange(request({1, 6, 1, 0})), (Bytes{2, 1, 100, 6, 0, 0, 0x4E, 0x20, 0xDB}));
+  const auto time_to_move = [&](std::int32_t target) {
+    host.exchange(request({1, 138, 0, 0}, 1));
+    const auto start = std::chrono::steady_clock::now();
+    host.exchange(request({1, 4, 0, 0}, target));
+    EXPECT_EQ(host.read(9), (Bytes{2, 1, 128, 138, 0, 0, 0, 1, 0x0E}));  // has arrived
+    return std::chrono::steady_clock::now() - start;
+  };
+  // A busy computer is late now and then; a simulator that is slow, each time.
+  int tries = 5;
+  while (true) {
+    const auto took = time_to_move(20'000);
+    EXPECT_GE(took, std::chrono::milliseconds(335));  // 20000 steps at 61035 a second, and ramps
+    EXPECT_EQ(host.exchange(request({1, 6, 1, 0})), (Bytes{2, 1, 100, 6, 0, 0, 0x4E, 0x20, 0xDB}));
+    if (took <= std::chrono::milliseconds(1335)) break;
+    ASSERT_GT(--tries, 0);
+    time_to_move(0);
+  }
 }
 
 TEST_F(TmclsimTest, ServesSeveralTcpClientsAtOnce) {
