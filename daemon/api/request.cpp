@@ -17,7 +17,7 @@ namespace {
 
 namespace json = boost::json;
 
-// The state of an axis is no longer.
+// Enough for the state of an axis.
 constexpr std::size_t usual_line_bytes = 512;
 constexpr std::array<std::string_view, 4> members{"jsonrpc", "id", "method", "params"};
 

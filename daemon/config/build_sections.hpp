@@ -1,4 +1,5 @@
-/// What a section of each kind adds to a configuration.
+/// What a section of each kind adds to a configuration. Modules, axes and ports name a bus, which
+/// must have been added before.
 #pragma once
 
 #include "config/draft.hpp"
@@ -8,7 +9,6 @@ namespace tmcld {
 void add_daemon(Draft& draft, const ConfigSection& section);
 void add_access(Draft& draft, const ConfigSection& section);
 void add_bus(Draft& draft, const ConfigSection& section);
-/// Of a bus that has been added; so is an axis, and a port.
 void add_module(Draft& draft, const ConfigSection& section);
 void add_axis(Draft& draft, const ConfigSection& section);
 void add_port(Draft& draft, const ConfigSection& section);

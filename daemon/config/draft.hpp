@@ -61,6 +61,7 @@ class Draft {
   bool has_nameless_bus_ = false;
 };
 
+/// Sets `target` to the number of a key, milliseconds for a duration; leaves it if there is none.
 template <class T>
 void set(const ConfigSection& section, std::string_view key, T& target) {
   if (const auto* value = section.get<std::int64_t>(key)) target = static_cast<T>(*value);

@@ -3,7 +3,7 @@
 //
 //   clients/CLIENTS/OUTSTANDING   `items_per_second`: requests; `cpu`: seconds of processor time of
 //                                 tmcld in a second; `us_cpu_a_request`: of it, for a request
-//   answered/CLIENTS/OUTSTANDING  the same from the least server that could answer them
+//   answered/CLIENTS/OUTSTANDING  the same of the least server, see line_server.hpp
 
 #include <benchmark/benchmark.h>
 

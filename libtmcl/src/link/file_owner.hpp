@@ -1,4 +1,4 @@
-/// Whose a file is: who may open it, for hints.
+/// Who owns a file, and whether its group may use it; for hints.
 #pragma once
 
 #include <optional>
@@ -9,7 +9,7 @@
 namespace tmcl {
 
 struct FileOwner {
-  std::string user;  ///< A number if it has no name; so has the group.
+  std::string user;  ///< Its number if it has no name; likewise the group.
   std::string group;
   gid_t group_id = 0;
   bool group_may_use = false;  ///< Read and write.
