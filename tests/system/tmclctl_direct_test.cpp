@@ -71,6 +71,17 @@ TEST_F(TmclctlDirect, Scans) {
   EXPECT_EQ(modules.at(1).at("axes"), 3);
 }
 
+TEST_F(TmclctlDirect, AModuleMayTakeAsLongAsIsSaid) {
+  const auto patiently = [&](const Words& words) {
+    return ctl({"--direct", tcp_link(), "--reply-timeout", "2000"}, words);
+  };
+  EXPECT_EQ(patiently({"global", "set", "3", "telegram_pause_time", "150"}).status, 0);
+  EXPECT_EQ(run({"scan", "--addresses", "3"}).status, 3);
+  EXPECT_THAT(patiently({"scan", "--addresses", "3"}).out, HasSubstr("TMCM-3110"));
+  EXPECT_EQ(run({"get", "3/0", "4"}).status, 3);
+  EXPECT_EQ(patiently({"get", "3/0", "4"}).out, "1000\n");
+}
+
 TEST_F(TmclctlDirect, ExitCodes) {
   EXPECT_EQ(run({"get", "1/0", "4"}).status, 0);
   EXPECT_EQ(run({"set", "1/0", "4", "99999"}).status, 2) << "out of range";

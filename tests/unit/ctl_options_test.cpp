@@ -104,6 +104,10 @@ TEST(CtlOptions, SaysWhatIsWrong) {
   EXPECT_THAT(failure({"--socket", "a", "--direct", "can:b", "axes"}).message,
               HasSubstr("--direct"));
   EXPECT_THAT(failure({"--config", "a", "axes"}).message, HasSubstr("--config goes with --direct"));
+  EXPECT_THAT(failure({"--reply-timeout", "500", "axes"}).message,
+              HasSubstr("--reply-timeout goes with --direct"));
+  EXPECT_THAT(failure({"--direct", "can:a", "--reply-timeout", "0", "axes"}).message,
+              HasSubstr("within 1 to 60000"));
   EXPECT_EQ(failure({"watch", "x", "--interval", "1"}).exit, ExitCode::usage);
   EXPECT_EQ(failure({"watch", "x", "--for", "-1"}).exit, ExitCode::usage);
   EXPECT_EQ(failure({"watch", "x", "--for", "nan"}).exit, ExitCode::usage);

@@ -47,6 +47,14 @@ TEST_F(LocalGatewayTest, TellsStatesAndProgressAsTheyCome) {
   EXPECT_THAT(told, Contains("notify_progress"));
 }
 
+// The bus has a reply timeout of 500 ms; a scan waits for a quarter of it at each address.
+TEST_F(LocalGatewayTest, AScanWaitsLongerWhereAnswersTakeLong) {
+  bench.wire.delay = 100ms;
+  const auto modules = bench.result("bus.scan", {{"last", 3}}).at("modules").as_array();
+  ASSERT_EQ(modules.size(), 1U);
+  EXPECT_EQ(modules[0].at("address"), 1);
+}
+
 TEST_F(LocalGatewayTest, ListensAsLongAsNothingComes) {
   bench.result("axis.get_state", {{"axis", "x"}});
   const auto before = bench.now();

@@ -69,7 +69,8 @@ Attempt<std::unique_ptr<Door>> open_url(WebPlace place, Host& host,
 /// A bus without tmcld.
 struct OwnBus {
   std::string link;
-  std::string config;       ///< File that says how its axes are called; empty: none.
+  std::string config;  ///< File that says how its axes are called; empty: none.
+  std::optional<tmcl::Duration> reply_timeout;  ///< Nothing: what the file says, or the usual.
   std::int32_t full_steps;  ///< Of a turn of an axis that no file says more about.
 };
 /// To a gateway in this process; `wait` is for a serial port that is not there yet.

@@ -68,6 +68,7 @@ line. NO FIRMWARE marks a module whose bootloader answers, as after an upload th
 
   tmclctl scan
   tmclctl --direct can:can0 scan --addresses 1-20
+  tmclctl --direct tcp:10.0.0.7:4001 --reply-timeout 1000 scan     far away, so answers take long
 )";
 
 constexpr const char* modules = R"(

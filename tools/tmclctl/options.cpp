@@ -21,6 +21,9 @@
 namespace tmclctl {
 namespace {
 
+// As reply_timeout_ms of a bus.
+constexpr std::int32_t longest_reply_timeout_ms = 60'000;
+
 bool is_visible(const CLI::App* verb) { return !verb->get_group().empty(); }
 
 /// The visible verbs under this one.
@@ -89,6 +92,9 @@ Parser::Parser() {
                   "With --direct: name the axes as in this configuration of tmcld")
       ->type_name("FILE")
       ->take_last();
+  Form(app_).option("--reply-timeout", "MS",
+                    "With --direct: how long a module may take to answer (default 100)",
+                    number(options_.where.reply_timeout_ms, 1, longest_reply_timeout_ms));
   Form(app_).option("--full-steps", "N",
                     "With --direct: full steps of a turn, for rev and rps (default 200)",
                     number(options_.where.full_steps, 1, tmcl::max_full_steps));
@@ -316,6 +322,10 @@ std::optional<Failure> Parser::conflicting_options() const {
   if (!options_.where.config.empty() && options_.where.direct.empty()) {
     return usage_failure("usage",
                          "--config goes with --direct: a running tmcld has read its own file");
+  }
+  if (options_.where.reply_timeout_ms && options_.where.direct.empty()) {
+    return usage_failure(
+        "usage", "--reply-timeout goes with --direct: tmcld has reply_timeout_ms of its bus");
   }
   return grammar_.objection(chosen(), options_.json);
 }

@@ -154,12 +154,20 @@ tmcl::Duration await_port(const tmcl::LinkName& name, tmcl::Duration wait, Host&
   return host.now() - began;
 }
 
-Attempt<tmcld::Config> config_of(const OwnBus& bus, const tmcl::LinkName& link) {
+Attempt<tmcld::Config> config_in(const OwnBus& bus, const tmcl::LinkName& link) {
   if (bus.config.empty()) return tmcld::config_for_link(link);
   return tmcld::load_config_for_link(bus.config, link)
       .map_error([](const std::vector<std::string>& problems) {
         return usage_failure("bad_config", fmt::format("{}", fmt::join(problems, "\n")));
       });
+}
+
+Attempt<tmcld::Config> config_of(const OwnBus& bus, const tmcl::LinkName& link) {
+  return config_in(bus, link).map([&](tmcld::Config config) {
+    for (auto& one : config.buses)
+      one.bus_options.reply_timeout = bus.reply_timeout.value_or(one.bus_options.reply_timeout);
+    return config;
+  });
 }
 
 }  // namespace

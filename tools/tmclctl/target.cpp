@@ -28,7 +28,15 @@ std::string options_of(const Where& where) {
   add("--ca", where.web.ca_file);
   add("--direct", where.direct);
   add("--config", where.config);
+  if (where.reply_timeout_ms) add("--reply-timeout", std::to_string(*where.reply_timeout_ms));
   return options;
+}
+
+OwnBus own_bus(const Where& where) {
+  OwnBus bus{where.direct, where.config, {}, where.full_steps};
+  if (where.reply_timeout_ms)
+    bus.reply_timeout = std::chrono::milliseconds(*where.reply_timeout_ms);
+  return bus;
 }
 
 }  // namespace
@@ -46,7 +54,7 @@ void put(boost::json::object& params, std::string_view name, std::string_view pl
 Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait, Host& host,
                                              std::optional<tmcl::Duration> in_all) {
   const bool own = !where.direct.empty();
-  auto door = own ? open_own_gateway({where.direct, where.config, where.full_steps}, wait, host)
+  auto door = own                     ? open_own_gateway(own_bus(where), wait, host)
               : where.web.url.empty() ? open_socket(socket_path(where), wait, host, in_all)
                                       : open_url(where.web, host, in_all);
   return std::move(door).map([&](std::unique_ptr<Door> open) -> std::unique_ptr<Target> {

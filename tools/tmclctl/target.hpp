@@ -223,6 +223,7 @@ struct Where {
   WebPlace web{};      ///< A daemon in the network; an empty URL: the socket.
   std::string direct;  ///< Name of a link; empty: through the daemon.
   std::string config;  ///< With a link: the file that says how its axes are called; may be empty.
+  std::optional<std::int32_t> reply_timeout_ms;  ///< With a link; nothing: what the file says.
   std::int32_t full_steps = tmcl::MotorSteps{}.full_steps;  ///< Of a turn, without the daemon.
 };
 
