@@ -18,6 +18,9 @@ namespace tmcl::test {
 
 using Words = std::vector<std::string>;
 
+/// G-code of a circle with a radius of 2 mm.
+inline const std::string circle = "G21 G90\nF600\nG1 X1\nG2 X1 Y0 I2 J0\nM2\n";
+
 struct Ran {
   int status = -1;
   std::string out;

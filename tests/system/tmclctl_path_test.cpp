@@ -55,7 +55,6 @@ class PathBench : public testing::Test {
   std::unique_ptr<Program> simulator;
 };
 
-const std::string circle = "G21 G90\nF600\nG1 X1\nG2 X1 Y0 I2 J0\nM2\n";
 const std::string on_both_axes = " --axis X=1/0 --axis Y=1/1 --per-turn 5 ";
 
 // In its own process tmclctl is the gateway: it must not come a second late. Position mode, whose

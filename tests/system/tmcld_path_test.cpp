@@ -104,7 +104,6 @@ class TmcldPath : public testing::Test {
   }
 };
 
-const std::string circle = "G21 G90\nF600\nG1 X1\nG2 X1 Y0 I2 J0\nM2\n";
 const std::string three_seconds = "G1 X30 Y20 F900\nG1 X40 Y10\n";
 constexpr int microsteps_per_mm = 10'240;
 

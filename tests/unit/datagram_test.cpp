@@ -139,9 +139,9 @@ TEST(Nearest, SuggestsWhatWasMeantAndNothingElse) {
 }
 
 TEST(Units, MatchTheFiguresOfTheDataSheet) {
-  EXPECT_NEAR(to_pps({1000}, {.pulse = 2, .ramp = 3}).value, 61'035, 1);
-  EXPECT_NEAR(to_pps2({500}, {.pulse = 2, .ramp = 3}).value, 7.45e6, 0.01e6);
-  EXPECT_NEAR(to_pps({2047}, {}).value, 499'756, 1);
+  EXPECT_NEAR(to_pps({1000}, Tmc429Dividers{.pulse = 2, .ramp = 3}).value, 61'035, 1);
+  EXPECT_NEAR(to_pps2({500}, Tmc429Dividers{.pulse = 2, .ramp = 3}).value, 7.45e6, 0.01e6);
+  EXPECT_NEAR(to_pps({2047}, Tmc429Dividers{}).value, 499'756, 1);
 }
 
 }  // namespace

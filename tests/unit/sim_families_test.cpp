@@ -472,7 +472,7 @@ TEST_F(SimFamilies, AreUpToDateAfterAWeekInWhichNobodyLooked) {
   const double week = 7 * 24 * 3600;
   const auto x = readings(ap::actual_position);
   const auto turns = [&](double pps, double turn) { return std::remainder(pps * week, turn); };
-  EXPECT_NEAR(x[0], turns(to_pps({100}, {2, 3}).value, 1 << 24), 100);
+  EXPECT_NEAR(x[0], turns(to_pps({100}, Tmc429Dividers{2, 3}).value, 1 << 24), 100);
   EXPECT_NEAR(x[1], 100 * 16e6 / (1 << 30) * week, 2);
   EXPECT_NEAR(x[2], std::floor(100 * 1.048576) / 1.048576 * week, 100);
 }

@@ -13,7 +13,7 @@
 namespace tmcl::sim {
 namespace {
 
-using Kind = Homing::Order::Kind;
+using OrderKind = Homing::Order::Kind;
 
 MATCHER_P2(Turns, kind, direction, "") { return arg.kind == kind && arg.direction == direction; }
 
@@ -38,16 +38,16 @@ TEST(SearchMode, KnowsTheModesOfTheManuals) {
 
 TEST(Homing, BacksOffAndComesBackSlowly) {
   Homing homing;
-  EXPECT_THAT(homing.start(mode(1), {}, 0), Turns(Kind::search, -1));
-  EXPECT_EQ(homing.see({.right = true, .home = true}, -10).kind, Kind::go_on);
-  EXPECT_THAT(homing.see({.left = true}, -100), Turns(Kind::switching, 1));
-  EXPECT_THAT(homing.see({}, -95), Turns(Kind::switching, -1));
+  EXPECT_THAT(homing.start(mode(1), {}, 0), Turns(OrderKind::search, -1));
+  EXPECT_EQ(homing.see({.right = true, .home = true}, -10).kind, OrderKind::go_on);
+  EXPECT_THAT(homing.see({.left = true}, -100), Turns(OrderKind::switching, 1));
+  EXPECT_THAT(homing.see({}, -95), Turns(OrderKind::switching, -1));
   const auto back = homing.see({.left = true}, -99);
-  EXPECT_EQ(back.kind, Kind::drive_to);
+  EXPECT_EQ(back.kind, OrderKind::drive_to);
   EXPECT_EQ(back.position, -99);
   EXPECT_TRUE(homing.returns());
   const auto end = homing.arrived();
-  EXPECT_EQ(end.kind, Kind::finish);
+  EXPECT_EQ(end.kind, OrderKind::finish);
   EXPECT_EQ(end.position, -99);
   EXPECT_FALSE(homing.active());
   EXPECT_EQ(homing.step(), 0);
@@ -55,14 +55,14 @@ TEST(Homing, BacksOffAndComesBackSlowly) {
 
 TEST(Homing, BacksOffFirstWhereTheSwitchIsActiveAlready) {
   Homing homing;
-  EXPECT_THAT(homing.start(mode(1), {.left = true}, 0), Turns(Kind::switching, 1));
+  EXPECT_THAT(homing.start(mode(1), {.left = true}, 0), Turns(OrderKind::switching, 1));
 }
 
 TEST(Homing, MeasuresTheOtherEndFirst) {
   Homing homing;
-  EXPECT_THAT(homing.start(mode(2), {}, 0), Turns(Kind::search, 1));
-  EXPECT_THAT(homing.see({.right = true}, 500), Turns(Kind::search, -1));
-  EXPECT_THAT(homing.see({.left = true}, -400), Turns(Kind::switching, 1));
+  EXPECT_THAT(homing.start(mode(2), {}, 0), Turns(OrderKind::search, 1));
+  EXPECT_THAT(homing.see({.right = true}, 500), Turns(OrderKind::search, -1));
+  EXPECT_THAT(homing.see({.left = true}, -400), Turns(OrderKind::switching, 1));
   EXPECT_EQ(homing.other_end(), 500);
 }
 
@@ -75,25 +75,25 @@ TEST(Homing, FromBothSidesTheReferenceIsHalfWay) {
 
 TEST(Homing, SwapsSides) {
   Homing homing;
-  EXPECT_THAT(homing.start(mode(66), {}, 0), Turns(Kind::search, -1));
-  EXPECT_THAT(homing.see({.left = true}, -500), Turns(Kind::search, 1));
-  EXPECT_THAT(homing.see({.right = true}, 500), Turns(Kind::switching, -1));
+  EXPECT_THAT(homing.start(mode(66), {}, 0), Turns(OrderKind::search, -1));
+  EXPECT_THAT(homing.see({.left = true}, -500), Turns(OrderKind::search, 1));
+  EXPECT_THAT(homing.see({.right = true}, 500), Turns(OrderKind::switching, -1));
 }
 
 TEST(Homing, TurnsRoundAtTheEndOfTheWay) {
   Homing homing;
-  EXPECT_THAT(homing.start(mode(5), {}, 0), Turns(Kind::search, -1));
-  EXPECT_THAT(homing.see({.left = true}, -500), Turns(Kind::search, 1));
-  EXPECT_THAT(homing.see({.home = true}, 100), Turns(Kind::switching, 1));
-  EXPECT_THAT(homing.see({}, 120), Turns(Kind::switching, -1));
+  EXPECT_THAT(homing.start(mode(5), {}, 0), Turns(OrderKind::search, -1));
+  EXPECT_THAT(homing.see({.left = true}, -500), Turns(OrderKind::search, 1));
+  EXPECT_THAT(homing.see({.home = true}, 100), Turns(OrderKind::switching, 1));
+  EXPECT_THAT(homing.see({}, 120), Turns(OrderKind::switching, -1));
   EXPECT_EQ(homing.see({.home = true}, 119).position, 119);
 }
 
 TEST(Homing, InvertsTheHomeSwitch) {
   Homing homing;
-  EXPECT_THAT(homing.start(mode(7 + 128), {.home = true}, 0), Turns(Kind::search, 1));
+  EXPECT_THAT(homing.start(mode(7 + 128), {.home = true}, 0), Turns(OrderKind::search, 1));
   EXPECT_TRUE(homing.ignores_ends());
-  EXPECT_THAT(homing.see({}, 100), Turns(Kind::switching, -1));
+  EXPECT_THAT(homing.see({}, 100), Turns(OrderKind::switching, -1));
 }
 
 TEST(Homing, IsNotActiveOnceItIsAborted) {
@@ -102,7 +102,7 @@ TEST(Homing, IsNotActiveOnceItIsAborted) {
   EXPECT_EQ(homing.step(), 2);
   homing.abort();
   EXPECT_EQ(homing.step(), 0);
-  EXPECT_EQ(homing.see({.left = true}, 0).kind, Kind::go_on);
+  EXPECT_EQ(homing.see({.left = true}, 0).kind, OrderKind::go_on);
 }
 
 // ---- On a module

@@ -130,7 +130,7 @@ TEST_F(SimModule, MovesToAPositionInTheTimeOfTheRamp) {
   ask(Command::MVP, 0, 0, 100'000);
   EXPECT_EQ(get(ap::position_reached), 0);
   EXPECT_EQ(get(ap::target_position), 100'000);
-  const double ideal = 100'000 / to_pps({1000}, {2, 3}).value + 0.0082;
+  const double ideal = 100'000 / to_pps({1000}, Tmc429Dividers{2, 3}).value + 0.0082;
   pass(std::chrono::duration_cast<Duration>(std::chrono::duration<double>(ideal - 0.001)));
   EXPECT_EQ(get(ap::position_reached), 0);
   pass(milliseconds(21));  // the last step at minimum speed takes 16 ms
@@ -177,7 +177,7 @@ TEST_F(SimModule, TakesChangedDividersIntoTheRamp) {
   ask(Command::SAP, 153, 0, 7);
   ask(Command::ROR, 0, 0, 1000);
   pass(milliseconds(100));
-  const double a = to_pps2({500}, {5, 7}).value;
+  const double a = to_pps2({500}, Tmc429Dividers{5, 7}).value;
   EXPECT_NEAR(get(ap::actual_position), a * 0.1 * 0.1 / 2, 2);
   ask(Command::MVP, 0, 0, 2000);
   pass(std::chrono::seconds(10));

@@ -120,7 +120,8 @@ TEST(Tmc429, TurnsAtTheRateThatTheDataSheetGives) {
   axis.advance_to(ticks(1));
   const auto start = axis.x_actual();
   axis.advance_to(ticks(11));
-  EXPECT_NEAR(start - axis.x_actual(), 10 * to_pps({1000}, {2, 3}).value, 1);  // 61035 a second
+  EXPECT_NEAR(start - axis.x_actual(), 10 * to_pps({1000}, Tmc429Dividers{2, 3}).value,
+              1);  // 61035 a second
 }
 
 TEST(Tmc429, LimitsVelocityModeToVMax) {
@@ -135,8 +136,8 @@ TEST(Tmc429, LimitsVelocityModeToVMax) {
 TEST(Tmc429, FollowsTheClosedFormWhileAcceleratingAndCruising) {
   auto axis = axis_with({});
   axis.write(R::x_target, 100'000);
-  const double v = to_pps({1000}, {2, 3}).value;
-  const double a = to_pps2({500}, {2, 3}).value;
+  const double v = to_pps({1000}, Tmc429Dividers{2, 3}).value;
+  const double a = to_pps2({500}, Tmc429Dividers{2, 3}).value;
   const double t_acceleration = v / a;
   const double bound = v * seconds(1 << 3) + 2;
   for (Tick t = 0; t < ticks(1.6); t += 50) {
@@ -363,7 +364,7 @@ TEST(Tmc429, LetsHoursPassAtOnceAtStandstillAndWhileTurning) {
   axis.advance_to(ticks(1e6 + 1));
   const auto start = axis.x_actual();
   axis.advance_to(ticks(1e6 + 1 + 3600));
-  EXPECT_NEAR(axis.x_actual() - start, 3600 * to_pps({1}, {2, 3}).value, 1);
+  EXPECT_NEAR(axis.x_actual() - start, 3600 * to_pps({1}, Tmc429Dividers{2, 3}).value, 1);
 }
 
 TEST(Tmc429, StopsDeadAtAClosedSwitch) {

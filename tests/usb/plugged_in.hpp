@@ -72,8 +72,9 @@ class PluggedIn {
   }
   std::filesystem::path device() const { return usb_device_at(place); }
   std::string terminal() const { return terminal_at(place); }
+  /// The emulated computer may keep the simulator waiting; a movement is never sent twice.
   static auto tmclctl(const std::string& link, std::vector<std::string> words) {
-    words.insert(words.begin(), {"tmclctl", "--direct", link});
+    words.insert(words.begin(), {"tmclctl", "--direct", link, "--reply-timeout", "5000"});
     return run_program(words);
   }
   auto tmclctl(std::vector<std::string> words) const {
