@@ -1,9 +1,13 @@
 /// How many clients the descriptors of this process are enough for.
 #pragma once
 
+#include <chrono>
 #include <cstddef>
 
 namespace tmcld {
+
+/// With no descriptors left, accepting fails at once and for ever: not so often, then.
+constexpr auto pause_after_failure = std::chrono::milliseconds(100);
 
 /// Raises the limit of descriptors as far as clients, `buses` and `ports` need and the system
 /// allows, and gives how many clients each of the fronts may have then: max_clients, or fewer. What

@@ -47,7 +47,6 @@ constexpr std::size_t linger_bytes = 16U * 1024U;
 constexpr std::uint32_t max_head_bytes = 8U * 1024U;
 // Room that a message has taken and that is given back behind it.
 constexpr std::size_t kept_buffer_bytes = 4096;
-constexpr auto hang_up_check_interval = 200ms;
 
 /// A client behind HTTP: its connection writes what it gives.
 class HttpSession final : public Session {

@@ -14,6 +14,7 @@
 
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
+#include "fronts/descriptors.hpp"
 #include "fronts/http_connection.hpp"
 
 namespace tmcld {
@@ -27,7 +28,6 @@ using boost::system::error_code;
 using Tcp = asio::ip::tcp;
 using namespace std::chrono_literals;
 
-constexpr auto pause_after_failure = 100ms;
 constexpr int backlog = 128;
 
 std::string in_brackets(const HttpAddress& address) {

@@ -10,6 +10,7 @@
 
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
+#include "fronts/descriptors.hpp"
 #include "fronts/port.hpp"
 #include "fronts/port_stream.hpp"
 
@@ -25,8 +26,6 @@ using boost::system::error_code;
 
 /// Further connections are closed at once.
 constexpr std::size_t most_hosts = 8;
-/// With no descriptors left, accepting fails at once and for ever: not so often, then.
-constexpr auto pause_after_failure = std::chrono::milliseconds(100);
 
 /// One connection.
 class Host : public std::enable_shared_from_this<Host> {

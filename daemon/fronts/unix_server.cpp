@@ -10,6 +10,7 @@
 
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
+#include "fronts/descriptors.hpp"
 
 namespace tmcld {
 namespace {
@@ -20,8 +21,6 @@ using boost::asio::use_awaitable;
 
 // Between looks at whether all who have a place for stops have been answered.
 constexpr auto place_look_interval = std::chrono::milliseconds(10);
-// With no descriptors left, accepting fails at once and for ever: not so often, then.
-constexpr auto pause_after_failure = std::chrono::milliseconds(100);
 
 }  // namespace
 

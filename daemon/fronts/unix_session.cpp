@@ -23,8 +23,6 @@ using boost::asio::use_awaitable;
 
 constexpr std::size_t read_bytes = 16U * 1024U;
 constexpr std::size_t write_batch_bytes = 64U * 1024U;
-// How often a client that has ended its input is looked at, whether it still reads.
-constexpr tmcl::Duration hang_up_check_interval = std::chrono::milliseconds(200);
 
 Session::Options options_of(UnixSession::Socket& socket, const Gateway& gateway,
                             std::shared_ptr<FrontShare> share, Session::Serves serves,

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "tmcl/command_type.hpp"
+
 namespace tmcld {
 
 using tmcl::Result;
@@ -18,7 +20,8 @@ RunOptions AxisAdmission::begin_movement(Permit permit, Deadline deadline) const
 }
 
 tmcl::Request AxisAdmission::any_move() const {
-  return {axis_.address().module, tmcl::Command::MVP, 0, axis_.address().motor, 0};
+  return {axis_.address().module, tmcl::Command::MVP, tmcl::move_type::absolute,
+          axis_.address().motor, 0};
 }
 
 AxisAdmission::Awaitable<void> AxisAdmission::be_free(RunOptions movement) {

@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "gateway/motors.hpp"
+#include "tmcl/command_type.hpp"
 #include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/verbs.hpp"
@@ -213,7 +214,8 @@ tmcl::Script<Result<AxisLimits::Greatest>> AxisLimits::greatest() {
   const auto& limits = config_.motion_limits;
   Greatest all;
   const auto& axis = config_.address;
-  const auto may_move = co_await check({axis.module, Command::MVP, 0, axis.motor, 0});
+  const auto may_move =
+      co_await check({axis.module, Command::MVP, tmcl::move_type::absolute, axis.motor, 0});
   if (!may_move) co_return tl::unexpected(may_move.error());
   if (limits.velocity) all.velocity = static_cast<std::int32_t>(greatest(Kind::velocity, values_));
   for (const auto& [kind, is_limited] :

@@ -5,12 +5,12 @@
 #include <utility>
 
 #include "gateway/axis_limits.hpp"
+#include "tmcl/command_type.hpp"
 
 namespace tmcld {
 namespace {
 
 constexpr tmcl::Duration claim_look_interval = std::chrono::milliseconds(5);
-constexpr std::uint8_t search_status = 2;  // the type of RFS
 
 tmcl::Script<bool> has_arrived(tmcl::AxisAddress motor) {
   const auto state = co_await tmcl::verbs::state(motor);
@@ -57,7 +57,7 @@ std::vector<tmcl::step::Exchange> questions_about_search(tmcl::AxisAddress motor
     question.options.proof = tmcl::Proof::followed;
     return question;
   };
-  return {ask(tmcl::Command::RFS, search_status),
+  return {ask(tmcl::Command::RFS, tmcl::search_type::status),
           ask(tmcl::Command::GAP, tmcl::axis_parameter::actual_velocity),
           ask(tmcl::Command::GAP, tmcl::axis_parameter::actual_position)};
 }

@@ -5,6 +5,7 @@
 
 #include "gateway/awaited_run.hpp"
 #include "tmcl/command.hpp"
+#include "tmcl/command_type.hpp"
 #include "tmcl/coordinates.hpp"
 #include "tmcl/parameter_number.hpp"
 
@@ -18,7 +19,6 @@ using tmcl::Request;
 
 constexpr std::uint8_t first_control_function = 128;
 constexpr std::uint8_t all_motors = 255;
-enum class Search : std::uint8_t { start = 0, stop = 1 };
 
 // Commands above 127 control programs and chips, and RST a program: they know no motor, so they may
 // concern any.
@@ -57,10 +57,9 @@ bool ends_turning(const Request& request) {
 
 /// To one that the module or the request names. Of a relative move only where it ends is sent.
 bool goes_to_position(const Request& request) {
-  constexpr std::uint8_t relative = 1;
   switch (request.command) {
     case Command::MVP:
-    case Command::MVPA: return request.type != relative;
+    case Command::MVPA: return request.type != tmcl::move_type::relative;
     case Command::SAP:
     case Command::RSAP:
     case Command::AAP: return request.type == tmcl::axis_parameter::target_position;
@@ -131,8 +130,7 @@ bool starts_program(const Request& request) {
 }
 
 bool starts_search(const Request& request) {
-  return request.command == Command::RFS &&
-         request.type == static_cast<std::uint8_t>(Search::start);
+  return request.command == Command::RFS && request.type == tmcl::search_type::start;
 }
 
 void Motors::add(AxisAddress motor, const std::string& axis, bool needs_reference) {
@@ -475,8 +473,8 @@ void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answ
   if (answer && ends_turning(request) && turning == turning_of(motor)) end_turning(motor);
   if (answer && request.command == Command::MST) moved_.erase(motor);
   if (request.command != Command::RFS) return;
-  switch (static_cast<Search>(request.type)) {
-    case Search::start: {
+  switch (request.type) {
+    case tmcl::search_type::start: {
       const bool never_began = !answer && answer.error().outcome != tmcl::Outcome::unknown;
       if (never_began) {
         release(motor, before.of);
@@ -487,7 +485,7 @@ void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answ
       }
       return;
     }
-    case Search::stop:
+    case tmcl::search_type::stop:
       if (answer && before.by == Mover::search) release(motor, before.of);
       return;
   }

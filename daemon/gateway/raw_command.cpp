@@ -4,13 +4,13 @@
 #include <limits>
 #include <utility>
 
+#include "tmcl/command_type.hpp"
+
 namespace tmcld {
 namespace {
 
 using tmcl::Command;
 namespace ap = tmcl::axis_parameter;
-
-enum class Move : std::uint8_t { absolute = 0, relative = 1, to_coordinate = 2 };
 
 /// The least number of 32 bits has no positive counterpart; no module turns that fast anyway.
 std::int32_t opposite(std::int32_t velocity) {
@@ -18,10 +18,10 @@ std::int32_t opposite(std::int32_t velocity) {
 }
 
 Intent intent_of_move(const tmcl::Request& request) {
-  switch (static_cast<Move>(request.type)) {
-    case Move::absolute: return intent::MoveTo{{tmcl::Microsteps{request.value}}};
-    case Move::relative: return intent::MoveFromHere{};
-    case Move::to_coordinate:
+  switch (request.type) {
+    case tmcl::move_type::absolute: return intent::MoveTo{{tmcl::Microsteps{request.value}}};
+    case tmcl::move_type::relative: return intent::MoveFromHere{};
+    case tmcl::move_type::coordinate:
       return intent::MoveToCoordinate{static_cast<std::uint8_t>(request.value)};
   }
   return intent::Restore{ap::target_position};
@@ -47,8 +47,7 @@ std::optional<Intent> intent_of(const tmcl::Request& request) {
 }
 
 bool is_relative_move(const tmcl::Request& request) {
-  return request.command == Command::MVP &&
-         request.type == static_cast<std::uint8_t>(Move::relative);
+  return request.command == Command::MVP && request.type == tmcl::move_type::relative;
 }
 
 tmcl::Script<tmcl::Result<tmcl::Answer>> move_relatively(tmcl::Request request, RelativeMove move) {
@@ -64,7 +63,7 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> move_relatively(tmcl::Request request, 
   if (!std::in_range<std::int32_t>(target))
     co_return tl::unexpected(tmcl::bad_argument("it would end outside 32 bits", "move less far"));
   auto absolute = request;
-  absolute.type = static_cast<std::uint8_t>(Move::absolute);
+  absolute.type = tmcl::move_type::absolute;
   absolute.value = static_cast<std::int32_t>(target);
   if (move.aim) move.aim(tmcl::Microsteps{absolute.value});
   auto answer = co_await tmcl::exchange(absolute);

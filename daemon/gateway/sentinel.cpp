@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "gateway/motors.hpp"
+#include "tmcl/command_type.hpp"
 #include "tmcl/parameter.hpp"
 
 namespace tmcld {
@@ -30,14 +31,13 @@ std::int64_t wrapped(std::int64_t difference) {
 enum class Aim : std::uint8_t { kept, away, unknown };
 
 Aim aim_of(const tmcl::Request& request) {
-  constexpr std::uint8_t absolute = 0;
   using tmcl::Command;
   namespace ap = tmcl::axis_parameter;
   const auto aim = request.value != 0 ? Aim::away : Aim::unknown;
   switch (request.command) {
     case Command::ROR:
     case Command::ROL: return Aim::kept;
-    case Command::MVP: return request.type == absolute ? aim : Aim::unknown;
+    case Command::MVP: return request.type == tmcl::move_type::absolute ? aim : Aim::unknown;
     case Command::SAP:
       if (request.type == ap::target_velocity) return Aim::kept;
       return request.type == ap::target_position ? aim : Aim::unknown;

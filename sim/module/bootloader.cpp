@@ -3,15 +3,13 @@
 #include <algorithm>
 #include <numeric>
 
+#include "tmcl/bootloader.hpp"
+
 namespace tmcl::sim {
 namespace {
 
-constexpr std::uint8_t entry_type = 0x81;
-constexpr std::uint8_t entry_motor = 0x92;
-constexpr std::uint32_t entry_value = 0xA3B4C5D6;
-
-enum class Info : std::uint8_t { page_size = 0, start = 1, size = 2 };
-enum class Seal : std::uint8_t { length = 0, checksum = 1 };
+using bootloader::Info;
+using bootloader::Seal;
 
 using Word = std::array<std::uint8_t, Flash::word_size>;
 
@@ -35,8 +33,9 @@ Answer telling(std::uint32_t value) {
 }  // namespace
 
 Status check_bootloader_entry(const Request& request) {
-  if (request.type != entry_type) return Status::wrong_type;
-  const bool meant = request.motor == entry_motor && unsigned_value(request) == entry_value;
+  if (request.type != bootloader::entry_type) return Status::wrong_type;
+  const bool meant = request.motor == bootloader::entry_motor &&
+                     unsigned_value(request) == bootloader::entry_value;
   return meant ? Status::ok : Status::invalid_value;
 }
 

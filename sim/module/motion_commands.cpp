@@ -1,19 +1,10 @@
 // ROR, ROL, MST, MVP, RFS.
 #include "sim/module/module.hpp"
+#include "tmcl/command_type.hpp"
 
 namespace tmcl::sim {
-namespace {
 
 namespace ap = axis_parameter;
-
-constexpr std::uint8_t move_absolute = 0;
-constexpr std::uint8_t move_relative = 1;
-constexpr std::uint8_t move_to_stored = 2;
-
-constexpr std::uint8_t search_stop = 1;
-constexpr std::uint8_t search_status = 2;
-
-}  // namespace
 
 Answer Module::rotate(const Request& request, std::int32_t sign) {
   if (!has_motor(request)) return echo(request, Status::invalid_value);
@@ -38,13 +29,13 @@ void Module::stop_all_motors() {
 }
 
 Answer Module::move(const Request& request) {
-  if (request.type == move_to_stored) return move_to_coordinate(request);
-  if (request.type != move_absolute && request.type != move_relative) {
+  if (request.type == move_type::coordinate) return move_to_coordinate(request);
+  if (request.type != move_type::absolute && request.type != move_type::relative) {
     return echo(request, Status::wrong_type);
   }
   if (!has_motor(request)) return echo(request, Status::invalid_value);
   if (!axes_[request.motor].can_move(request.value)) return echo(request, Status::invalid_value);
-  const bool relative = request.type == move_relative;
+  const bool relative = request.type == move_type::relative;
   for (std::size_t motor = 0; motor < axes_.size(); ++motor) {
     if ((companions(request.motor) >> motor & 1U) == 0) continue;
     if (relative) {
@@ -75,11 +66,11 @@ std::uint32_t Module::companions(std::size_t motor) const {
 }
 
 Answer Module::search(const Request& request) {
-  if (request.type > search_status) return echo(request, Status::wrong_type);
+  if (request.type > search_type::status) return echo(request, Status::wrong_type);
   if (!has_motor(request)) return echo(request, Status::invalid_value);
   auto& axis = axes_[request.motor];
-  if (request.type == search_status) return reading(axis.search_step());
-  if (request.type == search_stop) {
+  if (request.type == search_type::status) return reading(axis.search_step());
+  if (request.type == search_type::stop) {
     axis.stop_search();
     return echo(request);
   }

@@ -6,13 +6,13 @@
 #include "sim/program/calculation.hpp"
 #include "sim/program/processor.hpp"
 #include "tmcl/command.hpp"
+#include "tmcl/command_type.hpp"
 
 namespace tmcl::sim {
 namespace {
 
 using program::Instruction;
 
-constexpr std::uint8_t search_status = 2;
 constexpr std::uint8_t clear_all = 0;
 
 /// Whether the table of types is complete for a command.
@@ -37,7 +37,7 @@ bool is_read(const Instruction& line) {
     case Command::GGP:
     case Command::GIO:
     case Command::GCO: return true;
-    case Command::RFS: return line.type == search_status;
+    case Command::RFS: return line.type == search_type::status;
     default: return false;
   }
 }

@@ -8,6 +8,9 @@
 
 namespace tmclctl {
 
+/// Between two readings of an axis on its way, where nobody wishes others.
+constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
+
 struct Journey {
   std::string axis;
   tmcl::Microsteps goal;

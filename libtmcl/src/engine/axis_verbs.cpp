@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "engine/verb_steps.hpp"
+#include "tmcl/command_type.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/plan/arrival.hpp"
 #include "tmcl/relative_move.hpp"
@@ -177,7 +178,7 @@ Script<Result<std::int32_t>> get_global(ModuleAddress module, std::uint8_t bank,
 }
 
 Script<Result<Microsteps>> move_to(AxisAddress axis, Microsteps target) {
-  co_await must(act(axis_request(axis, Command::MVP, 0, target.value)));
+  co_await must(act(axis_request(axis, Command::MVP, move_type::absolute, target.value)));
   co_return target;
 }
 

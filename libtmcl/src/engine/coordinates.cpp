@@ -3,12 +3,12 @@
 #include <fmt/format.h>
 
 #include "engine/verb_steps.hpp"
+#include "tmcl/command_type.hpp"
 
 namespace tmcl {
 namespace {
 
 constexpr std::uint8_t eeprom = 255;  // in place of the motor
-constexpr std::uint8_t coordinate_move = 2;
 constexpr std::uint8_t each_for_itself = 0x80;
 constexpr std::uint8_t interpolated = 0x40;
 constexpr std::uint8_t greatest_mask = 0x3F;
@@ -17,7 +17,7 @@ constexpr std::uint8_t greatest_mask = 0x3F;
 
 bool moves_several(const Request& request) {
   const bool moves = request.command == Command::MVP || request.command == Command::MVPA;
-  return moves && request.type == coordinate_move &&
+  return moves && request.type == move_type::coordinate &&
          (request.motor & (each_for_itself | interpolated)) != 0;
 }
 
@@ -81,7 +81,7 @@ Script<Result<void>> load_coordinates(ModuleAddress module, std::optional<std::u
 }
 
 Script<Result<void>> move_to_coordinate(AxisAddress axis, std::uint8_t number) {
-  return act_on(number, {axis.module, Command::MVP, coordinate_move, axis.motor, number});
+  return act_on(number, {axis.module, Command::MVP, move_type::coordinate, axis.motor, number});
 }
 
 Script<Result<void>> move_motors_to_coordinate(ModuleAddress module, MotorMask motors,
@@ -92,7 +92,7 @@ Script<Result<void>> move_motors_to_coordinate(ModuleAddress module, MotorMask m
   }
   const auto how = together == Together::interpolated ? interpolated : each_for_itself;
   const auto field = static_cast<std::uint8_t>(how | motors.bits);
-  co_return co_await act_on(number, {module, Command::MVP, coordinate_move, field, number});
+  co_return co_await act_on(number, {module, Command::MVP, move_type::coordinate, field, number});
 }
 
 }  // namespace verbs

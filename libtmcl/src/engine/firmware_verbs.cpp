@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "engine/verb_steps.hpp"
+#include "tmcl/bootloader.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/verbs.hpp"
@@ -17,14 +18,6 @@ namespace {
 using namespace std::chrono_literals;
 using firmware::address_text;
 using firmware::Image;
-
-// The magic numbers of the command that leaves the firmware.
-constexpr std::uint8_t entry_type = 0x81;
-constexpr std::uint8_t entry_motor = 0x92;
-constexpr std::uint32_t entry_value = 0xA3B4C5D6;
-
-enum BootInfo : std::uint8_t { page_size_info = 0, start_info = 1, size_info = 2 };
-enum Seal : std::uint8_t { length_seal = 0, checksum_seal = 1 };
 
 constexpr std::uint32_t word_size = 4;
 // A word of the page buffer is counted with 16 bits.
@@ -113,7 +106,8 @@ Script<Result<std::uint32_t>> insist(Request request, CallOptions options) {
   }
 }
 
-Script<Result<std::uint32_t>> info(const Upload& upload, BootInfo type) {
+Script<Result<std::uint32_t>> info(const Upload& upload, bootloader::Info what) {
+  const auto type = static_cast<std::uint8_t>(what);
   return insist(boot_request(upload.module, Command::BOOT_GET_INFO, type), upload.call(sum_time));
 }
 
@@ -215,16 +209,16 @@ Script<Result<void>> stop_motors(const Upload& upload, std::uint8_t motors) {
 }
 
 Script<Result<void>> enter_bootloader(const Upload& upload) {
-  const Request entry{upload.module, Command::ENTER_BOOTLOADER, entry_type, entry_motor,
-                      static_cast<std::int32_t>(entry_value)};
+  const Request entry{upload.module, Command::ENTER_BOOTLOADER, bootloader::entry_type,
+                      bootloader::entry_motor, static_cast<std::int32_t>(bootloader::entry_value)};
   co_await must(exchange(entry, upload.call()));
   co_return co_await wait_until(upload, true);
 }
 
 Script<Result<BootMemory>> read_memory_layout(const Upload& upload) {
-  const auto page_size = co_await must(info(upload, page_size_info));
-  const auto start = co_await must(info(upload, start_info));
-  const auto size = co_await must(info(upload, size_info));
+  const auto page_size = co_await must(info(upload, bootloader::Info::page_size));
+  const auto start = co_await must(info(upload, bootloader::Info::start));
+  const auto size = co_await must(info(upload, bootloader::Info::size));
   co_return BootMemory{page_size, start, size};
 }
 
@@ -323,18 +317,22 @@ Script<Result<void>> seal_by_page(const Upload& upload, std::uint32_t length, st
   co_return Result<void>{};
 }
 
+Script<Result<std::uint32_t>> write_seal(const Upload& upload, bootloader::Seal what,
+                                         std::uint32_t value) {
+  const auto type = static_cast<std::uint8_t>(what);
+  return insist(boot_request(upload.module, Command::BOOT_WRITE_LENGTH, type, value),
+                upload.call(page_time));
+}
+
 Script<Result<void>> seal(const Upload& upload) {
   const auto length = static_cast<std::uint32_t>(upload.image.bytes.size());
   const auto sum = firmware::checksum(upload.image);
-  const auto write_length =
-      boot_request(upload.module, Command::BOOT_WRITE_LENGTH, length_seal, length);
-  const auto first = co_await insist(write_length, upload.call(page_time));
+  const auto first = co_await write_seal(upload, bootloader::Seal::length, length);
   if (!first && is_unknown_command(first.error())) {
     co_return co_await seal_by_page(upload, length, sum);
   }
   if (!first) co_return tl::unexpected(first.error());
-  co_await must(insist(boot_request(upload.module, Command::BOOT_WRITE_LENGTH, checksum_seal, sum),
-                       upload.call(page_time)));
+  co_await must(write_seal(upload, bootloader::Seal::checksum, sum));
   co_return Result<void>{};
 }
 

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "engine/verb_steps.hpp"
+#include "tmcl/command_type.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/verbs.hpp"
 
@@ -12,10 +13,9 @@ namespace {
 constexpr auto search_mode = number_of("reference_search_mode");
 constexpr auto switch_distance = number_of("reference_switch_distance");
 constexpr auto position_before_zeroing = number_of("last_reference_position");
-enum class Search : std::uint8_t { start = 0, stop = 1, status = 2 };
 
-Request search_request(AxisAddress axis, Search what) {
-  return {axis.module, Command::RFS, static_cast<std::uint8_t>(what), axis.motor, 0};
+Request search_request(AxisAddress axis, std::uint8_t type) {
+  return {axis.module, Command::RFS, type, axis.motor, 0};
 }
 
 /// `step`: the last that was seen, if there was time for that.
@@ -41,7 +41,7 @@ Script<Result<std::int32_t>> patient_status(AxisAddress axis, HomeOptions option
   // In pauses: after several lost answers the bus itself asks nothing for some seconds.
   Duration silent{};
   while (true) {
-    const auto step = co_await ask(search_request(axis, Search::status), call);
+    const auto step = co_await ask(search_request(axis, search_type::status), call);
     const auto now = co_await current_time();
     const bool patient = silent < options.silence_limit && !is_over(call, now);
     if (step || !is_silence(step.error()) || !patient) co_return step;
@@ -51,9 +51,9 @@ Script<Result<std::int32_t>> patient_status(AxisAddress axis, HomeOptions option
 }
 
 Script<Result<void>> start_search(AxisAddress axis, CallOptions call) {
-  const auto started = co_await act(search_request(axis, Search::start), call);
+  const auto started = co_await act(search_request(axis, search_type::start), call);
   if (started || started.error().outcome != Outcome::unknown) co_return started;
-  const auto step = co_await ask(search_request(axis, Search::status), call);
+  const auto step = co_await ask(search_request(axis, search_type::status), call);
   if (step && *step != 0) co_return Result<void>{};
   co_return started;
 }
@@ -86,7 +86,7 @@ Script<Result<void>> start_search(AxisAddress axis, std::optional<std::int32_t> 
 
 /// Asked when the status says so: what somebody goes on after is read twice.
 Script<Result<bool>> has_ended(AxisAddress axis, CallOptions call) {
-  const auto status = search_request(axis, Search::status);
+  const auto status = search_request(axis, search_type::status);
   const auto step = co_await must(ask(status, with_proof(Proof::twice, call)));
   co_return step == 0;
 }
@@ -98,11 +98,11 @@ Script<Result<void>> start_reference_search(AxisAddress axis, std::optional<std:
 }
 
 Script<Result<void>> stop_reference_search(AxisAddress axis) {
-  return act(search_request(axis, Search::stop));
+  return act(search_request(axis, search_type::stop));
 }
 
 Script<Result<std::int32_t>> reference_search_status(AxisAddress axis) {
-  return ask(search_request(axis, Search::status));
+  return ask(search_request(axis, search_type::status));
 }
 
 Script<Result<Homed>> home(AxisAddress axis, HomeOptions options) {

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <utility>
 
+#include "tmcl/command_type.hpp"
+
 namespace tmcl::engine {
 namespace {
 
@@ -42,7 +44,7 @@ constexpr std::array fences{Fence{Command::GET_FIRMWARE_VERSION, 1},
                             Fence{Command::GET_AP_MIN, 0},
                             Fence{Command::GCO, 0},
                             Fence{Command::MEASURED_SPEED, 0},
-                            Fence{Command::RFS, 2},
+                            Fence{Command::RFS, search_type::status},
                             Fence{Command::GET_IDS, 0}};
 
 }  // namespace

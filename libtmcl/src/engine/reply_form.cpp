@@ -4,6 +4,7 @@
 #include <array>
 #include <string_view>
 
+#include "tmcl/command_type.hpp"
 #include "tmcl/program.hpp"
 
 namespace tmcl::engine {
@@ -45,7 +46,7 @@ class ProgramLineReply final : public ReplyForm {
 /// some modules tell then where they go.
 bool is_echoed(const Request& sent) {
   switch (sent.command) {
-    case Command::MVP: return sent.type == 0;
+    case Command::MVP: return sent.type == move_type::absolute;
     case Command::ROR:
     case Command::ROL:
     case Command::MST:

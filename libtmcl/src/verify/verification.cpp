@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "engine/verb_steps.hpp"
+#include "tmcl/command_type.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/verbs.hpp"
 #include "verify/watched_axis.hpp"
@@ -21,7 +22,6 @@ using namespace std::chrono_literals;
 using plan::Experiment;
 using Pairs = plan::ChipCandidates::Pairs;
 
-constexpr std::uint8_t relative = 1;  // the type of MVP
 constexpr auto pulse_divisor = number_of("pulse_divisor");
 /// What a divider is written to has four bits.
 constexpr std::int32_t beyond_divider = 16;
@@ -234,7 +234,7 @@ Script<Result<void>> Verifier::set_slow() {
 // On its way the motor is not where it goes. A distance of 0 takes it no farther than that,
 // whatever it is added to, and however often.
 Script<Result<bool>> Verifier::move_relatively_once(std::int32_t target) {
-  co_await must(watched_.ask(Command::MVP, 0, target));
+  co_await must(watched_.ask(Command::MVP, move_type::absolute, target));
   const auto home = watched_.home().value;
   auto here = home;
   const auto begin = co_await current_time();
@@ -243,7 +243,7 @@ Script<Result<bool>> Verifier::move_relatively_once(std::int32_t target) {
     const auto now = co_await current_time();
     if (now - begin > longest_stroll) co_return tl::unexpected(watched_.interrupted(target, here));
   }
-  const auto answer = co_await must(watched_.ask(Command::MVP, relative, 0));
+  const auto answer = co_await must(watched_.ask(Command::MVP, move_type::relative, 0));
   const auto aim = co_await must(watched_.get(ap::target_position));
   const auto later = co_await must(watched_.get(ap::actual_position));
   // It was there already, or what it says can mean both.

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/verb_steps.hpp"
+#include "tmcl/command_type.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/seconds.hpp"
 #include "tmcl/verbs.hpp"
@@ -16,7 +17,6 @@ namespace {
 namespace ap = axis_parameter;
 using namespace std::chrono_literals;
 
-constexpr std::uint8_t absolute = 0;  // the type of MVP
 /// After this a motor whose speed reads 0 has none; the slowest experiment needs 130 ms for that.
 constexpr Duration time_to_settle = 200ms;
 /// To come back with the settings that it had, or with slow ones.
@@ -138,7 +138,7 @@ Error WatchedAxis::interrupted(std::int32_t target, std::int32_t here) const {
 Script<Result<plan::WatchedMove>> WatchedAxis::move_to(std::int32_t target, Duration limit) {
   plan::WatchedMove move{target - here_, {}, {}};
   const auto sign = move.distance < 0 ? -1 : 1;
-  const auto told = co_await must(exchange_once(Command::MVP, absolute, target));
+  const auto told = co_await must(exchange_once(Command::MVP, move_type::absolute, target));
   move.told = {told.sent, told.received};
   auto here = here_;
   do {

@@ -10,7 +10,6 @@
 namespace tmclctl {
 namespace {
 
-constexpr double shortest_time_s = 0.001;
 constexpr double longest_line_s = 86'400;
 constexpr double shortest_load_s = 0.1;
 constexpr double shortest_ttl_s = 0.2;

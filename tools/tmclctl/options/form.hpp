@@ -23,6 +23,7 @@ class App;
 namespace tmclctl {
 
 constexpr std::uint16_t greatest_address = 2047;
+constexpr double shortest_time_s = 0.001;
 constexpr double longest_time_s = 1e6;
 /// Of the word AXIS.
 constexpr const char* axis_meaning = "A configured name, or [BUS:]ADDRESS/MOTOR";

@@ -17,7 +17,6 @@ constexpr std::int32_t most_lines = 2048;
 constexpr std::int32_t greatest_mode = 255;
 constexpr std::uint8_t last_motor_to_start = 5;
 constexpr std::uint8_t last_motor_to_tell = 30;
-constexpr double shortest_time_s = 0.001;
 
 AskForm ask(Grammar& grammar, const Form& group, const std::string& name, const char* method,
             const std::string& description, const char* footer = "") {

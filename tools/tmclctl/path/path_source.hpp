@@ -14,6 +14,7 @@ namespace tmclctl::path {
 /// The whole of a file of at most so many bytes.
 Attempt<std::string> text_of(const std::string& file, std::size_t most_bytes);
 constexpr std::size_t most_path_bytes = std::size_t{64} << 20U;
+constexpr std::size_t most_mint_bytes = std::size_t{1} << 20U;
 
 /// What a gateway says of a text: each problem printed, with what the command line can do about it.
 Failure explained(Failure failure, const std::string& file, Output& output);

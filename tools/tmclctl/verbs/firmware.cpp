@@ -16,8 +16,6 @@ using tmcl::FirmwareVersion;
 using tmcl::firmware::address_text;
 using tmcl::firmware::Image;
 
-constexpr int bar_width = 30;
-
 std::string text_of(FirmwareVersion version) {
   const auto text = to_text(version);
   return {text.begin(), text.end()};
@@ -103,8 +101,9 @@ Failure mismatch(const std::string& path, const ModuleName& module, const Firmwa
 void show(const tmcl::FirmwareProgress& progress, ProgressLine& line) {
   if (progress.step != "writing") return line.show(progress.step);
   const auto fraction = static_cast<double>(progress.written) / static_cast<double>(progress.of);
-  line.show(fmt::format("writing {} {} of {} bytes", bar(fraction, bar_width, line.screen().utf8),
-                        progress.written, progress.of));
+  line.show(fmt::format("writing {} {} of {} bytes",
+                        bar(fraction, usual_bar_width, line.screen().utf8), progress.written,
+                        progress.of));
 }
 
 void report(const verb::UploadFirmware& verb, const ModuleName& module, const Image& image,

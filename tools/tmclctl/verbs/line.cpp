@@ -14,8 +14,6 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
-
 json::object params_of(const verb::Line& verb) {
   json::array axes;
   json::array positions;
@@ -66,9 +64,8 @@ Attempt<void> wait_for_all(const verb::Line& verb, const json::object& line,
     const auto arrived = follow(journey, context, [&](const AxisReading&) {
       const auto passed = std::chrono::duration<double>(context.host.now() - started_at).count();
       const double done = predicted_s > 0 ? std::clamp(passed / predicted_s, 0.0, 1.0) : 1;
-      constexpr int bar_width = 30;
       progress.show(fmt::format("{} {:3}%  {:.1f} s left",
-                                bar(done, bar_width, progress.screen().utf8),
+                                bar(done, usual_bar_width, progress.screen().utf8),
                                 static_cast<int>(done * 100), std::max(predicted_s - passed, 0.0)));
     });
     if (!arrived) return tl::unexpected(arrived.error());

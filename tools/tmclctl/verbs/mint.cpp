@@ -14,8 +14,6 @@ namespace json = boost::json;
 namespace plan = tmcl::plan;
 namespace mint = tmcl::plan::mint;
 
-constexpr std::size_t most_bytes = 1 << 20;
-
 json::object to_json(const mint::Move& move) {
   json::object document{{"axis", move.axis},   {"line", move.line},
                         {"scale", move.scale}, {"start", move.start},
@@ -65,7 +63,7 @@ void print_table(const mint::DryRun& run, Output& output) {
 }
 
 Attempt<mint::DryRun> dry_run(const std::string& file, Output& output) {
-  const auto text = path::text_of(file, most_bytes);
+  const auto text = path::text_of(file, path::most_mint_bytes);
   if (!text) return tl::unexpected(text.error());
   return mint::read(*text)
       .and_then([](const mint::Program& program) { return mint::dry_run(program); })

@@ -18,9 +18,6 @@ namespace {
 
 namespace json = boost::json;
 
-constexpr std::size_t most_bytes = 1 << 20;
-constexpr int bar_width = 30;
-
 /// "0=x"
 Attempt<void> add_choice(const std::string& choice, json::array& axes, json::array& numbers) {
   const auto equals = choice.find('=');
@@ -118,7 +115,7 @@ class Audience {
   void show(double passed_s, double planned_s) {
     const double done = planned_s > 0 ? std::clamp(passed_s / planned_s, 0.0, 1.0) : 1;
     line_.show(fmt::format("at the GO of line {}: {} {:.1f} of {:.1f} s", go_,
-                           bar(done, bar_width, line_.screen().utf8), passed_s, planned_s));
+                           bar(done, usual_bar_width, line_.screen().utf8), passed_s, planned_s));
   }
 
   json::array axes_;
@@ -134,7 +131,7 @@ class Audience {
 }  // namespace
 
 VerbResult run(const verb::RunMint& verb, Context& context) {
-  const auto text = path::text_of(verb.file, most_bytes);
+  const auto text = path::text_of(verb.file, path::most_mint_bytes);
   if (!text) return tl::unexpected(text.error());
   auto params = params_of(verb, context.target);
   if (!params) return tl::unexpected(params.error());

@@ -16,8 +16,6 @@ namespace {
 namespace json = boost::json;
 using tmcl::program::Program;
 
-constexpr int bar_width = 30;
-
 Attempt<json::object> params_for(const std::string& module,
                                  const std::optional<std::int32_t>& first_address) {
   return parse_module(module).map([&](const ModuleName& name) {
@@ -35,7 +33,7 @@ Attempt<json::object> perform(const std::string& method, json::object params, Co
     const auto done = number_at(news, "done").value_or(0);
     const auto of = number_at(news, "of").value_or(1);
     line.show(fmt::format("{} {} {:.0f} of {:.0f}", text_at(news, "phase"),
-                          bar(done / of, bar_width, line.screen().utf8), done, of));
+                          bar(done / of, usual_bar_width, line.screen().utf8), done, of));
     return context.host.signal() == 0;
   });
   line.clear();

@@ -14,7 +14,6 @@ namespace {
 namespace json = boost::json;
 namespace api = tmcl::api;
 
-constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
 constexpr tmcl::Duration turning_interval = std::chrono::milliseconds(100);
 constexpr int narrowest_bar = 10;
 constexpr int widest_bar = 40;

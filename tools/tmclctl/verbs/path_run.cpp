@@ -19,8 +19,6 @@ namespace {
 namespace json = boost::json;
 using tmcl::plan::StreamMode;
 
-constexpr int bar_width = 30;
-
 struct Passed {
   Attempt<json::object> report;
   int signal = 0;  ///< That ended it; 0 if none did.
@@ -95,9 +93,9 @@ void show(const json::object& news, ProgressLine& line) {
   const double duration_s = number_at(news, "duration_s").value_or(0);
   const double passed_s = number_at(news, "passed_s").value_or(0);
   const double done = duration_s > 0 ? std::clamp(passed_s / duration_s, 0.0, 1.0) : 1;
-  line.show(fmt::format("{} {:3}%  {:.1f} s left  {}", bar(done, bar_width, line.screen().utf8),
-                        static_cast<int>(done * 100), (1 - done) * duration_s,
-                        text_at(news, "phase")));
+  line.show(
+      fmt::format("{} {:3}%  {:.1f} s left  {}", bar(done, usual_bar_width, line.screen().utf8),
+                  static_cast<int>(done * 100), (1 - done) * duration_s, text_at(news, "phase")));
 }
 
 Passed pass(const json::object& plan, Context& context) {

@@ -1,0 +1,23 @@
+/// The types of commands that move a motor: the byte behind the command's number. From the TMCL
+/// firmware manuals; command.hpp names those of all commands.
+#pragma once
+
+#include <cstdint>
+
+namespace tmcl {
+
+/// Of MVP and MVPA.
+namespace move_type {
+constexpr std::uint8_t absolute = 0;
+constexpr std::uint8_t relative = 1;
+constexpr std::uint8_t coordinate = 2;
+}  // namespace move_type
+
+/// Of RFS.
+namespace search_type {
+constexpr std::uint8_t start = 0;
+constexpr std::uint8_t stop = 1;
+constexpr std::uint8_t status = 2;
+}  // namespace search_type
+
+}  // namespace tmcl
