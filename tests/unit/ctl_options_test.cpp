@@ -109,6 +109,12 @@ TEST(CtlOptions, SaysWhatIsWrong) {
   EXPECT_THAT(failure({"--direct", "can:a", "--reply-timeout", "0", "axes"}).message,
               HasSubstr("within 1 to 60000"));
   EXPECT_EQ(failure({"watch", "x", "--interval", "1"}).exit, ExitCode::usage);
+  EXPECT_EQ(failure({"watch", "x", "--interval", "1"}).message,
+            "watch: --interval: 1 is not within 10 to 60000");
+  EXPECT_EQ(failure({"--full-steps", "many", "get", "x", "4"}).message,
+            "get: --full-steps: 'many' is no whole number");
+  EXPECT_EQ(failure({"--unattended", "rotate", "x", "1"}).message,
+            "--unattended stands behind 'rotate'");
   EXPECT_EQ(failure({"watch", "x", "--for", "-1"}).exit, ExitCode::usage);
   EXPECT_EQ(failure({"watch", "x", "--for", "nan"}).exit, ExitCode::usage);
 }

@@ -277,9 +277,14 @@ std::optional<Failure> Parser::unknown_word() const {
   const auto& verb = chosen();
   const auto help = how_to_help(verb);
   if (word.starts_with('-')) {
-    auto known = options_of(app_);
-    for (const auto& name : options_of(verb)) known.push_back(name);
     const auto option = word.substr(0, word.find('='));
+    const auto of_verb = options_of(verb);
+    if (std::ranges::find(of_verb, option) != of_verb.end()) {
+      return usage_failure("usage", fmt::format("{} stands behind '{}'", option, full_name(verb)),
+                           help);
+    }
+    auto known = options_of(app_);
+    known.insert(known.end(), of_verb.begin(), of_verb.end());
     return usage_failure("unknown_option", fmt::format("there is no option '{}'", option),
                          did_you_mean(option, known) + help);
   }

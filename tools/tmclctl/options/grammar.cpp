@@ -7,20 +7,23 @@
 namespace tmclctl {
 namespace {
 
-void must_be_good(const Reading& reading) {
-  if (!reading) throw CLI::ValidationError(reading.error());
+/// `names`: of a word or of an option, the long one last.
+void must_be_good(const Reading& reading, const std::string& names) {
+  if (reading) return;
+  const auto name = names.substr(names.rfind(',') + 1);
+  throw CLI::ValidationError(fmt::format("{}: {}", name, reading.error()));
 }
 
 CLI::Option& add_one(CLI::App& app, const std::string& name, const std::string& value,
                      const std::string& description, const Read& read) {
-  const auto checked = [read](const std::string& text) { must_be_good(read(text)); };
+  const auto checked = [read, name](const std::string& text) { must_be_good(read(text), name); };
   return *app.add_option_function<std::string>(name, checked, description)->type_name(value);
 }
 
 CLI::Option& add_many(CLI::App& app, const std::string& name, const std::string& value,
                       const std::string& description, const Read& read) {
-  const auto checked = [read](const std::vector<std::string>& texts) {
-    for (const auto& text : texts) must_be_good(read(text));
+  const auto checked = [read, name](const std::vector<std::string>& texts) {
+    for (const auto& text : texts) must_be_good(read(text), name);
   };
   return *app.add_option_function<std::vector<std::string>>(name, checked, description)
               ->type_name(value);
