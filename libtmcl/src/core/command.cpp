@@ -4,6 +4,7 @@
 #include <array>
 
 #include "core/text.hpp"
+#include "tmcl/command_type.hpp"
 
 namespace tmcl {
 namespace {
@@ -176,9 +177,9 @@ constexpr auto commands = std::to_array<CommandInfo>({
 });
 
 constexpr auto subtypes = std::to_array<SubtypeInfo>({
-    {Command::MVP, 0, "ABS", never, moves},
-    {Command::MVP, 1, "REL", never, moves},
-    {Command::MVP, 2, "COORD", never, moves},
+    {Command::MVP, move_type::absolute, "ABS", never, moves},
+    {Command::MVP, move_type::relative, "REL", never, moves},
+    {Command::MVP, move_type::coordinate, "COORD", never, moves},
     {Command::MVP, 3, "RELCOORD", never, moves},
     // Positions, speeds and the ramp mode, under all the numbers that families of modules use for them.
     {Command::SAP, 0, "", never, moves},
@@ -190,9 +191,9 @@ constexpr auto subtypes = std::to_array<SubtypeInfo>({
     {Command::SAP, 132, "", never, moves},
     {Command::SAP, 133, "", never, moves},
     {Command::SAP, 138, "", never, moves},
-    {Command::RFS, 0, "START", never, moves},
-    {Command::RFS, 1, "STOP", safe, stops},
-    {Command::RFS, 2, "STATUS", safe, reads},
+    {Command::RFS, search_type::start, "START", never, moves},
+    {Command::RFS, search_type::stop, "STOP", safe, stops},
+    {Command::RFS, search_type::status, "STATUS", safe, reads},
     {Command::CALC, 0, "ADD", never, writes},
     {Command::CALC, 1, "SUB", never, writes},
     {Command::CALC, 2, "MUL", never, writes},
@@ -309,9 +310,9 @@ constexpr auto subtypes = std::to_array<SubtypeInfo>({
     {Command::CALCV, 8, "NOT", never, writes},
     {Command::CALCV, 9, "LOAD", never, writes},
     {Command::CALCV, 11, "COMP", never, writes},
-    {Command::MVPA, 0, "ABS", never, moves},
-    {Command::MVPA, 1, "REL", never, moves},
-    {Command::MVPA, 2, "COORD", never, moves},
+    {Command::MVPA, move_type::absolute, "ABS", never, moves},
+    {Command::MVPA, move_type::relative, "REL", never, moves},
+    {Command::MVPA, move_type::coordinate, "COORD", never, moves},
     {Command::CALL, 0, "ZE", never, writes},
     {Command::CALL, 1, "NZ", never, writes},
     {Command::CALL, 2, "EQ", never, writes},
