@@ -114,7 +114,7 @@ TEST(CtlOptions, SaysWhatIsWrong) {
   EXPECT_EQ(failure({"--full-steps", "many", "get", "x", "4"}).message,
             "get: --full-steps: 'many' is no whole number");
   EXPECT_EQ(failure({"--unattended", "rotate", "x", "1"}).message,
-            "--unattended stands behind 'rotate'");
+            "--unattended is an option of 'rotate': write it behind that");
   EXPECT_EQ(failure({"watch", "x", "--for", "-1"}).exit, ExitCode::usage);
   EXPECT_EQ(failure({"watch", "x", "--for", "nan"}).exit, ExitCode::usage);
 }

@@ -280,8 +280,10 @@ std::optional<Failure> Parser::unknown_word() const {
     const auto option = word.substr(0, word.find('='));
     const auto of_verb = options_of(verb);
     if (std::ranges::find(of_verb, option) != of_verb.end()) {
-      return usage_failure("usage", fmt::format("{} stands behind '{}'", option, full_name(verb)),
-                           help);
+      return usage_failure(
+          "usage",
+          fmt::format("{} is an option of '{}': write it behind that", option, full_name(verb)),
+          help);
     }
     auto known = options_of(app_);
     known.insert(known.end(), of_verb.begin(), of_verb.end());
