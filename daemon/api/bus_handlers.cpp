@@ -13,7 +13,7 @@ using Found = std::vector<tmcl::FoundModule>;
 using ScanResult = tmcl::Result<Found>;
 
 constexpr std::uint16_t last_serial_address = 255;
-// Most addresses have no module to wait for.
+// A scan waits for this part of it at each address: most have no module.
 constexpr int scan_share_of_reply_timeout = 4;
 
 struct Addresses {
@@ -29,7 +29,7 @@ tmcl::ScanOptions scan_options(const Call& call, const bus::Scan& params, const 
   const auto [first, last] = addresses_of(params);
   options.first = first;
   options.last = bus.is_can() ? last : std::min(last, last_serial_address);
-  // Where answers take long, those to a scan do.
+  // A bus whose answers take long has been given a long reply timeout.
   options.reply_timeout = std::max(
       options.reply_timeout, bus.config().bus_options.reply_timeout / scan_share_of_reply_timeout);
   options.progress = [tell = call.teller(), name = bus.name()](std::size_t asked, std::size_t of) {

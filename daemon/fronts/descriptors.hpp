@@ -6,7 +6,7 @@
 
 namespace tmcld {
 
-/// With no descriptors left, accepting fails at once and for ever: not so often, then.
+/// Before a client is accepted again after that failed: with no descriptors left it fails at once.
 constexpr auto pause_after_failure = std::chrono::milliseconds(100);
 
 /// Raises the limit of descriptors as far as clients, `buses` and `ports` need and the system

@@ -32,7 +32,7 @@ constexpr std::size_t max_requests_in_flight = 64;
 /// the long ones, and nobody else waits for them. Whatever moves or stops something has its order.
 constexpr std::size_t reads_wait_at_unsent_bytes = 128U * 1024U;
 
-/// How often a client that sends nothing any more is looked at, whether it still reads.
+/// Between two checks that a client which sends nothing is still connected.
 constexpr tmcl::Duration hang_up_check_interval = std::chrono::milliseconds(200);
 
 /// Whatever a client does, it costs nobody else anything, and no more memory than the bounds here

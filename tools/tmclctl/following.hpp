@@ -8,7 +8,7 @@
 
 namespace tmclctl {
 
-/// Between two readings of an axis on its way, where nobody wishes others.
+/// Time between two readings of a moving axis.
 constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
 
 struct Journey {

@@ -32,7 +32,7 @@ class ProgressLine {
 
 /// `fraction` of a bar of `width` columns; in eighths of a column where the screen can show that.
 std::string bar(double fraction, int width, bool utf8);
-/// Where nothing else decides it.
+/// Columns of a bar, unless the width of the terminal decides.
 constexpr int usual_bar_width = 30;
 
 }  // namespace tmclctl
