@@ -56,8 +56,71 @@ TEST(PlanCsv, AByteOrderMarkIsNoPartOfAName) {
   EXPECT_THAT(csv("\xEF\xBB\xBFt,x\n0,0\n1,2\n").axes, ElementsAre("x"));
 }
 
-TEST(PlanCsv, SemicolonsBetweenColumnsAreNamed) {
-  EXPECT_THAT(csv_complaint("t;x\n0;0\n"), HasSubstr("commas must stand between them"));
+TEST(PlanCsv, OtherSignsBetweenColumnsAreNamed) {
+  EXPECT_THAT(csv_complaint("t;x\n0;0\n"), HasSubstr("it has semicolons, and commas must stand"));
+  EXPECT_EQ(csv_complaint("x\ty\n0\t0\n"),
+            "text:1:1: 'x\\ty' is no name of a column; it has tabs, and commas must stand between "
+            "the columns");
+}
+
+TEST(PlanCsv, CellsMayStandInQuotes) {
+  const auto path = csv("\"t\", \"x\" ,y\r\n\"0\",\" 1 \",2\n1,\"-3.5\",\"4\"\n");
+  EXPECT_THAT(path.axes, ElementsAre("x", "y"));
+  EXPECT_EQ(path.start, (Point{1, 2}));
+  EXPECT_EQ(line(path, 0).target, (Point{-3.5, 4}));
+  EXPECT_EQ(csv_complaint("\"x\"\"\",y\n"), "text:1:1: 'x\"\"' is no name of a column");
+  EXPECT_EQ(csv_complaint("\"x,y\n"), "text:1:1: '\"x' is no name of a column");
+  EXPECT_EQ(csv_complaint("x,y\n\"1\"2,3\n"), "text:2:1: '\"1\"' is no number");
+  EXPECT_EQ(csv_complaint("x,y\n\"1,5\",3\n"), "text:2:1: '1,5' is no number");
+}
+
+TEST(PlanCsv, TimeAndSpeedAreKnownByTheirCommonNames) {
+  for (const std::string name : {"t", "T", "time", "Time", "TIME", "time_s", "t_s"}) {
+    const auto path = csv(name + ",x\n0,0\n1,5\n");
+    EXPECT_THAT(path.axes, ElementsAre("x")) << name;
+    EXPECT_EQ(line(path, 0).duration, 1.0) << name;
+  }
+  EXPECT_EQ(line(csv("x,Speed\n0,\n1,2.5\n"), 0).feed, 2.5);
+  EXPECT_EQ(csv_complaint("t,Time,x\n"), "text:1:3: there are two columns 't'");
+}
+
+TEST(PlanCsv, AColumnOfTimesOrSpeedsIsNoAxis) {
+  for (const std::string name : {"timestamp", "time_ms", "Time-us", "t_ms", "seconds"})
+    EXPECT_THAT(csv_complaint(name + ",x\n0,0\n"), HasSubstr("call a column of times t")) << name;
+  for (const std::string name :
+       {"velocity", "v", "V", "feed", "feed_rate", "Feedrate", "speed_mm_s"})
+    EXPECT_THAT(csv_complaint("x," + name + "\n0,0\n"), HasSubstr("call a column of speeds speed"))
+        << name;
+  for (const std::string name : {"theta", "t1", "v2", "tilt", "vertical", "focus", "fine"})
+    EXPECT_THAT(csv("x," + name + "\n0,0\n").axes, ElementsAre("x", name));
+  EXPECT_THAT(csv("u,v\n0,0\n").axes, ElementsAre("u", "v"));
+}
+
+TEST(PlanCsv, RowsThatDifferByRoundingAreTheSame) {
+  EXPECT_THAT(csv("x,y\n0.3,0\n0.30000000000000004,0\n1,0\n").elements, SizeIs(1));
+  // Rows that creep go somewhere at last.
+  EXPECT_THAT(csv("x\n0\n6e-10\n1.2e-9\n").elements, SizeIs(1));
+}
+
+TEST(PlanPathFile, LinesEndAsAnySystemEndsThem) {
+  for (const std::string end : {"\n", "\r\n", "\r\r\n", "\r"}) {
+    EXPECT_THAT(csv("x" + end + "0" + end + "1" + end).elements, SizeIs(1));
+    EXPECT_THAT(gcode("G0 X1" + end + "X2" + end).elements, SizeIs(2));
+  }
+  EXPECT_THAT(gcode("\fG0\vX1\r Y2\f\n").elements, SizeIs(1));
+  EXPECT_THAT(csv("x ,\fy\n0\v,0\f\n1,1\n").elements, SizeIs(1));
+}
+
+TEST(PlanPathFile, WhatCannotBeShownIsNamed) {
+  EXPECT_EQ(gcode_complaint("\x01"), "text:1:1: '<U+0001>' is not known here");
+  EXPECT_EQ(gcode_complaint("\xC2\xA0G0"), "text:1:1: '<U+00A0>G0' is not known here");
+  EXPECT_EQ(csv_complaint("\xFFx\n"), "text:1:1: '\\xFFx' is no name of a column");
+  for (const std::string_view text :
+       {std::string_view("\xFF\xFEx\0\n\0", 6), std::string_view("\xFE\xFF\0x", 4),
+        std::string_view("x\0,\0y\0", 6), std::string_view("\0G\0000", 4)}) {
+    EXPECT_EQ(csv_complaint(text), "text:1: the text is in UTF-16 or UTF-32; save it as UTF-8");
+    EXPECT_EQ(gcode_complaint(text), "text:1: the text is in UTF-16 or UTF-32; save it as UTF-8");
+  }
 }
 
 TEST(PlanCsv, TimeMayStandInAnyColumn) {
@@ -89,14 +152,14 @@ TEST(PlanCsv, WhatIsWrongHasAPlace) {
   EXPECT_EQ(csv_complaint(""), "text:1: there is no row of names");
   EXPECT_EQ(csv_complaint("x\n"), "text:2: there is no row of numbers");
   EXPECT_EQ(csv_complaint("x,,y\n"), "text:1:3: '' is no name of a column");
-  EXPECT_EQ(csv_complaint("1,x [mm]\n"), "text:1:3: 'x[mm]' is no name of a column");
+  EXPECT_EQ(csv_complaint("1,x [mm]\n"), "text:1:3: 'x [mm]' is no name of a column");
   EXPECT_EQ(csv_complaint("x,x\n"), "text:1:3: there are two columns 'x'");
   EXPECT_EQ(csv_complaint("t\n1\n"), "text:1: no column is an axis");
   EXPECT_EQ(csv_complaint("a,b,c,d,e,f,g\n"), "text:1: there are 7 axes; 6 at most");
   EXPECT_EQ(csv_complaint("t,x,speed\n"), "text:1: t and speed exclude each other");
   EXPECT_EQ(csv_complaint("x,y\n1\n"), "text:2: the row has 1 of 2 cells");
   EXPECT_EQ(csv_complaint("x,y\n1,2,3\n"), "text:2:5: there are more than 2 cells");
-  EXPECT_EQ(csv_complaint("x\n1 2\n"), "text:2:1: '1' is no number");
+  EXPECT_EQ(csv_complaint("x\n1 2\n"), "text:2:1: '1 2' is no number");
   EXPECT_EQ(csv_complaint("x,y\n1, nan\n"), "text:2:4: 'nan' is no number");
   EXPECT_EQ(csv_complaint("x\ninf\n"), "text:2:1: 'inf' is no number");
   EXPECT_EQ(csv_complaint("x\n1e999\n"), "text:2:1: '1e999' is no number");

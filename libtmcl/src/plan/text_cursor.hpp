@@ -14,18 +14,24 @@
 
 namespace tmcl::plan {
 
-constexpr bool is_blank(char c) { return c == ' ' || c == '\t'; }
+/// White space within a line; some programs write form feeds, or end lines with \r\r\n.
+constexpr bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\f' || c == '\v';
+}
+/// Whether two positions are the same but for rounding: sums of steps, or inches and mm, differ in
+/// their last bits, which no file means.
+inline bool are_equal(double one, double other) {
+  constexpr double rounding = 1e-9;
+  return std::abs(one - other) <= rounding * std::max({1.0, std::abs(one), std::abs(other)});
+}
 constexpr bool is_digit(char c) { return c >= '0' && c <= '9'; }
 constexpr bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); }
+constexpr char lower(char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; }
 constexpr char upper(char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; }
 
-/// Printable and not too long, whatever someone wrote.
-inline std::string shown(std::string_view word) {
-  constexpr std::size_t longest = 30;
-  std::string text;
-  for (const char c : word.substr(0, longest)) text += c >= ' ' && c <= '~' ? c : '?';
-  return word.size() > longest ? text + "..." : text;
-}
+/// Printable and not too long, whatever a text contains: other characters are named, as \t or
+/// <U+00A0>.
+std::string shown(std::string_view word);
 
 /// A place in one line.
 class TextCursor {
@@ -37,6 +43,7 @@ class TextCursor {
   char peek() const { return at_end() ? '\0' : line_[at_]; }
   std::string_view rest() const { return line_.substr(at_); }
   void skip(std::size_t count = 1) { at_ = std::min(at_ + count, line_.size()); }
+  void skip_to(std::size_t column) { at_ = std::clamp(column - 1, at_, line_.size()); }
   void skip_blanks() {
     while (is_blank(peek())) skip();
   }
@@ -56,7 +63,7 @@ class TextCursor {
   /// What stands here until the next blank or separator, to be shown.
   std::string_view word() const {
     const auto text = rest();
-    return text.substr(0, std::max<std::size_t>(1, text.find_first_of(" \t,;:=")));
+    return text.substr(0, std::max<std::size_t>(1, text.find_first_of(" \t\r\f\v,;:=")));
   }
   /// A finite decimal number; nothing is taken if there is none.
   std::optional<double> take_number(std::chars_format format = std::chars_format::general) {
@@ -85,30 +92,48 @@ class ProblemList {
   void add(std::size_t line, std::size_t column, std::string message) {
     if (!full()) problems_.push_back({line, column, std::move(message)});
   }
+  /// Nothing if there is such a message already, of whatever line.
+  void add_once(std::size_t line, std::size_t column, std::string message) {
+    if (std::ranges::find(problems_, message, &TextProblem::message) == problems_.end())
+      add(line, column, std::move(message));
+  }
   bool full() const { return problems_.size() >= most_text_problems; }
   bool empty() const { return problems_.empty(); }
-  TextProblems take() { return std::move(problems_); }
+  /// By their places.
+  TextProblems take() {
+    std::ranges::stable_sort(problems_, {}, [](const TextProblem& problem) {
+      return std::pair(problem.line, problem.column);
+    });
+    return std::move(problems_);
+  }
 
  private:
   TextProblems problems_;
 };
 
+/// Takes the first line off a text, without its end: \n with any \r before it, or \r in a text that
+/// has no \n at all.
+std::string_view take_line(std::string_view& text, char end);
+
 /// What spreadsheets write before the first line of UTF-8.
 constexpr std::string_view byte_order_mark = "\xEF\xBB\xBF";
+
+/// What to say of a text in UTF-16 or UTF-32, of which nothing can be read; else nothing.
+std::optional<std::string> objection_to_encoding(std::string_view text);
 
 /// Calls `read(line, number)` for each line, without its end, until `problems` are many or `read`
 /// returns false.
 template <class Read>
 void for_each_line(std::string_view text, ProblemList& problems, Read read) {
+  if (auto objection = objection_to_encoding(text))
+    return problems.add(1, 0, std::move(*objection));
   if (text.starts_with(byte_order_mark)) text.remove_prefix(byte_order_mark.size());
+  const char end = text.find('\n') == std::string_view::npos ? '\r' : '\n';
   for (std::size_t number = 1; !text.empty() && !problems.full(); ++number) {
     if (number > most_text_lines)
       return problems.add(
           number, 0, "there are too many lines; " + std::to_string(most_text_lines) + " at most");
-    const auto length = std::min(text.find('\n'), text.size());
-    auto line = text.substr(0, length);
-    text.remove_prefix(std::min(length + 1, text.size()));
-    if (line.ends_with('\r')) line.remove_suffix(1);
+    const auto line = take_line(text, end);
     if (line.size() > most_text_line_bytes) {
       problems.add(
           number, most_text_line_bytes + 1,

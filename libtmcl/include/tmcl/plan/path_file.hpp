@@ -29,7 +29,8 @@ using Point = std::array<double, most_axes>;
 /// Straight to a point, along all axes together.
 struct LineTo {
   Point target{};
-  std::optional<double> feed{};  ///< Units/s along the path; nothing: as fast as possible.
+  /// Units/s along the path, of the axes that make its length; nothing: as fast as possible.
+  std::optional<double> feed{};
   std::optional<double>
       duration{};        ///< In seconds: when it arrives is prescribed. Never with feed.
   std::size_t line = 0;  ///< Of the file.
@@ -43,7 +44,7 @@ struct ArcTo {
   double centre_x = 0;
   double centre_y = 0;
   double sweep = 0;  ///< In radians, counter-clockwise; never 0, -2 pi to 2 pi.
-  double feed = 0;   ///< Units/s in this plane.
+  double feed = 0;   ///< Units/s along the arc or helix, of the axes that make its length.
   std::size_t line = 0;
 
   bool operator==(const ArcTo&) const = default;
@@ -62,17 +63,22 @@ struct Path {
   std::vector<std::string> axes;  ///< 1 to most_axes.
   Point start{};
   std::vector<Element> elements{};
+  /// The first so many axes make the length of a line, and its feed is about that; the others go
+  /// along. Where none of the first moves, all do. mm and degrees have no common length.
+  std::size_t length_axes = most_axes;
 
   bool operator==(const Path&) const = default;
 };
 
 using Reading = tl::expected<Path, TextProblems>;
 
-/// A table with commas; its first row names the columns. Either a column t, in ascending seconds,
-/// and one for each axis: where the axes are when. Or axes only: corners of a polyline, with a
-/// column speed for how fast the way to this row is made, if it is there. The first row of numbers
-/// is the start; its speed means nothing, and may be missing. Empty lines, and those that begin
-/// with #, are skipped; so are rows without t that repeat the one before.
+/// A table with commas; its first row names the columns; cells may stand in quotes. Either a column
+/// t, in ascending seconds (or time, time_s, t_s, in any case), and one for each axis: where the
+/// axes are when. Or axes only: corners of a polyline, with a column speed for how fast the way to
+/// this row is made, if it is there. The first row of numbers is the start; its speed means
+/// nothing, and may be missing. Empty lines, and those that begin with #, are skipped; so are rows
+/// without t that repeat the one before. Columns that seem to be of times or speeds under another
+/// name are no axes, but problems.
 ///
 /// All that is wrong, by line, up to most_text_problems.
 Reading read_csv(std::string_view text);
@@ -82,13 +88,18 @@ constexpr std::string_view gcode_axes = "XYZABC";
 /// G0, G1, G2, G3 (with I and J or R), G4 P, G20, G21, G90, G91, F and M2; axes X Y Z A B C. Also
 /// N, a line of % alone, and comments in ( ) or behind a semicolon, which mean nothing. Lengths
 /// become mm, X Y Z from inches after G20; A B C are degrees. F is in units per minute: of X Y Z if
-/// one of them moves, otherwise of A B C. P is in seconds. At first G21 and G90 hold, and nothing
-/// is known of F. Nothing behind M2 is read. A move that goes nowhere is left out.
+/// one of them moves, and A B C arrive with them; otherwise of A B C. P is in seconds. At first G21
+/// and G90 hold, and nothing is known of F. Nothing behind M2 is read. A move that goes nowhere is
+/// left out; positions that differ by rounding are the same. An arc by I and J that sweeps less
+/// than 5e-7 rad is a whole turn. Its ends may be so differently far from its centre as LinuxCNC
+/// lets them: 0.0283 mm or 0.00283 inch, or 0.1 % up to a hundred times that.
 ///
 /// The axes are those that the program names, in the order X Y Z A B C, X and Y together if there
 /// is an arc. `start` is in the order X Y Z A B C, whatever the program names.
 ///
-/// The first problem only: what is wrong behind it may follow from it.
+/// All that is wrong, by line, up to most_text_problems; what is not known here once for each
+/// letter or code. Behind a line that cannot be followed, no movement is looked at: what is wrong
+/// with it may follow from that line.
 Reading read_gcode(std::string_view text, const Point& start = {});
 
 /// With lines for the arcs, nowhere farther from them than this. A sentence if that takes more than
