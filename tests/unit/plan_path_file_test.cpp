@@ -114,6 +114,9 @@ TEST(PlanPathFile, LinesEndAsAnySystemEndsThem) {
 TEST(PlanPathFile, WhatCannotBeShownIsNamed) {
   EXPECT_EQ(gcode_complaint("\x01"), "text:1:1: '<U+0001>' is not known here");
   EXPECT_EQ(gcode_complaint("\xC2\xA0G0"), "text:1:1: '<U+00A0>G0' is not known here");
+  EXPECT_EQ(gcode_complaint("G0 X\xE2\x88\x92"
+                            "5"),
+            "text:1:4: a number is missing behind X; '<U+2212>5' is none");
   EXPECT_EQ(csv_complaint("\xFFx\n"), "text:1:1: '\\xFFx' is no name of a column");
   for (const std::string_view text :
        {std::string_view("\xFF\xFEx\0\n\0", 6), std::string_view("\xFE\xFF\0x", 4),
@@ -293,15 +296,93 @@ TEST(PlanGcode, WhatIsWrongHasAPlace) {
             "text:1:10: the arc begins 1 mm from its centre and ends 4 mm from it");
   EXPECT_EQ(gcode_complaint("F1 G2 X5 R1"),
             "text:1:10: the radius is too small: the ends are 5 mm apart");
-  EXPECT_EQ(gcode_complaint("F1 G3 Y-1 R10000000000000000000000000"),
-            "text:1:11: the radius is too large: nothing tells the arc from a line");
   EXPECT_EQ(gcode_complaint("F1 G2 R1"), "text:1:7: an arc to where it begins needs I and J");
   EXPECT_THAT(gcode_complaint("G0 (" + std::string(most_text_line_bytes, 'x')),
               HasSubstr("too long"));
 }
 
-TEST(PlanGcode, OnlyTheFirstProblemIsTold) {
-  EXPECT_THAT(read_gcode("T1\nT2\n").error(), SizeIs(1));
+std::vector<std::string> gcode_complaints(std::string_view text) {
+  std::vector<std::string> all;
+  const auto read = read_gcode(text);
+  if (read) return all;
+  for (const auto& problem : read.error()) all.push_back(describe(problem, "text"));
+  return all;
+}
+
+TEST(PlanGcode, AllProblemsAreToldEachOnce) {
+  EXPECT_THAT(gcode_complaints("G17 T1 S5000 M3\nT2 G17 M5\nG0 X1 S1\n#1=5\nM2\nH1\n"),
+              ElementsAre(HasSubstr("text:1:1: G17 is not known here"),
+                          HasSubstr("text:1:5: 'T1' is not known here"),
+                          HasSubstr("text:1:8: 'S5000' is not known here"),
+                          HasSubstr("text:1:14: M3 is not known here"),
+                          HasSubstr("text:2:8: M5 is not known here"),
+                          HasSubstr("text:4:1: '#1=5' is not known here")));
+  EXPECT_THAT(
+      gcode_complaints("G1 X1\nX2\nF60 G2 X9 I1\nG2 X5 I-1\nG1 X0 P1\n"),
+      ElementsAre(HasSubstr("text:1:4: G1 needs F"), HasSubstr("text:3:11: the arc begins"),
+                  HasSubstr("text:4:7: the arc begins"), HasSubstr("text:5:7: P belongs to G4")));
+  EXPECT_THAT(gcode_complaints("G0 X#1 Y#2\nX[1+2]\n"),
+              ElementsAre("text:1:4: a number is missing behind X; '#1' is none",
+                          "text:2:1: a number is missing behind X; '[1+2]' is none"));
+  std::string many;
+  for (int i = 0; i < 100; ++i) many += "M" + std::to_string(i + 3) + "\n";
+  EXPECT_THAT(gcode_complaints(many), SizeIs(most_text_problems));
+}
+
+TEST(PlanGcode, NothingThatMayFollowFromALineNotUnderstoodIsTold) {
+  EXPECT_THAT(gcode_complaints("F60\nG18\nG2 X10 Z3 I1\nG81 R2 X1\nX2\n"),
+              ElementsAre(HasSubstr("G18 is not known"), HasSubstr("G81 is not known")));
+}
+
+// ---- Rounding
+
+TEST(PlanGcode, AWholeTurnIsOneWhateverTheLastBitsAre) {
+  const auto sweep = [](std::string_view text) {
+    const auto path = gcode(text);
+    return std::get<ArcTo>(path.elements.back()).sweep;
+  };
+  EXPECT_DOUBLE_EQ(sweep("G20 F30\nG1 X0.3\nG21 F900\nG3 X7.62 Y0 J5\n"), 2 * pi);
+  EXPECT_DOUBLE_EQ(sweep("G20 F30\nG1 X0.3\nG21 F900\nG2 X7.62 Y0 J5\n"), -2 * pi);
+  EXPECT_DOUBLE_EQ(sweep("G91 F600\nG1 Y0.1\nG1 Y0.2\nG90\nG3 X0 Y0.3 I1 J0\n"), 2 * pi);
+  // A spiral's ends are in one direction, too.
+  EXPECT_DOUBLE_EQ(sweep("F1 G2 X0.01 I5\n"), -2 * pi);
+  // A short arc of a great radius is one.
+  EXPECT_NEAR(sweep("F1 G3 X0.001 J5000\n"), 2e-7, 1e-9);
+  EXPECT_NEAR(sweep("F1 G3 X0.001 R5000\n"), 2e-7, 1e-9);
+  EXPECT_NEAR(sweep("F1 G2 X0.001 R-5000\n"), -2 * pi + 2e-7, 1e-9);
+}
+
+TEST(PlanGcode, AnArcByRadiusToWhereItBeginsIsNone) {
+  EXPECT_EQ(gcode_complaint("G20 F30\nG1 X0.3\nG21 F900\nG3 X7.62 Y0 R-5\n"),
+            "text:4:13: an arc to where it begins needs I and J");
+}
+
+TEST(PlanGcode, AMoveOfALastBitGoesNowhere) {
+  EXPECT_THAT(gcode("G20 G0 X0.3\nG21 X7.62\n").elements, SizeIs(1));
+  // Only A moves, so F is in degrees.
+  const auto path = gcode("G20 G0 X0.3\nG21 G1 X7.62 A90 F60\n");
+  EXPECT_EQ(line(path, 1).target[0], line(path, 0).target[0]);
+}
+
+TEST(PlanGcode, ArcsOfFewDecimalsAreTakenAsLinuxCncTakesThem) {
+  // Rounded to 0.001 inch and 0.01 mm.
+  gcode("G20 G90 F60\nG2 X0.2 Y0 I0.0995 J0\n");
+  gcode("G21 G90 F60\nG2 X50 Y0 I24.987 J0\n");
+  gcode("G21 F60 G2 X4000 I2000.9\n");
+  EXPECT_EQ(gcode_complaint("G20 F60 G2 X0.2 I0.098\n"),
+            "text:1:17: the arc begins 0.098 inches from its centre and ends 0.102 inches from it");
+  EXPECT_THAT(gcode_complaint("G21 F60 G2 X50 I24.985\n"), HasSubstr("the arc begins 24.985 mm"));
+  // 0.1 % of the radius, but more than anything that is rounding.
+  EXPECT_THAT(gcode_complaint("G21 F60 G2 X6000 I2998.5\n"), HasSubstr("the arc begins"));
+}
+
+// ---- Feeds
+
+TEST(PlanGcode, FIsOfXyzWhereOneOfThemMoves) {
+  EXPECT_EQ(gcode("G1 X5 A180 F60\n").length_axes, 1U);
+  EXPECT_EQ(gcode("G1 X5 Z1 A180 F60\n").length_axes, 2U);
+  EXPECT_GE(gcode("G1 A180 B1 F60\n").length_axes, 2U);
+  EXPECT_EQ(flatten(gcode("G2 I5 A180 F60\n"), 0.1)->length_axes, 2U);
 }
 
 // ---- Chords

@@ -56,15 +56,20 @@ class Course::Maker {
 
  private:
   void take(const LineTo& line) {
+    const double way = distance(here_, line.target, course_.axes_);
+    const double counted = distance(here_, line.target, std::min(course_.axes_, path_.length_axes));
+    // A feed is about the counted axes, a plan about the way of all.
+    const double stretch = counted > 0 ? way / counted : 1;
     if (line.duration) {
       if (rows_.empty()) rows_.push_back({0, here_, {}});
       rows_.push_back({rows_.back().time + *line.duration, line.target, {}});
       course_.timed_ = true;
     } else {
-      legs_.push_back({line.target, std::min(feed_, line.feed.value_or(feed_))});
+      legs_.push_back({line.target, std::min(feed_, line.feed.value_or(feed_)) * stretch});
     }
     lines_.push_back(line.line);
-    course_.length_ += distance(here_, line.target, course_.axes_);
+    stretches_.push_back(stretch);
+    course_.length_ += counted;
     here_ = line.target;
     for (std::size_t axis = 0; axis < course_.axes_; ++axis) {
       course_.least_[axis] = std::min(course_.least_[axis], here_[axis]);
@@ -84,6 +89,7 @@ class Course::Maker {
     legs_.clear();
     rows_.clear();
     lines_.clear();
+    stretches_.clear();
     piece_start_ = here_;
   }
 
@@ -99,7 +105,7 @@ class Course::Maker {
     for (std::size_t leg = 0; leg < plan->legs().size(); ++leg) {
       note_way(course_.duration() + plan->legs()[leg].begin, legs_[leg].target);
       if (plan->legs()[leg].length == 0) continue;
-      course_.legs_.push_back({course_.pieces_.size(), leg, lines_[leg]});
+      course_.legs_.push_back({course_.pieces_.size(), leg, lines_[leg], stretches_[leg]});
       for (std::size_t axis = 0; axis < course_.axes_; ++axis) {
         course_.top_speed_[axis] = std::max(course_.top_speed_[axis], plan->ramp(leg, axis).vmax);
       }
@@ -173,6 +179,7 @@ class Course::Maker {
   std::vector<Leg> legs_;
   Timetable rows_;
   std::vector<std::size_t> lines_;
+  std::vector<double> stretches_;
   std::string fault_;
   Course course_;
 };
@@ -250,7 +257,8 @@ std::vector<Corner> Course::slowest_corners(std::size_t most) const {
   std::vector<Corner> corners;
   for (std::size_t i = 0; i + 1 < legs_.size(); ++i) {
     const auto ended = leg(i);
-    corners.push_back({ended.end, ended.end_speed, ended.line, at(ended.end).position});
+    corners.push_back(
+        {ended.end, ended.end_speed / legs_[i].stretch, ended.line, at(ended.end).position});
   }
   const auto count = std::min(most, corners.size());
   std::ranges::partial_sort(corners, corners.begin() + static_cast<std::ptrdiff_t>(count), {},

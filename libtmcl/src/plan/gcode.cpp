@@ -14,13 +14,23 @@ constexpr std::string_view axis_letters = gcode_axes;
 constexpr std::size_t linear_axes = 3;
 constexpr double mm_of_an_inch = 25.4;
 constexpr double seconds_of_a_minute = 60;
-// An arc's ends may be so differently far from its centre, in mm; or of the radius.
-constexpr double radius_slack = 0.01;
+// An arc's ends may be so differently far from its centre; or so, as a part of the radius, up to a
+// hundred times as much. As LinuxCNC has it: centre and ends are rounded to 0.01 mm or 0.001 inch.
+constexpr double radius_slack_mm = 2 * 0.01 * std::numbers::sqrt2;
+constexpr double radius_slack_inch = 2 * 0.001 * std::numbers::sqrt2;
 constexpr double relative_radius_slack = 1e-3;
+constexpr double most_radius_slacks = 100;
+// An arc that sweeps less is a whole turn, as with grbl, unless its ends are farther apart than
+// what a file's last digit says.
+constexpr double least_sweep = 5e-7;
+constexpr double least_arc_mm = 5e-4;
 
 struct Wrong {
   std::size_t column;
   std::string message;
+  std::string_view unknown_letter{};  ///< If it is about a word that begins so.
+  /// Whether it is not known any more what the lines behind it would do.
+  bool confuses = false;
 };
 template <class T>
 using Part = tl::expected<T, Wrong>;
@@ -35,21 +45,18 @@ struct Word {
   std::size_t column = 0;
 };
 
-/// One line: its words by letter; of G there may be several.
+/// One line: its words by letter; of G and M there may be several. What is no word of the program
+/// is left out of it.
 class Block {
  public:
-  static Part<Block> read(std::string_view line) {
-    Block block;
+  explicit Block(std::string_view line) {
     TextCursor cursor(line);
-    while (true) {
-      auto more = skip_nothings(cursor);
-      if (!more) return tl::unexpected(more.error());
-      if (!*more) return block;
-      if (auto added = block.add(cursor); !added) return tl::unexpected(added.error());
-    }
+    while (skip_nothings(cursor)) add(cursor);
   }
 
+  const std::vector<Wrong>& wrongs() const { return wrongs_; }
   const std::vector<Word>& g() const { return g_; }
+  const std::vector<Word>& m() const { return m_; }
   bool has(char letter) const { return find(letter).has_value(); }
   bool has_any(std::string_view letters) const {
     return std::ranges::any_of(letters, [&](char letter) { return has(letter); });
@@ -66,43 +73,71 @@ class Block {
   }
 
  private:
-  static constexpr std::string_view known_letters = "XYZABCIJRPFMN";
+  static constexpr std::string_view known_letters = "GXYZABCIJRPFMN";
 
   /// Blanks and comments; false at the end.
-  static Part<bool> skip_nothings(TextCursor& cursor) {
+  bool skip_nothings(TextCursor& cursor) {
     while (true) {
       cursor.skip_blanks();
       if (cursor.at_end() || cursor.peek() == ';') return false;
       if (cursor.peek() != '(') return true;
-      const auto column = cursor.column();
       const auto end = cursor.rest().find(')');
-      if (end == std::string_view::npos) return wrong(column, "')' is missing");
+      if (end == std::string_view::npos) {
+        wrongs_.push_back({cursor.column(), "')' is missing", {}, true});
+        return false;
+      }
       cursor.skip(end + 1);
     }
   }
 
-  Part<void> add(TextCursor& cursor) {
+  /// Also up to a comment: an expression such as #1=[2*3] is one word.
+  static std::string_view up_to_blank(const TextCursor& cursor) {
+    return cursor.rest().substr(0, cursor.rest().find_first_of(" \t\r\f\v;("));
+  }
+
+  void add(TextCursor& cursor) {
     const auto column = cursor.column();
-    const auto text = cursor.word();
+    const auto text = cursor.rest();
+    const auto word = up_to_blank(cursor);
     const char letter = upper(cursor.peek());
-    const bool is_g = letter == 'G';
-    if (!is_g && known_letters.find(letter) == std::string_view::npos)
-      return wrong(column, fmt::format("'{}' is not known here", shown(text)));
     cursor.skip();
     cursor.skip_blanks();
     const auto value = cursor.take_number(std::chars_format::fixed);
-    if (!value) return wrong(column, fmt::format("a number is missing behind {}", letter));
-    if (is_g) {
-      g_.push_back({*value, column});
-      return {};
+    if (known_letters.find(letter) == std::string_view::npos) {
+      const bool is_word = value && is_letter(letter);
+      const auto taken = is_word ? text.substr(0, cursor.column() - column) : word;
+      if (!is_word) cursor.skip_to(column + word.size());
+      wrongs_.push_back({column, fmt::format("'{}' is not known here", shown(taken)),
+                         text.substr(0, 1), !is_word});
+    } else if (!value) {
+      add_missing_number(cursor, column, letter);
+    } else {
+      add(letter, {*value, column});
     }
-    auto& word = words_[static_cast<std::size_t>(letter - 'A')];
-    if (word) return wrong(column, fmt::format("{} stands twice on this line", letter));
-    word = Word{*value, column};
-    return {};
   }
 
+  void add_missing_number(TextCursor& cursor, std::size_t column, char letter) {
+    auto message = fmt::format("a number is missing behind {}", letter);
+    // What stands there instead may be long, such as #1 or [2*3].
+    const auto instead = is_letter(cursor.peek()) ? std::string_view{} : up_to_blank(cursor);
+    if (!instead.empty()) message += fmt::format("; '{}' is none", shown(instead));
+    cursor.skip(instead.size());
+    wrongs_.push_back({column, std::move(message), instead.substr(0, 1), true});
+  }
+
+  void add(char letter, const Word& read) {
+    if (letter == 'G' || letter == 'M') return (letter == 'G' ? g_ : m_).push_back(read);
+    auto& word = words_[static_cast<std::size_t>(letter - 'A')];
+    if (word) {
+      wrongs_.push_back(
+          {read.column, fmt::format("{} stands twice on this line", letter), {}, true});
+    }
+    word = read;
+  }
+
+  std::vector<Wrong> wrongs_;
   std::vector<Word> g_;
+  std::vector<Word> m_;
   std::array<std::optional<Word>, 26> words_{};
 };
 
@@ -114,19 +149,24 @@ struct Codes {
 
 class Interpreter {
  public:
-  explicit Interpreter(const Point& start) : at_(start) { path_.start = start; }
+  Interpreter(const Point& start, ProblemList& problems) : problems_(problems), at_(start) {
+    path_.start = start;
+  }
 
   /// False after the end of the program.
-  Part<bool> run(const Block& block, std::size_t line) {
-    line_ = line;
-    auto codes = take_codes(block);
-    if (!codes) return tl::unexpected(codes.error());
-    if (auto taken = take_feed(block); !taken) return tl::unexpected(taken.error());
-    if (codes->motion) motion_ = codes->motion;
-    auto done = codes->dwell ? dwell(block) : move(block);
-    if (!done) return tl::unexpected(done.error());
-    if (path_.elements.size() > most_elements)
-      return wrong(1, fmt::format("the path is too long; {} elements at most", most_elements));
+  bool run(std::string_view line, std::size_t number) {
+    line_ = number;
+    const Block block(line);
+    for (const auto& wrong : block.wrongs()) complain(wrong);
+    const auto codes = take_codes(block);
+    complain(take_feed(block));
+    // Of a line that is not understood it is not said what its movement lacks.
+    if (codes && !confused_) complain(codes->dwell ? dwell(block) : move(block));
+    if (path_.elements.size() > most_elements) {
+      problems_.add(line_, 1,
+                    fmt::format("the path is too long; {} elements at most", most_elements));
+      return false;
+    }
     return take_end(block);
   }
 
@@ -136,50 +176,72 @@ class Interpreter {
   }
 
  private:
-  Part<Codes> take_codes(const Block& block) {
-    Codes codes;
-    for (const auto& word : block.g()) {
-      if (word.value == 20) {
-        unit_ = mm_of_an_inch;
-      } else if (word.value == 21) {
-        unit_ = 1;
-      } else if (word.value == 90) {
-        absolute_ = true;
-      } else if (word.value == 91) {
-        absolute_ = false;
-      } else if (word.value == 4) {
-        codes.dwell = true;
-      } else if (word.value == 0 || word.value == 1 || word.value == 2 || word.value == 3) {
-        if (codes.motion) return wrong(word.column, "there are two movements on this line");
-        codes.motion = static_cast<int>(word.value);
-      } else {
-        return wrong(word.column,
-                     fmt::format("G{:g} is not known here; known are G0, G1, G2, G3, G4, G20, G21, "
-                                 "G90 and G91",
-                                 word.value));
-      }
-      if (codes.dwell && codes.motion)
-        return wrong(word.column, "G4 and a movement exclude each other");
+  void complain(const Wrong& wrong) {
+    confused_ = confused_ || wrong.confuses;
+    if (!wrong.unknown_letter.empty()) {
+      const char letter = upper(wrong.unknown_letter.front());
+      if (unknown_letters_.find(letter) != std::string::npos) return;
+      unknown_letters_ += letter;
     }
+    problems_.add_once(line_, wrong.column, wrong.message);
+  }
+  void complain(const Part<void>& part) {
+    if (!part) complain(part.error());
+  }
+
+  /// Nothing if they cannot be followed.
+  std::optional<Codes> take_codes(const Block& block) {
+    std::optional<Codes> codes(std::in_place);
+    for (const auto& word : block.g()) {
+      if (const auto taken = take_code(word, *codes); !taken) {
+        complain({word.column, taken.error().message, {}, true});
+        return std::nullopt;
+      }
+    }
+    if (codes->motion) motion_ = codes->motion;
     return codes;
+  }
+
+  Part<void> take_code(const Word& word, Codes& codes) {
+    if (word.value == 20 || word.value == 21) {
+      unit_ = word.value == 20 ? mm_of_an_inch : 1;
+    } else if (word.value == 90 || word.value == 91) {
+      absolute_ = word.value == 90;
+    } else if (word.value == 4) {
+      codes.dwell = true;
+    } else if (word.value == 0 || word.value == 1 || word.value == 2 || word.value == 3) {
+      if (codes.motion) return wrong(word.column, "there are two movements on this line");
+      codes.motion = static_cast<int>(word.value);
+    } else {
+      return wrong(word.column,
+                   fmt::format("G{:g} is not known here; known are G0, G1, G2, G3, G4, G20, G21, "
+                               "G90 and G91",
+                               word.value));
+    }
+    if (codes.dwell && codes.motion)
+      return wrong(word.column, "G4 and a movement exclude each other");
+    return {};
   }
 
   Part<void> take_feed(const Block& block) {
     const auto& feed = block.find('F');
     if (!feed) return {};
     const double per_second = feed->value / seconds_of_a_minute;
-    if (!(per_second > 0)) return wrong(feed->column, "F must be above 0");
     linear_feed_ = per_second * unit_;
     angular_feed_ = per_second;
+    if (!(per_second > 0)) return wrong(feed->column, "F must be above 0");
     return {};
   }
 
-  static Part<bool> take_end(const Block& block) {
-    const auto& m = block.find('M');
-    if (!m) return true;
-    if (m->value != 2)
-      return wrong(m->column, fmt::format("M{:g} is not known here; known is M2", m->value));
-    return false;
+  /// False after M2.
+  bool take_end(const Block& block) {
+    bool ends = false;
+    for (const auto& m : block.m()) {
+      ends = ends || m.value == 2;
+      if (m.value != 2)
+        complain({m.column, fmt::format("M{:g} is not known here; known is M2", m.value)});
+    }
+    return !ends;
   }
 
   Part<void> dwell(const Block& block) {
@@ -202,7 +264,7 @@ class Interpreter {
     const auto target = target_of(block);
     if (!target) return tl::unexpected(target.error());
     auto done = arc ? arc_to(*target, block) : line_to(*target, block);
-    if (done) at_ = *target;
+    at_ = *target;
     return done;
   }
 
@@ -214,6 +276,8 @@ class Interpreter {
       used_[i] = true;
       const double way = word->value * (i < linear_axes ? unit_ : 1);
       target[i] = absolute_ ? way : at_[i] + way;
+      // A way of a few last bits would have a direction of its own.
+      if (absolute_ && are_equal(target[i], at_[i])) target[i] = at_[i];
       if (!std::isfinite(target[i]))
         return wrong(word->column, "the position is beyond all numbers");
     }
@@ -246,6 +310,8 @@ class Interpreter {
     auto centred =
         block.has('R') ? centre_by_radius(arc, *block.find('R')) : centre_by_offsets(arc, block);
     if (!centred) return centred;
+    if (!std::isfinite(arc.sweep) || !std::isfinite(arc.centre_x) || !std::isfinite(arc.centre_y))
+      return wrong(column, "the arc is beyond all numbers");
     path_.elements.emplace_back(arc);
     return {};
   }
@@ -261,13 +327,23 @@ class Interpreter {
     const auto column = block.column_of("IJ");
     if (!(begin > 0) || !std::isfinite(begin))
       return wrong(column, "the centre is where the arc begins");
-    const double apart = std::abs(begin - end);
-    if (!(apart <= std::max(radius_slack, relative_radius_slack * begin))) {
-      return wrong(
-          column, fmt::format("the arc begins {:.6g} mm from its centre and ends {:.6g} mm from it",
-                              begin, end));
+    if (!(end > 0)) return wrong(column, "the centre is where the arc ends");
+    if (!(std::abs(begin - end) <= radius_slack(std::max(begin, end)))) {
+      return wrong(column,
+                   fmt::format("the arc begins {0:.6g} {2} from its centre and ends {1:.6g} "
+                               "{2} from it",
+                               begin / unit_, end / unit_, unit_name()));
     }
-    return set_sweep(arc, column);
+    set_sweep(arc, begin);
+    return {};
+  }
+
+  std::string_view unit_name() const { return unit_ == 1 ? "mm" : "inches"; }
+
+  /// How much two radii may differ of which the greater one is this, in mm.
+  double radius_slack(double radius) const {
+    const double slack = unit_ == 1 ? radius_slack_mm : radius_slack_inch * unit_;
+    return std::clamp(relative_radius_slack * radius, slack, most_radius_slacks * slack);
   }
 
   Part<void> centre_by_radius(ArcTo& arc, const Word& radius_word) {
@@ -275,11 +351,13 @@ class Interpreter {
     const double dx = arc.target[0] - at_[0];
     const double dy = arc.target[1] - at_[1];
     const double chord = std::hypot(dx, dy);
-    if (!(chord > 0)) return wrong(radius_word.column, "an arc to where it begins needs I and J");
+    const bool goes_nowhere = are_equal(arc.target[0], at_[0]) && are_equal(arc.target[1], at_[1]);
+    if (goes_nowhere) return wrong(radius_word.column, "an arc to where it begins needs I and J");
     const double beyond = chord / 2 - radius;
-    if (!(beyond <= std::max(radius_slack, relative_radius_slack * radius))) {
+    if (!(beyond <= radius_slack(radius))) {
       return wrong(radius_word.column,
-                   fmt::format("the radius is too small: the ends are {:.6g} mm apart", chord));
+                   fmt::format("the radius is too small: the ends are {:.6g} {} apart",
+                               chord / unit_, unit_name()));
     }
     // Counter-clockwise, the centre of the shorter arc is on the left.
     const bool left = (motion_ == 3) == (radius_word.value > 0);
@@ -287,28 +365,31 @@ class Interpreter {
         std::sqrt(std::max(0.0, (radius - chord / 2) * (radius + chord / 2))) * (left ? 1 : -1);
     arc.centre_x = at_[0] + dx / 2 - dy / chord * height;
     arc.centre_y = at_[1] + dy / 2 + dx / chord * height;
-    return set_sweep(arc, radius_word.column);
+    // From the chord, since the directions of both ends from a far centre are the same.
+    const double shorter = 2 * std::asin(std::min(1.0, chord / 2 / radius));
+    const double sweep = radius_word.value > 0 ? shorter : 2 * std::numbers::pi - shorter;
+    arc.sweep = motion_ == 3 ? sweep : -sweep;
+    return {};
   }
 
-  Part<void> set_sweep(ArcTo& arc, std::size_t column) {
+  void set_sweep(ArcTo& arc, double radius) const {
     constexpr double turn = 2 * std::numbers::pi;
-    const double begin = std::atan2(at_[1] - arc.centre_y, at_[0] - arc.centre_x);
-    const double end = std::atan2(arc.target[1] - arc.centre_y, arc.target[0] - arc.centre_x);
-    const bool whole = arc.target[0] == at_[0] && arc.target[1] == at_[1];
-    double sweep = motion_ == 3 ? end - begin : begin - end;
-    if (sweep <= 0) sweep += turn;
-    if (whole) sweep = turn;
+    const double from_x = at_[0] - arc.centre_x;
+    const double from_y = at_[1] - arc.centre_y;
+    const double to_x = arc.target[0] - arc.centre_x;
+    const double to_y = arc.target[1] - arc.centre_y;
+    const double angle = std::atan2(from_x * to_y - from_y * to_x, from_x * to_x + from_y * to_y);
+    double sweep = motion_ == 3 ? angle : -angle;
+    const bool goes_nowhere = std::abs(sweep) <= std::min(least_sweep, least_arc_mm / radius);
+    if (goes_nowhere) sweep = turn;
+    if (sweep < 0) sweep += turn;
     arc.sweep = motion_ == 3 ? sweep : -sweep;
-    if (!std::isfinite(arc.sweep)) return wrong(column, "the arc is beyond all numbers");
-    // Of a centre so far away, both ends lie in the same direction.
-    if (sweep == 0)
-      return wrong(column, "the radius is too large: nothing tells the arc from a line");
-    return {};
   }
 
   void keep_only_used_axes() {
     if (std::ranges::none_of(used_, [](bool used) { return used; })) used_[0] = true;
     for (std::size_t i = 0; i < axis_letters.size(); ++i) {
+      if (i == linear_axes && !path_.axes.empty()) path_.length_axes = path_.axes.size();
       if (used_[i]) path_.axes.emplace_back(1, axis_letters[i]);
     }
     path_.start = packed(path_.start);
@@ -327,6 +408,9 @@ class Interpreter {
     return point;
   }
 
+  ProblemList& problems_;
+  std::string unknown_letters_;
+  bool confused_ = false;
   Path path_;
   Point at_;
   std::array<bool, most_axes> used_{};
@@ -354,6 +438,7 @@ class Flattener {
   tl::expected<Path, std::string> run() {
     flat_.axes = path_.axes;
     flat_.start = path_.start;
+    flat_.length_axes = path_.length_axes;
     for (const auto& element : path_.elements) {
       const auto* arc = std::get_if<ArcTo>(&element);
       if (arc == nullptr) {
@@ -416,15 +501,10 @@ class Flattener {
 }  // namespace
 
 Reading read_gcode(std::string_view text, const Point& start) {
-  Interpreter interpreter(start);
   ProblemList problems;
+  Interpreter interpreter(start, problems);
   for_each_line(text, problems, [&](std::string_view line, std::size_t number) {
-    if (is_tape_mark(line)) return true;
-    const auto going_on = Block::read(line).and_then(
-        [&](const Block& block) { return interpreter.run(block, number); });
-    if (going_on) return *going_on;
-    problems.add(number, going_on.error().column, going_on.error().message);
-    return false;
+    return is_tape_mark(line) || interpreter.run(line, number);
   });
   if (!problems.empty()) return tl::unexpected(problems.take());
   return interpreter.finish();

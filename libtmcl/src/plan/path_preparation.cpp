@@ -27,7 +27,7 @@ bool looks_like_gcode(std::string_view text) {
     const auto line = text.substr(0, text.find('\n'));
     const auto first = line.find_first_not_of(" \t\r");
     if (first != std::string_view::npos && line[first] != '#')
-      return line.find(',') == std::string_view::npos;
+      return line[first] == '(' || line[first] == ';' || line.find(',') == std::string_view::npos;
     text.remove_prefix(std::min(line.size() + 1, text.size()));
   }
   return false;
@@ -181,9 +181,15 @@ std::optional<PathObjection> lower(double& limit, const char* param,
       "out_of_range", fmt::format("'{}' is outside 1e-9..1e9", param), {}, {}, param, {}};
 }
 
+/// Whether an axis of the file is one that a feed is about.
+bool makes_length(const path_file::Path& path, const std::string& of_file) {
+  const auto place = std::ranges::find(path.axes, of_file) - path.axes.begin();
+  return static_cast<std::size_t>(place) < path.length_axes;
+}
+
 /// Lowers what the axis can do to what was asked for.
-std::optional<PathObjection> heed(const PathRequest& request, const PathAxisFacts& facts,
-                                  PathAxis& axis) {
+std::optional<PathObjection> heed(const PathSource& source, const PathRequest& request,
+                                  const PathAxisFacts& facts, PathAxis& axis) {
   const AxisUnits units{facts.choice.axis, facts.model, facts.units, facts.scale};
   const double scale = axis.stream.microsteps_per_unit;
   axis.feed = std::numeric_limits<double>::infinity();
@@ -192,7 +198,8 @@ std::optional<PathObjection> heed(const PathRequest& request, const PathAxisFact
     objection =
         lower(axis.acceleration, "acceleration", request.acceleration, units, scale, to_pps2);
   }
-  if (!objection) objection = lower(axis.feed, "feed", request.feed, units, scale, to_pps);
+  if (!objection && makes_length(source.path, facts.choice.of_file))
+    objection = lower(axis.feed, "feed", request.feed, units, scale, to_pps);
   if (!objection) {
     objection = lower(axis.corner_jump, "corner_jump", request.corner_jump, units, scale, to_pps);
   }
@@ -239,7 +246,8 @@ PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& fa
         fmt::format("{} has max_velocity {} and {} as its smallest acceleration: it cannot move",
                     name, facts.ramp.velocity, facts.ramp.acceleration)));
   }
-  if (auto objection = heed(request, facts, axis)) return tl::unexpected(std::move(*objection));
+  if (auto objection = heed(source, request, facts, axis))
+    return tl::unexpected(std::move(*objection));
   return axis;
 }
 
@@ -276,7 +284,10 @@ PathLimits limits_of(const std::vector<PathAxis>& axes) {
 
 PathResult<double> feed_of(const std::vector<PathAxis>& axes) {
   constexpr double rounding = 1e-9;
-  const auto [least, greatest] = std::ranges::minmax_element(axes, {}, &PathAxis::feed);
+  auto bounded = axes;
+  std::erase_if(bounded, [](const PathAxis& axis) { return std::isinf(axis.feed); });
+  if (bounded.empty()) return std::numeric_limits<double>::infinity();
+  const auto [least, greatest] = std::ranges::minmax_element(bounded, {}, &PathAxis::feed);
   if (least->feed == greatest->feed || greatest->feed - least->feed <= rounding * least->feed)
     return least->feed;
   return tl::unexpected(PathObjection{

@@ -45,7 +45,7 @@ struct CourseLeg {
 /// Where two legs meet.
 struct Corner {
   double time = 0;
-  double speed = 0;
+  double speed = 0;      ///< Along the axes that make the path's length.
   std::size_t line = 0;  ///< Of the leg that ends here.
   AxisValues position{};
 };
@@ -58,14 +58,15 @@ struct Turn {
 
 class Course {
  public:
-  /// `path` has no arcs. No line is passed faster than `feed`. Errors: a sentence that names the
-  /// line.
+  /// `path` has no arcs. No line is passed faster than `feed`, by the axes that make its length.
+  /// Errors: a sentence that names the line.
   static tl::expected<Course, std::string> of(
       const path_file::Path& path, const PathLimits& limits,
       double feed = std::numeric_limits<double>::infinity());
 
   std::size_t axes() const { return axes_; }
   double duration() const;
+  /// Of the axes that make it: of the others where none of those moves is not counted.
   double length() const { return length_; }
   /// Before 0 the start, after the duration the end; both at rest.
   PathState at(double t) const;
@@ -102,6 +103,7 @@ class Course {
     std::size_t piece = 0;
     std::size_t leg = 0;
     std::size_t line = 0;
+    double stretch = 1;  // the way of all axes, in ways of those that make the path's length
   };
   class Maker;
 

@@ -114,8 +114,9 @@ struct PathAxis {
   double velocity = 0;      ///< What its parameters and the request allow, in the file's units.
   double acceleration = 0;  ///< Likewise.
   double corner_jump = 0;   ///< What the configuration and the request allow; may be infinite.
-  double feed = 0;          ///< What the request allows along the path, likewise; may be infinite.
-  double stands_at = 0;     ///< In the file's units.
+  /// What the request allows along the path, likewise; infinite, too, for an axis that goes along.
+  double feed = 0;
+  double stands_at = 0;  ///< In the file's units.
 };
 /// Objections: what is not known of an axis; one whose unit is not the file's, or that moves, or
 /// cannot; a quantity that it cannot be measured in, by the codes of QuantityError.
