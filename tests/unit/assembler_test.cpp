@@ -290,6 +290,37 @@ TEST(AssemblerProblems, ConstantsComeBeforeWhatTheyMake) {
               ElementsAre("main.tmc:2:1: 'A' is defined already, in main.tmc:1"));
 }
 
+TEST(AssemblerProblems, ACommandOfAnotherAssemblerIsNoneThatIsSpelledSo) {
+  EXPECT_THAT(problems_of("RET"),
+              ElementsAre("main.tmc:1:1: there is no command 'RET'. RSUB returns from CSUB and "
+                          "CALL, RETI from an interrupt"));
+  for (const auto* text : {"ret", "RETURN", "JMP 1", "GOTO 1", "GOSUB 1", "END", "HALT", "MOV 1"})
+    EXPECT_THAT(problems_of(text), ElementsAre(testing::Not(HasSubstr("Did you mean")))) << text;
+}
+
+TEST(Assembler, NamesOfParametersAreConstantsAsTheIdeHasThem) {
+  const auto type_of = [](const std::string& name) {
+    const auto program =
+        program_of("#include \"TMCLParam.tmc\"\nSAP " + name + ", 0, 1000\nOwn = " + name + "\n");
+    return static_cast<int>(program.at(0).type);
+  };
+  EXPECT_EQ(type_of("VMax"), 4);
+  EXPECT_EQ(type_of("max_velocity"), 4);
+  EXPECT_EQ(type_of("MaxPositioningSpeed"), 4);
+  EXPECT_EQ(type_of("ActualPosition"), 1);
+  EXPECT_EQ(type_of("MICROSTEP_RESOLUTION"), 140);
+  // Not without that file, and not where the number depends on the model.
+  EXPECT_THAT(problems_of("SAP MaxVelocity, 0, 1000"), SizeIs(1));
+  EXPECT_THAT(problems_of("#include TMCLParam.tmc\nSAP nonsense, 0, 1"), SizeIs(1));
+  EXPECT_THAT(problems_of("#include TMCLParam.tmc\nSAP ramp_mode, 0, 1"), SizeIs(1));
+  // What a program defines itself comes first, and so does a file of that name.
+  EXPECT_EQ(program_of("#include TMCLParam.tmc\nVMax = 7\nSAP VMax, 0, 1").at(0).type, 7);
+  const auto own = assembled(
+      {{"main.tmc", "#include TMCLParam.tmc\nSAP VMax, 0, 1"}, {"TMCLParam.tmc", "VMax = 9"}});
+  ASSERT_TRUE(own);
+  EXPECT_EQ(own->program.at(0).type, 9);
+}
+
 TEST(AssemblerProblems, Raw) {
   EXPECT_THAT(
       problems_of(".raw 1, 2, 3"),

@@ -21,8 +21,10 @@
 /// manual. It does not tell the other comments, the forms of numbers, the operators and their
 /// order, what may be redefined, or where an included file is looked for: here all this is as in C
 /// (with $ and % as in other assemblers), nothing may be defined twice, and a file is looked for
-/// beside the one that includes it. How several motors are coded in the motor number of MVP COORD
-/// is not settled either: it is a number like any other.
+/// beside the one that includes it. The TMCL-IDE's TMCLParam.tmc need not be there: including it
+/// makes names of axis parameters constants, as far as they have one number on all models. How
+/// several motors are coded in the motor number of MVP COORD is not settled either: it is a number
+/// like any other.
 #pragma once
 
 #include <cstddef>

@@ -1,5 +1,7 @@
 #include "tmcl/assembler.hpp"
 
+#include <algorithm>
+#include <array>
 #include <map>
 #include <optional>
 #include <span>
@@ -8,6 +10,7 @@
 #include "core/text.hpp"
 #include "program/encoding.hpp"
 #include "program/source.hpp"
+#include "tmcl/parameter.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmcl::program {
@@ -30,9 +33,43 @@ struct Symbol {
   bool is_label = false;
 };
 
+/// The number of an axis parameter, if it is the same one on every model that has the name.
+std::optional<std::int64_t> parameter_number(std::string_view name) {
+  std::optional<std::int64_t> number;
+  for (const auto& model : models()) {
+    const auto* row = find_parameter(axis_parameters(model), name);
+    if (row == nullptr) continue;
+    if (number && *number != row->number) return std::nullopt;
+    number = row->number;
+  }
+  return number;
+}
+
+/// What other assemblers call a command of this one: the nearest word would be another command.
+std::string_view related_command(std::string_view mnemonic) {
+  struct Related {
+    std::string_view word;
+    std::string_view hint;
+  };
+  constexpr auto related =
+      std::to_array<Related>({{"RET", "RSUB returns from CSUB and CALL, RETI from an interrupt"},
+                              {"RETURN", "RSUB returns from CSUB and CALL, RETI from an interrupt"},
+                              {"JMP", "JA jumps always, JC on a condition"},
+                              {"GOTO", "JA jumps always, JC on a condition"},
+                              {"GOSUB", "CSUB calls a subroutine"},
+                              {"HALT", "STOP ends the program, MST stops a motor"},
+                              {"END", "STOP ends the program, MST stops a motor"},
+                              {"MOV", "CALC computes, and SAP, SGP and SIO set"}});
+  const auto* found = std::ranges::find_if(
+      related, [&](const Related& one) { return text::equal_ignoring_case(one.word, mnemonic); });
+  return found == related.end() ? std::string_view{} : found->hint;
+}
+
 /// Labels and constants.
 class Symbols {
  public:
+  /// From now on, names of axis parameters are constants, too.
+  void name_parameters() { names_parameters_ = true; }
   const Symbol* find(std::string_view name) const {
     const auto found = all_.find(lower(name));
     return found == all_.end() ? nullptr : &found->second;
@@ -41,6 +78,8 @@ class Symbols {
 
   tl::expected<std::int64_t, std::string> value_of(std::string_view name) const {
     if (const auto* symbol = find(name)) return symbol->value;
+    const auto parameter = names_parameters_ ? parameter_number(name) : std::nullopt;
+    if (parameter) return *parameter;
     Names names;
     for (const auto& [key, symbol] : all_) {
       if (names.size() < most_candidates) names.push_back(symbol.name);
@@ -57,6 +96,7 @@ class Symbols {
   }
 
   std::map<std::string, Symbol> all_;
+  bool names_parameters_ = false;
 };
 
 /// A command as it is written: parts of a line.
@@ -88,6 +128,7 @@ class Parser {
   Parser(Source& source, Problems& problems) : source_(source), problems_(problems) {}
 
   void run() {
+    if (source_.names_parameters()) symbols_.name_parameters();
     for (line_ = 0; line_ < source_.lines().size() && !problems_.full(); ++line_) take_line();
   }
   const Symbols& symbols() const { return symbols_; }
@@ -236,12 +277,14 @@ class Encoder {
   }
 
   std::string unknown_command() const {
+    const auto none = "there is no command '" + printable(statement_.mnemonic) + "'";
+    if (const auto hint = related_command(statement_.mnemonic); !hint.empty())
+      return none + ". " + std::string(hint);
     Names names{raw_directive};
     for (const auto& row : command_table()) {
       if (row.operands) names.push_back(row.name);
     }
-    return suggest("there is no command '" + printable(statement_.mnemonic) + "'",
-                   statement_.mnemonic, names);
+    return suggest(none, statement_.mnemonic, names);
   }
 
   tl::expected<Instruction, Fault> encode_raw() const {

@@ -10,6 +10,9 @@ namespace {
 
 constexpr auto none = std::string_view::npos;
 
+// The TMCL-IDE has this file, and examples of manuals begin with it.
+constexpr std::string_view parameter_file = "TMCLParam.tmc";
+
 /// The text with comments blanked, and where one begins that does not end.
 struct Blanked {
   std::string code;
@@ -176,6 +179,10 @@ void Source::include(Cursor cursor) {
   if (!path) return report(line, {where, printable(name), path.error()});
   auto text = read_(*path);
   if (text) return take_file(*path, std::move(*text));
+  if (text::equal_ignoring_case(std::filesystem::path(name).filename().string(), parameter_file)) {
+    names_parameters_ = true;
+    return;
+  }
   report(line,
          {where, printable(name), "'" + printable(name) + "' cannot be read: " + text.error()});
 }

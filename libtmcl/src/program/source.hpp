@@ -44,6 +44,9 @@ class Source {
   const std::vector<std::string>& files() const { return files_; }
   const std::vector<Line>& lines() const { return lines_; }
   void report(std::size_t line, const Fault& fault);
+  /// Whether the names of axis parameters are constants, as the TMCL-IDE's TMCLParam.tmc makes
+  /// them.
+  bool names_parameters() const { return names_parameters_; }
 
  private:
   void take_file(const std::string& path, std::string text);
@@ -61,6 +64,7 @@ class Source {
   std::vector<Line> lines_;
   std::vector<std::size_t> open_files_;  ///< Each includes the next.
   std::size_t bytes_ = 0;
+  bool names_parameters_ = false;
   bool exhausted_ = false;  ///< A bound is reached; no more is read.
 };
 
