@@ -138,6 +138,34 @@ TEST(Nearest, SuggestsWhatWasMeantAndNothingElse) {
   EXPECT_THAT(did_you_mean("xyz", words), IsEmpty());
 }
 
+TEST(Nearest, IsAWordMistypedAndNoOtherOne) {
+  const auto meant = [](std::string_view word, std::string_view candidate) {
+    return !closest_word(word, std::array{candidate}).empty();
+  };
+  for (const auto& [word, candidate] :
+       std::initializer_list<std::pair<const char*, const char*>>{{"mvoe", "move"},
+                                                                  {"stge", "stage"},
+                                                                  {"MM", "mm"},
+                                                                  {"deamon", "daemon"},
+                                                                  {"nmae", "name"},
+                                                                  {"--jsno", "--json"},
+                                                                  {"rotat", "rotate"},
+                                                                  {"st", "state"},
+                                                                  {"stpo", "stop"}})
+    EXPECT_TRUE(meant(word, candidate)) << word;
+  for (const auto& [word, candidate] :
+       std::initializer_list<std::pair<const char*, const char*>>{{"version", "verify"},
+                                                                  {"tune", "line"},
+                                                                  {"list", "line"},
+                                                                  {"--also", "--json"},
+                                                                  {"--all", "--url"},
+                                                                  {"home", "move"},
+                                                                  {"halt", "wait"},
+                                                                  {"x", "y"},
+                                                                  {"-", "--all"}})
+    EXPECT_FALSE(meant(word, candidate)) << word;
+}
+
 TEST(Units, MatchTheFiguresOfTheDataSheet) {
   EXPECT_NEAR(to_pps({1000}, Tmc429Dividers{.pulse = 2, .ramp = 3}).value, 61'035, 1);
   EXPECT_NEAR(to_pps2({500}, Tmc429Dividers{.pulse = 2, .ramp = 3}).value, 7.45e6, 0.01e6);

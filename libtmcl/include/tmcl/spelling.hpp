@@ -11,7 +11,9 @@ namespace tmcl {
 std::string quoted(std::string_view word);
 
 /// The candidate that differs from `word` by the fewest edits (insertion, removal, exchange of one
-/// letter), case ignored; empty if none is near enough to be what a person meant.
+/// letter, exchange of two neighbours), case ignored; empty if none is near enough to be what a
+/// person meant: at most a third of the letters may differ, and of words under 6 letters the first
+/// must be right. A candidate that goes on where the word ends is near.
 std::string_view closest_word(std::string_view word, std::span<const std::string_view> candidates);
 
 /// " Did you mean 'x'?", or nothing.
