@@ -3,6 +3,7 @@
 import asyncio
 import os
 import pathlib
+import signal
 import tempfile
 import threading
 import unittest
@@ -239,6 +240,96 @@ class ConnectionTest(unittest.TestCase):
             with self.leased(self.connect()):
                 1 / 0  # noqa: B018
 
+    def test_a_lease_is_kept_while_the_daemon_has_too_much_to_do_for_the_program(self):
+        answers = [error("too_many_requests", "not_sent")] * 3 + [GRANTED]
+        self.daemon.answers["lease.renew"] = answers
+        with self.leased(self.connect(), by_hand=True, ttl=60) as lease:
+            with mock.patch("tmcl.aio.RENEWALS_IN_TTL", 60_000):
+                lease.renew()
+        self.assertEqual(self.daemon.count("lease.renew"), 4)
+
+    def test_a_lease_that_is_never_renewed_for_that_is_lost_at_its_end(self):
+        self.daemon.answers["lease.renew"] = error("too_many_requests", "not_sent")
+        with self.assertRaises(tmcl.LeaseLost):
+            with self.leased(self.connect(), by_hand=True, ttl=0.2) as lease:
+                lease.renew()
+        self.assertGreater(self.daemon.count("lease.renew"), 1)
+
+    # ---- times ----
+
+    def test_a_timeout_is_never_rounded_to_none(self):
+        self.daemon.answers["axis.wait"] = self.daemon.answers["axis.home"] = {}
+        d = self.connect()
+        for seconds, sent in ((0, 1), (0.0004, 1), (-3, 1), (0.001, 1), (0.0011, 2), (2, 2000)):
+            for call in (d.x.wait, lambda timeout: d.x.home(timeout=timeout)):
+                try:
+                    call(timeout=seconds)
+                except tmcl.Error:
+                    pass  # the answer is none
+                self.assertEqual(self.daemon.calls[-1]["params"]["timeout_ms"], sent, seconds)
+
+    def test_what_is_no_time_is_an_error_of_the_package(self):
+        d = self.connect()
+        for wrong in (float("nan"), float("inf"), -float("inf")):
+            for call in (lambda: d.x.wait(timeout=wrong), lambda: d.x.home(timeout=wrong),
+                         lambda: d.x.state(max_age=wrong), lambda: d.lease("x", ttl=wrong),
+                         lambda: next(d.watch("x", interval=wrong)),
+                         lambda: d.record("x", interval=wrong)):
+                self.assertEqual(self.failure(call).name, "bad_argument", wrong)
+        self.assertEqual(self.failure(tmcl.connect, patience=float("nan")).name, "bad_argument")
+
+    # ---- other processes ----
+
+    def in_child(self, work):
+        """What it gives, of a process that is forked off meanwhile and ends then."""
+        out, into = os.pipe()
+        child = os.fork()
+        if child == 0:
+            try:
+                os.write(into, repr(work()).encode())
+            finally:
+                os._exit(0)
+        os.close(into)
+        with os.fdopen(out, "rb") as said:
+            result = said.read().decode()
+        os.waitpid(child, 0)
+        return result
+
+    def test_a_forked_child_is_told_that_the_gateway_is_not_its_own(self):
+        d = self.connect()
+        calls = (d.x.wait, d.stop_all, lambda: next(d.watch("x")),
+                 lambda: d.lease("x").__enter__())
+        names = self.in_child(lambda: [self.failure(call).name for call in calls])
+        self.assertEqual(names, repr(["forked"] * len(calls)))
+        self.assertEqual(self.in_child(d.close), "None")
+        self.assertEqual(d.x.position, 1.5)
+
+    def test_a_connection_ends_with_its_process_although_a_forked_child_lives(self):
+        asked, ended = threading.Event(), threading.Event()
+        hang_up, hold = os.pipe()
+
+        def wait(peer, _):
+            asked.set()
+            list(peer.listen())
+            ended.set()
+            return SILENCE
+
+        self.daemon.answers["axis.wait"] = wait
+        owner = os.fork()
+        if owner == 0:
+            d = tmcl.connect(self.daemon.path)
+            if os.fork() == 0:
+                os.close(hold)
+                os.read(hang_up, 1)  # it lives on
+                os._exit(0)
+            d.x.wait()
+        self.assertTrue(asked.wait(10))
+        os.kill(owner, signal.SIGKILL)
+        os.waitpid(owner, 0)
+        self.assertTrue(ended.wait(10))
+        os.close(hold)
+        os.close(hang_up)
+
     # ---- watching ----
 
     def test_watches_through_a_restart_of_the_daemon(self):
@@ -312,6 +403,57 @@ class AioTest(unittest.IsolatedAsyncioTestCase):
                 with self.assertRaises(asyncio.TimeoutError):
                     await asyncio.wait_for(d.x.wait(), 0.05)
                 self.assertEqual(await d.x.position(), 1.5)
+
+
+    async def given_up(self, method, answer, begin, returned):
+        """What is said when `begin` is given up before the daemon answers."""
+        asked, go_on = threading.Event(), threading.Event()
+
+        def late(*_):
+            asked.set()
+            go_on.wait(10)
+            return answer
+
+        with FakeDaemon() as daemon:
+            daemon.answers |= {method: late, returned: {}, "axis.get_state": STATE}
+            async with await tmcl.aio.connect(daemon.path) as d:
+                task = asyncio.ensure_future(begin(d))
+                await asyncio.to_thread(asked.wait, 10)
+                task.cancel()
+                with self.assertRaises(asyncio.CancelledError):
+                    await task
+                go_on.set()
+                while not daemon.count(returned):
+                    await asyncio.sleep(0.01)
+                await d.x.position()
+            return [c["params"] for c in daemon.calls if c["method"] == returned]
+
+    async def test_a_lease_that_is_granted_to_no_one_any_more_is_given_back(self):
+        key = {"lease": 7, "epoch": 9, "stop": False}
+        for begin in (lambda d: d.lease("x").__aenter__(), lambda d: d.rpc.lease_acquire(["x"])):
+            self.assertEqual(
+                await self.given_up("lease.acquire", GRANTED, begin, "lease.release"), [key])
+
+    async def test_a_watch_that_is_given_up_while_it_begins_ends(self):
+        answer = {"subscription": 3, "failed": [], "states": [STATE]}
+        self.assertEqual(
+            await self.given_up("subscribe", answer, lambda d: anext(d.watch("x")), "unsubscribe"),
+            [{"subscription": 3}])
+
+    async def test_a_forked_child_is_told_that_the_gateway_is_not_its_own(self):
+        with FakeDaemon() as daemon:
+            async with await tmcl.aio.connect(daemon.path) as d:
+                out, into = os.pipe()
+                if os.fork() == 0:
+                    try:
+                        d.x.stop().send(None)
+                    except tmcl.Error as wrong:
+                        os.write(into, wrong.name.encode())
+                    finally:
+                        os._exit(0)
+                self.assertEqual(os.read(out, 100), b"forked")
+                os.close(out)
+                os.close(into)
 
 
 class WebTest(unittest.TestCase):

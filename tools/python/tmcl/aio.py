@@ -6,6 +6,7 @@ What the words mean, and what a call does that cannot be answered, is in docs/PY
 from __future__ import annotations
 
 import asyncio
+import math
 import os
 from collections.abc import AsyncIterator, Mapping
 from types import TracebackType
@@ -26,6 +27,8 @@ PATIENCE_S = 10.0
 PATIENCE_TO_CONNECT_S = 2.0
 USUAL_TTL_S = 2.0
 USUAL_INTERVAL_S = 0.05
+#: A renewal that was not taken is tried again so often before the lease ends.
+RENEWALS_IN_TTL = 20
 
 
 async def connect(
@@ -40,6 +43,8 @@ async def connect(
     named), or at an URL such as "https://gateway:4143", with a token, and `ca` as the file of
     certificates to trust. `patience`: so many seconds a daemon that is away is waited for when
     something is to be read. Raises NotConnected."""
+    if math.isnan(patience):
+        raise _no_time("patience", patience)
     gateway = Gateway(way_to(where, token, token_file, ca), patience)
     try:
         await gateway._connection.live(PATIENCE_TO_CONNECT_S)
@@ -181,20 +186,20 @@ class Axis:
     async def wait(self, timeout: float | None = None) -> methods.Standing:
         """Returns when the axis stands at its target. Raises Error: "move_interrupted" when it
         stands elsewhere, "deadline_passed" after `timeout` seconds."""
-        return await self._rpc.axis_wait(self.name, timeout_ms=_milliseconds(timeout))
+        return await self._rpc.axis_wait(self.name, timeout_ms=_timeout(timeout))
 
     async def home(
         self, mode: int | None = None, *, timeout: float | None = None
     ) -> methods.HomedAxis:
         """Searches the reference, and returns when that has ended."""
-        return await self._rpc.axis_home(self.name, mode=mode, timeout_ms=_milliseconds(timeout))
+        return await self._rpc.axis_home(self.name, mode=mode, timeout_ms=_timeout(timeout))
 
     async def recover(self) -> None:
         """Says that the axis may move again, whose module has started again."""
         await self._rpc.axis_recover(self.name)
 
     async def state(self, *, max_age: float | None = None) -> methods.State:
-        return await self._rpc.axis_get_state(self.name, max_age_ms=_milliseconds(max_age))
+        return await self._rpc.axis_get_state(self.name, max_age_ms=_milliseconds("max_age", max_age))
 
     async def position(self) -> float:
         """In its unit. Raises Error "no_unit" if it has none."""
@@ -236,8 +241,24 @@ def in_unit(axis: str, value: float | None) -> float:
     return value
 
 
-def _milliseconds(seconds: float | None) -> int | None:
-    return None if seconds is None else round(seconds * 1000)
+def _no_time(what: str, seconds: float) -> Error:
+    return Error(
+        f"{what}: {seconds} is no number of seconds", name="bad_argument", outcome=NOT_SENT
+    )
+
+
+def _milliseconds(what: str, seconds: float | None, least: int = 0) -> int | None:
+    """Raises Error for what is no time. `least`: where less means something else."""
+    if seconds is None:
+        return None
+    if not math.isfinite(seconds):
+        raise _no_time(what, seconds)
+    return max(least, math.ceil(seconds * 1000))
+
+
+def _timeout(seconds: float | None) -> int | None:
+    """0 is the shortest here, and no limit to the daemon."""
+    return _milliseconds("timeout", seconds, least=1)
 
 
 class Lease:
@@ -249,7 +270,7 @@ class Lease:
         self.axes = set(axes)
         self.key: dict[str, int] = {}
         self._gateway = gateway
-        self._params = {"axes": list(axes), "ttl_ms": round(ttl * 1000), "on_loss": on_loss}
+        self._params = {"axes": list(axes), "ttl_ms": _milliseconds("ttl", ttl), "on_loss": on_loss}
         self._ttl = ttl
         self._by_hand = by_hand
         self._live: Live | None = None
@@ -268,18 +289,30 @@ class Lease:
         """Says that its holder is still there. Raises LeaseLost."""
         self.check()
         assert self._live is not None
-        loop = asyncio.get_running_loop()
-        asked = loop.time()
         try:
-            await asyncio.wait_for(
-                self._live.call("lease.renew", self.key), max(self._expires - asked, 0)
-            )
-            self._expires = asked + self._ttl
+            while not await self._renew_once():
+                await asyncio.sleep(self._ttl / RENEWALS_IN_TTL)
+                self.check()
         except asyncio.TimeoutError:
             self._lose("the daemon did not answer in time")
         except Error as error:
             self._lose(error.message)
         self.check()
+
+    async def _renew_once(self) -> bool:
+        """False if the daemon has too much else to do for this program, and has the lease yet."""
+        assert self._live is not None
+        asked = asyncio.get_running_loop().time()
+        try:
+            await asyncio.wait_for(
+                self._live.call("lease.renew", self.key), max(self._expires - asked, 0)
+            )
+        except Error as error:
+            if error.name != "too_many_requests":
+                raise
+            return False
+        self._expires = asked + self._ttl
+        return True
 
     async def __aenter__(self) -> Lease:
         self._live = live = await self._gateway._connection.live()
@@ -296,6 +329,14 @@ class Lease:
         if not self._by_hand:
             self._renewing = asyncio.get_running_loop().create_task(self._renew())
         return self
+
+    async def give_up(self) -> None:
+        """Of a block that was not entered although the lease was granted."""
+        if self in self._gateway._leases:
+            try:
+                await self.__aexit__(None, None, None)
+            except Error:
+                pass  # it is lost, which is as good
 
     async def __aexit__(
         self, kind: type[BaseException] | None, error: BaseException | None, _: TracebackType | None
@@ -339,7 +380,7 @@ class Watch(AsyncIterator[WatchedState]):
     def __init__(self, connection: Connection, axes: tuple[str, ...], interval: float) -> None:
         self._connection = connection
         self._axes = list(axes)
-        self._interval_ms = round(interval * 1000)
+        self._interval_ms = _milliseconds("interval", interval) or 0
         self._states: States | None = None
         self._live: Live | None = None
         self._number = 0

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import os
 from collections import deque
 from collections.abc import Callable, Mapping
-from typing import Any
+from typing import Any, NamedTuple
 
 from .engine import Answer, Engine, Failure, Hello, Message, Notification
 from .errors import NOT_SENT, ConnectionLost, Error, NotConnected, garbage
+from .forks import check_process
 from .link import OPENING_S, READ_BYTES, Link, OpenLink
 from .methods import EFFECTS, WatchedState
 
@@ -59,6 +61,12 @@ class States:
         return self.waiting.popleft()
 
 
+class _Waiting(NamedTuple):
+    method: str
+    future: asyncio.Future[Said]
+    at_answer: Callable[[Said], None] | None
+
+
 class Live:
     """One connection while it lasts."""
 
@@ -68,7 +76,9 @@ class Live:
         self.hello: Hello | None = None
         self.when_lost: list[Callable[[Error], None]] = []
         self._engine = Engine(link.framing)
-        self._waiting: dict[int, tuple[asyncio.Future[Said], Callable[[Said], None] | None]] = {}
+        self._waiting: dict[int, _Waiting] = {}
+        self._process = os.getpid()
+        self._returns: set[asyncio.Task[None]] = set()
         self._subscriptions: dict[int, States] = {}
         self._greeted = asyncio.Event()
         self._silence_s = silence_s
@@ -92,19 +102,23 @@ class Live:
     async def call(
         self, method: str, params: Said, at_answer: Callable[[Said], None] | None = None
     ) -> Said:
-        """`at_answer` is called with the answer before anything that came after it is looked at."""
+        """`at_answer` is called with the answer before anything that came after it is looked at.
+        What the answer brings to a caller who has given up meanwhile is given back."""
+        check_process(self._process)
         if self.lost is not None:
             raise ConnectionLost(
                 f"{method}: {self.lost.message}", name="connection_lost", outcome=NOT_SENT
             )
         number, request = self._engine.call(method, params)
         future: asyncio.Future[Said] = asyncio.get_running_loop().create_future()
-        self._waiting[number] = future, at_answer
+        self._waiting[number] = _Waiting(method, future, at_answer)
         self._write(request)
         try:
             return await future
-        finally:
-            self._waiting.pop(number, None)
+        except asyncio.CancelledError:
+            if future.done() and not future.cancelled() and future.exception() is None:
+                self._give_back(method, future.result())
+            raise
 
     async def subscribe(self, axes: list[str], interval_ms: int, states: States) -> int:
         params: dict[str, Any] = {"interval_ms": interval_ms}
@@ -121,10 +135,7 @@ class Live:
 
     async def unsubscribe(self, number: int) -> None:
         self._subscriptions.pop(number, None)
-        try:
-            await self.call("unsubscribe", {"subscription": number})
-        except Error:
-            pass  # it has ended with its connection
+        await self._quietly("unsubscribe", {"subscription": number})
 
     async def close(self, why: str = "the connection was closed here") -> None:
         self._end(ConnectionLost(why, name="connection_lost", outcome=NOT_SENT))
@@ -169,15 +180,38 @@ class Live:
             self._answer(message)
 
     def _answer(self, message: Answer | Failure) -> None:
-        future, at_answer = self._waiting.get(message.id, (None, None))
-        if future is None or future.done():
+        waiting = self._waiting.get(message.id)
+        if waiting is None:
             return
-        if isinstance(message, Failure):
-            future.set_exception(message.error)
+        if waiting.future.done():  # its caller has given up
+            if isinstance(message, Answer):
+                self._give_back(waiting.method, message.result)
+        elif isinstance(message, Failure):
+            waiting.future.set_exception(message.error)
+        else:
+            if waiting.at_answer is not None:
+                waiting.at_answer(message.result)
+            waiting.future.set_result(message.result)
+        del self._waiting[message.id]
+
+    def _give_back(self, method: str, result: Said) -> None:
+        """Only this answer names it: no other program can."""
+        if method == "lease.acquire":
+            key = {name: result[name] for name in ("lease", "epoch")}
+            work = self._quietly("lease.release", {**key, "stop": False})
+        elif method == "subscribe":
+            work = self.unsubscribe(result["subscription"])
+        else:
             return
-        if at_answer is not None:
-            at_answer(message.result)
-        future.set_result(message.result)
+        task = asyncio.get_running_loop().create_task(work)
+        self._returns.add(task)
+        task.add_done_callback(self._returns.discard)
+
+    async def _quietly(self, method: str, params: Said) -> None:
+        try:
+            await self.call(method, params)
+        except Error:
+            pass  # it has ended with its connection
 
     async def _watch_over(self) -> None:
         """A connection that is there and says nothing is lost, too."""
@@ -205,9 +239,10 @@ class Live:
         self._greeted.set()
         self.link.writer.close()
         lost = self._engine.lose(why.message)
-        for number, (future, _) in self._waiting.items():
-            if not future.done():
-                future.set_exception(lost.get(number) or _lost(why.message))
+        for number, waiting in self._waiting.items():
+            if not waiting.future.done():
+                waiting.future.set_exception(lost.get(number) or _lost(why.message))
+        self._waiting.clear()
         for states in self._subscriptions.values():
             states.lose(why)
         for tell in self.when_lost:
@@ -240,6 +275,7 @@ class Connection:
         self._live: Live | None = None
         self._opening = asyncio.Lock()
         self._closed = False
+        self._process = os.getpid()
 
     async def call(self, method: str, params: Said) -> Said:
         repeatable = EFFECTS.get(method) in ("reads", "stops")
@@ -256,6 +292,7 @@ class Connection:
 
     async def live(self, patience_s: float | None = None) -> Live:
         """The connection, made anew if need be. Raises NotConnected after so long."""
+        check_process(self._process)
         patience = self._patience_s if patience_s is None else min(patience_s, self._patience_s)
         async with self._opening:
             if self._live is None or self._live.lost is not None:
@@ -264,7 +301,7 @@ class Connection:
 
     async def close(self) -> None:
         self._closed = True
-        if self._live is not None:
+        if self._live is not None and os.getpid() == self._process:
             await self._live.close()
 
     async def _open(self, patience_s: float) -> Live:

@@ -13,9 +13,12 @@ from typing import Any, Protocol
 
 from .errors import NOT_SENT, UNKNOWN, ConnectionLost, Error, error_of, garbage
 from .lines import MOST_BYTES_TO_DAEMON
+from .methods import EFFECTS
 
 PROTOCOL_MAJOR = 1
 MOST_CALLS = 256
+#: What keeps axes safe, or lets others have them, waits behind no other calls.
+UNCOUNTED = ("lease.renew", "lease.release")
 
 
 class Framing(Protocol):
@@ -78,7 +81,8 @@ class Engine:
         if len(message) > MOST_BYTES_TO_DAEMON:
             hint = "path.stage and firmware.stage take long files in parts"
             raise _not_sent("line_too_long", f"{method}: {len(message)} bytes are too many", hint)
-        if len(self._waiting) >= MOST_CALLS:
+        counts = method not in UNCOUNTED and EFFECTS.get(method) != "stops"
+        if counts and len(self._waiting) >= MOST_CALLS:
             raise _not_sent("too_many_requests", f"{MOST_CALLS} calls wait for their answers")
         self._last_id += 1
         self._waiting[self._last_id] = method

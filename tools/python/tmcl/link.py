@@ -13,6 +13,7 @@ from pathlib import Path
 
 from .engine import Framing
 from .errors import NOT_SENT, NotConnected
+from .forks import keep_to_this_process
 from .lines import Lines
 from .websocket import WebSocket
 
@@ -31,6 +32,9 @@ class Link:
     reader: asyncio.StreamReader
     writer: asyncio.StreamWriter
     framing: Framing
+
+    def __post_init__(self) -> None:
+        keep_to_this_process(self.writer)
 
 
 OpenLink = Callable[[], Awaitable[Link]]

@@ -7,6 +7,7 @@ noticed, while the program computes or waits.
 from __future__ import annotations
 
 import asyncio
+import os
 import threading
 from collections.abc import Coroutine, Iterator, Mapping
 from types import TracebackType
@@ -15,6 +16,7 @@ from typing import Any, TypeVar
 from . import aio, methods
 from .aio import PATIENCE_S, USUAL_INTERVAL_S, USUAL_TTL_S, Amount, Path, in_unit
 from .errors import NOT_SENT, Error
+from .forks import check_process
 from .methods import Methods, WatchedState
 from .recording import Recording
 
@@ -25,6 +27,7 @@ class Runner:
     """A thread with an event loop."""
 
     def __init__(self) -> None:
+        self._process = os.getpid()
         self._loop = asyncio.new_event_loop()
         self._thread = threading.Thread(target=self._loop.run_forever, name="tmcl", daemon=True)
         self._thread.start()
@@ -34,6 +37,11 @@ class Runner:
         if self._loop.is_closed():
             work.close()
             raise Error("the gateway was closed", name="closed", outcome=NOT_SENT)
+        try:
+            check_process(self._process)
+        except Error:
+            work.close()
+            raise
         future = asyncio.run_coroutine_threadsafe(work, self._loop)
         try:
             return future.result()
@@ -41,7 +49,7 @@ class Runner:
             future.cancel()
 
     def close(self) -> None:
-        if self._loop.is_closed():
+        if self._loop.is_closed() or os.getpid() != self._process:
             return
         self.run(self._settle())
         self._loop.call_soon_threadsafe(self._loop.stop)
@@ -261,7 +269,14 @@ class Lease:
         self._runner.run(self._lease.renew())
 
     def __enter__(self) -> Lease:
-        self._runner.run(self._lease.__aenter__())
+        try:
+            self._runner.run(self._lease.__aenter__())
+        except BaseException:  # Ctrl-C may come when it has been granted
+            try:
+                self._runner.run(self._lease.give_up())
+            except Error:
+                pass  # the gateway is closed, or another process's
+            raise
         return self
 
     def __exit__(
