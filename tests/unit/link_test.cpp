@@ -14,13 +14,17 @@
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/time.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <csignal>
+#include <filesystem>
 
 #include "support/other_user.hpp"
 #include "support/program.hpp"
 #include "support/pty.hpp"
+#include "support/temp_path.hpp"
+#include "tmcl/link_file.hpp"
 
 namespace tmcl {
 namespace {
@@ -106,6 +110,83 @@ TEST(SerialLink, CanBeOpenedAgainWhileSomebodyElseHasThePortOpen) {
   });
   EXPECT_EQ(told, "opened each time");
   close(bystander);
+}
+
+/// A process whose controlling terminal is the pty, as a shell in a window has one.
+class Shell {
+ public:
+  explicit Shell(const test::Pty& pty) {
+    std::array<int, 2> ready{};
+    if (pipe(ready.data()) != 0) throw std::runtime_error("no pipe to be had");
+    process_ = fork();
+    if (process_ == 0) {
+      setsid();
+      const int terminal = open(pty.path().c_str(), O_RDWR);
+      const bool has_it = terminal >= 0 && ioctl(terminal, TIOCSCTTY, 0) == 0;
+      (void)!write(ready[1], has_it ? "y" : "n", 1);
+      while (true) pause();
+    }
+    char answer = 'n';
+    const auto got = read(ready[0], &answer, 1);
+    for (const int end : ready) close(end);
+    if (got != 1 || answer != 'y') throw std::runtime_error("the pty could not be made a terminal");
+  }
+  Shell(const Shell&) = delete;
+  Shell& operator=(const Shell&) = delete;
+  ~Shell() { end(); }
+  void end() {
+    if (process_ <= 0) return;
+    kill(process_, SIGKILL);
+    waitpid(process_, nullptr, 0);
+    process_ = 0;
+  }
+
+ private:
+  pid_t process_ = 0;
+};
+
+bool is_untouched(const test::Pty& pty) {
+  pollfd far{pty.master(), POLLIN, 0};
+  termios2 settings{};
+  ioctl(pty.master(), TCGETS2, &settings);
+  return poll(&far, 1, 0) == 0 && (settings.c_lflag & ICANON) != 0;
+}
+
+TEST(SerialLink, ATerminalThatSomebodyWorksAtIsNotOpened) {
+  const test::Pty pty;
+  Shell shell(pty);
+  const auto opened = Link::open(SerialName{pty.path(), 9600});
+  ASSERT_FALSE(opened);
+  EXPECT_EQ(opened.error().code, Errc::link_open_failed);
+  EXPECT_THAT(opened.error().message, HasSubstr(pty.path() + " is the terminal of "));
+  EXPECT_TRUE(is_untouched(pty));
+}
+
+TEST(SerialLink, AStaleLinkToATerminalIsNamed) {
+  const test::Pty pty;
+  const std::string link = test::temp_path("stale");
+  std::filesystem::create_symlink(pty.path(), link);
+  {
+    Shell shell(pty);
+    const auto opened = Link::open(SerialName{link, 9600});
+    ASSERT_FALSE(opened);
+    EXPECT_THAT(opened.error().message, HasSubstr("the link " + link + " is stale"));
+    EXPECT_THAT(opened.error().hint, HasSubstr("rm " + link));
+    EXPECT_TRUE(is_untouched(pty));
+  }
+  std::filesystem::remove(link);
+}
+
+TEST(LinkFile, ReplacesALinkThatLeadsToATerminal) {
+  const test::Pty pty;
+  const test::Pty own;
+  const std::string link = test::temp_path("pty");
+  std::filesystem::create_symlink(pty.path(), link);
+  EXPECT_FALSE(LinkFile::create(link, own.path())) << "another program may serve it";
+  Shell shell(pty);
+  const auto made = LinkFile::create(link, own.path());
+  ASSERT_TRUE(made) << made.error();
+  EXPECT_EQ(std::filesystem::read_symlink(link), own.path());
 }
 
 TEST(SerialLink, WhoMayNotOpenItIsToldWhoMay) {

@@ -4,25 +4,18 @@
 #include <sys/sysmacros.h>
 #include <unistd.h>
 
-#include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <fstream>
 #include <optional>
 
 #include <fmt/format.h>
 
+#include "link/processes.hpp"
+
 namespace tmcl {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string describe_process(const std::string& id) {
-  std::string name;
-  std::ifstream file("/proc/" + id + "/comm");
-  std::getline(file, name);
-  return (name.empty() ? "a program" : name) + " (process " + id + ")";
-}
 
 /// Whoever holds the kernel's lock on the file: "1: FLOCK ADVISORY WRITE 4711 00:1b:5 0 EOF".
 std::optional<std::string> process_with_lock(const std::string& device) {
@@ -51,12 +44,8 @@ std::optional<std::string> process_with_file(const std::string& device) {
   std::error_code error;
   const auto target = fs::canonical(device, error);
   if (error) return std::nullopt;
-  for (const auto& process : fs::directory_iterator("/proc", error)) {
-    const auto id = process.path().filename().string();
-    const bool is_process =
-        std::ranges::all_of(id, [](unsigned char c) { return std::isdigit(c) != 0; });
-    if (is_process && has_open(process.path(), target)) return id;
-  }
+  for (const auto& process : all_processes())
+    if (has_open("/proc/" + process, target)) return process;
   return std::nullopt;
 }
 

@@ -2,6 +2,8 @@
 
 #include <system_error>
 
+#include "link/processes.hpp"
+
 namespace tmcl {
 namespace {
 
@@ -16,7 +18,9 @@ std::string refusal(const fs::path& path, const fs::path& target) {
     return path.string() + " exists and is no symbolic link; choose another path";
   }
   const auto leads_to = fs::read_symlink(path, error);
-  if (fs::exists(path, error) && leads_to != target) {
+  // A terminal of that number is somebody's by now: whoever made the link is gone.
+  const bool is_stale = !fs::exists(path, error) || !program_at_terminal(path.string()).empty();
+  if (!is_stale && leads_to != target) {
     return path.string() + " already leads to " + leads_to.string() +
            ", which is in use. Does another program serve it? If not, remove it: rm " +
            path.string();

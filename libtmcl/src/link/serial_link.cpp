@@ -7,6 +7,7 @@
 #include <linux/tty_flags.h>
 #include <sys/file.h>
 #include <sys/ioctl.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -17,6 +18,7 @@
 #include "link/file_owner.hpp"
 #include "link/holder.hpp"
 #include "link/opening.hpp"
+#include "link/processes.hpp"
 
 namespace tmcl {
 namespace {
@@ -75,6 +77,24 @@ tl::unexpected<Error> refused(const std::string& text, const std::string& device
   return cannot_open(text, system_text(error), hint_for(error, device));
 }
 
+/// What somebody's shell reads and shows must get no datagrams. A link that was left behind by a
+/// program that was killed leads there, as soon as another terminal gets the number of its own.
+tl::unexpected<Error> is_terminal(const std::string& text, const std::string& device,
+                                  const std::string& program) {
+  std::error_code error;
+  const auto target = std::filesystem::canonical(device, error);
+  const bool is_link = std::filesystem::is_symlink(device, error);
+  if (!is_link)
+    return cannot_open(text, fmt::format("{} is the terminal of {}", device, program),
+                       "no module is there: is it another port? `ls /dev/serial/by-id` lists them");
+  return cannot_open(
+      text,
+      fmt::format("the link {} is stale: it leads to {}, which is the terminal of {} now", device,
+                  target.string(), program),
+      fmt::format("who made the link is gone: start that again, and remove the link: rm {}",
+                  device));
+}
+
 }  // namespace
 
 Result<Link> open_serial(const SerialName& name, const std::string& text) {
@@ -82,6 +102,12 @@ Result<Link> open_serial(const SerialName& name, const std::string& text) {
   if (descriptor < 0 && errno == EBUSY) return busy(text, holder_of(name.device));
   if (descriptor < 0) return refused(text, name.device, errno);
   Link link(descriptor, Framing::serial, text);
+  // By the descriptor: what the name leads to may change at any time.
+  struct stat status {};
+  if (fstat(descriptor, &status) == 0) {
+    const auto program = program_at_terminal(status.st_rdev);
+    if (!program.empty()) return is_terminal(text, name.device, program);
+  }
   // The lock stops programs that look for it, whoever runs them; TIOCEXCL stops all that are not
   // root's.
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
