@@ -57,9 +57,25 @@ module::Reply to_result(const tmcl::Answer& answer) {
   return result;
 }
 
+/// A suspicion ends when no surplus reply has come for a while, which the next answer tells.
+boost::asio::awaitable<void> look_for_duplicates(const Call& call) {
+  const auto open = call.gateway->buses();
+  const std::vector<std::shared_ptr<GatewayBus>> buses(open.begin(), open.end());
+  for (const auto& bus : buses) {
+    std::vector<tmcl::ModuleAddress> suspects;
+    for (const auto& [address, module] : bus->modules())
+      if (module->duplicate_suspected()) suspects.push_back(address);
+    for (const auto address : suspects)
+      co_await bus->execute(
+          {address, tmcl::Command::GAP, tmcl::axis_parameter::actual_position, 0, 0},
+          asked_by(call.permit.client));
+  }
+}
+
 }  // namespace
 
 Answer<module::List> list_modules(Call& call, const module::List&) {
+  co_await look_for_duplicates(call);
   module::Modules result;
   for (const auto& bus : call.gateway->buses()) {
     for (const auto& [address, module] : bus->modules())

@@ -162,6 +162,7 @@ void GatewayModule::note_sentinel(const tmcl::Request& question,
 void GatewayModule::note_answer(const tmcl::Request& request, const tmcl::Answer& answer) {
   deadman_.note_answer(answer);
   sentinel_.overhear(request, answer);
+  duplicate_suspected_ = answer.duplicate_suspected;
 }
 
 void GatewayModule::note_sent(const tmcl::Request& request) {

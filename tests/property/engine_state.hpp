@@ -142,9 +142,9 @@ class EngineState {
                  duplicate_suspected, surplus, surplus_since, last_surplus, exchanges_to_trust,
                  trusted_from] = lane;
     add_all(in_step, failed_fences, answers_held_back, last_answered, answered_before);
-    for (const auto& [command, replies, last] : abandoned) {
-      if (is_over(last, Lane::reply_lifetime)) continue;
-      add_all(command, replies, last);
+    for (const auto& [command, replies, last, heard] : abandoned) {
+      if (!lane.owes(command, now_) && is_over(last, Lane::reply_lifetime)) continue;
+      add_all(command, replies, last, heard);
     }
     bytes_.append(reinterpret_cast<const char*>(&held_back), sizeof held_back);
     add_until(silent_until);

@@ -131,6 +131,53 @@ TEST(SurplusReplies, AValueThatCannotBeProvenIsAnError) {
   EXPECT_LT(bus.sent().size(), 20U);
 }
 
+/// The module, or a converter before it, stands still until then, and answers everything after it.
+void stand_still(ScriptedBus& bus, Duration pause) {
+  const auto until = bus.clock().now() + pause;
+  bus.ways = [&bus, until, n = 0](std::size_t) mutable -> std::vector<Duration> {
+    const auto now = bus.clock().now();
+    if (now >= until) return {1ms};
+    return {until - now + ++n * 1ms};
+  };
+}
+
+TEST(LateReplies, AfterAPauseAreNoSecondModule) {
+  for (const auto framing : {Framing::serial, Framing::can}) {
+    for (const Duration pause : {Duration(1s), Duration(3s), Duration(7s), Duration(3min)}) {
+      ScriptedBus bus(framing);
+      bus.add_module(1);
+      bus.run(verbs::get({ModuleAddress{1}, 0}, 4));
+      stand_still(bus, pause);
+      const auto begin = bus.clock().now();
+      while (bus.clock().now() - begin < pause) {
+        bus.submit(gap(1));
+        bus.submit({ModuleAddress{1}, Command::GAP, 3, 0, 0});
+        bus.pass(700ms);
+      }
+      bus.submit(mst(1));
+      bus.pass(5s);
+      EXPECT_TRUE(bus.events().empty()) << pause.count();
+      EXPECT_EQ(bus.counters().surplus, 0U) << pause.count();
+      EXPECT_GT(bus.counters().late_replies, 0U);
+      const auto read = bus.submit(gap(1));
+      bus.settle();
+      EXPECT_EQ(bus.result(read)->reply.value, bus.module(1).parameter(0, 1));
+      EXPECT_FALSE(bus.result(read)->duplicate_suspected);
+    }
+  }
+}
+
+TEST(LateReplies, BeyondThoseThatWereGivenUpAreOfASecondModule) {
+  ScriptedBus bus(Framing::can);
+  bus.add_module(1);
+  bus.run(verbs::get({ModuleAddress{1}, 0}, 4));
+  bus.fail(bus.sent().size(), Fault::lost_request);
+  bus.submit(gap(1), {.attempts = 1});
+  bus.settle();
+  bus.pass(20s);
+  make_suspicious(bus);
+}
+
 // A value that waits for its proof was read before the second question was asked.
 TEST(SurplusReplies, AValueThatWaitsForItsProofIsNoAnswerToALaterQuestion) {
   ScriptedBus bus(Framing::can);

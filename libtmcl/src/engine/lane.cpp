@@ -51,11 +51,12 @@ constexpr std::array fences{Fence{Command::GET_FIRMWARE_VERSION, 1},
 
 void Lane::abandon(Command command, TimePoint now) {
   in_step_ = false;
-  std::erase_if(abandoned_, [&](const Abandoned& old) { return now - old.last > reply_lifetime; });
+  std::erase_if(abandoned_, [&](const Abandoned& old) { return !owes(old.command, now); });
   const auto same = std::ranges::find(abandoned_, command, &Abandoned::command);
   if (same == abandoned_.end()) return abandoned_.push_back({command, 1, now});
   ++same->replies;
   same->last = now;
+  same->heard.reset();
 }
 
 void Lane::hold_back(Command command) {
@@ -83,6 +84,17 @@ bool Lane::may_still_answer(Command command, TimePoint now) const {
   });
 }
 
+bool Lane::owes(Command command, TimePoint now) const {
+  return std::ranges::any_of(abandoned_, [&](const Abandoned& old) {
+    return old.command == command && (!old.heard || now - *old.heard <= reply_lifetime);
+  });
+}
+
+void Lane::note_heard(TimePoint now) {
+  for (auto& old : abandoned_)
+    if (!old.heard) old.heard = now;
+}
+
 void Lane::note_late(Command command) {
   std::erase_if(abandoned_,
                 [&](Abandoned& old) { return old.command == command && --old.replies == 0; });
@@ -106,6 +118,7 @@ bool Lane::must_separate(Command command, TimePoint now) const {
 }
 
 void Lane::answered(Command command, TimePoint now) {
+  note_heard(now);
   const bool follows = last_answered_ == command && now - last_answered_at_ <= second_reply_window;
   equal_in_a_row_ = follows ? equal_in_a_row_ + 1 : 1;
   if (exchanges_to_trust_ > 0) --exchanges_to_trust_;

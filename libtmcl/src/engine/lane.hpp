@@ -49,8 +49,13 @@ class Lane {
 
   /// A late reply of this command may still come.
   bool may_still_answer(Command command, TimePoint now) const;
+  /// The same, also after a silence that was longer than replies live: a module or a converter that
+  /// stood still answers all that it was asked meanwhile. As many replies as were given up.
+  bool owes(Command command, TimePoint now) const;
   /// It has come.
   void note_late(Command command);
+  /// The module says something, whatever it is.
+  void note_heard(TimePoint now);
   /// A read that proves the step: of a command that no late reply can have, no answer that waits
   /// for its proof has, and that is not `next`, which follows it. Nothing if there is no such read.
   /// Of a suspect module each is another one than the last: two surplus replies could keep in step
@@ -79,8 +84,9 @@ class Lane {
   static constexpr Duration second_reply_window = std::chrono::milliseconds(100);
   struct Abandoned {
     Command command;
-    unsigned replies;  ///< That may still come.
-    TimePoint last;    ///< When the last of them was given up.
+    unsigned replies;                  ///< That may still come.
+    TimePoint last;                    ///< When the last of them was given up.
+    std::optional<TimePoint> heard{};  ///< When the module said something first after that.
   };
   static std::size_t index(Command command) { return static_cast<std::size_t>(command); }
   bool is_second_reply(Command command, TimePoint now) const;

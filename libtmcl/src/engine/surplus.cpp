@@ -50,8 +50,12 @@ void BusEngine::on_unexplained(Conversation& module, const Reply& reply, TimePoi
   auto& lane = module.lane;
   lane.end_silence();
   doubt_answers(module, reply.command);
-  if (lane.may_still_answer(reply.command, now)) {
+  const bool is_owed = lane.owes(reply.command, now);
+  lane.note_heard(now);
+  if (is_owed) {
     ++counters_.late_replies;
+    // A fence of long ago may have been taken for the last one.
+    if (!lane.may_still_answer(reply.command, now)) lane.lose_step();
     lane.note_late(reply.command);
     // A fence was answered before it: replies overtake each other.
     if (lane.in_step()) lane.suspect(now);
@@ -87,7 +91,7 @@ bool BusEngine::must_prove(const Call& call, const Reply& reply, TimePoint now) 
   const auto& module = modules_.with(call.request.address);
   const auto& lane = module.lane;
   const bool has_doubts = lane.is_suspect(now) || lane.is_duplicate_suspected(now) ||
-                          lane.may_still_answer(call.request.command, now);
+                          lane.owes(call.request.command, now);
   return (has_doubts || call.options.proof != Proof::none) && call.effect == Effect::reads &&
          call.may_repeat() && call.request.command != Command::GET_FIRMWARE_VERSION &&
          reply.status != Status::wrong_checksum && !call.options.hold &&
@@ -108,8 +112,8 @@ void BusEngine::hold_back(Call call, const Answer& answer, TimePoint now) {
 /// Where replies overtake each other, what comes may be the late answer to an older question, and
 /// its own one too late as well.
 bool BusEngine::must_read_twice(const Call& call, const Lane& lane, TimePoint now) {
-  return call.options.proof == Proof::twice || ((lane.is_suspect(now) || call.was_slow) &&
-                                                lane.may_still_answer(call.request.command, now));
+  return call.options.proof == Proof::twice ||
+         ((lane.is_suspect(now) || call.was_slow) && lane.owes(call.request.command, now));
 }
 
 /// Modules answer in order, and another command has just been answered: whatever else came in reply
