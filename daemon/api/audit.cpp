@@ -48,7 +48,9 @@ void begin_journey(Call& call) {
 void audit_end(const Call& call, const RpcResult& result) {
   const bool is_under_way = call.goes_on && result;
   if (!is_audited(call) || is_under_way) return;
-  call.gateway->audit(entry_of(call, words_of(call.method.name, call.params) + outcome_of(result)));
+  const auto unattended = call.unattended ? " unattended" : "";
+  call.gateway->audit(
+      entry_of(call, words_of(call.method.name, call.params) + outcome_of(result) + unattended));
 }
 
 std::function<void(std::string_view fault)> audit_of_end(const Call& call) {

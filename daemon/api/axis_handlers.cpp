@@ -70,13 +70,9 @@ Answer<axis::Rotate> rotate(Call& call, const axis::Rotate& params) {
   const auto said = either<&axis::Rotate::velocity_internal, &axis::Rotate::velocity>(params);
   const auto velocity = co_await velocity_of(axis, said);
   if (!velocity) co_return tl::unexpected(velocity.error());
-  Tenant client{.turns = true};
-  if (!params.unattended.value_or(false)) {
-    auto [number, name] = call.peer->client();
-    client.client = number;
-    client.name = std::move(name);
-  }
-  const auto turned = co_await axis.rotate({velocity->value}, std::move(client), ready->moves);
+  auto movement = ready->moves;
+  movement.permit.unattended = params.unattended.value_or(false);
+  const auto turned = co_await axis.rotate({velocity->value}, std::move(movement));
   if (!turned) co_return failed(turned.error(), axis);
   auto told = co_await velocity_in_unit(axis, *velocity);
   axis::Turning result{velocity->value, std::move(told.unit), told.number, Warnings{}};

@@ -49,7 +49,8 @@ struct Call {
   const MethodInfo& method;
   /// What it does to a machine, as soon as that is known better than by its method.
   tmcl::Effect effect = method.effect;
-  bool goes_on = false;  ///< What it has begun does not end with the answer.
+  bool goes_on = false;     ///< What it has begun does not end with the answer.
+  bool unattended = false;  ///< What it has begun moves motors, and no client owns that.
   std::shared_ptr<const void> typed{};
 
   /// The parameters; they live as long as the call.

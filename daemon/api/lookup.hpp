@@ -62,4 +62,7 @@ std::optional<std::uint8_t> as_number(const std::string& text);
 std::optional<RpcError> check_range(const tmcl::ParameterInfo* row, std::int64_t value,
                                     std::string_view param);
 
+/// What the client of a call is told that owns the turning of an axis; nothing if it does not.
+std::optional<std::string> warning_of_owner(const Call& call, const GatewayAxis& axis);
+
 }  // namespace tmcld

@@ -46,6 +46,39 @@ void revoke_movements(const Call& call, GatewayBus& bus, const tmcl::Request& re
   if (axis) axis->revoke_movements();
 }
 
+/// What a raw command sets turning is stopped when its client goes: it needs an axis.
+std::optional<RpcError> give_axis(const Call& call, const std::shared_ptr<GatewayBus>& bus,
+                                  const tmcl::Request& request) {
+  const tmcl::AxisAddress motor{request.address, request.motor};
+  const auto* module = bus->find_module(request.address);
+  const auto* model = module == nullptr ? nullptr : module->model();
+  const bool is_there = model == nullptr || request.motor < model->axes;
+  const bool needs_one = motion_effect(request) == MotionEffect::turns && is_there;
+  const bool has_one =
+      !needs_one || call.gateway->find_axis(*bus, motor) || call.gateway->add_axis(bus, motor);
+  if (has_one) return std::nullopt;
+  return rpc_error(rpc_code::not_allowed, "not_permitted",
+                   "motor " + std::to_string(request.motor) + " of module " +
+                       std::to_string(number(request.address)) +
+                       " has no axis, and too many motors without one are in use",
+                   "put the axes that are in use into the configuration");
+}
+
+/// Nothing if there is nothing to say.
+std::optional<std::vector<std::string>> warnings_about(Call& call, GatewayBus& bus,
+                                                       const tmcl::Request& request) {
+  std::vector<std::string> warnings;
+  const auto axis = call.gateway->find_axis(bus, {request.address, request.motor});
+  if (motion_effect(request) == MotionEffect::turns && axis)
+    if (auto warning = warning_of_owner(call, *axis)) warnings.push_back(std::move(*warning));
+  call.unattended = motion_effect(request) == MotionEffect::unforeseen;
+  if (call.unattended)
+    warnings.emplace_back(
+        "what this sets turning has no owner: it is unattended, and turns on "
+        "when the connection ends");
+  return warnings.empty() ? std::nullopt : std::optional(std::move(warnings));
+}
+
 module::Reply to_result(const tmcl::Answer& answer) {
   module::Reply result{static_cast<std::uint8_t>(answer.reply.status),
                        std::string(tmcl::name_of(answer.reply.status)),
@@ -96,13 +129,17 @@ Answer<module::Execute> execute(Call& call, const module::Execute& params) {
                         "module.execute of " + std::string(tmcl::name_of(request->command)));
   if (objection) co_return tl::unexpected(std::move(*objection));
   call.effect = effect_of(request->command, request->type);
+  if (auto complaint = give_axis(call, *bus, *request))
+    co_return tl::unexpected(std::move(*complaint));
   const bool stops = call.effect == tmcl::Effect::stops;
   if (stops) revoke_movements(call, **bus, *request);
   call.gateway->stops_in_progress += stops ? 1 : 0;
   const auto answer = co_await (*bus)->execute(*request, in_time(call, params));
   call.gateway->stops_in_progress -= stops ? 1 : 0;
   if (!answer) co_return tl::unexpected(call_error(answer.error()));
-  co_return to_result(*answer);
+  auto result = to_result(*answer);
+  result.warnings = warnings_about(call, **bus, *request);
+  co_return result;
 }
 
 Answer<module::Info> module_info(Call& call, const module::Info& params) {

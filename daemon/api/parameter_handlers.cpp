@@ -93,6 +93,10 @@ Answer<parameter::Set> set_parameter(Call& call, const parameter::Set& params) {
   const auto done = co_await axis.set(choice->number, value->value, ready->moves);
   if (!done) co_return tl::unexpected(call_error(done.error(), axis.name()));
   auto warnings = co_await warnings_of(axis, choice->number);
+  const tmcl::Request sent{axis.address().module, tmcl::Command::SAP, choice->number,
+                           axis.address().motor, value->value};
+  if (motion_effect(sent) == MotionEffect::turns)
+    if (auto warning = warning_of_owner(call, axis)) warnings.push_back(std::move(*warning));
   auto result = co_await to_result(axis, *choice, *value);
   co_return parameter::Held{std::move(result), std::move(warnings)};
 }

@@ -54,6 +54,15 @@ boost::asio::awaitable<Lookup<program::Commands>> load_or_compare(const Call& ca
   co_return program::Commands{static_cast<std::uint32_t>(program->size())};
 }
 
+/// No client owns what a program moves.
+boost::asio::awaitable<Lookup<program::Started>> start(Call& call, Lookup<ModuleChoice> module,
+                                                       tmcl::Script<tmcl::Result<void>> script) {
+  auto started = co_await act_on(call, std::move(module), std::move(script));
+  if (!started) co_return tl::unexpected(std::move(started.error()));
+  call.unattended = true;
+  co_return program::Started{true};
+}
+
 }  // namespace
 
 Answer<program::Load> load_program(Call& call, const program::Load& params) {
@@ -84,13 +93,14 @@ Answer<program::Read> read_program(Call& call, const program::Read& params) {
 }
 
 Answer<program::Run> run_program(Call& call, const program::Run& params) {
-  return act_on(call, params, tmcl::verbs::run_program(address_of(params), params.first_address));
+  return start(call, module_of(call, params),
+               tmcl::verbs::run_program(address_of(params), params.first_address));
 }
 Answer<program::Stop> stop_program(Call& call, const program::Stop& params) {
   return act_on(call, params, tmcl::verbs::stop_program(address_of(params)));
 }
 Answer<program::Step> step_program(Call& call, const program::Step& params) {
-  return act_on(call, params, tmcl::verbs::step_program(address_of(params)));
+  return start(call, module_of(call, params), tmcl::verbs::step_program(address_of(params)));
 }
 Answer<program::Reset> reset_program(Call& call, const program::Reset& params) {
   return act_on(call, params, tmcl::verbs::reset_program(address_of(params)));

@@ -66,6 +66,7 @@ void fill(api::axis::State& out, const GatewayAxis& axis, const AxisReading& rea
   const auto tenant = axis.tenant();
   if (tenant.lease != 0) out.lease = tenant.lease;
   out.unattended = axis.is_unattended();
+  out.owner = if_any(tenant.name);
 }
 
 /// What the module is set to says nothing about what it does.

@@ -28,18 +28,6 @@ tmcl::Error not_permitted(const tmcl::Request& request, std::string why, std::st
 
 std::string_view word_for(Role role) { return role == Role::configure ? "configure" : "move"; }
 
-bool turns_without_end(const tmcl::Request& request) {
-  switch (request.command) {
-    case Command::ROR:
-    case Command::ROL: return request.value != 0;
-    case Command::ROLA:
-    case Command::RORA: return true;
-    case Command::SAP:
-      return request.type == tmcl::axis_parameter::target_velocity && request.value != 0;
-    default: return false;
-  }
-}
-
 /// What an exchange of a program being loaded is.
 tmcl::Script<tmcl::Result<tmcl::Answer>> held_exchange(tmcl::Request request,
                                                        tmcl::CallOptions options) {
@@ -110,12 +98,12 @@ PortConduct::Awaitable<tmcl::Answer> PortConduct::stop(tmcl::Request request) {
   ++gateway_->stops_in_progress;
   auto answer = co_await bus_->execute(request, asked_by(host_.number));
   --gateway_->stops_in_progress;
-  if (axis && answer) leases_->note_turning(*axis, false);
   co_return answer;
 }
 
 PortConduct::Awaitable<tmcl::Answer> PortConduct::act(tmcl::Request request, RunOptions options) {
-  if (names_motor(request)) co_return co_await act_on_axes(request, std::move(options));
+  if (names_motor(request) || motion_effect(request) == MotionEffect::turns)
+    co_return co_await act_on_axes(request, std::move(options));
   if (request.command == Command::START_DOWNLOAD) {
     hold_ = std::make_shared<const tmcl::Hold>();
     held_ = request.address;
@@ -160,13 +148,7 @@ PortConduct::Awaitable<tmcl::Answer> PortConduct::act_on_axes(tmcl::Request requ
     auto taken = co_await leases_->take(axis, options.permit);
     if (!taken) co_return tl::unexpected(std::move(taken.error()));
   }
-  const bool may_turn = turns_without_end(request);
-  const bool moves = may_turn || can_move(request);
-  if (may_turn)
-    for (const auto& axis : *axes) leases_->note_turning(*axis, true);
   auto answer = co_await act_on(*axes, request, std::move(options));
-  if (moves && !may_turn && answer)
-    for (const auto& axis : *axes) leases_->note_turning(*axis, false);
   co_return answer;
 }
 

@@ -58,16 +58,11 @@ awaitable<tmcl::Result<void>> PortLeases::take(std::shared_ptr<GatewayAxis> axis
 
 void PortLeases::note_datagram() { last_datagram_ = gateway_->clock().now(); }
 
-void PortLeases::note_turning(const GatewayAxis& axis, bool turns) {
-  for (auto& held : held_)
-    if (held.axis.get() == &axis) held.turns = turns;
-}
-
 void PortLeases::close() {
   closed_ = true;
   forget_lost();
   for (const auto& held : std::exchange(held_, {}))
-    if (!held.turns) gateway_->leases()->release(held.lease);
+    if (!held.axis->turns()) gateway_->leases()->release(held.lease);
   changed_.notify();
 }
 

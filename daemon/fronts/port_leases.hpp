@@ -26,8 +26,6 @@ class PortLeases : public std::enable_shared_from_this<PortLeases> {
   boost::asio::awaitable<tmcl::Result<void>> take(std::shared_ptr<GatewayAxis> axis, Permit permit);
   /// The host has said something.
   void note_datagram();
-  /// Whether the axis turns without end: then it stops when its host goes.
-  void note_turning(const GatewayAxis& axis, bool turns);
   /// The host goes. Axes that are on their way to somewhere go on; what turns is left with its
   /// lease, for Gateway::leave() to stop it.
   void close();
@@ -36,7 +34,6 @@ class PortLeases : public std::enable_shared_from_this<PortLeases> {
   struct Held {
     std::int32_t lease = 0;
     std::shared_ptr<GatewayAxis> axis;
-    bool turns = false;
   };
 
   static boost::asio::awaitable<void> look_after(std::shared_ptr<PortLeases> self);

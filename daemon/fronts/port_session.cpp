@@ -165,6 +165,7 @@ void PortSession::note(const Asked& asked, const tmcl::Result<tmcl::Answer>& ans
     line += answer ? " outcome=done"
                    : " outcome=" + std::string(name_of(answer.error().outcome)) +
                          " error=" + std::string(name_of(answer.error().code));
+    if (answer && motion_effect(request) == MotionEffect::unforeseen) line += " unattended";
     gateway_->audit({::geteuid(), ::getpid(), std::move(line)});
   }
   if (answer || is_silence(answer.error())) return;

@@ -158,23 +158,19 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Micro
   co_return started;
 }
 
-GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity, Tenant client,
+GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity,
                                                  RunOptions movement) {
   auto admitted = co_await admit(intent::Turn{velocity}, std::move(movement));
   if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
   forget_move();
-  const auto before = tenant();
-  // From before it turns: the client may go at any time.
-  const bool begins_to_turn = before.lease == 0 && velocity.value != 0;
-  if (begins_to_turn) bus().motors().lease(address(), client);
-  const auto turning = bus().motors().turning_of(address());
-  if (begins_to_turn) co_await enter_journal();
+  admitted->announced = request(tmcl::Command::ROR, 0, velocity.value);
   auto result = co_await axis_.run(tmcl::verbs::rotate(address(), velocity), std::move(*admitted));
-  const bool turns = result || result.error().outcome == tmcl::Outcome::unknown;
-  // Meanwhile it may turn for somebody else.
-  const bool is_of_this = turning != 0 && turning == bus().motors().turning_of(address());
-  if (!turns && is_of_this) bus().motors().lease(address(), before);
   co_return result;
+}
+
+tmcl::Request GatewayAxis::request(tmcl::Command command, std::uint8_t type,
+                                   std::int32_t value) const {
+  return {address().module, command, type, address().motor, value};
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::stop(StopCause cause, std::uint64_t client) {
@@ -309,6 +305,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::write(std::uint8_t parameter, std::int
   // What is read or checked while it is on its way may be from before it.
   units_.note_set(parameter);
   auto script = tmcl::verbs::set(address(), parameter, value);
+  admitted.announced = request(tmcl::Command::SAP, parameter, value);
   auto result = co_await axis_.run(std::move(script), std::move(admitted));
   // Also after a failure: the value may have been set all the same.
   units_.note_set(parameter, result ? std::optional(value) : std::nullopt);
@@ -320,8 +317,12 @@ GatewayAxis::Awaitable<void> GatewayAxis::write(std::uint8_t parameter, std::int
 
 GatewayAxis::Awaitable<void> GatewayAxis::restore(std::uint8_t parameter, RunOptions movement) {
   module().note_settings_changed();
+  auto admitted = co_await admit(intent::Restore{parameter}, std::move(movement));
+  if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
+  forget_move();
+  admitted->announced = request(tmcl::Command::RSAP, parameter, 0);
   auto script = tmcl::verbs::restore(address(), parameter);
-  auto result = co_await move(intent::Restore{parameter}, std::move(script), std::move(movement));
+  auto result = co_await axis_.run(std::move(script), std::move(*admitted));
   module().note_settings_changed();
   co_return result;
 }
@@ -374,6 +375,7 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::look() {
   if (!watched) co_return tl::unexpected(watched.error());
   if (!reading) co_return reading;
   last_ = {*reading, commands, settings};
+  co_await note_turning(reading->state);
   co_await note_motion(reading->state);
   co_return reading;
 }
@@ -389,6 +391,23 @@ bool GatewayAxis::note_before(tmcl::plan::Setting setting) {
   if (std::ranges::any_of(before_, is_noted)) return false;
   before_.push_back(setting);
   return true;
+}
+
+// ---- for whom it turns ------------------------------------------------------------------------
+
+boost::asio::awaitable<void> GatewayAxis::note_turning(tmcl::AxisState state) {
+  auto& motors = bus().motors();
+  const bool moves = state.velocity.value != 0;
+  // Whether that can be seen or not: it is looked at again.
+  if (turns() && !moves) co_await axis_.run(bus().see_turning_end(address()));
+  const bool is_known = turns() || tenant().client != 0 || mover() != Mover::nobody ||
+                        motors.was_sent_to_position(address());
+  if (!moves || is_known) co_return;
+  const auto found = co_await axis_.run(bus().may_turn(address()));
+  if (!found || !*found || turns()) co_return;
+  motors.note_unattended(address());
+  bus().audit("axis=" + name() + " turns unattended: no client owns its motion");
+  co_await enter_journal();
 }
 
 // ---- why it stands -----------------------------------------------------------------------------

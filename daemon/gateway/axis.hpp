@@ -95,10 +95,10 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Errors: also Errc::bad_argument for a target outside what the model can hold.
   Awaitable<StartedMove> move_by(Length distance, bool predict, RunOptions movement);
   Awaitable<void> move_to_coordinate(std::uint8_t number, RunOptions movement);
-  /// Not for an axis with soft limits, which it would pass sooner or later; zero is. Without a
-  /// lease it turns for a client: it stops when that goes, and nobody else moves it until it is
-  /// stopped. For client 0 it turns unattended.
-  Awaitable<void> rotate(tmcl::InternalVelocity velocity, Tenant client, RunOptions movement);
+  /// Not for an axis with soft limits, which it would pass sooner or later; zero is. The client of
+  /// the call owns it: it stops when that goes, and nobody else moves it before it stands; unless
+  /// the permit says that it turns unattended.
+  Awaitable<void> rotate(tmcl::InternalVelocity velocity, RunOptions movement);
   Awaitable<void> set(std::uint8_t parameter, std::int32_t value, RunOptions movement);
   /// To the EEPROM of its module, and back.
   Awaitable<void> store(std::uint8_t parameter, RunOptions options);
@@ -121,8 +121,10 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   std::vector<tmcl::plan::Setting> ramp_settings() const { return units_.ramp_settings(); }
   /// When a move that was started in another way should end.
   void expect_arrival(tmcl::TimePoint time) { expected_arrival_ = time; }
-  /// It turns, and stops for nobody who goes.
-  bool is_unattended() const { return tenant().client == 0 && tenant().turns; }
+  /// It turns without end, or may: until it is seen to stand.
+  bool turns() const { return bus().motors().turning_of(address()).number != 0; }
+  /// It turns, and stops for no client that goes.
+  bool is_unattended() const { return turns() && tenant().client == 0; }
   /// Who alone may move it.
   Tenant tenant() const { return bus().motors().tenant_of(address()); }
   /// Who moves it now.
@@ -202,6 +204,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
     auto result = co_await axis_.run(std::move(script), std::move(*admitted));
     co_return result;
   }
+  /// A command to its motor.
+  tmcl::Request request(tmcl::Command command, std::uint8_t type, std::int32_t value) const;
   Awaitable<tmcl::Answer> execute_admitted(tmcl::Request request, Admitted admitted);
   /// What the firmware of its model counts relative moves from now.
   Awaitable<std::uint8_t> origin_of_relative_moves();
@@ -212,6 +216,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Claimant claimant() const { return bus().motors().claimant_of(address()); }
   /// Finds out why an axis stands that was on its way.
   boost::asio::awaitable<void> note_motion(tmcl::AxisState state);
+  /// Finds out whether it turns for somebody still, and whether it turns for nobody.
+  boost::asio::awaitable<void> note_turning(tmcl::AxisState state);
   boost::asio::awaitable<void> find_cause();
   /// Of an error that says that it stands somewhere else than it should.
   boost::asio::awaitable<void> add_cause(tmcl::Error& error);

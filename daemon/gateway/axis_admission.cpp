@@ -25,13 +25,22 @@ tmcl::Request AxisAdmission::any_move() const {
 }
 
 AxisAdmission::Awaitable<void> AxisAdmission::be_free(RunOptions movement) {
+  co_await see_turning_end(movement);
   auto script = axis_.bus().may_send(any_move(), movement.permit);
-  return axis_.run(std::move(script), std::move(movement));
+  auto free = co_await axis_.run(std::move(script), std::move(movement));
+  co_return free;
+}
+
+/// It may turn for another client no more. Whether that is seen or not: it is asked for again.
+boost::asio::awaitable<void> AxisAdmission::see_turning_end(const RunOptions& movement) {
+  auto script = axis_.bus().see_turnings_end(any_move(), movement.permit);
+  co_await axis_.run(std::move(script), movement.deadline);
 }
 
 AxisAdmission::Awaitable<Admitted> AxisAdmission::admit(Intent intent, RunOptions movement) {
   auto ready = co_await axis_.be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  co_await see_turning_end(movement);
   const auto aim = std::make_shared<Admitted::Aim>();
   // The epoch from before the check: what changes while it reads is checked again.
   *aim = {intent, units_.epoch()};

@@ -81,6 +81,7 @@ class AxisAdmission {
   Script<void> check(Intent intent);
 
  private:
+  boost::asio::awaitable<void> see_turning_end(const RunOptions& movement);
   tmcl::Request any_move() const;
   bool needs_free_axis(const Intent& intent) const;
   std::optional<tmcl::Error> misses_reference(const Intent& intent) const;

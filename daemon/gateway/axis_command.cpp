@@ -34,6 +34,7 @@ GatewayAxis::Awaitable<tmcl::Answer> GatewayAxis::execute(tmcl::Request request,
 
 GatewayAxis::Awaitable<tmcl::Answer> GatewayAxis::execute_admitted(tmcl::Request request,
                                                                    Admitted admitted) {
+  admitted.announced = request;
   if (!is_relative_move(request))
     co_return co_await axis_.run(tmcl::verbs::command(request), std::move(admitted));
   const auto origin = co_await origin_of_relative_moves();

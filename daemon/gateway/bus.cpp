@@ -303,6 +303,7 @@ awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
   const bool asks = effect_of(request.command, request.type) == tmcl::Effect::reads;
   // What is read or checked while it is on its way may be from before it.
   if (module != nullptr && !asks) module->note_settings_changed();
+  options.announced = request;
   options.objection = [this, request] { return motors_.misses_reference(request); };
   auto script =
       is_relative_move(request) ? move_relatively(request, {}) : tmcl::verbs::command(request);

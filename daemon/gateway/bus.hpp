@@ -43,6 +43,9 @@ struct RunOptions : tmcl::RunOptions {
   /// Asked before each request that can move a motor: gives what has to be checked anew, if
   /// something has changed since that was done last.
   std::function<std::optional<tmcl::Script<tmcl::Result<void>>>()> recheck{};
+  /// What the verb sends, if that may set a motor turning without end: before it goes out, that has
+  /// an owner, and the journal says so.
+  std::optional<tmcl::Request> announced{};
   /// How lately a module must have been seen to be what it was, when something goes out that can
   /// move it.
   tmcl::Duration sentinel_age = movement_sentinel_age;
@@ -123,6 +126,14 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// Errors: those of the exchanges; Errc::axis_claimed while it searches.
   tmcl::Script<tmcl::Result<void>> see_search_end(tmcl::AxisAddress motor);
 
+  /// The motor turns without end, or may: where it stands, too, if it is set to turn, as at a limit
+  /// switch. Errors: those of the exchanges.
+  tmcl::Script<tmcl::Result<bool>> may_turn(tmcl::AxisAddress motor);
+  /// Notes that a motor does not turn any more, if its module says so.
+  tmcl::Script<tmcl::Result<void>> see_turning_end(tmcl::AxisAddress motor);
+  /// The same for what a request concerns and turns for others: the request may go out then.
+  tmcl::Script<tmcl::Result<void>> see_turnings_end(tmcl::Request request, Permit permit);
+
   /// One exchange, exactly as given.
   boost::asio::awaitable<tmcl::Result<tmcl::Answer>> execute(tmcl::Request request,
                                                              RunOptions options);
@@ -134,10 +145,13 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// open.
   template <class T>
   boost::asio::awaitable<T> run(tmcl::Script<T> script, RunOptions options) {
+    auto attempt = co_await begin_turning(options);
     auto ended = co_await run_steps(script, std::move(options));
+    if (ended.objection && is_not_done(*ended.objection)) attempt.withdraw();
     if (ended.objection) co_return tl::unexpected(std::move(*ended.objection));
     auto result = script.take();
     if (!result && ended.broke_off) result.error().outcome = tmcl::Outcome::unknown;
+    if (!result && is_not_done(result.error())) attempt.withdraw();
     co_return result;
   }
 
@@ -168,6 +182,10 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
     bool broke_off = false;  ///< Something of it went out, and something was refused.
   };
   /// Steps through a verb to its end, or until there is an objection.
+  boost::asio::awaitable<TurningAttempt> begin_turning(const RunOptions& options);
+  static bool is_not_done(const tmcl::Error& error) {
+    return error.outcome != tmcl::Outcome::unknown && error.outcome != tmcl::Outcome::done;
+  }
   boost::asio::awaitable<Ended> run_steps(tmcl::AnyScript& script, RunOptions options);
   tmcl::Script<tmcl::Result<void>> judged(tmcl::AnyScript& script, Conduct& conduct);
   static std::optional<tmcl::Error> objection_to(const tmcl::Step& step, const Conduct& conduct);

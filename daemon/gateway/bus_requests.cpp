@@ -6,6 +6,8 @@
 
 #include "gateway/axis_limits.hpp"
 #include "tmcl/command_type.hpp"
+#include "tmcl/mechanics.hpp"
+#include "tmcl/parameter.hpp"
 
 namespace tmcld {
 namespace {
@@ -80,6 +82,72 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::see_search_end(tmcl::AxisAddress mo
   const auto is_zero = [](const auto& answer) { return answer && answer->reply.value == 0; };
   if (std::ranges::all_of(answers, is_zero)) motors_.note_reference(motor);
   motors_.release(motor, claimant.of);
+  co_return tmcl::Result<void>{};
+}
+
+// ---- turning without end -----------------------------------------------------------------------
+
+boost::asio::awaitable<TurningAttempt> GatewayBus::begin_turning(const RunOptions& options) {
+  if (!options.announced) co_return TurningAttempt();
+  auto attempt = motors_.begin_turning(*options.announced, options.permit);
+  if (attempt && journal_) co_await Journal::write(journal_);
+  co_return attempt;
+}
+
+namespace {
+
+std::optional<tmcl::ModeParameter> mode_of(const GatewayModule* module) {
+  const auto* model = module == nullptr ? nullptr : module->model();
+  if (model == nullptr) return std::nullopt;
+  return tmcl::mode_parameter(tmcl::axis_parameters(*model));
+}
+
+std::vector<tmcl::step::Exchange> questions_about_turning(
+    tmcl::AxisAddress motor, const std::optional<tmcl::ModeParameter>& mode) {
+  std::vector<std::uint8_t> parameters{tmcl::axis_parameter::actual_velocity,
+                                       tmcl::axis_parameter::target_velocity};
+  if (mode) parameters.push_back(mode->number);
+  std::vector<tmcl::step::Exchange> questions;
+  for (const auto parameter : parameters) {
+    questions.push_back({{motor.module, tmcl::Command::GAP, parameter, motor.motor, 0}, {}});
+    questions.back().options.proof = tmcl::Proof::followed;
+  }
+  return questions;
+}
+
+}  // namespace
+
+tmcl::Script<tmcl::Result<bool>> GatewayBus::may_turn(tmcl::AxisAddress motor) {
+  const auto mode = mode_of(find_module(motor.module));
+  auto questions = questions_about_turning(motor, mode);
+  const auto answers = co_await exchange_all(std::move(questions));
+  for (const auto& answer : answers) {
+    if (!answer && answer.error().outcome != tmcl::Outcome::refused)
+      co_return tl::unexpected(answer.error());
+  }
+  const auto& told = answers.back();
+  if (mode && told && told->reply.value != mode->velocity) co_return false;
+  // A module that does not tell what it is to do is judged by what it does.
+  const auto is_zero = [](const auto& answer) { return !answer || answer->reply.value == 0; };
+  co_return !is_zero(answers[0]) || !is_zero(answers[1]);
+}
+
+tmcl::Script<tmcl::Result<void>> GatewayBus::see_turning_end(tmcl::AxisAddress motor) {
+  const auto turning = motors_.turning_of(motor);
+  // What is on its way may set it turning after it was looked at.
+  if (turning.number == 0 || motors_.is_to_turn(motor)) co_return tmcl::Result<void>{};
+  const auto turns = co_await may_turn(motor);
+  if (!turns) co_return tl::unexpected(turns.error());
+  if (!*turns) motors_.end_turning(motor, turning.number);
+  co_return tmcl::Result<void>{};
+}
+
+tmcl::Script<tmcl::Result<void>> GatewayBus::see_turnings_end(tmcl::Request request,
+                                                              Permit permit) {
+  for (const auto motor : motors_.turned_for_others(request, permit)) {
+    auto seen = co_await see_turning_end(motor);
+    if (!seen) co_return seen;
+  }
   co_return tmcl::Result<void>{};
 }
 
@@ -176,7 +244,11 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
     error.request = request;
     return tmcl::Result<tmcl::Answer>(tl::unexpected(std::move(error)));
   };
-  if (!is_judged(exchange) && effect_of(request.command, request.type) == tmcl::Effect::writes) {
+  const auto effect = effect_of(request.command, request.type);
+  const bool acts = effect == tmcl::Effect::writes || effect == tmcl::Effect::moves;
+  // Whether that is seen or not: what still turns is refused below.
+  if (acts && !exchange.options.hold) co_await see_turnings_end(request, conduct.options.permit);
+  if (!is_judged(exchange) && effect == tmcl::Effect::writes) {
     if (auto objection = motors_.objection_to_write(request, conduct.options.permit))
       co_return refused(std::move(*objection));
   }
@@ -234,9 +306,7 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   std::optional<OnItsWay> on_its_way;
   auto* module = find_module(request.address);
   if (is_judged(exchange)) on_its_way.emplace(motors_, module, request, conduct.options.permit);
-  const tmcl::AxisAddress motor{request.address, request.motor};
-  const auto claimant = motors_.claimant_of(motor);
-  const auto turning = motors_.turning_of(motor);
+  const auto before = motors_.before(request, conduct.options.permit);
   const bool asks = effect_of(request.command, request.type) == tmcl::Effect::reads;
   // What is read while it is on its way may be from before it.
   if (!asks) ++commands_;
@@ -254,7 +324,7 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   if (on_its_way) on_its_way->note(answer);
   on_its_way.reset();
   if (module != nullptr) module->note_sent(request);
-  motors_.note(request, answer, claimant, turning);
+  motors_.note(request, answer, before);
   for (const auto& limits : limits_) limits->note(request, answer);
   const bool may_be_done = answer || answer.error().outcome == tmcl::Outcome::unknown;
   conduct.acted = conduct.acted || (may_be_done && !asks);

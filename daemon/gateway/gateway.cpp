@@ -153,9 +153,10 @@ std::string why_held(const GatewayAxis& axis, const Leases& leases) {
     case Mover::nobody:
     case Mover::search: break;
   }
-  if (axis.tenant().turns) return axis.is_unattended() ? "unattended" : "turning";
   const auto* lease = leases.of(axis);
-  return lease != nullptr && lease->terms.stops ? "lease" : "";
+  if (lease != nullptr && lease->terms.stops) return "lease";
+  const bool has_owner = lease == nullptr && axis.tenant().client != 0;
+  return !axis.turns() ? "" : has_owner ? "turning" : "unattended";
 }
 
 }  // namespace
@@ -203,7 +204,7 @@ OnExit Gateway::on_exit() const { return options_.on_exit; }
 Client Gateway::enter(std::string name) {
   constexpr std::size_t most_names = 1000;
   const auto number = ++arrivals_->last_client;
-  arrivals_->clients.insert(number);
+  arrivals_->clients.emplace(number, name);
   if (client_names_.size() == most_names) client_names_.erase(client_names_.begin());
   client_names_.emplace(number, name);
   return {number, std::move(name)};
@@ -217,13 +218,14 @@ std::string Gateway::name_of_client(std::uint64_t number) const {
 void Gateway::leave(std::uint64_t client) {
   arrivals_->clients.erase(client);
   leases_->end_of(client);
+  if (client == 0) return;
   for (const auto& axis : axes_)
-    if (axis->bus().motors().is_turned_by(axis->address(), client)) begin_to_stop(axis);
+    if (axis->bus().motors().turning_of(axis->address()).client == client) begin_to_stop(axis);
 }
 
 void Gateway::dismiss_clients() {
   const auto clients = arrivals_->clients;
-  for (const auto client : clients) leave(client);
+  for (const auto& [client, name] : clients) leave(client);
 }
 
 void Gateway::begin_to_stop(const std::shared_ptr<GatewayAxis>& axis) {

@@ -14,10 +14,10 @@ using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
 
 Motors& motors_of(const GatewayAxis& axis) { return axis.bus().motors(); }
 
-/// Whoever lets an axis turn without a lease may take one.
+/// The owner of an axis that turns may take a lease of it.
 bool is_free_for(const GatewayAxis& axis, const Client& client) {
   const auto tenant = motors_of(axis).tenant_of(axis.address());
-  return tenant.client == 0 || (tenant.turns && tenant.client == client.number);
+  return tenant.client == 0 || (tenant.lease == 0 && tenant.client == client.number);
 }
 
 std::optional<AxisFailure> conflict(const Axes& axes, const Client& client) {

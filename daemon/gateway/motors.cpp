@@ -20,11 +20,14 @@ using tmcl::Request;
 constexpr std::uint8_t first_control_function = 128;
 constexpr std::uint8_t all_motors = 255;
 
-// Commands above 127 control programs and chips, and RST a program: they know no motor, so they may
-// concern any.
+// Commands above 127 control programs and chips, and RST a program; what a user function does, and
+// a command that TMCL does not define, no document says. They know no motor, so they may concern
+// any.
 bool knows_no_motor(const Request& request) {
-  return static_cast<std::uint8_t>(request.command) >= first_control_function ||
-         request.command == Command::RST;
+  const auto number = static_cast<std::uint8_t>(request.command);
+  const bool is_user_function = request.command >= Command::UF0 && request.command <= Command::UF7;
+  return number >= first_control_function || request.command == Command::RST || is_user_function ||
+         tmcl::find_command(number) == nullptr;
 }
 
 /// A module starts again, or is about to: nothing that a latched axis could not bear.
@@ -42,43 +45,33 @@ bool concerns(const Request& request, AxisAddress motor) {
          moves_several(request);
 }
 
-/// It is sent to somewhere, or stands.
-bool ends_turning(const Request& request) {
-  switch (request.command) {
-    case Command::ROR:
-    case Command::ROL: return request.value == 0;
-    case Command::SAP: return request.type == tmcl::axis_parameter::target_position;
-    case Command::MVP:
-    case Command::MVPA:
-    case Command::RFS: return can_move(request);
-    default: return false;
+/// What else may set a motor turning than the number that it is given: its mode, and parameters
+/// that another model has there.
+MotionEffect effect_of_parameter(std::uint8_t type, bool is_zero) {
+  switch (type) {
+    case tmcl::axis_parameter::target_position: return MotionEffect::sets_target;
+    case tmcl::axis_parameter::actual_position: return MotionEffect::none;
+    default: break;
   }
+  const bool moves = effect_of(Command::SAP, type) == tmcl::Effect::moves;
+  return moves && !is_zero ? MotionEffect::turns : MotionEffect::none;
 }
 
-/// To one that the module or the request names. Of a relative move only where it ends is sent.
-bool goes_to_position(const Request& request) {
-  switch (request.command) {
-    case Command::MVP:
-    case Command::MVPA: return request.type != tmcl::move_type::relative;
-    case Command::SAP:
-    case Command::RSAP:
-    case Command::AAP: return request.type == tmcl::axis_parameter::target_position;
-    default: return false;
-  }
+/// To a position that the module or the request names.
+bool goes_to_position(MotionEffect effect) {
+  return effect == MotionEffect::to_position || effect == MotionEffect::sets_target;
 }
 
 /// It has no target any more that a relative move could count from.
-bool leaves_positions(const Request& request) {
-  switch (request.command) {
-    case Command::ROR:
-    case Command::ROL:
-    case Command::RORA:
-    case Command::ROLA:
-    case Command::MST:
-    case Command::RFS: return effect_of(request.command, request.type) != tmcl::Effect::reads;
-    case Command::SAP: return request.type == tmcl::axis_parameter::target_velocity;
-    default: return false;
-  }
+bool leaves_positions(MotionEffect effect) {
+  return effect == MotionEffect::turns || effect == MotionEffect::stops ||
+         effect == MotionEffect::searches || effect == MotionEffect::unforeseen;
+}
+
+/// Once its module has taken the command, the motor turns without end no more.
+bool ends_turning(MotionEffect effect) {
+  return effect == MotionEffect::to_position || effect == MotionEffect::by_distance ||
+         effect == MotionEffect::stops || effect == MotionEffect::searches;
 }
 
 std::string_view words_for(Mover by) {
@@ -125,6 +118,28 @@ std::set<AxisAddress> motors_of(const Request& request) {
   return motors;
 }
 
+MotionEffect motion_effect(const Request& request) {
+  switch (request.command) {
+    case Command::MVP:
+    case Command::MVPA:
+      return request.type == tmcl::move_type::relative ? MotionEffect::by_distance
+                                                       : MotionEffect::to_position;
+    case Command::ROR:
+    case Command::ROL: return request.value == 0 ? MotionEffect::stops : MotionEffect::turns;
+    case Command::RORA:
+    case Command::ROLA:
+    case Command::WRITE_MC: return MotionEffect::turns;
+    case Command::MST: return MotionEffect::stops;
+    case Command::RFS: return starts_search(request) ? MotionEffect::searches : MotionEffect::none;
+    case Command::SAP: return effect_of_parameter(request.type, request.value == 0);
+    case Command::RSAP:
+    case Command::AAP: return effect_of_parameter(request.type, false);
+    case Command::WRITE_DRV: return MotionEffect::none;
+    default: break;
+  }
+  return can_move(request) && !restarts(request) ? MotionEffect::unforeseen : MotionEffect::none;
+}
+
 bool starts_program(const Request& request) {
   return can_move(request) && knows_no_motor(request) && !restarts(request);
 }
@@ -146,7 +161,6 @@ void Motors::add(AxisAddress motor, const std::string& axis, bool needs_referenc
 void Motors::stop(AxisAddress motor) {
   auto& stopped = motors_[motor];
   stopped.last_stop = arrivals_->admit().number;
-  if (stopped.tenant.turns) stopped.tenant = {};
   forget_other_motors();
 }
 
@@ -222,7 +236,7 @@ bool Motors::leads(AxisAddress motor, Permit permit) const {
 std::optional<tmcl::Error> Motors::objection_by_lease(AxisAddress motor, Permit permit) const {
   const auto found = motors_.find(motor);
   if (found == motors_.end() || permit.number == 0) return std::nullopt;
-  const auto& tenant = found->second.tenant;
+  const auto tenant = tenant_of(motor);
   if (tenant.client != 0 && tenant.client != permit.client) return leased(motor);
   if (permit.number > found->second.last_loss) return std::nullopt;
   return error(Errc::lease_lost, "the lease of axis '" + found->second.axis + "' was lost",
@@ -254,44 +268,110 @@ std::optional<tmcl::Error> Motors::objection_to_write(const Request& request, Pe
 }
 
 void Motors::lease(AxisAddress motor, Tenant tenant) {
-  if (!is_axis(motor)) return;
-  auto& leased = motors_.at(motor);
-  if (tenant.turns) ++leased.turning;
-  leased.tenant = std::move(tenant);
-}
-
-void Motors::end_turning(AxisAddress motor) {
-  if (tenant_of(motor).turns) end_lease(motor);
+  if (is_axis(motor)) motors_.at(motor).tenant = std::move(tenant);
 }
 
 void Motors::end_lease(AxisAddress motor) { lease(motor, {}); }
 
 void Motors::lose_lease(AxisAddress motor) {
+  if (!is_axis(motor)) return;
+  auto& lost = motors_.at(motor);
+  // Whether it turns on without its owner, the lease has said.
+  if (lost.turning.client == lost.tenant.client) lost.turning.client = 0;
   end_lease(motor);
-  if (is_axis(motor)) motors_.at(motor).last_loss = arrivals_->admit().number;
+  lost.last_loss = arrivals_->admit().number;
 }
 
 Tenant Motors::tenant_of(AxisAddress motor) const {
   const auto found = motors_.find(motor);
-  return found == motors_.end() ? Tenant{} : found->second.tenant;
-}
-
-std::uint64_t Motors::turning_of(AxisAddress motor) const {
-  return tenant_of(motor).turns ? motors_.at(motor).turning : 0;
+  if (found == motors_.end()) return {};
+  const auto& tenant = found->second.tenant;
+  const auto& turning = found->second.turning;
+  return tenant.lease != 0 ? tenant : Tenant{turning.client, 0, turning.name};
 }
 
 tmcl::Error Motors::leased(AxisAddress motor) const {
   const auto& axis = motors_.at(motor).axis;
-  const auto& tenant = motors_.at(motor).tenant;
-  if (tenant.turns)
+  const auto tenant = tenant_of(motor);
+  if (tenant.lease == 0)
     return error(Errc::leased, "axis '" + axis + "' turns for " + tenant.name, "stop it first");
   return error(Errc::leased, "axis '" + axis + "' is leased to " + tenant.name,
                "wait until that releases it; a stop is always let through");
 }
 
-bool Motors::is_turned_by(AxisAddress motor, std::uint64_t client) const {
+// ---- turning without end -----------------------------------------------------------------------
+
+void TurningAttempt::End::operator()(Motors* motors) const {
+  --motors->motors_.at(motor).turning_attempts;
+}
+
+void TurningAttempt::withdraw() {
+  if (!held_) return;
+  auto& turning = held_->motors_.at(held_.get_deleter().motor).turning;
+  // Meanwhile it may turn for another reason.
+  if (turning.number == number_) turning = before_;
+}
+
+void Motors::turn(Motor& motor, Permit of) {
+  const bool has_owner = !of.unattended || motor.tenant.lease != 0;
+  const auto owner = arrivals_->clients.find(has_owner ? of.client : 0);
+  motor.turning = {++last_turning_, has_owner ? of.client : 0,
+                   owner == arrivals_->clients.end() ? "" : owner->second};
+}
+
+TurningAttempt Motors::begin_turning(const Request& request, Permit of) {
+  const AxisAddress motor{request.address, request.motor};
+  const bool turns = motion_effect(request) == MotionEffect::turns && is_axis(motor);
+  if (!turns || leads(motor, of)) return {};
   const auto tenant = tenant_of(motor);
-  return client != 0 && tenant.client == client && tenant.turns;
+  if (tenant.client != 0 && tenant.client != of.client) return {};
+  auto& it = motors_.at(motor);
+  TurningAttempt attempt(*this, motor, it.turning);
+  ++it.turning_attempts;
+  turn(it, of);
+  attempt.number_ = it.turning.number;
+  return attempt;
+}
+
+void Motors::note_unattended(AxisAddress motor) {
+  if (is_axis(motor) && motors_.at(motor).turning.number == 0) turn(motors_.at(motor), {});
+}
+
+Turning Motors::turning_of(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  return found == motors_.end() ? Turning{} : found->second.turning;
+}
+
+void Motors::end_turning(AxisAddress motor, std::uint64_t number) {
+  const auto found = motors_.find(motor);
+  if (found == motors_.end()) return;
+  auto& it = found->second;
+  if (it.turning_attempts == 0 && it.turning.number == number) it.turning = {};
+}
+
+std::vector<AxisAddress> Motors::turned_for_others(const Request& request, Permit permit) const {
+  std::vector<AxisAddress> turned;
+  for (const auto& [address, motor] : motors_) {
+    const auto owner = motor.turning.client;
+    const bool by_other = owner != 0 && owner != permit.client && motor.tenant.lease == 0;
+    if (by_other && concerns(request, address)) turned.push_back(address);
+  }
+  return turned;
+}
+
+void Motors::note_turning(const Request& request, bool is_done, const Before& before) {
+  const auto effect = motion_effect(request);
+  for (auto& [address, motor] : motors_) {
+    const bool names_it = request.address == address.module && request.motor == address.motor;
+    if (!names_it && !can_move(request, address)) continue;
+    // Its owner may have let it turn again while this was on its way.
+    if (is_done && ends_turning(effect) && motor.turning.number <= before.turnings)
+      motor.turning = {};
+    // What was ended by a command that was on its way along with this may turn all the same.
+    const bool is_new = motor.turning.number == 0 && names_it && !motor.axis.empty();
+    if (effect == MotionEffect::turns && is_new && !leads(address, before.of))
+      turn(motor, before.of);
+  }
 }
 
 // ---- latches -----------------------------------------------------------------------------------
@@ -356,7 +436,7 @@ std::optional<tmcl::Error> Motors::misses_reference(AxisAddress motor) const {
 }
 
 std::optional<tmcl::Error> Motors::misses_reference(const Request& request) const {
-  if (!goes_to_position(request)) return std::nullopt;
+  if (!goes_to_position(motion_effect(request))) return std::nullopt;
   for (const auto& [address, motor] : motors_) {
     auto missing = can_move(request, address) ? misses_reference(address) : std::nullopt;
     if (missing) return missing;
@@ -391,12 +471,12 @@ void Motors::note_moved(const Request& request) {
 }
 
 void Motors::note_target(const Request& request) {
-  const bool to_position = goes_to_position(request);
-  if (!to_position && !leaves_positions(request)) return;
+  const auto effect = motion_effect(request);
+  const bool to_position = goes_to_position(effect);
+  if (!to_position && !leaves_positions(effect)) return;
   for (auto& [address, motor] : motors_) {
     const bool names_it = request.address == address.module && request.motor == address.motor;
-    if (names_it || (to_position && can_move(request, address)))
-      motor.was_sent_to_position = to_position;
+    if (names_it || can_move(request, address)) motor.was_sent_to_position = to_position;
   }
 }
 
@@ -462,22 +542,21 @@ tmcl::Error Motors::claimed(AxisAddress motor) const {
                "wait for its end, or stop it");
 }
 
-void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answer, Claimant before,
-                  std::uint64_t turning) {
+void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answer,
+                  const Before& before) {
   const AxisAddress motor{request.address, request.motor};
   if (answer || answer.error().outcome == tmcl::Outcome::unknown) {
     note_moved(request);
     note_target(request);
+    note_turning(request, answer.has_value(), before);
   }
-  // Whoever lets it turn may have said so while this was on its way.
-  if (answer && ends_turning(request) && turning == turning_of(motor)) end_turning(motor);
   if (answer && request.command == Command::MST) moved_.erase(motor);
   if (request.command != Command::RFS) return;
   switch (request.type) {
     case tmcl::search_type::start: {
       const bool never_began = !answer && answer.error().outcome != tmcl::Outcome::unknown;
       if (never_began) {
-        release(motor, before.of);
+        release(motor, before.claimant.of);
       } else {
         recover(motor, latches(motor));
         // It may count from somewhere else at any time now.
@@ -486,7 +565,7 @@ void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answ
       return;
     }
     case tmcl::search_type::stop:
-      if (answer && before.by == Mover::search) release(motor, before.of);
+      if (answer && before.claimant.by == Mover::search) release(motor, before.claimant.of);
       return;
   }
 }

@@ -12,6 +12,9 @@
 /// moves it meanwhile. Who has a lease of a motor is the only one who may move it, and change what
 /// its module is set to. A stop needs no permit and heeds neither.
 ///
+/// The client that sets an axis turning without end owns that until the axis is seen to stand, or a
+/// command has surely ended it: see motion_effect(). It is stopped when its owner goes.
+///
 /// Does no I/O. Thread safety: none. What it holds is bounded by the number of axes, by
 /// most_other_motors, and by how many requests a bus takes.
 #pragma once
@@ -42,6 +45,7 @@ struct Permit {
   std::uint64_t client = 0;     ///< Who made it; 0: nobody who could go.
   bool exceeds_limits = false;  ///< The limits of axes do not hold for it: see AxisLimits.
   bool needs_lease = false;     ///< It moves only what its client has a lease of.
+  bool unattended = false;      ///< What it sets turning turns on when its client goes.
   bool operator==(const Permit&) const = default;
 };
 
@@ -49,8 +53,8 @@ struct Permit {
 struct Arrivals {
   std::uint64_t last = 0;
   std::uint64_t stop_of_all = 0;
-  bool closing = false;  ///< Nothing is set in motion any more.
-  std::set<std::uint64_t> clients{};
+  bool closing = false;                            ///< Nothing is set in motion any more.
+  std::map<std::uint64_t, std::string> clients{};  ///< With what people call them.
   std::uint64_t last_client = 0;
   Gaps gaps{};
 
@@ -64,9 +68,13 @@ struct Tenant {
   std::uint64_t client = 0;  ///< 0: there is none.
   std::int32_t lease = 0;    ///< 0: there is none.
   std::string name{};        ///< Of the client, for people.
-  /// Without a lease: it lets the motor turn, until that is stopped or sent somewhere. Client 0:
-  /// nobody attends to it.
-  bool turns = false;
+};
+
+/// A motor turns without end, or may: until it is seen to stand, or a command has surely ended it.
+struct Turning {
+  std::uint64_t number = 0;  ///< Of all turnings; 0: it does not turn.
+  std::uint64_t client = 0;  ///< Its owner, with whom it ends; 0: it is unattended.
+  std::string name{};        ///< Of the owner, for people.
 };
 
 /// Who moves an axis now.
@@ -101,6 +109,42 @@ class Claim {
   Claim(Motors& motors, tmcl::AxisAddress motor, Permit of) : held_(&motors, Release{motor, of}) {}
 
   std::unique_ptr<Motors, Release> held_;
+};
+
+/// What a command does to how a motor moves.
+enum class MotionEffect : std::uint8_t {
+  none,         ///< It moves on as it does, or stands.
+  to_position,  ///< It goes to a position, whatever it did before.
+  by_distance,  ///< Likewise, over a distance.
+  sets_target,  ///< It goes to a position, unless it turns by velocity.
+  turns,        ///< It turns without end, or may.
+  stops,
+  searches,    ///< Its reference.
+  unforeseen,  ///< A program does it, which no client owns.
+};
+MotionEffect motion_effect(const tmcl::Request& request);
+
+/// A command is on its way that may set a motor turning. Must not outlive the Motors it is of.
+class TurningAttempt {
+ public:
+  TurningAttempt() = default;
+  /// There is one.
+  explicit operator bool() const { return held_ != nullptr; }
+  /// It was not sent, or its module refused it: the motor does what it did before.
+  void withdraw();
+
+ private:
+  friend class Motors;
+  struct End {
+    tmcl::AxisAddress motor;
+    void operator()(Motors* motors) const;
+  };
+  TurningAttempt(Motors& motors, tmcl::AxisAddress motor, Turning before)
+      : held_(&motors, End{motor}), before_(std::move(before)) {}
+
+  std::unique_ptr<Motors, End> held_;
+  Turning before_;
+  std::uint64_t number_ = 0;
 };
 
 /// Whether a request can move a motor, now or when its module starts again.
@@ -152,14 +196,28 @@ class Motors {
   /// The same; and calls that came in before this have no right to move it any more, but for those
   /// that lead it along a line or path.
   void lose_lease(tmcl::AxisAddress motor);
-  /// With client 0 if it has none.
+  /// With client 0 if it has none. Without a lease: the owner of its turning.
   Tenant tenant_of(tmcl::AxisAddress motor) const;
-  /// Which of its turnings this is; 0 if it was not told to turn.
-  std::uint64_t turning_of(tmcl::AxisAddress motor) const;
   /// What everybody else is told. Only of a motor that has a tenant.
   tmcl::Error leased(tmcl::AxisAddress motor) const;
-  /// Whether this client lets the motor turn, without a lease.
-  bool is_turned_by(tmcl::AxisAddress motor, std::uint64_t client) const;
+
+  /// The client of the call owns what the request sets turning, from now on: before it is sent.
+  /// Nothing happens if it sets nothing turning, or another client is the tenant of the motor.
+  [[nodiscard]] TurningAttempt begin_turning(const tmcl::Request& request, Permit of);
+  /// It was found turning, and no client owns that.
+  void note_unattended(tmcl::AxisAddress motor);
+  Turning turning_of(tmcl::AxisAddress motor) const;
+  /// A command is on its way that may set it turning.
+  bool is_to_turn(tmcl::AxisAddress motor) const {
+    const auto found = motors_.find(motor);
+    return found != motors_.end() && found->second.turning_attempts > 0;
+  }
+  /// It was seen to stand. Nothing happens while a command is on its way that may set it turning.
+  /// `number`: of the turning that was known before it was looked at.
+  void end_turning(tmcl::AxisAddress motor, std::uint64_t number);
+  /// What turns for other clients, of what the request concerns.
+  std::vector<tmcl::AxisAddress> turned_for_others(const tmcl::Request& request,
+                                                   Permit permit) const;
 
   /// Nothing moves the axes of a module any more, and they have lost their reference. Whatever
   /// moves them on a line or path is woken, to find that out. `cause`: a sentence without a full
@@ -208,19 +266,29 @@ class Motors {
   /// What moved or stopped it last was sent from here, and said where it is to stand.
   bool was_sent_to_position(tmcl::AxisAddress motor) const;
 
-  /// Learns from what goes past whether reference searches run, and what turns: `before` it was
-  /// sent, the motor was claimed like this, and `turning` was its turning.
-  void note(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer, Claimant before,
-            std::uint64_t turning);
+  /// How it was before a request was sent.
+  struct Before {
+    Claimant claimant{};
+    std::uint64_t turnings = 0;  ///< The number of the last one.
+    Permit of{};
+  };
+  Before before(const tmcl::Request& request, Permit of) const {
+    return {claimant_of({request.address, request.motor}), last_turning_, of};
+  }
+  /// Learns from what goes past whether reference searches run, and what turns.
+  void note(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer,
+            const Before& before);
 
  private:
+  friend class TurningAttempt;
   struct Motor {
     std::string axis{};  ///< Empty where there is none.
     std::uint64_t last_stop = 0;
     std::uint64_t last_loss = 0;  ///< Of a lease.
     Claimant claimant{};
-    Tenant tenant{};
-    std::uint64_t turning = 0;
+    Tenant tenant{};  ///< By a lease.
+    Turning turning{};
+    int turning_attempts = 0;   ///< On their way.
     std::string latch_cause{};  ///< Empty: it is not latched.
     std::uint64_t latches = 0;  ///< How many times it was.
     Permit searcher{};          ///< Who may move it all the same.
@@ -237,7 +305,8 @@ class Motors {
   void note_target(const tmcl::Request& request);
   bool is_stopped_since(tmcl::AxisAddress motor, Permit permit) const;
   std::optional<tmcl::Error> objection_to_all(Permit permit) const;
-  void end_turning(tmcl::AxisAddress motor);
+  void note_turning(const tmcl::Request& request, bool is_done, const Before& before);
+  void turn(Motor& motor, Permit of);
   bool leads(tmcl::AxisAddress motor, Permit permit) const;
   std::optional<tmcl::Error> objection_by_lease(tmcl::AxisAddress motor, Permit permit) const;
   /// The call needs one, and has none.
@@ -249,6 +318,7 @@ class Motors {
   std::shared_ptr<Arrivals> arrivals_;
   std::map<tmcl::AxisAddress, Motor> motors_;
   std::vector<tmcl::Request> on_their_way_;
+  std::uint64_t last_turning_ = 0;
   std::set<tmcl::AxisAddress> moved_;  ///< Since they were stopped; axes and others.
   /// Of motors that are not in the map, it is not known any better.
   std::uint64_t last_stop_of_others_ = 0;

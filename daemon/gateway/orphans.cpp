@@ -67,8 +67,9 @@ awaitable<void> find_turning(std::shared_ptr<GatewayAxis> axis, Holding holding)
   if (!co_await meet(*axis)) co_return;
   const auto velocity = co_await axis->get(tmcl::axis_parameter::actual_velocity, {});
   const bool stands = velocity && *velocity == 0;
+  auto& motors = axis->bus().motors();
   if (axis->is_unattended() && (stands || has_restarted_since(*axis, holding.seen)))
-    axis->bus().motors().end_lease(axis->address());
+    motors.end_turning(axis->address(), motors.turning_of(axis->address()).number);
 }
 
 awaitable<void> put_in_order(std::shared_ptr<GatewayAxis> axis, Claim claim, Holding holding) {
@@ -110,7 +111,7 @@ awaitable<bool> set_back(GatewayAxis& axis, tmcl::plan::Setting setting) {
 void take_over(const std::shared_ptr<GatewayAxis>& axis, Holding holding) {
   const auto& executor = axis->bus().executor();
   if (holding.why == unattended) {
-    axis->bus().motors().lease(axis->address(), {0, 0, {}, true});
+    axis->bus().motors().note_unattended(axis->address());
     return spawn(executor, find_turning(axis, std::move(holding)));
   }
   if (axis->mover() != Mover::nobody) return;

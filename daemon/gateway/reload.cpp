@@ -47,7 +47,7 @@ Objection objection_of(const Gateway& gateway, const GatewayAxis& axis) {
     return say(what_moves(axis.mover()), "wait for its end, or stop it");
   if (const auto* lease = gateway.leases()->of(axis))
     return say("is leased by " + lease->holder.name, "wait until it is given back");
-  if (axis.tenant().turns) return say("turns", "stop it");
+  if (axis.turns()) return say("turns", "stop it");
   if (axis.latched())
     return say("is latched, which would be forgotten", "search its reference or recover it");
   return std::nullopt;

@@ -25,7 +25,8 @@ inline Request request_of(Command command, std::uint8_t type, std::uint8_t motor
 /// It speaks bytes, as on a serial line.
 class PortHost {
  public:
-  PortHost(VirtualGateway& bench, const std::string& name, Role role) : bench_(&bench) {
+  template <class Bench>
+  PortHost(Bench& bench, const std::string& name, Role role) : time_(&bench.time) {
     PortConfig config;
     config.name = name;
     config.bus = "bench";
@@ -46,7 +47,7 @@ class PortHost {
   /// What has been heard, oldest first; nothing after ten seconds of silence.
   std::optional<tmcl::SerialBytes> hear() {
     const auto has_some = [this] { return !heard_->empty(); };
-    if (!bench_->time.run_while_not(has_some, std::chrono::seconds(10))) return std::nullopt;
+    if (!time_->run_while_not(has_some, std::chrono::seconds(10))) return std::nullopt;
     const auto first = heard_->front();
     heard_->erase(heard_->begin());
     return first;
@@ -65,7 +66,7 @@ class PortHost {
   void go() { stream_->close(); }
 
  private:
-  VirtualGateway* bench_;
+  tmcl::VirtualTime* time_;
   std::shared_ptr<std::vector<tmcl::SerialBytes>> heard_ =
       std::make_shared<std::vector<tmcl::SerialBytes>>();
   std::shared_ptr<PortStream> stream_;

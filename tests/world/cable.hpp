@@ -34,6 +34,7 @@ class CableBench {
   /// Of a host that tmcld knows nothing of.
   void other_master(const tmcl::Request& request);
   void client_leaves() { gateway_->leave(peer_->number); }
+  Gateway& gateway() { return *gateway_; }
   /// Who has called until now stays.
   void be_another_client();
   /// It sends nothing any more.

@@ -315,6 +315,8 @@ class ModuleExecute(Record):
     value: int = 0
     #: the firmware version where it came as text
     text: str | None = None
+    #: such as that an axis turns for this connection only; null if there are none
+    warnings: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -829,6 +831,8 @@ class State(Record):
     lease: int | None = None
     #: it turns, and does not stop when a connection ends
     unattended: bool = False
+    #: the client that it turns for, or that has its lease; null if there is none
+    owner: str | None = None
 
 
 @dataclass(frozen=True)
@@ -1031,6 +1035,12 @@ class ProgramRead(Record):
 
 
 @dataclass(frozen=True)
+class ProgramRun(Record):
+    #: true: what the program sets turning has no owner, and turns on when a connection ends
+    unattended: bool = False
+
+
+@dataclass(frozen=True)
 class ProgramStatus(Record):
     #: stopped, running, stepping or reset
     state: str = ""
@@ -1131,6 +1141,8 @@ class WatchedState(Record):
     lease: int | None = None
     #: it turns, and does not stop when a connection ends
     unattended: bool = False
+    #: the client that it turns for, or that has its lease; null if there is none
+    owner: str | None = None
     #: counts the states of the axis
     seq: int = 0
     #: when it was read, on the daemon's monotonic clock
@@ -1849,9 +1861,9 @@ class Methods:
         *,
         deadline_ms: int | None = None,
         first_address: int | None = None,
-    ) -> None:
+    ) -> ProgramRun:
         """`program.run` runs the program in a module."""
-        self._call("program.run", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "first_address": first_address})
+        return ProgramRun.of(self._call("program.run", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "first_address": first_address}))
 
     def program_stop(
         self,
@@ -1869,9 +1881,9 @@ class Methods:
         address: int,
         *,
         deadline_ms: int | None = None,
-    ) -> None:
+    ) -> ProgramRun:
         """`program.step` executes one command of the program."""
-        self._call("program.step", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+        return ProgramRun.of(self._call("program.step", {"bus": bus, "address": address, "deadline_ms": deadline_ms}))
 
     def program_reset(
         self,
@@ -2675,9 +2687,9 @@ class AsyncMethods:
         *,
         deadline_ms: int | None = None,
         first_address: int | None = None,
-    ) -> None:
+    ) -> ProgramRun:
         """`program.run` runs the program in a module."""
-        await self._call("program.run", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "first_address": first_address})
+        return ProgramRun.of(await self._call("program.run", {"bus": bus, "address": address, "deadline_ms": deadline_ms, "first_address": first_address}))
 
     async def program_stop(
         self,
@@ -2695,9 +2707,9 @@ class AsyncMethods:
         address: int,
         *,
         deadline_ms: int | None = None,
-    ) -> None:
+    ) -> ProgramRun:
         """`program.step` executes one command of the program."""
-        await self._call("program.step", {"bus": bus, "address": address, "deadline_ms": deadline_ms})
+        return ProgramRun.of(await self._call("program.step", {"bus": bus, "address": address, "deadline_ms": deadline_ms}))
 
     async def program_reset(
         self,

@@ -279,6 +279,8 @@ struct State {
   TMCL_FIELD(std::int64_t, age_ms, "how old the oldest of these values is");
   TMCL_FIELD(std::optional<std::int32_t>, lease, "number of its lease; null if it has none");
   TMCL_FIELD(bool, unattended, "it turns, and does not stop when a connection ends");
+  TMCL_FIELD(std::optional<std::string>, owner,
+             "the client that it turns for, or that has its lease; null if there is none");
 };
 struct GetState {
   TMCL_METHOD("axis.get_state", reads, State, "where the axis is and what it does", GetState);

@@ -156,6 +156,8 @@ struct Reply {
   TMCL_FIELD(std::uint8_t, command, "command byte of the reply");
   TMCL_FIELD(std::int32_t, value, "value of the reply");
   TMCL_FIELD(std::optional<std::string>, text, "the firmware version where it came as text");
+  TMCL_FIELD(std::optional<std::vector<std::string>>, warnings,
+             "such as that an axis turns for this connection only; null if there are none");
 };
 struct Execute : SoonOnModule {
   TMCL_METHOD("module.execute", moves, Reply, "any TMCL command, exactly as given", Execute,

@@ -41,8 +41,14 @@ struct Read : OnModule {
   TMCL_FIELD(std::optional<std::uint16_t>, length, "how many commands; up to its end if absent",
              {1, 2048});
 };
+struct Started {
+  TMCL_STRUCT(Started);
+  TMCL_FIELD(
+      bool, unattended,
+      "true: what the program sets turning has no owner, and turns on when a connection ends");
+};
 struct Run : SoonOnModule {
-  TMCL_METHOD("program.run", moves, Nothing, "runs the program in a module", Run, SoonOnModule);
+  TMCL_METHOD("program.run", moves, Started, "runs the program in a module", Run, SoonOnModule);
   TMCL_FIELD(std::optional<std::uint16_t>, first_address,
              "where it begins; where it stands if absent", program_addresses);
 };
@@ -51,7 +57,7 @@ struct Stop : SoonOnModule {
               SoonOnModule);
 };
 struct Step : SoonOnModule {
-  TMCL_METHOD("program.step", moves, Nothing, "executes one command of the program", Step,
+  TMCL_METHOD("program.step", moves, Started, "executes one command of the program", Step,
               SoonOnModule);
 };
 struct Reset : SoonOnModule {
