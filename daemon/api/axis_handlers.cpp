@@ -74,20 +74,22 @@ Answer<axis::Rotate> rotate(Call& call, const axis::Rotate& params) {
   movement.permit.unattended = params.unattended.value_or(false);
   const auto turned = co_await axis.rotate({velocity->value}, std::move(movement));
   if (!turned) co_return failed(turned.error(), axis);
+  const auto& journal = axis.bus().journal();
+  const auto unkept = journal && velocity->value != 0 ? journal->failure() : std::string();
   auto told = co_await velocity_in_unit(axis, *velocity);
   axis::Turning result{velocity->value, std::move(told.unit), told.number, Warnings{}};
   const auto greatest = co_await axis.get(ap::max_velocity, {});
   if (greatest && std::abs(std::int64_t{velocity->value}) > *greatest)
     result.warnings->emplace_back("it turns faster than max_velocity, which holds for positions");
+  if (!unkept.empty()) result.warnings->push_back(journal_warning(unkept));
   co_return result;
 }
 
 Answer<axis::Stop> stop(Call& call, const axis::Stop& params) {
   const auto axis = axis_of(call, params.axis);
   if (!axis) co_return tl::unexpected(axis.error());
-  ++call.gateway->stops_in_progress;
+  const StopInProgress in_progress(call.gateway);
   const auto stopped = co_await (*axis)->stop(StopCause::client, call.permit.client);
-  --call.gateway->stops_in_progress;
   if (!stopped) co_return failed(stopped.error(), **axis);
   co_return Nothing{};
 }

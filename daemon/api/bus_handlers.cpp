@@ -44,10 +44,23 @@ tmcl::Error scan_in_progress(const GatewayBus& bus) {
   return error;
 }
 
+class ScanInProgress {
+ public:
+  explicit ScanInProgress(std::shared_ptr<GatewayBus> bus) : bus_(std::move(bus)) {
+    bus_->scanning = true;
+  }
+  ScanInProgress(const ScanInProgress&) = delete;
+  ScanInProgress& operator=(const ScanInProgress&) = delete;
+  ~ScanInProgress() { bus_->scanning = false; }
+
+ private:
+  std::shared_ptr<GatewayBus> bus_;
+};
+
 boost::asio::awaitable<ScanResult> scan_one(std::shared_ptr<GatewayBus> bus,
                                             tmcl::ScanOptions options, std::shared_ptr<Peer> peer) {
   if (bus->scanning) co_return tl::unexpected(scan_in_progress(*bus));
-  bus->scanning = true;
+  const ScanInProgress in_progress(bus);
   RunOptions run;
   run.objection = [peer]() -> std::optional<tmcl::Error> {
     if (!peer->is_gone()) return std::nullopt;
@@ -55,7 +68,6 @@ boost::asio::awaitable<ScanResult> scan_one(std::shared_ptr<GatewayBus> bus,
   };
   auto script = tmcl::verbs::scan(std::move(options));
   auto found = co_await bus->run(std::move(script), std::move(run));
-  bus->scanning = false;
   co_return found;
 }
 

@@ -22,7 +22,11 @@ std::int64_t milliseconds(tmcl::Duration duration) {
 }
 
 lease::Granted granted(const tmcld::Lease& lease) {
-  return {lease.number, lease.epoch, names_of(lease.axes), milliseconds(lease.terms.ttl)};
+  lease::Granted told{lease.number, lease.epoch, names_of(lease.axes),
+                      milliseconds(lease.terms.ttl)};
+  if (lease.terms.stops && !lease.journal_failure.empty())
+    told.warnings = std::vector{journal_warning(lease.journal_failure)};
+  return told;
 }
 
 lease::Lease view_of(const tmcld::Lease& lease, tmcl::TimePoint now) {
@@ -91,9 +95,8 @@ Answer<lease::Release> release_lease(Call& call, const lease::Release& params) {
   std::vector<boost::asio::awaitable<tmcl::Result<void>>> stops;
   if (params.stop.value_or(true))
     for (const auto& axis : held->axes) stops.push_back(stop_one(axis));
-  ++call.gateway->stops_in_progress;
+  const StopInProgress in_progress(call.gateway);
   const auto stopped = co_await gather(std::move(stops));
-  --call.gateway->stops_in_progress;
   for (std::size_t i = 0; i < stopped.size(); ++i) {
     if (!stopped[i])
       co_return tl::unexpected(call_error(stopped[i].error(), held->axes[i]->name()));

@@ -153,6 +153,8 @@ Answer<line::Move> move_line(Call& call, const line::Move& params) {
                            seconds(started->predicted_skew),
                            seconds(started->skew),
                            warnings_of(*members, plan)};
+  if (!started->journal_failure.empty())
+    result.warnings->push_back(journal_warning(started->journal_failure));
   for (std::size_t i = 0; i < members->size(); ++i) {
     auto axis = co_await to_result((*members)[i], plan.axes[i].arrival);
     result.axes.push_back(std::move(axis));

@@ -111,6 +111,7 @@ mint::Ran view_of(const MintRun& run) {
         {static_cast<std::int32_t>(group.line), group.duration, seconds(run.report().took[i])});
   }
   ran.remarks = remarks_of(run);
+  if (!run.journal_failure().empty()) ran.remarks.push_back(journal_warning(run.journal_failure()));
   return ran;
 }
 

@@ -133,9 +133,9 @@ Answer<module::Execute> execute(Call& call, const module::Execute& params) {
     co_return tl::unexpected(std::move(*complaint));
   const bool stops = call.effect == tmcl::Effect::stops;
   if (stops) revoke_movements(call, **bus, *request);
-  call.gateway->stops_in_progress += stops ? 1 : 0;
+  std::optional<StopInProgress> in_progress;
+  if (stops) in_progress.emplace(call.gateway);
   const auto answer = co_await (*bus)->execute(*request, in_time(call, params));
-  call.gateway->stops_in_progress -= stops ? 1 : 0;
   if (!answer) co_return tl::unexpected(call_error(answer.error()));
   auto result = to_result(*answer);
   result.warnings = warnings_about(call, **bus, *request);

@@ -13,6 +13,7 @@ boost::json::object params_of(const GatewayEvent& event) {
   if (!view.motors) params.erase(api::name_of<&api::Event::motors>());
   if (!view.cause) params.erase(api::name_of<&api::Event::cause>());
   if (!view.reason) params.erase(api::name_of<&api::Event::reason>());
+  if (!view.unrestored) params.erase(api::name_of<&api::Event::unrestored>());
   return params;
 }
 

@@ -389,6 +389,7 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
                                 streamed(planned->known), options, progress_to(call));
   const auto failure = co_await PathRun::pass(run);
   if (failure) co_return tl::unexpected(call_error(failure->error, failure->axis));
+  if (!run->journal_failure().empty()) warnings.push_back(journal_warning(run->journal_failure()));
   auto passage = passage_of(*run);
   if (run->report().fault) co_return tl::unexpected(error_of(*run, api::to_json(passage)));
   co_return path::Passed{std::move(passage), std::move(warnings)};

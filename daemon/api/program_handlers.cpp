@@ -67,9 +67,8 @@ boost::asio::awaitable<Lookup<program::Started>> start(Call& call, Lookup<Module
 
 Answer<program::Load> load_program(Call& call, const program::Load& params) {
   // The end of the daemon waits a little: a module must not be left in download mode.
-  ++call.gateway->stops_in_progress;
+  const StopInProgress in_progress(call.gateway);
   auto loaded = co_await load_or_compare(call, params, tmcl::verbs::load_program);
-  --call.gateway->stops_in_progress;
   co_return loaded;
 }
 

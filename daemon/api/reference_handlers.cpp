@@ -78,9 +78,8 @@ Answer<axis::StartHome> start_home(Call& call, const axis::StartHome& params) {
 Answer<axis::StopHome> stop_home(Call& call, const axis::StopHome& params) {
   const auto axis = axis_of(call, params.axis);
   if (!axis) co_return tl::unexpected(axis.error());
-  ++call.gateway->stops_in_progress;
+  const StopInProgress in_progress(call.gateway);
   const auto stopped = co_await (*axis)->stop_home();
-  --call.gateway->stops_in_progress;
   co_return nothing_or(stopped, **axis);
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "api/can_identifiers.hpp"
+#include "gateway/standing_stop.hpp"
 #include "tmcl/bit_rate.hpp"
 #include "tmcl/quantity.hpp"
 
@@ -44,6 +45,13 @@ std::string_view state_of(const GatewayAxis& axis) {
   return absent ? "no_such_motor" : name_of(axis.module().state());
 }
 
+std::vector<api::axis::RampSetting> view_of(const std::vector<UnrestoredSetting>& settings) {
+  std::vector<api::axis::RampSetting> view;
+  for (const auto& [parameter, number, before] : settings)
+    view.push_back({parameter, number, before});
+  return view;
+}
+
 void fill(api::axis::State& out, const GatewayAxis& axis, const AxisReading& reading) {
   const auto& state = reading.state;
   out.axis = axis.name();
@@ -67,6 +75,7 @@ void fill(api::axis::State& out, const GatewayAxis& axis, const AxisReading& rea
   if (tenant.lease != 0) out.lease = tenant.lease;
   out.unattended = axis.is_unattended();
   out.owner = if_any(tenant.name);
+  out.unrestored = view_of(unrestored_of(axis));
 }
 
 /// What the module is set to says nothing about what it does.
@@ -181,7 +190,7 @@ api::axis::Axis view_of(const GatewayAxis& axis) {
 
 api::Event view_of(const GatewayEvent& event) {
   api::Event out{
-      std::string(name_of(event.kind)), event.bus, event.address, {}, {}, {}, event.text};
+      std::string(name_of(event.kind)), event.bus, event.address, {}, {}, {}, {}, event.text};
   if (event.kind == GatewayEvent::Kind::target_reached ||
       event.kind == GatewayEvent::Kind::axis_stopped ||
       event.kind == GatewayEvent::Kind::lease_lost ||
@@ -191,6 +200,7 @@ api::Event view_of(const GatewayEvent& event) {
     out.motors = motors_in(static_cast<std::uint32_t>(event.value));
   out.cause = if_any(event.cause);
   out.reason = if_any(event.reason);
+  if (!event.unrestored.empty()) out.unrestored = view_of(event.unrestored);
   return out;
 }
 

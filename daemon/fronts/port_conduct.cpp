@@ -95,9 +95,8 @@ PortConduct::Awaitable<tmcl::Answer> PortConduct::stop(tmcl::Request request) {
   bus_->motors().stop(motor);
   const auto axis = gateway_->find_axis(*bus_, motor);
   if (axis) axis->revoke_movements();
-  ++gateway_->stops_in_progress;
+  const StopInProgress in_progress(gateway_);
   auto answer = co_await bus_->execute(request, asked_by(host_.number));
-  --gateway_->stops_in_progress;
   co_return answer;
 }
 

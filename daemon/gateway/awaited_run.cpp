@@ -21,9 +21,7 @@ awaitable<std::optional<AxisFailure>> AwaitedRun::pass(std::shared_ptr<AwaitedRu
   } catch (...) {
     failure = std::current_exception();
   }
-  self->release();
-  for (const auto& unstopped : self->report().unstopped)
-    stop_until_it_stands(self->members_[unstopped.axis].axis);
+  self->release(&self->report());
   self->ended_ = true;
   if (failure) std::rethrow_exception(failure);
   self->tell_fault();
@@ -62,7 +60,7 @@ awaitable<std::optional<AxisFailure>> AwaitedRun::take_axes() {
   for (auto& member : members_) {
     auto admitted = co_await member.axis->admit(intent::FollowPath{}, member.movement);
     if (!admitted) {
-      release();
+      release(nullptr);
       co_return AxisFailure{std::move(admitted.error()), member.axis->name()};
     }
     member.admitted = std::move(*admitted);
@@ -94,7 +92,9 @@ void AwaitedRun::tell_fault() const {
   const auto& fault = report().fault;
   if (!fault || is_before_motion(fault->kind)) return;
   const auto& axis = *members_[fault->axis.value_or(0)].axis;
-  axis.bus().emit(event_of(axis, when_broken_, text_of(*fault)));
+  auto event = event_of(axis, when_broken_, text_of(*fault));
+  event.unrestored = unrestored_of(axis);
+  axis.bus().emit(std::move(event));
 }
 
 }  // namespace tmcld

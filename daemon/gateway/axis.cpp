@@ -179,10 +179,10 @@ GatewayAxis::Awaitable<void> GatewayAxis::stop(StopCause cause, std::uint64_t cl
   expected_arrival_ = {};
   const bool was_searching = mover() == Mover::search;
   auto result = co_await axis_.run(tmcl::verbs::stop(address()), asked_by(client));
-  // A firmware that searches on may start the motor again.
-  if (!was_searching || !result) co_return result;
+  // A firmware that searches on may start the motor again. What cannot be sent now is sent later.
+  if (!was_searching) co_return result;
   auto ended = co_await stop_home();
-  co_return ended;
+  co_return result ? ended : result;
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::brake() {
@@ -309,6 +309,8 @@ GatewayAxis::Awaitable<void> GatewayAxis::write(std::uint8_t parameter, std::int
   auto result = co_await axis_.run(std::move(script), std::move(admitted));
   // Also after a failure: the value may have been set all the same.
   units_.note_set(parameter, result ? std::optional(value) : std::nullopt);
+  // Whoever sets it while it waits to be set back wants it so.
+  if (result && mover() == Mover::stop) forget_before(parameter);
   if (parameter != tmcl::axis_parameter::actual_position) co_return result;
   requested_.reset();
   if (result) bus().motors().note_reference(address());
@@ -382,8 +384,11 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::look() {
 
 // ---- what is to be put in order ----------------------------------------------------------------
 
-boost::asio::awaitable<void> GatewayAxis::enter_journal() const {
-  if (const auto journal = bus().journal()) co_await Journal::write(journal);
+boost::asio::awaitable<std::string> GatewayAxis::enter_journal() const {
+  const auto journal = bus().journal();
+  if (!journal) co_return "";
+  co_await Journal::write(journal);
+  co_return journal->failure();
 }
 
 bool GatewayAxis::note_before(tmcl::plan::Setting setting) {

@@ -134,12 +134,21 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   bool is_on_journey() const { return mover() != Mover::nobody && mover() != Mover::search; }
   /// The one whose end somebody waits for; null if there is none.
   std::shared_ptr<AwaitedRun> journey() const { return claimant().journey.lock(); }
-  /// Returns when the journal, if there is one, says what is held now.
-  boost::asio::awaitable<void> enter_journal() const;
+  /// Returns when the journal, if there is one, says what is held now; otherwise why it does not.
+  boost::asio::awaitable<std::string> enter_journal() const;
   /// What it was before somebody who leads it changed it, and sets it back. False if that is noted.
   bool note_before(tmcl::plan::Setting setting);
   void forget_before() { before_.clear(); }
+  void forget_before(std::uint8_t parameter) {
+    std::erase_if(before_, [&](const auto& setting) { return setting.parameter == parameter; });
+  }
+  /// Of what was changed, only this was not set back.
+  void keep_before(std::vector<tmcl::plan::Setting> settings) { before_ = std::move(settings); }
   const std::vector<tmcl::plan::Setting>& before() const { return before_; }
+  /// What is to be set back as soon as its module takes it, as it was.
+  std::vector<tmcl::plan::Setting> unrestored() const {
+    return mover() == Mover::stop ? before_ : std::vector<tmcl::plan::Setting>{};
+  }
   /// Nobody else moves it while the claim lives. Only for an axis that nobody moves.
   [[nodiscard]] Claim claim(Claimant claimant) {
     return bus().motors().claim(address(), std::move(claimant));

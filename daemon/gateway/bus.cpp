@@ -156,6 +156,7 @@ void GatewayBus::attach(tmcl::Link link) {
   bus_->on_traffic([log = traffic_](const tmcl::Traffic& traffic) { log->note(traffic); });
   state_ = State::open;
   error_.clear();
+  for (const auto module : owed_stops_.modules()) send_owed_stops(module);
   if (again) {
     emit({GatewayEvent::Kind::link_restored, config_.name, {}, 0, to_string(config_.link)});
   } else {
@@ -180,7 +181,7 @@ awaitable<void> GatewayBus::look_after_modules() {
     std::vector<awaitable<tmcl::Result<void>>> questions;
     for (auto& [address, module] : modules_) {
       if (has_paths() || module->state() == GatewayModule::State::ready) continue;
-      if (!module->is_configured()) continue;
+      if (!module->is_configured() && !owes_stop(address)) continue;
       questions.push_back(module->be_ready());
     }
     if (!questions.empty()) co_await gather(std::move(questions));
@@ -223,8 +224,15 @@ void GatewayBus::on_bus_event(const tmcl::BusEvent& event) {
       error_ = event.text;
       changed_.notify();
       if (closed_) return;
-      return emit({Kind::link_lost, config_.name, {}, 0, event.text});
+      return emit({Kind::link_lost, config_.name, {}, 0, event.text + names_of_moving()});
   }
+}
+
+std::string GatewayBus::names_of_moving() const {
+  std::string names;
+  for (const auto& axis : motors_.under_way())
+    names += (names.empty() ? "; axes that may move: '" : ", '") + axis + "'";
+  return names;
 }
 
 void GatewayBus::emit(GatewayEvent event) {
@@ -250,6 +258,7 @@ std::string_view name_of(GatewayEvent::Kind kind) {
     case GatewayEvent::Kind::path_broken: return "path_broken";
     case GatewayEvent::Kind::mint_broken: return "mint_broken";
     case GatewayEvent::Kind::lease_lost: return "lease_lost";
+    case GatewayEvent::Kind::journal_failed: return "journal_failed";
     case GatewayEvent::Kind::axis_stopped: return "axis_stopped";
     case GatewayEvent::Kind::orphan_stopped: return "orphan_stopped";
     case GatewayEvent::Kind::module_silent: return "module_silent";
@@ -297,6 +306,7 @@ awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
   if (!bus_) {
     auto error = not_open();
     error.request = request;
+    if (OwedStops::is_stop(request) && owe(request)) error.hint = owed_stop_hint;
     co_return tl::unexpected(std::move(error));
   }
   auto* module = find_module(request.address);

@@ -22,6 +22,7 @@
 #include "gateway/journal.hpp"
 #include "gateway/module.hpp"
 #include "gateway/motors.hpp"
+#include "gateway/owed_stops.hpp"
 #include "gateway/queue_shares.hpp"
 #include "gateway/traffic_log.hpp"
 #include "log/audit.hpp"
@@ -121,6 +122,11 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// the module is asked.
   /// Errors: Errc::superseded_by_stop, axis_claimed, daemon_ending; nothing was sent.
   tmcl::Script<tmcl::Result<void>> may_send(tmcl::Request request, Permit permit);
+  /// Whether the motor has been stopped, and its module has not answered that yet.
+  bool owes_stop(tmcl::AxisAddress motor) const { return owed_stops_.has(motor); }
+  bool owes_stop(tmcl::ModuleAddress module) const { return !owed_stops_.of(module).empty(); }
+  /// Begins to send the stops that the module has not answered; returns at once.
+  void send_owed_stops(tmcl::ModuleAddress module);
   /// Of a motor that a search has claimed: frees it if the module says that the search has ended,
   /// and notes whether it has found its reference.
   /// Errors: those of the exchanges; Errc::axis_claimed while it searches.
@@ -173,8 +179,9 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// What a verb does, and what became of it so far.
   struct Conduct {
     RunOptions options;
-    bool acted = false;    ///< Something went out that was no mere question.
-    bool refused = false;  ///< Something that can move a motor was not sent: it ends by itself.
+    bool acted = false;      ///< Something went out that was no mere question.
+    bool refused = false;    ///< Something that can move a motor was not sent: it ends by itself.
+    bool owes_stop = false;  ///< A stop of it was not answered.
     GatewayModule* module = nullptr;  ///< The last that it has asked something.
   };
   struct Ended {
@@ -200,8 +207,17 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
                                                      Conduct& conduct);
   tmcl::Script<tmcl::StepResult> exchange_all(std::vector<tmcl::step::Exchange> exchanges);
   GatewayModule* watched_module(const tmcl::step::Exchange& exchange) const;
+  /// The stop was not answered. False if it cannot be kept.
+  bool owe(const tmcl::Request& stop);
+  /// What a verb that cannot begin would have sent first.
+  bool owe_first(tmcl::AnyScript& script);
+  tmcl::Script<tmcl::Result<void>> pay_stops(tmcl::ModuleAddress module);
+  static boost::asio::awaitable<void> pay_stops(std::shared_ptr<GatewayBus> self,
+                                                tmcl::ModuleAddress module);
+  void tell_paid(const tmcl::Request& stop);
 
   tmcl::Error not_open() const;
+  std::string names_of_moving() const;
   boost::asio::awaitable<void> rest(tmcl::Duration duration);
 
   static boost::asio::awaitable<void> serve(std::shared_ptr<GatewayBus> self);
@@ -238,6 +254,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   AuditSink audit_;
   std::shared_ptr<DeadmanMemory> deadmen_;
   Motors motors_;
+  OwedStops owed_stops_;
   QueueShares shares_;
   std::vector<std::shared_ptr<AxisLimits>> limits_;
   std::uint64_t commands_ = 0;

@@ -4,13 +4,17 @@
 #include <algorithm>
 #include <utility>
 
+#include "async/spawn.hpp"
 #include "gateway/axis_limits.hpp"
+#include "gateway/stop_cause.hpp"
 #include "tmcl/command_type.hpp"
 #include "tmcl/mechanics.hpp"
 #include "tmcl/parameter.hpp"
 
 namespace tmcld {
 namespace {
+
+using boost::asio::awaitable;
 
 constexpr tmcl::Duration claim_look_interval = std::chrono::milliseconds(5);
 
@@ -32,6 +36,7 @@ tmcl::Script<bool> sees_end_of_line(const Motors& motors, tmcl::AxisAddress moto
 }  // namespace
 
 tmcl::Script<tmcl::Result<void>> GatewayBus::may_send(tmcl::Request request, Permit permit) {
+  if (owes_stop(request.address)) co_await must(pay_stops(request.address));
   while (const auto motor = motors_.claimed_by_other(request, permit)) {
     const auto claimant = motors_.claimant_of(*motor);
     if (claimant.by == Mover::search) {
@@ -182,6 +187,10 @@ tmcl::Error has_its_share(const tmcl::Request& request) {
   return error;
 }
 
+void say_that_it_is_owed(tmcl::Error& error) {
+  error.hint = std::string(owed_stop_hint) + (error.hint.empty() ? "" : "; ") + error.hint;
+}
+
 /// Whoever sends a request may be ended at any time: it is on its way for as long as this lives.
 class OnItsWay {
  public:
@@ -203,6 +212,29 @@ class OnItsWay {
   GatewayModule* module_;  ///< Null if nobody watches it.
   bool is_done_ = false;
   tmcl::Request request_;
+};
+
+/// Keeps a stop that does not get an answer while this lives.
+class StopOnItsWay {
+ public:
+  using Owe = std::function<void()>;
+  explicit StopOnItsWay(Owe owe) : owe_(std::move(owe)) {}
+  StopOnItsWay(const StopOnItsWay&) = delete;
+  StopOnItsWay& operator=(const StopOnItsWay&) = delete;
+  ~StopOnItsWay() {
+    if (owe_) owe_();
+  }
+  /// Whether the module got it, or will not take it.
+  void note(const tmcl::Result<tmcl::Answer>& answer) {
+    const auto code = answer ? std::optional<tmcl::Errc>() : answer.error().code;
+    const bool is_unreachable = code == tmcl::Errc::link_lost ||
+                                code == tmcl::Errc::reply_timeout ||
+                                code == tmcl::Errc::module_silent;
+    if (!is_unreachable) owe_ = {};
+  }
+
+ private:
+  Owe owe_;
 };
 
 // An upload of firmware was judged when it began: a module must not be left in its bootloader.
@@ -307,6 +339,10 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   auto* module = find_module(request.address);
   if (is_judged(exchange)) on_its_way.emplace(motors_, module, request, conduct.options.permit);
   const auto before = motors_.before(request, conduct.options.permit);
+  std::optional<StopOnItsWay> stop_on_its_way;
+  conduct.owes_stop = false;
+  if (OwedStops::is_stop(request))
+    stop_on_its_way.emplace([this, &conduct, request] { conduct.owes_stop = owe(request); });
   const bool asks = effect_of(request.command, request.type) == tmcl::Effect::reads;
   // What is read while it is on its way may be from before it.
   if (!asks) ++commands_;
@@ -321,6 +357,11 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   }
   auto& answer = answers.front();
   if (!asks) ++commands_;
+  if (stop_on_its_way) stop_on_its_way->note(answer);
+  stop_on_its_way.reset();
+  if (answer) owed_stops_.remove(request);
+  if (conduct.owes_stop) say_that_it_is_owed(answer.error());
+  if (conduct.owes_stop && module != nullptr) module->note(answer.error());
   if (on_its_way) on_its_way->note(answer);
   on_its_way.reset();
   if (module != nullptr) module->note_sent(request);
@@ -329,6 +370,62 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   const bool may_be_done = answer || answer.error().outcome == tmcl::Outcome::unknown;
   conduct.acted = conduct.acted || (may_be_done && !asks);
   co_return std::move(answer);
+}
+
+// ---- stops that were not answered --------------------------------------------------------------
+
+bool GatewayBus::owe(const tmcl::Request& stop) {
+  if (closed_) return false;
+  const bool is_news = !owed_stops_.has(stop);
+  if (!owed_stops_.add(stop)) return false;
+  const bool matters = motors_.may_move({stop.address, stop.motor});
+  if (is_news && matters && journal_) spawn(executor_, Journal::write(journal_));
+  return true;
+}
+
+bool GatewayBus::owe_first(tmcl::AnyScript& script) {
+  const auto step = script.start(clock_.now());
+  const auto* first = step ? std::get_if<tmcl::step::Exchange>(&*step) : nullptr;
+  return first != nullptr && OwedStops::is_stop(first->request) && owe(first->request);
+}
+
+tmcl::Script<tmcl::Result<void>> GatewayBus::pay_stops(tmcl::ModuleAddress module) {
+  for (const auto& stop : owed_stops_.of(module)) {
+    // Another call may have sent it meanwhile.
+    if (!owed_stops_.has(stop)) continue;
+    Conduct conduct;
+    auto answer = co_await send_once({stop, {}}, conduct);
+    if (conduct.owes_stop) {
+      answer.error().outcome = tmcl::Outcome::not_sent;
+      co_return tl::unexpected(std::move(answer.error()));
+    }
+    owed_stops_.remove(stop);
+    if (answer) tell_paid(stop);
+  }
+  co_return tmcl::Result<void>{};
+}
+
+awaitable<void> GatewayBus::pay_stops(std::shared_ptr<GatewayBus> self,
+                                      tmcl::ModuleAddress module) {
+  // Those that fail are kept for the next time.
+  co_await self->run(self->pay_stops(module), {});
+}
+
+void GatewayBus::send_owed_stops(tmcl::ModuleAddress module) {
+  if (owes_stop(module)) spawn(executor_, pay_stops(shared_from_this(), module));
+}
+
+void GatewayBus::tell_paid(const tmcl::Request& stop) {
+  const tmcl::AxisAddress motor{stop.address, stop.motor};
+  const auto by = motors_.claimant_of(motor).by;
+  const bool is_led = by != Mover::nobody && by != Mover::search;
+  if (stop.command != tmcl::Command::MST || is_led) return;
+  GatewayEvent event{GatewayEvent::Kind::axis_stopped, config_.name, number(motor.module),
+                     1 << motor.motor};
+  event.text = "motor " + std::to_string(motor.motor) +
+               " is stopped: its module has taken the stop that could not be sent before";
+  event.cause = name_of(StopCause::client);
+  emit(std::move(event));
 }
 
 void GatewayBus::note_answer(const tmcl::Request& request,
@@ -363,13 +460,20 @@ tmcl::Script<tmcl::StepResult> GatewayBus::exchange_all(
 boost::asio::awaitable<GatewayBus::Ended> GatewayBus::run_steps(tmcl::AnyScript& script,
                                                                 RunOptions options) {
   const auto bus = bus_;
-  if (!bus) co_return Ended{not_open()};
+  if (!bus) {
+    auto error = not_open();
+    if (owe_first(script)) say_that_it_is_owed(error);
+    co_return Ended{std::move(error)};
+  }
   // Steps of one verb all go to the link it began on: after a loss another module may be there.
   tmcl::RunOptions of_bus{options.deadline, {}, options.on_answer};
   of_bus.objection = [this, bus] { return bus == bus_ ? std::nullopt : std::optional(not_open()); };
   Conduct conduct{std::move(options)};
   auto ended = co_await bus->run(judged(script, conduct), std::move(of_bus));
-  if (!ended) co_return Ended{std::move(ended.error())};
+  if (!ended) {
+    if (conduct.owes_stop) say_that_it_is_owed(ended.error());
+    co_return Ended{std::move(ended.error())};
+  }
   co_return Ended{std::nullopt, conduct.refused && conduct.acted};
 }
 

@@ -24,6 +24,20 @@ using tmcl::plan::DriveFault;
 // Coordinate 0 is never kept in the EEPROM.
 constexpr std::uint8_t scratch_coordinate = 0;
 
+bool is_unstopped(const tmcl::plan::DriveReport* report, std::size_t axis) {
+  return report != nullptr &&
+         std::ranges::count(report->unstopped, axis, &tmcl::plan::Unstopped::axis) > 0;
+}
+
+/// What was not set back, in the order in which it was changed.
+std::vector<tmcl::plan::Setting> left_of(const tmcl::plan::DriveReport* report, std::size_t axis) {
+  std::vector<tmcl::plan::Setting> left;
+  if (report == nullptr) return left;
+  for (const auto& unrestored : report->unrestored)
+    if (unrestored.axis == axis) left.insert(left.begin(), unrestored.before);
+  return left;
+}
+
 template <class T>
 DriveAnswer answer_of(tmcl::Result<T> result) {
   if constexpr (std::is_same_v<T, std::int32_t>) {
@@ -37,7 +51,7 @@ DriveAnswer answer_of(tmcl::Result<T> result) {
 
 awaitable<void> DriveRun::drive(Drive& drive, std::function<bool()> is_enough) {
   ++drives_;
-  co_await members_.front().axis->enter_journal();
+  co_await enter_journal(*members_.front().axis);
   spawn(co_await boost::asio::this_coro::executor, watch_modules(shared_from_this(), drives_));
   try {
     co_await take_steps(drive, std::move(is_enough));
@@ -134,9 +148,20 @@ awaitable<std::optional<AxisFailure>> DriveRun::claim(Claimant claimant) {
   co_return std::nullopt;
 }
 
-void DriveRun::release() {
-  for (const auto& member : members_) member.axis->forget_before();
+awaitable<void> DriveRun::enter_journal(const GatewayAxis& axis) {
+  auto failure = co_await axis.enter_journal();
+  if (journal_failure_.empty()) journal_failure_ = std::move(failure);
+}
+
+void DriveRun::release(const tmcl::plan::DriveReport* report) {
+  std::vector<std::shared_ptr<GatewayAxis>> unfinished;
+  for (std::size_t i = 0; i < members_.size(); ++i) {
+    const auto& axis = members_[i].axis;
+    if (!broken_) axis->keep_before(left_of(report, i));
+    if (!axis->before().empty() || is_unstopped(report, i)) unfinished.push_back(axis);
+  }
   claims_.clear();
+  for (const auto& axis : unfinished) stop_until_it_stands(axis);
 }
 
 Admitted DriveRun::movement_of(const DriveMember& member) const {
@@ -169,7 +194,7 @@ awaitable<DriveAnswer> DriveRun::set(const DriveMember& member, DriveCommand com
   if (command.may_wait && member.axis->latched()) co_return command.value;
   const bool is_news =
       command.before && member.axis->note_before({command.parameter, *command.before});
-  if (is_news) co_await member.axis->enter_journal();
+  if (is_news) co_await enter_journal(*member.axis);
   const auto once = [this, &member, command] {
     return write(member, {command.parameter, command.value}, command.may_wait);
   };

@@ -28,6 +28,9 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
  public:
   virtual ~DriveRun() = default;
 
+  /// Why the journal did not say what has to be put in order, when it had to; empty if it did.
+  const std::string& journal_failure() const { return journal_failure_; }
+
  protected:
   DriveRun(const boost::asio::any_io_executor& executor, std::vector<DriveMember> members)
       : members_(std::move(members)), woken_(executor), clock_(executor) {}
@@ -39,8 +42,9 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   const std::exception_ptr& failure() const { return failure_; }
   /// All of its axes. Errors: those of claim_all().
   boost::asio::awaitable<std::optional<AxisFailure>> claim(Claimant claimant);
-  /// They are as they were, or that has failed.
-  void release();
+  /// They are as they were, or that has failed: what could not be stopped or set back is then, as
+  /// soon as its module answers. `report`: null if nothing was driven.
+  void release(const tmcl::plan::DriveReport* report);
   tmcl::TimePoint now() const { return clock_.now(); }
 
   /// Nothing more is commanded once its axes are on their way.
@@ -72,6 +76,7 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   boost::asio::awaitable<void> answer(tmcl::plan::Drive& drive, tmcl::plan::DriveCommand command);
   boost::asio::awaitable<Answer> carry_out(tmcl::plan::DriveCommand command);
   boost::asio::awaitable<Answer> get(const DriveMember& member, tmcl::plan::DriveCommand command);
+  boost::asio::awaitable<void> enter_journal(const GatewayAxis& axis);
   boost::asio::awaitable<Answer> set(const DriveMember& member, tmcl::plan::DriveCommand command);
 
   tmcl::ContextClock clock_;
@@ -80,6 +85,7 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   std::size_t drives_ = 0;     ///< Begun or ended.
   std::size_t under_way_ = 0;  ///< Beside the coroutine that drives.
   std::exception_ptr failure_;
+  std::string journal_failure_;
   std::exception_ptr broken_;  ///< What ends it without the drive.
 };
 

@@ -6,8 +6,16 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace tmcld {
+
+/// A setting that is not what it was before a line or path, and is set back later.
+struct UnrestoredSetting {
+  std::string parameter;
+  std::uint8_t number = 0;
+  std::int32_t before = 0;
+};
 
 struct GatewayEvent {
   enum class Kind : std::uint8_t {
@@ -21,6 +29,7 @@ struct GatewayEvent {
     path_broken,     ///< Likewise, axes on a path; also when it was asked for.
     mint_broken,     ///< Likewise, axes that a Mint program moves.
     lease_lost,      ///< A client has lost the right to move an axis alone.
+    journal_failed,  ///< What would have to be put in order if the daemon is killed is not kept.
     axis_stopped,    ///< An axis that could not be stopped before stands now, or one that nobody
                      ///< has stopped: see cause.
     orphan_stopped,  ///< An axis that another run of the daemon led when it was killed.
@@ -36,6 +45,8 @@ struct GatewayEvent {
   std::string text{};
   std::string reason{};      ///< lease_lost: expired, closed or broken.
   std::string_view cause{};  ///< axis_stopped: the name of a StopCause.
+  /// line_broken, path_broken, mint_broken: of the axis.
+  std::vector<UnrestoredSetting> unrestored{};
 };
 
 /// snake_case; part of the stable interface.

@@ -17,10 +17,9 @@ boost::asio::awaitable<void> stop_all_quietly(std::shared_ptr<Gateway> gateway) 
 }
 
 boost::asio::awaitable<void> stop_quietly(std::shared_ptr<Gateway> gateway,
-                                          std::shared_ptr<GatewayAxis> axis) {
-  ++gateway->stops_in_progress;
-  const auto stopped = co_await axis->stop(StopCause::lease_lost);
-  --gateway->stops_in_progress;
+                                          std::shared_ptr<GatewayAxis> axis, StopCause cause) {
+  const StopInProgress in_progress(std::move(gateway));
+  const auto stopped = co_await axis->stop(cause);
   if (!stopped) stop_until_it_stands(axis);
 }
 
@@ -36,7 +35,7 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
   const auto& own = gateway->options_;
   gateway->deadmen_ = DeadmanMemory::open(own.deadmen, own.log);
   const auto stop = [weak = std::weak_ptr(gateway)](const std::shared_ptr<GatewayAxis>& axis) {
-    if (const auto self = weak.lock()) self->begin_to_stop(axis);
+    if (const auto self = weak.lock()) self->begin_to_stop(axis, StopCause::lease_lost);
   };
   gateway->leases_ = std::make_shared<Leases>(executor, own.lease_epoch, stop);
   if (!own.journal.empty()) {
@@ -44,7 +43,11 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
       const auto self = weak.lock();
       return self ? self->holdings() : Holdings();
     };
-    gateway->journal_ = std::make_shared<Journal>(executor, own.journal, held, own.log);
+    const auto tell = [weak = std::weak_ptr(gateway)](const std::string& why) {
+      if (const auto self = weak.lock())
+        self->tell({GatewayEvent::Kind::journal_failed, {}, {}, 0, why});
+    };
+    gateway->journal_ = std::make_shared<Journal>(executor, own.journal, held, own.log, tell);
   }
   gateway->access_ = config.access;
   gateway->moves_need_lease_ = config.daemon.moves_need_lease;
@@ -153,6 +156,8 @@ std::string why_held(const GatewayAxis& axis, const Leases& leases) {
     case Mover::nobody:
     case Mover::search: break;
   }
+  if (axis.bus().owes_stop(axis.address()) && axis.bus().motors().may_move(axis.address()))
+    return "stop";
   const auto* lease = leases.of(axis);
   if (lease != nullptr && lease->terms.stops) return "lease";
   const bool has_owner = lease == nullptr && axis.tenant().client != 0;
@@ -174,8 +179,13 @@ Holdings Gateway::holdings() const {
 
 void Gateway::take_over_orphans() {
   auto left = Journal::read(options_.journal);
-  if (!left)
-    log(LogLevel::error, "what another run of tmcld has left is not known: " + left.error());
+  if (!left) {
+    log(LogLevel::error,
+        "what another run of tmcld has left is not known, so axes that turn are "
+        "stopped: " +
+            left.error());
+    for (const auto& bus : buses_) stop_what_turns(shared_from_this(), bus);
+  }
   for (auto& holding : left.value_or(Holdings())) {
     const auto bus = std::ranges::find(buses_, holding.bus, &GatewayBus::name);
     auto axis = bus == buses_.end() ? nullptr : find_axis(**bus, holding.motor);
@@ -220,7 +230,8 @@ void Gateway::leave(std::uint64_t client) {
   leases_->end_of(client);
   if (client == 0) return;
   for (const auto& axis : axes_)
-    if (axis->bus().motors().turning_of(axis->address()).client == client) begin_to_stop(axis);
+    if (axis->bus().motors().turning_of(axis->address()).client == client)
+      begin_to_stop(axis, StopCause::lease_lost);
 }
 
 void Gateway::dismiss_clients() {
@@ -228,8 +239,8 @@ void Gateway::dismiss_clients() {
   for (const auto& [client, name] : clients) leave(client);
 }
 
-void Gateway::begin_to_stop(const std::shared_ptr<GatewayAxis>& axis) {
-  spawn(axis->bus().executor(), stop_quietly(shared_from_this(), axis));
+void Gateway::begin_to_stop(const std::shared_ptr<GatewayAxis>& axis, StopCause cause) {
+  spawn(axis->bus().executor(), stop_quietly(shared_from_this(), axis, cause));
 }
 
 void Gateway::revoke_movements() {
@@ -243,8 +254,17 @@ void Gateway::end_journeys() {
     if (const auto journey = axis->journey()) {
       journey->end({tmcl::plan::DriveFault::Kind::asked, {}, "tmcld is ending"});
     } else {
-      begin_to_stop(axis);
+      begin_to_stop(axis, StopCause::daemon);
     }
+  }
+}
+
+/// What a client can no longer stop must not go on: it is stopped when its link is back.
+void Gateway::stop_what_has_no_end(std::string_view bus) {
+  for (const auto& axis : axes_) {
+    const bool turns = axis->tenant().turns && !axis->is_unattended();
+    const bool has_no_end = turns || axis->mover() == Mover::search;
+    if (axis->bus().name() == bus && has_no_end) begin_to_stop(axis, StopCause::daemon);
   }
 }
 
@@ -337,6 +357,7 @@ std::uint64_t Gateway::on_event(OnGatewayEvent listener) {
 }
 
 void Gateway::tell(const GatewayEvent& event) {
+  if (event.kind == GatewayEvent::Kind::link_lost) stop_what_has_no_end(event.bus);
   for (const auto& [id, listener] : listeners_) listener(event);
 }
 

@@ -124,7 +124,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   std::uint64_t on_event(OnGatewayEvent listener);
   void ignore_events(std::uint64_t id) { listeners_.erase(id); }
 
-  /// How many stops are on their way; the end of the daemon waits a little for them.
+  /// How many stops are on their way; the end of the daemon waits a little for them. See
+  /// StopInProgress.
   int stops_in_progress = 0;
   /// The modules that are given new firmware, in words; the end of the daemon waits for them: a
   /// module with a firmware in part runs nothing.
@@ -153,7 +154,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   void add_axes(const Config& config);
   void begin_to_watch_for_gaps();
   void tell(const GatewayEvent& event);
-  void begin_to_stop(const std::shared_ptr<GatewayAxis>& axis);
+  void begin_to_stop(const std::shared_ptr<GatewayAxis>& axis, StopCause cause);
+  void stop_what_has_no_end(std::string_view bus);
   Holdings holdings() const;
   void take_over_orphans();
   /// Says what of the calls is stale, for as long as the gateway is open.
@@ -180,6 +182,20 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   bool is_closed_ = false;
   bool watches_for_gaps_ = false;
   Wake closed_;
+};
+
+/// Counts as a stop on its way for as long as it lives.
+class StopInProgress {
+ public:
+  explicit StopInProgress(std::shared_ptr<Gateway> gateway) : gateway_(std::move(gateway)) {
+    ++gateway_->stops_in_progress;
+  }
+  StopInProgress(const StopInProgress&) = delete;
+  StopInProgress& operator=(const StopInProgress&) = delete;
+  ~StopInProgress() { --gateway_->stops_in_progress; }
+
+ private:
+  std::shared_ptr<Gateway> gateway_;
 };
 
 }  // namespace tmcld

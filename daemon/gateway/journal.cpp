@@ -20,6 +20,7 @@ using boost::asio::awaitable;
 
 // What is held no more stays in the file so long.
 constexpr tmcl::Duration follow_interval = std::chrono::seconds(1);
+constexpr int known_version = 1;
 
 json::object to_json(const Holding& holding) {
   json::array before;
@@ -57,7 +58,8 @@ Holding holding_from(const json::value& value) {
 std::string text_of(const Holdings& holdings) {
   json::array array;
   for (const auto& holding : holdings) array.push_back(to_json(holding));
-  return json::serialize(json::object{{"version", 1}, {"axes", std::move(array)}}) + "\n";
+  return json::serialize(json::object{{"version", known_version}, {"axes", std::move(array)}}) +
+         "\n";
 }
 
 }  // namespace
@@ -68,6 +70,10 @@ tl::expected<Holdings, std::string> Journal::read(const std::string& path) {
   if (!*text) return Holdings();
   try {
     const auto document = json::parse(**text);
+    const auto version = document.at("version").to_number<int>();
+    if (version != known_version)
+      return tl::unexpected(path + " is of version " + std::to_string(version) +
+                            ", and this tmcld knows version " + std::to_string(known_version));
     Holdings holdings;
     for (const auto& holding : document.at("axes").as_array())
       holdings.push_back(holding_from(holding));
@@ -91,16 +97,31 @@ awaitable<void> Journal::write(std::shared_ptr<Journal> self) {
     return failure;
   };
   ++self->writing_;
-  const auto failure = co_await elsewhere(self->writer_, std::move(work));
-  --self->writing_;
-  if (!failure.empty()) {
-    const auto line = "the journal is not kept, so nothing is put in order if tmcld is killed: ";
-    const auto admitted = self->limiter_.admit(line + failure, self->clock_.now());
-    if (admitted) self->log_(LogLevel::error, *admitted);
-    self->last_.reset();
+  std::string failure;
+  try {
+    failure = co_await elsewhere(self->writer_, std::move(work));
+  } catch (const std::exception& error) {
+    failure = "cannot write " + self->path_ + ": " + error.what();
   }
+  --self->writing_;
+  self->note(std::move(failure));
   if (!held.empty() && !std::exchange(self->follows_, true))
     spawn(co_await boost::asio::this_coro::executor, follow(self));
+}
+
+void Journal::note(std::string failure) {
+  const bool is_news = failure_.empty() && !failure.empty();
+  failure_ = std::move(failure);
+  if (failure_.empty()) return;
+  last_.reset();
+  const auto line = "the journal is not kept, so nothing is put in order if tmcld is killed: ";
+  if (const auto admitted = limiter_.admit(line + failure_, clock_.now()))
+    log_(LogLevel::error, *admitted);
+  if (is_news) on_failure_(failure_);
+}
+
+std::string journal_warning(const std::string& failure) {
+  return "if tmcld is killed meanwhile, this is not stopped and no setting is set back: " + failure;
 }
 
 awaitable<void> Journal::follow(std::shared_ptr<Journal> self) {

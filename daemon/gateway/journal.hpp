@@ -52,29 +52,42 @@ using Holdings = std::vector<Holding>;
 
 class Journal {
  public:
-  /// `held` tells what is held at that moment.
-  Journal(const boost::asio::any_io_executor& executor, std::string path,
-          std::function<Holdings()> held, LogSink log)
-      : clock_(executor), path_(std::move(path)), held_(std::move(held)), log_(std::move(log)) {}
+  using OnFailure = std::function<void(const std::string& why)>;
 
-  /// What another run has left; nothing where there is no file.
+  /// `held` tells what is held at that moment. `on_failure`: called when the file cannot be
+  /// written, once until it can be again.
+  Journal(const boost::asio::any_io_executor& executor, std::string path,
+          std::function<Holdings()> held, LogSink log, OnFailure on_failure)
+      : clock_(executor),
+        path_(std::move(path)),
+        held_(std::move(held)),
+        log_(std::move(log)),
+        on_failure_(std::move(on_failure)) {}
+
+  /// What another run has left; nothing where there is no file. Errors: in words, also for a
+  /// version that this one does not know.
   static tl::expected<Holdings, std::string> read(const std::string& path);
   /// Returns when the file says what is held now, or a log line that it could not be written. From
   /// then on it follows what is held, within a second, for as long as there is anything.
   static boost::asio::awaitable<void> write(std::shared_ptr<Journal> self);
+  /// Why the file does not say what is held; empty if it does.
+  const std::string& failure() const { return failure_; }
   /// Nothing is written any more.
   void close() { closed_ = true; }
   /// Waits for what is being written.
   void join() { writer_.join(); }
 
  private:
+  void note(std::string failure);
   static boost::asio::awaitable<void> follow(std::shared_ptr<Journal> self);
 
   tmcl::ContextClock clock_;
   std::string path_;
   std::function<Holdings()> held_;
   LogSink log_;
+  OnFailure on_failure_;
   LogLimiter limiter_;
+  std::string failure_;
   Workers writer_{1};
   std::optional<Holdings> last_;  ///< Given to the writer; nothing if it may not be in the file.
   std::size_t writing_ = 0;       ///< In progress.
@@ -84,5 +97,9 @@ class Journal {
   bool follows_ = false;
   bool closed_ = false;
 };
+
+/// What the answer of a call says that needs the journal, where it could not be written: `failure`
+/// is not empty.
+std::string journal_warning(const std::string& failure);
 
 }  // namespace tmcld

@@ -42,14 +42,14 @@ awaitable<tl::expected<Lease, AxisFailure>> Leases::acquire(std::shared_ptr<Leas
   if (auto taken = conflict(axes, holder)) co_return tl::unexpected(std::move(*taken));
   const auto now = self->clock_.now();
   const auto number = ++self->last_number_;
-  const Lease lease{number, ++self->last_epoch_, std::move(holder), std::move(axes), terms,
-                    now,    now + terms.ttl};
+  Lease lease{number, ++self->last_epoch_, std::move(holder), std::move(axes), terms,
+              now,    now + terms.ttl};
   for (const auto& axis : lease.axes)
     motors_of(*axis).lease(axis->address(), {lease.holder.number, number, lease.holder.name});
   self->leases_.emplace(number, lease);
   if (!std::exchange(self->watching_, true)) spawn(self->executor_, watch(self));
   self->changed_.notify();
-  co_await lease.axes.front()->enter_journal();
+  lease.journal_failure = co_await lease.axes.front()->enter_journal();
   co_return lease;
 }
 

@@ -47,6 +47,8 @@ struct Lease {
   LeaseTerms terms{};
   tmcl::TimePoint since{};
   tmcl::TimePoint expires{};
+  std::string
+      journal_failure{};  ///< Why the journal did not say that it is there; empty if it did.
 };
 
 /// Why there is no lease of this number and epoch.

@@ -98,6 +98,7 @@ class LineRun final : public DriveRun {
     }
     if (fault || failure) {
       leave_axes();
+      tell_unrestored();
       if (failure) std::rethrow_exception(failure);
       co_return tl::unexpected(std::move(*fault));
     }
@@ -109,12 +110,7 @@ class LineRun final : public DriveRun {
  private:
   std::shared_ptr<LineRun> self() { return std::static_pointer_cast<LineRun>(shared_from_this()); }
 
-  void leave_axes() {
-    release();
-    if (!drive_) return;
-    for (const auto& unstopped : drive_->report().unstopped)
-      stop_until_it_stands(members_[unstopped.axis].axis);
-  }
+  void leave_axes() { release(drive_ ? &drive_->report() : nullptr); }
 
   awaitable<Fault> look() {
     for (std::size_t i = 0; i < members_.size(); ++i) {
@@ -238,13 +234,13 @@ class LineRun final : public DriveRun {
     if (report.fault) {
       auto fault = co_await failure_of(*report.fault);
       add_unstopped(fault.error);
-      tell_unrestored();
       co_return fault;
     }
     predict_skew();
     line_.skew = report.skew;
     for (const auto i : line_.plan.order)
       members_[i].axis->expect_arrival(report.begin + line_.plan.axes[i].arrival);
+    line_.journal_failure = journal_failure();
     is_told_ = false;
     co_return std::nullopt;
   }
@@ -257,8 +253,8 @@ class LineRun final : public DriveRun {
     } catch (...) {
       failure = std::current_exception();
     }
-    self->tell_unrestored();
     self->leave_axes();
+    self->tell_unrestored();
     const auto& fault = self->drive_->report().fault;
     self->on_end_(failure ? "internal_error" : fault ? name_of(*fault) : "");
     if (failure) std::rethrow_exception(failure);
@@ -310,8 +306,10 @@ class LineRun final : public DriveRun {
   }
 
   void tell(std::size_t axis, std::string text) const {
-    members_[axis].axis->bus().emit(
-        event_of(*members_[axis].axis, GatewayEvent::Kind::line_broken, std::move(text)));
+    const auto& member = *members_[axis].axis;
+    auto event = event_of(member, GatewayEvent::Kind::line_broken, std::move(text));
+    event.unrestored = unrestored_of(member);
+    member.bus().emit(std::move(event));
   }
 
   awaitable<void> tell_fault() const {
@@ -331,6 +329,7 @@ class LineRun final : public DriveRun {
   }
 
   void tell_unrestored() const {
+    if (!drive_) return;
     struct Kept {
       std::string settings;
       std::string why;  // of the first

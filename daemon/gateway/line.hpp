@@ -47,6 +47,7 @@ struct StartedLine {
   tmcl::Duration predicted_skew{};
   /// Between the first and the last start: the middle between a command and its answer counts.
   tmcl::Duration skew{};
+  std::string journal_failure{};  ///< See DriveRun.
 };
 
 /// Returns when all of them have started, and goes on watching; a line that does not end as it

@@ -491,6 +491,17 @@ bool Motors::may_move(AxisAddress motor) const {
                              [&](const Request& request) { return can_move(request, motor); });
 }
 
+std::vector<std::string> Motors::under_way() const {
+  std::vector<std::string> names;
+  for (const auto& [address, motor] : motors_) {
+    if (motor.axis.empty()) continue;
+    const bool has_no_end = moved_.contains(address) && !motor.was_sent_to_position;
+    if (has_no_end || motor.tenant.turns || motor.claimant.by != Mover::nobody)
+      names.push_back(motor.axis);
+  }
+  return names;
+}
+
 std::set<AxisAddress> Motors::others_that_may_move() const {
   auto others = moved_;
   for (const auto& request : on_their_way_) others.merge(motors_of(request));

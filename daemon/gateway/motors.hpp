@@ -263,6 +263,8 @@ class Motors {
   std::set<tmcl::AxisAddress> others_that_may_move() const;
   /// As far as is known: something that can move it has gone out since it was stopped last.
   bool may_move(tmcl::AxisAddress motor) const;
+  /// Names of the axes that are led, that search, or that were told to turn, as far as is known.
+  std::vector<std::string> under_way() const;
   /// What moved or stopped it last was sent from here, and said where it is to stand.
   bool was_sent_to_position(tmcl::AxisAddress motor) const;
 

@@ -5,7 +5,9 @@
 
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
+#include "gateway/gateway.hpp"
 #include "gateway/standing_stop.hpp"
+#include "tmcl/mechanics.hpp"
 #include "tmcl/parameter_number.hpp"
 
 namespace tmcld {
@@ -14,7 +16,8 @@ namespace {
 using boost::asio::awaitable;
 using std::chrono::milliseconds;
 
-constexpr tmcl::Duration pause = std::chrono::milliseconds(200);
+// Before a module that does not answer is asked again.
+constexpr tmcl::Duration pause = milliseconds(200);
 constexpr std::string_view unattended = "unattended";
 
 std::int64_t utc_ms(const GatewayAxis& axis, tmcl::TimePoint time) {
@@ -35,32 +38,6 @@ bool has_restarted_since(const GatewayAxis& axis, const std::optional<Holding::S
   sentinel.forget();
   sentinel.take(reading_of(*before));
   return sentinel.take(reading_of(*now)) == Sentinel::Verdict::restarted;
-}
-
-/// Until the module answers; false if the gateway ends before.
-awaitable<bool> meet(GatewayAxis& axis) {
-  while (!axis.bus().is_closed()) {
-    const auto ready = co_await axis.be_ready();
-    if (ready) co_return true;
-    co_await rest(pause);
-  }
-  co_return false;
-}
-
-/// In the reverse of the order in which they were changed. Gives what became of it, in words.
-awaitable<std::string> set_all_back(GatewayAxis& axis, const Holding& holding) {
-  if (holding.before.empty()) co_return "no setting had been changed";
-  std::string told;
-  for (auto setting = holding.before.rbegin(); setting != holding.before.rend(); ++setting) {
-    const bool is_back = co_await set_back(axis, *setting);
-    const auto* row = find_parameter(axis.parameters(), setting->parameter);
-    told += told.empty() ? "" : ", ";
-    told +=
-        row != nullptr ? std::string(row->name) : "parameter " + std::to_string(setting->parameter);
-    told += is_back ? " is set back to " : " could not be set back to ";
-    told += std::to_string(setting->value);
-  }
-  co_return told;
 }
 
 awaitable<void> find_turning(std::shared_ptr<GatewayAxis> axis, Holding holding) {
@@ -85,27 +62,74 @@ awaitable<void> put_in_order(std::shared_ptr<GatewayAxis> axis, Claim claim, Hol
                                            " has started again while tmcld was not there");
     text += "its module has started again since, so no setting is set back";
   } else {
-    auto told = co_await set_all_back(*axis, holding);
+    auto told = co_await set_all_back(*axis);
     text += told;
   }
   axis->forget_before();
   axis->bus().emit(event_of(*axis, GatewayEvent::Kind::orphan_stopped, std::move(text)));
 }
 
-}  // namespace
+// ---- where the journal cannot be read ----------------------------------------------------------
 
-awaitable<bool> set_back(GatewayAxis& axis, tmcl::plan::Setting setting) {
-  while (!axis.bus().is_closed()) {
-    RunOptions options;
-    // It was so before.
-    options.permit.exceeds_limits = true;
-    auto script = tmcl::verbs::set(axis.address(), setting.parameter, setting.value);
-    const auto written = co_await axis.perform(std::move(script), std::move(options));
-    axis.module().note_settings_changed();
-    if (written || written.error().outcome == tmcl::Outcome::refused) co_return written.has_value();
+/// Errors: those of the readings.
+GatewayAxis::Awaitable<bool> turns_by_velocity(GatewayAxis& axis) {
+  const auto velocity = co_await axis.get(tmcl::axis_parameter::actual_velocity, {});
+  if (!velocity) co_return tl::unexpected(velocity.error());
+  const auto mode = tmcl::mode_parameter(axis.parameters());
+  if (*velocity == 0 || !mode) co_return *velocity != 0;
+  const auto now = co_await axis.get(mode->number, {});
+  if (!now) co_return tl::unexpected(now.error());
+  co_return *now == mode->velocity;
+}
+
+awaitable<void> stop_if_it_turns(std::shared_ptr<GatewayAxis> axis, Claim claim) {
+  // Not the parameter: it may be destroyed after the axis.
+  const Claim held = std::move(claim);
+  while (!axis->bus().is_closed()) {
+    const auto turns = co_await turns_by_velocity(*axis);
+    const bool refuses = !turns && turns.error().outcome == tmcl::Outcome::refused;
+    if (refuses || (turns && !*turns)) co_return;
+    if (turns) break;
     co_await rest(pause);
   }
-  co_return false;
+  co_await be_stopped(*axis);
+  if (axis->bus().is_closed()) co_return;
+  axis->bus().emit(
+      event_of(*axis, GatewayEvent::Kind::orphan_stopped,
+               "axis '" + axis->name() +
+                   "' was stopped: it turned when tmcld started, and what another run "
+                   "of tmcld had left could not be read; its settings may be changed"));
+}
+
+void look_at(const std::shared_ptr<GatewayAxis>& axis) {
+  if (axis->mover() != Mover::nobody) return;
+  spawn(axis->bus().executor(), stop_if_it_turns(axis, axis->claim({Mover::stop})));
+}
+
+/// Motors of a module that no axis is configured for.
+awaitable<void> look_at_others(std::shared_ptr<Gateway> gateway, std::shared_ptr<GatewayBus> bus,
+                               GatewayModule& module) {
+  auto ready = co_await module.be_ready();
+  while (!ready && !bus->is_closed()) {
+    co_await rest(pause);
+    ready = co_await module.be_ready();
+  }
+  const auto* model = module.model();
+  for (std::uint8_t motor = 0; model != nullptr && motor < model->axes; ++motor) {
+    const tmcl::AxisAddress address{module.address(), motor};
+    if (bus->motors().may_move(address) || gateway->find_axis(*bus, address)) continue;
+    if (const auto axis = gateway->add_axis(bus, address)) look_at(axis);
+  }
+}
+
+}  // namespace
+
+void stop_what_turns(const std::shared_ptr<Gateway>& gateway,
+                     const std::shared_ptr<GatewayBus>& bus) {
+  for (const auto& axis : gateway->axes())
+    if (&axis->bus() == bus.get()) look_at(axis);
+  for (const auto& [address, module] : bus->modules())
+    spawn(bus->executor(), look_at_others(gateway, bus, *module));
 }
 
 void take_over(const std::shared_ptr<GatewayAxis>& axis, Holding holding) {

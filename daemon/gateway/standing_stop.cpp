@@ -17,6 +17,8 @@ using namespace std::chrono_literals;
 constexpr tmcl::Duration shortest_pause = 50ms;
 // A stop to a module that does not answer keeps a serial line busy for some 300 ms.
 constexpr tmcl::Duration longest_pause = 500ms;
+// Before a module that does not answer is asked again.
+constexpr tmcl::Duration time_to_answer = 200ms;
 
 /// Errors: those of the stop.
 GatewayAxis::Awaitable<bool> stop_and_look(GatewayAxis& axis) {
@@ -27,13 +29,33 @@ GatewayAxis::Awaitable<bool> stop_and_look(GatewayAxis& axis) {
   co_return stands;
 }
 
+std::string name_of_parameter(const GatewayAxis& axis, std::uint8_t number) {
+  const auto* row = find_parameter(axis.parameters(), number);
+  return row != nullptr ? std::string(row->name) : "parameter " + std::to_string(number);
+}
+
+/// Gives what became of its settings, in words; empty if none had been changed.
+boost::asio::awaitable<std::string> restore(GatewayAxis& axis, std::uint64_t latches) {
+  if (axis.before().empty() || !co_await meet(axis)) co_return "";
+  const bool has_restarted = axis.bus().motors().latches(axis.address()) != latches;
+  std::string told = "its module has started again, so no setting is set back";
+  if (!has_restarted) {
+    auto settings = co_await set_all_back(axis);
+    told = std::move(settings);
+  }
+  axis.forget_before();
+  co_return "; " + told;
+}
+
 boost::asio::awaitable<void> insist(std::shared_ptr<GatewayAxis> axis, Claim claim) {
   // Not the parameter: it may be destroyed after the axis.
   const Claim held = std::move(claim);
+  const auto latches = axis->bus().motors().latches(axis->address());
   co_await be_stopped(*axis);
+  auto settings = co_await restore(*axis, latches);
   if (axis->bus().is_closed()) co_return;
-  auto event =
-      event_of(*axis, GatewayEvent::Kind::axis_stopped, "axis '" + axis->name() + "' stands now");
+  auto event = event_of(*axis, GatewayEvent::Kind::axis_stopped,
+                        "axis '" + axis->name() + "' stands now" + settings);
   event.cause = name_of(axis->stop_cause().value_or(StopCause::daemon));
   axis->bus().emit(std::move(event));
 }
@@ -51,17 +73,67 @@ boost::asio::awaitable<void> be_stopped(GatewayAxis& axis) {
   }
 }
 
+boost::asio::awaitable<bool> meet(GatewayAxis& axis) {
+  while (!axis.bus().is_closed()) {
+    const auto ready = co_await axis.be_ready();
+    if (ready) co_return true;
+    co_await rest(time_to_answer);
+  }
+  co_return false;
+}
+
+boost::asio::awaitable<std::string> set_all_back(GatewayAxis& axis) {
+  if (axis.before().empty()) co_return "no setting had been changed";
+  std::string told;
+  while (!axis.before().empty()) {
+    const auto setting = axis.before().back();
+    const bool is_back = co_await set_back(axis, setting);
+    // If the gateway ends, the next run does it.
+    if (axis.bus().is_closed()) break;
+    axis.forget_before(setting.parameter);
+    told += told.empty() ? "" : ", ";
+    told += name_of_parameter(axis, setting.parameter);
+    told += is_back ? " is set back to " : " could not be set back to ";
+    told += std::to_string(setting.value);
+  }
+  co_return told;
+}
+
+boost::asio::awaitable<bool> set_back(GatewayAxis& axis, tmcl::plan::Setting setting) {
+  while (!axis.bus().is_closed()) {
+    RunOptions options;
+    // It was so before.
+    options.permit.exceeds_limits = true;
+    auto script = tmcl::verbs::set(axis.address(), setting.parameter, setting.value);
+    const auto written = co_await axis.perform(std::move(script), std::move(options));
+    axis.module().note_settings_changed();
+    if (written || written.error().outcome == tmcl::Outcome::refused) co_return written.has_value();
+    co_await rest(time_to_answer);
+  }
+  co_return false;
+}
+
 void stop_until_it_stands(const std::shared_ptr<GatewayAxis>& axis) {
   if (axis->mover() == Mover::stop) return;
   axis->revoke_movements();
   auto claim = axis->claim({Mover::stop});
-  axis->bus().log(LogLevel::warning, axis->bus().name() + ": " + not_stopped(axis->name()) +
-                                         ": it is stopped until it stands");
+  const auto why =
+      axis->before().empty()
+          ? not_stopped(axis->name()) + ": it is stopped until it stands"
+          : "axis '" + axis->name() + "' is stopped until it stands, and its settings are set back";
+  axis->bus().log(LogLevel::warning, axis->bus().name() + ": " + why);
   spawn(axis->bus().executor(), insist(axis, std::move(claim)));
 }
 
 std::string not_stopped(const std::string& axis) {
   return "axis '" + axis + "' could not be stopped and may still move";
+}
+
+std::vector<UnrestoredSetting> unrestored_of(const GatewayAxis& axis) {
+  std::vector<UnrestoredSetting> all;
+  for (const auto& [number, value] : axis.unrestored())
+    all.push_back({name_of_parameter(axis, number), number, value});
+  return all;
 }
 
 GatewayEvent event_of(const GatewayAxis& axis, GatewayEvent::Kind kind, std::string text) {

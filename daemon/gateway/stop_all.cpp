@@ -115,9 +115,8 @@ awaitable<Reports> stop_all(std::shared_ptr<Gateway> gateway, std::uint64_t clie
   std::vector<awaitable<Reports>> stops;
   for (const auto& bus : gateway->buses())
     stops.push_back(stop_bus(targets_of(*gateway, bus), client));
-  ++gateway->stops_in_progress;
+  const StopInProgress in_progress(std::move(gateway));
   const auto of_each_bus = co_await gather(std::move(stops));
-  --gateway->stops_in_progress;
   Reports all;
   for (const auto& reports : of_each_bus) all.insert(all.end(), reports.begin(), reports.end());
   co_return all;

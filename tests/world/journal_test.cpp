@@ -143,6 +143,57 @@ TEST_F(Killed, NobodyElseMovesAnOrphanBeforeItStands) {
   EXPECT_THAT(orphans[0], HasSubstr("is set back to "));
 }
 
+/// What stands in the file is not what was written to it.
+class Damaged : public Killed, public testing::WithParamInterface<const char*> {
+ protected:
+  /// Returns with the next daemon running.
+  void start_with_damage() {
+    const auto whole = text();
+    kill();
+    const std::string how = GetParam();
+    write(how == "cut"       ? whole.substr(0, whole.size() / 2)
+          : how == "version" ? "{\"version\":9,\"axes\":[]}"
+          : how == "empty"   ? ""
+                             : "\x01garbage" + whole.substr(8));
+    start_again();
+  }
+};
+
+TEST_P(Damaged, JournalMeansThatWhatTurnsIsStopped) {
+  call("axis.rotate", {{"axis", "x"}, {"velocity", 5}});
+  time.run_for(1s);
+  start_with_damage();
+  EXPECT_FALSE(moves());
+  EXPECT_THAT(orphans, ElementsAre(HasSubstr("could not be read")));
+  EXPECT_EQ(name_of_call("axis.move_to", {{"position", 5}}), "none") << "it is free again";
+}
+
+TEST_P(Damaged, JournalMeansThatWhatTurnsWithoutAnAxisIsStopped) {
+  call("axis.rotate", {{"axis", "1/3"}, {"velocity_internal", 5000}});
+  time.run_for(1s);
+  ASSERT_NE(get(3, ap::actual_velocity), 0);
+  call("axis.rotate", {{"axis", "x"}, {"velocity", 5}});
+  start_with_damage();
+  EXPECT_EQ(get(3, ap::actual_velocity), 0);
+  EXPECT_EQ(orphans.size(), 2U);
+}
+
+TEST_P(Damaged, JournalIsHeededWhenTheModuleAnswersLater) {
+  call("axis.rotate", {{"axis", "x"}, {"velocity", 5}});
+  time.run_for(1s);
+  wire.is_cut = true;
+  start_with_damage();
+  ASSERT_TRUE(moves());
+  kill();
+  start_again();
+  wire.is_cut = false;
+  time.run_for(5s);
+  EXPECT_FALSE(moves()) << "across another restart of the daemon";
+}
+
+INSTANTIATE_TEST_SUITE_P(OfEachKind, Damaged, testing::Values("cut", "version", "empty", "garbage"),
+                         [](const auto& info) { return std::string(info.param); });
+
 TEST_F(Killed, AModuleThatHasStartedAgainIsSetNothing) {
   call("line.move", {{"axes", json::array{"x", "y"}}, {"positions", json::array{900, 300}}});
   time.run_for(1s);

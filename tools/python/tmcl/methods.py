@@ -392,6 +392,8 @@ class GrantedLease(Record):
     axes: tuple[str, ...] = ()
     #: how soon it has to be renewed
     ttl_ms: int = 0
+    #: that its axes are not stopped if tmcld is killed, and why; null if they are
+    warnings: tuple[str, ...] | None = None
 
 
 @dataclass(frozen=True)
@@ -833,6 +835,10 @@ class State(Record):
     unattended: bool = False
     #: the client that it turns for, or that has its lease; null if there is none
     owner: str | None = None
+    #: what a line, a path or a Mint program has changed, as it was before: set back as soon as
+    #: its module takes it
+    unrestored: tuple[AxisGetRampSettings, ...] = ()
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"unrestored": AxisGetRampSettings}
 
 
 @dataclass(frozen=True)
@@ -1143,10 +1149,14 @@ class WatchedState(Record):
     unattended: bool = False
     #: the client that it turns for, or that has its lease; null if there is none
     owner: str | None = None
+    #: what a line, a path or a Mint program has changed, as it was before: set back as soon as
+    #: its module takes it
+    unrestored: tuple[AxisGetRampSettings, ...] = ()
     #: counts the states of the axis
     seq: int = 0
     #: when it was read, on the daemon's monotonic clock
     event_time_ms: int = 0
+    _inner: ClassVar[Mapping[str, type[Record]]] = {"unrestored": AxisGetRampSettings}
 
 
 @dataclass(frozen=True)

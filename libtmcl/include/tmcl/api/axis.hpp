@@ -281,6 +281,10 @@ struct State {
   TMCL_FIELD(bool, unattended, "it turns, and does not stop when a connection ends");
   TMCL_FIELD(std::optional<std::string>, owner,
              "the client that it turns for, or that has its lease; null if there is none");
+  TMCL_FIELD(
+      std::vector<RampSetting>, unrestored,
+      "what a line, a path or a Mint program has changed, as it was before: set back as soon "
+      "as its module takes it");
 };
 struct GetState {
   TMCL_METHOD("axis.get_state", reads, State, "where the axis is and what it does", GetState);

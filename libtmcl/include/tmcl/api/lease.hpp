@@ -18,6 +18,8 @@ struct Granted {
   TMCL_FIELD(std::int32_t, epoch, "proves that a call is made under this lease");
   TMCL_FIELD(std::vector<std::string>, axes, "its axes");
   TMCL_FIELD(std::int64_t, ttl_ms, "how soon it has to be renewed");
+  TMCL_FIELD(std::optional<std::vector<std::string>>, warnings,
+             "that its axes are not stopped if tmcld is killed, and why; null if they are");
 };
 struct Acquire {
   TMCL_METHOD("lease.acquire", writes, Granted,

@@ -167,6 +167,9 @@ struct Event {
   TMCL_FIELD(std::optional<std::string>, cause, "who has stopped the axis, where that matters");
   TMCL_FIELD(std::optional<std::string>, reason,
              "why a lease was lost: expired, closed or broken; only then");
+  TMCL_FIELD(std::optional<std::vector<axis::RampSetting>>, unrestored,
+             "settings of the axis as they were before, which are set back as soon as its module "
+             "takes them; only then");
   TMCL_FIELD(std::string, text, "for people");
 };
 
