@@ -154,6 +154,10 @@ PortConduct::Awaitable<tmcl::Answer> PortConduct::act_on_axes(tmcl::Request requ
 PortConduct::Awaitable<tmcl::Answer> PortConduct::act_on(Axes axes, tmcl::Request request,
                                                          RunOptions options) {
   if (axes.size() == 1) co_return co_await axes.front()->execute(request, std::move(options));
+  const auto hold = bus_->motors().coordinate_holds().set(request.address);
+  auto still = bus_->hold_still(request.address);
+  const auto settled = co_await bus_->run(std::move(still), options);
+  if (!settled) co_return tl::unexpected(settled.error());
   for (const auto& axis : axes) {
     auto movement = axis->begin_movement(options.permit, options.deadline);
     auto allowed = co_await axis->check_coordinate(static_cast<std::uint8_t>(request.value),

@@ -12,6 +12,8 @@
 #include "gateway/awaited_run.hpp"
 #include "gateway/poller.hpp"
 #include "gateway/standing_stop.hpp"
+#include "tmcl/command_type.hpp"
+#include "tmcl/program_verbs.hpp"
 #include "tmcl/relative_move.hpp"
 #include "tmcl/status_flags.hpp"
 
@@ -67,6 +69,16 @@ tmcl::Error found_no_reference(const std::string& axis) {
   return error;
 }
 
+tmcl::Error may_change_coordinates(const std::string& axis) {
+  tmcl::Error error;
+  error.code = tmcl::Errc::not_permitted;
+  error.outcome = tmcl::Outcome::not_sent;
+  error.message = "axis '" + axis + "' has soft limits, and a program runs in its module, which " +
+                  "may change the coordinate after it was checked";
+  error.hint = "stop the program first, or move the axis alone";
+  return error;
+}
+
 }  // namespace
 
 GatewayAxis::GatewayAxis(AxisConfig config, std::shared_ptr<GatewayBus> bus)
@@ -77,7 +89,12 @@ GatewayAxis::Awaitable<void> GatewayAxis::check_coordinate(std::uint8_t number,
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
   auto script = admission_.check(intent::MoveToCoordinate{number});
-  auto checked = co_await axis_.run(std::move(script), std::move(options));
+  auto checked = co_await axis_.run(std::move(script), options);
+  if (!checked || !soft_limits()) co_return checked;
+  const auto status = co_await axis_.run(tmcl::verbs::program_status(address().module), options);
+  const bool runs = status && status->state != tmcl::ProgramStatus::State::stopped &&
+                    status->state != tmcl::ProgramStatus::State::reset;
+  if (runs) co_return tl::unexpected(axis_.on_bus(may_change_coordinates(name())));
   co_return checked;
 }
 
@@ -126,8 +143,16 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Length distance, bool p
 
 GatewayAxis::Awaitable<void> GatewayAxis::move_to_coordinate(std::uint8_t number,
                                                              RunOptions movement) {
+  if (soft_limits()) {
+    auto command = request(tmcl::Command::MVP, tmcl::move_type::coordinate, number);
+    const auto answer = co_await execute(command, std::move(movement));
+    if (!answer) co_return tl::unexpected(answer.error());
+    co_return Result<void>{};
+  }
   auto script = tmcl::verbs::move_to_coordinate(address(), number);
-  return move(intent::MoveToCoordinate{number}, std::move(script), std::move(movement));
+  auto moved =
+      co_await move(intent::MoveToCoordinate{number}, std::move(script), std::move(movement));
+  co_return moved;
 }
 
 GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Microsteps>> script,

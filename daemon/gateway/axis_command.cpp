@@ -35,6 +35,11 @@ GatewayAxis::Awaitable<tmcl::Answer> GatewayAxis::execute(tmcl::Request request,
 GatewayAxis::Awaitable<tmcl::Answer> GatewayAxis::execute_admitted(tmcl::Request request,
                                                                    Admitted admitted) {
   admitted.announced = request;
+  if (is_move_to_coordinate(request) && soft_limits()) {
+    auto script = move_to_read_coordinate(
+        request, [aim = admitted](Microsteps there) { aim.aim_at({there}); });
+    co_return co_await axis_.run(std::move(script), std::move(admitted));
+  }
   if (!is_relative_move(request))
     co_return co_await axis_.run(tmcl::verbs::command(request), std::move(admitted));
   const auto origin = co_await origin_of_relative_moves();

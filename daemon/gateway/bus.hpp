@@ -139,6 +139,9 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   tmcl::Script<tmcl::Result<void>> see_turning_end(tmcl::AxisAddress motor);
   /// The same for what a request concerns and turns for others: the request may go out then.
   tmcl::Script<tmcl::Result<void>> see_turnings_end(tmcl::Request request, Permit permit);
+  /// To be asked by who holds the coordinates of a module: nothing that changes them is on its way
+  /// any more.
+  tmcl::Script<tmcl::Result<void>> hold_still(tmcl::ModuleAddress module);
 
   /// One exchange, exactly as given.
   boost::asio::awaitable<tmcl::Result<tmcl::Answer>> execute(tmcl::Request request,

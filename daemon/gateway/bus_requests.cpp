@@ -17,6 +17,7 @@ namespace {
 using boost::asio::awaitable;
 
 constexpr tmcl::Duration claim_look_interval = std::chrono::milliseconds(5);
+constexpr tmcl::Duration coordinate_look_interval = std::chrono::milliseconds(1);
 
 tmcl::Script<bool> has_arrived(tmcl::AxisAddress motor) {
   const auto state = co_await tmcl::verbs::state(motor);
@@ -156,6 +157,11 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::see_turnings_end(tmcl::Request requ
   co_return tmcl::Result<void>{};
 }
 
+tmcl::Script<tmcl::Result<void>> GatewayBus::hold_still(tmcl::ModuleAddress module) {
+  while (motors_.coordinate_changes().has(module)) co_await tmcl::pause(coordinate_look_interval);
+  co_return tmcl::Result<void>{};
+}
+
 namespace {
 
 // Where a line is so busy that a movement does not get its turn within the age of a sentinel, or
@@ -278,8 +284,11 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
   };
   const auto effect = effect_of(request.command, request.type);
   const bool acts = effect == tmcl::Effect::writes || effect == tmcl::Effect::moves;
+  const bool waits = !exchange.options.hold;
   // Whether that is seen or not: what still turns is refused below.
-  if (acts && !exchange.options.hold) co_await see_turnings_end(request, conduct.options.permit);
+  if (acts && waits) co_await see_turnings_end(request, conduct.options.permit);
+  while (waits && changes_coordinates(request) && motors_.coordinate_holds().has(request.address))
+    co_await tmcl::pause(coordinate_look_interval);
   if (!is_judged(exchange) && effect == tmcl::Effect::writes) {
     if (auto objection = motors_.objection_to_write(request, conduct.options.permit))
       co_return refused(std::move(*objection));
@@ -338,6 +347,8 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   std::optional<OnItsWay> on_its_way;
   auto* module = find_module(request.address);
   if (is_judged(exchange)) on_its_way.emplace(motors_, module, request, conduct.options.permit);
+  ModuleMarks::Mark change;
+  if (changes_coordinates(request)) change = motors_.coordinate_changes().set(request.address);
   const auto before = motors_.before(request, conduct.options.permit);
   std::optional<StopOnItsWay> stop_on_its_way;
   conduct.owes_stop = false;

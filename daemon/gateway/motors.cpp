@@ -140,6 +140,21 @@ MotionEffect motion_effect(const Request& request) {
   return can_move(request) && !restarts(request) ? MotionEffect::unforeseen : MotionEffect::none;
 }
 
+bool changes_coordinates(const Request& request) {
+  constexpr std::uint8_t all_motors_from_eeprom = 255;
+  switch (request.command) {
+    case Command::SCO:
+    case Command::CCO:
+    case Command::ACO:
+    case Command::SGP:
+    case Command::RSGP:
+    case Command::AGP: return true;
+    case Command::GCO: return request.motor == all_motors_from_eeprom;
+    default: break;
+  }
+  return motion_effect(request) == MotionEffect::unforeseen || restarts(request);
+}
+
 bool starts_program(const Request& request) {
   return can_move(request) && knows_no_motor(request) && !restarts(request);
 }
@@ -372,6 +387,18 @@ void Motors::note_turning(const Request& request, bool is_done, const Before& be
     if (effect == MotionEffect::turns && is_new && !leads(address, before.of))
       turn(motor, before.of);
   }
+}
+
+// ---- coordinates -------------------------------------------------------------------------------
+
+ModuleMarks::Mark ModuleMarks::set(tmcl::ModuleAddress module) {
+  ++counts_[module];
+  return Mark(this, End{module});
+}
+
+void ModuleMarks::End::operator()(ModuleMarks* marks) const {
+  const auto count = marks->counts_.find(module);
+  if (--count->second == 0) marks->counts_.erase(count);
 }
 
 // ---- latches -----------------------------------------------------------------------------------

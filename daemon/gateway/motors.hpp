@@ -147,6 +147,25 @@ class TurningAttempt {
   std::uint64_t number_ = 0;
 };
 
+/// Counts modules, each for as long as its mark lives. Must outlive its marks.
+class ModuleMarks {
+  struct End {
+    tmcl::ModuleAddress module;
+    void operator()(ModuleMarks* marks) const;
+  };
+
+ public:
+  using Mark = std::unique_ptr<ModuleMarks, End>;
+
+  [[nodiscard]] Mark set(tmcl::ModuleAddress module);
+  bool has(tmcl::ModuleAddress module) const { return counts_.contains(module); }
+
+ private:
+  std::map<tmcl::ModuleAddress, int> counts_;
+};
+/// Whether a request may change what a module remembers as a coordinate.
+bool changes_coordinates(const tmcl::Request& request);
+
 /// Whether a request can move a motor, now or when its module starts again.
 bool can_move(const tmcl::Request& request);
 bool can_move(const tmcl::Request& request, tmcl::AxisAddress motor);
@@ -218,6 +237,11 @@ class Motors {
   /// What turns for other clients, of what the request concerns.
   std::vector<tmcl::AxisAddress> turned_for_others(const tmcl::Request& request,
                                                    Permit permit) const;
+
+  /// Modules whose coordinates were checked, and stay what they are until a move to them is sent.
+  ModuleMarks& coordinate_holds() { return coordinate_holds_; }
+  /// Modules to which something is on its way that changes their coordinates.
+  ModuleMarks& coordinate_changes() { return coordinate_changes_; }
 
   /// Nothing moves the axes of a module any more, and they have lost their reference. Whatever
   /// moves them on a line or path is woken, to find that out. `cause`: a sentence without a full
@@ -321,6 +345,8 @@ class Motors {
   std::map<tmcl::AxisAddress, Motor> motors_;
   std::vector<tmcl::Request> on_their_way_;
   std::uint64_t last_turning_ = 0;
+  ModuleMarks coordinate_holds_;
+  ModuleMarks coordinate_changes_;
   std::set<tmcl::AxisAddress> moved_;  ///< Since they were stopped; axes and others.
   /// Of motors that are not in the map, it is not known any better.
   std::uint64_t last_stop_of_others_ = 0;

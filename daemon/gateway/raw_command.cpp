@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "tmcl/command_type.hpp"
+#include "tmcl/coordinates.hpp"
 
 namespace tmcld {
 namespace {
@@ -70,6 +71,31 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> move_relatively(tmcl::Request request, 
   if (!answer) co_return answer;
   const bool tells_target = move.answer == tmcl::RelativeAnswer::target;
   answer->reply.value = tells_target ? absolute.value : request.value;
+  co_return answer;
+}
+
+bool is_move_to_coordinate(const tmcl::Request& request) {
+  return request.command == Command::MVP && request.type == tmcl::move_type::coordinate &&
+         !moves_several(request);
+}
+
+tmcl::Script<tmcl::Result<tmcl::Answer>> move_to_read_coordinate(
+    tmcl::Request request, std::function<void(tmcl::Microsteps target)> aim) {
+  tmcl::CallOptions proven;
+  proven.proof = tmcl::Proof::twice;
+  const auto coordinate = static_cast<std::uint8_t>(request.value);
+  const tmcl::Request question{request.address, Command::GCO, coordinate, request.motor, 0};
+  auto place = co_await tmcl::exchange(question, proven);
+  if (!place) {
+    place.error().outcome = tmcl::Outcome::not_sent;
+    co_return place;
+  }
+  auto absolute = request;
+  absolute.type = tmcl::move_type::absolute;
+  absolute.value = place->reply.value;
+  aim(tmcl::Microsteps{absolute.value});
+  auto answer = co_await tmcl::exchange(absolute);
+  if (answer) answer->reply.value = request.value;
   co_return answer;
 }
 

@@ -29,4 +29,12 @@ struct RelativeMove {
 /// Errors: Errc::bad_argument beyond 32 bits; when the reading fails nothing has moved.
 tmcl::Script<tmcl::Result<tmcl::Answer>> move_relatively(tmcl::Request request, RelativeMove move);
 
+/// MVP COORD of one motor.
+bool is_move_to_coordinate(const tmcl::Request& request);
+
+/// The module may hold another coordinate by the time it reads it: read it, and send the motor to
+/// what was read. `aim`: told where it goes, before that is sent.
+tmcl::Script<tmcl::Result<tmcl::Answer>> move_to_read_coordinate(
+    tmcl::Request request, std::function<void(tmcl::Microsteps target)> aim);
+
 }  // namespace tmcld
