@@ -257,6 +257,7 @@ class FakeTarget : public Target {
     RawAnswer answer;
     answer.bus = "bench";
     answer.reply = {2, 1, tmcl::Status::ok, command.request.command, 1000};
+    if (command.request.command == tmcl::Command::ROR) answer.warnings.emplace_back("it turns");
     return answer;
   }
   Attempt<boost::json::object> perform(const std::string& method, boost::json::object params,

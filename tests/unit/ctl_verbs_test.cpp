@@ -347,6 +347,13 @@ TEST_F(CtlVerbs, RawShowsTheBytes) {
   EXPECT_THAT(err, HasSubstr("'ABS'"));
 }
 
+TEST_F(CtlVerbs, RawWarnsOfWhatTurns) {
+  EXPECT_EQ(run({"raw", "1", "ROR", "0", "0", "100"}), ExitCode::done);
+  EXPECT_EQ(err, "tmclctl: warning: it turns\n");
+  EXPECT_EQ(json({"raw", "1", "ROR", "0", "0", "100"}).at("warnings").at(0), "it turns");
+  EXPECT_TRUE(json({"raw", "1", "MST", "0", "0", "0"}).at("warnings").as_array().empty());
+}
+
 TEST_F(CtlVerbs, PlotRecordsAMoveToItsEnd) {
   EXPECT_EQ(run({"plot", "x", "--to", "10000"}), ExitCode::done);
   EXPECT_THAT(out, HasSubstr("x went from 0 to 10000 microsteps in 1.0"));

@@ -576,6 +576,7 @@ Attempt<RawAnswer> GatewayTarget::raw(const RawCommand& command) {
   answer.reply = {tmcl::default_host_address, reply_byte(request.address),
                   static_cast<tmcl::Status>(result->status), request.command, result->value};
   answer.text = or_empty(result->text);
+  answer.warnings = result->warnings.value_or(std::vector<std::string>());
   return answer;
 }
 

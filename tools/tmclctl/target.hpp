@@ -91,6 +91,7 @@ struct RawAnswer {
   tmcl::Framing framing = tmcl::Framing::serial;
   tmcl::Reply reply;
   std::string text;  ///< The firmware version when it came as text.
+  std::vector<std::string> warnings{};
 };
 
 /// Told what comes while a method runs: the parameters of notify_progress. False ends it.

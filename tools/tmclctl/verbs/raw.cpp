@@ -99,7 +99,8 @@ json::object to_json(const tmcl::Request& request, const RawAnswer& answer) {
             {"motor", request.motor},
             {"value", request.value},
             {"bytes", bytes_of(request, answer.framing)}}},
-          {"reply", std::move(said)}};
+          {"reply", std::move(said)},
+          {"warnings", json::array(answer.warnings.begin(), answer.warnings.end())}};
 }
 
 void print(const tmcl::Request& request, const RawAnswer& answer, std::ostream& out) {
@@ -138,6 +139,7 @@ VerbResult run(const verb::Raw& verb, Context& context) {
   } else {
     print(*request, *answer, context.output.out);
   }
+  warn(answer->warnings, context.output);
   return ExitCode::done;
 }
 

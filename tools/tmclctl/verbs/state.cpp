@@ -12,6 +12,8 @@ void print_condition(const std::string& axis, const AxisReading& reading, std::o
   if (reading.stop_cause) out << "stopped   " << *reading.stop_cause << '\n';
   if (reading.referenced) out << "reference found\n";
   if (reading.lease) out << "lease     " << *reading.lease << ": 'tmclctl lease list'\n";
+  if (reading.owner && !reading.lease)
+    out << "turns for " << *reading.owner << ": it is stopped when that ends\n";
   if (reading.unattended) out << "watched   by nobody: it turns until it is stopped\n";
   if (reading.latched) {
     out << "latched   its module has started again, or is another one: 'tmclctl home " << axis
