@@ -85,9 +85,23 @@ double directed(double value, const UserScale& scale) {
 
 }  // namespace
 
+namespace {
+
+/// In seven digits, if it is no whole number; away from what was wished, so that it is possible.
+double shortened(double nearest, double wished) {
+  constexpr int digits = 7;
+  if (nearest == 0 || !std::isfinite(nearest) || nearest == std::trunc(nearest)) return nearest;
+  const double step = std::pow(10, digits - 1 - std::floor(std::log10(std::abs(nearest))));
+  const double scaled = nearest * step;
+  return (wished > nearest ? std::floor(scaled) : std::ceil(scaled)) / step;
+}
+
+}  // namespace
+
 std::string describe(const OutOfReach& error) {
   return number_text(error.wished) + ' ' + error.unit + " is " + std::string(error.fault) +
-         "; the nearest possible value is " + number_text(error.nearest) + ' ' + error.unit;
+         "; the nearest possible value is " + number_text(shortened(error.nearest, error.wished)) +
+         ' ' + error.unit;
 }
 
 // ---- the module's own units ----
