@@ -42,9 +42,7 @@ constexpr auto longest_path_silence = std::chrono::seconds(120);
 
 // The contract takes a number or a name; a number must not travel as text.
 api::NameOrNumber parameter_value(const std::string& text) {
-  int number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error == std::errc{} && end == text.data() + text.size()) return number;
+  if (const auto number = parse_number<std::int32_t>(text)) return *number;
   return text;
 }
 

@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include "options/form.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmclctl {
@@ -106,7 +107,7 @@ Attempt<ModuleName> parse_module(std::string_view text) {
 
 Attempt<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> table,
                                        std::string_view text) {
-  if (const auto number = parse_whole<std::uint8_t>(text)) {
+  if (const auto number = parse_number<std::uint8_t>(text)) {
     const auto* row = find_parameter(table, *number);
     return ParameterName{*number,
                          row != nullptr ? std::string(row->name) : std::to_string(*number)};

@@ -5,6 +5,7 @@
 
 #include "core/text.hpp"
 #include "tmcl/command_type.hpp"
+#include "tmcl/hex.hpp"
 
 namespace tmcl {
 namespace {
@@ -401,8 +402,20 @@ const CommandInfo* find_command(std::uint8_t number) {
   return places[number] == 0 ? nullptr : &commands[places[number] - 1U];
 }
 
+namespace {
+
+/// Decimal, or hexadecimal as 0x43 or $43.
+std::optional<std::uint8_t> parse_number(std::string_view text) {
+  const auto hexadecimal = parse_hexadecimal(text);
+  if (!hexadecimal) return text::parse_byte(text);
+  if (*hexadecimal < 0 || *hexadecimal > UINT8_MAX) return std::nullopt;
+  return static_cast<std::uint8_t>(*hexadecimal);
+}
+
+}  // namespace
+
 std::optional<Command> parse_command(std::string_view text) {
-  if (const auto value = text::parse_byte(text)) return static_cast<Command>(*value);
+  if (const auto value = parse_number(text)) return static_cast<Command>(*value);
   for (const auto& row : commands) {
     if (text::equal_ignoring_case(row.name, text)) return row.command;
   }
@@ -410,7 +423,7 @@ std::optional<Command> parse_command(std::string_view text) {
 }
 
 std::optional<std::uint8_t> parse_subtype(Command command, std::string_view text) {
-  if (const auto value = text::parse_byte(text)) return value;
+  if (const auto value = parse_number(text)) return value;
   for (const auto& row : subtypes) {
     if (row.command == command && text::equal_ignoring_case(row.name, text)) return row.type;
   }

@@ -30,4 +30,14 @@ tl::expected<std::vector<std::uint8_t>, std::string> from_hex(std::string_view t
   return bytes;
 }
 
+std::optional<std::int32_t> parse_hexadecimal(std::string_view text) {
+  const bool prefixed = text.starts_with("0x") || text.starts_with("0X");
+  if (!prefixed && !text.starts_with('$')) return std::nullopt;
+  text.remove_prefix(prefixed ? 2 : 1);
+  std::uint32_t pattern = 0;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), pattern, 16);
+  if (error != std::errc{} || end != text.data() + text.size()) return std::nullopt;
+  return static_cast<std::int32_t>(pattern);
+}
+
 }  // namespace tmcl

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <vector>
 
+#include "tmcl/hex.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmcl {
@@ -33,6 +34,10 @@ constexpr auto known_units = std::to_array<KnownUnit>({
     {"in", Base::length, 25'400, 0},
     {"deg", Base::angle, std::numbers::pi, 0},
     {"rad", Base::angle, 180, 0},
+    // As keyboards have them: the micro sign and the Greek letter, and the degree sign.
+    {"\u00B5m", Base::length, 1, 0},
+    {"\u03BCm", Base::length, 1, 0},
+    {"\u00B0", Base::angle, std::numbers::pi, 0},
 });
 constexpr double size_of_turn = 60;
 
@@ -47,6 +52,8 @@ struct Suffix {
 };
 // The longest first.
 constexpr auto suffixes = std::to_array<Suffix>({{"/s/s/s", 3},
+                                                 {"/s\u00B3", 3},
+                                                 {"/s\u00B2", 2},
                                                  {"/s^3", 3},
                                                  {"/s3", 3},
                                                  {"/s^2", 2},
@@ -80,6 +87,22 @@ tl::unexpected<QuantityError> failed(std::string_view code, std::string message,
 constexpr std::string_view example = "It is a number and a unit, such as 12.5mm or 300rpm";
 
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// With the minus sign and the blanks of a keyboard instead of those of typesetters.
+std::string typed(std::string_view text) {
+  struct Sign {
+    std::string_view typeset;
+    std::string_view plain;
+  };
+  constexpr auto signs =
+      std::to_array<Sign>({{"\u2212", "-"}, {"\u00A0", " "}, {"\u2009", " "}, {"\u202F", " "}});
+  std::string plain(text);
+  for (const auto& sign : signs) {
+    for (auto at = plain.find(sign.typeset); at != std::string::npos; at = plain.find(sign.typeset))
+      plain.replace(at, sign.typeset.size(), sign.plain);
+  }
+  return plain;
+}
 
 /// `rest` is what stands behind the number.
 tl::unexpected<QuantityError> bad_rest(std::string_view text, std::string_view rest) {
@@ -115,7 +138,8 @@ QuantityError unknown_unit(const Quantity& quantity, const UnitName& name, const
   std::vector<std::string_view> names;
   for (const auto& unit : known_units) {
     const bool of_every_axis = unit.base == Base::microstep || unit.base == Base::turn;
-    if (of_every_axis || converts_into_own({unit.name, &unit, 0}, units))
+    const bool plain = static_cast<unsigned char>(unit.name.front()) < 0x80;
+    if (plain && (of_every_axis || converts_into_own({unit.name, &unit, 0}, units)))
       names.push_back(unit.name);
   }
   if (units.has_unit() && own_unit(units) == nullptr) names.push_back(units.scale->unit);
@@ -290,7 +314,10 @@ std::string unit_of(const ParameterInfo& row, const std::string& unit) {
 }
 
 Converted<Quantity> parse_quantity(std::string_view text) {
-  auto digits = text;
+  if (const auto hexadecimal = parse_hexadecimal(text))
+    return Quantity{static_cast<double>(*hexadecimal), {}};
+  const auto plain = typed(text);
+  std::string_view digits = plain;
   if (digits.size() > 1 && digits[0] == '+' && digits[1] != '-') digits.remove_prefix(1);
   double number = 0;
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), number);

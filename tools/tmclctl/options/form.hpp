@@ -16,6 +16,8 @@
 #include <fmt/format.h>
 #include <tl/expected.hpp>
 
+#include "tmcl/hex.hpp"
+
 namespace CLI {
 class App;
 }
@@ -32,7 +34,7 @@ constexpr const char* axis_meaning = "A configured name, or [BUS:]ADDRESS/MOTOR"
 using Reading = tl::expected<void, std::string>;
 using Read = std::function<Reading(const std::string& text)>;
 
-/// Decimal, all of it: 010 is ten, and nothing wraps around.
+/// All of it: 010 is ten, and no decimal number wraps around. Whole ones may be hexadecimal.
 template <class Number>
 tl::expected<Number, std::string> parse_number(
     std::string_view text, Number least = std::numeric_limits<Number>::lowest(),
@@ -40,6 +42,11 @@ tl::expected<Number, std::string> parse_number(
   auto digits = text;
   if (digits.starts_with('+')) digits.remove_prefix(1);
   Number value{};
+  std::string decimal;
+  if constexpr (std::is_integral_v<Number>) {
+    if (const auto hexadecimal = tmcl::parse_hexadecimal(digits))
+      digits = decimal = std::to_string(*hexadecimal);
+  }
   const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
   const bool whole = end == digits.data() + digits.size() && error != std::errc::invalid_argument;
   if (!whole) {
@@ -83,6 +90,8 @@ Read numbers(std::vector<Number>& into, std::type_identity_t<Number> least,
   };
 }
 Read text(std::string& into);
+/// The name of a drawing, which is SVG: that of another kind of picture is refused.
+Read svg_file(std::string& into);
 
 /// Of one verb, or of a group of verbs.
 class Form {
