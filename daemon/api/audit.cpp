@@ -1,6 +1,6 @@
 #include "api/audit.hpp"
 
-#include <boost/json/serialize.hpp>
+#include "tmcl/json_text.hpp"
 
 namespace tmcld {
 namespace {
@@ -35,7 +35,7 @@ std::string outcome_of(const RpcResult& result) {
 }  // namespace
 
 std::string words_of(std::string_view method, const boost::json::object& given) {
-  auto params = boost::json::serialize(given);
+  auto params = tmcl::json_text(given);
   if (params.size() > max_params_bytes) params = params.substr(0, max_params_bytes) + "...";
   return "method=" + std::string(method) + " params=" + std::move(params);
 }

@@ -7,10 +7,10 @@
 
 #include <boost/json/parse.hpp>
 
-#include "api/json_text.hpp"
 #include "api/params.hpp"
 #include "api/repeated_name.hpp"
 #include "api/suggest.hpp"
+#include "tmcl/json_text.hpp"
 
 namespace tmcld {
 namespace {
@@ -83,13 +83,13 @@ std::string line_of(const json::value& id, const RpcResult& result) {
   std::string line;
   line.reserve(usual_line_bytes);
   line += R"({"jsonrpc":"2.0","id":)";
-  append_json(line, is_usable_id(id) ? id : json::value(nullptr));
+  tmcl::append_json(line, is_usable_id(id) ? id : json::value(nullptr));
   if (result) {
     line += R"(,"result":)";
-    append_json(line, *result);
+    tmcl::append_json(line, *result);
   } else {
     line += R"(,"error":)";
-    append_json(line, to_json(result.error()));
+    tmcl::append_json(line, to_json(result.error()));
   }
   line += '}';
   return line;
@@ -156,7 +156,7 @@ std::string notification_line(std::string_view method, const json::object& param
   std::string line = R"({"jsonrpc":"2.0","method":")";
   line += method;
   line += R"(","params":)";
-  append_json(line, params);
+  tmcl::append_json(line, params);
   line += '}';
   return line;
 }

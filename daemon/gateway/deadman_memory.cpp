@@ -4,11 +4,11 @@
 #include <utility>
 
 #include <boost/json/parse.hpp>
-#include <boost/json/serialize.hpp>
 #include <boost/json/value_to.hpp>
 
 #include "async/elsewhere.hpp"
 #include "gateway/state_file.hpp"
+#include "tmcl/json_text.hpp"
 
 namespace tmcld {
 namespace {
@@ -46,7 +46,7 @@ KnownDeadman known_from(const json::value& value) {
 std::string text_of(const std::vector<KnownDeadman>& all) {
   json::array array;
   for (const auto& known : all) array.push_back(to_json(known));
-  return json::serialize(json::object{{"version", 1}, {"modules", std::move(array)}}) + "\n";
+  return tmcl::json_text(json::object{{"version", 1}, {"modules", std::move(array)}}) + "\n";
 }
 
 tl::expected<std::vector<KnownDeadman>, std::string> read(const std::string& path) {

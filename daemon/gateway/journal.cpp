@@ -4,13 +4,13 @@
 
 #include <boost/asio/this_coro.hpp>
 #include <boost/json/parse.hpp>
-#include <boost/json/serialize.hpp>
 #include <boost/json/value_to.hpp>
 
 #include "async/elsewhere.hpp"
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
 #include "gateway/state_file.hpp"
+#include "tmcl/json_text.hpp"
 
 namespace tmcld {
 namespace {
@@ -58,8 +58,8 @@ Holding holding_from(const json::value& value) {
 std::string text_of(const Holdings& holdings) {
   json::array array;
   for (const auto& holding : holdings) array.push_back(to_json(holding));
-  return json::serialize(json::object{{"version", known_version}, {"axes", std::move(array)}}) +
-         "\n";
+  const json::object document{{"version", known_version}, {"axes", std::move(array)}};
+  return tmcl::json_text(document) + "\n";
 }
 
 }  // namespace

@@ -11,11 +11,11 @@
 #include <sys/random.h>
 
 #include <boost/json/parse.hpp>
-#include <boost/json/serialize.hpp>
 #include <boost/json/value_to.hpp>
 
 #include "async/elsewhere.hpp"
 #include "gateway/state_file.hpp"
+#include "tmcl/json_text.hpp"
 #include "tmcl/utc_text.hpp"
 
 namespace tmcld {
@@ -92,7 +92,7 @@ tl::expected<std::vector<Token>, std::string> read(const std::string& path) {
 std::string text_of(const std::vector<Token>& all) {
   json::array array;
   for (const auto& token : all) array.push_back(to_json(token));
-  return json::serialize(json::object{{"version", 1}, {"tokens", std::move(array)}}) + "\n";
+  return tmcl::json_text(json::object{{"version", 1}, {"tokens", std::move(array)}}) + "\n";
 }
 
 }  // namespace

@@ -8,11 +8,11 @@
 
 #include <boost/json.hpp>
 
-#include "api/json_text.hpp"
 #include "api/params.hpp"
 #include "api/request.hpp"
 #include "support/rounds.hpp"
 #include "support/seed.hpp"
+#include "tmcl/json_text.hpp"
 
 namespace tmcld {
 namespace {
@@ -24,7 +24,7 @@ using ParamInfo = tmcl::api::Field;
 
 std::string to_text(const json::object& object) {
   std::string text;
-  append_json(text, object);
+  tmcl::append_json(text, object);
   return text;
 }
 

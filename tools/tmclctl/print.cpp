@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include <boost/json/serialize.hpp>
+#include "tmcl/json_text.hpp"
 
 namespace tmclctl {
 namespace {
@@ -19,7 +19,7 @@ json::value text_or_null(const std::string& text) {
 }  // namespace
 
 void print_json(const json::object& document, Output& output) {
-  output.out << json::serialize(document) << std::endl;
+  output.out << tmcl::json_text(document) << std::endl;
 }
 
 void warn(std::string_view text, Output& output) {

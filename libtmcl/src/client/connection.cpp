@@ -4,10 +4,10 @@
 
 #include <fmt/format.h>
 #include <boost/json/parse.hpp>
-#include <boost/json/serialize.hpp>
 
 #include "client/line_socket.hpp"
 #include "tmcl/client.hpp"
+#include "tmcl/json_text.hpp"
 
 namespace tmcl::client {
 namespace {
@@ -142,7 +142,7 @@ CallResult<void> Connection::State::send(std::string_view method, json::object p
   }
   const json::object request{
       {"jsonrpc", "2.0"}, {"id", id}, {"method", method}, {"params", std::move(params)}};
-  auto sent = channel_->write_line(json::serialize(request), from_now(options_.call_timeout));
+  auto sent = channel_->write_line(json_text(request), from_now(options_.call_timeout));
   // A line that did not go out whole is not executed.
   if (!sent) sent.error().outcome = Outcome::not_sent;
   return sent;

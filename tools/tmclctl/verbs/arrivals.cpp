@@ -42,7 +42,14 @@ VerbResult run(const verb::Arrivals& verb, Context& context) {
     return context.target.perform("module.report_arrivals", params_of(*module, verb), {})
         .map([](const json::object&) {});
   };
-  if (verb.off) return ask().map([] { return ExitCode::done; });
+  if (verb.off) {
+    const auto off = ask();
+    if (!off) return tl::unexpected(off.error());
+    if (context.output.json)
+      print_json({{"address", module->address}, {"motors", to_json(verb.motors)}, {"off", true}},
+                 context.output);
+    return ExitCode::done;
+  }
   const auto begin = context.host.now();
   const auto elapsed_s = [&] {
     return std::chrono::duration<double>(context.host.now() - begin).count();

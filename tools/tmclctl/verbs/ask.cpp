@@ -4,11 +4,10 @@
 
 #include <fmt/format.h>
 
-#include <boost/json/serialize.hpp>
-
 #include "json_read.hpp"
 #include "names.hpp"
 #include "print.hpp"
+#include "tmcl/json_text.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -52,7 +51,7 @@ std::string text_of(std::string_view key, const json::value& value) {
   if (key.ends_with("version") && value.is_int64()) return version_text(value.get_int64());
   if (value.is_null()) return "-";
   if (const auto* text = value.if_string()) return {text->data(), text->size()};
-  return json::serialize(value);
+  return tmcl::json_text(value);
 }
 
 // "12.5mm", as it can be typed, too.
@@ -140,6 +139,16 @@ Failure explained(Failure failure, const verb::Ask& verb, Target& target) {
   return failure;
 }
 
+/// The same, saying what it is about.
+json::object named(const verb::Ask& verb, json::object result) {
+  const auto add = [&](const char* key, const std::string& name) {
+    if (!name.empty() && !result.contains(key)) result[key] = name;
+  };
+  add("axis", verb.axis);
+  add("module", verb.module);
+  return result;
+}
+
 }  // namespace
 
 bool only_reads(std::string_view method) {
@@ -152,7 +161,7 @@ VerbResult run(const verb::Ask& verb, Context& context) {
   const auto result = context.target.perform(verb.method, std::move(*params), {});
   if (!result) return tl::unexpected(explained(result.error(), verb, context.target));
   if (context.output.json) {
-    print_json(*result, context.output);
+    print_json(named(verb, *result), context.output);
   } else if (gives_something(verb.method)) {
     print(*result, verb.internal, context.output.out);
   } else {

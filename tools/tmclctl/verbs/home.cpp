@@ -39,6 +39,11 @@ std::optional<std::string> length_text(const json::object& result, const std::st
   return shown(InUnit{*in_unit, text_at(result, "unit")}, *microsteps);
 }
 
+json::object named(const std::string& axis, json::object result) {
+  result["axis"] = axis;
+  return result;
+}
+
 void print(const json::object& result, const verb::Home& verb, std::ostream& out) {
   out << fmt::format("{} stands at its reference\n", verb.axis);
   if (const auto correction = length_text(result, "correction", verb.internal))
@@ -57,7 +62,7 @@ VerbResult run(const verb::Home& verb, Context& context) {
     return context.target.perform(method, std::move(params), {})
         .map([&](const json::object& result) {
           if (context.output.json) {
-            print_json(result, context.output);
+            print_json(named(verb.axis, result), context.output);
           } else {
             context.output.out << told << '\n';
           }
@@ -83,7 +88,7 @@ VerbResult run(const verb::Home& verb, Context& context) {
   line.clear();
   if (!result) return tl::unexpected(explained(result.error(), verb, context));
   if (context.output.json) {
-    print_json(*result, context.output);
+    print_json(named(verb.axis, *result), context.output);
   } else {
     print(*result, verb, context.output.out);
   }

@@ -1,4 +1,4 @@
-#include "api/json_text.hpp"
+#include "tmcl/json_text.hpp"
 
 #include <algorithm>
 #include <array>
@@ -9,7 +9,7 @@
 #include <boost/json/array.hpp>
 #include <boost/json/serialize.hpp>
 
-namespace tmcld {
+namespace tmcl {
 namespace {
 
 namespace json = boost::json;
@@ -76,6 +76,20 @@ void append_number(std::string& text, auto number) {
   text.append(digits.data(), end);
 }
 
+/// The shortest that is read as the same number; with an exponent only where the zeros of a number
+/// had to be counted.
+void append_number(std::string& text, double number) {
+  constexpr double least = 1e-6;
+  constexpr double greatest = 1e15;
+  const double size = std::abs(number);
+  const bool plain = size >= least && size < greatest;
+  if (number == 0) return text.push_back('0');
+  std::array<char, 32> digits{};
+  const auto format = plain ? std::chars_format::fixed : std::chars_format::scientific;
+  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number, format).ptr;
+  text.append(digits.data(), end);
+}
+
 void append(std::string& text, const json::array& array) {
   std::string_view separator = "[";
   for (const auto& value : array) {
@@ -108,6 +122,18 @@ void append_json(std::string& text, const json::value& value) {
   }
 }
 
+std::string json_text(const json::value& value) {
+  std::string text;
+  append_json(text, value);
+  return text;
+}
+
+std::string json_text(const json::object& object) {
+  std::string text;
+  append_json(text, object);
+  return text;
+}
+
 void append_json(std::string& text, const json::object& object) {
   std::string_view separator = "{";
   for (const auto& [key, value] : object) {
@@ -120,4 +146,4 @@ void append_json(std::string& text, const json::object& object) {
   text += object.empty() ? "{}" : "}";
 }
 
-}  // namespace tmcld
+}  // namespace tmcl
