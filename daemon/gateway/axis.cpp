@@ -12,6 +12,7 @@
 #include "gateway/awaited_run.hpp"
 #include "gateway/poller.hpp"
 #include "gateway/standing_stop.hpp"
+#include "gateway/stop_advice.hpp"
 #include "tmcl/command_type.hpp"
 #include "tmcl/program_verbs.hpp"
 #include "tmcl/relative_move.hpp"
@@ -24,6 +25,8 @@ using tmcl::Microsteps;
 using tmcl::Result;
 
 constexpr std::string_view beyond_range_hint = "move less far, or set another actual position";
+
+constexpr std::string_view hint_of_settings = "with its settings, ";
 
 /// For so long an axis must stand at its target whose settings may let it swing about it.
 constexpr tmcl::Duration steady_in_doubt = std::chrono::milliseconds(250);
@@ -305,7 +308,7 @@ GatewayAxis::Awaitable<StoodAt> GatewayAxis::stand(tmcl::WaitOptions wait, RunOp
     here = co_await axis_.run(tmcl::verbs::wait_until_reached(address(), wait), options);
   }
   if (here) co_return StoodAt{*here, std::move(warnings)};
-  if (!warnings.empty()) here.error().hint = "with its settings, " + warnings.front();
+  if (!warnings.empty()) here.error().hint = std::string(hint_of_settings) + warnings.front();
   co_return tl::unexpected(std::move(here.error()));
 }
 
@@ -495,7 +498,11 @@ boost::asio::awaitable<void> GatewayAxis::find_cause() {
 
 boost::asio::awaitable<void> GatewayAxis::add_cause(tmcl::Error& error) {
   if (!stop_cause_) co_await find_cause();
-  if (stop_cause_) error.message += "; cause: " + std::string(name_of(*stop_cause_));
+  if (!stop_cause_) co_return;
+  error.message += "; cause: " + std::string(name_of(*stop_cause_));
+  // What its settings make of its moves is said as well.
+  const bool says_more = error.hint.starts_with(hint_of_settings);
+  error.hint = std::string(advice_on(name_of(*stop_cause_))) + (says_more ? "; " + error.hint : "");
 }
 
 void GatewayAxis::forget_move() {

@@ -83,6 +83,7 @@ class FakeTarget : public Target {
   std::map<std::string, std::int32_t> values;    ///< What get() gives, by parameter as asked for.
   std::string known_axis;                        ///< Empty: all of them.
   std::string refused_parameter;                 ///< set() of it fails.
+  std::optional<std::string> stop_cause;         ///< Of stopped_by_other_after.
   std::optional<Failure> stop_failure;           ///< Of stop() only.
   Warnings warnings;                             ///< Of set() and of waits.
   std::string closed_because;                    ///< Why the bus of all axes is not open.
@@ -198,6 +199,7 @@ class FakeTarget : public Target {
     reading.velocity_internal = reading.moving ? 100 * direction : 0;
     reading.position_reached = at() == target_;
     reading.taken_at = host_.now();
+    if (stopped_now()) reading.stop_cause = stop_cause;
     if (user) user->put_into(reading);
     if (tells_position_in_mm)
       UserReading{"mm", at() / 10'240.0, target_ / 10'240.0, 0.5}.put_into(reading);

@@ -13,6 +13,7 @@ namespace tmclctl {
 namespace {
 
 using testing::HasSubstr;
+using testing::Not;
 using Words = std::vector<std::string>;
 
 template <class Verb>
@@ -43,10 +44,14 @@ TEST(CtlOptions, NegativeNumbersAreNumbers) {
   EXPECT_EQ(parsed<verb::Raw>({"raw", "1", "SAP", "4", "0", "-7"}).value, -7);
 }
 
-TEST(CtlOptions, NumbersAreDecimalAndWhole) {
+TEST(CtlOptions, NumbersAreWhole) {
   EXPECT_EQ(parsed<verb::Raw>({"raw", "1", "SAP", "4", "0", "010"}).value, 10);
   EXPECT_EQ(parsed<verb::Raw>({"raw", "1", "SAP", "4", "0", "+10"}).value, 10);
-  for (const auto* bad : {"1.5", "", "0x10", "ten", "1e3", "nan"})
+  EXPECT_EQ(parsed<verb::Raw>({"raw", "1", "SAP", "4", "$2", "0x43"}).value, 0x43);
+  EXPECT_EQ(parsed<verb::Raw>({"raw", "1", "SAP", "4", "$2", "0x43"}).motor, 2);
+  EXPECT_EQ(parsed<verb::Raw>({"raw", "1", "SAP", "4", "0", "0xffffffff"}).value, -1);
+  EXPECT_EQ(failure({"raw", "1", "SAP", "4", "0x100", "0"}).exit, ExitCode::usage);
+  for (const auto* bad : {"1.5", "", "0x", "0xG", "$", "0x100000000", "0x1.5", "ten", "1e3", "nan"})
     EXPECT_EQ(failure({"raw", "1", "SAP", "4", "0", bad}).exit, ExitCode::usage) << bad;
   EXPECT_THAT(failure({"raw", "1", "SAP", "4", "0", "2147483648"}).message,
               HasSubstr("2147483647"));
@@ -85,6 +90,27 @@ TEST(CtlOptions, ScansTheWholeRangeOrAPart) {
   EXPECT_EQ(range.last, 20);
   EXPECT_EQ(parsed<verb::Scan>({"scan", "--addresses", "7"}).range.last, 7);
   EXPECT_EQ(failure({"scan", "--addresses", "20-3"}).exit, ExitCode::usage);
+}
+
+TEST(CtlOptions, AWordThatIsNoVerbIsNotTakenForOneThatMoves) {
+  for (const auto* word : {"version", "list", "tune", "jog", "settings", "status", "halt"}) {
+    const auto hint = failure({word}).hint;
+    EXPECT_THAT(hint, Not(HasSubstr("Did you mean"))) << word;
+  }
+  EXPECT_THAT(failure({"version"}).hint, HasSubstr("tmclctl --version"));
+  EXPECT_THAT(failure({"halt"}).hint, HasSubstr("tmclctl stop --all"));
+  EXPECT_THAT(failure({"stop", "--everything"}).hint, HasSubstr("Everything still moves"));
+  EXPECT_THAT(failure({"store", "x", "4", "--all"}).hint, Not(HasSubstr("--url")));
+}
+
+TEST(CtlOptions, ADrawingIsSvg) {
+  for (const auto* name : {"x.png", "X.PNG", "a/b.pdf", "c.jpeg"}) {
+    const auto wrong = failure({"plot", "x", "--svg", name});
+    EXPECT_EQ(wrong.exit, ExitCode::usage);
+    EXPECT_THAT(wrong.message, HasSubstr(".svg")) << name;
+  }
+  EXPECT_EQ(parsed<verb::Plot>({"plot", "x", "--svg", "x.svg"}).svg, "x.svg");
+  EXPECT_EQ(parsed<verb::Plot>({"plot", "x", "--svg", "/dev/stdout"}).svg, "/dev/stdout");
 }
 
 TEST(CtlOptions, SuggestsWhatWasMeant) {

@@ -119,6 +119,56 @@ TEST_F(CtlVerbs, AStopFromElsewhereEndsTheWaiting) {
   EXPECT_THAT(err, HasSubstr("x stands still short of its target: at 3000, on its way to 10000"));
 }
 
+TEST_F(CtlVerbs, WhyAnAxisWasStoppedIsSaidWithWhatToDo) {
+  const std::pair<const char*, const char*> causes[] = {
+      {"stall", "raise the threshold"},
+      {"deviation", "search the reference again"},
+      {"left_limit", "Its left switch"},
+      {"right_limit", "Its right switch"},
+      {"deadman", "set a longer time"},
+      {"supply", "check the supply"},
+      {"client", "nother program or user sent a stop"},
+      {"lease_lost", "renew its lease"},
+      {"daemon", "the log of tmcld says why"},
+      {"velocity_mode", "another host on the bus"},
+      {"unknown", "does not say why"}};
+  for (const auto& [cause, advice] : causes) {
+    target.stop_cause = cause;
+    target.stopped_by_other_after = milliseconds(300);
+    EXPECT_EQ(run({"move", "x", "100000", "--wait"}), ExitCode::not_reached);
+    EXPECT_THAT(err, HasSubstr(std::string("; cause: ") + cause));
+    EXPECT_THAT(err, HasSubstr(advice)) << cause;
+    EXPECT_THAT(err, testing::Not(HasSubstr("Someone may have")));
+    EXPECT_THAT(err, testing::Not(HasSubstr("Another program moves")));
+  }
+}
+
+TEST_F(CtlVerbs, StopAllStopsEverythingUnlessAnAxisIsCalledSo) {
+  target.stopped = {{"x", 1.5, {}}};
+  EXPECT_EQ(run({"stop", "all"}), ExitCode::done);
+  EXPECT_THAT(target.calls, ElementsAre("stop all"));
+  target.calls.clear();
+  target.stop_failure = usage_failure("unknown_axis", "there is no axis 'all'", "See");
+  for (const char* word : {"all", "ALL"}) {
+    target.calls.clear();
+    EXPECT_EQ(run({"stop", word}), ExitCode::done);
+    EXPECT_THAT(target.calls, ElementsAre("stop_all"));
+    EXPECT_THAT(out, HasSubstr("x stopped after 1.5 ms"));
+  }
+}
+
+TEST_F(CtlVerbs, AStopOfNoAxisSaysThatEverythingMoves) {
+  target.stop_failure = usage_failure("unknown_axis", "there is no axis 'y'", "See 'tmclctl axes'");
+  EXPECT_EQ(run({"stop", "y"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("Everything still moves: 'tmclctl stop --all' stops every axis"));
+  EXPECT_EQ(run({"stop", "x", "y"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("Everything still moves"));
+  EXPECT_EQ(run({"stop", "x", "--now"}), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("Everything still moves"));
+  EXPECT_EQ(run({"move", "x", "1", "2", "3"}), ExitCode::usage);
+  EXPECT_THAT(err, testing::Not(HasSubstr("Everything still moves")));
+}
+
 TEST_F(CtlVerbs, WaitComesBackWhenAnAxisStandsWhereItWasSent) {
   run({"move", "x", "10000"});
   EXPECT_EQ(run({"wait", "x"}), ExitCode::done) << err;
@@ -224,6 +274,15 @@ TEST_F(CtlVerbs, AnEmptyScanSaysWhatToCheck) {
   EXPECT_EQ(run({"scan"}), ExitCode::not_sent);
   EXPECT_EQ(out, "");
   EXPECT_THAT(err, HasSubstr("baud"));
+  EXPECT_THAT(err, testing::Not(HasSubstr("bytes")));
+  const auto buses = [](int bytes) {
+    return boost::json::object{
+        {"buses", {{{"name", "bench"}, {"counters", {{"garbage_bytes", bytes}}}}}}};
+  };
+  target.results = {buses(10), buses(46)};
+  EXPECT_EQ(run({"scan"}), ExitCode::not_sent);
+  EXPECT_THAT(err, HasSubstr("No module answered, but 36 bytes came that are no replies"));
+  target.results = {};
   EXPECT_THAT(json({"scan"}, ExitCode::not_sent).at("modules").as_array(), IsEmpty());
 }
 
@@ -440,7 +499,7 @@ TEST_F(CtlVerbs, DeadmanTestTellsWhatWasFound) {
             "x: its module stops it 1003 ms after the last command (set to 1000 ms); it has gone "
             "6200 microsteps\n");
   target.result = {{"deadman", "none"}, {"reason", "it is switched off"}, {"way_microsteps", 0}};
-  EXPECT_EQ(run({"deadman", "test", "x"}), ExitCode::done);
+  EXPECT_EQ(run({"deadman", "test", "x"}), ExitCode::not_reached);
   EXPECT_THAT(out, HasSubstr("x: no deadman: it is switched off; it has gone 0 microsteps\n"));
 }
 

@@ -1,10 +1,12 @@
 #include "following.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <csignal>
 
 #include <fmt/format.h>
 
+#include "gateway/stop_advice.hpp"
 #include "print.hpp"
 
 namespace tmclctl {
@@ -32,6 +34,16 @@ Failure not_reached(const Journey& journey, const AxisReading& reading, std::str
 }
 
 Failure move_interrupted(const Journey& journey, const AxisReading& reading) {
+  // What is known comes first: a stopped axis is in velocity mode, and may still slow down.
+  if (reading.stop_cause) {
+    auto failure = not_reached(journey, reading,
+                               reading.moving ? "is being stopped short of its target"
+                                              : "stands still short of its target",
+                               advice_on_stop(journey.axis, *reading.stop_cause));
+    failure.message += "; cause: " + *reading.stop_cause;
+    failure.details["stop_cause"] = *reading.stop_cause;
+    return failure;
+  }
   if (reading.target_microsteps != journey.goal.value) {
     return not_reached(
         journey, reading,
@@ -42,12 +54,10 @@ Failure move_interrupted(const Journey& journey, const AxisReading& reading) {
     return not_reached(journey, reading, "is turned by velocity",
                        "Another program moves the same axis");
   }
-  auto failure =
-      not_reached(journey, reading, "stands still short of its target",
-                  "Someone may have stopped it, or a limit switch did: 'tmclctl params " +
-                      journey.axis + " --values' shows the switches");
-  if (reading.stop_cause) failure.message += "; cause: " + *reading.stop_cause;
-  return failure;
+  return not_reached(journey, reading, "stands still short of its target",
+                     fmt::format("Why is not known: 'tmclctl errors {}' shows its flags and "
+                                 "switches",
+                                 journey.axis));
 }
 
 Failure lost_sight(const Journey& journey, Failure failure, const Target& target) {
@@ -95,6 +105,15 @@ std::optional<Failure> interrupted_before_move(Context& context) {
       interrupted_failure(context.host.signal(), "interrupted before anything moved", "");
   failure.outcome = tmcl::Outcome::not_sent;
   return failure;
+}
+
+std::string advice_on_stop(const std::string& axis, const std::string& cause) {
+  std::string advice(tmcld::advice_on(cause));
+  if (!advice.empty()) {
+    advice[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(advice[0])));
+    advice += ". ";
+  }
+  return advice + fmt::format("'tmclctl errors {}' shows its flags and switches", axis);
 }
 
 std::string how_to_stop(const std::string& axis, const Target& target) {

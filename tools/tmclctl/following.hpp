@@ -27,6 +27,13 @@ struct Journey {
 Attempt<Warnings> follow(const Journey& journey, Context& context,
                          const std::function<void(const AxisReading&)>& on_reading);
 
+/// Of a stop that has stopped nothing.
+constexpr std::string_view everything_moves =
+    "Everything still moves: 'tmclctl stop --all' stops every axis. ";
+
+/// What to do about an axis that stands for this cause: "Its left switch is closed; ..."
+std::string advice_on_stop(const std::string& axis, const std::string& cause);
+
 /// What to tell when a signal ends the watching while the axis goes on.
 Failure interrupted_failure(int signal, const std::string& message, const std::string& hint);
 /// Ctrl-C came before the move went out: then it does not go out any more.

@@ -244,7 +244,7 @@ constexpr const char* stop = R"(
 Ramps down to standstill. A stop goes out before everything else. Through tmcld it says within a
 second that the module has taken it; if it cannot, it says so and exits with 3 (nothing was sent) or 4
 (nobody knows). That is no emergency stop: such a one cuts the power.
---all stops every axis that tmcld knows; with --direct it looks for modules at the addresses 1 to
+--all, or 'all' where no axis is called so, stops every axis that tmcld knows; with --direct it looks for modules at the addresses 1 to
 255 and stops each as soon as it is found.
 
   tmclctl stop x
@@ -381,6 +381,9 @@ turn within its soft limits, not faster than its max_velocity, sends its module 
 time, and tells when it has stopped. All its other motors must stand. Other calls to the module wait until
 then; a stop, or Ctrl-C, ends the test. tmcld remembers what was found: 'tmclctl --json modules' shows it.
 
+  exit 0   'test': the module has stopped its motor
+       5   'test': it has not, or its deadman is off
+
   tmclctl deadman set x 1000
   tmclctl deadman test x
   tmclctl deadman off x
@@ -497,7 +500,7 @@ empty commands, unless --length says how many there are.
 
 constexpr const char* raw = R"(
 Sends one command as it is and shows the bytes of request and reply. COMMAND and TYPE are numbers
-or names. Through tmcld the reply's bytes are put together again from what tmcld says.
+or names. Numbers may be hexadecimal: 0x43 or $43. Through tmcld the reply's bytes are put together again from what tmcld says.
 
 An axis that is set turning without end (ROR, ROL, SAP 2) is stopped when this program ends, and a
 warning says so; 'tmclctl rotate' stays, or lets the axis turn unattended. The same holds for 'tmclctl
@@ -648,7 +651,8 @@ constexpr const char* path = R"(
 constexpr const char* path_check = R"(
 Plans a path as 'tmclctl path run' would, for axes that can do what --velocity and --acceleration say,
 and says how long it is and takes, where it goes, and where it is slowest. Lengths are in the units of
-the file; G-code's are mm (deg for A B C). What is wrong comes as FILE:LINE:COLUMN: MESSAGE.
+the file; G-code's are mm (deg for A B C). Where X, Y or Z moves, the length is theirs, and A B C go
+along. All that is wrong comes as FILE:LINE:COLUMN: MESSAGE, up to 20 problems.
 
 --legs says for each leg when it begins (T1), has its speed (T2), slows down (T3) and ends (T4), and the
 ramp of each axis, as ramp generators take it: start, greatest and stop velocity, both accelerations.
@@ -815,6 +819,9 @@ FILE is a program in the language of the TMCL-IDE:
         WAIT POS, 0, 0
         JA Loop
         .raw 250, 1, 2, 3           // any command by its numbers
+
+#include TMCLParam.tmc, a file of the TMCL-IDE, makes names of axis parameters constants, such as
+MaxVelocity; it need not be there.
 
 Without -o it prints the listing: address, bytes, line and text. The file that -o names gets eight
 bytes for each command, as the TMCL-IDE and PyTrinamic read them; it is written only if there are no

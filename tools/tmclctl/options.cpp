@@ -9,6 +9,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
+#include "following.hpp"
 #include "help_text.hpp"
 #include "options/grammar.hpp"
 #include "profile/generators.hpp"
@@ -243,19 +244,42 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   return text.empty() ? text : text.substr(1) + ' ';
 }
 
+/// What other programs call a verb of this one, or what people expect of it.
+std::string related_verb(const std::string& word) {
+  struct Related {
+    std::string_view word;
+    std::string_view verb;
+  };
+  constexpr std::array<Related, 9> related{{{"version", "--version"},
+                                            {"list", "axes"},
+                                            {"ls", "axes"},
+                                            {"status", "state"},
+                                            {"position", "state"},
+                                            {"halt", "stop --all"},
+                                            {"abort", "stop --all"},
+                                            {"estop", "stop --all"},
+                                            {"goto", "move"}}};
+  const auto* found = std::ranges::find(related, word, &Related::word);
+  return found == related.end() ? "" : fmt::format("That is 'tmclctl {}'. ", found->verb);
+}
+
 std::optional<Failure> Parser::unknown_verb(const CLI::App& outer, const std::string& word) const {
   const auto names = verbs(outer);
   if (names.empty()) return std::nullopt;
   const bool outermost = &outer == &app_;
+  const auto related = outermost ? related_verb(word) : std::string{};
   return usage_failure(
       "unknown_verb",
       fmt::format("there is no verb '{}{}'", outermost ? "" : full_name(outer) + ' ', word),
-      did_you_mean(word, names) + how_to_help(outer));
+      (related.empty() ? did_you_mean(word, names) : related) + how_to_help(outer));
 }
 
 std::string Parser::how_to_help(const CLI::App& verb) const {
-  return &verb == &app_ ? std::string("'tmclctl --help' lists them all")
-                        : fmt::format("'tmclctl {} --help' explains it", full_name(verb));
+  if (&verb == &app_) return "'tmclctl --help' lists them all";
+  // Who mistypes a stop must not think that it was one.
+  const bool stops = full_name(verb) == "stop";
+  return fmt::format("{}'tmclctl {} --help' explains it", stops ? everything_moves : "",
+                     full_name(verb));
 }
 
 Attempt<std::variant<Options, Information>> Parser::help() const {
@@ -312,7 +336,7 @@ Failure Parser::failure_from(const CLI::ParseError& error) const {
                        names.empty()
                            ? fmt::format("{}: {}", name, error.what())
                            : fmt::format("{}: a verb is missing: {}", name, fmt::join(names, ", ")),
-                       fmt::format("'tmclctl {} --help' explains it, with examples", name));
+                       how_to_help(verb) + ", with examples");
 }
 
 // CLI11's own "excludes" and "needs" would clutter the help.

@@ -284,7 +284,7 @@ void add_plot(Grammar& grammar) {
   plot.option("--by", "DISTANCE", "Start a move by this distance", text(plot->by));
   plot.option("--for", "SECONDS", "Record for so long at most",
               number(plot->for_s, shortest_time_s, longest_time_s));
-  plot.option("--svg", "FILE", "Write the drawing to this file, too", text(plot->svg));
+  plot.option("--svg", "FILE", "Write the drawing to this file, too", svg_file(plot->svg));
   plot.option("--csv", "FILE",
               "Write the samples to this file, too; '-': to standard output instead",
               text(plot->csv));
@@ -321,7 +321,7 @@ void add_capture(Grammar& grammar) {
   capture.option(
       "--pretrigger", "PERCENT", "So much of the recording lies before the trigger",
       [&values](const std::string& text) { return read_percent(text, values.pretrigger_percent); });
-  capture.option("--svg", "FILE", "Write a drawing to this file", text(values.svg));
+  capture.option("--svg", "FILE", "Write a drawing to this file", svg_file(values.svg));
   capture.option("--csv", "FILE", "Write the samples to this file; '-': to standard output",
                  text(values.csv));
   capture.flag("--resume", "Read what the module records, or has recorded, already", values.resume);

@@ -1,5 +1,10 @@
 #include "grammar.hpp"
 
+#include <algorithm>
+#include <array>
+#include <cctype>
+#include <filesystem>
+
 #include <CLI/App.hpp>
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
@@ -34,6 +39,23 @@ bool is_outermost(const CLI::App& verb) {
 }
 
 }  // namespace
+
+Read svg_file(std::string& into) {
+  return [&into](const std::string& name) -> Reading {
+    constexpr std::array<std::string_view, 11> others{
+        ".png", ".jpg", ".jpeg", ".gif", ".bmp", ".tif", ".tiff", ".webp", ".pdf", ".eps", ".ps"};
+    const std::filesystem::path path(name);
+    auto ending = path.extension().string();
+    std::ranges::transform(ending, ending.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (std::ranges::find(others, ending) != others.end()) {
+      auto drawn = path;
+      return tl::unexpected(fmt::format("drawings are SVG, which '{}' does not say: give {}", name,
+                                        drawn.replace_extension(".svg").string()));
+    }
+    into = name;
+    return {};
+  };
+}
 
 Read text(std::string& into) {
   return [&into](const std::string& text) -> Reading {

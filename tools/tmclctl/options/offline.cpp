@@ -78,7 +78,8 @@ void add_simulate(Grammar& grammar, const Form& profile) {
                   number(simulate->until, 0.0, longest_simulated_time));
   simulate.option("--csv", "SECONDS", "Print t,x,v,a every so often instead of drawing",
                   number(simulate->csv_step, shortest_csv_step, longest_simulated_time));
-  simulate.option("--svg", "FILE", "Draw into this file, not on the screen", text(simulate->svg));
+  simulate.option("--svg", "FILE", "Draw into this file, not on the screen",
+                  svg_file(simulate->svg));
   simulate.object(objection_to);
 }
 
@@ -91,7 +92,7 @@ void add_solve(Grammar& grammar, const Form& profile) {
                 said.words.push_back(text);
                 return {};
               });
-  solve.option("--svg", "FILE", "Draw into this file, not on the screen", text(solve->svg));
+  solve.option("--svg", "FILE", "Draw into this file, not on the screen", svg_file(solve->svg));
 }
 
 /// What is asked of a path, whether it is passed or only checked.
@@ -101,7 +102,7 @@ void add_path_file(VerbForm<T>& form) {
   form.word("FILE", "A table (.csv) or G-code", text(form->file));
   form.option("--tolerance", "UNITS", "How far from it the path may be passed (default 0.05)",
               in_units(form->tolerance));
-  form.option("--svg", "FILE", "Draw the path and its axes into this file", text(form->svg));
+  form.option("--svg", "FILE", "Draw the path and its axes into this file", svg_file(form->svg));
 }
 
 void add_steering(Grammar& grammar, const Form& path, const std::string& name, const char* method,

@@ -58,7 +58,9 @@ VerbResult run(const verb::TestDeadman& verb, Context& context) {
     context.output.out << fmt::format("{}: {}; it has gone {} microsteps\n", verb.axis,
                                       text_of(tested), tested.way_microsteps);
   }
-  return ExitCode::done;
+  // Who tests it wants to know that it works.
+  const bool works = std::holds_alternative<api::axis::Deadman>(tested.deadman.said);
+  return works ? ExitCode::done : ExitCode::not_reached;
 }
 
 }  // namespace tmclctl

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include "json_read.hpp"
 #include "names.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
@@ -161,7 +162,35 @@ void print(const std::vector<AxisRow>& rows, const std::vector<ScaleFactors>& fa
 
 }  // namespace
 
+namespace {
+
+/// Bytes that have come on all buses and belong to no reply; 0 where that is not known.
+std::uint64_t garbage_bytes(Context& context) {
+  const auto listed = context.target.perform("bus.list", {}, {});
+  std::uint64_t bytes = 0;
+  if (!listed) return bytes;
+  for (const auto& bus : array_at(*listed, "buses"))
+    bytes += integer_at<std::uint64_t>(object_at(bus.as_object(), "counters"), "garbage_bytes");
+  return bytes;
+}
+
+void print_silence(std::uint64_t garbage, Output& output) {
+  if (garbage != 0) {
+    output.err << fmt::format(
+        "No module answered, but {} bytes came that are no replies: the modules have another baud "
+        "rate (new ones speak 9600), the adapter echoes, or there is noise. ",
+        garbage);
+  } else {
+    output.err << "No module answered. Check the supply, the cabling, the baud rate (new modules "
+                  "speak 9600) and ";
+  }
+  output.err << (garbage != 0 ? "Check also " : "") << "whether another program holds the port.\n";
+}
+
+}  // namespace
+
 VerbResult run(const verb::Scan& verb, Context& context) {
+  const auto garbage_before = garbage_bytes(context);
   ProgressLine line(context.output);
   const auto rows = context.target.scan(
       verb.range, [&](const std::string& bus, std::size_t asked, std::size_t of) {
@@ -171,9 +200,7 @@ VerbResult run(const verb::Scan& verb, Context& context) {
   if (!rows) return tl::unexpected(rows.error());
   if (!rows->failed.empty()) return show_partial_scan(*rows, context.output);
   if (rows->modules.empty() && !context.output.json) {
-    context.output.err << "No module answered. Check the supply, the cabling, the baud rate (new "
-                          "modules speak 9600) and "
-                          "whether another program holds the port.\n";
+    print_silence(garbage_bytes(context) - garbage_before, context.output);
     return ExitCode::not_sent;
   }
   return show_modules(rows->modules, false, context.output).map([&](ExitCode done) {

@@ -1,5 +1,6 @@
 // move, rotate, stop.
 #include <algorithm>
+#include <cctype>
 
 #include <fmt/format.h>
 
@@ -158,15 +159,15 @@ void print_turning(const verb::Rotate& verb, const api::axis::Turning& turning,
              << std::endl;
 }
 
-/// Until a signal comes: false if it came to stand before.
-Attempt<bool> watch_turning(const verb::Rotate& verb, Context& context) {
+/// Until a signal comes; or how it was seen when it had come to stand before.
+Attempt<std::optional<AxisReading>> watch_turning(const verb::Rotate& verb, Context& context) {
   ProgressLine line(context.output);
   bool has_turned = false;
-  bool stands = false;
+  std::optional<AxisReading> stands;
   const auto watched =
       context.target.watch(verb.axis, turning_interval, [&](const AxisReading* reading) {
         if (reading != nullptr) {
-          stands = has_turned && !reading->moving;
+          if (has_turned && !reading->moving) stands = *reading;
           has_turned = has_turned || reading->moving;
           line.show(fmt::format("{} at {}  velocity {}", verb.axis,
                                 position_text(*reading, verb.internal),
@@ -175,7 +176,17 @@ Attempt<bool> watch_turning(const verb::Rotate& verb, Context& context) {
         return context.host.signal() == 0 && !stands;
       });
   if (!watched && context.host.signal() == 0) return tl::unexpected(watched.error());
-  return !stands;
+  return stands;
+}
+
+Failure stopped_elsewhere(const std::string& axis, const AxisReading& stands) {
+  Failure failure{ExitCode::not_reached, "move_interrupted",
+                  axis + " does not turn any more: it was not stopped here",
+                  advice_on_stop(axis, stands.stop_cause.value_or("")), tmcl::Outcome::done};
+  if (!stands.stop_cause) return failure;
+  failure.message += "; cause: " + *stands.stop_cause;
+  failure.details["stop_cause"] = *stands.stop_cause;
+  return failure;
 }
 
 /// `why` it is not known that it stands.
@@ -187,18 +198,12 @@ Failure may_still_turn(const std::string& axis, Failure why, const Target& targe
 }
 
 VerbResult attend(const verb::Rotate& verb, Context& context) {
-  const auto turned = watch_turning(verb, context);
+  const auto stands = watch_turning(verb, context);
   context.host.take_signal();
-  if (turned && !*turned) {
-    return tl::unexpected(Failure{ExitCode::not_reached,
-                                  "move_interrupted",
-                                  verb.axis + " does not turn any more: it was not stopped here",
-                                  {},
-                                  tmcl::Outcome::done});
-  }
+  if (stands && *stands) return tl::unexpected(stopped_elsewhere(verb.axis, **stands));
   const auto stopped = context.target.stop(verb.axis);
   if (!stopped) return tl::unexpected(may_still_turn(verb.axis, stopped.error(), context.target));
-  if (!turned) return tl::unexpected(turned.error());
+  if (!stands) return tl::unexpected(stands.error());
   if (!context.output.json) context.output.out << verb.axis << " stops\n";
   return ExitCode::done;
 }
@@ -219,6 +224,18 @@ VerbResult run(const verb::Rotate& verb, Context& context) {
 }
 
 namespace {
+
+bool is_all(std::string word) {
+  std::ranges::transform(word, word.begin(), [](unsigned char c) { return std::tolower(c); });
+  return word == "all";
+}
+
+Failure stopped_nothing(Failure failure) {
+  auto& hint = failure.hint;
+  if (!hint.empty()) hint[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(hint[0])));
+  hint = std::string(everything_moves) + hint;
+  return failure;
+}
 
 ExitCode show_stopped(const std::vector<StoppedAxis>& axes, Output& output) {
   json::array stopped;
@@ -247,11 +264,16 @@ ExitCode show_stopped(const std::vector<StoppedAxis>& axes, Output& output) {
 }  // namespace
 
 VerbResult run(const verb::Stop& verb, Context& context) {
-  if (verb.all) {
+  const auto stop_all = [&] {
     return context.target.stop_all().map(
         [&](const std::vector<StoppedAxis>& axes) { return show_stopped(axes, context.output); });
-  }
+  };
+  if (verb.all) return stop_all();
   const auto stopped = context.target.stop(verb.axis);
+  const bool names_none = !stopped && stopped.error().exit == ExitCode::usage;
+  // An axis may have that name.
+  if (names_none && is_all(verb.axis)) return stop_all();
+  if (names_none) return tl::unexpected(stopped_nothing(stopped.error()));
   if (!stopped) return tl::unexpected(stopped.error());
   if (context.output.json) {
     print_json({{"axis", verb.axis}, {"stopped", true}}, context.output);
