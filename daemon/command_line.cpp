@@ -63,6 +63,11 @@ std::variant<CommandLine, ExitCode> parse_command_line(int argc, const char* con
   } catch (const CLI::Success& asked) {
     app.exit(asked);
     return ExitCode{exit_code::ok};
+  } catch (const CLI::ExtrasError& error) {
+    const auto word = app.remaining().empty() ? std::string{} : app.remaining().front();
+    if (word.empty() || word.starts_with('-')) return complain(error.what());
+    return complain("'" + word +
+                    "' is one word too many; a configuration file is given as --config " + word);
   } catch (const CLI::ParseError& error) {
     return complain(error.what());
   }

@@ -52,7 +52,12 @@ RpcError error_of(const AwaitedRun& run, json::object report) {
   const auto& fault = *run.report().fault;
   const auto unstopped = run.unstopped();
   const bool moved = !is_before_motion(fault.kind);
-  const auto* hint = unstopped.empty() ? "all its axes were stopped" : stop_them;
+  const bool starved = fault.kind == tmcl::plan::DriveFault::Kind::starved;
+  const auto* hint = !unstopped.empty() ? stop_them
+                     : starved ? "all its axes were stopped; this computer was busy: a longer "
+                                 "period, or mode 'segments' where the model has it, needs "
+                                 "fewer updates"
+                               : "all its axes were stopped";
   auto error =
       rpc_error(rpc_code::call_failed, name_of(fault), run.text_of(fault), moved ? hint : "");
   if (moved) add_outcome(error, unstopped);

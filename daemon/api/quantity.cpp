@@ -1,5 +1,6 @@
 #include "api/quantity.hpp"
 
+#include <cmath>
 #include <utility>
 
 #include "tmcl/plan/ramp_limits.hpp"
@@ -146,6 +147,21 @@ awaitable<Lookup<SaidRate<tmcl::PulsesPerSecond2>>> acceleration_rate_of(Gateway
 
 namespace {
 
+/// A target beyond what a module can count to is beyond the soft limits as well, and those say how
+/// far it may go.
+std::optional<RpcError> objection_by_limits(const GatewayAxis& axis, std::string_view param,
+                                            const Quantity& quantity, const AxisUnits& units) {
+  const auto& limits = axis.soft_limits();
+  const auto own = in_own_unit(quantity, units);
+  if (!limits || !own || (*own >= limits->least.value && *own <= limits->greatest.value))
+    return std::nullopt;
+  const double limit = *own < limits->least.value ? limits->least.value : limits->greatest.value;
+  return param_error("beyond_soft_limit", param,
+                     "axis " + quoted(axis.name()) + ": " +
+                         describe(tmcl::BeyondLimit{*own, limit, units.scale->unit}),
+                     "the configuration has it: 'soft_limits'");
+}
+
 constexpr std::string_view jerk_param = api::name_of<&api::axis::OfRamp::jerk>();
 
 Lookup<Quantity> jerk_quantity_of(const api::Amount& said, const GatewayAxis& axis) {
@@ -192,6 +208,10 @@ awaitable<Lookup<SaidLength>> length_of(GatewayAxis& axis, Either either,
   tmcl::ValueRange range;
   if (row != nullptr) range = {row->minimum, row->maximum};
   const auto value = tmcl::to_microsteps(quantity, *units, range);
+  if (!value && row != nullptr) {
+    if (auto objection = objection_by_limits(axis, param, quantity, *units))
+      co_return tl::unexpected(std::move(*objection));
+  }
   if (!value) co_return tl::unexpected(quantity_error(param, value.error()));
   if (auto complaint = check_range(row, value->value, param))
     co_return tl::unexpected(std::move(*complaint));
@@ -235,12 +255,20 @@ awaitable<AxisUnits> units_to_tell(GatewayAxis& axis, AxisUnits units, Dimension
   co_return units;
 }
 
-RpcError has_no_unit(const ParameterChoice& choice, const Either& said) {
+RpcError has_no_unit(const ParameterChoice& choice, const Either& said, const Quantity& quantity) {
+  const auto* row = choice.row;
   const auto name = choice.name().value_or(std::to_string(choice.number));
-  return param_error(
-      "bad_argument", said.amount_name,
-      "parameter " + quoted(name) + " is not known to be a position, a velocity or an acceleration",
-      "give " + quoted(said.plain_name));
+  auto message =
+      "parameter " + quoted(name) + " is not known to be a position, a velocity or an acceleration";
+  auto hint = "give a number without a unit, as " + quoted(said.plain_name);
+  if (row != nullptr) {
+    const auto greatest = std::to_string(row->maximum);
+    hint += ": " + std::to_string(row->minimum) + " to " + greatest;
+    if (quantity.unit == "%" && row->minimum == 0)
+      hint += "; " + to_string(quantity) + " of " + greatest + " is " +
+              std::to_string(std::lround(quantity.number / 100 * row->maximum));
+  }
+  return param_error("bad_argument", said.amount_name, std::move(message), std::move(hint));
 }
 
 /// What the module is to hold in a parameter.
@@ -250,16 +278,26 @@ awaitable<Lookup<ModuleValue>> value_of(GatewayAxis& axis, Either either, Dimens
   if (!said) co_return tl::unexpected(said.error());
   const auto& [param, quantity] = *said;
   const bool has_unit = choice.row != nullptr && dimension != Dimension::other;
-  if (either.amount && !has_unit) co_return tl::unexpected(has_no_unit(choice, either));
+  if (either.amount && !has_unit) co_return tl::unexpected(has_no_unit(choice, either, quantity));
   auto units = co_await units_for(axis, param, quantity);
   if (!units) co_return tl::unexpected(units.error());
   const bool is_bare = quantity.unit.empty();
-  if (!is_bare && dimension != Dimension::position && !units->module)
-    co_return tl::unexpected(has_no_unit(choice, either));
+  const bool is_rate = dimension != Dimension::position && dimension_of(quantity) == dimension;
+  if (!is_bare && is_rate && !units->module)
+    co_return tl::unexpected(has_no_unit(choice, either, quantity));
   const auto as_number = [](tmcl::Microsteps count) { return count.value; };
   const auto value = is_bare ? to_microsteps(quantity, *units).map(as_number)
                              : to_parameter(quantity, *units, *choice.row);
-  if (!value) co_return tl::unexpected(quantity_error(param, value.error()));
+  if (!value) {
+    auto error = value.error();
+    const auto* model = axis.module().model();
+    const bool divided = model != nullptr && model->family == tmcl::Family::tmc429;
+    if (is_rate && divided && error.code == "out_of_range")
+      error.hint =
+          "its pulse and ramp divisors allow no more; axis.set_ramp, or 'ramp' on the command "
+          "line, chooses others";
+    co_return tl::unexpected(quantity_error(param, error));
+  }
   auto complaint = check_range(is_bare ? choice.row : nullptr, *value, param);
   if (complaint) co_return tl::unexpected(std::move(*complaint));
   co_return ModuleValue{*value, std::move(*units)};

@@ -23,7 +23,7 @@ std::string cannot_be_read(const std::string& path, int error) {
   return path + ": cannot be read: " + std::strerror(error);
 }
 
-/// Whoever writes the configuration decides where motors may go.
+/// Who writes the configuration decides where motors may go.
 std::optional<std::string> objection_to_writers(const std::string& path,
                                                 const struct stat& status) {
   const bool is_ours = status.st_uid == 0 || status.st_uid == ::geteuid();
@@ -31,8 +31,13 @@ std::optional<std::string> objection_to_writers(const std::string& path,
     return path + ": belongs to another user (uid " + std::to_string(status.st_uid) +
            "), who could change limits of axes; make it root's or your own: `chown`";
   }
-  const bool can_be_changed = S_ISREG(status.st_mode) || S_ISDIR(status.st_mode);
-  if (can_be_changed && (status.st_mode & S_IWOTH) != 0) {
+  const bool open = (status.st_mode & S_IWOTH) != 0;
+  if (open && S_ISDIR(status.st_mode)) {
+    return path +
+           ": everybody may write to it, and so change limits of axes; keep the configuration in a "
+           "folder where only root or you may write";
+  }
+  if (open && S_ISREG(status.st_mode)) {
     return path + ": everybody may write to it, and so change limits of axes; try `chmod o-w " +
            path + "`";
   }
@@ -45,6 +50,10 @@ tl::expected<ConfigFile, std::string> read_file(const std::string& path) {
   struct stat status {};
   if (!file || ::fstat(::fileno(file.get()), &status) != 0)
     return tl::unexpected(cannot_be_read(path, errno));
+  if (S_ISDIR(status.st_mode)) {
+    return tl::unexpected(path +
+                          ": is a folder; a configuration is a file, such as /etc/tmcl/tmcld.toml");
+  }
   if (auto objection = objection_to_writers(path, status)) return tl::unexpected(*objection);
   std::string text(max_file_bytes + 1, '\0');
   text.resize(std::fread(text.data(), 1, text.size(), file.get()));

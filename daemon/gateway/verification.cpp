@@ -132,6 +132,10 @@ GatewayAxis::Awaitable<void> Course::prepare() {
   if (!wish_.travel && !axis().soft_limits())
     co_return impossible("axis '" + axis().name() + "' has no soft limits",
                          "say how far it may go, such as --travel -2mm..2mm");
+  // Before anything is read that would have to be given back.
+  const auto velocity = co_await axis().get(tmcl::axis_parameter::actual_velocity, {});
+  if (!velocity) co_return tl::unexpected(velocity.error());
+  if (*velocity != 0) co_return impossible("axis '" + axis().name() + "' moves", "stop it first");
   auto travel = co_await find_travel();
   if (!travel) co_return travel;
   auto limits = co_await find_limits();

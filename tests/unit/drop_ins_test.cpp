@@ -3,6 +3,7 @@
 #include <fstream>
 #include <string>
 
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <gmock/gmock.h>
@@ -14,8 +15,10 @@
 namespace tmcld {
 namespace {
 
+using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::Not;
 
 class DropIns : public testing::Test {
  protected:
@@ -111,7 +114,19 @@ TEST_F(DropIns, DirectoryHasTheNameOfTheFile) {
 
 TEST_F(DropIns, AreRefusedWhereOthersMayAddSome) {
   std::filesystem::permissions(path("tmcld.d"), std::filesystem::perms(0777));
-  EXPECT_THAT(problems(), ElementsAre(HasSubstr("tmcld.d: everybody may write to it")));
+  EXPECT_THAT(problems(), ElementsAre(AllOf(HasSubstr("tmcld.d: everybody may write to it"),
+                                            Not(HasSubstr("chmod")))));
+}
+
+TEST_F(DropIns, AFolderIsNoConfiguration) {
+  for (const auto mode : {0777, 0755}) {
+    ::chmod(path("tmcld.d").c_str(), static_cast<mode_t>(mode));
+    const auto read = read_config_files(path("tmcld.d"));
+    ASSERT_FALSE(read);
+    EXPECT_EQ(read.error(), path("tmcld.d") +
+                                ": is a folder; a configuration is a file, such as "
+                                "/etc/tmcl/tmcld.toml");
+  }
 }
 
 TEST_F(DropIns, ThereAreNotTooMany) {

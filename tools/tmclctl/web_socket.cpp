@@ -16,6 +16,7 @@
 #include <boost/beast/core.hpp>
 #include <boost/beast/websocket.hpp>
 
+#include "input_file.hpp"
 #include "web/web_stream.hpp"
 
 namespace tmclctl {
@@ -328,6 +329,10 @@ CallResult<void> trust(asio::ssl::context& context, const WebPlace& place) {
   if (place.ca_file.empty()) {
     context.set_default_verify_paths(error);
   } else {
+    // What OpenSSL says of a file that is not there is "system lib".
+    constexpr std::size_t most_bytes = 1U << 20U;
+    if (const auto text = read_file(place.ca_file, most_bytes); !text)
+      return tl::unexpected(wrong(fmt::format("cannot read {}: {}", place.ca_file, text.error())));
     context.load_verify_file(place.ca_file, error);
   }
   if (!error) return {};

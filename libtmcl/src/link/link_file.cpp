@@ -15,7 +15,8 @@ std::string refusal(const fs::path& path, const fs::path& target) {
   const auto found = fs::symlink_status(path, error);
   if (found.type() == fs::file_type::not_found) return {};
   if (found.type() != fs::file_type::symlink) {
-    return path.string() + " exists and is no symbolic link; choose another path";
+    return "there is " + std::string(fs::is_directory(found) ? "a folder" : "a file") + " at " +
+           path.string() + ", where the link is to be; give another path";
   }
   const auto leads_to = fs::read_symlink(path, error);
   // A terminal of that number is somebody's by now: whoever made the link is gone.
