@@ -33,7 +33,9 @@ inline void look_at(const plan::path_file::Path& path) {
 inline void look_at(const tl::expected<plan::path_file::Path, TextProblems>& read,
                     std::string_view text) {
   if (!read) {
-    const auto lines = static_cast<std::size_t>(std::ranges::count(text, '\n')) + 2;
+    // Old systems end lines with \r alone.
+    const char end = text.find('\n') == std::string_view::npos ? '\r' : '\n';
+    const auto lines = static_cast<std::size_t>(std::ranges::count(text, end)) + 2;
     require(!read.error().empty(), "there is a problem");
     for (const auto& problem : read.error())
       require(problem.line >= 1 && problem.line <= lines, "in a line of the text");
