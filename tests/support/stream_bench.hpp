@@ -1,4 +1,4 @@
-/// One or two simulated axes that pass a course in virtual time: every command takes a while, and
+/// One to three simulated axes that pass a course in virtual time: every command takes a while, and
 /// every millisecond the axes are looked at.
 #pragma once
 
@@ -24,6 +24,8 @@ namespace tmcl::plan::test {
 namespace ap = axis_parameter;
 
 constexpr double microsteps_per_mm = 51200 / 5.0;
+constexpr Duration look_interval = std::chrono::milliseconds(1);
+constexpr Duration longest_looked_at = std::chrono::seconds(1);
 
 inline tl::unexpected<Error> no_reply() {
   Error error;
@@ -31,13 +33,13 @@ inline tl::unexpected<Error> no_reply() {
   return tl::unexpected(std::move(error));
 }
 
-/// The axes of one module, two at most, and somebody who carries out what a stream says.
+/// The axes of one module, three at most, and somebody who carries out what a stream says.
 class StreamBench {
  public:
-  explicit StreamBench(std::uint16_t model = 6212)
-      : model_(*find_model(model)), module_(model_, ModuleAddress{1}, clock_) {
-    limits_.axes = 2;
-    limits_.axis[0] = limits_.axis[1] = {24, 500};
+  explicit StreamBench(std::uint16_t model = 6212, std::size_t axes = 2)
+      : model_(*find_model(model)), axes_(axes), module_(model_, ModuleAddress{1}, clock_) {
+    limits_.axes = axes;
+    limits_.axis[0] = limits_.axis[1] = limits_.axis[2] = {24, 500};
     limits_.corner_tolerance = 0.025;
   }
 
@@ -53,7 +55,7 @@ class StreamBench {
 
   /// In mm and seconds.
   void limit(double velocity, double acceleration_limit) {
-    limits_.axis[0] = limits_.axis[1] = {velocity, acceleration_limit};
+    limits_.axis[0] = limits_.axis[1] = limits_.axis[2] = {velocity, acceleration_limit};
     const auto pps = static_cast<std::int32_t>(velocity * microsteps_per_mm);
     const auto pps2 = static_cast<std::int32_t>(acceleration_limit * microsteps_per_mm);
     for (const auto axis : motors()) {
@@ -94,10 +96,14 @@ class StreamBench {
   /// That was passed last.
   const Course& course() const { return *course_; }
   sim::Module& module() { return module_; }
+  /// What is longer than a command is one step.
   void let_pass(Duration time) {
-    clock_.advance(std::max(time, Duration(1)));
-    module_.run_due();
-    if (clock_.now() >= looked_at_ + std::chrono::milliseconds(1)) {
+    time = std::max(time, Duration(1));
+    const auto step = time > longest_looked_at ? time : look_interval;
+    for (; time > Duration::zero(); time -= step) {
+      clock_.advance(std::min(time, step));
+      module_.run_due();
+      if (clock_.now() < looked_at_ + look_interval) continue;
       looked_at_ = clock_.now();
       every_ms();
     }
@@ -112,10 +118,10 @@ class StreamBench {
     if (reply.status != Status::ok) return no_reply();
     return reply.value;
   }
-  /// Those of the module, two at most.
+  /// Those of the module, as many as there are axes at most.
   std::span<const std::uint8_t> motors() const {
-    static constexpr std::array<std::uint8_t, 2> all{0, 1};
-    return std::span(all).first(std::min<std::size_t>(model_.axes, all.size()));
+    static constexpr std::array<std::uint8_t, 3> all{0, 1, 2};
+    return std::span(all).first(std::min<std::size_t>(model_.axes, axes_));
   }
   bool moving() {
     return std::ranges::any_of(
@@ -156,6 +162,7 @@ class StreamBench {
   }
 
   const Model& model_;
+  std::size_t axes_;
   VirtualClock clock_;
   tmcl::test::NoEvents events_;
   sim::Module module_;

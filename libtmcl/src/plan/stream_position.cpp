@@ -27,15 +27,11 @@ constexpr double slowest_part = 0.8;
 constexpr double fastest_part = 1.25;
 constexpr Duration look_interval = std::chrono::milliseconds(10);
 
-// A leg is loaded earlier than it has to be, in case that it takes longer; by so much at most.
-constexpr double max_lead_s = 0.02;
+// Where the course stands, an axis that is late is waited for.
+constexpr Duration longest_lag = std::chrono::milliseconds(50);
+constexpr Duration shortest_look = std::chrono::milliseconds(1);
 
 constexpr std::size_t commands_of_a_look = 2;
-
-// An axis on an even leg may go on beyond its end for so long, and be so far off the course then,
-// in even_within.
-constexpr double max_blend_s = 0.05;
-constexpr double farthest_lead_on = 5;
 
 // That every moving axis of a leg gets: it is checked, velocity and target are written.
 constexpr std::size_t commands_of_an_axis = 3;
@@ -76,7 +72,7 @@ PathStream::Runner::Passage PathStream::Runner::passage(std::size_t index) const
   const double off = std::abs(leg.acceleration) * time * time / 8;
   const bool loadable_twice = time_to_send(commands_after_joint * axes_.size()) < time / 4;
   const bool on_the_way = leg.start_speed > 0;
-  if (leg.end_speed > 0 && (off <= options_.even_within || (on_the_way && !loadable_twice))) {
+  if (leg.end_speed > 0 && off <= options_.even_within) {
     made.drive = Drive::evenly;
     for (auto& ramp : made.leg.axis) ramp.vmax *= leg.mean_speed / leg.peak_speed;
     for (auto& ramp : made.leg.axis) ramp.vstart = ramp.vstop = ramp.vmax;
@@ -175,25 +171,19 @@ Duration PathStream::Runner::lead_of(std::size_t index) const {
   return duration(time_to_send(commands_of(index)));
 }
 
-// Whoever turns a corner early leaves the path by what the velocity changes there, times how early
-// that is. Not before the leg that comes before has begun.
-Duration PathStream::Runner::ahead_of(std::size_t index) const {
-  if (index == 0) return {};
-  const auto before = course_.leg(index - 1);
-  const auto changes = changes_at(index);
-  double change = 0;
-  for (std::size_t axis = 0; axis < axes_.size(); ++axis)
-    change = std::hypot(change, changes[axis]);
-  const double room = before.end - before.begin - seconds(lead_of(index));
-  const double tolerable = change > 0 ? options_.even_within / change : max_lead_s;
-  return duration(std::clamp(std::min(room, tolerable), 0.0, max_lead_s));
+// How long before its begin a leg's load begins. Its commands may take as long as the longest one
+// did before the start; but not before the leg before it has begun.
+Duration PathStream::Runner::early_by(const Passage& passage) const {
+  const auto before = course_.leg(passage.index - 1);
+  const auto commands = static_cast<std::int64_t>(commands_of(passage.index));
+  const auto longest = std::max(lead_of(passage.index), commands * report_.worst_round_trip);
+  const auto needed = longest + time_of_joint(passage.index) / 2;
+  return std::min(needed, duration(passage.leg.begin - before.begin));
 }
 
-// A turn where the course stands is not to be cut short.
-Duration PathStream::Runner::early_by(const Passage& passage) const {
-  const auto early = lead_of(passage.index) + ahead_of(passage.index);
-  if (passage.leg.start_speed > 0 || passage.index == 0) return early;
-  return std::min(early, duration(passage.leg.begin - course_.leg(passage.index - 1).end));
+TimePoint PathStream::Runner::time_of(double course_time) {
+  clock_.advance(now_);
+  return now_ + duration(course_time - clock_.passed());
 }
 
 DriveRunner::Fault PathStream::Runner::fault_of_axes() const {
@@ -268,42 +258,177 @@ Script<DriveRunner::Fault> PathStream::Runner::by_position() {
   auto wrong = co_await start_ramps();
   if (wrong) co_return wrong;
   clock_.start(now_, true);
-  clock_.pause(true);  // until the first leg is loaded
   for (std::size_t i = 0; i < course_.legs(); ++i) {
     const auto here = passage(i);
-    clock_.advance(now_);
-    const auto early = early_by(here);
-    const auto due = now_ + duration(here.leg.begin - clock_.passed()) - early;
-    if (i > 0) wrong = co_await watch_until(due);
-    if (!wrong) wrong = asked_to_stop();
-    if (!wrong && i > 0)
-      wrong = note_delay(now_ - due, std::max(shortest_stream_period, lead_of(i)));
-    if (!wrong) wrong = co_await pause_between(here.leg);
-    if (wrong) co_return wrong;
-    clock_.advance(now_);
-    if (i > 0 && early < lead_of(i)) clock_.pause(true);  // at rest, until it is loaded
-    wrong = co_await load(here);
+    if (here.leg.start_speed > 0) {
+      wrong = co_await begin_on_the_way(here);
+    } else {
+      wrong = co_await begin_from_rest(here);
+    }
     if (wrong) co_return wrong;
     ++report_.updates;
-    clock_.advance(now_);
-    clock_.pause(false);
     if (here.drive == Drive::by_ramps_after_joint) {
-      co_await until(now_ + duration(here.leg.begin - clock_.passed()) + time_of_joint(i));
+      co_await until(time_of(here.leg.begin) + time_of_joint(i));
       wrong = co_await load_ramps(here);
       if (wrong) co_return wrong;
     }
-    even_leg_.reset();
-    if (here.drive == Drive::evenly) even_leg_ = here.leg;
     const auto read = i % axes_.size();
     wrong = co_await read_position(read);
     if (wrong) co_return wrong;
     correct_twin(read);
   }
-  clock_.advance(now_);
-  wrong = co_await watch_until(now_ + duration(course_.duration() - clock_.passed()));
+  wrong = co_await watch_until(time_of(course_.duration()));
   clock_.advance(now_);
   if (!wrong) wrong = asked_to_stop();
   co_return wrong;
+}
+
+// All that the axes need is written while they stand, then their targets in quick succession: that
+// is when the course goes on.
+Script<DriveRunner::Fault> PathStream::Runner::begin_from_rest(const Passage& passage) {
+  auto wrong = co_await see_standing(passage);
+  if (!wrong) wrong = co_await pause_between(passage.leg);
+  if (wrong) co_return wrong;
+  const auto due = time_of(passage.leg.begin);
+  clock_.pause(true);
+  wrong = co_await prepare_loads(passage);
+  if (wrong) co_return wrong;
+  co_await until(due);
+  if (auto asked = asked_to_stop()) co_return asked;
+  const auto begin = now_;
+  wrong = co_await begin_leg(passage);
+  clock_.go_on(begin + (now_ - begin) / 2, passage.leg.begin);
+  co_return wrong;
+}
+
+// Written before the end of the leg that comes first, what an axis needs would change how it
+// brakes for that end; and it may be a little late.
+Script<DriveRunner::Fault> PathStream::Runner::see_standing(const Passage& passage) {
+  if (passage.index == 0) co_return asked_to_stop();
+  auto wrong = co_await watch_until(time_of(course_.leg(passage.index - 1).end));
+  for (std::size_t axis = 0; axis < axes_.size() && !wrong; ++axis)
+    wrong = co_await see_standing(axis);
+  co_return wrong;
+}
+
+Script<DriveRunner::Fault> PathStream::Runner::see_standing(std::size_t axis) {
+  const auto limit = now_ + longest_lag;
+  while (now_ < limit && !stop_asked_) {
+    let_twin_run(axis, now_);
+    if (axes_[axis].info.twin->motion().velocity.value == 0) break;
+    co_await until(now_ + shortest_look);
+  }
+  co_return asked_to_stop();
+}
+
+// What changes nothing before the joint is written before it; what the joint itself is, for all
+// axes in quick succession around its time; and what would change how an axis brakes for it, after.
+Script<DriveRunner::Fault> PathStream::Runner::begin_on_the_way(const Passage& passage) {
+  const auto lead = early_by(passage);
+  const auto due = time_of(passage.leg.begin) - lead;
+  auto wrong = co_await watch_until(due);
+  if (!wrong)
+    wrong = note_delay(now_ - due, std::max(shortest_stream_period, lead_of(passage.index)));
+  if (!wrong) wrong = co_await prepare_loads(passage);
+  const auto most = std::max(shortest_stream_period, lead_of(passage.index));
+  if (!wrong) wrong = note_delay(now_ - time_of(passage.leg.begin), most);
+  if (wrong) co_return wrong;
+  const auto spread = static_cast<std::int64_t>(loads_.size()) * report_.round_trip;
+  // Half of the change of speed comes before the joint: that departs least from the corner.
+  const auto change = time_of_joint(passage.index) / 2;
+  const auto joint = std::max(now_, time_at_joint(passage) - spread / 2 - change);
+  co_await until(joint);
+  const auto begin = now_;
+  wrong = note_delay(now_ - joint, most);
+  if (!wrong) wrong = asked_to_stop();
+  if (!wrong) wrong = co_await begin_leg(passage);
+  clock_.go_on(begin + (now_ - begin) / 2 + change, passage.leg.begin);
+  co_return wrong;
+}
+
+// When the axes pass the joint by what their twins do. An axis that is sent on before it has got
+// there cuts the corner by far more than a course that goes on a little later costs.
+TimePoint PathStream::Runner::time_at_joint(const Passage& passage) {
+  const auto before = course_.leg(passage.index - 1);
+  const auto from = course_.at(before.begin).position;
+  const auto limit = time_of(passage.leg.begin) + longest_lag;
+  std::vector<AxisTwin> twins;
+  double length = 0;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    let_twin_run(axis, now_);
+    twins.push_back(*axes_[axis].info.twin);
+    length = std::hypot(length, before.axis[axis].target - from[axis]);
+  }
+  const double near = before.end_speed * seconds(shortest_look) / 2;
+  auto time = now_;
+  for (; time < limit; time += shortest_look / 2) {
+    double left = 0;
+    for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+      const auto is = twins[axis].motion().position.value + axes_[axis].ahead_of_twin;
+      const double joint = before.axis[axis].target;
+      const double way = joint - is / axes_[axis].info.microsteps_per_unit;
+      left += way * (joint - from[axis]) / length;
+      twins[axis].advance(shortest_look / 2);
+    }
+    if (left <= near) break;
+  }
+  return time;
+}
+
+Script<DriveRunner::Fault> PathStream::Runner::prepare_loads(const Passage& passage) {
+  loads_.clear();
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    if (passage.leg.axis[axis].vmax == 0) continue;
+    auto wrong = co_await check(axis);
+    if (wrong) co_return wrong;
+  }
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    if (passage.leg.axis[axis].vmax == 0) continue;
+    auto wrong = asked_to_stop();
+    loads_.push_back(load_for(passage, axis));
+    if (!wrong) wrong = co_await write_before(passage, loads_.back());
+    if (wrong) co_return wrong;
+  }
+  // Those that turn last: they stop there by themselves.
+  std::ranges::stable_sort(loads_, {}, &Load::way);
+  co_return std::nullopt;
+}
+
+Script<DriveRunner::Fault> PathStream::Runner::write_before(const Passage& passage,
+                                                            const Load& load) {
+  Fault refused;
+  if (load.way != Way::goes_on_late)
+    refused = co_await set(load.axis, {ap::max_acceleration, load.amax});
+  if (!refused && load.way == Way::from_rest) refused = co_await set_braking(passage, load);
+  if (!refused && (load.way == Way::from_rest || load.way == Way::brakes))
+    refused = co_await set_start_speed(passage, load.axis);
+  if (refused || load.way != Way::goes_on) co_return refused;
+  refused = co_await set_target(load);
+  if (!refused) refused = co_await set_braking(passage, load);
+  co_return refused;
+}
+
+Script<DriveRunner::Fault> PathStream::Runner::begin_leg(const Passage& passage) {
+  even_leg_.reset();
+  if (passage.drive == Drive::evenly) even_leg_ = passage.leg;
+  for (const auto& load : loads_) {
+    auto refused = asked_to_stop();
+    if (!refused && load.way == Way::turns) refused = co_await see_standing(load.axis);
+    if (!refused && load.way == Way::goes_on_late)
+      refused = co_await set(load.axis, {ap::max_acceleration, load.amax});
+    if (!refused) refused = co_await set_start_speed(passage, load.axis);
+    // A generator that brakes by less would go on with that for a target that stays where it is.
+    const bool may_brake = load.way == Way::brakes || load.way == Way::goes_on_late;
+    if (!refused && may_brake) refused = co_await set_deceleration(passage, load);
+    if (!refused && load.way != Way::goes_on) refused = co_await set_target(load);
+    if (refused) co_return refused;
+  }
+  for (const auto& load : loads_) {
+    auto refused = asked_to_stop();
+    if (!refused) refused = co_await set_braking(passage, load);
+    if (refused) co_return refused;
+  }
+  co_return std::nullopt;
 }
 
 // An axis that the joint makes much slower or faster needs the joint's acceleration: with that of
@@ -339,17 +464,6 @@ Script<DriveRunner::Fault> PathStream::Runner::pause_between(const CourseLeg& ne
   co_return asked_to_stop();
 }
 
-Script<DriveRunner::Fault> PathStream::Runner::load(const Passage& passage) {
-  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
-    if (passage.leg.axis[axis].vmax == 0) continue;
-    auto wrong = co_await check(axis);
-    if (!wrong) wrong = asked_to_stop();
-    if (!wrong) wrong = co_await load_axis(passage, axis);
-    if (wrong) co_return wrong;
-  }
-  co_return std::nullopt;
-}
-
 // Even legs are passed evenly, whatever the course does between their ends.
 double PathStream::Runner::planned_position(std::size_t axis) const {
   const double passed = clock_.passed();
@@ -383,37 +497,88 @@ std::int32_t PathStream::Runner::velocity_in(const Passage& passage, double spee
                   info.greatest_velocity);
 }
 
-PathStream::Runner::Ramps PathStream::Runner::no_ramps(std::size_t axis) const {
-  const auto& here = axes_[axis];
-  return {here.joint_acceleration, here.joint_acceleration, here.info.greatest_stop_velocity};
-}
-
 // With ramps in proportion to such a way, an axis could not brake what the leg before it left.
 bool PathStream::Runner::hardly_moves(const CourseLeg& leg, std::size_t axis) const {
   const double way = leg.axis[axis].target - course_.at(leg.begin).position[axis];
   return std::abs(way) <= options_.even_within;
 }
 
+// How an axis comes to the leg.
+PathStream::Runner::Way PathStream::Runner::way_to(const Passage& passage, std::size_t axis) const {
+  if (passage.index == 0 || passage.leg.start_speed == 0) return Way::from_rest;
+  const auto before = this->passage(passage.index - 1);
+  if (before.leg.axis[axis].vmax == 0) return Way::from_rest;
+  if (!goes_on(passage.index - 1, axis)) return Way::turns;
+  if (before.drive == Drive::evenly || !before.leg.slows_down) return Way::goes_on;
+  const bool brakes_by_then = duration(before.leg.down) >= early_by(passage);
+  return brakes_by_then ? Way::brakes : Way::goes_on_late;
+}
+
+// In the same sense on the next leg.
+bool PathStream::Runner::goes_on(std::size_t index, std::size_t axis) const {
+  if (index + 1 >= course_.legs()) return false;
+  const auto leg = course_.leg(index), next = course_.leg(index + 1);
+  if (leg.end_speed == 0 || leg.axis[axis].vmax == 0) return false;
+  const double from = course_.at(leg.begin).position[axis];
+  const double joint = leg.axis[axis].target;
+  return (joint - from) * (next.axis[axis].target - joint) > 0;
+}
+
 // A leg that is late, or that had a joint before it, has less way left to brake on than planned.
-PathStream::Runner::Ramps PathStream::Runner::ramps_for(const Passage& passage, std::size_t axis) {
+PathStream::Runner::Load PathStream::Runner::load_for(const Passage& passage, std::size_t axis) {
   const auto& here = axes_[axis];
   const auto& leg = passage.leg;
   const auto& ramp = leg.axis[axis];
-  auto ramps = no_ramps(axis);
-  if (hardly_moves(leg, axis)) return ramps;
-  const double in_time = pace(passage, ramp.vmax, axis);
-  const double steeper = in_time > fastest_part ? in_time : 1;
-  const auto most = std::max(here.joint_acceleration, here.info.greatest_acceleration);
-  if (leg.speeds_up) ramps.amax = acceleration_in(axis, ramp.amax * steeper, most);
-  if (!leg.slows_down) return ramps;
-  const double left =
-      std::abs(ramp.target - expected_of_twin(axis) / here.info.microsteps_per_unit);
-  const double needed = (ramp.vstart * ramp.vstart - ramp.vstop * ramp.vstop) / (2 * left);
-  const double planned = ramp.dmax * steeper;
-  const double dmax_wanted = left > 0 ? std::max(planned, needed) : planned;
-  ramps.dmax = acceleration_in(axis, dmax_wanted, most);
-  ramps.vstop = std::max(least_vstop, in_units(axis, ramp.vstop, here.info.units.velocity));
-  return ramps;
+  Load load{axis, way_to(passage, axis), here.joint_acceleration, own_acceleration(axis), 0, 0};
+  const bool by_ramps = passage.drive == Drive::by_ramps;
+  if (passage.drive != Drive::evenly && !hardly_moves(leg, axis)) {
+    const double in_time = pace(passage, ramp.vmax, axis);
+    const double steeper = in_time > fastest_part ? in_time : 1;
+    const auto most = std::max(here.joint_acceleration, here.info.greatest_acceleration);
+    if (by_ramps && leg.speeds_up) load.amax = acceleration_in(axis, ramp.amax * steeper, most);
+    if (leg.slows_down) {
+      const double left =
+          std::abs(ramp.target - expected_of_twin(axis) / here.info.microsteps_per_unit);
+      const double needed = (ramp.vstart * ramp.vstart - ramp.vstop * ramp.vstop) / (2 * left);
+      const double planned = ramp.dmax * steeper;
+      load.dmax = acceleration_in(axis, left > 0 ? std::max(planned, needed) : planned, most);
+    }
+  }
+  if (by_ramps && must_turn(passage, axis)) {
+    load.amax = std::max(load.amax, own_acceleration(axis));
+    load.dmax = std::max(load.dmax, own_acceleration(axis));
+  }
+  aim(passage, load);
+  return load;
+}
+
+// An axis that goes on at the joint is sent beyond it, as far as it takes to brake from its speed
+// there: it has that speed at the joint, and if the next leg comes late, it comes to rest by its
+// ramp and loses no steps. It is never sent beyond the place where it turns, or rests.
+void PathStream::Runner::aim(const Passage& passage, Load& load) const {
+  const auto& info = axes_[load.axis].info;
+  const auto& ramp = passage.leg.axis[load.axis];
+  double target = ramp.target;
+  double speed_squared = ramp.vstop * ramp.vstop;
+  const double deceleration =
+      load.dmax * info.units.acceleration.value / std::abs(info.microsteps_per_unit);
+  for (auto i = passage.index; speed_squared > 0 && goes_on(i, load.axis); ++i) {
+    const double way = course_.leg(i + 1).axis[load.axis].target - target;
+    const double needed = speed_squared / (2 * deceleration);
+    target += std::copysign(std::min(needed, std::abs(way)), way);
+    speed_squared = std::max(0.0, speed_squared - 2 * deceleration * std::abs(way));
+  }
+  load.target = microsteps(load.axis, target);
+  load.vstop = std::max(least_vstop, in_units(load.axis, std::sqrt(speed_squared),
+                                              info.units.velocity, info.greatest_stop_velocity));
+}
+
+// The smaller one of its two.
+std::int32_t PathStream::Runner::own_acceleration(std::size_t axis) const {
+  const auto up = settings_[axis].before(ap::max_acceleration);
+  const auto down = settings_[axis].before(dmax);
+  const auto least = acceleration_in(axis, 0, up);
+  return std::max(least, down > 0 ? std::min(up, down) : up);
 }
 
 double PathStream::Runner::expected_of_twin(std::size_t axis) const {
@@ -428,83 +593,61 @@ void PathStream::Runner::correct_twin(std::size_t axis) {
   axes_[axis].ahead_of_twin += observer_gain * (position - expected_of_twin(axis));
 }
 
-// What matters for braking comes after the target: written before, it would brake for the old one.
-Script<DriveRunner::Fault> PathStream::Runner::load_axis(const Passage& passage, std::size_t axis) {
-  const auto& [leg, drive, index] = passage;
-  const auto& ramp = leg.axis[axis];
-  const bool joint_only = drive == Drive::by_ramps_after_joint;
-  auto ramps = drive == Drive::by_ramps ? ramps_for(passage, axis) : no_ramps(axis);
-  if (drive == Drive::by_ramps && must_turn(passage, axis)) {
-    const auto least = axes_[axis].joint_acceleration;
-    ramps.amax = std::max(ramps.amax, least);
-    ramps.dmax = std::max(ramps.dmax, least);
-  }
-  const auto velocity = velocity_in(passage, joint_only ? ramp.vstart : ramp.vmax, axis);
-  const auto target = microsteps(axis, target_of(passage, axis));
-  auto refused = co_await set_velocity(axis, velocity);
-  if (refused) co_return refused;
-  refused = co_await set(axis, {ap::max_acceleration, ramps.amax});
-  if (refused) co_return refused;
-  co_await command({Kind::set, axis, ap::target_position, target});
-  if (!answer_) co_return refusal(axis);
-  let_twin_run(axis, middle());
-  axes_[axis].info.twin->move_to({target});
-  co_return co_await set_braking(axis, ramps);
-}
-
-// What comes next may come late: an axis does not stand then, and need not speed up from rest, if
-// it goes on as it does. So its target is beyond the end of an even leg, as far as that is on the
-// path.
-double PathStream::Runner::target_of(const Passage& passage, std::size_t axis) const {
-  double target = passage.leg.axis[axis].target;
-  if (passage.drive != Drive::evenly) return target;
-  for (std::size_t i = passage.index + 1; i < course_.legs(); ++i) {
-    const auto next = course_.leg(i);
-    if (!leads_on(passage.leg, next, axis)) break;
-    target = next.axis[axis].target;
-    if (next.end_speed == 0) break;
-  }
-  return target;
-}
-
-bool PathStream::Runner::leads_on(const CourseLeg& leg, const CourseLeg& next,
-                                  std::size_t axis) const {
-  const double time = next.end - leg.begin;
-  if (next.end - leg.end > max_blend_s) return false;
-  const double from = course_.at(leg.begin).position[axis];
-  const double speed = (leg.axis[axis].target - from) / (leg.end - leg.begin);
-  const double way = next.axis[axis].target - course_.at(next.begin).position[axis];
-  const double off = std::abs(from + speed * time - next.axis[axis].target);
-  return speed * way > 0 && off <= farthest_lead_on * options_.even_within;
-}
-
 Script<DriveRunner::Fault> PathStream::Runner::load_ramps(const Passage& passage) {
-  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
-    const auto& ramp = passage.leg.axis[axis];
-    if (ramp.vmax == 0) continue;
-    auto wrong = co_await check(axis);
+  for (const auto& load : loads_) {
+    auto wrong = co_await check(load.axis);
     if (!wrong) wrong = asked_to_stop();
     if (wrong) co_return wrong;
-    const auto velocity = velocity_in(passage, ramp.vmax, axis);
-    const auto ramps = ramps_for(passage, axis);
-    wrong = co_await set_braking(axis, ramps);
-    if (!wrong) wrong = co_await set(axis, {ap::max_acceleration, ramps.amax});
-    if (!wrong) wrong = co_await set_velocity(axis, velocity);
+    wrong = co_await set(load.axis, {dmax, load.dmax});
+    if (wrong) co_return wrong;
+    const auto& ramp = passage.leg.axis[load.axis];
+    const auto most = axes_[load.axis].info.greatest_acceleration;
+    if (passage.leg.speeds_up && !hardly_moves(passage.leg, load.axis)) {
+      const auto amax = acceleration_in(load.axis, ramp.amax, most);
+      wrong = co_await set(load.axis, {ap::max_acceleration, amax});
+    }
+    if (!wrong) wrong = co_await set_velocity(passage, ramp.vmax, load.axis);
     if (wrong) co_return wrong;
   }
   co_return std::nullopt;
 }
 
-Script<DriveRunner::Fault> PathStream::Runner::set_velocity(std::size_t axis, std::int32_t value) {
+Script<DriveRunner::Fault> PathStream::Runner::set_start_speed(const Passage& passage,
+                                                               std::size_t axis) {
+  const auto& ramp = passage.leg.axis[axis];
+  const bool joint_only = passage.drive == Drive::by_ramps_after_joint;
+  return set_velocity(passage, joint_only ? ramp.vstart : ramp.vmax, axis);
+}
+
+Script<DriveRunner::Fault> PathStream::Runner::set_velocity(const Passage& passage, double speed,
+                                                            std::size_t axis) {
+  const auto value = velocity_in(passage, speed, axis);
   auto refused = co_await set(axis, {ap::max_velocity, value});
   if (!refused) axes_[axis].told = Setting{ap::target_velocity, value};
   co_return refused;
 }
 
-Script<DriveRunner::Fault> PathStream::Runner::set_braking(std::size_t axis, Ramps ramps) {
-  auto refused = co_await set(axis, {dmax, ramps.dmax});
+Script<DriveRunner::Fault> PathStream::Runner::set_target(const Load& load) {
+  co_await command({Kind::set, load.axis, ap::target_position, load.target});
+  if (!answer_) co_return refusal(load.axis);
+  let_twin_run(load.axis, middle());
+  axes_[load.axis].info.twin->move_to({load.target});
+  co_return std::nullopt;
+}
+
+// With the deceleration of the leg, an axis that the joint makes slower would begin to brake for
+// the leg's end there: it gets it when it has the speed of the leg.
+Script<DriveRunner::Fault> PathStream::Runner::set_deceleration(const Passage& passage,
+                                                                const Load& load) {
+  const bool joint_only = passage.drive == Drive::by_ramps_after_joint;
+  return set(load.axis, {dmax, joint_only ? axes_[load.axis].joint_acceleration : load.dmax});
+}
+
+Script<DriveRunner::Fault> PathStream::Runner::set_braking(const Passage& passage,
+                                                           const Load& load) {
+  auto refused = co_await set_deceleration(passage, load);
   if (refused) co_return refused;
-  refused = co_await set(axis, {vstop, ramps.vstop});
+  refused = co_await set(load.axis, {vstop, load.vstop});
   co_return refused;
 }
 

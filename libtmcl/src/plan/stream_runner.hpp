@@ -25,6 +25,13 @@ class CourseClock {
   void set_ramp(double seconds) { ramp_s_ = seconds; }
   void pause(bool on) { paused_ = on; }
   bool paused() const { return paused_; }
+  /// At full rate, from where the course stood.
+  void go_on(TimePoint now, double passed) {
+    at_ = now;
+    passed_ = passed;
+    rate_ = 1;
+    paused_ = false;
+  }
   void advance(TimePoint now);
   double passed() const { return passed_; }
   /// So much later than the last advance().
@@ -207,8 +214,18 @@ class PathStream::Runner final : public DriveRunner {
     Drive drive;
     std::size_t index;
   };
-  struct Ramps {
-    std::int32_t amax, dmax, vstop;
+  /// How an axis comes to a leg, and so what of it may be written when.
+  enum class Way : std::uint8_t {
+    goes_on,       ///< At its speed: the next one is what it changes at the joint.
+    goes_on_late,  ///< Its speed still changes when the load begins.
+    brakes,        ///< Until its target is replaced.
+    from_rest,     ///< Its target sets it off.
+    turns,         ///< It is sent back when it stands at the joint.
+  };
+  struct Load {
+    std::size_t axis;
+    Way way;
+    std::int32_t amax, dmax, vstop, target;
   };
   Script<Fault> prepare_legs();
   Script<Fault> by_position();
@@ -217,13 +234,25 @@ class PathStream::Runner final : public DriveRunner {
   Script<Fault> watch_until(TimePoint due);
   bool hardly_moves(const CourseLeg& leg, std::size_t axis) const;
   bool must_turn(const Passage& passage, std::size_t axis) const;
-  double target_of(const Passage& passage, std::size_t axis) const;
-  bool leads_on(const CourseLeg& leg, const CourseLeg& next, std::size_t axis) const;
-  Script<Fault> load(const Passage& passage);
-  Script<Fault> load_axis(const Passage& passage, std::size_t axis);
+  Script<Fault> begin_from_rest(const Passage& passage);
+  Script<Fault> begin_on_the_way(const Passage& passage);
+  TimePoint time_at_joint(const Passage& passage);
+  Script<Fault> see_standing(const Passage& passage);
+  Script<Fault> see_standing(std::size_t axis);
+  Script<Fault> prepare_loads(const Passage& passage);
+  Script<Fault> write_before(const Passage& passage, const Load& load);
+  Script<Fault> begin_leg(const Passage& passage);
   Script<Fault> load_ramps(const Passage& passage);
-  Script<Fault> set_velocity(std::size_t axis, std::int32_t value);
-  Script<Fault> set_braking(std::size_t axis, Ramps ramps);
+  Script<Fault> set_start_speed(const Passage& passage, std::size_t axis);
+  Script<Fault> set_velocity(const Passage& passage, double speed, std::size_t axis);
+  Script<Fault> set_target(const Load& load);
+  Script<Fault> set_deceleration(const Passage& passage, const Load& load);
+  Script<Fault> set_braking(const Passage& passage, const Load& load);
+  Way way_to(const Passage& passage, std::size_t axis) const;
+  bool goes_on(std::size_t index, std::size_t axis) const;
+  Load load_for(const Passage& passage, std::size_t axis);
+  void aim(const Passage& passage, Load& load) const;
+  std::int32_t own_acceleration(std::size_t axis) const;
   Passage passage(std::size_t index) const;
   AxisValues changes_at(std::size_t index) const;
   Script<Fault> set_joint_accelerations();
@@ -234,8 +263,6 @@ class PathStream::Runner final : public DriveRunner {
   std::size_t commands_of(std::size_t leg) const;
   double pace(const Passage& passage, double speed, std::size_t axis);
   std::int32_t velocity_in(const Passage& passage, double speed, std::size_t axis);
-  Ramps no_ramps(std::size_t axis) const;
-  Ramps ramps_for(const Passage& passage, std::size_t axis);
   template <class Unit>
   std::int32_t in_units(std::size_t axis, double value, Unit unit,
                         std::int32_t most = std::numeric_limits<std::int32_t>::max()) const {
@@ -245,8 +272,8 @@ class PathStream::Runner final : public DriveRunner {
   std::int32_t acceleration_in(std::size_t axis, double value, std::int32_t most) const;
   double time_to_send(std::size_t commands) const;
   Duration lead_of(std::size_t leg) const;
-  Duration ahead_of(std::size_t leg) const;
   Duration early_by(const Passage& passage) const;
+  TimePoint time_of(double course_time);
   double expected_of_twin(std::size_t axis) const;
   void correct_twin(std::size_t axis);
   void let_twin_run(std::size_t axis, TimePoint to);
@@ -257,6 +284,7 @@ class PathStream::Runner final : public DriveRunner {
   StreamReport report_;
   TimePoint twin_start_{};
   std::size_t watched_ = 0;            // the axis that is looked at next
+  std::vector<Load> loads_;            // position mode: of the leg that begins
   std::optional<CourseLeg> even_leg_;  // position mode: the one that is passed evenly
   CourseClock clock_;
   CourseBends bends_{course_, 0};

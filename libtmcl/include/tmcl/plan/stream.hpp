@@ -18,10 +18,9 @@
 /// does not jump, it takes no more than the axis' own acceleration and a tenth.
 ///
 /// StreamMode::position loads the legs of the course one after the other into ramp generators with
-/// start and stop speeds (family sixpoint). The next leg is loaded a little before the present one
-/// ends, so that nothing stands still in between, and with the speed that brings the axis to its
-/// end in time from where its twin is now. Targets are written as parameter 0, which does not start
-/// a motor that somebody stopped.
+/// stop speeds (family sixpoint): the next one when the axes are at the joint by their twins. One
+/// that goes on there is sent beyond it, by its way to rest: if the next leg is late, it brakes by
+/// its ramp. Targets are written as parameter 0, which does not start a motor that was stopped.
 ///
 /// Before an axis is told anything new, it is asked what it does (parameter 2, or its ramp mode).
 /// If that is not what it was told, somebody else stopped or turned it, and all axes are stopped.
