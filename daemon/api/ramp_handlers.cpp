@@ -88,6 +88,22 @@ RpcError too_far(const tmcl::RampOutOfReach& fault, const Wish& wish) {
   return error_at(is_braking ? wish.deceleration : wish.acceleration);
 }
 
+/// What no bow keeps would be exceeded in silence.
+std::optional<RpcError> jerk_refusal(const GatewayAxis& axis, const axis::OfRamp& params,
+                                     const tmcl::Model& model, std::optional<double> jerk) {
+  if (!jerk || *jerk == plan::highest_jerk) return std::nullopt;
+  const auto fault = plan::jerk_out_of_reach(model, *jerk);
+  if (!fault) return std::nullopt;
+  if (std::isinf(fault->nearest)) {
+    return param_error("out_of_range", params.bow ? api::name_of<&axis::OfRamp::bow>() : jerk_param,
+                       "the module of axis " + axis.name() + " is a " + std::string(model.name) +
+                           ": it has no bow, and its acceleration changes at once",
+                       "leave 'jerk' and 'bow' away, or give 'max' as 'jerk'");
+  }
+  return param_error("out_of_range", jerk_param, describe(*fault),
+                     "give a higher jerk, or leave 'jerk' away");
+}
+
 tmcl::RampLength ramp_up(const RampChoice& choice) {
   return tmcl::ramp_length(choice.velocity, choice.acceleration, {choice.jerk});
 }
@@ -129,6 +145,8 @@ awaitable<Lookup<Chosen>> choose(GatewayAxis& axis, const axis::OfRamp& params) 
   }
   auto wish = co_await wish_of(axis, params);
   if (!wish) co_return tl::unexpected(wish.error());
+  if (auto refusal = jerk_refusal(axis, params, *model, wish->request.jerk))
+    co_return tl::unexpected(std::move(*refusal));
   if (model->family == tmcl::Family::tmc457) {
     const auto bow = co_await axis.get(max_bow, {});
     if (!bow) co_return tl::unexpected(call_error(bow.error(), axis.name()));

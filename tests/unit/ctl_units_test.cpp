@@ -400,6 +400,11 @@ TEST_F(CtlConvert, SaysWhatABowIs) {
   EXPECT_GT(jerk.at("full_acceleration_s").to_number<double>(), 0);
   const auto back = json({"convert", "--model", "TMCM-142", "931322575pps/s2"});
   EXPECT_EQ(back.at("jerk").at("bow").to_number<double>(), 11);
+  for (const auto* jerk : {"1pps/s2", "100pps/s2", "900000pps/s2"}) {
+    EXPECT_THAT(
+        refusal({"convert", "--model", "TMCM-142", jerk}),
+        HasSubstr("below the jerk of the smallest bow; the nearest possible value is 909494"));
+  }
   EXPECT_THAT(refusal({"convert", "--model", "TMCM-6212", "--bow", "11"}),
               HasSubstr("--bow means nothing to a TMCM-6212"));
 }

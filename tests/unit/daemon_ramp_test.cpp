@@ -222,6 +222,25 @@ TEST_F(DaemonBow, IsTheHighestThatTheJerkAllows) {
   EXPECT_EQ(bow_for({{"bow", 7}}), 7);
 }
 
+TEST_F(DaemonBow, OfAJerkThatNoBowKeepsIsRefusedWithTheNearest) {
+  for (const auto* jerk : {"1pps/s2", "100pps/s2", "909494pps/s2", "0.001mm/s3"}) {
+    const auto refused = call("axis.plan_ramp", with({{"jerk", jerk}}));
+    ASSERT_FALSE(refused) << jerk;
+    EXPECT_THAT(refused.error().message, HasSubstr("909494.7")) << jerk;
+  }
+  EXPECT_EQ(bow_for({{"jerk", "909495pps/s2"}}), 1);
+}
+
+TEST_F(DaemonRamp, HasNoJerkWhereTheModuleHasNoBow) {
+  for (const json::object& wish : {json::object{{"jerk", "1e9pps/s2"}}, json::object{{"bow", 7}}}) {
+    auto params = ramp("1000pps", "1000pps/s");
+    for (const auto& [name, value] : wish) params[name] = value;
+    const auto refused = call("axis.plan_ramp", params);
+    ASSERT_FALSE(refused);
+    EXPECT_THAT(refused.error().message, HasSubstr("it has no bow"));
+  }
+}
+
 TEST_F(DaemonBow, IsNoOtherQuantity) {
   for (const auto* wrong : {"5mm/s^2", "5pps/s", "5mm"})
     EXPECT_THAT(refusal(with({{"jerk", wrong}})), HasSubstr("is no jerk")) << wrong;

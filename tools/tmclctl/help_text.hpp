@@ -520,8 +520,9 @@ cannot be met is refused with the nearest value that can.
 The dividers scale the other speeds of the axis, too, such as those of the reference search.
 
 On a TMC457 --jerk makes S-shaped ramps: the greatest bow that does not exceed it and with which the
-motor does not swing around its target; max is the greatest of these. Without --jerk the bow is left
-as it is, and 'tmclctl set x max_bow 0' switches it off. The last line says how long it takes to come
+motor does not swing around its target; max is the greatest of these. A jerk below that of the
+smallest bow, 909495pps/s^2, is refused, and so is any jerk but max on a module without bows. Without
+--jerk the bow is left as it is, and 'tmclctl set x max_bow 0' switches it off. The last line says how long it takes to come
 up to speed, and how far that is.
 
   tmclctl ramp x --velocity 50000pps --acceleration 200000pps/s

@@ -197,6 +197,16 @@ InternalVelocity speed_within_a_microstep(Tmc429Dividers dividers,
   return {std::max(1, static_cast<std::int32_t>(std::sqrt(2048 * p)))};
 }
 
+std::optional<OutOfReach> jerk_out_of_reach(const Model& model, double jerk) {
+  constexpr auto unit = "microsteps/s^3";
+  if (std::isinf(jerk)) return std::nullopt;
+  if (model.family != Family::tmc457)
+    return OutOfReach{jerk, std::numeric_limits<double>::infinity(), unit, "a jerk without a bow"};
+  const double least = to_pps3(1).value;
+  if (jerk >= least) return std::nullopt;
+  return OutOfReach{jerk, least, unit, "below the jerk of the smallest bow"};
+}
+
 Choice choose_ramp(const Model& model, const RampRequest& wish, const ModuleUnits& units) {
   return choose(model, wish, units).map([&](RampChoice choice) {
     remark(choice, wish);

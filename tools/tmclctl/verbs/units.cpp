@@ -10,6 +10,7 @@
 #include "print.hpp"
 #include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"
+#include "tmcl/plan/ramp_choice.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -61,15 +62,17 @@ class Converter {
   Converter(Quantity quantity, AxisUnits units)
       : quantity_(std::move(quantity)), units_(std::move(units)) {}
 
-  /// With the bow that comes nearest below, where the model has one.
+  /// With the bow that comes nearest below, where the model has bows; it is refused if none does.
   Attempt<std::vector<Rendering>> jerk() const {
-    return attempt(to_pps3(quantity_, units_)).map([&](tmcl::PulsesPerSecond3 jerk) {
-      auto forms = forms_of(jerk);
-      if (units_.model->family != tmcl::Family::tmc457) return forms;
-      forms.push_back(
-          {"bow", "as bow: the greatest that is no higher", static_cast<double>(bow_within(jerk))});
-      return forms;
-    });
+    const auto jerk = attempt(to_pps3(quantity_, units_));
+    if (!jerk) return tl::unexpected(jerk.error());
+    auto forms = forms_of(*jerk);
+    if (units_.model->family != tmcl::Family::tmc457) return forms;
+    if (const auto fault = tmcl::plan::jerk_out_of_reach(*units_.model, jerk->value))
+      return tl::unexpected(usage_failure("out_of_range", describe(*fault)));
+    forms.push_back(
+        {"bow", "as bow: the greatest that is no higher", static_cast<double>(bow_within(*jerk))});
+    return forms;
   }
   std::vector<Rendering> bow(std::int32_t bow) const {
     const auto jerk = tmcl::to_pps3(bow);

@@ -55,6 +55,10 @@ struct RampChoice {
 tl::expected<RampChoice, RampOutOfReach> choose_ramp(const Model& model, const RampRequest& wish,
                                                      const ModuleUnits& units);
 
+/// A jerk that no bow of the model keeps, in microsteps/s^3, and the nearest one that a bow does:
+/// infinite where the model has none. Nothing for jerks that can be had, and for trapezoids.
+std::optional<OutOfReach> jerk_out_of_reach(const Model& model, double jerk);
+
 /// In the order in which to write them, so that no speed in between is faster than both the old and
 /// the new one: a module that stops answering half-way must not be left with a fast axis.
 /// `pulse_div` is what a TMC429 has now; it makes no difference to settings without dividers.
