@@ -44,6 +44,19 @@ TEST(Line, GivesEachAxisItsPartOfTheLongestWay) {
   EXPECT_LT(line->spread, std::chrono::milliseconds(1));
 }
 
+TEST(Line, TakesItsWaysFromWhereTheAxesStand) {
+  const auto from_zero = plan({axis(40'000, 50'000, 200'000), axis(-10'000, 50'000, 200'000)});
+  std::vector<LineAxis> elsewhere{axis(40'000 + 70'000, 50'000, 200'000),
+                                  axis(-10'000 - 3'000, 50'000, 200'000)};
+  elsewhere[0].twin.place({70'000});
+  elsewhere[1].twin.place({-3'000});
+  const auto line = plan(elsewhere);
+  ASSERT_TRUE(from_zero && line);
+  EXPECT_EQ(line->duration, from_zero->duration);
+  for (std::size_t i = 0; i < elsewhere.size(); ++i)
+    EXPECT_EQ(line->axes[i].settings, from_zero->axes[i].settings) << i;
+}
+
 TEST(Line, TheSlowestAxisRules) {
   const auto line = plan(
       {axis(40'000, 50'000, 200'000), axis(-10'000, 5'000, 200'000), axis(2'500, 50'000, 2'000)});
