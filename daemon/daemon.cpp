@@ -51,6 +51,8 @@ std::int32_t any_epoch() {
   return std::uniform_int_distribution<std::int32_t>(0, greatest)(random);
 }
 
+constexpr std::size_t reserved_bytes = 4 << 20;
+
 /// Beside others of daemons with other sockets.
 std::string state_file(const DaemonConfig& config, std::string_view suffix) {
   const std::filesystem::path socket(config.socket);
@@ -64,7 +66,39 @@ std::string state_file(const DaemonConfig& config, std::string_view suffix) {
   return folder / (socket.filename().string() + std::string(suffix));
 }
 
+/// What another daemon of the same name would read and write: before anything of it is read.
+/// Where no file can be made none of them can be written, which the journal tells.
+tl::expected<LockFile, std::string> lock_state(const DaemonConfig& config) {
+  const auto path = state_file(config, ".state.lock");
+  auto lock = LockFile::take(path);
+  if (lock) return std::move(*lock);
+  const auto& failure = lock.error();
+  if (!failure.is_held) {
+    log(LogLevel::warning, "cannot lock the state files: cannot create " + path + ": " +
+                               failure.why + "; may this user write to that directory?");
+    return LockFile();
+  }
+  const auto process =
+      failure.holder > 0 ? "process " + std::to_string(failure.holder) : "another process";
+  return tl::unexpected("the state files " + state_file(config, ".*") + " belong to " + process +
+                        ", another daemon; end it first, or choose another 'state' or a 'socket' "
+                        "of another name in [daemon]");
+}
+
+void say_what_is_missing(std::size_t clients) {
+  if (clients > 0) return;
+  log(LogLevel::error,
+      "so few files may be open (ulimit -n) that no client can be served but for stops: raise the "
+      "limit (LimitNOFILE= of a service)");
+}
+
 }  // namespace
+
+Daemon::Daemon(boost::asio::io_context& context, Service service, LockFile state_lock)
+    : context_(context),
+      service_(std::move(service)),
+      reserve_(std::make_unique_for_overwrite<std::byte[]>(reserved_bytes)),
+      state_lock_(std::move(state_lock)) {}
 
 tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(
     boost::asio::io_context& context, const Config& config, const OpenLink& open_link,
@@ -73,9 +107,11 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(
   auto file = passed ? SocketFile::passed(*passed, config.daemon.socket)
                      : SocketFile::claim(config.daemon.socket);
   if (!file) return tl::unexpected(std::move(file.error()));
+  auto state = lock_state(config.daemon);
+  if (!state) return tl::unexpected(std::move(state.error()));
   auto audit = AuditTrail::open(config.daemon.audit);
   if (!audit) return tl::unexpected(std::move(audit.error()));
-  std::unique_ptr<Daemon> daemon(new Daemon(context, std::move(service)));
+  std::unique_ptr<Daemon> daemon(new Daemon(context, std::move(service), std::move(*state)));
   daemon->audit_ = std::move(*audit);
   daemon->config_ = config.daemon;
   daemon->other_sections_ = config.others;
@@ -89,6 +125,7 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(
   daemon->gateway_ = Gateway::create(executor, config, std::move(options));
   const auto clients =
       make_room_for_clients(config.buses.size(), config.ports.size(), http.has_value());
+  say_what_is_missing(clients);
   const auto share = std::make_shared<FrontShare>();
   share->tokens = Tokens::open(state_file(config.daemon, ".tokens.json"), log);
   daemon->server_ =
@@ -168,6 +205,7 @@ std::string Daemon::status() const {
 
 // Whoever threw has ended; all others go on, as long as it takes to stop what moves.
 void Daemon::end_after(const std::exception_ptr& failure) noexcept {
+  reserve_.reset();
   log_failure(log, "the reactor, all axes are stopped", failure);
   const auto limit = gateway_->clock().now() + time_after_failure;
   bool has_begun = false;

@@ -17,6 +17,7 @@
 #include "fronts/port.hpp"
 #include "fronts/unix_server.hpp"
 #include "gateway/gateway.hpp"
+#include "gateway/lock_file.hpp"
 #include "log/audit_trail.hpp"
 #include "service/service.hpp"
 
@@ -65,8 +66,7 @@ class Daemon {
   bool is_opening_links() const;
 
  private:
-  Daemon(boost::asio::io_context& context, Service service)
-      : context_(context), service_(std::move(service)) {}
+  Daemon(boost::asio::io_context& context, Service service, LockFile state_lock);
   static boost::asio::awaitable<void> begin_to_serve(Daemon& daemon);
   static boost::asio::awaitable<void> wait_for_signal(Daemon& daemon);
   static boost::asio::awaitable<void> load_again(Daemon& daemon);
@@ -80,6 +80,9 @@ class Daemon {
 
   boost::asio::io_context& context_;
   Service service_;
+  /// Given back when an exception ends the daemon: where memory is missing, stops need some, too.
+  std::unique_ptr<std::byte[]> reserve_;
+  LockFile state_lock_;
   DaemonConfig config_;
   std::string other_sections_;
   LoadAgain load_;

@@ -8,7 +8,6 @@
 #include <utility>
 
 #include <fcntl.h>
-#include <sys/file.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
 #include <sys/un.h>
@@ -18,14 +17,13 @@ namespace tmcld {
 namespace {
 
 constexpr int backlog = 128;
-constexpr int lock_tries = 3;
 constexpr mode_t access_for_owner_and_group = 0660;
-constexpr mode_t access_for_owner = 0600;
 
 std::string because(int error) { return std::string(": ") + std::strerror(error); }
 
-std::string in_use(const std::string& path) {
-  return "another daemon already serves " + path +
+std::string in_use(const std::string& path, pid_t by = 0) {
+  const auto process = by > 0 ? " (process " + std::to_string(by) + ")" : std::string();
+  return "another daemon already serves " + path + process +
          "; end it first, or choose another 'socket' in the configuration";
 }
 
@@ -62,30 +60,6 @@ std::string path_of(int descriptor) {
   return {address.sun_path, ::strnlen(address.sun_path, sizeof address.sun_path)};
 }
 
-bool is_same_file(int descriptor, const std::string& path) {
-  struct stat status {};
-  return ::fstat(descriptor, &status) == 0 && status.st_ino == inode_of(path);
-}
-
-/// A descriptor that holds the lock.
-tl::expected<int, std::string> lock(const std::string& path, const std::string& lock_path) {
-  for (int i = 0; i < lock_tries; ++i) {
-    // Whoever can open it can lock it, and so keep a daemon from starting.
-    const int descriptor =
-        ::open(lock_path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC | O_NOFOLLOW, access_for_owner);
-    if (descriptor < 0) {
-      return tl::unexpected("cannot create " + lock_path + because(errno) +
-                            "; may this user write to that directory?");
-    }
-    const bool locked = ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
-    // The one who held it may have removed the file meanwhile; then the lock means nothing.
-    if (locked && is_same_file(descriptor, lock_path)) return descriptor;
-    ::close(descriptor);
-    if (!locked) return tl::unexpected(in_use(path));
-  }
-  return tl::unexpected(in_use(path));
-}
-
 /// Nothing if the path is free now.
 std::optional<std::string> clear_away(const std::string& path) {
   struct stat status {};
@@ -109,9 +83,13 @@ std::optional<std::string> clear_away(const std::string& path) {
 
 tl::expected<SocketFile, std::string> SocketFile::claim(const std::string& path) {
   if (auto problem = check_directory(path)) return tl::unexpected(std::move(*problem));
-  const auto descriptor = lock(path, path + ".lock");
-  if (!descriptor) return tl::unexpected(descriptor.error());
-  SocketFile file(path, *descriptor);
+  auto lock = LockFile::take(path + ".lock");
+  if (!lock && lock.error().is_held) return tl::unexpected(in_use(path, lock.error().holder));
+  if (!lock) {
+    return tl::unexpected("cannot create " + path + ".lock: " + lock.error().why +
+                          "; may this user write to that directory?");
+  }
+  SocketFile file(path, std::move(*lock));
   if (auto problem = clear_away(path)) return tl::unexpected(std::move(*problem));
   auto problem = file.listen();
   if (!problem.empty()) return tl::unexpected(std::move(problem));
@@ -119,7 +97,7 @@ tl::expected<SocketFile, std::string> SocketFile::claim(const std::string& path)
 }
 
 tl::expected<SocketFile, std::string> SocketFile::passed(int descriptor, const std::string& path) {
-  SocketFile file(path, -1);
+  SocketFile file(path, LockFile());
   file.descriptor_ = descriptor;
   file.was_passed_ = true;
   const auto its_path = path_of(descriptor);
@@ -147,7 +125,7 @@ std::string SocketFile::listen() {
 
 SocketFile::SocketFile(SocketFile&& other) noexcept
     : path_(std::move(other.path_)),
-      lock_(std::exchange(other.lock_, -1)),
+      lock_(std::move(other.lock_)),
       descriptor_(std::exchange(other.descriptor_, -1)),
       inode_(std::exchange(other.inode_, 0)),
       was_passed_(other.was_passed_) {}
@@ -162,9 +140,7 @@ int SocketFile::release_descriptor() { return std::exchange(descriptor_, -1); }
 void SocketFile::remove() {
   if (inode_ != 0 && inode_of(path_) == inode_) ::unlink(path_.c_str());
   inode_ = 0;
-  if (lock_ < 0) return;
-  ::unlink((path_ + ".lock").c_str());
-  ::close(std::exchange(lock_, -1));
+  lock_.release();
 }
 
 }  // namespace tmcld

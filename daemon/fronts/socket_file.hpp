@@ -7,6 +7,8 @@
 
 #include <tl/expected.hpp>
 
+#include "gateway/lock_file.hpp"
+
 namespace tmcld {
 
 /// Move-only. A lock on PATH.lock decides between two daemons that start at once.
@@ -30,11 +32,11 @@ class SocketFile {
   void remove();
 
  private:
-  SocketFile(std::string path, int lock) : path_(std::move(path)), lock_(lock) {}
+  SocketFile(std::string path, LockFile lock) : path_(std::move(path)), lock_(std::move(lock)) {}
   std::string listen();
 
   std::string path_;
-  int lock_ = -1;
+  LockFile lock_;
   int descriptor_ = -1;
   ino_t inode_ = 0;
   bool was_passed_ = false;
