@@ -129,7 +129,7 @@ Answer<axis::GetState> get_state(Call& call, const axis::GetState& params) {
   const auto axis = axis_of(call, params.axis);
   if (!axis) co_return tl::unexpected(axis.error());
   const std::chrono::milliseconds max_age(params.max_age_ms.value_or(0));
-  const auto reading = co_await (*axis)->read_state(max_age);
+  const auto reading = co_await (*axis)->read_state(max_age, call.permit.client);
   if (!reading) co_return failed(reading.error(), **axis);
   co_return view_of(**axis, *reading);
 }

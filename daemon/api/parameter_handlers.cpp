@@ -18,10 +18,11 @@ bool is_of_ramp(const tmcl::Model& model, std::uint8_t parameter) {
 
 /// What has been set already is set, whatever comes of reading the rest of the ramp.
 boost::asio::awaitable<std::vector<std::string>> warnings_of(GatewayAxis& axis,
-                                                             std::uint8_t parameter) {
+                                                             std::uint8_t parameter,
+                                                             std::uint64_t client) {
   const auto* model = axis.module().model();
   if (model == nullptr || !is_of_ramp(*model, parameter)) co_return std::vector<std::string>();
-  auto warnings = co_await axis.warnings();
+  auto warnings = co_await axis.warnings(client);
   if (!warnings) co_return std::vector{"not foreseen: " + warnings.error().message};
   co_return std::move(*warnings);
 }
@@ -92,7 +93,7 @@ Answer<parameter::Set> set_parameter(Call& call, const parameter::Set& params) {
   if (!value) co_return tl::unexpected(value.error());
   const auto done = co_await axis.set(choice->number, value->value, ready->moves);
   if (!done) co_return tl::unexpected(call_error(done.error(), axis.name()));
-  auto warnings = co_await warnings_of(axis, choice->number);
+  auto warnings = co_await warnings_of(axis, choice->number, call.permit.client);
   const tmcl::Request sent{axis.address().module, tmcl::Command::SAP, choice->number,
                            axis.address().motor, value->value};
   if (motion_effect(sent) == MotionEffect::turns)

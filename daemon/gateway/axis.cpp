@@ -361,8 +361,8 @@ GatewayAxis::Awaitable<void> GatewayAxis::store(std::uint8_t parameter, RunOptio
   return perform(tmcl::verbs::store(address(), parameter), std::move(options));
 }
 
-GatewayAxis::Awaitable<std::vector<std::string>> GatewayAxis::warnings() {
-  return axis_.run(units_.warnings());
+GatewayAxis::Awaitable<std::vector<std::string>> GatewayAxis::warnings(std::uint64_t client) {
+  return axis_.run(units_.warnings(), asked_by(client));
 }
 
 GatewayAxis::Awaitable<std::optional<tmcl::ModuleUnits>> GatewayAxis::module_units() {
@@ -384,10 +384,11 @@ bool GatewayAxis::is_known(tmcl::Duration max_age) const {
          bus().clock().now() - last_->reading.taken < max_age;
 }
 
-GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state(tmcl::Duration max_age) {
+GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state(tmcl::Duration max_age,
+                                                            std::uint64_t client) {
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
-  const auto look_here = [this] { return look(); };
+  const auto look_here = [this, client] { return look(client); };
   // One in progress may have begun before this was asked for.
   const bool may_join = max_age > tmcl::Duration{} && looks_.in_progress() && !is_known(max_age);
   if (may_join) co_await looks_.join(look_here);
@@ -396,12 +397,12 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state(tmcl::Duration max_a
   co_return reading;
 }
 
-GatewayAxis::Awaitable<AxisReading> GatewayAxis::look() {
+GatewayAxis::Awaitable<AxisReading> GatewayAxis::look(std::uint64_t client) {
   const auto commands = bus().commands();
   const auto settings = module().settings_epoch();
-  auto reading = co_await axis_.run(units_.reading());
+  auto reading = co_await axis_.run(units_.reading(), asked_by(client));
   // Behind it: what was read is of the module that this one was, or the axis is latched.
-  const auto watched = co_await axis_.run(module().watch(movement_sentinel_age));
+  const auto watched = co_await axis_.run(module().watch(movement_sentinel_age), asked_by(client));
   if (!watched) co_return tl::unexpected(watched.error());
   if (!reading) co_return reading;
   last_ = {*reading, commands, settings};

@@ -106,12 +106,13 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// What set() does once that is admitted.
   Awaitable<void> write(std::uint8_t parameter, std::int32_t value, Admitted admitted);
   Awaitable<StoodAt> wait(tmcl::WaitOptions options, Objection objection);
-  /// What its settings make of moves that nobody may want. Errors: those of reading them.
-  Awaitable<std::vector<std::string>> warnings();
+  /// What its settings make of moves that nobody may want. Errors: those of reading them. `client`:
+  /// who asks, and has its turn on the bus for it.
+  Awaitable<std::vector<std::string>> warnings(std::uint64_t client = 0);
   Awaitable<std::int32_t> get(std::uint8_t parameter, Deadline deadline);
   /// At most so old, and not from before the last command on its bus: answered without the bus if
-  /// somebody has just looked.
-  Awaitable<AxisReading> read_state(tmcl::Duration max_age = {});
+  /// somebody has just looked. `client`: as for warnings().
+  Awaitable<AxisReading> read_state(tmcl::Duration max_age = {}, std::uint64_t client = 0);
 
   // What AxisUnits knows.
   Awaitable<std::optional<tmcl::ModuleUnits>> module_units();
@@ -218,7 +219,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<tmcl::Answer> execute_admitted(tmcl::Request request, Admitted admitted);
   /// What the firmware of its model counts relative moves from now.
   Awaitable<std::uint8_t> origin_of_relative_moves();
-  Awaitable<AxisReading> look();
+  Awaitable<AxisReading> look(std::uint64_t client);
   /// Until it stands at its target; for longer where its settings may let it swing about that.
   Awaitable<StoodAt> stand(tmcl::WaitOptions wait, RunOptions options);
   bool is_known(tmcl::Duration max_age) const;

@@ -30,7 +30,7 @@ class QueueShares {
   using Place = std::unique_ptr<QueueShares, Leave>;
 
   /// Null if the client has its share already. What the gateway itself asks, as client 0, is not
-  /// counted: it asks one thing at a time.
+  /// counted: it asks one thing at a time. What it reads for a call is its client's.
   Place take(std::uint64_t client, tmcl::Effect effect, std::size_t places = 1) {
     const bool reads = effect == tmcl::Effect::reads;
     if (client == 0 || effect == tmcl::Effect::stops) return {this, Leave{}};

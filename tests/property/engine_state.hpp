@@ -74,12 +74,12 @@ class EngineState {
   }
 
   void add(const Scheduler& scheduler) {
-    const auto& [queue, now, passed_over, sent_stops, bus_is_wanted, link_refused, full_until] =
-        scheduler;
-    const auto& [levels, spare, next_place] = queue;
+    const auto& [queue, now, passed_over, spare, sent_stops, bus_is_wanted, link_refused,
+                 full_until] = scheduler;
+    const auto& [levels, spare_calls, next_place] = queue;
     for (const auto& level : levels) add_each(level, [&](const Call& call) { add(call); });
-    for (const auto& [channel, kinds] : passed_over) {
-      for (const auto times : kinds) add(times);
+    for (const auto& [channel, parties] : passed_over) {
+      for (const auto& [party, times] : parties) add_all(party.first, party.second, times);
     }
     add_each(sent_stops, [&](const Scheduler::SentStop& stop) {
       add(stop.request);

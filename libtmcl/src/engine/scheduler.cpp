@@ -35,18 +35,32 @@ Call* Scheduler::next(Conversations& modules) {
     return queue_.find(
         [&](const Call& call) { return goes_first(call) && is_next(modules, call); });
   };
-  const auto waited = [&](unsigned times) {
-    return [&, times](const Call& call) { return was_passed_over(modules.framing(), call, times); };
-  };
-  if (auto* call = find(waited(most_passed_over_by_stops))) return call;
+  if (auto* call = passed_over_most(modules, most_passed_over_by_stops)) return call;
   if (auto* stop = find([&](const Call& call) { return is_urgent(call); })) return stop;
-  if (auto* call = find(waited(most_passed_over))) return call;
+  if (auto* call = passed_over_most(modules, most_passed_over)) return call;
   return find([](const Call&) { return true; });
 }
 
-bool Scheduler::was_passed_over(Framing framing, const Call& call, unsigned times) const {
-  const auto found = passed_over_.find(channel_of(framing, call));
-  return found != passed_over_.end() && found->second[CallQueue::kind_of(call)] >= times;
+unsigned Scheduler::passed_over(Framing framing, const Call& call) const {
+  const auto channel = passed_over_.find(channel_of(framing, call));
+  return channel == passed_over_.end() ? 0 : times_in(channel->second, party_of(call));
+}
+
+unsigned Scheduler::times_in(const PassedOver& all, Party party) {
+  const auto found = std::ranges::find(all, party, &Waiting::party);
+  return found == all.end() ? 0 : found->passed_over;
+}
+
+Call* Scheduler::passed_over_most(Conversations& modules, unsigned times) {
+  Call* found = nullptr;
+  auto most = times - 1;
+  queue_.for_each([&](Call& call) {
+    const auto passed = passed_over(modules.framing(), call);
+    if (passed <= most || !is_next(modules, call)) return;
+    most = passed;
+    found = &call;
+  });
+  return found;
 }
 
 bool Scheduler::is_urgent(const Call& call) const {
@@ -58,14 +72,14 @@ bool Scheduler::is_urgent(const Call& call) const {
 
 void Scheduler::on_turn(Framing framing, const Call& call) {
   const auto channel = channel_of(framing, call);
-  std::array<bool, CallQueue::kinds> waits{};
+  auto& before = passed_over_[channel];
+  spare_.clear();
   queue_.for_each([&](const Call& queued) {
-    waits[CallQueue::kind_of(queued)] |= channel_of(framing, queued) == channel;
+    const auto party = party_of(queued);
+    if (channel_of(framing, queued) != channel || party == party_of(call)) return;
+    if (times_in(spare_, party) == 0) spare_.push_back({party, times_in(before, party) + 1});
   });
-  const auto kind = CallQueue::kind_of(call);
-  auto& passed_over = passed_over_[channel];
-  for (std::size_t other = 0; other < waits.size(); ++other)
-    passed_over[other] = waits[other] && other != kind ? passed_over[other] + 1 : 0;
+  std::swap(before, spare_);
   note_stop(call);
 }
 

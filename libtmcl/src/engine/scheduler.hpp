@@ -1,13 +1,17 @@
 /// Which of the calls that wait goes out next, and when somebody has to look again.
 ///
-/// Stops come first, then whatever acts, then reads; but no kind is passed over for ever. After
-/// `most_passed_over` exchanges of other kinds one call of a kind that waits has its turn, unless a
-/// stop waits that is no mere repetition: that one waits for nothing but the exchange in flight,
-/// and for such stops of other motors that came before it.
+/// Stops come first, then whatever acts, then reads; but no asker is passed over for ever. The
+/// calls of one kind of one asker have their turn after `most_passed_over` exchanges of others, and
+/// where several have waited for so long, those that have waited for the most exchanges: so the
+/// turn of a client depends on how many others ask, and not on how much they ask for. A stop that
+/// is no mere repetition comes before that: it waits for nothing but the exchange in flight, and
+/// for such stops of other motors that came before it.
 #pragma once
 
-#include <array>
+#include <cstddef>
+#include <cstdint>
 #include <map>
+#include <utility>
 #include <vector>
 
 #include "engine/call_queue.hpp"
@@ -40,8 +44,15 @@ class Scheduler {
 
  private:
   friend class EngineState;  ///< Of tests: tells two apart.
-  /// How often in a row other kinds of calls went out on one channel while one of this kind waited.
-  using PassedOver = std::array<unsigned, CallQueue::kinds>;
+  /// Those whose calls take turns: an asker and a kind of calls.
+  using Party = std::pair<std::uint64_t, std::size_t>;
+  /// How often in a row calls of others went out on one channel while one of this party waited.
+  struct Waiting {
+    Party party;
+    unsigned passed_over = 0;
+  };
+  using PassedOver = std::vector<Waiting>;
+  static unsigned times_in(const PassedOver& all, Party party);
   struct SentStop {
     Request request;
     TimePoint at;
@@ -50,7 +61,11 @@ class Scheduler {
   static std::uint8_t channel_of(Framing framing, const Call& call) {
     return framing == Framing::serial ? std::uint8_t{0} : reply_byte(call.request.address);
   }
-  bool was_passed_over(Framing framing, const Call& call, unsigned times) const;
+  static Party party_of(const Call& call) { return {call.options.asker, CallQueue::kind_of(call)}; }
+  /// How often the party of the call was passed over.
+  unsigned passed_over(Framing framing, const Call& call) const;
+  /// Of those that were passed over so often, the one that was most often; null if there is none.
+  Call* passed_over_most(Conversations& modules, unsigned times);
   bool is_urgent(const Call& call) const;
   void note_stop(const Call& call);
   bool is_next(Conversations& modules, const Call& call) const;
@@ -61,6 +76,7 @@ class Scheduler {
   CallQueue queue_;
   TimePoint now_{};
   std::map<std::uint8_t, PassedOver> passed_over_;
+  PassedOver spare_;  ///< Room for the next one.
   /// Those of the last `repetition_time` after which nothing that they would end went out.
   std::vector<SentStop> sent_stops_;
   /// CAN: a call that needs the bus for itself waits for the others to end.
