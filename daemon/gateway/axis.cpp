@@ -501,9 +501,11 @@ boost::asio::awaitable<void> GatewayAxis::add_cause(tmcl::Error& error) {
   if (!stop_cause_) co_await find_cause();
   if (!stop_cause_) co_return;
   error.message += "; cause: " + std::string(name_of(*stop_cause_));
+  const auto advice = advice_on(name_of(*stop_cause_));
+  if (advice.empty()) co_return;
   // What its settings make of its moves is said as well.
   const bool says_more = error.hint.starts_with(hint_of_settings);
-  error.hint = std::string(advice_on(name_of(*stop_cause_))) + (says_more ? "; " + error.hint : "");
+  error.hint = std::string(advice) + (says_more ? "; " + error.hint : "");
 }
 
 void GatewayAxis::forget_move() {
