@@ -24,7 +24,7 @@ TEST(Homing, SetsTheModeStartsAndAsksUntilTheModuleIsDone) {
   fake.parameter(2, 197) = -40;
   fake.parameter(2, 196) = 5000;
   std::vector<std::int32_t> steps;
-  const auto homed = bus.run(verbs::home(axis, {.mode = 7, .progress = [&](std::int32_t step) {
+  const auto homed = bus.run(verbs::home(axis, {.mode = 66, .progress = [&](std::int32_t step) {
                                                   steps.push_back(step);
                                                   return true;
                                                 }}));
@@ -33,9 +33,41 @@ TEST(Homing, SetsTheModeStartsAndAsksUntilTheModuleIsDone) {
   EXPECT_EQ(homed->switch_distance, Microsteps{5000});
   EXPECT_THAT(steps, ElementsAre(1, 2, 3));
   EXPECT_EQ(bus.sent()[0], (Request{module, Command::GAP, 193, 2, 0}));
-  EXPECT_EQ(bus.sent()[1], (Request{module, Command::SAP, 193, 2, 7}));
+  EXPECT_EQ(bus.sent()[1], (Request{module, Command::SAP, 193, 2, 66}));
   EXPECT_EQ(bus.sent()[2], search(0));
   EXPECT_EQ(bus.sent()[3], search(2));
+}
+
+// What another search has measured is not told as if this one had.
+TEST(Homing, TellsWhatThisSearchHasMeasured) {
+  for (int mode = 1; mode <= 136; ++mode) {
+    for (const bool is_given : {true, false}) {
+      ScriptedBus bus;
+      auto& fake = bus.add_module(1);
+      fake.parameter(2, 193) = is_given ? 2 : mode;
+      fake.parameter(2, 196) = 5000;
+      HomeOptions options;
+      if (is_given) options.mode = mode;
+      const auto homed = bus.run(verbs::home(axis, options));
+      ASSERT_TRUE(homed);
+      const bool visits_both = mode == 2 || mode == 3 || mode == 66 || mode == 67;
+      EXPECT_EQ(homed->switch_distance.has_value(), visits_both) << mode;
+      EXPECT_TRUE(homed->correction);
+    }
+  }
+}
+
+TEST(Homing, TellsNothingOfASearchThatWasStopped) {
+  ScriptedBus bus;
+  auto& fake = bus.add_module(1);
+  fake.before = [](test::FakeModule& self, const Request& request) {
+    // It is stopped somewhere.
+    if (request.command == Command::GAP) self.parameter(2, axis_parameter::actual_position) = 77;
+  };
+  const auto homed = bus.run(verbs::home(axis, {.mode = 2}));
+  ASSERT_TRUE(homed);
+  EXPECT_FALSE(homed->correction);
+  EXPECT_FALSE(homed->switch_distance);
 }
 
 TEST(Homing, AModeThatTheModuleRefusesDoesNotStay) {

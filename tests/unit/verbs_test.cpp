@@ -98,7 +98,7 @@ std::vector<Case> all_verbs() {
        [](ScriptedBus& bus) { return done(bus.run(verbs::stop_reference_search(axis))); }},
       {"home",
        [](ScriptedBus& bus) {
-         return show(bus.run(verbs::home(axis, {.mode = 1})), [](const Homed& homed) {
+         return show(bus.run(verbs::home(axis, {.mode = 2})), [](const Homed& homed) {
            return std::to_string(homed.correction->value) + " " +
                   std::to_string(homed.switch_distance->value);
          });

@@ -32,11 +32,11 @@ struct HomeOptions {
 
 struct Homed {
   /// Axis parameter 197: where the axis believed to be at what is zero now. Nothing if the module
-  /// does not have it.
-  std::optional<Microsteps> correction;
-  /// Axis parameter 196: from one end switch to the other, after the modes that visit both. Nothing
-  /// if the module does not have it.
-  std::optional<Microsteps> switch_distance;
+  /// does not have it, or the axis does not stand at zero: then the search was stopped.
+  std::optional<Microsteps> correction{};
+  /// Axis parameter 196: from one end switch to the other, of a search that has visited both (modes
+  /// 2, 3, 66 and 67). Nothing of any other, where the module does not have it, or as above.
+  std::optional<Microsteps> switch_distance{};
 };
 
 namespace verbs {

@@ -84,6 +84,34 @@ Script<Result<void>> start_search(AxisAddress axis, std::optional<std::int32_t> 
   return mode ? start_search_in(axis, *mode, call) : start_search(axis, call);
 }
 
+/// Those that go from one end switch to the other; with 64 added, the sides are swapped.
+bool visits_both_ends(std::int32_t mode) {
+  constexpr std::int32_t swapped = 64;
+  const auto number = mode & ~swapped;
+  return number == 2 || number == 3;
+}
+
+/// The mode that it searches in; nothing where the module has one only.
+Script<Result<std::optional<std::int32_t>>> mode_of(AxisAddress axis,
+                                                    std::optional<std::int32_t> given) {
+  if (given) co_return given;
+  auto held = co_await unless_refused(get(axis, search_mode));
+  co_return held;
+}
+
+/// What it has measured. A search that has found its reference has made that zero, and the axis
+/// stands there; one that was stopped has measured nothing, and the values are of another.
+Script<Result<Homed>> measured(AxisAddress axis, std::optional<std::int32_t> given) {
+  Homed homed;
+  const auto here = co_await must(get(axis, axis_parameter::actual_position));
+  if (here != 0) co_return homed;
+  homed.correction = co_await must(get_if_there(axis, position_before_zeroing));
+  const auto mode = co_await must(mode_of(axis, given));
+  if (mode && visits_both_ends(*mode))
+    homed.switch_distance = co_await must(get_if_there(axis, switch_distance));
+  co_return homed;
+}
+
 /// Asked when the status says so: what somebody goes on after is read twice.
 Script<Result<bool>> has_ended(AxisAddress axis, CallOptions call) {
   const auto status = search_request(axis, search_type::status);
@@ -126,11 +154,9 @@ Script<Result<Homed>> home(AxisAddress axis, HomeOptions options) {
     if (!wanted || late) co_return tl::unexpected(still_searching(axis, last));
     co_await pause(within_deadline(call, now, options.poll_interval));
   }
-  const auto correction = co_await get_if_there(axis, position_before_zeroing);
-  if (!correction) co_return tl::unexpected(since_begin(correction.error(), Outcome::done));
-  const auto distance = co_await get_if_there(axis, switch_distance);
-  if (!distance) co_return tl::unexpected(since_begin(distance.error(), Outcome::done));
-  co_return Homed{*correction, *distance};
+  auto homed = co_await measured(axis, options.mode);
+  if (!homed) co_return tl::unexpected(since_begin(homed.error(), Outcome::done));
+  co_return homed;
 }
 
 }  // namespace tmcl::verbs
