@@ -1,7 +1,10 @@
+#include <fmt/format.h>
+
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
 #include "api/views.hpp"
+#include "async/gather.hpp"
 #include "tmcl/seconds.hpp"
 
 namespace tmcld::handlers {
@@ -24,13 +27,56 @@ boost::asio::awaitable<axis::StartedMove> to_result(GatewayAxis& axis, StartedMo
 
 using Warnings = std::vector<std::string>;
 
+/// So old what is known of the drivers of listed axes may be, and so long they are asked at most.
+constexpr tmcl::Duration known_for_list = std::chrono::seconds(2);
+constexpr tmcl::Duration time_for_list = std::chrono::milliseconds(300);
+
+boost::asio::awaitable<tmcl::Result<void>> look_for_list(std::shared_ptr<GatewayAxis> axis) {
+  auto seen =
+      co_await axis->look_at_driver(known_for_list, axis->bus().clock().now() + time_for_list);
+  co_return seen;
+}
+
+/// It has arrived by the counter of its module, which knows nothing of the motor.
+boost::asio::awaitable<RpcError> faulty_arrival(GatewayAxis& axis, const StoodAt& arrived) {
+  const auto place = co_await place_of(axis, arrived.position);
+  const auto where = place.position
+                         ? fmt::format("{:g} {}", *place.position, place.unit.value_or(""))
+                         : std::to_string(place.position_microsteps);
+  tmcl::Error error;
+  error.code = tmcl::Errc::move_interrupted;
+  error.outcome = tmcl::Outcome::done;
+  error.bus = axis.bus().name();
+  error.message = "axis '" + axis.name() + "' is at " + where +
+                  " by its counter, but its driver reports: " + words_for(arrived.faults);
+  error.hint =
+      "the motor may not have moved: check the motor, its cable and the supply; "
+      "'tmclctl errors " +
+      axis.name() + "' shows what is wrong now";
+  auto result = call_error(error, axis.name());
+  result.data["name"] = "driver_fault";
+  boost::json::array faults;
+  for (const auto fault : arrived.faults) faults.emplace_back(fault);
+  result.data["faults"] = std::move(faults);
+  co_return result;
+}
+
 }  // namespace
 
 Answer<axis::List> list_axes(Call& call, const axis::List& params) {
   axis::Axes result;
   const bool all = params.all.value_or(false);
-  for (const auto& axis : all ? call.gateway->all_axes() : call.gateway->axes())
-    result.axes.push_back(view_of(*axis));
+  const auto listed = all ? call.gateway->all_axes() : call.gateway->axes();
+  const std::vector<std::shared_ptr<GatewayAxis>> axes(listed.begin(), listed.end());
+  std::vector<boost::asio::awaitable<tmcl::Result<void>>> looks;
+  for (const auto& axis : axes) {
+    const bool can_tell = axis->module().state() == GatewayModule::State::ready &&
+                          axis->bus().state() == GatewayBus::State::open;
+    if (can_tell && !axis->bus().has_paths()) looks.push_back(look_for_list(axis));
+  }
+  // Those that do not tell are listed as they were seen last.
+  if (!looks.empty()) co_await gather(std::move(looks));
+  for (const auto& axis : axes) result.axes.push_back(view_of(*axis));
   co_return result;
 }
 
@@ -109,8 +155,14 @@ Answer<axis::Wait> wait(Call& call, const axis::Wait& params) {
   };
   const auto arrived = co_await (*axis)->wait(options, std::move(objection));
   if (!arrived) co_return failed(arrived.error(), **axis);
+  if (keeps_from_moving(arrived->faults)) {
+    auto fault = co_await faulty_arrival(**axis, *arrived);
+    co_return tl::unexpected(std::move(fault));
+  }
   auto place = co_await place_of(**axis, arrived->position);
-  co_return axis::Standing{std::move(place), arrived->warnings};
+  auto warnings = arrived->warnings;
+  if (!arrived->faults.empty()) warnings.push_back(words_for(arrived->faults));
+  co_return axis::Standing{std::move(place), std::move(warnings)};
 }
 
 Answer<axis::GetUnits> get_units(Call& call, const axis::GetUnits& params) {

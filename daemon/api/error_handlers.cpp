@@ -1,15 +1,9 @@
 // What modules know about themselves.
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
+#include "api/views.hpp"
 
 namespace tmcld::handlers {
-namespace {
-
-std::vector<std::string> texts(const std::vector<std::string_view>& names) {
-  return {names.begin(), names.end()};
-}
-
-}  // namespace
 
 Answer<axis::GetErrors> get_errors(Call& call, const axis::GetErrors& params) {
   const auto axis = axis_of(call, params.axis);

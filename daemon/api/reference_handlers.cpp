@@ -1,7 +1,10 @@
 // Reference searches.
+#include <cstdlib>
+
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
+#include "gateway/standing_stop.hpp"
 #include "tmcl/parameter_number.hpp"
 
 namespace tmcld::handlers {
@@ -9,13 +12,46 @@ namespace {
 
 using tmcl::Microsteps;
 
+std::optional<std::int32_t> if_known(std::optional<Microsteps> value) {
+  return value ? std::optional(value->value) : std::nullopt;
+}
+
+template <class Params>
+boost::asio::awaitable<Lookup<SearchLimit>> limit_of_search(GatewayAxis& axis,
+                                                            const Params& params) {
+  if (!params.max_travel && !params.max_travel_microsteps) {
+    const auto limit = co_await axis.search_limit();
+    if (!limit) co_return tl::unexpected(call_error(limit.error(), axis.name()));
+    co_return *limit;
+  }
+  const auto said = either<&Params::max_travel_microsteps, &Params::max_travel>(params);
+  const auto travel = co_await length_of(axis, said, nullptr);
+  if (!travel) co_return tl::unexpected(travel.error());
+  const auto microsteps = travel->microsteps.value;
+  const bool is_distance = travel->in_unit ? travel->in_unit->value > 0 : microsteps > 0;
+  if (microsteps == 0 || !is_distance)
+    co_return tl::unexpected(param_error(
+        "out_of_range", said.amount_name, "the way that a search may go is greater than 0",
+        "it is the same in both directions: say it without a sign"));
+  co_return SearchLimit{Microsteps{std::abs(microsteps)}};
+}
+
+/// What an answer says of the limit of a search.
+template <class Result>
+boost::asio::awaitable<void> tell_limit(GatewayAxis& axis, SearchLimit limit, Result& result) {
+  result.max_travel_microsteps = if_known(limit);
+  auto told = co_await in_unit(axis, limit);
+  if (told.number) result.max_travel = std::abs(*told.number);
+  result.unit = std::move(told.unit);
+  if (!limit)
+    result.warnings.emplace_back(
+        "nothing bounds the search if its switch is dead: give 'home_max_travel' or 'soft_limits' "
+        "in the configuration, or 'max_travel'");
+}
+
 Lookup<Nothing> nothing_or(const tmcl::Result<void>& result, const GatewayAxis& axis) {
   if (!result) return tl::unexpected(call_error(result.error(), axis.name()));
   return Nothing{};
-}
-
-std::optional<std::int32_t> if_known(std::optional<Microsteps> value) {
-  return value ? std::optional(value->value) : std::nullopt;
 }
 
 tmcl::HomeOptions home_options(const Call& call, const axis::Home& params) {
@@ -48,6 +84,18 @@ std::optional<RpcError> check_mode(std::optional<std::uint8_t> mode, const Gatew
                      api::name_of<&axis::Home::mode>());
 }
 
+/// Nobody waits for it any more, so it is stopped.
+boost::asio::awaitable<void> end_late_search(const Call& call, std::shared_ptr<GatewayAxis> axis,
+                                             tmcl::Error& error) {
+  ++call.gateway->stops_in_progress;
+  const auto stopped = co_await axis->stop(StopCause::client, call.permit.client);
+  --call.gateway->stops_in_progress;
+  if (!stopped) stop_until_it_stands(axis);
+  error.message += stopped ? ", and was stopped" : "; " + not_stopped(axis->name());
+  error.hint =
+      "give it more time, or check the switches and parameter 193; with 'leave' it goes on";
+}
+
 }  // namespace
 
 Answer<axis::Home> home(Call& call, const axis::Home& params) {
@@ -56,13 +104,25 @@ Answer<axis::Home> home(Call& call, const axis::Home& params) {
   auto& axis = *ready->axis;
   auto complaint = check_mode(params.mode, axis);
   if (complaint) co_return tl::unexpected(std::move(*complaint));
-  const auto homed =
-      co_await axis.home(home_options(call, params), with_peer(ready->moves, call.peer));
+  const auto limit = co_await limit_of_search(axis, params);
+  if (!limit) co_return tl::unexpected(limit.error());
+  auto homed =
+      co_await axis.home(home_options(call, params), *limit, with_peer(ready->moves, call.peer));
+  const bool is_late = !homed && homed.error().code == tmcl::Errc::deadline_passed &&
+                       homed.error().outcome != tmcl::Outcome::not_sent;
+  if (is_late && !params.leave.value_or(false))
+    co_await end_late_search(call, ready->axis, homed.error());
   if (!homed) co_return tl::unexpected(call_error(homed.error(), axis.name()));
   auto correction = co_await in_unit(axis, homed->correction);
   const auto distance = co_await in_unit(axis, homed->switch_distance);
-  co_return axis::HomedAxis{if_known(homed->correction), if_known(homed->switch_distance),
-                            std::move(correction.unit), correction.number, distance.number};
+  axis::HomedAxis result{if_known(homed->correction),
+                         if_known(homed->switch_distance),
+                         {},
+                         correction.number,
+                         distance.number};
+  co_await tell_limit(axis, *limit, result);
+  result.unit = std::move(correction.unit);
+  co_return result;
 }
 
 Answer<axis::StartHome> start_home(Call& call, const axis::StartHome& params) {
@@ -71,8 +131,13 @@ Answer<axis::StartHome> start_home(Call& call, const axis::StartHome& params) {
   auto& axis = *ready->axis;
   auto complaint = check_mode(params.mode, axis);
   if (complaint) co_return tl::unexpected(std::move(*complaint));
-  const auto started = co_await axis.start_home(params.mode, ready->moves);
-  co_return nothing_or(started, axis);
+  const auto limit = co_await limit_of_search(axis, params);
+  if (!limit) co_return tl::unexpected(limit.error());
+  const auto started = co_await axis.start_home(params.mode, *limit, ready->moves);
+  if (!started) co_return tl::unexpected(call_error(started.error(), axis.name()));
+  axis::StartedSearch result;
+  co_await tell_limit(axis, *limit, result);
+  co_return result;
 }
 
 Answer<axis::StopHome> stop_home(Call& call, const axis::StopHome& params) {

@@ -76,6 +76,7 @@ void fill(api::axis::State& out, const GatewayAxis& axis, const AxisReading& rea
   out.unattended = axis.is_unattended();
   out.owner = if_any(tenant.name);
   out.unrestored = view_of(unrestored_of(axis));
+  out.faults = texts(axis.faults());
 }
 
 /// What the module is set to says nothing about what it does.
@@ -87,6 +88,10 @@ api::WordOr<api::axis::Deadman> view_of(const Deadman& deadman) {
 }
 
 }  // namespace
+
+std::vector<std::string> texts(const std::vector<std::string_view>& names) {
+  return {names.begin(), names.end()};
+}
 
 std::optional<std::string> if_any(std::string_view text) {
   return text.empty() ? std::nullopt : std::optional<std::string>(text);
@@ -185,7 +190,8 @@ api::axis::Axis view_of(const GatewayAxis& axis) {
           axis.address().motor,
           name_if_known(axis.module().model()),
           std::string(state_of(axis)),
-          if_any(axis.unit())};
+          if_any(axis.unit()),
+          texts(axis.faults())};
 }
 
 api::Event view_of(const GatewayEvent& event) {
@@ -193,6 +199,7 @@ api::Event view_of(const GatewayEvent& event) {
       std::string(name_of(event.kind)), event.bus, event.address, {}, {}, {}, {}, event.text};
   if (event.kind == GatewayEvent::Kind::target_reached ||
       event.kind == GatewayEvent::Kind::axis_stopped ||
+      event.kind == GatewayEvent::Kind::axis_fault ||
       event.kind == GatewayEvent::Kind::lease_lost ||
       event.kind == GatewayEvent::Kind::line_broken ||
       event.kind == GatewayEvent::Kind::path_broken ||

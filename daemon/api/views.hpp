@@ -27,6 +27,7 @@ api::axis::Axis view_of(const GatewayAxis& axis);
 api::Event view_of(const GatewayEvent& event);
 api::parameter::Parameter view_of(const tmcl::ParameterInfo& row, const std::string& axis_unit);
 
+std::vector<std::string> texts(const std::vector<std::string_view>& names);
 /// Nothing for an empty text, and for none.
 std::optional<std::string> if_any(std::string_view text);
 /// What a model is called; nothing if it is not known.

@@ -178,9 +178,12 @@ void add_axis(Draft& draft, const ConfigSection& section) {
   auto scale = scale_of(draft, section);
   const bool needs_reference = reference_is_required(draft, section);
   const auto limits = motion_limits_of(draft, section);
+  std::optional<double> home_max_travel;
+  if (section.find("home_max_travel") != nullptr)
+    draft.set_positive(section, "home_max_travel", "", home_max_travel.emplace());
   if (name != nullptr)
     draft.config.axes.push_back(
-        {*name, *bus_name, where, std::move(scale), needs_reference, limits});
+        {*name, *bus_name, where, std::move(scale), needs_reference, limits, home_max_travel});
 }
 
 }  // namespace tmcld

@@ -128,6 +128,8 @@ struct AxisConfig {
   /// It is not sent to a position before it has searched its reference.
   bool needs_reference = false;
   MotionLimits motion_limits{};
+  /// The farthest that a reference search may go one way, in the unit, or in microsteps.
+  std::optional<double> home_max_travel{};
 };
 
 struct PtyName {

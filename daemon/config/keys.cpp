@@ -102,6 +102,9 @@ constexpr auto keys = std::to_array<KeyInfo>({
      "counts of a linear encoder in one unit; instead of encoder_lines"},
     {axis, "reference", string, optional, 0, 0, any,
      "required: it is sent to no position before it has searched its reference; or optional"},
+    {axis, "home_max_travel", number, optional, 0, 0, any,
+     "how far a reference search may go one way, in the unit or in microsteps; the length of "
+     "soft_limits and a tenth if absent"},
     {axis, "max_velocity", number, optional, 0, 0, any,
      "greatest speed in the unit per second, or in microsteps: nobody sets or asks for a higher "
      "one"},

@@ -111,6 +111,8 @@ void add_axes(Page& page, const Gateway& gateway) {
       [](const GatewayAxis& axis) { return axis.latched().has_value(); });
   add("tmcl_axis_referenced", "1 if the axis has found its reference.",
       [](const GatewayAxis& axis) { return axis.is_referenced(); });
+  add("tmcl_axis_fault", "1 while the driver of the axis or its supply reports a fault.",
+      [](const GatewayAxis& axis) { return !axis.faults().empty(); });
   add("tmcl_axis_led", "1 while tmcld leads the axis: on a line, a path or a search.",
       [](const GatewayAxis& axis) { return axis.mover() != Mover::nobody; });
 }

@@ -16,6 +16,7 @@
 #include "tmcl/command_type.hpp"
 #include "tmcl/program_verbs.hpp"
 #include "tmcl/relative_move.hpp"
+#include "tmcl/scale_factor.hpp"
 #include "tmcl/status_flags.hpp"
 
 namespace tmcld {
@@ -30,6 +31,9 @@ constexpr std::string_view hint_of_settings = "with its settings, ";
 
 /// For so long an axis must stand at its target whose settings may let it swing about it.
 constexpr tmcl::Duration steady_in_doubt = std::chrono::milliseconds(250);
+
+/// So old what is known of a driver may be when somebody looks at the axis.
+constexpr tmcl::Duration driver_look_interval = std::chrono::milliseconds(500);
 
 Result<Microsteps> sum(Microsteps here, Microsteps distance, tmcl::ValueRange range) {
   const auto target = std::int64_t{here.value} + distance.value;
@@ -79,6 +83,19 @@ tmcl::Error may_change_coordinates(const std::string& axis) {
   error.message = "axis '" + axis + "' has soft limits, and a program runs in its module, which " +
                   "may change the coordinate after it was checked";
   error.hint = "stop the program first, or move the axis alone";
+  return error;
+}
+
+tmcl::Error went_too_far(const std::string& axis, Microsteps limit) {
+  tmcl::Error error;
+  error.code = tmcl::Errc::move_interrupted;
+  error.outcome = tmcl::Outcome::done;
+  error.message = "the search of axis '" + axis + "' has gone further one way than the " +
+                  std::to_string(limit.value) +
+                  " microsteps that it may, and was stopped; cause: search_limit";
+  error.hint =
+      "look at its switches and the mode of the search; if the way to them is longer, "
+      "'home_max_travel' in the configuration or 'max_travel' of the search says so";
   return error;
 }
 
@@ -239,12 +256,47 @@ GatewayAxis::Awaitable<void> GatewayAxis::recover() {
   co_return ready;
 }
 
-GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
+GatewayAxis::Awaitable<SearchLimit> GatewayAxis::search_limit() {
+  // By how much it may be further from one switch to the other than the soft limits are apart.
+  constexpr double beyond_soft_limits = 1.1;
+  auto travel = axis_.config().home_max_travel;
+  const auto& limits = soft_limits();
+  if (!travel && limits)
+    travel = (limits->greatest.value - limits->least.value) * beyond_soft_limits;
+  if (!travel) co_return SearchLimit{};
+  const auto scale = co_await axis_.run(units_.known_scale());
+  if (!scale) co_return tl::unexpected(scale.error());
+  const double microsteps = std::abs(*travel * microsteps_per_unit(*scale));
+  constexpr double greatest = std::numeric_limits<std::int32_t>::max();
+  co_return SearchLimit{Microsteps{static_cast<std::int32_t>(std::min(microsteps, greatest))}};
+}
+
+std::optional<SearchLimit> GatewayAxis::search_limit_of(Permit permit) const {
+  if (search_.of != permit) return std::nullopt;
+  return std::optional<SearchLimit>(std::in_place, search_.limit);
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::stop_search(Permit permit, Microsteps limit) {
+  search_ = {permit, limit, true};
+  auto event = event_of(*this, GatewayEvent::Kind::axis_stopped,
+                        "the search of axis '" + name() + "' has gone further one way than the " +
+                            std::to_string(limit.value) +
+                            " microsteps that it may, and is stopped; cause: search_limit");
+  event.cause = name_of(StopCause::search_limit);
+  bus().emit(std::move(event));
+  auto stopped = co_await stop(StopCause::search_limit);
+  co_return stopped;
+}
+
+GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options, SearchLimit limit,
                                                       RunOptions movement) {
   bus().motors().let_search(address(), movement.permit);
+  search_ = {movement.permit, limit};
   auto script = tmcl::verbs::home(address(), std::move(options));
   const Claimant search{Mover::search, movement.permit};
   auto homed = co_await move(intent::Search{}, std::move(script), std::move(movement));
+  if (search_.went_too_far && search_.of == search.of)
+    co_return tl::unexpected(axis_.on_bus(went_too_far(name(), *search_.limit)));
   if (!homed) co_return homed;
   // Whoever wants to move the axis may have seen the end already.
   if (claimant() == search) {
@@ -264,8 +316,9 @@ GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t> mode,
-                                                     RunOptions movement) {
+                                                     SearchLimit limit, RunOptions movement) {
   bus().motors().let_search(address(), movement.permit);
+  search_ = {movement.permit, limit};
   auto script = tmcl::verbs::start_reference_search(address(), mode);
   return move(intent::Search{}, std::move(script), std::move(movement));
 }
@@ -307,7 +360,11 @@ GatewayAxis::Awaitable<StoodAt> GatewayAxis::stand(tmcl::WaitOptions wait, RunOp
     wait.steady = steady_in_doubt;
     here = co_await axis_.run(tmcl::verbs::wait_until_reached(address(), wait), options);
   }
-  if (here) co_return StoodAt{*here, std::move(warnings)};
+  if (here) {
+    auto seen = co_await look_at_driver({}, deadline);
+    if (!seen) co_return tl::unexpected(std::move(seen.error()));
+    co_return StoodAt{*here, std::move(warnings), faults_};
+  }
   if (!warnings.empty()) here.error().hint = std::string(hint_of_settings) + warnings.front();
   co_return tl::unexpected(std::move(here.error()));
 }
@@ -405,6 +462,8 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::look(std::uint64_t client) {
   const auto watched = co_await axis_.run(module().watch(movement_sentinel_age), asked_by(client));
   if (!watched) co_return tl::unexpected(watched.error());
   if (!reading) co_return reading;
+  // A look is worth more than what goes wrong with the questions about its driver.
+  if (!bus().has_paths()) (void)co_await look_at_driver(driver_look_interval);
   last_ = {*reading, commands, settings};
   co_await note_turning(reading->state);
   co_await note_motion(reading->state);
@@ -472,10 +531,29 @@ boost::asio::awaitable<void> GatewayAxis::note_motion(tmcl::AxisState state) {
   if (stands && !stop_cause_) co_await find_cause();
 }
 
+GatewayAxis::Awaitable<void> GatewayAxis::look_at_driver(tmcl::Duration max_age,
+                                                         Deadline deadline) {
+  if (driver_seen_ && bus().clock().now() - *driver_seen_ < max_age) co_return Result<void>{};
+  auto seen = co_await axis_.run(read_driver_faults(address(), parameters()), deadline);
+  if (!seen) co_return tl::unexpected(std::move(seen.error()));
+  note_faults(std::move(*seen));
+  co_return Result<void>{};
+}
+
+void GatewayAxis::note_faults(Faults faults) {
+  driver_seen_ = bus().clock().now();
+  if (std::exchange(faults_, std::move(faults)) == faults_) return;
+  const auto text = faults_.empty()
+                        ? "the driver of axis '" + name() + "' reports no fault any more"
+                        : "axis '" + name() + "': " + words_for(faults_);
+  bus().emit(event_of(*this, GatewayEvent::Kind::axis_fault, text));
+}
+
 GatewayAxis::Awaitable<FaultReport> GatewayAxis::read_faults() {
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
   auto report = co_await axis_.run(tmcld::read_faults(address(), parameters()));
+  if (report) note_faults(report->driver_faults());
   if (report && report->has_flag(tmcl::status_flag::stall)) stop_cause_ = StopCause::stall;
   if (report && report->has_flag(tmcl::status_flag::deviation)) stop_cause_ = StopCause::deviation;
   co_return report;

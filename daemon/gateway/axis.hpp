@@ -37,7 +37,11 @@ struct StartedMove {
 struct StoodAt {
   tmcl::Microsteps position;
   std::vector<std::string> warnings{};  ///< Of its settings.
+  Faults faults{};                      ///< Of its driver and its supply, when it had arrived.
 };
+
+/// The farthest that a reference search may go one way; nothing: as far as it likes.
+using SearchLimit = std::optional<tmcl::Microsteps>;
 
 /// Ends a call early: gives an error once the caller has lost interest.
 using Objection = std::function<std::optional<tmcl::Error>()>;
@@ -160,10 +164,21 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Errors: Errc::axis_claimed if another call moves it.
   Awaitable<void> be_free(RunOptions movement) { return admission_.be_free(std::move(movement)); }
 
+  /// How far a reference search may go one way, by the configuration; nothing: as far as it likes.
+  /// Errors: those of knowing what a unit is.
+  Awaitable<SearchLimit> search_limit();
   /// Ends with an error when a stop comes; the search ends with it.
-  /// Errors: also Errc::move_interrupted if the module has ended the search in vain.
-  Awaitable<tmcl::Homed> home(tmcl::HomeOptions options, RunOptions movement);
-  Awaitable<void> start_home(std::optional<std::int32_t> mode, RunOptions movement);
+  /// Errors: also Errc::move_interrupted if the module has ended the search in vain, or it went
+  /// beyond its limit.
+  Awaitable<tmcl::Homed> home(tmcl::HomeOptions options, SearchLimit limit, RunOptions movement);
+  Awaitable<void> start_home(std::optional<std::int32_t> mode, SearchLimit limit,
+                             RunOptions movement);
+  /// The one that home() or start_home() was given for this call.
+  std::optional<SearchLimit> search_limit_of(Permit permit) const;
+  /// The search of this call is still under way, as far as is known.
+  bool searches_for(Permit permit) const { return claimant() == Claimant{Mover::search, permit}; }
+  /// Its search has gone `gone`, which is further than it may: it is stopped.
+  Awaitable<void> stop_search(Permit permit, tmcl::Microsteps limit);
   /// A raw command that names it, sent once, with what the module says to it. What moves the axis
   /// or sets it off is admitted like any other movement; a stop is not for this.
   /// A relative move is sent as an absolute one, and answered as the firmware of its model would.
@@ -190,6 +205,10 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Why it stands short of where it was to go; nothing while it moves, when it has arrived, and
   /// when nobody has looked.
   std::optional<StopCause> stop_cause() const;
+  /// What is wrong with its driver or its supply, as was seen last.
+  const Faults& faults() const { return faults_; }
+  /// Looks at them, unless that was done so lately. Errors: those of the exchanges.
+  Awaitable<void> look_at_driver(tmcl::Duration max_age, Deadline deadline = {});
   /// What its module says is wrong. What that clears is known as the cause of the stop.
   Awaitable<FaultReport> read_faults();
   /// Its module knows where zero is, as far as was seen since the daemon started.
@@ -232,6 +251,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Of an error that says that it stands somewhere else than it should.
   boost::asio::awaitable<void> add_cause(tmcl::Error& error);
   void note_stop(StopCause cause);
+  void note_faults(Faults faults);
   /// The axis goes, or may go, somewhere else than it was sent before.
   void forget_move();
 
@@ -251,8 +271,16 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   };
   std::optional<LastReading> last_;
   std::vector<tmcl::plan::Setting> before_;  ///< In the order in which they were changed.
-  bool was_moving_ = false;                  ///< When somebody looked last.
+  struct Search {
+    Permit of{};
+    SearchLimit limit{};
+    bool went_too_far = false;
+  };
+  Search search_;
+  bool was_moving_ = false;  ///< When somebody looked last.
   tmcl::TimePoint seen_moving_{};
+  Faults faults_;
+  std::optional<tmcl::TimePoint> driver_seen_;
   std::optional<StopCause> stop_cause_;
   SharedWork<tmcl::Result<AxisReading>> looks_;
 };

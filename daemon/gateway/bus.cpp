@@ -260,6 +260,7 @@ std::string_view name_of(GatewayEvent::Kind kind) {
     case GatewayEvent::Kind::lease_lost: return "lease_lost";
     case GatewayEvent::Kind::journal_failed: return "journal_failed";
     case GatewayEvent::Kind::axis_stopped: return "axis_stopped";
+    case GatewayEvent::Kind::axis_fault: return "axis_fault";
     case GatewayEvent::Kind::orphan_stopped: return "orphan_stopped";
     case GatewayEvent::Kind::module_silent: return "module_silent";
     case GatewayEvent::Kind::module_answers: return "module_answers";

@@ -59,6 +59,9 @@ inline RunOptions asked_by(std::uint64_t client) {
   return options;
 }
 
+/// Told of each reference search that begins, or may have begun.
+using OnSearch = std::function<void(tmcl::AxisAddress motor, Permit permit)>;
+
 class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
  public:
   enum class State : std::uint8_t { opening, open, lost };
@@ -175,6 +178,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   // For the parts of this bus.
   /// Tells everyone.
   void emit(GatewayEvent event);
+  void on_search(OnSearch on_search) { on_search_ = std::move(on_search); }
   /// Not more often than a LogLimiter allows.
   void log(LogLevel level, const std::string& line);
 
@@ -240,6 +244,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   OpenLink open_link_;
   LogSink log_;
   OnGatewayEvent on_event_;
+  OnSearch on_search_;
   tmcl::ContextClock clock_;
   Workers opener_{1};
   bool opening_link_ = false;

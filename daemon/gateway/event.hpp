@@ -32,6 +32,7 @@ struct GatewayEvent {
     journal_failed,  ///< What would have to be put in order if the daemon is killed is not kept.
     axis_stopped,    ///< An axis that could not be stopped before stands now, or one that nobody
                      ///< has stopped: see cause.
+    axis_fault,      ///< The driver of an axis, or its supply, has failed, or works again.
     orphan_stopped,  ///< An axis that another run of the daemon led when it was killed.
     module_answers,  ///< A module was identified, for the first time or again.
     module_in_bootloader,  ///< Likewise, but no firmware runs in it.

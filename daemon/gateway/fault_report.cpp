@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <iterator>
 #include <utility>
 
 #include "tmcl/status_flags.hpp"
@@ -17,8 +18,12 @@ using tmcl::Script;
 constexpr std::uint8_t supply_port = 8;  // in 0.1 V
 constexpr std::uint8_t temperature_port = 9;
 
-constexpr auto flag_parameters =
-    std::to_array<std::string_view>({"extended_error_flags", "driver_status_flags", "status_word"});
+// Below it no driver of these modules works: a TMC249 does so from 7 V on, others from 8 or 9 V.
+constexpr double least_supply_volts = 7;
+constexpr std::string_view undervoltage = "undervoltage";
+
+constexpr auto driver_parameters =
+    std::to_array<std::string_view>({"driver_status_flags", "status_word"});
 constexpr auto switch_parameters = std::to_array<std::pair<std::string_view, std::string_view>>(
     {{"left_limit_switch", "left"}, {"right_limit_switch", "right"}, {"home_switch", "home"}});
 
@@ -30,7 +35,70 @@ Script<Result<std::optional<double>>> read_port(tmcl::ModuleAddress module, std:
   co_return std::optional<double>();
 }
 
+/// Those that are set, into `flags`.
+Script<Result<void>> read_flags(tmcl::AxisAddress axis,
+                                std::span<const tmcl::ParameterInfo> parameters,
+                                std::string_view parameter, Faults& flags) {
+  const auto value = co_await must(read_if_any(axis, parameters, parameter));
+  for (const auto& flag : tmcl::status_flags(parameter))
+    if ((value & flag.bit) != 0) flags.push_back(flag.name);
+  co_return Result<void>{};
+}
+
+/// What the driver tells, and the supply; its voltage, if that is told.
+Script<Result<std::optional<double>>> read_driver(tmcl::AxisAddress axis,
+                                                  std::span<const tmcl::ParameterInfo> parameters,
+                                                  Faults& flags) {
+  for (const auto parameter : driver_parameters)
+    co_await must(read_flags(axis, parameters, parameter, flags));
+  const auto volts = co_await must(read_port(axis.module, supply_port, 0.1));
+  const bool is_told = std::ranges::find(flags, undervoltage) != flags.end();
+  if (volts && *volts < least_supply_volts && !is_told) flags.push_back(undervoltage);
+  co_return volts;
+}
+
+struct Words {
+  std::string_view name;
+  std::string_view words;
+  bool keeps_from_moving;
+};
+constexpr auto all_words = std::to_array<Words>({
+    {"overtemperature", "its driver is too hot, and off", true},
+    {"overtemperature_warning", "its driver is nearly too hot", false},
+    {"short_to_ground_a", "short to ground of coil A", true},
+    {"short_to_ground_b", "short to ground of coil B", true},
+    {"open_load_a", "coil A is not connected", true},
+    {"open_load_b", "coil B is not connected", true},
+    {undervoltage, "its supply is too low", true},
+    {"overvoltage", "its supply is too high", true},
+    {"i2t_exceeded", "its motor was overloaded for too long", true},
+});
+
 }  // namespace
+
+std::string words_for(const Faults& faults) {
+  std::string text;
+  for (const auto fault : faults) {
+    const auto* row = std::ranges::find(all_words, fault, &Words::name);
+    text += (text.empty() ? "" : ", ") + std::string(row == all_words.end() ? fault : row->words);
+  }
+  return text;
+}
+
+bool keeps_from_moving(const Faults& faults) {
+  return std::ranges::any_of(faults, [](std::string_view fault) {
+    const auto* row = std::ranges::find(all_words, fault, &Words::name);
+    return row != all_words.end() && row->keeps_from_moving;
+  });
+}
+
+Faults FaultReport::driver_faults() const {
+  Faults faults;
+  std::ranges::copy_if(flags, std::back_inserter(faults), [](std::string_view flag) {
+    return std::ranges::find(all_words, flag, &Words::name) != all_words.end();
+  });
+  return faults;
+}
 
 bool FaultReport::has_flag(std::string_view flag) const {
   return std::ranges::find(flags, flag) != flags.end();
@@ -50,19 +118,22 @@ Script<Result<std::int32_t>> read_if_any(tmcl::AxisAddress axis,
   co_return value;
 }
 
+Script<Result<Faults>> read_driver_faults(tmcl::AxisAddress axis,
+                                          std::span<const tmcl::ParameterInfo> parameters) {
+  Faults faults;
+  co_await must(read_driver(axis, parameters, faults));
+  co_return faults;
+}
+
 Script<Result<FaultReport>> read_faults(tmcl::AxisAddress axis,
                                         std::span<const tmcl::ParameterInfo> parameters) {
   FaultReport report;
-  for (const auto parameter : flag_parameters) {
-    const auto value = co_await must(read_if_any(axis, parameters, parameter));
-    for (const auto& flag : tmcl::status_flags(parameter))
-      if ((value & flag.bit) != 0) report.flags.push_back(flag.name);
-  }
+  co_await must(read_flags(axis, parameters, "extended_error_flags", report.flags));
+  report.supply_volts = co_await must(read_driver(axis, parameters, report.flags));
   for (const auto& [parameter, name] : switch_parameters) {
     const auto closed = co_await must(read_if_any(axis, parameters, parameter));
     if (closed != 0) report.switches.push_back(name);
   }
-  report.supply_volts = co_await must(read_port(axis.module, supply_port, 0.1));
   report.temperature_celsius = co_await must(read_port(axis.module, temperature_port, 1));
   co_return report;
 }

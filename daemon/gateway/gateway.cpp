@@ -6,6 +6,7 @@
 #include "async/spawn.hpp"
 #include "gateway/awaited_run.hpp"
 #include "gateway/orphans.hpp"
+#include "gateway/search_watch.hpp"
 #include "gateway/standing_stop.hpp"
 #include "gateway/stop_all.hpp"
 
@@ -73,6 +74,11 @@ void Gateway::add_buses(const Config& config) {
     buses.back()->keep_audit(options_.audit);
     buses.back()->keep_deadmen(deadmen_);
     if (journal_) buses.back()->keep_journal(journal_);
+    buses.back()->on_search(
+        [weak = weak_from_this(), of = buses.back().get()](tmcl::AxisAddress motor, Permit permit) {
+          const auto self = weak.lock();
+          if (auto axis = self ? self->find_axis(*of, motor) : nullptr) watch_search(axis, permit);
+        });
   }
   buses_ = std::move(buses);
 }

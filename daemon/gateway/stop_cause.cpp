@@ -16,6 +16,7 @@ std::string_view name_of(StopCause cause) {
     case StopCause::supply: return "supply";
     case StopCause::client: return "client";
     case StopCause::lease_lost: return "lease_lost";
+    case StopCause::search_limit: return "search_limit";
     case StopCause::daemon: return "daemon";
     case StopCause::velocity_mode: return "velocity_mode";
     case StopCause::unknown: return "unknown";

@@ -20,6 +20,7 @@ enum class StopCause : std::uint8_t {
   supply,         ///< Its module has started again.
   client,         ///< Somebody has sent a stop.
   lease_lost,     ///< The program that had it alone has gone, or said nothing for too long.
+  search_limit,   ///< Its reference search went further one way than it may.
   daemon,         ///< tmcld has: on a line or path, or when it could not stop it before.
   velocity_mode,  ///< Another master has, or a program in the module: it turns with a speed of 0.
   unknown,        ///< Its module does not say.

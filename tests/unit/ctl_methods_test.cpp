@@ -99,6 +99,8 @@ TEST_F(CtlMethods, HomeSaysThatTheMotorSearches) {
   EXPECT_EQ(ctl.out, "x searches no longer\n");
   ctl.target.failure = Failure{ExitCode::not_reached, "deadline_passed", "not found yet"};
   EXPECT_EQ(ctl.run({"home", "x", "--timeout", "1"}), ExitCode::not_reached);
+  EXPECT_THAT(ctl.err, testing::Not(HasSubstr("goes on")));
+  EXPECT_EQ(ctl.run({"home", "x", "--timeout", "1", "--leave"}), ExitCode::not_reached);
   EXPECT_THAT(ctl.err, HasSubstr("The motor goes on searching. End it with: tmclctl --direct "
                                  "can:can0 home x --stop"));
 }

@@ -30,6 +30,7 @@ std::string motion_word(const AxisLine& axis) {
 std::string flags_text(const AxisReading& reading) {
   std::string flags;
   const auto add = [&](const std::string& flag) { flags += (flags.empty() ? "" : ", ") + flag; };
+  if (!reading.faults.empty()) add("FAULT: " + joined(reading.faults));
   if (reading.latched) add("LATCHED");
   if (reading.stop_cause && !reading.moving) add("stopped: " + *reading.stop_cause);
   if (reading.unattended) add("unattended");

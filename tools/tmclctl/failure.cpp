@@ -49,6 +49,7 @@ constexpr int not_allowed = -32003;
 ExitCode exit_for(const tmcl::client::CallError& error) {
   if (error.name == tmcl::client::error_name::cancelled) return ExitCode::interrupted;
   if (error.name == tmcl::name_of(tmcl::Errc::move_interrupted)) return ExitCode::not_reached;
+  if (error.name == driver_fault) return ExitCode::not_reached;
   if (error.code == invalid_params) return exit_for_objection(error.name);
   if (error.code == not_allowed) return ExitCode::refused;
   return exit_for_failure(error.name, error.outcome);

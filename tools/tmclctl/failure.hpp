@@ -29,6 +29,9 @@ using Attempt = tl::expected<T, Failure>;
 /// For what is wrong with a request before anything is sent: usage, unless it could be done but for
 /// the state or the configuration of an axis.
 ExitCode exit_for_objection(std::string_view name);
+/// Of axis.wait: the axis has arrived by its counter, and its driver was off.
+constexpr std::string_view driver_fault = "driver_fault";
+
 Failure usage_failure(std::string name, std::string message, std::string hint = {});
 Failure failure_from(const tmcl::Error& error);
 Failure failure_from(const tmcl::QuantityError& error);

@@ -88,6 +88,7 @@ Failure explained(const Journey& journey, const AxisReading& reading, Failure fa
     late.name = "timeout";
     return late;
   }
+  if (failure.name == driver_fault) return failure;
   if (failure.exit == ExitCode::not_reached) return move_interrupted(journey, reading);
   return lost_sight(journey, std::move(failure), context.target);
 }

@@ -190,14 +190,15 @@ Attempt<std::vector<ModuleRow>> GatewayTarget::modules() {
 }
 
 Attempt<std::vector<AxisRow>> GatewayTarget::found_axes() {
-  return modules().map([](const std::vector<ModuleRow>& found) {
+  return modules().map([this](const std::vector<ModuleRow>& found) {
     std::vector<AxisRow> rows;
     for (const auto& module : found) {
       for (std::uint8_t motor = 0; motor < module.axes; ++motor) {
         const auto name = axis_name({tmcl::ModuleAddress{module.address}, motor});
-        auto& row =
-            rows.emplace_back(AxisRow{{name, module.bus, module.address, motor, {}, "ready", {}}});
+        auto& row = rows.emplace_back(
+            AxisRow{{name, module.bus, module.address, motor, {}, "ready", {}, {}}});
         if (!module.model.empty()) row.model = module.model;
+        if (const auto now = state(name)) row.faults = now->faults;
       }
     }
     return rows;

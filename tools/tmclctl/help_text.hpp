@@ -337,13 +337,18 @@ taken up again by the same command with --resume.
 
 constexpr const char* home = R"(
 Waits until the module says that its search has ended, unless --no-wait is given. Ctrl-C ends the
-waiting and NOT the search. If somebody else ends the search, tmcld tells so; with --direct that
-looks as if the search had found its switch.
+waiting and NOT the search; 'tmclctl home x --stop' or 'tmclctl stop x' ends that. A search that
+another program ends has found nothing, and is told so.
 
---timeout ends the waiting and NOT the search, too: the motor goes on until it finds its switch or is
-stopped, by 'tmclctl home x --stop' or 'tmclctl stop x'.
+A search whose switch is dead goes on for ever. So it is stopped (exit code 5, cause search_limit)
+where it goes further one way, without turning, than --max-travel says, else 'home_max_travel' in the
+configuration, else the length of its soft limits and a tenth. Where none of them is given nothing
+bounds it, and a warning says so. With --direct --no-wait nobody watches when tmclctl has ended.
+
+--timeout stops the search, too; with --leave it goes on.
 
   tmclctl home x
+  tmclctl home x --max-travel 120mm
   tmclctl home x --mode 5 --timeout 60
   tmclctl home x --stop
 )";
@@ -363,7 +368,7 @@ Asks the modules of all axes, or of one, what they know about themselves: stops 
 encoder, what the driver reports (too hot, shorts, coils that are not connected), closed switches, and
 supply and temperature where the module measures them. Reading clears the flags 'stall' and 'deviation';
 the column STOPPED BY keeps them until the axis moves again. Coils can be told to be open only while
-the motor turns slowly.
+the motor turns slowly. A supply below 7 V is 'undervoltage'. If anything is wrong, the exit code is 1.
 
   tmclctl errors
   tmclctl --json errors x

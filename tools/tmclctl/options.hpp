@@ -294,6 +294,8 @@ struct Home {
   std::string axis;
   std::optional<std::int32_t> mode;
   std::optional<double> timeout_s;
+  std::string max_travel;  ///< Empty: as the configuration says.
+  bool leave = false;
   bool no_wait = false;
   bool internal = false;
   bool stop = false;

@@ -26,6 +26,12 @@ void warn(std::string_view text, Output& output) {
   output.err << "tmclctl: warning: " << text << '\n';
 }
 
+std::string joined(const std::vector<std::string>& names) {
+  std::string all;
+  for (const auto& name : names) all += (all.empty() ? "" : ", ") + name;
+  return all;
+}
+
 void warn(const Warnings& warnings, Output& output) {
   for (const auto& warning : warnings) warn(warning, output);
 }

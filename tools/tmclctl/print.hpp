@@ -16,6 +16,8 @@ namespace tmclctl {
 void print_json(const boost::json::object& document, Output& output);
 /// On standard error, also where a document is asked for.
 void warn(std::string_view text, Output& output);
+/// "short_to_ground_a, undervoltage"
+std::string joined(const std::vector<std::string>& names);
 void warn(const Warnings& warnings, Output& output);
 
 /// Left-aligned columns under a line of headings.

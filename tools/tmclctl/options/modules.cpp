@@ -75,14 +75,21 @@ void add_home(Grammar& grammar) {
   home.axis(home->axis);
   home.option("--mode", "N", "Which switches are searched how (parameter 193)",
               number(home->mode, 1, greatest_mode));
-  home.option("--timeout", "SECONDS", "Give up waiting after so long; the motor goes on searching",
+  home.option("--max-travel", "WAY",
+              "Stop the search where it goes further one way, such as 120mm or 3rev",
+              text(home->max_travel));
+  home.option("--timeout", "SECONDS", "Stop the search after so long, and give up",
               number(home->timeout_s, shortest_time_s, longest_time_s));
+  home.flag("--leave", "Let the search go on after --timeout", home->leave);
   home.flag("--no-wait", "Come back as soon as the search has begun", home->no_wait);
   home.flag("--stop", "End a search", home->stop);
   home.internal(home->internal);
   home.object([](const verb::Home& said, bool) {
-    if (said.stop && (said.mode || said.timeout_s || said.no_wait))
+    if (said.stop &&
+        (said.mode || said.timeout_s || said.no_wait || !said.max_travel.empty() || said.leave))
       return "--stop goes with no other option";
+    if (said.leave && !said.timeout_s)
+      return "--leave says what becomes of the search after --timeout: give that, too";
     return said.no_wait && said.timeout_s ? "--no-wait and --timeout exclude each other" : "";
   });
 }

@@ -48,6 +48,7 @@ VerbResult run(const verb::Errors& verb, Context& context) {
     if (!errors && !verb.axis.empty()) return tl::unexpected(errors.error());
     if (errors) {
       add_row(table, *errors);
+      if (!errors->at("flags").as_array().empty()) exit = std::max(exit, ExitCode::refused);
       all.push_back(*errors);
       continue;
     }

@@ -25,7 +25,7 @@ Failure explained(Failure failure, const verb::Home& verb, Context& context) {
   if (failure.name != "deadline_passed") return failure;
   failure.exit = ExitCode::not_reached;
   failure.name = "timeout";
-  failure.hint = "The motor goes on searching. " + how_to_end(verb, context.target);
+  if (verb.leave) failure.hint = "The motor goes on searching. " + how_to_end(verb, context.target);
   return failure;
 }
 
@@ -49,8 +49,7 @@ void print(const json::object& result, const verb::Home& verb, std::ostream& out
   if (const auto correction = length_text(result, "correction", verb.internal))
     out << fmt::format("zero was at {} before\n", *correction);
   const auto distance = length_text(result, "switch_distance", verb.internal);
-  if (distance && number_at(result, "switch_distance_microsteps") != 0)
-    out << fmt::format("{} between the end switches\n", *distance);
+  if (distance) out << fmt::format("{} between the end switches\n", *distance);
 }
 
 }  // namespace
@@ -58,9 +57,12 @@ void print(const json::object& result, const verb::Home& verb, std::ostream& out
 VerbResult run(const verb::Home& verb, Context& context) {
   json::object params{{"axis", verb.axis}};
   if (verb.mode) params["mode"] = *verb.mode;
+  if (!verb.max_travel.empty())
+    put(params, "max_travel", "max_travel_microsteps", {verb.max_travel, verb.internal});
   const auto perform = [&](const char* method, const std::string& told) {
     return context.target.perform(method, std::move(params), {})
         .map([&](const json::object& result) {
+          warn(texts_at(result, "warnings"), context.output);
           if (context.output.json) {
             print_json(named(verb.axis, result), context.output);
           } else {
@@ -78,6 +80,7 @@ VerbResult run(const verb::Home& verb, Context& context) {
   constexpr double milliseconds = 1000;
   if (verb.timeout_s)
     params["timeout_ms"] = static_cast<std::int64_t>(*verb.timeout_s * milliseconds);
+  if (verb.leave) params["leave"] = true;
   ProgressLine line(context.output);
   const auto result =
       context.target.perform("axis.home", std::move(params), [&](const json::object& news) {
@@ -87,6 +90,7 @@ VerbResult run(const verb::Home& verb, Context& context) {
       });
   line.clear();
   if (!result) return tl::unexpected(explained(result.error(), verb, context));
+  warn(texts_at(*result, "warnings"), context.output);
   if (context.output.json) {
     print_json(named(verb.axis, *result), context.output);
   } else {

@@ -141,6 +141,9 @@ void print(const std::vector<AxisRow>& rows, const std::vector<ScaleFactors>& fa
       std::ranges::any_of(rows, [](const AxisRow& row) { return row.unit.has_value(); });
   std::vector<std::string> headings{"AXIS", "BUS", "ADDRESS", "MOTOR", "MODEL", "STATE", "UNIT"};
   if (has_unit) headings.insert(headings.end(), {"MICROSTEPS/UNIT", "COUNTS/UNIT"});
+  const bool has_faults =
+      std::ranges::any_of(rows, [](const AxisRow& row) { return !row.faults.empty(); });
+  if (has_faults) headings.emplace_back("FAULTS");
   Table table(std::move(headings));
   for (std::size_t i = 0; i < rows.size(); ++i) {
     const auto& row = rows[i];
@@ -155,6 +158,7 @@ void print(const std::vector<AxisRow>& rows, const std::vector<ScaleFactors>& fa
       cells.push_back(factor_text(factors[i].microsteps_per_unit));
       cells.push_back(factor_text(factors[i].encoder_counts_per_unit));
     }
+    if (has_faults) cells.push_back(row.faults.empty() ? "-" : joined(row.faults));
     table.add(std::move(cells));
   }
   table.print(out);

@@ -9,6 +9,8 @@ namespace tmclctl {
 namespace {
 
 void print_condition(const std::string& axis, const AxisReading& reading, std::ostream& out) {
+  if (!reading.faults.empty())
+    out << "WRONG     " << joined(reading.faults) << ": 'tmclctl errors " << axis << "'\n";
   if (reading.stop_cause) out << "stopped   " << *reading.stop_cause << '\n';
   if (reading.referenced) out << "reference found\n";
   if (reading.lease) out << "lease     " << *reading.lease << ": 'tmclctl lease list'\n";

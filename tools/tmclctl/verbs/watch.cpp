@@ -19,7 +19,7 @@ namespace api = tmcl::api;
 // What becomes of links and modules; what axes do is seen in their states.
 constexpr auto told_events = std::to_array<std::string_view>(
     {"module_silent", "module_answers", "module_in_bootloader", "module_reset", "module_replaced",
-     "duplicate_address", "link_lost", "link_restored", "link_condition"});
+     "duplicate_address", "axis_fault", "link_lost", "link_restored", "link_condition"});
 
 /// What is told of an axis, but for how old it is.
 boost::json::object news_of(AxisReading reading) {
@@ -31,6 +31,11 @@ std::string motion_text(const AxisReading& reading) {
   if (reading.moving) return "moving";
   if (reading.position_reached) return "at target";
   return reading.stop_cause ? "stopped: " + *reading.stop_cause : "standing";
+}
+
+std::string condition_text(const AxisReading& reading) {
+  const auto faults = joined(reading.faults);
+  return motion_text(reading) + (faults.empty() ? "" : "  FAULT: " + faults);
 }
 
 /// Prints what is told of axes, and says for how long that is wanted.
@@ -85,7 +90,7 @@ void Watching::tell(const std::string& axis, const AxisReading& reading) {
   output_.out << fmt::format("{:9.3f} s  {}  position {}  velocity {}  target {}  {}", passed_s(),
                              axis, position_text(reading, verb_.internal),
                              velocity_text(reading, verb_.internal),
-                             target_text(reading, verb_.internal), motion_text(reading))
+                             target_text(reading, verb_.internal), condition_text(reading))
               << std::endl;
 }
 

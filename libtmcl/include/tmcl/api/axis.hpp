@@ -11,6 +11,8 @@ constexpr std::string_view unit_summary = "what it measures in; null if the axis
 constexpr std::string_view deadline_summary =
     "refused instead of sent when it could not be sent so soon after it came in";
 constexpr std::string_view in_unit_summary = "the same, instead; a number: in the axis' unit";
+constexpr std::string_view faults_summary =
+    "what is wrong with its driver or its supply, as axis.get_errors names it";
 constexpr std::int64_t longest_ms = 86'400'000;
 constexpr Bounds milliseconds{0, longest_ms};
 
@@ -30,6 +32,7 @@ struct Axis {
   TMCL_FIELD(std::optional<std::string>, model, "model of its module; null if it is not known");
   TMCL_FIELD(std::string, state, "unknown, ready, silent, in_bootloader, no_such_motor");
   TMCL_FIELD(std::optional<std::string>, unit, unit_summary);
+  TMCL_FIELD(std::vector<std::string>, faults, faults_summary);
 };
 struct Axes {
   TMCL_STRUCT(Axes);
@@ -134,28 +137,53 @@ struct Wait {
 constexpr std::string_view mode_summary = "axis parameter 193, set before; as it is set if absent";
 constexpr Bounds search_modes{1, 255};
 
+constexpr std::string_view search_limit_summary =
+    "how far it may go one way without turning: it is stopped beyond that; null: nothing bounds it";
+constexpr std::string_view search_warnings_summary = "such as that nothing bounds the search";
+
 struct HomedAxis {
   TMCL_STRUCT(HomedAxis);
   TMCL_FIELD(std::optional<std::int32_t>, correction_microsteps,
              "where the axis believed to be at what is zero now; null if the module does not say");
   TMCL_FIELD(std::optional<std::int32_t>, switch_distance_microsteps,
-             "from one end switch to the other; null if the module does not say");
+             "from one end switch to the other; null if this search did not visit both, or the "
+             "module does not say");
   TMCL_FIELD(std::optional<std::string>, unit, unit_summary);
   TMCL_FIELD(std::optional<double>, correction, "the same correction in the unit");
   TMCL_FIELD(std::optional<double>, switch_distance, "the same way between the switches");
+  TMCL_FIELD(std::optional<std::int32_t>, max_travel_microsteps, search_limit_summary);
+  TMCL_FIELD(std::optional<double>, max_travel, "the same in the unit");
+  TMCL_FIELD(std::vector<std::string>, warnings, search_warnings_summary);
 };
+struct StartedSearch {
+  TMCL_STRUCT(StartedSearch);
+  TMCL_FIELD(std::optional<std::int32_t>, max_travel_microsteps, search_limit_summary);
+  TMCL_FIELD(std::optional<std::string>, unit, unit_summary);
+  TMCL_FIELD(std::optional<double>, max_travel, "the same in the unit");
+  TMCL_FIELD(std::vector<std::string>, warnings, search_warnings_summary);
+};
+constexpr std::string_view max_travel_summary =
+    "how far it may go one way without turning; as the configuration says if absent";
 struct Home {
   TMCL_METHOD("axis.home", moves, HomedAxis,
               "searches the reference and answers when that has ended", Home);
   TMCL_FIELD(std::string, axis, axis_summary);
   TMCL_FIELD(std::optional<std::uint8_t>, mode, mode_summary, search_modes);
   TMCL_FIELD(std::optional<std::int64_t>, timeout_ms, timeout_summary, milliseconds);
+  TMCL_FIELD(std::optional<std::int32_t>, max_travel_microsteps, max_travel_summary,
+             {.minimum = 1});
+  TMCL_FIELD(std::optional<Amount>, max_travel, in_unit_summary);
+  TMCL_FIELD(std::optional<bool>, leave,
+             "the search goes on after the timeout; it is stopped then if absent");
 };
 struct StartHome {
-  TMCL_METHOD("axis.start_home", moves, Nothing,
+  TMCL_METHOD("axis.start_home", moves, StartedSearch,
               "starts a reference search; does not wait for its end", StartHome);
   TMCL_FIELD(std::string, axis, axis_summary);
   TMCL_FIELD(std::optional<std::uint8_t>, mode, mode_summary, search_modes);
+  TMCL_FIELD(std::optional<std::int32_t>, max_travel_microsteps, max_travel_summary,
+             {.minimum = 1});
+  TMCL_FIELD(std::optional<Amount>, max_travel, in_unit_summary);
 };
 struct StopHome {
   TMCL_METHOD("axis.stop_home", stops, Nothing, "ends a reference search", StopHome);
@@ -271,11 +299,11 @@ struct State {
   TMCL_FIELD(bool, referenced,
              "it has searched its reference, or was told where it is, while tmcld was there, and "
              "its module has not started again since");
-  TMCL_FIELD(
-      std::optional<std::string>, stop_cause,
-      "why it stands short of its target: stall, deviation, left_limit, right_limit, "
-      "deadman, supply, client, lease_lost, daemon, velocity_mode (something else than tmcld has "
-      "stopped it) or unknown; null while it moves or where that is not known");
+  TMCL_FIELD(std::optional<std::string>, stop_cause,
+             "why it stands short of its target: stall, deviation, left_limit, right_limit, "
+             "deadman, supply, client, lease_lost, search_limit, daemon, velocity_mode (something "
+             "else than tmcld has "
+             "stopped it) or unknown; null while it moves or where that is not known");
   TMCL_FIELD(std::int64_t, age_ms, "how old the oldest of these values is");
   TMCL_FIELD(std::optional<std::int32_t>, lease, "number of its lease; null if it has none");
   TMCL_FIELD(bool, unattended, "it turns, and does not stop when a connection ends");
@@ -285,6 +313,7 @@ struct State {
       std::vector<RampSetting>, unrestored,
       "what a line, a path or a Mint program has changed, as it was before: set back as soon "
       "as its module takes it");
+  TMCL_FIELD(std::vector<std::string>, faults, faults_summary);
 };
 struct GetState {
   TMCL_METHOD("axis.get_state", reads, State, "where the axis is and what it does", GetState);

@@ -1,0 +1,93 @@
+// A driver that is off, or a supply that fails: who is told, and what an arrival is worth then.
+#include <gmock/gmock.h>
+
+#include <string>
+
+#include "world/cable.hpp"
+
+namespace tmcld::test {
+namespace {
+
+using namespace std::chrono_literals;
+using testing::HasSubstr;
+using tmcl::sim::DriverFault;
+
+class DriverFaults : public Cable, public testing::WithParamInterface<const char*> {
+ protected:
+  DriverFaults() : Cable(cable_config, GetParam()) {}
+  void set(DriverFault fault, bool on = true) {
+    module.at_stage(0, [&](tmcl::sim::Stage& stage) { stage.set_fault(fault, on); });
+    wire.touch();
+  }
+  RpcResult move_and_wait() {
+    position_ = position_ == 1 ? 2 : 1;
+    EXPECT_TRUE(call("axis.move_to", {{"axis", "x"}, {"position", position_}}));
+    return call("axis.wait", {{"axis", "x"}});
+  }
+  json::array faults() {
+    time.run_for(1s);
+    return call("axis.get_state", {{"axis", "x"}})->at("faults").as_array();
+  }
+  void expect_fault(const std::string& name, const std::string& words) {
+    const auto arrived = move_and_wait();
+    ASSERT_FALSE(arrived) << name;
+    EXPECT_EQ(name_of_error(arrived), "driver_fault");
+    EXPECT_THAT(arrived.error().message, HasSubstr("by its counter"));
+    EXPECT_THAT(arrived.error().message, HasSubstr(words));
+    EXPECT_EQ(arrived.error().data.at("outcome"), "done");
+    EXPECT_EQ(arrived.error().data.at("faults").as_array().at(0), json::value(name));
+    EXPECT_EQ(faults().at(0), json::value(name));
+    const auto listed = call("axis.list", {})->at("axes").as_array();
+    EXPECT_EQ(listed.at(0).at("faults").as_array().at(0), json::value(name));
+    EXPECT_THAT(events, testing::Contains("axis_fault"));
+    const auto errors = call("axis.get_errors", {{"axis", "x"}});
+    EXPECT_THAT(json::serialize(errors->at("flags")), HasSubstr(name));
+  }
+
+ private:
+  int position_ = 0;
+};
+
+TEST_P(DriverFaults, AreNoneWhereAllIsWell) {
+  EXPECT_TRUE(move_and_wait());
+  EXPECT_TRUE(faults().empty());
+  EXPECT_THAT(events, testing::Not(testing::Contains("axis_fault")));
+}
+
+TEST_P(DriverFaults, EndAWaitWithTheirName) {
+  set(DriverFault::short_a);
+  expect_fault("short_to_ground_a", "short to ground of coil A");
+}
+
+TEST_P(DriverFaults, OfACoilThatIsNotConnectedDoSoToo) {
+  set(DriverFault::open_load_b);
+  expect_fault("open_load_b", "coil B is not connected");
+}
+
+TEST_P(DriverFaults, OfTheSupplyDoSoToo) {
+  module.set_supply(60);
+  expect_fault("undervoltage", "its supply is too low");
+  module.set_supply(240);
+  EXPECT_TRUE(faults().empty()) << "it is back";
+  EXPECT_GE(std::ranges::count(events, "axis_fault"), 2);
+  EXPECT_TRUE(move_and_wait());
+}
+
+TEST_P(DriverFaults, ThatAreOnlyNearAreAWarning) {
+  set(DriverFault::overtemperature_warning);
+  const auto arrived = move_and_wait();
+  ASSERT_TRUE(arrived) << arrived.error().message;
+  EXPECT_THAT(json::serialize(arrived->at("warnings")), HasSubstr("nearly too hot"));
+}
+
+TEST_P(DriverFaults, AreSeenByWhoLooksAtAnAxisThatStands) {
+  EXPECT_TRUE(faults().empty());
+  set(DriverFault::short_b);
+  EXPECT_EQ(faults().at(0), "short_to_ground_b");
+}
+
+INSTANTIATE_TEST_SUITE_P(Of, DriverFaults, testing::Values("TMCM-6212", "TMCM-3110", "TMCM-1140"),
+                         [](const auto& one) { return "Model" + std::string(one.param + 5); });
+
+}  // namespace
+}  // namespace tmcld::test
