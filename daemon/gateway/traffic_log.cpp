@@ -28,6 +28,8 @@ void TrafficLog::note_request(const Traffic& traffic) {
   entry.can_extended = traffic.can_extended;
   entry.asker = traffic.asker;
   const bool is_can = framing_ == tmcl::Framing::can;
+  entry.is_garbage = !is_can && traffic.bytes.size() != tmcl::serial_datagram_size;
+  if (entry.is_garbage) return;
   const auto module = is_can ? static_cast<std::uint8_t>(traffic.can_id & 0xFFU) : entry.bytes[0];
   const auto command = entry.bytes.at(is_can ? 0 : 1);
   asked_.at(module) = {command, traffic.asker};

@@ -162,7 +162,7 @@ class Search {
 
   void note(World& world, const engine::Action& action) {
     if (const auto* send = std::get_if<engine::Send>(&action)) {
-      world.sent.push_back(send->request);
+      if (!send->leaves_ascii) world.sent.push_back(send->request);
     } else if (const auto* done = std::get_if<engine::Completion>(&action)) {
       ++world.ended;
       judge(world, *done);

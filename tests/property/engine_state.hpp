@@ -89,10 +89,10 @@ class EngineState {
     add_until(full_until);
   }
   void add(const Call& call) {
-    const auto& [request, options, ticket, joined, times_sent, sent_early, place, refused_since,
-                 unproven, is_doubtful, doubts, was_slow, before, last_value, read, last_read,
-                 change, readings, effect] = call;
-    add_all(ticket, times_sent, sent_early);
+    const auto& [request, options, ticket, joined, times_sent, sent_early, rescue, place,
+                 refused_since, unproven, is_doubtful, doubts, was_slow, before, last_value, read,
+                 last_read, change, readings, effect] = call;
+    add_all(ticket, times_sent, sent_early, rescue);
     add_each(joined, [&](Ticket other) { add(other); });
     add(std::ranges::lower_bound(places_, place) - places_.begin());
     add(refused_since);
@@ -116,11 +116,11 @@ class EngineState {
     add_until(quiet_until);
   }
   void add(const InFlight& in_flight) {
-    const auto& [sent, deadline, call, fence_tries, sent_at] = in_flight;
+    const auto& [sent, deadline, call, fence_tries, sent_at, leaves_ascii] = in_flight;
     add(sent);
     add(deadline);
     add(call);
-    add(fence_tries);
+    add_all(fence_tries, leaves_ascii);
   }
   void add(const LineEcho& echo) {
     const auto& [expected, held, seen, expects, echoes] = echo;

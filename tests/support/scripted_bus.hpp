@@ -62,6 +62,9 @@ class ScriptedBus {
   std::function<bool(const Request&)> takes;
 
   const std::vector<Request>& sent() const { return sent_; }
+  /// What was said to modules in ASCII mode.
+  const std::vector<std::string>& lines() const { return lines_; }
+  std::function<void()> on_line;
   const std::vector<BusEvent>& events() const { return events_; }
   BusCounters counters() const { return engine_.counters(); }
   engine::BusEngine& engine() { return engine_; }
@@ -137,7 +140,10 @@ class ScriptedBus {
   void run_actions() {
     while (auto action = engine_.next_action()) {
       if (auto* send = std::get_if<engine::Send>(&*action)) {
-        if (takes && !takes(send->request)) {
+        if (send->leaves_ascii) {
+          lines_.push_back(engine::leaving_ascii_mode(send->request.address));
+          if (on_line) on_line();
+        } else if (takes && !takes(send->request)) {
           engine_.on_send_refused(send->request, clock_.now());
         } else {
           on_sent(send->request);
@@ -222,6 +228,7 @@ class ScriptedBus {
   std::map<std::uint8_t, FakeModule> modules_;
   std::map<std::size_t, Fault> faults_;
   std::vector<Request> sent_;
+  std::vector<std::string> lines_;
   std::vector<BusEvent> events_;
   std::vector<Delivery> deliveries_;
   std::optional<Reply> late_;

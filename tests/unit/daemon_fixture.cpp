@@ -11,7 +11,6 @@
 #include <boost/asio/detached.hpp>
 #include <boost/asio/posix/stream_descriptor.hpp>
 #include <boost/asio/post.hpp>
-#include <boost/asio/read.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
 #include <boost/asio/write.hpp>
@@ -54,10 +53,11 @@ boost::asio::awaitable<void> FakeWire::serve(std::shared_ptr<End> end) {
   tmcl::SerialBytes bytes{};
   while (true) {
     boost::system::error_code error;
-    co_await boost::asio::async_read(
-        *end, boost::asio::buffer(bytes),
-        boost::asio::redirect_error(boost::asio::use_awaitable, error));
+    const auto size = co_await end->async_read_some(
+        boost::asio::buffer(bytes), boost::asio::redirect_error(boost::asio::use_awaitable, error));
     if (error) co_return;
+    // Half a datagram comes to nothing: modules drop it when the line is silent.
+    if (size != bytes.size()) continue;
     const auto request = tmcl::decode_serial_request(bytes);
     if (!request) continue;
     seen.push_back(*request);

@@ -1,5 +1,6 @@
 #include "bus/bus_core.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "link/opening.hpp"
@@ -111,11 +112,17 @@ void BusCore::send_bytes(const engine::Send& send, TimePoint now) {
   // more.
   if (wants_to_write()) return engine_.on_send_refused(send.request, now);
   unfinished_ = encode_serial(send.request);
-  const auto count = link_.write(unfinished_);
+  std::span<const std::uint8_t> bytes = unfinished_;
+  if (send.leaves_ascii) {
+    const auto line = engine::leaving_ascii_mode(send.request.address);
+    std::ranges::copy(line, unfinished_.begin());
+    bytes = bytes.first(line.size());
+  }
+  const auto count = link_.write(bytes);
   if (!count) return close(count.error().message);
   if (*count == 0) return engine_.on_send_refused(send.request, now);
-  unwritten_ = std::span(unfinished_).subspan(*count);
-  tell({now, Traffic::Direction::out, 0, false, unfinished_, send.asker});
+  unwritten_ = bytes.subspan(*count);
+  tell({now, Traffic::Direction::out, 0, false, bytes, send.asker});
 }
 
 namespace {

@@ -80,6 +80,7 @@ void BusEngine::on_deadline(TimePoint now) {
 void BusEngine::on_time_out(Channel& channel, TimePoint now) {
   auto lost = take_from(channel);
   decoder_.reset();
+  if (lost.leaves_ascii) return;
   ++counters_.timeouts;
   channel.keep_quiet_until(now + options_.quiet_time);
   auto& module = modules_.with(lost.sent.address);
@@ -94,9 +95,11 @@ void BusEngine::on_time_out(Channel& channel, TimePoint now) {
 
 /// A stop that came while the last fence was under way still goes out.
 void BusEngine::on_silence(ModuleAddress address) {
+  ask_for_rescue(address);
   const auto waits_in_vain = [&](const Call& call) {
     const bool is_new_stop = call.is_stop() && !call.was_on_the_wire();
-    return reply_byte(call.request.address) == reply_byte(address) && !is_new_stop;
+    const bool is_rescue = call.rescue == Call::Rescue::due;
+    return reply_byte(call.request.address) == reply_byte(address) && !is_new_stop && !is_rescue;
   };
   fail_if(waits_in_vain, silence_error);
 }
@@ -104,6 +107,10 @@ void BusEngine::on_silence(ModuleAddress address) {
 void BusEngine::repeat_or_give_up(Call call, Error error) {
   const unsigned attempts = call.options.attempts == 0 ? options_.attempts : call.options.attempts;
   const bool repeats = call.may_repeat() && call.times_sent < attempts;
+  if (!repeats && is_worth_rescue(call)) {
+    call.rescue = Call::Rescue::due;
+    return queue().push_back(std::move(call));
+  }
   if (!repeats) return fail(call, std::move(error));
   // A stop that nobody has answered goes behind those of other motors.
   call.is_stop() ? queue().push_back(std::move(call)) : queue().put_back(std::move(call));
@@ -122,6 +129,7 @@ void BusEngine::go_on(TimePoint now) {
 
 void BusEngine::go_on_with(Call& call) {
   const auto& module = modules_.with(call.request.address);
+  if (call.rescue == Call::Rescue::due) return start_leaving_ascii(call);
   if (scheduler_.goes_out_early(modules_, call)) return send_early(call);
   if (module.lane.is_silent(scheduler_.now()) && !call.is_stop()) {
     const auto unheard = queue().take(call);
@@ -197,8 +205,9 @@ void BusEngine::start_fence(const Call& next) {
   const auto now = scheduler_.now();
   const auto address = next.request.address;
   auto& module = modules_.with(address);
-  // Who scans asks once and goes on.
-  const unsigned tries = next.options.attempts == 1 ? 1 : fence_tries;
+  // Who scans asks once and goes on; and what a rescue did not bring back is most likely not there.
+  const bool asks_once = next.options.attempts == 1 || next.rescue == Call::Rescue::tried;
+  const unsigned tries = asks_once ? 1 : fence_tries;
   const auto fence = module.lane.fence(address, next.request.command, now);
   if (!fence) {
     module.lane.fence_failed(1, now + options_.silence_time);
@@ -218,7 +227,8 @@ void BusEngine::start_end(Conversation& module) {
 
 void BusEngine::put_in_flight(Channel& channel, InFlight in_flight) {
   ++counters_.requests;
-  send({in_flight.sent, 0, in_flight.call ? in_flight.call->options.asker : 0});
+  const auto asker = in_flight.call ? in_flight.call->options.asker : 0;
+  send({in_flight.sent, 0, asker, in_flight.leaves_ascii});
   in_flight.sent_at = scheduler_.now();
   channel.put(std::move(in_flight));
   expect_answer();

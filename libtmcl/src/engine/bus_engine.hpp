@@ -16,7 +16,8 @@
 /// known about each module (Lane: in step or not, Custody: whose it is) and what is under way
 /// (Channel). ReplyForm: answers that do not look like replies. bus_engine.cpp starts exchanges and
 /// gives them up, answers.cpp ends them, stops.cpp is about what a stop makes pointless,
-/// full_link.cpp about links that take nothing, surplus.cpp about replies that nobody asked for.
+/// ascii_mode.cpp about modules that understand no datagrams, full_link.cpp about links that take
+/// nothing, surplus.cpp about replies that nobody asked for.
 ///
 /// A stop goes first. Where it would have to wait for a fence it is sent at once as well, and then
 /// again, provably. A stop also removes every movement that is queued for the same motor.
@@ -60,7 +61,12 @@ struct Send {
   Request request;
   std::uint64_t place = 0;  ///< Of the call that it is for, if that stays in the queue.
   std::uint64_t asker = 0;
+  /// Not the request, but leaving_ascii_mode() for its module.
+  bool leaves_ascii = false;
 };
+/// The characters that make a module in ASCII mode go back to datagrams: the end of whatever line
+/// it takes what it has heard for, and BIN. For an address of 1 to 26.
+std::string leaving_ascii_mode(ModuleAddress module);
 /// The call is over.
 struct Completion {
   Ticket ticket;
@@ -108,6 +114,12 @@ class BusEngine {
   // stops.cpp
   void make_way_for(const Request& stop);
   void end_downloads_for(const Request& stop);
+
+  // ascii_mode.cpp
+  bool is_worth_rescue(const Call& call);
+  void ask_for_rescue(ModuleAddress address);
+  void ask_for_rescue_again(ModuleAddress address);
+  void start_leaving_ascii(const Call& next);
 
   // Who speaks next
   void go_on(TimePoint now);

@@ -60,7 +60,9 @@ bool CallQueue::join(const Call& newcomer) {
   const auto kind = kind_of(newcomer);
   if (kind == 1 || !has_defaults(newcomer.options)) return false;
   const auto twin = std::ranges::find_if(levels_[kind], [&](const Call& call) {
-    const bool is_fresh = !call.unproven && !(call.is_stop() && call.times_sent > 0);
+    const bool is_last_try =
+        call.is_stop() && (call.times_sent > 0 || call.rescue != Call::Rescue::none);
+    const bool is_fresh = !call.unproven && !is_last_try;
     return call.request == newcomer.request && has_defaults(call.options) && is_fresh;
   });
   if (twin == levels_[kind].end()) return false;

@@ -29,6 +29,9 @@ struct Call {
   unsigned times_sent = 0;
   /// A stop that already went out once, unproven, because the line was not in step.
   bool sent_early = false;
+  /// A stop that was not answered, as often as it was sent: see ascii_mode.cpp.
+  enum class Rescue : std::uint8_t { none, due, tried };
+  Rescue rescue = Rescue::none;
   /// Grows with every call that comes in: their order within a level.
   std::uint64_t place = 0;
   /// Since then the link has taken nothing at all.

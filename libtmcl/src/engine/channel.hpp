@@ -22,9 +22,10 @@ struct InFlight {
       call;  ///< Nothing for a fence, and for the end of a download nobody asked for.
   unsigned fence_tries = 0;
   TimePoint sent_at{};
+  bool leaves_ascii = false;  ///< No request: the line that ends the ASCII mode of its module.
 
   bool ends_download() const { return sent.command == Command::END_DOWNLOAD; }
-  bool is_fence() const { return !call && !ends_download(); }
+  bool is_fence() const { return !call && !ends_download() && !leaves_ascii; }
 };
 
 class Channel {
@@ -40,7 +41,8 @@ class Channel {
   const InFlight& in_flight() const { return *in_flight_; }
   const ReplyForm& form_of_answer() const { return ReplyForm::of(in_flight_->sent); }
   bool is_answered_by(const Reply& reply) const {
-    return is_busy() && form_of_answer().is_answer(reply, in_flight_->sent);
+    return is_busy() && !in_flight_->leaves_ascii &&
+           form_of_answer().is_answer(reply, in_flight_->sent);
   }
 
   void put(InFlight in_flight) { in_flight_ = std::move(in_flight); }

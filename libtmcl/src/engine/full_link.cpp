@@ -40,6 +40,7 @@ bool BusEngine::take_back_last_send(const Request& request) {
 void BusEngine::take_back(Channel& channel) {
   auto refused = take_from(channel);
   if (refused.call) return take_back_call(std::move(*refused.call));
+  if (refused.leaves_ascii) return ask_for_rescue_again(refused.sent.address);
   if (refused.is_fence()) {
     --counters_.fences;
     return;

@@ -128,7 +128,7 @@ bool Scheduler::is_alike_under_way(Conversations& modules, const Call& call) {
 }
 
 bool Scheduler::goes_out_early(Conversations& modules, const Call& call) const {
-  if (!call.is_stop() || call.sent_early) return false;
+  if (!call.is_stop() || call.sent_early || call.rescue != Call::Rescue::none) return false;
   auto& module = modules.with(call.request.address);
   // Before the end of a download a stop would only be recorded.
   if (module.custody.is_recording() && !module.custody.end_was_tried()) return false;
