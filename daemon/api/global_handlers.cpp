@@ -3,6 +3,7 @@
 #include "api/handlers.hpp"
 #include "api/module_choice.hpp"
 #include "api/suggest.hpp"
+#include "gateway/reach.hpp"
 #include "tmcl/model.hpp"
 
 namespace tmcld::handlers {
@@ -90,6 +91,8 @@ Answer<global::Set> set_global(Call& call, const global::Set& params) {
                               params.value};
   if (auto conflict = identifier_conflict(*module.bus, request))
     co_return tl::unexpected(std::move(*conflict));
+  if (const auto loss = loss_of_moving_motor(*module.bus, request))
+    co_return tl::unexpected(call_error(*loss));
   auto done = co_await run_on(
       module, call,
       tmcl::verbs::set_global(module.address, choice->bank, choice->number, params.value));

@@ -3,6 +3,7 @@
 #include "api/module_choice.hpp"
 #include "api/suggest.hpp"
 #include "api/views.hpp"
+#include "gateway/reach.hpp"
 
 namespace tmcld::handlers {
 namespace {
@@ -128,6 +129,8 @@ Answer<module::Execute> execute(Call& call, const module::Execute& params) {
       objection_by_role(call.caller, role_for(request->command, request->type),
                         "module.execute of " + std::string(tmcl::name_of(request->command)));
   if (objection) co_return tl::unexpected(std::move(*objection));
+  if (const auto loss = loss_of_reach(**bus, *request))
+    co_return tl::unexpected(call_error(*loss));
   call.effect = effect_of(request->command, request->type);
   if (auto complaint = give_axis(call, *bus, *request))
     co_return tl::unexpected(std::move(*complaint));

@@ -5,6 +5,7 @@
 
 #include "api/can_identifiers.hpp"
 #include "fronts/port_rules.hpp"
+#include "gateway/reach.hpp"
 #include "tmcl/coordinates.hpp"
 #include "tmcl/model.hpp"
 
@@ -78,6 +79,7 @@ std::optional<tmcl::Error> PortConduct::objection_to(const tmcl::Request& reques
     return not_permitted(request, "this port may not do that",
                          "'may' of its [[port]] can say \"" + word + "\"");
   }
+  if (auto loss = loss_of_reach(*bus_, request)) return loss;
   if (request.command == Command::MVP && request.type == relative_to_coordinate)
     return not_permitted(request, "a relative move to a coordinate could come twice",
                          "move to the coordinate, or by a distance");

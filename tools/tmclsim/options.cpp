@@ -42,7 +42,7 @@ Examples
   One whose firmware is an old one, for a host that looks at that:
       tmclsim --module TMCM-3110 --firmware 1.09 --pty /tmp/tmcm
   Commands typed by hand, such as AMVP ABS, 0, 50000, until ABIN goes back to datagrams:
-      tmclctl --direct serial:/tmp/tmcm raw 1 ENTER_ASCII_MODE 0 0 0
+      printf '\1\213\0\0\0\0\0\0\214' > /tmp/tmcm
       picocom --imap crcrlf /tmp/tmcm
   A module as its USB port shows it: it ignores addresses and takes 0.25 to 2 ms to answer:
       tmclsim --module TMCM-3110 --usb-pty /tmp/ttyACM0
