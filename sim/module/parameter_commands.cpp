@@ -69,10 +69,14 @@ Answer Module::set_global_parameter(const Request& request) {
   return echo(request, status);
 }
 
+// A TMCM-6110 has a bit for each half of its motors.
 void Module::wire_axes() {
-  for (auto& axis : axes_) {
-    axis.reverse_limit_polarity(globals_.value(gp::end_switch_polarity) == 1);
-    axis.reverse_shaft(globals_.value(gp::reverse_shaft) == 1);
+  const auto* row = find_parameter(global_parameters(*model_), gp::end_switch_polarity);
+  const auto groups = row != nullptr && row->maximum > 1 ? std::size_t{2} : std::size_t{1};
+  for (std::size_t motor = 0; motor < axes_.size(); ++motor) {
+    const auto bit = motor * groups / axes_.size();
+    axes_[motor].reverse_limit_polarity((globals_.value(gp::end_switch_polarity) >> bit & 1) != 0);
+    axes_[motor].reverse_shaft(globals_.value(gp::reverse_shaft) == 1);
   }
 }
 

@@ -13,6 +13,7 @@ constexpr auto unlisted = only({142, 146, 610});
 constexpr auto reads_ascii = only({351, 1110, 1140, 1141, 1160, 1161, 1311, 3110, 6110}) | unlisted;
 constexpr auto has_old_switches =
     only({1021, 1110, 1140, 1141, 1160, 1161, 1311, 3110, 6110}) | unlisted;
+constexpr auto two_polarities = only({6110});
 constexpr auto reverses =
     only({1021, 1110, 1140, 1141, 1160, 1161, 1370, 1378, 3110, 6110}) | unlisted;
 // Their secondary address has another number.
@@ -59,7 +60,10 @@ constexpr auto global_bank0 = std::to_array<ParameterRow>({
     {{78, "io_mask", {"", ""}, rw, true, 0, 255, 0, "bits",
       "which inputs and outputs are used"}, only({1111, 1316})},
     {{79, "end_switch_polarity", {"limit_switch_polarity", ""}, rw, true, 0, 1, 0, "flag",
-      "1: a switch is met when its input is low"}, has_old_switches},
+      "1: a switch is met when its input is low"}, has_old_switches & ~two_polarities},
+    // From pyLabLib and filiplindau/trinamic_control, which look at the answer.
+    {{79, "end_switch_polarity", {"limit_switch_polarity", ""}, rw, true, 0, 3, 0, "bits",
+      "a switch is met when its input is low: 1 of motors 0 to 2, 2 of motors 3 to 5"}, two_polarities},
     {{80, "shutdown_pin_function", {"", ""}, rw, true, 0, 2, 0, "",
       "the shutdown input: 0 does nothing, 1 and 2 stops the motors when it is high or low"},
      only({351, 1378}) | unlisted},
