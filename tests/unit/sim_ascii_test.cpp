@@ -43,10 +43,20 @@ TEST_F(SimAscii, WhatIsWrongComesAsItsStatus) {
   EXPECT_EQ(type("ANONSENSE\r"), "BA 2 0\r");
   EXPECT_EQ(type("A\r"), "BA 2 0\r");
   EXPECT_EQ(type("AMVP UP, 0, 1\r"), "BA 3 0\r");
-  EXPECT_EQ(type("AMVP ABS, 0\r"), "BA 4 0\r");
+  EXPECT_EQ(type("AMVP ABS,\r"), "BA 4 0\r");
   EXPECT_EQ(type("AGAP 1, 7\r"), "BA 4 0\r") << "a motor that it does not have";
   EXPECT_EQ(type("ASAP 4, 0, 99999\r"), "BA 4 99999\r");
   EXPECT_EQ(type("A" + std::string(1000, 'X') + "\rAMST 0\r"), "BA 2 0\rBA 100 0\r");
+}
+
+TEST_F(SimAscii, WhatIsLeftOutAtTheEndIsZero) {
+  quiet_module();
+  EXPECT_EQ(type("AROR 0, 300\r"), "BA 100 300\r");
+  EXPECT_EQ(type("AMST\r"), "BA 100 0\r");
+  EXPECT_EQ(type("AGAP 2\r"), "BA 100 0\r");
+  EXPECT_EQ(type("AMVP\r"), "BA 100 0\r");
+  EXPECT_EQ(type("AGAP\r"), "BA 100 0\r");
+  EXPECT_EQ(type("ASIO 0, 2\r"), "BA 100 0\r");
 }
 
 TEST_F(SimAscii, ForeignLettersAndEmptyLinesAreSilence) {

@@ -42,7 +42,7 @@ struct Fault {
   std::size_t column = 0;  ///< From 1.
   std::string message;     ///< Without a full stop, unless a question or suggestion follows.
   /// What a module answers: invalid_command for an unknown one or a line without sense, wrong_type
-  /// for an unknown name of a type, invalid_value for operands out of range, too few or too many.
+  /// for an unknown name of a type, invalid_value for operands out of range or too many.
   Status status = Status::invalid_command;
 };
 
@@ -51,7 +51,8 @@ std::optional<char> letter_of(std::uint8_t address);
 /// Of the module that a line is for, however it goes on; none if it begins with no letter.
 std::optional<ModuleAddress> address_of(std::string_view line);
 
-/// What the line says. Numbers are decimal; types may have their standard names.
+/// What the line says. Numbers are decimal; types may have their standard names. Operands that are
+/// left out at the end are 0.
 tl::expected<Order, Fault> parse(std::string_view line);
 
 /// The line for a command; none if it cannot be given in ASCII mode or the address has no letter.
