@@ -39,8 +39,11 @@ Script<Result<std::optional<double>>> read_port(tmcl::ModuleAddress module, std:
 Script<Result<void>> read_flags(tmcl::AxisAddress axis,
                                 std::span<const tmcl::ParameterInfo> parameters,
                                 std::string_view parameter, Faults& flags) {
+  const auto* row = find_parameter(parameters, parameter);
+  if (row == nullptr) co_return Result<void>{};
   const auto value = co_await must(read_if_any(axis, parameters, parameter));
-  for (const auto& flag : tmcl::status_flags(parameter))
+  // Another name of it stands for other bits.
+  for (const auto& flag : tmcl::status_flags(row->name))
     if ((value & flag.bit) != 0) flags.push_back(flag.name);
   co_return Result<void>{};
 }

@@ -31,6 +31,7 @@ Axis::Axis(const Model& model, Stage& stage, TimePoint power_on, const ModuleTra
       wraps_(concerns(Trait::range_check, model) &&
              traits.get<RangeCheck>(Trait::range_check, model) == RangeCheck::wrap),
       table_(axis_parameters(model)),
+      keeps_errors_(find_parameter(table_, "movement_error_flags") != nullptr),
       motor_(make_motor(model, power_on, traits)),
       coupling_(*motor_, stage),
       power_on_(power_on),
@@ -82,7 +83,7 @@ std::optional<std::int32_t> Axis::reading(const ParameterInfo& row) const {
     case number_of("smart_energy_actual_current"): return current_scale();
     case number_of("latched_encoder_position"): return latched_encoder_;
     case number_of("load_value"): return scaled_load_value(row);
-    case number_of("extended_error_flags"): return errors_;
+    case number_of("extended_error_flags"): return error_flags();
     case number_of("driver_status_flags"): return driver_flags();
     case number_of(Family::sixpoint, "encoder_position"): return position_of(encoder_);
     case number_of("absolute_encoder_value"): return coupling_.stage().encoder_angle();
@@ -101,7 +102,7 @@ std::optional<std::int32_t> Axis::closed_loop_reading(std::uint8_t number) const
 
 tl::expected<std::int32_t, Status> Axis::read(std::uint8_t number) {
   const auto result = get(number);
-  if (result && number == number_of("extended_error_flags")) errors_ = 0;
+  if (number == number_of("extended_error_flags") && !keeps_errors_) errors_ = 0;
   return result;
 }
 
@@ -210,7 +211,10 @@ std::int32_t Axis::read_driver(std::uint8_t address) const {
 Status Axis::rotate(std::int64_t velocity) {
   if (wraps_) velocity = wrapped_velocity(velocity);
   const auto status = motor_->rotate(velocity);
-  if (status == Status::ok) homing_.abort();
+  if (status == Status::ok) {
+    begin_movement();
+    homing_.abort();
+  }
   settle();
   return status;
 }
@@ -243,7 +247,19 @@ bool Axis::is_position(std::int32_t value) const {
   return in_range(*find_parameter(table_, ap::target_position), value);
 }
 
+// By the manual of the TMCM-351 that keeps them until then.
+void Axis::begin_movement() {
+  if (keeps_errors_) errors_ = 0;
+}
+
+/// The bits of parameter 207: those of a TMCM-351 are the other way round.
+std::int32_t Axis::error_flags() const {
+  if (!keeps_errors_) return errors_;
+  return (deviated() ? 1 : 0) | (stalled() ? 2 : 0);
+}
+
 void Axis::move(std::int64_t position) {
+  begin_movement();
   homing_.abort();
   motor_->move_to(position);
   settle();

@@ -39,7 +39,7 @@ class Axis {
   /// What GAP answers: wrong_type for a number that is not in the model's table. A reading that is
   /// cleared by being read stays: see read().
   tl::expected<std::int32_t, Status> get(std::uint8_t number) const;
-  /// GAP itself: error flags (207) are 0 from then on.
+  /// GAP itself: on most models, error flags (207) are 0 from then on.
   tl::expected<std::int32_t, Status> read(std::uint8_t number);
   /// What SAP answers: wrong_type for a number that cannot be written, invalid_value out of range
   /// unless that wraps.
@@ -89,7 +89,7 @@ class Axis {
 
   /// The active switches, after polarity and swapping.
   const Switches& switches() const { return switches_; }
-  /// Why it was stopped, until that is read: the bits of parameter 207.
+  /// Why it was stopped, until that is read or, on a TMCM-351, until it moves: parameter 207.
   bool stalled() const { return (errors_ & stall_error) != 0; }
   bool deviated() const { return (errors_ & deviation_error) != 0; }
   /// The group that it moves with; 0 for none.
@@ -106,6 +106,8 @@ class Axis {
 
  private:
   void move(std::int64_t position);
+  void begin_movement();
+  std::int32_t error_flags() const;
   std::optional<std::int32_t> reading(const ParameterInfo& row) const;
   std::optional<std::int32_t> closed_loop_reading(std::uint8_t number) const;
   /// As the motor has it, or else the firmware.
@@ -174,6 +176,7 @@ class Axis {
   ModuleTraits traits_;
   bool wraps_;
   std::span<const ParameterInfo> table_;
+  bool keeps_errors_;  ///< Until the next movement, not until they are read.
   std::unique_ptr<Motor> motor_;
   Coupling coupling_;
   std::array<std::int32_t, 256> values_{};  // of those parameters that the motor has no part in

@@ -17,6 +17,7 @@ Status Axis::start_search() {
   const auto mode =
       SearchMode::of(family_, has_modes ? values_[number_of("reference_search_mode")] : 1);
   if (!mode) return Status::invalid_value;
+  begin_movement();
   homing_.abort();
   obey(homing_.start(*mode, switches_, motor_->position()));
   settle();

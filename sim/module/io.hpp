@@ -38,7 +38,8 @@ class Io {
   tl::expected<std::int32_t, Status> get(std::uint8_t bank, std::uint8_t port) const;
   /// What SIO answers: wrong_type for an unknown port, invalid_value for a bank that is no output
   /// or a value out of range. Bank 0, port 0 switches the pull-up resistors of the inputs; the
-  /// TMCM-3110 and 6110 have a second bit there, for limit switches, which are never open here.
+  /// TMCM-3110 and 6110 have a second bit there, for limit switches, which are never open here, and
+  /// the TMCM-351 a bit for each input. Port 8 of that one sets the range of an analogue input.
   Status set(std::uint8_t bank, std::uint8_t port, std::int32_t value);
 
   /// The world outside drives an input; false, and nothing happens, if there is no such port. An
@@ -51,7 +52,9 @@ class Io {
   std::int32_t supply() const { return analog_[supply_voltage_port]; }
 
   std::size_t inputs() const { return ports_.digital_inputs; }
-  bool input(std::size_t port) const { return driven_.at(port).value_or(pull_ups_); }
+  bool input(std::size_t port) const {
+    return driven_.at(port).value_or((pull_ups_ >> port & 1U) != 0);
+  }
   /// Bit n for port n.
   std::uint32_t outputs() const { return outputs_; }
 
@@ -63,12 +66,13 @@ class Io {
   tl::expected<std::int32_t, Status> get_analog(std::uint8_t port) const;
   tl::expected<std::int32_t, Status> get_output(std::uint8_t port) const;
   bool has_analog(std::uint8_t port) const;
-  Status set_pull_ups(std::uint8_t port, std::int32_t value);
+  Status set_inputs(std::uint8_t port, std::int32_t value);
+  std::int32_t greatest_pull_ups() const;
   Status set_output(std::uint8_t port, std::int32_t value);
 
+  std::uint16_t model_;
   Ports ports_;
-  std::int32_t greatest_pull_ups_;
-  bool pull_ups_ = false;
+  std::uint32_t pull_ups_ = 0;  ///< Bit n for input n.
   std::uint32_t outputs_ = 0;
   std::array<std::optional<bool>, most_ports> driven_{};
   // 24 V and 25 degrees.

@@ -15,6 +15,7 @@
 
 #include "support/build_paths.hpp"
 #include "tmcl/model.hpp"
+#include "tmcl/model_document.hpp"
 #include "tmcl/parameter.hpp"
 
 namespace tmcl {
@@ -119,12 +120,15 @@ std::string analog_ports(const Model& model) {
 
 std::string model_table() {
   std::string page =
-      "| model | axes | ramps | chips | interfaces | digital inputs | analogue ports | outputs |\n"
-      "| --- | ---: | --- | --- | --- | ---: | --- | ---: |\n";
+      "| model | axes | ramps | chips | interfaces | digital inputs | analogue ports | outputs | "
+      "ranges "
+      "and meanings of its parameters |\n"
+      "| --- | ---: | --- | --- | --- | ---: | --- | ---: | --- |\n";
   for (const auto& model : models()) {
-    page += fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} |\n", model.name, model.axes,
+    page += fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", model.name, model.axes,
                         name_of(model.family), model.chips, interfaces(model),
-                        model.ports.digital_inputs, analog_ports(model), model.ports.outputs);
+                        model.ports.digital_inputs, analog_ports(model), model.ports.outputs,
+                        document_of(model));
   }
   return page;
 }
@@ -147,7 +151,8 @@ is not in the list works by number.
 
 ## Models
 
-Where no document tells a chip or the ports, the chips are those that have all registers of the model's parameters, and
+The numbers of parameters are from PyTrinamic's lists; the last column names the document that their ranges and meanings
+follow. Where no document tells a chip or the ports, the chips are those that have all registers of the model's parameters, and
 the ports those of PyTrinamic's lists. The simulator makes the ramps of the family firmware, and the
 trapezoids of the family TMC4361, with a sixPoint generator; [RAMPS.md](RAMPS.md#the-tmc4361-a-model) has the S-curves of the latter.
 

@@ -14,6 +14,7 @@ constexpr Speeds speed{v_max, "internal", Scale::fixed};
 // With a TMC236, TMC246 or TMC249, which the motion controller writes itself.
 constexpr auto old_driver = only({351, 610});
 constexpr auto new_driver = ~old_driver;
+constexpr auto tmcm351 = only({351});
 constexpr auto counts_pulses = only({351, 1110, 1140, 1160, 3110});
 constexpr auto has_encoder = counts_pulses | only({1161});
 
@@ -50,7 +51,9 @@ constexpr auto tmc429_axis = std::to_array<ParameterRow>({
       "scale of accelerations, as an exponent of two"}, only({610})},
     {{138, "ramp_mode", {"ramp_type", ""}, rw, true, 0, 2, 0, "",
       "0 position, 1 soft, 2 velocity; set by ROR, ROL, MST and MVP", "RM"}},
-    {in_register(microstep_resolution, "USRS")},
+    {in_register(microstep_resolution, "USRS"), ~tmcm351},
+    {{140, "microstep_resolution", {"usrs", ""}, rw, true, 0, 6, 6, "2^n",
+      "microsteps of a full step, as an exponent of two", "USRS"}, tmcm351},
     {{141, "reference_switch_tolerance", {"ref_switch_tolerance", ""}, rw, false, 0, 4095, 0, "microstep",
       "how far a reference switch may be off before the chip counts that as an error; no command shows it", "DX_REF_TOLERANCE"}},
     {{142, "latched_position", {"snapshot_position", "x_latched"}, r, false, x_min, x_max, 0, "microstep",
@@ -90,7 +93,9 @@ constexpr auto tmc429_axis = std::to_array<ParameterRow>({
     {threshold_speed(speed), new_driver},
     {smart_energy_slow_run_current, new_driver},
     {random_toff_mode, new_driver},
-    {reference_search_mode},
+    {reference_search_mode, ~tmcm351},
+    {{193, "reference_search_mode", {"", ""}, rw, true, 1, 3, 1, "",
+      "1 left switch, 2 right, then left, 3 right, then left from both sides"}, tmcm351},
     {search_speed(speed, 500)},
     {switch_speed(speed, 100)},
     {reference_switch_distance},
@@ -107,7 +112,9 @@ constexpr auto tmc429_axis = std::to_array<ParameterRow>({
     {load_value, new_driver},
     {{206, "load_value", {"", ""}, r, false, 0, 7, 0, "",
       "stallGuard: the smaller, the more load"}, old_driver},
-    {extended_error_flags},
+    {extended_error_flags, ~tmcm351},
+    {{207, "movement_error_flags", {"extended_error_flags", "error_flags"}, r, false, 0, 3, 0, "bits",
+      "why the motor was stopped: 1 deviation of the encoder, 2 stall; the next movement clears them"}, tmcm351},
     {driver_status_flags},
     {encoder_position, has_encoder},
     {{210, "encoder_prescaler", {"", ""}, rw, true, 0, 65535, 0, "",
