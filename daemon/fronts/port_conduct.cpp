@@ -4,10 +4,12 @@
 #include <utility>
 
 #include "api/can_identifiers.hpp"
+#include "async/spawn.hpp"
 #include "fronts/port_rules.hpp"
 #include "gateway/reach.hpp"
 #include "tmcl/coordinates.hpp"
 #include "tmcl/model.hpp"
+#include "tmcl/parameter.hpp"
 
 namespace tmcld {
 namespace {
@@ -24,6 +26,46 @@ tmcl::Error not_permitted(const tmcl::Request& request, std::string why, std::st
   error.message = std::move(why);
   error.hint = std::move(hint);
   error.request = request;
+  return error;
+}
+
+/// Hosts of modules on USB greet with nine zero bytes, and every module refuses what that says.
+constexpr Command no_command{0};
+
+tmcl::Request version_request(tmcl::ModuleAddress module) {
+  return {module, Command::GET_FIRMWARE_VERSION,
+          static_cast<std::uint8_t>(tmcl::VersionForm::binary), 0, 0};
+}
+
+tmcl::Request address_request(tmcl::ModuleAddress module) {
+  return {module, Command::GGP, tmcl::global_parameter::serial_address, 0, 0};
+}
+
+/// Whoever asks something else before this is answered does not want to know any more.
+PortConduct::Awaitable<tmcl::Answer> once(std::shared_ptr<GatewayBus> bus, tmcl::Request request,
+                                          std::uint64_t client, Deadline deadline) {
+  auto options = asked_by(client);
+  options.deadline = deadline;
+  tmcl::CallOptions call;
+  call.attempts = 1;
+  auto script = tmcl::verbs::command(request, std::move(call));
+  co_return co_await bus->run(std::move(script), std::move(options));
+}
+
+/// Too late to be sent; but the bus sees that the host is through with what it has tried.
+boost::asio::awaitable<void> give_up(std::shared_ptr<GatewayBus> bus, tmcl::Request request,
+                                     std::uint64_t client) {
+  const auto now = bus->clock().now();
+  co_await once(std::move(bus), request, client, now);
+}
+
+tmcl::Error refused_as_unknown(const tmcl::Request& request) {
+  tmcl::Error error;
+  error.code = tmcl::Errc::refused_by_module;
+  error.outcome = tmcl::Outcome::refused;
+  error.message = "there is no such command";
+  error.request = request;
+  error.status = tmcl::Status::invalid_command;
   return error;
 }
 
@@ -56,21 +98,82 @@ bool PortConduct::is_in_download(const tmcl::Request& request) const {
 }
 
 PortConduct::Awaitable<tmcl::Answer> PortConduct::carry_out(tmcl::Request request, Permit permit,
-                                                            Deadline deadline) {
+                                                            Deadline deadline, bool only_tries) {
   RunOptions options;
   options.permit = permit;
   options.deadline = deadline;
   if (is_in_download(request)) co_return co_await download(request, std::move(options));
   const auto effect = effect_of(request.command, request.type);
-  if (effect == Effect::stops) co_return co_await stop(request);
-  if (effect == Effect::reads) co_return co_await bus_->execute(request, std::move(options));
+  if (effect == Effect::stops) co_return co_await stop(request, only_tries);
+  const bool reads = effect == Effect::reads;
+  if (reads && only_tries) co_return co_await try_once(request, deadline);
+  if (reads) co_return co_await bus_->execute(request, std::move(options));
   // Nobody answers for a module that is not there.
+  if (only_tries) {
+    auto answer = co_await try_once(version_request(request.address), deadline);
+    const bool is_silent = !answer && answer.error().outcome != tmcl::Outcome::refused;
+    if (is_silent) co_return answer;
+  }
   auto there = co_await bus_->add_module(request.address).be_ready();
   const bool has_no_firmware = !there && there.error().code == tmcl::Errc::in_bootloader;
   if (!there && !has_no_firmware) co_return tl::unexpected(std::move(there.error()));
+  if (request.command == no_command) co_return tl::unexpected(refused_as_unknown(request));
   if (auto objection = objection_to(request)) co_return tl::unexpected(std::move(*objection));
   co_return co_await act(request, std::move(options));
 }
+
+// ---- which module it is -------------------------------------------------------------------------
+
+bool PortConduct::is_ready(tmcl::ModuleAddress module) const {
+  const auto* found = bus_->find_module(module);
+  return found != nullptr && found->state() == GatewayModule::State::ready;
+}
+
+PortConduct::Awaitable<tmcl::Answer> PortConduct::try_once(const tmcl::Request& request,
+                                                           Deadline deadline) {
+  return once(bus_, request, host_.number, deadline);
+}
+
+void PortConduct::give_up_tries(tmcl::ModuleAddress module) {
+  spawn(bus_->executor(), give_up(bus_, version_request(module), host_.number));
+}
+
+/// As far as is known, there is no more than one module on the bus, and this is not its address.
+bool PortConduct::may_take_any_address(tmcl::ModuleAddress module) const {
+  const auto others = known_modules();
+  return !bus_->is_can() && others.size() <= 1 && !others.contains(module);
+}
+
+std::set<tmcl::ModuleAddress> PortConduct::known_modules() const {
+  std::set<tmcl::ModuleAddress> known;
+  for (const auto& [address, module] : bus_->modules())
+    if (module->is_configured() || module->identity()) known.insert(address);
+  return known;
+}
+
+tmcl::ModuleAddress PortConduct::known_meaning(tmcl::ModuleAddress address) const {
+  return only_module_ && may_take_any_address(address) ? *only_module_ : address;
+}
+
+/// One answer from another address may be a reply to somebody else. So that address is asked for in
+/// two ways, and has to say that it is what answers.
+PortConduct::Awaitable<tmcl::ModuleAddress> PortConduct::find_meaning(tmcl::ModuleAddress address,
+                                                                      Deadline deadline) {
+  if (!may_take_any_address(address)) co_return address;
+  const auto first = co_await try_once(version_request(address), deadline);
+  if (!first && first.error().outcome == tmcl::Outcome::refused) co_return address;
+  if (!first) co_return tl::unexpected(first.error());
+  const auto answering = first->reply.module;
+  if (answering == reply_byte(address)) co_return address;
+  const auto second = co_await try_once(address_request(address), deadline);
+  const bool is_it =
+      second && second->reply.module == answering && second->reply.value == answering;
+  if (!is_it) co_return address;
+  only_module_ = tmcl::ModuleAddress{answering};
+  co_return *only_module_;
+}
+
+// ---- what it may do -----------------------------------------------------------------------------
 
 std::optional<tmcl::Error> PortConduct::objection_to(const tmcl::Request& request) const {
   const auto needed = role_at_port(request.command, request.type);
@@ -91,15 +194,26 @@ std::optional<tmcl::Error> PortConduct::objection_to(const tmcl::Request& reques
   return std::nullopt;
 }
 
-/// Whatever else is known or asked: see module.execute of the API.
-PortConduct::Awaitable<tmcl::Answer> PortConduct::stop(tmcl::Request request) {
-  const tmcl::AxisAddress motor{request.address, request.motor};
-  bus_->motors().stop(motor);
-  const auto axis = gateway_->find_axis(*bus_, motor);
-  if (axis) axis->revoke_movements();
+/// Whatever else is known or asked: see module.execute of the API. To a module that nobody knows it
+/// goes once, as the host has said it. The only module of a bus may have taken it.
+PortConduct::Awaitable<tmcl::Answer> PortConduct::stop(tmcl::Request request, bool only_tries) {
+  const bool is_known = !only_tries || known_modules().contains(request.address);
+  revoke_movements(request);
   const StopInProgress in_progress(gateway_);
-  auto answer = co_await bus_->execute(request, asked_by(host_.number));
+  auto sent = is_known ? bus_->execute(request, asked_by(host_.number)) : try_once(request, {});
+  auto answer = co_await std::move(sent);
+  if (!answer) co_return answer;
+  if (answer->reply.module != reply_byte(request.address)) {
+    request.address = tmcl::ModuleAddress{answer->reply.module};
+    revoke_movements(request);
+  }
   co_return answer;
+}
+
+void PortConduct::revoke_movements(const tmcl::Request& stop) {
+  const tmcl::AxisAddress motor{stop.address, stop.motor};
+  bus_->motors().stop(motor);
+  if (const auto axis = gateway_->find_axis(*bus_, motor)) axis->revoke_movements();
 }
 
 PortConduct::Awaitable<tmcl::Answer> PortConduct::act(tmcl::Request request, RunOptions options) {

@@ -1,7 +1,9 @@
 #include "fronts/port_session.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
+#include <vector>
 
 #include <unistd.h>
 
@@ -50,6 +52,7 @@ void PortSession::start() {
 void PortSession::close() {
   if (std::exchange(closed_, true)) return;
   gateway_->ignore_events(listener_);
+  give_up_tries();
   pending_.clear();
   conduct_.close();
   asked_.notify();
@@ -73,6 +76,7 @@ void PortSession::on_request(const tmcl::Request& request, CanForm form) {
   conduct_.note_datagram();
   last_form_ = form;
   const bool stops = is_stop(request);
+  give_up_tries();
   if (!has_room(stops)) return;
   if (!bus_->is_can() && number(request.address) > highest_serial_address) return;
   const auto asked = std::make_shared<Asked>();
@@ -83,8 +87,18 @@ void PortSession::on_request(const tmcl::Request& request, CanForm form) {
   pending_.push_back(asked);
   if (!stops || conduct_.is_in_download(request)) return asked_.notify();
   asked->begun = true;
+  see_meaning(*asked);
   const auto on_failure = [self = shared_from_this()](const auto& failure) { self->fail(failure); };
-  spawn(bus_->executor(), serve_stop(shared_from_this(), asked), on_failure);
+  spawn(bus_->executor(), serve_one(shared_from_this(), asked), on_failure);
+}
+
+/// As on a wire, where nobody waits for what does not come.
+void PortSession::give_up_tries() {
+  const auto is_tried = [](const AskedPtr& asked) {
+    return asked->begun && !asked->ended && asked->only_tries;
+  };
+  const auto found = std::ranges::find_if(pending_, is_tried);
+  if (found != pending_.end()) conduct_.give_up_tries((*found)->request.address);
 }
 
 void PortSession::on_wrong_checksum(tmcl::ModuleAddress module) {
@@ -100,9 +114,7 @@ void PortSession::forget_answers() {
 }
 
 bool PortSession::is_known(tmcl::ModuleAddress module) const {
-  const auto* found = bus_->find_module(module);
-  const bool is_ready = found != nullptr && found->state() == GatewayModule::State::ready;
-  return is_ready || hosts_.contains(module);
+  return conduct_.is_ready(module) || hosts_.contains(module);
 }
 
 std::uint8_t PortSession::host_address(tmcl::ModuleAddress module) const {
@@ -112,7 +124,14 @@ std::uint8_t PortSession::host_address(tmcl::ModuleAddress module) const {
 
 // ---- what it is told ---------------------------------------------------------------------------
 
+bool PortSession::may_begin() const {
+  return std::ranges::all_of(pending_, [](const AskedPtr& asked) {
+    return !asked->begun || asked->ended || asked->only_tries || is_stop(asked->request);
+  });
+}
+
 PortSession::AskedPtr PortSession::next() const {
+  if (!may_begin()) return nullptr;
   const auto found =
       std::ranges::find_if(pending_, [](const AskedPtr& asked) { return !asked->begun; });
   return found == pending_.end() ? nullptr : *found;
@@ -122,42 +141,72 @@ awaitable<void> PortSession::serve(std::shared_ptr<PortSession> self) {
   while (!self->closed_) {
     if (const auto asked = self->next()) {
       asked->begun = true;
-      co_await self->carry_out(asked);
+      self->see_meaning(*asked);
+      const auto on_failure = [self](const auto& failure) { self->fail(failure); };
+      spawn(self->bus_->executor(), serve_one(self, asked), on_failure);
     } else {
       co_await self->asked_.wait();
     }
   }
 }
 
-awaitable<void> PortSession::serve_stop(std::shared_ptr<PortSession> self, AskedPtr asked) {
+void PortSession::see_meaning(Asked& asked) {
+  asked.request.address = conduct_.known_meaning(asked.request.address);
+  asked.only_tries = !is_known(asked.request.address);
+}
+
+awaitable<void> PortSession::serve_one(std::shared_ptr<PortSession> self, AskedPtr asked) {
   co_await self->carry_out(asked);
+  self->asked_.notify();
 }
 
 awaitable<void> PortSession::carry_out(AskedPtr asked) {
-  const auto& request = asked->request;
+  auto& request = asked->request;
   const auto deadline =
       is_stop(request) ? std::nullopt : Deadline(asked->received + longest_wait_at_port);
-  const auto answer = co_await conduct_.carry_out(request, asked->permit, deadline);
+  auto answer = co_await answer_to(asked, deadline);
   note(*asked, answer);
   end(*asked, told_about(request, answer, host_address(request.address),
                          bus_->traffic().last_reply_to(asked->permit.client)));
 }
 
+/// A stop does not wait until it is clear whom it reaches.
+awaitable<tmcl::Result<tmcl::Answer>> PortSession::answer_to(AskedPtr asked, Deadline deadline) {
+  auto& request = asked->request;
+  if (asked->only_tries && !is_stop(request)) {
+    const auto meaning = co_await conduct_.find_meaning(request.address, deadline);
+    if (!meaning) co_return tl::unexpected(meaning.error());
+    request.address = *meaning;
+    asked->only_tries = !is_known(request.address);
+  }
+  co_return co_await conduct_.carry_out(request, asked->permit, deadline, asked->only_tries);
+}
+
 void PortSession::end(Asked& asked, std::optional<Told> told) {
   asked.told = std::move(told);
   asked.ended = true;
-  while (!pending_.empty() && pending_.front()->ended) {
-    const auto first = pending_.front();
-    pending_.pop_front();
-    if (first->told && !first->unwanted && !closed_) output_(*first->told, first->form);
-  }
+  const auto holds_up = [](const AskedPtr& one) { return !one->ended && !one->only_tries; };
+  const auto end = std::ranges::find_if(pending_, holds_up);
+  std::vector<AskedPtr> answered;
+  std::copy_if(pending_.begin(), end, std::back_inserter(answered),
+               [](const AskedPtr& one) { return one->ended; });
+  std::erase_if(pending_, [&](const AskedPtr& one) {
+    return std::ranges::find(answered, one) != answered.end();
+  });
+  for (const auto& one : answered)
+    if (one->told && !one->unwanted && !closed_) output_(*one->told, one->form);
 }
 
 // ---- what others are told ----------------------------------------------------------------------
 
 void PortSession::note(const Asked& asked, const tmcl::Result<tmcl::Answer>& answer) {
   const auto& request = asked.request;
-  if (answer) hosts_[request.address] = answer->reply.host;
+  const bool is_its_own = answer && answer->reply.module == reply_byte(request.address);
+  if (is_its_own) hosts_[request.address] = answer->reply.host;
+  const bool is_gone = !answer && (answer.error().code == tmcl::Errc::reply_timeout ||
+                                   answer.error().code == tmcl::Errc::module_silent);
+  if (is_gone) hosts_.erase(request.address);
+  if (is_gone) conduct_.forget_meaning();
   if (answer) note_arrival_events(request);
   const auto what = describe(request);
   if (effect_of(request.command, request.type) != tmcl::Effect::reads) {

@@ -1,8 +1,9 @@
 /// One host at a port, which speaks TMCL as if it were alone with the modules of a bus. Does no I/O
 /// of its own: it is told what the host says, and says what the host is told.
 ///
-/// One request is under way at a time; the next ones wait. A stop waits for nothing. Answers come
-/// in the order of the requests all the same.
+/// One request is under way at a time; the next ones wait, but for those to modules that may not be
+/// there: the next request ends the wait for their answer, as on a wire. A stop waits for nothing.
+/// Answers of modules that are there come in the order of the requests all the same.
 #pragma once
 
 #include <cstddef>
@@ -57,15 +58,20 @@ class PortSession : public std::enable_shared_from_this<PortSession> {
     tmcl::TimePoint received{};
     bool begun = false;
     bool ended = false;
-    bool unwanted = false;  ///< The host does not want to know any more.
+    bool only_tries = false;  ///< Perhaps no module is there: others do not wait for its answer.
+    bool unwanted = false;    ///< The host does not want to know any more.
     std::optional<Told> told{};
   };
   using AskedPtr = std::shared_ptr<Asked>;
 
   static boost::asio::awaitable<void> serve(std::shared_ptr<PortSession> self);
-  static boost::asio::awaitable<void> serve_stop(std::shared_ptr<PortSession> self, AskedPtr asked);
+  static boost::asio::awaitable<void> serve_one(std::shared_ptr<PortSession> self, AskedPtr asked);
   boost::asio::awaitable<void> carry_out(AskedPtr asked);
   AskedPtr next() const;
+  bool may_begin() const;
+  void see_meaning(Asked& asked);
+  void give_up_tries();
+  boost::asio::awaitable<tmcl::Result<tmcl::Answer>> answer_to(AskedPtr asked, Deadline deadline);
   bool has_room(bool stops) const;
   void end(Asked& asked, std::optional<Told> told);
   void note(const Asked& asked, const tmcl::Result<tmcl::Answer>& answer);

@@ -73,7 +73,8 @@ boost::asio::awaitable<void> FakeWire::serve(std::shared_ptr<End> end) {
 }
 
 void FakeWire::answer(const tmcl::Request& request) {
-  const auto module = modules.find(tmcl::reply_byte(request.address));
+  const auto module =
+      takes_any_address ? modules.begin() : modules.find(tmcl::reply_byte(request.address));
   if (module == modules.end() || !end_) return;
   auto reply = module->second.execute(request);
   if (request.command == tmcl::Command::GET_FIRMWARE_VERSION && !module->second.play) {

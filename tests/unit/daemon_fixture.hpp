@@ -45,6 +45,8 @@ class FakeWire {
   std::string why_absent = "no such device";
   /// While set, opening the link throws.
   std::atomic<bool> throws = false;
+  /// While set, the first module takes what is for any address, as on USB.
+  bool takes_any_address = false;
   /// What the modules say they are.
   std::uint16_t model = 3110;
 

@@ -69,6 +69,8 @@ void BusEngine::on_reply(const Reply& reply, bool may_answer, TimePoint now) {
   };
   if (auto* channel = modules_.find_channel(is_disguised))
     return on_reply_in_disguise(*channel, reply, now);
+  if (may_answer && is_from_only_module(reply, now))
+    return conclude(modules_.line(), Answer{reply}, now);
   if (module != nullptr) return on_unexplained(*module, reply, now);
   ++counters_.unexpected_replies;
 }
@@ -87,7 +89,7 @@ void BusEngine::on_reply_in_disguise(Channel& channel, const Reply& reply, TimeP
     ++counters_.late_replies;
     return;
   }
-  const auto done = settle(channel, Status::ok, now);
+  const auto done = settle(channel, channel.in_flight().sent.address, Status::ok, now);
   if (done.call) complete(*done.call, Answer{reply});
 }
 
@@ -118,10 +120,10 @@ void BusEngine::expect_answer() {
 }
 
 /// What every answer means, whatever it says.
-InFlight BusEngine::settle(Channel& channel, Status status, TimePoint now) {
+InFlight BusEngine::settle(Channel& channel, ModuleAddress from, Status status, TimePoint now) {
   auto done = take_from(channel);
   ++counters_.replies;
-  auto& module = modules_.with(done.sent.address);
+  auto& module = modules_.with(from);
   const auto command = done.sent.command;
   auto& lane = module.lane;
   lane.answered(command, now);
@@ -137,7 +139,9 @@ InFlight BusEngine::settle(Channel& channel, Status status, TimePoint now) {
 
 void BusEngine::conclude(Channel& channel, Answer answer, TimePoint now) {
   const auto status = answer.reply.status;
-  auto done = settle(channel, status, now);
+  const auto meant = channel.in_flight().sent.address;
+  const bool is_meant = answer.reply.module == reply_byte(meant);
+  auto done = settle(channel, is_meant ? meant : ModuleAddress{answer.reply.module}, status, now);
   if (!done.call) return;
   answer.sent = done.sent_at;
   answer.received = now;

@@ -26,6 +26,7 @@ void BusEngine::submit(Ticket ticket, const Request& request, const CallOptions&
   if (lost_) return fail(call, link_lost_error(call, *lost_));
   if (auto error = objection(call)) return fail(call, std::move(*error));
   if (call.is_stop()) make_way_for(request);
+  hurry(call, now);
   if (queue().join(call)) return go_on(now);
   if (!queue().has_room_for(call)) return fail(call, queue_overflow(call));
   auto& module = modules_.with(request.address);
@@ -82,7 +83,8 @@ void BusEngine::on_time_out(Channel& channel, TimePoint now) {
   decoder_.reset();
   if (lost.leaves_ascii) return;
   ++counters_.timeouts;
-  channel.keep_quiet_until(now + options_.quiet_time);
+  // It may have been given up only now, because somebody else wants the line.
+  channel.keep_quiet_until(lost.deadline + options_.quiet_time);
   auto& module = modules_.with(lost.sent.address);
   module.lane.abandon(lost.sent.command, now);
   doubt_answers(module, lost.sent.command);

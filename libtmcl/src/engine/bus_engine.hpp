@@ -16,8 +16,9 @@
 /// known about each module (Lane: in step or not, Custody: whose it is) and what is under way
 /// (Channel). ReplyForm: answers that do not look like replies. bus_engine.cpp starts exchanges and
 /// gives them up, answers.cpp ends them, stops.cpp is about what a stop makes pointless,
-/// ascii_mode.cpp about modules that understand no datagrams, full_link.cpp about links that take
-/// nothing, surplus.cpp about replies that nobody asked for.
+/// ascii_mode.cpp about modules that understand no datagrams, patience.cpp about hosts that ask
+/// whether a module is there, full_link.cpp about links that take nothing, surplus.cpp about
+/// replies that nobody asked for.
 ///
 /// A stop goes first. Where it would have to wait for a fence it is sent at once as well, and then
 /// again, provably. A stop also removes every movement that is queued for the same motor.
@@ -115,6 +116,11 @@ class BusEngine {
   void make_way_for(const Request& stop);
   void end_downloads_for(const Request& stop);
 
+  // patience.cpp
+  void hurry(const Call& next, TimePoint now);
+  bool is_given_up_with(const InFlight& in_flight, const Call& next);
+  bool is_from_only_module(const Reply& reply, TimePoint now);
+
   // ascii_mode.cpp
   bool is_worth_rescue(const Call& call);
   void ask_for_rescue(ModuleAddress address);
@@ -151,7 +157,7 @@ class BusEngine {
   void on_reply_in_disguise(Channel& channel, const Reply& reply, TimePoint now);
   bool is_late_from_other(const Reply& reply, const Request& sent, TimePoint now);
   void on_version_text(Channel& channel, FirmwareVersion version, TimePoint now);
-  InFlight settle(Channel& channel, Status status, TimePoint now);
+  InFlight settle(Channel& channel, ModuleAddress from, Status status, TimePoint now);
   void conclude(Channel& channel, Answer answer, TimePoint now);
   void finish(Call call, const Answer& answer);
   void on_recorded(Call call, Status status);

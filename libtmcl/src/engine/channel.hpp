@@ -51,6 +51,10 @@ class Channel {
     in_flight_.reset();
     return taken;
   }
+  /// The answer is not awaited any longer than that.
+  void shorten(TimePoint deadline) {
+    in_flight_->deadline = std::min(in_flight_->deadline, deadline);
+  }
   void keep_quiet_until(TimePoint time) { quiet_until_ = std::max(quiet_until_, time); }
   /// Until when it is busy or quiet; a quiet channel matters to calls that wait.
   std::optional<TimePoint> deadline(TimePoint now, bool calls_wait) const {
