@@ -35,6 +35,9 @@ constexpr auto all_advice = std::to_array<Advice>({
     {"daemon",
      "tmcld stopped it, as a line, a path or a program with it ended early, or as a stop was "
      "still owed; the log of tmcld says why"},
+    {"search_limit",
+     "its reference search went further one way than it may; look at its switches and the mode of "
+     "the search"},
     {"velocity_mode",
      "something that tmcld does not know of commands it: another host on the bus, or a program in "
      "its module; end that before it is moved again"},
