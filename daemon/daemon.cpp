@@ -6,7 +6,6 @@
 #include <cstdlib>
 #include <cstring>
 #include <filesystem>
-#include <random>
 #include <utility>
 
 #include <boost/asio/post.hpp>
@@ -43,13 +42,6 @@ constexpr tmcl::Duration time_after_failure =
     time_for_uploads + time_to_stand + time_for_stops + time_for_answers + std::chrono::seconds(1);
 // It goes on after so many more of them.
 constexpr int most_failures_at_the_end = 16;
-
-/// Another one each time: a lease from before a restart is not taken for one of now.
-std::int32_t any_epoch() {
-  constexpr std::int32_t greatest = 1 << 30;
-  std::random_device random;
-  return std::uniform_int_distribution<std::int32_t>(0, greatest)(random);
-}
 
 constexpr std::size_t reserved_bytes = 4 << 20;
 
@@ -117,7 +109,6 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(
   daemon->other_sections_ = config.others;
   const auto executor = context.get_executor();
   GatewayOptions options{open_link, log};
-  options.lease_epoch = any_epoch();
   options.on_exit = config.daemon.on_exit;
   options.journal = state_file(config.daemon, ".journal");
   options.deadmen = state_file(config.daemon, ".deadman.json");

@@ -20,7 +20,7 @@ namespace tmcld {
 
 struct LeaseKey {
   std::int32_t lease = 0;
-  std::int32_t epoch = 0;
+  std::int64_t epoch = 0;
 };
 
 /// Takes the lease out of the parameters; nothing if they name none.

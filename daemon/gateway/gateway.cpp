@@ -38,7 +38,7 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
   const auto stop = [weak = std::weak_ptr(gateway)](const std::shared_ptr<GatewayAxis>& axis) {
     if (const auto self = weak.lock()) self->begin_to_stop(axis, StopCause::lease_lost);
   };
-  gateway->leases_ = std::make_shared<Leases>(executor, own.lease_epoch, stop);
+  gateway->leases_ = std::make_shared<Leases>(executor, own.new_epoch, stop);
   if (!own.journal.empty()) {
     const auto held = [weak = std::weak_ptr(gateway)] {
       const auto self = weak.lock();
@@ -238,6 +238,14 @@ void Gateway::leave(std::uint64_t client) {
   for (const auto& axis : axes_)
     if (axis->bus().motors().turning_of(axis->address()).client == client)
       begin_to_stop(axis, StopCause::lease_lost);
+}
+
+bool Gateway::is_holding(std::uint64_t client) const {
+  const auto is_its = [&](const auto& one) { return one.second.holder.number == client; };
+  return std::ranges::any_of(leases_->all(), is_its) ||
+         std::ranges::any_of(axes_, [&](const auto& axis) {
+           return axis->bus().motors().is_turned_by(axis->address(), client);
+         });
 }
 
 void Gateway::dismiss_clients() {

@@ -36,8 +36,8 @@ struct GatewayOptions {
   LogSink log = no_log;
   /// Of a turn of the motors that no axis is configured for.
   std::int32_t full_steps = 200;
-  /// Leases of another run of the gateway are told from those of this one by it.
-  std::int32_t lease_epoch = 0;
+  /// Of each lease that is granted.
+  NewEpoch new_epoch = random_epoch;
   OnExit on_exit = OnExit::keep;
   /// What has to be put in order if the process ends is kept in this file; empty: nowhere.
   std::string journal{};
@@ -74,6 +74,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   /// What it has asked for and was not sent yet moves nothing any more. Its leases are lost, and
   /// axes that it lets turn are stopped.
   void leave(std::uint64_t client);
+  /// Whether something turns until the client leaves, or is leased by it.
+  bool is_holding(std::uint64_t client) const;
   /// As if all clients had left.
   void dismiss_clients();
   /// The right of a call that comes in now to move motors: until a stop comes behind it, or its

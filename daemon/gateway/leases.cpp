@@ -1,10 +1,14 @@
 #include "gateway/leases.hpp"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <utility>
 
 #include "async/spawn.hpp"
+#include "gateway/random_bytes.hpp"
 #include "gateway/standing_stop.hpp"
+#include "tmcl/api/lease.hpp"
 
 namespace tmcld {
 namespace {
@@ -31,6 +35,13 @@ std::optional<AxisFailure> conflict(const Axes& axes, const Client& client) {
 
 }  // namespace
 
+std::int64_t random_epoch() {
+  std::array<unsigned char, sizeof(std::uint64_t)> bytes{};
+  fill_with_random_bytes(bytes);
+  const auto number = std::bit_cast<std::uint64_t>(bytes);
+  return static_cast<std::int64_t>(number & tmcl::api::lease::greatest_epoch);
+}
+
 awaitable<tl::expected<Lease, AxisFailure>> Leases::acquire(std::shared_ptr<Leases> self,
                                                             Client holder, Axes axes,
                                                             LeaseTerms terms, Permit permit) {
@@ -42,7 +53,7 @@ awaitable<tl::expected<Lease, AxisFailure>> Leases::acquire(std::shared_ptr<Leas
   if (auto taken = conflict(axes, holder)) co_return tl::unexpected(std::move(*taken));
   const auto now = self->clock_.now();
   const auto number = ++self->last_number_;
-  Lease lease{number, ++self->last_epoch_, std::move(holder), std::move(axes), terms,
+  Lease lease{number, self->new_epoch_(), std::move(holder), std::move(axes), terms,
               now,    now + terms.ttl};
   for (const auto& axis : lease.axes)
     motors_of(*axis).lease(axis->address(), {lease.holder.number, number, lease.holder.name});
@@ -67,7 +78,7 @@ awaitable<void> Leases::watch(std::shared_ptr<Leases> self) {
   self->watching_ = false;
 }
 
-tl::expected<Lease, NoLease> Leases::find(std::int32_t number, std::int32_t epoch) const {
+tl::expected<Lease, NoLease> Leases::find(std::int32_t number, std::int64_t epoch) const {
   const auto found = leases_.find(number);
   if (found == leases_.end()) return tl::unexpected(NoLease::lost);
   if (found->second.epoch != epoch) return tl::unexpected(NoLease::stale_epoch);

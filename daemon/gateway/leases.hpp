@@ -39,9 +39,9 @@ struct LeaseTerms {
 
 struct Lease {
   std::int32_t number = 0;
-  /// Grows from lease to lease. Only who has the lease is told, so that nobody takes it by a number
-  /// that was guessed, or remembered from before a restart.
-  std::int32_t epoch = 0;
+  /// A random number that only its holder is told: no other client can guess it, and none
+  /// remembers it from before a restart.
+  std::int64_t epoch = 0;
   Client holder{};
   std::vector<std::shared_ptr<GatewayAxis>> axes{};
   LeaseTerms terms{};
@@ -54,24 +54,28 @@ struct Lease {
 /// Why there is no lease of this number and epoch.
 enum class NoLease : std::uint8_t { lost, stale_epoch };
 
+using NewEpoch = std::function<std::int64_t()>;
+/// One of 2^53, from the random numbers of the system.
+std::int64_t random_epoch();
+
 class Leases : public std::enable_shared_from_this<Leases> {
  public:
   using StopAxis = std::function<void(const std::shared_ptr<GatewayAxis>& axis)>;
 
   /// `stop` begins to stop an axis, and sees to it that it stands at last.
-  Leases(const boost::asio::any_io_executor& executor, std::int32_t epoch, StopAxis stop)
+  Leases(const boost::asio::any_io_executor& executor, NewEpoch new_epoch, StopAxis stop)
       : executor_(executor),
         clock_(executor),
         changed_(executor),
         stop_(std::move(stop)),
-        last_epoch_(epoch) {}
+        new_epoch_(std::move(new_epoch)) {}
 
   /// All of the axes, or none. Errors: Errc::leased, and those of GatewayAxis::be_free(); `axis`
   /// says which.
   static boost::asio::awaitable<tl::expected<Lease, AxisFailure>> acquire(
       std::shared_ptr<Leases> self, Client holder, std::vector<std::shared_ptr<GatewayAxis>> axes,
       LeaseTerms terms, Permit permit);
-  tl::expected<Lease, NoLease> find(std::int32_t number, std::int32_t epoch) const;
+  tl::expected<Lease, NoLease> find(std::int32_t number, std::int64_t epoch) const;
   /// From now on for its time. The lease must be there.
   Lease renew(std::int32_t number, tmcl::Duration ttl);
   /// Its holder does not need it any more: no loss. Nothing happens if there is none.
@@ -95,7 +99,7 @@ class Leases : public std::enable_shared_from_this<Leases> {
   bool watching_ = false;
   std::map<std::int32_t, Lease> leases_;
   std::int32_t last_number_ = 0;
-  std::int32_t last_epoch_;
+  NewEpoch new_epoch_;
 };
 
 }  // namespace tmcld

@@ -8,12 +8,12 @@
 #include <utility>
 
 #include <openssl/evp.h>
-#include <sys/random.h>
 
 #include <boost/json/parse.hpp>
 #include <boost/json/value_to.hpp>
 
 #include "async/elsewhere.hpp"
+#include "gateway/random_bytes.hpp"
 #include "gateway/state_file.hpp"
 #include "tmcl/json_text.hpp"
 #include "tmcl/utc_text.hpp"
@@ -49,8 +49,7 @@ std::string hash_of(std::string_view secret) {
 
 std::string new_secret() {
   std::array<unsigned char, secret_bytes> bytes{};
-  if (::getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw std::runtime_error("the system gives no random numbers");
+  fill_with_random_bytes(bytes);
   return std::string(prefix) + hexadecimal(bytes, bytes.size());
 }
 

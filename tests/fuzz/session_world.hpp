@@ -166,6 +166,7 @@ class SessionWorld {
     silence_log();
     GatewayOptions options;
     options.open_link = [this](const BusConfig&) { return wire.open(); };
+    options.new_epoch = [last = std::int64_t{0}]() mutable { return ++last; };
     wire.on_request = [](const tmcl::Request&) {};
     gateway_ = Gateway::create(context_.get_executor(), configuration(), std::move(options));
     gateway_->start();

@@ -204,11 +204,12 @@ TEST_F(DaemonLease, IsProvenByItsEpochOnOtherConnections) {
   EXPECT_EQ(error_name(*other_, "axis.move_by", params), "bad_argument");
 }
 
-TEST_F(DaemonLease, OfALaterOneHasAGreaterEpoch) {
+TEST_F(DaemonLease, HasAnEpochThatThoseBeforeDoNotTell) {
   const auto first = acquire();
   holder_->result("lease.release", key_of(first));
   const auto second = acquire();
-  EXPECT_GT(second.at("epoch").as_int64(), first.at("epoch").as_int64());
+  const auto apart = second.at("epoch").as_int64() - first.at("epoch").as_int64();
+  EXPECT_GT(std::abs(apart), 1'000'000) << "at random that is one of 4 thousand million pairs";
 }
 
 TEST_F(DaemonLease, IsReleasedWhenItsAxesHaveTakenAStop) {

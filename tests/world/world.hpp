@@ -67,6 +67,7 @@ class World {
     break_line();
     GatewayOptions options;
     options.open_link = [this](const BusConfig& bus) { return wire(bus.name).open(); };
+    options.new_epoch = [last = std::int64_t{0}]() mutable { return ++last; };
     gateway_ =
         Gateway::create(context_.get_executor(), configuration(trouble.canary != Canary::no_limits),
                         std::move(options));
@@ -381,7 +382,7 @@ class World {
       params = {{"axes", std::move(names)}, {"ttl_ms", random.between(200, 3000)}};
       return {"lease.acquire", names_of(chosen)};
     }
-    // The epoch of a gateway's leases is their number, as it begins with none.
+    // In a world the epoch of a lease is its number.
     params = {{"lease", held.front()}, {"epoch", held.front()}};
     const auto* method = random.one_in(2) ? "lease.renew" : "lease.release";
     return {.method = method, .axes = {}, .about = held.front()};

@@ -8,18 +8,19 @@
 namespace tmclctl {
 namespace {
 
-std::optional<std::int32_t> number_in(const char* variable) {
+template <class Number>
+std::optional<Number> number_in(const char* variable) {
   const char* text = std::getenv(variable);
   if (text == nullptr) return std::nullopt;
-  const auto number = parse_number<std::int32_t>(text);
+  const auto number = parse_number<Number>(text);
   return number ? std::optional(*number) : std::nullopt;
 }
 
 }  // namespace
 
 std::optional<tmcl::api::lease::OnLease> lease_from_environment() {
-  const auto lease = number_in(lease_variable);
-  const auto epoch = number_in(epoch_variable);
+  const auto lease = number_in<std::int32_t>(lease_variable);
+  const auto epoch = number_in<std::int64_t>(epoch_variable);
   if (!lease || !epoch) return std::nullopt;
   return tmcl::api::lease::OnLease{*lease, *epoch};
 }

@@ -8,6 +8,8 @@ namespace tmcl::api::lease {
 constexpr std::string_view lease_summary = "number of the lease";
 constexpr std::string_view epoch_summary =
     "what lease.acquire gave with it; nobody else is told that";
+/// What every reader of JSON takes as a whole number.
+constexpr std::int64_t greatest_epoch = (std::int64_t{1} << 53) - 1;
 constexpr std::int64_t shortest_ttl_ms = 200;
 constexpr std::int64_t longest_ttl_ms = 60'000;
 constexpr std::int64_t usual_ttl_ms = 2'000;
@@ -15,7 +17,7 @@ constexpr std::int64_t usual_ttl_ms = 2'000;
 struct Granted {
   TMCL_STRUCT(Granted);
   TMCL_FIELD(std::int32_t, lease, lease_summary);
-  TMCL_FIELD(std::int32_t, epoch, "proves that a call is made under this lease");
+  TMCL_FIELD(std::int64_t, epoch, "proves that a call is made under this lease");
   TMCL_FIELD(std::vector<std::string>, axes, "its axes");
   TMCL_FIELD(std::int64_t, ttl_ms, "how soon it has to be renewed");
   TMCL_FIELD(std::optional<std::vector<std::string>>, warnings,
@@ -35,7 +37,7 @@ struct Acquire {
 struct OnLease {
   TMCL_STRUCT(OnLease);
   TMCL_FIELD(std::int32_t, lease, lease_summary);
-  TMCL_FIELD(std::int32_t, epoch, epoch_summary);
+  TMCL_FIELD(std::int64_t, epoch, epoch_summary, {0, greatest_epoch});
 };
 struct Renew : OnLease {
   TMCL_METHOD("lease.renew", writes, Granted, "says that its holder is still there", Renew,
