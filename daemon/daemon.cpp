@@ -133,7 +133,10 @@ tl::expected<std::unique_ptr<Daemon>, std::string> Daemon::create(
   return daemon;
 }
 
-Daemon::~Daemon() { gateway_->join(); }
+Daemon::~Daemon() {
+  gateway_->join();
+  if (http_) http_->join();
+}
 
 void Daemon::start() {
   gateway_->start();
@@ -289,6 +292,8 @@ awaitable<Daemon::Reloaded> Daemon::reload(Daemon& daemon, Config config) {
   auto words = co_await tmcld::reload(daemon.gateway_, std::move(config));
   if (!words) co_return tl::unexpected(std::vector{std::move(words.error())});
   daemon.config_ = next;
+  daemon.server_->review_rights();
+  if (daemon.http_) daemon.http_->review_rights();
   co_return std::move(*words);
 }
 

@@ -1,7 +1,6 @@
 #include "api/caller.hpp"
 
 #include <algorithm>
-#include <utility>
 
 #include <unistd.h>
 
@@ -20,10 +19,9 @@ const Account* account_of(std::uint32_t uid, std::span<const std::uint32_t> grou
 
 }  // namespace
 
-Caller caller_with(Credentials credentials, std::span<const AccessConfig> access) {
-  // Its groups are needed here only; it is copied for each of its calls.
-  const auto groups = std::exchange(credentials.groups, {});
-  Caller caller{std::move(credentials)};
+Caller caller_with(const Credentials& credentials, std::span<const AccessConfig> access) {
+  // Its groups are needed here only.
+  Caller caller{{credentials.uid, credentials.pid}};
   if (access.empty()) return caller;
   const auto uid = caller.credentials.uid;
   const bool is_owner = uid == 0 || uid == ::geteuid();
@@ -32,7 +30,7 @@ Caller caller_with(Credentials credentials, std::span<const AccessConfig> access
                       ? "runs as root, or as tmcld does"
                       : "no [[access]] names user " + std::to_string(uid) + " or one of its groups";
   for (const auto& one : access) {
-    const auto* account = account_of(uid, groups, one);
+    const auto* account = account_of(uid, credentials.groups, one);
     if (account == nullptr || one.role <= caller.role) continue;
     caller.role = one.role;
     caller.reason = "by [[access]] for '" + account->name + "'";

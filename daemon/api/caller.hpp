@@ -30,7 +30,7 @@ struct Caller {
 
 /// With the highest role of those that the configuration gives it. Root and the user of this
 /// process may do everything: they could change the configuration as well.
-Caller caller_with(Credentials credentials, std::span<const AccessConfig> access);
+Caller caller_with(const Credentials& credentials, std::span<const AccessConfig> access);
 
 /// Who may send a command: what moves a motor or an output is operating, whatever else changes
 /// something is configuring.

@@ -175,6 +175,14 @@ std::string_view token_of(const HttpHead& head) {
   return {};
 }
 
+Caller caller_by(std::string_view token, const Tokens& tokens,
+                 std::span<const AccessConfig> access) {
+  if (token.empty()) return unknown_caller(access);
+  const auto* found = tokens.find(token);
+  if (found != nullptr) return caller_with_token(*found);
+  return {{nobody}, Role::stop, "the token '" + std::string(token) + "' was revoked"};
+}
+
 tl::expected<HttpEntry, HttpRefusal> admit_http(const HttpHead& head,
                                                 const HttpConnectionInfo& connection,
                                                 const HttpRules& rules, const Tokens& tokens,

@@ -30,7 +30,8 @@ struct HttpHead {
 
 /// How it came.
 struct HttpConnectionInfo {
-  std::string peer{};        ///< Address and port, for people.
+  std::string peer{};     ///< Address and port, for people.
+  std::string network{};  ///< Whose addresses one client can have: an IPv4 address, or an IPv6 /64.
   bool is_loopback = false;  ///< Both ends are on this computer.
   bool has_tls = false;
   std::uint16_t port = 0;  ///< Of the daemon.
@@ -68,6 +69,10 @@ bool is_allowed_origin(std::string_view origin, std::string_view host, bool has_
 bool is_loopback_host(std::string_view host, std::uint16_t port);
 /// The token that came along; empty if none did.
 std::string_view token_of(const HttpHead& head);
+
+/// The client that came by the token of this name; empty: by none.
+Caller caller_by(std::string_view token, const Tokens& tokens,
+                 std::span<const AccessConfig> access);
 
 tl::expected<HttpEntry, HttpRefusal> admit_http(const HttpHead& head,
                                                 const HttpConnectionInfo& connection,

@@ -43,6 +43,9 @@ constexpr auto time_between_requests = 60s;
 constexpr auto time_without_sign = 30s;
 // What a client still sends is read for so long, so that it reads why it was refused.
 constexpr auto time_to_linger = 2s;
+// A client that sends nothing any more is looked for so often while its call is in progress.
+constexpr auto time_between_signs = 1s;
+constexpr unsigned version_1_1 = 11;
 constexpr std::size_t linger_bytes = 16U * 1024U;
 constexpr std::uint32_t max_head_bytes = 8U * 1024U;
 // Room that a message has taken and that is given back behind it.
@@ -68,6 +71,40 @@ class HttpSession final : public Session {
  private:
   void disconnect() override { disconnect_(); }
   std::function<void()> disconnect_;
+};
+
+/// Takes nothing that a proxy in front of it may read otherwise: RFC 9112, 3.2 and 5.2.
+class RequestParser final : public http::request_parser<http::string_body> {
+ public:
+  /// Why the head is refused; empty if it is not.
+  const std::string& objection() const { return objection_; }
+
+ private:
+  void on_field_impl(http::field name, beast::string_view name_text, beast::string_view value,
+                     error_code& error) override {
+    // The parser begins when all of the head is there, so that this finds the end of a line.
+    const auto* end = name_text.data() + name_text.size();
+    while (end[0] != '\r' || end[1] != '\n') ++end;
+    const bool is_folded = end[2] == ' ' || end[2] == '\t';
+    const bool is_repeated = is_single(name) && get().count(name) > 0;
+    if (is_folded) objection_ = "is on more than one line";
+    if (is_repeated) objection_ = "is there twice";
+    if (is_folded || is_repeated) {
+      objection_ = "the field '" + std::string(name_text) + "' " + objection_;
+      error = http::error::bad_field;
+      return;
+    }
+    // What comes behind the body says nothing of who sends it.
+    if (!is_header_done()) get().insert(name, name_text, value);
+  }
+  /// Who is let in depends on it.
+  static bool is_single(http::field name) {
+    return name == http::field::host || name == http::field::authorization ||
+           name == http::field::origin || name == http::field::content_type ||
+           name == http::field::expect;
+  }
+
+  std::string objection_;
 };
 
 using Request = http::request<http::string_body>;
@@ -155,9 +192,15 @@ class StreamConnection final : public HttpConnection,
     close_socket();
   }
   void end_if_by_token(const std::string& name) override {
-    if (!session_ || token_ != name) return;
-    farewell_ = {websocket::close_code::policy_error, "the token was revoked"};
-    session_->close();
+    if (session_ && token_ == name) end_session("the token was revoked");
+  }
+  void end_if_it_lost_rights() override {
+    if (session_ && !session_->is_closed() && session_->has_lost_rights())
+      end_session("the configuration lets this client do less than before");
+  }
+  void end_if_idle(tmcl::TimePoint now) override {
+    if (!idle_since_ || now - *idle_since_ < time_between_requests) return;
+    if (!session_ || !session_->holds_axes()) close();
   }
 
  private:
@@ -197,12 +240,11 @@ class StreamConnection final : public HttpConnection,
       co_return false;
     }
     stream_.use_tls(*tls_);
-    const auto used = co_await stream_.async_handshake(ssl::stream_base::server, buffer_.data(),
-                                                       redirect_error(use_awaitable, error));
+    auto received = beast::buffers_to_string(buffer_.data());
+    buffer_.consume(buffer_.size());
+    error = co_await connections_->handshakes.perform(stream_, std::move(received), info_.network);
     if (error) log_tls(error);
-    if (error) co_return false;
-    buffer_.consume(used);
-    co_return true;
+    co_return !error;
   }
 
   awaitable<void> refuse_plain_text() {
@@ -214,18 +256,24 @@ class StreamConnection final : public HttpConnection,
   awaitable<void> serve() {
     bool goes_on = true;
     for (bool is_first = true; goes_on && is_open() && !is_finishing_; is_first = false) {
-      http::request_parser<http::string_body> parser;
+      RequestParser parser;
       parser.header_limit(max_head_bytes);
       parser.body_limit(max_line_bytes);
       if (is_first) {
         lowest().expires_after(time_for_head);
       } else {
-        lowest().expires_after(time_between_requests);
+        lowest().expires_never();
+        idle_since_ = connections_->gateway->clock().now();
       }
       error_code error;
       co_await http::async_read_header(stream_, buffer_, parser,
                                        redirect_error(use_awaitable, error));
       is_serving_ = true;
+      idle_since_.reset();
+      if (!parser.objection().empty()) {
+        co_await refuse_head(parser.objection());
+        break;
+      }
       if (error) {
         co_await refuse_unreadable(error);
         break;
@@ -236,12 +284,19 @@ class StreamConnection final : public HttpConnection,
   }
 
   /// False if this was the last request of the connection.
-  awaitable<bool> serve(http::request_parser<http::string_body>& parser) {
+  awaitable<bool> serve(RequestParser& parser) {
     const auto entry = connections_->admit(head_of(parser.get()), info_);
     if (!entry) {
       if (entry.error().status == 401 || entry.error().status == 403)
         log_refusal("was not let in: " + entry.error().message);
       co_await refuse(entry.error());
+      co_return false;
+    }
+    // A body that is not read would be taken for the next request.
+    if (entry->route != HttpRoute::rpc && !parser.is_done()) {
+      const HttpRefusal refusal{400, "unexpected_body", "only a call to /rpc has a body",
+                                "send the request without one"};
+      co_await refuse(refusal);
       co_return false;
     }
     bool goes_on = false;
@@ -253,7 +308,7 @@ class StreamConnection final : public HttpConnection,
                              metrics_text(*connections_->gateway, connections_->share->stop_latency,
                                           connections_->clients()));
         break;
-      case HttpRoute::rpc: goes_on = co_await serve_call(parser, *entry); break;
+      case HttpRoute::rpc: goes_on = co_await serve_call(parser); break;
       case HttpRoute::websocket: co_await serve_websocket(parser.release(), *entry); break;
     }
     co_return goes_on;
@@ -271,8 +326,7 @@ class StreamConnection final : public HttpConnection,
 
   // ---- calls ----
 
-  awaitable<bool> serve_call(http::request_parser<http::string_body>& parser,
-                             const HttpEntry& entry) {
+  awaitable<bool> serve_call(RequestParser& parser) {
     error_code error;
     lowest().expires_after(time_for_body);
     if (beast::iequals(parser.get()[http::field::expect], "100-continue")) {
@@ -294,15 +348,21 @@ class StreamConnection final : public HttpConnection,
       co_await refuse(refusal);
       co_return false;
     }
+    // The body may have taken a while: its token may be revoked by now.
+    const auto entry = connections_->admit(head_of(parser.get()), info_);
+    if (!entry) {
+      co_await refuse(entry.error());
+      co_return false;
+    }
     const bool has_place = connections_->let_in(id_);
-    begin_session(entry, has_place ? Session::Serves::all : Session::Serves::stops);
+    begin_session(*entry, has_place ? Session::Serves::all : Session::Serves::stops);
     if (session_->is_finishing()) {
       const auto refusal = ending();
       co_await refuse(refusal);
       co_return false;
     }
     session_->take(body);
-    const auto answer = co_await next_answer();
+    const auto answer = co_await next_answer(parser.get().version());
     if (!answer) co_return false;
     const bool goes_on = co_await respond(parser.get(), json_type, *answer + "\n");
     co_return goes_on&& has_place;
@@ -315,7 +375,9 @@ class StreamConnection final : public HttpConnection,
     token_ = entry.token;
     Session::Options options;
     options.share = connections_->share;
-    options.caller = entry.caller;
+    options.caller = [connections = connections_, token = entry.token] {
+      return connections->caller_by(token);
+    };
     options.name = entry.name;
     options.serves = serves;
     const std::weak_ptr<StreamConnection> weak = weak_from_this();
@@ -328,21 +390,45 @@ class StreamConnection final : public HttpConnection,
                                              });
   }
 
-  awaitable<std::optional<std::string>> next_answer() {
+  void end_session(const char* why) {
+    farewell_ = {websocket::close_code::policy_error, why};
+    session_->close();
+  }
+
+  awaitable<std::optional<std::string>> next_answer(unsigned version) {
+    const auto& clock = connections_->gateway->clock();
+    auto next_sign = clock.now();
     std::optional<std::string> answer;
     while (!answer && !session_->is_closed()) {
       answer = session_->next_answer();
       if (answer) break;
       co_await session_->output().wait_for(hang_up_check_interval);
-      if (has_hung_up()) session_->close();
+      const auto seen = hang_up_events();
+      constexpr short gone = POLLHUP | POLLERR | POLLNVAL;
+      // Clients do not end the output of TLS alone, and the oldest do not know interim answers.
+      const bool can_be_asked = !tls_ && version >= version_1_1;
+      if ((seen & gone) != 0 || (seen != 0 && !can_be_asked)) session_->close();
+      if (seen == 0 || session_->is_closed() || clock.now() < next_sign) continue;
+      next_sign = clock.now() + time_between_signs;
+      co_await say_that_it_goes_on();
     }
     co_return answer;
   }
 
-  bool has_hung_up() {
+  short hang_up_events() {
     pollfd state{lowest().socket().native_handle(), POLLRDHUP, 0};
-    constexpr short gone = POLLHUP | POLLRDHUP | POLLERR | POLLNVAL;
-    return ::poll(&state, 1, 0) > 0 && (state.revents & gone) != 0;
+    return ::poll(&state, 1, 0) > 0 ? state.revents : short{0};
+  }
+
+  /// To a client that sends nothing any more: one that still reads goes on waiting, and of one that
+  /// has gone the connection breaks.
+  awaitable<void> say_that_it_goes_on() {
+    http::response<http::empty_body> processing(http::status::processing, version_1_1);
+    error_code error;
+    lowest().expires_after(time_for_body);
+    co_await http::async_write(stream_, processing, redirect_error(use_awaitable, error));
+    lowest().expires_never();
+    if (error) session_->close();
   }
 
   // ---- WebSocket ----
@@ -350,6 +436,14 @@ class StreamConnection final : public HttpConnection,
   awaitable<void> serve_websocket(Request request, const HttpEntry& entry) {
     if (!connections_->let_in(id_)) {
       const auto refusal = too_many_clients();
+      co_await refuse(refusal);
+      co_return;
+    }
+    // RFC 6455, 4.1: it waits for the answer. Beast would take it for the first message.
+    if (buffer_.size() != 0) {
+      const HttpRefusal refusal{400, "data_before_upgrade",
+                                "a WebSocket begins with the answer to the request for it",
+                                "send nothing before that has come"};
       co_await refuse(refusal);
       co_return;
     }
@@ -362,7 +456,14 @@ class StreamConnection final : public HttpConnection,
     if (error) co_return;
     if (session_) session_->close();
     session_.reset();
-    begin_session(entry, Session::Serves::all);
+    // The answer may have taken a while: its token may be revoked by now.
+    const auto still = connections_->admit(head_of(request), info_);
+    if (!still) {
+      farewell_ = {websocket::close_code::policy_error, still.error().name};
+      co_await ws_->async_close(farewell_, redirect_error(use_awaitable, error));
+      co_return;
+    }
+    begin_session(*still, Session::Serves::all);
     session_->greet();
     if (is_finishing_) session_->finish();
     const auto self = shared_from_this();
@@ -387,6 +488,10 @@ class StreamConnection final : public HttpConnection,
     while (!session_->is_closed()) {
       co_await ws_->async_read(buffer_, redirect_error(use_awaitable, error));
       if (error) break;
+      if (!ws_->got_text()) {
+        farewell_ = {websocket::close_code::unknown_data, "messages are text"};
+        break;
+      }
       const auto bytes = buffer_.data();
       session_->take(std::string_view(static_cast<const char*>(bytes.data()), bytes.size()));
       buffer_.consume(bytes.size());
@@ -412,6 +517,11 @@ class StreamConnection final : public HttpConnection,
     lowest().expires_after(time_for_body);
     co_await http::async_write(stream_, response, redirect_error(use_awaitable, error));
     if (!error) co_await linger();
+  }
+
+  awaitable<void> refuse_head(const std::string& objection) {
+    const HttpRefusal refusal{400, "bad_head", objection, "send each field once, on one line"};
+    co_await refuse(refusal);
   }
 
   awaitable<void> refuse_unreadable(error_code why) {
@@ -488,6 +598,7 @@ class StreamConnection final : public HttpConnection,
   std::shared_ptr<HttpSession> session_;
   std::string token_;  ///< By which that was let in; empty: by none.
   websocket::close_reason farewell_{websocket::close_code::going_away};
+  std::optional<tmcl::TimePoint> idle_since_;  ///< Nothing while a request is served.
   bool is_serving_ = false;
   bool is_writing_ = false;
   bool is_finishing_ = false;
@@ -497,7 +608,7 @@ class StreamConnection final : public HttpConnection,
 
 void begin_http_connection(Tcp::socket socket, std::shared_ptr<ssl::context> tls,
                            HttpConnectionInfo info, std::shared_ptr<HttpConnections> connections) {
-  const auto id = connections->add();
+  const auto id = connections->add(info.network);
   WebStream stream{beast::tcp_stream(std::move(socket))};
   const auto connection = std::make_shared<StreamConnection>(std::move(stream), std::move(tls),
                                                              connections, id, std::move(info));

@@ -5,8 +5,8 @@
 
 namespace tmcld {
 
-std::uint64_t HttpConnections::add() {
-  unknown_.push_back(++last_id_);
+std::uint64_t HttpConnections::add(std::string network) {
+  unknown_.push_back({++last_id_, std::move(network)});
   return last_id_;
 }
 
@@ -14,23 +14,33 @@ void HttpConnections::set(std::uint64_t id, const std::shared_ptr<HttpConnection
   all_.emplace(id, connection);
   if (unknown_.size() <= std::min(most_unknown_connections, most_)) return;
   gateway->log_often("unknown", LogLevel::warning,
-                     "very many connections by HTTP ask for nothing: the oldest are closed");
-  const auto oldest = all_.find(unknown_.front());
-  const auto closed = oldest == all_.end() ? nullptr : oldest->second;
-  unknown_.pop_front();
+                     "very many connections by HTTP ask for nothing: the oldest of the network "
+                     "that has most of them are closed");
+  const auto oldest = oldest_of_the_most();
+  const auto found = all_.find(oldest->id);
+  const auto closed = found == all_.end() ? nullptr : found->second;
+  unknown_.erase(oldest);
   if (closed) closed->close();
 }
 
+std::deque<HttpConnections::Unknown>::iterator HttpConnections::oldest_of_the_most() {
+  std::map<std::string_view, std::size_t> counts;
+  for (const auto& one : unknown_) ++counts[one.network];
+  const auto most =
+      std::ranges::max_element(counts, {}, [](const auto& one) { return one.second; });
+  return std::ranges::find(unknown_, most->first, &Unknown::network);
+}
+
 void HttpConnections::remove(std::uint64_t id) {
-  std::erase(unknown_, id);
+  std::erase_if(unknown_, [&](const Unknown& one) { return one.id == id; });
   all_.erase(id);
 }
 
 bool HttpConnections::let_in(std::uint64_t id) {
-  const bool is_known = std::ranges::find(unknown_, id) == unknown_.end();
+  const bool is_known = std::ranges::find(unknown_, id, &Unknown::id) == unknown_.end();
   if (is_known) return true;
   if (clients() >= most_) return false;
-  std::erase(unknown_, id);
+  std::erase_if(unknown_, [&](const Unknown& one) { return one.id == id; });
   return true;
 }
 
@@ -44,6 +54,10 @@ tl::expected<HttpEntry, HttpRefusal> HttpConnections::admit(const HttpHead& head
                                                             const HttpConnectionInfo& info) const {
   const HttpRules rules{config_.origins, config_.loopback_without_token};
   return admit_http(head, info, rules, *share->tokens, gateway->access());
+}
+
+Caller HttpConnections::caller_by(std::string_view token) const {
+  return tmcld::caller_by(token, *share->tokens, gateway->access());
 }
 
 }  // namespace tmcld

@@ -13,12 +13,14 @@
 
 #include "config/http_config.hpp"
 #include "fronts/front_share.hpp"
+#include "fronts/handshakes.hpp"
 #include "fronts/http_admission.hpp"
 #include "gateway/gateway.hpp"
 
 namespace tmcld {
 
-/// Connections that nobody has been let in by yet: of more than these, the oldest gives way.
+/// Connections that no client has been let in by yet: of more than these, the oldest gives way of
+/// the network that has most of them.
 constexpr std::size_t most_unknown_connections = 128;
 
 class HttpConnection {
@@ -28,15 +30,25 @@ class HttpConnection {
   virtual void close() = 0;
   /// If it was let in by this token.
   virtual void end_if_by_token(const std::string& name) = 0;
+  /// If its client may do less by the configuration than before.
+  virtual void end_if_it_lost_rights() = 0;
+  /// If nothing has been asked by it for a while; not if something turns, or is leased, until it
+  /// ends.
+  virtual void end_if_idle(tmcl::TimePoint now) = 0;
 };
 
 class HttpConnections {
  public:
-  HttpConnections(std::shared_ptr<Gateway> of, std::shared_ptr<FrontShare> with, HttpConfig config,
-                  std::size_t most)
-      : gateway(std::move(of)), share(std::move(with)), config_(std::move(config)), most_(most) {}
+  HttpConnections(const boost::asio::any_io_executor& executor, std::shared_ptr<Gateway> of,
+                  std::shared_ptr<FrontShare> with, HttpConfig config, std::size_t most)
+      : gateway(std::move(of)),
+        share(std::move(with)),
+        handshakes(executor),
+        config_(std::move(config)),
+        most_(most) {}
 
-  std::uint64_t add();
+  /// `network`: as in HttpConnectionInfo.
+  std::uint64_t add(std::string network);
   void set(std::uint64_t id, const std::shared_ptr<HttpConnection>& connection);
   void remove(std::uint64_t id);
   /// Whether there is a place for it among the clients.
@@ -47,16 +59,25 @@ class HttpConnections {
 
   tl::expected<HttpEntry, HttpRefusal> admit(const HttpHead& head,
                                              const HttpConnectionInfo& info) const;
+  /// The client that was let in so, and what it may do now.
+  Caller caller_by(std::string_view token) const;
 
   std::shared_ptr<Gateway> gateway;
   std::shared_ptr<FrontShare> share;
+  Handshakes handshakes;
 
  private:
   HttpConfig config_;
   std::size_t most_;
   std::uint64_t last_id_ = 0;
   std::map<std::uint64_t, std::shared_ptr<HttpConnection>> all_;
-  std::deque<std::uint64_t> unknown_;  ///< Of those that nobody was let in by; oldest first.
+  struct Unknown {
+    std::uint64_t id;
+    std::string network;
+  };
+  std::deque<Unknown>::iterator oldest_of_the_most();
+
+  std::deque<Unknown> unknown_;  ///< Of those that no client was let in by; oldest first.
 };
 
 }  // namespace tmcld

@@ -1,5 +1,6 @@
 #include "fronts/http_server.hpp"
 
+#include <algorithm>
 #include <array>
 #include <chrono>
 #include <deque>
@@ -8,6 +9,7 @@
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 
+#include <boost/asio/ip/network_v6.hpp>
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/redirect_error.hpp>
 #include <boost/asio/use_awaitable.hpp>
@@ -29,6 +31,8 @@ using Tcp = asio::ip::tcp;
 using namespace std::chrono_literals;
 
 constexpr int backlog = 128;
+// Between looks for connections by which nothing is asked any more.
+constexpr auto idle_look_interval = 5s;
 
 std::string in_brackets(const HttpAddress& address) {
   return address.host.find(':') == std::string::npos ? address.host : "[" + address.host + "]";
@@ -40,14 +44,23 @@ std::string text_of(const Tcp::endpoint& endpoint) {
   return endpoint.address().is_v6() ? "[" + host + "]:" + port : host + ":" + port;
 }
 
+/// Of the addresses that one client can have at will.
+std::string network_of(const asio::ip::address& address) {
+  if (address.is_v4()) return address.to_string();
+  const auto v6 = address.to_v6();
+  if (v6.is_v4_mapped()) return asio::ip::make_address_v4(asio::ip::v4_mapped, v6).to_string();
+  constexpr unsigned short bits_of_a_site = 64;
+  return asio::ip::make_network_v6(v6, bits_of_a_site).canonical().to_string();
+}
+
 class Server final : public HttpServer, public std::enable_shared_from_this<Server> {
  public:
   Server(const asio::any_io_executor& executor, const HttpConfig& config,
          std::shared_ptr<Gateway> gateway, std::shared_ptr<FrontShare> share, std::size_t clients,
          Tls tls)
       : executor_(executor),
-        connections_(std::make_shared<HttpConnections>(std::move(gateway), std::move(share), config,
-                                                       clients)),
+        connections_(std::make_shared<HttpConnections>(executor, std::move(gateway),
+                                                       std::move(share), config, clients)),
         tls_(std::move(tls)) {}
 
   /// Empty, or why not.
@@ -70,6 +83,7 @@ class Server final : public HttpServer, public std::enable_shared_from_this<Serv
       if (const auto self = weak.lock()) self->end_by_token(token);
     });
     for (auto& acceptor : acceptors_) spawn(executor_, accept(shared_from_this(), acceptor));
+    spawn(executor_, end_idle_connections(shared_from_this()));
   }
   void stop_accepting() override {
     error_code ignored;
@@ -81,6 +95,10 @@ class Server final : public HttpServer, public std::enable_shared_from_this<Serv
   void close_sessions() override {
     for (const auto& connection : connections_->all()) connection->close();
   }
+  void review_rights() override {
+    for (const auto& connection : connections_->all()) connection->end_if_it_lost_rights();
+  }
+  void join() override { connections_->handshakes.join(); }
   std::size_t connections() const override { return connections_->size(); }
   std::vector<std::string> addresses() const override {
     std::vector<std::string> all;
@@ -106,6 +124,14 @@ class Server final : public HttpServer, public std::enable_shared_from_this<Serv
     }
   }
 
+  static awaitable<void> end_idle_connections(std::shared_ptr<Server> self) {
+    const auto& clock = self->connections_->gateway->clock();
+    while (std::ranges::any_of(self->acceptors_, &Tcp::acceptor::is_open)) {
+      co_await rest(idle_look_interval);
+      for (const auto& connection : self->connections_->all()) connection->end_if_idle(clock.now());
+    }
+  }
+
   void take_in(Tcp::socket socket) {
     error_code error;
     const auto peer = socket.remote_endpoint(error);
@@ -115,6 +141,7 @@ class Server final : public HttpServer, public std::enable_shared_from_this<Serv
     keep_alive(socket);
     HttpConnectionInfo info;
     info.peer = text_of(peer);
+    info.network = network_of(peer.address());
     info.is_loopback = peer.address().is_loopback() && own.address().is_loopback();
     info.has_tls = tls_.context != nullptr;
     info.port = own.port();
@@ -148,6 +175,12 @@ std::vector<std::string> problems_of_files(const HttpConfig& config) {
   if (!tls) return {tls.error()};
   if (!tls->age_problem.empty()) return {tls->age_problem};
   return {};
+}
+
+std::vector<std::string> advice_on_files(const HttpConfig& config) {
+  const auto tls = tls_of(config);
+  if (!tls || tls->advice.empty()) return {};
+  return {tls->advice};
 }
 
 tl::expected<std::shared_ptr<HttpServer>, std::string> HttpServer::create(

@@ -18,6 +18,9 @@ namespace tmcld {
 /// What is wrong with the files of [http]: sentences for a person. Reads them.
 std::vector<std::string> problems_of_files(const HttpConfig& config);
 
+/// What would make them better: sentences for a person. Reads them, too.
+std::vector<std::string> advice_on_files(const HttpConfig& config);
+
 class HttpServer {
  public:
   /// Listens, but serves nobody yet; at most `clients`. Errors: a sentence for a person, with what
@@ -32,6 +35,10 @@ class HttpServer {
   /// Lets every client have its answers, and then closes its connection.
   virtual void finish_sessions() = 0;
   virtual void close_sessions() = 0;
+  /// As UnixServer::review_rights().
+  virtual void review_rights() = 0;
+  /// Waits for what other threads do for it.
+  virtual void join() = 0;
   virtual std::size_t connections() const = 0;
   /// "https://127.0.0.1:4143", one for each address.
   virtual std::vector<std::string> addresses() const = 0;

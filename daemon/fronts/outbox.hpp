@@ -10,9 +10,9 @@
 namespace tmcld {
 
 constexpr std::size_t max_unsent_answer_bytes = 256U * 1024U;
-/// As many as requests and stops can be in progress: what was let through can be answered, however
-/// long the answers are.
-constexpr std::size_t max_unsent_answers = 128;
+/// As many as requests, stops and renewals can be in progress: what was let through can be
+/// answered, however long the answers are.
+constexpr std::size_t max_unsent_answers = 192;
 
 class Outbox {
  public:

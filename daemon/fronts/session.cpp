@@ -1,5 +1,6 @@
 #include "fronts/session.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <utility>
 
@@ -9,13 +10,14 @@
 #include "api/dispatch.hpp"
 #include "async/spawn.hpp"
 #include "log/log.hpp"
+#include "tmcl/api/lease.hpp"
 
 namespace tmcld {
 namespace {
 
 using boost::asio::awaitable;
 
-static_assert(max_unsent_answers >= 2 * max_requests_in_flight);
+static_assert(max_unsent_answers >= 3 * max_requests_in_flight);
 
 boost::json::object hello(Session::Serves serves) {
   boost::json::object protocol;
@@ -52,6 +54,8 @@ Session::Session(const boost::asio::any_io_executor& executor, std::shared_ptr<G
       serves_(options.serves),
       on_closed_(std::move(options.on_closed)),
       caller_(std::move(options.caller)),
+      role_(caller_().role),
+      exceeds_limits_(caller_().exceeds_limits),
       client_(gateway_->enter(std::move(options.name))),
       output_(executor_),
       notifications_(gateway_, [this] { output_.notify(); }) {}
@@ -73,6 +77,26 @@ void Session::close() {
   on_closed_();
 }
 
+bool Session::has_calls_in_flight() const {
+  return std::ranges::any_of(in_flight_, [](std::size_t count) { return count > 0; });
+}
+
+bool Session::has_lost_rights() {
+  const auto now = caller_();
+  const bool is_less = now.role < role_ || (exceeds_limits_ && !now.exceeds_limits);
+  role_ = now.role;
+  exceeds_limits_ = now.exceeds_limits;
+  if (is_less) {
+    gateway_->log(LogLevel::warning,
+                  fmt::format("{} has the role '{}' by the new configuration, which is less than "
+                              "before: its connection is closed",
+                              client_.name, name_of(now.role)));
+  }
+  return is_less;
+}
+
+bool Session::holds_axes() const { return gateway_->is_holding(client_.number); }
+
 void Session::fail(const std::exception_ptr& failure) {
   close();
   gateway_->log_failure("a client's connection, which was closed", failure);
@@ -89,15 +113,22 @@ void Session::take(std::optional<std::string_view> message) {
   answer(request.error().id, tl::unexpected(std::move(request.error().error)));
 }
 
+Session::Lane Session::lane_of(const MethodInfo& method) {
+  using tmcl::api::lease::Release;
+  using tmcl::api::lease::Renew;
+  if (method.name == Renew::method.name || method.name == Release::method.name) return Lane::leases;
+  return method.effect == tmcl::Effect::stops ? Lane::stops : Lane::calls;
+}
+
 void Session::begin(RpcRequest request) {
   const bool stops = request.method->effect == tmcl::Effect::stops;
   if (serves_ == Serves::stops && !stops)
     return answer(request.id, tl::unexpected(too_many_clients()));
-  auto& in_flight = stops ? stops_in_flight_ : calls_in_flight_;
-  if (in_flight >= max_requests_in_flight) {
+  auto& in_progress = in_flight(lane_of(*request.method));
+  if (in_progress >= max_requests_in_flight) {
     return answer(request.id, tl::unexpected(too_many_requests()));
   }
-  ++in_flight;
+  ++in_progress;
   if (must_wait(request)) return waiting_.push_back(std::move(request));
   start_serving(std::move(request));
 }
@@ -125,12 +156,13 @@ awaitable<void> Session::serve(std::shared_ptr<Session> self, RpcRequest request
       is_logged(LogLevel::debug) ? words_of(request.method->name, request.params) : std::string();
   const auto id = request.id;
   const auto effect = request.method->effect;
+  const auto lane = lane_of(*request.method);
   const auto came = self->gateway_->clock().now();
   auto result = co_await dispatch(self->gateway_, self, std::move(request));
   if (effect == tmcl::Effect::stops)
     self->share_->stop_latency.note(self->gateway_->clock().now() - came);
   if (!text.empty()) self->log_call(text, result, self->gateway_->clock().now() - came);
-  --(effect == tmcl::Effect::stops ? self->stops_in_flight_ : self->calls_in_flight_);
+  --self->in_flight(lane);
   self->answer(id, result, effect);
 }
 

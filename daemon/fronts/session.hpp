@@ -2,6 +2,7 @@
 /// gives what they come to. A front derives its connection, which carries messages as it does.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <deque>
 #include <exception>
@@ -25,8 +26,8 @@
 
 namespace tmcld {
 
-/// How many requests of one client may be in progress. Stops have a number of their own, so that
-/// no flood of other calls keeps one out.
+/// How many requests of one client may be in progress. Stops have a number of their own, and so has
+/// what keeps or gives back a lease, so that no flood of other calls keeps one out.
 constexpr std::size_t max_requests_in_flight = 64;
 /// While more of answers waits to be written, requests that only read wait, too: their answers are
 /// the long ones, and nobody else waits for them. Whatever moves or stops something has its order.
@@ -43,7 +44,8 @@ class Session : public Peer, public TokenKeeper, public std::enable_shared_from_
 
   struct Options {
     std::shared_ptr<FrontShare> share = std::make_shared<FrontShare>();
-    Caller caller{};
+    /// Worked out for each call: the configuration may have changed since it connected.
+    std::function<Caller()> caller = [] { return Caller{}; };
     std::string name{};  ///< As others are told of it.
     Serves serves = Serves::all;
     std::function<void()> on_closed = [] {};
@@ -56,13 +58,18 @@ class Session : public Peer, public TokenKeeper, public std::enable_shared_from_
   void finish();
   void close();
   bool is_closed() const { return closed_; }
-  bool has_calls_in_flight() const { return calls_in_flight_ > 0 || stops_in_flight_ > 0; }
+  bool has_calls_in_flight() const;
+  /// Whether its client may do less than when this was asked last; the log is told. Its connection
+  /// must then be closed, so that what it has asked for and was not sent yet moves nothing.
+  bool has_lost_rights();
+  /// Whether something turns, or is leased, until this connection ends.
+  bool holds_axes() const;
 
   void notify(std::string_view method, boost::json::object params) override;
   bool is_gone() const override { return closed_; }
   Subscriptions& subscriptions() override { return notifications_.subscriptions(); }
   Client client() const override { return client_; }
-  Caller caller() const override { return caller_; }
+  Caller caller() const override { return caller_(); }
   const std::shared_ptr<Tokens>& tokens() const override { return share_->tokens; }
 
  protected:
@@ -92,6 +99,11 @@ class Session : public Peer, public TokenKeeper, public std::enable_shared_from_
   virtual void disconnect() = 0;
 
  private:
+  /// Requests that do not keep each other out.
+  enum class Lane : std::uint8_t { calls, stops, leases };
+  static Lane lane_of(const MethodInfo& method);
+  std::size_t& in_flight(Lane lane) { return in_flight_[static_cast<std::size_t>(lane)]; }
+
   static boost::asio::awaitable<void> serve(std::shared_ptr<Session> self, RpcRequest request);
 
   void log_call(const std::string& text, const RpcResult& result, tmcl::Duration took);
@@ -107,14 +119,15 @@ class Session : public Peer, public TokenKeeper, public std::enable_shared_from_
   std::shared_ptr<FrontShare> share_;
   Serves serves_;
   std::function<void()> on_closed_;
-  Caller caller_;
+  std::function<Caller()> caller_;
+  Role role_;  ///< As it was when has_lost_rights() was asked last,
+  bool exceeds_limits_;
   Client client_;
   Outbox outbox_;
   Wake output_;
   Notifications notifications_;
-  std::deque<RpcRequest> waiting_;  ///< In progress as far as clients are concerned.
-  std::size_t calls_in_flight_ = 0;
-  std::size_t stops_in_flight_ = 0;
+  std::deque<RpcRequest> waiting_;          ///< In progress as far as clients are concerned.
+  std::array<std::size_t, 3> in_flight_{};  ///< By lane.
   bool finishing_ = false;
   bool closed_ = false;
 };

@@ -15,6 +15,8 @@ struct Tls {
   std::shared_ptr<boost::asio::ssl::context> context;  ///< Null: there is none.
   /// Why clients will not trust the certificate now; empty if they may.
   std::string age_problem;
+  /// What would make it better; empty if nothing.
+  std::string advice;
 };
 
 /// Errors: a sentence for a person.

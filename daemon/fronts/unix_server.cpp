@@ -74,6 +74,12 @@ void UnixServer::close_sessions() {
   for (const auto& [id, session] : sessions) session->close();
 }
 
+void UnixServer::review_rights() {
+  const auto sessions = sessions_;
+  for (const auto& [id, session] : sessions)
+    if (session->has_lost_rights()) session->close();
+}
+
 awaitable<void> UnixServer::accept(std::shared_ptr<UnixServer> self) {
   while (self->acceptor_.is_open()) {
     boost::system::error_code error;

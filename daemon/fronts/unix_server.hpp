@@ -38,6 +38,9 @@ class UnixServer : public std::enable_shared_from_this<UnixServer> {
   /// Lets every client have its answers, and then closes its connection.
   void finish_sessions();
   void close_sessions();
+  /// The configuration says something else about who may do what: closes the connections of clients
+  /// that may do less by it.
+  void review_rights();
   std::size_t clients() const { return sessions_.size(); }
 
  private:

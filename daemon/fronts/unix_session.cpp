@@ -24,12 +24,15 @@ using boost::asio::use_awaitable;
 constexpr std::size_t read_bytes = 16U * 1024U;
 constexpr std::size_t write_batch_bytes = 64U * 1024U;
 
-Session::Options options_of(UnixSession::Socket& socket, const Gateway& gateway,
+Session::Options options_of(UnixSession::Socket& socket, std::shared_ptr<Gateway> gateway,
                             std::shared_ptr<FrontShare> share, Session::Serves serves,
                             std::function<void()> on_closed) {
-  auto caller = caller_with(credentials_of_peer(socket.native_handle()), gateway.access());
-  auto name = "process " + std::to_string(caller.credentials.pid) + " of user " +
-              std::to_string(caller.credentials.uid);
+  auto credentials = credentials_of_peer(socket.native_handle());
+  auto name =
+      "process " + std::to_string(credentials.pid) + " of user " + std::to_string(credentials.uid);
+  auto caller = [credentials = std::move(credentials), gateway] {
+    return caller_with(credentials, gateway->access());
+  };
   return {std::move(share), std::move(caller), std::move(name), serves, std::move(on_closed)};
 }
 
@@ -38,7 +41,7 @@ Session::Options options_of(UnixSession::Socket& socket, const Gateway& gateway,
 UnixSession::UnixSession(Socket socket, std::shared_ptr<Gateway> gateway, Serves serves,
                          std::function<void()> on_closed, std::shared_ptr<FrontShare> share)
     : Session(socket.get_executor(), gateway,
-              options_of(socket, *gateway, std::move(share), serves, std::move(on_closed))),
+              options_of(socket, gateway, std::move(share), serves, std::move(on_closed))),
       socket_(std::move(socket)),
       lines_(max_line_bytes),
       input_ended_(executor()) {}

@@ -212,6 +212,27 @@ TEST_F(DaemonLease, HasAnEpochThatThoseBeforeDoNotTell) {
   EXPECT_GT(std::abs(apart), 1'000'000) << "at random that is one of 4 thousand million pairs";
 }
 
+TEST_F(DaemonLease, IsKeptAndGivenBackWhateverElseIsInProgress) {
+  const auto granted = acquire();
+  const auto renew = [&](std::string_view method) {
+    return error_name(*holder_, method, key_of(granted));
+  };
+  bench_.daemon.on_reactor([&] { bench_.daemon.wire().holds = true; });
+  for (const auto* line :
+       {R"({"jsonrpc":"2.0","id":0,"method":"axis.wait","params":{"axis":"x"}})",
+        R"({"jsonrpc":"2.0","id":0,"method":"axis.stop","params":{"axis":"x"}})"})
+    for (std::size_t i = 0; i < max_requests_in_flight; ++i)
+      holder_->send_raw(std::string(line) + "\n");
+  EXPECT_EQ(error_name(*holder_, "axis.get_state", {{"axis", "x"}}), "too_many_requests");
+  EXPECT_EQ(renew("lease.renew"), "");
+  const auto release = holder_->send("lease.release", key_of(granted));
+  bench_.daemon.on_reactor([&] {
+    bench_.daemon.wire().holds = false;
+    bench_.daemon.wire().release();
+  });
+  EXPECT_TRUE(holder_->answer_to(release).contains("result"));
+}
+
 TEST_F(DaemonLease, IsReleasedWhenItsAxesHaveTakenAStop) {
   const auto granted = acquire();
   holder_->result("lease.release", key_of(granted));
