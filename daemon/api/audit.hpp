@@ -9,7 +9,8 @@
 
 namespace tmcld {
 
-/// What is asked for, in so many words: "method=axis.stop params={...}". Long ones are cut.
+/// What is asked for, in so many words: "method=axis.stop params={...}", the axes first. Long texts
+/// are cut, each for itself, so that none hides another; the proof of a lease is left out.
 std::string words_of(std::string_view method, const boost::json::object& params);
 /// A line or a path, which the gateway leads to its end: it needs no lease, and a line says that it
 /// begins.

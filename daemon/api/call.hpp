@@ -51,6 +51,8 @@ struct Call {
   tmcl::Effect effect = method.effect;
   bool goes_on = false;     ///< What it has begun does not end with the answer.
   bool unattended = false;  ///< What it has begun moves motors, and no client owns that.
+  /// The number of the lease that it names, if it does.
+  std::optional<std::int32_t> lease{};
   std::shared_ptr<const void> typed{};
 
   /// The parameters; they live as long as the call.

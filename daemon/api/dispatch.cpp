@@ -80,6 +80,7 @@ boost::asio::awaitable<RpcResult> dispatch(std::shared_ptr<Gateway> gateway,
   const auto received = std::min(now, request.sent_at.value_or(now));
   Call call{std::move(gateway), std::move(peer), std::move(request.id), std::move(request.params),
             received,           permit,          std::move(caller),     *request.method};
+  if (request.lease) call.lease = request.lease->lease;
   auto result = co_await carry_out(call, request.sent_at);
   audit_end(call, result);
   co_return result;

@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
@@ -23,6 +24,8 @@ struct RawName {
 };
 
 std::optional<std::uint32_t> whole(std::string_view text) {
+  // As many digits as it can have: a name stands in lines of the audit, which have an end.
+  if (text.size() > std::numeric_limits<std::uint32_t>::digits10 + 1) return std::nullopt;
   std::uint32_t number = 0;
   const auto* end = text.data() + text.size();
   const auto read = std::from_chars(text.data(), end, number);

@@ -3,13 +3,17 @@
 
 #include <unistd.h>
 
+#include <boost/json/stream_parser.hpp>
+
 #include <gmock/gmock.h>
 
+#include "api/audit.hpp"
 #include "unit/virtual_gateway.hpp"
 
 namespace tmcld::test {
 namespace {
 
+using testing::AllOf;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
@@ -138,7 +142,6 @@ TEST_F(Roles, MovementsAndSettingsAreAudited) {
   bench.call("axis.stop", {{"axis", "x"}});
   bench.call("axis.rotate", {{"axis", "x"}, {"velocity_internal", 7}, {"unattended", true}});
   bench.call("lease.break", {{"axis", "x"}});
-  using testing::AllOf;
   using testing::StartsWith;
   EXPECT_THAT(
       bench.audited,
@@ -150,6 +153,69 @@ TEST_F(Roles, MovementsAndSettingsAreAudited) {
           AllOf(HasSubstr("\"unattended\":true"),
                 HasSubstr("outcome=not_sent error=not_permitted")),
           AllOf(StartsWith("method=lease.break "), HasSubstr("error=not_permitted"))));
+}
+
+/// The parameters as the line of the audit has them.
+json::object audited_params(const std::string& line) {
+  const auto begin = line.find("params=") + 7;
+  json::stream_parser parser;
+  parser.write_some(line.data() + begin, line.size() - begin);
+  return parser.release().as_object();
+}
+
+TEST_F(Roles, NoParameterHidesAnotherInTheAudit) {
+  const std::string zeros(300, '0');
+  const auto words = words_of("axis.move_to", {{"position", zeros + "50000"}, {"axis", "z"}});
+  EXPECT_THAT(words, testing::StartsWith("method=axis.move_to params={\"axis\":\"z\","));
+  const auto line = words_of("line.move", {{"positions", {zeros, "7mm"}},
+                                           {"axes", {zeros, "z"}},
+                                           {"deadline_ms", 5},
+                                           {"lease", 3},
+                                           {"epoch", 12345}});
+  const auto said = audited_params(line);
+  EXPECT_EQ(said.at("axes").as_array().at(1), "z");
+  EXPECT_EQ(said.at("positions").as_array().at(1), "7mm");
+  EXPECT_EQ(said.at("deadline_ms"), 5);
+  EXPECT_EQ(said.at("lease"), 3);
+  EXPECT_THAT(line, testing::Not(HasSubstr("12345"))) << "it proves the lease";
+}
+
+TEST_F(Roles, AuditedTextsAreCutBetweenLetters) {
+  for (const std::string letter : {"a", "\xC3\xA4", "\xE2\x82\xAC", "\xF0\x9F\x98\x80"}) {
+    for (std::size_t before = 0; before < 4; ++before) {
+      std::string text(before, 'a');
+      for (int i = 0; i < 100; ++i) text += letter;
+      const auto said = audited_params(words_of("path.run", {{"name", text}}));
+      const std::string shown(said.at("name").as_string());
+      ASSERT_TRUE(shown.ends_with("...")) << shown;
+      EXPECT_EQ((shown.size() - 3 - before) % letter.size(), 0U) << shown;
+      EXPECT_LE(shown.size(), 83U);
+    }
+  }
+}
+
+TEST_F(Roles, AQuantityIsShownWholeInTheAudit) {
+  const auto moved = [&](const std::string& position) {
+    bench.audited.clear();
+    bench.call("axis.move_to", {{"axis", "x"}, {"position", position}});
+    return bench.audited.empty() ? "" : bench.audited.front();
+  };
+  const std::string longest = std::string(64 - 14, '0') + "100 microsteps";
+  EXPECT_THAT(moved(longest), AllOf(HasSubstr(longest), HasSubstr("outcome=done")));
+  EXPECT_THAT(moved("0" + longest), HasSubstr("bad_quantity"));
+}
+
+TEST_F(Roles, TheAuditNamesTheLeaseOfACall) {
+  bench.client = bench.gateway().enter("a");
+  const auto granted = bench.call("lease.acquire", {{"axes", {"x"}}, {"ttl_ms", 60000}}).value();
+  bench.client = bench.gateway().enter("b");
+  json::object params{{"axis", "x"}, {"position_microsteps", 10}};
+  params["lease"] = granted.at("lease");
+  params["epoch"] = granted.at("epoch");
+  bench.audited.clear();
+  bench.call("axis.move_to", params);
+  ASSERT_EQ(bench.audited.size(), 1U);
+  EXPECT_THAT(bench.audited.front(), testing::EndsWith(" outcome=done lease=1"));
 }
 
 }  // namespace

@@ -52,6 +52,7 @@ std::vector<RpcResult> VirtualGateway::call_together(std::size_t count, std::str
 void VirtualGateway::begin_call(std::string_view method, const json::object& params,
                                 std::vector<RpcResult>& into) {
   RpcRequest request{1, find_method(method), params};
+  request.lease = take_lease_key(*request.method, request.params).value();
   request.sent_at = take_sent_at(*request.method, request.params).value();
   spawn(context_.get_executor(), carry_out(std::move(request), into));
 }

@@ -86,6 +86,9 @@ tl::unexpected<QuantityError> failed(std::string_view code, std::string message,
 
 constexpr std::string_view example = "It is a number and a unit, such as 12.5mm or 300rpm";
 
+// So that each can be shown whole where texts are cut.
+constexpr std::size_t most_quantity_bytes = 64;
+
 bool is_digit(char c) { return c >= '0' && c <= '9'; }
 
 /// With the minus sign and the blanks of a keyboard instead of those of typesetters.
@@ -314,6 +317,11 @@ std::string unit_of(const ParameterInfo& row, const std::string& unit) {
 }
 
 Converted<Quantity> parse_quantity(std::string_view text) {
+  if (text.size() > most_quantity_bytes) {
+    return failed("bad_quantity",
+                  "a quantity of " + std::to_string(text.size()) + " letters is too long",
+                  "It has at most " + std::to_string(most_quantity_bytes));
+  }
   if (const auto hexadecimal = parse_hexadecimal(text))
     return Quantity{static_cast<double>(*hexadecimal), {}};
   const auto plain = typed(text);
