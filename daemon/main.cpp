@@ -16,6 +16,7 @@
 #include "config/load.hpp"
 #include "daemon.hpp"
 #include "fronts/http_server.hpp"
+#include "log/audit_trail.hpp"
 #include "log/log.hpp"
 
 namespace {
@@ -94,7 +95,9 @@ void print_feeding(const BusConfig& bus) {
 
 int check(const LoadedConfig& loaded, const std::optional<HttpConfig>& http) {
   const auto& config = loaded.config;
-  const auto problems = http ? problems_of_files(*http) : std::vector<std::string>{};
+  auto problems = http ? problems_of_files(*http) : std::vector<std::string>{};
+  if (auto problem = AuditTrail::problem_of(config.daemon.audit); !problem.empty())
+    problems.push_back(std::move(problem));
   for (const auto& problem : problems) std::fprintf(stderr, "%s\n", problem.c_str());
   if (!problems.empty()) return exit_code::bad_usage;
   std::printf("ok: %s, %s", counted(config.buses.size(), "bus", "buses").c_str(),
@@ -109,6 +112,8 @@ int check(const LoadedConfig& loaded, const std::optional<HttpConfig>& http) {
   }
   for (const auto& access : config.access) print_access(access);
   for (const auto& port : config.ports) print_port(port);
+  for (const auto& advice : http ? advice_on_files(*http) : std::vector<std::string>{})
+    std::printf("%s\n", advice.c_str());
   return exit_code::ok;
 }
 
@@ -129,6 +134,8 @@ Daemon::LoadAgain loading(const std::string& path) {
 int serve(const Config& config, const std::string& path, const std::optional<HttpConfig>& http) {
   // A peer that has gone is an error value of the write, not the end of the daemon.
   std::signal(SIGPIPE, SIG_IGN);
+  // So is a file that may not grow.
+  std::signal(SIGXFSZ, SIG_IGN);
   auto service = Service::of_environment();
   if (!service) {
     log(LogLevel::error, service.error());

@@ -5,6 +5,7 @@
 #include <condition_variable>
 #include <cstring>
 #include <deque>
+#include <filesystem>
 #include <map>
 #include <mutex>
 #include <thread>
@@ -29,12 +30,15 @@ constexpr mode_t for_owner_and_readers = 0640;
 constexpr auto time_for_last_lines = std::chrono::milliseconds(300);
 constexpr std::size_t entry_of_user_bytes = 16384;  // more than any account has
 
-tl::expected<int, std::string> open_file(const std::string& path) {
-  constexpr int flags = O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
-  const int descriptor = ::open(path.c_str(), flags, for_owner_and_readers);
-  if (descriptor < 0)
-    return tl::unexpected("the audit file " + path + " cannot be opened: " + std::strerror(errno) +
-                          "; it must be no symbolic link, in a directory that exists");
+std::string cannot_be_opened(const std::string& path) {
+  return "the audit file " + path + " cannot be opened: " + std::strerror(errno) +
+         "; it must be no symbolic link, in a directory that exists";
+}
+
+tl::expected<int, std::string> open_file(const std::string& path, int creating = O_CREAT) {
+  constexpr int flags = O_WRONLY | O_APPEND | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK;
+  const int descriptor = ::open(path.c_str(), flags | creating, for_owner_and_readers);
+  if (descriptor < 0) return tl::unexpected(cannot_be_opened(path));
   struct stat status {};
   if (::fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode)) return descriptor;
   ::close(descriptor);
@@ -69,7 +73,8 @@ struct AuditTrail::Shared {
   // Of the thread alone.
   std::string path;
   int descriptor = -1;
-  bool is_told = false;  // that the file takes nothing
+  std::size_t unwritten = 0;  // lines, since the file took one
+  bool is_torn = false;       // the last line in the file has no end
   std::map<std::uint32_t, std::string> names;
 
   ~Shared() { close(); }
@@ -82,6 +87,8 @@ struct AuditTrail::Shared {
     close();
     const auto opened = open_file(path);
     if (opened) descriptor = *opened;
+    struct stat status {};
+    if (opened && ::fstat(descriptor, &status) == 0) is_torn = is_torn && status.st_size > 0;
     if (!opened) log(LogLevel::error, opened.error());
   }
 
@@ -96,15 +103,63 @@ struct AuditTrail::Shared {
     write(line.when, fmt::format("uid={}{} pid={} {}", uid, user(uid), pid, text));
   }
 
-  void write(tmcl::UtcTime when, const std::string& text) {
+  /// `lines`: for how many this one stands.
+  void write(tmcl::UtcTime when, const std::string& text, std::size_t lines = 1) {
     if (path.empty()) return log(LogLevel::info, "audit: " + text);
-    const auto line = tmcl::to_text(when, 3) + " " + text + "\n";
-    const auto written = ::write(descriptor, line.data(), line.size());
-    const bool is_written = written == static_cast<ssize_t>(line.size());
+    if (unwritten > 0) tell_of_gap();
+    if (unwritten > 0 || !append(line_of(when, text))) unwritten += lines;
+  }
+
+  void end() {
+    if (unwritten > 0) tell_of_gap();
+    if (unwritten > 0)
+      log(LogLevel::error,
+          fmt::format("{} lines are missing in the audit file {}", unwritten, path));
+  }
+
+  /// In the file, before anything else, as soon as it takes something again; and in the log.
+  void tell_of_gap() {
+    const auto words = fmt::format("{} lines were lost: the file took nothing", unwritten);
+    if (!append(line_of(tmcl::RealClock::utc(), words))) return;
+    log(LogLevel::warning, "the audit file " + path + " takes lines again; " + words);
+    unwritten = 0;
+  }
+
+  static std::string line_of(tmcl::UtcTime when, const std::string& text) {
+    return tmcl::to_text(when, 3) + " " + text + "\n";
+  }
+
+  /// All of it, or nothing.
+  bool append(std::string line) {
+    if (is_torn) line.insert(0, 1, '\n');
+    std::size_t written = 0;
+    while (written < line.size()) {
+      const auto count = ::write(descriptor, line.data() + written, line.size() - written);
+      if (count < 0 && errno == EINTR) continue;
+      if (count <= 0) break;
+      written += static_cast<std::size_t>(count);
+    }
+    if (written == line.size()) {
+      is_torn = false;
+      return true;
+    }
+    const int why = errno;
+    if (written > 0) take_back(written);
     // Once, not for each line: the disk may stay full.
-    if (!is_written && !std::exchange(is_told, true))
-      log(LogLevel::error, "the audit file " + path + " takes nothing: " + std::strerror(errno));
-    if (is_written) is_told = false;
+    if (unwritten == 0) {
+      log(LogLevel::error, "the audit file " + path + " takes nothing: " + std::strerror(why) +
+                               "; lines are lost until it does");
+    }
+    return false;
+  }
+
+  /// So that no line has a part of another in front of it. A file that others shorten meanwhile, or
+  /// that can only be added to, keeps the part, and the next line begins a new one.
+  void take_back(std::size_t bytes) {
+    struct stat status {};
+    const bool is_known = ::fstat(descriptor, &status) == 0;
+    const auto size = is_known ? static_cast<std::size_t>(status.st_size) : 0;
+    is_torn = size < bytes || ::ftruncate(descriptor, static_cast<off_t>(size - bytes)) != 0;
   }
 };
 
@@ -121,6 +176,21 @@ tl::expected<std::unique_ptr<AuditTrail>, std::string> AuditTrail::open(std::str
     write(shared);
   }).detach();
   return std::unique_ptr<AuditTrail>(new AuditTrail(shared));
+}
+
+std::string AuditTrail::problem_of(const std::string& file) {
+  if (file.empty()) return {};
+  struct stat status {};
+  const auto folder = std::filesystem::path(file).parent_path();
+  const bool is_missing = ::lstat(file.c_str(), &status) != 0 && errno == ENOENT;
+  if (is_missing) {
+    const auto* where = folder.empty() ? "." : folder.c_str();
+    return ::access(where, W_OK | X_OK) == 0 ? "" : cannot_be_opened(file);
+  }
+  const auto opened = open_file(file, 0);
+  if (!opened) return opened.error();
+  ::close(*opened);
+  return {};
 }
 
 AuditTrail::~AuditTrail() {
@@ -159,7 +229,7 @@ void AuditTrail::write(const std::shared_ptr<Shared>& shared) {
     const bool must_reopen = std::exchange(it.must_reopen, false);
     const bool is_last = it.ending;
     lock.unlock();
-    std::size_t unwritten = 0;
+    std::size_t failed = 0;
     // Memory may be what is missing: nothing may come out of a thread.
     try {
       if (must_reopen) it.reopen();
@@ -167,20 +237,27 @@ void AuditTrail::write(const std::shared_ptr<Shared>& shared) {
         it.write(tmcl::RealClock::utc(),
                  fmt::format("{} lines were left out: they came faster than they could be "
                              "written",
-                             left_out));
+                             left_out),
+                 left_out);
     } catch (const std::exception&) {
-      unwritten += left_out;
+      failed += left_out;
     }
     for (const auto& line : lines) {
       try {
         it.write(line);
       } catch (const std::exception&) {
-        ++unwritten;
+        ++failed;
       }
     }
     lock.lock();
-    it.left_out += unwritten;
+    it.left_out += failed;
     if (!is_last) continue;
+    lock.unlock();
+    try {
+      it.end();
+    } catch (const std::exception&) {  // memory is missing: nothing more can be told
+    }
+    lock.lock();
     it.ended = true;
     it.changed.notify_all();
     return;

@@ -26,6 +26,9 @@ class AuditTrail {
   /// Waits a moment until everything is written.
   ~AuditTrail();
 
+  /// Why open() would fail; empty if it would not. Makes no file.
+  static std::string problem_of(const std::string& file);
+
   void add(AuditEntry entry);
   /// Opens the file again by its name: somebody may have moved the old one away.
   void reopen();

@@ -1,8 +1,10 @@
 // Lines of an audit file: all of them, or how many are missing; never through a symbolic link.
 #include "log/audit_trail.hpp"
 
+#include <sys/resource.h>
 #include <sys/stat.h>
 
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <string>
@@ -66,6 +68,61 @@ TEST_F(AuditFile, IsNoSymbolicLinkAndNoDevice) {
   ASSERT_FALSE(link);
   EXPECT_THAT(link.error(), HasSubstr("symbolic link"));
   EXPECT_FALSE(AuditTrail::open("/dev/null"));
+}
+
+/// Files can grow to so many bytes meanwhile, as on a disk that is full.
+class FullDisk {
+ public:
+  explicit FullDisk(rlim_t bytes) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    ::getrlimit(RLIMIT_FSIZE, &before_);
+    const rlimit limit{bytes, before_.rlim_max};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~FullDisk() { ::setrlimit(RLIMIT_FSIZE, &before_); }
+
+ private:
+  rlimit before_{};
+};
+
+TEST_F(AuditFile, HasWholeLinesAndTheNumberOfThoseThatAFullDiskCost) {
+  // So many that the thread meets the full disk; how many it meets is its own affair.
+  constexpr std::size_t count = 500;
+  for (const std::size_t room : {1U, 40U, 100U, 200U, 333U}) {
+    std::filesystem::remove(path);
+    const auto trail = AuditTrail::open(path).value();
+    {
+      const FullDisk disk(room);
+      for (std::size_t i = 0; i < count; ++i) {
+        trail->add({0, 1, "first"});
+        std::this_thread::yield();
+      }
+    }
+    trail->add({0, 1, "last"});
+    while (lines_of(path).empty() || !lines_of(path).back().ends_with("last"))
+      std::this_thread::yield();
+    std::size_t told = 0;
+    for (const auto& line : lines_of(path)) {
+      ASSERT_THAT(line, testing::ContainsRegex(
+                            "^20[0-9-]*T[0-9:.]*Z (uid=0 user=root pid=1 |[0-9]* lines were)"));
+      const auto words = line.substr(line.find(' ') + 1);
+      EXPECT_EQ(line.find("pid=1 "), line.rfind("pid=1 ")) << "one line in another";
+      told += words.starts_with("uid=") ? 1 : std::stoul(words);
+    }
+    EXPECT_EQ(told, count + 1) << room;
+  }
+}
+
+TEST_F(AuditFile, IsJudgedWithoutBeingMade) {
+  EXPECT_EQ(AuditTrail::problem_of(""), "");
+  EXPECT_EQ(AuditTrail::problem_of(path), "");
+  EXPECT_FALSE(std::filesystem::exists(path));
+  std::ofstream(path) << "one\n";
+  EXPECT_EQ(AuditTrail::problem_of(path), "");
+  EXPECT_THAT(AuditTrail::problem_of("/nonexistent/audit"), HasSubstr("cannot be opened"));
+  EXPECT_THAT(AuditTrail::problem_of("/dev/full"), HasSubstr("is no file"));
+  std::filesystem::create_symlink(path, old);
+  EXPECT_THAT(AuditTrail::problem_of(old), HasSubstr("symbolic link"));
 }
 
 TEST_F(AuditFile, IsOpenedAgainByItsName) {
