@@ -129,8 +129,7 @@ Answer<module::Execute> execute(Call& call, const module::Execute& params) {
       objection_by_role(call.caller, role_for(request->command, request->type),
                         "module.execute of " + std::string(tmcl::name_of(request->command)));
   if (objection) co_return tl::unexpected(std::move(*objection));
-  if (const auto loss = loss_of_reach(**bus, *request))
-    co_return tl::unexpected(call_error(*loss));
+  if (const auto loss = loss_of_reach(**bus, *request)) co_return tl::unexpected(call_error(*loss));
   call.effect = effect_of(request->command, request->type);
   if (auto complaint = give_axis(call, *bus, *request))
     co_return tl::unexpected(std::move(*complaint));
