@@ -3,6 +3,7 @@
 #include <cctype>
 #include <utility>
 
+#include <fmt/format.h>
 #include <boost/asio/this_coro.hpp>
 
 #include "api/audit.hpp"
@@ -277,7 +278,7 @@ PathRun::OnProgress progress_to(const Call& call) {
   };
 }
 
-path::Passage passage_of(const PathRun& run) {
+path::Passage passage_of(const PathRun& run, double tolerance) {
   const auto& report = run.report();
   const auto a_second = [&](double count) {
     return report.passed_s > 0 ? count / report.passed_s : 0;
@@ -296,8 +297,19 @@ path::Passage passage_of(const PathRun& run) {
     const auto& axis = report.axes[i];
     passage.tracking_error.push_back({axis.largest, axis.rms(), axis.readings, names[i]});
   }
+  passage.off_path = report.largest_off;
+  passage.lag_s = report.largest_lag_s;
+  if (report.largest_off > tolerance)
+    passage.tolerance_exceeded_by = report.largest_off - tolerance;
   passage.remarks = remarks_of(run);
   return passage;
+}
+
+std::string tolerance_warning(double tolerance, double by) {
+  return fmt::format(
+      "the tolerance of {:.6g} was exceeded by {:.3g}; a lower velocity or acceleration, or "
+      "another mode, keeps nearer to the path",
+      tolerance, by);
 }
 
 using PathRuns = std::vector<std::shared_ptr<PathRun>>;
@@ -390,8 +402,10 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
   const auto failure = co_await PathRun::pass(run);
   if (failure) co_return tl::unexpected(call_error(failure->error, failure->axis));
   if (!run->journal_failure().empty()) warnings.push_back(journal_warning(run->journal_failure()));
-  auto passage = passage_of(*run);
+  auto passage = passage_of(*run, planned->request.tolerance);
   if (run->report().fault) co_return tl::unexpected(error_of(*run, api::to_json(passage)));
+  if (const auto by = passage.tolerance_exceeded_by)
+    warnings.push_back(tolerance_warning(planned->request.tolerance, *by));
   co_return path::Passed{std::move(passage), std::move(warnings)};
 }
 

@@ -41,6 +41,22 @@ TEST_P(DaemonPathInEachMode, APathIsPassedToItsExactEnd) {
   expect_rest_and_own_settings();
 }
 
+TEST_P(DaemonPathInEachMode, SaysByHowMuchATightToleranceWasExceeded) {
+  auto more = in_mode();
+  more["tolerance"] = 1e-7;
+  more["deviation"] = 1;
+  const auto id = client->send("path.run", order(short_way, more));
+  const auto report = client->answer_to(id).at("result").as_object();
+  const double off = report.at("off_path").to_number<double>();
+  EXPECT_NEAR(report.at("tolerance_exceeded_by").to_number<double>(), off - 1e-7, 1e-9);
+  EXPECT_THAT(json::serialize(report.at("warnings")),
+              testing::HasSubstr("the tolerance of 1e-07 was exceeded by"));
+  const auto wide = client->send("path.run", order("G1 X1 Y1 F600\n", in_mode()));
+  const auto kept = client->answer_to(wide).at("result").as_object();
+  EXPECT_TRUE(kept.at("tolerance_exceeded_by").is_null());
+  EXPECT_EQ(kept.at("warnings").as_array().size(), 0U);
+}
+
 TEST_P(DaemonPathInEachMode, AStopByAnotherClientStopsAll) {
   RpcClient other(daemon.socket());
   const auto id = client->send("path.run", order(long_way, in_mode()));

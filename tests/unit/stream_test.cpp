@@ -91,6 +91,33 @@ TEST_P(EachMode, ACircleStaysWithinItsTolerance) {
   expect_as_before();
 }
 
+// Being late alone is no distance from the path.
+TEST_P(EachMode, TellsHowFarFromThePathTheAxesWereAndHowLateOnIt) {
+  const auto whole = pass();
+  ASSERT_FALSE(whole.fault) << whole.fault->message;
+  EXPECT_LT(whole.largest_off, 0.01);
+  EXPECT_LT(whole.largest_lag_s, 0.003);
+  path_file::Path line{{"X", "Y"}, {}, {}};
+  line.elements = {path_file::LineTo{{20, 10}, 20, {}, 1}, path_file::LineTo{{20, 20}, 20, {}, 2}};
+  Bench late;
+  set_limits(late);
+  late.most_deviation = 5;
+  double farthest = 0;
+  bool slept = false;
+  late.instead = [&](const DriveCommand& command) -> std::optional<DriveAnswer> {
+    const bool sets_speed = command.kind == Kind::set && command.parameter == ap::max_velocity;
+    if (late.mm(0) < 19.8 || slept || !sets_speed) return std::nullopt;
+    slept = true;
+    late.let_pass(milliseconds(40));
+    return std::nullopt;
+  };
+  late.every_ms = [&] { farthest = std::max(farthest, test::off(line, late.mm(0), late.mm(1))); };
+  const auto report = late.pass(line, GetParam());
+  ASSERT_FALSE(report.fault) << report.fault->message;
+  EXPECT_LT(report.largest_off, farthest + 0.01);
+  EXPECT_GT(report.largest_off, farthest / 6);  // it is not looked at all the time
+}
+
 TEST_P(EachMode, AStopOfAnyAxisStopsAll) {
   for (std::uint8_t axis = 0; axis < 2; ++axis) {
     SCOPED_TRACE(axis);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 #include <fmt/format.h>
 
@@ -68,6 +69,9 @@ namespace {
 namespace ap = axis_parameter;
 
 constexpr int measuring_rounds = 4;
+// How far before and behind its place on the course the nearest point of the path is sought.
+constexpr int path_steps = 20;
+constexpr double path_step_s = 0.005;
 constexpr Duration longest_way_to_rest = std::chrono::seconds(30);
 
 }  // namespace
@@ -219,10 +223,40 @@ DriveRunner::Fault PathStream::Runner::take_reading(std::size_t axis) {
   ++tracking.readings;
   tracking.largest = std::max(tracking.largest, std::abs(off));
   tracking.squares += off * off;
+  off_plan_[axis] = off;
+  note_place_on_path();
   if (std::abs(off) <= options_.most_deviation) return std::nullopt;
   return fault(DriveFault::Kind::off_course, axis,
                fmt::format("is {:.6g} off the path, at {:.6g}; {:.6g} are allowed", std::abs(off),
                            position, options_.most_deviation));
+}
+
+// What the axes are off their plan in time is a distance from the path and a delay on it: from the
+// nearest point of what the course passes shortly before and after.
+void PathStream::Runner::note_place_on_path() {
+  const auto count = axes_.size();
+  const double now = clock_.passed();
+  auto place = course_.at(now).position;
+  for (std::size_t axis = 0; axis < count; ++axis)
+    place[axis] = planned_position(axis) + off_plan_[axis];
+  double nearest = std::numeric_limits<double>::infinity(), lag = 0;
+  for (int step = -path_steps; step < path_steps; ++step) {
+    const double from = now + step * path_step_s;
+    const auto begin = course_.at(from).position, end = course_.at(from + path_step_s).position;
+    double squares = 0, along = 0, off = 0;
+    for (std::size_t axis = 0; axis < count; ++axis) {
+      squares += (end[axis] - begin[axis]) * (end[axis] - begin[axis]);
+      along += (place[axis] - begin[axis]) * (end[axis] - begin[axis]);
+    }
+    const double part = squares > 0 ? std::clamp(along / squares, 0.0, 1.0) : 0;
+    for (std::size_t axis = 0; axis < count; ++axis)
+      off = std::hypot(off, place[axis] - std::lerp(begin[axis], end[axis], part));
+    if (off >= nearest) continue;
+    nearest = off;
+    lag = -(step + part) * path_step_s;
+  }
+  report_.largest_off = std::max(report_.largest_off, nearest);
+  report_.largest_lag_s = std::max(report_.largest_lag_s, lag);
 }
 
 // Whether it does what it was told last.

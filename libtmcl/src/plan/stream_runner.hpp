@@ -137,6 +137,7 @@ class PathStream::Runner final : public DriveRunner {
   Script<Fault> read_position(std::size_t axis);
   double planned_position(std::size_t axis) const;
   Fault take_reading(std::size_t axis);
+  void note_place_on_path();
   Fault note_delay(Duration late, Duration period);
 
   // Velocity mode.
@@ -282,6 +283,7 @@ class PathStream::Runner final : public DriveRunner {
   StreamOptions options_;
   std::vector<Axis> axes_;
   StreamReport report_;
+  AxisValues off_plan_{};  // of each axis, as it was read last
   TimePoint twin_start_{};
   std::size_t watched_ = 0;            // the axis that is looked at next
   std::vector<Load> loads_;            // position mode: of the leg that begins

@@ -100,6 +100,8 @@ struct StreamReport : DriveReport {
   double passed_s = 0;          ///< How long that took.
   double busy_s = 0;            ///< How much of that commands took.
   std::vector<AxisTracking> axes;
+  double largest_off = 0;    ///< Across the path, as far as readings tell; in units.
+  double largest_lag_s = 0;  ///< Along it: how late the axes were at most.
 };
 
 class PathStream final : public Drive {
