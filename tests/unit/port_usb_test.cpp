@@ -134,7 +134,8 @@ TEST_F(OnUsb, NobodyIsSuspected) {
   const auto counters = bench.gateway().buses().front()->counters();
   EXPECT_EQ(counters.surplus, 0U);
   EXPECT_EQ(counters.timeouts, 0U);
-  EXPECT_FALSE(bench.gateway().buses().front()->find_module({1})->duplicate_suspected());
+  EXPECT_FALSE(
+      bench.gateway().buses().front()->find_module(tmcl::ModuleAddress{1})->duplicate_suspected());
 }
 
 // Its limits hold, whatever it is called.
