@@ -380,7 +380,7 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   for (const auto& limits : limits_) limits->note(request, answer);
   const bool may_be_done = answer || answer.error().outcome == tmcl::Outcome::unknown;
   if (may_be_done && starts_search(request) && on_search_)
-    on_search_(motor, conduct.options.permit);
+    on_search_({request.address, request.motor}, conduct.options.permit);
   conduct.acted = conduct.acted || (may_be_done && !asks);
   co_return std::move(answer);
 }

@@ -244,7 +244,7 @@ bool Gateway::is_holding(std::uint64_t client) const {
   const auto is_its = [&](const auto& one) { return one.second.holder.number == client; };
   return std::ranges::any_of(leases_->all(), is_its) ||
          std::ranges::any_of(axes_, [&](const auto& axis) {
-           return axis->bus().motors().is_turned_by(axis->address(), client);
+           return client != 0 && axis->bus().motors().turning_of(axis->address()).client == client;
          });
 }
 
@@ -276,7 +276,7 @@ void Gateway::end_journeys() {
 /// What a client can no longer stop must not go on: it is stopped when its link is back.
 void Gateway::stop_what_has_no_end(std::string_view bus) {
   for (const auto& axis : axes_) {
-    const bool turns = axis->tenant().turns && !axis->is_unattended();
+    const bool turns = axis->turns() && !axis->is_unattended();
     const bool has_no_end = turns || axis->mover() == Mover::search;
     if (axis->bus().name() == bus && has_no_end) begin_to_stop(axis, StopCause::daemon);
   }

@@ -523,8 +523,8 @@ std::vector<std::string> Motors::under_way() const {
   for (const auto& [address, motor] : motors_) {
     if (motor.axis.empty()) continue;
     const bool has_no_end = moved_.contains(address) && !motor.was_sent_to_position;
-    if (has_no_end || motor.tenant.turns || motor.claimant.by != Mover::nobody)
-      names.push_back(motor.axis);
+    const bool turns = turning_of(address).number != 0;
+    if (has_no_end || turns || motor.claimant.by != Mover::nobody) names.push_back(motor.axis);
   }
   return names;
 }
