@@ -335,6 +335,8 @@ class AxisInfo(Record):
     state: str = ""
     #: what it measures in; null if the axis has no unit
     unit: str | None = None
+    #: what is wrong with its driver or its supply, as axis.get_errors names it
+    faults: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -684,7 +686,8 @@ class AxisPlanRamp(Record):
 class HomedAxis(Record):
     #: where the axis believed to be at what is zero now; null if the module does not say
     correction_microsteps: int | None = None
-    #: from one end switch to the other; null if the module does not say
+    #: from one end switch to the other; null if this search did not visit both, or the module
+    #: does not say
     switch_distance_microsteps: int | None = None
     #: what it measures in; null if the axis has no unit
     unit: str | None = None
@@ -692,6 +695,26 @@ class HomedAxis(Record):
     correction: float | None = None
     #: the same way between the switches
     switch_distance: float | None = None
+    #: how far it may go one way without turning: it is stopped beyond that; null: nothing
+    #: bounds it
+    max_travel_microsteps: int | None = None
+    #: the same in the unit
+    max_travel: float | None = None
+    #: such as that nothing bounds the search
+    warnings: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class AxisStartHome(Record):
+    #: how far it may go one way without turning: it is stopped beyond that; null: nothing
+    #: bounds it
+    max_travel_microsteps: int | None = None
+    #: what it measures in; null if the axis has no unit
+    unit: str | None = None
+    #: the same in the unit
+    max_travel: float | None = None
+    #: such as that nothing bounds the search
+    warnings: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -824,8 +847,8 @@ class State(Record):
     #: module has not started again since
     referenced: bool = False
     #: why it stands short of its target: stall, deviation, left_limit, right_limit, deadman,
-    #: supply, client, lease_lost, daemon, velocity_mode (something else than tmcld has stopped
-    #: it) or unknown; null while it moves or where that is not known
+    #: supply, client, lease_lost, search_limit, daemon, velocity_mode (something else than
+    #: tmcld has stopped it) or unknown; null while it moves or where that is not known
     stop_cause: str | None = None
     #: how old the oldest of these values is
     age_ms: int = 0
@@ -838,6 +861,8 @@ class State(Record):
     #: what a line, a path or a Mint program has changed, as it was before: set back as soon as
     #: its module takes it
     unrestored: tuple[AxisGetRampSettings, ...] = ()
+    #: what is wrong with its driver or its supply, as axis.get_errors names it
+    faults: tuple[str, ...] = ()
     _inner: ClassVar[Mapping[str, type[Record]]] = {"unrestored": AxisGetRampSettings}
 
 
@@ -1138,8 +1163,8 @@ class WatchedState(Record):
     #: module has not started again since
     referenced: bool = False
     #: why it stands short of its target: stall, deviation, left_limit, right_limit, deadman,
-    #: supply, client, lease_lost, daemon, velocity_mode (something else than tmcld has stopped
-    #: it) or unknown; null while it moves or where that is not known
+    #: supply, client, lease_lost, search_limit, daemon, velocity_mode (something else than
+    #: tmcld has stopped it) or unknown; null while it moves or where that is not known
     stop_cause: str | None = None
     #: how old the oldest of these values is
     age_ms: int = 0
@@ -1152,6 +1177,8 @@ class WatchedState(Record):
     #: what a line, a path or a Mint program has changed, as it was before: set back as soon as
     #: its module takes it
     unrestored: tuple[AxisGetRampSettings, ...] = ()
+    #: what is wrong with its driver or its supply, as axis.get_errors names it
+    faults: tuple[str, ...] = ()
     #: counts the states of the axis
     seq: int = 0
     #: when it was read, on the daemon's monotonic clock
@@ -1485,18 +1512,23 @@ class Methods:
         *,
         mode: int | None = None,
         timeout_ms: int | None = None,
+        max_travel_microsteps: int | None = None,
+        max_travel: float | str | None = None,
+        leave: bool | None = None,
     ) -> HomedAxis:
         """`axis.home` searches the reference and answers when that has ended."""
-        return HomedAxis.of(self._call("axis.home", {"axis": axis, "mode": mode, "timeout_ms": timeout_ms}))
+        return HomedAxis.of(self._call("axis.home", {"axis": axis, "mode": mode, "timeout_ms": timeout_ms, "max_travel_microsteps": max_travel_microsteps, "max_travel": max_travel, "leave": leave}))
 
     def axis_start_home(
         self,
         axis: str,
         *,
         mode: int | None = None,
-    ) -> None:
+        max_travel_microsteps: int | None = None,
+        max_travel: float | str | None = None,
+    ) -> AxisStartHome:
         """`axis.start_home` starts a reference search; does not wait for its end."""
-        self._call("axis.start_home", {"axis": axis, "mode": mode})
+        return AxisStartHome.of(self._call("axis.start_home", {"axis": axis, "mode": mode, "max_travel_microsteps": max_travel_microsteps, "max_travel": max_travel}))
 
     def axis_stop_home(self, axis: str) -> None:
         """`axis.stop_home` ends a reference search."""
@@ -2311,18 +2343,23 @@ class AsyncMethods:
         *,
         mode: int | None = None,
         timeout_ms: int | None = None,
+        max_travel_microsteps: int | None = None,
+        max_travel: float | str | None = None,
+        leave: bool | None = None,
     ) -> HomedAxis:
         """`axis.home` searches the reference and answers when that has ended."""
-        return HomedAxis.of(await self._call("axis.home", {"axis": axis, "mode": mode, "timeout_ms": timeout_ms}))
+        return HomedAxis.of(await self._call("axis.home", {"axis": axis, "mode": mode, "timeout_ms": timeout_ms, "max_travel_microsteps": max_travel_microsteps, "max_travel": max_travel, "leave": leave}))
 
     async def axis_start_home(
         self,
         axis: str,
         *,
         mode: int | None = None,
-    ) -> None:
+        max_travel_microsteps: int | None = None,
+        max_travel: float | str | None = None,
+    ) -> AxisStartHome:
         """`axis.start_home` starts a reference search; does not wait for its end."""
-        await self._call("axis.start_home", {"axis": axis, "mode": mode})
+        return AxisStartHome.of(await self._call("axis.start_home", {"axis": axis, "mode": mode, "max_travel_microsteps": max_travel_microsteps, "max_travel": max_travel}))
 
     async def axis_stop_home(self, axis: str) -> None:
         """`axis.stop_home` ends a reference search."""
