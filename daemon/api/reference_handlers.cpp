@@ -84,7 +84,7 @@ std::optional<RpcError> check_mode(std::optional<std::uint8_t> mode, const Gatew
                      api::name_of<&axis::Home::mode>());
 }
 
-/// Nobody waits for it any more, so it is stopped.
+/// No client waits for it any more, so it is stopped.
 boost::asio::awaitable<void> end_late_search(const Call& call, std::shared_ptr<GatewayAxis> axis,
                                              tmcl::Error& error) {
   ++call.gateway->stops_in_progress;

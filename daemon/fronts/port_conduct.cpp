@@ -41,7 +41,7 @@ tmcl::Request address_request(tmcl::ModuleAddress module) {
   return {module, Command::GGP, tmcl::global_parameter::serial_address, 0, 0};
 }
 
-/// Whoever asks something else before this is answered does not want to know any more.
+/// A host that asks something else before this is answered does not wait for it any more.
 PortConduct::Awaitable<tmcl::Answer> once(std::shared_ptr<GatewayBus> bus, tmcl::Request request,
                                           std::uint64_t client, Deadline deadline) {
   auto options = asked_by(client);
@@ -155,7 +155,7 @@ tmcl::ModuleAddress PortConduct::known_meaning(tmcl::ModuleAddress address) cons
   return only_module_ && may_take_any_address(address) ? *only_module_ : address;
 }
 
-/// One answer from another address may be a reply to somebody else. So that address is asked for in
+/// One answer from another address may be a reply to another host. So that address is asked for in
 /// two ways, and has to say that it is what answers.
 PortConduct::Awaitable<tmcl::ModuleAddress> PortConduct::find_meaning(tmcl::ModuleAddress address,
                                                                       Deadline deadline) {
@@ -194,7 +194,7 @@ std::optional<tmcl::Error> PortConduct::objection_to(const tmcl::Request& reques
   return std::nullopt;
 }
 
-/// Whatever else is known or asked: see module.execute of the API. To a module that nobody knows it
+/// Whatever else is known or asked: see module.execute of the API. To an unknown module it
 /// goes once, as the host has said it. The only module of a bus may have taken it.
 PortConduct::Awaitable<tmcl::Answer> PortConduct::stop(tmcl::Request request, bool only_tries) {
   const bool is_known = !only_tries || known_modules().contains(request.address);

@@ -92,7 +92,7 @@ void PortSession::on_request(const tmcl::Request& request, CanForm form) {
   spawn(bus_->executor(), serve_one(shared_from_this(), asked), on_failure);
 }
 
-/// As on a wire, where nobody waits for what does not come.
+/// As on a wire, where the next request ends the wait for an answer.
 void PortSession::give_up_tries() {
   const auto is_tried = [](const AskedPtr& asked) {
     return asked->begun && !asked->ended && asked->only_tries;

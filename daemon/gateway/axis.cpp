@@ -32,7 +32,7 @@ constexpr std::string_view hint_of_settings = "with its settings, ";
 /// For so long an axis must stand at its target whose settings may let it swing about it.
 constexpr tmcl::Duration steady_in_doubt = std::chrono::milliseconds(250);
 
-/// So old what is known of a driver may be when somebody looks at the axis.
+/// So old what is known of a driver may be when the axis is looked at.
 constexpr tmcl::Duration driver_look_interval = std::chrono::milliseconds(500);
 
 Result<Microsteps> sum(Microsteps here, Microsteps distance, tmcl::ValueRange range) {
@@ -394,7 +394,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::write(std::uint8_t parameter, std::int
   auto result = co_await axis_.run(std::move(script), std::move(admitted));
   // Also after a failure: the value may have been set all the same.
   units_.note_set(parameter, result ? std::optional(value) : std::nullopt);
-  // Whoever sets it while it waits to be set back wants it so.
+  // A client that sets it while it waits to be set back wants it so.
   if (result && mover() == Mover::stop) forget_before(parameter);
   if (parameter != tmcl::axis_parameter::actual_position) co_return result;
   requested_.reset();

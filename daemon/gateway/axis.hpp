@@ -100,7 +100,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<StartedMove> move_by(Length distance, bool predict, RunOptions movement);
   Awaitable<void> move_to_coordinate(std::uint8_t number, RunOptions movement);
   /// Not for an axis with soft limits, which it would pass sooner or later; zero is. The client of
-  /// the call owns it: it stops when that goes, and nobody else moves it before it stands; unless
+  /// the call owns it: it stops when that goes, and no other client moves it before it stands; unless
   /// the permit says that it turns unattended.
   Awaitable<void> rotate(tmcl::InternalVelocity velocity, RunOptions movement);
   Awaitable<void> set(std::uint8_t parameter, std::int32_t value, RunOptions movement);
@@ -110,7 +110,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// What set() does once that is admitted.
   Awaitable<void> write(std::uint8_t parameter, std::int32_t value, Admitted admitted);
   Awaitable<StoodAt> wait(tmcl::WaitOptions options, Objection objection);
-  /// What its settings make of moves that nobody may want. Errors: those of reading them. `client`:
+  /// What its settings make of moves that may not be wanted. Errors: those of reading them. `client`:
   /// who asks, and has its turn on the bus for it.
   Awaitable<std::vector<std::string>> warnings(std::uint64_t client = 0);
   Awaitable<std::int32_t> get(std::uint8_t parameter, Deadline deadline);
@@ -245,7 +245,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Claimant claimant() const { return bus().motors().claimant_of(address()); }
   /// Finds out why an axis stands that was on its way.
   boost::asio::awaitable<void> note_motion(tmcl::AxisState state);
-  /// Finds out whether it turns for somebody still, and whether it turns for nobody.
+  /// Finds out whether it still turns for a client, and whether it turns for none.
   boost::asio::awaitable<void> note_turning(tmcl::AxisState state);
   boost::asio::awaitable<void> find_cause();
   /// Of an error that says that it stands somewhere else than it should.
@@ -277,7 +277,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
     bool went_too_far = false;
   };
   Search search_;
-  bool was_moving_ = false;  ///< When somebody looked last.
+  bool was_moving_ = false;  ///< When it was looked at last.
   tmcl::TimePoint seen_moving_{};
   Faults faults_;
   std::optional<tmcl::TimePoint> driver_seen_;

@@ -15,7 +15,7 @@ namespace tmcld {
 namespace {
 
 constexpr int lock_tries = 3;
-// Whoever can open it can lock it, and so keep a daemon from starting.
+// A user who can open it can lock it, and so keep a daemon from starting.
 constexpr mode_t access_for_owner = 0600;
 
 bool is_same_file(int descriptor, const std::string& path) {

@@ -115,7 +115,7 @@ class Claim {
 enum class MotionEffect : std::uint8_t {
   none,         ///< It moves on as it does, or stands.
   to_position,  ///< It goes to a position, whatever it did before.
-  by_distance,  ///< Likewise, over a distance.
+  by_distance,  ///< It goes over a distance.
   sets_target,  ///< It goes to a position, unless it turns by velocity.
   turns,        ///< It turns without end, or may.
   stops,

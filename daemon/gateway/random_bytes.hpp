@@ -1,4 +1,4 @@
-/// Random numbers that nobody can foretell, from the operating system.
+/// Random numbers that cannot be foretold, from the operating system.
 #pragma once
 
 #include <cerrno>

@@ -116,7 +116,7 @@ boost::asio::awaitable<void> watch(std::shared_ptr<GatewayAxis> axis, Permit per
 }  // namespace
 
 void SearchTravel::note(const Look& look) {
-  // Nobody has seen how it began: evenly, from a standstill.
+  // How it began was not seen: evenly, from a standstill.
   const auto last = std::exchange(last_, look).value_or(Look{began_, look.position, 0, false});
   const int before = direction_;
   if (look.speed != 0) direction_ = look.speed > 0 ? 1 : -1;

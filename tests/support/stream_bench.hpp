@@ -33,7 +33,7 @@ inline tl::unexpected<Error> no_reply() {
   return tl::unexpected(std::move(error));
 }
 
-/// The axes of one module, three at most, and somebody who carries out what a stream says.
+/// The axes of one module, three at most, and a driver that carries out what a stream says.
 class StreamBench {
  public:
   explicit StreamBench(std::uint16_t model = 6212, std::size_t axes = 2)

@@ -1,4 +1,4 @@
-// A module that somebody has put into ASCII mode understands no datagrams. Its motor is stopped all
+// A module that a host has put into ASCII mode understands no datagrams. Its motor is stopped all
 // the same, and nothing else on the line changes.
 #include <gmock/gmock.h>
 
@@ -48,7 +48,7 @@ std::vector<std::int32_t> settings_of(EngineOnLine& line, std::uint8_t module) {
 
 class ModulesOnALine : public testing::TestWithParam<unsigned> {};
 
-// One turns and is in ASCII mode; one moves for somebody else; one stands and is asked.
+// One turns and is in ASCII mode; one moves for another client; one stands and is asked.
 TEST_P(ModulesOnALine, OneInAsciiModeIsStoppedAndNothingElseChanges) {
   const auto seed = test::seed();
   std::mt19937_64 random(seed);

@@ -30,7 +30,7 @@ class EngineOnLine {
   sim::Module& add(std::uint8_t address, std::uint16_t model = 1110) {
     return bench_.add(*find_model(model), ModuleAddress{address});
   }
-  /// From somebody else, past the engine.
+  /// From another host, past the engine.
   void inject(const Request& request) {
     pass(std::chrono::milliseconds(50));
     line_.receive(encode_serial(request));

@@ -31,7 +31,7 @@ class OwedStop : public Cable {
   OwedStop() {
     wire.on_request = [this](const tmcl::Request& request) { requests.push_back(request); };
   }
-  /// Nobody stops it because its link is lost.
+  /// It is not stopped because its link is lost.
   void turn() {
     ASSERT_TRUE(call("axis.rotate", {{"axis", "x"}, {"velocity", 5}, {"unattended", true}}));
     time.run_for(1s);

@@ -343,7 +343,7 @@ another program ends has found nothing, and is told so.
 A search whose switch is dead goes on for ever. So it is stopped (exit code 5, cause search_limit)
 where it goes further one way, without turning, than --max-travel says, else 'home_max_travel' in the
 configuration, else the length of its soft limits and a tenth. Where none of them is given nothing
-bounds it, and a warning says so. With --direct --no-wait nobody watches when tmclctl has ended.
+bounds it, and a warning says so. With --direct --no-wait nothing watches it when tmclctl has ended.
 
 --timeout stops the search, too; with --leave it goes on.
 

@@ -81,7 +81,7 @@ struct CallOptions {
   bool is_program_line = false;
   /// Of a read, of how sure its value must be.
   Proof proof = Proof::none;
-  /// Askers take turns on the bus. Whoever listens to it is told this with the request.
+  /// Askers take turns on the bus. A listener of the bus is told this with the request.
   std::uint64_t asker = 0;
 };
 

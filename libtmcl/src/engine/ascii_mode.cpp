@@ -1,4 +1,4 @@
-// Modules that understand no datagrams any more, because somebody has put them into ASCII mode.
+// Modules that understand no datagrams any more, because a host has put them into ASCII mode.
 //
 // The bus never does that itself. But a motor of such a module must be stopped all the same: when a
 // stop was not answered as often as it is sent, a line goes out that ends the mode, and then the

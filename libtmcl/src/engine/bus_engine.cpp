@@ -83,7 +83,7 @@ void BusEngine::on_time_out(Channel& channel, TimePoint now) {
   decoder_.reset();
   if (lost.leaves_ascii) return;
   ++counters_.timeouts;
-  // It may have been given up only now, because somebody else wants the line.
+  // It may have been given up only now, because another asker wants the line.
   channel.keep_quiet_until(lost.deadline + options_.quiet_time);
   auto& module = modules_.with(lost.sent.address);
   module.lane.abandon(lost.sent.command, now);

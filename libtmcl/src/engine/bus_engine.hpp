@@ -18,7 +18,7 @@
 /// gives them up, answers.cpp ends them, stops.cpp is about what a stop makes pointless,
 /// ascii_mode.cpp about modules that understand no datagrams, patience.cpp about hosts that ask
 /// whether a module is there, full_link.cpp about links that take nothing, surplus.cpp about
-/// replies that nobody asked for.
+/// replies that were not asked for.
 ///
 /// A stop goes first. Where it would have to wait for a fence it is sent at once as well, and then
 /// again, provably. A stop also removes every movement that is queued for the same motor.

@@ -27,7 +27,7 @@ void BusEngine::hurry(const Call& next, TimePoint now) {
   if (line.is_overdue(now)) on_time_out(line, now);
 }
 
-/// So is a fence that nobody else waits for.
+/// So is a fence that no other call waits for.
 bool BusEngine::is_given_up_with(const InFlight& in_flight, const Call& next) {
   const auto gives_up = [&](const Call& call) {
     return only_tries(call) && call.options.asker == next.options.asker;

@@ -19,7 +19,7 @@ std::string refusal(const fs::path& path, const fs::path& target) {
            path.string() + ", where the link is to be; give another path";
   }
   const auto leads_to = fs::read_symlink(path, error);
-  // A terminal of that number is somebody's by now: whoever made the link is gone.
+  // A terminal of that number is another program's by now: the one that made the link is gone.
   const bool is_stale = !fs::exists(path, error) || !program_at_terminal(path.string()).empty();
   if (!is_stale && leads_to != target) {
     return path.string() + " already leads to " + leads_to.string() +

@@ -13,8 +13,8 @@ std::vector<std::string> all_processes();
 /// "tmcld (process 4711)"
 std::string describe_process(const std::string& number);
 
-/// The program whose controlling terminal the device is, named likewise. Empty for what is no
-/// pseudo terminal, for one that nobody works at, and where this program may not see who does.
+/// The program whose controlling terminal the device is, named as above. Empty for what is no
+/// pseudo terminal, for one that no program works at, and where this program may not see which does.
 std::string program_at_terminal(std::uint64_t device_number);
 /// Of a path, which may be a link.
 std::string program_at_terminal(const std::string& device);

@@ -77,7 +77,7 @@ tl::unexpected<Error> refused(const std::string& text, const std::string& device
   return cannot_open(text, system_text(error), hint_for(error, device));
 }
 
-/// What somebody's shell reads and shows must get no datagrams. A link that was left behind by a
+/// What a shell reads and shows must get no datagrams. A link that was left behind by a
 /// program that was killed leads there, as soon as another terminal gets the number of its own.
 tl::unexpected<Error> is_terminal(const std::string& text, const std::string& device,
                                   const std::string& program) {
