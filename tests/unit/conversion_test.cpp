@@ -102,9 +102,9 @@ TEST(Conversion, RefusesWhatDoesNotFitAndNamesTheNearest) {
   EXPECT_EQ(describe(fast.error()),
             "1e+06 microsteps/s is too fast; the nearest possible value is 499755.8 "
             "microsteps/s");
-  EXPECT_EQ(describe({-1000, -819.19990234375, "mm", "too far"}),
+  EXPECT_EQ(describe(OutOfReach{-1000, -819.19990234375, "mm", "too far"}),
             "-1000 mm is too far; the nearest possible value is -819.1999 mm");
-  EXPECT_EQ(describe({1, 10240.00001, "mm", "too little"}),
+  EXPECT_EQ(describe(OutOfReach{1, 10240.00001, "mm", "too little"}),
             "1 mm is too little; the nearest possible value is 10240.01 mm");
   EXPECT_EQ(to_internal(PulsesPerSecond{-1e6}, units, {-2047, 2047}).error().nearest,
             -499'755.859375);

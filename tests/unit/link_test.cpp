@@ -124,7 +124,7 @@ class Shell {
       const int terminal = open(pty.path().c_str(), O_RDWR);
       const bool has_it = terminal >= 0 && ioctl(terminal, TIOCSCTTY, 0) == 0;
       (void)!write(ready[1], has_it ? "y" : "n", 1);
-      while (true) pause();
+      while (true) ::pause();
     }
     char answer = 'n';
     const auto got = read(ready[0], &answer, 1);

@@ -324,6 +324,9 @@ TEST(PlanGcode, AllProblemsAreToldEachOnce) {
   EXPECT_THAT(gcode_complaints("G0 X#1 Y#2\nX[1+2]\n"),
               ElementsAre("text:1:4: a number is missing behind X; '#1' is none",
                           "text:2:1: a number is missing behind X; '[1+2]' is none"));
+  EXPECT_THAT(gcode_complaints("G17 G54 G90 G40\nG54 G94\n"),
+              ElementsAre(HasSubstr("text:1:1: G17"), HasSubstr("text:1:5: G54"),
+                          HasSubstr("text:1:13: G40"), HasSubstr("text:2:5: G94")));
   std::string many;
   for (int i = 0; i < 100; ++i) many += "M" + std::to_string(i + 3) + "\n";
   EXPECT_THAT(gcode_complaints(many), SizeIs(most_text_problems));

@@ -192,7 +192,7 @@ TEST_P(Damaged, JournalIsHeededWhenTheModuleAnswersLater) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OfEachKind, Damaged, testing::Values("cut", "version", "empty", "garbage"),
-                         [](const auto& info) { return std::string(info.param); });
+                         [](const auto& value) { return std::string(value.param); });
 
 TEST_F(Killed, AModuleThatHasStartedAgainIsSetNothing) {
   call("line.move", {{"axes", json::array{"x", "y"}}, {"positions", json::array{900, 300}}});

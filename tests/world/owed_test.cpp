@@ -189,7 +189,7 @@ class Unrestored : public Cable {
   }
   std::vector<std::int32_t> settings() {
     std::vector<std::int32_t> all;
-    for (const std::uint8_t motor : {0, 1})
+    for (const std::uint8_t motor : {std::uint8_t{0}, std::uint8_t{1}})
       for (const auto parameter : {ap::max_velocity, ap::max_acceleration})
         all.push_back(get(motor, parameter));
     return all;

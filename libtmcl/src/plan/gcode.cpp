@@ -191,14 +191,16 @@ class Interpreter {
 
   /// Nothing if they cannot be followed.
   std::optional<Codes> take_codes(const Block& block) {
-    std::optional<Codes> codes(std::in_place);
+    Codes codes;
+    bool is_understood = true;
     for (const auto& word : block.g()) {
-      if (const auto taken = take_code(word, *codes); !taken) {
-        complain({word.column, taken.error().message, {}, true});
-        return std::nullopt;
-      }
+      const auto taken = take_code(word, codes);
+      if (taken) continue;
+      complain({word.column, taken.error().message, {}, true});
+      is_understood = false;
     }
-    if (codes->motion) motion_ = codes->motion;
+    if (!is_understood) return std::nullopt;
+    if (codes.motion) motion_ = codes.motion;
     return codes;
   }
 
