@@ -4,7 +4,6 @@
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
 #include "api/views.hpp"
-#include "async/gather.hpp"
 #include "tmcl/seconds.hpp"
 
 namespace tmcld::handlers {
@@ -26,16 +25,6 @@ boost::asio::awaitable<axis::StartedMove> to_result(GatewayAxis& axis, StartedMo
 }
 
 using Warnings = std::vector<std::string>;
-
-/// So old what is known of the drivers of listed axes may be, and so long they are asked at most.
-constexpr tmcl::Duration known_for_list = std::chrono::seconds(2);
-constexpr tmcl::Duration time_for_list = std::chrono::milliseconds(300);
-
-boost::asio::awaitable<tmcl::Result<void>> look_for_list(std::shared_ptr<GatewayAxis> axis) {
-  auto seen =
-      co_await axis->look_at_driver(known_for_list, axis->bus().clock().now() + time_for_list);
-  co_return seen;
-}
 
 /// It has arrived by the counter of its module, which knows nothing of the motor.
 boost::asio::awaitable<RpcError> faulty_arrival(GatewayAxis& axis, const StoodAt& arrived) {
@@ -66,17 +55,8 @@ boost::asio::awaitable<RpcError> faulty_arrival(GatewayAxis& axis, const StoodAt
 Answer<axis::List> list_axes(Call& call, const axis::List& params) {
   axis::Axes result;
   const bool all = params.all.value_or(false);
-  const auto listed = all ? call.gateway->all_axes() : call.gateway->axes();
-  const std::vector<std::shared_ptr<GatewayAxis>> axes(listed.begin(), listed.end());
-  std::vector<boost::asio::awaitable<tmcl::Result<void>>> looks;
-  for (const auto& axis : axes) {
-    const bool can_tell = axis->module().state() == GatewayModule::State::ready &&
-                          axis->bus().state() == GatewayBus::State::open;
-    if (can_tell && !axis->bus().has_paths()) looks.push_back(look_for_list(axis));
-  }
-  // Those that do not tell are listed as they were seen last.
-  if (!looks.empty()) co_await gather(std::move(looks));
-  for (const auto& axis : axes) result.axes.push_back(view_of(*axis));
+  for (const auto& axis : all ? call.gateway->all_axes() : call.gateway->axes())
+    result.axes.push_back(view_of(*axis));
   co_return result;
 }
 
