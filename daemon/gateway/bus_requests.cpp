@@ -37,8 +37,13 @@ tmcl::Script<bool> sees_end_of_line(const Motors& motors, tmcl::AxisAddress moto
 }  // namespace
 
 tmcl::Script<tmcl::Result<void>> GatewayBus::may_send(tmcl::Request request, Permit permit) {
-  if (owes_stop(request.address)) co_await must(pay_stops(request.address));
-  while (const auto motor = motors_.claimed_by_other(request, permit)) {
+  while (true) {
+    const auto motor = motors_.claimed_by_other(request, permit);
+    if (!motor && !owes_stop(request.address)) break;
+    if (!motor) {
+      co_await must(pay_stops(request.address));
+      continue;
+    }
     const auto claimant = motors_.claimant_of(*motor);
     if (claimant.by == Mover::search) {
       auto seen = co_await see_search_end(*motor);
@@ -194,10 +199,11 @@ tmcl::Error has_its_share(const tmcl::Request& request) {
 }
 
 void say_that_it_is_owed(tmcl::Error& error) {
+  if (error.hint.starts_with(owed_stop_hint)) return;
   error.hint = std::string(owed_stop_hint) + (error.hint.empty() ? "" : "; ") + error.hint;
 }
 
-/// Whoever sends a request may be ended at any time: it is on its way for as long as this lives.
+/// The call that sends a request may end at any time: it is on its way for as long as this lives.
 class OnItsWay {
  public:
   OnItsWay(Motors& motors, GatewayModule* module, const tmcl::Request& request, Permit of)
