@@ -8,7 +8,7 @@ namespace tmcld::handlers {
 Answer<axis::GetErrors> get_errors(Call& call, const axis::GetErrors& params) {
   const auto axis = axis_of(call, params.axis);
   if (!axis) co_return tl::unexpected(axis.error());
-  const auto report = co_await (*axis)->read_faults();
+  const auto report = co_await (*axis)->read_faults(call.permit.client);
   if (!report) co_return tl::unexpected(call_error(report.error(), (*axis)->name()));
   axis::Errors errors{(*axis)->name(), texts(report->flags), texts(report->switches)};
   if (const auto cause = (*axis)->stop_cause()) errors.stop_cause = name_of(*cause);

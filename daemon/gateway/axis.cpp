@@ -300,7 +300,7 @@ GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
   if (!homed) co_return homed;
   // Whoever wants to move the axis may have seen the end already.
   if (claimant() == search) {
-    auto seen = co_await axis_.run(bus().see_search_end(address()));
+    auto seen = co_await axis_.run(bus().see_search_end(address()), asked_by(search.of.client));
     if (!seen) seen.error().outcome = tmcl::Outcome::unknown;
     if (!seen) co_return tl::unexpected(std::move(seen.error()));
   }
@@ -311,7 +311,7 @@ GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
   }
   if (is_referenced()) co_return homed;
   auto error = found_no_reference(name());
-  co_await add_cause(error);
+  co_await add_cause(error, search.of.client);
   co_return tl::unexpected(axis_.on_bus(std::move(error)));
 }
 
@@ -361,7 +361,9 @@ GatewayAxis::Awaitable<StoodAt> GatewayAxis::stand(tmcl::WaitOptions wait, RunOp
     here = co_await axis_.run(tmcl::verbs::wait_until_reached(address(), wait), options);
   }
   if (here) {
-    auto seen = co_await look_at_driver({}, deadline);
+    RunOptions in_time;
+    in_time.deadline = deadline;
+    auto seen = co_await look_at_driver({}, std::move(in_time));
     if (!seen) co_return tl::unexpected(std::move(seen.error()));
     co_return StoodAt{*here, std::move(warnings), faults_};
   }
@@ -463,10 +465,10 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::look(std::uint64_t client) {
   if (!watched) co_return tl::unexpected(watched.error());
   if (!reading) co_return reading;
   // A look is worth more than what goes wrong with the questions about its driver.
-  if (!bus().has_paths()) (void)co_await look_at_driver(driver_look_interval);
+  if (!bus().has_paths()) (void)co_await look_at_driver(driver_look_interval, asked_by(client));
   last_ = {*reading, commands, settings};
-  co_await note_turning(reading->state);
-  co_await note_motion(reading->state);
+  co_await note_turning(reading->state, client);
+  co_await note_motion(reading->state, client);
   co_return reading;
 }
 
@@ -488,15 +490,16 @@ bool GatewayAxis::note_before(tmcl::plan::Setting setting) {
 
 // ---- for whom it turns ------------------------------------------------------------------------
 
-boost::asio::awaitable<void> GatewayAxis::note_turning(tmcl::AxisState state) {
+boost::asio::awaitable<void> GatewayAxis::note_turning(tmcl::AxisState state,
+                                                       std::uint64_t client) {
   auto& motors = bus().motors();
   const bool moves = state.velocity.value != 0;
   // Whether that can be seen or not: it is looked at again.
-  if (turns() && !moves) co_await axis_.run(bus().see_turning_end(address()));
+  if (turns() && !moves) co_await axis_.run(bus().see_turning_end(address()), asked_by(client));
   const bool is_known = turns() || tenant().client != 0 || mover() != Mover::nobody ||
                         motors.was_sent_to_position(address());
   if (!moves || is_known) co_return;
-  const auto found = co_await axis_.run(bus().may_turn(address()));
+  const auto found = co_await axis_.run(bus().may_turn(address()), asked_by(client));
   if (!found || !*found || turns()) co_return;
   motors.note_unattended(address());
   bus().audit("axis=" + name() + " turns unattended: no client owns its motion");
@@ -514,7 +517,7 @@ void GatewayAxis::note_stop(StopCause cause) {
   if (!stop_cause_) stop_cause_ = cause;
 }
 
-boost::asio::awaitable<void> GatewayAxis::note_motion(tmcl::AxisState state) {
+boost::asio::awaitable<void> GatewayAxis::note_motion(tmcl::AxisState state, std::uint64_t client) {
   const bool moves = state.velocity.value != 0;
   const bool is_stopped = !bus().motors().may_move(address());
   if ((moves && !is_stopped) || state.position == state.target) stop_cause_.reset();
@@ -526,15 +529,15 @@ boost::asio::awaitable<void> GatewayAxis::note_motion(tmcl::AxisState state) {
   if (!stopped) co_return;
   if (is_stopped) co_return note_stop(StopCause::client);
   const auto here = state.position;
-  auto again = co_await axis_.run(tmcl::verbs::state(address()));
+  auto again = co_await axis_.run(tmcl::verbs::state(address()), asked_by(client));
   const bool stands = again && again->velocity.value == 0 && again->position == here;
-  if (stands && !stop_cause_) co_await find_cause();
+  if (stands && !stop_cause_) co_await find_cause(client);
 }
 
 GatewayAxis::Awaitable<void> GatewayAxis::look_at_driver(tmcl::Duration max_age,
-                                                         Deadline deadline) {
+                                                         RunOptions options) {
   if (driver_seen_ && bus().clock().now() - *driver_seen_ < max_age) co_return Result<void>{};
-  auto seen = co_await axis_.run(read_driver_faults(address(), parameters()), deadline);
+  auto seen = co_await axis_.run(read_driver_faults(address(), parameters()), std::move(options));
   if (!seen) co_return tl::unexpected(std::move(seen.error()));
   note_faults(std::move(*seen));
   co_return Result<void>{};
@@ -549,18 +552,18 @@ void GatewayAxis::note_faults(Faults faults) {
   bus().emit(event_of(*this, GatewayEvent::Kind::axis_fault, text));
 }
 
-GatewayAxis::Awaitable<FaultReport> GatewayAxis::read_faults() {
+GatewayAxis::Awaitable<FaultReport> GatewayAxis::read_faults(std::uint64_t client) {
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
-  auto report = co_await axis_.run(tmcld::read_faults(address(), parameters()));
+  auto report = co_await axis_.run(tmcld::read_faults(address(), parameters()), asked_by(client));
   if (report) note_faults(report->driver_faults());
   if (report && report->has_flag(tmcl::status_flag::stall)) stop_cause_ = StopCause::stall;
   if (report && report->has_flag(tmcl::status_flag::deviation)) stop_cause_ = StopCause::deviation;
   co_return report;
 }
 
-boost::asio::awaitable<void> GatewayAxis::find_cause() {
-  auto cause = co_await axis_.run(find_stop_cause(address(), parameters()));
+boost::asio::awaitable<void> GatewayAxis::find_cause(std::uint64_t client) {
+  auto cause = co_await axis_.run(find_stop_cause(address(), parameters()), asked_by(client));
   if (!cause || stop_cause_) co_return;
   // Nothing else is to blame, and its module was left alone for too long since it was seen moving.
   const bool says_nothing = *cause == StopCause::unknown || *cause == StopCause::velocity_mode;
@@ -575,8 +578,8 @@ boost::asio::awaitable<void> GatewayAxis::find_cause() {
   bus().emit(std::move(event));
 }
 
-boost::asio::awaitable<void> GatewayAxis::add_cause(tmcl::Error& error) {
-  if (!stop_cause_) co_await find_cause();
+boost::asio::awaitable<void> GatewayAxis::add_cause(tmcl::Error& error, std::uint64_t client) {
+  if (!stop_cause_) co_await find_cause(client);
   if (!stop_cause_) co_return;
   error.message += "; cause: " + std::string(name_of(*stop_cause_));
   const auto advice = advice_on(name_of(*stop_cause_));

@@ -208,9 +208,10 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// What is wrong with its driver or its supply, as was seen last.
   const Faults& faults() const { return faults_; }
   /// Looks at them, unless that was done so lately. Errors: those of the exchanges.
-  Awaitable<void> look_at_driver(tmcl::Duration max_age, Deadline deadline = {});
-  /// What its module says is wrong. What that clears is known as the cause of the stop.
-  Awaitable<FaultReport> read_faults();
+  Awaitable<void> look_at_driver(tmcl::Duration max_age, RunOptions options);
+  /// What its module says is wrong. What that clears is known as the cause of the stop. `client`: as
+  /// for warnings().
+  Awaitable<FaultReport> read_faults(std::uint64_t client = 0);
   /// Its module knows where zero is, as far as was seen since the daemon started.
   bool is_referenced() const { return bus().motors().is_referenced(address()); }
   /// Ends a reference search, whoever began it.
@@ -243,13 +244,13 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<StoodAt> stand(tmcl::WaitOptions wait, RunOptions options);
   bool is_known(tmcl::Duration max_age) const;
   Claimant claimant() const { return bus().motors().claimant_of(address()); }
-  /// Finds out why an axis stands that was on its way.
-  boost::asio::awaitable<void> note_motion(tmcl::AxisState state);
+  /// Finds out why an axis stands that was on its way. `client`: as for warnings(), here and below.
+  boost::asio::awaitable<void> note_motion(tmcl::AxisState state, std::uint64_t client);
   /// Finds out whether it still turns for a client, and whether it turns for none.
-  boost::asio::awaitable<void> note_turning(tmcl::AxisState state);
-  boost::asio::awaitable<void> find_cause();
+  boost::asio::awaitable<void> note_turning(tmcl::AxisState state, std::uint64_t client);
+  boost::asio::awaitable<void> find_cause(std::uint64_t client);
   /// Of an error that says that it stands somewhere else than it should.
-  boost::asio::awaitable<void> add_cause(tmcl::Error& error);
+  boost::asio::awaitable<void> add_cause(tmcl::Error& error, std::uint64_t client = 0);
   void note_stop(StopCause cause);
   void note_faults(Faults faults);
   /// The axis goes, or may go, somewhere else than it was sent before.

@@ -34,7 +34,9 @@ AxisAdmission::Awaitable<void> AxisAdmission::be_free(RunOptions movement) {
 /// It may turn for another client no more. Whether that is seen or not: it is asked for again.
 boost::asio::awaitable<void> AxisAdmission::see_turning_end(const RunOptions& movement) {
   auto script = axis_.bus().see_turnings_end(any_move(), movement.permit);
-  co_await axis_.run(std::move(script), movement.deadline);
+  auto options = asked_by(movement.permit.client);
+  options.deadline = movement.deadline;
+  co_await axis_.run(std::move(script), std::move(options));
 }
 
 AxisAdmission::Awaitable<Admitted> AxisAdmission::admit(Intent intent, RunOptions movement) {

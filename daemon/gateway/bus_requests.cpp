@@ -476,6 +476,38 @@ tmcl::Script<tmcl::StepResult> GatewayBus::exchange_all(
   co_return results;
 }
 
+namespace {
+
+void charge(tmcl::step::Exchange& exchange, std::uint64_t client) {
+  exchange.options.asker = client;
+}
+
+/// Charges the client with all that goes out for its verb: also with what is asked about others
+/// before a request is let out.
+tmcl::Script<tmcl::Result<void>> charged(tmcl::Script<tmcl::Result<void>> script,
+                                         std::uint64_t client) {
+  auto now = co_await tmcl::current_time();
+  auto step = script.start(now);
+  while (step) {
+    tmcl::StepResult results;
+    if (const auto* pause = std::get_if<tmcl::step::Pause>(&*step)) {
+      co_await tmcl::pause(pause->duration);
+    } else if (auto* one = std::get_if<tmcl::step::Exchange>(&*step)) {
+      charge(*one, client);
+      results.push_back(co_await tmcl::exchange(one->request, one->options));
+    } else {
+      auto& all = std::get<tmcl::step::ExchangeAll>(*step).exchanges;
+      for (auto& each : all) charge(each, client);
+      results = co_await tmcl::exchange_all(std::move(all));
+    }
+    now = co_await tmcl::current_time();
+    step = script.resume(std::move(results), now);
+  }
+  co_return script.take();
+}
+
+}  // namespace
+
 boost::asio::awaitable<GatewayBus::Ended> GatewayBus::run_steps(tmcl::AnyScript& script,
                                                                 RunOptions options) {
   const auto bus = bus_;
@@ -488,7 +520,8 @@ boost::asio::awaitable<GatewayBus::Ended> GatewayBus::run_steps(tmcl::AnyScript&
   tmcl::RunOptions of_bus{options.deadline, {}, options.on_answer};
   of_bus.objection = [this, bus] { return bus == bus_ ? std::nullopt : std::optional(not_open()); };
   Conduct conduct{std::move(options)};
-  auto ended = co_await bus->run(judged(script, conduct), std::move(of_bus));
+  auto steps = charged(judged(script, conduct), conduct.options.permit.client);
+  auto ended = co_await bus->run(std::move(steps), std::move(of_bus));
   if (!ended) {
     if (conduct.owes_stop) say_that_it_is_owed(ended.error());
     co_return Ended{std::move(ended.error())};
@@ -528,7 +561,6 @@ tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Conduct& c
     if (conduct.module != nullptr) co_await conduct.module->watch(conduct.options.sentinel_age);
   } else if (auto* one = std::get_if<tmcl::step::Exchange>(&step)) {
     const auto request = one->request;
-    one->options.asker = conduct.options.permit.client;
     const auto place =
         shares_.take(conduct.options.permit.client, effect_of(request.command, request.type));
     if (!place) {
@@ -539,7 +571,6 @@ tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Conduct& c
     results.push_back(std::move(answer));
   } else {
     auto& all = std::get<tmcl::step::ExchangeAll>(step).exchanges;
-    for (auto& each : all) each.options.asker = conduct.options.permit.client;
     const bool moves =
         std::ranges::any_of(all, [](const auto& each) { return can_move(each.request); });
     if (!moves) {

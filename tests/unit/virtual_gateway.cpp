@@ -54,12 +54,19 @@ void VirtualGateway::begin_call(std::string_view method, const json::object& par
   RpcRequest request{1, find_method(method), params};
   request.lease = take_lease_key(*request.method, request.params).value();
   request.sent_at = take_sent_at(*request.method, request.params).value();
-  spawn(context_.get_executor(), carry_out(std::move(request), into));
+  spawn(context_.get_executor(), carry_out(peer(), std::move(request), into));
 }
 
-boost::asio::awaitable<void> VirtualGateway::carry_out(RpcRequest request,
+std::shared_ptr<Peer> VirtualGateway::peer() {
+  auto& peer = peers_[client.number];
+  if (!peer) peer = std::make_shared<NobodySubscribes>(*this, client);
+  return peer;
+}
+
+boost::asio::awaitable<void> VirtualGateway::carry_out(std::shared_ptr<Peer> peer,
+                                                       RpcRequest request,
                                                        std::vector<RpcResult>& into) {
-  auto result = co_await dispatch(gateway_, peer_, std::move(request));
+  auto result = co_await dispatch(gateway_, std::move(peer), std::move(request));
   into.push_back(std::move(result));
 }
 

@@ -2,8 +2,11 @@
 /// time of the computer's, whatever it waits for.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include <boost/asio/io_context.hpp>
@@ -40,22 +43,28 @@ class VirtualGateway {
  private:
   class NobodySubscribes final : public Peer {
    public:
-    explicit NobodySubscribes(const VirtualGateway& bench) : bench_(bench) {}
+    NobodySubscribes(const VirtualGateway& bench, Client client)
+        : bench_(bench), client_(std::move(client)) {}
     void notify(std::string_view, json::object) override {}
     bool is_gone() const override { return false; }
     Subscriptions& subscriptions() override { return subscriptions_; }
-    Client client() const override { return bench_.client; }
+    Client client() const override { return client_; }
     Caller caller() const override { return bench_.caller; }
 
    private:
     const VirtualGateway& bench_;
+    Client client_;
     Subscriptions subscriptions_{[] {}};
   };
 
-  boost::asio::awaitable<void> carry_out(RpcRequest request, std::vector<RpcResult>& into);
+  /// The connection of `client`.
+  std::shared_ptr<Peer> peer();
+  boost::asio::awaitable<void> carry_out(std::shared_ptr<Peer> peer, RpcRequest request,
+                                         std::vector<RpcResult>& into);
 
   boost::asio::io_context context_{1};
-  std::shared_ptr<Peer> peer_ = std::make_shared<NobodySubscribes>(*this);
+  /// One per client, by its number: a call runs later than it is begun, when `client` may be another.
+  std::map<std::uint64_t, std::shared_ptr<Peer>> peers_;
   std::shared_ptr<Gateway> gateway_;
 
  public:
