@@ -22,6 +22,13 @@ Lookup<std::string> text_of(const Call& call, const std::optional<std::string>& 
   });
 }
 
+Lookup<PlanningBudget::Place> place_to_plan(const Call& call, std::size_t text_bytes) {
+  const auto client = call.peer->client();
+  auto place = call.gateway->planning.take(client.number, client.name, text_bytes);
+  if (!place) return tl::unexpected(call_error(place.error()));
+  return std::move(*place);
+}
+
 RpcError error_of(const plan::PathObjection& objection, std::string_view param) {
   if (!objection.param.empty()) param = objection.param;
   auto error = param_error(objection.name, param, objection.message, objection.hint);

@@ -21,6 +21,9 @@ Lookup<std::string> text_of(const Call& call, const Params& params) {
   return text_of(call, params.text, params.bytes);
 }
 
+/// Room for planning what a text of so many bytes says. Error: queue_full.
+Lookup<PlanningBudget::Place> place_to_plan(const Call& call, std::size_t text_bytes);
+
 /// `param` is where the client gave what is wrong.
 RpcError error_of(const tmcl::plan::PathObjection& objection, std::string_view param);
 /// Nothing new begins while the daemon ends.

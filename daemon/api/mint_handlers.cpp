@@ -142,6 +142,8 @@ MintRun::OnProgress progress_to(const Call& call) {
 Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
   auto text = text_of(call, params);
   if (!text) co_return tl::unexpected(text.error());
+  auto place = place_to_plan(call, text->size());
+  if (!place) co_return tl::unexpected(place.error());
   auto& planner = call.gateway->planner;
   auto read = [text = std::move(*text)] { return plan::read_mint(text); };
   auto program = co_await elsewhere(planner, std::move(read));
@@ -163,6 +165,7 @@ Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
   };
   auto planned = co_await elsewhere(planner, std::move(plan_it));
   if (!planned) co_return tl::unexpected(error_of(planned.error(), "text"));
+  place->reset();
   if (auto refusal = refusal_to_begin(call)) co_return tl::unexpected(std::move(*refusal));
 
   if (members->members.empty()) {

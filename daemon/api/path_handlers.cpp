@@ -195,6 +195,8 @@ awaitable<Lookup<PlannedPath>> plan_for(const Call& call, const OfPath& params,
   if (auto named = named_axes(call, params); !named) co_return tl::unexpected(named.error());
   auto given = text_of(call, params);
   if (!given) co_return tl::unexpected(given.error());
+  const auto place = place_to_plan(call, given->size());
+  if (!place) co_return tl::unexpected(place.error());
   const auto format = format_of(params, *given);
   if (!format) co_return tl::unexpected(format.error());
   auto& planner = call.gateway->planner;

@@ -63,6 +63,8 @@ void add_daemon(Draft& draft, const ConfigSection& section) {
   if (const auto* file = section.get<std::string>("audit")) draft.config.daemon.audit = *file;
   if (const auto* flag = section.get<bool>("moves_need_lease"))
     draft.config.daemon.moves_need_lease = *flag;
+  if (const auto* megabytes = section.get<std::int64_t>("planning_memory_mb"))
+    draft.config.daemon.planning_memory_mb = static_cast<std::size_t>(*megabytes);
 }
 
 void add_access(Draft& draft, const ConfigSection& section) {

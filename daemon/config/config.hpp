@@ -37,6 +37,9 @@ struct DaemonConfig {
   std::string state{};
   std::string audit{};  ///< File for what was moved and set, by whom; empty: the log.
   bool moves_need_lease = false;
+  std::size_t planning_memory_mb = 64;
+
+  std::size_t planning_bytes() const { return planning_memory_mb << 20U; }
 };
 
 /// What a client may do: also what those before it may.

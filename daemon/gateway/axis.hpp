@@ -100,7 +100,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<StartedMove> move_by(Length distance, bool predict, RunOptions movement);
   Awaitable<void> move_to_coordinate(std::uint8_t number, RunOptions movement);
   /// Not for an axis with soft limits, which it would pass sooner or later; zero is. The client of
-  /// the call owns it: it stops when that goes, and no other client moves it before it stands; unless
+  /// the call owns it: it stops when that goes, and no other one moves it before it stands; unless
   /// the permit says that it turns unattended.
   Awaitable<void> rotate(tmcl::InternalVelocity velocity, RunOptions movement);
   Awaitable<void> set(std::uint8_t parameter, std::int32_t value, RunOptions movement);
@@ -110,7 +110,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// What set() does once that is admitted.
   Awaitable<void> write(std::uint8_t parameter, std::int32_t value, Admitted admitted);
   Awaitable<StoodAt> wait(tmcl::WaitOptions options, Objection objection);
-  /// What its settings make of moves that may not be wanted. Errors: those of reading them. `client`:
+  /// What its settings make of moves, wanted or not. Errors: those of reading them. `client`:
   /// who asks, and has its turn on the bus for it.
   Awaitable<std::vector<std::string>> warnings(std::uint64_t client = 0);
   Awaitable<std::int32_t> get(std::uint8_t parameter, Deadline deadline);
@@ -209,8 +209,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   const Faults& faults() const { return faults_; }
   /// Looks at them, unless that was done so lately. Errors: those of the exchanges.
   Awaitable<void> look_at_driver(tmcl::Duration max_age, RunOptions options);
-  /// What its module says is wrong. What that clears is known as the cause of the stop. `client`: as
-  /// for warnings().
+  /// What its module says is wrong. What that clears is known as the cause of the stop.
+  /// `client`: as for warnings().
   Awaitable<FaultReport> read_faults(std::uint64_t client = 0);
   /// Its module knows where zero is, as far as was seen since the daemon started.
   bool is_referenced() const { return bus().motors().is_referenced(address()); }

@@ -52,6 +52,7 @@ std::shared_ptr<Gateway> Gateway::create(const boost::asio::any_io_executor& exe
   }
   gateway->access_ = config.access;
   gateway->moves_need_lease_ = config.daemon.moves_need_lease;
+  gateway->planning.set_limit(config.daemon.planning_bytes());
   gateway->add_buses(config);
   gateway->add_axes(config);
   return gateway;
@@ -137,6 +138,7 @@ void Gateway::adopt(const Config& config) {
   retired_.insert(retired_.end(), closed.begin(), closed.end());
   access_ = config.access;
   moves_need_lease_ = config.daemon.moves_need_lease;
+  planning.set_limit(config.daemon.planning_bytes());
   options_.on_exit = config.daemon.on_exit;
   const auto kept = buses_;
   add_buses(config);

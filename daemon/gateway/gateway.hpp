@@ -19,6 +19,7 @@
 #include "gateway/bus.hpp"
 #include "gateway/deadman_memory.hpp"
 #include "gateway/leases.hpp"
+#include "gateway/planning_budget.hpp"
 #include "gateway/upload_buffer.hpp"
 #include "log/audit.hpp"
 #include "log/limiter.hpp"
@@ -148,6 +149,8 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   std::int32_t next_path_number() { return ++last_path_number_; }
   /// Where paths and lines are planned: a path may take seconds, and a line does not wait for it.
   Workers planner{2};
+  /// What takes part in planning paths and programs has a place of it.
+  PlanningBudget planning;
 
  private:
   Gateway(const boost::asio::any_io_executor& executor, GatewayOptions options)

@@ -63,7 +63,7 @@ class VirtualGateway {
                                          std::vector<RpcResult>& into);
 
   boost::asio::io_context context_{1};
-  /// One per client, by its number: a call runs later than it is begun, when `client` may be another.
+  /// By their clients: a call runs later than it is begun, when `client` may be another.
   std::map<std::uint64_t, std::shared_ptr<Peer>> peers_;
   std::shared_ptr<Gateway> gateway_;
 

@@ -1,4 +1,4 @@
-// A reference search whose switch never closes goes no further than it may, for every client that begins it.
+// A reference search whose switch never closes goes no further than it may, for each client.
 #include <gmock/gmock.h>
 
 #include <cmath>

@@ -14,7 +14,7 @@ std::vector<std::string> all_processes();
 std::string describe_process(const std::string& number);
 
 /// The program whose controlling terminal the device is, named as above. Empty for what is no
-/// pseudo terminal, for one that no program works at, and where this program may not see which does.
+/// pseudo terminal, for one that no program works at, and where that may not be seen.
 std::string program_at_terminal(std::uint64_t device_number);
 /// Of a path, which may be a link.
 std::string program_at_terminal(const std::string& device);

@@ -1,0 +1,49 @@
+/// How much memory the planning of paths and programs may take, in all and for each client.
+///
+/// Does no I/O. Thread safety: none. What it holds is bounded by the number of clients.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+
+#include <tl/expected.hpp>
+
+#include "tmcl/error.hpp"
+
+namespace tmcld {
+
+class PlanningBudget {
+  struct Use {
+    std::size_t all = 0;
+    std::map<std::uint64_t, std::size_t> of_clients;
+  };
+  struct End {
+    std::shared_ptr<Use> use;
+    std::uint64_t client = 0;
+    void operator()(const std::size_t* bytes) const;
+  };
+
+ public:
+  /// What one plan takes, for as long as it lives.
+  using Place = std::unique_ptr<const std::size_t, End>;
+
+  void set_limit(std::size_t bytes) { limit_ = bytes; }
+  std::size_t limit() const { return limit_; }
+
+  /// For a text of so many bytes. A client may have half of the limit; what is alone always finds
+  /// room. Error: Errc::queue_full, which names what is full and by which client.
+  [[nodiscard]] tl::expected<Place, tmcl::Error> take(std::uint64_t client,
+                                                      const std::string& client_name,
+                                                      std::size_t text_bytes);
+
+ private:
+  static constexpr std::size_t usual_bytes = std::size_t{64} << 20;
+
+  std::size_t limit_ = usual_bytes;
+  std::shared_ptr<Use> use_ = std::make_shared<Use>();
+};
+
+}  // namespace tmcld
