@@ -30,7 +30,6 @@ int main(int, char** arguments) {
   TMCL motor;
   check("the port is opened", motor.portOpen(arguments[1], 9600));
   check("ASCII mode is entered and the motor stopped", motor.init());
-  motor.saveDivisors(3, 7);
   motor.saveMotorCurrent(128, 8);
   check("a parameter is set", motor.setAxisParameter(TMCL::AP_MAX_CURRENT, 100));
   int value = 0;
