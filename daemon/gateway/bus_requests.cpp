@@ -121,7 +121,7 @@ std::vector<tmcl::step::Exchange> questions_about_turning(
   std::vector<tmcl::step::Exchange> questions;
   for (const auto parameter : parameters) {
     questions.push_back({{motor.module, tmcl::Command::GAP, parameter, motor.motor, 0}, {}});
-    questions.back().options.proof = tmcl::Proof::followed;
+    questions.back().options.proof = tmcl::Proof::twice;
   }
   return questions;
 }
