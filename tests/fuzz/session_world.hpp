@@ -84,12 +84,18 @@ class SessionWire {
     tmcl::SerialBytes bytes{};
     const auto count = far_->read(bytes);
     if (!count || *count == 0) return false;
+    const auto sent = std::span(bytes).first(*count);
     const auto request = tmcl::decode_serial_request(bytes);
-    require(*count == bytes.size() && request, "whole requests come from the gateway");
-    on_request(*request);
-    line_.receive(bytes);
+    const bool is_request = sent.size() == bytes.size() && request;
+    require(is_request || ends_ascii_mode(sent), "whole requests come from the gateway");
+    if (is_request) on_request(*request);
+    line_.receive(sent);
     scheduler_.touch();
     return true;
+  }
+  /// Sent before a stop that was not answered is sent again.
+  static bool ends_ascii_mode(std::span<const std::uint8_t> sent) {
+    return std::string(sent.begin(), sent.end()) == "\rABIN\r";
   }
   void answer(std::span<const std::uint8_t> reply) {
     const auto fate = spoilt_ > 0 ? fate_ : Fate::delivered;
