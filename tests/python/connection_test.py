@@ -32,6 +32,19 @@ class ConnectionTest(unittest.TestCase):
             call(*args, **params)
         return raised.exception
 
+    # ---- who may connect ----
+
+    def test_only_a_group_that_is_made_for_sharing_is_to_be_joined(self):
+        join = tmcl.link.access_hint
+        self.assertIn("'sudo adduser $USER lab'", join("anna", "lab", 1004))
+        self.assertIn("'sudo adduser $USER tmcl'", join("tmcld", "tmcl", 998))
+        for user, group, number in (("root", "root", 0), ("anna", "disk", 6), ("anna", "anna", 1000)):
+            with self.subTest(group):
+                hint = join(user, group, number)
+                self.assertIn(f"user '{user}' and group '{group}'", hint)
+                self.assertNotIn(f"$USER {group}'", hint)
+                self.assertIn("'sudo addgroup tmcl'", hint)
+
     # ---- what is said ----
 
     def test_a_number_and_a_text_with_a_unit_go_out_as_they_are(self):

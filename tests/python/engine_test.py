@@ -3,9 +3,12 @@
 import json
 import unittest
 
+from tmcl.aio import Axis, Gateway
+from tmcl.calls import with_calls
 from tmcl.engine import MOST_CALLS, Answer, Engine, Failure, Hello, Notification
 from tmcl.errors import ConnectionLost, Error, LeaseLost, ProtocolError
 from tmcl.lines import MOST_BYTES, MOST_BYTES_TO_DAEMON, Lines
+from tmcl.methods import EFFECTS, AsyncMethods
 
 HELLO = {
     "jsonrpc": "2.0",
@@ -78,6 +81,33 @@ class EngineTest(unittest.TestCase):
                          ("refused_by_module", "refused", "h", -32000))
         self.assertEqual(told.data["status"], 4)
         self.assertIn("no [refused_by_module, outcome: refused]\n  h", str(told))
+
+    def test_an_error_names_the_calls_of_this_package_and_no_methods(self):
+        self.greet()
+        texts = {
+            "see parameter.list for what there is": "see gateway.rpc.parameter_list() for what there is",
+            "see axis.list.": "see gateway.axes().",
+            "axis.stop stops it": "axis.stop() stops it",
+            "'x' turns; lease.acquire, or bus.list": "'x' turns; gateway.lease(), or gateway.rpc.bus_list()",
+            "/tmp/path.run.csv, axis.list2, my_axis.list": "/tmp/path.run.csv, axis.list2, my_axis.list",
+        }
+        for told, shown in texts.items():
+            number, _ = self.call()
+            error = {"code": -32602, "message": told, "data": {"name": "n", "hint": told}}
+            (failure,) = self.engine.receive(line({"id": number, "error": error}))
+            self.assertEqual((failure.error.message, failure.error.hint), (shown, shown))
+            self.assertEqual(failure.error.data["hint"], told)
+
+    def test_every_method_has_a_call_of_this_package(self):
+        for method in EFFECTS:
+            with self.subTest(method):
+                call = with_calls(method)
+                if "." not in method:
+                    self.assertEqual(call, method)
+                    continue
+                holder, _, name = call.removesuffix("()").rpartition(".")
+                where = {"gateway": Gateway, "gateway.rpc": AsyncMethods, "axis": Axis}[holder]
+                self.assertTrue(hasattr(where, name), call)
 
     def test_an_error_without_data_has_an_unknown_outcome(self):
         self.greet()

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from .calls import with_calls
+
 NOT_SENT = "not_sent"
 UNKNOWN = "unknown"
 
@@ -65,10 +67,10 @@ def error_of(said: Mapping[str, Any]) -> Error:
     kind = LeaseLost if name in ("lease_lost", "stale_epoch") else Error
     hint, code = data.get("hint"), said.get("code")
     return kind(
-        str(said.get("message", "")),
+        with_calls(str(said.get("message", ""))),
         name=name,
         outcome=str(data.get("outcome", UNKNOWN)),
-        hint=str(hint) if hint is not None else None,
+        hint=with_calls(str(hint)) if hint is not None else None,
         data=data,
         code=code if isinstance(code, int) else 0,
     )

@@ -20,6 +20,9 @@ from .websocket import WebSocket
 DEFAULT_SOCKET = "/run/tmcld/tmcld.sock"
 DEFAULT_PORT = 4143
 READ_BYTES = 65_536
+#: Debian's policy: groups below are the system's, but for the one that the package of tmcld makes.
+FIRST_OWN_GROUP = 1000
+PACKAGED_GROUP = "tmcl"
 #: So long the other end may take to accept, to shake hands and to greet.
 OPENING_S = 10.0
 
@@ -82,11 +85,31 @@ async def _open_unix(path: str) -> Link:
 def _unix_error(path: str, wrong: OSError) -> NotConnected:
     hint = "is tmcld running? its configuration names the socket"
     if wrong.errno in (errno.EACCES, errno.EPERM):
-        hint = "join the group of the socket, and log in again: 'ls -l' names it"
+        hint = _hint_for_access_to(path)
     elif wrong.errno == errno.EAGAIN:
         hint = "the daemon does not accept connections: is it stopped or overloaded?"
     message = f"cannot connect to tmcld at {path}: {os.strerror(wrong.errno or 0)}"
     return _not_connected("not_connected", message, hint)
+
+
+def _hint_for_access_to(path: str) -> str:
+    socket = Path(path)
+    try:
+        return access_hint(socket.owner(), socket.group(), socket.stat().st_gid)
+    except (OSError, KeyError):
+        return "may this user look into the directory of the socket? ask who started tmcld"
+
+
+def access_hint(user: str, group: str, group_id: int) -> str:
+    """Membership in a group of the system gives far more than a socket."""
+    who = f"the socket is for user '{user}' and group '{group}'"
+    if (group_id >= FIRST_OWN_GROUP and group != user) or group == PACKAGED_GROUP:
+        return f"{who}: join the group with 'sudo adduser $USER {group}', and log in again"
+    return (
+        f"{who}: become that user, or let tmcld give the socket to a group made for it: "
+        "'sudo addgroup tmcl', 'sudo adduser $USER tmcl', log in again, and start it with "
+        "'sudo sg tmcl -c \"tmcld --config FILE\"'"
+    )
 
 
 def _context_for(
