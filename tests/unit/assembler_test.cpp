@@ -7,6 +7,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "tmcl/parameter.hpp"
+
 namespace tmcl::program {
 namespace {
 
@@ -312,13 +314,32 @@ TEST(Assembler, NamesOfParametersAreConstantsAsTheIdeHasThem) {
   // Not without that file, and not where the number depends on the model.
   EXPECT_THAT(problems_of("SAP MaxVelocity, 0, 1000"), SizeIs(1));
   EXPECT_THAT(problems_of("#include TMCLParam.tmc\nSAP nonsense, 0, 1"), SizeIs(1));
-  EXPECT_THAT(problems_of("#include TMCLParam.tmc\nSAP ramp_mode, 0, 1"), SizeIs(1));
+  EXPECT_THAT(
+      problems_of("#include TMCLParam.tmc\nSAP ramp_mode, 0, 1"),
+      ElementsAre("main.tmc:2:5: 'ramp_mode' is 128 on a TMCM-142, 138 on a TMCM-351: write "
+                  "the number, or name the model of the module"));
+  EXPECT_THAT(problems_of("#include TMCLParam.tmc\nSAP Mode, 0, 1"),
+              ElementsAre("main.tmc:2:5: 'Mode' is not defined, nor an axis parameter"));
+  EXPECT_THAT(problems_of("#include TMCLParam.tmc\nSAP max_velocty, 0, 1"),
+              ElementsAre(HasSubstr("Did you mean 'max_velocity'?")));
   // What a program defines itself comes first, and so does a file of that name.
   EXPECT_EQ(program_of("#include TMCLParam.tmc\nVMax = 7\nSAP VMax, 0, 1").at(0).type, 7);
   const auto own = assembled(
       {{"main.tmc", "#include TMCLParam.tmc\nSAP VMax, 0, 1"}, {"TMCLParam.tmc", "VMax = 9"}});
   ASSERT_TRUE(own);
   EXPECT_EQ(own->program.at(0).type, 9);
+}
+
+TEST(Assembler, NamesOfParametersAreThoseOfTheModelThatIsNamed) {
+  for (const auto& model : models()) {
+    for (const auto& row : axis_parameters(model)) {
+      const Files one{
+          {"main.tmc", "#include TMCLParam.tmc\nSAP " + std::string(row.name) + ", 0, 0"}};
+      const auto assembly = assemble("main.tmc", reader_of(one), &model);
+      ASSERT_TRUE(assembly) << model.name << ' ' << row.name;
+      ASSERT_EQ(assembly->program.at(0).type, row.number) << model.name << ' ' << row.name;
+    }
+  }
 }
 
 TEST(AssemblerProblems, Raw) {

@@ -180,6 +180,15 @@ TEST_F(CtlProgram, TheExampleOfTheHelpWorks) {
   EXPECT_THAT(out, HasSubstr("3  FA 01 02 00 00 00 03 00"));
 }
 
+TEST_F(CtlProgram, AModelSaysWhichParameterANameIs) {
+  write("mode.tmc", "#include TMCLParam.tmc\nSAP ramp_mode, 0, 2\n");
+  EXPECT_EQ(assemble("mode.tmc"), ExitCode::usage);
+  EXPECT_THAT(err, HasSubstr("name the model of the module"));
+  EXPECT_EQ(assemble("mode.tmc", {"--model", "TMCM-1110"}), ExitCode::done) << err;
+  EXPECT_THAT(out, HasSubstr("05 8A 00"));
+  EXPECT_EQ(assemble("mode.tmc", {"--model", "TMCM-1"}), ExitCode::usage);
+}
+
 TEST_F(CtlProgram, TheManPageKnowsEveryOption) {
   std::ifstream in(TMCL_SOURCE_DIR "/docs/man/tmclctl.1");
   std::string page{std::istreambuf_iterator<char>(in), {}};

@@ -827,7 +827,7 @@ FILE is a program in the language of the TMCL-IDE:
         .raw 250, 1, 2, 3           // any command by its numbers
 
 #include TMCLParam.tmc, a file of the TMCL-IDE, makes names of axis parameters constants, such as
-MaxVelocity; it need not be there.
+MaxVelocity; it need not be there. Some names have other numbers on other models: --model says which.
 
 Without -o it prints the listing: address, bytes, line and text. The file that -o names gets eight
 bytes for each command, as the TMCL-IDE and PyTrinamic read them; it is written only if there are no
@@ -838,6 +838,7 @@ problems. Each problem is a line FILE:LINE:COLUMN: MESSAGE on standard error (ex
 
   tmclctl program assemble loop.tmc
   tmclctl program assemble loop.tmc -o loop.bin
+  tmclctl program assemble loop.tmc --model TMCM-1110
   tmclctl --json program assemble loop.tmc
 )";
 

@@ -200,6 +200,7 @@ struct RunPath {
 /// The text of a stand-alone program into a program file.
 struct Assemble {
   std::string file;
+  std::string model;   ///< Empty: not known.
   std::string output;  ///< Empty: none.
   bool listing = false;
 };

@@ -22,9 +22,9 @@
 /// order, what may be redefined, or where an included file is looked for: here all this is as in C
 /// (with $ and % as in other assemblers), nothing may be defined twice, and a file is looked for
 /// beside the one that includes it. The TMCL-IDE's TMCLParam.tmc need not be there: including it
-/// makes names of axis parameters constants, as far as they have one number on all models. How
-/// several motors are coded in the motor number of MVP COORD is not settled either: it is a number
-/// like any other.
+/// makes names of axis parameters constants: those of a model, or, if none is named, those that
+/// have one number on all. How several motors are coded in the motor number of MVP COORD is not
+/// settled either: it is a number like any other.
 #pragma once
 
 #include <cstddef>
@@ -35,6 +35,7 @@
 
 #include <tl/expected.hpp>
 
+#include "tmcl/model.hpp"
 #include "tmcl/program.hpp"
 #include "tmcl/text_problem.hpp"
 
@@ -75,8 +76,10 @@ struct Assembly {
   std::vector<Label> labels;      ///< In their order in the text.
 };
 
-/// All problems, in the order of the text, or none.
-tl::expected<Assembly, TextProblems> assemble(const std::string& path, const ReadFile& read);
+/// All problems, in the order of the text, or none. `model`: whose parameters TMCLParam.tmc names;
+/// null if it is not known.
+tl::expected<Assembly, TextProblems> assemble(const std::string& path, const ReadFile& read,
+                                              const Model* model = nullptr);
 
 /// One row a line of source: address, the bytes of the program file, line number and text.
 std::string listing(const Assembly& assembly);

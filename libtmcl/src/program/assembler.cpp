@@ -4,6 +4,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <set>
 #include <span>
 #include <utility>
 
@@ -33,17 +34,38 @@ struct Symbol {
   bool is_label = false;
 };
 
-/// The number of an axis parameter, if it is the same one on every model that has the name.
-std::optional<std::int64_t> parameter_number(std::string_view name) {
-  std::optional<std::int64_t> number;
-  for (const auto& model : models()) {
-    const auto* row = find_parameter(axis_parameters(model), name);
-    if (row == nullptr) continue;
-    if (number && *number != row->number) return std::nullopt;
-    number = row->number;
+/// The names of axis parameters, as constants: those of a model, or of all.
+class ParameterNames {
+ public:
+  explicit ParameterNames(const Model* model)
+      : models_(model != nullptr ? std::span(model, 1) : models()) {}
+
+  /// Empty: there is no such name. Several: it is another parameter on other models.
+  struct Numbered {
+    std::uint8_t number;
+    std::string_view model;  ///< The first one.
+  };
+  std::vector<Numbered> numbers_of(std::string_view name) const {
+    std::vector<Numbered> numbers;
+    for (const auto& model : models_) {
+      const auto* row = find_parameter(axis_parameters(model), name);
+      if (row != nullptr && !std::ranges::count(numbers, row->number, &Numbered::number))
+        numbers.push_back({row->number, model.name});
+    }
+    return numbers;
   }
-  return number;
-}
+
+  Names all() const {
+    std::set<std::string_view> names;
+    for (const auto& model : models_) {
+      for (const auto& row : axis_parameters(model)) names.insert(row.name);
+    }
+    return {names.begin(), names.end()};
+  }
+
+ private:
+  std::span<const Model> models_;
+};
 
 /// What other assemblers call a command of this one: the nearest word would be another command.
 std::string_view related_command(std::string_view mnemonic) {
@@ -68,8 +90,8 @@ std::string_view related_command(std::string_view mnemonic) {
 /// Labels and constants.
 class Symbols {
  public:
-  /// From now on, names of axis parameters are constants, too.
-  void name_parameters() { names_parameters_ = true; }
+  /// From now on, names of axis parameters are constants, too: of a model, or of all if it is null.
+  void name_parameters(const Model* model) { parameters_.emplace(model); }
   const Symbol* find(std::string_view name) const {
     const auto found = all_.find(lower(name));
     return found == all_.end() ? nullptr : &found->second;
@@ -78,13 +100,17 @@ class Symbols {
 
   tl::expected<std::int64_t, std::string> value_of(std::string_view name) const {
     if (const auto* symbol = find(name)) return symbol->value;
-    const auto parameter = names_parameters_ ? parameter_number(name) : std::nullopt;
-    if (parameter) return *parameter;
-    Names names;
+    const auto numbers =
+        parameters_ ? parameters_->numbers_of(name) : std::vector<ParameterNames::Numbered>{};
+    if (numbers.size() == 1) return numbers.front().number;
+    if (numbers.size() > 1) return tl::unexpected(ambiguous(name, numbers));
+    auto names = parameters_ ? parameters_->all() : Names{};
+    const auto most = names.size() + most_candidates;
     for (const auto& [key, symbol] : all_) {
-      if (names.size() < most_candidates) names.push_back(symbol.name);
+      if (names.size() < most) names.push_back(symbol.name);
     }
-    const auto message = "'" + printable(name) + "' is not defined";
+    const auto message =
+        "'" + printable(name) + "' is not defined" + (parameters_ ? ", nor an axis parameter" : "");
     return tl::unexpected(suggest(message, name, names));
   }
 
@@ -95,8 +121,18 @@ class Symbols {
     return key;
   }
 
+  static std::string ambiguous(std::string_view name,
+                               std::span<const ParameterNames::Numbered> numbers) {
+    auto text = "'" + printable(name) + "' is";
+    for (const auto& [number, model] : numbers) {
+      text += (number == numbers.front().number ? " " : ", ") + std::to_string(number) + " on a " +
+              std::string(model);
+    }
+    return text + ": write the number, or name the model of the module";
+  }
+
   std::map<std::string, Symbol> all_;
-  bool names_parameters_ = false;
+  std::optional<ParameterNames> parameters_;
 };
 
 /// A command as it is written: parts of a line.
@@ -125,10 +161,11 @@ std::vector<Cursor> split(std::string_view code, std::size_t begin) {
 /// What the lines say: names at once, commands for later, as they may use names that follow.
 class Parser {
  public:
-  Parser(Source& source, Problems& problems) : source_(source), problems_(problems) {}
+  Parser(Source& source, Problems& problems, const Model* model)
+      : source_(source), problems_(problems), model_(model) {}
 
   void run() {
-    if (source_.names_parameters()) symbols_.name_parameters();
+    if (source_.names_parameters()) symbols_.name_parameters(model_);
     for (line_ = 0; line_ < source_.lines().size() && !problems_.full(); ++line_) take_line();
   }
   const Symbols& symbols() const { return symbols_; }
@@ -210,6 +247,7 @@ class Parser {
 
   Source& source_;
   Problems& problems_;
+  const Model* model_;
   std::size_t line_ = 0;
   Symbols symbols_;
   std::vector<Statement> statements_;
@@ -377,10 +415,11 @@ std::vector<SourceLine> lines_of(const Source& source, const std::vector<Stateme
 
 }  // namespace
 
-tl::expected<Assembly, TextProblems> assemble(const std::string& path, const ReadFile& read) {
+tl::expected<Assembly, TextProblems> assemble(const std::string& path, const ReadFile& read,
+                                              const Model* model) {
   Problems problems;
   Source source(path, read, problems);
-  Parser parser(source, problems);
+  Parser parser(source, problems, model);
   parser.run();
   Program program;
   for (const auto& statement : parser.statements()) {

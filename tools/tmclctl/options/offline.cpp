@@ -217,6 +217,8 @@ Form add_program(Grammar& grammar) {
   assemble.word("FILE", "The text", text(assemble->file));
   assemble.option("-o,--output", "FILE", "Write the program into this file",
                   text(assemble->output));
+  assemble.option("--model", "MODEL", "Whose parameters TMCLParam.tmc names, such as TMCM-1110",
+                  text(assemble->model));
   assemble.flag("--listing", "Print the listing, too: addresses, bytes and text",
                 assemble->listing);
   auto disassemble = grammar.verb<verb::Disassemble>(

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "input_file.hpp"
+#include "names.hpp"
 #include "output_file.hpp"
 #include "print.hpp"
 #include "program_file.hpp"
@@ -81,9 +82,9 @@ Attempt<Program> read_program(const std::string& path) {
   });
 }
 
-Attempt<Assembly> assemble_file(const std::string& path, Output& output) {
+Attempt<Assembly> assemble_file(const std::string& path, Output& output, const tmcl::Model* model) {
   auto assembly = tmcl::program::assemble(
-      path, [](const std::string& name) { return read_file(name, most_text); });
+      path, [](const std::string& name) { return read_file(name, most_text); }, model);
   if (assembly) return std::move(*assembly);
   return tl::unexpected(failure_from(path, assembly.error(), tmcl::program::most_problems, output));
 }
@@ -96,7 +97,10 @@ Attempt<Program> program_from(const std::string& path, Output& output) {
 }
 
 VerbResult run(const verb::Assemble& verb, Output& output) {
-  const auto assembly = assemble_file(verb.file, output);
+  Attempt<const tmcl::Model*> model = nullptr;
+  if (!verb.model.empty()) model = parse_model(verb.model);
+  if (!model) return tl::unexpected(model.error());
+  const auto assembly = assemble_file(verb.file, output, *model);
   if (!assembly) return tl::unexpected(assembly.error());
   return write_output(verb.output, contents_of(assembly->program), assembly->files).map([&] {
     if (output.json) {
