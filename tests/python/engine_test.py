@@ -8,7 +8,7 @@ from tmcl.calls import with_calls
 from tmcl.engine import MOST_CALLS, Answer, Engine, Failure, Hello, Notification
 from tmcl.errors import ConnectionLost, Error, LeaseLost, ProtocolError
 from tmcl.lines import MOST_BYTES, MOST_BYTES_TO_DAEMON, Lines
-from tmcl.methods import EFFECTS, AsyncMethods
+from tmcl.methods import EFFECTS, AsyncMethods, State
 
 HELLO = {
     "jsonrpc": "2.0",
@@ -97,6 +97,14 @@ class EngineTest(unittest.TestCase):
             (failure,) = self.engine.receive(line({"id": number, "error": error}))
             self.assertEqual((failure.error.message, failure.error.hint), (shown, shown))
             self.assertEqual(failure.error.data["hint"], told)
+
+    def test_a_position_is_a_float_also_where_it_is_whole(self):
+        for position in (5, 5.5):
+            state = State.of({"axis": "x", "position": position, "position_microsteps": 5})
+            self.assertEqual(state.position, position)
+            self.assertIs(type(state.position), float)
+            self.assertIs(type(state.position_microsteps), int)
+        self.assertIsNone(State.of({"axis": "x", "position": None}).position)
 
     def test_every_method_has_a_call_of_this_package(self):
         for method in EFFECTS:

@@ -124,7 +124,7 @@ def _context_for(
         raise _not_connected("bad_url", f"'{url.geturl()}' is no URL of a gateway", example)
     if url.scheme == "http":
         if has_token and url.hostname not in ("localhost", "127.0.0.1", "::1"):
-            hint = "use https://, or whoever listens can use the token"
+            hint = "use https://: on the way, a token could be read"
             raise _not_connected("bad_url", "a token goes out by https only", hint)
         return None
     try:

@@ -18,12 +18,17 @@ class Record:
 
     @classmethod
     def of(cls: type[R], said: Mapping[str, Any]) -> R:
-        known = {field.name for field in fields(cls)}
-        return cls(**{name: cls._read(name, said[name]) for name in said.keys() & known})
+        types = {field.name: str(field.type) for field in fields(cls)}
+        return cls(
+            **{name: cls._read(name, types[name], said[name]) for name in said.keys() & types}
+        )
 
     @classmethod
-    def _read(cls, name: str, value: Any) -> Any:
+    def _read(cls, name: str, kind: str, value: Any) -> Any:
         inner = cls._inner.get(name)
         if isinstance(value, list):
-            return tuple(cls._read(name, one) for one in value)
+            return tuple(cls._read(name, kind, one) for one in value)
+        # In JSON, 5 and 5.5 are numbers of one kind.
+        if type(value) is int and "float" in kind:
+            return float(value)
         return inner.of(value) if inner is not None and isinstance(value, dict) else value
