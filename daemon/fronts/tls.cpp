@@ -1,6 +1,9 @@
 #include "fronts/tls.hpp"
 
 #include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 
 #include <openssl/err.h>
 #include <openssl/evp.h>
@@ -17,6 +20,31 @@ std::string last_complaint() {
   const auto error = ERR_peek_last_error();
   ERR_clear_error();
   return error == 0 ? "it is not as it should be" : tls_error_text(error);
+}
+
+/// Of PEM, a form of text: "-----BEGIN CERTIFICATE-----" begins what it holds.
+struct PemFile {
+  std::string what;
+  std::string path;
+  std::string holds;
+};
+const char* const certificate_in_pem = "CERTIFICATE-----";
+const char* const key_in_pem = "PRIVATE KEY-----";
+
+/// Why OpenSSL has refused it, which of a file that is not there says "system lib".
+std::string problem_of(const PemFile& file, const std::string& fault) {
+  constexpr std::size_t most_bytes = 1U << 20U;
+  const auto complaint = last_complaint();
+  const auto name = file.what + ' ' + file.path;
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> open(std::fopen(file.path.c_str(), "re"),
+                                                             &std::fclose);
+  std::string text(open ? most_bytes : 0, '\0');
+  if (open) text.resize(std::fread(text.data(), 1, text.size(), open.get()));
+  if (!open || std::ferror(open.get()) != 0)
+    return name + " cannot be read: " + std::strerror(errno);
+  if (text.find(file.holds) == std::string::npos)
+    return name + " is not what it should be: it has no line '-----BEGIN " + file.holds + "'";
+  return name + ' ' + fault + ": " + complaint;
 }
 
 /// Empty if it is good now.
@@ -54,8 +82,8 @@ tl::expected<Tls, std::string> tls_of(const HttpConfig& config) {
   tls.context = std::make_shared<ssl::context>(ssl::context::tls_server);
   auto& context = *tls.context;
   error_code error;
-  const auto fail = [](const std::string& what) {
-    return tl::unexpected(what + ": " + last_complaint());
+  const auto fail = [](const PemFile& file, const std::string& fault) {
+    return tl::unexpected(problem_of(file, fault));
   };
   context.set_options(ssl::context::default_workarounds | ssl::context::no_sslv2 |
                           ssl::context::no_sslv3 | ssl::context::no_tlsv1 |
@@ -63,16 +91,20 @@ tl::expected<Tls, std::string> tls_of(const HttpConfig& config) {
                       error);
   ERR_clear_error();
   context.use_certificate_chain_file(config.certificate, error);
-  if (error) return fail("the certificate " + config.certificate + " cannot be read");
+  if (error)
+    return fail({"the certificate", config.certificate, certificate_in_pem}, "cannot be used");
   context.use_private_key_file(config.key, ssl::context::pem, error);
-  if (error) return fail("the key " + config.key + " does not go with " + config.certificate);
+  if (error)
+    return fail({"the key", config.key, key_in_pem}, "does not go with " + config.certificate);
   // A thousand clients share what one needs while it speaks.
   SSL_CTX_set_mode(context.native_handle(), SSL_MODE_RELEASE_BUFFERS);
   tls.age_problem = age_problem(context.native_handle(), config.certificate);
   tls.advice = advice(context.native_handle(), config.key);
   if (config.client_ca.empty()) return tls;
   context.load_verify_file(config.client_ca, error);
-  if (error) return fail("the certificates in " + config.client_ca + " cannot be read");
+  if (error)
+    return fail({"the certificates of clients,", config.client_ca, certificate_in_pem},
+                "cannot be used");
   context.set_verify_mode(ssl::verify_peer | ssl::verify_fail_if_no_peer_cert, error);
   return tls;
 }

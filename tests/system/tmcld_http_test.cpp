@@ -200,10 +200,34 @@ TEST_F(TmcldHttp, SaysBeforeItStartsWhatIsWrongWithItsCertificate) {
   };
   EXPECT_THAT(check("[http]\nlisten = [\"0.0.0.0:4143\"]\n"),
               HasSubstr("needs a 'certificate' and its 'key'"));
-  EXPECT_THAT(check("[http]\nlisten = [\"127.0.0.1:4143\"]\n" + tls_keys()),
-              HasSubstr("the certificate " + path("cert.pem") + " cannot be read"));
-  // x509 makes what has run out; req does not.
+  const std::string listening = "[http]\nlisten = [\"127.0.0.1:4143\"]\n";
+  EXPECT_THAT(check(listening + tls_keys()), HasSubstr("the certificate " + path("cert.pem") +
+                                                       " cannot be read: No such file or dir"));
   make_certificate();
+  shell("mkdir " + path("folder") + " && echo words > " + path("words") +
+        " && openssl ecparam -name prime256v1 -genkey -noout -out " + path("other.pem"));
+  const auto with = [&](const std::string& certificate, const std::string& key) {
+    return check(listening + "certificate = \"" + path(certificate) + "\"\nkey = \"" + path(key) +
+                 "\"\n");
+  };
+  const auto without = [](const std::string& file, const std::string& kind) {
+    return HasSubstr(file + " is not what it should be: it has no line '-----BEGIN " + kind + "'");
+  };
+  EXPECT_THAT(with("folder", "key.pem"), HasSubstr(path("folder") + " cannot be read: Is a dir"));
+  EXPECT_THAT(with("words", "key.pem"),
+              without("the certificate " + path("words"), "CERTIFICATE-----"));
+  EXPECT_THAT(with("key.pem", "key.pem"),
+              without("the certificate " + path("key.pem"), "CERTIFICATE-----"));
+  EXPECT_THAT(with("cert.pem", "cert.pem"),
+              without("the key " + path("cert.pem"), "PRIVATE KEY-----"));
+  EXPECT_THAT(with("cert.pem", "gone"),
+              HasSubstr("the key " + path("gone") + " cannot be read: No such file or dir"));
+  EXPECT_THAT(with("cert.pem", "other.pem"),
+              AllOf(HasSubstr("the key " + path("other.pem") + " does not go with"),
+                    HasSubstr(path("cert.pem"))));
+  EXPECT_THAT(check(listening + tls_keys() + "client_ca = \"" + path("gone") + "\"\n"),
+              HasSubstr("of clients, " + path("gone") + " cannot be read: No such file or dir"));
+  // x509 makes what has run out; req does not.
   shell("openssl req -new -key " + path("key.pem") + " -subj /CN=localhost -out " + path("csr") +
         " && openssl x509 -req -in " + path("csr") + " -signkey " + path("key.pem") +
         " -days -1 -out " + path("cert.pem") + " 2>/dev/null");
