@@ -18,6 +18,7 @@
 #include "fronts/http_server.hpp"
 #include "log/audit_trail.hpp"
 #include "log/log.hpp"
+#include "tmcl/plain_number.hpp"
 
 namespace {
 
@@ -25,6 +26,11 @@ using namespace tmcld;
 
 std::string counted(std::size_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
+}
+
+std::string shown(double value) {
+  constexpr int digits = 6;
+  return tmcl::plain_number(value, digits);
 }
 
 int report(const std::vector<std::string>& problems, const std::string& path) {
@@ -40,21 +46,24 @@ int report(const std::vector<std::string>& problems, const std::string& path) {
 void print_mechanics(const AxisConfig& axis) {
   const auto& scale = axis.scale;
   const bool has_unit = !scale.unit.empty();
-  const auto* unit = has_unit ? scale.unit.c_str() : "microsteps";
+  const std::string unit = " " + (has_unit ? scale.unit : "microsteps");
+  const auto say = [](const char* before, double value, const std::string& after) {
+    std::printf("%s%s%s", before, shown(value).c_str(), after.c_str());
+  };
   std::printf("%s:", axis.name.c_str());
-  if (has_unit) std::printf(" %g %s a turn", scale.units_per_revolution, unit);
-  if (scale.gear_ratio != 1) std::printf(" behind a gear of %g:1", scale.gear_ratio);
+  if (has_unit) say(" ", scale.units_per_revolution, unit + " a turn");
+  if (scale.gear_ratio != 1) say(" behind a gear of ", scale.gear_ratio, ":1");
   if (scale.limits) {
-    std::printf("%s from %g to %g %s", has_unit ? "," : "", scale.limits->least.value,
-                scale.limits->greatest.value, unit);
+    say(has_unit ? ", from " : " from ", scale.limits->least.value, "");
+    say(" to ", scale.limits->greatest.value, unit);
   }
   if (scale.encoder_counts_per_unit)
-    std::printf(", %g encoder counts a %s", *scale.encoder_counts_per_unit, unit);
+    say(", ", *scale.encoder_counts_per_unit, " encoder counts a" + unit);
   const auto& limits = axis.motion_limits;
-  if (limits.velocity) std::printf(", at most %g %s/s", *limits.velocity, unit);
-  if (limits.acceleration) std::printf(", at most %g %s/s^2", *limits.acceleration, unit);
-  if (limits.deceleration) std::printf(", braking %g %s/s^2", *limits.deceleration, unit);
-  if (limits.corner_jump) std::printf(", corners %g %s/s", *limits.corner_jump, unit);
+  if (limits.velocity) say(", at most ", *limits.velocity, unit + "/s");
+  if (limits.acceleration) say(", at most ", *limits.acceleration, unit + "/s^2");
+  if (limits.deceleration) say(", braking ", *limits.deceleration, unit + "/s^2");
+  if (limits.corner_jump) say(", corners ", *limits.corner_jump, unit + "/s");
   if (limits.current) std::printf(", current at most %d", *limits.current);
   std::printf("\n");
 }
@@ -79,9 +88,9 @@ void print_feeding(const BusConfig& bus) {
   const auto percent = feeding_percent(bus);
   if (percent == 0) return;
   std::printf(
-      "%s: modules with a deadman are sent something often enough, which takes %.2g %% of the wire "
+      "%s: modules with a deadman are sent something often enough, which takes %s %% of the wire "
       "%s\n",
-      bus.name.c_str(), percent, feeding_wire(bus).in_words.c_str());
+      bus.name.c_str(), tmcl::plain_number(percent, 2).c_str(), feeding_wire(bus).in_words.c_str());
   const auto steady = shortest_steady_deadman(bus).count();
   for (const auto& module : bus.modules) {
     const auto ms = module.deadman_ms.value_or(0);

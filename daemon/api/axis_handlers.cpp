@@ -4,6 +4,7 @@
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
 #include "api/views.hpp"
+#include "tmcl/plain_number.hpp"
 #include "tmcl/seconds.hpp"
 
 namespace tmcld::handlers {
@@ -30,7 +31,7 @@ using Warnings = std::vector<std::string>;
 boost::asio::awaitable<RpcError> faulty_arrival(GatewayAxis& axis, const StoodAt& arrived) {
   const auto place = co_await place_of(axis, arrived.position);
   const auto where = place.position
-                         ? fmt::format("{:g} {}", *place.position, place.unit.value_or(""))
+                         ? tmcl::plain_number(*place.position, 6) + ' ' + place.unit.value_or("")
                          : std::to_string(place.position_microsteps);
   tmcl::Error error;
   error.code = tmcl::Errc::move_interrupted;

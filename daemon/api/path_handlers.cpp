@@ -18,6 +18,7 @@
 #include "gateway/path_run.hpp"
 #include "gateway/planned_path.hpp"
 #include "gateway/standing_stop.hpp"
+#include "tmcl/plain_number.hpp"
 #include "tmcl/seconds.hpp"
 
 namespace tmcld::handlers {
@@ -309,9 +310,9 @@ path::Passage passage_of(const PathRun& run, double tolerance) {
 
 std::string tolerance_warning(double tolerance, double by) {
   return fmt::format(
-      "the tolerance of {:.6g} was exceeded by {:.3g}; a lower velocity or acceleration, or "
+      "the tolerance of {} was exceeded by {}; a lower velocity or acceleration, or "
       "another mode, keeps nearer to the path",
-      tolerance, by);
+      tmcl::plain_number(tolerance, 6), tmcl::plain_number(by, 3));
 }
 
 using PathRuns = std::vector<std::shared_ptr<PathRun>>;

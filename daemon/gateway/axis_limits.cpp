@@ -11,6 +11,7 @@
 #include "tmcl/command_type.hpp"
 #include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"
+#include "tmcl/plain_number.hpp"
 #include "tmcl/verbs.hpp"
 
 namespace tmcld {
@@ -302,9 +303,9 @@ bool AxisLimits::exceeds(Kind kind, std::int32_t value, const Values& values) co
 }
 
 std::string AxisLimits::in_words(Kind kind, double value) const {
-  if (kind == Kind::current) return fmt::format("{:g}", value);
+  if (kind == Kind::current) return tmcl::plain_number(value, 6);
   const auto& unit = config_.scale.unit;
-  return fmt::format("{:.6g} {}/s{}", value, unit.empty() ? "microsteps" : unit,
+  return fmt::format("{} {}/s{}", tmcl::plain_number(value, 6), unit.empty() ? "microsteps" : unit,
                      kind == Kind::velocity ? ""
                      : kind == Kind::jerk   ? "^3"
                                             : "^2");

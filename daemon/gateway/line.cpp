@@ -16,6 +16,7 @@
 #include "gateway/drive_run.hpp"
 #include "gateway/standing_stop.hpp"
 #include "tmcl/drive_report.hpp"
+#include "tmcl/plain_number.hpp"
 #include "tmcl/plan/line_drive.hpp"
 #include "tmcl/plan/path_preparation.hpp"
 #include "tmcl/plan/ramp_limits.hpp"
@@ -159,12 +160,14 @@ class LineRun final : public DriveRun {
     if (!pace) co_return "";
     const auto scale = co_await axis.scale();
     if (!scale || !*scale || axis.unit().empty()) {
-      co_return fmt::format(": {:.4g} microsteps/s, {:.4g} microsteps/s^2", pace->velocity.value,
-                            pace->acceleration.value);
+      co_return fmt::format(": {} microsteps/s, {} microsteps/s^2",
+                            tmcl::plain_number(pace->velocity.value, 4),
+                            tmcl::plain_number(pace->acceleration.value, 4));
     }
-    co_return fmt::format(": {0:.4g} {2}/s, {1:.4g} {2}/s^2",
-                          std::abs(to_user(pace->velocity, **scale).value),
-                          to_user(pace->acceleration, **scale).value, axis.unit());
+    co_return fmt::format(": {0} {2}/s, {1} {2}/s^2",
+                          tmcl::plain_number(std::abs(to_user(pace->velocity, **scale).value), 4),
+                          tmcl::plain_number(to_user(pace->acceleration, **scale).value, 4),
+                          axis.unit());
   }
 
   awaitable<Fault> make_plan() {
@@ -289,9 +292,10 @@ class LineRun final : public DriveRun {
     const auto& member = line_members_[axis];
     const auto scale = co_await member.axis().scale();
     if (!scale || !*scale || member.axis().unit().empty()) co_return "";
-    co_return fmt::format("stands at {0:.10g} {2}, short of its target {1:.10g} {2}",
-                          to_user(here, **scale).value,
-                          to_user(member.wanted.target, **scale).value, member.axis().unit());
+    co_return fmt::format("stands at {0} {2}, short of its target {1} {2}",
+                          tmcl::plain_number(to_user(here, **scale).value, 10),
+                          tmcl::plain_number(to_user(member.wanted.target, **scale).value, 10),
+                          member.axis().unit());
   }
 
   awaitable<LineFailure> failure_of(plan::DriveFault fault) const {

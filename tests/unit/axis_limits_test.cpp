@@ -137,7 +137,7 @@ TEST_F(LimitedJerk, IsThatOfTheBow) {
   const auto refused = set_bow(12);
   ASSERT_FALSE(refused);
   EXPECT_EQ(refused.error().message,
-            "axis 'x': max_bow would be 1.86265e+09 microsteps/s^3, above its limit of 1e+09 "
+            "axis 'x': max_bow would be 1862645149 microsteps/s^3, above its limit of 1000000000 "
             "microsteps/s^3");
   EXPECT_EQ(text(refused.error().data.at("hint")), "the configuration has it: 'max_jerk'");
   EXPECT_FALSE(set_bow(0)) << "an acceleration that changes at once";
@@ -149,7 +149,7 @@ TEST_F(LimitedJerk, LetsNoLineOrPathDoWithoutItsBow) {
       "line.move",
       {{"axes", boost::json::array{"x"}}, {"positions_microsteps", boost::json::array{1000}}});
   ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message, HasSubstr("above its limit of 1e+09 microsteps/s^3"));
+  EXPECT_THAT(refused.error().message, HasSubstr("above its limit of 1000000000 microsteps/s^3"));
 }
 
 TEST(LimitedJerkWithoutSCurves, LetsNothingMoveTheAxis) {

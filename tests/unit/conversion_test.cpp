@@ -100,7 +100,7 @@ TEST(Conversion, RefusesWhatDoesNotFitAndNamesTheNearest) {
   ASSERT_FALSE(fast);
   EXPECT_EQ(fast.error().nearest, 499'755.859375);
   EXPECT_EQ(describe(fast.error()),
-            "1e+06 microsteps/s is too fast; the nearest possible value is 499755.8 "
+            "1000000 microsteps/s is too fast; the nearest possible value is 499755.8 "
             "microsteps/s");
   EXPECT_EQ(describe(OutOfReach{-1000, -819.19990234375, "mm", "too far"}),
             "-1000 mm is too far; the nearest possible value is -819.1999 mm");

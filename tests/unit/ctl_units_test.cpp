@@ -167,7 +167,7 @@ TEST(CtlShown, HasTheDigitsThatOneMicrostepMakes) {
   EXPECT_EQ(shown(InUnit{1e-7, "mm"}, 1000), "0.0000001 mm");
   EXPECT_EQ(shown(InUnit{1234567, "um"}, 2), "1234567 um");
   EXPECT_EQ(shown(InUnit{0, "mm"}, 0), "0 mm");
-  EXPECT_EQ(shown(InUnit{-0.0, "mm"}, 0), "-0 mm") << "no axis is there";
+  EXPECT_EQ(shown(InUnit{-0.0, "mm"}, 0), "0 mm");
   EXPECT_EQ(shown(std::nullopt, -17), "-17");
 }
 

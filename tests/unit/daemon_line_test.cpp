@@ -255,11 +255,11 @@ TEST(DaemonLineLimits, SaysWhatIsWrongWithThem) {
               HasSubstr("axis 'x': 13 mm/s is too fast; the nearest possible value is 12.2"));
   EXPECT_THAT(refusal({"y", "z"}, {{"velocity", 1}}),
               HasSubstr("axis 'y' is in mm and axis 'z' is in deg"));
-  EXPECT_THAT(refusal({"x", "y"}, {{"acceleration_pps2", 1e12}}), HasSubstr("axis 'x': 1e+12"));
+  EXPECT_THAT(refusal({"x", "y"}, {{"acceleration_pps2", 1e12}}),
+              HasSubstr("axis 'x': 1000000000000"));
   EXPECT_THAT(message_of(bench.line({"x", "y"}, {8'000'000, 1})),
               HasSubstr("axis 'y': its part of the line, 1.25e-07 of the longest way, is too slow "
-                        "for its registers: 1."));
-  EXPECT_THAT(message_of(bench.line({"x", "y"}, {8'000'000, 1})), HasSubstr("e-06 mm/s, "));
+                        "for its registers: 0.000001"));
   LineBench without(axes_without_units());
   EXPECT_THAT(message_of(without.line({"x", "y"}, {1, 1}, {{"velocity", 1}})),
               HasSubstr("axis 'x' has no unit of its own"));

@@ -214,7 +214,7 @@ TEST_F(DaemonBow, IsTheHighestThatTheJerkAllows) {
   // 931322575 pps/s2 is that of 11; a bow of 13 would swing at 6872 of the register.
   EXPECT_EQ(bow_for({{"jerk", "1e9pps/s2"}}), 11);
   EXPECT_THAT(json::serialize(planned(with({{"jerk", "1e9pps/s2"}})).at("remarks")),
-              HasSubstr("the jerk is 9.31323e+08 microsteps/s^3, not 1e+09"));
+              HasSubstr("the jerk is 931322575 microsteps/s^3, not 1000000000"));
   EXPECT_EQ(bow_for({{"jerk", "max"}}), 12);
   EXPECT_EQ(bow_for({{"jerk", "1e9mm/s^3"}}), 12);
   EXPECT_EQ(bow_for({{"jerk", "90000mm/s3"}}), 10);
@@ -260,7 +260,7 @@ TEST_F(DaemonSixpointRamp, BrakesAsAsked) {
   ASSERT_TRUE(done) << done.error().message;
   EXPECT_THAT(written(), ElementsAre("4=50000", "5=200000", "15=200000", "17=100000", "18=100000"));
   params["deceleration"] = "1e9pps/s";
-  EXPECT_THAT(refusal(params), HasSubstr("1e+09 pps/s is too large"));
+  EXPECT_THAT(refusal(params), HasSubstr("1000000000 pps/s is too large"));
 }
 
 TEST_F(DaemonRamp, WhatItsModuleHasNotApartIsSaid) {

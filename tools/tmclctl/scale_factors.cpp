@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "tmcl/plain_number.hpp"
 #include "tmcl/scale_factor.hpp"
 
 namespace tmclctl {
@@ -26,7 +27,7 @@ void add(const ScaleFactors& factors, boost::json::object& document) {
 }
 
 std::string factor_text(const std::optional<double>& factor) {
-  return factor ? fmt::format("{:.10g}", *factor) : "-";
+  return factor ? tmcl::plain_number(*factor, 10) : "-";
 }
 
 }  // namespace tmclctl

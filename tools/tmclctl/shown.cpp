@@ -1,4 +1,5 @@
 #include "shown.hpp"
+#include "tmcl/plain_number.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -38,7 +39,7 @@ std::optional<InUnit> in_unit_a_second(const std::optional<double>& number,
 
 std::string shown_number(double value, double counted) {
   // Nothing tells then what one is.
-  if (counted == 0 || value == 0) return fmt::format("{:.10g}", value);
+  if (counted == 0 || value == 0) return tmcl::plain_number(value, 10);
   return without_zeros(fmt::format("{:.{}f}", value, decimals_for(std::abs(value / counted))));
 }
 

@@ -1,4 +1,5 @@
 #include "tmcl/json_text.hpp"
+#include "tmcl/plain_number.hpp"
 
 #include <algorithm>
 #include <array>
@@ -76,20 +77,6 @@ void append_number(std::string& text, auto number) {
   text.append(digits.data(), end);
 }
 
-/// The shortest that is read as the same number; with an exponent only where the zeros of a number
-/// had to be counted.
-void append_number(std::string& text, double number) {
-  constexpr double least = 1e-6;
-  constexpr double greatest = 1e15;
-  const double size = std::abs(number);
-  const bool plain = size >= least && size < greatest;
-  if (number == 0) return text.push_back('0');
-  std::array<char, 32> digits{};
-  const auto format = plain ? std::chars_format::fixed : std::chars_format::scientific;
-  const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), number, format).ptr;
-  text.append(digits.data(), end);
-}
-
 void append(std::string& text, const json::array& array) {
   std::string_view separator = "[";
   for (const auto& value : array) {
@@ -110,8 +97,7 @@ void append_json(std::string& text, const json::value& value) {
     case json::kind::uint64: return append_number(text, value.get_uint64());
     case json::kind::double_:
       // JSON has no way to write the others.
-      if (std::isfinite(value.get_double())) return append_number(text, value.get_double());
-      text += "null";
+      text += std::isfinite(value.get_double()) ? plain_number(value.get_double()) : "null";
       return;
     case json::kind::string: {
       const auto& words = value.get_string();

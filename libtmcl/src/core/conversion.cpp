@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <tuple>
 
 #include "tmcl/parameter_number.hpp"
+#include "tmcl/plain_number.hpp"
 
 namespace tmcl {
 namespace {
@@ -24,12 +24,6 @@ double ratio(RegisterUnit unit) {
 
 ModuleUnits units_of(RegisterUnit velocity, RegisterUnit acceleration) {
   return {{ratio(velocity)}, {ratio(acceleration)}};
-}
-
-std::string number_text(double value) {
-  char buffer[32];
-  const auto end = std::to_chars(std::begin(buffer), std::end(buffer), value).ptr;
-  return {buffer, end};
 }
 
 // Nothing where a rounded value is outside the range or no number.
@@ -99,8 +93,8 @@ double shortened(double nearest, double wished) {
 }  // namespace
 
 std::string describe(const OutOfReach& error) {
-  return number_text(error.wished) + ' ' + error.unit + " is " + std::string(error.fault) +
-         "; the nearest possible value is " + number_text(shortened(error.nearest, error.wished)) +
+  return plain_number(error.wished) + ' ' + error.unit + " is " + std::string(error.fault) +
+         "; the nearest possible value is " + plain_number(shortened(error.nearest, error.wished)) +
          ' ' + error.unit;
 }
 

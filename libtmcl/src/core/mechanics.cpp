@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <limits>
 #include <string_view>
 
 #include "tmcl/parameter_number.hpp"
+#include "tmcl/plain_number.hpp"
 
 namespace tmcl {
 namespace {
@@ -16,14 +16,7 @@ constexpr std::array ramp_modes{number_of(Family::tmc457, ramp_mode),
                                 number_of(Family::tmc429, ramp_mode)};
 
 // Twelve digits: what is behind them comes from the conversion, not from the user.
-std::string number_text(double value) {
-  constexpr int digits = 12;
-  char buffer[32];
-  const auto end =
-      std::to_chars(std::begin(buffer), std::end(buffer), value, std::chars_format::general, digits)
-          .ptr;
-  return {buffer, end};
-}
+std::string number_text(double value) { return plain_number(value, 12); }
 
 std::int32_t clipped_microsteps(UserPosition position, const UserScale& scale) {
   if (const auto microsteps = to_microsteps(position, scale)) return microsteps->value;

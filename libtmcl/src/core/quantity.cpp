@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "tmcl/hex.hpp"
+#include "tmcl/plain_number.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmcl {
@@ -288,10 +289,7 @@ Converted<std::int32_t> bare_rate(const Quantity& quantity, const AxisUnits& uni
 }  // namespace
 
 std::string to_string(const Quantity& quantity) {
-  std::array<char, 32> buffer{};
-  char* const end =
-      std::to_chars(buffer.data(), buffer.data() + buffer.size(), quantity.number).ptr;
-  return std::string(buffer.data(), end) + quantity.unit;
+  return plain_number(quantity.number) + quantity.unit;
 }
 
 Dimension dimension_of(const Quantity& quantity) {

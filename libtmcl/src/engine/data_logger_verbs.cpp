@@ -6,6 +6,7 @@
 
 #include "engine/verb_steps.hpp"
 #include "tmcl/data_logger.hpp"
+#include "tmcl/plain_number.hpp"
 
 namespace tmcl {
 namespace {
@@ -20,25 +21,26 @@ constexpr double percent = 100;
 
 // ---- What a module can record
 
-/// Rates are written with six digits.
+constexpr int digits_of_rate = 6;
 constexpr double as_written = 1e-5;
+
+std::string in_hz(double rate) { return plain_number(rate, digits_of_rate) + " Hz"; }
 
 Error no_such_rate(double rate_hz, double ticks_per_second) {
   const auto hint = fmt::format(
-      "the module samples at {0:g} Hz divided by a whole number, such as {0:g}, {1:g} or {2:g} Hz",
-      ticks_per_second, ticks_per_second / 2, ticks_per_second / 3);
-  if (!(rate_hz > 0)) return bad_argument(fmt::format("{:g} Hz is no rate", rate_hz), hint);
+      "the module samples at {0} divided by a whole number, such as {0}, {1} or {2}",
+      in_hz(ticks_per_second), in_hz(ticks_per_second / 2), in_hz(ticks_per_second / 3));
+  if (!(rate_hz > 0)) return bad_argument(in_hz(rate_hz) + " is no rate", hint);
   const auto divider = ticks_per_second / rate_hz;
   if (divider < 1) {
-    return bad_argument(
-        fmt::format("{:g} Hz is faster than the module can: {:g} Hz", rate_hz, ticks_per_second),
-        hint);
+    return bad_argument(fmt::format("{} is faster than the module can: {}", in_hz(rate_hz),
+                                    in_hz(ticks_per_second)),
+                        hint);
   }
   return bad_argument(
-      fmt::format("the module cannot sample at {:g} Hz; the nearest that it can are {:g} Hz and "
-                  "{:g} Hz",
-                  rate_hz, ticks_per_second / std::ceil(divider),
-                  ticks_per_second / std::floor(divider)),
+      fmt::format("the module cannot sample at {}; the nearest that it can are {} and {}",
+                  in_hz(rate_hz), in_hz(ticks_per_second / std::ceil(divider)),
+                  in_hz(ticks_per_second / std::floor(divider))),
       hint);
 }
 

@@ -1,4 +1,5 @@
 #include "tmcl/plan/course.hpp"
+#include "tmcl/plain_number.hpp"
 
 #include <fmt/format.h>
 
@@ -163,8 +164,9 @@ class Course::Maker {
   void complain(std::size_t row, std::size_t axis, std::string_view how, double value, double limit,
                 std::string_view unit) {
     if (value <= limit * (1 + timetable_slack) || !fault_.empty()) return;
-    fault_ = fmt::format("line {}: too {} for axis {}: {:.6g}{}, where {:.6g} is the most",
-                         lines_[row], how, path_.axes[axis], value, unit, limit);
+    fault_ =
+        fmt::format("line {}: too {} for axis {}: {}{}, where {} is the most", lines_[row], how,
+                    path_.axes[axis], plain_number(value, 6), unit, plain_number(limit, 6));
   }
 
   void add(Piece piece) { course_.pieces_.push_back(std::move(piece)); }

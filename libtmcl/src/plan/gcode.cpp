@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include "plan/text_cursor.hpp"
+#include "tmcl/plain_number.hpp"
 #include "tmcl/plan/path_file.hpp"
 
 namespace tmcl::plan::path_file {
@@ -216,9 +217,9 @@ class Interpreter {
       codes.motion = static_cast<int>(word.value);
     } else {
       return wrong(word.column,
-                   fmt::format("G{:g} is not known here; known are G0, G1, G2, G3, G4, G20, G21, "
+                   fmt::format("G{} is not known here; known are G0, G1, G2, G3, G4, G20, G21, "
                                "G90 and G91",
-                               word.value));
+                               plain_number(word.value, 6)));
     }
     if (codes.dwell && codes.motion)
       return wrong(word.column, "G4 and a movement exclude each other");
@@ -241,7 +242,8 @@ class Interpreter {
     for (const auto& m : block.m()) {
       ends = ends || m.value == 2;
       if (m.value != 2)
-        complain({m.column, fmt::format("M{:g} is not known here; known is M2", m.value)});
+        complain({m.column,
+                  fmt::format("M{} is not known here; known is M2", plain_number(m.value, 6))});
     }
     return !ends;
   }
@@ -331,10 +333,10 @@ class Interpreter {
       return wrong(column, "the centre is where the arc begins");
     if (!(end > 0)) return wrong(column, "the centre is where the arc ends");
     if (!(std::abs(begin - end) <= radius_slack(std::max(begin, end)))) {
-      return wrong(column,
-                   fmt::format("the arc begins {0:.6g} {2} from its centre and ends {1:.6g} "
-                               "{2} from it",
-                               begin / unit_, end / unit_, unit_name()));
+      return wrong(
+          column,
+          fmt::format("the arc begins {0} {2} from its centre and ends {1} {2} from it",
+                      plain_number(begin / unit_, 6), plain_number(end / unit_, 6), unit_name()));
     }
     set_sweep(arc, begin);
     return {};
@@ -358,8 +360,8 @@ class Interpreter {
     const double beyond = chord / 2 - radius;
     if (!(beyond <= radius_slack(radius))) {
       return wrong(radius_word.column,
-                   fmt::format("the radius is too small: the ends are {:.6g} {} apart",
-                               chord / unit_, unit_name()));
+                   fmt::format("the radius is too small: the ends are {} {} apart",
+                               plain_number(chord / unit_, 6), unit_name()));
     }
     // Counter-clockwise, the centre of the shorter arc is on the left.
     const bool left = (motion_ == 3) == (radius_word.value > 0);

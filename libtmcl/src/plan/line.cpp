@@ -11,6 +11,7 @@
 
 #include "tmcl/conversion.hpp"
 #include "tmcl/parameter_number.hpp"
+#include "tmcl/plain_number.hpp"
 #include "tmcl/plan/ramp_choice.hpp"
 #include "tmcl/seconds.hpp"
 
@@ -423,9 +424,8 @@ class Planner {
       if (possible) continue;
       return LineError{
           i,
-          fmt::format(
-              "its part of the line, {:.3g} of the longest way, is too slow for its registers",
-              part_of(i)),
+          fmt::format("its part of the line, {} of the longest way, is too slow for its registers",
+                      plain_number(part_of(i), 3)),
           Pace{{ramp_.velocity * part_of(i)}, {ramp_.acceleration * part_of(i)}}};
     }
     return std::nullopt;
@@ -512,10 +512,11 @@ tl::expected<Line, LineError> plan_line(std::span<const LineAxis> axes,
   auto shortest = Planner(axes, exchanges).plan();
   if (!duration || !shortest || shortest->order.empty()) return shortest;
   if (*duration < shortest->duration) {
-    return tl::unexpected(LineError{
-        shortest->order.front(),
-        fmt::format("it cannot be there after {:.6g} s; the shortest time possible is {:.6g} s",
-                    seconds(*duration), seconds(shortest->duration))});
+    return tl::unexpected(
+        LineError{shortest->order.front(),
+                  fmt::format("it cannot be there after {} s; the shortest time possible is {} s",
+                              plain_number(seconds(*duration), 6),
+                              plain_number(seconds(shortest->duration), 6))});
   }
   Planner planner(axes, exchanges);
   planner.stretch_to(*duration);

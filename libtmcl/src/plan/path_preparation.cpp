@@ -10,6 +10,7 @@
 #include <fmt/ranges.h>
 
 #include "tmcl/parameter_number.hpp"
+#include "tmcl/plain_number.hpp"
 #include "tmcl/scale_factor.hpp"
 
 namespace tmcl::plan {
@@ -76,14 +77,14 @@ std::optional<PathObjection> objection_to(double position, const PathAxis& axis)
   if (there < axis.range.least || there > axis.range.greatest) {
     return wrong(
         "out_of_range",
-        fmt::format("the path goes to {} {:.6g}: {:.0f} microsteps, and {} can go to {} to {}",
-                    of_file, position, there, name, axis.range.least, axis.range.greatest));
+        fmt::format("the path goes to {} {}: {:.0f} microsteps, and {} can go to {} to {}", of_file,
+                    plain_number(position, 6), there, name, axis.range.least, axis.range.greatest));
   }
   const auto limit =
       axis.limits ? beyond(*axis.limits, microsteps(axis, position), axis.scale) : std::nullopt;
   if (!limit) return std::nullopt;
-  return wrong("beyond_soft_limit", fmt::format("the path goes to {} {:.6g}: {} of {}", of_file,
-                                                position, describe(*limit), name));
+  return wrong("beyond_soft_limit", fmt::format("the path goes to {} {}: {} of {}", of_file,
+                                                plain_number(position, 6), describe(*limit), name));
 }
 
 PathResult<PathSource> flattened(const path_file::Reading& path, PathFormat format,
@@ -290,14 +291,15 @@ PathResult<double> feed_of(const std::vector<PathAxis>& axes) {
   const auto [least, greatest] = std::ranges::minmax_element(bounded, {}, &PathAxis::feed);
   if (least->feed == greatest->feed || greatest->feed - least->feed <= rounding * least->feed)
     return least->feed;
-  return tl::unexpected(PathObjection{
-      "wrong_unit",
-      fmt::format("'feed' is {:.6g} a second in the unit of {}, and {:.6g} in that of {}",
-                  least->feed, least->choice.axis, greatest->feed, greatest->choice.axis),
-      {},
-      {},
-      "feed",
-      "give a number: a second in the units of the file"});
+  return tl::unexpected(
+      PathObjection{"wrong_unit",
+                    fmt::format("'feed' is {} a second in the unit of {}, and {} in that of {}",
+                                plain_number(least->feed, 6), least->choice.axis,
+                                plain_number(greatest->feed, 6), greatest->choice.axis),
+                    {},
+                    {},
+                    "feed",
+                    "give a number: a second in the units of the file"});
 }
 
 PathResult<Course> course_of(const PathSource& source, PathLimits limits, double feed,

@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include "plan/derivation.hpp"
+#include "tmcl/plain_number.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -381,7 +382,7 @@ class Wording {
   std::string precise(double number) const {
     const bool near = difference(error_.given, error_.implied) < 1e-4;
     const auto unit = value(*error_.quantity, 0).substr(1);
-    return near ? fmt::format("{:.13g}{}", number, unit) : value(*error_.quantity, number);
+    return near ? plain_number(number, 13) + unit : value(*error_.quantity, number);
   }
 
   std::string impossible() const {
@@ -465,7 +466,7 @@ double Profile::speed_at(double time) const {
 
 std::string with_unit(Quantity quantity, double value, std::string_view length_unit,
                       std::string_view time_unit) {
-  const auto number = fmt::format("{:.6g}", value);
+  const auto number = plain_number(value, 6);
   switch (quantity) {
     case distance:
     case acceleration_distance:

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"
+#include "tmcl/plain_number.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -18,11 +18,7 @@ constexpr auto ramp_divisor = number_of("ramp_divisor");
 constexpr auto pulse_divisor = number_of("pulse_divisor");
 constexpr double noticeable = 0.01;  // of a wish
 
-std::string in_words(double value, const char* unit) {
-  char text[48];
-  std::snprintf(text, sizeof text, "%.6g %s", value, unit);
-  return text;
-}
+std::string in_words(double value, const char* unit) { return plain_number(value, 6) + ' ' + unit; }
 
 void remark_if_off(RampChoice& choice, const char* what, double wished, double got,
                    const char* unit) {

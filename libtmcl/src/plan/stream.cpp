@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "plan/stream_runner.hpp"
+#include "tmcl/plain_number.hpp"
 
 namespace tmcl::plan {
 
@@ -226,9 +227,10 @@ DriveRunner::Fault PathStream::Runner::take_reading(std::size_t axis) {
   off_plan_[axis] = off;
   note_place_on_path();
   if (std::abs(off) <= options_.most_deviation) return std::nullopt;
-  return fault(DriveFault::Kind::off_course, axis,
-               fmt::format("is {:.6g} off the path, at {:.6g}; {:.6g} are allowed", std::abs(off),
-                           position, options_.most_deviation));
+  return fault(
+      DriveFault::Kind::off_course, axis,
+      fmt::format("is {} off the path, at {}; {} are allowed", plain_number(std::abs(off), 6),
+                  plain_number(position, 6), plain_number(options_.most_deviation, 6)));
 }
 
 // What the axes are off their plan in time is a distance from the path and a delay on it: from the

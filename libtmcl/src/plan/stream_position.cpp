@@ -6,6 +6,7 @@
 
 #include "plan/stream_runner.hpp"
 #include "tmcl/parameter_number.hpp"
+#include "tmcl/plain_number.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -200,9 +201,9 @@ DriveRunner::Fault PathStream::Runner::fault_of_axes() const {
     const double top = course_.top_speed(axis) * std::abs(info.microsteps_per_unit);
     if (course_.legs() > 1 && top > most) {
       return fault(FaultKind::unsuited, axis,
-                   fmt::format("would be as fast as {:.6g} microsteps/s, and its stop "
-                               "velocity is {:.6g} at most",
-                               top, most));
+                   fmt::format("would be as fast as {} microsteps/s, and its stop velocity is {} "
+                               "at most",
+                               plain_number(top, 6), plain_number(most, 6)));
     }
   }
   return std::nullopt;

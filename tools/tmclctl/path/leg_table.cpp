@@ -7,6 +7,7 @@
 
 #include "json_read.hpp"
 #include "print.hpp"
+#include "tmcl/plain_number.hpp"
 
 namespace tmclctl::path {
 namespace {
@@ -41,7 +42,7 @@ void print_ramps(const json::array& legs, const char* title, bool in_microsteps,
         cells.push_back(fmt::format("{:.4f} s", number_at(row, time).value_or(0)));
       cells.push_back(text_at(axis.as_object(), "axis"));
       for (const auto* key : ramp_keys)
-        cells.push_back(fmt::format("{:.6g}", number_at(ramp, key).value_or(0)));
+        cells.push_back(tmcl::plain_number(number_at(ramp, key).value_or(0), 6));
       table.add(std::move(cells));
     }
   }

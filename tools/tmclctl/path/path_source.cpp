@@ -11,6 +11,7 @@
 #include "plot/plane.hpp"
 #include "print.hpp"
 #include "text_problems.hpp"
+#include "tmcl/plain_number.hpp"
 
 namespace tmclctl::path {
 namespace {
@@ -20,17 +21,20 @@ namespace plan = tmcl::plan;
 
 double number(const json::value& value) { return value.to_number<double>(); }
 
+std::string figure(const json::object& row, const char* key, int digits = 6) {
+  return tmcl::plain_number(number_at(row, key).value_or(0), digits);
+}
+
 std::string to_svg(const std::string& file, const json::object& course, const json::object& curve) {
   const auto& axes = array_at(course, "axes");
   const std::size_t second = std::min<std::size_t>(1, axes.size() - 1);
   const auto name = [&](std::size_t axis) { return text_at(axes[axis].as_object(), "axis"); };
-  plot::Plane plane{
-      fmt::format("{}: {:.6g} units in {:.6g} s", file, number_at(course, "length").value_or(0),
-                  number_at(course, "duration_s").value_or(0)),
-      name(0),
-      name(second),
-      {},
-      {}};
+  plot::Plane plane{fmt::format("{}: {} units in {} s", file, figure(course, "length"),
+                                figure(course, "duration_s")),
+                    name(0),
+                    name(second),
+                    {},
+                    {}};
   plot::Picture picture{"", "s", {}, {}};
   for (std::size_t axis = 0; axis < axes.size(); ++axis)
     picture.curves.push_back({"position", name(axis), {}, {}});
@@ -87,11 +91,8 @@ void warn(const json::object& report, Output& output) {
 }
 
 void print(const std::string& file, const json::object& course, Output& output) {
-  const auto figure = [](const json::object& row, const char* key) {
-    return fmt::format("{:.6g}", number_at(row, key).value_or(0));
-  };
-  output.out << fmt::format("{}: {} units in {:.4g} s, {} legs\n\n", file, figure(course, "length"),
-                            number_at(course, "duration_s").value_or(0),
+  output.out << fmt::format("{}: {} units in {} s, {} legs\n\n", file, figure(course, "length"),
+                            figure(course, "duration_s", 4),
                             integer_at<std::size_t>(course, "legs"));
   Table axes({"AXIS", "FROM", "TO", "TOP SPEED"});
   for (const auto& value : array_at(course, "axes")) {
@@ -107,8 +108,7 @@ void print(const std::string& file, const json::object& course, Output& output) 
   for (const auto& value : slowest) {
     const auto& row = value.as_object();
     corners.add({fmt::format("end of line {}", integer_at<std::size_t>(row, "line")),
-                 fmt::format("{:.4g} s", number_at(row, "time_s").value_or(0)),
-                 figure(row, "speed")});
+                 figure(row, "time_s", 4) + " s", figure(row, "speed")});
   }
   corners.print(output.out);
 }

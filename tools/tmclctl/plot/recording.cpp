@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include "shown.hpp"
+#include "tmcl/plain_number.hpp"
 #include "tmcl/utc_text.hpp"
 
 namespace tmclctl::plot {
@@ -86,8 +87,8 @@ std::string to_csv(const Recording& recording) {
     auto end = std::back_inserter(text);
     fmt::format_to(end, "{:.6f},{},{}", sample.time, sample.position, sample.velocity);
     if (recording.user) {
-      fmt::format_to(end, ",{:.12g},{:.12g}", position_of(sample, recording),
-                     velocity_of(sample, recording));
+      fmt::format_to(end, ",{},{}", tmcl::plain_number(position_of(sample, recording), 12),
+                     tmcl::plain_number(velocity_of(sample, recording), 12));
     }
     if (recording.begin_utc) {
       const auto time = std::chrono::duration<double>(sample.time);

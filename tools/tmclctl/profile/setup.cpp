@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include "tmcl/plain_number.hpp"
 #include "tmcl/spelling.hpp"
 
 namespace tmclctl::profile {
@@ -93,9 +94,11 @@ class Reader {
   }
 
   static Failure beyond(const std::string& words, const RegisterInfo& info, const Scale& scale) {
-    return usage_failure("bad_register", fmt::format("{}: {} is {:.10g}..{:.10g} {}", words,
-                                                     info.name, scale.in_unit(info.minimum),
-                                                     scale.in_unit(info.maximum), scale.unit));
+    return usage_failure(
+        "bad_register",
+        fmt::format("{}: {} is {}..{} {}", words, info.name,
+                    tmcl::plain_number(scale.in_unit(info.minimum), 10),
+                    tmcl::plain_number(scale.in_unit(info.maximum), 10), scale.unit));
   }
 
   std::string names_of_values(const RegisterInfo& info, std::string_view text) const {

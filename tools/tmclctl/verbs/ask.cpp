@@ -8,6 +8,7 @@
 #include "names.hpp"
 #include "print.hpp"
 #include "tmcl/json_text.hpp"
+#include "tmcl/plain_number.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -56,7 +57,7 @@ std::string text_of(std::string_view key, const json::value& value) {
 
 // "12.5mm", as it can be typed, too.
 void print_position(const Quantity& position, std::ostream& out) {
-  out << fmt::format("{:.12g}{}\n", position.number, position.unit);
+  out << tmcl::plain_number(position.number, 12) << position.unit << '\n';
 }
 
 /// One bare value where there is one, for scripts; else a line for each.

@@ -12,6 +12,7 @@
 #include "print.hpp"
 #include "progress_line.hpp"
 #include "tmcl/api/capture.hpp"
+#include "tmcl/plain_number.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -224,7 +225,7 @@ std::string to_csv(const Recording& recording) {
   std::string text = "time_s";
   for (const auto& name : recording.names) text += "," + name;
   for (std::size_t i = 0; i < recording.times.size(); ++i) {
-    text += fmt::format("\n{:.6g}", recording.times[i]);
+    text += '\n' + tmcl::plain_number(recording.times[i], 6);
     for (const auto& channel : recording.values) text += "," + std::to_string(channel[i]);
   }
   return text + "\n";
@@ -234,8 +235,8 @@ std::string summary(const verb::Capture& verb, const capture::Started& started) 
   std::string names;
   for (const auto& channel : started.channels)
     names += (names.empty() ? "" : ", ") + name_of(channel);
-  return fmt::format("{}: {} samples of {} at {:g} Hz", verb.axis, started.samples, names,
-                     started.rate_hz);
+  return fmt::format("{}: {} samples of {} at {} Hz", verb.axis, started.samples, names,
+                     tmcl::plain_number(started.rate_hz, 6));
 }
 
 plot::Picture picture_of(const verb::Capture& verb, const capture::Started& started,

@@ -4,6 +4,7 @@
 #include "path/path_source.hpp"
 #include "print.hpp"
 #include "text_problems.hpp"
+#include "tmcl/plain_number.hpp"
 #include "tmcl/plan/mint.hpp"
 #include "verbs.hpp"
 
@@ -47,8 +48,8 @@ json::object to_json(const std::string& file, const mint::DryRun& run) {
 void print_table(const mint::DryRun& run, Output& output) {
   Table table({"GO", "START", "AXIS", "FROM", "TO", "TIME", "SPEED", "ACCELERATES", "SLEWS",
                "DECELERATES"});
-  const auto number = [](double value) { return fmt::format("{:.6g}", value); };
-  const auto seconds = [](double value) { return fmt::format("{:.6g} s", value); };
+  const auto number = [](double value) { return tmcl::plain_number(value, 6); };
+  const auto seconds = [&](double value) { return number(value) + " s"; };
   for (const auto& group : run.groups) {
     for (const auto& move : group.moves) {
       const auto profile = move.profile.value_or(plan::Profile{});

@@ -3,6 +3,7 @@
 #include <boost/json/array.hpp>
 
 #include "print.hpp"
+#include "tmcl/plain_number.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -36,7 +37,7 @@ VerbResult run(const verb::Get& verb, Context& context) {
     if (!shown) return tl::unexpected(shown.error());
     document["value_in_unit"] = shown->number;
     document["unit"] = shown->unit;
-    line = fmt::format("{:.12g}{}\n", shown->number, shown->unit);
+    line = tmcl::plain_number(shown->number, 12) + shown->unit + '\n';
   }
   if (context.output.json) {
     print_json(document, context.output);

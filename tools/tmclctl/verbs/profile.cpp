@@ -11,6 +11,7 @@
 #include "plot/text_plot.hpp"
 #include "print.hpp"
 #include "profile/setup.hpp"
+#include "tmcl/plain_number.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -37,8 +38,8 @@ void warn_of(const Outcome& outcome, const Setup& setup, const verb::Simulate& v
            output);
   }
   if (outcome.cut_off)
-    warn(fmt::format("it changes again and again; followed to {:.6g} {} only",
-                     setup.time_of(outcome.end), setup.generator.time_unit),
+    warn(fmt::format("it changes again and again; followed to {} {} only",
+                     tmcl::plain_number(setup.time_of(outcome.end), 6), setup.generator.time_unit),
          output);
   if (outcome.more_phases)
     warn(fmt::format("only the first {} phases are listed", profile::most_phases), output);
@@ -161,8 +162,8 @@ Attempt<std::string> to_csv(const verb::Simulate& verb, const Setup& setup,
   std::string text = "t,x,v,a\n";
   for (std::size_t i = 0; i < times->size(); ++i) {
     const auto& motion = (*motions)[i];
-    text += fmt::format("{:.12g},{},{},{}\n", (*times)[i], motion.position, motion.velocity,
-                        motion.acceleration);
+    text += fmt::format("{},{},{},{}\n", tmcl::plain_number((*times)[i], 12), motion.position,
+                        motion.velocity, motion.acceleration);
   }
   return text;
 }
@@ -206,8 +207,8 @@ Attempt<void> draw(const plot::Recording& recording, const std::string& svg_path
 
 void print_ramps(const Outcome& outcome, const Setup& setup, std::ostream& out) {
   const auto text = [&](const Ramp& ramp) {
-    return fmt::format("{:.4g} {} and {} {}", ramp.duration, setup.generator.time_unit, ramp.length,
-                       setup.generator.length_unit);
+    return fmt::format("{} {} and {} {}", tmcl::plain_number(ramp.duration, 4),
+                       setup.generator.time_unit, ramp.length, setup.generator.length_unit);
   };
   out << "up to speed in " << text(ramp_up(outcome, setup));
   if (const auto down = ramp_down(outcome, setup)) out << ", and down to rest in " << text(*down);
@@ -227,8 +228,9 @@ Attempt<void> show(const verb::Simulate& verb, const Setup& setup, const Simulat
     });
   }
   for (const auto& [name, value, scale] : scaled_registers(setup)) {
-    output.out << fmt::format("{:<12} {:.10g} {} = {} ({:x}h)\n", name, scale->in_unit(value),
-                              scale->unit, value, value);
+    output.out << fmt::format("{:<12} {} {} = {} ({:x}h)\n", name,
+                              tmcl::plain_number(scale->in_unit(value), 10), scale->unit, value,
+                              value);
   }
   if (verb.svg.empty()) print_ramps(outcome, setup, output.out);
   return record(setup, simulation, outcome).and_then([&](const plot::Recording& recording) {

@@ -8,6 +8,7 @@
 #include "plot/text_plot.hpp"
 #include "print.hpp"
 #include "profile/known_values.hpp"
+#include "tmcl/plain_number.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -82,8 +83,10 @@ plot::Picture picture_of(const plan::Profile& profile, const std::string& unit) 
     position.values.push_back(profile.position_at(time));
     velocity.values.push_back(profile.speed_at(time));
   }
-  auto title = fmt::format("{:.6g} {} in {:.6g} s, greatest velocity {:.6g} {}", profile.distance,
-                           position.unit, profile.total_time, profile.speed, velocity.unit);
+  const auto number = [](double value) { return tmcl::plain_number(value, 6); };
+  auto title =
+      fmt::format("{} {} in {} s, greatest velocity {} {}", number(profile.distance), position.unit,
+                  number(profile.total_time), number(profile.speed), velocity.unit);
   return {std::move(title), "s", {std::move(position), std::move(velocity)}, {}};
 }
 

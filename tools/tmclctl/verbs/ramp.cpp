@@ -6,6 +6,7 @@
 
 #include "print.hpp"
 #include "tmcl/api/axis.hpp"
+#include "tmcl/plain_number.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -71,11 +72,11 @@ void show(const verb::Ramp& verb, const Ramp& ramp, Output& output) {
     text +=
         rate.in_unit && !verb.internal
             ? shown(InUnit{*rate.in_unit, *ramp.unit + std::string(rate.per_seconds)}, rate.pulses)
-            : fmt::format("{:.10g} {}", rate.pulses, rate.in_pulses);
+            : fmt::format("{} {}", tmcl::plain_number(rate.pulses, 10), rate.in_pulses);
   }
   output.out << text
-             << fmt::format("; up to speed in {:.4g} s and {:.0f} microsteps", ramp.ramp_s,
-                            ramp.ramp_microsteps)
+             << fmt::format("; up to speed in {} s and {:.0f} microsteps",
+                            tmcl::plain_number(ramp.ramp_s, 4), ramp.ramp_microsteps)
              << (verb.dry_run ? "; nothing was written" : "") << '\n';
   warn(ramp.remarks, output);
 }

@@ -10,6 +10,7 @@
 #include "print.hpp"
 #include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"
+#include "tmcl/plain_number.hpp"
 #include "tmcl/plan/ramp_choice.hpp"
 #include "verbs.hpp"
 
@@ -158,7 +159,7 @@ class Converter {
 void print(std::string_view title, const std::vector<Rendering>& forms, Output& output) {
   output.out << title << '\n';
   for (const auto& form : forms)
-    output.out << fmt::format("  {:>16.10g} {}\n", form.value, form.unit);
+    output.out << fmt::format("  {:>16} {}\n", tmcl::plain_number(form.value, 10), form.unit);
 }
 
 /// What is to be shown of it, as the user said it.
