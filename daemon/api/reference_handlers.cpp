@@ -87,9 +87,8 @@ std::optional<RpcError> check_mode(std::optional<std::uint8_t> mode, const Gatew
 /// No client waits for it any more, so it is stopped.
 boost::asio::awaitable<void> end_late_search(const Call& call, std::shared_ptr<GatewayAxis> axis,
                                              tmcl::Error& error) {
-  ++call.gateway->stops_in_progress;
+  const StopInProgress in_progress(call.gateway);
   const auto stopped = co_await axis->stop(StopCause::client, call.permit.client);
-  --call.gateway->stops_in_progress;
   if (!stopped) stop_until_it_stands(axis);
   error.message += stopped ? ", and was stopped" : "; " + not_stopped(axis->name());
   error.hint =

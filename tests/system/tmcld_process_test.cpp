@@ -260,6 +260,17 @@ TEST_F(Tmcld, SaysWhatIsMissing) {
   EXPECT_THAT(unknown.output, testing::HasSubstr("--conf"));
 }
 
+TEST_F(Tmcld, SaysAtItsStartThatItCanOpenTooFewFilesForClients) {
+  start_simulator_on_pty();
+  write_config(pty_link());
+  daemon = std::make_unique<Program>(std::vector<std::string>{
+      "/bin/sh", "-c", "ulimit -n 32; exec '" TMCL_BIN_DIR "/tmcld' --config '" + config() + "'"});
+  ASSERT_TRUE(daemon->wait_for("module_answers (module 1)")) << daemon->output();
+  EXPECT_THAT(daemon->output(), testing::HasSubstr("so few files may be open (ulimit -n) that no "
+                                                   "client can be served but for stops"));
+  EXPECT_TRUE(RpcClient(socket()).call("axis.stop", {{"axis", "x"}}).contains("result"));
+}
+
 TEST_F(Tmcld, TakesTheConfigurationOfItsPackageUnlessTold) {
   EXPECT_THAT(run_program({"tmcld", "--help"}).output, testing::HasSubstr("/etc/tmcl/tmcld.toml"));
 }
