@@ -80,5 +80,28 @@ TEST(VstartInPositionMode, SetsOutAtOnceWithTheSpeedOfAJointThatCameTooLate) {
   EXPECT_GT(pass(true, late).largest_start, 10);
 }
 
+TEST(StreamPosition, TargetsOfALegGoOutInQuickSuccession) {
+  Bench bench;
+  bench.limit(24, 500);
+  bench.most_deviation = 5;
+  ASSERT_FALSE(bench.pass(test::circle(20, 1), StreamMode::position).fault);
+  const auto is_target = [](const DriveCommand& command) {
+    return command.kind == Kind::set && command.parameter == ap::target_position;
+  };
+  const auto first = std::ranges::find_if(bench.commands, is_target);
+  ASSERT_GE(bench.commands.end() - first, 2);
+  EXPECT_TRUE(is_target(first[1])) << int{first[1].parameter};
+  EXPECT_NE(first[0].axis, first[1].axis);
+  // What they need is there before.
+  for (const std::size_t axis : {0U, 1U}) {
+    for (const auto parameter : {ap::max_velocity, ap::max_acceleration}) {
+      const auto sets = [&](const DriveCommand& command) {
+        return command.kind == Kind::set && command.axis == axis && command.parameter == parameter;
+      };
+      EXPECT_TRUE(std::any_of(bench.commands.begin(), first, sets)) << int{parameter};
+    }
+  }
+}
+
 }  // namespace
 }  // namespace tmcl::plan
