@@ -68,9 +68,8 @@ std::optional<RpcError> objection_by_role(const Caller& caller, Role needed,
       rpc_error(rpc_code::not_allowed, "not_permitted",
                 std::string(what) + " needs the role '" + role + "', and this client has '" +
                     std::string(name_of(caller.role)) + "' (" + caller.reason + ")",
-                "whoever configures tmcld can give it: 'users' or 'groups' of an "
-                "[[access]] with role = \"" +
-                    role + "\", or a token with it");
+                "'users' or 'groups' of an [[access]] with role = \"" + role +
+                    "\" in tmcld.toml give it, or a token with it");
   error.data["role"] = name_of(caller.role);
   error.data["needs_role"] = role;
   return error;

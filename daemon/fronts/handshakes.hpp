@@ -1,6 +1,6 @@
-/// TLS handshakes, for the server. A signature takes as long as hundreds of calls, and whoever
-/// reaches the port can ask for one without being let in: they are computed on another thread, one
-/// at a time, and the networks that clients come from have turns.
+/// TLS handshakes, for the server. A signature takes as long as hundreds of calls, and any program
+/// that reaches the port can ask for one without being let in: they are computed on another thread,
+/// one at a time, and the networks that clients come from have turns.
 #pragma once
 
 #include <string>

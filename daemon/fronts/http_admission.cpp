@@ -195,7 +195,7 @@ tl::expected<HttpEntry, HttpRefusal> admit_http(const HttpHead& head,
     return tl::unexpected(
         HttpRefusal{status::forbidden, "foreign_origin",
                     "pages of " + std::string(*origin) + " may not call this tmcld",
-                    "whoever configures it can let them: 'origins' in its section [http]"});
+                    "'origins' in [http] of tmcld.toml names the pages that may"});
   }
   const auto secret = token_of(head);
   auto entry = secret.empty() ? entry_without_token(head, connection, rules, access)

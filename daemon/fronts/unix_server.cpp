@@ -95,9 +95,9 @@ awaitable<void> UnixServer::accept(std::shared_ptr<UnixServer> self) {
 }
 
 awaitable<void> UnixServer::make_place_for_stop() {
-  gateway_->log_often("full", LogLevel::warning,
-                      "there are " + std::to_string(most_clients_) +
-                          " clients: whoever comes now can only stop axes");
+  gateway_->log_often(
+      "full", LogLevel::warning,
+      "there are " + std::to_string(most_clients_) + " clients: others can only stop axes");
   while (is_full() && for_stops_.size() >= places_for_stops && acceptor_.is_open()) {
     const auto now = gateway_->clock().now();
     const auto place = std::ranges::find_if(for_stops_, [&](const PlaceForStops& one) {

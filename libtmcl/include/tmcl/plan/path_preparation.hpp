@@ -48,7 +48,7 @@ struct PathObjection {
   std::string name;         ///< snake_case; part of the stable interface.
   std::string message;      ///< One sentence without a full stop.
   TextProblems problems{};  ///< What is wrong with the text, if that is it.
-  std::string file_axis{};  ///< Of the text, that somebody has to name; empty if that is not it.
+  std::string file_axis{};  ///< Of the text, if it is for the user to name one; else empty.
   std::string param{};      ///< Of the request, if that is what is wrong.
   std::string hint{};       ///< What to try; may be empty.
 };
@@ -69,7 +69,7 @@ struct PathSource {
 /// G-code as if all axes stood at zero.
 PathResult<PathSource> read_path(std::string_view text, PathFormat format, double tolerance);
 
-/// What somebody wants; lengths, and quantities without a unit, in the file's units.
+/// What a user asks for; lengths, and quantities without a unit, in the file's units.
 struct PathRequest {
   StreamMode mode = StreamMode::velocity;
   double tolerance = default_path_tolerance;
@@ -112,9 +112,9 @@ struct PathAxis {
   UserScale scale;          ///< What the limits are in.
   ValueRange range;         ///< Of positions, in microsteps.
   double velocity = 0;      ///< What its parameters and the request allow, in the file's units.
-  double acceleration = 0;  ///< Likewise.
+  double acceleration = 0;  ///< The same of acceleration.
   double corner_jump = 0;   ///< What the configuration and the request allow; may be infinite.
-  /// What the request allows along the path, likewise; infinite, too, for an axis that goes along.
+  /// What the request allows along the path; infinite if nothing, or for an axis that goes along.
   double feed = 0;
   double stands_at = 0;  ///< In the file's units.
 };
@@ -147,7 +147,7 @@ std::optional<PathObjection> objection_to_reach(const Course& course,
 /// snake_case; part of the stable interface. What has taken the right to move an axis away has a
 /// name of its own, unless it was a stop.
 std::string_view name_of(const DriveFault& fault);
-/// "running"; likewise.
+/// Such as "running".
 std::string_view name_of(PathStream::Phase phase);
 /// Whether nothing has moved.
 bool is_before_motion(DriveFault::Kind kind);
