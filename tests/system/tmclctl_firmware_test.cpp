@@ -10,11 +10,14 @@ namespace {
 
 using testing::HasSubstr;
 
+/// On a line that takes its time, so that what is done during an upload comes during it, however
+/// busy the computer is: a minute and a half for large.hex, some eight seconds for long.hex.
 class TmclctlFirmware : public testing::Test, public CtlBench {
  protected:
-  TmclctlFirmware() {
+  TmclctlFirmware() : CtlBench({"TMCM-1110", "TMCM-3110@3"}, {"--pace", "115200"}) {
     std::ofstream(file("1110.hex")) << hex_file(0x4000, firmware_bytes(3000, "1110V142"));
     std::ofstream(file("3110.hex")) << hex_file(0x4000, firmware_bytes(3000, "3110V107"));
+    std::ofstream(file("long.hex")) << hex_file(0x4000, firmware_bytes(16'000, "1110V143"));
     std::ofstream(file("large.hex")) << hex_file(0x4000, firmware_bytes(200'000, "1110V143"));
   }
   std::string version(const std::string& address) {
@@ -71,7 +74,7 @@ TEST_F(TmclctlFirmware, GoesThroughTheDaemonWhoseOtherClientsAreToldSo) {
   EXPECT_EQ(ctl(through_daemon(), {"firmware", "check", file("1110.hex"), "1"}).status, 0);
   EXPECT_EQ(ctl(through_daemon(), {"firmware", "check", file("1110.hex"), "3"}).status, 2);
   {
-    OnTerminal upload(through_daemon(), {"firmware", "upload", file("large.hex"), "bench:1"});
+    OnTerminal upload(through_daemon(), {"firmware", "upload", file("long.hex"), "bench:1"});
     ASSERT_TRUE(upload.wait_for("writing"));
     const auto stopped = ctl(through_daemon(), {"stop", "x"});
     EXPECT_EQ(stopped.status, 3) << stopped.out;
@@ -89,7 +92,7 @@ TEST_F(TmclctlFirmware, GoesThroughTheDaemonWhoseOtherClientsAreToldSo) {
 TEST_F(TmclctlFirmware, TheEndOfTheDaemonWaitsForAnUpload) {
   auto& daemon = start_daemon();
   {
-    OnTerminal upload(through_daemon(), {"firmware", "upload", file("large.hex"), "bench:1"});
+    OnTerminal upload(through_daemon(), {"firmware", "upload", file("long.hex"), "bench:1"});
     ASSERT_TRUE(upload.wait_for("writing"));
     daemon.signal(SIGTERM);
     EXPECT_EQ(upload.wait(), 0) << upload.output();
