@@ -189,6 +189,13 @@ TEST(LinkFile, ReplacesALinkThatLeadsToATerminal) {
   EXPECT_EQ(std::filesystem::read_symlink(link), own.path());
 }
 
+TEST(LinkFile, SaysWhyItCannotLookAtItsPath) {
+  const test::Pty own;
+  const auto made = LinkFile::create(test::temp_path(std::string(300, 'x')), own.path());
+  ASSERT_FALSE(made);
+  EXPECT_THAT(made.error(), HasSubstr("File name too long"));
+}
+
 TEST(SerialLink, WhoMayNotOpenItIsToldWhoMay) {
   if (geteuid() != 0) GTEST_SKIP() << "only root can take its rights away";
   const test::Pty pty;

@@ -14,6 +14,7 @@ std::string refusal(const fs::path& path, const fs::path& target) {
   std::error_code error;
   const auto found = fs::symlink_status(path, error);
   if (found.type() == fs::file_type::not_found) return {};
+  if (found.type() == fs::file_type::none) return path.string() + ": " + error.message();
   if (found.type() != fs::file_type::symlink) {
     return "there is " + std::string(fs::is_directory(found) ? "a folder" : "a file") + " at " +
            path.string() + ", where the link is to be; give another path";
