@@ -136,6 +136,12 @@ TEST(Nearest, SuggestsWhatWasMeantAndNothingElse) {
   EXPECT_EQ(closest_word("max_velocty", words), "max_velocity");
   EXPECT_EQ(did_you_mean("rampmode", words), " Did you mean 'ramp_mode'?");
   EXPECT_THAT(did_you_mean("xyz", words), IsEmpty());
+  EXPECT_EQ(closest_word("Velocity", words), "max_velocity");
+  EXPECT_EQ(closest_word("mode", words), "ramp_mode");
+  EXPECT_EQ(closest_word("elocity", words), "");
+  EXPECT_EQ(
+      closest_word("velocity", std::array<std::string_view, 2>{"max_velocity", "stall_velocity"}),
+      "");
 }
 
 TEST(Nearest, IsAWordMistypedAndNoOtherOne) {

@@ -13,7 +13,8 @@ std::string quoted(std::string_view word);
 /// The candidate that differs from `word` by the fewest edits (insertion, removal, exchange of one
 /// letter, exchange of two neighbours), case ignored; empty if none is near enough to be what a
 /// person meant: at most a third of the letters may differ, and of words under 6 letters the first
-/// must be right. A candidate that goes on where the word ends is near.
+/// must be right. A candidate that goes on where the word ends is near. If none is, the only one
+/// whose last words it is ("baud_rate" of "serial_baud_rate").
 std::string_view closest_word(std::string_view word, std::span<const std::string_view> candidates);
 
 /// " Did you mean 'x'?", or nothing.

@@ -37,6 +37,13 @@ bool begins(std::string_view whole, std::string_view part) {
          text::equal_ignoring_case(whole.substr(0, part.size()), part);
 }
 
+/// Whether these are its last words: "baud_rate" of "serial_baud_rate".
+bool ends(std::string_view whole, std::string_view part) {
+  if (whole.size() <= part.size()) return false;
+  const auto from = whole.size() - part.size();
+  return whole[from - 1] == '_' && text::equal_ignoring_case(whole.substr(from), part);
+}
+
 // What only lacks its end is near, however long that is.
 std::size_t distance_between(std::string_view word, std::string_view candidate) {
   return begins(candidate, word) ? 1 : edit_distance(word, candidate);
@@ -78,7 +85,10 @@ std::string_view closest_word(std::string_view word, std::span<const std::string
     best = candidate;
     fewest = edits;
   }
-  return best;
+  if (!best.empty()) return best;
+  const auto has_it = [&](std::string_view candidate) { return ends(candidate, word); };
+  const auto only = std::ranges::find_if(candidates, has_it);
+  return std::ranges::count_if(candidates, has_it) == 1 ? *only : std::string_view{};
 }
 
 std::string did_you_mean(std::string_view word, std::span<const std::string_view> candidates) {
