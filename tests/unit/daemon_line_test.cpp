@@ -265,6 +265,12 @@ TEST(DaemonLineLimits, SaysWhatIsWrongWithThem) {
               HasSubstr("axis 'x' has no unit of its own"));
 }
 
+TEST(DaemonLine, NothingIsWrongWithAnAxisThatIsThereAlready) {
+  LineBench bench;
+  EXPECT_EQ(bench.line({"x", "y"}, {0, 0}).at("result").at("warnings"), json::array{});
+  EXPECT_EQ(bench.line({"x", "y"}, {1000, 0}).at("result").at("warnings"), json::array{});
+}
+
 TEST(DaemonLine, AStartThatCannotBeUndoneIsToldWhoAskedForIt) {
   LineBench bench;
   bench.loses_link_at_start = true;
