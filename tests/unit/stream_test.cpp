@@ -749,6 +749,17 @@ TEST(Course, DwellsStand) {
   EXPECT_EQ(corners[0].speed, 0);
 }
 
+TEST(Course, NoJointThatCostsNoSpeedIsACorner) {
+  const auto reading = path_file::read_gcode("G21 F1200\nG1 X100\nG1 X200\nG1 Y100\n");
+  ASSERT_TRUE(reading);
+  const auto course = Course::of(*reading, limits(24, 500));
+  ASSERT_TRUE(course) << course.error();
+  ASSERT_EQ(course->legs(), 3U);
+  const auto corners = course->slowest_corners(5);
+  ASSERT_EQ(corners.size(), 1U);
+  EXPECT_EQ(corners[0].line, 3U);
+}
+
 TEST(Course, NoFasterThanTheFeed) {
   const auto course = Course::of(square(), limits(24, 500), 10);
   ASSERT_TRUE(course);

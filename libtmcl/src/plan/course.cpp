@@ -257,8 +257,12 @@ CourseLeg Course::leg(std::size_t index) const {
 
 std::vector<Corner> Course::slowest_corners(std::size_t most) const {
   std::vector<Corner> corners;
+  // Where the path is passed at its full speed, nothing is slow.
+  double top = 0;
+  for (std::size_t i = 0; i < legs_.size(); ++i) top = std::max(top, leg(i).peak_speed);
   for (std::size_t i = 0; i + 1 < legs_.size(); ++i) {
     const auto ended = leg(i);
+    if (ended.end_speed >= top) continue;
     corners.push_back(
         {ended.end, ended.end_speed / legs_[i].stretch, ended.line, at(ended.end).position});
   }
