@@ -50,6 +50,15 @@ TEST(DaemonMint, GroupAfterGroupIsRunAndTheRampsAreAsTheyWere) {
   EXPECT_FALSE(bench.gateway->has_journeys());
 }
 
+TEST(DaemonMint, WhatIsTooFastIsRefusedWithAWayOut) {
+  JourneyBench bench;
+  const auto refused =
+      bench.call("mint.run", order("SPEED = 1E9\nACCEL = 1E12\nMOVEA = 100\nGO\n"));
+  ASSERT_FALSE(refused);
+  EXPECT_THAT(std::string(refused.error().data.at("hint").as_string()),
+              HasSubstr("fewer microsteps (parameter 140)"));
+}
+
 TEST(DaemonMint, WhoAsksIsToldHowFarItIs) {
   JourneyBench bench;
   ASSERT_TRUE(bench.call("mint.run", order(two_goes + "MOVER = 1\n", {"x", "y", "z"})));

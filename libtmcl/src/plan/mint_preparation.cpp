@@ -49,9 +49,13 @@ PathResult<RampChoice> ramp_of(const mint::Move& move, const MintAxis& moved) {
   const RampRequest wish{
       {profile.speed * scale}, {profile.acceleration * scale}, {profile.deceleration * scale}};
   return choose_ramp(*axis.model, wish, *axis.module).map_error([&](const RampOutOfReach& error) {
-    return wrong("out_of_range", fmt::format("line {}: {} of {}: {}", move.line,
-                                             error.is_velocity ? "SPEED" : "ACCEL", axis.axis,
-                                             describe(error.error)));
+    auto objection = wrong("out_of_range", fmt::format("line {}: {} of {}: {}", move.line,
+                                                       error.is_velocity ? "SPEED" : "ACCEL",
+                                                       axis.axis, describe(error.error)));
+    // What the registers can hold is a number of microsteps.
+    if (error.error.wished > error.error.nearest)
+      objection.hint = "with fewer microsteps (parameter 140) the motor can be faster";
+    return objection;
   });
 }
 
