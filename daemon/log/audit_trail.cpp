@@ -100,6 +100,8 @@ struct AuditTrail::Shared {
 
   void write(const Line& line) {
     const auto& [uid, pid, text] = line.entry;
+    // No process of this computer.
+    if (pid == 0 && text.starts_with("client=")) return write(line.when, text);
     write(line.when, fmt::format("uid={}{} pid={} {}", uid, user(uid), pid, text));
   }
 

@@ -54,6 +54,13 @@ TEST_F(AuditFile, HasALineWithTimeUserAndProcess) {
   EXPECT_EQ(status.st_mode & 07137U, 0U) << "at most 0640";
 }
 
+TEST_F(AuditFile, NamesNoUserOfThisComputerForAClientOfTheNetwork) {
+  AuditTrail::open(path).value()->add({65534, 0, "client=\"token 'lab'\" method=axis.stop"});
+  await_lines(1);
+  EXPECT_THAT(lines_of(path), testing::ElementsAre(testing::ContainsRegex(
+                                  "^20[^ ]*Z client=\"token 'lab'\" method=axis\\.stop$")));
+}
+
 TEST_F(AuditFile, IsAddedTo) {
   AuditTrail::open(path).value()->add({0, 1, "one"});
   AuditTrail::open(path).value()->add({0, 1, "two"});
