@@ -22,6 +22,7 @@ TEST_F(CtlCatalogue, ListsEveryModel) {
 TEST_F(CtlCatalogue, ListsModelsAsJson) {
   EXPECT_EQ(run({"--json", "models"}), ExitCode::done);
   EXPECT_THAT(out, HasSubstr(R"("number":6214,"name":"TMCM-6214","axes":6,"ramps":"sixPoint")"));
+  EXPECT_THAT(out, HasSubstr(R"("document":"manual of the TMCM-351, V4.45, Rev. 1.06")"));
 }
 
 TEST_F(CtlCatalogue, ListsTheParametersOfAModelWithoutAModule) {

@@ -122,7 +122,7 @@ TEST_F(CtlPath, ADryRunShowsAndDrawsWhatWasPlanned) {
   target.plan = planned;
   const auto svg = path + ".svg";
   EXPECT_EQ(run({"path", "run", line, "--dry-run", "--svg", svg}), ExitCode::done) << err;
-  EXPECT_THAT(out, HasSubstr("10.5 units in 2 s, 1 legs"));
+  EXPECT_THAT(out, HasSubstr("10.5 units in 2 s, 1 leg\n"));
   EXPECT_THAT(out, HasSubstr("Y     -1    0   1"));
   EXPECT_TRUE(std::filesystem::remove(svg));
   const auto document = json({"path", "run", line, "--dry-run"});

@@ -370,6 +370,10 @@ TEST_F(CtlConvert, ABareNumberIsShownAsEverythingThatItMayMean) {
   EXPECT_EQ(document.at("position").at("full_steps").to_number<double>(), 7.8125);
   EXPECT_NEAR(document.at("velocity").at("pps").to_number<double>(), 30'517.6, 0.1);
   EXPECT_NEAR(document.at("acceleration").at("pps2").to_number<double>(), 7.45e6, 1e4);
+  // But not as what no register can hold.
+  EXPECT_TRUE(json({"convert", "--model", "TMCM-142", "16777213"}).contains("acceleration"));
+  EXPECT_FALSE(json({"convert", "--model", "TMCM-142", "16777214"}).contains("acceleration"));
+  EXPECT_FALSE(json({"convert", "--model", "TMCM-142", "2147418113"}).contains("velocity"));
 }
 
 TEST_F(CtlConvert, KnowsUnitModesAndTurns) {

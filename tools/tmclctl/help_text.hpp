@@ -98,7 +98,8 @@ serial port. Programs of other users cannot be seen holding a port unless they l
 )";
 
 constexpr const char* models = R"(
-Needs no module. 'tmclctl params --model MODEL' lists what one of them can be told.
+Needs no module. 'tmclctl params --model MODEL' lists what one of them can be told. With --json,
+"document" is the manual that its ranges follow, or says that there is none.
 
   tmclctl models
   tmclctl params --model TMCM-1110
@@ -312,7 +313,7 @@ how much the two differ: beyond what the time can explain that command and readi
   tmclctl plot x --by 51200
   tmclctl plot x --by 51200 --compare
   tmclctl plot x --to 0 --svg move.svg --csv move.csv
-  tmclctl rotate x 500; tmclctl plot x --for 3
+  tmclctl rotate x 500 --unattended; tmclctl plot x --for 3
   tmclctl plot x --by 1000 --csv -               CSV on standard output, no drawing
 )";
 

@@ -91,9 +91,9 @@ void warn(const json::object& report, Output& output) {
 }
 
 void print(const std::string& file, const json::object& course, Output& output) {
-  output.out << fmt::format("{}: {} units in {} s, {} legs\n\n", file, figure(course, "length"),
-                            figure(course, "duration_s", 4),
-                            integer_at<std::size_t>(course, "legs"));
+  const auto legs = integer_at<std::size_t>(course, "legs");
+  output.out << fmt::format("{}: {} units in {} s, {} {}\n\n", file, figure(course, "length"),
+                            figure(course, "duration_s", 4), legs, legs == 1 ? "leg" : "legs");
   Table axes({"AXIS", "FROM", "TO", "TOP SPEED"});
   for (const auto& value : array_at(course, "axes")) {
     const auto& row = value.as_object();

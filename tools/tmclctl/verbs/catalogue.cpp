@@ -4,6 +4,7 @@
 
 #include "names.hpp"
 #include "print.hpp"
+#include "tmcl/model_document.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -35,7 +36,8 @@ json::object to_json(const tmcl::Model& model) {
           {"interfaces", std::move(interfaces)},
           {"digital_inputs", model.ports.digital_inputs},
           {"analog_inputs", std::move(analog_inputs)},
-          {"outputs", model.ports.outputs}};
+          {"outputs", model.ports.outputs},
+          {"document", tmcl::document_of(model)}};
 }
 
 json::object to_json(const tmcl::ParameterInfo& row) {

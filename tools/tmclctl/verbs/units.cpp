@@ -188,14 +188,19 @@ std::vector<Shown> what_to_show(const verb::Convert& verb, const Quantity& quant
   if (is_jerk(quantity)) return {{"jerk", "a jerk", converter.jerk()}};
   std::vector<Shown> all;
   const auto dimension = dimension_of(quantity);
-  const auto is_shown = [&](tmcl::Dimension one) {
-    return dimension == tmcl::Dimension::other || dimension == one;
+  // A number without a unit is all that it can be; beyond the range of a register it cannot.
+  const auto fits = [&](std::uint8_t parameter) {
+    const auto* row = find_parameter(units.parameters(), parameter);
+    return row == nullptr || std::abs(quantity.number) <= row->maximum;
   };
-  if (is_shown(tmcl::Dimension::position))
+  const auto is_shown = [&](tmcl::Dimension one, std::uint8_t parameter) {
+    return dimension == one || (dimension == tmcl::Dimension::other && fits(parameter));
+  };
+  if (is_shown(tmcl::Dimension::position, ap::target_position))
     all.push_back({"position", "a position", converter.position()});
-  if (is_shown(tmcl::Dimension::velocity))
+  if (is_shown(tmcl::Dimension::velocity, ap::target_velocity))
     all.push_back({"velocity", "a velocity", converter.velocity()});
-  if (is_shown(tmcl::Dimension::acceleration))
+  if (is_shown(tmcl::Dimension::acceleration, ap::max_acceleration))
     all.push_back({"acceleration", "an acceleration", converter.acceleration()});
   return all;
 }
