@@ -1,6 +1,7 @@
 // Stand-alone programs.
 #include "api/handlers.hpp"
 #include "api/module_choice.hpp"
+#include "gateway/reach.hpp"
 
 namespace tmcld::handlers {
 namespace {
@@ -47,6 +48,11 @@ boost::asio::awaitable<Lookup<program::Commands>> load_or_compare(const Call& ca
   if (!program) co_return tl::unexpected(program.error());
   tmcl::LoadOptions options;
   options.first_address = params.first_address.value_or(0);
+  if (verb == tmcl::verbs::load_program) {
+    const auto loss =
+        loss_by_program(*module->bus, module->address, *program, options.first_address);
+    if (loss) co_return tl::unexpected(call_error(*loss));
+  }
   options.compare = params.compare.value_or(true);
   options.progress = progress_for(call, *module);
   auto done = co_await act_on(call, *module, verb(module->address, *program, std::move(options)));

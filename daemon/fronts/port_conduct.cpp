@@ -18,6 +18,7 @@ using tmcl::Command;
 using tmcl::Effect;
 
 constexpr std::uint8_t relative_to_coordinate = 3;  // the type of MVP
+constexpr std::uint8_t first_control_function = 128;
 
 tmcl::Error not_permitted(const tmcl::Request& request, std::string why, std::string hint) {
   tmcl::Error error;
@@ -285,8 +286,20 @@ PortConduct::Awaitable<tmcl::Answer> PortConduct::act_on(Axes axes, tmcl::Reques
 
 // ---- programs ----------------------------------------------------------------------------------
 
-/// Everything between START_DOWNLOAD and END_DOWNLOAD is recorded by the module, and nobody else
-/// speaks to it meanwhile.
+/// What follows a line that is missing would stand at wrong addresses, and jumps would lead
+/// elsewhere. Commands from 128 on are carried out, also while a program is loaded.
+std::optional<tmcl::Error> PortConduct::objection_to_line(const tmcl::Request& line) {
+  if (static_cast<std::uint8_t>(line.command) >= first_control_function) return objection_to(line);
+  auto loss = loss_of_reach(*bus_, line);
+  if (!loss && lacks_a_line_)
+    loss = not_permitted(line, "a line of this program was refused",
+                         "END_DOWNLOAD, and load it without that line");
+  lacks_a_line_ = loss.has_value();
+  return loss;
+}
+
+/// Everything below 128 between START_DOWNLOAD and END_DOWNLOAD is recorded by the module, and
+/// nobody else speaks to it meanwhile.
 PortConduct::Awaitable<tmcl::Answer> PortConduct::download(tmcl::Request request,
                                                            RunOptions options) {
   tmcl::CallOptions call;
@@ -294,6 +307,9 @@ PortConduct::Awaitable<tmcl::Answer> PortConduct::download(tmcl::Request request
   const bool frames =
       request.command == Command::START_DOWNLOAD || request.command == Command::END_DOWNLOAD;
   call.is_program_line = !frames;
+  if (frames) lacks_a_line_ = false;
+  if (auto objection = frames ? std::nullopt : objection_to_line(request))
+    co_return tl::unexpected(std::move(*objection));
   auto script = held_exchange(request, std::move(call));
   auto answer = co_await bus_->run(std::move(script), std::move(options));
   const bool has_ended = request.command == Command::END_DOWNLOAD || !answer;

@@ -62,6 +62,7 @@ class PortConduct {
   Awaitable<tmcl::Answer> act_on(Axes axes, tmcl::Request request, RunOptions options);
   Awaitable<tmcl::Answer> download(tmcl::Request request, RunOptions options);
   std::optional<tmcl::Error> objection_to(const tmcl::Request& request) const;
+  std::optional<tmcl::Error> objection_to_line(const tmcl::Request& line);
   /// Its axes, added if they have none; none of them if the module has no such motor.
   tmcl::Result<Axes> axes_of(const tmcl::Request& request);
 
@@ -74,6 +75,8 @@ class PortConduct {
   std::optional<tmcl::ModuleAddress> only_module_;
   /// While it loads a program into a module.
   std::shared_ptr<const tmcl::Hold> hold_;
+  /// A line of that program was refused.
+  bool lacks_a_line_ = false;
   tmcl::ModuleAddress held_{};
 };
 

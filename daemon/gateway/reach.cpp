@@ -56,6 +56,21 @@ std::optional<tmcl::Error> loss_of_reach(const GatewayBus& bus, const tmcl::Requ
   return refusal(bus, request, *why, way_to_do_it(request.command));
 }
 
+std::optional<tmcl::Error> loss_by_program(const GatewayBus& bus, tmcl::ModuleAddress module,
+                                           const tmcl::program::Program& program,
+                                           std::size_t first_address) {
+  for (std::size_t i = 0; i < program.size(); ++i) {
+    const auto& line = program[i];
+    auto loss = loss_of_reach(bus, {module, line.command, line.type, line.motor, line.value});
+    if (!loss) continue;
+    loss->message = std::string(name_of(line.command)) + " at address " +
+                    std::to_string(first_address + i) + " of the program: " + loss->message;
+    loss->hint = "leave this line out: " + loss->hint;
+    return loss;
+  }
+  return std::nullopt;
+}
+
 std::optional<tmcl::Error> loss_of_moving_motor(const GatewayBus& bus,
                                                 const tmcl::Request& request) {
   const auto why = tmcl::loss_of_reach(request, reach_of(bus));

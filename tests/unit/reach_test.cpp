@@ -1,5 +1,5 @@
-// What takes a module out of the reach of its bus is refused to hosts at ports and to raw commands,
-// and nothing else is.
+// What takes a module out of the reach of its bus is refused to hosts at ports, to raw commands and
+// in programs, and nothing else is.
 #include <gmock/gmock.h>
 
 #include "tmcl/model.hpp"
@@ -81,13 +81,49 @@ TEST_F(Reached, SoDoesARawCommand) {
   for (const auto& request : harmless) EXPECT_TRUE(execute(request)) << describe(request);
 }
 
-TEST_F(Reached, AProgramMayContainIt) {
-  EXPECT_EQ(host.status_of(request_of(Command::START_DOWNLOAD, 0)), Status::ok);
+/// After a line that is refused the others would stand at wrong addresses.
+TEST_F(Reached, NoLineOfAProgramThatAPortLoadsCutsAModuleOff) {
+  const auto line = harmless.front();
   for (const auto& request : cutting) {
-    if (request.command != Command::SGP) continue;
-    EXPECT_EQ(host.status_of(request), Status::command_loaded) << describe(request);
+    SCOPED_TRACE(describe(request));
+    const bool is_line = static_cast<int>(request.command) < 128;
+    EXPECT_EQ(host.status_of(request_of(Command::START_DOWNLOAD, 0)), Status::ok);
+    EXPECT_EQ(host.status_of(line), Status::command_loaded);
+    EXPECT_EQ(host.status_of(request), Status::command_not_available);
+    EXPECT_EQ(host.status_of(line),
+              is_line ? Status::command_not_available : Status::command_loaded);
+    EXPECT_EQ(host.status_of(request_of(Command::END_DOWNLOAD, 0)), Status::ok);
+    EXPECT_FALSE(was_sent(request));
   }
+  EXPECT_EQ(host.status_of(request_of(Command::START_DOWNLOAD, 0)), Status::ok);
+  for (const auto& request : harmless)
+    EXPECT_EQ(host.status_of(request), Status::command_loaded) << describe(request);
   EXPECT_EQ(host.status_of(request_of(Command::END_DOWNLOAD, 0)), Status::ok);
+}
+
+TEST_F(Reached, NorDoesAProgramThatAClientLoads) {
+  const auto load = [&](std::string_view method, const Request& request) {
+    const tmcl::program::Program program{
+        {Command::MST},
+        {request.command, request.type, request.motor, request.value},
+        {Command::STOP}};
+    return bench.call(method, {{"bus", "bench"},
+                               {"address", 1},
+                               {"first_address", 10},
+                               {"program", tmcl::program::to_hex(program)}});
+  };
+  for (const auto& request : cutting) {
+    if (static_cast<int>(request.command) >= 128) continue;  // no line of a program
+    SCOPED_TRACE(describe(request));
+    const auto result = load("program.load", request);
+    ASSERT_FALSE(result);
+    EXPECT_EQ(text(result.error().data.at("name")), "not_permitted");
+    EXPECT_EQ(text(result.error().data.at("outcome")), "not_sent");
+    EXPECT_THAT(result.error().message, testing::HasSubstr(" at address 11 of the program: "));
+    EXPECT_FALSE(was_sent(request));
+    EXPECT_EQ(std::ranges::count(bench.wire.seen, Command::START_DOWNLOAD, &Request::command), 0);
+  }
+  for (const auto& request : harmless) EXPECT_TRUE(load("program.load", request));
 }
 
 // Who sets up a module by name does it knowingly, but not while a motor could not be stopped.
