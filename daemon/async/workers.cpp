@@ -11,29 +11,6 @@
 namespace tmcld {
 namespace {
 
-/// Gives the room of a job, once. Enough for what is handed to the reactor: a test holds that.
-template <class T>
-struct InRoom {
-  using value_type = T;
-
-  explicit InRoom(std::array<std::byte, 256>& its_room) : room(&its_room) {}
-  template <class Other>
-  InRoom(const InRoom<Other>& other) : room(other.room) {}
-  T* allocate(std::size_t count) {
-    const auto bytes = count * sizeof(T);
-    return static_cast<T*>(bytes <= room->size() ? room->data() : ::operator new(bytes));
-  }
-  void deallocate(T* given, std::size_t) {
-    if (static_cast<void*>(given) != room->data()) ::operator delete(given);
-  }
-  template <class Other>
-  bool operator==(const InRoom<Other>& other) const {
-    return room == other.room;
-  }
-
-  std::array<std::byte, 256>* room;
-};
-
 boost::asio::io_context& context_of(const boost::asio::any_io_executor& executor) {
   return static_cast<boost::asio::io_context&>(
       boost::asio::query(executor, boost::asio::execution::context));
@@ -67,7 +44,7 @@ void Workers::Job::come_back(std::shared_ptr<Job> job) noexcept {
     job->ended_.notify();
   };
   boost::asio::post(here.reactor_.get_executor(),
-                    boost::asio::bind_allocator(InRoom<void>(here.room_), std::move(back)));
+                    boost::asio::bind_allocator(tmcl::InRoom<void>(here.room_), std::move(back)));
 }
 
 // ---- the threads -------------------------------------------------------------------------------

@@ -4,7 +4,6 @@
 /// to who asked for it: no exception ends a thread, and with it the process.
 #pragma once
 
-#include <array>
 #include <condition_variable>
 #include <cstddef>
 #include <deque>
@@ -15,6 +14,7 @@
 #include <vector>
 
 #include "async/wake.hpp"
+#include "tmcl/in_room.hpp"
 
 namespace boost::asio {
 class io_context;
@@ -48,7 +48,7 @@ class Workers {
     bool has_ended_ = false;
     std::exception_ptr failure_;
     /// What the reactor is handed is put here: there may be no other memory then.
-    alignas(std::max_align_t) std::array<std::byte, 256> room_{};
+    alignas(std::max_align_t) tmcl::InRoom<void>::Room room_{};
   };
 
   explicit Workers(std::size_t threads) : most_threads_(threads) {}

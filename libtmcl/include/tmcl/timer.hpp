@@ -2,17 +2,20 @@
 /// time a place in the timeline.
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <optional>
 #include <utility>
 
-#include <boost/asio/associated_executor.hpp>
 #include <boost/asio/async_result.hpp>
+#include <boost/asio/bind_allocator.hpp>
 #include <boost/asio/error.hpp>
+#include <boost/asio/io_context.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 
 #include "tmcl/context_clock.hpp"
+#include "tmcl/in_room.hpp"
 
 namespace tmcl {
 
@@ -62,15 +65,25 @@ class Timer {
   }
 
  private:
+  /// A wait of virtual time. As with Asio's timers its end takes no memory.
+  template <class Handler>
+  struct Wait {
+    explicit Wait(Handler its_handler) : handler(std::move(its_handler)) {}
+    Handler handler;
+    alignas(std::max_align_t) InRoom<void>::Room room{};
+  };
   /// Ends in a turn of its own, as all that is asynchronous does.
   template <class Handler>
   detail::VirtualTimeline::Handler posted(Handler handler) {
-    const auto executor = boost::asio::get_associated_executor(handler, timer_.get_executor());
+    auto& context = static_cast<boost::asio::io_context&>(
+        boost::asio::query(timer_.get_executor(), boost::asio::execution::context));
     // A std::function must be copyable, which a coroutine's handler is not.
-    auto shared = std::make_shared<Handler>(std::move(handler));
-    return [executor, shared = std::move(shared)](const boost::system::error_code& error) {
-      boost::asio::post(
-          executor, [handler = std::move(*shared), error]() mutable { std::move(handler)(error); });
+    auto wait = std::make_shared<Wait<Handler>>(std::move(handler));
+    return [&context, wait = std::move(wait)](const boost::system::error_code& error) {
+      const InRoom<void> in_room(wait->room);
+      auto end = [wait, error] { std::move(wait->handler)(error); };
+      boost::asio::post(context.get_executor(),
+                        boost::asio::bind_allocator(in_room, std::move(end)));
     };
   }
 
