@@ -13,7 +13,6 @@
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/use_awaitable.hpp>
 
-#include "async/elsewhere.hpp"
 #include "async/rest.hpp"
 #include "async/spawn.hpp"
 #include "async/wait_until.hpp"
@@ -250,7 +249,7 @@ awaitable<void> Daemon::load_again(Daemon& daemon) {
   daemon.loads_once_more_ = true;
   if (std::exchange(daemon.is_loading_, true)) co_return;
   while (std::exchange(daemon.loads_once_more_, false)) {
-    auto config = co_await elsewhere(daemon.gateway_->planner, daemon.load_);
+    auto config = co_await daemon.gateway_->planner.plan(daemon.load_);
     Reloaded reloaded;
     if (config) {
       reloaded = co_await reload(daemon, std::move(*config));

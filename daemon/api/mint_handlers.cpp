@@ -1,12 +1,13 @@
 // Mint programs, run by the daemon.
 #include <map>
+#include <set>
+#include <utility>
 
 #include <boost/asio/this_coro.hpp>
 
 #include "api/audit.hpp"
 #include "api/handlers.hpp"
 #include "api/journey.hpp"
-#include "async/elsewhere.hpp"
 #include "gateway/mint_run.hpp"
 #include "tmcl/plan/mint_preparation.hpp"
 #include "tmcl/scale_factor.hpp"
@@ -32,8 +33,7 @@ RpcError wrong_numbers() {
 }
 
 /// Those of "axes" that the program moves, in the order of their numbers.
-Lookup<Chosen> chosen(const Call& call, const mint::Run& params,
-                      const plan::mint::Program& program) {
+Lookup<Chosen> chosen(const Call& call, const mint::Run& params, const std::set<unsigned>& moved) {
   const auto axes = axes_of(call, params.axes);
   if (!axes) return tl::unexpected(axes.error());
   const auto count = params.axes.size();
@@ -47,7 +47,7 @@ Lookup<Chosen> chosen(const Call& call, const mint::Run& params,
       return tl::unexpected(wrong_numbers());
   }
   Chosen found;
-  for (const auto number : plan::axes_moved_by(program)) {
+  for (const auto number : moved) {
     const auto axis = by_number.find(number);
     if (axis == by_number.end()) continue;  // what moves it has a line
     found.numbers.push_back(number);
@@ -145,11 +145,17 @@ Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
   auto place = place_to_plan(call, text->size());
   if (!place) co_return tl::unexpected(place.error());
   auto& planner = call.gateway->planner;
-  auto read = [text = std::move(*text)] { return plan::read_mint(text); };
-  auto program = co_await elsewhere(planner, std::move(read));
+  auto turn = co_await planner.take_turn(call.peer->client().number);
+  auto read = [text = std::move(*text)] {
+    return plan::read_mint(text).map([](plan::mint::Program program) {
+      auto moved = plan::axes_moved_by(program);
+      return std::pair(std::move(program), std::move(moved));
+    });
+  };
+  auto program = co_await planner.plan(std::move(read));
   if (!program) co_return tl::unexpected(error_of(program.error(), "text"));
   begin_journey(call);
-  auto members = chosen(call, params, *program);
+  auto members = chosen(call, params, program->second);
   if (!members) co_return tl::unexpected(members.error());
 
   const auto in_counts = counts_encoder(params);
@@ -160,11 +166,13 @@ Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
     if (!axis) co_return tl::unexpected(axis.error());
     axes.push_back(std::move(*axis));
   }
-  auto plan_it = [program = std::move(*program), axes = std::move(axes)] {
-    return plan::plan_mint(program, axes);
+  auto plan_it = [program = std::move(program->first), axes = std::move(axes)]() mutable {
+    const auto once = std::exchange(program, {});
+    return plan::plan_mint(once, axes);
   };
-  auto planned = co_await elsewhere(planner, std::move(plan_it));
+  auto planned = co_await planner.plan(std::move(plan_it));
   if (!planned) co_return tl::unexpected(error_of(planned.error(), "text"));
+  turn.reset();
   place->reset();
   if (auto refusal = refusal_to_begin(call)) co_return tl::unexpected(std::move(*refusal));
 

@@ -1,6 +1,7 @@
 // Paths through several axes, passed by the daemon.
 #include <algorithm>
 #include <cctype>
+#include <functional>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,7 +13,6 @@
 #include "api/journey.hpp"
 #include "api/path_request.hpp"
 #include "api/staging.hpp"
-#include "async/elsewhere.hpp"
 #include "async/rest.hpp"
 #include "gateway/axis_limits.hpp"
 #include "gateway/path_run.hpp"
@@ -183,9 +183,12 @@ awaitable<Lookup<std::vector<plan::PathAxis>>> path_axes(const plan::PathSource&
 
 // ---- the course ----
 
+/// Done with a course where it is made: that may take long, too.
+using Look = std::function<void(const plan::Course&, const std::vector<std::string>& axes)>;
+
 /// `with_namesakes`: axes of the file that are not named are those of the same name.
-awaitable<Lookup<PlannedPath>> plan_for(const Call& call, const OfPath& params,
-                                        bool with_namesakes) {
+awaitable<Lookup<PlannedPath>> plan_for(const Call& call, const OfPath& params, bool with_namesakes,
+                                        Look look) {
   const auto request = request_of(params);
   if (!request) co_return tl::unexpected(request.error());
   // Before the text is read, which may take a while.
@@ -198,16 +201,17 @@ awaitable<Lookup<PlannedPath>> plan_for(const Call& call, const OfPath& params,
   if (!given) co_return tl::unexpected(given.error());
   const auto place = place_to_plan(call, given->size());
   if (!place) co_return tl::unexpected(place.error());
-  const auto format = format_of(params, *given);
+  const auto format = format_in(params);
   if (!format) co_return tl::unexpected(format.error());
   auto& planner = call.gateway->planner;
+  const auto turn = co_await planner.take_turn(call.peer->client().number);
 
   // It may have some megabytes, and what is read of it some more: nothing of it is copied here.
   const auto text = std::make_shared<const std::string>(std::move(*given));
   auto read = [text, format = *format, tolerance = request->tolerance] {
-    return plan::read_path(*text, format, tolerance);
+    return plan::read_path(*text, format.value_or(plan::format_of("", *text)), tolerance);
   };
-  auto source = co_await elsewhere(planner, std::move(read));
+  auto source = co_await planner.plan(std::move(read));
   if (!source) co_return tl::unexpected(error_of(source.error(), "text"));
   auto axes = axes_for(call, params, *source, with_namesakes);
   if (!axes) co_return tl::unexpected(axes.error());
@@ -218,13 +222,16 @@ awaitable<Lookup<PlannedPath>> plan_for(const Call& call, const OfPath& params,
   if (!feed) co_return tl::unexpected(error_of(feed.error(), "feed"));
   const plan::PathSource names{source->format, {source->path.axes, {}}};
   auto plan_it = [source = std::move(*source), text, known = *known, feed = *feed,
-                  request = *request]() mutable {
-    return from_where_axes_stand(std::move(source), *text, known, request)
-        .and_then([&](const auto& from_there) {
-          return course_of(from_there, limits_of(known), feed, request.tolerance);
-        });
+                  request = *request, look = std::move(look)]() mutable {
+    const auto letters = source.path.axes;
+    auto course = from_where_axes_stand(std::move(source), *text, known, request)
+                      .and_then([&](const auto& from_there) {
+                        return course_of(from_there, limits_of(known), feed, request.tolerance);
+                      });
+    if (course) look(*course, letters);
+    return course;
   };
-  auto course = co_await elsewhere(planner, std::move(plan_it));
+  auto course = co_await planner.plan(std::move(plan_it));
   if (!course) co_return tl::unexpected(error_of(course.error(), "text"));
   if (const auto objection = objection_to_reach(*course, *known))
     co_return tl::unexpected(error_of(*objection, "text"));
@@ -370,23 +377,25 @@ Answer<path::Stage> stage_path(Call& call, const path::Stage& params) {
 }
 
 Answer<path::Plan> plan_path(Call& call, const path::Plan& params) {
-  auto planned = co_await plan_for(call, params, true);
+  const auto result = std::make_shared<path::Planned>();
+  auto look = [result, points = params.points.value_or(0)](const plan::Course& course,
+                                                           const std::vector<std::string>& axes) {
+    result->course = view_of(course, axes);
+    if (points > 0) result->curve = curve_of(course, points);
+  };
+  auto planned = co_await plan_for(call, params, true, std::move(look));
   if (!planned) co_return tl::unexpected(planned.error());
-  auto& kept = call.gateway->planned_path;
   planned->number = call.gateway->next_path_number();
-  path::Planned result;
-  result.plan = planned->number;
-  for (const auto& axis : planned->axes) result.axes.push_back(axis->name());
-  result.course = view_of(planned->course, planned->source.path.axes);
-  result.warnings = co_await warnings_of(planned->axes);
-  const auto points = params.points.value_or(0);
-  if (points > 0) result.curve = curve_of(planned->course, points);
-  kept = std::make_shared<PlannedPath>(std::move(*planned));
-  co_return result;
+  result->plan = planned->number;
+  for (const auto& axis : planned->axes) result->axes.push_back(axis->name());
+  result->warnings = co_await warnings_of(planned->axes);
+  call.gateway->planned_path = std::make_shared<PlannedPath>(std::move(*planned));
+  co_return std::move(*result);
 }
 
 Answer<path::Run> run_path(Call& call, const path::Run& params) {
-  auto planning = params.plan ? planned_before(call, params) : plan_for(call, params, false);
+  auto planning = params.plan ? planned_before(call, params)
+                              : plan_for(call, params, false, [](const auto&, const auto&) {});
   auto planned = co_await std::move(planning);
   if (!planned) co_return tl::unexpected(planned.error());
   auto warnings = co_await warnings_of(planned->axes);

@@ -87,8 +87,8 @@ Lookup<plan::PathRequest> request_of(const OfPath& params) {
   return request;
 }
 
-Lookup<plan::PathFormat> format_of(const OfPath& params, const std::string& text) {
-  if (!params.format) return plan::format_of("", text);
+Lookup<std::optional<plan::PathFormat>> format_in(const OfPath& params) {
+  if (!params.format) return std::nullopt;
   for (const auto format : {plan::PathFormat::csv, plan::PathFormat::gcode}) {
     if (*params.format == name_of(format)) return format;
   }

@@ -13,12 +13,12 @@
 
 #include <boost/asio/any_io_executor.hpp>
 
-#include "async/workers.hpp"
 #include "config/config.hpp"
 #include "gateway/axis.hpp"
 #include "gateway/bus.hpp"
 #include "gateway/deadman_memory.hpp"
 #include "gateway/leases.hpp"
+#include "gateway/planner.hpp"
 #include "gateway/planning_budget.hpp"
 #include "gateway/upload_buffer.hpp"
 #include "log/audit.hpp"
@@ -147,8 +147,7 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   /// The one that was planned last; null if there is none, or it has been run.
   std::shared_ptr<PlannedPath> planned_path;
   std::int32_t next_path_number() { return ++last_path_number_; }
-  /// Where paths and lines are planned: a path may take seconds, and a line does not wait for it.
-  Workers planner{2};
+  Planner planner;
   /// What takes part in planning paths and programs has a place of it.
   PlanningBudget planning;
 

@@ -11,7 +11,6 @@
 
 #include <boost/asio/this_coro.hpp>
 
-#include "async/elsewhere.hpp"
 #include "async/spawn.hpp"
 #include "gateway/drive_run.hpp"
 #include "gateway/standing_stop.hpp"
@@ -180,7 +179,7 @@ class LineRun final : public DriveRun {
     auto work = [axes = std::move(axes), exchanges = exchanges(), duration = duration_] {
       return plan::plan_line(axes, exchanges, duration);
     };
-    auto planned = co_await elsewhere(*planner_, std::move(work));
+    auto planned = co_await planner_->plan(std::move(work));
     if (!planned) {
       const auto& member = line_members_[planned.error().axis];
       const auto pace = co_await in_words(planned.error().pace, member.axis());
@@ -355,7 +354,7 @@ class LineRun final : public DriveRun {
   std::vector<Member> line_members_;
   Permit permit_;
   std::optional<Duration> duration_;
-  Workers* planner_;
+  Planner* planner_;
   std::function<void(std::string_view fault)> on_end_;
   StartedLine line_;
   std::map<std::string, Traffic> traffic_;  // by the name of the bus

@@ -14,8 +14,8 @@
 #include <boost/asio/awaitable.hpp>
 #include <tl/expected.hpp>
 
-#include "async/workers.hpp"
 #include "gateway/claim.hpp"
+#include "gateway/planner.hpp"
 #include "tmcl/plan/line.hpp"
 
 namespace tmcld {
@@ -33,7 +33,7 @@ struct LineOrder {
   std::optional<tmcl::Duration> duration{};  ///< As short as possible if absent.
   Permit permit{};                           ///< Of the call.
   Deadline deadline{};
-  Workers* planner = nullptr;  ///< Plans the line; must outlive it.
+  Planner* planner = nullptr;  ///< Plans the line; must outlive it.
   /// Once all of them stand, or are given up; `fault`: name of what was wrong, or empty.
   std::function<void(std::string_view fault)> on_end = [](std::string_view) {};
 };

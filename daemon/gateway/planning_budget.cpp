@@ -3,8 +3,10 @@
 namespace tmcld {
 namespace {
 
-// Of what a text becomes, measured with lines of G-code: 10 times its size while it waits.
-constexpr std::size_t bytes_of_a_text_byte = 16;
+// A plan that waits holds its text as it came, as parameters, and as what is to be read; a test
+// measures that.
+constexpr std::size_t bytes_of_a_text_byte = 4;
+constexpr std::size_t bytes_of_a_plan = std::size_t{16} << 10;
 constexpr std::size_t bytes_of_a_megabyte = std::size_t{1} << 20;
 
 tmcl::Error full(const std::string& what, std::size_t used, std::size_t limit) {
@@ -30,9 +32,13 @@ void PlanningBudget::End::operator()(const std::size_t* bytes) const {
   delete bytes;
 }
 
+std::size_t PlanningBudget::bytes_for(std::size_t text_bytes) {
+  return bytes_of_a_plan + text_bytes * bytes_of_a_text_byte;
+}
+
 tl::expected<PlanningBudget::Place, tmcl::Error> PlanningBudget::take(
     std::uint64_t client, const std::string& client_name, std::size_t text_bytes) {
-  const auto bytes = (text_bytes + 1) * bytes_of_a_text_byte;
+  const auto bytes = bytes_for(text_bytes);
   const auto found = use_->of_clients.find(client);
   const auto of_client = found == use_->of_clients.end() ? 0 : found->second;
   if (of_client > 0 && of_client + bytes > limit_ / 2)

@@ -1,4 +1,5 @@
-/// How much memory the planning of paths and programs may take, in all and for each client.
+/// How much memory plans of paths and programs may take that wait for their turn, in all and for
+/// each client. Beside that there is what one plan takes while it is made.
 ///
 /// Does no I/O. Thread safety: none. What it holds is bounded by the number of clients.
 #pragma once
@@ -31,9 +32,11 @@ class PlanningBudget {
   using Place = std::unique_ptr<const std::size_t, End>;
 
   void set_limit(std::size_t bytes) { limit_ = bytes; }
-  std::size_t limit() const { return limit_; }
+  std::size_t taken() const { return use_->all; }
 
-  /// For a text of so many bytes. A client may have half of the limit; what is alone always finds
+  /// What is counted for a text of so many bytes.
+  static std::size_t bytes_for(std::size_t text_bytes);
+  /// For such a text. A client may have half of the limit; what is alone always finds
   /// room. Error: Errc::queue_full, which names what is full and by which client.
   [[nodiscard]] tl::expected<Place, tmcl::Error> take(std::uint64_t client,
                                                       const std::string& client_name,

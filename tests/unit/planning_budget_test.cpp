@@ -10,15 +10,16 @@ namespace {
 using testing::HasSubstr;
 
 constexpr std::size_t megabyte = std::size_t{1} << 20;
-// What a place of a megabyte is asked for with.
-constexpr std::size_t text_of_a_megabyte = megabyte / 16 - 1;
 
 class Planning : public testing::Test {
  protected:
   Planning() { budget.set_limit(8 * megabyte); }
+  static std::size_t text_of(std::size_t megabytes) {
+    const auto of_none = PlanningBudget::bytes_for(0);
+    return (megabytes * megabyte - of_none) / (PlanningBudget::bytes_for(1) - of_none);
+  }
   auto take(std::uint64_t client, std::size_t megabytes = 1) {
-    return budget.take(client, "client " + std::to_string(client),
-                       (text_of_a_megabyte + 1) * megabytes - 1);
+    return budget.take(client, "client " + std::to_string(client), text_of(megabytes));
   }
 
   PlanningBudget budget;
