@@ -20,6 +20,7 @@
 #include "gateway/ending.hpp"
 #include "gateway/reload.hpp"
 #include "gateway/tokens.hpp"
+#include "last_stop.hpp"
 #include "log/log.hpp"
 #include "tmcl/timer.hpp"
 
@@ -39,6 +40,8 @@ constexpr tmcl::Duration time_for_answers = 300ms;
 // After an exception the end may fail, too: it is given all of its times and a little more.
 constexpr tmcl::Duration time_after_failure =
     time_for_uploads + time_to_stand + time_for_stops + time_for_answers + std::chrono::seconds(1);
+// Before it is tried again where there was not even memory to begin it.
+constexpr tmcl::Duration time_to_find_memory = std::chrono::milliseconds(50);
 // It goes on after so many more of them.
 constexpr int most_failures_at_the_end = 16;
 
@@ -143,6 +146,7 @@ void Daemon::start() {
 }
 
 bool Daemon::run() {
+  const LastStop last_stop(*gateway_);
   try {
     start();
     context_.run();
@@ -196,30 +200,50 @@ std::string Daemon::status() const {
          ", buses open: " + std::to_string(open) + " of " + std::to_string(buses.size());
 }
 
-// Whoever threw has ended; all others go on, as long as it takes to stop what moves.
+// What threw has ended; all others go on, as long as it takes to stop what moves.
 void Daemon::end_after(const std::exception_ptr& failure) noexcept {
-  reserve_.reset();
-  log_failure(log, "the reactor, all axes are stopped", failure);
-  const auto limit = gateway_->clock().now() + time_after_failure;
-  bool has_begun = false;
-  for (int failures = 0; failures <= most_failures_at_the_end; ++failures) {
+  on_failure(failure);
+  const auto& clock = gateway_->clock();
+  const auto limit = clock.now() + time_after_failure;
+  for (int failures = 0; failures <= most_failures_at_the_end && clock.now() < limit;) {
     try {
-      if (!has_begun) {
-        gateway_->stop_all_axes();
-        stop();
-        has_begun = true;
-      }
-      context_.run_until(limit);
-      return;
+      const bool ends = begin_to_end_after_failure();
+      context_.run_until(ends ? limit : std::min(limit, clock.now() + time_to_find_memory));
+      if (ends) return;
     } catch (...) {
-      log_failure(log, "the end", std::current_exception());
+      ++failures;
+      on_failure(std::current_exception());
     }
+  }
+}
+
+void Daemon::on_failure(const std::exception_ptr& failure) noexcept {
+  const bool is_first = !std::exchange(has_failed_, true);
+  if (is_first) {
+    gateway_->stop_at_once();
+    gateway_->refuse_movements();
+    reserve_.reset();
+  }
+  log_failure(log, is_first ? "the reactor, all axes are stopped" : "the end", failure);
+  (void)begin_to_end_after_failure();
+}
+
+/// False where there is no memory for that.
+bool Daemon::begin_to_end_after_failure() noexcept {
+  try {
+    if (!has_stopped_all_) gateway_->stop_all_axes();
+    has_stopped_all_ = true;
+    stop();
+    return true;
+  } catch (...) {
+    log_failure(log, "the end", std::current_exception());
+    return false;
   }
 }
 
 void Daemon::stop() {
   boost::asio::post(context_, [this] {
-    if (std::exchange(ending_, true)) return;
+    ending_ = true;
     spawn(context_.get_executor(), end(*this));
   });
 }
@@ -296,7 +320,26 @@ awaitable<Daemon::Reloaded> Daemon::reload(Daemon& daemon, Config config) {
   co_return std::move(*words);
 }
 
+namespace {
+
+/// Set for as long as it lives.
+class Flag {
+ public:
+  explicit Flag(bool& flag) : flag_(flag) { flag_ = true; }
+  Flag(const Flag&) = delete;
+  Flag& operator=(const Flag&) = delete;
+  ~Flag() { flag_ = false; }
+
+ private:
+  bool& flag_;
+};
+
+}  // namespace
+
+/// Where memory is missing it may break off, and is begun again.
 awaitable<void> Daemon::end(Daemon& daemon) {
+  if (daemon.end_runs_ || daemon.has_ended_) co_return;
+  const Flag runs(daemon.end_runs_);
   auto& server = *daemon.server_;
   daemon.service_.stopping("ending: axes that move are stopped first");
   server.stop_accepting();

@@ -47,8 +47,11 @@ class Daemon {
   /// SIGINT comes. False if something was thrown that nobody could see to: then all axes were
   /// stopped.
   bool run();
-  /// Serves as well, but somebody else runs the context, until has_ended().
+  /// Serves as well, but another one runs the context, until has_ended().
   void start();
+  /// To be told of everything that is thrown out of the context then. At the first one stops are on
+  /// the wire when this returns, even where there is no memory, and the daemon begins to end.
+  void on_failure(const std::exception_ptr& failure) noexcept;
   /// From any thread. Ends run() within a second: stops on their way are given a moment, whatever
   /// else is in progress is answered with how far it got. Axes that move are stopped before that,
   /// as the configuration says, for which they may take some seconds, and firmware uploads come
@@ -77,6 +80,7 @@ class Daemon {
   std::size_t clients() const;
   std::string status() const;
   void end_after(const std::exception_ptr& failure) noexcept;
+  bool begin_to_end_after_failure() noexcept;
 
   boost::asio::io_context& context_;
   Service service_;
@@ -93,7 +97,10 @@ class Daemon {
   std::shared_ptr<UnixServer> server_;
   std::vector<std::shared_ptr<Port>> ports_;
   std::shared_ptr<HttpServer> http_;  ///< Null: there is none.
+  bool has_failed_ = false;
+  bool has_stopped_all_ = false;
   bool ending_ = false;
+  bool end_runs_ = false;
   bool has_ended_ = false;
 };
 

@@ -61,6 +61,7 @@ boost::asio::awaitable<RpcResult> carry_out(Call& call, std::optional<tmcl::Time
   } catch (...) {
     failure = std::current_exception();
   }
+  if (call.effect == tmcl::Effect::stops) call.gateway->stop_in_need();
   call.gateway->log_failure(call.method.name, failure);
   co_return tl::unexpected(internal_error(call.method, what_of(failure)));
 }

@@ -1,5 +1,6 @@
 // Reference searches.
 #include <cstdlib>
+#include <optional>
 
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"

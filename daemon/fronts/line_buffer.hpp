@@ -1,6 +1,7 @@
 /// Cuts a stream of bytes into lines of bounded length.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <optional>
 #include <string>
@@ -10,7 +11,9 @@ namespace tmcld {
 
 class LineBuffer {
  public:
-  explicit LineBuffer(std::size_t max_bytes) : max_(max_bytes) {}
+  explicit LineBuffer(std::size_t max_bytes) : max_(max_bytes) {
+    line_.reserve(std::min(max_bytes, usual_bytes));
+  }
 
   /// Calls `on_line(line)` for each line that is complete now, and `on_line(nullopt)` once for each
   /// that is too long; the rest of such a line is dropped as it comes.
@@ -41,6 +44,9 @@ class LineBuffer {
     line_.shrink_to_fit();
     on_line(std::optional<std::string_view>());
   }
+
+  /// A stop is short: it is taken even where there is no memory.
+  static constexpr std::size_t usual_bytes = 512;
 
   std::size_t max_;
   std::string line_;

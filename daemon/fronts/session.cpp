@@ -71,10 +71,18 @@ void Session::close() {
   if (std::exchange(closed_, true)) return;
   notifications_.end();
   waiting_.clear();
-  gateway_->leave(client_.number);
+  std::exception_ptr failure;
+  try {
+    gateway_->leave(client_.number);
+  } catch (...) {
+    // What is to stop with its client, and does not.
+    gateway_->stop_at_once();
+    failure = std::current_exception();
+  }
   disconnect();
   output_.notify();
   on_closed_();
+  if (failure) std::rethrow_exception(failure);
 }
 
 bool Session::has_calls_in_flight() const {
@@ -104,7 +112,27 @@ void Session::fail(const std::exception_ptr& failure) {
 
 // ---- input -------------------------------------------------------------------------------------
 
+namespace {
+
+/// Asked where there was no memory to read it. It may say so somewhere else than as its method.
+bool may_ask_for_stop(std::string_view message) {
+  return std::ranges::any_of(method_table(), [&](const MethodInfo& method) {
+    return method.effect == tmcl::Effect::stops && message.find(method.name) != message.npos;
+  });
+}
+
+}  // namespace
+
 void Session::take(std::optional<std::string_view> message) {
+  try {
+    take_message(message);
+  } catch (...) {
+    if (message && may_ask_for_stop(*message)) gateway_->stop_in_need();
+    throw;
+  }
+}
+
+void Session::take_message(std::optional<std::string_view> message) {
   if (closed_ || finishing_) return;
   if (!message) return answer(nullptr, tl::unexpected(line_too_long()));
   if (message->find_first_not_of(" \t\r") == std::string_view::npos) return;
@@ -139,8 +167,12 @@ bool Session::must_wait(const RpcRequest& request) const {
 }
 
 void Session::start_serving(RpcRequest request) {
+  const bool stops = request.method->effect == tmcl::Effect::stops;
   spawn(executor_, serve(shared_from_this(), std::move(request)),
-        [self = shared_from_this()](const auto& failure) { self->fail(failure); });
+        [self = shared_from_this(), stops](const auto& failure) {
+          if (stops) self->gateway_->stop_in_need();
+          self->fail(failure);
+        });
 }
 
 void Session::start_waiting() {

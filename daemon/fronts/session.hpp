@@ -106,6 +106,7 @@ class Session : public Peer, public TokenKeeper, public std::enable_shared_from_
 
   static boost::asio::awaitable<void> serve(std::shared_ptr<Session> self, RpcRequest request);
 
+  void take_message(std::optional<std::string_view> message);
   void log_call(const std::string& text, const RpcResult& result, tmcl::Duration took);
   void begin(RpcRequest request);
   bool must_wait(const RpcRequest& request) const;

@@ -76,6 +76,11 @@ void GatewayBus::close() {
   feeding_.notify();
 }
 
+void GatewayBus::stop_at_once() const noexcept {
+  if (!bus_) return;
+  motors_.for_each([this](tmcl::AxisAddress motor) { bus_->stop_at_once(motor); });
+}
+
 void GatewayBus::retire() {
   retired_ = true;
   emit({GatewayEvent::Kind::link_lost, config_.name, {}, 0, std::string(why_retired)});

@@ -76,6 +76,13 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// Ends everything in progress with Errc::link_lost and stays closed.
   void close();
   bool is_closed() const { return closed_; }
+  /// A stop of each motor goes out at once, past all queues, and takes no memory; see
+  /// tmcl::Bus::stop_at_once().
+  void stop_at_once() const noexcept;
+  /// What waits, and was admitted, moves nothing any more.
+  void refuse_movements() const noexcept {
+    if (bus_) bus_->refuse_movements();
+  }
   /// The same, because the configuration has no such bus any more: those who use it are told.
   void retire();
 

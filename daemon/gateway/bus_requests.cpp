@@ -215,14 +215,24 @@ class OnItsWay {
   OnItsWay& operator=(const OnItsWay&) = delete;
   ~OnItsWay() {
     motors_.end(request_);
-    if (module_ != nullptr) module_->note_moved(request_, is_done_);
+    if (module_ != nullptr) note_broken_off();
   }
-  void note(const tmcl::Result<tmcl::Answer>& answer) { is_done_ = answer.has_value(); }
+  void note(const tmcl::Result<tmcl::Answer>& answer) {
+    if (auto* module = std::exchange(module_, nullptr))
+      module->note_moved(request_, answer.has_value());
+  }
 
  private:
+  /// Without memory for that a restart of its module is not noticed.
+  void note_broken_off() noexcept {
+    try {
+      module_->note_moved(request_, false);
+    } catch (...) {  // what ends like this ends for want of memory
+    }
+  }
+
   Motors& motors_;
-  GatewayModule* module_;  ///< Null if nobody watches it.
-  bool is_done_ = false;
+  GatewayModule* module_;  ///< Null if none is watched, and when it has been told.
   tmcl::Request request_;
 };
 

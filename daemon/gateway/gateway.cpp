@@ -256,7 +256,12 @@ void Gateway::dismiss_clients() {
 }
 
 void Gateway::begin_to_stop(const std::shared_ptr<GatewayAxis>& axis, StopCause cause) {
-  spawn(axis->bus().executor(), stop_quietly(shared_from_this(), axis, cause));
+  try {
+    spawn(axis->bus().executor(), stop_quietly(shared_from_this(), axis, cause));
+  } catch (...) {
+    stop_at_once();
+    throw;
+  }
 }
 
 void Gateway::revoke_movements() {
@@ -286,6 +291,21 @@ void Gateway::stop_what_has_no_end(std::string_view bus) {
 
 bool Gateway::has_journeys() const {
   return std::ranges::any_of(axes_, [](const auto& axis) { return axis->is_on_journey(); });
+}
+
+void Gateway::stop_at_once() noexcept {
+  arrivals_->stop_all();
+  for (const auto& bus : buses_) bus->stop_at_once();
+}
+
+void Gateway::stop_in_need() {
+  stop_at_once();
+  stop_all_axes();
+}
+
+void Gateway::refuse_movements() noexcept {
+  refuse_new_calls();
+  for (const auto& bus : buses_) bus->refuse_movements();
 }
 
 void Gateway::stop_all_axes() {

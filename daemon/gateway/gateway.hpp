@@ -99,6 +99,15 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   bool has_journeys() const;
   /// Begins to stop every axis; see stops_in_progress.
   void stop_all_axes();
+  /// Where something has failed that has to stop axes, or memory is missing: a stop of each motor
+  /// is on its wire when this returns, past all queues, and takes no memory. What was asked for
+  /// before has no right to move anything any more.
+  void stop_at_once() noexcept;
+  /// The same for a stop that cannot be carried out: what it was for is not known any more. Begins
+  /// to stop every axis as usual besides. Throws if there is no memory for that.
+  void stop_in_need();
+  /// Nothing that waits anywhere moves anything any more.
+  void refuse_movements() noexcept;
   /// Returns when the journal says what is left to be put in order.
   boost::asio::awaitable<void> end_journal();
   /// Ends everything in progress with Errc::link_lost.

@@ -33,6 +33,23 @@ std::optional<AxisFailure> conflict(const Axes& axes, const Client& client) {
   return std::nullopt;
 }
 
+/// A lease that its holder is not told of is given back.
+class Granting {
+ public:
+  Granting(Leases& leases, std::int32_t number) : leases_(leases), number_(number) {}
+  Granting(const Granting&) = delete;
+  Granting& operator=(const Granting&) = delete;
+  ~Granting() {
+    if (!is_done_) leases_.release(number_);
+  }
+  void is_done() { is_done_ = true; }
+
+ private:
+  Leases& leases_;
+  std::int32_t number_;
+  bool is_done_ = false;
+};
+
 }  // namespace
 
 std::int64_t random_epoch() {
@@ -55,12 +72,15 @@ awaitable<tl::expected<Lease, AxisFailure>> Leases::acquire(std::shared_ptr<Leas
   const auto number = ++self->last_number_;
   Lease lease{number, self->new_epoch_(), std::move(holder), std::move(axes), terms,
               now,    now + terms.ttl};
+  self->leases_.emplace(number, lease);
+  Granting granting(*self, number);
   for (const auto& axis : lease.axes)
     motors_of(*axis).lease(axis->address(), {lease.holder.number, number, lease.holder.name});
-  self->leases_.emplace(number, lease);
-  if (!std::exchange(self->watching_, true)) spawn(self->executor_, watch(self));
+  if (!self->watching_) spawn(self->executor_, watch(self));
+  self->watching_ = true;
   self->changed_.notify();
   lease.journal_failure = co_await lease.axes.front()->enter_journal();
+  granting.is_done();
   co_return lease;
 }
 
@@ -111,24 +131,27 @@ void Leases::break_lease(const GatewayAxis& axis, const std::string& by) {
 }
 
 void Leases::end_of(std::uint64_t client) {
-  std::vector<std::int32_t> lost;
-  for (const auto& [number, lease] : leases_)
-    if (lease.holder.number == client) lost.push_back(number);
-  for (const auto number : lost) lose(number, "closed", "was lost: its holder has gone");
+  const auto is_its = [&](const auto& one) { return one.second.holder.number == client; };
+  for (auto one = std::ranges::find_if(leases_, is_its); one != leases_.end();
+       one = std::ranges::find_if(leases_, is_its))
+    lose(one->first, "closed", "was lost: its holder has gone");
 }
 
 void Leases::lose(std::int32_t number, std::string_view reason, const std::string& why) {
-  const auto lease = leases_.extract(number).mapped();
+  // To tell of it takes memory; to lose it, and to stop its axes, must not wait for that.
+  const auto lost = leases_.extract(number);
+  const auto& lease = lost.mapped();
+  for (const auto& axis : lease.axes) motors_of(*axis).lose_lease(axis->address());
+  changed_.notify();
+  if (lease.terms.stops)
+    for (const auto& axis : lease.axes) stop_(axis);
   for (const auto& axis : lease.axes) {
-    motors_of(*axis).lose_lease(axis->address());
     auto event = event_of(*axis, GatewayEvent::Kind::lease_lost,
                           "the lease of axis '" + axis->name() + "' by " + lease.holder.name + " " +
                               why + (lease.terms.stops ? ", and it is stopped" : ""));
     event.reason = reason;
     axis->bus().emit(std::move(event));
-    if (lease.terms.stops) stop_(axis);
   }
-  changed_.notify();
 }
 
 }  // namespace tmcld

@@ -285,6 +285,16 @@ class Motors {
   /// Motors without an axis that requests have moved since they were stopped, or can move that are
   /// on their way. Of those that have moved, most_other_motors are known.
   std::set<tmcl::AxisAddress> others_that_may_move() const;
+  /// Calls the function for each motor that is known, first for those that may move. Takes no
+  /// memory.
+  template <class Does>
+  void for_each(Does does) const {
+    for (const auto motor : moved_) does(motor);
+    for (const bool may : {true, false}) {
+      for (const auto& [address, motor] : motors_)
+        if (!moved_.contains(address) && may_move(address) == may) does(address);
+    }
+  }
   /// As far as is known: something that can move it has gone out since it was stopped last.
   bool may_move(tmcl::AxisAddress motor) const;
   /// Names of the axes that are led, that search, or that were told to turn, as far as is known.

@@ -107,8 +107,6 @@ TEST_F(DaemonFailure, OfACallIsItsAnswer) {
 TEST_F(DaemonFailure, InAVerbEndsThatVerbOnly) {
   const auto error = error_for("bus.scan", {{"last", 2}});
   EXPECT_EQ(error.code, rpc_code::internal_error);
-  EXPECT_EQ(client.result("bus.scan", {{"last", 1}}).at("modules").as_array().size(), 1U)
-      << "that scan is over";
   EXPECT_EQ(client.result("axis.move_to", {{"axis", "x"}, {"position_microsteps", 5}})
                 .at("target_microsteps"),
             5);
@@ -131,10 +129,11 @@ class ReactorFailure : public testing::Test {
  protected:
   ThreadedDaemon daemon{"on_exit = \"keep\"\n" + two_axes() + std::string(other_bus)};
 
-  /// All that moves is stopped, each motor of the module, and whoever waits is told.
-  void expect_an_orderly_end(RpcClient& client, int waiting, std::size_t stops) {
+  /// Each axis is stopped at once, and then each motor of the module; clients that wait are told.
+  void expect_an_orderly_end(RpcClient& client, int waiting) {
+    constexpr std::size_t axes = 2, motors = 3;
     EXPECT_FALSE(daemon.ends_well());
-    EXPECT_EQ(daemon.wire().count(Command::MST), stops);
+    EXPECT_EQ(daemon.wire().count(Command::MST), axes + motors);
     EXPECT_TRUE(client.answer_to(waiting).contains("error"));
     EXPECT_TRUE(client.is_cut_off());
     EXPECT_FALSE(std::filesystem::exists(daemon.socket().path));
@@ -154,8 +153,8 @@ TEST_F(ReactorFailure, StopsAllAxesAndEnds) {
   RpcClient client(daemon.socket());
   const int waiting = begin_to_wait(client);
   boost::asio::post(daemon.daemon().context(), [] { throw std::runtime_error("injected"); });
-  expect_an_orderly_end(client, waiting, 3);
-  EXPECT_EQ(daemon.wire("other").count(Command::MST), 3U);
+  expect_an_orderly_end(client, waiting);
+  EXPECT_EQ(daemon.wire("other").count(Command::MST), 1U + 3U);
 }
 
 TEST_F(ReactorFailure, AtTheEndDoesNotKeepItFromEnding) {
@@ -167,7 +166,7 @@ TEST_F(ReactorFailure, AtTheEndDoesNotKeepItFromEnding) {
       boost::asio::post(daemon.daemon().context(), [] { throw std::runtime_error("another"); });
     throw std::runtime_error("injected");
   });
-  expect_an_orderly_end(client, waiting, 3);
+  expect_an_orderly_end(client, waiting);
 }
 
 TEST_F(ReactorFailure, OfALinkThatThrowsWhenItIsOpened) {
@@ -179,7 +178,7 @@ TEST_F(ReactorFailure, OfALinkThatThrowsWhenItIsOpened) {
     daemon.wire("other").unplug();
     return 0;
   });
-  expect_an_orderly_end(client, waiting, 3);
+  expect_an_orderly_end(client, waiting);
 }
 
 TEST_F(ReactorFailure, IsNoneInAnOrdinaryEnd) {

@@ -65,6 +65,13 @@ class Bus {
   bool is_open() const;
   /// Ends everything in progress with Errc::link_lost.
   void close();
+  /// For a program that has no memory, or an exception to end by: a stop of the motor is on the
+  /// wire when this returns, whatever waits, and takes no memory. Whether its module has heard it
+  /// is not known. Blocks for some milliseconds on a serial line, and what was on its way there may
+  /// get no answer.
+  void stop_at_once(AxisAddress motor) noexcept;
+  /// Nothing that waits, or is asked for later, sets a motor moving any more.
+  void refuse_movements() noexcept;
 
  private:
   class State;

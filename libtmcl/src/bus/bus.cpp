@@ -75,7 +75,12 @@ class Bus::State : public std::enable_shared_from_this<State> {
 
   /// Groups are used again and again: an exchange takes no memory.
   Group& new_group(Handler handler, std::size_t missing) {
-    if (unused_.empty()) unused_.push_back(&groups_.emplace_back());
+    if (unused_.empty()) {
+      // One that ends must find its room.
+      settled_.reserve(groups_.size() + 1);
+      unused_.reserve(groups_.size() + 1);
+      unused_.push_back(&groups_.emplace_back());
+    }
     auto& group = *unused_.back();
     unused_.pop_back();
     group.handler.emplace(std::move(handler));
@@ -91,16 +96,21 @@ class Bus::State : public std::enable_shared_from_this<State> {
   }
 
   void on_input() {
-    core_.on_readable(timer_.now());
-    run_actions();
-    // Results first: setting up the next wait is a call of the kernel.
-    hand_out();
+    try {
+      core_.on_readable(timer_.now());
+      run_actions();
+      // Results first: setting up the next wait is a call of the kernel.
+      hand_out();
+    } catch (...) {
+      // What ends by it still has to stop motors, and to hear whether they are.
+      if (core_.is_open()) await_input();
+      throw;
+    }
     if (core_.is_open()) await_input();
   }
 
   void await_room() {
     if (awaiting_room_ || !core_.wants_to_write()) return;
-    awaiting_room_ = true;
     readiness_.async_wait(asio::posix::stream_descriptor::wait_write,
                           [self = shared_from_this()](error_code error) {
                             self->awaiting_room_ = false;
@@ -109,6 +119,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
                             self->run_actions();
                             self->hand_out();
                           });
+    awaiting_room_ = true;
   }
 
   /// A timer that is set too early only makes a round for nothing; setting it anew for each
@@ -116,7 +127,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
   void await_deadline() {
     const auto deadline = core_.engine().next_deadline();
     if (!deadline || (armed_for_ && *armed_for_ <= *deadline)) return;
-    armed_for_ = deadline;
+    armed_for_.reset();
     timer_.expires_at(*deadline);
     timer_.async_wait([self = shared_from_this()](error_code error) {
       if (error) return;
@@ -125,6 +136,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
       self->run_actions();
       self->hand_out();
     });
+    armed_for_ = deadline;
   }
 
   void run_actions() {
@@ -280,6 +292,8 @@ std::size_t Bus::queued() const { return state_->core().engine().queued(); }
 BusCounters Bus::counters() const { return state_->core().engine().counters(); }
 const std::string& Bus::name() const { return state_->core().name(); }
 bool Bus::is_open() const { return state_->core().is_open(); }
+void Bus::stop_at_once(AxisAddress motor) noexcept { state_->core().stop_at_once(motor); }
+void Bus::refuse_movements() noexcept { state_->core().refuse_movements(); }
 void Bus::close() { state_->close("the bus was closed"); }
 
 }  // namespace tmcl

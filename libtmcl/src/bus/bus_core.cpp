@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
+#include <utility>
+
+#include <poll.h>
 
 #include "link/opening.hpp"
 
@@ -91,6 +95,9 @@ void BusCore::close(const std::string& why) {
 
 void BusCore::send(const engine::Send& send, TimePoint now) {
   if (!open_) return;
+  const auto& request = send.request;
+  if (refuses_movements_ && effect_of(request.command, request.type) == Effect::moves)
+    return engine_.on_send_refused(request, now);
   // What has come in before the request goes out is no answer to it.
   looks_ = looks_ < most_looks && read(now, &send.request) ? looks_ + 1 : 0;
   if (looks_ > 0) return engine_.on_deadline(now);
@@ -123,6 +130,39 @@ void BusCore::send_bytes(const engine::Send& send, TimePoint now) {
   if (*count == 0) return engine_.on_send_refused(send.request, now);
   unwritten_ = bytes.subspan(*count);
   tell({now, Traffic::Direction::out, 0, false, bytes, send.asker});
+}
+
+void BusCore::stop_at_once(AxisAddress motor) noexcept {
+  const Request stop{motor.module, Command::MST, 0, motor.motor, 0};
+  try {
+    if (open_) write_stop(stop);
+  } catch (...) {  // only a link that fails takes memory, to say why
+  }
+}
+
+void BusCore::write_stop(const Request& stop) {
+  if (link_.framing() == Framing::can) {
+    (void)link_.write_frame(encode_can(stop, link_.can_extended()));
+    return;
+  }
+  if (wants_to_write()) (void)link_.write(std::exchange(unwritten_, {}));
+  if (engine_.next_deadline()) await_silence();
+  (void)link_.write(encode_serial(stop));
+  await_silence();
+}
+
+/// Until an answer has come, or should have. Of what it says nothing depends.
+void BusCore::await_silence() {
+  constexpr int patience_ms = 5;
+  const auto wire_ms = std::chrono::ceil<std::chrono::milliseconds>(link_.wire_time()).count();
+  SerialBytes answer{};
+  pollfd waiting{link_.descriptor(), POLLIN, 0};
+  for (std::size_t left = answer.size(); left > 0;) {
+    if (::poll(&waiting, 1, patience_ms + static_cast<int>(wire_ms)) <= 0) return;
+    const auto count = link_.read(std::span(answer).first(left));
+    if (!count || *count == 0) return;
+    left -= *count;
+  }
 }
 
 namespace {

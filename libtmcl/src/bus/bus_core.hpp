@@ -5,6 +5,7 @@
 #include <span>
 
 #include "engine/bus_engine.hpp"
+#include "tmcl/address.hpp"
 #include "tmcl/link.hpp"
 #include "tmcl/traffic.hpp"
 
@@ -26,6 +27,11 @@ class BusCore {
   void on_writable(TimePoint now);
   /// Ends everything in progress; the descriptor stays open, because somebody may wait on it.
   void close(const std::string& why);
+  /// A stop goes out past the engine, which may have no memory to send one, and takes none. Waits
+  /// a moment for the answer on a serial line, whose modules would speak at once otherwise.
+  void stop_at_once(AxisAddress motor) noexcept;
+  /// The engine sends no movement any more.
+  void refuse_movements() noexcept { refuses_movements_ = true; }
   /// Called for everything that is written and read; empty: nobody listens.
   void on_traffic(OnTraffic listener) { on_traffic_ = std::move(listener); }
   /// Closes the descriptor, so that the link can be opened again at once.
@@ -41,6 +47,8 @@ class BusCore {
   bool read_frames(TimePoint now, const Request* next);
   void send(const engine::Send& send, TimePoint now);
   void send_bytes(const engine::Send& send, TimePoint now);
+  void write_stop(const Request& stop);
+  void await_silence();
   void send_frame(const engine::Send& send, TimePoint now);
   void tell(const Traffic& traffic) const {
     if (on_traffic_) on_traffic_(traffic);
@@ -53,6 +61,7 @@ class BusCore {
   std::span<const std::uint8_t> unwritten_;
   std::vector<BusEvent> conditions_;
   OnTraffic on_traffic_;
+  bool refuses_movements_ = false;
   unsigned looks_ = 0;  ///< For input before a request, that have found some, in a row.
 };
 
