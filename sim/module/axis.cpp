@@ -113,6 +113,7 @@ Status Axis::set(std::uint8_t number, std::int32_t value) {
   if (!taken) return Status::invalid_value;
   const auto status = motor_->write(*row, in_motor(*row, taken->written));
   if (status != Status::ok) return status;
+  if (number == ap::target_position && goes_to_new_target()) motor_->move_to(taken->written);
   values_[number] = taken->kept;
   take_note(number, taken->kept);
   settle();
@@ -133,6 +134,14 @@ std::optional<std::int32_t> Axis::overruled(const ParameterInfo& row) const {
 
 std::int32_t Axis::in_motor(const ParameterInfo& row, std::int32_t value) const {
   return overruled(row).value_or(value);
+}
+
+// A model that does not tell its mode is in no other one of which it matters.
+bool Axis::goes_to_new_target() const {
+  if (traits_.find(Trait::velocity_target) != index_of(VelocityTarget::goes_there)) return false;
+  constexpr std::int32_t velocity_mode = 2;
+  const auto row = std::ranges::find(table_, "ramp_mode", &ParameterInfo::name);
+  return row == table_.end() || get(row->number) == velocity_mode;
 }
 
 std::int32_t Axis::relative_origin() const {

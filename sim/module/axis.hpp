@@ -129,6 +129,7 @@ class Axis {
   std::int32_t in_motor(const ParameterInfo& row, std::int32_t value) const;
   /// What MVP REL counts from.
   std::int32_t relative_origin() const;
+  bool goes_to_new_target() const;
 
   // axis_search.cpp
   void run_search();

@@ -17,7 +17,7 @@ namespace ap = axis_parameter;
 
 constexpr auto measurable = std::to_array<Trait>(
     {Trait::last_step, Trait::factor_rule, Trait::order, Trait::accumulator, Trait::relative_from,
-     Trait::relative_answer, Trait::range_check, Trait::addressing});
+     Trait::relative_answer, Trait::velocity_target, Trait::range_check, Trait::addressing});
 
 class Verified : public testing::Test {
  protected:

@@ -86,6 +86,28 @@ TEST_F(SimTraits, OrWithItsTarget) {
   EXPECT_EQ(value_of(Command::MVP, 1, 100), 150);
 }
 
+TEST_F(SimTraits, AMotorThatTurnsByVelocityGoesOnWhateverItsTarget) {
+  add_with(Trait::velocity_target, VelocityTarget::turns_on);
+  value_of(Command::ROR, 0, 500);
+  pass(1s);
+  value_of(Command::SAP, ap::target_position, 10);
+  pass(20s);
+  EXPECT_NE(value_of(Command::GAP, ap::actual_velocity), 0);
+}
+
+class SimVelocityTarget : public SimTraits, public testing::WithParamInterface<std::uint16_t> {};
+
+TEST_P(SimVelocityTarget, IsWhereItGoes) {
+  add_with(Trait::velocity_target, VelocityTarget::goes_there, GetParam());
+  value_of(Command::ROR, 0, GetParam() == 1110 ? 500 : 5000);
+  pass(1s);
+  value_of(Command::SAP, ap::target_position, 10);
+  pass(60s);
+  EXPECT_EQ(value_of(Command::GAP, ap::actual_velocity), 0);
+  EXPECT_EQ(value_of(Command::GAP, ap::actual_position), 10);
+}
+INSTANTIATE_TEST_SUITE_P(Models, SimVelocityTarget, testing::Values(1110, 1276, 142));
+
 // The parameter is read as it was set.
 TEST(SimLimitStop, IsHardOrSoftWhateverTheParameterSays) {
   const auto soft_stop = number_of(Family::tmc429, "soft_stop");

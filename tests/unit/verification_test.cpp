@@ -101,6 +101,27 @@ TEST(Verification, OfOtherFamiliesMeasuresWhatConcernsThem) {
   }
 }
 
+TEST(Verification, FindsWhatATargetDoesToAMotorThatTurnsByVelocity) {
+  for (const auto* name : {"TMCM-1110", "TMCM-1276", "TMCM-142", "TMCM-1316"}) {
+    for (const auto variant : {VelocityTarget::turns_on, VelocityTarget::goes_there}) {
+      SCOPED_TRACE(std::string(name) + " " + std::to_string(index_of(variant)));
+      sim::ModuleSettings settings;
+      settings.traits.set(Trait::velocity_target, variant);
+      test::VerifiedModule module(*find_model(name), settings);
+      auto options = module.options();
+      const auto home = module.get(ap::actual_position);
+      options.travel = {home - 80, home + 80};
+      module.after_each = [&] { EXPECT_LE(std::abs(module.get(ap::actual_position) - home), 80); };
+      const auto found = module.verify(options);
+      ASSERT_TRUE(found) << found.error().message;
+      EXPECT_EQ(of(*found, Trait::velocity_target).found(), index_of(variant))
+          << of(*found, Trait::velocity_target).text;
+      EXPECT_EQ(module.get(ap::actual_position), home);
+      EXPECT_EQ(module.get(ap::actual_velocity), 0);
+    }
+  }
+}
+
 // Whatever fails once, before or after the module has seen it. Each failure is a course of its own,
 // which computes for long: every day some steps all over it, in the nightly run every one.
 TEST(Verification, StopsAndGivesBackWhatItHasSetWhateverFails) {

@@ -58,7 +58,7 @@ TEST_F(VerifiedAxis, IsMeasuredAndAsItWas) {
     EXPECT_NE(std::ranges::find(fits, trait.at("foreseen")), fits.end()) << trait;
     EXPECT_TRUE(fits.size() == 1 || trait.at("trait") == "order") << trait;
   }
-  EXPECT_EQ(measured, 8);
+  EXPECT_EQ(measured, 9);
   EXPECT_EQ(get(0, ap::actual_position), position);
   expect_as_before();
   EXPECT_TRUE(call("axis.move_to", {{"axis", "x"}, {"position", 1}}));

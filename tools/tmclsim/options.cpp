@@ -112,6 +112,7 @@ With --as, a module is like one that was measured. FILE is TOML; all its keys bu
     last_step = "r3"                 # of a TMC429, also r1, r2; and factor_rule, order, accumulator
     relative_from = "actual"         # what MVP REL counts from; or target
     relative_answer = "distance"     # what that is answered with; or target
+    velocity_target = "turns_on"     # when it turns and its target is set; or goes_there
     limit_stop = "as_set"            # how it stops at a switch, whatever is set: hard, soft
     program_state = "high_byte"      # where command 135 has it; or low_byte
     heartbeat = "stops"              # when nobody sends anything; or ignored

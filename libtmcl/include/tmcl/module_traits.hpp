@@ -26,18 +26,21 @@ enum class Trait : std::uint8_t {
   accumulator,      ///< ramp::Tmc429::Accumulator
   relative_from,    ///< RelativeFrom
   relative_answer,  ///< RelativeAnswer
+  velocity_target,  ///< VelocityTarget
   limit_stop,       ///< LimitStop
   program_state,    ///< ProgramState
   heartbeat,        ///< Heartbeat
   range_check,      ///< RangeCheck
   addressing,       ///< Addressing
 };
-constexpr std::size_t trait_count = 11;
+constexpr std::size_t trait_count = 12;
 
 /// What MVP REL adds its distance to.
 enum class RelativeFrom : std::uint8_t { actual, target };
 /// What MVP REL is answered with.
 enum class RelativeAnswer : std::uint8_t { distance, target };
+/// What becomes of a motor that turns by velocity when its target position is set (parameter 0).
+enum class VelocityTarget : std::uint8_t { turns_on, goes_there };
 /// How a motor stops at a limit switch.
 enum class LimitStop : std::uint8_t {
   as_set,  ///< At once, or by its ramp where the soft stop parameter is set.

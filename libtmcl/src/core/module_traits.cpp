@@ -17,6 +17,7 @@ constexpr std::array<Word, 2> orders{"ramp_first", "pulse_first"};
 constexpr std::array<Word, 2> accumulators{"cleared", "kept"};
 constexpr std::array<Word, 2> origins{"actual", "target"};
 constexpr std::array<Word, 2> relative_answers{"distance", "target"};
+constexpr std::array<Word, 2> velocity_targets{"turns_on", "goes_there"};
 constexpr std::array<Word, 3> limit_stops{"as_set", "hard", "soft"};
 constexpr std::array<Word, 2> state_places{"high_byte", "low_byte"};
 constexpr std::array<Word, 2> heartbeats{"stops", "ignored"};
@@ -30,6 +31,7 @@ constexpr std::array<TraitInfo, trait_count> table{{
     {Trait::accumulator, "accumulator", accumulators},
     {Trait::relative_from, "relative_from", origins},
     {Trait::relative_answer, "relative_answer", relative_answers},
+    {Trait::velocity_target, "velocity_target", velocity_targets},
     {Trait::limit_stop, "limit_stop", limit_stops},
     {Trait::program_state, "program_state", state_places},
     {Trait::heartbeat, "heartbeat", heartbeats},

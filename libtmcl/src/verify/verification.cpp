@@ -69,9 +69,12 @@ class Verifier {
   Script<Result<void>> ask_another_address();
   Script<Result<void>> ask_program_state();
   Script<Result<void>> set_beyond_range();
-  Script<Result<void>> set_slow();
+  Script<Result<std::int32_t>> set_slow();
   Script<Result<void>> move_relatively();
   Script<Result<bool>> move_relatively_once(std::int32_t target);
+  Script<Result<std::int32_t>> leave_home();
+  Script<Result<void>> give_target_while_it_turns();
+  Script<Result<std::optional<VelocityTarget>>> watch_turning_with_target();
   Script<Result<void>> tell_chip_apart();
   Script<std::optional<std::size_t>> choose(const plan::ChipCandidates& candidates,
                                             Pairs pairs) const;
@@ -218,31 +221,39 @@ Script<Result<void>> Verifier::set_beyond_range() {
 
 // ---- a relative move --------------------------------------------------------------------------
 
-Script<Result<void>> Verifier::set_slow() {
+/// Gives the velocity, as the module counts it.
+Script<Result<std::int32_t>> Verifier::set_slow() {
   if (has_tmc429()) {
     co_await must(watched_.set(stroll));
-    co_return Result<void>{};
+    co_return stroll.velocity;
   }
   const auto values = co_await must(get_all(axis_, unit_parameters(model())));
   const auto units = module_units(model(), values);
   const auto unit = units ? units->velocity.value : 1;
-  co_await must(watched_.set(
-      plan::Setting{ap::max_velocity, std::max(1, static_cast<std::int32_t>(stroll_pps / unit))}));
-  co_return Result<void>{};
+  const auto velocity = std::max(1, static_cast<std::int32_t>(stroll_pps / unit));
+  co_await must(watched_.set(plan::Setting{ap::max_velocity, velocity}));
+  co_return velocity;
+}
+
+/// Until it is seen to have gone somewhere; gives where that is.
+Script<Result<std::int32_t>> Verifier::leave_home() {
+  const auto home = watched_.home().value;
+  const auto begin = co_await current_time();
+  auto here = home;
+  while (std::abs(std::int64_t{here} - home) < 2) {
+    here = co_await must(watched_.get(ap::actual_position));
+    const auto now = co_await current_time();
+    if (now - begin > longest_stroll)
+      co_return tl::unexpected(watched_.interrupted(home + sign_ * least_stroll, here));
+  }
+  co_return here;
 }
 
 // On its way the motor is not where it goes. A distance of 0 takes it no farther than that,
 // whatever it is added to, and however often.
 Script<Result<bool>> Verifier::move_relatively_once(std::int32_t target) {
   co_await must(watched_.ask(Command::MVP, move_type::absolute, target));
-  const auto home = watched_.home().value;
-  auto here = home;
-  const auto begin = co_await current_time();
-  while (std::abs(std::int64_t{here} - home) < 2) {
-    here = co_await must(watched_.get(ap::actual_position));
-    const auto now = co_await current_time();
-    if (now - begin > longest_stroll) co_return tl::unexpected(watched_.interrupted(target, here));
-  }
+  const auto here = co_await must(leave_home());
   const auto answer = co_await must(watched_.ask(Command::MVP, move_type::relative, 0));
   const auto aim = co_await must(watched_.get(ap::target_position));
   const auto later = co_await must(watched_.get(ap::actual_position));
@@ -282,6 +293,49 @@ Script<Result<void>> Verifier::move_relatively() {
     }
     if (!is_done) not_done("the axis was not seen on its way");
   }
+  co_return Result<void>{};
+}
+
+// ---- a target while it turns ------------------------------------------------------------------
+
+/// The target is behind it: where it goes on turning it gets away from there.
+Script<Result<std::optional<VelocityTarget>>> Verifier::watch_turning_with_target() {
+  constexpr std::int64_t far_enough = 16;
+  const auto home = watched_.home().value;
+  const auto gone = [&](std::int32_t here) { return sign_ * (std::int64_t{here} - home); };
+  const auto first = gone(co_await must(leave_home()));
+  co_await must(watched_.ask(Command::SAP, ap::target_position, home));
+  const auto begin = co_await current_time();
+  auto farthest = first;
+  while (co_await current_time() - begin < longest_stroll) {
+    const auto now = gone(co_await must(watched_.get(ap::actual_position)));
+    farthest = std::max(farthest, now);
+    if (now <= farthest - 2 || now <= 0) co_return std::optional(VelocityTarget::goes_there);
+    if (now >= first + far_enough) co_return std::optional(VelocityTarget::turns_on);
+  }
+  co_return std::optional<VelocityTarget>();
+}
+
+Script<Result<void>> Verifier::give_target_while_it_turns() {
+  constexpr auto trait = Trait::velocity_target;
+  if (room() < stroll_distance) {
+    not_measured(trait, fmt::format("it needs a travel of {} microsteps", stroll_distance));
+    co_return Result<void>{};
+  }
+  if (!may_be_as_fast_as(stroll_pps)) {
+    not_measured(trait, fmt::format("it needs {} microsteps a second", stroll_pps));
+    co_return Result<void>{};
+  }
+  tell("turns slowly, and is given a target behind it");
+  const auto velocity = co_await must(set_slow());
+  co_await must(watched_.ask(sign_ > 0 ? Command::ROR : Command::ROL, 0, velocity));
+  const auto does = co_await must(watch_turning_with_target());
+  co_await must(watched_.stop());
+  finding(trait, does,
+          !does                               ? "it neither turned on nor went there"
+          : *does == VelocityTarget::turns_on ? "it turned on, away from its new target"
+                                              : "it turned round, to its new target");
+  co_await must(watched_.return_home());
   co_return Result<void>{};
 }
 
@@ -408,6 +462,7 @@ Script<Result<void>> Verifier::movements() {
   below_ = home - options_.travel.least;
   sign_ = above_ >= below_ ? 1 : -1;
   co_await must(move_relatively());
+  co_await must(give_target_while_it_turns());
   if (has_tmc429()) co_await must(tell_chip_apart());
   co_return Result<void>{};
 }
@@ -417,7 +472,7 @@ Script<Result<void>> Verifier::course() {
   if (runs_program_) {
     for (const auto& info : trait_table()) {
       const bool is_of_moves =
-          info.trait <= Trait::relative_answer && concerns(info.trait, model());
+          info.trait <= Trait::velocity_target && concerns(info.trait, model());
       if (is_of_moves) not_measured(info.trait, "a program runs in the module: end it first");
     }
   } else {
