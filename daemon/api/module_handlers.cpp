@@ -48,30 +48,26 @@ void revoke_movements(const Call& call, GatewayBus& bus, const tmcl::Request& re
 }
 
 /// What a raw command sets turning is stopped when its client goes: it needs an axis.
-std::optional<RpcError> give_axis(const Call& call, const std::shared_ptr<GatewayBus>& bus,
+std::optional<RpcError> give_axes(const Call& call, const std::shared_ptr<GatewayBus>& bus,
                                   const tmcl::Request& request) {
-  const tmcl::AxisAddress motor{request.address, request.motor};
-  const auto* module = bus->find_module(request.address);
-  const auto* model = module == nullptr ? nullptr : module->model();
-  const bool is_there = model == nullptr || request.motor < model->axes;
-  const bool needs_one = motion_effect(request) == MotionEffect::turns && is_there;
-  const bool has_one =
-      !needs_one || call.gateway->find_axis(*bus, motor) || call.gateway->add_axis(bus, motor);
-  if (has_one) return std::nullopt;
-  return rpc_error(rpc_code::not_allowed, "not_permitted",
-                   "motor " + std::to_string(request.motor) + " of module " +
-                       std::to_string(number(request.address)) +
-                       " has no axis, and too many motors without one are in use",
-                   "put the axes that are in use into the configuration");
+  for (const auto motor : motors_turned_by(request, bus->model_of(request.address))) {
+    if (call.gateway->find_axis(*bus, motor) || call.gateway->add_axis(bus, motor)) continue;
+    return rpc_error(rpc_code::not_allowed, "not_permitted",
+                     "motor " + std::to_string(motor.motor) + " of module " +
+                         std::to_string(number(motor.module)) +
+                         " has no axis, and too many motors without one are in use",
+                     "put the axes that are in use into the configuration");
+  }
+  return std::nullopt;
 }
 
 /// Nothing if there is nothing to say.
 std::optional<std::vector<std::string>> warnings_about(Call& call, GatewayBus& bus,
                                                        const tmcl::Request& request) {
   std::vector<std::string> warnings;
-  const auto axis = call.gateway->find_axis(bus, {request.address, request.motor});
-  if (motion_effect(request) == MotionEffect::turns && axis)
-    if (auto warning = warning_of_owner(call, *axis)) warnings.push_back(std::move(*warning));
+  for (const auto motor : motors_turned_by(request, bus.model_of(request.address)))
+    if (const auto axis = call.gateway->find_axis(bus, motor))
+      if (auto warning = warning_of_owner(call, *axis)) warnings.push_back(std::move(*warning));
   call.unattended = motion_effect(request) == MotionEffect::unforeseen;
   if (call.unattended)
     warnings.emplace_back(
@@ -131,7 +127,9 @@ Answer<module::Execute> execute(Call& call, const module::Execute& params) {
   if (objection) co_return tl::unexpected(std::move(*objection));
   if (const auto loss = loss_of_reach(**bus, *request)) co_return tl::unexpected(call_error(*loss));
   call.effect = effect_of(request->command, request->type);
-  if (auto complaint = give_axis(call, *bus, *request))
+  // Its model says whose register it is. One that does not tell may take it all the same.
+  if (writes_register(*request)) co_await (*bus)->add_module(request->address).be_ready();
+  if (auto complaint = give_axes(call, *bus, *request))
     co_return tl::unexpected(std::move(*complaint));
   const bool stops = call.effect == tmcl::Effect::stops;
   if (stops) revoke_movements(call, **bus, *request);

@@ -235,6 +235,7 @@ tmcl::Result<PortConduct::Axes> PortConduct::axes_of(const tmcl::Request& reques
   const auto* model = bus_->add_module(request.address).model();
   std::set<tmcl::AxisAddress> motors{{request.address, request.motor}};
   if (moves_several(request)) motors = motors_of(request);
+  if (writes_register(request)) motors = motors_turned_by(request, model);
   const bool lacks_one = model != nullptr && std::ranges::any_of(motors, [&](const auto& motor) {
                            return motor.motor >= model->axes;
                          });
@@ -271,6 +272,7 @@ PortConduct::Awaitable<tmcl::Answer> PortConduct::act_on_axes(tmcl::Request requ
 PortConduct::Awaitable<tmcl::Answer> PortConduct::act_on(Axes axes, tmcl::Request request,
                                                          RunOptions options) {
   if (axes.size() == 1) co_return co_await axes.front()->execute(request, std::move(options));
+  if (!moves_several(request)) co_return co_await bus_->execute(request, std::move(options));
   const auto hold = bus_->motors().coordinate_holds().set(request.address);
   auto still = bus_->hold_still(request.address);
   const auto settled = co_await bus_->run(std::move(still), options);

@@ -496,8 +496,10 @@ boost::asio::awaitable<void> GatewayAxis::note_turning(tmcl::AxisState state,
   const bool moves = state.velocity.value != 0;
   // Whether that can be seen or not: it is looked at again.
   if (turns() && !moves) co_await axis_.run(bus().see_turning_end(address()), asked_by(client));
-  const bool is_known = turns() || tenant().client != 0 || mover() != Mover::nobody ||
-                        motors.was_sent_to_position(address());
+  const bool goes_to_position =
+      motors.was_sent_to_position(address()) && !motors.may_run_program(address().module);
+  const bool is_known =
+      turns() || tenant().client != 0 || mover() != Mover::nobody || goes_to_position;
   if (!moves || is_known) co_return;
   const auto found = co_await axis_.run(bus().may_turn(address()), asked_by(client));
   if (!found || !*found || turns()) co_return;

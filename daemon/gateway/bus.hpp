@@ -113,6 +113,8 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   }
 
   /// What they are the limits of is kept within them, whatever is sent.
+  /// Null where it is not known.
+  const tmcl::Model* model_of(tmcl::ModuleAddress address) const;
   void add_limits(std::shared_ptr<AxisLimits> limits) { limits_.push_back(std::move(limits)); }
   /// Whatever has to be put in order if the process ends; null if nobody would.
   const std::shared_ptr<Journal>& journal() const { return journal_; }
@@ -164,13 +166,14 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// open.
   template <class T>
   boost::asio::awaitable<T> run(tmcl::Script<T> script, RunOptions options) {
-    auto attempt = co_await begin_turning(options);
     auto ended = co_await run_steps(script, std::move(options));
-    if (ended.objection && is_not_done(*ended.objection)) attempt.withdraw();
-    if (ended.objection) co_return tl::unexpected(std::move(*ended.objection));
+    if (ended.objection) {
+      ended.withdraw_turning(*ended.objection);
+      co_return tl::unexpected(std::move(*ended.objection));
+    }
     auto result = script.take();
     if (!result && ended.broke_off) result.error().outcome = tmcl::Outcome::unknown;
-    if (!result && is_not_done(result.error())) attempt.withdraw();
+    if (!result) ended.withdraw_turning(result.error());
     co_return result;
   }
 
@@ -203,11 +206,17 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
     bool broke_off = false;  ///< Something of it went out, and something was refused.
   };
   /// Steps through a verb to its end, or until there is an objection.
-  boost::asio::awaitable<TurningAttempt> begin_turning(const RunOptions& options);
-  static bool is_not_done(const tmcl::Error& error) {
-    return error.outcome != tmcl::Outcome::unknown && error.outcome != tmcl::Outcome::done;
-  }
+    std::vector<TurningAttempt> turning{};
+    std::vector<TurningAttempt> turning{};
+
+    /// Where `error` says that nothing was done.
+    void withdraw_turning(const tmcl::Error& error) {
+      if (error.outcome == tmcl::Outcome::unknown || error.outcome == tmcl::Outcome::done) return;
+      for (auto& attempt : turning) attempt.withdraw();
+    }
   boost::asio::awaitable<Ended> run_steps(tmcl::AnyScript& script, RunOptions options);
+  /// Of what the verb announces: before it goes out, the journal says whose it is.
+  boost::asio::awaitable<void> begin_turning(Conduct& conduct);
   tmcl::Script<tmcl::Result<void>> judged(tmcl::AnyScript& script, Conduct& conduct);
   static std::optional<tmcl::Error> objection_to(const tmcl::Step& step, const Conduct& conduct);
   tmcl::Script<tmcl::StepResult> carry_out(tmcl::Step step, Conduct& conduct);

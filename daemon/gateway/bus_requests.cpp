@@ -98,17 +98,22 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::see_search_end(tmcl::AxisAddress mo
 
 // ---- turning without end -----------------------------------------------------------------------
 
-boost::asio::awaitable<TurningAttempt> GatewayBus::begin_turning(const RunOptions& options) {
-  if (!options.announced) co_return TurningAttempt();
-  auto attempt = motors_.begin_turning(*options.announced, options.permit);
-  if (attempt && journal_) co_await Journal::write(journal_);
-  co_return attempt;
+boost::asio::awaitable<void> GatewayBus::begin_turning(Conduct& conduct) {
+  if (!conduct.options.announced) co_return;
+  const auto& announced = *conduct.options.announced;
+  conduct.turning = motors_.begin_turning(motors_turned_by(announced, model_of(announced.address)),
+                                          conduct.options.permit);
+  if (!conduct.turning.empty() && journal_) co_await Journal::write(journal_);
+}
+
+const tmcl::Model* GatewayBus::model_of(tmcl::ModuleAddress address) const {
+  const auto* module = find_module(address);
+  return module == nullptr ? nullptr : module->model();
 }
 
 namespace {
 
-std::optional<tmcl::ModeParameter> mode_of(const GatewayModule* module) {
-  const auto* model = module == nullptr ? nullptr : module->model();
+std::optional<tmcl::ModeParameter> mode_of(const tmcl::Model* model) {
   if (model == nullptr) return std::nullopt;
   return tmcl::mode_parameter(tmcl::axis_parameters(*model));
 }
@@ -129,7 +134,7 @@ std::vector<tmcl::step::Exchange> questions_about_turning(
 }  // namespace
 
 tmcl::Script<tmcl::Result<bool>> GatewayBus::may_turn(tmcl::AxisAddress motor) {
-  const auto mode = mode_of(find_module(motor.module));
+  const auto mode = mode_of(model_of(motor.module));
   auto questions = questions_about_turning(motor, mode);
   const auto answers = co_await exchange_all(std::move(questions));
   for (const auto& answer : answers) {
@@ -137,7 +142,7 @@ tmcl::Script<tmcl::Result<bool>> GatewayBus::may_turn(tmcl::AxisAddress motor) {
       co_return tl::unexpected(answer.error());
   }
   const auto& told = answers.back();
-  if (mode && told && told->reply.value != mode->velocity) co_return false;
+  if (mode && told && !may_turn_in(*mode, told->reply.value)) co_return false;
   // A module that does not tell what it is to do is judged by what it does.
   const auto is_zero = [](const auto& answer) { return !answer || answer->reply.value == 0; };
   co_return !is_zero(answers[0]) || !is_zero(answers[1]);
@@ -322,6 +327,13 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
     auto allowed = co_await admit(exchange, conduct.options);
     conduct.refused = conduct.refused || !allowed;
     if (!allowed) co_return refused(std::move(allowed.error()));
+    // It turned for another client when the verb began, which has gone, as this one may before the
+    // answer.
+    if (conduct.turning.empty() && waits) {
+      conduct.turning = motors_.begin_turning(motors_turned_by(request, model_of(request.address)),
+                                              conduct.options.permit);
+      if (!conduct.turning.empty() && journal_) spawn(executor_, Journal::write(journal_));
+    }
     auto answer = co_await send_watched(exchange, conduct);
     if (answer) co_return std::move(*answer);
   }
@@ -365,7 +377,7 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   if (is_judged(exchange)) on_its_way.emplace(motors_, module, request, conduct.options.permit);
   ModuleMarks::Mark change;
   if (changes_coordinates(request)) change = motors_.coordinate_changes().set(request.address);
-  const auto before = motors_.before(request, conduct.options.permit);
+  const auto before = motors_.before(request, conduct.options.permit, model_of(request.address));
   std::optional<StopOnItsWay> stop_on_its_way;
   conduct.owes_stop = false;
   if (OwedStops::is_stop(request))
@@ -534,13 +546,14 @@ boost::asio::awaitable<GatewayBus::Ended> GatewayBus::run_steps(tmcl::AnyScript&
   auto ended = co_await bus->run(std::move(steps), std::move(of_bus));
   if (!ended) {
     if (conduct.owes_stop) say_that_it_is_owed(ended.error());
-    co_return Ended{std::move(ended.error())};
+    co_return Ended{std::move(ended.error()), false, std::move(conduct.turning)};
   }
-  co_return Ended{std::nullopt, conduct.refused && conduct.acted};
+  co_return Ended{std::nullopt, conduct.refused && conduct.acted, std::move(conduct.turning)};
 }
 
 tmcl::Script<tmcl::Result<void>> GatewayBus::judged(tmcl::AnyScript& script, Conduct& conduct) {
   auto now = co_await tmcl::current_time();
+  co_await begin_turning(conduct);
   auto step = script.start(now);
   while (step) {
     auto objection = objection_to(*step, conduct);

@@ -128,16 +128,54 @@ MotionEffect motion_effect(const Request& request) {
     case Command::ROL: return request.value == 0 ? MotionEffect::stops : MotionEffect::turns;
     case Command::RORA:
     case Command::ROLA:
-    case Command::WRITE_MC: return MotionEffect::turns;
+    case Command::WRITE_MC:
+    // Of some modules the driver is in the same chip as the ramp generator.
+    case Command::WRITE_DRV: return MotionEffect::turns;
     case Command::MST: return MotionEffect::stops;
     case Command::RFS: return starts_search(request) ? MotionEffect::searches : MotionEffect::none;
     case Command::SAP: return effect_of_parameter(request.type, request.value == 0);
     case Command::RSAP:
     case Command::AAP: return effect_of_parameter(request.type, false);
-    case Command::WRITE_DRV: return MotionEffect::none;
     default: break;
   }
   return can_move(request) && !restarts(request) ? MotionEffect::unforeseen : MotionEffect::none;
+}
+
+bool writes_register(const Request& request) {
+  return request.command == Command::WRITE_MC || request.command == Command::WRITE_DRV;
+}
+
+namespace {
+
+/// One with a TMC429 has three motors at each of its chips, and the address of a register says
+/// which. The driver is in the chip of the ramp generator only where that is a sixPoint one, and a
+/// module with one motor counts it as 1 then.
+std::pair<std::size_t, std::size_t> motors_of_register(const Request& request,
+                                                       const tmcl::Model* model) {
+  constexpr std::size_t motors_of_tmc429 = 3;
+  const std::size_t motor = request.motor;
+  if (model == nullptr) return {motor, 1};
+  if (request.command == Command::WRITE_DRV) {
+    const bool is_only = model->axes == 1 && motor == 1;
+    return {is_only ? 0 : motor, model->family == tmcl::Family::sixpoint ? 1 : 0};
+  }
+  if (model->family != tmcl::Family::tmc429) return {motor, 1};
+  return {motor * motors_of_tmc429, motors_of_tmc429};
+}
+
+}  // namespace
+
+std::set<AxisAddress> motors_turned_by(const Request& request, const tmcl::Model* model) {
+  std::set<AxisAddress> motors;
+  if (motion_effect(request) != MotionEffect::turns) return motors;
+  const auto [first, count] = writes_register(request)
+                                  ? motors_of_register(request, model)
+                                  : std::pair<std::size_t, std::size_t>(request.motor, 1);
+  const auto end =
+      model == nullptr ? first + count : std::min<std::size_t>(first + count, model->axes);
+  for (auto motor = first; motor < end; ++motor)
+    motors.insert({request.address, static_cast<std::uint8_t>(motor)});
+  return motors;
 }
 
 bool changes_coordinates(const Request& request) {
@@ -334,12 +372,18 @@ void Motors::turn(Motor& motor, Permit of) {
                    owner == arrivals_->clients.end() ? "" : owner->second};
 }
 
-TurningAttempt Motors::begin_turning(const Request& request, Permit of) {
-  const AxisAddress motor{request.address, request.motor};
-  const bool turns = motion_effect(request) == MotionEffect::turns && is_axis(motor);
-  if (!turns || leads(motor, of)) return {};
+std::vector<TurningAttempt> Motors::begin_turning(const std::set<AxisAddress>& motors, Permit of) {
+  std::vector<TurningAttempt> attempts;
+  for (const auto motor : motors)
+    if (is_axis(motor))
+      if (auto attempt = begin_turning(motor, of)) attempts.push_back(std::move(attempt));
+  return attempts;
+}
+
+TurningAttempt Motors::begin_turning(AxisAddress motor, Permit of) {
   const auto tenant = tenant_of(motor);
-  if (tenant.client != 0 && tenant.client != of.client) return {};
+  const bool is_of_other = tenant.client != 0 && tenant.client != of.client;
+  if (is_of_other || leads(motor, of)) return {};
   auto& it = motors_.at(motor);
   TurningAttempt attempt(*this, motor, it.turning);
   ++it.turning_attempts;
@@ -379,13 +423,12 @@ void Motors::note_turning(const Request& request, bool is_done, const Before& be
   for (auto& [address, motor] : motors_) {
     const bool names_it = request.address == address.module && request.motor == address.motor;
     if (!names_it && !can_move(request, address)) continue;
-    // Its owner may have let it turn again while this was on its way.
-    if (is_done && ends_turning(effect) && motor.turning.number <= before.turnings)
-      motor.turning = {};
-    // What was ended by a command that was on its way along with this may turn all the same.
-    const bool is_new = motor.turning.number == 0 && names_it && !motor.axis.empty();
-    if (effect == MotionEffect::turns && is_new && !leads(address, before.of))
-      turn(motor, before.of);
+    // Its owner may have let it turn again while this was on its way, or is about to.
+    const bool is_ended = is_done && ends_turning(effect) && motor.turning_attempts == 0;
+    if (is_ended && motor.turning.number <= before.turnings) motor.turning = {};
+    const bool is_new = motor.turning.number == 0 && !motor.axis.empty();
+    const bool turns = before.turned.contains(address);
+    if (turns && is_new && !leads(address, before.of)) turn(motor, before.of);
   }
 }
 
@@ -497,14 +540,25 @@ void Motors::note_moved(const Request& request) {
   if (static_cast<std::size_t>(others) < most_other_motors) moved_.merge(motors_of(request));
 }
 
-void Motors::note_target(const Request& request) {
+void Motors::note_target(const Request& request, const Before& before) {
   const auto effect = motion_effect(request);
   const bool to_position = goes_to_position(effect);
   if (!to_position && !leaves_positions(effect)) return;
   for (auto& [address, motor] : motors_) {
     const bool names_it = request.address == address.module && request.motor == address.motor;
-    if (names_it || can_move(request, address)) motor.was_sent_to_position = to_position;
+    const bool concerns_it = writes_register(request) ? before.turned.contains(address)
+                                                      : names_it || can_move(request, address);
+    if (concerns_it) motor.was_sent_to_position = to_position;
   }
+}
+
+void Motors::note_program(const Request& request, bool is_done) {
+  const bool stops =
+      request.command == Command::STOP_APPLICATION || request.command == Command::RESET_APPLICATION;
+  // A module that starts again may start its program by itself.
+  if (motion_effect(request) == MotionEffect::unforeseen || restarts(request))
+    programs_.insert(request.address);
+  if (stops && is_done) programs_.erase(request.address);
 }
 
 bool Motors::was_sent_to_position(AxisAddress motor) const {
@@ -585,7 +639,8 @@ void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answ
   const AxisAddress motor{request.address, request.motor};
   if (answer || answer.error().outcome == tmcl::Outcome::unknown) {
     note_moved(request);
-    note_target(request);
+    note_target(request, before);
+    note_program(request, answer.has_value());
     note_turning(request, answer.has_value(), before);
   }
   if (answer && request.command == Command::MST) moved_.erase(motor);

@@ -33,6 +33,8 @@
 #include "tmcl/address.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/error.hpp"
+#include "tmcl/mechanics.hpp"
+#include "tmcl/model.hpp"
 #include "tmcl/script.hpp"
 
 namespace tmcld {
@@ -96,6 +98,12 @@ struct Claimant {
   bool operator==(const Claimant& other) const { return by == other.by && of == other.of; }
 };
 
+/// In the modes below that of velocity an axis goes to its target; in the one above it keeps the
+/// speed that it was given.
+constexpr bool may_turn_in(const tmcl::ModeParameter& mode, std::int32_t value) {
+  return value >= mode.velocity;
+}
+
 class Motors;
 
 /// Only one call moves a motor, for as long as this lives. Must not outlive the Motors it is of.
@@ -123,6 +131,11 @@ enum class MotionEffect : std::uint8_t {
   unforeseen,  ///< A program does it, which no client owns.
 };
 MotionEffect motion_effect(const tmcl::Request& request);
+bool writes_register(const tmcl::Request& request);
+/// Which motors a request may set turning, of those that the module has. A chip may have the
+/// registers of several motors. `model`: null where it is not known.
+std::set<tmcl::AxisAddress> motors_turned_by(const tmcl::Request& request,
+                                             const tmcl::Model* model);
 
 /// A command is on its way that may set a motor turning. Must not outlive the Motors it is of.
 class TurningAttempt {
@@ -220,9 +233,10 @@ class Motors {
   /// What everybody else is told. Only of a motor that has a tenant.
   tmcl::Error leased(tmcl::AxisAddress motor) const;
 
-  /// The client of the call owns what the request sets turning, from now on: before it is sent.
-  /// Nothing happens if it sets nothing turning, or another client is the tenant of the motor.
-  [[nodiscard]] TurningAttempt begin_turning(const tmcl::Request& request, Permit of);
+  /// The client of the call owns what it sets turning, from now on: before that is sent. None of
+  /// motors whose tenant is another client.
+  [[nodiscard]] std::vector<TurningAttempt> begin_turning(const std::set<tmcl::AxisAddress>& motors,
+                                                          Permit of);
   /// It was found turning, and no client owns that.
   void note_unattended(tmcl::AxisAddress motor);
   Turning turning_of(tmcl::AxisAddress motor) const;
@@ -301,15 +315,19 @@ class Motors {
   std::vector<std::string> under_way() const;
   /// What moved or stopped it last was sent from here, and said where it is to stand.
   bool was_sent_to_position(tmcl::AxisAddress motor) const;
+  /// A program was started in the module, and none was stopped since: it may move any motor.
+  bool may_run_program(tmcl::ModuleAddress module) const { return programs_.contains(module); }
 
   /// How it was before a request was sent.
   struct Before {
     Claimant claimant{};
     std::uint64_t turnings = 0;  ///< The number of the last one.
     Permit of{};
+    std::set<tmcl::AxisAddress> turned{};  ///< By the request.
   };
-  Before before(const tmcl::Request& request, Permit of) const {
-    return {claimant_of({request.address, request.motor}), last_turning_, of};
+  Before before(const tmcl::Request& request, Permit of, const tmcl::Model* model) const {
+    return {claimant_of({request.address, request.motor}), last_turning_, of,
+            motors_turned_by(request, model)};
   }
   /// Learns from what goes past whether reference searches run, and what turns.
   void note(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer,
@@ -338,7 +356,9 @@ class Motors {
   void note_claim(tmcl::AxisAddress motor, Claimant claimant);
   void forget_other_motors();
   void note_moved(const tmcl::Request& request);
-  void note_target(const tmcl::Request& request);
+  void note_target(const tmcl::Request& request, const Before& before);
+  void note_program(const tmcl::Request& request, bool is_done);
+  TurningAttempt begin_turning(tmcl::AxisAddress motor, Permit of);
   bool is_stopped_since(tmcl::AxisAddress motor, Permit permit) const;
   std::optional<tmcl::Error> objection_to_all(Permit permit) const;
   void note_turning(const tmcl::Request& request, bool is_done, const Before& before);
@@ -355,6 +375,7 @@ class Motors {
   std::map<tmcl::AxisAddress, Motor> motors_;
   std::vector<tmcl::Request> on_their_way_;
   std::uint64_t last_turning_ = 0;
+  std::set<tmcl::ModuleAddress> programs_;
   ModuleMarks coordinate_holds_;
   ModuleMarks coordinate_changes_;
   std::set<tmcl::AxisAddress> moved_;  ///< Since they were stopped; axes and others.

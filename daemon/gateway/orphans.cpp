@@ -79,7 +79,7 @@ GatewayAxis::Awaitable<bool> turns_by_velocity(GatewayAxis& axis) {
   if (*velocity == 0 || !mode) co_return *velocity != 0;
   const auto now = co_await axis.get(mode->number, {});
   if (!now) co_return tl::unexpected(now.error());
-  co_return *now == mode->velocity;
+  co_return may_turn_in(*mode, *now);
 }
 
 awaitable<void> stop_if_it_turns(std::shared_ptr<GatewayAxis> axis, Claim claim) {

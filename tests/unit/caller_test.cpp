@@ -132,6 +132,7 @@ TEST_F(Roles, OfAParameterGoByWhetherItMovesTheMotor) {
 // ---- what is audited ---------------------------------------------------------------------------
 
 TEST_F(Roles, MovementsAndSettingsAreAudited) {
+  bench.wire.modules.at(1).parameter(0, tmcl::axis_parameter::actual_velocity) = 0;
   bench.call("axis.get_state", {{"axis", "x"}});
   bench.call("module.execute", {{"bus", "bench"}, {"address", 1}, {"command", "GAP"}});
   bench.call("lease.list", {});

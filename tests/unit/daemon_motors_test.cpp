@@ -37,7 +37,7 @@ class DaemonMotors : public testing::Test {
     return !motors.objection(request, permit) && !motors.claimed_by_other(request, permit);
   }
   void see(const Request& request, tmcl::Result<tmcl::Answer> answer) {
-    motors.note(request, answer, motors.before(request, {}));
+    motors.note(request, answer, motors.before(request, {}, nullptr));
   }
   static tmcl::Answer with_value(std::int32_t value) {
     tmcl::Answer answer;
@@ -146,7 +146,7 @@ TEST_F(DaemonMotors, AnswersTellWhenASearchIsOver) {
 }
 
 TEST_F(DaemonMotors, AnAnswerFromBeforeTheSearchSaysNothingAboutIt) {
-  const auto before = motors.before(look_at_search, {});
+  const auto before = motors.before(look_at_search, {}, nullptr);
   motors.begin(search_x, arrivals->admit());
   motors.note(look_at_search, with_value(0), before);
   EXPECT_EQ(motors.claimant_of(x).by, Mover::search);

@@ -50,6 +50,7 @@ TEST_F(StateByAge, IsReadAnewBehindALostLink) {
 }
 
 TEST_F(StateByAge, IsReadOnceForAllWhoAskAtOnce) {
+  gateway.wire.modules.at(1).parameter(0, tmcl::axis_parameter::actual_velocity) = 0;
   const auto alone = requests([&] { state(0); });
   gateway.time.run_for(std::chrono::seconds(1));
   const auto together = requests([&] {

@@ -245,6 +245,14 @@ TEST_F(HttpClient, IsNotIdleWhileSomethingTurnsByIt) {
   EXPECT_TRUE(is_closed);
 }
 
+TEST_F(HttpClient, EndsWithWhatItHasSetTurning) {
+  ask(call("axis.rotate", R"({"axis":"x","velocity_internal":100})", "Connection: close\r\n"));
+  work_until_closed();
+  work();
+  EXPECT_EQ(bench.wire.count(Command::ROR), 1U);
+  EXPECT_GE(bench.wire.count(Command::MST), 1U);
+}
+
 TEST_F(HttpClient, MayEndItsOutputAndReadTheAnswer) {
   bench.wire.holds = true;
   send(call("axis.get_state", R"({"axis":"x"})"));

@@ -9,10 +9,11 @@
 
 namespace tmcld::test {
 
-CableBench::CableBench(const std::string& config, std::string_view model, tmcl::Framing framing)
+CableBench::CableBench(const std::string& config, std::string_view model, tmcl::Framing framing,
+                       const tmcl::sim::ModuleSettings& settings)
     : config_(parse_config(config).value()),
       wire(context_, "bench", framing, 1, {}, trace_),
-      module(wire.bench().add(*tmcl::find_model(model), tmcl::ModuleAddress{1})) {
+      module(wire.bench().add(*tmcl::find_model(model), tmcl::ModuleAddress{1}, settings)) {
   std::signal(SIGPIPE, SIG_IGN);
   silence_log();
   start_gateway();

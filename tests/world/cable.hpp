@@ -26,7 +26,8 @@ class CableBench {
  public:
   explicit CableBench(const std::string& config = cable_config,
                       std::string_view model = "TMCM-6212",
-                      tmcl::Framing framing = tmcl::Framing::serial);
+                      tmcl::Framing framing = tmcl::Framing::serial,
+                      const tmcl::sim::ModuleSettings& settings = {});
   ~CableBench();
   CableBench(const CableBench&) = delete;
   CableBench& operator=(const CableBench&) = delete;
