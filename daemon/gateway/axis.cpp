@@ -396,8 +396,6 @@ GatewayAxis::Awaitable<void> GatewayAxis::write(std::uint8_t parameter, std::int
   auto result = co_await axis_.run(std::move(script), std::move(admitted));
   // Also after a failure: the value may have been set all the same.
   units_.note_set(parameter, result ? std::optional(value) : std::nullopt);
-  // A client that sets it while it waits to be set back wants it so.
-  if (result && mover() == Mover::stop) forget_before(parameter);
   if (parameter != tmcl::axis_parameter::actual_position) co_return result;
   requested_.reset();
   if (result) bus().motors().note_reference(address());
@@ -492,6 +490,21 @@ bool GatewayAxis::note_before(tmcl::plan::Setting setting) {
 
 boost::asio::awaitable<void> GatewayAxis::note_turning(tmcl::AxisState state,
                                                        std::uint64_t client) {
+std::optional<std::int32_t> GatewayAxis::before(std::uint8_t parameter) const {
+  const auto found = std::ranges::find(before_, parameter, &tmcl::plan::Setting::parameter);
+  return found == before_.end() ? std::nullopt : std::optional(found->value);
+}
+
+bool GatewayAxis::note_set_by_client(std::uint8_t parameter, std::optional<std::int32_t> value) {
+  if (!before(parameter)) return false;
+  // Who still leads the axis may change it once more.
+  const bool is_led = mover() != Mover::stop;
+  if (!is_led || !value) forget_before(parameter);
+  for (auto& setting : before_)
+    if (setting.parameter == parameter) setting.value = *value;
+  return true;
+}
+
   auto& motors = bus().motors();
   const bool moves = state.velocity.value != 0;
   // Whether that can be seen or not: it is looked at again.

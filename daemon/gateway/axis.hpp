@@ -148,6 +148,11 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
     std::erase_if(before_, [&](const auto& setting) { return setting.parameter == parameter; });
   }
   /// Of what was changed, only this was not set back.
+  /// What is to be set back; nothing if that setting is not.
+  std::optional<std::int32_t> before(std::uint8_t parameter) const;
+  /// A client has set a setting that was to be set back: it stays so. `value`: nothing if that is
+  /// not known. False if it was not to be set back.
+  bool note_set_by_client(std::uint8_t parameter, std::optional<std::int32_t> value);
   void keep_before(std::vector<tmcl::plan::Setting> settings) { before_ = std::move(settings); }
   const std::vector<tmcl::plan::Setting>& before() const { return before_; }
   /// What is to be set back as soon as its module takes it, as it was.

@@ -62,6 +62,11 @@ inline RunOptions asked_by(std::uint64_t client) {
 /// Told of each reference search that begins, or may have begun.
 using OnSearch = std::function<void(tmcl::AxisAddress motor, Permit permit)>;
 
+/// Told of each axis parameter that a client has set that does not lead the axis. `value`: nothing
+/// where it is not known.
+using OnSetting = std::function<void(tmcl::AxisAddress motor, std::uint8_t parameter,
+                                     std::optional<std::int32_t> value)>;
+
 class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
  public:
   enum class State : std::uint8_t { opening, open, lost };
@@ -108,13 +113,13 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// The module of this address, if add_module() has made it: for axes, configured or not.
   GatewayModule* find_module(tmcl::ModuleAddress address) const;
   GatewayModule& add_module(tmcl::ModuleAddress address);
+  /// Null where it is not known.
+  const tmcl::Model* model_of(tmcl::ModuleAddress address) const;
   const std::map<tmcl::ModuleAddress, std::unique_ptr<GatewayModule>>& modules() const {
     return modules_;
   }
 
   /// What they are the limits of is kept within them, whatever is sent.
-  /// Null where it is not known.
-  const tmcl::Model* model_of(tmcl::ModuleAddress address) const;
   void add_limits(std::shared_ptr<AxisLimits> limits) { limits_.push_back(std::move(limits)); }
   /// Whatever has to be put in order if the process ends; null if nobody would.
   const std::shared_ptr<Journal>& journal() const { return journal_; }
@@ -189,6 +194,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// Tells everyone.
   void emit(GatewayEvent event);
   void on_search(OnSearch on_search) { on_search_ = std::move(on_search); }
+  void on_setting(OnSetting on_setting) { on_setting_ = std::move(on_setting); }
   /// Not more often than a LogLimiter allows.
   void log(LogLevel level, const std::string& line);
 
@@ -200,13 +206,11 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
     bool refused = false;    ///< Something that can move a motor was not sent: it ends by itself.
     bool owes_stop = false;  ///< A stop of it was not answered.
     GatewayModule* module = nullptr;  ///< The last that it has asked something.
+    std::vector<TurningAttempt> turning{};
   };
   struct Ended {
     std::optional<tmcl::Error> objection;
     bool broke_off = false;  ///< Something of it went out, and something was refused.
-  };
-  /// Steps through a verb to its end, or until there is an objection.
-    std::vector<TurningAttempt> turning{};
     std::vector<TurningAttempt> turning{};
 
     /// Where `error` says that nothing was done.
@@ -214,9 +218,11 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
       if (error.outcome == tmcl::Outcome::unknown || error.outcome == tmcl::Outcome::done) return;
       for (auto& attempt : turning) attempt.withdraw();
     }
-  boost::asio::awaitable<Ended> run_steps(tmcl::AnyScript& script, RunOptions options);
+  };
   /// Of what the verb announces: before it goes out, the journal says whose it is.
   boost::asio::awaitable<void> begin_turning(Conduct& conduct);
+  /// Steps through a verb to its end, or until there is an objection.
+  boost::asio::awaitable<Ended> run_steps(tmcl::AnyScript& script, RunOptions options);
   tmcl::Script<tmcl::Result<void>> judged(tmcl::AnyScript& script, Conduct& conduct);
   static std::optional<tmcl::Error> objection_to(const tmcl::Step& step, const Conduct& conduct);
   tmcl::Script<tmcl::StepResult> carry_out(tmcl::Step step, Conduct& conduct);
@@ -249,6 +255,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   static boost::asio::awaitable<void> feed_modules(std::shared_ptr<GatewayBus> self);
   static boost::asio::awaitable<void> feed(std::shared_ptr<GatewayBus> self, GatewayModule& module,
                                            tmcl::TimePoint deadline);
+  void tell_setting(const tmcl::Request& request, const Motors::Before& before) const;
   void note_answer(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer);
   void attach(tmcl::Link link);
   void detach();
@@ -261,6 +268,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   LogSink log_;
   OnGatewayEvent on_event_;
   OnSearch on_search_;
+  OnSetting on_setting_;
   tmcl::ContextClock clock_;
   Workers opener_{1};
   bool opening_link_ = false;

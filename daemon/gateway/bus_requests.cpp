@@ -406,11 +406,22 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   if (module != nullptr) module->note_sent(request);
   motors_.note(request, answer, before);
   for (const auto& limits : limits_) limits->note(request, answer);
+  if (answer) tell_setting(request, before);
   const bool may_be_done = answer || answer.error().outcome == tmcl::Outcome::unknown;
   if (may_be_done && starts_search(request) && on_search_)
     on_search_({request.address, request.motor}, conduct.options.permit);
   conduct.acted = conduct.acted || (may_be_done && !asks);
   co_return std::move(answer);
+}
+
+void GatewayBus::tell_setting(const tmcl::Request& request, const Motors::Before& before) const {
+  const bool is_known = request.command == tmcl::Command::SAP;
+  const bool sets =
+      is_known || request.command == tmcl::Command::RSAP || request.command == tmcl::Command::AAP;
+  const bool is_of_client = before.of.number != 0 && before.of.number != before.claimant.of.number;
+  if (!sets || !is_of_client || !on_setting_) return;
+  on_setting_({request.address, request.motor}, request.type,
+              is_known ? std::optional(request.value) : std::nullopt);
 }
 
 // ---- stops that were not answered --------------------------------------------------------------
@@ -542,6 +553,7 @@ boost::asio::awaitable<GatewayBus::Ended> GatewayBus::run_steps(tmcl::AnyScript&
   tmcl::RunOptions of_bus{options.deadline, {}, options.on_answer};
   of_bus.objection = [this, bus] { return bus == bus_ ? std::nullopt : std::optional(not_open()); };
   Conduct conduct{std::move(options)};
+  co_await begin_turning(conduct);
   auto steps = charged(judged(script, conduct), conduct.options.permit.client);
   auto ended = co_await bus->run(std::move(steps), std::move(of_bus));
   if (!ended) {
@@ -553,7 +565,6 @@ boost::asio::awaitable<GatewayBus::Ended> GatewayBus::run_steps(tmcl::AnyScript&
 
 tmcl::Script<tmcl::Result<void>> GatewayBus::judged(tmcl::AnyScript& script, Conduct& conduct) {
   auto now = co_await tmcl::current_time();
-  co_await begin_turning(conduct);
   auto step = script.start(now);
   while (step) {
     auto objection = objection_to(*step, conduct);

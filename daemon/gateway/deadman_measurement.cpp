@@ -291,7 +291,7 @@ awaitable<void> put_in_order(std::shared_ptr<GatewayAxis> axis, std::vector<Clai
   const auto held = std::move(claims);
   co_await be_stopped(*axis);
   // What has started again has its own.
-  if (before && !axis->latched()) co_await set_back(*axis, *before);
+  if (before && !axis->latched()) co_await set_back(*axis, before->parameter);
   axis->forget_before();
   *ended = true;
 }

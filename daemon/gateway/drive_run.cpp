@@ -192,6 +192,10 @@ awaitable<DriveAnswer> DriveRun::get(const DriveMember& member, DriveCommand com
 awaitable<DriveAnswer> DriveRun::set(const DriveMember& member, DriveCommand command) {
   // A module that has started again has the settings that it starts with.
   if (command.may_wait && member.axis->latched()) co_return command.value;
+  // As a client wants it that has set it meanwhile.
+  const auto wanted = member.axis->before(command.parameter);
+  if (command.may_wait && !wanted) co_return command.value;
+  if (command.may_wait) command.value = *wanted;
   const bool is_news =
       command.before && member.axis->note_before({command.parameter, *command.before});
   if (is_news) co_await enter_journal(*member.axis);

@@ -80,6 +80,14 @@ void Gateway::add_buses(const Config& config) {
           const auto self = weak.lock();
           if (auto axis = self ? self->find_axis(*of, motor) : nullptr) watch_search(axis, permit);
         });
+    buses.back()->on_setting(
+        [weak = weak_from_this(), of = buses.back().get()](
+            tmcl::AxisAddress motor, std::uint8_t parameter, std::optional<std::int32_t> value) {
+          const auto self = weak.lock();
+          const auto axis = self ? self->find_axis(*of, motor) : nullptr;
+          const bool is_news = axis && axis->note_set_by_client(parameter, value);
+          if (is_news && self->journal_) spawn(self->executor_, Journal::write(self->journal_));
+        });
   }
   buses_ = std::move(buses);
 }

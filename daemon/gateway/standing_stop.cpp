@@ -87,24 +87,27 @@ boost::asio::awaitable<std::string> set_all_back(GatewayAxis& axis) {
   std::string told;
   while (!axis.before().empty()) {
     const auto setting = axis.before().back();
-    const bool is_back = co_await set_back(axis, setting);
+    const auto is_back = co_await set_back(axis, setting.parameter);
     // If the gateway ends, the next run does it.
     if (axis.bus().is_closed()) break;
     axis.forget_before(setting.parameter);
-    told += told.empty() ? "" : ", ";
-    told += name_of_parameter(axis, setting.parameter);
-    told += is_back ? " is set back to " : " could not be set back to ";
-    told += std::to_string(setting.value);
+    const auto value = std::to_string(setting.value);
+    told += (told.empty() ? "" : ", ") + name_of_parameter(axis, setting.parameter);
+    told += !is_back   ? " was set by a client"
+            : *is_back ? " is set back to " + value
+                       : " could not be set back to " + value;
   }
   co_return told;
 }
 
-boost::asio::awaitable<bool> set_back(GatewayAxis& axis, tmcl::plan::Setting setting) {
+boost::asio::awaitable<std::optional<bool>> set_back(GatewayAxis& axis, std::uint8_t parameter) {
   while (!axis.bus().is_closed()) {
+    const auto value = axis.before(parameter);
+    if (!value) co_return std::nullopt;
     RunOptions options;
     // It was so before.
     options.permit.exceeds_limits = true;
-    auto script = tmcl::verbs::set(axis.address(), setting.parameter, setting.value);
+    auto script = tmcl::verbs::set(axis.address(), parameter, *value);
     const auto written = co_await axis.perform(std::move(script), std::move(options));
     axis.module().note_settings_changed();
     if (written || written.error().outcome == tmcl::Outcome::refused) co_return written.has_value();

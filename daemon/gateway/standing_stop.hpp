@@ -23,9 +23,10 @@ boost::asio::awaitable<void> be_stopped(GatewayAxis& axis);
 
 /// Until the module answers; false if the gateway ends before.
 boost::asio::awaitable<bool> meet(GatewayAxis& axis);
-/// Sets a setting to what it was, however long that takes. False if the module refuses it, or the
-/// gateway ends. The axis must be claimed.
-boost::asio::awaitable<bool> set_back(GatewayAxis& axis, tmcl::plan::Setting setting);
+/// Sets a setting to what GatewayAxis::before() says, however long that takes. False if the module
+/// refuses it, or the gateway ends; nothing if it is not to be set back any more. The axis must be
+/// claimed.
+boost::asio::awaitable<std::optional<bool>> set_back(GatewayAxis& axis, std::uint8_t parameter);
 
 /// What GatewayAxis::before() says, in the reverse of the order in which it was changed. Gives what
 /// became of it, in words. The axis must be claimed.

@@ -192,7 +192,7 @@ awaitable<void> put_in_order(std::shared_ptr<Gateway> gateway, std::shared_ptr<G
   if (!before.empty()) co_await be_stopped(*axis);
   for (const auto& setting : before) {
     // What has started again has its own.
-    if (!axis->latched()) co_await set_back(*axis, setting);
+    if (!axis->latched()) co_await set_back(*axis, setting.parameter);
   }
   axis->forget_before();
   axis->module().note_settings_changed();

@@ -235,6 +235,70 @@ TEST_F(Unrestored, IsShownUntilTheModuleTakesIt) {
   EXPECT_TRUE(is_shown);
 }
 
+json::object raw_setting(int motor, std::int32_t value) {
+  return {{"bus", "bench"}, {"address", 1},   {"command", "SAP"},
+          {"type", 4},      {"motor", motor}, {"value", value}};
+}
+
+TEST_F(Unrestored, WhatAClientSetsMeanwhileStays) {
+  const auto before = settings();
+  for (const bool is_raw : {false, true}) {
+    const auto path = begin_path();
+    wire.is_cut = true;
+    end(path);
+    wire.on_request = [this, old = before.front()](const auto& one) {
+      wire.is_cut = one.command == tmcl::Command::SAP && one.value == old;
+    };
+    wire.is_cut = false;
+    const auto is_pending = [&] {
+      time.run_for(100ms);
+      const auto state = call("axis.get_state", {{"axis", "x"}});
+      return state &&
+             json::serialize(state->at("unrestored")).find(R"("number":4)") != std::string::npos;
+    };
+    for (int i = 0; i < 100 && !is_pending(); ++i) continue;
+    ASSERT_TRUE(is_pending());
+    const auto set =
+        is_raw ? call("module.execute", raw_setting(0, 150'000))
+               : call("parameter.set", {{"axis", "x"}, {"parameter", 4}, {"value", 150'000}});
+    ASSERT_TRUE(set) << set.error().message;
+    EXPECT_FALSE(is_pending()) << is_raw;
+    EXPECT_THAT(journal(), Not(testing::ContainsRegex(R"("motor":0,[^]]*"parameter":4,)")));
+    wire.on_request = {};
+    wire.is_cut = false;
+    time.run_for(20s);
+    auto expected = before;
+    expected.front() = 150'000;
+    EXPECT_EQ(settings(), expected) << is_raw;
+    call("parameter.set", {{"axis", "x"}, {"parameter", 4}, {"value", before.front()}});
+    for (const char* axis : {"x", "y"})
+      call("axis.move_to", {{"axis", axis}, {"position_microsteps", 0}});
+    time.run_for(100s);
+  }
+}
+
+TEST_F(Unrestored, WhatAClientSetsDuringALineStays) {
+  const auto before = settings();
+  for (const bool is_raw : {false, true}) {
+    const auto line = call("line.move", {{"axes", json::array{"x", "y"}},
+                                         {"positions", json::array{is_raw ? 0 : 90, 30}}});
+    ASSERT_TRUE(line) << line.error().message;
+    time.run_for(500ms);
+    ASSERT_NE(settings(), before);
+    const auto set =
+        is_raw ? call("module.execute", raw_setting(1, 150'000))
+               : call("parameter.set", {{"axis", "y"}, {"parameter", 4}, {"value", 150'000}});
+    ASSERT_TRUE(set) << set.error().message;
+    time.run_for(100s);
+    auto expected = before;
+    expected[2] = 150'000;
+    EXPECT_EQ(settings(), expected) << is_raw;
+    call("parameter.set", {{"axis", "y"}, {"parameter", 4}, {"value", before[2]}});
+    call("axis.move_to", {{"axis", "y"}, {"position", 0}});
+    time.run_for(100s);
+  }
+}
+
 TEST_F(Unrestored, AfterAnySilenceSettingsAreAsTheyWere) {
   const auto seed = tmcl::test::seed();
   tmcl::test::Random<int> random(seed);
