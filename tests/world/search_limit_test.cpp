@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "unit/port_fixture.hpp"
 #include "world/cable.hpp"
 
 namespace tmcld::test {
@@ -131,6 +132,21 @@ TEST_P(Searches, AreStoppedWhereTheSwitchesAreDead) {
   if (is_inverted() && homed) return;  // An open switch is a closed one then.
   expect_stopped_within(33, homed);
   EXPECT_GT(way_, 29);
+}
+
+TEST_P(Searches, OfAHostAtAPortAreStoppedByTheirLimit) {
+  if (is_inverted()) return;
+  for (const bool host_stays : {true, false}) {
+    PortHost host(*this, "a", Role::operate);
+    EXPECT_EQ(host.status_of(request_of(Command::SAP, 193, 0, GetParam().mode)), tmcl::Status::ok);
+    began_ = time.now();
+    EXPECT_EQ(host.status_of(request_of(Command::RFS, 0)), tmcl::Status::ok);
+    if (!host_stays) host.go();
+    EXPECT_LT(greatest_way(), 91) << host_stays;
+    EXPECT_EQ(call("axis.get_state", {{"axis", "x"}})->at("stop_cause"), "search_limit");
+    EXPECT_THAT(stopped, testing::Contains(HasSubstr("search_limit")));
+    stopped.clear();
+  }
 }
 
 TEST_P(Searches, AreStoppedByTheirLimitWhoeverBeganThem) {
