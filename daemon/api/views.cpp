@@ -201,6 +201,7 @@ api::Event view_of(const GatewayEvent& event) {
       event.kind == GatewayEvent::Kind::axis_stopped ||
       event.kind == GatewayEvent::Kind::axis_fault ||
       event.kind == GatewayEvent::Kind::lease_lost ||
+      event.kind == GatewayEvent::Kind::owner_lost ||
       event.kind == GatewayEvent::Kind::line_broken ||
       event.kind == GatewayEvent::Kind::path_broken ||
       event.kind == GatewayEvent::Kind::mint_broken)

@@ -29,6 +29,7 @@ struct GatewayEvent {
     path_broken,     ///< Likewise, axes on a path; also when it was asked for.
     mint_broken,     ///< Likewise, axes that a Mint program moves.
     lease_lost,      ///< A client has lost the right to move an axis alone.
+    owner_lost,      ///< The client has gone for which an axis turned, and it is stopped.
     journal_failed,  ///< What would have to be put in order if the daemon is killed is not kept.
     axis_stopped,    ///< An axis that could not be stopped before stands now, or one that nobody
                      ///< has stopped: see cause.

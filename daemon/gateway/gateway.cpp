@@ -241,13 +241,29 @@ std::string Gateway::name_of_client(std::uint64_t number) const {
   return found == client_names_.end() ? "client " + std::to_string(number) : found->second;
 }
 
+namespace {
+
+void tell_owner_lost(const GatewayAxis& axis, const std::string& owner) {
+  axis.bus().audit("axis=" + axis.name() + " owner_lost owner=\"" + owner + "\": it is stopped");
+  axis.bus().emit(event_of(
+      axis, GatewayEvent::Kind::owner_lost,
+      "axis '" + axis.name() + "' turned for " + owner + ", which has gone: it is stopped"));
+}
+
+}  // namespace
+
 void Gateway::leave(std::uint64_t client) {
   arrivals_->clients.erase(client);
+  std::vector<std::pair<std::shared_ptr<GatewayAxis>, std::string>> lost;
+  for (const auto& axis : axes_) {
+    const auto turning = axis->bus().motors().turning_of(axis->address());
+    if (client == 0 || turning.client != client) continue;
+    const auto* lease = leases_->of(*axis);
+    if (lease == nullptr) begin_to_stop(axis, StopCause::lease_lost);
+    if (lease == nullptr || lease->terms.stops) lost.emplace_back(axis, turning.name);
+  }
   leases_->end_of(client);
-  if (client == 0) return;
-  for (const auto& axis : axes_)
-    if (axis->bus().motors().turning_of(axis->address()).client == client)
-      begin_to_stop(axis, StopCause::lease_lost);
+  for (const auto& [axis, owner] : lost) tell_owner_lost(*axis, owner);
 }
 
 bool Gateway::is_holding(std::uint64_t client) const {

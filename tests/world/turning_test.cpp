@@ -22,6 +22,7 @@ namespace {
 using namespace std::chrono_literals;
 using testing::Contains;
 using testing::HasSubstr;
+using testing::Not;
 
 /// What a firmware does whose target is set while it turns by velocity, no document says for all.
 class TurningOf
@@ -326,6 +327,19 @@ TEST_F(Turning, OfAReleasedLeaseIsOfItsHolder) {
   EXPECT_EQ(scene.state("owner"), "\"client\"");
   scene.client_leaves();
   EXPECT_TRUE(scene.stands());
+}
+
+TEST_F(Turning, IsToldWhenItsOwnerHasGone) {
+  scene.call("axis.rotate", {{"axis", "x"}, {"velocity_internal", 500}, {"unattended", true}});
+  scene.client_leaves();
+  scene.time.run_for(1s);
+  EXPECT_THAT(scene.events, Not(Contains("owner_lost"))) << "it turns on";
+  scene.be_another_client();
+  scene.call("axis.rotate", {{"axis", "x"}, {"velocity_internal", 400}});
+  scene.client_leaves();
+  EXPECT_TRUE(scene.stands());
+  EXPECT_EQ(std::ranges::count(scene.events, "owner_lost"), 1);
+  EXPECT_THAT(scene.audited, Contains(HasSubstr("axis=x owner_lost owner=\"client\"")));
 }
 
 TEST_F(Turning, ThatNoClientHasBegunIsUnattended) {
