@@ -143,6 +143,9 @@ Answer<axis::Wait> wait(Call& call, const axis::Wait& params) {
   auto place = co_await place_of(**axis, arrived->position);
   auto warnings = arrived->warnings;
   if (!arrived->faults.empty()) warnings.push_back(words_for(arrived->faults));
+  if (!arrived->unproven.empty())
+    warnings.push_back("its driver reports: " + words_for(arrived->unproven) +
+                       "; that is certain only when it does so while the axis turns slowly");
   co_return axis::Standing{std::move(place), std::move(warnings)};
 }
 

@@ -348,7 +348,11 @@ GatewayAxis::Awaitable<StoodAt> GatewayAxis::wait(tmcl::WaitOptions wait_options
 GatewayAxis::Awaitable<StoodAt> GatewayAxis::stand(tmcl::WaitOptions wait, RunOptions options) {
   Deadline deadline;
   if (wait.timeout != tmcl::Duration{}) deadline = bus().clock().now() + wait.timeout;
-  auto here = co_await axis_.run(tmcl::verbs::wait_until_reached(address(), wait), options);
+  const auto wait_there = [&] {
+    return look_at_driver_meanwhile(shared_from_this(),
+                                    tmcl::verbs::wait_until_reached(address(), wait));
+  };
+  auto here = co_await axis_.run(wait_there(), options);
   // There is no time to read anything after a timeout.
   const auto from = here ? RampKnowledge::read : RampKnowledge::as_it_is;
   const auto known = co_await axis_.run(units_.warnings(from), deadline);
@@ -358,14 +362,14 @@ GatewayAxis::Awaitable<StoodAt> GatewayAxis::stand(tmcl::WaitOptions wait, RunOp
     constexpr tmcl::Duration shortest = std::chrono::milliseconds(1);
     if (deadline) wait.timeout = std::max(*deadline - bus().clock().now(), shortest);
     wait.steady = steady_in_doubt;
-    here = co_await axis_.run(tmcl::verbs::wait_until_reached(address(), wait), options);
+    here = co_await axis_.run(wait_there(), options);
   }
   if (here) {
     RunOptions in_time;
     in_time.deadline = deadline;
     auto seen = co_await look_at_driver({}, std::move(in_time));
     if (!seen) co_return tl::unexpected(std::move(seen.error()));
-    co_return StoodAt{*here, std::move(warnings), faults_};
+    co_return StoodAt{*here, std::move(warnings), faults_, unproven_faults()};
   }
   if (!warnings.empty()) here.error().hint = std::string(hint_of_settings) + warnings.front();
   co_return tl::unexpected(std::move(here.error()));
@@ -486,10 +490,6 @@ bool GatewayAxis::note_before(tmcl::plan::Setting setting) {
   return true;
 }
 
-// ---- for whom it turns ------------------------------------------------------------------------
-
-boost::asio::awaitable<void> GatewayAxis::note_turning(tmcl::AxisState state,
-                                                       std::uint64_t client) {
 std::optional<std::int32_t> GatewayAxis::before(std::uint8_t parameter) const {
   const auto found = std::ranges::find(before_, parameter, &tmcl::plan::Setting::parameter);
   return found == before_.end() ? std::nullopt : std::optional(found->value);
@@ -505,6 +505,10 @@ bool GatewayAxis::note_set_by_client(std::uint8_t parameter, std::optional<std::
   return true;
 }
 
+// ---- for whom it turns ------------------------------------------------------------------------
+
+boost::asio::awaitable<void> GatewayAxis::note_turning(tmcl::AxisState state,
+                                                       std::uint64_t client) {
   auto& motors = bus().motors();
   const bool moves = state.velocity.value != 0;
   // Whether that can be seen or not: it is looked at again.
@@ -549,17 +553,74 @@ boost::asio::awaitable<void> GatewayAxis::note_motion(tmcl::AxisState state, std
   if (stands && !stop_cause_) co_await find_cause(client);
 }
 
+tmcl::Script<Result<DriverReading>> GatewayAxis::read_driver() {
+  const auto units = co_await units_.module_units();
+  auto script = tmcld::read_driver(address(), parameters(), units.value_or(std::nullopt));
+  auto reading = co_await std::move(script);
+  co_return reading;
+}
+
 GatewayAxis::Awaitable<void> GatewayAxis::look_at_driver(tmcl::Duration max_age,
                                                          RunOptions options) {
-  if (driver_seen_ && bus().clock().now() - *driver_seen_ < max_age) co_return Result<void>{};
-  auto seen = co_await axis_.run(read_driver_faults(address(), parameters()), std::move(options));
+  if (is_driver_known(max_age)) co_return Result<void>{};
+  auto seen = co_await axis_.run(read_driver(), std::move(options));
   if (!seen) co_return tl::unexpected(std::move(seen.error()));
-  note_faults(std::move(*seen));
+  note_driver(std::move(*seen));
   co_return Result<void>{};
 }
 
-void GatewayAxis::note_faults(Faults faults) {
+bool GatewayAxis::is_driver_known(tmcl::Duration max_age) const {
+  return driver_seen_ && bus().clock().now() - *driver_seen_ < max_age;
+}
+
+namespace {
+
+/// Pauses until then, and looks each time that a look is due.
+tmcl::Script<Result<void>> pause_and_look(tmcl::TimePoint end,
+                                          std::function<tmcl::Script<Result<void>>()> look) {
+  auto left = tmcl::Duration{};
+  do {
+    co_await look();
+    left = std::max(end - co_await tmcl::current_time(), tmcl::Duration{});
+    co_await tmcl::pause(std::min(left, driver_look_interval));
+  } while (left > driver_look_interval);
+  co_return Result<void>{};
+}
+
+}  // namespace
+
+/// Carries out a wait, and looks at the driver while that pauses: an open load is told only while
+/// the axis turns.
+tmcl::Script<Result<Microsteps>> GatewayAxis::look_at_driver_meanwhile(
+    std::shared_ptr<GatewayAxis> self, tmcl::Script<Result<Microsteps>> wait) {
+  const auto look = [self]() -> tmcl::Script<Result<void>> {
+    if (self->is_driver_known(driver_look_interval) || self->bus().has_paths())
+      co_return Result<void>{};
+    auto seen = co_await self->read_driver();
+    if (seen) self->note_driver(std::move(*seen));
+    co_return Result<void>{};
+  };
+  auto now = co_await tmcl::current_time();
+  auto step = wait.start(now);
+  while (step) {
+    tmcl::StepResult results;
+    if (const auto* pause = std::get_if<tmcl::step::Pause>(&*step)) {
+      co_await pause_and_look(now + pause->duration, look);
+    } else if (auto* one = std::get_if<tmcl::step::Exchange>(&*step)) {
+      results.push_back(co_await tmcl::exchange(one->request, one->options));
+    } else {
+      auto& all = std::get<tmcl::step::ExchangeAll>(*step).exchanges;
+      results = co_await tmcl::exchange_all(std::move(all));
+    }
+    now = co_await tmcl::current_time();
+    step = wait.resume(std::move(results), now);
+  }
+  co_return wait.take();
+}
+
+void GatewayAxis::note_driver(DriverReading reading) {
   driver_seen_ = bus().clock().now();
+  auto faults = open_loads_.judge(std::move(reading));
   if (std::exchange(faults_, std::move(faults)) == faults_) return;
   const auto text = faults_.empty()
                         ? "the driver of axis '" + name() + "' reports no fault any more"
@@ -571,9 +632,20 @@ GatewayAxis::Awaitable<FaultReport> GatewayAxis::read_faults(std::uint64_t clien
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
   auto report = co_await axis_.run(tmcld::read_faults(address(), parameters()), asked_by(client));
-  if (report) note_faults(report->driver_faults());
-  if (report && report->has_flag(tmcl::status_flag::stall)) stop_cause_ = StopCause::stall;
-  if (report && report->has_flag(tmcl::status_flag::deviation)) stop_cause_ = StopCause::deviation;
+  if (!report) co_return report;
+  DriverReading reading{report->driver_faults()};
+  if (std::ranges::any_of(reading.faults, is_open_load)) {
+    const auto units = co_await axis_.run(units_.module_units(), asked_by(client));
+    auto script = turns_slowly(address(), parameters(), units.value_or(std::nullopt));
+    const auto slow = co_await axis_.run(std::move(script), asked_by(client));
+    reading.turns_slowly = slow.value_or(false);
+  }
+  note_driver(std::move(reading));
+  std::erase_if(report->flags, [this](std::string_view flag) {
+    return std::ranges::count(unproven_faults(), flag) != 0;
+  });
+  if (report->has_flag(tmcl::status_flag::stall)) stop_cause_ = StopCause::stall;
+  if (report->has_flag(tmcl::status_flag::deviation)) stop_cause_ = StopCause::deviation;
   co_return report;
 }
 

@@ -38,6 +38,7 @@ struct StoodAt {
   tmcl::Microsteps position;
   std::vector<std::string> warnings{};  ///< Of its settings.
   Faults faults{};                      ///< Of its driver and its supply, when it had arrived.
+  Faults unproven{};                    ///< What its driver says that may not be so.
 };
 
 /// The farthest that a reference search may go one way; nothing: as far as it likes.
@@ -147,12 +148,12 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   void forget_before(std::uint8_t parameter) {
     std::erase_if(before_, [&](const auto& setting) { return setting.parameter == parameter; });
   }
-  /// Of what was changed, only this was not set back.
   /// What is to be set back; nothing if that setting is not.
   std::optional<std::int32_t> before(std::uint8_t parameter) const;
   /// A client has set a setting that was to be set back: it stays so. `value`: nothing if that is
   /// not known. False if it was not to be set back.
   bool note_set_by_client(std::uint8_t parameter, std::optional<std::int32_t> value);
+  /// Of what was changed, only this was not set back.
   void keep_before(std::vector<tmcl::plan::Setting> settings) { before_ = std::move(settings); }
   const std::vector<tmcl::plan::Setting>& before() const { return before_; }
   /// What is to be set back as soon as its module takes it, as it was.
@@ -212,6 +213,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   std::optional<StopCause> stop_cause() const;
   /// What is wrong with its driver or its supply, as was seen last.
   const Faults& faults() const { return faults_; }
+  /// What its driver says that means something only while it turns slowly, and was not seen then.
+  const Faults& unproven_faults() const { return open_loads_.unproven(); }
   /// Looks at them, unless that was done so lately. Errors: those of the exchanges.
   Awaitable<void> look_at_driver(tmcl::Duration max_age, RunOptions options);
   /// What its module says is wrong. What that clears is known as the cause of the stop.
@@ -257,7 +260,11 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Of an error that says that it stands somewhere else than it should.
   boost::asio::awaitable<void> add_cause(tmcl::Error& error, std::uint64_t client = 0);
   void note_stop(StopCause cause);
-  void note_faults(Faults faults);
+  tmcl::Script<tmcl::Result<DriverReading>> read_driver();
+  void note_driver(DriverReading reading);
+  bool is_driver_known(tmcl::Duration max_age) const;
+  static tmcl::Script<tmcl::Result<tmcl::Microsteps>> look_at_driver_meanwhile(
+      std::shared_ptr<GatewayAxis> self, tmcl::Script<tmcl::Result<tmcl::Microsteps>> wait);
   /// The axis goes, or may go, somewhere else than it was sent before.
   void forget_move();
 
@@ -286,6 +293,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   bool was_moving_ = false;  ///< When it was looked at last.
   tmcl::TimePoint seen_moving_{};
   Faults faults_;
+  OpenLoads open_loads_;
   std::optional<tmcl::TimePoint> driver_seen_;
   std::optional<StopCause> stop_cause_;
   SharedWork<tmcl::Result<AxisReading>> looks_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <iterator>
 #include <utility>
 
@@ -95,6 +96,24 @@ bool keeps_from_moving(const Faults& faults) {
   });
 }
 
+bool is_open_load(std::string_view fault) { return fault.starts_with("open_load"); }
+
+Faults OpenLoads::judge(DriverReading reading) {
+  constexpr int proof = 2;
+  std::erase_if(seen_, [&](const auto& one) {
+    return std::ranges::find(reading.faults, one.first) == reading.faults.end();
+  });
+  unproven_.clear();
+  std::erase_if(reading.faults, [&](std::string_view fault) {
+    if (!is_open_load(fault)) return false;
+    auto& seen = seen_[fault];
+    if (seen < proof) seen = reading.turns_slowly ? seen + 1 : 0;
+    if (seen < proof) unproven_.push_back(fault);
+    return seen < proof;
+  });
+  return std::move(reading.faults);
+}
+
 Faults FaultReport::driver_faults() const {
   Faults faults;
   std::ranges::copy_if(flags, std::back_inserter(faults), [](std::string_view flag) {
@@ -121,11 +140,29 @@ Script<Result<std::int32_t>> read_if_any(tmcl::AxisAddress axis,
   co_return value;
 }
 
-Script<Result<Faults>> read_driver_faults(tmcl::AxisAddress axis,
-                                          std::span<const tmcl::ParameterInfo> parameters) {
-  Faults faults;
-  co_await must(read_driver(axis, parameters, faults));
-  co_return faults;
+Script<Result<bool>> turns_slowly(tmcl::AxisAddress axis,
+                                  std::span<const tmcl::ParameterInfo> parameters,
+                                  std::optional<tmcl::ModuleUnits> units) {
+  // In full steps a second: a coil has current each way within half a second, and a motor of 200
+  // of them to a turn is far from the speed at which it has no current any more.
+  constexpr double slowest = 4;
+  constexpr double fastest = 400;
+  const auto velocity = co_await must(read_if_any(axis, parameters, "actual_velocity"));
+  if (velocity == 0) co_return false;
+  if (!units) co_return true;
+  const auto resolution = co_await must(read_if_any(axis, parameters, "microstep_resolution"));
+  const double speed = std::abs(velocity * units->velocity.value) / std::exp2(resolution);
+  co_return speed >= slowest&& speed <= fastest;
+}
+
+Script<Result<DriverReading>> read_driver(tmcl::AxisAddress axis,
+                                          std::span<const tmcl::ParameterInfo> parameters,
+                                          std::optional<tmcl::ModuleUnits> units) {
+  DriverReading reading;
+  co_await must(read_driver(axis, parameters, reading.faults));
+  if (std::ranges::any_of(reading.faults, is_open_load))
+    reading.turns_slowly = co_await must(turns_slowly(axis, parameters, units));
+  co_return reading;
 }
 
 Script<Result<FaultReport>> read_faults(tmcl::AxisAddress axis,

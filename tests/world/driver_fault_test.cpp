@@ -3,6 +3,7 @@
 
 #include <string>
 
+#include "fronts/metrics.hpp"
 #include "world/cable.hpp"
 
 namespace tmcld::test {
@@ -18,6 +19,11 @@ class DriverFaults : public Cable, public testing::WithParamInterface<const char
   void set(DriverFault fault, bool on = true) {
     module.at_stage(0, [&](tmcl::sim::Stage& stage) { stage.set_fault(fault, on); });
     wire.touch();
+  }
+  /// Some tenths of a turn in a second.
+  void turn_slowly() {
+    const auto speed = std::string_view(GetParam()) == "TMCM-6212" ? 5'000 : 20;
+    call("parameter.set", {{"axis", "x"}, {"parameter", 4}, {"value", speed}});
   }
   RpcResult move_and_wait() {
     position_ = position_ == 1 ? 2 : 1;
@@ -42,7 +48,11 @@ class DriverFaults : public Cable, public testing::WithParamInterface<const char
     EXPECT_THAT(events, testing::Contains("axis_fault"));
     const auto errors = call("axis.get_errors", {{"axis", "x"}});
     EXPECT_THAT(json::serialize(errors->at("flags")), HasSubstr(name));
+    EXPECT_THAT(metrics(), HasSubstr("tmcl_axis_fault{axis=\"x\",bus=\"bench\"} 1\n"));
+    EXPECT_THAT(metrics(), HasSubstr("tmcl_axis_fault{axis=\"y\",bus=\"bench\"} 0\n"));
   }
+
+  std::string metrics() { return metrics_text(gateway(), {}, 0); }
 
  private:
   int position_ = 0;
@@ -52,6 +62,7 @@ TEST_P(DriverFaults, AreNoneWhereAllIsWell) {
   EXPECT_TRUE(move_and_wait());
   EXPECT_TRUE(faults().empty());
   EXPECT_THAT(events, testing::Not(testing::Contains("axis_fault")));
+  EXPECT_THAT(metrics(), HasSubstr("tmcl_axis_fault{axis=\"x\",bus=\"bench\"} 0\n"));
 }
 
 TEST_P(DriverFaults, EndAWaitWithTheirName) {
@@ -60,8 +71,34 @@ TEST_P(DriverFaults, EndAWaitWithTheirName) {
 }
 
 TEST_P(DriverFaults, OfACoilThatIsNotConnectedDoSoToo) {
+  turn_slowly();
   set(DriverFault::open_load_b);
   expect_fault("open_load_b", "coil B is not connected");
+  set(DriverFault::open_load_b, false);
+  EXPECT_TRUE(faults().empty());
+  EXPECT_TRUE(move_and_wait());
+}
+
+void expect_doubt(const RpcResult& arrived) {
+  ASSERT_TRUE(arrived) << arrived.error().message;
+  EXPECT_THAT(json::serialize(arrived->at("warnings")), HasSubstr("coil B is not connected"));
+  EXPECT_THAT(json::serialize(arrived->at("warnings")), HasSubstr("turns slowly"));
+}
+
+TEST_P(DriverFaults, AreNoneWhereAnOpenLoadIsSeenAtStandstillOnly) {
+  turn_slowly();
+  for (int i = 0; i < 3; ++i) {
+    set(DriverFault::open_load_b, false);
+    EXPECT_TRUE(call("axis.move_to", {{"axis", "x"}, {"position", i}}));
+    time.run_for(20s);
+    set(DriverFault::open_load_b);
+    expect_doubt(call("axis.wait", {{"axis", "x"}}));
+    EXPECT_TRUE(faults().empty());
+  }
+  const auto errors = call("axis.get_errors", {{"axis", "x"}});
+  EXPECT_EQ(json::serialize(errors->at("flags")), "[]");
+  EXPECT_EQ(json::serialize(errors->at("unproven")), R"(["open_load_b"])");
+  EXPECT_THAT(events, testing::Not(testing::Contains("axis_fault")));
 }
 
 TEST_P(DriverFaults, OfTheSupplyDoSoToo) {

@@ -880,6 +880,9 @@ class Errors(Record):
     #: overtemperature_warning, short_to_ground_a, short_to_ground_b, open_load_a, open_load_b,
     #: undervoltage, overvoltage, i2t_exceeded
     flags: tuple[str, ...] = ()
+    #: open_load_a, open_load_b: reported, but not yet twice in a row while the axis turned
+    #: slowly
+    unproven: tuple[str, ...] = ()
     #: those that are closed: left, right, home
     switches: tuple[str, ...] = ()
     #: as in axis.get_state
