@@ -33,15 +33,21 @@ inline std::string contents(const std::filesystem::path& path) {
 }
 
 /// Simulated modules, otherwise a TMCM-1110 at address 1 and a TMCM-3110 at 3, on a pty and on TCP,
-/// and a folder for files. `more`: further options of the simulator.
+/// and a folder for files.
 class CtlBench {
  public:
-  explicit CtlBench(const Words& modules = {"TMCM-1110", "TMCM-3110@3"}, const Words& more = {}) {
+  /// `more`: options of the simulator; `bench`: a bench file with further modules.
+  explicit CtlBench(const Words& modules = {"TMCM-1110", "TMCM-3110@3"}, const Words& more = {},
+                    const std::string& bench = {}) {
     std::string name = std::filesystem::temp_directory_path() / "tmclctl-XXXXXX";
     folder_ = ::mkdtemp(name.data());
     Words words{"tmclsim", "--pty", file("bus"), "--tcp", "127.0.0.1:0"};
     for (const auto& module : modules) words.insert(words.end(), {"--module", module});
     words.insert(words.end(), more.begin(), more.end());
+    if (!bench.empty()) {
+      std::ofstream(file("bench.toml")) << bench;
+      words.insert(words.end(), {"--bench", file("bench.toml")});
+    }
     simulator_ = std::make_unique<Program>(words);
     if (!simulator_->wait_for("ready"))
       throw std::runtime_error("no simulator: " + simulator_->output());

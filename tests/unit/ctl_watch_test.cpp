@@ -115,6 +115,25 @@ TEST_F(CtlWatch, TopNeedsATerminal) {
   EXPECT_THAT(err, AllOf(HasSubstr("needs a terminal"), HasSubstr("watch --all")));
 }
 
+TEST_F(CtlWatch, ErrorsExitsWithOneWhereSomethingIsWrong) {
+  const auto report = [](boost::json::array flags) {
+    return boost::json::object{{"axis", "x"},
+                               {"flags", std::move(flags)},
+                               {"unproven", {"open_load_b"}},
+                               {"switches", boost::json::array()},
+                               {"stop_cause", nullptr},
+                               {"supply_volts", 24.0},
+                               {"temperature_celsius", nullptr}};
+  };
+  target.result = report({"short_to_ground_a", "undervoltage"});
+  EXPECT_EQ(run({"errors", "x"}), ExitCode::refused);
+  EXPECT_THAT(out, HasSubstr("short_to_ground_a, undervoltage"));
+  EXPECT_EQ(run({"errors", "x", "--json"}), ExitCode::refused);
+  EXPECT_THAT(out, HasSubstr(R"("flags":["short_to_ground_a","undervoltage"])"));
+  target.result = report({});
+  EXPECT_EQ(run({"errors", "x"}), ExitCode::done) << "an open load at standstill is none";
+}
+
 TEST(AxisRows, PlacesAnAxisWithinItsLimits) {
   EXPECT_EQ(place_between(-10, 10, -10, 7), "[#....]");
   EXPECT_EQ(place_between(-10, 10, 0, 7), "[..#..]");
@@ -142,6 +161,14 @@ TEST(AxisRows, SaysAllAboutAnAxisInOneLine) {
   EXPECT_THAT(lines[1], Not(HasSubstr("stall"))) << "it moves";
   EXPECT_THAT(lines[2], ContainsRegex("ghost +silent +- +-$"));
   EXPECT_THAT(lines[3], ContainsRegex(R"(new +\? +- )"));
+}
+
+TEST(AxisRows, SaysWhatIsWrongWithTheDriverFirst) {
+  AxisReading reading;
+  reading.faults = {"short_to_ground_a", "undervoltage"};
+  reading.latched = true;
+  const auto lines = lines_of({{"x", "ready", reading}}, 100, false);
+  EXPECT_THAT(lines.at(1), HasSubstr("FAULT: short_to_ground_a, undervoltage, LATCHED"));
 }
 
 TEST(AxisRows, WhatAnAxisWithoutAUnitIsWithinIsInMicrosteps) {
