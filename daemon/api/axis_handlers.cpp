@@ -12,10 +12,6 @@ namespace {
 
 namespace ap = tmcl::axis_parameter;
 
-tl::unexpected<RpcError> failed(const tmcl::Error& error, const GatewayAxis& axis) {
-  return tl::unexpected(call_error(error, axis.name()));
-}
-
 boost::asio::awaitable<axis::StartedMove> to_result(GatewayAxis& axis, StartedMove started,
                                                     const tmcl::UserScale* scale) {
   auto target = co_await in_unit(axis, started.target, scale);

@@ -10,10 +10,6 @@ using tmcl::CaptureSetup;
 using tmcl::CaptureWish;
 using tmcl::ram_debug::Trigger;
 
-tl::unexpected<RpcError> failed(const tmcl::Error& error, const GatewayAxis& axis) {
-  return tl::unexpected(call_error(error, axis.name()));
-}
-
 // ---- What is to be recorded
 
 Lookup<ParameterChoice> choice_of(const std::string& given, const GatewayAxis& axis) {

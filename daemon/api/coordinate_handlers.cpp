@@ -25,11 +25,6 @@ awaitable<Lookup<axis::Place>> position_from(Call& call, const coordinate::OnCoo
   co_return result;
 }
 
-Lookup<Nothing> nothing_or(const tmcl::Result<void>& result, const GatewayAxis& axis) {
-  if (!result) return tl::unexpected(call_error(result.error(), axis.name()));
-  return Nothing{};
-}
-
 awaitable<Lookup<Nothing>> act_on_eeprom(Call& call, const coordinate::InEeprom& params,
                                          Verb<void> (*verb)(tmcl::ModuleAddress,
                                                             std::optional<std::uint8_t>)) {

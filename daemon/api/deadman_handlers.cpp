@@ -6,10 +6,6 @@
 namespace tmcld::handlers {
 namespace {
 
-tl::unexpected<RpcError> failed(const tmcl::Error& error, const GatewayAxis& axis) {
-  return tl::unexpected(call_error(error, axis.name()));
-}
-
 /// Empty if all modules of the bus can be fed, with this one.
 std::string fault_of(std::int32_t ms, const GatewayAxis& axis) {
   if (auto fault = fault_of_deadman(ms); !fault.empty()) return fault;

@@ -18,7 +18,7 @@ namespace {
 using namespace std::chrono_literals;
 using boost::asio::awaitable;
 
-constexpr tmcl::Duration look_interval = 20ms;
+constexpr tmcl::Duration listen_interval = 20ms;
 // For calls that end because their bus is closed.
 constexpr tmcl::Duration time_for_last_answers = 300ms;
 
@@ -118,7 +118,7 @@ RpcResult LocalGateway::call(std::string_view method, boost::json::object params
                              const std::function<void()>& meanwhile) {
   const auto call = begin(method, std::move(params));
   while (!call.has_ended()) {
-    listen(look_interval);
+    listen(listen_interval);
     if (meanwhile) meanwhile();
   }
   return call.result();
@@ -157,7 +157,7 @@ void LocalGateway::end() {
   if (peer_->is_gone()) return;
   const auto has_ended = std::make_shared<bool>(false);
   spawn(context_->get_executor(), end_with_calls(gateway_, peer_, has_ended));
-  while (!*has_ended) listen(look_interval);
+  while (!*has_ended) listen(listen_interval);
 }
 
 }  // namespace tmcld

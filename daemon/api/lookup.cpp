@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "api/raw_name.hpp"
+#include "api/rpc_error.hpp"
 #include "api/suggest.hpp"
 
 namespace tmcld {
@@ -82,6 +83,15 @@ Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call,
 Lookup<std::shared_ptr<GatewayBus>> bus_of(const Call& call, const std::string& name) {
   if (auto* bus = call.gateway->find_bus(name)) return bus->shared_from_this();
   return tl::unexpected(unknown("bus", "bus", name, call.gateway->buses()));
+}
+
+tl::unexpected<RpcError> failed(const tmcl::Error& error, const GatewayAxis& axis) {
+  return tl::unexpected(call_error(error, axis.name()));
+}
+
+Lookup<api::Nothing> nothing_or(const tmcl::Result<void>& result, const GatewayAxis& axis) {
+  if (!result) return failed(result.error(), axis);
+  return api::Nothing{};
 }
 
 Lookup<ParameterChoice> parameter_of(const api::NameOrNumber& given, const GatewayAxis& axis) {

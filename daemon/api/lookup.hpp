@@ -52,6 +52,10 @@ struct ParameterChoice {
   }
 };
 
+/// The answer to a call that its axis could not carry out.
+tl::unexpected<RpcError> failed(const tmcl::Error& error, const GatewayAxis& axis);
+Lookup<api::Nothing> nothing_or(const tmcl::Result<void>& result, const GatewayAxis& axis);
+
 /// A name, or a number also for a model that is not known.
 Lookup<ParameterChoice> parameter_of(const api::NameOrNumber& given, const GatewayAxis& axis);
 

@@ -20,7 +20,7 @@ namespace plan = tmcl::plan;
 using boost::asio::awaitable;
 using tmcl::seconds;
 
-struct Chosen {
+struct ChosenProgram {
   std::vector<unsigned> numbers;  ///< In the program.
   std::vector<DriveMember> members;
 };
@@ -33,7 +33,8 @@ RpcError wrong_numbers() {
 }
 
 /// Those of "axes" that the program moves, in the order of their numbers.
-Lookup<Chosen> chosen(const Call& call, const mint::Run& params, const std::set<unsigned>& moved) {
+Lookup<ChosenProgram> chosen(const Call& call, const mint::Run& params,
+                             const std::set<unsigned>& moved) {
   const auto axes = axes_of(call, params.axes);
   if (!axes) return tl::unexpected(axes.error());
   const auto count = params.axes.size();
@@ -46,7 +47,7 @@ Lookup<Chosen> chosen(const Call& call, const mint::Run& params, const std::set<
         !by_number.emplace(static_cast<unsigned>(number), (*axes)[i]).second)
       return tl::unexpected(wrong_numbers());
   }
-  Chosen found;
+  ChosenProgram found;
   for (const auto number : moved) {
     const auto axis = by_number.find(number);
     if (axis == by_number.end()) continue;  // what moves it has a line
@@ -115,7 +116,7 @@ mint::Ran view_of(const MintRun& run) {
   return ran;
 }
 
-MintChecked checked(const Chosen& chosen, const plan::MintPlan& plan) {
+MintChecked checked(const ChosenProgram& chosen, const plan::MintPlan& plan) {
   MintChecked told{"checked", {}, plan.remarks};
   for (std::size_t i = 0; i < chosen.members.size(); ++i) {
     told.axes.push_back(
@@ -125,7 +126,7 @@ MintChecked checked(const Chosen& chosen, const plan::MintPlan& plan) {
 }
 
 /// A group that stands is told once, the one that is under way each time.
-MintRun::OnProgress progress_to(const Call& call) {
+MintRun::OnProgress mint_progress_to(const Call& call) {
   return [teller = call.teller(), told = std::size_t{0}](const MintRun& run) mutable {
     const auto tell = [&](const char* phase, const plan::MintDriveGroup& group,
                           tmcl::Duration passed) {
@@ -182,7 +183,7 @@ Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
   call.teller()(checked(*members, *planned));
   const auto executor = co_await boost::asio::this_coro::executor;
   const auto run = std::make_shared<MintRun>(executor, std::move(planned->groups),
-                                             std::move(members->members), progress_to(call));
+                                             std::move(members->members), mint_progress_to(call));
   const auto failure = co_await MintRun::pass(run);
   if (failure) co_return tl::unexpected(call_error(failure->error, failure->axis));
   auto ran = view_of(*run);

@@ -116,7 +116,7 @@ Answer<parameter::List> list_parameters(Call& call, const parameter::List& param
   if (!ready) co_return tl::unexpected(call_error(ready.error(), (*axis)->name()));
   parameter::Parameters result;
   for (const auto& row : (*axis)->parameters())
-    result.parameters.push_back(view_of(row, (*axis)->unit()));
+    result.parameters.push_back(tmcld::view_of(row, (*axis)->unit()));
   co_return result;
 }
 

@@ -282,7 +282,7 @@ awaitable<std::vector<std::string>> warnings_of(const Axes& axes) {
 
 // ---- how it goes ----
 
-PathRun::OnProgress progress_to(const Call& call) {
+PathRun::OnProgress path_progress_to(const Call& call) {
   return [tell = call.teller()](const PathRun& run) {
     tell(PathProgress{std::string(name_of(run.phase())), run.passed(), run.duration()});
   };
@@ -410,7 +410,7 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
   const auto executor = co_await boost::asio::this_coro::executor;
   const auto run =
       std::make_shared<PathRun>(executor, std::move(planned->course), std::move(members),
-                                streamed(planned->known), options, progress_to(call));
+                                streamed(planned->known), options, path_progress_to(call));
   const auto failure = co_await PathRun::pass(run);
   if (failure) co_return tl::unexpected(call_error(failure->error, failure->axis));
   if (!run->journal_failure().empty()) warnings.push_back(journal_warning(run->journal_failure()));

@@ -32,7 +32,7 @@ struct Wish {
 };
 
 /// What the settings are to give, and of which axis.
-struct Chosen {
+struct ChosenRamp {
   const tmcl::Model* model = nullptr;
   RampChoice choice;
   std::vector<std::string> warnings;
@@ -131,7 +131,7 @@ std::vector<axis::ModuleTrait> view_of(const tmcl::ModuleTraits& traits) {
   return views;
 }
 
-awaitable<Lookup<Chosen>> choose(GatewayAxis& axis, const axis::OfRamp& params) {
+awaitable<Lookup<ChosenRamp>> choose(GatewayAxis& axis, const axis::OfRamp& params) {
   const auto ready = co_await axis.be_ready();
   if (!ready) co_return tl::unexpected(call_error(ready.error(), axis.name()));
   const auto* model = axis.module().model();
@@ -155,7 +155,7 @@ awaitable<Lookup<Chosen>> choose(GatewayAxis& axis, const axis::OfRamp& params) 
   auto choice = plan::choose_ramp(*model, wish->request, **units);
   if (!choice) co_return tl::unexpected(too_far(choice.error(), *wish));
   auto warnings = foreseen(*choice, *model);
-  co_return Chosen{model, std::move(*choice), std::move(warnings)};
+  co_return ChosenRamp{model, std::move(*choice), std::move(warnings)};
 }
 
 // The table has a row for everything that is chosen from it.
@@ -180,7 +180,7 @@ std::vector<axis::RampSetting> view_of(const std::vector<Setting>& settings,
   return views;
 }
 
-awaitable<axis::Ramp> view_of(GatewayAxis& axis, Chosen chosen) {
+awaitable<axis::Ramp> view_of(GatewayAxis& axis, ChosenRamp chosen) {
   const auto& choice = chosen.choice;
   const auto unit = co_await unit_per_microstep(axis);
   const auto in_unit = [&](double pulses) {

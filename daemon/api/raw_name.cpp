@@ -45,11 +45,11 @@ std::optional<RawName> parse(std::string_view name) {
 }
 
 /// Or the message and the hint of an error.
-struct Fault {
+struct NameFault {
   std::string message;
   std::string hint;
 };
-using BusOrFault = tl::expected<std::shared_ptr<GatewayBus>, Fault>;
+using BusOrFault = tl::expected<std::shared_ptr<GatewayBus>, NameFault>;
 
 BusOrFault bus_of(const Gateway& gateway, const RawName& raw) {
   const auto buses = gateway.buses();
@@ -59,10 +59,11 @@ BusOrFault bus_of(const Gateway& gateway, const RawName& raw) {
     names.push_back(bus->name());
   }
   if (raw.bus.empty())
-    return tl::unexpected(Fault{fmt::format("{} buses have such an address", buses.size()),
-                                "name one of them, too, as in BUS:ADDRESS/MOTOR; see bus.list"});
-  return tl::unexpected(Fault{fmt::format("there is no bus '{}'", raw.bus),
-                              suggest(raw.bus, names, "see bus.list for what there is")});
+    return tl::unexpected(
+        NameFault{fmt::format("{} buses have such an address", buses.size()),
+                  "name one of them, too, as in BUS:ADDRESS/MOTOR; see bus.list"});
+  return tl::unexpected(NameFault{fmt::format("there is no bus '{}'", raw.bus),
+                                  suggest(raw.bus, names, "see bus.list for what there is")});
 }
 
 std::optional<std::string> fault_of(const GatewayBus& bus, const RawName& raw) {

@@ -50,11 +50,6 @@ boost::asio::awaitable<void> tell_limit(GatewayAxis& axis, SearchLimit limit, Re
         "in the configuration, or 'max_travel'");
 }
 
-Lookup<Nothing> nothing_or(const tmcl::Result<void>& result, const GatewayAxis& axis) {
-  if (!result) return tl::unexpected(call_error(result.error(), axis.name()));
-  return Nothing{};
-}
-
 tmcl::HomeOptions home_options(const Call& call, const axis::Home& params) {
   tmcl::HomeOptions options;
   options.mode = params.mode;

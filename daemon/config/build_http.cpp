@@ -21,7 +21,7 @@ constexpr std::size_t max_listen_addresses = 8;
 constexpr std::size_t max_origins = 16;
 constexpr std::uint8_t first_byte_of_loopback = 127;
 
-struct Problems {
+struct SectionProblems {
   const ConfigSection& section;
   std::vector<ConfigProblem>& all;
 
@@ -56,7 +56,7 @@ std::optional<HttpAddress> address_of(std::string_view text) {
   return HttpAddress{std::move(host), *port, IN6_IS_ADDR_LOOPBACK(&six) != 0};
 }
 
-void add_addresses(const Problems& problems, HttpConfig& http) {
+void add_addresses(const SectionProblems& problems, HttpConfig& http) {
   const auto* texts = problems.section.get<ConfigTexts>("listen");
   if (texts == nullptr) return;
   if (texts->empty() || texts->size() > max_listen_addresses)
@@ -81,7 +81,7 @@ bool is_origin(std::string_view text) {
   return false;
 }
 
-void add_origins(const Problems& problems, HttpConfig& http) {
+void add_origins(const SectionProblems& problems, HttpConfig& http) {
   const auto* texts = problems.section.get<ConfigTexts>("origins");
   if (texts == nullptr) return;
   if (texts->size() > max_origins)
@@ -95,7 +95,7 @@ void add_origins(const Problems& problems, HttpConfig& http) {
   }
 }
 
-void check_tls(const Problems& problems, const HttpConfig& http) {
+void check_tls(const SectionProblems& problems, const HttpConfig& http) {
   if (http.certificate.empty() != http.key.empty())
     problems.add(http.key.empty() ? "certificate" : "key",
                  "'certificate' and 'key' go together: one of them is missing");
@@ -114,7 +114,7 @@ void check_tls(const Problems& problems, const HttpConfig& http) {
 
 HttpConfig build_http(const ConfigSection& section, std::vector<ConfigProblem>& problems) {
   HttpConfig http;
-  const Problems into{section, problems};
+  const SectionProblems into{section, problems};
   add_addresses(into, http);
   add_origins(into, http);
   const auto text = [&](std::string_view key) {

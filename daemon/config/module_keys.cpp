@@ -22,7 +22,7 @@ const tmcl::Model& model_of(const toml::table& module) {
   if (model != nullptr) return *model;
   std::vector<std::string_view> names;
   for (const auto& known : tmcl::models()) names.push_back(known.name);
-  complain(*node, "there is no module " + quoted(name->get()) + "." +
+  complain(*node, "there is no module " + tmcl::quoted(name->get()) + "." +
                       tmcl::did_you_mean(name->get(), names));
 }
 
@@ -31,11 +31,12 @@ void take_traits(const toml::table& module, const tmcl::Model& model, tmcl::Modu
     const auto* node = module.get(info.name);
     if (node == nullptr) continue;
     const auto variant = tmcl::parse_variant(info, word(*node, info.name, info.variants[0]));
-    if (!variant) complain(*node, quoted(info.name) + " " + variant.error());
+    if (!variant) complain(*node, tmcl::quoted(info.name) + " " + variant.error());
     // The first is what a module does that has no choice.
     if (*variant != 0 && !tmcl::concerns(info.trait, model))
-      complain(*node, "a " + std::string(model.name) + " has no TMC429: " + quoted(info.name) +
-                          " can only be " + std::string(info.variants[0]));
+      complain(*node, "a " + std::string(model.name) +
+                          " has no TMC429: " + tmcl::quoted(info.name) + " can only be " +
+                          std::string(info.variants[0]));
     traits.set(info.trait, *variant);
   }
 }

@@ -37,7 +37,7 @@ RpcError too_many_requests() {
                    "wait for answers before sending more");
 }
 
-RpcError too_many_clients() {
+RpcError no_place_for_client() {
   return rpc_error(rpc_code::overload, "too_many_clients",
                    "tmcld has as many clients as it can serve: this connection takes stops only",
                    "end programs that do not need their connection any more; how many tmcld can "
@@ -151,7 +151,7 @@ Session::Lane Session::lane_of(const MethodInfo& method) {
 void Session::begin(RpcRequest request) {
   const bool stops = request.method->effect == tmcl::Effect::stops;
   if (serves_ == Serves::stops && !stops)
-    return answer(request.id, tl::unexpected(too_many_clients()));
+    return answer(request.id, tl::unexpected(no_place_for_client()));
   auto& in_progress = in_flight(lane_of(*request.method));
   if (in_progress >= max_requests_in_flight) {
     return answer(request.id, tl::unexpected(too_many_requests()));

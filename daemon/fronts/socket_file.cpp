@@ -16,7 +16,7 @@
 namespace tmcld {
 namespace {
 
-constexpr int backlog = 128;
+constexpr int waiting_connections = 128;
 constexpr mode_t access_for_owner_and_group = 0660;
 
 std::string because(int error) { return std::string(": ") + std::strerror(error); }
@@ -119,7 +119,8 @@ std::string SocketFile::listen() {
   ::umask(before);
   if (!bound) return "cannot create the socket " + path_ + because(error);
   inode_ = inode_of(path_);
-  if (::listen(descriptor_, backlog) != 0) return "cannot listen on " + path_ + because(errno);
+  if (::listen(descriptor_, waiting_connections) != 0)
+    return "cannot listen on " + path_ + because(errno);
   return {};
 }
 

@@ -15,7 +15,7 @@ namespace {
 using boost::asio::awaitable;
 using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
 
-constexpr tmcl::Duration look_interval = std::chrono::milliseconds(20);
+constexpr tmcl::Duration claim_look_interval = std::chrono::milliseconds(20);
 
 awaitable<std::optional<AxisFailure>> look(const Axes& axes, Permit permit) {
   for (const auto& axis : axes) {
@@ -48,7 +48,7 @@ awaitable<tl::expected<std::vector<Claim>, AxisFailure>> claim_all(Axes axes, Cl
     const bool waits = timer.now() < limit;
     if (failure && !(waits && can_end_soon(*failure, axes)))
       co_return tl::unexpected(std::move(*failure));
-    timer.expires_after(look_interval);
+    timer.expires_after(claim_look_interval);
     co_await timer.async_wait(boost::asio::use_awaitable);
   }
   std::vector<Claim> claims;

@@ -36,7 +36,7 @@ constexpr tmcl::Duration measuring_interval = 20ms;
 constexpr std::int32_t speed_tolerance = 100;
 constexpr tmcl::Duration longest_braking = 10s;
 // What an answer waits for the axis to stand: it is stopped all the same.
-constexpr tmcl::Duration time_to_put_in_order = 2s;
+constexpr tmcl::Duration time_to_set_back = 2s;
 
 tl::unexpected<tmcl::Error> failed(tmcl::Errc code, std::string message, std::string hint) {
   tmcl::Error error;
@@ -326,7 +326,7 @@ GatewayAxis::Awaitable<DeadmanFinding> measure_deadman(
   const auto ended = std::make_shared<bool>(false);
   spawn(axis->bus().executor(),
         put_in_order(axis, std::move(*claims), measurement.before(), ended));
-  co_await wait_until([&] { return *ended; }, time_to_put_in_order);
+  co_await wait_until([&] { return *ended; }, time_to_set_back);
   // Somebody may have waited to set it to something else.
   if (!finding || deadman.set_ms() != finding->set_ms) co_return finding;
   deadman.remember(finding->stops_after_ms.value_or(0));

@@ -49,7 +49,7 @@ std::string text_of(const std::vector<KnownDeadman>& all) {
   return tmcl::json_text(json::object{{"version", 1}, {"modules", std::move(array)}}) + "\n";
 }
 
-tl::expected<std::vector<KnownDeadman>, std::string> read(const std::string& path) {
+tl::expected<std::vector<KnownDeadman>, std::string> read_known(const std::string& path) {
   const auto text = read_state_file(path);
   if (!text) return tl::unexpected(text.error());
   std::vector<KnownDeadman> all;
@@ -68,7 +68,7 @@ tl::expected<std::vector<KnownDeadman>, std::string> read(const std::string& pat
 std::shared_ptr<DeadmanMemory> DeadmanMemory::open(std::string path, const LogSink& log) {
   std::shared_ptr<DeadmanMemory> memory(new DeadmanMemory(std::move(path), log));
   if (memory->path_.empty()) return memory;
-  auto known = read(memory->path_);
+  auto known = read_known(memory->path_);
   if (known) memory->known_ = std::move(*known);
   if (!known) {
     log(LogLevel::warning, "what tests of deadmen have found is not known any more: " +

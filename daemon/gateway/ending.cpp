@@ -12,7 +12,7 @@ namespace {
 
 using boost::asio::awaitable;
 
-constexpr tmcl::Duration look_interval = std::chrono::milliseconds(20);
+constexpr tmcl::Duration standing_look_interval = std::chrono::milliseconds(20);
 
 awaitable<void> end_journeys(Gateway& gateway) {
   if (!gateway.has_journeys()) co_return;
@@ -33,11 +33,11 @@ awaitable<bool> comes_to_rest(std::shared_ptr<GatewayAxis> axis) {
     if (stopped) {
       const auto velocity = co_await axis->get(tmcl::axis_parameter::actual_velocity, limit);
       if (velocity && *velocity == 0) co_return true;
-      co_await rest(look_interval);
+      co_await rest(standing_look_interval);
     }
     const auto answer = co_await axis->brake();
     stopped = answer.has_value();
-    if (!stopped) co_await rest(look_interval);
+    if (!stopped) co_await rest(standing_look_interval);
   }
   co_return false;
 }

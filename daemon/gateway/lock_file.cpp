@@ -16,7 +16,7 @@ namespace {
 
 constexpr int lock_tries = 3;
 // A user who can open it can lock it, and so keep a daemon from starting.
-constexpr mode_t access_for_owner = 0600;
+constexpr mode_t access_to_lock = 0600;
 
 bool is_same_file(int descriptor, const std::string& path) {
   struct stat here {};
@@ -43,7 +43,7 @@ void write_holder(int descriptor) {
 tl::expected<LockFile, LockFile::Failure> LockFile::take(std::string path) {
   for (int i = 0; i < lock_tries; ++i) {
     const int descriptor =
-        ::open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC | O_NOFOLLOW, access_for_owner);
+        ::open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC | O_NOFOLLOW, access_to_lock);
     if (descriptor < 0) return tl::unexpected(Failure{false, 0, std::strerror(errno)});
     LockFile file(path, descriptor);
     if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0) {

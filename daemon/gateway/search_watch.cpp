@@ -21,8 +21,8 @@ using tmcl::Result;
 // A module that answers RFS STATUS with 0 once may not have begun yet.
 constexpr int looks_to_end = 3;
 // Between two looks: short before the limit, long where it is far.
-constexpr tmcl::Duration shortest_pause = 5ms;
-constexpr tmcl::Duration longest_pause = 100ms;
+constexpr tmcl::Duration shortest_watch_pause = 5ms;
+constexpr tmcl::Duration longest_watch_pause = 100ms;
 // So far the times at which an answer was taken and came in can be apart: adapters collect bytes.
 constexpr double time_of_answer_s = 0.05;
 
@@ -61,12 +61,12 @@ tmcl::Script<Result<Seen>> look_at_search(tmcl::AxisAddress motor,
 }
 
 tmcl::Duration pause_before(double limit, double gone, const SearchTravel::Look& look) {
-  if (!look.speed_is_known) return shortest_pause;
-  if (look.speed == 0) return longest_pause;
+  if (!look.speed_is_known) return shortest_watch_pause;
+  if (look.speed == 0) return longest_watch_pause;
   const double speed = look.speed;
   const std::chrono::duration<double> to_limit((limit - gone) / std::abs(speed) / 2);
   return std::clamp(std::chrono::duration_cast<tmcl::Duration>(std::min(to_limit, {1s})),
-                    shortest_pause, longest_pause);
+                    shortest_watch_pause, longest_watch_pause);
 }
 
 /// Nothing where nothing bounds it, and when it has ended before that was known.
@@ -81,7 +81,7 @@ boost::asio::awaitable<SearchLimit> limit_of(GatewayAxis& axis, Permit permit) {
                                             "': " + limit.error().message);
       co_return std::nullopt;
     }
-    co_await rest(longest_pause);
+    co_await rest(longest_watch_pause);
   }
   co_return std::nullopt;
 }
@@ -104,7 +104,7 @@ boost::asio::awaitable<void> watch(std::shared_ptr<GatewayAxis> axis, Permit per
     if (!axis->searches_for(permit)) co_return;
     ended = seen && !seen->searches ? ended + 1 : 0;
     if (!seen) {
-      co_await rest(longest_pause);
+      co_await rest(longest_watch_pause);
       continue;
     }
     travel.note(seen->look);

@@ -16,7 +16,7 @@ constexpr Duration reading_error = 20ms;
 constexpr int clock_error = 100;  // one part of so many
 constexpr std::int64_t timer_modulus = std::int64_t{1} << 31;
 
-std::int64_t milliseconds(Duration duration) {
+std::int64_t whole_milliseconds(Duration duration) {
   return std::chrono::floor<std::chrono::milliseconds>(duration).count();
 }
 
@@ -124,11 +124,12 @@ Sentinel::Verdict Sentinel::judge(const Reading& reading) const {
   const auto least = reading.asked - last_->answered;
   const auto error = reading_error + most / clock_error;
   const auto ahead = [&](Duration passed) {
-    return wrapped(std::int64_t{reading.value} - last_->value - milliseconds(passed));
+    return wrapped(std::int64_t{reading.value} - last_->value - whole_milliseconds(passed));
   };
-  const bool fits = ahead(least) >= -milliseconds(error) && ahead(most) <= milliseconds(error);
+  const bool fits =
+      ahead(least) >= -whole_milliseconds(error) && ahead(most) <= whole_milliseconds(error);
   if (fits) return Verdict::same;
-  const auto expected = (last_->value + milliseconds(least)) % timer_modulus;
+  const auto expected = (last_->value + whole_milliseconds(least)) % timer_modulus;
   return (reading.value & std::numeric_limits<std::int32_t>::max()) < expected ? Verdict::restarted
                                                                                : Verdict::ahead;
 }

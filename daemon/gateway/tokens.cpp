@@ -74,7 +74,7 @@ Token token_from(const json::value& value) {
   return {text("name"), *role, text("made"), text("sha256")};
 }
 
-tl::expected<std::vector<Token>, std::string> read(const std::string& path) {
+tl::expected<std::vector<Token>, std::string> read_tokens(const std::string& path) {
   const auto text = read_state_file(path);
   if (!text) return tl::unexpected(text.error());
   std::vector<Token> all;
@@ -99,7 +99,7 @@ std::string text_of(const std::vector<Token>& all) {
 std::shared_ptr<Tokens> Tokens::open(std::string path, const LogSink& log) {
   std::shared_ptr<Tokens> tokens(new Tokens(std::move(path)));
   if (tokens->path_.empty()) return tokens;
-  auto known = read(tokens->path_);
+  auto known = read_tokens(tokens->path_);
   if (known) tokens->all_ = std::move(*known);
   if (known) return tokens;
   tokens->problem_ = known.error();

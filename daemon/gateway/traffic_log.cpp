@@ -10,12 +10,12 @@ namespace {
 using tmcl::Traffic;
 
 // A module drops a datagram that has not come in after 5 ms; adapters for USB collect for 16 ms.
-constexpr tmcl::Duration longest_pause = std::chrono::milliseconds(50);
+constexpr tmcl::Duration longest_pause_in_datagram = std::chrono::milliseconds(50);
 
 }  // namespace
 
 void TrafficLog::note(const Traffic& traffic) {
-  if (traffic.at - last_byte_at_ > longest_pause) give_up_datagram();
+  if (traffic.at - last_byte_at_ > longest_pause_in_datagram) give_up_datagram();
   if (traffic.direction == Traffic::Direction::out) return note_request(traffic);
   if (framing_ == tmcl::Framing::can) return note_frame(traffic);
   last_byte_at_ = traffic.at;

@@ -8,7 +8,7 @@ namespace tmcl::sim {
 namespace {
 
 constexpr unsigned velocity_bits = 12;
-constexpr std::int32_t greatest_velocity = 2047;
+constexpr std::int32_t greatest_wrapping_velocity = 2047;
 
 enum class Rule : std::uint8_t {
   unsigned_bits,  ///< A register of `size` bits.
@@ -21,7 +21,7 @@ enum class Rule : std::uint8_t {
   signed_byte,    ///< One with a sign that is brought into -size..size.
 };
 
-struct Row {
+struct WrappingRow {
   std::string_view parameter;
   Rule rule;
   unsigned size = 0;
@@ -30,7 +30,7 @@ struct Row {
 // From Commands.c, TMC429.c and TMC262.c of TMCL-LITE-1110. Not here, and so refused as the manual
 // has it: what it does not have or never writes (204, 214), what it writes past the end of a field
 // or a register (140, 175, 176, 178), and what it counts in another way (165).
-constexpr auto rows = std::to_array<Row>({
+constexpr auto wrapping_rows = std::to_array<WrappingRow>({
     {"target_position", Rule::signed_bits, 24},
     {"actual_position", Rule::signed_bits, 24},
     {"target_velocity", Rule::velocity},
@@ -82,12 +82,12 @@ constexpr std::int32_t signed_field(std::int64_t value, unsigned size) {
   return static_cast<std::int32_t>(low_bits(value, size) << spare) >> spare;
 }
 
-const Row* find(std::string_view parameter) {
-  const auto* row = std::ranges::find(rows, parameter, &Row::parameter);
-  return row == rows.end() ? nullptr : row;
+const WrappingRow* find(std::string_view parameter) {
+  const auto* row = std::ranges::find(wrapping_rows, parameter, &WrappingRow::parameter);
+  return row == wrapping_rows.end() ? nullptr : row;
 }
 
-std::int32_t kept(const Row& row, std::int32_t value) {
+std::int32_t kept(const WrappingRow& row, std::int32_t value) {
   constexpr unsigned byte = 8;
   const auto size = static_cast<std::int32_t>(row.size);
   switch (row.rule) {
@@ -103,7 +103,7 @@ std::int32_t kept(const Row& row, std::int32_t value) {
   return value;
 }
 
-std::int32_t written(const Row& row, const ParameterInfo& info, std::int32_t value) {
+std::int32_t written(const WrappingRow& row, const ParameterInfo& info, std::int32_t value) {
   switch (row.rule) {
     case Rule::unsigned_bits:
     case Rule::signed_bits:
@@ -129,7 +129,7 @@ bool is_remembered(const ParameterInfo& info) {
 }
 
 std::int32_t wrapped_velocity(std::int64_t value) {
-  return std::max(signed_field(value, velocity_bits), -greatest_velocity);
+  return std::max(signed_field(value, velocity_bits), -greatest_wrapping_velocity);
 }
 
 }  // namespace tmcl::sim

@@ -8,7 +8,7 @@
 namespace tmclctl {
 namespace {
 
-constexpr auto table = std::to_array<MethodWord>({
+constexpr auto words_of_methods = std::to_array<MethodWord>({
     {"rpc.discover", "--help"},
     // No verb lists the buses; this one says which there are modules on.
     {"bus.list", "modules"},
@@ -110,15 +110,15 @@ bool stands_alone(std::string_view text, std::size_t at, std::size_t length) {
 
 }  // namespace
 
-std::span<const MethodWord> method_words() { return table; }
+std::span<const MethodWord> method_words() { return words_of_methods; }
 
 std::string with_verbs(std::string_view text) {
   std::string words;
   for (std::size_t at = 0; at < text.size();) {
-    const auto* found = std::ranges::find_if(table, [&](const MethodWord& word) {
+    const auto* found = std::ranges::find_if(words_of_methods, [&](const MethodWord& word) {
       return text.substr(at).starts_with(word.method) && stands_alone(text, at, word.method.size());
     });
-    if (found == table.end()) {
+    if (found == words_of_methods.end()) {
       words += text[at++];
       continue;
     }

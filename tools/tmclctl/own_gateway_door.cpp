@@ -17,7 +17,7 @@ namespace {
 namespace json = boost::json;
 
 // How often a signal is looked at.
-constexpr tmcl::Duration look_interval = std::chrono::milliseconds(20);
+constexpr tmcl::Duration listen_interval = std::chrono::milliseconds(20);
 // For a call that a signal has ended: a module in download mode is brought out of it.
 constexpr tmcl::Duration time_to_end_call = std::chrono::seconds(1);
 
@@ -78,7 +78,7 @@ Attempt<json::object> OwnGatewayDoor::call(std::string_view method, json::object
                                            CallOptions options) {
   const auto call = gateway_->begin(method, std::move(params));
   while (!call.has_ended()) {
-    gateway_->listen(look_interval);
+    gateway_->listen(listen_interval);
     if (options.meanwhile) {
       options.meanwhile();
     } else if (host_.signal() != 0) {
@@ -91,7 +91,7 @@ Attempt<json::object> OwnGatewayDoor::call(std::string_view method, json::object
 Attempt<json::object> OwnGatewayDoor::cut_short(const tmcld::LocalCall& call) {
   gateway_->hang_up();
   const auto until = host_.now() + time_to_end_call;
-  while (!call.has_ended() && host_.now() < until) gateway_->listen(look_interval);
+  while (!call.has_ended() && host_.now() < until) gateway_->listen(listen_interval);
   if (call.has_ended() && call.result()) return call.result().value();
   return tl::unexpected(
       failure_from(tmcl::client::CallError{0,
@@ -116,7 +116,7 @@ Attempt<void> OwnGatewayDoor::check_bus() const {
 Attempt<void> OwnGatewayDoor::listen(tmcl::Duration at_most) {
   const auto until = host_.now() + at_most;
   while (host_.signal() == 0 && host_.now() < until) {
-    if (gateway_->listen(std::min(until - host_.now(), look_interval))) break;
+    if (gateway_->listen(std::min(until - host_.now(), listen_interval))) break;
   }
   return check_bus();
 }
@@ -124,7 +124,7 @@ Attempt<void> OwnGatewayDoor::listen(tmcl::Duration at_most) {
 void OwnGatewayDoor::sleep(tmcl::Duration duration) {
   const auto until = host_.now() + duration;
   while (host_.signal() == 0 && host_.now() < until)
-    gateway_->listen(std::min(until - host_.now(), look_interval));
+    gateway_->listen(std::min(until - host_.now(), listen_interval));
 }
 
 Attempt<void> OwnGatewayDoor::see_through(bool tell, Output& output) {
@@ -134,7 +134,7 @@ Attempt<void> OwnGatewayDoor::see_through(bool tell, Output& output) {
                   "Ctrl-C stops them"
                << std::endl;
   }
-  while (gateway.has_journeys() && host_.signal() == 0) gateway_->listen(look_interval);
+  while (gateway.has_journeys() && host_.signal() == 0) gateway_->listen(listen_interval);
   if (!gateway.has_journeys()) return {};
   gateway_->end();
   return tl::unexpected(

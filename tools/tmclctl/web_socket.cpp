@@ -44,8 +44,8 @@ struct Url {
 };
 
 CallError wrong(std::string message, std::string hint = {}) {
-  constexpr int invalid_params = -32602;
-  return {invalid_params, "usage", tmcl::Outcome::not_sent, std::move(message), std::move(hint)};
+  constexpr int of_wrong_params = -32602;
+  return {of_wrong_params, "usage", tmcl::Outcome::not_sent, std::move(message), std::move(hint)};
 }
 
 CallResult<Url> parse_url(const std::string& text) {

@@ -23,7 +23,7 @@ namespace sim = tmcl::sim;
 using Words = std::vector<std::string_view>;
 using Outcome = tl::expected<void, std::string>;
 
-constexpr std::int32_t greatest_load = 1'000'000;
+constexpr std::int32_t most_load = 1'000'000;
 constexpr auto switch_names = std::to_array<std::string_view>({"left", "right", "home"});
 
 Words split(std::string_view line) {
@@ -38,7 +38,7 @@ Words split(std::string_view line) {
   return words;
 }
 
-std::optional<std::int32_t> parse_number(std::string_view text) {
+std::optional<std::int32_t> number_in(std::string_view text) {
   return tmclsim::parse_number<std::int32_t>(text);
 }
 
@@ -60,8 +60,8 @@ struct Motor {
 
 tl::expected<Motor, std::string> find_motor(sim::Bench& bench, std::string_view text) {
   const auto slash = std::min(text.find('/'), text.size());
-  const auto address = parse_number(text.substr(0, slash));
-  const auto motor = parse_number(slash == text.size() ? "" : text.substr(slash + 1));
+  const auto address = number_in(text.substr(0, slash));
+  const auto motor = number_in(slash == text.size() ? "" : text.substr(slash + 1));
   if (!address || !motor) {
     return tl::unexpected(quoted(text) + " is not ADDRESS/MOTOR, such as 1/0");
   }
@@ -77,17 +77,17 @@ tl::expected<Motor, std::string> find_motor(sim::Bench& bench, std::string_view 
 }
 
 Outcome set_load(Motor motor, std::string_view word) {
-  const auto load = parse_number(word);
-  if (!load || *load < 0 || *load > greatest_load) {
+  const auto load = number_in(word);
+  if (!load || *load < 0 || *load > most_load) {
     return tl::unexpected(quoted(word) + " is not a load: they are 0 to " +
-                          std::to_string(greatest_load) + ", in 1/1000 of what it can drive");
+                          std::to_string(most_load) + ", in 1/1000 of what it can drive");
   }
   motor.module->at_stage(motor.number, [&](sim::Stage& stage) { stage.set_load(*load); });
   return {};
 }
 
 Outcome slip(Motor motor, std::string_view word) {
-  const auto counts = parse_number(word);
+  const auto counts = number_in(word);
   if (!counts) return tl::unexpected(quoted(word) + " is not a number of encoder counts");
   if (!motor.module->stage(motor.number).settings().encoder) {
     return tl::unexpected(std::string("this motor has no encoder"));
@@ -160,7 +160,7 @@ Outcome set_supply(sim::Module& module, std::string_view word) {
 
 Outcome brown_out(sim::Module& module, std::string_view word) {
   constexpr std::int32_t longest = 3'600'000;
-  const auto time = parse_number(word);
+  const auto time = number_in(word);
   if (!time || *time < 1 || *time > longest)
     return tl::unexpected(quoted(word) + " is no time: it is 1 to 3600000 ms");
   module.brown_out(std::chrono::milliseconds(*time));
@@ -168,7 +168,7 @@ Outcome brown_out(sim::Module& module, std::string_view word) {
 }
 
 Outcome set_temperature(sim::Module& module, std::string_view word) {
-  const auto degrees = parse_number(word);
+  const auto degrees = number_in(word);
   const bool is_set = degrees && module.set_analog(sim::Io::temperature_port, *degrees);
   if (!is_set) return tl::unexpected(quoted(word) + " is no temperature in deg C from 0 on");
   return {};
@@ -187,7 +187,7 @@ Outcome set_power(sim::Module& module, std::string_view word) {
 
 Outcome at_module(sim::Bench& bench, const Words& words,
                   Outcome (*change)(sim::Module& module, std::string_view word)) {
-  const auto address = parse_number(words[1]);
+  const auto address = number_in(words[1]);
   auto* module = address ? find_module(bench, *address) : nullptr;
   if (module == nullptr) return tl::unexpected(no_such_module(words[1]));
   return change(*module, words[2]);
@@ -208,14 +208,14 @@ Outcome at_driver(sim::Bench& bench, const Words& words) {
 
 Outcome at_port(sim::Bench& bench, const Words& words,
                 Outcome (*change)(sim::Module& module, std::uint8_t port, std::int32_t value)) {
-  const auto address = parse_number(words[1]);
+  const auto address = number_in(words[1]);
   auto* module = address ? find_module(bench, *address) : nullptr;
   if (module == nullptr) return tl::unexpected(no_such_module(words[1]));
-  const auto port = parse_number(words[2]);
+  const auto port = number_in(words[2]);
   if (!port || *port < 0 || *port > UINT8_MAX) {
     return tl::unexpected(quoted(words[2]) + " is not a port");
   }
-  const auto value = parse_number(words[3]);
+  const auto value = number_in(words[3]);
   if (!value) return tl::unexpected(quoted(words[3]) + " is not a number");
   return change(*module, static_cast<std::uint8_t>(*port), *value);
 }

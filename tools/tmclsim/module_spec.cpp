@@ -19,7 +19,7 @@ struct Parts {
   std::optional<std::string_view> address;
 };
 
-Parts split(std::string_view text) {
+Parts parts_of(std::string_view text) {
   const auto at = text.find('@');
   if (at == std::string_view::npos) return {text, std::nullopt};
   return {text.substr(0, at), text.substr(at + 1)};
@@ -42,7 +42,7 @@ std::string no_such_model(std::string_view name) {
 }
 
 tl::expected<ModuleSpec, std::string> parse_one(std::string_view text, Taken& taken) {
-  const auto parts = split(text);
+  const auto parts = parts_of(text);
   const auto* model = tmcl::find_model(parts.model);
   if (model == nullptr) return tl::unexpected(no_such_model(parts.model));
   if (!parts.address) return ModuleSpec{model, tmcl::ModuleAddress{0}};

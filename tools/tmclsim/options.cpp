@@ -159,7 +159,7 @@ EarlyExit unexpected_word(const std::string& word) {
   return wrong("there is no option '" + name + "'." + tmcl::did_you_mean(name, known_options));
 }
 
-struct Words {
+struct OptionWords {
   std::vector<std::string> modules;
   std::vector<std::string> firmware;
   std::vector<std::string> as;
@@ -173,7 +173,7 @@ struct Words {
   Options options;
 };
 
-void describe(CLI::App& app, Words& words) {
+void describe(CLI::App& app, OptionWords& words) {
   app.allow_extras();  // so that we can say what was meant instead
   app.set_version_flag("--version", "tmclsim " TMCL_VERSION, "Print the version and exit");
   app.set_help_flag("-h,--help", "Print this help and exit");
@@ -255,7 +255,7 @@ Done sort(const CLI::App& app, const std::string& name, const std::vector<std::s
 }
 
 // `modules` are those of the command line.
-Done be_as(const Words& words, std::span<ModuleSpec> modules) {
+Done be_as(const OptionWords& words, std::span<ModuleSpec> modules) {
   for (std::size_t i = 0; i < std::min(modules.size(), words.as_of_module.size()); ++i) {
     const auto& path = words.as_of_module[i];
     if (!path) continue;
@@ -267,7 +267,7 @@ Done be_as(const Words& words, std::span<ModuleSpec> modules) {
 }
 
 // `modules` are those of the command line.
-Done give_firmware(const Words& words, std::span<ModuleSpec> modules) {
+Done give_firmware(const OptionWords& words, std::span<ModuleSpec> modules) {
   const auto& of_module = words.firmware_of_module;
   for (std::size_t i = 0; i < std::min(modules.size(), of_module.size()); ++i) {
     const auto& text = of_module[i];
@@ -280,7 +280,7 @@ Done give_firmware(const Words& words, std::span<ModuleSpec> modules) {
 }
 
 // The modules of the file, then those of the command line.
-tl::expected<std::vector<ModuleSpec>, std::string> all_modules(const Words& words) {
+tl::expected<std::vector<ModuleSpec>, std::string> all_modules(const OptionWords& words) {
   std::vector<BenchModule> bench;
   if (!words.bench.empty()) {
     auto file = read_bench_file(words.bench);
@@ -306,7 +306,7 @@ tl::expected<std::vector<ModuleSpec>, std::string> all_modules(const Words& word
 }
 
 // A port by USB has the pace that USB has, and no wires.
-tl::expected<void, EarlyExit> check_wires(Words& words, bool has_pace) {
+tl::expected<void, EarlyExit> check_wires(OptionWords& words, bool has_pace) {
   auto& wires = words.options.wires;
   const bool has_line = !words.options.ptys.empty() || !words.tcp.empty();
   if ((wires.echo || wires.noise != 0) && !has_line)
@@ -324,7 +324,7 @@ tl::expected<void, EarlyExit> check_wires(Words& words, bool has_pace) {
   return {};
 }
 
-tl::expected<Options, EarlyExit> check(Words words, bool has_pace) {
+tl::expected<Options, EarlyExit> check(OptionWords words, bool has_pace) {
   if (words.modules.empty() && words.bench.empty()) {
     return tl::unexpected(wrong("no module to simulate. Add one: --module TMCM-1110"));
   }
@@ -365,7 +365,7 @@ tl::expected<Options, EarlyExit> check(Words words, bool has_pace) {
 
 tl::expected<Options, EarlyExit> parse_options(int argc, const char* const* argv) {
   CLI::App app(description, "tmclsim");
-  Words words;
+  OptionWords words;
   describe(app, words);
   try {
     app.parse(argc, argv);

@@ -12,11 +12,11 @@ using tmcl::sim::Behaviour;
 using tmcl::sim::FirmwareRelease;
 
 // The words of an enumeration, in its order.
-using Words = std::array<std::string_view, 2>;
-constexpr Words behaviours{"manual", "lite"};
+using TwoWords = std::array<std::string_view, 2>;
+constexpr TwoWords behaviours{"manual", "lite"};
 
 template <class Value>
-tl::expected<Value, std::string> parse(std::string_view word, const Words& words) {
+tl::expected<Value, std::string> parse(std::string_view word, const TwoWords& words) {
   const auto found = std::ranges::find(words, word);
   if (found != words.end()) return static_cast<Value>(found - words.begin());
   return tl::unexpected("is " + tmcl::quoted(word) + ", but must be " + std::string(words[0]) +

@@ -16,7 +16,7 @@ constexpr std::array ramp_modes{number_of(Family::tmc457, ramp_mode),
                                 number_of(Family::tmc429, ramp_mode)};
 
 // Twelve digits: what is behind them comes from the conversion, not from the user.
-std::string number_text(double value) { return plain_number(value, 12); }
+std::string rounded_text(double value) { return plain_number(value, 12); }
 
 std::int32_t clipped_microsteps(UserPosition position, const UserScale& scale) {
   if (const auto microsteps = to_microsteps(position, scale)) return microsteps->value;
@@ -65,8 +65,8 @@ ValueRange microsteps_within(const SoftLimits& limits, const UserScale& scale) {
 }
 
 std::string describe(const BeyondLimit& error) {
-  return number_text(error.position) + ' ' + error.unit + " is beyond the soft limit of " +
-         number_text(error.limit) + ' ' + error.unit;
+  return rounded_text(error.position) + ' ' + error.unit + " is beyond the soft limit of " +
+         rounded_text(error.limit) + ' ' + error.unit;
 }
 
 std::optional<BeyondLimit> beyond(const SoftLimits& limits, Microsteps position,

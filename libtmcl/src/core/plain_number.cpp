@@ -8,10 +8,12 @@
 namespace tmcl {
 namespace {
 
-constexpr double least = 1e-6;
-constexpr double greatest = 1e15;
+constexpr double least_plain = 1e-6;
+constexpr double greatest_plain = 1e15;
 
-bool is_plain(double value) { return std::abs(value) >= least && std::abs(value) < greatest; }
+bool is_plain(double value) {
+  return std::abs(value) >= least_plain && std::abs(value) < greatest_plain;
+}
 
 template <class... Format>
 std::string written(double value, Format... format) {

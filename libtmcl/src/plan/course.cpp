@@ -7,6 +7,8 @@
 #include <cmath>
 #include <iterator>
 
+#include "plan/arithmetic.hpp"
+
 namespace tmcl::plan {
 namespace {
 
@@ -15,13 +17,6 @@ using path_file::LineTo;
 
 // Speeds that differ by less are the same.
 constexpr double rounding = 1e-9;
-
-double distance(const AxisValues& from, const AxisValues& to, std::size_t axes) {
-  double length = 0;
-  for (std::size_t axis = 0; axis < axes; ++axis)
-    length = std::hypot(length, to[axis] - from[axis]);
-  return length;
-}
 
 // The velocity at a row between two slopes that keeps the cubics on either side monotone.
 double slope_between(double before, double after, double time_before, double time_after) {
@@ -57,8 +52,9 @@ class Course::Maker {
 
  private:
   void take(const LineTo& line) {
-    const double way = distance(here_, line.target, course_.axes_);
-    const double counted = distance(here_, line.target, std::min(course_.axes_, path_.length_axes));
+    const double way = distance_between(here_, line.target, course_.axes_);
+    const double counted =
+        distance_between(here_, line.target, std::min(course_.axes_, path_.length_axes));
     // A feed is about the counted axes, a plan about the way of all.
     const double stretch = counted > 0 ? way / counted : 1;
     if (line.duration) {

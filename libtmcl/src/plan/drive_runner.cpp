@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "tmcl/parameter_number.hpp"
+#include "plan/divisors.hpp"
 #include "tmcl/plan/ramp_choice.hpp"
 
 namespace tmcl::plan {
@@ -13,7 +13,7 @@ namespace {
 
 namespace ap = axis_parameter;
 
-constexpr Duration look_interval = std::chrono::milliseconds(20);
+constexpr Duration drive_look_interval = std::chrono::milliseconds(20);
 constexpr int stop_attempts = 3;
 constexpr Duration longest_braking = std::chrono::seconds(10);
 
@@ -46,7 +46,6 @@ std::vector<Setting> KeptSettings::to_restore() const {
 }
 
 std::vector<Setting> KeptSettings::in_safe_order(std::vector<Setting> settings) const {
-  constexpr auto pulse_divisor = number_of("pulse_divisor");
   const auto known = now(pulse_divisor);
   return known ? plan::in_safe_order(std::move(settings), *known) : settings;
 }
@@ -183,7 +182,7 @@ Script<DriveRunner::Fault> DriveRunner::come_to_rest(std::size_t axis, TimePoint
     if (!answer_) co_return refusal(axis);
     if (*answer_ == 0) co_return std::nullopt;
     if (now_ > limit) co_return fault(DriveFault::Kind::no_end, axis, "did not come to rest");
-    co_await until(now_ + look_interval);
+    co_await until(now_ + drive_look_interval);
   }
 }
 
@@ -222,7 +221,7 @@ Script<DriveRunner::Fault> DriveRunner::arrive(std::vector<Goal> goals, TimePoin
   for (const auto& goal : goals)
     all.push_back({goal, Arrival(goal.target, begin, {most_standing, {}, time_to_begin})});
   while (std::ranges::any_of(all, [](const auto& one) { return one.arrival.has_value(); })) {
-    co_await until(now_ + look_interval);
+    co_await until(now_ + drive_look_interval);
     for (auto& watched : all) {
       if (!watched.arrival) continue;
       if (stop_asked_) co_return stop_asked_;

@@ -9,6 +9,7 @@
 
 #include <fmt/format.h>
 
+#include "plan/divisors.hpp"
 #include "tmcl/conversion.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plain_number.hpp"
@@ -34,8 +35,6 @@ constexpr std::int32_t least_speeds_tried = 3;  // to either side
 constexpr std::int32_t speeds_tried_part = 60;
 constexpr double most_time_change = 0.005;  // less than 1 / speeds_tried_part
 constexpr int deviation_samples = 200;
-constexpr auto ramp_divisor = number_of("ramp_divisor");
-constexpr auto pulse_divisor = number_of("pulse_divisor");
 constexpr std::uint8_t greatest_divider = 13;
 constexpr std::int32_t greatest_register = 2047;
 // So that it can be chosen to 1 %.

@@ -13,7 +13,7 @@ namespace {
 
 namespace ap = axis_parameter;
 
-PathObjection wrong(std::string name, std::string message) {
+PathObjection mint_objection(std::string name, std::string message) {
   return {std::move(name), std::move(message), {}, {}};
 }
 
@@ -29,7 +29,7 @@ PathResult<Microsteps> target_of(const mint::Move& move, const MintAxis& moved) 
   const double there = std::round(move.end * move.scale * moved.microsteps_per_count);
   const auto* row = find_parameter(axis.parameters(), ap::target_position);
   if (row == nullptr || !(there >= row->minimum && there <= row->maximum)) {
-    return tl::unexpected(wrong(
+    return tl::unexpected(mint_objection(
         "out_of_range", fmt::format("line {} moves {} to {:.0f} microsteps, where it cannot go",
                                     move.line, axis.axis, there)));
   }
@@ -37,9 +37,9 @@ PathResult<Microsteps> target_of(const mint::Move& move, const MintAxis& moved) 
   const auto too_far =
       axis.limits ? beyond(*axis.limits, target, axis.limits_scale()) : std::nullopt;
   if (!too_far) return target;
-  return tl::unexpected(
-      wrong("beyond_soft_limit",
-            fmt::format("line {} moves {} too far: {}", move.line, axis.axis, describe(*too_far))));
+  return tl::unexpected(mint_objection(
+      "beyond_soft_limit",
+      fmt::format("line {} moves {} too far: {}", move.line, axis.axis, describe(*too_far))));
 }
 
 PathResult<RampChoice> ramp_of(const mint::Move& move, const MintAxis& moved) {
@@ -49,9 +49,10 @@ PathResult<RampChoice> ramp_of(const mint::Move& move, const MintAxis& moved) {
   const RampRequest wish{
       {profile.speed * scale}, {profile.acceleration * scale}, {profile.deceleration * scale}};
   return choose_ramp(*axis.model, wish, *axis.module).map_error([&](const RampOutOfReach& error) {
-    auto objection = wrong("out_of_range", fmt::format("line {}: {} of {}: {}", move.line,
-                                                       error.is_velocity ? "SPEED" : "ACCEL",
-                                                       axis.axis, describe(error.error)));
+    auto objection =
+        mint_objection("out_of_range", fmt::format("line {}: {} of {}: {}", move.line,
+                                                   error.is_velocity ? "SPEED" : "ACCEL", axis.axis,
+                                                   describe(error.error)));
     // What the registers can hold is a number of microsteps.
     if (error.error.wished > error.error.nearest)
       objection.hint = "with fewer microsteps (parameter 140) the motor can be faster";
@@ -62,15 +63,16 @@ PathResult<RampChoice> ramp_of(const mint::Move& move, const MintAxis& moved) {
 PathResult<std::size_t> index_of(const mint::Move& move, const std::vector<MintAxis>& axes) {
   const auto axis = std::ranges::find(axes, move.axis, &MintAxis::number);
   if (axis == axes.end()) {
-    auto objection = wrong("missing_axis", fmt::format("line {} moves axis {}: which axis is that?",
-                                                       move.line, move.axis));
+    auto objection = mint_objection(
+        "missing_axis",
+        fmt::format("line {} moves axis {}: which axis is that?", move.line, move.axis));
     objection.file_axis = std::to_string(move.axis);
     return tl::unexpected(std::move(objection));
   }
   if (axis->units.model == nullptr || !axis->units.module) {
-    return tl::unexpected(
-        wrong("unknown_units",
-              fmt::format("what the module of {} counts in is not known", axis->units.axis)));
+    return tl::unexpected(mint_objection(
+        "unknown_units",
+        fmt::format("what the module of {} counts in is not known", axis->units.axis)));
   }
   return static_cast<std::size_t>(axis - axes.begin());
 }

@@ -8,14 +8,12 @@
 #include <iterator>
 #include <optional>
 
+#include "plan/arithmetic.hpp"
+
 namespace tmcl::plan {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-
-double square(double x) { return x * x; }
-
-bool positive(double x) { return x > 0 && std::isfinite(x); }
 
 // The first axis that is not finite.
 std::optional<std::size_t> undefined(const AxisValues& values, std::size_t axes) {
@@ -58,14 +56,6 @@ struct Stretch {
   double acceleration;
   double entry = 0;  // the speed at its begin
 };
-
-double distance(const AxisValues& from, const AxisValues& to, std::size_t axes) {
-  double length = 0;
-  for (std::size_t axis = 0; axis < axes; ++axis) {
-    length = std::hypot(length, to[axis] - from[axis]);
-  }
-  return length;
-}
 
 Stretch stretch(std::size_t index, const AxisValues& from, const Leg& leg, double length,
                 const PathLimits& limits) {
@@ -139,8 +129,8 @@ double corner_speed(const AxisValues& from, const AxisValues& to, double room,
     sum[axis] = to[axis] + from[axis];
   }
   const AxisValues none{};
-  const double sine = distance(none, change, limits.axes) / 2;  // of half the angle
-  const double cosine = distance(none, sum, limits.axes) / 2;
+  const double sine = distance_between(none, change, limits.axes) / 2;  // of half the angle
+  const double cosine = distance_between(none, sum, limits.axes) / 2;
   if (2 * sine < straight) return infinity;
   if (2 * cosine < straight) return 0;
   // The arc departs from the corner by radius / cosine - radius, and touches the legs radius * sine
@@ -226,7 +216,7 @@ tl::expected<PathPlan, PathFault> plan_path(const AxisValues& start, std::span<c
   plan.legs_.resize(legs.size());
   std::vector<Stretch> stretches;
   for (std::size_t i = 0; i < legs.size(); ++i) {
-    const double length = distance(plan.corners_.back(), legs[i].target, limits.axes);
+    const double length = distance_between(plan.corners_.back(), legs[i].target, limits.axes);
     if (length > 0) stretches.push_back(stretch(i, plan.corners_.back(), legs[i], length, limits));
     plan.corners_.push_back(legs[i].target);
   }

@@ -162,9 +162,9 @@ namespace {
 /// `param` there. `convert`: into microsteps.
 template <class InMicrosteps>
 std::optional<PathObjection> lower(double& limit, const char* param,
-                                   const std::optional<Quantity>& said, const AxisUnits& units,
-                                   double microsteps_per_unit,
-                                   Converted<InMicrosteps> (*convert)(const Quantity&,
+                                   const std::optional<tmcl::Quantity>& said,
+                                   const AxisUnits& units, double microsteps_per_unit,
+                                   Converted<InMicrosteps> (*convert)(const tmcl::Quantity&,
                                                                       const AxisUnits&)) {
   if (!said) return std::nullopt;
   double in_file_units = said->number;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "plan/divisors.hpp"
 #include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plain_number.hpp"
@@ -14,8 +15,6 @@ namespace ap = axis_parameter;
 using Choice = tl::expected<RampChoice, RampOutOfReach>;
 
 constexpr auto minimum_velocity = number_of("minimum_velocity");
-constexpr auto ramp_divisor = number_of("ramp_divisor");
-constexpr auto pulse_divisor = number_of("pulse_divisor");
 constexpr double noticeable = 0.01;  // of a wish
 
 std::string in_words(double value, const char* unit) { return plain_number(value, 6) + ' ' + unit; }

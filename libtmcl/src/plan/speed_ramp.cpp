@@ -12,7 +12,7 @@ namespace {
 constexpr double longest_ramp = 1.25;
 // An axis that is to come to rest does so at the end of its way, even if that takes this part of
 // the time.
-constexpr double longest_way_to_rest = 1.5;
+constexpr double longest_stretch_to_rest = 1.5;
 // Where none leads to the end speed, it takes this part: whoever used up the whole time would have
 // to make up for each difference by twice as much, and for that in the next segment.
 constexpr double usual_ramp = 2. / 3;
@@ -60,7 +60,7 @@ Segment segment_for(const SegmentTask& task) {
   if (task.end_speed == task.speed) return {speed_with(usual, task), usual};
   if (task.end_speed == 0 && task.speed * task.way > 0) {
     const double to_rest = 2 * task.way / task.speed;
-    if (to_rest < longest_way_to_rest * task.time_s) return {0, to_rest};
+    if (to_rest < longest_stretch_to_rest * task.time_s) return {0, to_rest};
   }
   const double wanted = ramp_for(task);
   const bool steep = wanted < task.shortest_ramp_s;

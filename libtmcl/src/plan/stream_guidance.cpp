@@ -11,8 +11,6 @@ namespace {
 
 namespace ap = axis_parameter;
 
-constexpr auto dmax = number_of("max_deceleration");
-
 constexpr std::array<std::uint8_t, 1> one_acceleration{ap::max_acceleration};
 constexpr std::array<std::uint8_t, 2> tmc457_accelerations{number_of("acceleration"), dmax};
 constexpr std::array<std::uint8_t, 2> sixpoint_accelerations{ap::max_acceleration, dmax};

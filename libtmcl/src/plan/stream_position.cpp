@@ -14,7 +14,6 @@ namespace {
 namespace ap = axis_parameter;
 
 constexpr auto v1 = number_of("velocity_v1");
-constexpr auto dmax = number_of("max_deceleration");
 constexpr auto vstart = number_of(Family::sixpoint, "start_velocity");
 constexpr auto vstop = number_of("stop_velocity");
 constexpr auto tzerowait = number_of("ramp_wait_time");

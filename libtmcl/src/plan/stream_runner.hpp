@@ -8,10 +8,14 @@
 
 #include "plan/drive_runner.hpp"
 #include "plan/speed_ramp.hpp"
+#include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/stream.hpp"
 #include "tmcl/seconds.hpp"
 
 namespace tmcl::plan {
+
+/// The axis parameter of the chips that slow down by another acceleration than they speed up by.
+inline constexpr auto dmax = number_of("max_deceleration");
 
 inline Duration duration(double seconds) {
   return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));

@@ -12,11 +12,11 @@ namespace {
 namespace ap = axis_parameter;
 
 // The least part of an update that a change of speed takes, where the course has a joint.
-constexpr double shortest_ramp = 0.5;
+constexpr double shortest_segment_ramp = 0.5;
 // A joint is where a speed jumps by more than this part of the greatest one.
 constexpr double jump_part = 0.02;
 // An axis is checked, and told a velocity.
-constexpr std::size_t commands_of_an_axis = 2;
+constexpr std::size_t segment_commands_of_an_axis = 2;
 // A ramp that takes no more of its segment than this may be replaced by a steeper one.
 constexpr double most_of_segment = 2. / 3;
 // How far a speed may be beyond those at the begin and the end, in parts of the greatest one.
@@ -84,7 +84,7 @@ PathStream::Runner::SegmentSpan PathStream::Runner::span_of_course(TimePoint beg
   span.at_end.position = course_.at(span.course_end).position;
   const bool jumps = bends_.jumps_at(passed);
   span.smooth = first == span.course_end && !jumps;
-  if (jumps) span.early = duration(shortest_ramp * period / 2);
+  if (jumps) span.early = duration(shortest_segment_ramp * period / 2);
   return span;
 }
 
@@ -119,7 +119,7 @@ Script<DriveRunner::Fault> PathStream::Runner::prepare_segments() {
     auto refused = co_await prepare_ramp(axis);
     if (refused) co_return refused;
   }
-  const auto commands = commands_of_an_axis * axes_.size() + slopes + 1;
+  const auto commands = segment_commands_of_an_axis * axes_.size() + slopes + 1;
   report_.period = std::max(options_.period_min, duration(time_to_send(commands)));
   bends_ = CourseBends(course_, seconds(report_.period));
   set_pause_ramp();
@@ -189,7 +189,7 @@ SegmentTask PathStream::Runner::task_of(std::size_t axis, const SegmentSpan& spa
   const auto& here = axes_[axis];
   const double scale = here.info.microsteps_per_unit;
   const auto begin = told_at(axis, span);
-  const double least_s = shortest_ramp * seconds(report_.period);
+  const double least_s = shortest_segment_ramp * seconds(report_.period);
   return {here.motion.speed_at(begin), span.at_end.velocity[axis] * scale,
           span.at_end.position[axis] * scale - expected(axis, begin),
           std::max(seconds(span.end - begin), least_s), least_s};

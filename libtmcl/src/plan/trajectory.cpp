@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/root.hpp"
+#include "plan/arithmetic.hpp"
 
 namespace tmcl::plan {
 namespace {
@@ -45,8 +46,6 @@ struct Change {
   double last;
   double peak;
 };
-
-double square(double x) { return x * x; }
 
 // By a peak of the acceleration within its limit, which is not below what it is at the ends.
 Change change(double gain, double from, double to, double limit, const Frame& frame) {
@@ -470,8 +469,6 @@ void change_speed_with_jerk(Draft& draft, double velocity) {
   if (change.kept > 0) draft.keep(change.kept, change.peak);
   draft.jerk(change.last, -jerk);
 }
-
-bool positive(double x) { return x > 0 && std::isfinite(x); }
 
 bool finite(const State& state) {
   return std::isfinite(state.position) && std::isfinite(state.velocity) &&

@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "engine/verb_steps.hpp"
+#include "plan/divisors.hpp"
 #include "tmcl/command_type.hpp"
-#include "tmcl/parameter_number.hpp"
 #include "tmcl/verbs.hpp"
 #include "verify/watched_axis.hpp"
 
@@ -22,7 +22,6 @@ using namespace std::chrono_literals;
 using plan::Experiment;
 using Pairs = plan::ChipCandidates::Pairs;
 
-constexpr auto pulse_divisor = number_of("pulse_divisor");
 /// What a divider is written to has four bits.
 constexpr std::int32_t beyond_divider = 16;
 constexpr auto chip_traits =
@@ -191,7 +190,7 @@ Script<Result<void>> Verifier::ask_program_state() {
 Script<Result<void>> Verifier::set_beyond_range() {
   constexpr auto trait = Trait::range_check;
   tell("sets a value out of range");
-  const auto parameter = has_tmc429() ? pulse_divisor : ap::max_velocity;
+  const auto parameter = has_tmc429() ? plan::pulse_divisor : ap::max_velocity;
   const auto present = co_await must(watched_.get(parameter));
   const auto* row = find_parameter(axis_parameters(model()), parameter);
   const auto beyond = has_tmc429() ? std::int64_t{present} + beyond_divider

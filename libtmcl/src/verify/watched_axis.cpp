@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/verb_steps.hpp"
+#include "plan/divisors.hpp"
 #include "tmcl/command_type.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/seconds.hpp"
@@ -26,7 +27,6 @@ constexpr std::size_t most_exchanges_noted = 256;
 
 constexpr auto minimum_velocity = number_of("minimum_velocity");
 constexpr auto ramp_divisor = number_of("ramp_divisor");
-constexpr auto pulse_divisor = number_of("pulse_divisor");
 
 }  // namespace
 
@@ -90,7 +90,7 @@ Script<Result<void>> WatchedAxis::set(const plan::Experiment& experiment) {
   const std::vector<plan::Setting> settings{{ap::max_velocity, 1},
                                             {ap::max_acceleration, 1},
                                             {minimum_velocity, 1},
-                                            {pulse_divisor, experiment.dividers.pulse},
+                                            {plan::pulse_divisor, experiment.dividers.pulse},
                                             {ramp_divisor, experiment.dividers.ramp},
                                             {ap::max_acceleration, experiment.acceleration},
                                             {minimum_velocity, experiment.minimum_velocity},
@@ -101,8 +101,8 @@ Script<Result<void>> WatchedAxis::set(const plan::Experiment& experiment) {
 
 Script<Result<void>> WatchedAxis::put_back() {
   std::vector<plan::Setting> settings;
-  const auto has_dividers =
-      std::ranges::find(settings_, pulse_divisor, &plan::Setting::parameter) != settings_.end();
+  const auto has_dividers = std::ranges::find(settings_, plan::pulse_divisor,
+                                              &plan::Setting::parameter) != settings_.end();
   if (has_dividers) settings = {{ap::max_velocity, 1}, {ap::max_acceleration, 1}};
   // Speeds last: dividers say what they mean.
   for (const auto& setting : settings_) {

@@ -12,7 +12,7 @@
 namespace tmclctl::plot {
 namespace {
 
-constexpr double left = 92;
+constexpr double plane_left = 92;
 constexpr double right = 24;
 constexpr double top = 68;
 constexpr double below = 56;
@@ -20,7 +20,7 @@ constexpr double widest = 744;
 constexpr double tallest = 520;
 constexpr double least_side = 110;
 // The way keeps clear of the frame.
-constexpr double padding = 14;
+constexpr double plane_padding = 14;
 constexpr double dots_apart = 4;
 constexpr double tick_distance = 90;
 constexpr double far_away = 1e9;
@@ -40,12 +40,12 @@ class Side {
   double length() const { return length_; }
   void draw(double pixels_a_unit) {
     scale_ = pixels_a_unit;
-    length_ = std::max(span_ * scale_ + 2 * padding, least_side);
+    length_ = std::max(span_ * scale_ + 2 * plane_padding, least_side);
   }
   /// From the low end.
   double place(double value) const { return length_ / 2 + (value - least_ - span_ / 2) * scale_; }
   Scale ticks() const {
-    const double spare = (length_ / 2 - padding) / scale_ - span_ / 2;
+    const double spare = (length_ / 2 - plane_padding) / scale_ - span_ / 2;
     const std::vector<double> ends{least_ - spare, least_ + span_ + spare};
     return {ends, std::max(2, static_cast<int>(length_ / tick_distance))};
   }
@@ -61,8 +61,8 @@ class Drawing {
  public:
   explicit Drawing(const Plane& plane)
       : plane_(plane), x_(plane.planned.x, plane.seen.x), y_(plane.planned.y, plane.seen.y) {
-    const double inner_width = widest - 2 * padding;
-    const double inner_height = tallest - 2 * padding;
+    const double inner_width = widest - 2 * plane_padding;
+    const double inner_height = tallest - 2 * plane_padding;
     // The direction with the greater span, by what there is for it, rules; a point has no scale.
     const double span = std::max(x_.span() / inner_width, y_.span() / inner_height);
     const double scale = span > 0 ? 1 / span : 1;
@@ -70,19 +70,19 @@ class Drawing {
     y_.draw(scale);
   }
 
-  static double width() { return left + widest + right; }
+  static double width() { return plane_left + widest + right; }
   double height() const { return bottom() + below; }
   std::string body() const { return frame() + grid() + names() + dots() + line() + legend(); }
 
  private:
   double bottom() const { return top + y_.length(); }
-  double x_of(double x) const { return left + x_.place(x); }
+  double x_of(double x) const { return plane_left + x_.place(x); }
   double y_of(double y) const { return bottom() - y_.place(y); }
 
   std::string frame() const {
     return fmt::format(
-        "  <rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n", left,
-        top, x_.length(), y_.length());
+        "  <rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{:.1f}\" height=\"{:.1f}\"/>\n",
+        plane_left, top, x_.length(), y_.length());
   }
 
   std::string grid() const {
@@ -100,20 +100,20 @@ class Drawing {
     }
     const auto y_ticks = y_.ticks();
     for (const double tick : y_ticks.ticks()) {
-      line(left, y_of(tick), left + x_.length(), y_of(tick));
-      text += fmt::format("  <text class=\"value\" x=\"{}\" y=\"{:.1f}\">{}</text>\n", left - 8,
-                          y_of(tick) + 4, y_ticks.label(tick));
+      line(plane_left, y_of(tick), plane_left + x_.length(), y_of(tick));
+      text += fmt::format("  <text class=\"value\" x=\"{}\" y=\"{:.1f}\">{}</text>\n",
+                          plane_left - 8, y_of(tick) + 4, y_ticks.label(tick));
     }
     return text;
   }
 
   std::string names() const {
-    return fmt::format("  <text class=\"name\" x=\"{}\" y=\"{}\">{}</text>\n", left, top - 10,
+    return fmt::format("  <text class=\"name\" x=\"{}\" y=\"{}\">{}</text>\n", plane_left, top - 10,
                        escape_xml(plane_.y_name)) +
            fmt::format(
                "  <text class=\"name\" style=\"text-anchor: middle\" x=\"{:.1f}\" "
                "y=\"{:.1f}\">{}</text>\n",
-               left + x_.length() / 2, bottom() + 40, escape_xml(plane_.x_name));
+               plane_left + x_.length() / 2, bottom() + 40, escape_xml(plane_.x_name));
   }
 
   std::string line() const {
@@ -153,7 +153,7 @@ class Drawing {
   std::string legend() const {
     if (!is_compared()) return "";
     std::string text;
-    double x = left + widest - 90;
+    double x = plane_left + widest - 90;
     const auto name = [&](const char* what) {
       text += fmt::format("  <text x=\"{}\" y=\"{}\">{}</text>\n", x + 32, top - 10, what);
       x -= 110;
@@ -177,13 +177,13 @@ class Drawing {
 
 std::string to_svg(const Plane& plane) {
   const Drawing drawing(plane);
-  return svg_document(plane.title, Drawing::width(), drawing.height(), left, drawing.body());
+  return svg_document(plane.title, Drawing::width(), drawing.height(), plane_left, drawing.body());
 }
 
 std::string to_svg(const Plane& plane, const Picture& picture) {
   const Drawing drawing(plane);
-  return svg_document(plane.title, Drawing::width(), drawing.height() + svg_height(picture), left,
-                      drawing.body() + svg_part(to_svg(picture), drawing.height()));
+  return svg_document(plane.title, Drawing::width(), drawing.height() + svg_height(picture),
+                      plane_left, drawing.body() + svg_part(to_svg(picture), drawing.height()));
 }
 
 }  // namespace tmclctl::plot

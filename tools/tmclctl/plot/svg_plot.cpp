@@ -11,9 +11,9 @@ namespace tmclctl::plot {
 namespace {
 
 constexpr double picture_width = 860;
-constexpr double left = 92;
-constexpr double right = 24;
-constexpr double panel_width = picture_width - left - right;
+constexpr double plot_left = 92;
+constexpr double plot_right = 24;
+constexpr double panel_width = picture_width - plot_left - plot_right;
 constexpr double panel_height = 185;
 constexpr double below_title = 64;
 constexpr double below_mark_labels = 18;
@@ -69,12 +69,12 @@ class Panel {
                           bottom + 18, time_.label(tick));
     }
     return text + fmt::format("  <text class=\"time\" x=\"{}\" y=\"{}\">time [{}]</text>\n",
-                              left + panel_width / 2, bottom + 38, unit);
+                              plot_left + panel_width / 2, bottom + 38, unit);
   }
 
  private:
   double x_of(double time) const {
-    return left + padding + time_.fraction(time) * (panel_width - 2 * padding);
+    return plot_left + padding + time_.fraction(time) * (panel_width - 2 * padding);
   }
   double y_of(double value) const {
     return top_ + padding + (1 - values_.fraction(value)) * (panel_height - 2 * padding);
@@ -82,7 +82,7 @@ class Panel {
 
   std::string frame() const {
     return fmt::format("  <rect class=\"frame\" x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\"/>\n",
-                       left, top_, panel_width, panel_height);
+                       plot_left, top_, panel_width, panel_height);
   }
 
   const std::string& colour() const {
@@ -90,7 +90,7 @@ class Panel {
   }
   std::string name() const {
     return fmt::format("  <text class=\"name {}\" x=\"{}\" y=\"{}\">{} [{}]</text>\n", colour(),
-                       left, top_ - 8, curve_.name, curve_.unit);
+                       plot_left, top_ - 8, curve_.name, curve_.unit);
   }
 
   std::string value_axis() const {
@@ -99,9 +99,9 @@ class Panel {
       const double y = y_of(tick);
       text +=
           fmt::format("  <line class=\"grid\" x1=\"{}\" y1=\"{:.1f}\" x2=\"{}\" y2=\"{:.1f}\"/>\n",
-                      left, y, left + panel_width, y);
-      text += fmt::format("  <text class=\"value\" x=\"{}\" y=\"{:.1f}\">{}</text>\n", left - 8,
-                          y + 4, values_.label(tick));
+                      plot_left, y, plot_left + panel_width, y);
+      text += fmt::format("  <text class=\"value\" x=\"{}\" y=\"{:.1f}\">{}</text>\n",
+                          plot_left - 8, y + 4, values_.label(tick));
     }
     return text;
   }
@@ -154,7 +154,7 @@ std::string to_svg(const Picture& picture) {
     if (&curve == &picture.curves.back()) svg += panel.time_labels(picture.time_unit);
     top += panel_distance;
   }
-  return svg_document(picture.title, picture_width, svg_height(picture), left, svg);
+  return svg_document(picture.title, picture_width, svg_height(picture), plot_left, svg);
 }
 
 std::string to_svg(const Recording& recording) { return to_svg(picture_of(recording)); }

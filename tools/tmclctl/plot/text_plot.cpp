@@ -14,7 +14,7 @@ namespace tmclctl::plot {
 namespace {
 
 constexpr int panel_rows = 9;
-constexpr int value_ticks = 4;
+constexpr int text_value_ticks = 4;
 constexpr int columns_per_time_tick = 12;
 
 struct Strokes {
@@ -34,11 +34,11 @@ int dot_of(double fraction, int dots) {
   return static_cast<int>(std::lround(fraction * (dots - 1)));
 }
 
-class Panel {
+class TextPanel {
  public:
-  Panel(const Curve& curve, const Scale& time, const Screen& screen, int label_width)
+  TextPanel(const Curve& curve, const Scale& time, const Screen& screen, int label_width)
       : time_(time),
-        values_(curve.values, value_ticks),
+        values_(curve.values, text_value_ticks),
         screen_(screen),
         label_width_(label_width),
         canvas_(std::min(screen.width, widest_plot) - label_width - 2, panel_rows, screen.utf8) {
@@ -115,7 +115,7 @@ class Panel {
 };
 
 int label_width(const Curve& curve) {
-  const Scale scale(curve.values, value_ticks);
+  const Scale scale(curve.values, text_value_ticks);
   std::size_t width = 0;
   for (const double tick : scale.ticks()) width = std::max(width, scale.label(tick).size());
   return static_cast<int>(width);
@@ -135,7 +135,7 @@ std::string to_text(const Picture& picture, const Screen& screen) {
   auto text = picture.title + "\n\n";
   for (std::size_t i = 0; i < picture.curves.size(); ++i) {
     const auto& curve = picture.curves[i];
-    const Panel panel(curve, time, screen, labels);
+    const TextPanel panel(curve, time, screen, labels);
     text += heading(curve, labels + 2) + panel.text(curve_colours[i % std::size(curve_colours)]);
     if (&curve == &picture.curves.back()) text += panel.time_labels(picture.time_unit);
   }

@@ -67,7 +67,7 @@ struct UnitParts {
   std::vector<std::string_view> below;
 };
 
-UnitParts split(std::string_view unit) {
+UnitParts unit_parts(std::string_view unit) {
   UnitParts parts;
   for (bool first = true; !unit.empty() || first; first = false) {
     const auto slash = std::min(unit.find('/'), unit.size());
@@ -85,7 +85,7 @@ UnitParts split(std::string_view unit) {
   return parts;
 }
 
-class Reader {
+class ValueReader {
  public:
   Attempt<KnownValues> read(const std::vector<std::string>& words) {
     for (const auto& word : words) {
@@ -160,7 +160,7 @@ class Reader {
   }
 
   tl::expected<double, std::string> length_factor(std::string_view unit, Quantity quantity) {
-    const auto parts = split(unit);
+    const auto parts = unit_parts(unit);
     const auto below = static_cast<std::size_t>(times_below(quantity));
     static constexpr std::string_view examples[] = {"mm", "mm/s", "mm/s^2"};
     if (parts.below.size() != below || parts.length.empty() || find(time_units, parts.length) ||
@@ -191,7 +191,7 @@ class Reader {
 }  // namespace
 
 Attempt<KnownValues> read_known_values(const std::vector<std::string>& words) {
-  return Reader().read(words);
+  return ValueReader().read(words);
 }
 
 }  // namespace tmclctl::profile

@@ -53,9 +53,9 @@ Attempt<Assignment> split(std::string_view words) {
 }
 
 /// Turns words into what is written to the registers of one generator.
-class Reader {
+class SetupReader {
  public:
-  explicit Reader(const GeneratorInfo& generator) : generator_(generator) {}
+  explicit SetupReader(const GeneratorInfo& generator) : generator_(generator) {}
 
   Attempt<Write> read_write(const std::string& words) const {
     const auto assignment = split(words);
@@ -179,7 +179,7 @@ Attempt<std::vector<Write>> read_start(const GeneratorInfo& generator,
                                        const std::vector<std::string>& settings) {
   std::vector<Write> writes;
   for (const auto& words : settings) {
-    auto write = Reader(generator).read_write(words);
+    auto write = SetupReader(generator).read_write(words);
     if (!write) return tl::unexpected(write.error());
     const auto name = generator.registers[write->index].name;
     if (find_write(generator, writes, name) != nullptr) return tl::unexpected(given_twice(name));
@@ -200,7 +200,7 @@ Attempt<std::vector<Change>> read_changes(const Setup& setup, const verb::Simula
           "bad_register",
           fmt::format("{}: {} is the same all the time", change.setting, clock_name)));
     }
-    auto write = Reader(setup.generator).read_write(change.setting);
+    auto write = SetupReader(setup.generator).read_write(change.setting);
     if (!write) return tl::unexpected(write.error());
     write->words = fmt::format("--change {}:{}", change.time, change.setting);
     changes.push_back({setup.tick_at(change.time), std::move(*write)});

@@ -23,8 +23,8 @@ namespace api = tmcl::api;
 namespace capture = tmcl::api::capture;
 
 // More than any buffer holds.
-constexpr double most_samples = 1 << 24;
-constexpr tmcl::Duration look_interval = std::chrono::milliseconds(100);
+constexpr double most_captured_samples = 1 << 24;
+constexpr tmcl::Duration capture_look_interval = std::chrono::milliseconds(100);
 // A journey on the bus is over in seconds at the earliest.
 constexpr tmcl::Duration journey_interval = std::chrono::milliseconds(500);
 
@@ -33,8 +33,8 @@ capture::Start params_of(const verb::Capture& verb) {
   params.rate_hz = verb.rate_hz;
   params.samples = verb.samples;
   if (verb.for_s && verb.rate_hz)
-    params.samples =
-        static_cast<std::int32_t>(std::min(std::round(*verb.for_s * *verb.rate_hz), most_samples));
+    params.samples = static_cast<std::int32_t>(
+        std::min(std::round(*verb.for_s * *verb.rate_hz), most_captured_samples));
   if (const auto& trigger = verb.trigger) {
     params.trigger_parameter = trigger->parameter;
     params.trigger_edge = trigger->edge;
@@ -56,9 +56,9 @@ std::string text_of(const verb::Capture::Trigger& trigger) {
 }
 
 /// From the first call to the last value, or to what ends it.
-class Recorder {
+class CaptureRecorder {
  public:
-  Recorder(const verb::Capture& verb, Context& context)
+  CaptureRecorder(const verb::Capture& verb, Context& context)
       : verb_(verb), context_(context), line_(context.output) {}
 
   Attempt<void> record() {
@@ -108,7 +108,7 @@ class Recorder {
       if (progress->state == "idle" || progress->state == "error")
         return tl::unexpected(lost(progress->state));
       tell_of(progress->state);
-      context_.target.sleep(look_interval);
+      context_.target.sleep(capture_look_interval);
     }
     return {};
   }
@@ -298,7 +298,7 @@ VerbResult run(const verb::Capture& verb, Context& context) {
   if (auto opened = svg.open(verb.svg); !opened) return tl::unexpected(opened.error());
   if (auto opened = csv.open(verb.csv == "-" ? "" : verb.csv); !opened)
     return tl::unexpected(opened.error());
-  Recorder recorder(verb, context);
+  CaptureRecorder recorder(verb, context);
   if (auto recorded = recorder.record(); !recorded) return tl::unexpected(recorded.error());
   const auto& started = recorder.started();
   const auto recording = recording_of(started, recorder.values());

@@ -17,7 +17,7 @@ namespace json = boost::json;
 namespace api = tmcl::api;
 
 // How often it is looked whether the program has ended, and whether a signal came.
-constexpr tmcl::Duration look_interval = std::chrono::milliseconds(20);
+constexpr tmcl::Duration lease_look_interval = std::chrono::milliseconds(20);
 // So that one renewal may fail to come through in time.
 constexpr int renewals_in_ttl = 4;
 
@@ -40,7 +40,7 @@ Attempt<int> lead(ChildProcess& program, const api::lease::Granted& lease, Conte
       // From a terminal SIGINT has come to the program as well.
       if (signal != SIGINT) program.send(signal);
     }
-    context.target.sleep(look_interval);
+    context.target.sleep(lease_look_interval);
     if (context.host.now() - renewed < interval) continue;
     const auto granted = context.target.perform(on<api::lease::Renew>(lease));
     if (!granted) return tl::unexpected(granted.error());

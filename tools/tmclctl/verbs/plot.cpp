@@ -27,7 +27,7 @@ constexpr tmcl::Duration tolerated_delay = std::chrono::milliseconds(25);
 // An axis that stands for so long does not go on.
 constexpr tmcl::Duration standstill_limit = std::chrono::seconds(1);
 // An hour at one sample every 10 ms.
-constexpr std::size_t most_samples = 360'000;
+constexpr std::size_t most_recorded_samples = 360'000;
 
 /// Collects samples, and shows that it does.
 class Recorder {
@@ -58,7 +58,7 @@ class Recorder {
                            velocity_text(reading, internal_)));
   }
 
-  bool full() const { return recording_.samples.size() >= most_samples; }
+  bool full() const { return recording_.samples.size() >= most_recorded_samples; }
   double seconds() const {
     return std::chrono::duration<double>(room_.host.now() - begin_).count();
   }

@@ -10,7 +10,7 @@ namespace {
 
 namespace json = boost::json;
 
-json::value or_null(const std::string& text) {
+json::value text_or_null(const std::string& text) {
   return text.empty() ? json::value() : json::value(text);
 }
 
@@ -19,16 +19,19 @@ json::value to_json(const std::optional<tmcl::UsbDeviceInfo>& device) {
   return json::object{{"port", device->port},
                       {"vendor_id", fmt::format("{:04x}", device->vendor)},
                       {"product_id", fmt::format("{:04x}", device->product)},
-                      {"manufacturer", or_null(device->manufacturer)},
-                      {"product", or_null(device->product_name)},
-                      {"serial", or_null(device->serial)}};
+                      {"manufacturer", text_or_null(device->manufacturer)},
+                      {"product", text_or_null(device->product_name)},
+                      {"serial", text_or_null(device->serial)}};
 }
 
 json::object to_json(const tmcl::Port& port, const std::string& holder) {
-  return {{"link", link_to(port)},          {"device", or_null(port.device)},
-          {"driver", or_null(port.driver)}, {"by_path", or_null(port.by_path)},
-          {"usb", to_json(port.usb)},       {"is_module", is_module(port)},
-          {"held_by", or_null(holder)}};
+  return {{"link", link_to(port)},
+          {"device", text_or_null(port.device)},
+          {"driver", text_or_null(port.driver)},
+          {"by_path", text_or_null(port.by_path)},
+          {"usb", to_json(port.usb)},
+          {"is_module", is_module(port)},
+          {"held_by", text_or_null(holder)}};
 }
 
 std::string what_is_behind(const tmcl::Port& port) {

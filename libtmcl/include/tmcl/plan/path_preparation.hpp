@@ -73,9 +73,9 @@ PathResult<PathSource> read_path(std::string_view text, PathFormat format, doubl
 struct PathRequest {
   StreamMode mode = StreamMode::velocity;
   double tolerance = default_path_tolerance;
-  std::optional<Quantity> velocity{}, acceleration{};  ///< Of each axis.
-  std::optional<Quantity> feed{};                      ///< Along the path.
-  std::optional<Quantity> corner_jump{};               ///< Of each axis, in a corner.
+  std::optional<tmcl::Quantity> velocity{}, acceleration{};  ///< Of each axis.
+  std::optional<tmcl::Quantity> feed{};                      ///< Along the path.
+  std::optional<tmcl::Quantity> corner_jump{};               ///< Of each axis, in a corner.
   std::optional<double> per_turn{};   ///< What a turn of the motor is, for axes without a unit.
   std::optional<double> deviation{};  ///< How far off its plan an axis may be seen.
   Duration period = shortest_stream_period;
