@@ -13,12 +13,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// While so many others write. A state takes 14 questions in 9 steps: 4 about the motor, the 2 units
-/// together, 2 about the driver, each after the answer to the one before, and twice 3 together about
-/// whether it turns. Each of the others writes, and reads for its warnings, so that a question waits
-/// for the exchange that is under way and for one of each of both; one more of the same step for these
-/// alone. An answer may have to wait for the fence that proves it, which comes after 8 answers: 7
-/// more, and the fence.
+/// While so many others write. A state takes 14 questions in 9 steps: 4 about the motor, the 2
+/// units together, 2 about the driver, each after the answer to the one before, and twice 3
+/// together about whether it turns. Each of the others writes, and reads for its warnings, so that
+/// a question waits for the exchange that is under way and for one of each of both; one more of the
+/// same step for these alone. An answer may have to wait for the fence that proves it, which comes
+/// after 8 answers: 7 more, and the fence.
 std::size_t most_exchanges_of_a_state(std::size_t clients) {
   constexpr std::size_t steps = 9;
   constexpr std::size_t questions = 14;
