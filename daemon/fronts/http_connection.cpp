@@ -243,7 +243,10 @@ class StreamConnection final : public HttpConnection,
     auto received = beast::buffers_to_string(buffer_.data());
     buffer_.consume(buffer_.size());
     error = co_await connections_->handshakes.perform(stream_, std::move(received), info_.network);
-    if (error) log_tls(error);
+    if (error) {
+      log_tls(error);
+      co_await linger();
+    }
     co_return !error;
   }
 
@@ -549,7 +552,7 @@ class StreamConnection final : public HttpConnection,
     lowest().expires_after(time_to_linger);
     std::string bytes(linger_bytes, '\0');
     while (!error) {
-      co_await stream_.async_read_some(asio::buffer(bytes), redirect_error(use_awaitable, error));
+      co_await lowest().async_read_some(asio::buffer(bytes), redirect_error(use_awaitable, error));
     }
   }
 
