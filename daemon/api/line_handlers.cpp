@@ -68,6 +68,10 @@ Lookup<std::vector<Either>> positions_of(const line::Move& params) {
 }
 
 Lookup<Axes> axes_in(const Call& call, const line::Move& params, std::size_t positions) {
+  if (params.axes.empty()) {
+    return tl::unexpected(param_error("bad_argument", api::name_of<&line::Move::axes>(),
+                                      "a line is of one axis at least"));
+  }
   auto axes = axes_of(call, params.axes);
   if (!axes) return axes;
   if (axes->size() != positions || axes->size() != params.axes.size()) {

@@ -225,6 +225,15 @@ TEST(DaemonLineLimits, ALineTakesAsLongAsItIsSaidTo) {
   bench.expect_rest();
 }
 
+TEST(DaemonLineLimits, NoLineIsOfNoAxis) {
+  LineBench bench;
+  const auto answer = bench.line({}, {});
+  EXPECT_THAT(message_of(answer), HasSubstr("a line is of one axis at least"));
+  EXPECT_EQ(answer.at("error").at("data").at("param"), "axes");
+  EXPECT_FALSE(bench.line({"x"}, {1000}).contains("error"));
+  bench.expect_rest();
+}
+
 TEST(DaemonLineLimits, NoPositionIsOutsideWhatAModuleCanHold) {
   LineBench bench;
   bench.begin();
