@@ -301,7 +301,7 @@ std::optional<tmcl::Error> PortConduct::objection_to_line(const tmcl::Request& l
 }
 
 /// Everything below 128 between START_DOWNLOAD and END_DOWNLOAD is recorded by the module, and
-/// nobody else speaks to it meanwhile.
+/// only the host that began speaks to it meanwhile.
 PortConduct::Awaitable<tmcl::Answer> PortConduct::download(tmcl::Request request,
                                                            RunOptions options) {
   tmcl::CallOptions call;

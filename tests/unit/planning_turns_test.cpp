@@ -43,7 +43,7 @@ class TurnsTest : public testing::Test {
   std::vector<std::uint64_t> began;
 };
 
-TEST_F(TurnsTest, GoRoundWhoeverAsksForMore) {
+TEST_F(TurnsTest, GoRoundHoweverMuchOneClientAsks) {
   ask(1, 4);
   ask(2, 4);
   time.run_for(500ms);
