@@ -58,7 +58,7 @@ awaitable<std::optional<AxisFailure>> AwaitedRun::take_axes() {
   auto failure = co_await claim(claimant);
   if (failure) co_return failure;
   for (auto& member : members_) {
-    auto admitted = co_await member.axis->admit(intent::FollowPath{}, member.movement);
+    auto admitted = co_await member.axis->admit(action::FollowPath{}, member.movement);
     if (!admitted) {
       release(nullptr);
       co_return AxisFailure{std::move(admitted.error()), member.axis->name()};

@@ -108,7 +108,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::check_coordinate(std::uint8_t number,
                                                            RunOptions options) {
   auto ready = co_await be_ready();
   if (!ready) co_return ready;
-  auto script = admission_.check(intent::MoveToCoordinate{number});
+  auto script = admission_.check(action::MoveToCoordinate{number});
   auto checked = co_await axis_.run(std::move(script), options);
   if (!checked || !soft_limits()) co_return checked;
   const auto status = co_await axis_.run(tmcl::verbs::program_status(address().module), options);
@@ -120,7 +120,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::check_coordinate(std::uint8_t number,
 
 GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_to(Length target, bool predict,
                                                          RunOptions movement) {
-  auto admitted = co_await admit(intent::MoveTo{target}, std::move(movement));
+  auto admitted = co_await admit(action::MoveTo{target}, std::move(movement));
   if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
   auto script = tmcl::verbs::move_to(address(), target.microsteps);
   auto result = co_await start(std::move(script), predict, std::move(*admitted));
@@ -130,7 +130,7 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_to(Length target, bool pre
 
 GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Length distance, bool predict,
                                                          RunOptions movement) {
-  auto admitted = co_await admit(intent::MoveFromHere{}, std::move(movement));
+  auto admitted = co_await admit(action::MoveFromHere{}, std::move(movement));
   if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
   tmcl::ValueRange range;
   const auto* row = find_parameter(parameters(), tmcl::axis_parameter::target_position);
@@ -171,7 +171,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::move_to_coordinate(std::uint8_t number
   }
   auto script = tmcl::verbs::move_to_coordinate(address(), number);
   auto moved =
-      co_await move(intent::MoveToCoordinate{number}, std::move(script), std::move(movement));
+      co_await move(action::MoveToCoordinate{number}, std::move(script), std::move(movement));
   co_return moved;
 }
 
@@ -205,7 +205,7 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Micro
 
 GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity,
                                                  RunOptions movement) {
-  auto admitted = co_await admit(intent::Turn{velocity}, std::move(movement));
+  auto admitted = co_await admit(action::Turn{velocity}, std::move(movement));
   if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
   forget_move();
   admitted->announced = request(tmcl::Command::ROR, 0, velocity.value);
@@ -294,7 +294,7 @@ GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
   search_ = {movement.permit, limit};
   auto script = tmcl::verbs::home(address(), std::move(options));
   const Claimant search{Mover::search, movement.permit};
-  auto homed = co_await move(intent::Search{}, std::move(script), std::move(movement));
+  auto homed = co_await move(action::Search{}, std::move(script), std::move(movement));
   if (search_.went_too_far && search_.of == search.of)
     co_return tl::unexpected(axis_.on_bus(went_too_far(name(), *search_.limit)));
   if (!homed) co_return homed;
@@ -320,7 +320,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t>
   bus().motors().let_search(address(), movement.permit);
   search_ = {movement.permit, limit};
   auto script = tmcl::verbs::start_reference_search(address(), mode);
-  return move(intent::Search{}, std::move(script), std::move(movement));
+  return move(action::Search{}, std::move(script), std::move(movement));
 }
 
 GatewayAxis::Awaitable<StoodAt> GatewayAxis::wait(tmcl::WaitOptions wait_options,
@@ -383,7 +383,7 @@ GatewayAxis::Awaitable<std::int32_t> GatewayAxis::get(std::uint8_t parameter, De
 
 GatewayAxis::Awaitable<void> GatewayAxis::set(std::uint8_t parameter, std::int32_t value,
                                               RunOptions movement) {
-  auto admitted = co_await admit(intent::Write{parameter, value}, std::move(movement));
+  auto admitted = co_await admit(action::Write{parameter, value}, std::move(movement));
   if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
   auto result = co_await write(parameter, value, std::move(*admitted));
   co_return result;
@@ -408,7 +408,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::write(std::uint8_t parameter, std::int
 
 GatewayAxis::Awaitable<void> GatewayAxis::restore(std::uint8_t parameter, RunOptions movement) {
   module().note_settings_changed();
-  auto admitted = co_await admit(intent::Restore{parameter}, std::move(movement));
+  auto admitted = co_await admit(action::Restore{parameter}, std::move(movement));
   if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
   forget_move();
   admitted->announced = request(tmcl::Command::RSAP, parameter, 0);

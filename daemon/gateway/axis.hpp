@@ -84,8 +84,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   }
 
   /// Of what is run by perform() or write().
-  Awaitable<Admitted> admit(Intent intent, RunOptions movement) {
-    return admission_.admit(std::move(intent), std::move(movement));
+  Awaitable<Admitted> admit(AxisAction action, RunOptions movement) {
+    return admission_.admit(std::move(action), std::move(movement));
   }
   /// Whether the axis may go to this coordinate of its module.
   Awaitable<void> check_coordinate(std::uint8_t number, RunOptions options);
@@ -235,8 +235,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
                                Admitted admitted);
   /// A movement that nothing is foreseen of.
   template <class T>
-  Awaitable<T> move(Intent intent, tmcl::Script<tmcl::Result<T>> script, RunOptions movement) {
-    auto admitted = co_await admit(std::move(intent), std::move(movement));
+  Awaitable<T> move(AxisAction action, tmcl::Script<tmcl::Result<T>> script, RunOptions movement) {
+    auto admitted = co_await admit(std::move(action), std::move(movement));
     if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
     forget_move();
     auto result = co_await axis_.run(std::move(script), std::move(*admitted));

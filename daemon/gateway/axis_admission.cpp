@@ -39,26 +39,26 @@ boost::asio::awaitable<void> AxisAdmission::see_turning_end(const RunOptions& mo
   co_await axis_.run(std::move(script), std::move(options));
 }
 
-AxisAdmission::Awaitable<Admitted> AxisAdmission::admit(Intent intent, RunOptions movement) {
+AxisAdmission::Awaitable<Admitted> AxisAdmission::admit(AxisAction action, RunOptions movement) {
   auto ready = co_await axis_.be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
   co_await see_turning_end(movement);
   const auto aim = std::make_shared<Admitted::Aim>();
   // The epoch from before the check: what changes while it reads is checked again.
-  *aim = {intent, units_.epoch()};
-  auto allowed = co_await axis_.run(check_now(intent, movement.permit), movement);
+  *aim = {action, units_.epoch()};
+  auto allowed = co_await axis_.run(check_now(action, movement.permit), movement);
   if (!allowed) co_return tl::unexpected(std::move(allowed.error()));
   movement.recheck = [this, aim]() -> std::optional<Script<void>> {
     if (!limits() || aim->checked == units_.epoch()) return std::nullopt;
     aim->checked = units_.epoch();
-    return check(aim->intent);
+    return check(aim->action);
   };
-  if (needs_free_axis(intent)) {
+  if (needs_free_axis(action)) {
     // Nothing of the verb goes out any more, its settings neither.
-    movement.objection = [this, intent, of = movement.permit,
+    movement.objection = [this, action, of = movement.permit,
                           stopped = std::move(movement.objection)] {
       auto objection = stopped ? stopped() : std::nullopt;
-      if (!objection) objection = misses_reference(intent);
+      if (!objection) objection = misses_reference(action);
       const auto& motors = axis_.bus().motors();
       const bool claimed = !objection && motors.claimed_by_other(any_move(), of);
       return claimed ? std::optional(motors.claimed(axis_.address())) : objection;
@@ -67,32 +67,32 @@ AxisAdmission::Awaitable<Admitted> AxisAdmission::admit(Intent intent, RunOption
   co_return Admitted(std::move(movement), aim);
 }
 
-bool AxisAdmission::needs_free_axis(const Intent& intent) const {
-  const auto* write = std::get_if<intent::Write>(&intent);
+bool AxisAdmission::needs_free_axis(const AxisAction& action) const {
+  const auto* write = std::get_if<action::Write>(&action);
   // A path depends on the settings of its axes; whoever moves them otherwise has read them.
   return write == nullptr || axis_.bus().motors().claimant_of(axis_.address()).by == Mover::path ||
          tmcl::set_off_by(write->parameter, axis_.parameters()) != tmcl::SetOff::nothing;
 }
 
-std::optional<tmcl::Error> AxisAdmission::misses_reference(const Intent& intent) const {
-  const auto* write = std::get_if<intent::Write>(&intent);
+std::optional<tmcl::Error> AxisAdmission::misses_reference(const AxisAction& action) const {
+  const auto* write = std::get_if<action::Write>(&action);
   const bool is_to_position =
-      std::holds_alternative<intent::MoveTo>(intent) ||
-      std::holds_alternative<intent::MoveToCoordinate>(intent) ||
-      std::holds_alternative<intent::FollowPath>(intent) ||
+      std::holds_alternative<action::MoveTo>(action) ||
+      std::holds_alternative<action::MoveToCoordinate>(action) ||
+      std::holds_alternative<action::FollowPath>(action) ||
       (write != nullptr &&
        tmcl::set_off_by(write->parameter, axis_.parameters()) == tmcl::SetOff::move_to_value);
   return is_to_position ? axis_.bus().motors().misses_reference(axis_.address()) : std::nullopt;
 }
 
-AxisAdmission::Script<void> AxisAdmission::check_now(Intent intent, Permit permit) {
-  if (needs_free_axis(intent)) {
+AxisAdmission::Script<void> AxisAdmission::check_now(AxisAction action, Permit permit) {
+  if (needs_free_axis(action)) {
     // First: a search that has ended unseen may have found the reference.
     auto free = co_await axis_.bus().may_send(any_move(), permit);
     if (!free) co_return free;
   }
-  if (auto error = misses_reference(intent)) co_return tl::unexpected(std::move(*error));
-  auto checked = co_await check(std::move(intent));
+  if (auto error = misses_reference(action)) co_return tl::unexpected(std::move(*error));
+  auto checked = co_await check(std::move(action));
   co_return checked;
 }
 
@@ -107,14 +107,14 @@ tmcl::Error AxisAdmission::beyond_soft_limit(const std::string& what, std::strin
   return axis_.on_bus(std::move(error));
 }
 
-AxisAdmission::Script<void> AxisAdmission::check(Intent intent) {
+AxisAdmission::Script<void> AxisAdmission::check(AxisAction action) {
   if (!limits()) co_return Result<void>{};
-  auto script = std::visit([this](const auto& one) { return check_one(one); }, intent);
+  auto script = std::visit([this](const auto& one) { return check_one(one); }, action);
   auto checked = co_await std::move(script);
   co_return checked;
 }
 
-AxisAdmission::Script<void> AxisAdmission::check_one(intent::MoveTo move) {
+AxisAdmission::Script<void> AxisAdmission::check_one(action::MoveTo move) {
   const auto scale = co_await units_.known_scale();
   if (!scale) co_return tl::unexpected(scale.error());
   auto beyond = tmcl::beyond(*limits(), move.target.microsteps, *scale);
@@ -124,30 +124,30 @@ AxisAdmission::Script<void> AxisAdmission::check_one(intent::MoveTo move) {
       beyond_soft_limit(describe(*beyond), "the configuration has it: 'soft_limits'"));
 }
 
-AxisAdmission::Script<void> AxisAdmission::check_one(intent::MoveToCoordinate move) {
+AxisAdmission::Script<void> AxisAdmission::check_one(action::MoveToCoordinate move) {
   const auto place = co_await tmcl::verbs::coordinate(axis_.address(), move.number);
   if (!place) co_return tl::unexpected(place.error());
-  auto checked = co_await check_one(intent::MoveTo{{*place}});
+  auto checked = co_await check_one(action::MoveTo{{*place}});
   co_return checked;
 }
 
-AxisAdmission::Script<void> AxisAdmission::check_one(intent::Turn turn) {
+AxisAdmission::Script<void> AxisAdmission::check_one(action::Turn turn) {
   if (turn.velocity.value == 0) co_return Result<void>{};
   co_return tl::unexpected(
       beyond_soft_limit("it has soft limits, which it would pass by turning without end",
                         "move it to one of them instead, with a lower max_velocity"));
 }
 
-AxisAdmission::Script<void> AxisAdmission::check_one(intent::Write write) {
+AxisAdmission::Script<void> AxisAdmission::check_one(action::Write write) {
   const auto [parameter, value] = write;
   switch (tmcl::set_off_by(parameter, axis_.parameters())) {
     case tmcl::SetOff::nothing: co_return Result<void>{};
     case tmcl::SetOff::turning_at_value: {
-      auto checked = co_await check_one(intent::Turn{{value}});
+      auto checked = co_await check_one(action::Turn{{value}});
       co_return checked;
     }
     case tmcl::SetOff::move_to_value: {
-      auto checked = co_await check_one(intent::MoveTo{{{value}}});
+      auto checked = co_await check_one(action::MoveTo{{{value}}});
       co_return checked;
     }
     case tmcl::SetOff::held_move: {
@@ -168,7 +168,7 @@ AxisAdmission::Script<void> AxisAdmission::check_one(intent::Write write) {
   co_return checked;
 }
 
-AxisAdmission::Script<void> AxisAdmission::check_one(intent::Restore restore) {
+AxisAdmission::Script<void> AxisAdmission::check_one(action::Restore restore) {
   const bool is_still =
       tmcl::set_off_by(restore.parameter, axis_.parameters()) == tmcl::SetOff::nothing;
   if (is_still) co_return Result<void>{};
@@ -198,7 +198,7 @@ AxisAdmission::Script<void> AxisAdmission::check_held_target(std::optional<std::
   const auto target = co_await tmcl::verbs::get(axis_.address(), ap::target_position);
   if (!target) co_return tl::unexpected(target.error());
   if (here == *target) co_return Result<void>{};
-  auto checked = co_await check_one(intent::MoveTo{{{*target}}});
+  auto checked = co_await check_one(action::MoveTo{{{*target}}});
   if (checked || checked.error().code != tmcl::Errc::beyond_soft_limit) co_return checked;
   auto error = std::move(checked.error());
   error.message += ", and it would go on to there: that is its target_position";

@@ -14,7 +14,7 @@
 
 namespace tmcld {
 
-namespace intent {
+namespace action {
 struct MoveTo {
   Length target;
 };
@@ -36,22 +36,22 @@ struct Restore {
 struct Search {};
 /// On a way that has been checked against the limits by whoever planned it.
 struct FollowPath {};
-}  // namespace intent
+}  // namespace action
 
-using Intent =
-    std::variant<intent::MoveTo, intent::MoveFromHere, intent::MoveToCoordinate, intent::Turn,
-                 intent::Write, intent::Restore, intent::Search, intent::FollowPath>;
+using AxisAction =
+    std::variant<action::MoveTo, action::MoveFromHere, action::MoveToCoordinate, action::Turn,
+                 action::Write, action::Restore, action::Search, action::FollowPath>;
 
 /// How what was admitted is run.
 class Admitted : public RunOptions {
  public:
   /// What was intended, now that it is known. It is checked before it is sent.
-  void aim_at(Length target) const { *aim_ = {intent::MoveTo{target}, {}}; }
+  void aim_at(Length target) const { *aim_ = {action::MoveTo{target}, {}}; }
 
  private:
   friend class AxisAdmission;
   struct Aim {
-    Intent intent;
+    AxisAction action;
     std::optional<AxisUnits::Epoch> checked;  ///< Of the settings that it was checked with.
   };
   Admitted(RunOptions movement, std::shared_ptr<Aim> aim)
@@ -76,21 +76,21 @@ class AxisAdmission {
   Awaitable<void> be_free(RunOptions movement);
 
   /// Errors: those of be_ready(), be_free() and check(); nothing was sent.
-  Awaitable<Admitted> admit(Intent intent, RunOptions movement);
+  Awaitable<Admitted> admit(AxisAction action, RunOptions movement);
   /// Whether the soft limits allow it. Errors: Errc::beyond_soft_limit.
-  Script<void> check(Intent intent);
+  Script<void> check(AxisAction action);
 
  private:
   boost::asio::awaitable<void> see_turning_end(const RunOptions& movement);
   tmcl::Request any_move() const;
-  bool needs_free_axis(const Intent& intent) const;
-  std::optional<tmcl::Error> misses_reference(const Intent& intent) const;
-  Script<void> check_now(Intent intent, Permit permit);
-  Script<void> check_one(intent::MoveTo move);
-  Script<void> check_one(intent::MoveToCoordinate move);
-  Script<void> check_one(intent::Turn turn);
-  Script<void> check_one(intent::Write write);
-  Script<void> check_one(intent::Restore restore);
+  bool needs_free_axis(const AxisAction& action) const;
+  std::optional<tmcl::Error> misses_reference(const AxisAction& action) const;
+  Script<void> check_now(AxisAction action, Permit permit);
+  Script<void> check_one(action::MoveTo move);
+  Script<void> check_one(action::MoveToCoordinate move);
+  Script<void> check_one(action::Turn turn);
+  Script<void> check_one(action::Write write);
+  Script<void> check_one(action::Restore restore);
   template <class Unlimited>
   Script<void> check_one(Unlimited) {
     co_return tmcl::Result<void>{};

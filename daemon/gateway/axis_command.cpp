@@ -11,13 +11,13 @@ using tmcl::Microsteps;
 
 GatewayAxis::Awaitable<tmcl::Answer> GatewayAxis::execute(tmcl::Request request,
                                                           RunOptions movement) {
-  const auto intent = intent_of(request);
-  if (!intent) co_return co_await bus().execute(request, std::move(movement));
+  const auto action = action_of(request);
+  if (!action) co_return co_await bus().execute(request, std::move(movement));
   if (starts_search(request)) bus().motors().let_search(address(), movement.permit);
-  auto admitted = co_await admit(*intent, std::move(movement));
+  auto admitted = co_await admit(*action, std::move(movement));
   if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
   const bool sets = request.command == tmcl::Command::SAP;
-  const bool restores = std::holds_alternative<intent::Restore>(*intent);
+  const bool restores = std::holds_alternative<action::Restore>(*action);
   if (!sets) forget_move();
   // What is read or checked while it is on its way may be from before it.
   if (sets) units_.note_set(request.type);

@@ -116,8 +116,8 @@ class LineRun final : public DriveRun {
     for (std::size_t i = 0; i < members_.size(); ++i) {
       auto& member = line_members_[i];
       auto& axis = member.axis();
-      const intent::MoveTo intent{{member.wanted.target}};
-      auto admitted = co_await axis.admit(intent, members_[i].movement);
+      const action::MoveTo action{{member.wanted.target}};
+      auto admitted = co_await axis.admit(action, members_[i].movement);
       if (!admitted) co_return member.failure(std::move(admitted.error()));
       members_[i].admitted = std::move(*admitted);
       auto twin = co_await axis.twin(members_[i].movement, tmcl::Proof::twice);

@@ -18,31 +18,31 @@ std::int32_t opposite(std::int32_t velocity) {
   return -std::max(velocity, -std::numeric_limits<std::int32_t>::max());
 }
 
-Intent intent_of_move(const tmcl::Request& request) {
+AxisAction action_of_move(const tmcl::Request& request) {
   switch (request.type) {
-    case tmcl::move_type::absolute: return intent::MoveTo{{tmcl::Microsteps{request.value}}};
-    case tmcl::move_type::relative: return intent::MoveFromHere{};
+    case tmcl::move_type::absolute: return action::MoveTo{{tmcl::Microsteps{request.value}}};
+    case tmcl::move_type::relative: return action::MoveFromHere{};
     case tmcl::move_type::coordinate:
-      return intent::MoveToCoordinate{static_cast<std::uint8_t>(request.value)};
+      return action::MoveToCoordinate{static_cast<std::uint8_t>(request.value)};
   }
-  return intent::Restore{ap::target_position};
+  return action::Restore{ap::target_position};
 }
 
 }  // namespace
 
-std::optional<Intent> intent_of(const tmcl::Request& request) {
+std::optional<AxisAction> action_of(const tmcl::Request& request) {
   switch (request.command) {
-    case Command::MVP: return intent_of_move(request);
-    case Command::ROR: return intent::Turn{{request.value}};
-    case Command::ROL: return intent::Turn{{opposite(request.value)}};
-    case Command::SAP: return intent::Write{request.type, request.value};
+    case Command::MVP: return action_of_move(request);
+    case Command::ROR: return action::Turn{{request.value}};
+    case Command::ROL: return action::Turn{{opposite(request.value)}};
+    case Command::SAP: return action::Write{request.type, request.value};
     case Command::RSAP:
-    case Command::AAP: return intent::Restore{request.type};
-    case Command::MVPA: return intent::Restore{ap::target_position};
+    case Command::AAP: return action::Restore{request.type};
+    case Command::MVPA: return action::Restore{ap::target_position};
     case Command::ROLA:
-    case Command::RORA: return intent::Restore{ap::target_velocity};
+    case Command::RORA: return action::Restore{ap::target_velocity};
     case Command::RFS:
-      return starts_search(request) ? std::optional<Intent>(intent::Search{}) : std::nullopt;
+      return starts_search(request) ? std::optional<AxisAction>(action::Search{}) : std::nullopt;
     default: return std::nullopt;
   }
 }

@@ -11,7 +11,7 @@ namespace tmcld {
 
 /// Nothing of what neither moves an axis nor can set it off. What takes its value from where nobody
 /// here can see it, an accumulator or the EEPROM, is taken for a Restore.
-std::optional<Intent> intent_of(const tmcl::Request& request);
+std::optional<AxisAction> action_of(const tmcl::Request& request);
 
 /// MVP REL.
 bool is_relative_move(const tmcl::Request& request);

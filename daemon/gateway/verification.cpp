@@ -151,7 +151,7 @@ GatewayAxis::Awaitable<void> Course::prepare() {
 
 GatewayAxis::Awaitable<tmcl::Verification> Course::carry_out() {
   auto admitted =
-      co_await axis().admit(intent::FollowPath{}, axis().begin_movement(wish_.permit, {}));
+      co_await axis().admit(action::FollowPath{}, axis().begin_movement(wish_.permit, {}));
   if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
   auto ready = co_await prepare();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
