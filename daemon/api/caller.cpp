@@ -39,25 +39,20 @@ Caller caller_with(const Credentials& credentials, std::span<const AccessConfig>
   return caller;
 }
 
-Role role_for(tmcl::Command command, std::uint8_t type) {
-  using tmcl::Command;
-  switch (effect_of(command, type)) {
+Role role_for(const tmcl::Intent& intent) {
+  const bool names_motors =
+      intent.subject == tmcl::Subject::motor || intent.subject == tmcl::Subject::several;
+  const bool is_operating =
+      (names_motors && !intent.is_unseen) || intent.motion == tmcl::Motion::by_program;
+  switch (intent.effect) {
     case tmcl::Effect::stops: return Role::stop;
     case tmcl::Effect::reads: return Role::observe;
-    case tmcl::Effect::writes: return command == Command::SIO ? Role::operate : Role::configure;
+    case tmcl::Effect::writes:
+      return intent.subject == tmcl::Subject::output ? Role::operate : Role::configure;
+    // What else can move a motor restores settings, restarts the module or writes registers.
     case tmcl::Effect::moves: break;
   }
-  switch (command) {
-    case Command::ROR:
-    case Command::ROL:
-    case Command::MVP:
-    case Command::SAP:
-    case Command::RFS:
-    case Command::RST:
-    case Command::RUN_APPLICATION:
-    case Command::STEP_APPLICATION: return Role::operate;
-    default: return Role::configure;  // restores settings, restarts the module, writes registers
-  }
+  return is_operating ? Role::operate : Role::configure;
 }
 
 std::optional<RpcError> objection_by_role(const Caller& caller, Role needed,

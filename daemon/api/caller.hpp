@@ -10,7 +10,7 @@
 
 #include "api/rpc_error.hpp"
 #include "config/config.hpp"
-#include "tmcl/command.hpp"
+#include "tmcl/intent.hpp"
 
 namespace tmcld {
 
@@ -32,9 +32,9 @@ struct Caller {
 /// process may do everything: they could change the configuration as well.
 Caller caller_with(const Credentials& credentials, std::span<const AccessConfig> access);
 
-/// Who may send a command: what moves a motor or an output is operating, whatever else changes
+/// Who may send a request: what moves a motor or an output is operating, whatever else changes
 /// something is configuring.
-Role role_for(tmcl::Command command, std::uint8_t type);
+Role role_for(const tmcl::Intent& intent);
 
 /// Why the caller may not have it; nothing if it may. `what`: such as "axis.move_to".
 std::optional<RpcError> objection_by_role(const Caller& caller, Role needed, std::string_view what);

@@ -50,7 +50,7 @@ void revoke_movements(const Call& call, GatewayBus& bus, const tmcl::Request& re
 /// What a raw command sets turning is stopped when its client goes: it needs an axis.
 std::optional<RpcError> give_axes(const Call& call, const std::shared_ptr<GatewayBus>& bus,
                                   const tmcl::Request& request) {
-  for (const auto motor : motors_turned_by(request, bus->model_of(request.address))) {
+  for (const auto motor : tmcl::motors_turned_by(request, bus->model_of(request.address))) {
     if (call.gateway->find_axis(*bus, motor) || call.gateway->add_axis(bus, motor)) continue;
     return rpc_error(rpc_code::not_allowed, "not_permitted",
                      "motor " + std::to_string(motor.motor) + " of module " +
@@ -65,10 +65,10 @@ std::optional<RpcError> give_axes(const Call& call, const std::shared_ptr<Gatewa
 std::optional<std::vector<std::string>> warnings_about(Call& call, GatewayBus& bus,
                                                        const tmcl::Request& request) {
   std::vector<std::string> warnings;
-  for (const auto motor : motors_turned_by(request, bus.model_of(request.address)))
+  for (const auto motor : tmcl::motors_turned_by(request, bus.model_of(request.address)))
     if (const auto axis = call.gateway->find_axis(bus, motor))
       if (auto warning = warning_of_owner(call, *axis)) warnings.push_back(std::move(*warning));
-  call.unattended = motion_effect(request) == MotionEffect::unforeseen;
+  call.unattended = is_unpredictable(intent_of(request).motion);
   if (call.unattended)
     warnings.emplace_back(
         "what this sets turning has no owner: it is unattended, and turns on "
@@ -122,13 +122,14 @@ Answer<module::Execute> execute(Call& call, const module::Execute& params) {
   if (auto conflict = identifier_conflict(**bus, *request))
     co_return tl::unexpected(std::move(*conflict));
   auto objection =
-      objection_by_role(call.caller, role_for(request->command, request->type),
+      objection_by_role(call.caller, role_for(intent_of(*request)),
                         "module.execute of " + std::string(tmcl::name_of(request->command)));
   if (objection) co_return tl::unexpected(std::move(*objection));
   if (const auto loss = loss_of_reach(**bus, *request)) co_return tl::unexpected(call_error(*loss));
-  call.effect = effect_of(request->command, request->type);
+  call.effect = intent_of(*request).effect;
   // Its model says whose register it is. One that does not tell may take it all the same.
-  if (writes_register(*request)) co_await (*bus)->add_module(request->address).be_ready();
+  if (intent_of(*request).subject == tmcl::Subject::chip)
+    co_await (*bus)->add_module(request->address).be_ready();
   if (auto complaint = give_axes(call, *bus, *request))
     co_return tl::unexpected(std::move(*complaint));
   const bool stops = call.effect == tmcl::Effect::stops;

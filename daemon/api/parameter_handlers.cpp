@@ -83,7 +83,7 @@ Answer<parameter::Set> set_parameter(Call& call, const parameter::Set& params) {
   const auto choice = parameter_of(params.parameter, axis);
   if (!choice) co_return tl::unexpected(choice.error());
   auto objection = objection_by_role(
-      call.caller, role_for(tmcl::Command::SAP, choice->number),
+      call.caller, role_for(tmcl::intent_of(tmcl::Command::SAP, choice->number)),
       "parameter.set of " + choice->name().value_or(std::to_string(choice->number)));
   if (objection) co_return tl::unexpected(std::move(*objection));
   auto complaint = check_write(*choice);
@@ -96,7 +96,7 @@ Answer<parameter::Set> set_parameter(Call& call, const parameter::Set& params) {
   auto warnings = co_await warnings_of(axis, choice->number, call.permit.client);
   const tmcl::Request sent{axis.address().module, tmcl::Command::SAP, choice->number,
                            axis.address().motor, value->value};
-  if (motion_effect(sent) == MotionEffect::turns)
+  if (intent_of(sent).motion == tmcl::Motion::turns)
     if (auto warning = warning_of_owner(call, axis)) warnings.push_back(std::move(*warning));
   auto result = co_await to_result(axis, *choice, *value);
   co_return parameter::Held{std::move(result), std::move(warnings)};

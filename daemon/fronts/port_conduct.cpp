@@ -7,7 +7,7 @@
 #include "async/spawn.hpp"
 #include "fronts/port_rules.hpp"
 #include "gateway/reach.hpp"
-#include "tmcl/coordinates.hpp"
+#include "tmcl/intent.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
 
@@ -177,7 +177,7 @@ PortConduct::Awaitable<tmcl::ModuleAddress> PortConduct::find_meaning(tmcl::Modu
 // ---- what it may do -----------------------------------------------------------------------------
 
 std::optional<tmcl::Error> PortConduct::objection_to(const tmcl::Request& request) const {
-  const auto needed = role_at_port(request.command, request.type);
+  const auto needed = role_at_port(request);
   if (role_ < needed) {
     const auto word = std::string(word_for(needed));
     return not_permitted(request, "this port may not do that",
@@ -218,7 +218,8 @@ void PortConduct::revoke_movements(const tmcl::Request& stop) {
 }
 
 PortConduct::Awaitable<tmcl::Answer> PortConduct::act(tmcl::Request request, RunOptions options) {
-  if (names_motor(request) || motion_effect(request) == MotionEffect::turns)
+  const auto subject = intent_of(request).subject;
+  if (subject != tmcl::Subject::module && subject != tmcl::Subject::output)
     co_return co_await act_on_axes(request, std::move(options));
   if (request.command == Command::START_DOWNLOAD) {
     hold_ = std::make_shared<const tmcl::Hold>();
@@ -233,9 +234,8 @@ PortConduct::Awaitable<tmcl::Answer> PortConduct::act(tmcl::Request request, Run
 
 tmcl::Result<PortConduct::Axes> PortConduct::axes_of(const tmcl::Request& request) {
   const auto* model = bus_->add_module(request.address).model();
-  std::set<tmcl::AxisAddress> motors{{request.address, request.motor}};
-  if (moves_several(request)) motors = motors_of(request);
-  if (writes_register(request)) motors = motors_turned_by(request, model);
+  const bool is_register = intent_of(request).subject == tmcl::Subject::chip;
+  const auto motors = is_register ? tmcl::motors_turned_by(request, model) : motors_of(request);
   const bool lacks_one = model != nullptr && std::ranges::any_of(motors, [&](const auto& motor) {
                            return motor.motor >= model->axes;
                          });
@@ -272,7 +272,8 @@ PortConduct::Awaitable<tmcl::Answer> PortConduct::act_on_axes(tmcl::Request requ
 PortConduct::Awaitable<tmcl::Answer> PortConduct::act_on(Axes axes, tmcl::Request request,
                                                          RunOptions options) {
   if (axes.size() == 1) co_return co_await axes.front()->execute(request, std::move(options));
-  if (!moves_several(request)) co_return co_await bus_->execute(request, std::move(options));
+  if (intent_of(request).subject != tmcl::Subject::several)
+    co_return co_await bus_->execute(request, std::move(options));
   const auto hold = bus_->motors().coordinate_holds().set(request.address);
   auto still = bus_->hold_still(request.address);
   const auto settled = co_await bus_->run(std::move(still), options);

@@ -32,16 +32,14 @@ tmcl::CanFrame to_can(const Told& told, std::uint32_t identifier, CanForm form) 
   return frame;
 }
 
-Role role_at_port(tmcl::Command command, std::uint8_t type) {
+Role role_at_port(const tmcl::Request& request) {
   using tmcl::Command;
-  switch (command) {
-    case Command::SAP:
-    case Command::TARGET_REACHED_EVENT: return Role::operate;
-    case Command::RST:
-    case Command::RUN_APPLICATION:
-    case Command::STEP_APPLICATION: return Role::configure;  // what they move, nobody knows
-    default: return role_for(command, type);
-  }
+  const auto intent = intent_of(request);
+  // Hosts set parameters before they move anything, and wait for the end by the event.
+  if (request.command == Command::SAP || request.command == Command::TARGET_REACHED_EVENT)
+    return Role::operate;
+  // Nobody at a port is told that what a program moves has no owner.
+  return is_unpredictable(intent.motion) ? Role::configure : role_for(intent);
 }
 
 bool is_silence(const tmcl::Error& error) {

@@ -27,9 +27,9 @@ tmcl::SerialBytes to_serial(const Told& told);
 /// The identifier is that of the replies.
 tmcl::CanFrame to_can(const Told& told, std::uint32_t identifier, CanForm form);
 
-/// The role that a port must have for a command: `operate` where the configuration says "move",
+/// The role that a port must have for a request: `operate` where the configuration says "move",
 /// `configure` where it says that. A stop needs none.
-Role role_at_port(tmcl::Command command, std::uint8_t type);
+Role role_at_port(const tmcl::Request& request);
 
 /// Whether a module would say nothing: it, its link or this daemon had no answer in time.
 bool is_silence(const tmcl::Error& error);

@@ -23,7 +23,7 @@ std::shared_ptr<GatewayBus> bus_named(const Gateway& gateway, const std::string&
 }
 
 bool is_stop(const tmcl::Request& request) {
-  return effect_of(request.command, request.type) == tmcl::Effect::stops;
+  return intent_of(request).effect == tmcl::Effect::stops;
 }
 
 std::string reason_of(const tmcl::Error& error) {
@@ -209,12 +209,12 @@ void PortSession::note(const Asked& asked, const tmcl::Result<tmcl::Answer>& ans
   if (is_gone) conduct_.forget_meaning();
   if (answer) note_arrival_events(request);
   const auto what = describe(request);
-  if (effect_of(request.command, request.type) != tmcl::Effect::reads) {
+  if (intent_of(request).effect != tmcl::Effect::reads) {
     auto line = name_ + " of bus " + bus_->name() + ": " + what;
     line += answer ? " outcome=done"
                    : " outcome=" + std::string(name_of(answer.error().outcome)) +
                          " error=" + std::string(name_of(answer.error().code));
-    if (answer && motion_effect(request) == MotionEffect::unforeseen) line += " unattended";
+    if (answer && is_unpredictable(intent_of(request).motion)) line += " unattended";
     gateway_->audit({::geteuid(), ::getpid(), std::move(line)});
   }
   if (answer || is_silence(answer.error())) return;

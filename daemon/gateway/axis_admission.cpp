@@ -67,11 +67,17 @@ AxisAdmission::Awaitable<Admitted> AxisAdmission::admit(AxisAction action, RunOp
   co_return Admitted(std::move(movement), aim);
 }
 
+tmcl::Setpoint AxisAdmission::setpoint_of(std::uint8_t parameter) const {
+  const auto motor = axis_.address();
+  const tmcl::Request write{motor.module, tmcl::Command::SAP, parameter, motor.motor, 1};
+  return intent_of(write, axis_.bus().model_of(motor.module)).sets;
+}
+
 bool AxisAdmission::needs_free_axis(const AxisAction& action) const {
   const auto* write = std::get_if<action::Write>(&action);
   // A path depends on the settings of its axes; whoever moves them otherwise has read them.
   return write == nullptr || axis_.bus().motors().claimant_of(axis_.address()).by == Mover::path ||
-         tmcl::set_off_by(write->parameter, axis_.parameters()) != tmcl::SetOff::nothing;
+         setpoint_of(write->parameter) != tmcl::Setpoint::none;
 }
 
 std::optional<tmcl::Error> AxisAdmission::misses_reference(const AxisAction& action) const {
@@ -80,8 +86,7 @@ std::optional<tmcl::Error> AxisAdmission::misses_reference(const AxisAction& act
       std::holds_alternative<action::MoveTo>(action) ||
       std::holds_alternative<action::MoveToCoordinate>(action) ||
       std::holds_alternative<action::FollowPath>(action) ||
-      (write != nullptr &&
-       tmcl::set_off_by(write->parameter, axis_.parameters()) == tmcl::SetOff::move_to_value);
+      (write != nullptr && setpoint_of(write->parameter) == tmcl::Setpoint::position);
   return is_to_position ? axis_.bus().motors().misses_reference(axis_.address()) : std::nullopt;
 }
 
@@ -140,23 +145,23 @@ AxisAdmission::Script<void> AxisAdmission::check_one(action::Turn turn) {
 
 AxisAdmission::Script<void> AxisAdmission::check_one(action::Write write) {
   const auto [parameter, value] = write;
-  switch (tmcl::set_off_by(parameter, axis_.parameters())) {
-    case tmcl::SetOff::nothing: co_return Result<void>{};
-    case tmcl::SetOff::turning_at_value: {
+  switch (setpoint_of(parameter)) {
+    case tmcl::Setpoint::none: co_return Result<void>{};
+    case tmcl::Setpoint::velocity: {
       auto checked = co_await check_one(action::Turn{{value}});
       co_return checked;
     }
-    case tmcl::SetOff::move_to_value: {
+    case tmcl::Setpoint::position: {
       auto checked = co_await check_one(action::MoveTo{{{value}}});
       co_return checked;
     }
-    case tmcl::SetOff::held_move: {
+    case tmcl::Setpoint::here: {
       const auto turns = co_await turns_by_velocity();
       if (!turns) co_return tl::unexpected(turns.error());
       if (*turns) co_return Result<void>{};
       break;
     }
-    case tmcl::SetOff::held_move_or_turning: {
+    case tmcl::Setpoint::mode: {
       auto checked = co_await check_held_velocity();
       if (!checked) co_return checked;
       break;
@@ -169,9 +174,7 @@ AxisAdmission::Script<void> AxisAdmission::check_one(action::Write write) {
 }
 
 AxisAdmission::Script<void> AxisAdmission::check_one(action::Restore restore) {
-  const bool is_still =
-      tmcl::set_off_by(restore.parameter, axis_.parameters()) == tmcl::SetOff::nothing;
-  if (is_still) co_return Result<void>{};
+  if (setpoint_of(restore.parameter) == tmcl::Setpoint::none) co_return Result<void>{};
   co_return tl::unexpected(
       beyond_soft_limit("it has soft limits, and what the EEPROM holds could send it anywhere",
                         "set the parameter to a value instead"));

@@ -83,6 +83,8 @@ class AxisAdmission {
  private:
   boost::asio::awaitable<void> see_turning_end(const RunOptions& movement);
   tmcl::Request any_move() const;
+  /// What a write to the parameter sets.
+  tmcl::Setpoint setpoint_of(std::uint8_t parameter) const;
   bool needs_free_axis(const AxisAction& action) const;
   std::optional<tmcl::Error> misses_reference(const AxisAction& action) const;
   Script<void> check_now(AxisAction action, Permit permit);

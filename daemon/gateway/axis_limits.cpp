@@ -42,31 +42,21 @@ bool brakes(const tmcl::ParameterInfo& row) {
   return !speeds_up(row) || row.number == ap::max_acceleration;
 }
 
-bool moves(const Request& request) {
-  switch (request.command) {
-    case Command::ROR:
-    case Command::ROL: return request.value != 0;
-    case Command::SAP:
-      return can_move(request) && !(request.type == ap::target_velocity && request.value == 0);
-    case Command::MVP:
-    case Command::MVPA:
-    case Command::RFS: return can_move(request);
-    default: return false;
-  }
+/// It takes its value from where no host sees it, and that may be what is limited. Where a move
+/// goes to is not.
+bool sets_unseen(const tmcl::Intent& intent) {
+  return intent.is_unseen && intent.motion != tmcl::Motion::to_position &&
+         intent.motion != tmcl::Motion::by_distance;
 }
 
-/// From the accumulator, from the EEPROM, or past the firmware.
-bool sets_unseen(const Request& request) {
-  switch (request.command) {
-    case Command::RORA:
-    case Command::ROLA:
-    case Command::AAP:
-    case Command::RSAP:
-    case Command::SAC:
-    case Command::WRITE_MC:
-    case Command::WRITE_DRV: return true;
-    default: return false;
-  }
+/// By this request and no program: it is known what it will do.
+bool moves(const Request& request) {
+  const auto intent = intent_of(request);
+  const bool is_of_motor =
+      intent.subject == tmcl::Subject::motor || intent.subject == tmcl::Subject::several;
+  const bool stops = intent.motion == tmcl::Motion::stops ||
+                     (intent.sets == tmcl::Setpoint::velocity && request.value == 0);
+  return intent.effect == tmcl::Effect::moves && is_of_motor && !sets_unseen(intent) && !stops;
 }
 
 }  // namespace
@@ -74,10 +64,7 @@ bool sets_unseen(const Request& request) {
 // ---- what is looked at -------------------------------------------------------------------------
 
 bool AxisLimits::is_of_axis(const Request& request) const {
-  const auto& axis = config_.address;
-  if (request.address != axis.module) return false;
-  return request.motor == axis.motor || request.command == Command::SAC ||
-         (moves(request) && can_move(request, axis));
+  return concerns(request, config_.address, module_.model());
 }
 
 bool AxisLimits::is_limited(std::uint8_t parameter) const {
@@ -123,7 +110,8 @@ bool AxisLimits::is_scale(std::uint8_t parameter) const {
 // ---- before a request --------------------------------------------------------------------------
 
 tmcl::Script<Result<void>> AxisLimits::check(Request request) {
-  const bool matters = request.command == Command::SAP || moves(request) || sets_unseen(request);
+  const bool is_unseen = sets_unseen(intent_of(request));
+  const bool matters = request.command == Command::SAP || moves(request) || is_unseen;
   if (!matters || !is_of_axis(request)) co_return Result<void>{};
   if (module_.model() == nullptr) {
     co_return tl::unexpected(
@@ -132,7 +120,7 @@ tmcl::Script<Result<void>> AxisLimits::check(Request request) {
               "take the limits out of its [[axis]]"));
   }
   if (request.command == Command::RSAP && !is_limited(request.type)) co_return Result<void>{};
-  if (sets_unseen(request)) {
+  if (is_unseen) {
     co_return tl::unexpected(
         error("it has limits, and nobody can tell whether this keeps them",
               "set the parameter to a value instead; see 'max_velocity' in the configuration"));

@@ -101,8 +101,8 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::see_search_end(tmcl::AxisAddress mo
 boost::asio::awaitable<void> GatewayBus::begin_turning(Conduct& conduct) {
   if (!conduct.options.announced) co_return;
   const auto& announced = *conduct.options.announced;
-  conduct.turning = motors_.begin_turning(motors_turned_by(announced, model_of(announced.address)),
-                                          conduct.options.permit);
+  conduct.turning = motors_.begin_turning(
+      tmcl::motors_turned_by(announced, model_of(announced.address)), conduct.options.permit);
   if (!conduct.turning.empty() && journal_) co_await Journal::write(journal_);
 }
 
@@ -308,7 +308,8 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
   const bool waits = !exchange.options.hold;
   // Whether that is seen or not: what still turns is refused below.
   if (acts && waits) co_await see_turnings_end(request, conduct.options.permit);
-  while (waits && changes_coordinates(request) && motors_.coordinate_holds().has(request.address))
+  while (waits && intent_of(request).changes_coordinates &&
+         motors_.coordinate_holds().has(request.address))
     co_await tmcl::pause(coordinate_look_interval);
   if (!is_judged(exchange) && effect == tmcl::Effect::writes) {
     if (auto objection = motors_.objection_to_write(request, conduct.options.permit))
@@ -330,8 +331,8 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
     // It turned for another client when the verb began, which has gone, as this one may before the
     // answer.
     if (conduct.turning.empty() && waits) {
-      conduct.turning = motors_.begin_turning(motors_turned_by(request, model_of(request.address)),
-                                              conduct.options.permit);
+      conduct.turning = motors_.begin_turning(
+          tmcl::motors_turned_by(request, model_of(request.address)), conduct.options.permit);
       if (!conduct.turning.empty() && journal_) spawn(executor_, Journal::write(journal_));
     }
     auto answer = co_await send_watched(exchange, conduct);
@@ -376,7 +377,8 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   auto* module = find_module(request.address);
   if (is_judged(exchange)) on_its_way.emplace(motors_, module, request, conduct.options.permit);
   ModuleMarks::Mark change;
-  if (changes_coordinates(request)) change = motors_.coordinate_changes().set(request.address);
+  if (intent_of(request).changes_coordinates)
+    change = motors_.coordinate_changes().set(request.address);
   const auto before = motors_.before(request, conduct.options.permit, model_of(request.address));
   std::optional<StopOnItsWay> stop_on_its_way;
   conduct.owes_stop = false;

@@ -4,10 +4,7 @@
 #include <utility>
 
 #include "gateway/awaited_run.hpp"
-#include "tmcl/command.hpp"
 #include "tmcl/command_type.hpp"
-#include "tmcl/coordinates.hpp"
-#include "tmcl/parameter_number.hpp"
 
 namespace tmcld {
 namespace {
@@ -15,63 +12,20 @@ namespace {
 using tmcl::AxisAddress;
 using tmcl::Command;
 using tmcl::Errc;
+using tmcl::Motion;
 using tmcl::Request;
-
-constexpr std::uint8_t first_control_function = 128;
-constexpr std::uint8_t all_motors = 255;
-
-// Commands above 127 control programs and chips, and RST a program; what a user function does, and
-// a command that TMCL does not define, no document says. They know no motor, so they may concern
-// any.
-bool knows_no_motor(const Request& request) {
-  const auto number = static_cast<std::uint8_t>(request.command);
-  const bool is_user_function = request.command >= Command::UF0 && request.command <= Command::UF7;
-  return number >= first_control_function || request.command == Command::RST || is_user_function ||
-         tmcl::find_command(number) == nullptr;
-}
-
-/// A module starts again, or is about to: nothing that a latched axis could not bear.
-bool restarts(const Request& request) {
-  const bool is_boot_command =
-      request.command >= Command::BOOT_ERASE_ALL && request.command <= Command::BOOT_WRITE_LENGTH;
-  return is_boot_command || request.command == Command::ENTER_BOOTLOADER ||
-         request.command == Command::SOFTWARE_RESET || request.command == Command::FACTORY_RESET;
-}
-
-/// Whether what the request changes can matter to the motor: others are about the whole module.
-bool concerns(const Request& request, AxisAddress motor) {
-  if (request.address != motor.module) return false;
-  return !names_motor(request) || request.motor == motor.motor || request.motor == all_motors ||
-         moves_several(request);
-}
-
-/// What else may set a motor turning than the number that it is given: its mode, and parameters
-/// that another model has there.
-MotionEffect effect_of_parameter(std::uint8_t type, bool is_zero) {
-  switch (type) {
-    case tmcl::axis_parameter::target_position: return MotionEffect::sets_target;
-    case tmcl::axis_parameter::actual_position: return MotionEffect::none;
-    default: break;
-  }
-  const bool moves = effect_of(Command::SAP, type) == tmcl::Effect::moves;
-  return moves && !is_zero ? MotionEffect::turns : MotionEffect::none;
-}
-
-/// To a position that the module or the request names.
-bool goes_to_position(MotionEffect effect) {
-  return effect == MotionEffect::to_position || effect == MotionEffect::sets_target;
-}
+using tmcl::Subject;
 
 /// It has no target any more that a relative move could count from.
-bool leaves_positions(MotionEffect effect) {
-  return effect == MotionEffect::turns || effect == MotionEffect::stops ||
-         effect == MotionEffect::searches || effect == MotionEffect::unforeseen;
+bool leaves_positions(Motion motion) {
+  return motion == Motion::turns || motion == Motion::stops || motion == Motion::searches ||
+         is_unpredictable(motion);
 }
 
 /// Once its module has taken the command, the motor turns without end no more.
-bool ends_turning(MotionEffect effect) {
-  return effect == MotionEffect::to_position || effect == MotionEffect::by_distance ||
-         effect == MotionEffect::stops || effect == MotionEffect::searches;
+bool ends_turning(Motion motion) {
+  return motion == Motion::to_position || motion == Motion::by_distance ||
+         motion == Motion::stops || motion == Motion::searches;
 }
 
 std::string_view words_for(Mover by) {
@@ -89,117 +43,6 @@ std::string_view words_for(Mover by) {
 }
 
 }  // namespace
-
-bool names_motor(const Request& request) {
-  const auto* row = tmcl::find_command(static_cast<std::uint8_t>(request.command));
-  return row != nullptr && row->operands &&
-         std::ranges::any_of(*row->operands,
-                             [](const auto& operand) { return operand.name == "motor"; });
-}
-
-bool can_move(const Request& request) {
-  return effect_of(request.command, request.type) == tmcl::Effect::moves;
-}
-
-bool can_move(const Request& request, AxisAddress motor) {
-  if (!can_move(request) || request.address != motor.module) return false;
-  if (knows_no_motor(request)) return true;
-  return moves_several(request) ? moves_together(request, motor.motor)
-                                : request.motor == motor.motor;
-}
-
-// A stop of any motor of the module ends what knows no motor.
-std::set<AxisAddress> motors_of(const Request& request) {
-  if (knows_no_motor(request)) return {{request.address, 0}};
-  if (!moves_several(request)) return {{request.address, request.motor}};
-  std::set<AxisAddress> motors;
-  for (std::uint8_t motor = 0; motor < tmcl::motors_in_mask; ++motor)
-    if (moves_together(request, motor)) motors.insert({request.address, motor});
-  return motors;
-}
-
-MotionEffect motion_effect(const Request& request) {
-  switch (request.command) {
-    case Command::MVP:
-    case Command::MVPA:
-      return request.type == tmcl::move_type::relative ? MotionEffect::by_distance
-                                                       : MotionEffect::to_position;
-    case Command::ROR:
-    case Command::ROL: return request.value == 0 ? MotionEffect::stops : MotionEffect::turns;
-    case Command::RORA:
-    case Command::ROLA:
-    case Command::WRITE_MC:
-    // Of some modules the driver is in the same chip as the ramp generator.
-    case Command::WRITE_DRV: return MotionEffect::turns;
-    case Command::MST: return MotionEffect::stops;
-    case Command::RFS: return starts_search(request) ? MotionEffect::searches : MotionEffect::none;
-    case Command::SAP: return effect_of_parameter(request.type, request.value == 0);
-    case Command::RSAP:
-    case Command::AAP: return effect_of_parameter(request.type, false);
-    default: break;
-  }
-  return can_move(request) && !restarts(request) ? MotionEffect::unforeseen : MotionEffect::none;
-}
-
-bool writes_register(const Request& request) {
-  return request.command == Command::WRITE_MC || request.command == Command::WRITE_DRV;
-}
-
-namespace {
-
-/// One with a TMC429 has three motors at each of its chips, and the address of a register says
-/// which. The driver is in the chip of the ramp generator only where that is a sixPoint one, and a
-/// module with one motor counts it as 1 then.
-std::pair<std::size_t, std::size_t> motors_of_register(const Request& request,
-                                                       const tmcl::Model* model) {
-  constexpr std::size_t motors_of_tmc429 = 3;
-  const std::size_t motor = request.motor;
-  if (model == nullptr) return {motor, 1};
-  if (request.command == Command::WRITE_DRV) {
-    const bool is_only = model->axes == 1 && motor == 1;
-    return {is_only ? 0 : motor, model->family == tmcl::Family::sixpoint ? 1 : 0};
-  }
-  if (model->family != tmcl::Family::tmc429) return {motor, 1};
-  return {motor * motors_of_tmc429, motors_of_tmc429};
-}
-
-}  // namespace
-
-std::set<AxisAddress> motors_turned_by(const Request& request, const tmcl::Model* model) {
-  std::set<AxisAddress> motors;
-  if (motion_effect(request) != MotionEffect::turns) return motors;
-  const auto [first, count] = writes_register(request)
-                                  ? motors_of_register(request, model)
-                                  : std::pair<std::size_t, std::size_t>(request.motor, 1);
-  const auto end =
-      model == nullptr ? first + count : std::min<std::size_t>(first + count, model->axes);
-  for (auto motor = first; motor < end; ++motor)
-    motors.insert({request.address, static_cast<std::uint8_t>(motor)});
-  return motors;
-}
-
-bool changes_coordinates(const Request& request) {
-  constexpr std::uint8_t all_motors_from_eeprom = 255;
-  switch (request.command) {
-    case Command::SCO:
-    case Command::CCO:
-    case Command::ACO:
-    case Command::SGP:
-    case Command::RSGP:
-    case Command::AGP: return true;
-    case Command::GCO: return request.motor == all_motors_from_eeprom;
-    default: break;
-  }
-  return motion_effect(request) == MotionEffect::unforeseen || restarts(request);
-}
-
-bool starts_program(const Request& request) {
-  return can_move(request) && knows_no_motor(request) && !restarts(request);
-}
-
-bool starts_search(const Request& request) {
-  return request.command == Command::RFS && request.type == tmcl::search_type::start;
-}
 
 void Motors::add(AxisAddress motor, const std::string& axis, bool needs_reference) {
   auto& added = motors_[motor];
@@ -255,8 +98,8 @@ std::optional<tmcl::Error> Motors::objection(AxisAddress motor, Permit permit) c
 }
 
 std::optional<tmcl::Error> Motors::objection(const Request& request, Permit permit) const {
-  const bool names_one = !moves_several(request) && !knows_no_motor(request);
-  if (names_one) {
+  const auto intent = intent_of(request);
+  if (intent.subject == Subject::motor) {
     const AxisAddress motor{request.address, request.motor};
     auto objection = this->objection(motor, permit);
     return objection ? objection : objection_without_lease(motor, permit);
@@ -269,7 +112,9 @@ std::optional<tmcl::Error> Motors::objection(const Request& request, Permit perm
     return error(Errc::superseded_by_stop, "a stop came first", {});
   for (const auto& [address, motor] : motors_) {
     if (!can_move(request, address)) continue;
-    auto latch = restarts(request) ? std::nullopt : objection_by_latch(address, permit);
+    // A module that starts again is no worse for an axis that is latched.
+    auto latch =
+        intent.motion == Motion::restarts ? std::nullopt : objection_by_latch(address, permit);
     if (latch) return latch;
     if (leads(address, permit)) continue;
     if (auto objection = objection_by_lease(address, permit)) return objection;
@@ -419,12 +264,12 @@ std::vector<AxisAddress> Motors::turned_for_others(const Request& request, Permi
 }
 
 void Motors::note_turning(const Request& request, bool is_done, const Before& before) {
-  const auto effect = motion_effect(request);
+  const auto motion = intent_of(request).motion;
   for (auto& [address, motor] : motors_) {
     const bool names_it = request.address == address.module && request.motor == address.motor;
     if (!names_it && !can_move(request, address)) continue;
     // Its owner may have let it turn again while this was on its way, or is about to.
-    const bool is_ended = is_done && ends_turning(effect) && motor.turning_attempts == 0;
+    const bool is_ended = is_done && ends_turning(motion) && motor.turning_attempts == 0;
     if (is_ended && motor.turning.number <= before.turnings) motor.turning = {};
     const bool is_new = motor.turning.number == 0 && !motor.axis.empty();
     const bool turns = before.turned.contains(address);
@@ -506,7 +351,7 @@ std::optional<tmcl::Error> Motors::misses_reference(AxisAddress motor) const {
 }
 
 std::optional<tmcl::Error> Motors::misses_reference(const Request& request) const {
-  if (!goes_to_position(motion_effect(request))) return std::nullopt;
+  if (!goes_to_position(intent_of(request).motion)) return std::nullopt;
   for (const auto& [address, motor] : motors_) {
     auto missing = can_move(request, address) ? misses_reference(address) : std::nullopt;
     if (missing) return missing;
@@ -535,30 +380,30 @@ void Motors::note_moved(const Request& request) {
   if (!can_move(request)) return;
   for (const auto& [address, motor] : motors_)
     if (!motor.axis.empty() && can_move(request, address)) moved_.insert(address);
-  if (knows_no_motor(request)) return;
+  const auto subject = intent_of(request).subject;
+  if (subject != Subject::motor && subject != Subject::several) return;
   const auto others = std::ranges::count_if(moved_, [&](auto motor) { return !is_axis(motor); });
   if (static_cast<std::size_t>(others) < most_other_motors) moved_.merge(motors_of(request));
 }
 
 void Motors::note_target(const Request& request, const Before& before) {
-  const auto effect = motion_effect(request);
-  const bool to_position = goes_to_position(effect);
-  if (!to_position && !leaves_positions(effect)) return;
+  const auto intent = intent_of(request);
+  const bool to_position = goes_to_position(intent.motion);
+  if (!to_position && !leaves_positions(intent.motion)) return;
   for (auto& [address, motor] : motors_) {
     const bool names_it = request.address == address.module && request.motor == address.motor;
-    const bool concerns_it = writes_register(request) ? before.turned.contains(address)
-                                                      : names_it || can_move(request, address);
+    const bool concerns_it = intent.subject == Subject::chip
+                                 ? before.turned.contains(address)
+                                 : names_it || can_move(request, address);
     if (concerns_it) motor.was_sent_to_position = to_position;
   }
 }
 
 void Motors::note_program(const Request& request, bool is_done) {
-  const bool stops =
-      request.command == Command::STOP_APPLICATION || request.command == Command::RESET_APPLICATION;
+  const auto motion = intent_of(request).motion;
   // A module that starts again may start its program by itself.
-  if (motion_effect(request) == MotionEffect::unforeseen || restarts(request))
-    programs_.insert(request.address);
-  if (stops && is_done) programs_.erase(request.address);
+  if (is_unpredictable(motion) || motion == Motion::restarts) programs_.insert(request.address);
+  if (motion == Motion::ends_program && is_done) programs_.erase(request.address);
 }
 
 bool Motors::was_sent_to_position(AxisAddress motor) const {

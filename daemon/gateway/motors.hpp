@@ -13,7 +13,7 @@
 /// its module is set to. A stop needs no permit and heeds neither.
 ///
 /// The client that sets an axis turning without end owns that until the axis is seen to stand, or a
-/// command has surely ended it: see motion_effect(). It is stopped when its owner goes.
+/// command has surely ended it: see tmcl/intent.hpp. It is stopped when its owner goes.
 ///
 /// Does no I/O. Thread safety: none. What it holds is bounded by the number of axes, by
 /// most_other_motors, and by how many requests a bus takes.
@@ -33,6 +33,7 @@
 #include "tmcl/address.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/error.hpp"
+#include "tmcl/intent.hpp"
 #include "tmcl/mechanics.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/script.hpp"
@@ -119,24 +120,6 @@ class Claim {
   std::unique_ptr<Motors, Release> held_;
 };
 
-/// What a command does to how a motor moves.
-enum class MotionEffect : std::uint8_t {
-  none,         ///< It moves on as it does, or stands.
-  to_position,  ///< It goes to a position, whatever it did before.
-  by_distance,  ///< It goes over a distance.
-  sets_target,  ///< It goes to a position, unless it turns by velocity.
-  turns,        ///< It turns without end, or may.
-  stops,
-  searches,    ///< Its reference.
-  unforeseen,  ///< A program does it, which no client owns.
-};
-MotionEffect motion_effect(const tmcl::Request& request);
-bool writes_register(const tmcl::Request& request);
-/// Which motors a request may set turning, of those that the module has. A chip may have the
-/// registers of several motors. `model`: null where it is not known.
-std::set<tmcl::AxisAddress> motors_turned_by(const tmcl::Request& request,
-                                             const tmcl::Model* model);
-
 /// A command is on its way that may set a motor turning. Must not outlive the Motors it is of.
 class TurningAttempt {
  public:
@@ -176,20 +159,6 @@ class ModuleMarks {
  private:
   std::map<tmcl::ModuleAddress, int> counts_;
 };
-/// Whether a request may change what a module remembers as a coordinate.
-bool changes_coordinates(const tmcl::Request& request);
-
-/// Whether a request can move a motor, now or when its module starts again.
-bool can_move(const tmcl::Request& request);
-bool can_move(const tmcl::Request& request, tmcl::AxisAddress motor);
-bool starts_search(const tmcl::Request& request);
-/// Its motor field says which motor it is about, or that it is about several.
-bool names_motor(const tmcl::Request& request);
-/// Those that a request names; motor 0 if it knows none.
-std::set<tmcl::AxisAddress> motors_of(const tmcl::Request& request);
-/// What moves then, and where to, nobody knows.
-bool starts_program(const tmcl::Request& request);
-
 class Motors {
  public:
   /// Motors without an axis, of which the last stop is known. When there are more,
@@ -327,7 +296,7 @@ class Motors {
   };
   Before before(const tmcl::Request& request, Permit of, const tmcl::Model* model) const {
     return {claimant_of({request.address, request.motor}), last_turning_, of,
-            motors_turned_by(request, model)};
+            tmcl::motors_turned_by(request, model)};
   }
   /// Learns from what goes past whether reference searches run, and what turns.
   void note(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer,

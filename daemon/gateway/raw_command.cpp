@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "tmcl/command_type.hpp"
-#include "tmcl/coordinates.hpp"
+#include "tmcl/intent.hpp"
 
 namespace tmcld {
 namespace {
@@ -48,7 +48,8 @@ std::optional<AxisAction> action_of(const tmcl::Request& request) {
 }
 
 bool is_relative_move(const tmcl::Request& request) {
-  return request.command == Command::MVP && request.type == tmcl::move_type::relative;
+  const auto intent = intent_of(request);
+  return intent.motion == tmcl::Motion::by_distance && !intent.is_unseen;
 }
 
 tmcl::Script<tmcl::Result<tmcl::Answer>> move_relatively(tmcl::Request request, RelativeMove move) {
@@ -76,7 +77,7 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> move_relatively(tmcl::Request request, 
 
 bool is_move_to_coordinate(const tmcl::Request& request) {
   return request.command == Command::MVP && request.type == tmcl::move_type::coordinate &&
-         !moves_several(request);
+         intent_of(request).subject == tmcl::Subject::motor;
 }
 
 tmcl::Script<tmcl::Result<tmcl::Answer>> move_to_read_coordinate(

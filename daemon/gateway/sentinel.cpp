@@ -31,18 +31,14 @@ std::int64_t wrapped(std::int64_t difference) {
 enum class Aim : std::uint8_t { kept, away, unknown };
 
 Aim aim_of(const tmcl::Request& request) {
-  using tmcl::Command;
-  namespace ap = tmcl::axis_parameter;
-  const auto aim = request.value != 0 ? Aim::away : Aim::unknown;
-  switch (request.command) {
-    case Command::ROR:
-    case Command::ROL: return Aim::kept;
-    case Command::MVP: return request.type == tmcl::move_type::absolute ? aim : Aim::unknown;
-    case Command::SAP:
-      if (request.type == ap::target_velocity) return Aim::kept;
-      return request.type == ap::target_position ? aim : Aim::unknown;
-    default: return Aim::unknown;
-  }
+  const auto intent = intent_of(request);
+  if (intent.is_unseen) return Aim::unknown;
+  if (intent.sets == tmcl::Setpoint::velocity) return Aim::kept;
+  return intent.sets == tmcl::Setpoint::position && request.value != 0 ? Aim::away : Aim::unknown;
+}
+
+bool may_set_any_target(const tmcl::Intent& intent) {
+  return is_unpredictable(intent.motion) || intent.subject == tmcl::Subject::chip;
 }
 
 }  // namespace
@@ -96,7 +92,7 @@ void Sentinel::forget() {
 }
 
 void Sentinel::note_sending(const tmcl::Request& request) {
-  if (starts_program(request)) starts_program_ = true;
+  if (may_set_any_target(intent_of(request))) starts_program_ = true;
   if (aim_of(request) != Aim::unknown) return;
   for (const auto& axis : motors_of(request)) {
     away_.erase(axis.motor);

@@ -21,7 +21,9 @@ max_current = 100
 
 class AxisWithLimits : public testing::Test {
  protected:
-  AxisWithLimits() {
+  explicit AxisWithLimits(const std::string& axes = axis_section("x", 0, within) +
+                                                    axis_section("y", 1))
+      : bench(std::string(bench_bus) + axes) {
     auto& module = bench.wire.modules.at(1);
     for (const auto& [number, value] : std::map<int, int>{{4, 1000},
                                                           {5, 500},
@@ -56,8 +58,7 @@ class AxisWithLimits : public testing::Test {
     return bench.wire.modules.at(1).parameter(0, parameter);
   }
 
-  VirtualGateway bench{std::string(bench_bus) + axis_section("x", 0, within) +
-                       axis_section("y", 1)};
+  VirtualGateway bench;
 };
 
 TEST_F(AxisWithLimits, IsNotSetBeyondThem) {
@@ -218,6 +219,21 @@ TEST_F(AxisWithLimits, IsNotGivenWhatNobodySees) {
   EXPECT_EQ(name(execute("AAP", 4, 0)), "not_permitted");
   EXPECT_EQ(name(execute("WRITE_MC", 4, 0)), "not_permitted");
   EXPECT_EQ(name(execute("RSAP", 8, 0)), "");
+}
+
+class SecondAxisWithLimits : public AxisWithLimits {
+ protected:
+  SecondAxisWithLimits() : AxisWithLimits(axis_section("x", 0) + axis_section("y", 1, within)) {}
+};
+
+// Its ramp generator has the registers of three motors.
+TEST_F(SecondAxisWithLimits, IsNotGivenARegisterOfItsChip) {
+  EXPECT_EQ(name(execute("WRITE_MC", 4, 0)), "not_permitted");
+}
+
+TEST_F(AxisWithLimits, IsNotGivenWhatNoDocumentNames) {
+  EXPECT_EQ(name(execute("77", 0, 0)), "not_permitted");
+  EXPECT_EQ(name(execute("UF2", 0, 0)), "");
 }
 
 TEST_F(AxisWithLimits, ReadsItsSettingsOnce) {

@@ -10,6 +10,8 @@
 #include <span>
 #include <string_view>
 
+#include "tmcl/intent.hpp"
+
 namespace tmcl {
 
 // clang-format off
@@ -41,19 +43,11 @@ enum class ReplyKind : std::uint8_t {
   none,        ///< Nothing: the command counts as done once it is on the wire.
 };
 
-/// Whether a command may be sent again when nobody knows if it was executed.
+/// Whether a command may be sent again when it is unknown if it was executed.
 enum class Repeat : std::uint8_t {
   safe,   ///< Executing it twice leaves the module as executing it once does, and moves nothing
           ///< anew.
   never,  ///< Could move a motor again, wear the EEPROM, toggle an output or advance a program.
-};
-
-/// What a command can do to the machine behind the module.
-enum class Effect : std::uint8_t {
-  reads,   ///< Changes nothing.
-  writes,  ///< Changes a state that does not move a motor by itself.
-  moves,   ///< Can start, prolong or redirect a movement.
-  stops,   ///< Ends a movement: goes out before everything else.
 };
 
 /// The field of a command that an operand fills when the command is written as text.
@@ -75,7 +69,7 @@ struct CommandInfo {
   std::string_view name;  ///< Standard mnemonic, upper case.
   ReplyKind reply;
   Repeat repeat;
-  Effect effect;
+  Intent intent;
   std::string_view meaning;
   /// What follows the mnemonic in the text of a stand-alone program; nothing for a command that has
   /// no place in one.
@@ -90,7 +84,7 @@ struct SubtypeInfo {
   std::string_view
       name;  ///< Standard name, upper case; empty where the type is a parameter's number.
   Repeat repeat;
-  Effect effect;
+  Intent intent;
 };
 
 /// Every command, ascending by number.
@@ -113,6 +107,10 @@ std::string_view name_of_subtype(Command command, std::uint8_t type);
 /// A command that TMCL does not define is taken to move motors and is never repeated.
 ReplyKind reply_kind(Command command);
 Repeat repeat_rule(Command command, std::uint8_t type);
-Effect effect_of(Command command, std::uint8_t type);
+/// As the table has it, for any value. See also intent_of() in tmcl/intent.hpp.
+const Intent& intent_of(Command command, std::uint8_t type);
+inline Effect effect_of(Command command, std::uint8_t type) {
+  return intent_of(command, type).effect;
+}
 
 }  // namespace tmcl

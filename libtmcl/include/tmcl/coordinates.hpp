@@ -24,14 +24,6 @@ enum class Together : std::uint8_t {
   interpolated,     ///< Velocities are scaled so that all of them arrive together.
 };
 
-/// A mask has a bit for each of so many.
-constexpr std::uint8_t motors_in_mask = 6;
-
-/// Whether this is a move of several motors to a coordinate (MVP, MVPA COORD with a mask).
-bool moves_several(const Request& request);
-/// The same, and `motor` is one of them.
-bool moves_together(const Request& request, std::uint8_t motor);
-
 namespace verbs {
 
 /// Remembers a position (SCO); lost when the module loses power, unless global parameter 84 is 1.

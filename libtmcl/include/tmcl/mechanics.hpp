@@ -36,19 +36,6 @@ UserScale encoder_scale(double counts_per_unit, const UserScale& scale);
 /// encoder_resolution is set so; otherwise they are counts.
 bool is_encoder_position(const ParameterInfo& row);
 
-/// What an axis may do as soon as one of its parameters is set.
-enum class SetOff : std::uint8_t {
-  nothing,
-  move_to_value,
-  turning_at_value,
-  /// Move to the target position that the module holds, unless it turns by velocity.
-  held_move,
-  /// Move to the target position or turn at the target velocity that the module holds.
-  held_move_or_turning,
-};
-/// `table` is that of the axis' model; empty for one that is not known, whose parameters are taken
-/// to be whatever any model has.
-SetOff set_off_by(std::uint8_t parameter, std::span<const ParameterInfo> table);
 /// The parameter that tells whether an axis turns by velocity, and its value then; nothing for
 /// models that do not tell.
 struct ModeParameter {

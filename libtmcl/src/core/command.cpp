@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "core/text.hpp"
 #include "tmcl/command_type.hpp"
@@ -11,9 +12,70 @@ namespace tmcl {
 namespace {
 
 using enum ReplyKind;
-using enum Effect;
 constexpr auto safe = Repeat::safe;
 constexpr auto never = Repeat::never;
+
+// ---- what commands can do ----------------------------------------------------------------------
+
+constexpr Intent intent(Effect effect, Motion motion, Subject subject) {
+  return {effect, motion, subject, Setpoint::none, false, false};
+}
+constexpr Intent sets(Setpoint setpoint, Intent it) {
+  it.sets = setpoint;
+  return it;
+}
+/// The value comes from the accumulator, from the EEPROM, or goes past the firmware.
+constexpr Intent unseen(Intent it) {
+  it.is_unseen = true;
+  return it;
+}
+constexpr Intent with_coordinates(Intent it) {
+  it.changes_coordinates = true;
+  return it;
+}
+
+constexpr auto reads = intent(Effect::reads, Motion::unchanged, Subject::module);
+constexpr auto writes = intent(Effect::writes, Motion::unchanged, Subject::module);
+constexpr auto writes_motor = intent(Effect::writes, Motion::unchanged, Subject::motor);
+constexpr auto writes_output = intent(Effect::writes, Motion::unchanged, Subject::output);
+constexpr auto writes_coordinate = with_coordinates(writes_motor);
+/// A global parameter can be a coordinate.
+constexpr auto writes_global = with_coordinates(writes);
+constexpr auto stops = intent(Effect::stops, Motion::stops, Subject::motor);
+constexpr auto turns =
+    sets(Setpoint::velocity, intent(Effect::moves, Motion::turns, Subject::motor));
+constexpr auto moves_to =
+    sets(Setpoint::position, intent(Effect::moves, Motion::to_position, Subject::motor));
+constexpr auto moves_by = intent(Effect::moves, Motion::by_distance, Subject::motor);
+/// Of which motors, its motor field says.
+constexpr auto moves_to_coordinate = intent(Effect::moves, Motion::to_position, Subject::several);
+/// To a position that its value does not name.
+constexpr auto moves_elsewhere = intent(Effect::moves, Motion::to_position, Subject::motor);
+constexpr auto writes_target =
+    sets(Setpoint::position, intent(Effect::moves, Motion::to_target, Subject::motor));
+constexpr auto writes_position =
+    sets(Setpoint::here, intent(Effect::moves, Motion::unchanged, Subject::motor));
+constexpr auto writes_mode =
+    sets(Setpoint::mode, intent(Effect::moves, Motion::turns, Subject::motor));
+/// A parameter that makes the motor of some model turn.
+constexpr auto may_turn = intent(Effect::moves, Motion::turns, Subject::motor);
+/// Which parameter it is, its type says.
+constexpr auto writes_unseen = unseen(intent(Effect::moves, Motion::unchanged, Subject::motor));
+constexpr auto writes_register = unseen(intent(Effect::moves, Motion::turns, Subject::chip));
+constexpr auto unforeseen_of_motor = intent(Effect::moves, Motion::unforeseen, Subject::motor);
+constexpr auto ends_search = intent(Effect::stops, Motion::unchanged, Subject::motor);
+constexpr auto searches = intent(Effect::moves, Motion::searches, Subject::motor);
+constexpr auto runs_program =
+    with_coordinates(intent(Effect::moves, Motion::by_program, Subject::module));
+constexpr auto ends_program = intent(Effect::writes, Motion::ends_program, Subject::module);
+constexpr auto restarts =
+    with_coordinates(intent(Effect::moves, Motion::restarts, Subject::module));
+constexpr auto boot_writes =
+    with_coordinates(intent(Effect::writes, Motion::restarts, Subject::module));
+/// What that is, the firmware of a customer or a board says.
+constexpr auto acts_as_built =
+    with_coordinates(intent(Effect::moves, Motion::unforeseen, Subject::module));
+constexpr Intent unforeseen{};
 
 // clang-format off
 // How commands are written in programs, as the TMCM-1290 firmware manual has it. It does not have
@@ -60,22 +122,22 @@ constexpr Operand user_defined[] = {
     {Field::type, "type", true}, {Field::motor, "motor", true}, {Field::value, "value", true}};
 
 constexpr auto commands = std::to_array<CommandInfo>({
-    {Command::ROR, "ROR", normal, never, moves, "rotate right: velocity mode, positive speed", motor_velocity},
-    {Command::ROL, "ROL", normal, never, moves, "rotate left: velocity mode, negative speed", motor_velocity},
+    {Command::ROR, "ROR", normal, never, turns, "rotate right: velocity mode, positive speed", motor_velocity},
+    {Command::ROL, "ROL", normal, never, turns, "rotate left: velocity mode, negative speed", motor_velocity},
     {Command::MST, "MST", normal, safe, stops, "motor stop", one_motor},
-    {Command::MVP, "MVP", normal, never, moves, "move to position", type_motor_position},
-    {Command::SAP, "SAP", normal, never, writes, "set axis parameter; some of them move the motor",
+    {Command::MVP, "MVP", normal, never, moves_elsewhere, "move to position", type_motor_position},
+    {Command::SAP, "SAP", normal, never, writes_motor, "set axis parameter; some of them move the motor",
      parameter_motor_value},
     {Command::GAP, "GAP", normal, safe, reads, "get axis parameter", parameter_motor},
-    {Command::STAP, "STAP", normal, never, writes, "store axis parameter in the EEPROM", parameter_motor},
-    {Command::RSAP, "RSAP", normal, never, moves, "restore axis parameter from the EEPROM", parameter_motor},
-    {Command::SGP, "SGP", normal, never, writes, "set global parameter; many go straight to the EEPROM",
+    {Command::STAP, "STAP", normal, never, writes_motor, "store axis parameter in the EEPROM", parameter_motor},
+    {Command::RSAP, "RSAP", normal, never, writes_unseen, "restore axis parameter from the EEPROM", parameter_motor},
+    {Command::SGP, "SGP", normal, never, writes_global, "set global parameter; many go straight to the EEPROM",
      parameter_bank_value},
     {Command::GGP, "GGP", normal, safe, reads, "get global parameter", parameter_bank},
     {Command::STGP, "STGP", normal, never, writes, "store global parameter in the EEPROM", parameter_bank},
-    {Command::RSGP, "RSGP", normal, never, writes, "restore global parameter from the EEPROM", parameter_bank},
-    {Command::RFS, "RFS", normal, never, moves, "reference search", type_motor},
-    {Command::SIO, "SIO", normal, never, writes, "set output", port_bank_value},
+    {Command::RSGP, "RSGP", normal, never, writes_global, "restore global parameter from the EEPROM", parameter_bank},
+    {Command::RFS, "RFS", normal, never, unforeseen_of_motor, "reference search", type_motor},
+    {Command::SIO, "SIO", normal, never, writes_output, "set output", port_bank_value},
     {Command::GIO, "GIO", normal, safe, reads, "get input or output", port_bank},
     {Command::CALC, "CALC", normal, never, writes, "calculate with accumulator and constant", operation_value},
     {Command::COMP, "COMP", normal, never, writes, "compare accumulator with constant", one_value},
@@ -85,19 +147,19 @@ constexpr auto commands = std::to_array<CommandInfo>({
     {Command::RSUB, "RSUB", normal, never, writes, "return from subroutine", alone},
     {Command::EI, "EI", normal, never, writes, "enable interrupt", one_interrupt},
     {Command::DI, "DI", normal, never, writes, "disable interrupt", one_interrupt},
-    {Command::WAIT, "WAIT", normal, never, writes, "wait for an event", condition_motor_ticks},
+    {Command::WAIT, "WAIT", normal, never, writes_motor, "wait for an event", condition_motor_ticks},
     {Command::STOP, "STOP", normal, never, writes, "end of program", alone},
-    {Command::SAC, "SAC", normal, never, writes, "SPI bus access", bus_bits_data},
-    {Command::SCO, "SCO", normal, never, writes, "set coordinate", coordinate_motor_position},
+    {Command::SAC, "SAC", normal, never, unforeseen, "SPI bus access", bus_bits_data},
+    {Command::SCO, "SCO", normal, never, writes_coordinate, "set coordinate", coordinate_motor_position},
     {Command::GCO, "GCO", normal, safe, reads, "get coordinate", coordinate_motor_zero},
-    {Command::CCO, "CCO", normal, never, writes, "capture coordinate", coordinate_motor},
+    {Command::CCO, "CCO", normal, never, writes_coordinate, "capture coordinate", coordinate_motor},
     {Command::CALCX, "CALCX", normal, never, writes, "calculate with accumulator and X register", one_operation},
-    {Command::AAP, "AAP", normal, never, moves, "set axis parameter to accumulator", parameter_motor},
-    {Command::AGP, "AGP", normal, never, writes, "set global parameter to accumulator", parameter_bank},
+    {Command::AAP, "AAP", normal, never, writes_unseen, "set axis parameter to accumulator", parameter_motor},
+    {Command::AGP, "AGP", normal, never, writes_global, "set global parameter to accumulator", parameter_bank},
     {Command::CLE, "CLE", normal, never, writes, "clear error flags", one_flag},
     {Command::VECT, "VECT", normal, never, writes, "set interrupt vector", interrupt_address},
     {Command::RETI, "RETI", normal, never, writes, "return from interrupt", alone},
-    {Command::ACO, "ACO", normal, never, writes, "set coordinate to accumulator", coordinate_motor},
+    {Command::ACO, "ACO", normal, never, writes_coordinate, "set coordinate to accumulator", coordinate_motor},
     {Command::CALCVV, "CALCVV", normal, never, writes, "calculate with two user variables",
      operation_variable_variable},
     {Command::CALCVA, "CALCVA", normal, never, writes, "calculate with user variable and accumulator",
@@ -110,33 +172,33 @@ constexpr auto commands = std::to_array<CommandInfo>({
      operation_variable},
     {Command::CALCV, "CALCV", normal, never, writes, "calculate with user variable and constant",
      operation_variable_value},
-    {Command::MVPA, "MVPA", normal, never, moves, "move to the position in the accumulator", type_motor},
-    {Command::RST, "RST", normal, never, moves, "restart the program from an address", one_address},
+    {Command::MVPA, "MVPA", normal, never, unseen(moves_elsewhere), "move to the position in the accumulator", type_motor},
+    {Command::RST, "RST", normal, never, runs_program, "restart the program from an address", one_address},
     {Command::DJNZ, "DJNZ", normal, never, writes, "decrement and jump if not zero", variable_address},
-    {Command::ROLA, "ROLA", normal, never, moves, "rotate left with the accumulator's speed", one_motor},
-    {Command::RORA, "RORA", normal, never, moves, "rotate right with the accumulator's speed", one_motor},
+    {Command::ROLA, "ROLA", normal, never, unseen(turns), "rotate left with the accumulator's speed", one_motor},
+    {Command::RORA, "RORA", normal, never, unseen(turns), "rotate right with the accumulator's speed", one_motor},
     {Command::SIV, "SIV", normal, never, writes, "set indexed variable", one_value},
     {Command::GIV, "GIV", normal, never, writes, "get indexed variable into the accumulator", alone},
     {Command::AIV, "AIV", normal, never, writes, "set indexed variable to accumulator", alone},
-    {Command::UF0, "UF0", normal, never, moves, "user function 0", user_defined},
-    {Command::UF1, "UF1", normal, never, moves, "user function 1", user_defined},
-    {Command::UF2, "UF2", normal, never, moves, "user function 2", user_defined},
-    {Command::UF3, "UF3", normal, never, moves, "user function 3", user_defined},
-    {Command::UF4, "UF4", normal, never, moves, "user function 4", user_defined},
-    {Command::UF5, "UF5", normal, never, moves, "user function 5", user_defined},
-    {Command::UF6, "UF6", normal, never, moves, "user function 6", user_defined},
-    {Command::UF7, "UF7", normal, never, moves, "user function 7", user_defined},
+    {Command::UF0, "UF0", normal, never, acts_as_built, "user function 0", user_defined},
+    {Command::UF1, "UF1", normal, never, acts_as_built, "user function 1", user_defined},
+    {Command::UF2, "UF2", normal, never, acts_as_built, "user function 2", user_defined},
+    {Command::UF3, "UF3", normal, never, acts_as_built, "user function 3", user_defined},
+    {Command::UF4, "UF4", normal, never, acts_as_built, "user function 4", user_defined},
+    {Command::UF5, "UF5", normal, never, acts_as_built, "user function 5", user_defined},
+    {Command::UF6, "UF6", normal, never, acts_as_built, "user function 6", user_defined},
+    {Command::UF7, "UF7", normal, never, acts_as_built, "user function 7", user_defined},
     {Command::CALL, "CALL", normal, never, writes, "call subroutine conditionally", condition_address},
-    {Command::STOP_APPLICATION, "STOP_APPLICATION", normal, never, writes, "stop the stand-alone program"},
-    {Command::RUN_APPLICATION, "RUN_APPLICATION", normal, never, moves, "run the stand-alone program"},
-    {Command::STEP_APPLICATION, "STEP_APPLICATION", normal, never, moves, "execute one line of the program"},
-    {Command::RESET_APPLICATION, "RESET_APPLICATION", normal, never, writes, "set the program back to its start"},
+    {Command::STOP_APPLICATION, "STOP_APPLICATION", normal, never, ends_program, "stop the stand-alone program"},
+    {Command::RUN_APPLICATION, "RUN_APPLICATION", normal, never, runs_program, "run the stand-alone program"},
+    {Command::STEP_APPLICATION, "STEP_APPLICATION", normal, never, runs_program, "execute one line of the program"},
+    {Command::RESET_APPLICATION, "RESET_APPLICATION", normal, never, ends_program, "set the program back to its start"},
     {Command::START_DOWNLOAD, "START_DOWNLOAD", normal, never, writes, "enter download mode"},
     {Command::END_DOWNLOAD, "END_DOWNLOAD", normal, safe, writes, "leave download mode"},
     {Command::READ_TMCL_MEMORY, "READ_TMCL_MEMORY", memory, safe, reads, "read a line of the program"},
     {Command::GET_APPLICATION_STATUS, "GET_APPLICATION_STATUS", normal, safe, reads, "is the program running?"},
     {Command::GET_FIRMWARE_VERSION, "GET_FIRMWARE_VERSION", version, safe, reads, "model and firmware version"},
-    {Command::FACTORY_RESET, "FACTORY_RESET", none, never, moves, "restore factory settings"},
+    {Command::FACTORY_RESET, "FACTORY_RESET", none, never, restarts, "restore factory settings"},
     {Command::TARGET_REACHED_EVENT, "TARGET_REACHED_EVENT", then_event, never, writes,
      "ask for an event when the target is reached"},
     {Command::ENTER_ASCII_MODE, "ENTER_ASCII_MODE", normal, never, writes, "go over to the ASCII form"},
@@ -146,17 +208,17 @@ constexpr auto commands = std::to_array<CommandInfo>({
      "record values at ticks of the module's clock; not every module has it"},
     {Command::GET_IDS, "GET_IDS", normal, safe, reads,
      "identification of the board's parts; firmware of evaluation boards only"},
-    {Command::WRITE_USER_CHANNEL, "WRITE_USER_CHANNEL", normal, never, moves,
+    {Command::WRITE_USER_CHANNEL, "WRITE_USER_CHANNEL", normal, never, acts_as_built,
      "write to a user function channel; a customer's firmware only"},
     {Command::READ_USER_CHANNEL, "READ_USER_CHANNEL", normal, never, writes,
      "read a user function channel; a customer's firmware only"},
-    {Command::WRITE_MC, "WRITE_MC", normal, never, moves, "write a register of the motion controller"},
-    {Command::WRITE_DRV, "WRITE_DRV", normal, never, moves, "write a register of the motor driver"},
+    {Command::WRITE_MC, "WRITE_MC", normal, never, writes_register, "write a register of the motion controller"},
+    {Command::WRITE_DRV, "WRITE_DRV", normal, never, writes_register, "write a register of the motor driver"},
     {Command::READ_MC, "READ_MC", normal, never, reads, "read a register of the motion controller"},
     {Command::READ_DRV, "READ_DRV", normal, never, reads, "read a register of the motor driver"},
     {Command::MEASURED_SPEED, "MEASURED_SPEED", normal, safe, reads, "measured speed"},
     {Command::BOARD_ERROR, "BOARD_ERROR", normal, never, reads, "error flags of the board"},
-    {Command::BOARD_RESET, "BOARD_RESET", normal, never, moves, "reset the board"},
+    {Command::BOARD_RESET, "BOARD_RESET", normal, never, acts_as_built, "reset the board"},
     {Command::GET_INFO, "GET_INFO", normal, safe, reads, "identity and abilities of the firmware"},
     {Command::WLAN0, "WLAN0", normal, never, writes, "wireless interface, function 0"},
     {Command::WLAN1, "WLAN1", normal, never, writes, "wireless interface, function 1"},
@@ -165,35 +227,35 @@ constexpr auto commands = std::to_array<CommandInfo>({
     {Command::GET_AP_MIN, "GET_AP_MIN", normal, safe, reads, "least value of an axis parameter"},
     {Command::GET_AP_MAX, "GET_AP_MAX", normal, safe, reads, "greatest value of an axis parameter"},
     {Command::OTP, "OTP", normal, never, writes, "one-time programmable memory"},
-    {Command::BOOT_ERASE_ALL, "BOOT_ERASE_ALL", normal, never, writes, "bootloader: erase the firmware"},
-    {Command::BOOT_WRITE_BUFFER, "BOOT_WRITE_BUFFER", normal, never, writes, "bootloader: fill the page buffer"},
-    {Command::BOOT_WRITE_PAGE, "BOOT_WRITE_PAGE", normal, never, writes, "bootloader: write a page"},
+    {Command::BOOT_ERASE_ALL, "BOOT_ERASE_ALL", normal, never, boot_writes, "bootloader: erase the firmware"},
+    {Command::BOOT_WRITE_BUFFER, "BOOT_WRITE_BUFFER", normal, never, boot_writes, "bootloader: fill the page buffer"},
+    {Command::BOOT_WRITE_PAGE, "BOOT_WRITE_PAGE", normal, never, boot_writes, "bootloader: write a page"},
     {Command::BOOT_GET_CHECKSUM, "BOOT_GET_CHECKSUM", normal, safe, reads, "bootloader: checksum of the firmware"},
     {Command::BOOT_READ_MEMORY, "BOOT_READ_MEMORY", normal, safe, reads, "bootloader: read memory"},
-    {Command::BOOT_START_APPLICATION, "BOOT_START_APPLICATION", none, never, moves, "bootloader: start the firmware"},
+    {Command::BOOT_START_APPLICATION, "BOOT_START_APPLICATION", none, never, restarts, "bootloader: start the firmware"},
     {Command::BOOT_GET_INFO, "BOOT_GET_INFO", normal, safe, reads, "bootloader: page size and memory size"},
-    {Command::BOOT_WRITE_LENGTH, "BOOT_WRITE_LENGTH", normal, never, writes, "bootloader: write length and checksum"},
-    {Command::ENTER_BOOTLOADER, "ENTER_BOOTLOADER", none, never, moves, "leave the firmware for the bootloader"},
-    {Command::SOFTWARE_RESET, "SOFTWARE_RESET", normal, never, moves, "restart the module"},
+    {Command::BOOT_WRITE_LENGTH, "BOOT_WRITE_LENGTH", normal, never, boot_writes, "bootloader: write length and checksum"},
+    {Command::ENTER_BOOTLOADER, "ENTER_BOOTLOADER", none, never, restarts, "leave the firmware for the bootloader"},
+    {Command::SOFTWARE_RESET, "SOFTWARE_RESET", normal, never, restarts, "restart the module"},
 });
 
 constexpr auto subtypes = std::to_array<SubtypeInfo>({
-    {Command::MVP, move_type::absolute, "ABS", never, moves},
-    {Command::MVP, move_type::relative, "REL", never, moves},
-    {Command::MVP, move_type::coordinate, "COORD", never, moves},
-    {Command::MVP, 3, "RELCOORD", never, moves},
+    {Command::MVP, move_type::absolute, "ABS", never, moves_to},
+    {Command::MVP, move_type::relative, "REL", never, moves_by},
+    {Command::MVP, move_type::coordinate, "COORD", never, moves_to_coordinate},
+    {Command::MVP, 3, "RELCOORD", never, moves_elsewhere},
     // Positions, speeds and the ramp mode, under all the numbers that families of modules use for them.
-    {Command::SAP, 0, "", never, moves},
-    {Command::SAP, 1, "", never, moves},
-    {Command::SAP, 2, "", never, moves},
-    {Command::SAP, 3, "", never, moves},
-    {Command::SAP, 128, "", never, moves},
-    {Command::SAP, 129, "", never, moves},
-    {Command::SAP, 132, "", never, moves},
-    {Command::SAP, 133, "", never, moves},
-    {Command::SAP, 138, "", never, moves},
-    {Command::RFS, search_type::start, "START", never, moves},
-    {Command::RFS, search_type::stop, "STOP", safe, stops},
+    {Command::SAP, 0, "", never, writes_target},
+    {Command::SAP, 1, "", never, writes_position},
+    {Command::SAP, 2, "", never, turns},
+    {Command::SAP, 3, "", never, may_turn},
+    {Command::SAP, 128, "", never, writes_mode},
+    {Command::SAP, 129, "", never, may_turn},
+    {Command::SAP, 132, "", never, may_turn},
+    {Command::SAP, 133, "", never, may_turn},
+    {Command::SAP, 138, "", never, writes_mode},
+    {Command::RFS, search_type::start, "START", never, searches},
+    {Command::RFS, search_type::stop, "STOP", safe, ends_search},
     {Command::RFS, search_type::status, "STATUS", safe, reads},
     {Command::CALC, 0, "ADD", never, writes},
     {Command::CALC, 1, "SUB", never, writes},
@@ -218,11 +280,11 @@ constexpr auto subtypes = std::to_array<SubtypeInfo>({
     {Command::JC, 10, "EDV", never, writes},
     {Command::JC, 11, "EPO", never, writes},
     {Command::JC, 12, "ESD", never, writes},
-    {Command::WAIT, 0, "TICKS", never, writes},
-    {Command::WAIT, 1, "POS", never, writes},
-    {Command::WAIT, 2, "REFSW", never, writes},
-    {Command::WAIT, 3, "LIMSW", never, writes},
-    {Command::WAIT, 4, "RFS", never, writes},
+    {Command::WAIT, 0, "TICKS", never, writes_motor},
+    {Command::WAIT, 1, "POS", never, writes_motor},
+    {Command::WAIT, 2, "REFSW", never, writes_motor},
+    {Command::WAIT, 3, "LIMSW", never, writes_motor},
+    {Command::WAIT, 4, "RFS", never, writes_motor},
     {Command::CALCX, 0, "ADD", never, writes},
     {Command::CALCX, 1, "SUB", never, writes},
     {Command::CALCX, 2, "MUL", never, writes},
@@ -311,9 +373,9 @@ constexpr auto subtypes = std::to_array<SubtypeInfo>({
     {Command::CALCV, 8, "NOT", never, writes},
     {Command::CALCV, 9, "LOAD", never, writes},
     {Command::CALCV, 11, "COMP", never, writes},
-    {Command::MVPA, move_type::absolute, "ABS", never, moves},
-    {Command::MVPA, move_type::relative, "REL", never, moves},
-    {Command::MVPA, move_type::coordinate, "COORD", never, moves},
+    {Command::MVPA, move_type::absolute, "ABS", never, unseen(moves_to)},
+    {Command::MVPA, move_type::relative, "REL", never, unseen(moves_by)},
+    {Command::MVPA, move_type::coordinate, "COORD", never, unseen(moves_to_coordinate)},
     {Command::CALL, 0, "ZE", never, writes},
     {Command::CALL, 1, "NZ", never, writes},
     {Command::CALL, 2, "EQ", never, writes},
@@ -326,8 +388,8 @@ constexpr auto subtypes = std::to_array<SubtypeInfo>({
     {Command::CALL, 9, "EAL", never, writes},
     {Command::CALL, 10, "EDV", never, writes},
     {Command::CALL, 11, "EPO", never, writes},
-    {Command::RUN_APPLICATION, 0, "CONTINUE", never, moves},
-    {Command::RUN_APPLICATION, 1, "FROM_ADDRESS", never, moves},
+    {Command::RUN_APPLICATION, 0, "CONTINUE", never, runs_program},
+    {Command::RUN_APPLICATION, 1, "FROM_ADDRESS", never, runs_program},
     {Command::GET_FIRMWARE_VERSION, 0, "TEXT", safe, reads},
     {Command::GET_FIRMWARE_VERSION, 1, "BINARY", safe, reads},
     {Command::TARGET_REACHED_EVENT, 0, "NEXT_MOVE", never, writes},
@@ -386,6 +448,18 @@ constexpr auto places = [] {
   }
   return all;
 }();
+
+/// How the compiler writes a number that no enumerator has: in brackets.
+template <Command command>
+constexpr bool is_named() {
+  const std::string_view name = __PRETTY_FUNCTION__;
+  return name.substr(name.find("command = ") + 10).front() != '(';
+}
+template <std::size_t... numbers>
+constexpr bool have_rows(std::index_sequence<numbers...>) {
+  return ((places[numbers] != 0 || !is_named<static_cast<Command>(numbers)>()) && ...);
+}
+static_assert(have_rows(std::make_index_sequence<256>()), "a command has no row");
 
 const SubtypeInfo* find_subtype(Command command, std::uint8_t type) {
   const auto key = key_of(command, type);
@@ -451,10 +525,10 @@ Repeat repeat_rule(Command command, std::uint8_t type) {
   return row != nullptr ? row->repeat : Repeat::never;
 }
 
-Effect effect_of(Command command, std::uint8_t type) {
-  if (const auto* row = find_subtype(command, type)) return row->effect;
+const Intent& intent_of(Command command, std::uint8_t type) {
+  if (const auto* row = find_subtype(command, type)) return row->intent;
   const auto* row = find_command(static_cast<std::uint8_t>(command));
-  return row != nullptr ? row->effect : Effect::moves;
+  return row != nullptr ? row->intent : unforeseen;
 }
 
 }  // namespace tmcl

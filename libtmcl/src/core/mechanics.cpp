@@ -12,8 +12,6 @@ namespace tmcl {
 namespace {
 
 constexpr std::string_view ramp_mode = "ramp_mode";
-constexpr std::array ramp_modes{number_of(Family::tmc457, ramp_mode),
-                                number_of(Family::tmc429, ramp_mode)};
 
 // Twelve digits: what is behind them comes from the conversion, not from the user.
 std::string rounded_text(double value) { return plain_number(value, 12); }
@@ -43,19 +41,6 @@ std::optional<ModeParameter> mode_parameter(std::span<const ParameterInfo> table
   const auto* row = find_parameter(table, ramp_mode);
   if (row == nullptr) return std::nullopt;
   return ModeParameter{row->number, velocity_mode};
-}
-
-SetOff set_off_by(std::uint8_t parameter, std::span<const ParameterInfo> table) {
-  switch (parameter) {
-    case axis_parameter::target_position: return SetOff::move_to_value;
-    case axis_parameter::actual_position: return SetOff::held_move;
-    case axis_parameter::target_velocity: return SetOff::turning_at_value;
-    default: break;
-  }
-  const auto mode = mode_parameter(table);
-  const bool is_mode = table.empty() ? std::ranges::count(ramp_modes, parameter) != 0
-                                     : mode && mode->number == parameter;
-  return is_mode ? SetOff::held_move_or_turning : SetOff::nothing;
 }
 
 ValueRange microsteps_within(const SoftLimits& limits, const UserScale& scale) {

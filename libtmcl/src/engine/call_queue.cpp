@@ -1,6 +1,7 @@
 #include "engine/call_queue.hpp"
 
-#include "tmcl/coordinates.hpp"
+#include "tmcl/address.hpp"
+#include "tmcl/intent.hpp"
 
 namespace tmcl::engine {
 namespace {
@@ -15,10 +16,7 @@ bool has_defaults(const CallOptions& options) {
 bool is_ended_by(const Request& stop, const Call& call) {
   const auto& request = call.request;
   if (reply_byte(request.address) != reply_byte(stop.address)) return false;
-  if (call.effect != Effect::moves) return false;
-  // Commands above 127 control programs and chips: they know no motor, so they may concern any.
-  return request.motor == stop.motor || moves_together(request, stop.motor) ||
-         static_cast<std::uint8_t>(request.command) >= 128;
+  return call.effect == Effect::moves && can_move(request, {request.address, stop.motor});
 }
 
 std::size_t CallQueue::kind_of(const Call& call) {

@@ -9,21 +9,9 @@ namespace tmcl {
 namespace {
 
 constexpr std::uint8_t eeprom = 255;  // in place of the motor
-constexpr std::uint8_t each_for_itself = 0x80;
-constexpr std::uint8_t interpolated = 0x40;
 constexpr std::uint8_t greatest_mask = 0x3F;
 
 }  // namespace
-
-bool moves_several(const Request& request) {
-  const bool moves = request.command == Command::MVP || request.command == Command::MVPA;
-  return moves && request.type == move_type::coordinate &&
-         (request.motor & (each_for_itself | interpolated)) != 0;
-}
-
-bool moves_together(const Request& request, std::uint8_t motor) {
-  return moves_several(request) && motor < motors_in_mask && (request.motor >> motor & 1) != 0;
-}
 
 namespace verbs {
 namespace {
@@ -90,7 +78,8 @@ Script<Result<void>> move_motors_to_coordinate(ModuleAddress module, MotorMask m
     co_return tl::unexpected(bad_argument(fmt::format("{} names no motors", motors.bits),
                                           "a mask has bits for the motors 0 to 5"));
   }
-  const auto how = together == Together::interpolated ? interpolated : each_for_itself;
+  const auto how =
+      together == Together::interpolated ? motor_mask::interpolated : motor_mask::each_for_itself;
   const auto field = static_cast<std::uint8_t>(how | motors.bits);
   co_return co_await act_on(number, {module, Command::MVP, move_type::coordinate, field, number});
 }
