@@ -27,7 +27,7 @@ class Daemon {
  public:
   /// The configuration as it is now; errors: lines for a person. May block.
   using LoadAgain = std::function<tl::expected<Config, std::vector<std::string>>()>;
-  /// What has become of it, in a line; errors: likewise, and all is as it was.
+  /// What has become of it, in a line; errors: a sentence, and all is as it was.
   using Reloaded = tl::expected<std::string, std::vector<std::string>>;
 
   /// Claims the socket, or takes that of the service, and opens the ports. The context must outlive
@@ -44,7 +44,7 @@ class Daemon {
   ~Daemon();
 
   /// Runs the context and serves until stop() is called or, after end_on_signals(), SIGTERM or
-  /// SIGINT comes. False if something was thrown that nobody could see to: then all axes were
+  /// SIGINT comes. False after an exception that no caller handled: then all axes were
   /// stopped.
   bool run();
   /// Serves as well, but another one runs the context, until has_ended().

@@ -20,8 +20,8 @@ class SharedWork {
  public:
   bool in_progress() const { return current_ != nullptr; }
 
-  /// The result of a run that begins after this was called, by whoever asked first. Of a run that
-  /// throws, everybody gets the exception.
+  /// The result of a run that begins after this was called, by the first that asked. Of a run that
+  /// throws, all waiters get the exception.
   template <class Work>
   boost::asio::awaitable<T> begin(Work work) {
     if (const auto next = next_) {

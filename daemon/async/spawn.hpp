@@ -1,4 +1,4 @@
-/// Starts a coroutine that nobody waits for.
+/// Starts a coroutine without waiting for it.
 #pragma once
 
 #include <exception>
@@ -23,8 +23,8 @@ void spawn(const boost::asio::any_io_executor& executor, boost::asio::awaitable<
 }
 
 /// What it throws comes out of the reactor's run(), where the daemon sees to it: Asio's `detached`
-/// would drop it without a word. In a turn of its own, so that it tears down nobody who happened to
-/// wake this coroutine up.
+/// would drop it without a word. In a turn of its own, so that it does not tear down the coroutine
+/// that woke this one up.
 inline void spawn(const boost::asio::any_io_executor& executor, boost::asio::awaitable<void> task) {
   spawn(executor, std::move(task), [executor](const std::exception_ptr& failure) {
     boost::asio::post(executor, [failure] { std::rethrow_exception(failure); });

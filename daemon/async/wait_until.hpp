@@ -1,4 +1,4 @@
-/// Waiting for what somebody else brings about, by looking at it.
+/// Waiting for what another coroutine brings about, by looking at it.
 #pragma once
 
 #include <boost/asio/awaitable.hpp>
@@ -8,7 +8,7 @@
 
 namespace tmcld {
 
-/// Looks every few milliseconds. At least once: whoever was woken up comes to an end meanwhile.
+/// Looks every few milliseconds. At least once: what was woken up comes to its end meanwhile.
 template <class Condition>
 boost::asio::awaitable<void> wait_until(Condition condition, tmcl::Duration at_most) {
   constexpr tmcl::Duration look_interval = std::chrono::milliseconds(5);

@@ -8,7 +8,7 @@
 
 namespace tmcld {
 
-/// Appends what is wrong to `problems`. That files can be read is for whoever opens them.
+/// Appends what is wrong to `problems`. That files can be read is checked when they are opened.
 HttpConfig build_http(const ConfigSection& section, std::vector<ConfigProblem>& problems);
 
 }  // namespace tmcld

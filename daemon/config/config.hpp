@@ -61,7 +61,7 @@ struct AccessConfig {
 
 /// What one module was measured to be like.
 struct MeasuredModule {
-  const tmcl::Model* model = nullptr;  ///< Null: nobody has measured it.
+  const tmcl::Model* model = nullptr;  ///< Null: it was not measured.
   tmcl::ModuleTraits traits{};
 };
 
@@ -152,7 +152,7 @@ struct Config {
   DaemonConfig daemon;
   std::vector<BusConfig> buses;
   std::vector<AxisConfig> axes;
-  std::vector<AccessConfig> access{};  ///< Empty: whoever can connect may do everything.
+  std::vector<AccessConfig> access{};  ///< Empty: every client may do everything.
   std::vector<PortConfig> ports{};
   /// All that is said in sections of other kinds than these.
   std::string others{};

@@ -18,7 +18,7 @@ constexpr std::int32_t shortest_deadman_ms = 100;
 constexpr std::int32_t longest_deadman_ms = 65'535;  // of the module's parameter
 /// A module is sent something so often within the time of its deadman.
 constexpr int feedings_per_deadman = 3;
-/// Of a wire, in percent: the rest is for whoever moves something.
+/// Of a wire, in percent: the rest is for movements.
 constexpr int most_feeding_percent = 50;
 
 constexpr tmcl::Duration feeding_interval(std::int32_t deadman_ms) {
@@ -32,7 +32,7 @@ inline std::string fault_of_deadman(std::int32_t ms) {
          std::to_string(shortest_deadman_ms) + ".." + std::to_string(longest_deadman_ms);
 }
 
-/// How long a question and its answer keep a wire busy. Nobody knows how fast a CAN interface is
+/// How long a question and its answer keep a wire busy. It is unknown how fast a CAN interface is
 /// set up, or the line behind a device server: then as in `in_words`.
 struct FeedingWire {
   tmcl::Duration exchange;

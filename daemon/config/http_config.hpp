@@ -10,7 +10,7 @@
 
 namespace tmcld {
 
-/// An address of this computer, in numbers: whoever connects to it is served.
+/// An address of this computer, in numbers, at which clients are served.
 struct HttpAddress {
   std::string host{};      ///< Without brackets.
   std::uint16_t port = 0;  ///< 0: any that is free.

@@ -1,4 +1,4 @@
-/// What files say of one module, whoever reads them: the keys under [module] in a file about what
+/// What files say of one module: the keys under [module] in a file about what
 /// was measured, and those of a [[module]] of a bench file that are about the same.
 #pragma once
 

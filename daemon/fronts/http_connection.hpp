@@ -11,7 +11,7 @@
 
 namespace tmcld {
 
-/// Takes in whoever has connected. `tls`: null for a port without.
+/// Serves a new connection. `tls`: null for a port without.
 void begin_http_connection(boost::asio::ip::tcp::socket socket,
                            std::shared_ptr<boost::asio::ssl::context> tls, HttpConnectionInfo info,
                            std::shared_ptr<HttpConnections> connections);

@@ -23,7 +23,7 @@ std::vector<std::string> advice_on_files(const HttpConfig& config);
 
 class HttpServer {
  public:
-  /// Listens, but serves nobody yet; at most `clients`. Errors: a sentence for a person, with what
+  /// Listens, but serves no client yet; at most `clients`. Errors: a sentence, with what
   /// to try.
   static tl::expected<std::shared_ptr<HttpServer>, std::string> create(
       const boost::asio::any_io_executor& executor, const HttpConfig& config,

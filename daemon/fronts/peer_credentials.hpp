@@ -5,7 +5,7 @@
 
 namespace tmcld {
 
-/// As the kernel had it when the other end connected; with all of its groups. Of nobody if the
+/// As the kernel had it when the other end connected; with all of its groups. Empty if the
 /// kernel does not tell.
 Credentials credentials_of_peer(int socket);
 

@@ -10,8 +10,8 @@
 
 namespace tmcld {
 
-/// Nine bytes make a datagram, whatever they are. The only way back into step is silence: whoever
-/// sees none of the rest for longest_gap drops what has begun.
+/// Nine bytes make a datagram, whatever they are. Only silence brings it back into step: what
+/// has begun is dropped when no more comes for longest_gap.
 class PortFramer {
  public:
   static constexpr tmcl::Duration longest_gap = std::chrono::milliseconds(5);

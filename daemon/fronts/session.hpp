@@ -30,13 +30,13 @@ namespace tmcld {
 /// what keeps or gives back a lease, so that no flood of other calls keeps one out.
 constexpr std::size_t max_requests_in_flight = 64;
 /// While more of answers waits to be written, requests that only read wait, too: their answers are
-/// the long ones, and nobody else waits for them. Whatever moves or stops something has its order.
+/// the long ones, and no other client waits for them. What moves or stops something has its order.
 constexpr std::size_t reads_wait_at_unsent_bytes = 128U * 1024U;
 
 /// Between two checks that a client which sends nothing is still connected.
 constexpr tmcl::Duration hang_up_check_interval = std::chrono::milliseconds(200);
 
-/// Whatever a client does, it costs nobody else anything, and no more memory than the bounds here
+/// Whatever a client does, it costs other clients nothing, and no more memory than the bounds here
 /// and in the outbox allow.
 class Session : public Peer, public TokenKeeper, public std::enable_shared_from_this<Session> {
  public:
@@ -86,7 +86,7 @@ class Session : public Peer, public TokenKeeper, public std::enable_shared_from_
   Wake& output() { return output_; }
   bool is_finishing() const { return finishing_; }
   bool has_waiting_requests() const { return !waiting_.empty(); }
-  /// Memory is missing, or there is a bug: costs this client its connection, and nobody else
+  /// Memory is missing, or there is a bug: costs this client its connection, and other clients
   /// anything.
   void fail(const std::exception_ptr& failure);
   const boost::asio::any_io_executor& executor() const { return executor_; }

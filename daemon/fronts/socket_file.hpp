@@ -1,5 +1,5 @@
 /// The unix socket in the file system: claimed by one daemon at a time, and gone when it ends; or
-/// made by somebody else, who keeps it.
+/// made by another process, which keeps it.
 #pragma once
 
 #include <sys/types.h>
@@ -17,14 +17,14 @@ class SocketFile {
   /// Errors: a sentence for a person, with what to try.
   static tl::expected<SocketFile, std::string> claim(const std::string& path);
   /// One that listens already, and is left where it is at the end. Takes the descriptor over.
-  /// Errors: likewise, if it is not the socket at `path`.
+  /// Errors: a sentence, if it is not the socket at `path`.
   static tl::expected<SocketFile, std::string> passed(int descriptor, const std::string& path);
 
   SocketFile(SocketFile&& other) noexcept;
   SocketFile& operator=(SocketFile&&) = delete;
   ~SocketFile();
 
-  /// Listens; whoever takes it over closes it.
+  /// Listens; its taker closes it.
   int release_descriptor();
   /// Clients may have come before anybody served them.
   bool was_passed() const { return was_passed_; }

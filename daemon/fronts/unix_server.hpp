@@ -19,10 +19,10 @@
 namespace tmcld {
 
 constexpr std::size_t max_clients = 1024;
-/// Connections beside those of the clients, for stops and nothing else: whoever comes while there
-/// are enough clients gets one.
+/// Connections beside those of the clients, for stops and nothing else: a client that comes while
+/// there are enough clients gets one.
 constexpr std::size_t places_for_stops = 16;
-/// So long whoever has such a place can ask before somebody else may get it.
+/// How long the owner of such a place can ask before another client may get it.
 constexpr tmcl::Duration time_to_ask = std::chrono::milliseconds(50);
 
 /// At most `clients` clients, and places_for_stops.
@@ -46,8 +46,8 @@ class UnixServer : public std::enable_shared_from_this<UnixServer> {
  private:
   using Protocol = boost::asio::local::stream_protocol;
 
-  /// On a socket that somebody else opened, clients may wait since long ago. Who of them has asked
-  /// for something already is cut off: nobody knows whether it is still wanted.
+  /// On a socket that another process opened, clients may have waited for long. A client that has
+  /// asked for something already is cut off: its request may be stale.
   void take_in_who_waits();
   static boost::asio::awaitable<void> accept(std::shared_ptr<UnixServer> self);
   void take_in(Protocol::socket socket);

@@ -11,7 +11,7 @@
 
 namespace tmcld {
 
-/// Whoever adds a line waits for nothing. So many lines wait; of those that come then, it is only
+/// Adding a line never waits. So many lines are queued; of those that come then, it is only
 /// told how many there were.
 class AuditTrail {
  public:
@@ -30,7 +30,7 @@ class AuditTrail {
   static std::string problem_of(const std::string& file);
 
   void add(AuditEntry entry);
-  /// Opens the file again by its name: somebody may have moved the old one away.
+  /// Opens the file again by its name: the old one may have been moved away.
   void reopen();
 
  private:

@@ -20,7 +20,7 @@ std::string journald_entry(int priority, std::string_view line);
 /// A socket that such datagrams go to.
 class JournaldSocket {
  public:
-  /// Nobody may be there; then nothing can be sent.
+  /// journald may be absent; then nothing can be sent.
   explicit JournaldSocket(const std::string& path = "/run/systemd/journal/socket");
   JournaldSocket(const JournaldSocket&) = delete;
   JournaldSocket& operator=(const JournaldSocket&) = delete;

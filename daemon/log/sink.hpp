@@ -1,4 +1,4 @@
-/// Where the gateway's lines about what happens go: whoever makes a gateway decides that.
+/// Where the gateway's lines about what happens go; the maker of the gateway decides that.
 #pragma once
 
 #include <exception>
@@ -11,7 +11,7 @@ namespace tmcld {
 
 using LogSink = std::function<void(LogLevel level, std::string_view line)>;
 
-/// For a gateway whose lines nobody reads.
+/// For a gateway whose lines are dropped.
 inline void no_log(LogLevel, std::string_view) {}
 
 /// What an exception says; valid as long as the exception is.

@@ -13,7 +13,7 @@
 
 namespace tmcld {
 
-/// Move-only. Made by default it is nobody's service: all that is told is dropped.
+/// Move-only. Made by default it serves no manager: all reports are dropped.
 class Service {
  public:
   /// Errors: a sentence for a person, about sockets that cannot be served.
@@ -24,7 +24,7 @@ class Service {
   Service& operator=(Service&& other) noexcept;
   ~Service();
 
-  /// Whether somebody wants to be told.
+  /// Whether a manager wants reports.
   bool is_watched() const { return descriptor_ >= 0; }
   /// How often alive() is expected at least, with a margin; a second if it is not expected.
   tmcl::Duration report_interval() const;
@@ -37,7 +37,7 @@ class Service {
   /// The reactor turns. Without a watchdog it does nothing.
   void alive() const;
 
-  /// A unix socket that listens; whoever takes it closes it. Nothing if none was passed.
+  /// A unix socket that listens; its taker closes it. Nothing if none was passed.
   std::optional<int> take_socket() { return std::exchange(socket_, std::nullopt); }
 
  private:
@@ -46,7 +46,7 @@ class Service {
 
   std::string address_;  ///< As the kernel has it: of an abstract one the first byte is zero.
   int descriptor_ = -1;
-  tmcl::Duration watchdog_{};  ///< Zero: nobody waits for alive().
+  tmcl::Duration watchdog_{};  ///< Zero: no watchdog waits for alive().
   std::optional<int> socket_;
 };
 

@@ -64,7 +64,7 @@ class Axis {
   /// What MVP ABS answers: invalid_value for a position that the chip does not have, unless it
   /// wraps.
   Status move_to(std::int32_t position);
-  /// What MVP REL answers, likewise for a distance. The target wraps as the chip's positions do.
+  /// What MVP REL answers, for a distance. The target wraps as the chip's positions do.
   Status move_by(std::int32_t distance);
 
   /// Slows the positioning under way, so that it arrives as late as it can, but not after this
@@ -82,7 +82,7 @@ class Axis {
   /// Global parameters 79 and 90, where a module has them.
   void reverse_limit_polarity(bool reversed);
   void reverse_shaft(bool reversed);
-  /// Somebody has changed the stage or its load.
+  /// The stage or its load has changed.
   void stage_changed();
   /// What the motors have, in tenths of a volt.
   void set_supply(std::int32_t supply);

@@ -42,7 +42,7 @@ class Globals {
   /// What STGP answers: wrong_type for what cannot be kept, invalid_value for an unknown bank,
   /// eeprom_locked.
   Status store(std::uint8_t bank, std::uint8_t number);
-  /// What RSGP answers, likewise. What was never stored gets its factory setting.
+  /// What RSGP answers. What was never stored gets its factory setting.
   Status restore(std::uint8_t bank, std::uint8_t number);
 
   /// Whether parameter 73 forbids to write anything to the EEPROM.

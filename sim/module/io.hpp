@@ -45,7 +45,7 @@ class Io {
   /// The world outside drives an input; false, and nothing happens, if there is no such port. An
   /// input that was never driven is as the pull-up resistors make it.
   bool set_input(std::uint8_t port, bool high);
-  /// Likewise. Values are what the converter reads, 0..65535, or those of the two special ports.
+  /// The same. Values are what the converter reads, 0..65535, or those of the two special ports.
   bool set_analog(std::uint8_t port, std::int32_t value);
 
   /// Of the motors, in 0.1 V.

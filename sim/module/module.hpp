@@ -32,7 +32,7 @@ namespace tmcl::sim {
 enum class Medium : std::uint8_t { serial, can };
 
 /// Does no I/O. Time is that of the clock it was built with; whatever happens in the module happens
-/// at its own instant, to the tick, even if nobody looks before long after.
+/// at its own instant, to the tick, however late it is looked at.
 ///
 /// Errors come in the order checksum (found by the receiver), command, type, motor or bank, value.
 /// Except for what a command reads, a reply's value repeats the request's; only a relative movement
@@ -89,14 +89,14 @@ class Module final : private ProgramHost {
   void set_supply(std::int32_t supply);
   /// Too little of it for so long.
   void brown_out(Duration duration);
-  /// Likewise its shutdown input, for global parameter 80; false for a model without.
+  /// The same for its shutdown input, for global parameter 80; false for a model without.
   bool set_shutdown_input(bool high);
   /// As it was when run_due() or execute() last ran.
   const Axis& axis(std::size_t motor) const { return axes_.at(motor); }
   const Stage& stage(std::size_t motor) const { return stages_.at(motor); }
   /// Gives a motor something to drive.
   void mount(std::size_t motor, const StageSettings& settings);
-  /// Somebody does something to the stage of a motor, now.
+  /// An action on the stage of a motor, now.
   void at_stage(std::size_t motor, const std::function<void(Stage&)>& change);
   /// Whether its serial interface speaks ASCII, after command 139 or a start with bit 0 of global
   /// parameter 67.

@@ -17,10 +17,10 @@ namespace tmcl::sim {
 struct Outlook {
   /// When it stands on its target; `never` if that cannot be foreseen.
   TimePoint arrival = never;
-  /// When it stands for good, on its target or not; likewise.
+  /// When it stands for good, on its target or not; `never` the same.
   TimePoint rest = never;
-  /// When to look again, at a motor that goes to and fro without end: so nobody has to wait one day
-  /// until hours of that are worked out. `never` for all others.
+  /// When to look again, at a motor that goes to and fro without end: so that no later
+  /// look has to work out hours of that. `never` for all others.
   TimePoint look_again = never;
 };
 
@@ -51,7 +51,7 @@ class Motor {
   /// When to look whether it has gone more than so many microsteps back or ahead from here: exactly
   /// when it has, or earlier if that is too far to be foreseen; `never` if it never will.
   virtual TimePoint passing(std::int64_t back, std::int64_t ahead) const = 0;
-  /// Likewise, whether it has come to stand or turned round.
+  /// The same of whether it has come to stand or turned round.
   virtual TimePoint turning() const = 0;
 
   virtual SwitchWiring wiring() const { return {}; }

@@ -18,8 +18,8 @@ namespace tmcl::sim {
 tl::expected<std::optional<Eeprom>, std::string> read_eeprom_file(const std::filesystem::path& path,
                                                                   const Model& model);
 
-/// Replaces the file as a whole: whoever reads it finds the old one or the new one. Makes its
-/// folder if there is none. The error is a sentence likewise.
+/// Replaces the file as a whole: a reader finds the old one or the new one. Makes its
+/// folder if there is none. The error is a sentence.
 tl::expected<void, std::string> write_eeprom_file(const std::filesystem::path& path,
                                                   const Eeprom& eeprom, const Model& model);
 

@@ -17,7 +17,7 @@ namespace tmcl::sim {
 /// have rates, the host's is the one that it has set on the terminal.
 OpenedPort open_pty_port(boost::asio::io_context& io, Scheduler& scheduler,
                          const std::filesystem::path& path, const SerialWire& wire = {});
-/// Likewise. What a host has written when it is read is taken for one packet: a pseudo terminal
+/// The same. What a host has written when it is read is taken for one packet: a pseudo terminal
 /// does not keep them apart.
 OpenedPort open_usb_pty_port(boost::asio::io_context& io, Scheduler& scheduler, Module& module,
                              const std::filesystem::path& path, std::uint64_t seed);

@@ -1,4 +1,4 @@
-/// At which rate whoever has opened a terminal speaks.
+/// The rate at which the program that has opened a terminal speaks.
 #pragma once
 
 #include <cstdint>
@@ -6,7 +6,7 @@
 namespace tmcl::sim {
 
 /// In bits per second, whatever number it is; of a pseudo terminal, either end tells what the other
-/// one has set. 1 if it cannot be learnt, which is nobody's rate.
+/// one has set. 1 if it cannot be learnt, which is no real rate.
 std::uint32_t rate_of_terminal(int descriptor);
 
 }  // namespace tmcl::sim

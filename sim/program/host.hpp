@@ -54,8 +54,8 @@ class ProgramHost {
   virtual bool input(std::size_t number) const = 0;
   virtual Alarms alarms() const = 0;
 
-  /// When something of the above may next change without anybody's doing, such as a motor's
-  /// arrival; `never` if that cannot be foreseen. What somebody does is followed by a run_due().
+  /// When something of the above may next change by itself, such as at a motor's arrival; `never`
+  /// if that cannot be foreseen. Each action from outside is followed by run_due().
   virtual TimePoint next_event() const = 0;
 };
 

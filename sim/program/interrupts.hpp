@@ -15,8 +15,8 @@ namespace tmcl::sim {
 namespace interrupt {
 constexpr std::uint8_t timer = 0;            ///< And the two after it.
 constexpr std::uint8_t target_reached = 3;   ///< Motor 0; motor 1 has the next, and so on.
-constexpr std::uint8_t stall = 15;           ///< Likewise.
-constexpr std::uint8_t deviation = 21;       ///< Likewise.
+constexpr std::uint8_t stall = 15;           ///< The same.
+constexpr std::uint8_t deviation = 21;       ///< The same.
 constexpr std::uint8_t stop_left = 27;       ///< Motor 0, and 28 its right one; then motor 1's.
 constexpr std::uint8_t input = 39;           ///< Input 0; input 1 has the next, and so on.
 constexpr std::uint8_t global_enable = 255;  ///< For EI and DI only: all of them.

@@ -23,7 +23,7 @@ constexpr Duration command_time = std::chrono::microseconds(100);
 constexpr Duration wait_tick = std::chrono::milliseconds(10);
 /// Subroutines within subroutines, as the vendor's firmware headers have it.
 constexpr std::size_t deepest_call = 8;
-constexpr std::size_t most_breakpoints = 10;  ///< Likewise.
+constexpr std::size_t most_breakpoints = 10;  ///< The same.
 
 /// Whether a command means the same when a host sends it as within a program. (Those that take a
 /// value from the accumulator do not, nor do jumps.)

@@ -34,7 +34,7 @@ std::int64_t torque_available(const StageSettings& stage, const MotorState& moto
 /// What is asked in 1/1000 of what there is; that is more than 1000 of a motor without torque.
 std::int64_t relative_load(const StageSettings& stage, const MotorState& motor);
 
-/// Its load or its torque changes with the speed, so that nobody can say when it stalls but by
+/// Its load or its torque changes with the speed, so that the moment of a stall is found only by
 /// looking.
 bool changes_with_speed(const StageSettings& stage);
 

@@ -43,7 +43,7 @@ struct StageSettings {
   std::int32_t inertia = 0;  ///< More for each full step per second squared, in 1/1000000.
   /// In full steps per second, at 24 V: above it the torque of the motor falls. Without one, never.
   std::optional<std::int32_t> corner_speed{};
-  /// Likewise: only below it a motor that has lost its steps catches on. Without one, at any speed.
+  /// The same: only below it a motor that has lost its steps catches on. Without one, at any speed.
   std::optional<std::int32_t> pull_in_speed{};
   bool torque_follows_current = false;  ///< Otherwise every current is the full one.
   DriverFaults faults{};                ///< Of the driver, and of the cable to the motor.
@@ -86,7 +86,7 @@ class Stage {
   Reach reach() const;
 
   StageInputs inputs() const;
-  /// Somebody holds a switch with a finger, until it is released.
+  /// A switch is held by hand until it is released.
   void press(StageSwitch which, bool pressed);
 
   /// What the encoder has counted since the bench was switched on; 0 without one.

@@ -31,7 +31,7 @@ class Disturbance {
       if (hits_.p() > 0 && hits_(random_))
         byte = static_cast<std::uint8_t>(byte ^ 1U << draw() % 8);
   }
-  /// By another rate, or by somebody who speaks at the same time.
+  /// By another rate, or by another speaker at the same time.
   void garble(std::span<std::uint8_t> bytes) {
     for (auto& byte : bytes) byte = garbage();
   }

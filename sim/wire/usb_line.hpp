@@ -1,4 +1,4 @@
-/// The USB port of one module: packets instead of bytes, and nobody else on the cable.
+/// The USB port of one module: packets instead of bytes, and no other module on the cable.
 #pragma once
 
 #include <cstdint>

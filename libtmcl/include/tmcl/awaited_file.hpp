@@ -13,7 +13,7 @@ namespace tmcl {
 constexpr Duration longest_wait_for_file = std::chrono::seconds(2);
 constexpr Duration file_look_interval = std::chrono::milliseconds(20);
 
-/// True if somebody may make such a file: its directory exists.
+/// True if such a file can appear: its directory exists.
 inline bool may_appear(const std::filesystem::path& path) {
   std::error_code unreadable;
   const auto directory = path.has_parent_path() ? path.parent_path() : ".";
@@ -26,7 +26,7 @@ inline bool is_missing(const std::filesystem::path& path) {
   return std::filesystem::status(path, unreadable).type() == std::filesystem::file_type::not_found;
 }
 
-/// What the message of a failure adds: " (waited 2.0 s for it)"; nothing if nobody waited.
+/// What the message of a failure adds: " (waited 2.0 s for it)"; nothing without a wait.
 inline std::string waited_text(Duration waited) {
   if (waited < file_look_interval) return {};
   const auto tenths = std::chrono::round<std::chrono::duration<long, std::deci>>(waited).count();

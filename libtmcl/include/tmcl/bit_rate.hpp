@@ -9,7 +9,7 @@
 namespace tmcl {
 
 /// Bits a second: as the name says for a serial line, as its controller is set for CAN (asked of
-/// the kernel by rtnetlink, which answers at once). Nothing where nobody knows: virtual CAN, TCP,
+/// the kernel by rtnetlink, which answers at once). Nothing where it is unknown: virtual CAN, TCP,
 /// USB, also where that is a terminal, whose baud rate means nothing.
 std::optional<std::uint32_t> bit_rate_of(const LinkName& link);
 

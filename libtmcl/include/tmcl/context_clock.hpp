@@ -42,7 +42,7 @@ class VirtualTimeline final : public boost::asio::execution_context::service {
     auto found = waiting_.extract(place);
     return found ? std::move(found.mapped()) : Handler{};
   }
-  /// Whoever waits until the end of time waits for something else.
+  /// TimePoint::max() means no deadline: such waits do not count as due.
   std::optional<Place> earliest() const {
     const bool none = waiting_.empty() || waiting_.begin()->first.first == TimePoint::max();
     return none ? std::nullopt : std::optional(waiting_.begin()->first);

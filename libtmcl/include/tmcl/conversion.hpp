@@ -65,7 +65,7 @@ struct ValueRange {
 /// The range of a parameter while the module counts in `now`. `start` is what it counts in after
 /// power-up, which the table's ranges are in.
 ValueRange range_of(const ParameterInfo& row, const ModuleUnits& start, const ModuleUnits& now);
-/// What a module counts in as long as nobody has changed it.
+/// What a module counts in until that is changed.
 ModuleUnits initial_units(const Model& model);
 
 /// To the nearest. Errors: a rounded value outside the range; what is no number.
@@ -144,7 +144,7 @@ PulsesPerSecond to_pps(UserVelocity velocity, const UserScale& scale);
 /// An error in microsteps per second as one in the user's units per second.
 OutOfReach in_velocity_units(const OutOfReach& error, const UserScale& scale);
 PulsesPerSecond2 to_pps2(UserAcceleration acceleration, const UserScale& scale);
-/// Likewise per second squared.
+/// The same per second squared.
 OutOfReach in_acceleration_units(const OutOfReach& error, const UserScale& scale);
 
 // ---- ramps of a TMC429 ----

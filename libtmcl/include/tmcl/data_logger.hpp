@@ -41,7 +41,7 @@ struct CaptureTrigger {
   std::int32_t threshold = 0;
 };
 
-/// What somebody wants to have recorded.
+/// What is to be recorded.
 struct CaptureWish {
   std::vector<CaptureChannel> channels{};
   std::optional<double> rate_hz{};          ///< As fast as the module can if it is not given.

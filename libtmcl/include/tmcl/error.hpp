@@ -12,7 +12,7 @@
 
 namespace tmcl {
 
-/// What is known about a command. Whoever moves motors must branch on this.
+/// What is known about a command. Programs that move motors must branch on this.
 enum class Outcome : std::uint8_t {
   done,      ///< Executed; the module said so (or the command sends no reply and is on the wire).
   refused,   ///< Not executed; the module said why.
@@ -34,17 +34,17 @@ enum class Errc : std::uint8_t {
   bad_argument,        ///< The caller asked for something that cannot be; nothing was sent.
   move_interrupted,   ///< The axis stands, or is about to stand, somewhere else than where the move
                       ///< was to end.
-  unexpected_value,   ///< Not the value that was set, or nobody knows which of several is right.
+  unexpected_value,   ///< Not the value that was set, or one of several that differ.
   download_broken,    ///< A program could not be loaded; the module is left without one that could
                       ///< run.
   beyond_soft_limit,  ///< The axis was to go where its soft limits do not let it; nothing was sent.
-  in_bootloader,      ///< No firmware runs in the module: somebody gives it a new one, or has left
-                      ///< it in its bootloader. It executes nothing meanwhile.
-  axis_claimed,   ///< Somebody else moves the axis, along a line for instance; nothing was sent.
+  in_bootloader,      ///< No firmware runs in the module: an upload is under way, or was broken
+                      ///< off. It executes nothing meanwhile.
+  axis_claimed,   ///< Another call moves the axis, along a line for instance; nothing was sent.
   daemon_ending,  ///< The daemon is ending, and nothing is set in motion any more.
   leased,         ///< Another client has a lease of the axis; nothing was sent.
   lease_lost,     ///< The lease that the call is made under has ended; nothing was sent.
-  latched,        ///< The axis is not what it was, and nobody has said yet that it may move.
+  latched,        ///< The module has restarted or was replaced, and the axis is not cleared yet.
   not_permitted,  ///< Who asks for it may not have it, by the configuration; nothing was sent.
   stale_request,  ///< It was asked for before the daemon stood still for a while; nothing was sent.
 };

@@ -1,4 +1,4 @@
-/// Owns a file descriptor until somebody takes it over.
+/// Owns a file descriptor until it is released.
 #pragma once
 
 #include <unistd.h>

@@ -3,7 +3,7 @@
 /// The steps, and how each fails:
 ///
 ///     who is it?         the image must be for this model; nothing is changed otherwise
-///     stop its motors    the chip would go on turning while nobody minds it
+///     stop its motors    the chip would go on turning without supervision
 ///     enter bootloader   (skipped if it is in there already, as after an upload that failed)
 ///     page size, start   the image must fit; otherwise the old firmware is started again
 ///     erase, write       from here on there is no firmware; whatever fails, the module stays in
@@ -12,7 +12,7 @@
 ///     start              until it answers
 ///
 /// The module is held meanwhile (Hold): before it is in its bootloader commands of others wait, and
-/// once it is there they end with Errc::in_bootloader, stops too. Of a serial bus nobody gets a
+/// once it is there they end with Errc::in_bootloader, stops too. On a serial bus no call gets a
 /// turn while one exchange takes its time: erasing may take some seconds. What the commands mean is
 /// from PyTrinamic's tmclfwupload and the older tools for the stepRocker.
 #pragma once

@@ -51,7 +51,7 @@ Script<Result<void>> stop_reference_search(AxisAddress axis);
 Script<Result<std::int32_t>> reference_search_status(AxisAddress axis);
 
 /// Sets the mode, starts a search and waits until the module says that none runs any more. It does
-/// not say whether the search was ended by a stop: whoever shares the axis must see to that.
+/// not say whether the search was ended by a stop: programs that share the axis must see to that.
 /// Errors: those of the exchanges; Errc::deadline_passed after the timeout. With any error that
 /// comes after the start, the search goes on.
 Script<Result<Homed>> home(AxisAddress axis, HomeOptions options = {});

@@ -20,7 +20,7 @@ class LinkFile {
   LinkFile(LinkFile&& other) noexcept
       : path_(std::exchange(other.path_, {})), target_(std::move(other.target_)) {}
   LinkFile& operator=(LinkFile&&) = delete;
-  /// Removes the link, unless somebody made it lead elsewhere meanwhile.
+  /// Removes the link, unless another program made it lead elsewhere meanwhile.
   ~LinkFile();
 
   const std::filesystem::path& path() const { return path_; }

@@ -49,7 +49,7 @@ enum class LimitStop : std::uint8_t {
 };
 /// Where command 135 has the state of the program.
 enum class ProgramState : std::uint8_t { high_byte, low_byte };
-/// What becomes of motors that nobody has sent anything for as long as global parameter 68 says.
+/// What motors do when no host has sent anything for as long as global parameter 68 says.
 enum class Heartbeat : std::uint8_t { stops, ignored };
 /// What becomes of values that are out of range.
 enum class RangeCheck : std::uint8_t {
@@ -73,7 +73,7 @@ template <class Variant>
 constexpr std::uint8_t index_of(Variant variant) {
   return static_cast<std::uint8_t>(variant);
 }
-/// What is taken for granted of a model as long as nobody has measured.
+/// What is assumed of a model until it is measured.
 std::uint8_t usual_variant(Trait trait, const Model& model);
 /// The trait makes a difference to modules of this model.
 bool concerns(Trait trait, const Model& model);

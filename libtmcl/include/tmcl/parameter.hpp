@@ -86,7 +86,7 @@ constexpr std::uint8_t suppress_reply = 255;
 /// The axis parameters of a model, ascending by number. Empty for a model that is not one of
 /// models().
 std::span<const ParameterInfo> axis_parameters(const Model& model);
-/// The global parameters of bank 0, likewise.
+/// The global parameters of bank 0, by the same rule.
 std::span<const ParameterInfo> global_parameters(const Model& model);
 
 /// Bank 0 of the global parameters belongs to the module, bank 2 are the user variables of

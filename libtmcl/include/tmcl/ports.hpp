@@ -1,5 +1,5 @@
 /// Serial ports and USB devices of this computer that may be modules, as the kernel lists them.
-/// Nothing is opened, so nobody is disturbed.
+/// Nothing is opened, so no other program is disturbed.
 #pragma once
 
 #include <cstdint>

@@ -15,7 +15,7 @@ Script<Result<std::vector<plan::Setting>>> read_ramp(AxisAddress axis, const Mod
 
 /// The twin of an axis with these settings, there and as fast as the axis is now. Reads speed and
 /// position, some milliseconds apart, so the twin of an axis in motion is only about right.
-/// `proof`: of its position. Errors: Errc::bad_argument for a model whose ramp generator nobody has
+/// `proof`: of its position. Errors: Errc::bad_argument for a model whose ramp generator is not
 /// described.
 Script<Result<plan::AxisTwin>> read_twin(AxisAddress axis, const Model& model,
                                          std::vector<plan::Setting> ramp,

@@ -75,7 +75,7 @@ struct AxisUnits {
 };
 
 /// bare_number: a quantity without a unit, where the axis measures in `unit`. Zero is the same in
-/// every unit, so nobody need be told that.
+/// every unit, so that is not repeated.
 QuantityError bare_number(const Quantity& quantity, Dimension dimension, const std::string& unit);
 
 /// The number in the unit of the axis; nothing for units that do not convert into that.

@@ -1,4 +1,4 @@
-/// A move by a distance, for whoever has rules of their own about where it may end.
+/// A move by a distance, for callers with rules of their own about where it may end.
 #pragma once
 
 #include <functional>

@@ -1,7 +1,7 @@
 /// Verbs that need several exchanges, written once, without I/O.
 ///
 /// A Script is a coroutine that asks for steps (an exchange with a module, several at once, a
-/// pause) and is told what came of each. Whoever runs it does the I/O: a bus on Asio, a blocking
+/// pause) and receives the result of each. Its runner does the I/O: a bus on Asio, a blocking
 /// bus, or a test that plays the module. So a verb is the same everywhere, and each of its steps
 /// can be made to fail. With each result comes the time, so that a verb can keep to a clock that is
 /// the runner's: a test's may be virtual.
@@ -35,15 +35,15 @@
 
 namespace tmcl {
 
-/// Keeps a module for whoever made it: from the first exchange that carries it until it is
+/// Keeps a module for its maker: from the first exchange that carries it until it is
 /// destroyed, commands of others to that module wait in the queue, except stops.
 ///
-/// Of a module in download mode nobody can tell a stop's answer from a stop's recording. So a stop
+/// In download mode a stop's answer looks like a stop's recording. So a stop
 /// that comes then ends the download first (END_DOWNLOAD), and with it the hold; so does the engine
 /// when the hold is destroyed in the middle of a download, or not used for hold_idle_limit. Only a
 /// START_DOWNLOAD that carries a hold is watched over like this.
 ///
-/// It is nothing but its lifetime: whoever runs the exchanges sees that it is there, and when it is
+/// It is nothing but its lifetime: the runner of the exchanges sees that it exists, and when it is
 /// gone. Exchanges with a hold that has ended are refused.
 class Hold {
  public:
@@ -65,14 +65,14 @@ struct CallOptions {
   /// Refused rather than sent after this instant.
   std::optional<TimePoint> deadline{};
   /// How long to wait for the reply, instead of what the bus waits by default. On CAN it can only
-  /// be longer than that: nobody else waits meanwhile.
+  /// be longer than that: no other call waits meanwhile.
   std::optional<Duration> reply_timeout{};
   /// How often a repeatable command may be sent before it counts as failed; 0: as the bus is set
   /// up.
   unsigned attempts = 0;
   /// Null: an ordinary call, which waits while someone else holds the module.
   std::shared_ptr<const Hold> hold{};
-  /// With a hold: nobody else's commands mean anything to the module, until an exchange with the
+  /// With a hold: the module takes commands of its holder only, until an exchange with the
   /// hold does not say so any more. They end with Errc::in_bootloader instead of waiting; so do
   /// stops, for there is nothing that could obey one.
   bool in_bootloader = false;
@@ -125,7 +125,7 @@ namespace detail {
 
 struct ScriptPromiseBase;
 
-/// What a script and the scripts it awaits share with whoever runs them.
+/// What a script and the scripts it awaits share with their runner.
 struct ScriptState {
   std::optional<Step> step;
   StepResult result;
@@ -159,7 +159,7 @@ struct ScriptPromiseBase {
   FinalAwaiter final_suspend() noexcept { return {}; }
 
   /// What is resumed when that which this script waits for has ended, with `error` or with none.
-  /// A script that it ends stays suspended where it is: whoever awaits it destroys it.
+  /// A script that it ends stays suspended where it is: its awaiter destroys it.
   std::coroutine_handle<> go_on_after(Error* error) noexcept {
     auto* waiting = this;
     while (std::exchange(waiting->must_succeed, false) && error != nullptr) {

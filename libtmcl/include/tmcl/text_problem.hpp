@@ -1,4 +1,4 @@
-/// What is wrong with a text that somebody wrote: a program, a path, firmware.
+/// What is wrong with a text: a program, a path, firmware.
 #pragma once
 
 #include <cstddef>

@@ -33,7 +33,7 @@ struct TracedDatagram {
   bool is_garbage = false;  ///< It belongs to no datagram.
   std::uint32_t can_id = 0;
   std::vector<std::uint8_t> bytes{};
-  std::string client{};  ///< Who asked; empty: the bus itself, or nobody knows.
+  std::string client{};  ///< The client that asked; empty: the bus itself, or unknown.
 
   bool operator==(const TracedDatagram&) const = default;
 };
@@ -51,7 +51,7 @@ std::string trace_file_packet(const TracedDatagram& datagram);
 /// Takes what trace_file_header() and trace_file_packet() write, and what other programs make of
 /// that: packets of other link types are left out. Errors: at which byte of the file what is wrong.
 tl::expected<Trace, std::string> parse_trace_file(std::string_view contents);
-/// The same of a file. Errors: likewise, with the name of the file; or why it cannot be read.
+/// The same of a file. Errors: the same, with the name of the file; or why it cannot be read.
 tl::expected<Trace, std::string> read_trace_file(const std::string& path);
 
 /// As it was on CAN: its first eight bytes.

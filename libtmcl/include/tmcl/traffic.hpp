@@ -1,4 +1,4 @@
-/// What goes over a bus, for whoever listens along: every byte, whatever it means.
+/// What goes over a bus, for listeners: every byte, whatever it means.
 #pragma once
 
 #include <cstdint>

@@ -83,7 +83,7 @@ std::vector<std::uint8_t> verify_parameters(const Model& model);
 
 namespace verbs {
 
-/// The axis stands, and nobody else moves it, or sets anything in its module.
+/// The axis stands, and no other client moves it, or sets anything in its module.
 /// Errors: Errc::bad_argument if it moves; Errc::move_interrupted if it does not arrive where it is
 /// sent to; those of the exchanges, which are with Outcome::unknown if something was set that could
 /// not be given back.

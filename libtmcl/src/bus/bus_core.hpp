@@ -25,14 +25,14 @@ class BusCore {
 
   void on_readable(TimePoint now);
   void on_writable(TimePoint now);
-  /// Ends everything in progress; the descriptor stays open, because somebody may wait on it.
+  /// Ends everything in progress; the descriptor stays open, because a waiter may still use it.
   void close(const std::string& why);
   /// A stop goes out past the engine, which may have no memory to send one, and takes none. Waits
   /// a moment for the answer on a serial line, whose modules would speak at once otherwise.
   void stop_at_once(AxisAddress motor) noexcept;
   /// The engine sends no movement any more.
   void refuse_movements() noexcept { refuses_movements_ = true; }
-  /// Called for everything that is written and read; empty: nobody listens.
+  /// Called for everything that is written and read; may be empty.
   void on_traffic(OnTraffic listener) { on_traffic_ = std::move(listener); }
   /// Closes the descriptor, so that the link can be opened again at once.
   void drop_link() { const Link closed = std::move(link_); }

@@ -25,11 +25,11 @@ Error unsettled_error(const Call& call);
 Error ended_hold_error(const Call& call, Custody::End why);
 /// A line of a program for a module that does not record.
 Error no_download_error(const Call& call);
-/// Nobody can tell any more what the module recorded.
+/// It is unknown now what the module recorded.
 Error broken_download_error(const Call& call);
 /// The module recorded what was to be executed.
 Error recorded_error(const Call& call, Status status);
-/// Somebody else has the module in its bootloader.
+/// Another call has the module in its bootloader.
 Error bootloader_error(const Call& call);
 
 }  // namespace tmcl::engine

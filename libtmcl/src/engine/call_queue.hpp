@@ -14,7 +14,7 @@
 
 namespace tmcl::engine {
 
-/// Names a call to whoever submitted it; chosen by the submitter, never reused while the call
+/// Names a call to its submitter, which chooses it; never reused while the call
 /// lives.
 using Ticket = std::uint64_t;
 
@@ -36,7 +36,7 @@ struct Call {
   std::uint64_t place = 0;
   /// Since then the link has taken nothing at all.
   std::optional<TimePoint> refused_since{};
-  /// The answer, where it could be somebody else's as long as no fence has been answered after it.
+  /// The answer, where it could belong to another request until a fence is answered after it.
   std::optional<Answer> unproven{};
   /// Another reply came besides `unproven`.
   bool is_doubtful = false;

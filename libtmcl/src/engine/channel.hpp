@@ -19,7 +19,7 @@ struct InFlight {
   Request sent;
   TimePoint deadline;
   std::optional<Call>
-      call;  ///< Nothing for a fence, and for the end of a download nobody asked for.
+      call;  ///< Nothing for a fence, and for the end of a download that no call asked for.
   unsigned fence_tries = 0;
   TimePoint sent_at{};
   bool leaves_ascii = false;  ///< No request: the line that ends the ASCII mode of its module.

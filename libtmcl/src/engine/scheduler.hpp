@@ -1,4 +1,4 @@
-/// Which of the calls that wait goes out next, and when somebody has to look again.
+/// Which of the calls that wait goes out next, and when to look again.
 ///
 /// Stops come first, then whatever acts, then reads; but no asker is passed over for ever. The
 /// calls of one kind of one asker have their turn after `most_passed_over` exchanges of others, and

@@ -9,7 +9,7 @@
 namespace tmcl {
 
 struct FileOwner {
-  std::string user;  ///< Its number if it has no name; likewise the group.
+  std::string user;  ///< Its number if it has no name; the group the same.
   std::string group;
   gid_t group_id = 0;
   bool group_may_use = false;  ///< Read and write.

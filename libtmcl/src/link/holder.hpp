@@ -9,7 +9,7 @@ namespace tmcl {
 /// user.
 std::string holder_of(const std::string& device);
 
-/// Likewise, of the program that asks.
+/// The same of the program that asks.
 std::string this_process();
 
 }  // namespace tmcl

@@ -35,7 +35,7 @@ struct UsbRefusal {
 
 using OpenedUsbPort = tl::expected<std::shared_ptr<UsbPort>, UsbRefusal>;
 
-/// Takes the device from the kernel's driver, whoever has its terminal open: look before. Blocks
+/// Takes the device from the kernel's driver, even if a program has its terminal open. Blocks
 /// for as long as the device takes to answer. `node`: a descriptor of /dev/bus/usb/..., which the
 /// port closes. `events`: one of epoll, not taken over, which becomes readable when something
 /// happens.

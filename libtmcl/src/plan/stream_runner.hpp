@@ -87,7 +87,7 @@ class CourseBends {
 /// On a leg, and between its loads, an axis is looked at so often.
 constexpr Duration watch_interval = std::chrono::milliseconds(20);
 
-/// A long course is not looked at all at once, which would take seconds: whoever runs the stream is
+/// A long course is not looked at all at once, which would take seconds: the stream's runner is
 /// waited for after so many legs, or points.
 constexpr std::size_t looks_at_once = 1000;
 constexpr bool takes_a_breath(std::size_t look) {
@@ -111,7 +111,7 @@ class PathStream::Runner final : public DriveRunner {
  private:
   struct Axis {
     StreamAxis info;
-    // What a parameter reads as long as nobody else stops or turns it.
+    // What a parameter reads unless another client stops or turns it.
     std::optional<Setting> told;
     std::optional<std::int32_t> velocity;   // in velocity mode, of the last update
     int place = 0;                          // by segments: in the order in which the axes are told

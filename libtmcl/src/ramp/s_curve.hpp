@@ -18,7 +18,7 @@ struct Speeds {
   double backward;
 };
 
-/// A distance to a target, or a gap left in front of it, that nobody can see. What is as near as
+/// A distance to a target, or a gap left in front of it, too small to matter. What is as near as
 /// that is not corrected by another movement.
 constexpr double unseen = 0x1p-10;
 

@@ -1,7 +1,7 @@
 /// The twin of an axis: its module's ramp generator, set as the module is, in the library.
 ///
 /// What the twin does, the axis will do. A twin is a value; a copy that is let run is a prediction,
-/// exact to the tick of the generator. What nobody can read from a module limits that: where in its
+/// exact to the tick of the generator. What cannot be read from a module limits that: where in its
 /// ramp tick a TMC429 is when a command comes, and the fractions of a speed in mid-ramp.
 #pragma once
 
@@ -44,7 +44,7 @@ constexpr Duration longest_prediction = std::chrono::hours(24);
 
 class AxisTwin {
  public:
-  /// An axis as it is after power-up. Nothing for a model whose ramp generator nobody has
+  /// An axis as it is after power-up. Nothing for a model whose ramp generator is not
   /// described: the families tmc4361 and firmware.
   static std::optional<AxisTwin> of(const Model& model);
   /// The axis parameters that make a difference to a ramp, in the order in which to set() them.

@@ -1,6 +1,6 @@
 /// Several axes that are moved together: what to tell which of them when, without I/O.
 ///
-/// Whoever runs a drive asks for the next step, does it, and tells what came of it:
+/// Its runner asks for the next step, carries it out, and reports the result:
 ///
 ///     while (true) {
 ///       const auto step = drive.next(clock.now());
@@ -40,7 +40,7 @@ struct DriveCommand {
     rotate,          ///< ROR, or ROL for a negative value.
     move_to,         ///< MVP ABS.
     stop,            ///< MST.
-    set_coordinate,  ///< SCO of a coordinate that whoever carries it out has chosen.
+    set_coordinate,  ///< SCO of a coordinate that the runner chooses.
     move_motors,     ///< MVP COORD to that one, of the motors of the axis' module in `value`.
   };
   Kind kind = Kind::get;

@@ -45,7 +45,7 @@ struct LineAxis {
   AxisTwin twin;  ///< Set as the axis is; stands where the line begins.
   Microsteps target;
   PulsesPerSecond velocity;       ///< What the axis may do at most; greater than 0.
-  PulsesPerSecond2 acceleration;  ///< Likewise.
+  PulsesPerSecond2 acceleration;  ///< The same.
   std::size_t bus = 0;            ///< Index into ExchangeTimes; less than most_line_axes.
 };
 

@@ -39,7 +39,7 @@ enum class Quantity : std::uint8_t {
   deceleration_time,
   total_time,
   // What may be given besides, and follows from the eight.
-  initial_speed,  ///< 0 if not given, and below speed; likewise final_speed.
+  initial_speed,  ///< 0 if not given, and below speed; final_speed the same.
   final_speed,
   acceleration_distance,  ///< Together with anything else of the same part.
   slew_distance,

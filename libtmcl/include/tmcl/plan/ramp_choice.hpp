@@ -1,4 +1,4 @@
-/// The axis parameters that make a module's ramp as near as it can be to what somebody wants.
+/// The axis parameters that make a module's ramp as near as it can be to a requested one.
 #pragma once
 
 #include <cstdint>

@@ -1,6 +1,6 @@
 /// A course, carried out on the axes of modules: what to tell which axis when, without I/O.
 ///
-/// Whoever runs it does what Drive says.
+/// Its runner does what Drive says.
 ///
 /// First it measures how long a command takes, and that the axes stand where the course starts.
 ///
@@ -8,7 +8,7 @@
 /// course will be one update later; what the readings of its position differ from that is corrected
 /// slowly. Each command may be the last one: the axis is sent to the end of the stretch on which
 /// the course goes one way, and the velocities are parameter 4, the greatest speed on the way
-/// there; 0 where it stands. Where nobody knows that a ramp generator takes that at once (families
+/// there; 0 where it stands. Where a ramp generator may not take that at once (families
 /// tmc4361 and firmware) they are ROR and ROL. The acceleration parameters are raised while it runs
 /// where they have to be. It ends with a move to the exact end.
 ///
@@ -23,7 +23,7 @@
 /// its ramp. Targets are written as parameter 0, which does not start a motor that was stopped.
 ///
 /// Before an axis is told anything new, it is asked what it does (parameter 2, or its ramp mode).
-/// If that is not what it was told, somebody else stopped or turned it, and all axes are stopped.
+/// If that is not what it was sent, another client stopped or turned it, and all axes are stopped.
 /// That is the case, too, when a command fails, when updates come too late, and when a reading is
 /// off the course by too much.
 #pragma once
@@ -64,7 +64,7 @@ struct StreamAxis {
   double microsteps_per_unit = 1;  ///< Negative where the axis counts the other way.
   ModuleUnits units{};
   std::int32_t greatest_velocity = 0;       ///< That it is told, in the module's unit.
-  std::int32_t greatest_acceleration = 0;   ///< That parameter 5 takes, likewise.
+  std::int32_t greatest_acceleration = 0;   ///< That parameter 5 takes.
   std::int32_t greatest_stop_velocity = 0;  ///< That parameter 20 takes; position mode only.
   std::optional<AxisTwin> twin{};           ///< Set as the axis is; position mode only.
   Family family = Family::firmware;         ///< Velocity mode, and by segments.

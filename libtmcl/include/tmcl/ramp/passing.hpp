@@ -41,7 +41,7 @@ std::int64_t way_between(const G& from, const G& to) {
 struct Passing {
   /// `forever`: it never will.
   Tick tick = forever;
-  /// False: up to this tick it does not, and nobody looked further.
+  /// False: up to this tick it does not; later ticks were not searched.
   bool passed = false;
   bool operator==(const Passing&) const = default;
 };
