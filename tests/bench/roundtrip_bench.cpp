@@ -21,7 +21,7 @@ namespace {
 
 using namespace tmcl;
 
-const Request request{ModuleAddress{1}, Command::GAP, 1, 0, 0};
+const Request position_request{ModuleAddress{1}, Command::GAP, 1, 0, 0};
 
 bool is_readable(int descriptor, int wait_ms) {
   pollfd waiting{descriptor, POLLIN, 0};
@@ -29,7 +29,7 @@ bool is_readable(int descriptor, int wait_ms) {
 }
 
 void exchange_by_hand(benchmark::State& state, int descriptor) {
-  const auto bytes = encode_serial(request);
+  const auto bytes = encode_serial(position_request);
   SerialBytes reply{};
   for (auto _ : state) {
     if (is_readable(descriptor, 0)) return state.SkipWithError("surplus bytes");
@@ -62,7 +62,7 @@ void libtmcl(benchmark::State& state) {
   const test::Responder responder(pty.master());
   auto bus = blocking::Bus::open("serial:" + pty.path() + "@115200");
   for (auto _ : state) {
-    const auto answer = bus->execute(request);
+    const auto answer = bus->execute(position_request);
     if (!answer) state.SkipWithError(describe(answer.error()).c_str());
   }
 }

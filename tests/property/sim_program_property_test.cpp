@@ -17,12 +17,12 @@ namespace {
 using program::Instruction;
 using program::Program;
 using std::chrono::milliseconds;
-using test::Random;
+using Random = test::Random<>;
 
 /// Programs that run for a while: wrong commands, types and values are there, but seldom.
-class Script {
+class ProgramScript {
  public:
-  explicit Script(std::uint64_t seed) : random_(seed) {}
+  explicit ProgramScript(std::uint64_t seed) : random_(seed) {}
 
   Instruction instruction() {
     if (random_.one_in(150)) return {static_cast<Command>(byte()), byte(), byte(), any_value()};
@@ -38,7 +38,7 @@ class Script {
   std::int32_t value() {
     return random_.one_in(100) ? any_value() : static_cast<std::int32_t>(random_.between(1, 20));
   }
-  Random<>& random() { return random_; }
+  Random& random() { return random_; }
 
  private:
   static constexpr int longest = 40;
@@ -74,7 +74,7 @@ class Script {
     return static_cast<std::size_t>(random_.between(0, static_cast<std::int64_t>(size) - 1));
   }
 
-  Random<> random_;
+  Random random_;
 };
 
 class ProgramTrial {
@@ -96,7 +96,7 @@ class ProgramTrial {
   std::size_t looks() const { return looks_; }
 
  private:
-  Random<>& random() { return script_.random(); }
+  Random& random() { return script_.random(); }
 
   // A module may do anything, even to the program that asked for it.
   void react(const Request& request) {
@@ -173,7 +173,7 @@ class ProgramTrial {
   MotorConditions& motor() { return host_.motor_conditions.at(index(2)); }
 
   std::size_t looks_ = 0;
-  Script script_;
+  ProgramScript script_;
   FakeHost host_;
   Application application_{host_};
 };
