@@ -209,6 +209,20 @@ TEST_F(SimSwitches, LatchThePositionOfASixPointModule) {
   EXPECT_EQ(get(199), 30'000);
 }
 
+/// There is no lag between what the generator asks for and what the motor does.
+TEST_F(SimSwitches, AMotorIsWhereItsGeneratorIsWhateverItsLoad) {
+  add(1110, StageSettings{.left_switch = -1'000'000, .load = 900});
+  move_to(20'000);
+  int looks = 0;
+  for (int ms = 0; ms < 5'000; ++ms) {
+    pass(std::chrono::milliseconds(1));
+    const auto here = get(ap::actual_position);
+    ASSERT_EQ(place(), here) << ms;
+    looks += here > 0 && here < 20'000 ? 1 : 0;
+  }
+  EXPECT_GT(looks, 100);
+}
+
 TEST_F(SimSwitches, AMotorPressedAgainstAnEndLosesItsSteps) {
   add(1110, StageSettings{.right_stop = 5'000});
   move_to(20'000);

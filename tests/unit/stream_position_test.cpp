@@ -80,6 +80,21 @@ TEST(VstartInPositionMode, SetsOutAtOnceWithTheSpeedOfAJointThatCameTooLate) {
   EXPECT_GT(pass(true, late).largest_start, 10);
 }
 
+TEST(StreamPosition, HasNoStartVelocityUntilItEnds) {
+  Bench bench;
+  bench.limit(24, 500);
+  for (std::uint8_t axis = 0; axis < 2; ++axis) bench.ask(Command::SAP, vstart, axis, 5000);
+  int looks = 0;
+  bench.every_ms = [&] {
+    if (!bench.moving()) return;
+    ++looks;
+    for (std::uint8_t axis = 0; axis < 2; ++axis) EXPECT_EQ(bench.get(axis, vstart), 0);
+  };
+  ASSERT_FALSE(bench.pass(test::circle(20, 0.1), StreamMode::position).fault);
+  EXPECT_GT(looks, 2000);
+  for (std::uint8_t axis = 0; axis < 2; ++axis) EXPECT_EQ(bench.get(axis, vstart), 5000);
+}
+
 TEST(StreamPosition, TargetsOfALegGoOutInQuickSuccession) {
   Bench bench;
   bench.limit(24, 500);

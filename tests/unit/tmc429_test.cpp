@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdlib>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -64,6 +65,25 @@ TEST(Tmc429, StandsAfterPowerUpWhateverItsTarget) {
   axis.advance_to(ticks(10));
   EXPECT_EQ(axis.x_actual(), 0);
   EXPECT_EQ(axis.tick(), ticks(10));
+}
+
+/// In modes 0 and 1 it goes to its target, in the two others it keeps a speed; it begins in 0.
+TEST(Tmc429, HasFourModesOfWhichRampIsTheFirst) {
+  const auto after_a_minute = [](std::optional<int> mode) {
+    auto axis = axis_with({});
+    if (mode) axis.write(R::mode, *mode);
+    axis.write(R::v_target, 100);
+    axis.write(R::v_actual, 100);
+    axis.write(R::x_target, 5000);
+    axis.advance_to(ticks(60));
+    return axis.x_actual();
+  };
+  EXPECT_EQ(Tmc429().read(R::mode), 0);
+  EXPECT_EQ(after_a_minute(std::nullopt), 5000);
+  EXPECT_EQ(after_a_minute(0), 5000);
+  EXPECT_NEAR(after_a_minute(1), 5000, 1);
+  EXPECT_GT(after_a_minute(2), 100 * pps_of_unit * 59);
+  EXPECT_GT(after_a_minute(3), 100 * pps_of_unit * 59);
 }
 
 TEST(Tmc429, DerivesTheFactorLessOnePerCent) {
