@@ -8,6 +8,8 @@
 ///     axis.wait_until_reached();
 #pragma once
 
+#include "tmcl/language.hpp"
+
 #include <functional>
 #include <memory>
 #include <string_view>

@@ -6,6 +6,8 @@
 ///     co_await axis.move_to(tmcl::Microsteps{51200});
 #pragma once
 
+#include "tmcl/language.hpp"
+
 #include <functional>
 #include <memory>
 #include <optional>

@@ -15,6 +15,8 @@
 /// message a line.
 #pragma once
 
+#include "tmcl/language.hpp"
+
 #include <chrono>
 #include <cstddef>
 #include <functional>
