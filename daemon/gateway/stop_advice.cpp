@@ -27,8 +27,8 @@ constexpr auto all_advice = std::to_array<Advice>({
      "its module has started again, and its position is lost; check the supply, then recover the "
      "axis and search the reference again"},
     {"client",
-     "another program or user sent a stop; the log of tmcld says which. Move again when "
-     "it is safe"},
+     "another program or user sent a stop, which the log of tmcld tells; move again when it is "
+     "safe"},
     {"lease_lost",
      "the program that had the axis for itself has ended, or did not renew its lease in time; "
      "start it again when it is safe"},
