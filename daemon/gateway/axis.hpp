@@ -58,11 +58,11 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   tmcl::AxisAddress address() const { return axis_.address(); }
   /// Empty if the configuration gives it none.
   const std::string& unit() const { return axis_.config().scale.unit; }
-  /// In its unit, in microsteps without one.
   /// In its unit a second; without one in microsteps.
   const std::optional<double>& corner_jump() const {
     return axis_.config().motion_limits.corner_jump;
   }
+  /// In its unit, in microsteps without one.
   const std::optional<tmcl::SoftLimits>& soft_limits() const { return axis_.config().scale.limits; }
   /// Nothing where what the encoder reads is in microsteps.
   const std::optional<double>& encoder_counts_per_unit() const {
