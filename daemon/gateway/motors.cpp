@@ -403,7 +403,11 @@ void Motors::note_program(const Request& request, bool is_done) {
   const auto motion = intent_of(request).motion;
   // A module that starts again may start its program by itself.
   if (is_unpredictable(motion) || motion == Motion::restarts) programs_.insert(request.address);
-  if (motion == Motion::ends_program && is_done) programs_.erase(request.address);
+  const bool ends_one = motion == Motion::ends_program && is_done;
+  if (!ends_one || programs_.erase(request.address) == 0) return;
+  // Whatever they were sent to before, the program may have set them turning since.
+  for (auto& [address, motor] : motors_)
+    if (address.module == request.address) motor.was_sent_to_position = false;
 }
 
 bool Motors::was_sent_to_position(AxisAddress motor) const {

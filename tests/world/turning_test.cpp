@@ -92,12 +92,14 @@ class AnyWrite {
     }
   }
   Write of_program() {
-    switch (random_.between(0, 5)) {
+    switch (random_.between(0, 7)) {
       case 0: return call_of("program.run", {{"bus", "bench"}, {"address", 1}});
       case 1: return call_of("program.step", {{"bus", "bench"}, {"address", 1}});
       case 2: return raw(Command::RUN_APPLICATION, 0, 0);
       case 3: return raw(Command::STEP_APPLICATION, 0, 0);
       case 4: return raw(Command::UF0, 0, velocity(), motor());
+      case 5: return raw(Command::STOP_APPLICATION, 0, 0);
+      case 6: return raw(Command::RESET_APPLICATION, 0, 0);
       default: return raw(Command::RST, 0, 0);
     }
   }
@@ -364,6 +366,29 @@ TEST_F(Turning, OfAProgramIsUnattendedAndTheCallerIsTold) {
   const auto raw_answer = scene.call("module.execute", raw_run);
   ASSERT_TRUE(raw_answer) << raw_answer.error().message;
   EXPECT_THAT(json::serialize(raw_answer->at("warnings")), HasSubstr("unattended"));
+}
+
+/// A client has sent the motor to a position before the program set it turning, and has not looked.
+TEST_F(Turning, OfAProgramIsUnattendedWhenThatHasBeenStopped) {
+  json::object load{{"bus", "bench"}, {"address", 1}};
+  load["program"] = tmcl::program::to_hex(tmcl::program::Program{
+      {Command::WAIT, 0, 0, 50}, {Command::ROR, 0, 0, scene.speed}, {Command::STOP, 0, 0, 0}});
+  ASSERT_TRUE(scene.call("program.load", load));
+  for (const auto ends : {Command::STOP_APPLICATION, Command::RESET_APPLICATION}) {
+    scene.begin_anew();
+    scene.carry_out(raw(Command::RUN_APPLICATION, 1, 0));
+    scene.call("axis.move_to", {{"axis", "x"}, {"position_microsteps", 20}, {"predict", false}});
+    scene.time.run_for(2s);
+    ASSERT_TRUE(scene.turns(0));
+    scene.carry_out(raw(ends, 0, 0));
+    EXPECT_EQ(scene.state("unattended"), "true") << static_cast<int>(ends);
+    scene.client_leaves();
+    scene.be_another_client();
+    EXPECT_EQ(scene.state("unattended"), "true") << static_cast<int>(ends);
+    scene.call("axis.stop", {{"axis", "x"}});
+    EXPECT_TRUE(scene.stands());
+    EXPECT_EQ(scene.state("unattended"), "false") << static_cast<int>(ends);
+  }
 }
 
 TEST_F(Turning, ByARawCommandIsWarnedOf) {
