@@ -117,14 +117,15 @@ std::optional<RpcError> check_range(const tmcl::ParameterInfo* row, std::int64_t
                          std::to_string(row->maximum) + ", the range of " + std::string(row->name));
 }
 
-std::optional<std::string> warning_of_owner(const Call& call, const GatewayAxis& axis) {
+std::optional<std::string> warning_of_owner(const Call& call, const GatewayAxis& axis,
+                                            std::string_view does) {
   const auto tenant = axis.tenant();
   const bool owns = axis.turns() && tenant.lease == 0 && tenant.client != 0 &&
                     tenant.client == call.permit.client;
   if (!owns) return std::nullopt;
-  return "axis '" + axis.name() +
-         "' turns for this connection, and is stopped when that ends; axis.rotate with "
-         "'unattended' lets it turn on";
+  return "axis '" + axis.name() + "' " + std::string(does) +
+         " for this connection, and is stopped when that ends; 'tmclctl rotate " + axis.name() +
+         " SPEED --unattended', or axis.rotate with 'unattended', lets it turn on";
 }
 
 }  // namespace tmcld

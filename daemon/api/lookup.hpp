@@ -67,6 +67,8 @@ std::optional<RpcError> check_range(const tmcl::ParameterInfo* row, std::int64_t
                                     std::string_view param);
 
 /// What the client of a call is told that owns the turning of an axis; nothing if it does not.
-std::optional<std::string> warning_of_owner(const Call& call, const GatewayAxis& axis);
+/// `does`: "may turn" where a chip may have been told so.
+std::optional<std::string> warning_of_owner(const Call& call, const GatewayAxis& axis,
+                                            std::string_view does = "turns");
 
 }  // namespace tmcld

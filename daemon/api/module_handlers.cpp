@@ -65,10 +65,13 @@ std::optional<RpcError> give_axes(const Call& call, const std::shared_ptr<Gatewa
 std::optional<std::vector<std::string>> warnings_about(Call& call, GatewayBus& bus,
                                                        const tmcl::Request& request) {
   std::vector<std::string> warnings;
+  const auto intent = intent_of(request);
+  const auto* does = intent.subject == tmcl::Subject::chip ? "may turn" : "turns";
   for (const auto motor : tmcl::motors_turned_by(request, bus.model_of(request.address)))
     if (const auto axis = call.gateway->find_axis(bus, motor))
-      if (auto warning = warning_of_owner(call, *axis)) warnings.push_back(std::move(*warning));
-  call.unattended = is_unpredictable(intent_of(request).motion);
+      if (auto warning = warning_of_owner(call, *axis, does))
+        warnings.push_back(std::move(*warning));
+  call.unattended = is_unpredictable(intent.motion);
   if (call.unattended)
     warnings.emplace_back(
         "what this sets turning has no owner: it is unattended, and turns on "

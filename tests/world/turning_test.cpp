@@ -397,6 +397,11 @@ TEST_F(Turning, ByARawCommandIsWarnedOf) {
       {{"bus", "bench"}, {"address", 1}, {"command", "ROR"}, {"motor", 2}, {"value", 500}});
   ASSERT_TRUE(answer);
   EXPECT_THAT(json::serialize(answer->at("warnings")), HasSubstr("stopped when that ends"));
+  EXPECT_THAT(json::serialize(answer->at("warnings")), HasSubstr("rotate 1/2 SPEED --unattended"));
+  const auto registers = scene.carry_out(raw(Command::WRITE_MC, 0x48, 500));
+  ASSERT_TRUE(registers);
+  EXPECT_THAT(json::serialize(registers->at("warnings")),
+              HasSubstr("axis '1/2' may turn for this connection, and is stopped"));
   scene.client_leaves();
   scene.time.run_for(5s);
   EXPECT_EQ(scene.get(2, ap::actual_velocity), 0) << "a motor that no axis names";

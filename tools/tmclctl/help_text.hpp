@@ -508,9 +508,9 @@ constexpr const char* raw = R"(
 Sends one command as it is and shows the bytes of request and reply. COMMAND and TYPE are numbers
 or names. Numbers may be hexadecimal: 0x43 or $43. Through tmcld the reply's bytes are put together again from what tmcld says.
 
-An axis that is set turning without end (ROR, ROL, SAP 2) is stopped when this program ends, and a
-warning says so; 'tmclctl rotate' stays, or lets the axis turn unattended. The same holds for 'tmclctl
-set' of target_velocity or ramp_mode.
+An axis that is set turning without end (ROR, ROL, SAP 2), or may be by a register of its chip (WRITE_MC,
+WRITE_DRV), is stopped when this program ends, and a warning says so; 'tmclctl rotate' stays, or lets
+the axis turn unattended. The same holds for 'tmclctl set' of target_velocity or ramp_mode.
 
   tmclctl --direct serial:/dev/ttyACM0 raw 1 GAP actual_position 0 0
   tmclctl raw --bus bench 1 GET_FIRMWARE_VERSION 1 0 0
