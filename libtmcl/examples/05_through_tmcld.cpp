@@ -9,7 +9,7 @@
 
 namespace {
 
-int complain(const tmcl::client::CallError& error) {
+int complain(const tmcl::client::Error& error) {
   std::cerr << error.message << "\n  " << error.hint << '\n';
   return 1;
 }

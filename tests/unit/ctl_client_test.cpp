@@ -137,12 +137,12 @@ TEST(CtlClient, KeepsAllThatTheDaemonSaysOfAnError) {
   });
   auto connection = Connection::open(daemon.path()).value();
   const auto error = connection.call("axis.stop").error();
-  EXPECT_EQ(error.code, -32000);
+  EXPECT_EQ(error.kind, ErrorKind::failed);
   EXPECT_EQ(error.name, "reply_timeout");
   EXPECT_EQ(error.outcome, Outcome::unknown);
   EXPECT_EQ(error.message, "no");
   EXPECT_EQ(error.hint, "look");
-  EXPECT_EQ(error.data.at("bus"), "bench");
+  EXPECT_EQ(error.subject.at("bus"), "bench");
 }
 
 TEST(CtlClient, HandsOutWhatComesUnasked) {

@@ -4,7 +4,7 @@
 
 #include <boost/json.hpp>
 
-#include "failure.hpp"
+#include "errors.hpp"
 #include "names.hpp"
 
 namespace tmclctl {
@@ -16,15 +16,19 @@ tmcl::Error bus_error(tmcl::Errc code, tmcl::Outcome outcome) {
   return {code, outcome, "it failed", "try again", "bench", {}, {}};
 }
 
-tmcl::client::CallError call_error(int code, std::string name, tmcl::Outcome outcome) {
-  return {code, std::move(name), outcome, "it failed", "", {}};
+/// As tmcld says it.
+Error call_error(int code, const char* name, tmcl::Outcome outcome) {
+  return tmcl::client::error_from_json(
+      {{"code", code},
+       {"message", "it failed"},
+       {"data", {{"name", name}, {"outcome", name_of(outcome)}, {"status", nullptr}}}});
 }
 
 TEST(CtlFailure, ExitCodesFollowTheOutcome) {
   using tmcl::Errc;
   using tmcl::Outcome;
   const auto exit = [](Errc code, Outcome outcome) {
-    return failure_from(bus_error(code, outcome)).exit;
+    return exit_code_of(error_from(bus_error(code, outcome)));
   };
   EXPECT_EQ(exit(Errc::refused_by_module, Outcome::refused), ExitCode::refused);
   EXPECT_EQ(exit(Errc::bad_argument, Outcome::not_sent), ExitCode::usage);
@@ -37,7 +41,7 @@ TEST(CtlFailure, ExitCodesFollowTheOutcome) {
 TEST(CtlFailure, TheDaemonsErrorsGetTheSameExitCodes) {
   using tmcl::Outcome;
   const auto exit = [](int code, const char* name, Outcome outcome) {
-    return failure_from(call_error(code, name, outcome)).exit;
+    return exit_code_of(call_error(code, name, outcome));
   };
   EXPECT_EQ(exit(-32000, "refused_by_module", Outcome::refused), ExitCode::refused);
   EXPECT_EQ(exit(-32602, "out_of_range", Outcome::not_sent), ExitCode::usage);
@@ -50,18 +54,17 @@ TEST(CtlFailure, TheDaemonsErrorsGetTheSameExitCodes) {
   EXPECT_EQ(exit(0, "daemon_unreachable", Outcome::not_sent), ExitCode::not_sent);
   EXPECT_EQ(exit(-32000, "reply_timeout", Outcome::unknown), ExitCode::unknown);
   EXPECT_EQ(exit(-32000, "move_interrupted", Outcome::done), ExitCode::not_reached);
-  EXPECT_EQ(exit(0, "cancelled", Outcome::unknown), ExitCode::interrupted);
 }
 
 TEST(CtlFailure, SaysWhatHappenedWhereAndWhatToTry) {
   const tmcl::Request request{tmcl::ModuleAddress{3}, tmcl::Command::SAP, 4, 0, 9999};
   auto error = tmcl::refusal(request, tmcl::Status::invalid_value);
   error.bus = "bench";
-  const auto failure = failure_from(error);
-  EXPECT_THAT(describe(failure), HasSubstr("bench"));
-  EXPECT_THAT(describe(failure), HasSubstr("module 3"));
-  EXPECT_THAT(describe(failure), HasSubstr("\n  "));
-  const auto json = to_json(failure);
+  const auto failure = error_from(error);
+  EXPECT_THAT(error_text(failure), HasSubstr("bench"));
+  EXPECT_THAT(error_text(failure), HasSubstr("module 3"));
+  EXPECT_THAT(error_text(failure), HasSubstr("\n  "));
+  const auto json = error_document(failure);
   EXPECT_EQ(json.at("name"), "refused_by_module");
   EXPECT_EQ(json.at("outcome"), "refused");
   EXPECT_EQ(json.at("status"), 4);
@@ -71,11 +74,12 @@ TEST(CtlFailure, SaysWhatHappenedWhereAndWhatToTry) {
 }
 
 TEST(CtlFailure, KeepsWhatTheDaemonSaidBesides) {
-  auto error = call_error(-32602, "out_of_range", tmcl::Outcome::not_sent);
-  error.data = {{"name", "out_of_range"}, {"param", "value"}, {"status", nullptr}};
-  const auto json = to_json(failure_from(error));
-  EXPECT_EQ(json.at("param"), "value");
-  EXPECT_FALSE(json.contains("status"));
+  const auto document = error_document(tmcl::client::error_from_json(
+      {{"code", -32602},
+       {"message", "it failed"},
+       {"data", {{"name", "out_of_range"}, {"param", "value"}, {"status", nullptr}}}}));
+  EXPECT_EQ(document.at("param"), "value");
+  EXPECT_FALSE(document.contains("status"));
 }
 
 TEST(CtlNames, AnAxisWithoutANameSaysWhereItIs) {
@@ -93,7 +97,7 @@ TEST(CtlNames, AParameterIsANumberANameOrAnAlias) {
   EXPECT_EQ(parse_parameter(common_parameters(), "77")->name, "77");
   EXPECT_THAT(parse_parameter(common_parameters(), "max_velocty").error().hint,
               HasSubstr("'max_velocity'"));
-  EXPECT_EQ(parse_parameter(common_parameters(), "256").error().exit, ExitCode::usage);
+  EXPECT_EQ(parse_parameter(common_parameters(), "256").error().kind, ErrorKind::bad_request);
 }
 
 }  // namespace

@@ -113,8 +113,8 @@ TEST_F(CtlFirmware, AnotherVersionThanTheFilesIsAWarning) {
 }
 
 TEST_F(CtlFirmware, AFailureKeepsItsHint) {
-  target.failure = Failure{ExitCode::unknown, "reply_timeout", "writing: no answer",
-                           "start the same upload again"};
+  target.failure = error_of(ExitCode::unknown, "reply_timeout", "writing: no answer",
+                            "start the same upload again");
   EXPECT_EQ(run({"firmware", "upload", path("good.hex"), "7"}), ExitCode::unknown);
   EXPECT_THAT(err, HasSubstr("writing: no answer\n  Start the same upload again"));
 }

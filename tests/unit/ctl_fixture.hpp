@@ -17,6 +17,25 @@
 #include "tmclctl.hpp"
 #include "verbs.hpp"
 
+namespace tmclctl {
+
+/// An error that ends with this exit code, where the outcome leaves that open.
+inline Error error_of(ExitCode exit, std::string name, std::string message, std::string hint = {},
+                      std::optional<tmcl::Outcome> outcome = {}) {
+  using tmcl::Outcome;
+  Error error{std::move(name), ErrorKind::failed, Outcome::unknown, std::move(message),
+              std::move(hint)};
+  if (exit == ExitCode::refused) error.outcome = Outcome::refused;
+  if (exit == ExitCode::not_sent) error.outcome = Outcome::not_sent;
+  if (exit == ExitCode::not_reached) error.kind = ErrorKind::ended_early;
+  if (exit == ExitCode::interrupted) error.kind = ErrorKind::interrupted;
+  if (exit == ExitCode::usage) error.kind = ErrorKind::bad_request;
+  error.outcome = outcome.value_or(error.outcome);
+  return error;
+}
+
+}  // namespace tmclctl
+
 namespace tmclctl::test {
 
 namespace api = tmcl::api;
@@ -68,7 +87,7 @@ class FakeTarget : public Target {
 
   // What the tests arrange.
   std::int32_t microsteps_per_ms = 10;
-  std::optional<Failure> failure;                        ///< What every call ends with.
+  std::optional<Error> failure;                          ///< What every call ends with.
   std::optional<tmcl::Duration> stopped_by_other_after;  ///< Since the move began.
   std::vector<StoppedAxis> stopped;
   ScanResult found;
@@ -84,7 +103,7 @@ class FakeTarget : public Target {
   std::string known_axis;                        ///< Empty: all of them.
   std::string refused_parameter;                 ///< set() of it fails.
   std::optional<std::string> stop_cause;         ///< Of stopped_by_other_after.
-  std::optional<Failure> stop_failure;           ///< Of stop() only.
+  std::optional<Error> stop_failure;             ///< Of stop() only.
   Warnings warnings;                             ///< Of set() and of waits.
   std::string closed_because;                    ///< Why the bus of all axes is not open.
   tmcl::FirmwareVersion runs_then{1110, 1, 42};  ///< After an upload.
@@ -93,16 +112,16 @@ class FakeTarget : public Target {
   std::vector<std::string> calls;
   std::string said;  ///< The position, distance or velocity of the last call.
 
-  Attempt<ScanResult> scan(ScanRange, const Progress& progress) override {
+  Result<ScanResult> scan(ScanRange, const Progress& progress) override {
     if (failure) return tl::unexpected(*failure);
     if (progress) progress("bench", 16, 255);
     return found;
   }
-  Attempt<std::vector<ModuleRow>> modules() override {
+  Result<std::vector<ModuleRow>> modules() override {
     if (failure) return tl::unexpected(*failure);
     return found.modules;
   }
-  Attempt<std::vector<AxisRow>> axes() override {
+  Result<std::vector<AxisRow>> axes() override {
     if (failure) return tl::unexpected(*failure);
     if (!closed_because.empty()) {
       return std::vector<AxisRow>{{{"x", "bench", 1, 0, {}, "unknown", {}}, closed_because},
@@ -111,7 +130,7 @@ class FakeTarget : public Target {
     const auto unit = user ? std::optional(user->unit) : std::nullopt;
     return std::vector<AxisRow>{{{"x", "bench", 1, 0, "TMCM-1110", "ready", unit}}};
   }
-  Attempt<std::vector<api::parameter::Parameter>> parameters(const std::string&) override {
+  Result<std::vector<api::parameter::Parameter>> parameters(const std::string&) override {
     const std::string both = "read_write";
     return std::vector<api::parameter::Parameter>{
         {4, "max_velocity", both, true, 0, 2047, 1000, "internal", "speed", {}, {"v_max"}},
@@ -126,8 +145,7 @@ class FakeTarget : public Target {
     if (in_unit) held.value_in_unit = in_unit->value;
     return held;
   }
-  Attempt<api::parameter::Held> get(const std::string& axis,
-                                    const std::string& parameter) override {
+  Result<api::parameter::Held> get(const std::string& axis, const std::string& parameter) override {
     if (failure) return tl::unexpected(*failure);
     const auto name = parse_parameter(common_parameters(), parameter);
     if (!name) return tl::unexpected(name.error());
@@ -137,31 +155,31 @@ class FakeTarget : public Target {
     return held(name->number, name->name, -1500);
   }
   using Target::set;
-  Attempt<api::parameter::Held> set(const std::string& axis, const std::string& parameter,
-                                    const Typed& typed) override {
+  Result<api::parameter::Held> set(const std::string& axis, const std::string& parameter,
+                                   const Typed& typed) override {
     if (failure) return tl::unexpected(*failure);
     calls.push_back("set " + axis + ' ' + parameter + ' ' + typed.text);
     if (parameter == refused_parameter)
-      return tl::unexpected(Failure{ExitCode::refused, "refused_by_module", "it refused"});
+      return tl::unexpected(error_of(ExitCode::refused, "refused_by_module", "it refused"));
     const auto value = attempt(tmcl::parse_quantity(typed.text));
     if (!value) return tl::unexpected(value.error());
     return held(4, "max_velocity", static_cast<std::int32_t>(value->number), {}, warnings);
   }
-  Attempt<AxisUnits> units(const std::string& axis) override {
+  Result<AxisUnits> units(const std::string& axis) override {
     if (failure) return tl::unexpected(*failure);
     calls.push_back("units " + axis);
     if (axis != known_axis && !known_axis.empty())
-      return tl::unexpected(usage_failure("unknown_axis", "there is no axis '" + axis + "'"));
+      return tl::unexpected(usage_error("unknown_axis", "there is no axis '" + axis + "'"));
     return counts;
   }
-  Attempt<api::axis::StartedMove> move_to(const std::string& axis, const Typed& position) override {
+  Result<api::axis::StartedMove> move_to(const std::string& axis, const Typed& position) override {
     return go(axis, position, 0);
   }
-  Attempt<api::axis::StartedMove> move_by(const std::string& axis, const Typed& distance) override {
+  Result<api::axis::StartedMove> move_by(const std::string& axis, const Typed& distance) override {
     return go(axis, distance, at());
   }
-  Attempt<api::axis::Turning> rotate(const std::string& axis, const Typed& velocity,
-                                     bool unattended) override {
+  Result<api::axis::Turning> rotate(const std::string& axis, const Typed& velocity,
+                                    bool unattended) override {
     if (failure) return tl::unexpected(*failure);
     const auto value = counted(velocity, tmcl::axis_parameter::target_velocity);
     if (!value) return tl::unexpected(value.error());
@@ -178,17 +196,17 @@ class FakeTarget : public Target {
     if (told_in_unit) turning.velocity = told_in_unit->value;
     return turning;
   }
-  Attempt<void> stop(const std::string& axis) override {
+  Result<void> stop(const std::string& axis) override {
     if (failure) return tl::unexpected(*failure);
     if (stop_failure) return tl::unexpected(*stop_failure);
     calls.push_back("stop " + axis);
     return {};
   }
-  Attempt<std::vector<StoppedAxis>> stop_all() override {
+  Result<std::vector<StoppedAxis>> stop_all() override {
     calls.push_back("stop_all");
     return stopped;
   }
-  Attempt<AxisReading> state(const std::string&) override {
+  Result<AxisReading> state(const std::string&) override {
     if (failure) return tl::unexpected(*failure);
     AxisReading reading;
     reading.axis = "x";
@@ -205,8 +223,8 @@ class FakeTarget : public Target {
       UserReading{"mm", at() / 10'240.0, target_ / 10'240.0, 0.5}.put_into(reading);
     return reading;
   }
-  Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
-                      const ReadingHandler& on_reading) override {
+  Result<void> watch(const std::string& axis, tmcl::Duration interval,
+                     const ReadingHandler& on_reading) override {
     while (true) {
       const auto reading = state(axis);
       if (!reading) return tl::unexpected(reading.error());
@@ -214,25 +232,25 @@ class FakeTarget : public Target {
       host_.sleep(interval);
     }
   }
-  Attempt<Warnings> wait(const Wait& wait,
-                         const std::function<void(const AxisReading&)>& on_reading) override {
+  Result<Warnings> wait(const Wait& wait,
+                        const std::function<void(const AxisReading&)>& on_reading) override {
     const auto begin = host_.now();
     while (true) {
       const auto reading = state(wait.axis);
       if (!reading) return tl::unexpected(reading.error());
       on_reading(*reading);
       if (host_.signal() != 0)
-        return tl::unexpected(Failure{ExitCode::interrupted, "cancelled", "interrupted"});
+        return tl::unexpected(error_of(ExitCode::interrupted, "cancelled", "interrupted"));
       if (reading->position_microsteps == wait.goal.value) return warnings;
       if (stopped_now())
-        return tl::unexpected(Failure{ExitCode::not_reached, "move_interrupted", "it stands"});
+        return tl::unexpected(error_of(ExitCode::not_reached, "move_interrupted", "it stands"));
       if (wait.at_most && host_.now() - begin >= *wait.at_most)
-        return tl::unexpected(Failure{ExitCode::not_reached, "deadline_passed", "it moves"});
+        return tl::unexpected(error_of(ExitCode::not_reached, "deadline_passed", "it moves"));
       host_.sleep(wait.interval);
     }
   }
-  Attempt<void> watch_axes(const std::vector<std::string>& axes, tmcl::Duration interval,
-                           const AxesWatcher& watcher) override {
+  Result<void> watch_axes(const std::vector<std::string>& axes, tmcl::Duration interval,
+                          const AxesWatcher& watcher) override {
     calls.push_back("watch " + std::to_string(axes.size()));
     if (failure) return tl::unexpected(*failure);
     for (const auto& axis : axes) watcher.on_reading(axis, *state(axis));
@@ -244,17 +262,18 @@ class FakeTarget : public Target {
     }
     return {};
   }
-  Attempt<void> reopen() override {
+  Result<void> reopen() override {
     if (away_for-- > 0) return tl::unexpected(away());
     return {};
   }
-  static Failure away() {
-    return {ExitCode::not_sent, std::string(tmcl::client::error_name::lost), "tmcld has gone"};
+  static Error away() {
+    return error_of(ExitCode::not_sent, std::string(tmcl::client::error_name::lost),
+                    "tmcld has gone");
   }
   std::vector<boost::json::object> events;  ///< Told once.
   int losses = 0;                           ///< So often tmcld goes away,
   int away_for = 0;                         ///< and it is asked for so often in vain.
-  Attempt<RawAnswer> raw(const RawCommand& command) override {
+  Result<RawAnswer> raw(const RawCommand& command) override {
     if (failure) return tl::unexpected(*failure);
     RawAnswer answer;
     answer.bus = "bench";
@@ -262,12 +281,12 @@ class FakeTarget : public Target {
     if (command.request.command == tmcl::Command::ROR) answer.warnings.emplace_back("it turns");
     return answer;
   }
-  Attempt<boost::json::object> perform(const std::string& method, boost::json::object params,
-                                       const NewsHandler& on_news) override {
+  Result<boost::json::object> perform(const std::string& method, boost::json::object params,
+                                      const NewsHandler& on_news) override {
     if (failure) return tl::unexpected(*failure);
     calls.push_back(method + ' ' + boost::json::serialize(params));
     if (on_news && !on_news({{"phase", "writing"}, {"done", 1}, {"of", 2}, {"step", 1}})) {
-      return tl::unexpected(Failure{ExitCode::unknown, "download_broken", "it was cancelled"});
+      return tl::unexpected(error_of(ExitCode::unknown, "download_broken", "it was cancelled"));
     }
     if (results.empty()) return result;
     result = results.front();
@@ -276,8 +295,8 @@ class FakeTarget : public Target {
   }
   std::deque<boost::json::object> results;  ///< One after the other, before `result`.
   boost::json::object result;               ///< Of every other method.
-  Attempt<void> hear_arrivals(const ModuleName&, const std::function<Attempt<void>()>& ask,
-                              const ArrivalHandler& on_arrival) override {
+  Result<void> hear_arrivals(const ModuleName&, const std::function<Result<void>()>& ask,
+                             const ArrivalHandler& on_arrival) override {
     auto asked = ask();
     if (!asked) return asked;
     for (const auto& motors : arrivals) {
@@ -288,16 +307,16 @@ class FakeTarget : public Target {
     return {};
   }
   std::vector<std::vector<std::uint8_t>> arrivals;  ///< One a second.
-  Attempt<tmcl::FirmwareMatch> match_firmware(const ModuleName& module,
-                                              const tmcl::firmware::Image& image) override {
+  Result<tmcl::FirmwareMatch> match_firmware(const ModuleName& module,
+                                             const tmcl::firmware::Image& image) override {
     if (failure) return tl::unexpected(*failure);
     calls.push_back("match_firmware " + module.bus + ':' + std::to_string(module.address));
     return tmcl::FirmwareMatch{
         1110, false, {1110, 1, 1}, versions_in(image), version_for(image, 1110)};
   }
-  Attempt<tmcl::FirmwareReport> upload_firmware(const ModuleName& module,
-                                                const tmcl::firmware::Image& image,
-                                                const tmcl::FirmwareOptions& options) override {
+  Result<tmcl::FirmwareReport> upload_firmware(const ModuleName& module,
+                                               const tmcl::firmware::Image& image,
+                                               const tmcl::FirmwareOptions& options) override {
     auto match = match_firmware(module, image);
     if (!match) return tl::unexpected(match.error());
     calls.back() = options.force ? "upload_firmware by force" : "upload_firmware";
@@ -305,9 +324,9 @@ class FakeTarget : public Target {
       options.progress({step, image.bytes.size() / 2, image.bytes.size()});
     return tmcl::FirmwareReport{*match, runs_then, checksum(image)};
   }
-  Attempt<boost::json::object> perform_watched(const std::string& method,
-                                               boost::json::object params, const std::string* text,
-                                               const Watcher& watcher) override {
+  Result<boost::json::object> perform_watched(const std::string& method, boost::json::object params,
+                                              const std::string* text,
+                                              const Watcher& watcher) override {
     if (failure) return tl::unexpected(*failure);
     if (text != nullptr) run_text = *text;
     calls.push_back(method + ' ' + boost::json::serialize(params));
@@ -325,11 +344,11 @@ class FakeTarget : public Target {
   }
   std::string run_text;
   std::vector<boost::json::object> news{{{"phase", "running"}, {"passed_s", 0.5}}};
-  std::optional<Failure> run_failure;
-  std::optional<Failure> plan_failure;
+  std::optional<Error> run_failure;
+  std::optional<Error> plan_failure;
   boost::json::object plan;
   void sleep(tmcl::Duration duration) override { host_.sleep(duration); }
-  Attempt<void> see_through(bool tell, Output& output) override {
+  Result<void> see_through(bool tell, Output& output) override {
     if (tell && watches) output.err << "watching\n";
     return {};
   }
@@ -338,14 +357,14 @@ class FakeTarget : public Target {
 
  private:
   /// A number without a unit is what the module counts, although the axis has a unit.
-  Attempt<std::int32_t> counted(const Typed& typed, std::uint8_t parameter) {
+  Result<std::int32_t> counted(const Typed& typed, std::uint8_t parameter) {
     said = typed.text + (typed.internal ? " --internal" : "");
     const auto quantity = attempt(tmcl::parse_quantity(typed.text));
     if (!quantity) return tl::unexpected(quantity.error());
     return attempt(to_parameter(*quantity, quantity->unit.empty() ? AxisUnits{"x"} : counts,
                                 *find_parameter(counts.parameters(), parameter)));
   }
-  Attempt<api::axis::StartedMove> go(const std::string& axis, const Typed& way, std::int32_t from) {
+  Result<api::axis::StartedMove> go(const std::string& axis, const Typed& way, std::int32_t from) {
     if (failure) return tl::unexpected(*failure);
     const auto microsteps = counted(way, tmcl::axis_parameter::target_position);
     if (!microsteps) return tl::unexpected(microsteps.error());

@@ -27,8 +27,8 @@ class ScriptedDoor final : public Door {
  public:
   explicit ScriptedDoor(FakeHost& host) : host_(host) {}
 
-  Attempt<boost::json::object> call(std::string_view method, boost::json::object params,
-                                    CallOptions) override {
+  Result<boost::json::object> call(std::string_view method, boost::json::object params,
+                                   CallOptions) override {
     calls.emplace_back(method);
     if (method == "axis.wait") return wait(params);
     if (method == "axis.get_state") return api::to_json<api::axis::State>(state_at(100));
@@ -38,19 +38,19 @@ class ScriptedDoor final : public Door {
     subscription.states = {state_at(10)};
     return api::to_json(subscription);
   }
-  Attempt<void> listen(tmcl::Duration) override { return {}; }
-  Attempt<void> reopen() override { return {}; }
+  Result<void> listen(tmcl::Duration) override { return {}; }
+  Result<void> reopen() override { return {}; }
   void on_notification(Listener listener) override { listener_ = std::move(listener); }
   void sleep(tmcl::Duration duration) override { host_.sleep(duration); }
-  Attempt<void> see_through(bool, Output&) override { return {}; }
+  Result<void> see_through(bool, Output&) override { return {}; }
 
   tmcl::Duration arrives_after{};
-  std::optional<Failure> failure;  ///< What waits end with.
+  std::optional<Error> failure;  ///< What waits end with.
   std::vector<std::string> calls;
   std::vector<std::int64_t> waits_ms;
 
  private:
-  Attempt<boost::json::object> wait(const boost::json::object& params) {
+  Result<boost::json::object> wait(const boost::json::object& params) {
     EXPECT_EQ(params.at("target_microsteps"), 100);
     waits_ms.push_back(params.at("timeout_ms").as_int64());
     listener_("notify_state", api::to_json(state_at(50)));
@@ -59,7 +59,7 @@ class ScriptedDoor final : public Door {
     host_.sleep(std::min<tmcl::Duration>(at_most, arrives_after));
     arrives_after -= std::min<tmcl::Duration>(at_most, arrives_after);
     if (arrives_after > 0s)
-      return tl::unexpected(Failure{ExitCode::not_reached, "deadline_passed", "it moves"});
+      return tl::unexpected(error_of(ExitCode::not_reached, "deadline_passed", "it moves"));
     return api::to_json(api::axis::Standing{{100, {}, {}}, {"it may oscillate"}});
   }
 
@@ -69,7 +69,7 @@ class ScriptedDoor final : public Door {
 
 class WaitingForAnAxis : public testing::Test {
  protected:
-  Attempt<Warnings> wait(std::optional<tmcl::Duration> at_most = {}) {
+  Result<Warnings> wait(std::optional<tmcl::Duration> at_most = {}) {
     return target.wait({"x", {100}, 20ms, at_most}, [this](const AxisReading& reading) {
       positions.push_back(reading.position_microsteps);
     });
@@ -96,13 +96,13 @@ TEST_F(WaitingForAnAxis, EndsWhenItsTimeIsOver) {
 }
 
 TEST_F(WaitingForAnAxis, AsksNothingMoreOfAGatewayThatSaysNothing) {
-  door->failure = Failure{ExitCode::unknown, "daemon_timeout", "no answer"};
+  door->failure = error_of(ExitCode::unknown, "daemon_timeout", "no answer");
   EXPECT_EQ(wait().error().name, "daemon_timeout");
   EXPECT_EQ(door->calls.back(), "axis.wait");
 }
 
 TEST_F(WaitingForAnAxis, LooksOnceMoreWhereAMoveWasInterrupted) {
-  door->failure = Failure{ExitCode::not_reached, "move_interrupted", "it stands"};
+  door->failure = error_of(ExitCode::not_reached, "move_interrupted", "it stands");
   EXPECT_EQ(wait().error().name, "move_interrupted");
   EXPECT_EQ(positions.back(), 100);
 }

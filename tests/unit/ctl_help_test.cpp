@@ -121,7 +121,7 @@ TEST(CtlHelp, EveryExampleCanBeTyped) {
     for (const auto& example : examples_in(help_of(verb))) {
       const auto parsed = parse_options(example);
       EXPECT_TRUE(parsed) << joined(verb) << " --help: " << joined(example) << ": "
-                          << describe(parsed.error());
+                          << error_text(parsed.error());
     }
   }
 }
@@ -152,7 +152,7 @@ TEST(CtlHelp, HelpVerbIsVerbHelp) {
   EXPECT_EQ(information({"--json", "help", "move"}), help_of({"move"}));
   const auto unknown = parse_options({"help", "mvoe"});
   ASSERT_FALSE(unknown);
-  EXPECT_EQ(unknown.error().exit, ExitCode::usage);
+  EXPECT_EQ(exit_code_of(unknown.error()), ExitCode::usage);
   EXPECT_THAT(unknown.error().hint, HasSubstr("'move'"));
 }
 

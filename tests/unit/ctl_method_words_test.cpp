@@ -7,7 +7,7 @@
 #include <sstream>
 
 #include "api/method.hpp"
-#include "failure.hpp"
+#include "errors.hpp"
 #include "method_words.hpp"
 #include "options.hpp"
 
@@ -44,10 +44,9 @@ TEST(CtlMethodWords, NothingThatTmcldSaysIsShownWithAMethod) {
     if (method.name.find('.') == std::string_view::npos) continue;
     const std::string name(method.name);
     const auto failure =
-        failure_from(tmcl::client::CallError{-32602, "some_error", tmcl::Outcome::not_sent,
-                                             name + " cannot do that", "see " + name + " for it"});
-    EXPECT_THAT(describe(failure), Not(HasSubstr(name)));
-    const auto json = to_json(failure);
+        usage_error("some_error", name + " cannot do that", "see " + name + " for it");
+    EXPECT_THAT(error_text(failure), Not(HasSubstr(name)));
+    const auto json = error_document(failure);
     EXPECT_THAT(std::string(json.at("message").as_string()), Not(HasSubstr(name)));
     EXPECT_THAT(std::string(json.at("hint").as_string()), Not(HasSubstr(name)));
   }

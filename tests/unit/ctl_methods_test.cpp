@@ -97,7 +97,7 @@ TEST_F(CtlMethods, HomeSaysThatTheMotorSearches) {
             "x searches its reference. End it with: tmclctl --direct can:can0 home x --stop\n");
   ctl.run({"home", "x", "--stop"});
   EXPECT_EQ(ctl.out, "x searches no longer\n");
-  ctl.target.failure = Failure{ExitCode::not_reached, "deadline_passed", "not found yet"};
+  ctl.target.failure = error_of(ExitCode::not_reached, "deadline_passed", "not found yet");
   EXPECT_EQ(ctl.run({"home", "x", "--timeout", "1"}), ExitCode::not_reached);
   EXPECT_THAT(ctl.err, testing::Not(HasSubstr("goes on")));
   EXPECT_EQ(ctl.run({"home", "x", "--timeout", "1", "--leave"}), ExitCode::not_reached);
@@ -146,7 +146,7 @@ TEST_F(CtlMethods, ArrivalsOfTheNextMoveEndWhenAllHaveArrived) {
   ctl.host.press_ctrl_c_after(std::chrono::seconds(60));
   EXPECT_EQ(ctl.run({"arrivals", "1", "0", "1", "--next"}), ExitCode::done);
   EXPECT_THAT(ctl.out, testing::EndsWith("motor 0 arrived\n"));
-  ctl.target.failure = Failure{ExitCode::refused, "refused_by_module", "it does not know that"};
+  ctl.target.failure = error_of(ExitCode::refused, "refused_by_module", "it does not know that");
   EXPECT_EQ(ctl.run({"arrivals", "1", "0"}), ExitCode::refused);
 }
 

@@ -97,12 +97,12 @@ TEST_F(CtlMint, Axis0IsTheFirstThereIs) {
 TEST_F(CtlMint, WhatTheGatewaySaysOfAProgramHasItsFile) {
   check(exercise);
   const std::vector<std::string> words{"mint", "run", path, "--axis", "0=x"};
-  target.run_failure = usage_failure("bad_program", "the program cannot be run: line 2: no");
-  target.run_failure->details["problems"] = {{{"line", 2}, {"column", 1}, {"message", "no"}}};
+  target.run_failure = usage_error("bad_program", "the program cannot be run: line 2: no");
+  target.run_failure->subject["problems"] = {{{"line", 2}, {"column", 1}, {"message", "no"}}};
   EXPECT_EQ(run(words), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr(path + ":2:1: no\n"));
-  target.run_failure = usage_failure("missing_axis", "line 3 moves axis 1: which axis is that?");
-  target.run_failure->details["file_axis"] = "1";
+  target.run_failure = usage_error("missing_axis", "line 3 moves axis 1: which axis is that?");
+  target.run_failure->subject["file_axis"] = "1";
   EXPECT_EQ(run(words), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("--axis 1=NAME"));
   EXPECT_EQ(run({"mint", "run", path, "--axis", "9=x"}), ExitCode::usage);
@@ -112,7 +112,7 @@ TEST_F(CtlMint, WhatTheGatewaySaysOfAProgramHasItsFile) {
 TEST_F(CtlMint, CtrlCStopsAllAxes) {
   check(exercise);
   target.news = {{{"phase", "running"}, {"line", 6}, {"passed_s", 0.5}, {"duration_s", 1}}};
-  target.run_failure = Failure{ExitCode::unknown, "stopped_by_other", "x was stopped"};
+  target.run_failure = error_of(ExitCode::unknown, "stopped_by_other", "x was stopped");
   host.press_ctrl_c_after(std::chrono::milliseconds(500));
   EXPECT_EQ(run({"mint", "run", path, "--axis", "0=x", "--axis", "1=y"}), ExitCode::interrupted);
   EXPECT_THAT(target.calls, testing::ElementsAre(testing::_, "stop x", "stop y"));

@@ -19,11 +19,11 @@ using Words = std::vector<std::string>;
 template <class Verb>
 Verb parsed(const Words& words) {
   const auto result = parse_options(words);
-  if (!result) throw std::runtime_error(describe(result.error()));
+  if (!result) throw std::runtime_error(error_text(result.error()));
   return std::get<Verb>(std::get<Options>(*result).verb);
 }
 
-Failure failure(const Words& words) {
+Error failure(const Words& words) {
   const auto result = parse_options(words);
   if (result) throw std::runtime_error("it was understood");
   return result.error();
@@ -50,13 +50,13 @@ TEST(CtlOptions, NumbersAreWhole) {
   EXPECT_EQ(parsed<verb::Raw>({"raw", "1", "SAP", "4", "$2", "0x43"}).value, 0x43);
   EXPECT_EQ(parsed<verb::Raw>({"raw", "1", "SAP", "4", "$2", "0x43"}).motor, 2);
   EXPECT_EQ(parsed<verb::Raw>({"raw", "1", "SAP", "4", "0", "0xffffffff"}).value, -1);
-  EXPECT_EQ(failure({"raw", "1", "SAP", "4", "0x100", "0"}).exit, ExitCode::usage);
+  EXPECT_EQ(exit_code_of(failure({"raw", "1", "SAP", "4", "0x100", "0"})), ExitCode::usage);
   for (const auto* bad : {"1.5", "", "0x", "0xG", "$", "0x100000000", "0x1.5", "ten", "1e3", "nan"})
-    EXPECT_EQ(failure({"raw", "1", "SAP", "4", "0", bad}).exit, ExitCode::usage) << bad;
+    EXPECT_EQ(exit_code_of(failure({"raw", "1", "SAP", "4", "0", bad})), ExitCode::usage) << bad;
   EXPECT_THAT(failure({"raw", "1", "SAP", "4", "0", "2147483648"}).message,
               HasSubstr("2147483647"));
   EXPECT_THAT(failure({"raw", "2048", "GAP", "1", "0", "0"}).message, HasSubstr("2047"));
-  EXPECT_EQ(failure({"move", "x", "--"}).exit, ExitCode::usage);
+  EXPECT_EQ(exit_code_of(failure({"move", "x", "--"})), ExitCode::usage);
 }
 
 TEST(CtlOptions, QuantitiesAreKeptAsTheyWereTyped) {
@@ -89,7 +89,7 @@ TEST(CtlOptions, ScansTheWholeRangeOrAPart) {
   EXPECT_EQ(range.first, 3);
   EXPECT_EQ(range.last, 20);
   EXPECT_EQ(parsed<verb::Scan>({"scan", "--addresses", "7"}).range.last, 7);
-  EXPECT_EQ(failure({"scan", "--addresses", "20-3"}).exit, ExitCode::usage);
+  EXPECT_EQ(exit_code_of(failure({"scan", "--addresses", "20-3"})), ExitCode::usage);
 }
 
 TEST(CtlOptions, AWordThatIsNoVerbIsNotTakenForOneThatMoves) {
@@ -106,7 +106,7 @@ TEST(CtlOptions, AWordThatIsNoVerbIsNotTakenForOneThatMoves) {
 TEST(CtlOptions, ADrawingIsSvg) {
   for (const auto* name : {"x.png", "X.PNG", "a/b.pdf", "c.jpeg"}) {
     const auto wrong = failure({"plot", "x", "--svg", name});
-    EXPECT_EQ(wrong.exit, ExitCode::usage);
+    EXPECT_EQ(exit_code_of(wrong), ExitCode::usage);
     EXPECT_THAT(wrong.message, HasSubstr(".svg")) << name;
   }
   EXPECT_EQ(parsed<verb::Plot>({"plot", "x", "--svg", "x.svg"}).svg, "x.svg");
@@ -134,15 +134,15 @@ TEST(CtlOptions, SaysWhatIsWrong) {
               HasSubstr("--reply-timeout goes with --direct"));
   EXPECT_THAT(failure({"--direct", "can:a", "--reply-timeout", "0", "axes"}).message,
               HasSubstr("within 1 to 60000"));
-  EXPECT_EQ(failure({"watch", "x", "--interval", "1"}).exit, ExitCode::usage);
+  EXPECT_EQ(exit_code_of(failure({"watch", "x", "--interval", "1"})), ExitCode::usage);
   EXPECT_EQ(failure({"watch", "x", "--interval", "1"}).message,
             "watch: --interval: 1 is not within 10 to 60000");
   EXPECT_EQ(failure({"--full-steps", "many", "get", "x", "4"}).message,
             "get: --full-steps: 'many' is no whole number");
   EXPECT_EQ(failure({"--unattended", "rotate", "x", "1"}).message,
             "--unattended is an option of 'rotate': write it behind that");
-  EXPECT_EQ(failure({"watch", "x", "--for", "-1"}).exit, ExitCode::usage);
-  EXPECT_EQ(failure({"watch", "x", "--for", "nan"}).exit, ExitCode::usage);
+  EXPECT_EQ(exit_code_of(failure({"watch", "x", "--for", "-1"})), ExitCode::usage);
+  EXPECT_EQ(exit_code_of(failure({"watch", "x", "--for", "nan"})), ExitCode::usage);
 }
 
 TEST(CtlOptions, HelpTeaches) {

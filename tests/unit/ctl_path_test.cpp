@@ -135,15 +135,15 @@ TEST_F(CtlPath, WhatCannotBePlannedIsExplained) {
   const auto line = file("G1 X10 F600\n");
   EXPECT_EQ(run({"path", "run", line, "--axis", "x"}), ExitCode::usage);
   EXPECT_EQ(run({"path", "run", line, "--axis", "X=x", "--mode", "fast"}), ExitCode::usage);
-  target.plan_failure = usage_failure("bad_path", "the path cannot be read: line 2: no");
-  target.plan_failure->details["problems"] = {{{"line", 2}, {"column", 1}, {"message", "no"}}};
+  target.plan_failure = usage_error("bad_path", "the path cannot be read: line 2: no");
+  target.plan_failure->subject["problems"] = {{{"line", 2}, {"column", 1}, {"message", "no"}}};
   EXPECT_EQ(run({"path", "run", line}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr(path + ":2:1: no\n"));
-  target.plan_failure = usage_failure("missing_axis", "the file moves X: which axis is that?");
-  target.plan_failure->details["file_axis"] = "X";
+  target.plan_failure = usage_error("missing_axis", "the file moves X: which axis is that?");
+  target.plan_failure->subject["file_axis"] = "X";
   EXPECT_EQ(run({"path", "run", line}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("--axis X=NAME"));
-  target.plan_failure = usage_failure("unknown_unit", "x has no unit");
+  target.plan_failure = usage_error("unknown_unit", "x has no unit");
   EXPECT_EQ(run({"path", "run", line}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("--per-turn"));
 }
@@ -151,8 +151,8 @@ TEST_F(CtlPath, WhatCannotBePlannedIsExplained) {
 TEST_F(CtlPath, CtrlCLetsTheGatewayStop) {
   const auto line = file("G1 X10 F600\n");
   target.plan = planned;
-  target.run_failure = Failure{ExitCode::unknown, "stopped", "stopped", "", tmcl::Outcome::done};
-  target.run_failure->details["run"] = boost::json::object{};
+  target.run_failure = error_of(ExitCode::unknown, "stopped", "stopped", "", tmcl::Outcome::done);
+  target.run_failure->subject["run"] = boost::json::object{};
   host.press_ctrl_c_after(std::chrono::seconds(1));
   EXPECT_EQ(run({"path", "run", line}), ExitCode::interrupted);
   EXPECT_EQ(target.calls.back(), R"(path.stop {"axes":["left","y"]})");
@@ -165,8 +165,8 @@ TEST_F(CtlPath, WhatTheGatewaySaysHasItsExitCodes) {
   for (const auto& [outcome, exit] : {std::pair{tmcl::Outcome::done, ExitCode::not_reached},
                                       std::pair{tmcl::Outcome::unknown, ExitCode::not_reached},
                                       std::pair{tmcl::Outcome::not_sent, ExitCode::refused}}) {
-    target.run_failure = Failure{ExitCode::unknown, "starved", "late", "", outcome};
-    target.run_failure->details["run"] = boost::json::object{};
+    target.run_failure = error_of(ExitCode::unknown, "starved", "late", "", outcome);
+    target.run_failure->subject["run"] = boost::json::object{};
     EXPECT_EQ(run({"path", "run", line}), exit);
   }
 }

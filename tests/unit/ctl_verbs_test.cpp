@@ -20,7 +20,7 @@ class CtlVerbs : public testing::Test, public Ctl {
  protected:
   void on_terminal() { screen = {true, true, true, 80}; }
   void fail_with(ExitCode exit, tmcl::Outcome outcome) {
-    target.failure = Failure{exit, "some_error", "it failed", "try this", outcome, {}};
+    target.failure = error_of(exit, "some_error", "it failed", "try this", outcome);
   }
 };
 
@@ -148,7 +148,7 @@ TEST_F(CtlVerbs, StopAllStopsEverythingUnlessAnAxisIsCalledSo) {
   EXPECT_EQ(run({"stop", "all"}), ExitCode::done);
   EXPECT_THAT(target.calls, ElementsAre("stop all"));
   target.calls.clear();
-  target.stop_failure = usage_failure("unknown_axis", "there is no axis 'all'", "See");
+  target.stop_failure = usage_error("unknown_axis", "there is no axis 'all'", "See");
   for (const char* word : {"all", "ALL"}) {
     target.calls.clear();
     EXPECT_EQ(run({"stop", word}), ExitCode::done);
@@ -158,7 +158,7 @@ TEST_F(CtlVerbs, StopAllStopsEverythingUnlessAnAxisIsCalledSo) {
 }
 
 TEST_F(CtlVerbs, AStopOfNoAxisSaysThatEverythingMoves) {
-  target.stop_failure = usage_failure("unknown_axis", "there is no axis 'y'", "See 'tmclctl axes'");
+  target.stop_failure = usage_error("unknown_axis", "there is no axis 'y'", "See 'tmclctl axes'");
   EXPECT_EQ(run({"stop", "y"}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr("Everything still moves: 'tmclctl stop --all' stops every axis"));
   EXPECT_EQ(run({"stop", "x", "y"}), ExitCode::usage);
@@ -215,7 +215,7 @@ TEST_F(CtlVerbs, RotateStopsTheAxisWhenASignalComes) {
 
 TEST_F(CtlVerbs, RotateSaysThatTheAxisMayStillTurn) {
   host.press_ctrl_c_after(std::chrono::seconds(3));
-  target.stop_failure = Failure{ExitCode::not_sent, "link_lost", "the bus is not open"};
+  target.stop_failure = error_of(ExitCode::not_sent, "link_lost", "the bus is not open");
   EXPECT_EQ(run({"rotate", "x", "500"}), ExitCode::unknown);
   EXPECT_THAT(err, HasSubstr("x may still turn"));
 }
@@ -232,8 +232,7 @@ TEST_F(CtlVerbs, ATurnOfNothingIsOverAtOnce) {
 }
 
 TEST_F(CtlVerbs, StopAllTellsWhatDidNotStop) {
-  const Failure silent{
-      ExitCode::unknown, "reply_timeout", "no answer", "", tmcl::Outcome::unknown, {}};
+  const auto silent = error_of(ExitCode::unknown, "reply_timeout", "no answer");
   target.stopped = {{"x", 1.5, {}}, {"y", {}, silent}};
   EXPECT_EQ(run({"stop", "--all"}), ExitCode::unknown);
   EXPECT_THAT(out, HasSubstr("x stopped after 1.5 ms"));
@@ -287,8 +286,7 @@ TEST_F(CtlVerbs, AnEmptyScanSaysWhatToCheck) {
 }
 
 TEST_F(CtlVerbs, AScanThatMissesABusFails) {
-  target.found.failed = {
-      {"shelf", {ExitCode::not_sent, "link_lost", "gone", "", tmcl::Outcome::not_sent, {}}}};
+  target.found.failed = {{"shelf", error_of(ExitCode::not_sent, "link_lost", "gone")}};
   EXPECT_EQ(run({"scan"}), ExitCode::not_sent);
   EXPECT_THAT(err, HasSubstr("shelf"));
   EXPECT_EQ(json({"scan"}, ExitCode::not_sent).at("failed").at(0).at("bus"), "shelf");

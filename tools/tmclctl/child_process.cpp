@@ -16,15 +16,15 @@ constexpr int signal_exit_base = 128;
 
 }  // namespace
 
-Attempt<ChildProcess> ChildProcess::start(const std::vector<std::string>& command) {
+Result<ChildProcess> ChildProcess::start(const std::vector<std::string>& command) {
   std::vector<char*> words;
   for (const auto& word : command) words.push_back(const_cast<char*>(word.c_str()));
   words.push_back(nullptr);
   pid_t id = 0;
   const int failed = ::posix_spawnp(&id, words.front(), nullptr, nullptr, words.data(), environ);
   if (failed == 0) return ChildProcess(id);
-  return tl::unexpected(usage_failure("cannot_run", command.front() + " cannot be run: " +
-                                                        std::generic_category().message(failed)));
+  return tl::unexpected(usage_error("cannot_run", command.front() + " cannot be run: " +
+                                                      std::generic_category().message(failed)));
 }
 
 std::optional<int> ChildProcess::exit_code() {

@@ -7,14 +7,14 @@
 
 #include <sys/types.h>
 
-#include "failure.hpp"
+#include "errors.hpp"
 
 namespace tmclctl {
 
 class ChildProcess {
  public:
   /// Looks in $PATH. Errors: it cannot be run.
-  static Attempt<ChildProcess> start(const std::vector<std::string>& command);
+  static Result<ChildProcess> start(const std::vector<std::string>& command);
 
   /// Its exit code once it has ended, 128 and its number if a signal ended it.
   std::optional<int> exit_code();

@@ -9,7 +9,7 @@
 
 #include <boost/json/object.hpp>
 
-#include "failure.hpp"
+#include "errors.hpp"
 #include "host.hpp"
 #include "screen.hpp"
 #include "tmcl/client.hpp"
@@ -34,37 +34,37 @@ class Door {
 
   virtual ~Door() = default;
   /// One method and its result. What comes unasked meanwhile goes to the listener.
-  virtual Attempt<boost::json::object> call(std::string_view method, boost::json::object params,
-                                            CallOptions options = {}) = 0;
+  virtual Result<boost::json::object> call(std::string_view method, boost::json::object params,
+                                           CallOptions options = {}) = 0;
   /// The same for a method of tmcl/api.
   template <tmcl::api::IsMethod Method>
-  Attempt<typename Method::Result> call(const Method& params, CallOptions options = {}) {
+  Result<typename Method::Result> call(const Method& params, CallOptions options = {}) {
     return call(Method::method.name, tmcl::api::to_json(params), std::move(options))
         .map(tmcl::api::from_json<typename Method::Result>);
   }
   /// Hands out what comes unasked until the time has passed, or at once after the first message.
   /// Errors: there is nobody any more from whom something could come.
-  virtual Attempt<void> listen(tmcl::Duration at_most) = 0;
+  virtual Result<void> listen(tmcl::Duration at_most) = 0;
   /// A connection that was lost, made anew. Errors: nobody is there; a gateway in this process is
   /// never lost.
-  virtual Attempt<void> reopen() = 0;
+  virtual Result<void> reopen() = 0;
   /// At most one listener; an empty one removes it.
   virtual void on_notification(Listener listener) = 0;
   /// Lets time pass; a signal ends that early.
   virtual void sleep(tmcl::Duration duration) = 0;
   /// Stays until axes that somebody has to watch stand and have their settings back; tells that
   /// first, if asked to. Errors: a signal came, and the axes were stopped.
-  virtual Attempt<void> see_through(bool tell, Output& output) = 0;
+  virtual Result<void> see_through(bool tell, Output& output) = 0;
 };
 
 /// To a running tmcld, which other programs share; `wait` is for a socket that is not there yet.
 /// `in_all`: from now on so long everything may take, all calls together; nothing: no such bound.
-Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait, Host& host,
-                                           std::optional<tmcl::Duration> in_all = {});
+Result<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait, Host& host,
+                                          std::optional<tmcl::Duration> in_all = {});
 
 /// To a tmcld in the network; `in_all` likewise.
-Attempt<std::unique_ptr<Door>> open_url(WebPlace place, Host& host,
-                                        std::optional<tmcl::Duration> in_all = {});
+Result<std::unique_ptr<Door>> open_url(WebPlace place, Host& host,
+                                       std::optional<tmcl::Duration> in_all = {});
 
 /// A bus without tmcld.
 struct OwnBus {
@@ -74,6 +74,6 @@ struct OwnBus {
   std::int32_t full_steps;  ///< Of a turn of an axis that no file says more about.
 };
 /// To a gateway in this process; `wait` is for a serial port that is not there yet.
-Attempt<std::unique_ptr<Door>> open_own_gateway(const OwnBus& bus, tmcl::Duration wait, Host& host);
+Result<std::unique_ptr<Door>> open_own_gateway(const OwnBus& bus, tmcl::Duration wait, Host& host);
 
 }  // namespace tmclctl

@@ -1,6 +1,8 @@
 /// What tmclctl's exit codes mean; scripts rely on them.
 #pragma once
 
+#include "tmcl/client_error.hpp"
+
 namespace tmclctl {
 
 enum class ExitCode : int {
@@ -16,5 +18,7 @@ enum class ExitCode : int {
   interrupted = 130,
   terminated = 143,
 };
+
+ExitCode exit_code_of(const tmcl::client::Error& error);
 
 }  // namespace tmclctl

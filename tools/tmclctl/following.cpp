@@ -16,24 +16,24 @@ std::string goal_text(const Journey& journey) {
   return shown(journey.goal_in_unit, journey.goal.value);
 }
 
-Failure not_reached(const Journey& journey, const AxisReading& reading, std::string_view what,
-                    std::string hint) {
-  Failure failure{
-      ExitCode::not_reached, "move_interrupted", {}, std::move(hint), tmcl::Outcome::done};
-  failure.message = fmt::format("{} {}: at {}, on its way to {}", journey.axis, what,
-                                position_text(reading, !journey.goal_in_unit), goal_text(journey));
-  failure.details = {{"axis", journey.axis},
+Error not_reached(const Journey& journey, const AxisReading& reading, std::string_view what,
+                  std::string hint) {
+  Error failure{"move_interrupted", ErrorKind::ended_early, tmcl::Outcome::done,
+                fmt::format("{} {}: at {}, on its way to {}", journey.axis, what,
+                            position_text(reading, !journey.goal_in_unit), goal_text(journey)),
+                std::move(hint)};
+  failure.subject = {{"axis", journey.axis},
                      {"position_microsteps", reading.position_microsteps},
                      {"target_microsteps", journey.goal.value}};
   if (journey.goal_in_unit && reading.position) {
-    failure.details["unit"] = journey.goal_in_unit->unit;
-    failure.details["position"] = *reading.position;
-    failure.details["target"] = journey.goal_in_unit->value;
+    failure.subject["unit"] = journey.goal_in_unit->unit;
+    failure.subject["position"] = *reading.position;
+    failure.subject["target"] = journey.goal_in_unit->value;
   }
   return failure;
 }
 
-Failure move_interrupted(const Journey& journey, const AxisReading& reading) {
+Error move_interrupted(const Journey& journey, const AxisReading& reading) {
   // What is known comes first: a stopped axis is in velocity mode, and may still slow down.
   if (reading.stop_cause) {
     auto failure = not_reached(journey, reading,
@@ -41,7 +41,7 @@ Failure move_interrupted(const Journey& journey, const AxisReading& reading) {
                                               : "stands still short of its target",
                                advice_on_stop(journey.axis, *reading.stop_cause));
     failure.message += "; cause: " + *reading.stop_cause;
-    failure.details["stop_cause"] = *reading.stop_cause;
+    failure.subject["stop_cause"] = *reading.stop_cause;
     return failure;
   }
   if (reading.target_microsteps != journey.goal.value) {
@@ -60,10 +60,10 @@ Failure move_interrupted(const Journey& journey, const AxisReading& reading) {
                                  journey.axis));
 }
 
-Failure lost_sight(const Journey& journey, Failure failure, const Target& target) {
-  failure.exit = ExitCode::unknown;
-  // The move itself was accepted; where it ended nobody knows.
-  failure.outcome.reset();
+Error lost_sight(const Journey& journey, Error failure, const Target& target) {
+  // The move itself was accepted; where it ended is not known.
+  failure.kind = ErrorKind::failed;
+  failure.outcome = tmcl::Outcome::done;
   failure.name = "lost_sight";
   failure.message = fmt::format("lost sight of {} on its way to {}: {}", journey.axis,
                                 goal_text(journey), failure.message);
@@ -72,15 +72,13 @@ Failure lost_sight(const Journey& journey, Failure failure, const Target& target
 }
 
 /// `reading`: how the axis was seen last.
-Failure explained(const Journey& journey, const AxisReading& reading, Failure failure,
-                  Context& context) {
+Error explained(const Journey& journey, const AxisReading& reading, Error failure,
+                Context& context) {
   if (context.host.signal() != 0) {
-    auto interrupted = interrupted_failure(
+    return interrupted_error(
         context.host.signal(),
         fmt::format("no longer waiting; {} goes on moving to {}", journey.axis, goal_text(journey)),
-        how_to_stop(journey.axis, context.target));
-    interrupted.details = not_reached(journey, reading, "", "").details;
-    return interrupted;
+        how_to_stop(journey.axis, context.target), not_reached(journey, reading, "", "").subject);
   }
   if (failure.name == name_of(tmcl::Errc::deadline_passed)) {
     auto late = not_reached(journey, reading, "has not arrived in time",
@@ -88,22 +86,16 @@ Failure explained(const Journey& journey, const AxisReading& reading, Failure fa
     late.name = "timeout";
     return late;
   }
-  if (failure.name == driver_fault) return failure;
-  if (failure.exit == ExitCode::not_reached) return move_interrupted(journey, reading);
+  if (failure.name == tmcl::client::error_name::driver_fault) return failure;
+  if (exit_code_of(failure) == ExitCode::not_reached) return move_interrupted(journey, reading);
   return lost_sight(journey, std::move(failure), context.target);
 }
 
 }  // namespace
 
-Failure interrupted_failure(int signal, const std::string& message, const std::string& hint) {
-  const auto exit = signal == SIGTERM ? ExitCode::terminated : ExitCode::interrupted;
-  return {exit, "interrupted", message, hint, tmcl::Outcome::done};
-}
-
-std::optional<Failure> interrupted_before_move(Context& context) {
+std::optional<Error> interrupted_before_move(Context& context) {
   if (context.host.signal() == 0) return std::nullopt;
-  auto failure =
-      interrupted_failure(context.host.signal(), "interrupted before anything moved", "");
+  auto failure = interrupted_error(context.host.signal(), "interrupted before anything moved", "");
   failure.outcome = tmcl::Outcome::not_sent;
   return failure;
 }
@@ -121,8 +113,8 @@ std::string how_to_stop(const std::string& axis, const Target& target) {
   return fmt::format("Stop it with: tmclctl{} stop {}", target.options(), axis);
 }
 
-Attempt<Warnings> follow(const Journey& journey, Context& context,
-                         const std::function<void(const AxisReading&)>& on_reading) {
+Result<Warnings> follow(const Journey& journey, Context& context,
+                        const std::function<void(const AxisReading&)>& on_reading) {
   Wait wait{journey.axis, journey.goal, journey.interval};
   // Nothing left is no time limit, to a gateway.
   if (journey.timeout) {

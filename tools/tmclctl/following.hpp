@@ -24,8 +24,8 @@ struct Journey {
 /// What the settings of the axis make of moves, once it stands at its goal and stays there, or why
 /// it is not waited for any longer: interrupted by someone else, by a signal, by the time
 /// limit, or because it does not answer.
-Attempt<Warnings> follow(const Journey& journey, Context& context,
-                         const std::function<void(const AxisReading&)>& on_reading);
+Result<Warnings> follow(const Journey& journey, Context& context,
+                        const std::function<void(const AxisReading&)>& on_reading);
 
 /// Of a stop that has stopped nothing.
 constexpr std::string_view everything_moves =
@@ -34,10 +34,8 @@ constexpr std::string_view everything_moves =
 /// What to do about an axis that stands for this cause: "Its left switch is closed; ..."
 std::string advice_on_stop(const std::string& axis, const std::string& cause);
 
-/// What to tell when a signal ends the watching while the axis goes on.
-Failure interrupted_failure(int signal, const std::string& message, const std::string& hint);
 /// Ctrl-C came before the move went out: then it does not go out any more.
-std::optional<Failure> interrupted_before_move(Context& context);
+std::optional<Error> interrupted_before_move(Context& context);
 /// "Stop it with: tmclctl --direct can:can0 stop 1/0"
 std::string how_to_stop(const std::string& axis, const Target& target);
 

@@ -28,7 +28,7 @@ tmcl::ModuleTraits traits_of(const api::axis::HeldRamp& held) {
 
 }  // namespace
 
-Attempt<AxisTwin> twin_of(const std::string& axis, Target& target) {
+Result<AxisTwin> twin_of(const std::string& axis, Target& target) {
   const auto held = target.perform(api::axis::GetRamp{axis});
   if (!held) return tl::unexpected(held.error());
   const auto* model = tmcl::find_model(held->model);
@@ -42,9 +42,9 @@ Attempt<AxisTwin> twin_of(const std::string& axis, Target& target) {
   // The gateway knows such a model, and this program does not: they are of different versions.
   if (!twin) {
     return tl::unexpected(
-        usage_failure("not_foreseeable", fmt::format("how {} will move cannot be foreseen: this "
-                                                     "tmclctl does not know the ramps of a {}",
-                                                     axis, held->model)));
+        usage_error("not_foreseeable", fmt::format("how {} will move cannot be foreseen: this "
+                                                   "tmclctl does not know the ramps of a {}",
+                                                   axis, held->model)));
   }
   twin->take_traits(traits_of(*held));
   twin->place({held->position_microsteps});

@@ -10,6 +10,6 @@ namespace tmclctl {
 
 /// Set as the module is, where the axis stands. Errors: also for an axis that moves, for a model
 /// that is not known, and for one whose ramp generator nobody has described.
-Attempt<tmcl::plan::AxisTwin> twin_of(const std::string& axis, Target& target);
+Result<tmcl::plan::AxisTwin> twin_of(const std::string& axis, Target& target);
 
 }  // namespace tmclctl

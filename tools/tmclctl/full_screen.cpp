@@ -18,19 +18,19 @@ struct FullScreen::Terminal {
 
 namespace {
 
-Failure no_terminal(std::string message) {
-  return usage_failure("no_terminal", std::move(message),
-                       "'tmclctl watch --all' writes lines, to anywhere");
+Error no_terminal(std::string message) {
+  return usage_error("no_terminal", std::move(message),
+                     "'tmclctl watch --all' writes lines, to anywhere");
 }
 
 }  // namespace
 
-Attempt<void> FullScreen::look_for(const Screen& out) {
+Result<void> FullScreen::look_for(const Screen& out) {
   if (out.terminal && ::isatty(STDIN_FILENO) != 0) return {};
   return tl::unexpected(no_terminal("this needs a terminal to draw on"));
 }
 
-Attempt<std::unique_ptr<FullScreen>> FullScreen::open(const Screen& out) {
+Result<std::unique_ptr<FullScreen>> FullScreen::open(const Screen& out) {
   const auto found = look_for(out);
   if (!found) return tl::unexpected(found.error());
   std::setlocale(LC_CTYPE, "");

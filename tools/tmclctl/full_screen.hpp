@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "failure.hpp"
+#include "errors.hpp"
 #include "screen.hpp"
 
 namespace tmclctl {
@@ -14,9 +14,9 @@ namespace tmclctl {
 class FullScreen {
  public:
   /// Whether there is a terminal. Errors: no_terminal.
-  static Attempt<void> look_for(const Screen& out);
+  static Result<void> look_for(const Screen& out);
   /// Errors: no_terminal, also for one that is not known.
-  static Attempt<std::unique_ptr<FullScreen>> open(const Screen& out);
+  static Result<std::unique_ptr<FullScreen>> open(const Screen& out);
   FullScreen(const FullScreen&) = delete;
   FullScreen& operator=(const FullScreen&) = delete;
   ~FullScreen();

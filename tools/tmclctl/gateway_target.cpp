@@ -90,10 +90,6 @@ std::vector<ModuleRow> modules_from(const std::vector<Module>& found) {
   return rows;
 }
 
-Failure failure_from_json(const json::object& error) {
-  return failure_from(tmcl::client::call_error_from(error));
-}
-
 std::optional<tmcl::UserScale> scale_from(const api::axis::Units& units) {
   const auto microsteps = units.microsteps_per_revolution.value_or(0);
   if (microsteps <= 0) return std::nullopt;
@@ -138,8 +134,8 @@ tmcl::FirmwareMatch match_from(std::uint16_t model, const std::string& running,
   return match;
 }
 
-Attempt<void> stage(Door& door, std::string_view method, std::span<const std::uint8_t> bytes,
-                    const CallOptions& options = {}) {
+Result<void> stage(Door& door, std::string_view method, std::span<const std::uint8_t> bytes,
+                   const CallOptions& options = {}) {
   for (std::size_t offset = 0; offset < bytes.size(); offset += staged_at_once) {
     const auto part = bytes.subspan(offset, std::min(staged_at_once, bytes.size() - offset));
     const auto taken =
@@ -155,11 +151,11 @@ GatewayTarget::GatewayTarget(std::unique_ptr<Door> door, std::string options, Ax
                              Host& host)
     : door_(std::move(door)), options_(std::move(options)), axes_from_(axes), host_(host) {}
 
-Attempt<json::object> GatewayTarget::call(std::string_view method, json::object params) {
+Result<json::object> GatewayTarget::call(std::string_view method, json::object params) {
   return door_->call(method, std::move(params));
 }
 
-Attempt<ScanResult> GatewayTarget::scan(ScanRange range, const Progress& progress) {
+Result<ScanResult> GatewayTarget::scan(ScanRange range, const Progress& progress) {
   if (progress) {
     door_->on_notification([&](std::string_view method, const json::object& params) {
       if (method != api::progress_notification) return;
@@ -172,12 +168,12 @@ Attempt<ScanResult> GatewayTarget::scan(ScanRange range, const Progress& progres
   return found.map([](const api::bus::FoundModules& all) {
     ScanResult result{modules_from(all.modules), {}};
     for (const auto& [bus, error] : all.failed)
-      result.failed.push_back({bus, failure_from_json(error)});
+      result.failed.push_back({bus, tmcl::client::error_from_json(error)});
     return result;
   });
 }
 
-Attempt<std::vector<ModuleRow>> GatewayTarget::modules() {
+Result<std::vector<ModuleRow>> GatewayTarget::modules() {
   if (axes_from_ == AxesFrom::scan) {
     auto found = scan({}, {});
     if (!found) return tl::unexpected(found.error());
@@ -189,7 +185,7 @@ Attempt<std::vector<ModuleRow>> GatewayTarget::modules() {
   });
 }
 
-Attempt<std::vector<AxisRow>> GatewayTarget::found_axes() {
+Result<std::vector<AxisRow>> GatewayTarget::found_axes() {
   return modules().map([this](const std::vector<ModuleRow>& found) {
     std::vector<AxisRow> rows;
     for (const auto& module : found) {
@@ -205,7 +201,7 @@ Attempt<std::vector<AxisRow>> GatewayTarget::found_axes() {
   });
 }
 
-Attempt<std::vector<AxisRow>> GatewayTarget::axes() {
+Result<std::vector<AxisRow>> GatewayTarget::axes() {
   if (axes_from_ == AxesFrom::scan) return found_axes();
   const auto found = door_->call(api::axis::List{});
   if (!found) return tl::unexpected(found.error());
@@ -228,51 +224,51 @@ void GatewayTarget::add_reasons(std::vector<AxisRow>& axes) {
   }
 }
 
-Attempt<std::vector<api::parameter::Parameter>> GatewayTarget::parameters(const std::string& axis) {
+Result<std::vector<api::parameter::Parameter>> GatewayTarget::parameters(const std::string& axis) {
   return door_->call(api::parameter::List{axis}).map([](const api::parameter::Parameters& found) {
     return found.parameters;
   });
 }
 
-Attempt<api::parameter::Held> GatewayTarget::get(const std::string& axis,
-                                                 const std::string& parameter) {
+Result<api::parameter::Held> GatewayTarget::get(const std::string& axis,
+                                                const std::string& parameter) {
   return door_->call(api::parameter::Get{{axis, parameter_value(parameter)}})
       .map([](const api::parameter::Value& value) {
         return api::parameter::Held{value, {}};
       });
 }
 
-Attempt<api::parameter::Held> GatewayTarget::set(const std::string& axis,
-                                                 const std::string& parameter, const Typed& value) {
+Result<api::parameter::Held> GatewayTarget::set(const std::string& axis,
+                                                const std::string& parameter, const Typed& value) {
   return door_->call(
       api::parameter::Set{{axis, parameter_value(parameter)}, counted_in(value), amount_in(value)});
 }
 
-Attempt<AxisUnits> GatewayTarget::units(const std::string& axis) {
+Result<AxisUnits> GatewayTarget::units(const std::string& axis) {
   return door_->call(api::axis::GetUnits{axis}).map([&](const api::axis::Units& units) {
     return units_from(units, axis);
   });
 }
 
-Attempt<api::axis::StartedMove> GatewayTarget::move_to(const std::string& axis,
-                                                       const Typed& position) {
+Result<api::axis::StartedMove> GatewayTarget::move_to(const std::string& axis,
+                                                      const Typed& position) {
   return door_->call(
       api::axis::MoveTo{axis, counted_in(position), amount_in(position), {}, move_deadline_ms});
 }
 
-Attempt<api::axis::StartedMove> GatewayTarget::move_by(const std::string& axis,
-                                                       const Typed& distance) {
+Result<api::axis::StartedMove> GatewayTarget::move_by(const std::string& axis,
+                                                      const Typed& distance) {
   return door_->call(
       api::axis::MoveBy{axis, counted_in(distance), amount_in(distance), {}, move_deadline_ms});
 }
 
-Attempt<api::axis::Turning> GatewayTarget::rotate(const std::string& axis, const Typed& velocity,
-                                                  bool unattended) {
+Result<api::axis::Turning> GatewayTarget::rotate(const std::string& axis, const Typed& velocity,
+                                                 bool unattended) {
   return door_->call(api::axis::Rotate{axis, counted_in(velocity), amount_in(velocity), unattended,
                                        move_deadline_ms});
 }
 
-Attempt<void> GatewayTarget::stop(const std::string& axis) {
+Result<void> GatewayTarget::stop(const std::string& axis) {
   return door_->call(api::axis::Stop{axis}).map([](const api::Nothing&) {});
 }
 
@@ -291,7 +287,7 @@ void GatewayTarget::stop_motors(const ModuleRow& module, std::vector<StoppedAxis
   }
 }
 
-Attempt<std::vector<StoppedAxis>> GatewayTarget::stop_found() {
+Result<std::vector<StoppedAxis>> GatewayTarget::stop_found() {
   std::vector<StoppedAxis> stopped;
   for (std::uint16_t first = 1; first <= stop_scan_last; first += stop_scan_step) {
     const auto last = static_cast<std::uint16_t>(first + stop_scan_step - 1);
@@ -303,14 +299,14 @@ Attempt<std::vector<StoppedAxis>> GatewayTarget::stop_found() {
   return stopped;
 }
 
-Attempt<std::vector<StoppedAxis>> GatewayTarget::stop_all() {
+Result<std::vector<StoppedAxis>> GatewayTarget::stop_all() {
   if (axes_from_ == AxesFrom::scan) return stop_found();
   return door_->call(api::system::StopAll{}).map([](const api::system::StoppedAxes& result) {
     std::vector<StoppedAxis> rows;
     for (const auto& [axis, milliseconds] : result.stopped)
       rows.push_back({axis, milliseconds, {}});
     for (const auto& [axis, error] : result.failed)
-      rows.push_back({axis, {}, failure_from_json(error)});
+      rows.push_back({axis, {}, tmcl::client::error_from_json(error)});
     return rows;
   });
 }
@@ -319,14 +315,14 @@ AxisReading GatewayTarget::reading_from(const api::axis::State& state) const {
   return {state, host_.now() - std::chrono::milliseconds(state.age_ms)};
 }
 
-Attempt<AxisReading> GatewayTarget::state(const std::string& axis) {
+Result<AxisReading> GatewayTarget::state(const std::string& axis) {
   return door_->call(api::axis::GetState{axis}).map([&](const api::axis::State& state) {
     return reading_from(state);
   });
 }
 
-Attempt<void> GatewayTarget::watch(const std::string& axis, tmcl::Duration interval,
-                                   const ReadingHandler& on_reading) {
+Result<void> GatewayTarget::watch(const std::string& axis, tmcl::Duration interval,
+                                  const ReadingHandler& on_reading) {
   bool wanted = true;
   auto heard_at = host_.now();
   door_->on_notification([&](std::string_view method, const json::object& params) {
@@ -339,7 +335,7 @@ Attempt<void> GatewayTarget::watch(const std::string& axis, tmcl::Duration inter
   const auto subscribed = door_->call(api::Subscribe{{{axis}}, in_milliseconds(interval)});
   if (!subscribed) return tl::unexpected(subscribed.error());
   for (const auto& failed : subscribed->failed)
-    return tl::unexpected(failure_from_json(failed.error));
+    return tl::unexpected(tmcl::client::error_from_json(failed.error));
   for (const auto& state : subscribed->states) {
     const auto reading = reading_from(state);
     if (wanted) wanted = on_reading(&reading);
@@ -359,7 +355,7 @@ Attempt<void> GatewayTarget::watch(const std::string& axis, tmcl::Duration inter
 }
 
 /// Asked anew every few seconds: a gateway that says nothing any more is noticed.
-Attempt<Warnings> GatewayTarget::await_standing(const Wait& wait) {
+Result<Warnings> GatewayTarget::await_standing(const Wait& wait) {
   using std::chrono::milliseconds;
   const auto begin = host_.now();
   while (true) {
@@ -375,8 +371,8 @@ Attempt<Warnings> GatewayTarget::await_standing(const Wait& wait) {
   }
 }
 
-Attempt<Warnings> GatewayTarget::wait(const Wait& wait,
-                                      const std::function<void(const AxisReading&)>& on_reading) {
+Result<Warnings> GatewayTarget::wait(const Wait& wait,
+                                     const std::function<void(const AxisReading&)>& on_reading) {
   door_->on_notification([&](std::string_view method, const json::object& params) {
     if (method == api::NewState::notification)
       on_reading(reading_from(api::from_json<api::NewState>(params)));
@@ -391,7 +387,7 @@ Attempt<Warnings> GatewayTarget::wait(const Wait& wait,
   auto stands = await_standing(wait);
   door_->on_notification({});
   // Nobody is there any more, or nobody wants to know.
-  if (!stands && (stands.error().exit != ExitCode::not_reached || host_.signal() != 0))
+  if (!stands && (exit_code_of(stands.error()) != ExitCode::not_reached || host_.signal() != 0))
     return stands;
   const auto last = state(wait.axis);
   if (last) on_reading(*last);
@@ -402,8 +398,8 @@ Attempt<Warnings> GatewayTarget::wait(const Wait& wait,
   return stands;
 }
 
-Attempt<void> GatewayTarget::watch_axes(const std::vector<std::string>& axes,
-                                        tmcl::Duration interval, const AxesWatcher& watcher) {
+Result<void> GatewayTarget::watch_axes(const std::vector<std::string>& axes,
+                                       tmcl::Duration interval, const AxesWatcher& watcher) {
   // What a handler asks is answered while the next notifications come, so they wait for their turn.
   std::deque<std::pair<std::string, json::object>> news;
   door_->on_notification([&](std::string_view method, const json::object& params) {
@@ -427,7 +423,7 @@ Attempt<void> GatewayTarget::watch_axes(const std::vector<std::string>& axes,
     for (const auto& state : subscribed->states)
       if (watcher.on_reading) watcher.on_reading(state.axis, reading_from(state));
     for (const auto& [axis, error] : subscribed->failed)
-      if (watcher.on_failure) watcher.on_failure(axis, failure_from_json(error));
+      if (watcher.on_failure) watcher.on_failure(axis, tmcl::client::error_from_json(error));
   }
   while (result && watcher.wanted()) {
     result = door_->listen(longest_silence);
@@ -437,7 +433,7 @@ Attempt<void> GatewayTarget::watch_axes(const std::vector<std::string>& axes,
   return result;
 }
 
-Attempt<api::bus::Bus> GatewayTarget::bus_named(const std::string& name) {
+Result<api::bus::Bus> GatewayTarget::bus_named(const std::string& name) {
   const auto listed = door_->call(api::bus::List{});
   if (!listed) return tl::unexpected(listed.error());
   std::string names;
@@ -447,14 +443,14 @@ Attempt<api::bus::Bus> GatewayTarget::bus_named(const std::string& name) {
   }
   if (name.empty()) {
     return tl::unexpected(
-        usage_failure("missing_bus", "tmcld has several buses: which one?", "--bus " + names));
+        usage_error("missing_bus", "tmcld has several buses: which one?", "--bus " + names));
   }
   return tl::unexpected(
-      usage_failure("unknown_bus", fmt::format("tmcld has no bus '{}'", name), "It has: " + names));
+      usage_error("unknown_bus", fmt::format("tmcld has no bus '{}'", name), "It has: " + names));
 }
 
-Attempt<json::object> GatewayTarget::perform(const std::string& method, json::object params,
-                                             const NewsHandler& on_news) {
+Result<json::object> GatewayTarget::perform(const std::string& method, json::object params,
+                                            const NewsHandler& on_news) {
   if (params.contains("address")) {
     const auto bus = bus_named(text_at(params, "bus"));
     if (!bus) return tl::unexpected(bus.error());
@@ -470,14 +466,14 @@ Attempt<json::object> GatewayTarget::perform(const std::string& method, json::ob
   return result;
 }
 
-Attempt<api::OnModule> GatewayTarget::params_for(const ModuleName& module) {
+Result<api::OnModule> GatewayTarget::params_for(const ModuleName& module) {
   return bus_named(module.bus).map([&](const api::bus::Bus& bus) {
     return api::OnModule{bus.name, module.address};
   });
 }
 
-Attempt<tmcl::FirmwareMatch> GatewayTarget::match_firmware(const ModuleName& module,
-                                                           const tmcl::firmware::Image& image) {
+Result<tmcl::FirmwareMatch> GatewayTarget::match_firmware(const ModuleName& module,
+                                                          const tmcl::firmware::Image& image) {
   const auto named = params_for(module);
   if (!named) return tl::unexpected(named.error());
   return door_->call(api::firmware::Status{{*named}})
@@ -486,9 +482,9 @@ Attempt<tmcl::FirmwareMatch> GatewayTarget::match_firmware(const ModuleName& mod
       });
 }
 
-Attempt<tmcl::FirmwareReport> GatewayTarget::upload_firmware(const ModuleName& module,
-                                                             const tmcl::firmware::Image& image,
-                                                             const tmcl::FirmwareOptions& options) {
+Result<tmcl::FirmwareReport> GatewayTarget::upload_firmware(const ModuleName& module,
+                                                            const tmcl::firmware::Image& image,
+                                                            const tmcl::FirmwareOptions& options) {
   const auto named = params_for(module);
   if (!named) return tl::unexpected(named.error());
   const auto staged = stage(*door_, api::firmware::Stage::method.name, image.bytes);
@@ -509,9 +505,9 @@ Attempt<tmcl::FirmwareReport> GatewayTarget::upload_firmware(const ModuleName& m
   });
 }
 
-Attempt<json::object> GatewayTarget::perform_watched(const std::string& method, json::object params,
-                                                     const std::string* text,
-                                                     const Watcher& watcher) {
+Result<json::object> GatewayTarget::perform_watched(const std::string& method, json::object params,
+                                                    const std::string* text,
+                                                    const Watcher& watcher) {
   const CallOptions options{longest_path_silence, watcher.meanwhile};
   if (text != nullptr && text->empty()) params["text"] = "";
   if (text != nullptr && !text->empty()) {
@@ -528,9 +524,9 @@ Attempt<json::object> GatewayTarget::perform_watched(const std::string& method, 
   return result;
 }
 
-Attempt<void> GatewayTarget::hear_arrivals(const ModuleName& module,
-                                           const std::function<Attempt<void>()>& ask,
-                                           const ArrivalHandler& on_arrival) {
+Result<void> GatewayTarget::hear_arrivals(const ModuleName& module,
+                                          const std::function<Result<void>()>& ask,
+                                          const ArrivalHandler& on_arrival) {
   const auto named = params_for(module);
   if (!named) return tl::unexpected(named.error());
   // Whoever subscribes, to no axis even, is told of events.
@@ -550,14 +546,14 @@ Attempt<void> GatewayTarget::hear_arrivals(const ModuleName& module,
   while (result && wanted) {
     result = door_->listen(longest_silence);
     if (!result && result.error().name == tmcl::client::error_name::cancelled)
-      result = Attempt<void>{};
+      result = Result<void>{};
     if (wanted) wanted = on_arrival(nullptr);
   }
   door_->on_notification({});
   return result;
 }
 
-Attempt<RawAnswer> GatewayTarget::raw(const RawCommand& command) {
+Result<RawAnswer> GatewayTarget::raw(const RawCommand& command) {
   const auto bus = bus_named(command.bus);
   if (!bus) return tl::unexpected(bus.error());
   const auto& request = command.request;

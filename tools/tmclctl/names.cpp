@@ -91,7 +91,7 @@ std::string axis_name(tmcl::AxisAddress axis) {
   return fmt::format("{}/{}", number(axis.module), axis.motor);
 }
 
-Attempt<ModuleName> parse_module(std::string_view text) {
+Result<ModuleName> parse_module(std::string_view text) {
   const auto colon = text.rfind(':');
   const auto digits = colon == std::string_view::npos ? text : text.substr(colon + 1);
   ModuleName name;
@@ -100,13 +100,13 @@ Attempt<ModuleName> parse_module(std::string_view text) {
   const auto* end = digits.data() + digits.size();
   const auto read = std::from_chars(digits.data(), end, name.address);
   if (read.ec == std::errc{} && read.ptr == end && name.address <= greatest) return name;
-  return tl::unexpected(usage_failure(
+  return tl::unexpected(usage_error(
       "bad_module", fmt::format("'{}' names no module", text),
       "A module is its address, 0 to 2047, or BUS:ADDRESS where tmcld has several buses"));
 }
 
-Attempt<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> table,
-                                       std::string_view text) {
+Result<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> table,
+                                      std::string_view text) {
   if (const auto number = parse_number<std::uint8_t>(text)) {
     const auto* row = find_parameter(table, *number);
     return ParameterName{*number,
@@ -127,10 +127,10 @@ Attempt<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> tabl
               ? "'tmclctl params AXIS' lists the names; a number from 0 to 255 will do, too"
               : " 'tmclctl params AXIS' lists all names";
   return tl::unexpected(
-      usage_failure("unknown_parameter", fmt::format("there is no parameter '{}'", text), hint));
+      usage_error("unknown_parameter", fmt::format("there is no parameter '{}'", text), hint));
 }
 
-Attempt<const tmcl::Model*> parse_model(std::string_view name) {
+Result<const tmcl::Model*> parse_model(std::string_view name) {
   if (const auto* model = tmcl::find_model(name)) return model;
   std::vector<std::string_view> names;
   for (const auto& model : tmcl::models()) names.push_back(model.name);
@@ -139,7 +139,7 @@ Attempt<const tmcl::Model*> parse_model(std::string_view name) {
   hint += hint.empty() ? "'tmclctl models' lists those that are known"
                        : " 'tmclctl models' lists all that are known";
   return tl::unexpected(
-      usage_failure("unknown_model", fmt::format("there is no model '{}'", name), hint));
+      usage_error("unknown_model", fmt::format("there is no model '{}'", name), hint));
 }
 
 std::span<const tmcl::ParameterInfo> common_parameters() {

@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-#include "failure.hpp"
+#include "errors.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
 #include "tmcl/verbs.hpp"
@@ -20,7 +20,7 @@ struct ModuleName {
   std::uint16_t address = 0;
 };
 /// "1", or "bench:1" where tmcld has several buses.
-Attempt<ModuleName> parse_module(std::string_view text);
+Result<ModuleName> parse_module(std::string_view text);
 
 struct AxisPlace {
   ModuleName module;
@@ -35,11 +35,11 @@ struct ParameterName {
 };
 
 /// A number 0..255, or a name or an alias from the table.
-Attempt<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> table,
-                                       std::string_view text);
+Result<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> table,
+                                      std::string_view text);
 
 /// "TMCM-1110", "tmcm1110" or "1110".
-Attempt<const tmcl::Model*> parse_model(std::string_view name);
+Result<const tmcl::Model*> parse_model(std::string_view name);
 
 /// The axis parameters of modules whose model is not known: those that mean the same wherever they
 /// exist, with the names that do.

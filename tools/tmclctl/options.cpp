@@ -36,18 +36,18 @@ std::vector<const CLI::App*> verbs_under(const CLI::App& app) {
 class Parser {
  public:
   Parser();
-  Attempt<std::variant<Options, Information>> parse(const std::vector<std::string>& arguments);
+  Result<std::variant<Options, Information>> parse(const std::vector<std::string>& arguments);
 
  private:
   void add_help();
-  Attempt<std::variant<Options, Information>> help() const;
+  Result<std::variant<Options, Information>> help() const;
   void add_complete();
   Information complete() const;
-  Failure failure_from(const CLI::ParseError& error) const;
-  std::optional<Failure> unknown_word() const;
-  std::optional<Failure> unknown_verb(const CLI::App& outer, const std::string& word) const;
+  Error error_from(const CLI::ParseError& error) const;
+  std::optional<Error> unknown_word() const;
+  std::optional<Error> unknown_verb(const CLI::App& outer, const std::string& word) const;
   std::string how_to_help(const CLI::App& verb) const;
-  std::optional<Failure> conflicting_options() const;
+  std::optional<Error> conflicting_options() const;
   const CLI::App& chosen() const;
   std::vector<std::string> verbs(const CLI::App& app) const;
   std::vector<const CLI::App*> path_of(const std::vector<std::string>& words) const;
@@ -263,12 +263,12 @@ std::string related_verb(const std::string& word) {
   return found == related.end() ? "" : fmt::format("That is 'tmclctl {}'. ", found->verb);
 }
 
-std::optional<Failure> Parser::unknown_verb(const CLI::App& outer, const std::string& word) const {
+std::optional<Error> Parser::unknown_verb(const CLI::App& outer, const std::string& word) const {
   const auto names = verbs(outer);
   if (names.empty()) return std::nullopt;
   const bool outermost = &outer == &app_;
   const auto related = outermost ? related_verb(word) : std::string{};
-  return usage_failure(
+  return usage_error(
       "unknown_verb",
       fmt::format("there is no verb '{}{}'", outermost ? "" : full_name(outer) + ' ', word),
       (related.empty() ? did_you_mean(word, names) : related) + how_to_help(outer));
@@ -282,7 +282,7 @@ std::string Parser::how_to_help(const CLI::App& verb) const {
                      full_name(verb));
 }
 
-Attempt<std::variant<Options, Information>> Parser::help() const {
+Result<std::variant<Options, Information>> Parser::help() const {
   const auto path = path_of(help_for_);
   if (path.size() <= help_for_.size()) {
     const auto& word = help_for_[path.size() - 1];
@@ -294,7 +294,7 @@ Attempt<std::variant<Options, Information>> Parser::help() const {
   return Parser().parse(words);
 }
 
-std::optional<Failure> Parser::unknown_word() const {
+std::optional<Error> Parser::unknown_word() const {
   const auto words = app_.remaining(true);
   if (words.empty()) return std::nullopt;
   const auto& word = words.front();
@@ -304,26 +304,26 @@ std::optional<Failure> Parser::unknown_word() const {
     const auto option = word.substr(0, word.find('='));
     const auto of_verb = options_of(verb);
     if (std::ranges::find(of_verb, option) != of_verb.end()) {
-      return usage_failure(
+      return usage_error(
           "usage",
           fmt::format("{} is an option of '{}': write it behind that", option, full_name(verb)),
           help);
     }
     auto known = options_of(app_);
     known.insert(known.end(), of_verb.begin(), of_verb.end());
-    return usage_failure("unknown_option", fmt::format("there is no option '{}'", option),
-                         did_you_mean(option, known) + help);
+    return usage_error("unknown_option", fmt::format("there is no option '{}'", option),
+                       did_you_mean(option, known) + help);
   }
   if (auto unknown = unknown_verb(verb, word)) return unknown;
-  return usage_failure(
+  return usage_error(
       "usage", fmt::format("'{}' is one word too many for '{}'", word, full_name(verb)), help);
 }
 
-Failure Parser::failure_from(const CLI::ParseError& error) const {
+Error Parser::error_from(const CLI::ParseError& error) const {
   if (auto unknown = unknown_word()) return *unknown;
   const auto& verb = chosen();
   if (&verb == &app_) {
-    return usage_failure(
+    return usage_error(
         "usage",
         dynamic_cast<const CLI::RequiredError*>(&error) != nullptr
             ? "what is to be done? A verb is missing, such as scan, axes, move or stop"
@@ -332,31 +332,31 @@ Failure Parser::failure_from(const CLI::ParseError& error) const {
   }
   const auto name = full_name(verb);
   const auto names = verbs(verb);
-  return usage_failure("usage",
-                       names.empty()
-                           ? fmt::format("{}: {}", name, error.what())
-                           : fmt::format("{}: a verb is missing: {}", name, fmt::join(names, ", ")),
-                       how_to_help(verb) + ", with examples");
+  return usage_error("usage",
+                     names.empty()
+                         ? fmt::format("{}: {}", name, error.what())
+                         : fmt::format("{}: a verb is missing: {}", name, fmt::join(names, ", ")),
+                     how_to_help(verb) + ", with examples");
 }
 
 // CLI11's own "excludes" and "needs" would clutter the help.
-std::optional<Failure> Parser::conflicting_options() const {
+std::optional<Error> Parser::conflicting_options() const {
   if (!options_.where.socket.empty() && !options_.where.direct.empty()) {
-    return usage_failure("usage",
-                         "--socket and --direct exclude each other: through tmcld, or without it?");
+    return usage_error("usage",
+                       "--socket and --direct exclude each other: through tmcld, or without it?");
   }
   const auto& web = options_.where.web;
   if (!web.url.empty() && !(options_.where.socket.empty() && options_.where.direct.empty()))
-    return usage_failure("usage", "--url goes with neither --socket nor --direct");
+    return usage_error("usage", "--url goes with neither --socket nor --direct");
   if (web.url.empty() && !(web.token_file.empty() && web.ca_file.empty()))
-    return usage_failure("usage", "--token-file and --ca go with --url");
+    return usage_error("usage", "--token-file and --ca go with --url");
   if (!options_.where.config.empty() && options_.where.direct.empty()) {
-    return usage_failure("usage",
-                         "--config goes with --direct: a running tmcld has read its own file");
+    return usage_error("usage",
+                       "--config goes with --direct: a running tmcld has read its own file");
   }
   if (options_.where.reply_timeout_ms && options_.where.direct.empty()) {
-    return usage_failure(
-        "usage", "--reply-timeout goes with --direct: tmcld has reply_timeout_ms of its bus");
+    return usage_error("usage",
+                       "--reply-timeout goes with --direct: tmcld has reply_timeout_ms of its bus");
   }
   return grammar_.objection(chosen(), options_.json);
 }
@@ -373,7 +373,7 @@ std::vector<std::string> take_command(std::vector<std::string>& words) {
   return command;
 }
 
-Attempt<std::variant<Options, Information>> Parser::parse(
+Result<std::variant<Options, Information>> Parser::parse(
     const std::vector<std::string>& arguments) {
   auto words = arguments;
   auto command = take_command(words);
@@ -384,7 +384,7 @@ Attempt<std::variant<Options, Information>> Parser::parse(
     app_.exit(asked, text, text);
     return Information{text.str()};
   } catch (const CLI::ParseError& error) {
-    return tl::unexpected(failure_from(error));
+    return tl::unexpected(error_from(error));
   }
   const auto& verb = chosen();
   const bool completes = verb.get_name() == "__complete";
@@ -400,7 +400,7 @@ Attempt<std::variant<Options, Information>> Parser::parse(
 
 }  // namespace
 
-Attempt<std::variant<Options, Information>> parse_options(
+Result<std::variant<Options, Information>> parse_options(
     const std::vector<std::string>& arguments) {
   return Parser().parse(arguments);
 }

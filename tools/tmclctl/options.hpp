@@ -367,7 +367,6 @@ struct Information {
 };
 
 /// `arguments` without the program's name.
-Attempt<std::variant<Options, Information>> parse_options(
-    const std::vector<std::string>& arguments);
+Result<std::variant<Options, Information>> parse_options(const std::vector<std::string>& arguments);
 
 }  // namespace tmclctl

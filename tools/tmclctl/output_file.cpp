@@ -7,7 +7,7 @@
 
 namespace tmclctl {
 
-Attempt<void> OutputFile::open(const std::string& path) {
+Result<void> OutputFile::open(const std::string& path) {
   path_ = path;
   if (path.empty()) return {};
   file_.open(path, std::ios::binary | std::ios::trunc);
@@ -15,21 +15,21 @@ Attempt<void> OutputFile::open(const std::string& path) {
   return {};
 }
 
-Attempt<void> OutputFile::write(const std::string& text) {
+Result<void> OutputFile::write(const std::string& text) {
   if (!file_.is_open()) return {};
   file_ << text;
   file_.close();
   if (file_) return {};
   // What was to be written has happened already.
   auto failure = problem();
-  failure.exit = ExitCode::refused;
+  failure.kind = ErrorKind::not_now;
   failure.outcome = tmcl::Outcome::done;
   return tl::unexpected(std::move(failure));
 }
 
-Failure OutputFile::problem() const {
-  return usage_failure("cannot_write",
-                       fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
+Error OutputFile::problem() const {
+  return usage_error("cannot_write",
+                     fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
 }
 
 }  // namespace tmclctl

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <string>
 
-#include "failure.hpp"
+#include "errors.hpp"
 
 namespace tmclctl {
 
@@ -12,12 +12,12 @@ namespace tmclctl {
 class OutputFile {
  public:
   /// Before anything is sent.
-  Attempt<void> open(const std::string& path);
+  Result<void> open(const std::string& path);
   /// All of its contents, once they are known.
-  Attempt<void> write(const std::string& text);
+  Result<void> write(const std::string& text);
 
  private:
-  Failure problem() const;
+  Error problem() const;
 
   std::string path_;
   std::ofstream file_;

@@ -30,29 +30,29 @@ class OwnGatewayDoor final : public Door {
     if (gateway_) gateway_->end();
   }
 
-  Attempt<void> open(const tmcld::Config& config, std::int32_t full_steps, tmcl::Duration waited);
+  Result<void> open(const tmcld::Config& config, std::int32_t full_steps, tmcl::Duration waited);
 
-  Attempt<json::object> call(std::string_view method, json::object params,
-                             CallOptions options) override;
-  Attempt<void> listen(tmcl::Duration at_most) override;
-  Attempt<void> reopen() override { return check_bus(); }
+  Result<json::object> call(std::string_view method, json::object params,
+                            CallOptions options) override;
+  Result<void> listen(tmcl::Duration at_most) override;
+  Result<void> reopen() override { return check_bus(); }
   void on_notification(Listener listener) override {
     gateway_->on_notification(std::move(listener));
   }
   void sleep(tmcl::Duration duration) override;
-  Attempt<void> see_through(bool tell, Output& output) override;
+  Result<void> see_through(bool tell, Output& output) override;
 
  private:
-  Attempt<void> check_bus() const;
-  Attempt<json::object> cut_short(const tmcld::LocalCall& call);
+  Result<void> check_bus() const;
+  Result<json::object> cut_short(const tmcld::LocalCall& call);
 
   Host& host_;
   bool is_ending_ = false;
   std::unique_ptr<tmcld::LocalGateway> gateway_;
 };
 
-Attempt<void> OwnGatewayDoor::open(const tmcld::Config& config, std::int32_t full_steps,
-                                   tmcl::Duration waited) {
+Result<void> OwnGatewayDoor::open(const tmcld::Config& config, std::int32_t full_steps,
+                                  tmcl::Duration waited) {
   tmcld::GatewayOptions options;
   options.full_steps = full_steps;
   // Its end may take a while, which it explains; everything else is said by the verbs.
@@ -68,14 +68,14 @@ Attempt<void> OwnGatewayDoor::open(const tmcld::Config& config, std::int32_t ful
   return {};
 }
 
-Attempt<json::object> result_of(const tmcld::LocalCall& call) {
-  return attempt(tmcld::RpcResult(call.result()).map_error([](const tmcld::RpcError& error) {
-    return tmcl::client::call_error_from(to_json(error));
-  }));
+Result<json::object> result_of(const tmcld::LocalCall& call) {
+  return tmcld::RpcResult(call.result()).map_error([](const tmcld::RpcError& error) {
+    return tmcl::client::error_from_json(to_json(error));
+  });
 }
 
-Attempt<json::object> OwnGatewayDoor::call(std::string_view method, json::object params,
-                                           CallOptions options) {
+Result<json::object> OwnGatewayDoor::call(std::string_view method, json::object params,
+                                          CallOptions options) {
   const auto call = gateway_->begin(method, std::move(params));
   while (!call.has_ended()) {
     gateway_->listen(listen_interval);
@@ -88,32 +88,26 @@ Attempt<json::object> OwnGatewayDoor::call(std::string_view method, json::object
   return result_of(call);
 }
 
-Attempt<json::object> OwnGatewayDoor::cut_short(const tmcld::LocalCall& call) {
+Result<json::object> OwnGatewayDoor::cut_short(const tmcld::LocalCall& call) {
   gateway_->hang_up();
   const auto until = host_.now() + time_to_end_call;
   while (!call.has_ended() && host_.now() < until) gateway_->listen(listen_interval);
   if (call.has_ended() && call.result()) return call.result().value();
-  return tl::unexpected(
-      failure_from(tmcl::client::CallError{0,
-                                           std::string(tmcl::client::error_name::cancelled),
-                                           tmcl::Outcome::unknown,
-                                           "interrupted before it was done",
-                                           {}}));
+  return tl::unexpected(Error{std::string(tmcl::client::error_name::cancelled),
+                              ErrorKind::interrupted, tmcl::Outcome::unknown,
+                              "interrupted before it was done"});
 }
 
-Attempt<void> OwnGatewayDoor::check_bus() const {
+Result<void> OwnGatewayDoor::check_bus() const {
   for (const auto& bus : gateway_->gateway().buses()) {
     if (bus->state() == tmcld::GatewayBus::State::open) continue;
-    return tl::unexpected(Failure{ExitCode::not_sent,
-                                  std::string(name_of(tmcl::Errc::link_lost)),
-                                  bus->error(),
-                                  {},
-                                  tmcl::Outcome::not_sent});
+    return tl::unexpected(Error{std::string(name_of(tmcl::Errc::link_lost)), ErrorKind::failed,
+                                tmcl::Outcome::not_sent, bus->error()});
   }
   return {};
 }
 
-Attempt<void> OwnGatewayDoor::listen(tmcl::Duration at_most) {
+Result<void> OwnGatewayDoor::listen(tmcl::Duration at_most) {
   const auto until = host_.now() + at_most;
   while (host_.signal() == 0 && host_.now() < until) {
     if (gateway_->listen(std::min(until - host_.now(), listen_interval))) break;
@@ -127,7 +121,7 @@ void OwnGatewayDoor::sleep(tmcl::Duration duration) {
     gateway_->listen(std::min(until - host_.now(), listen_interval));
 }
 
-Attempt<void> OwnGatewayDoor::see_through(bool tell, Output& output) {
+Result<void> OwnGatewayDoor::see_through(bool tell, Output& output) {
   const auto& gateway = gateway_->gateway();
   if (tell && gateway.has_journeys()) {
     output.err << "tmclctl: watching the axes until they stand and have their settings back; "
@@ -138,7 +132,7 @@ Attempt<void> OwnGatewayDoor::see_through(bool tell, Output& output) {
   if (!gateway.has_journeys()) return {};
   gateway_->end();
   return tl::unexpected(
-      interrupted_failure(host_.signal(), "the axes were stopped on their way", ""));
+      interrupted_error(host_.signal(), "the axes were stopped on their way", ""));
 }
 
 /// Lets a pty appear that a simulator is about to make, or an adapter that was just plugged in; a
@@ -154,15 +148,15 @@ tmcl::Duration await_port(const tmcl::LinkName& name, tmcl::Duration wait, Host&
   return host.now() - began;
 }
 
-Attempt<tmcld::Config> config_in(const OwnBus& bus, const tmcl::LinkName& link) {
+Result<tmcld::Config> config_in(const OwnBus& bus, const tmcl::LinkName& link) {
   if (bus.config.empty()) return tmcld::config_for_link(link);
   return tmcld::load_config_for_link(bus.config, link)
       .map_error([](const std::vector<std::string>& problems) {
-        return usage_failure("bad_config", fmt::format("{}", fmt::join(problems, "\n")));
+        return usage_error("bad_config", fmt::format("{}", fmt::join(problems, "\n")));
       });
 }
 
-Attempt<tmcld::Config> config_of(const OwnBus& bus, const tmcl::LinkName& link) {
+Result<tmcld::Config> config_of(const OwnBus& bus, const tmcl::LinkName& link) {
   return config_in(bus, link).map([&](tmcld::Config config) {
     for (auto& one : config.buses)
       one.bus_options.reply_timeout = bus.reply_timeout.value_or(one.bus_options.reply_timeout);
@@ -172,8 +166,7 @@ Attempt<tmcld::Config> config_of(const OwnBus& bus, const tmcl::LinkName& link) 
 
 }  // namespace
 
-Attempt<std::unique_ptr<Door>> open_own_gateway(const OwnBus& bus, tmcl::Duration wait,
-                                                Host& host) {
+Result<std::unique_ptr<Door>> open_own_gateway(const OwnBus& bus, tmcl::Duration wait, Host& host) {
   const auto name = bus.link == any_port ? only_module(tmcl::list_ports()) : bus.link;
   if (!name) return tl::unexpected(name.error());
   const auto link = attempt(tmcl::parse_link_name(*name));

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "failure.hpp"
+#include "errors.hpp"
 #include "tmcl/ports.hpp"
 
 namespace tmclctl {
@@ -12,6 +12,6 @@ namespace tmclctl {
 constexpr std::string_view any_port = "auto";
 
 /// The link to the only module by USB. Errors: usage, naming what there is to choose from.
-Attempt<std::string> only_module(const std::vector<tmcl::Port>& ports);
+Result<std::string> only_module(const std::vector<tmcl::Port>& ports);
 
 }  // namespace tmclctl

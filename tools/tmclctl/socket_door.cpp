@@ -11,7 +11,7 @@ namespace {
 using tmcl::client::Connection;
 
 /// A connection that is made with these options.
-using Connect = std::function<tmcl::client::CallResult<Connection>(tmcl::client::Options)>;
+using Connect = std::function<Result<Connection>(tmcl::client::Options)>;
 
 class SocketDoor final : public Door {
  public:
@@ -20,20 +20,18 @@ class SocketDoor final : public Door {
     if (in_all) limit_ = host.now() + *in_all;
   }
 
-  Attempt<void> open(tmcl::Duration wait);
+  Result<void> open(tmcl::Duration wait);
 
-  Attempt<boost::json::object> call(std::string_view method, boost::json::object params,
-                                    CallOptions options) override;
-  Attempt<void> listen(tmcl::Duration at_most) override {
-    return attempt(daemon_->listen(at_most));
-  }
-  Attempt<void> reopen() override { return open({}); }
+  Result<boost::json::object> call(std::string_view method, boost::json::object params,
+                                   CallOptions options) override;
+  Result<void> listen(tmcl::Duration at_most) override { return daemon_->listen(at_most); }
+  Result<void> reopen() override { return open({}); }
   void on_notification(Listener listener) override {
     daemon_->on_notification(std::move(listener));
   }
   void sleep(tmcl::Duration duration) override { host_.sleep(duration); }
   // tmcld does.
-  Attempt<void> see_through(bool, Output&) override { return {}; }
+  Result<void> see_through(bool, Output&) override { return {}; }
 
  private:
   /// No longer than what is left until the limit.
@@ -50,7 +48,7 @@ class SocketDoor final : public Door {
   std::optional<Connection> second_;
 };
 
-Attempt<void> SocketDoor::open(tmcl::Duration wait) {
+Result<void> SocketDoor::open(tmcl::Duration wait) {
   tmcl::client::Options options;
   options.wait_for_socket = wait;
   options.hello_timeout = bounded(options.hello_timeout);
@@ -59,7 +57,7 @@ Attempt<void> SocketDoor::open(tmcl::Duration wait) {
     meanwhile_();
     return false;
   };
-  auto daemon = attempt(connect_(std::move(options)));
+  auto daemon = connect_(std::move(options));
   if (!daemon) return tl::unexpected(daemon.error());
   daemon_ = std::move(*daemon);
   return {};
@@ -74,25 +72,25 @@ void add_lease(std::string_view method, boost::json::object& params) {
   params[tmcl::api::name_of<&tmcl::api::lease::OnLease::epoch>()] = lease->epoch;
 }
 
-Attempt<boost::json::object> SocketDoor::call(std::string_view method, boost::json::object params,
-                                              CallOptions options) {
+Result<boost::json::object> SocketDoor::call(std::string_view method, boost::json::object params,
+                                             CallOptions options) {
   add_lease(method, params);
-  if (meanwhile_) return attempt(second_->call(method, std::move(params), options.timeout));
+  if (meanwhile_) return second_->call(method, std::move(params), options.timeout);
   if (options.meanwhile && !second_) {
-    auto second = attempt(connect_({}));
+    auto second = connect_({});
     if (!second) return tl::unexpected(second.error());
     second_ = std::move(*second);
   }
   meanwhile_ = std::move(options.meanwhile);
-  auto result = attempt(daemon_->call(method, std::move(params), bounded(options.timeout)));
+  auto result = daemon_->call(method, std::move(params), bounded(options.timeout));
   meanwhile_ = {};
   return result;
 }
 
 }  // namespace
 
-Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait, Host& host,
-                                           std::optional<tmcl::Duration> in_all) {
+Result<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait, Host& host,
+                                          std::optional<tmcl::Duration> in_all) {
   const auto connect = [path = std::move(path)](tmcl::client::Options options) {
     auto daemon = Connection::open(path, std::move(options));
     if (!daemon && daemon.error().name == tmcl::client::error_name::unreachable) {
@@ -106,8 +104,8 @@ Attempt<std::unique_ptr<Door>> open_socket(std::string path, tmcl::Duration wait
   return door->open(wait).map([&] { return std::unique_ptr<Door>(std::move(door)); });
 }
 
-Attempt<std::unique_ptr<Door>> open_url(WebPlace place, Host& host,
-                                        std::optional<tmcl::Duration> in_all) {
+Result<std::unique_ptr<Door>> open_url(WebPlace place, Host& host,
+                                       std::optional<tmcl::Duration> in_all) {
   const auto connect = [place = std::move(place)](tmcl::client::Options options) {
     return open_web_socket(place, options.hello_timeout, options.cancelled)
         .and_then([&](std::unique_ptr<tmcl::client::Channel> channel) {

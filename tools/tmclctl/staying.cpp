@@ -24,14 +24,14 @@ bool await_return(const AxesWatcher& watcher, Context& context) {
 
 }  // namespace
 
-bool is_away(const Failure& failure) {
+bool is_away(const Error& failure) {
   using namespace tmcl::client::error_name;
   return failure.name == lost || failure.name == unreachable || failure.name == timeout;
 }
 
-Attempt<void> keep_watching(const std::vector<std::string>& axes, tmcl::Duration interval,
-                            const AxesWatcher& watcher,
-                            const std::function<void(const Failure*)>& on_away, Context& context) {
+Result<void> keep_watching(const std::vector<std::string>& axes, tmcl::Duration interval,
+                           const AxesWatcher& watcher,
+                           const std::function<void(const Error*)>& on_away, Context& context) {
   while (true) {
     const auto watched = context.target.watch_axes(axes, interval, watcher);
     // A signal ends a call, too, and that is how a watching ends.

@@ -10,13 +10,13 @@
 namespace tmclctl {
 
 /// Whether tmcld is not there, or not there any more: it may come back.
-bool is_away(const Failure& failure);
+bool is_away(const Error& failure);
 
 /// Watches axes until the watcher wants no more or a signal comes; looks for a tmcld that is away
 /// once a second. `on_away` is told why it is away, and null once it is there again.
 /// Errors: those of Target::watch_axes() that no waiting helps against.
-Attempt<void> keep_watching(const std::vector<std::string>& axes, tmcl::Duration interval,
-                            const AxesWatcher& watcher,
-                            const std::function<void(const Failure*)>& on_away, Context& context);
+Result<void> keep_watching(const std::vector<std::string>& axes, tmcl::Duration interval,
+                           const AxesWatcher& watcher,
+                           const std::function<void(const Error*)>& on_away, Context& context);
 
 }  // namespace tmclctl

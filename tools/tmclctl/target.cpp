@@ -51,8 +51,8 @@ void put(boost::json::object& params, std::string_view name, std::string_view pl
   }
 }
 
-Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait, Host& host,
-                                             std::optional<tmcl::Duration> in_all) {
+Result<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait, Host& host,
+                                            std::optional<tmcl::Duration> in_all) {
   const bool own = !where.direct.empty();
   auto door = own                     ? open_own_gateway(own_bus(where), wait, host)
               : where.web.url.empty() ? open_socket(socket_path(where), wait, host, in_all)

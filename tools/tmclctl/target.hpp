@@ -9,7 +9,7 @@
 #include <string_view>
 #include <vector>
 
-#include "failure.hpp"
+#include "errors.hpp"
 #include "host.hpp"
 #include "names.hpp"
 #include "screen.hpp"
@@ -74,7 +74,7 @@ struct ScanRange {
 };
 struct UnscannedBus {
   std::string bus;
-  Failure failure;
+  Error failure;
 };
 struct ScanResult {
   std::vector<ModuleRow> modules;
@@ -120,7 +120,7 @@ constexpr tmcl::Duration shortest_wait = std::chrono::milliseconds(1);
 struct StoppedAxis {
   std::string axis;
   std::optional<double> milliseconds;
-  std::optional<Failure> failure;
+  std::optional<Error> failure;
 };
 
 /// Told each reading; null when a while went by without one. False ends the watching.
@@ -130,7 +130,7 @@ using ReadingHandler = std::function<bool(const AxisReading*)>;
 struct AxesWatcher {
   std::function<void(const std::string& axis, const AxisReading&)> on_reading;
   /// Of an axis that does not answer when the watching begins; it is watched all the same.
-  std::function<void(const std::string& axis, const Failure&)> on_failure;
+  std::function<void(const std::string& axis, const Error&)> on_failure;
   std::function<void(const boost::json::object& event)> on_event;  ///< What notify_event tells.
   std::function<bool()> wanted;  ///< Asked ten times a second; false ends the watching.
 };
@@ -140,77 +140,76 @@ class Target {
  public:
   virtual ~Target() = default;
 
-  virtual Attempt<ScanResult> scan(ScanRange range, const Progress& progress) = 0;
-  virtual Attempt<std::vector<ModuleRow>> modules() = 0;
-  virtual Attempt<std::vector<AxisRow>> axes() = 0;
-  virtual Attempt<std::vector<tmcl::api::parameter::Parameter>> parameters(
+  virtual Result<ScanResult> scan(ScanRange range, const Progress& progress) = 0;
+  virtual Result<std::vector<ModuleRow>> modules() = 0;
+  virtual Result<std::vector<AxisRow>> axes() = 0;
+  virtual Result<std::vector<tmcl::api::parameter::Parameter>> parameters(
       const std::string& axis) = 0;
 
-  virtual Attempt<tmcl::api::parameter::Held> get(const std::string& axis,
-                                                  const std::string& parameter) = 0;
-  virtual Attempt<tmcl::api::parameter::Held> set(const std::string& axis,
-                                                  const std::string& parameter,
-                                                  const Typed& value) = 0;
-  Attempt<tmcl::api::parameter::Held> set(const std::string& axis, const std::string& parameter,
-                                          std::int32_t value) {
+  virtual Result<tmcl::api::parameter::Held> get(const std::string& axis,
+                                                 const std::string& parameter) = 0;
+  virtual Result<tmcl::api::parameter::Held> set(const std::string& axis,
+                                                 const std::string& parameter,
+                                                 const Typed& value) = 0;
+  Result<tmcl::api::parameter::Held> set(const std::string& axis, const std::string& parameter,
+                                         std::int32_t value) {
     return set(axis, parameter, counted(value));
   }
-  virtual Attempt<AxisUnits> units(const std::string& axis) = 0;
-  virtual Attempt<tmcl::api::axis::StartedMove> move_to(const std::string& axis,
-                                                        const Typed& position) = 0;
-  virtual Attempt<tmcl::api::axis::StartedMove> move_by(const std::string& axis,
-                                                        const Typed& distance) = 0;
+  virtual Result<AxisUnits> units(const std::string& axis) = 0;
+  virtual Result<tmcl::api::axis::StartedMove> move_to(const std::string& axis,
+                                                       const Typed& position) = 0;
+  virtual Result<tmcl::api::axis::StartedMove> move_by(const std::string& axis,
+                                                       const Typed& distance) = 0;
   /// `unattended`: it goes on turning when this program ends.
-  virtual Attempt<tmcl::api::axis::Turning> rotate(const std::string& axis, const Typed& velocity,
-                                                   bool unattended) = 0;
-  virtual Attempt<void> stop(const std::string& axis) = 0;
-  virtual Attempt<std::vector<StoppedAxis>> stop_all() = 0;
-  virtual Attempt<AxisReading> state(const std::string& axis) = 0;
-  virtual Attempt<void> watch(const std::string& axis, tmcl::Duration interval,
-                              const ReadingHandler& on_reading) = 0;
+  virtual Result<tmcl::api::axis::Turning> rotate(const std::string& axis, const Typed& velocity,
+                                                  bool unattended) = 0;
+  virtual Result<void> stop(const std::string& axis) = 0;
+  virtual Result<std::vector<StoppedAxis>> stop_all() = 0;
+  virtual Result<AxisReading> state(const std::string& axis) = 0;
+  virtual Result<void> watch(const std::string& axis, tmcl::Duration interval,
+                             const ReadingHandler& on_reading) = 0;
   /// What its settings make of moves, when it stands there and stays. The last reading is of the
   /// end, whichever.
   /// Errors: of the exit code not_reached if it will not come there; deadline_passed.
-  virtual Attempt<Warnings> wait(const Wait& wait,
-                                 const std::function<void(const AxisReading&)>& on_reading) = 0;
+  virtual Result<Warnings> wait(const Wait& wait,
+                                const std::function<void(const AxisReading&)>& on_reading) = 0;
   /// Those that the configuration names if `axes` is empty. Modules that do not answer do not end
   /// it.
-  virtual Attempt<void> watch_axes(const std::vector<std::string>& axes, tmcl::Duration interval,
-                                   const AxesWatcher& watcher) = 0;
+  virtual Result<void> watch_axes(const std::vector<std::string>& axes, tmcl::Duration interval,
+                                  const AxesWatcher& watcher) = 0;
   /// After an error that is_away(): looks whether tmcld is there again.
-  virtual Attempt<void> reopen() = 0;
-  virtual Attempt<RawAnswer> raw(const RawCommand& command) = 0;
-  virtual Attempt<tmcl::FirmwareMatch> match_firmware(const ModuleName& module,
-                                                      const tmcl::firmware::Image& image) = 0;
-  virtual Attempt<tmcl::FirmwareReport> upload_firmware(const ModuleName& module,
-                                                        const tmcl::firmware::Image& image,
-                                                        const tmcl::FirmwareOptions& options) = 0;
+  virtual Result<void> reopen() = 0;
+  virtual Result<RawAnswer> raw(const RawCommand& command) = 0;
+  virtual Result<tmcl::FirmwareMatch> match_firmware(const ModuleName& module,
+                                                     const tmcl::firmware::Image& image) = 0;
+  virtual Result<tmcl::FirmwareReport> upload_firmware(const ModuleName& module,
+                                                       const tmcl::firmware::Image& image,
+                                                       const tmcl::FirmwareOptions& options) = 0;
   /// Hears the arrivals that a module tells of: `ask` lets it do so, once they can be heard.
-  virtual Attempt<void> hear_arrivals(const ModuleName& module,
-                                      const std::function<Attempt<void>()>& ask,
-                                      const ArrivalHandler& on_arrival) = 0;
+  virtual Result<void> hear_arrivals(const ModuleName& module,
+                                     const std::function<Result<void>()>& ask,
+                                     const ArrivalHandler& on_arrival) = 0;
   /// A method by its name, with the parameters and the result that docs/PROTOCOL.md has. Modules
   /// are "address" and, where there are several buses, "bus".
-  virtual Attempt<boost::json::object> perform(const std::string& method,
-                                               boost::json::object params,
-                                               const NewsHandler& on_news) = 0;
+  virtual Result<boost::json::object> perform(const std::string& method, boost::json::object params,
+                                              const NewsHandler& on_news) = 0;
   /// A method of tmcl/api.
   template <tmcl::api::IsMethod Method>
-  Attempt<typename Method::Result> perform(const Method& method) {
+  Result<typename Method::Result> perform(const Method& method) {
     return perform(std::string(Method::method.name), tmcl::api::to_json(method), {})
         .map(tmcl::api::from_json<typename Method::Result>);
   }
   /// The same with somebody who watches it; then a signal does not end it. `text` is handed over
   /// first, for methods that take "text" or "bytes"; it may be null.
-  virtual Attempt<boost::json::object> perform_watched(const std::string& method,
-                                                       boost::json::object params,
-                                                       const std::string* text,
-                                                       const Watcher& watcher) = 0;
+  virtual Result<boost::json::object> perform_watched(const std::string& method,
+                                                      boost::json::object params,
+                                                      const std::string* text,
+                                                      const Watcher& watcher) = 0;
 
   /// Lets time pass; a signal ends that early.
   virtual void sleep(tmcl::Duration duration) = 0;
   /// See Door::see_through().
-  virtual Attempt<void> see_through(bool tell, Output& output) = 0;
+  virtual Result<void> see_through(bool tell, Output& output) = 0;
   /// The options with which another tmclctl reaches the same axes, such as " --direct can:can0";
   /// may be empty.
   virtual std::string options() const = 0;
@@ -236,7 +235,7 @@ constexpr tmcl::Duration wait_before_stop = std::chrono::milliseconds(300);
 constexpr tmcl::Duration time_for_stop = std::chrono::milliseconds(900);
 
 /// `in_all`: see open_socket().
-Attempt<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait, Host& host,
-                                             std::optional<tmcl::Duration> in_all = {});
+Result<std::unique_ptr<Target>> open_target(const Where& where, tmcl::Duration wait, Host& host,
+                                            std::optional<tmcl::Duration> in_all = {});
 
 }  // namespace tmclctl

@@ -17,9 +17,9 @@ boost::json::object to_json(const tmcl::TextProblem& problem) {
 
 }  // namespace
 
-Failure failure_from(const std::string& file, const tmcl::TextProblems& problems, std::size_t most,
-                     Output& output) {
-  auto failure = usage_failure(
+Error error_from(const std::string& file, const tmcl::TextProblems& problems, std::size_t most,
+                 Output& output) {
+  auto failure = usage_error(
       "bad_program", fmt::format("{}{} problem{} in {}", problems.size() < most ? "" : "at least ",
                                  problems.size(), problems.size() == 1 ? "" : "s", file));
   boost::json::array list;
@@ -27,7 +27,7 @@ Failure failure_from(const std::string& file, const tmcl::TextProblems& problems
     if (!output.json) output.err << describe(problem, file) << '\n';
     list.push_back(to_json(problem));
   }
-  failure.details["problems"] = std::move(list);
+  failure.subject["problems"] = std::move(list);
   return failure;
 }
 

@@ -4,7 +4,7 @@
 #include <cstddef>
 #include <string>
 
-#include "failure.hpp"
+#include "errors.hpp"
 #include "screen.hpp"
 #include "tmcl/text_problem.hpp"
 
@@ -12,7 +12,7 @@ namespace tmclctl {
 
 /// Prints each problem as FILE:LINE:COLUMN: MESSAGE, and says how many there are. `most`: no more
 /// than so many are ever told.
-Failure failure_from(const std::string& file, const tmcl::TextProblems& problems, std::size_t most,
-                     Output& output);
+Error error_from(const std::string& file, const tmcl::TextProblems& problems, std::size_t most,
+                 Output& output);
 
 }  // namespace tmclctl

@@ -17,13 +17,13 @@
 namespace tmclctl {
 namespace {
 
-ExitCode complain(const Failure& failure, Output& output) {
+ExitCode complain(const Error& error, ExitCode exit, Output& output) {
   if (output.json) {
-    print_json({{"error", to_json(failure)}}, output);
+    print_json({{"error", error_document(error, exit)}}, output);
   } else {
-    output.err << "tmclctl: " << describe(failure) << '\n';
+    output.err << "tmclctl: " << error_text(error) << '\n';
   }
-  return failure.exit;
+  return exit;
 }
 
 bool reads(const Options& options) {
@@ -32,15 +32,15 @@ bool reads(const Options& options) {
   return options.info->effect == VerbEffect::reads;
 }
 
-/// Where no answer leaves open whether something was done.
-Failure with_doubt(Failure failure, const Options& options) {
-  if (failure.outcome != tmcl::Outcome::unknown) return failure;
-  if (reads(options)) {
-    if (failure.exit == ExitCode::unknown) failure.exit = ExitCode::not_sent;
-  } else if (options.info->effect == VerbEffect::acts) {
-    failure.message += "; it may or may not have been executed";
+/// Where no answer leaves open whether something was done: a verb that reads has done nothing.
+ExitCode complain(Error error, const Options& options, Output& output) {
+  auto exit = exit_code_of(error);
+  if (error.outcome == tmcl::Outcome::unknown) {
+    if (reads(options) && exit == ExitCode::unknown) exit = ExitCode::not_sent;
+    if (!reads(options) && options.info->effect == VerbEffect::acts)
+      error.message += "; it may or may not have been executed";
   }
-  return failure;
+  return complain(error, exit, output);
 }
 
 template <class V>
@@ -82,12 +82,12 @@ VerbResult run_on_target(const V& verb, const Where& where, Output& output, Host
   return result;
 }
 
-std::optional<Failure> refusal(const Options& options) {
+std::optional<Error> refusal(const Options& options) {
   const auto* info = options.info;
   if (options.where.direct.empty() || info == nullptr || info->doors != Doors::tmcld_only)
     return {};
-  return usage_failure("method_not_found", fmt::format("'tmclctl {}' needs a running tmcld: {}",
-                                                       info->name, info->reason));
+  return usage_error("method_not_found", fmt::format("'tmclctl {}' needs a running tmcld: {}",
+                                                     info->name, info->reason));
 }
 
 VerbResult run(const Options& options, Output& output, Host& host, Target* ready) {
@@ -120,7 +120,7 @@ ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Hos
   // Also for the errors of a command line that cannot be read.
   output.json = std::ranges::find(arguments, "--json") != arguments.end();
   const auto parsed = parse_options(arguments);
-  if (!parsed) return complain(parsed.error(), output);
+  if (!parsed) return complain(parsed.error(), exit_code_of(parsed.error()), output);
   if (const auto* information = std::get_if<Information>(&*parsed)) {
     output.out << information->text;
     return ExitCode::done;
@@ -128,11 +128,11 @@ ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Hos
   const auto& options = std::get<Options>(*parsed);
   const auto result = run(options, output, host, ready);
   if (result) return *result;
-  auto failure = result.error();
-  if (options.info == nullptr) return failure.exit;
-  if (failure.exit == ExitCode::interrupted && host.signal() == SIGTERM)
-    failure.exit = ExitCode::terminated;
-  return complain(with_doubt(std::move(failure), options), output);
+  auto error = result.error();
+  if (options.info == nullptr) return exit_code_of(error);
+  if (error.kind == ErrorKind::interrupted && host.signal() != 0)
+    error.subject["signal"] = host.signal();
+  return complain(std::move(error), options, output);
 }
 
 }  // namespace

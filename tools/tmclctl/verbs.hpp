@@ -15,7 +15,7 @@ struct Context {
   Host& host;
 };
 
-using VerbResult = Attempt<ExitCode>;
+using VerbResult = Result<ExitCode>;
 
 VerbResult run(const verb::Scan& verb, Context& context);
 VerbResult run(const verb::Modules& verb, Context& context);

@@ -29,8 +29,9 @@ namespace websocket = beast::websocket;
 namespace client = tmcl::client;
 using asio::ip::tcp;
 using boost::system::error_code;
-using client::CallError;
-using client::CallResult;
+using client::Error;
+using client::ErrorKind;
+using client::Result;
 using tmcl::TimePoint;
 
 constexpr std::uint16_t usual_port = 4143;
@@ -43,12 +44,12 @@ struct Url {
   std::uint16_t port = usual_port;
 };
 
-CallError wrong(std::string message, std::string hint = {}) {
-  constexpr int of_wrong_params = -32602;
-  return {of_wrong_params, "usage", tmcl::Outcome::not_sent, std::move(message), std::move(hint)};
+Error wrong(std::string message, std::string hint = {}) {
+  return {"usage", ErrorKind::bad_request, tmcl::Outcome::not_sent, std::move(message),
+          std::move(hint)};
 }
 
-CallResult<Url> parse_url(const std::string& text) {
+Result<Url> parse_url(const std::string& text) {
   const auto bad = [&] {
     return tl::unexpected(wrong(fmt::format("'{}' is no URL of a tmcld", text),
                                 "such as https://gateway.example:4143"));
@@ -73,7 +74,7 @@ CallResult<Url> parse_url(const std::string& text) {
   return url;
 }
 
-CallResult<std::string> token_in(const std::string& path) {
+Result<std::string> token_in(const std::string& path) {
   std::ifstream file(path);
   std::string token;
   if (!std::getline(file, token)) return tl::unexpected(wrong("cannot read a token from " + path));
@@ -92,14 +93,14 @@ class Runner {
 
   asio::io_context& context() { return context_; }
   /// False when the deadline came first.
-  CallResult<bool> run_until(const bool& is_done, TimePoint deadline) {
+  Result<bool> run_until(const bool& is_done, TimePoint deadline) {
     while (!is_done) {
       if (cancelled_ && cancelled_()) {
-        return tl::unexpected(CallError{0,
-                                        std::string(client::error_name::cancelled),
-                                        tmcl::Outcome::unknown,
-                                        "interrupted before tmcld answered",
-                                        {}});
+        return tl::unexpected(Error{std::string(client::error_name::cancelled),
+                                    ErrorKind::interrupted,
+                                    tmcl::Outcome::unknown,
+                                    "interrupted before tmcld answered",
+                                    {}});
       }
       const auto left = deadline - clock_.now();
       if (left <= tmcl::Duration::zero()) return false;
@@ -124,12 +125,12 @@ class WebSocket final : public client::Channel {
         stream_(beast::tcp_stream(runner_->context())) {}
 
   const std::string& name() const override { return url_; }
-  CallResult<void> write_line(std::string line, TimePoint deadline) override;
-  CallResult<std::optional<std::string>> read_line(TimePoint deadline) override;
+  Result<void> write_line(std::string line, TimePoint deadline) override;
+  Result<std::optional<std::string>> read_line(TimePoint deadline) override;
 
   /// What `start` begins, which calls what it is given with an error_code.
   template <class Start>
-  CallResult<error_code> run(TimePoint deadline, Start start) {
+  Result<error_code> run(TimePoint deadline, Start start) {
     bool is_done = false;
     error_code result;
     start([&](const error_code& error) {
@@ -148,8 +149,8 @@ class WebSocket final : public client::Channel {
   }
   websocket::stream<tmcld::WebStream>& stream() { return stream_; }
   beast::tcp_stream& tcp() { return stream_.next_layer().next_layer(); }
-  CallError lost(const std::string& why) const {
-    return {0, std::string(client::error_name::lost), tmcl::Outcome::unknown,
+  Error lost(const std::string& why) const {
+    return {std::string(client::error_name::lost), ErrorKind::failed, tmcl::Outcome::unknown,
             fmt::format("the connection to tmcld at {} broke: {}", url_, why),
             "Is tmcld still running there?"};
   }
@@ -164,7 +165,7 @@ class WebSocket final : public client::Channel {
   error_code read_error_;
 };
 
-CallResult<void> WebSocket::write_line(std::string line, TimePoint deadline) {
+Result<void> WebSocket::write_line(std::string line, TimePoint deadline) {
   const auto sent = run(deadline, [&](auto end) {
     stream_.async_write(asio::buffer(line),
                         [end](const error_code& error, std::size_t) { end(error); });
@@ -174,7 +175,7 @@ CallResult<void> WebSocket::write_line(std::string line, TimePoint deadline) {
   return {};
 }
 
-CallResult<std::optional<std::string>> WebSocket::read_line(TimePoint deadline) {
+Result<std::optional<std::string>> WebSocket::read_line(TimePoint deadline) {
   if (!std::exchange(reads_, true)) {
     stream_.async_read(received_, [this](const error_code& error, std::size_t) {
       read_error_ = error;
@@ -195,8 +196,8 @@ CallResult<std::optional<std::string>> WebSocket::read_line(TimePoint deadline) 
 
 // ---- opening ----
 
-CallError unreachable(const std::string& url, const std::string& why, std::string hint = {}) {
-  return {0, std::string(client::error_name::unreachable), tmcl::Outcome::not_sent,
+Error unreachable(const std::string& url, const std::string& why, std::string hint = {}) {
+  return {std::string(client::error_name::unreachable), ErrorKind::failed, tmcl::Outcome::not_sent,
           fmt::format("cannot connect to tmcld at {}: {}", url, why), std::move(hint)};
 }
 
@@ -216,7 +217,7 @@ struct Handshake {
   TimePoint deadline;
 };
 
-CallError refused(const WebPlace& place, const http::response<http::string_body>& answer) {
+Error refused(const WebPlace& place, const http::response<http::string_body>& answer) {
   switch (answer.result()) {
     case http::status::unauthorized:
       return unreachable(place.url,
@@ -238,7 +239,7 @@ CallError refused(const WebPlace& place, const http::response<http::string_body>
                      "Is that a tmcld?");
 }
 
-CallResult<void> connect(WebSocket& socket, const Handshake& to) {
+Result<void> connect(WebSocket& socket, const Handshake& to) {
   tcp::resolver resolver(socket.stream().get_executor());
   error_code error;
   const auto endpoints = resolver.resolve(to.url.host, std::to_string(to.url.port), error);
@@ -254,7 +255,7 @@ CallResult<void> connect(WebSocket& socket, const Handshake& to) {
   return {};
 }
 
-CallResult<void> upgrade(WebSocket& socket, const Handshake& to) {
+Result<void> upgrade(WebSocket& socket, const Handshake& to) {
   auto& stream = socket.stream();
   stream.set_option(websocket::stream_base::decorator([&](websocket::request_type& request) {
     if (!to.token.empty()) request.set(http::field::authorization, "Bearer " + to.token);
@@ -305,7 +306,7 @@ void expect_name(SSL* tls, const std::string& host) {
   SSL_set_tlsext_host_name(tls, host.c_str());
 }
 
-CallResult<void> secure(WebSocket& socket, asio::ssl::context& context, const Handshake& to) {
+Result<void> secure(WebSocket& socket, asio::ssl::context& context, const Handshake& to) {
   if (!to.url.is_secure) return {};
   auto& stream = socket.stream().next_layer();
   // It keeps what it needs of the context.
@@ -323,7 +324,7 @@ CallResult<void> secure(WebSocket& socket, asio::ssl::context& context, const Ha
   return tl::unexpected(unreachable(to.place.url, why, hint_for_certificate(verdict, to.place)));
 }
 
-CallResult<void> trust(asio::ssl::context& context, const WebPlace& place) {
+Result<void> trust(asio::ssl::context& context, const WebPlace& place) {
   error_code error;
   context.set_verify_mode(asio::ssl::verify_peer);
   if (place.ca_file.empty()) {
@@ -343,9 +344,9 @@ CallResult<void> trust(asio::ssl::context& context, const WebPlace& place) {
 
 }  // namespace
 
-CallResult<std::unique_ptr<client::Channel>> open_web_socket(const WebPlace& place,
-                                                             tmcl::Duration at_most,
-                                                             std::function<bool()> cancelled) {
+Result<std::unique_ptr<client::Channel>> open_web_socket(const WebPlace& place,
+                                                         tmcl::Duration at_most,
+                                                         std::function<bool()> cancelled) {
   const auto url = parse_url(place.url);
   if (!url) return tl::unexpected(url.error());
   std::string token;
@@ -355,7 +356,7 @@ CallResult<std::unique_ptr<client::Channel>> open_web_socket(const WebPlace& pla
     token = std::move(*read);
   }
   asio::ssl::context context(asio::ssl::context::tls_client);
-  auto trusted = url->is_secure ? trust(context, place) : CallResult<void>{};
+  auto trusted = url->is_secure ? trust(context, place) : Result<void>{};
   if (!trusted) return tl::unexpected(std::move(trusted.error()));
   auto runner = std::make_unique<Runner>(std::move(cancelled));
   const Handshake to{place, *url, std::move(token), runner->now() + at_most};

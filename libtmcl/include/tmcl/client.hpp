@@ -29,39 +29,10 @@
 #include "tmcl/api/axis.hpp"
 #include "tmcl/api/parameter.hpp"
 #include "tmcl/awaited_file.hpp"
+#include "tmcl/client_error.hpp"
 #include "tmcl/clock.hpp"
-#include "tmcl/error.hpp"
 
 namespace tmcl::client {
-
-/// Why a call gave no result.
-struct CallError {
-  /// JSON-RPC code of the daemon's answer; 0 when there was none.
-  int code = 0;
-  /// snake_case; the daemon's `data.name`, or one of the names below when the daemon did not
-  /// answer.
-  std::string name;
-  Outcome outcome = Outcome::not_sent;
-  std::string message;
-  std::string hint;            ///< What to try; may be empty.
-  boost::json::object data{};  ///< All that the daemon said besides code and message.
-};
-
-/// Reads an error object as the daemon puts it into answers, and into lists of what failed.
-CallError call_error_from(const boost::json::object& error);
-
-namespace error_name {
-constexpr std::string_view unreachable =
-    "daemon_unreachable";  ///< No connection; nothing was asked.
-constexpr std::string_view incompatible =
-    "daemon_incompatible";  ///< Something else listens there, or a newer tmcld.
-constexpr std::string_view lost = "daemon_lost";        ///< The connection broke.
-constexpr std::string_view timeout = "daemon_timeout";  ///< No answer in time.
-constexpr std::string_view cancelled = "cancelled";     ///< Options::cancelled said so.
-}  // namespace error_name
-
-template <class T>
-using CallResult = tl::expected<T, CallError>;
 
 /// What a daemon may come to say at most; a longer line ends the connection.
 constexpr std::size_t max_line_bytes = std::size_t{4} << 20U;
@@ -84,9 +55,9 @@ class Channel {
   virtual ~Channel() = default;
   /// What it leads to, for errors.
   virtual const std::string& name() const = 0;
-  virtual CallResult<void> write_line(std::string line, TimePoint deadline) = 0;
+  virtual Result<void> write_line(std::string line, TimePoint deadline) = 0;
   /// Nothing when the deadline comes first.
-  virtual CallResult<std::optional<std::string>> read_line(TimePoint deadline) = 0;
+  virtual Result<std::optional<std::string>> read_line(TimePoint deadline) = 0;
 };
 
 class Axis;
@@ -97,34 +68,34 @@ class Connection {
   using Handler = std::function<void(std::string_view method, const boost::json::object& params)>;
 
   /// Connects, as soon as there is a socket, and reads the daemon's greeting.
-  static CallResult<Connection> open(const std::string& socket_path, Options options = {});
+  static Result<Connection> open(const std::string& socket_path, Options options = {});
   /// Over a channel that is open; of the options, those about the socket make no difference.
-  static CallResult<Connection> open(std::unique_ptr<Channel> channel, Options options = {});
+  static Result<Connection> open(std::unique_ptr<Channel> channel, Options options = {});
   Connection(Connection&&) noexcept;
   Connection& operator=(Connection&&) noexcept;
   ~Connection();
 
   /// One request and its answer. What comes unasked meanwhile goes to the handler.
   /// A call that was sent and not answered has Outcome::unknown.
-  CallResult<boost::json::object> call(std::string_view method, boost::json::object params = {});
+  Result<boost::json::object> call(std::string_view method, boost::json::object params = {});
   /// The same for a method that takes longer than Options::call_timeout.
-  CallResult<boost::json::object> call(std::string_view method, boost::json::object params,
-                                       Duration timeout);
+  Result<boost::json::object> call(std::string_view method, boost::json::object params,
+                                   Duration timeout);
   /// A method of tmcl/api. What a newer or an older daemon leaves out is as in a new result.
   template <api::IsMethod Method>
-  CallResult<typename Method::Result> call(const Method& params) {
+  Result<typename Method::Result> call(const Method& params) {
     return call(Method::method.name, api::to_json(params))
         .map(api::from_json<typename Method::Result>);
   }
   template <api::IsMethod Method>
-  CallResult<typename Method::Result> call(const Method& params, Duration timeout) {
+  Result<typename Method::Result> call(const Method& params, Duration timeout) {
     return call(Method::method.name, api::to_json(params), timeout)
         .map(api::from_json<typename Method::Result>);
   }
   /// An axis by its name, or any motor as "BUS:ADDRESS/MOTOR". Nothing is asked yet.
   Axis axis(std::string name);
   /// Hands out what comes unasked until the time has passed, or at once after the first message.
-  CallResult<void> listen(Duration at_most);
+  Result<void> listen(Duration at_most);
   /// At most one handler; an empty one removes it.
   void on_notification(Handler handler);
 
@@ -139,7 +110,7 @@ class Connection {
 };
 
 /// The verbs of one axis. Its connection must outlive it and stay where it is. Errors: those of the
-/// daemon, by CallError::name; a movement that was answered by an error of Outcome::unknown may
+/// daemon, by Error::name; a movement that was answered by an error of Outcome::unknown may
 /// have begun.
 class Axis {
  public:
@@ -147,30 +118,29 @@ class Axis {
 
   /// Starts a move. An amount is a number in the unit of the axis, such as 12.5, or a text with its
   /// unit: "12.5mm", "0.25rev".
-  CallResult<api::axis::StartedMove> move_to(api::Amount position);
-  CallResult<api::axis::StartedMove> move_to(Microsteps position);
-  CallResult<api::axis::StartedMove> move_by(api::Amount distance);
-  CallResult<api::axis::StartedMove> move_by(Microsteps distance);
+  Result<api::axis::StartedMove> move_to(api::Amount position);
+  Result<api::axis::StartedMove> move_to(Microsteps position);
+  Result<api::axis::StartedMove> move_by(api::Amount distance);
+  Result<api::axis::StartedMove> move_by(Microsteps distance);
   /// Turns until it is stopped, or this connection ends; a number is in the unit of the axis per
   /// second.
-  CallResult<api::axis::Turning> rotate(api::Amount velocity);
+  Result<api::axis::Turning> rotate(api::Amount velocity);
   /// Overtakes everything; answers when the module has taken it.
-  CallResult<void> stop();
+  Result<void> stop();
   /// Until it stands at its target, but at most for so long, up to a day; zero: as it takes.
-  CallResult<api::axis::Place> wait(Duration at_most = {});
+  Result<api::axis::Place> wait(Duration at_most = {});
   /// Searches the reference, likewise. `mode`: axis parameter 193, 1..255; as it is set if absent.
-  CallResult<api::axis::HomedAxis> home(std::optional<std::uint8_t> mode = {},
-                                        Duration at_most = {});
-  CallResult<api::axis::State> state();
-  CallResult<api::axis::Units> units();
+  Result<api::axis::HomedAxis> home(std::optional<std::uint8_t> mode = {}, Duration at_most = {});
+  Result<api::axis::State> state();
+  Result<api::axis::Units> units();
   /// A parameter by its standard name or its number.
-  CallResult<api::parameter::Value> get(api::NameOrNumber parameter);
-  CallResult<api::parameter::Value> set(api::NameOrNumber parameter, std::int32_t value);
-  CallResult<api::parameter::Value> set(api::NameOrNumber parameter, api::Amount value);
+  Result<api::parameter::Value> get(api::NameOrNumber parameter);
+  Result<api::parameter::Value> set(api::NameOrNumber parameter, std::int32_t value);
+  Result<api::parameter::Value> set(api::NameOrNumber parameter, api::Amount value);
 
  private:
   template <class Method>
-  CallResult<typename Method::Result> call_in_time(Method params, Duration at_most);
+  Result<typename Method::Result> call_in_time(Method params, Duration at_most);
 
   Connection& daemon_;
   std::string name_;

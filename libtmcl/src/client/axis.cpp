@@ -13,45 +13,45 @@ constexpr auto time_for_the_answer = std::chrono::seconds(15);
 }  // namespace
 
 template <class Method>
-CallResult<typename Method::Result> Axis::call_in_time(Method params, Duration at_most) {
+Result<typename Method::Result> Axis::call_in_time(Method params, Duration at_most) {
   const auto asked = std::chrono::ceil<std::chrono::milliseconds>(at_most);
   if (asked.count() > 0) params.timeout_ms = std::min<std::int64_t>(asked.count(), longest_ms);
   const std::chrono::milliseconds longest(params.timeout_ms.value_or(longest_ms));
   return daemon_.call(params, longest + time_for_the_answer);
 }
 
-CallResult<StartedMove> Axis::move_to(api::Amount position) {
+Result<StartedMove> Axis::move_to(api::Amount position) {
   return daemon_.call(MoveTo{.axis = name_, .position = std::move(position)});
 }
-CallResult<StartedMove> Axis::move_to(Microsteps position) {
+Result<StartedMove> Axis::move_to(Microsteps position) {
   return daemon_.call(MoveTo{.axis = name_, .position_microsteps = position.value});
 }
-CallResult<StartedMove> Axis::move_by(api::Amount distance) {
+Result<StartedMove> Axis::move_by(api::Amount distance) {
   return daemon_.call(MoveBy{.axis = name_, .distance = std::move(distance)});
 }
-CallResult<StartedMove> Axis::move_by(Microsteps distance) {
+Result<StartedMove> Axis::move_by(Microsteps distance) {
   return daemon_.call(MoveBy{.axis = name_, .distance_microsteps = distance.value});
 }
-CallResult<Turning> Axis::rotate(api::Amount velocity) {
+Result<Turning> Axis::rotate(api::Amount velocity) {
   return daemon_.call(Rotate{.axis = name_, .velocity = std::move(velocity)});
 }
-CallResult<void> Axis::stop() {
+Result<void> Axis::stop() {
   return daemon_.call(Stop{name_}).map([](const api::Nothing&) {});
 }
-CallResult<Place> Axis::wait(Duration at_most) { return call_in_time(Wait{name_}, at_most); }
-CallResult<HomedAxis> Axis::home(std::optional<std::uint8_t> mode, Duration at_most) {
+Result<Place> Axis::wait(Duration at_most) { return call_in_time(Wait{name_}, at_most); }
+Result<HomedAxis> Axis::home(std::optional<std::uint8_t> mode, Duration at_most) {
   return call_in_time(Home{name_, mode}, at_most);
 }
-CallResult<State> Axis::state() { return daemon_.call(GetState{name_}); }
-CallResult<Units> Axis::units() { return daemon_.call(GetUnits{name_}); }
+Result<State> Axis::state() { return daemon_.call(GetState{name_}); }
+Result<Units> Axis::units() { return daemon_.call(GetUnits{name_}); }
 
-CallResult<api::parameter::Value> Axis::get(api::NameOrNumber parameter) {
+Result<api::parameter::Value> Axis::get(api::NameOrNumber parameter) {
   return daemon_.call(api::parameter::Get{{name_, std::move(parameter)}});
 }
-CallResult<api::parameter::Value> Axis::set(api::NameOrNumber parameter, std::int32_t value) {
+Result<api::parameter::Value> Axis::set(api::NameOrNumber parameter, std::int32_t value) {
   return daemon_.call(api::parameter::Set{{name_, std::move(parameter)}, value});
 }
-CallResult<api::parameter::Value> Axis::set(api::NameOrNumber parameter, api::Amount value) {
+Result<api::parameter::Value> Axis::set(api::NameOrNumber parameter, api::Amount value) {
   return daemon_.call(api::parameter::Set{{name_, std::move(parameter)}, {}, std::move(value)});
 }
 

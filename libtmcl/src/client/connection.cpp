@@ -30,15 +30,8 @@ std::optional<std::int64_t> integer_of(const json::object& object, std::string_v
   return number != nullptr ? std::optional(*number) : std::nullopt;
 }
 
-Outcome outcome_named(std::string_view name) {
-  for (const auto outcome : {Outcome::done, Outcome::refused, Outcome::not_sent}) {
-    if (name == name_of(outcome)) return outcome;
-  }
-  return Outcome::unknown;
-}
-
-CallError incompatible(const std::string& path, std::string_view what) {
-  return {0, std::string(error_name::incompatible), Outcome::not_sent,
+Error incompatible(const std::string& path, std::string_view what) {
+  return {std::string(error_name::incompatible), ErrorKind::failed, Outcome::not_sent,
           fmt::format("what answers at {} {}", path, what),
           "Is that the socket of a tmcld of this version?"};
 }
@@ -54,36 +47,22 @@ TimePoint from_now(Duration duration) { return RealClock{}.now() + duration; }
 
 }  // namespace
 
-CallError call_error_from(const json::object& said) {
-  CallError error;
-  error.code = static_cast<int>(integer_of(said, "code").value_or(0));
-  error.message = text_of(said, "message");
-  if (const auto* data = object_of(said, "data")) error.data = *data;
-  error.name = text_of(error.data, "name");
-  error.hint = text_of(error.data, "hint");
-  // The daemon leaves the outcome out where no module is concerned.
-  const auto outcome = text_of(error.data, "outcome");
-  error.outcome = outcome.empty() ? Outcome::not_sent : outcome_named(outcome);
-  if (error.name.empty()) error.name = "daemon_error";
-  return error;
-}
-
 class Connection::State {
  public:
   State(std::unique_ptr<Channel> channel, Options options)
       : channel_(std::move(channel)), options_(std::move(options)) {}
 
-  CallResult<void> read_hello();
-  CallResult<json::object> call(std::string_view method, json::object params, Duration timeout);
+  Result<void> read_hello();
+  Result<json::object> call(std::string_view method, json::object params, Duration timeout);
   const Options& options() const { return options_; }
-  CallResult<void> listen(Duration at_most);
+  Result<void> listen(Duration at_most);
 
   Handler handler_;
   std::string daemon_version_;
 
  private:
-  CallResult<void> send(std::string_view method, json::object params, std::int64_t id);
-  CallResult<std::optional<json::object>> next_message(TimePoint deadline);
+  Result<void> send(std::string_view method, json::object params, std::int64_t id);
+  Result<std::optional<json::object>> next_message(TimePoint deadline);
   /// True if it was a progress report about the call `id`.
   bool hand_out(const json::object& notification, std::int64_t id);
 
@@ -92,7 +71,7 @@ class Connection::State {
   std::int64_t last_id_ = 0;
 };
 
-CallResult<std::optional<json::object>> Connection::State::next_message(TimePoint deadline) {
+Result<std::optional<json::object>> Connection::State::next_message(TimePoint deadline) {
   const auto line = channel_->read_line(deadline);
   if (!line) return tl::unexpected(line.error());
   if (!line->has_value()) return std::optional<json::object>{};
@@ -101,7 +80,7 @@ CallResult<std::optional<json::object>> Connection::State::next_message(TimePoin
   return message;
 }
 
-CallResult<void> Connection::State::read_hello() {
+Result<void> Connection::State::read_hello() {
   auto message = next_message(from_now(options_.hello_timeout));
   if (!message) return tl::unexpected(message.error());
   if (!message->has_value()) {
@@ -133,8 +112,8 @@ bool Connection::State::hand_out(const json::object& notification, std::int64_t 
   return method == "notify_progress" && integer_of(*params, "id") == id;
 }
 
-CallResult<void> Connection::State::send(std::string_view method, json::object params,
-                                         std::int64_t id) {
+Result<void> Connection::State::send(std::string_view method, json::object params,
+                                     std::int64_t id) {
   // It counts from now, however long the daemon takes to read this.
   if (params.contains("deadline_ms")) {
     const auto now = RealClock{}.now().time_since_epoch();
@@ -148,8 +127,8 @@ CallResult<void> Connection::State::send(std::string_view method, json::object p
   return sent;
 }
 
-CallResult<json::object> Connection::State::call(std::string_view method, json::object params,
-                                                 Duration timeout) {
+Result<json::object> Connection::State::call(std::string_view method, json::object params,
+                                             Duration timeout) {
   const auto id = ++last_id_;
   if (auto sent = send(method, std::move(params), id); !sent)
     return tl::unexpected(std::move(sent.error()));
@@ -161,9 +140,10 @@ CallResult<json::object> Connection::State::call(std::string_view method, json::
       return tl::unexpected(std::move(message.error()));
     }
     if (!message->has_value()) {
-      return tl::unexpected(CallError{0, std::string(error_name::timeout), Outcome::unknown,
-                                      fmt::format("tmcld did not answer {} in time", method),
-                                      "Look at its log; 'tmclctl axes' shows which axes answer"});
+      return tl::unexpected(Error{std::string(error_name::timeout), ErrorKind::failed,
+                                  Outcome::unknown,
+                                  fmt::format("tmcld did not answer {} in time", method),
+                                  "Look at its log; 'tmclctl axes' shows which axes answer"});
     }
     if ((*message)->contains("method")) {
       if (hand_out(**message, id)) deadline = from_now(timeout);
@@ -175,24 +155,24 @@ CallResult<json::object> Connection::State::call(std::string_view method, json::
     if (answered != id && !(!answered && (*message)->contains("error"))) continue;
     if (const auto* result = object_of(**message, "result")) return *result;
     const auto* error = object_of(**message, "error");
-    return tl::unexpected(call_error_from(error != nullptr ? *error : json::object{}));
+    return tl::unexpected(error_from_json(error != nullptr ? *error : json::object{}));
   }
 }
 
-CallResult<void> Connection::State::listen(Duration at_most) {
+Result<void> Connection::State::listen(Duration at_most) {
   auto message = next_message(from_now(at_most));
   if (!message) return tl::unexpected(std::move(message.error()));
   if (message->has_value() && (*message)->contains("method")) hand_out(**message, 0);
   return {};
 }
 
-CallResult<Connection> Connection::open(const std::string& socket_path, Options options) {
+Result<Connection> Connection::open(const std::string& socket_path, Options options) {
   auto socket = LineSocket::open(socket_path, options.wait_for_socket, options.cancelled);
   if (!socket) return tl::unexpected(std::move(socket.error()));
   return open(std::make_unique<LineSocket>(std::move(*socket)), std::move(options));
 }
 
-CallResult<Connection> Connection::open(std::unique_ptr<Channel> channel, Options options) {
+Result<Connection> Connection::open(std::unique_ptr<Channel> channel, Options options) {
   auto state = std::make_unique<State>(std::move(channel), std::move(options));
   if (auto greeted = state->read_hello(); !greeted) {
     greeted.error().outcome = Outcome::not_sent;
@@ -206,14 +186,14 @@ Connection::Connection(Connection&&) noexcept = default;
 Connection& Connection::operator=(Connection&&) noexcept = default;
 Connection::~Connection() = default;
 
-CallResult<json::object> Connection::call(std::string_view method, json::object params) {
+Result<json::object> Connection::call(std::string_view method, json::object params) {
   return state_->call(method, std::move(params), state_->options().call_timeout);
 }
-CallResult<json::object> Connection::call(std::string_view method, json::object params,
-                                          Duration timeout) {
+Result<json::object> Connection::call(std::string_view method, json::object params,
+                                      Duration timeout) {
   return state_->call(method, std::move(params), timeout);
 }
-CallResult<void> Connection::listen(Duration at_most) { return state_->listen(at_most); }
+Result<void> Connection::listen(Duration at_most) { return state_->listen(at_most); }
 void Connection::on_notification(Handler handler) { state_->handler_ = std::move(handler); }
 const std::string& Connection::daemon_version() const { return state_->daemon_version_; }
 

@@ -23,14 +23,18 @@ namespace {
 
 constexpr auto cancel_poll_interval = std::chrono::milliseconds(50);
 
-CallError unreachable(const std::string& path, int reason) {
-  return {0, std::string(error_name::unreachable), Outcome::not_sent,
+Error unreachable(const std::string& path, int reason) {
+  return {std::string(error_name::unreachable), ErrorKind::failed, Outcome::not_sent,
           fmt::format("cannot connect to tmcld at {}: {}", path, std::strerror(reason)),
           hint_for(reason, path)};
 }
 
-CallError interrupted(Outcome outcome) {
-  return {0, std::string(error_name::cancelled), outcome, "interrupted before tmcld answered", {}};
+Error interrupted(Outcome outcome) {
+  return {std::string(error_name::cancelled),
+          ErrorKind::interrupted,
+          outcome,
+          "interrupted before tmcld answered",
+          {}};
 }
 
 /// A connected descriptor, or an errno.
@@ -57,8 +61,8 @@ bool may_come_right(int reason, const std::string& path) {
 
 }  // namespace
 
-CallResult<LineSocket> LineSocket::open(const std::string& path, Duration wait,
-                                        std::function<bool()> cancelled) {
+Result<LineSocket> LineSocket::open(const std::string& path, Duration wait,
+                                    std::function<bool()> cancelled) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof address.sun_path) {
@@ -101,12 +105,12 @@ LineSocket::~LineSocket() {
   if (descriptor_ >= 0) ::close(descriptor_);
 }
 
-CallError LineSocket::lost(std::string_view why) const {
-  return {0, std::string(error_name::lost), Outcome::unknown,
+Error LineSocket::lost(std::string_view why) const {
+  return {std::string(error_name::lost), ErrorKind::failed, Outcome::unknown,
           fmt::format("the connection to tmcld at {} broke: {}", path_, why), hint_after_loss()};
 }
 
-CallResult<bool> LineSocket::wait_for(short events, TimePoint deadline) {
+Result<bool> LineSocket::wait_for(short events, TimePoint deadline) {
   while (true) {
     if (cancelled_ && cancelled_()) return tl::unexpected(interrupted(Outcome::unknown));
     const auto left = deadline - RealClock{}.now();
@@ -120,7 +124,7 @@ CallResult<bool> LineSocket::wait_for(short events, TimePoint deadline) {
   }
 }
 
-CallResult<void> LineSocket::write_line(std::string line, TimePoint deadline) {
+Result<void> LineSocket::write_line(std::string line, TimePoint deadline) {
   line += '\n';
   std::string_view rest = line;
   while (!rest.empty()) {
@@ -146,7 +150,7 @@ std::optional<std::string> LineSocket::take_line() {
   return line;
 }
 
-CallResult<void> LineSocket::receive() {
+Result<void> LineSocket::receive() {
   std::array<char, 16384> buffer;
   const auto got = ::recv(descriptor_, buffer.data(), buffer.size(), 0);
   if (got == 0) return tl::unexpected(lost("the daemon closed it"));
@@ -159,7 +163,7 @@ CallResult<void> LineSocket::receive() {
   return {};
 }
 
-CallResult<std::optional<std::string>> LineSocket::read_line(TimePoint deadline) {
+Result<std::optional<std::string>> LineSocket::read_line(TimePoint deadline) {
   while (true) {
     if (auto line = take_line()) return line;
     const auto readable = wait_for(POLLIN, deadline);

@@ -14,24 +14,24 @@ namespace tmcl::client {
 class LineSocket final : public Channel {
  public:
   /// Waits so long for a socket that is not there yet.
-  static CallResult<LineSocket> open(const std::string& path, Duration wait,
-                                     std::function<bool()> cancelled);
+  static Result<LineSocket> open(const std::string& path, Duration wait,
+                                 std::function<bool()> cancelled);
   LineSocket(LineSocket&& other) noexcept;
   LineSocket& operator=(LineSocket&& other) noexcept;
   ~LineSocket() override;
 
   const std::string& name() const override { return path_; }
-  CallResult<void> write_line(std::string line, TimePoint deadline) override;
-  CallResult<std::optional<std::string>> read_line(TimePoint deadline) override;
+  Result<void> write_line(std::string line, TimePoint deadline) override;
+  Result<std::optional<std::string>> read_line(TimePoint deadline) override;
 
  private:
   LineSocket(int descriptor, std::string path, std::function<bool()> cancelled);
 
   std::optional<std::string> take_line();
-  CallResult<void> receive();
+  Result<void> receive();
   /// False when the deadline came first.
-  CallResult<bool> wait_for(short events, TimePoint deadline);
-  CallError lost(std::string_view why) const;
+  Result<bool> wait_for(short events, TimePoint deadline);
+  Error lost(std::string_view why) const;
 
   int descriptor_ = -1;
   std::string path_;

@@ -114,13 +114,13 @@ Form Grammar::group(const std::string& name, const std::string& description, con
   return Form(app);
 }
 
-std::optional<Failure> Grammar::objection(const CLI::App& verb, bool json) const {
+std::optional<Error> Grammar::objection(const CLI::App& verb, bool json) const {
   const auto entry = verbs_.find(&verb);
   if (entry == verbs_.end() || !entry->second.objection) return std::nullopt;
   const auto complaint = entry->second.objection(json);
   if (complaint.empty()) return std::nullopt;
-  return usage_failure("usage", fmt::format("{}: {}", full_name(verb), complaint),
-                       entry->second.hint);
+  return usage_error("usage", fmt::format("{}: {}", full_name(verb), complaint),
+                     entry->second.hint);
 }
 
 std::string full_name(const CLI::App& verb) {

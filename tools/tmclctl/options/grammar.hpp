@@ -52,7 +52,7 @@ class Grammar {
 
   /// What was said, after the words were read.
   Verb said(const CLI::App& verb) const { return verbs_.at(&verb).said(); }
-  std::optional<Failure> objection(const CLI::App& verb, bool json) const;
+  std::optional<Error> objection(const CLI::App& verb, bool json) const;
 
  private:
   template <class T>

@@ -54,29 +54,28 @@ std::string to_svg(const std::string& file, const json::object& course, const js
 
 }  // namespace
 
-Attempt<std::string> text_of(const std::string& file, std::size_t most) {
+Result<std::string> text_of(const std::string& file, std::size_t most) {
   auto text = read_file(file, most + 1);
   if (!text) {
     return tl::unexpected(
-        usage_failure("cannot_read", fmt::format("cannot read {}: {}", file, text.error())));
+        usage_error("cannot_read", fmt::format("cannot read {}: {}", file, text.error())));
   }
   if (text->size() > most) {
     return tl::unexpected(
-        usage_failure("bad_program", fmt::format("{} is too long; {} bytes at most", file, most)));
+        usage_error("bad_program", fmt::format("{} is too long; {} bytes at most", file, most)));
   }
   return std::move(*text);
 }
 
-Failure explained(Failure failure, const std::string& file, Output& output) {
+Error explained(Error failure, const std::string& file, Output& output) {
   tmcl::TextProblems problems;
-  for (const auto& value : array_at(failure.details, "problems")) {
+  for (const auto& value : array_at(failure.subject, "problems")) {
     const auto& row = value.as_object();
     problems.push_back({integer_at<std::size_t>(row, "line"),
                         integer_at<std::size_t>(row, "column"), text_at(row, "message")});
   }
-  if (!problems.empty())
-    return failure_from(file, problems, tmcl::plan::most_text_problems, output);
-  const auto axis = text_at(failure.details, "file_axis");
+  if (!problems.empty()) return error_from(file, problems, tmcl::plan::most_text_problems, output);
+  const auto axis = text_at(failure.subject, "file_axis");
   if (!axis.empty()) failure.hint = fmt::format("--axis {}=NAME", axis);
   if (failure.name == "bad_path") failure.message = file + ": " + failure.message;
   if (failure.name == "unknown_unit" && failure.hint.empty()) {
@@ -113,8 +112,8 @@ void print(const std::string& file, const json::object& course, Output& output) 
   corners.print(output.out);
 }
 
-Attempt<void> draw(const std::string& svg_path, const std::string& file, const json::object& course,
-                   const json::object& curve) {
+Result<void> draw(const std::string& svg_path, const std::string& file, const json::object& course,
+                  const json::object& curve) {
   OutputFile svg;
   return svg.open(svg_path).and_then([&] { return svg.write(to_svg(file, course, curve)); });
 }

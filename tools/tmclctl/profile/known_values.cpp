@@ -40,9 +40,9 @@ const NamedUnit* find(const std::array<NamedUnit, N>& units, std::string_view na
   return found == units.end() ? nullptr : found;
 }
 
-Failure bad_value(const std::string& word, const std::string& problem) {
-  return usage_failure("bad_value", fmt::format("{}: {}", word, problem),
-                       "'tmclctl profile solve --help' has examples");
+Error bad_value(const std::string& word, const std::string& problem) {
+  return usage_error("bad_value", fmt::format("{}: {}", word, problem),
+                     "'tmclctl profile solve --help' has examples");
 }
 
 /// How often a quantity is divided by a time; lengths are in all but the times.
@@ -87,7 +87,7 @@ UnitParts unit_parts(std::string_view unit) {
 
 class ValueReader {
  public:
-  Attempt<KnownValues> read(const std::vector<std::string>& words) {
+  Result<KnownValues> read(const std::vector<std::string>& words) {
     for (const auto& word : words) {
       if (auto taken = take(word); !taken) return tl::unexpected(taken.error());
     }
@@ -95,16 +95,16 @@ class ValueReader {
   }
 
  private:
-  Attempt<void> take(const std::string& word) {
+  Result<void> take(const std::string& word) {
     const auto equals = word.find('=');
     return equals == std::string::npos ? take_assumption(word) : take_value(word, equals);
   }
 
-  Attempt<void> take_assumption(const std::string& word) {
+  Result<void> take_assumption(const std::string& word) {
     const auto assumption = tmcl::plan::assumption_named(word);
     if (!assumption) {
       static constexpr std::string_view names[] = {"symmetric", "thirds"};
-      return tl::unexpected(usage_failure(
+      return tl::unexpected(usage_error(
           "bad_value", fmt::format("'{}' is neither QUANTITY=VALUE nor an assumption", word),
           "The assumptions are symmetric and thirds." + tmcl::did_you_mean(word, names)));
     }
@@ -113,7 +113,7 @@ class ValueReader {
     return {};
   }
 
-  Attempt<void> take_value(const std::string& word, std::size_t equals) {
+  Result<void> take_value(const std::string& word, std::size_t equals) {
     const auto name = std::string_view(word).substr(0, equals);
     const auto quantity = tmcl::plan::quantity_named(name);
     if (!quantity) return tl::unexpected(unknown_quantity(name));
@@ -128,11 +128,11 @@ class ValueReader {
     return {};
   }
 
-  static Failure unknown_quantity(std::string_view name) {
+  static Error unknown_quantity(std::string_view name) {
     std::vector<std::string_view> names;
     for (const auto quantity : tmcl::plan::quantities) names.push_back(name_of(quantity));
     for (const auto quantity : tmcl::plan::side_quantities) names.push_back(name_of(quantity));
-    return usage_failure(
+    return usage_error(
         "bad_value", fmt::format("there is no quantity '{}'", name),
         fmt::format("They are {}.{}", fmt::join(names, ", "), tmcl::did_you_mean(name, names)));
   }
@@ -190,7 +190,7 @@ class ValueReader {
 
 }  // namespace
 
-Attempt<KnownValues> read_known_values(const std::vector<std::string>& words) {
+Result<KnownValues> read_known_values(const std::vector<std::string>& words) {
   return ValueReader().read(words);
 }
 

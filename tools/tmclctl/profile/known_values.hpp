@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "failure.hpp"
+#include "errors.hpp"
 #include "tmcl/plan/profile.hpp"
 
 namespace tmclctl::profile {
@@ -15,6 +15,6 @@ struct KnownValues {
   std::string unit;  ///< The first unit of length; empty if none was typed.
 };
 
-Attempt<KnownValues> read_known_values(const std::vector<std::string>& words);
+Result<KnownValues> read_known_values(const std::vector<std::string>& words);
 
 }  // namespace tmclctl::profile

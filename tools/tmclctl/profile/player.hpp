@@ -18,7 +18,7 @@ class Player {
   Player(const Script& script, std::size_t most_changes)
       : script_(script), changes_left_(most_changes) {}
 
-  Attempt<void> start() {
+  Result<void> start() {
     for (const auto& write : script_.start) {
       if (auto written = apply(write); !written) return written;
     }
@@ -44,7 +44,7 @@ class Player {
     generator_.advance_to(std::min(limit, next_event()));
   }
   /// What is to be written at this tick.
-  Attempt<void> write() {
+  Result<void> write() {
     const auto first = next_change_;
     if (auto written = apply_changes_due(); !written) return written;
     if (next_change_ == first) return {};
@@ -57,15 +57,15 @@ class Player {
     return all_written() ? by_itself : std::min(by_itself, script_.changes[next_change_].tick);
   }
 
-  Attempt<void> apply(const Write& write) {
+  Result<void> apply(const Write& write) {
     const auto written =
         generator_.write(static_cast<typename G::Register>(write.index), write.value);
     if (written) return {};
-    return tl::unexpected(usage_failure(
-        "bad_register", fmt::format("{}: {}", write.words, describe(written.error()))));
+    return tl::unexpected(
+        usage_error("bad_register", fmt::format("{}: {}", write.words, describe(written.error()))));
   }
 
-  Attempt<void> apply_changes_due() {
+  Result<void> apply_changes_due() {
     for (; !all_written() && script_.changes[next_change_].tick <= generator_.tick();
          ++next_change_) {
       const auto written = apply(script_.changes[next_change_].write);
@@ -75,10 +75,10 @@ class Player {
   }
 
   // What is written at one instant is judged together.
-  Attempt<void> judge(const std::string& cause) {
+  Result<void> judge(const std::string& cause) {
     for (const auto& finding : generator_.findings()) {
       if (finding.severity == tmcl::ramp::Finding::Severity::contradiction)
-        return tl::unexpected(usage_failure("contradiction", cause + finding.message));
+        return tl::unexpected(usage_error("contradiction", cause + finding.message));
       if (std::ranges::find(warnings_, finding.message) == warnings_.end())
         warnings_.push_back(finding.message);
     }
@@ -152,7 +152,7 @@ class SimulationOf final : public Simulation {
   explicit SimulationOf(Script script, std::size_t most_changes = tmcl::ramp::most_changes_ahead)
       : script_(std::move(script)), most_changes_(most_changes) {}
 
-  Attempt<Outcome> follow(std::optional<Tick> until) const override {
+  Result<Outcome> follow(std::optional<Tick> until) const override {
     const auto limit = until.value_or(tmcl::ramp::forever);
     Player<G> player(script_, most_changes_);
     Observer<G> observer;
@@ -170,7 +170,7 @@ class SimulationOf final : public Simulation {
     return observer.finish(player);
   }
 
-  Attempt<std::vector<Motion>> motions_at(std::span<const Tick> ticks) const override {
+  Result<std::vector<Motion>> motions_at(std::span<const Tick> ticks) const override {
     // It stops at more places than follow(), and goes at least as far.
     Player<G> player(script_, 2 * most_changes_ + ticks.size());
     auto written = player.start();
@@ -196,8 +196,8 @@ class SimulationOf final : public Simulation {
     return player.all_written() && (generator.arrived() || generator.settled());
   }
 
-  Failure endless() const {
-    return usage_failure(
+  Error endless() const {
+    return usage_error(
         "endless",
         fmt::format("it changes more than {} times before the last of the times asked for",
                     most_changes_));

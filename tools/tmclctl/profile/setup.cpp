@@ -42,12 +42,12 @@ struct Assignment {
   std::string_view value;
 };
 
-Attempt<Assignment> split(std::string_view words) {
+Result<Assignment> split(std::string_view words) {
   const auto equals = words.find('=');
   if (equals == std::string_view::npos || equals == 0) {
-    return tl::unexpected(usage_failure("bad_register",
-                                        fmt::format("'{}' is no REGISTER=VALUE", words),
-                                        "Such as v_max=1000; values may be written 0x3E8, too"));
+    return tl::unexpected(usage_error("bad_register",
+                                      fmt::format("'{}' is no REGISTER=VALUE", words),
+                                      "Such as v_max=1000; values may be written 0x3E8, too"));
   }
   return Assignment{words.substr(0, equals), words.substr(equals + 1)};
 }
@@ -57,7 +57,7 @@ class SetupReader {
  public:
   explicit SetupReader(const GeneratorInfo& generator) : generator_(generator) {}
 
-  Attempt<Write> read_write(const std::string& words) const {
+  Result<Write> read_write(const std::string& words) const {
     const auto assignment = split(words);
     if (!assignment) return tl::unexpected(assignment.error());
     const auto index = tmcl::ramp::find_register(generator_.registers, assignment->name);
@@ -68,8 +68,8 @@ class SetupReader {
   }
 
  private:
-  Attempt<std::int64_t> read_value(const std::string& words, const RegisterInfo& info,
-                                   std::string_view text) const {
+  Result<std::int64_t> read_value(const std::string& words, const RegisterInfo& info,
+                                  std::string_view text) const {
     for (const auto& symbol : generator_.symbols) {
       if (symbol.register_name == info.name && symbol.name == text) return symbol.value;
     }
@@ -89,12 +89,12 @@ class SetupReader {
         problem == std::errc::result_out_of_range
             ? fmt::format("{} is {}..{}, not {}", info.name, info.minimum, info.maximum, text)
             : fmt::format("'{}' is no whole number", text);
-    return tl::unexpected(usage_failure("bad_register", fmt::format("{}: {}", words, what),
-                                        names_of_values(info, text)));
+    return tl::unexpected(usage_error("bad_register", fmt::format("{}: {}", words, what),
+                                      names_of_values(info, text)));
   }
 
-  static Failure beyond(const std::string& words, const RegisterInfo& info, const Scale& scale) {
-    return usage_failure(
+  static Error beyond(const std::string& words, const RegisterInfo& info, const Scale& scale) {
+    return usage_error(
         "bad_register",
         fmt::format("{}: {} is {}..{} {}", words, info.name,
                     tmcl::plain_number(scale.in_unit(info.minimum), 10),
@@ -109,13 +109,13 @@ class SetupReader {
     return names.empty() ? std::string{} : choice(text, names);
   }
 
-  Failure unknown_register(std::string_view name) const {
+  Error unknown_register(std::string_view name) const {
     std::vector<std::string_view> names;
     for (const auto& info : generator_.registers) names.push_back(info.name);
     if (generator_.clocked) names.push_back(clock_name);
-    return usage_failure("unknown_register",
-                         fmt::format("{} has no register '{}'", generator_.name, name),
-                         choice(name, names));
+    return usage_error("unknown_register",
+                       fmt::format("{} has no register '{}'", generator_.name, name),
+                       choice(name, names));
   }
 
   const GeneratorInfo& generator_;
@@ -125,24 +125,24 @@ bool is_clock(const std::string& words) {
   return words.starts_with(fmt::format("{}=", clock_name));
 }
 
-Attempt<double> read_clock(const std::string& words) {
+Result<double> read_clock(const std::string& words) {
   const auto text = std::string_view(words).substr(clock_name.size() + 1);
   double hz = 0;
   const auto read = std::from_chars(text.data(), text.data() + text.size(), hz);
   const bool number = read.ec == std::errc{} && read.ptr == text.data() + text.size();
   if (number && hz >= least_clock_hz && hz <= greatest_clock_hz) return hz;
   return tl::unexpected(
-      usage_failure("bad_register", fmt::format("{}: {} is a number of Hz within {} to {}", words,
-                                                clock_name, least_clock_hz, greatest_clock_hz)));
+      usage_error("bad_register", fmt::format("{}: {} is a number of Hz within {} to {}", words,
+                                              clock_name, least_clock_hz, greatest_clock_hz)));
 }
 
-Failure given_twice(std::string_view name) {
-  return usage_failure("bad_register", fmt::format("{} is given twice", name),
-                       "--change writes a register again later");
+Error given_twice(std::string_view name) {
+  return usage_error("bad_register", fmt::format("{} is given twice", name),
+                     "--change writes a register again later");
 }
 
 /// Takes it out of the settings, if it is there.
-Attempt<double> take_clock(std::vector<std::string>& settings) {
+Result<double> take_clock(std::vector<std::string>& settings) {
   const auto others = std::stable_partition(settings.begin(), settings.end(), is_clock);
   const std::vector<std::string> given(settings.begin(), others);
   settings.erase(settings.begin(), others);
@@ -175,8 +175,8 @@ void put_in_order(const GeneratorInfo& generator, std::vector<Write>& writes) {
   });
 }
 
-Attempt<std::vector<Write>> read_start(const GeneratorInfo& generator,
-                                       const std::vector<std::string>& settings) {
+Result<std::vector<Write>> read_start(const GeneratorInfo& generator,
+                                      const std::vector<std::string>& settings) {
   std::vector<Write> writes;
   for (const auto& words : settings) {
     auto write = SetupReader(generator).read_write(words);
@@ -190,15 +190,15 @@ Attempt<std::vector<Write>> read_start(const GeneratorInfo& generator,
   return writes;
 }
 
-Attempt<std::vector<Change>> read_changes(const Setup& setup, const verb::Simulate& verb) {
+Result<std::vector<Change>> read_changes(const Setup& setup, const verb::Simulate& verb) {
   auto by_time = verb.changes;
   std::ranges::stable_sort(by_time, {}, &verb::Simulate::Change::time);
   std::vector<Change> changes;
   for (const auto& change : by_time) {
     if (setup.generator.clocked && is_clock(change.setting)) {
-      return tl::unexpected(usage_failure(
-          "bad_register",
-          fmt::format("{}: {} is the same all the time", change.setting, clock_name)));
+      return tl::unexpected(
+          usage_error("bad_register",
+                      fmt::format("{}: {} is the same all the time", change.setting, clock_name)));
     }
     auto write = SetupReader(setup.generator).read_write(change.setting);
     if (!write) return tl::unexpected(write.error());
@@ -216,22 +216,22 @@ Tick Setup::tick_at(double time) const {
   return static_cast<Tick>(std::floor(time * ticks_per_second + rounding));
 }
 
-Attempt<const GeneratorInfo*> find_generator(std::string_view name) {
+Result<const GeneratorInfo*> find_generator(std::string_view name) {
   std::vector<std::string_view> names;
   for (const auto& generator : generators()) {
     if (generator.name == name) return &generator;
     names.push_back(generator.name);
   }
-  return tl::unexpected(usage_failure(
+  return tl::unexpected(usage_error(
       "unknown_generator", fmt::format("there is no generator '{}'", name), choice(name, names)));
 }
 
-Attempt<Setup> read_setup(const verb::Simulate& verb) {
+Result<Setup> read_setup(const verb::Simulate& verb) {
   const auto generator = find_generator(verb.generator);
   if (!generator) return tl::unexpected(generator.error());
   auto settings = verb.settings;
   const auto clock_hz =
-      (*generator)->clocked ? take_clock(settings) : Attempt<double>(usual_clock_hz);
+      (*generator)->clocked ? take_clock(settings) : Result<double>(usual_clock_hz);
   if (!clock_hz) return tl::unexpected(clock_hz.error());
   Setup setup{**generator, (*generator)->ticks_per_second(*clock_hz), {}};
   auto start = read_start(**generator, settings);

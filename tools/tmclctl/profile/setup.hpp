@@ -16,9 +16,9 @@ struct Setup {
   double time_of(Tick tick) const { return static_cast<double>(tick) / ticks_per_second; }
 };
 
-Attempt<const GeneratorInfo*> find_generator(std::string_view name);
+Result<const GeneratorInfo*> find_generator(std::string_view name);
 
-Attempt<Setup> read_setup(const verb::Simulate& verb);
+Result<Setup> read_setup(const verb::Simulate& verb);
 
 /// The name, for f_clk as if it were a register, and the clock that most modules have.
 constexpr std::string_view clock_name = "f_clk";

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "failure.hpp"
+#include "errors.hpp"
 #include "tmcl/ramp/generator.hpp"
 
 namespace tmclctl::profile {
@@ -64,9 +64,9 @@ class Simulation {
  public:
   virtual ~Simulation() = default;
   /// Until this tick; without one until it stands on its target, or cannot get there any more.
-  virtual Attempt<Outcome> follow(std::optional<Tick> until) const = 0;
+  virtual Result<Outcome> follow(std::optional<Tick> until) const = 0;
   /// Its motion at these ticks, which ascend.
-  virtual Attempt<std::vector<Motion>> motions_at(std::span<const Tick> ticks) const = 0;
+  virtual Result<std::vector<Motion>> motions_at(std::span<const Tick> ticks) const = 0;
 };
 
 }  // namespace tmclctl::profile

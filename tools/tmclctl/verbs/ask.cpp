@@ -16,7 +16,7 @@ namespace {
 
 namespace json = boost::json;
 
-Attempt<json::object> params_of(const verb::Ask& verb) {
+Result<json::object> params_of(const verb::Ask& verb) {
   json::object params;
   const auto add = [&](const char* key, const std::optional<std::int32_t>& value) {
     if (value) params[key] = *value;
@@ -125,7 +125,7 @@ bool is_called(const tmcl::api::parameter::Parameter& row, const std::string& na
 }
 
 /// Modules refuse to store a parameter in the same words as one that they do not know.
-Failure explained(Failure failure, const verb::Ask& verb, Target& target) {
+Error explained(Error failure, const verb::Ask& verb, Target& target) {
   const bool of_eeprom = verb.method == "parameter.store" || verb.method == "parameter.restore";
   if (!of_eeprom || failure.outcome != tmcl::Outcome::refused) return failure;
   const auto rows = target.parameters(verb.axis);

@@ -20,7 +20,7 @@ constexpr auto bits_per_can_frame =
     static_cast<double>(tmcl::most_bits_of_frame(tmcl::can_datagram_size));
 constexpr double percent = 100;
 
-Attempt<api::bus::Buses> list(Context& context) {
+Result<api::bus::Buses> list(Context& context) {
   return context.target.perform(std::string(api::bus::List::method.name), {}, {})
       .map(api::from_json<api::bus::Buses>);
 }

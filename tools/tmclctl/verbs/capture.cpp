@@ -61,7 +61,7 @@ class CaptureRecorder {
   CaptureRecorder(const verb::Capture& verb, Context& context)
       : verb_(verb), context_(context), line_(context.output) {}
 
-  Attempt<void> record() {
+  Result<void> record() {
     auto begun = call(params_of(verb_));
     if (!begun) return tl::unexpected(begun.error());
     started_ = std::move(*begun);
@@ -81,7 +81,7 @@ class CaptureRecorder {
  private:
   /// Each is short, and a signal does not end it: the module is to be freed afterwards.
   template <class Method>
-  Attempt<typename Method::Result> call(const Method& params) {
+  Result<typename Method::Result> call(const Method& params) {
     return context_.target
         .perform_watched(std::string(Method::method.name), api::to_json(params), nullptr,
                          {.on_news = {}, .meanwhile = [] {}})
@@ -89,7 +89,7 @@ class CaptureRecorder {
   }
   /// The same again for as long as others are led along a path on that bus.
   template <class Method>
-  Attempt<typename Method::Result> call_beside_journeys(const Method& params) {
+  Result<typename Method::Result> call_beside_journeys(const Method& params) {
     auto result = call(params);
     while (!result && result.error().name == "axis_claimed" && context_.host.signal() == 0) {
       tell("waits: " + result.error().message);
@@ -99,7 +99,7 @@ class CaptureRecorder {
     return result;
   }
 
-  Attempt<void> wait() {
+  Result<void> wait() {
     while (context_.host.signal() == 0) {
       const auto progress =
           call_beside_journeys(capture::GetState{.axis = verb_.axis, .capture = started_.capture});
@@ -113,7 +113,7 @@ class CaptureRecorder {
     return {};
   }
 
-  Attempt<void> read() {
+  Result<void> read() {
     const auto all = total();
     const auto begin = context_.host.now();
     while (values_.size() < all && context_.host.signal() == 0) {
@@ -163,23 +163,23 @@ class CaptureRecorder {
     context_.output.err << verb_.axis << ": " << what << " (Ctrl-C ends that)\n" << std::flush;
   }
 
-  Failure lost(const std::string& state) const {
-    return {ExitCode::refused, "unexpected_value",
+  Error lost(const std::string& state) const {
+    return {"unexpected_value", ErrorKind::failed, tmcl::Outcome::done,
             fmt::format("the module of {} records nothing any more: {}", verb_.axis, state),
-            "it has started again, or somebody has ended the capture", tmcl::Outcome::done};
+            "it has started again, or somebody has ended the capture"};
   }
   /// Where the module may still have what it records, whatever else there is to try.
-  static Failure resumable(Failure failure) {
+  static Error resumable(Error failure) {
     if (failure.name == "unexpected_value") return failure;
     if (!failure.hint.empty()) failure.hint += ". ";
     failure.hint += "The same command with --resume goes on: the module keeps what it records";
     return failure;
   }
   /// Frees the module.
-  Failure interrupted() {
+  Error interrupted() {
     const auto signal = context_.host.take_signal();
     const auto ended = call(capture::End{.axis = verb_.axis, .capture = started_.capture});
-    return interrupted_failure(
+    return interrupted_error(
         signal,
         ended ? fmt::format("no longer recording; the module of {} is free", verb_.axis)
               : fmt::format("no longer recording, but the module of {} may be: {}", verb_.axis,

@@ -53,10 +53,10 @@ VerbResult run(const verb::Errors& verb, Context& context) {
       continue;
     }
     // The others are asked all the same.
-    exit = std::max(exit, errors.error().exit);
-    all.push_back(json::object{{"axis", name}, {"error", to_json(errors.error())}});
+    exit = std::max(exit, exit_code_of(errors.error()));
+    all.push_back(json::object{{"axis", name}, {"error", error_document(errors.error())}});
     if (!context.output.json)
-      context.output.err << "tmclctl: " << name << ": " << describe(errors.error()) << '\n';
+      context.output.err << "tmclctl: " << name << ": " << error_text(errors.error()) << '\n';
   }
   if (context.output.json) {
     print_json({{"axes", std::move(all)}}, context.output);

@@ -32,19 +32,19 @@ std::string describe(FirmwareVersion version) {
                      to_string(version), model_name(version.model));
 }
 
-Attempt<Image> read_image(const std::string& path) {
+Result<Image> read_image(const std::string& path) {
   const auto contents = read_file(path, tmcl::firmware::most_file_bytes + 1);
   if (!contents) {
     return tl::unexpected(
-        usage_failure("cannot_read", fmt::format("cannot read {}: {}", path, contents.error())));
+        usage_error("cannot_read", fmt::format("cannot read {}: {}", path, contents.error())));
   }
   return tmcl::firmware::read_intel_hex(*contents).map_error([&](const tmcl::TextProblem& problem) {
-    auto failure = usage_failure("bad_firmware", describe(problem, path),
-                                 "Firmware comes as an Intel HEX file; get it again");
-    failure.details["file"] = path;
-    failure.details["line"] = problem.line;
-    failure.details["column"] = problem.column;
-    failure.details["word"] = problem.word;
+    auto failure = usage_error("bad_firmware", describe(problem, path),
+                               "Firmware comes as an Intel HEX file; get it again");
+    failure.subject["file"] = path;
+    failure.subject["line"] = problem.line;
+    failure.subject["column"] = problem.column;
+    failure.subject["word"] = problem.word;
     return failure;
   });
 }
@@ -84,17 +84,17 @@ json::object to_json(const ModuleName& module, const FirmwareMatch& match) {
           {"offered", match.version ? json::value(text_of(*match.version)) : json::value(nullptr)}};
 }
 
-Failure mismatch(const std::string& path, const ModuleName& module, const FirmwareMatch& match) {
+Error mismatch(const std::string& path, const ModuleName& module, const FirmwareMatch& match) {
   std::string offered;
   for (const auto& version : match.offered)
     offered += (offered.empty() ? "" : ", ") + text_of(version);
   auto failure =
-      usage_failure("wrong_firmware",
-                    fmt::format("{} is {}; module {} has {}", path,
-                                offered.empty() ? "for no model that it names" : "for " + offered,
-                                module.address, describe(match.running)),
-                    "Look for the firmware of this model");
-  failure.details["module"] = to_json(module, match);
+      usage_error("wrong_firmware",
+                  fmt::format("{} is {}; module {} has {}", path,
+                              offered.empty() ? "for no model that it names" : "for " + offered,
+                              module.address, describe(match.running)),
+                  "Look for the firmware of this model");
+  failure.subject["module"] = to_json(module, match);
   return failure;
 }
 

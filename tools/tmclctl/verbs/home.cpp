@@ -15,15 +15,15 @@ std::string how_to_end(const verb::Home& verb, const Target& target) {
   return fmt::format("End it with: tmclctl{} home {} --stop", target.options(), verb.axis);
 }
 
-Failure explained(Failure failure, const verb::Home& verb, Context& context) {
+Error explained(Error failure, const verb::Home& verb, Context& context) {
   if (context.host.signal() != 0) {
-    return interrupted_failure(
+    return interrupted_error(
         context.host.signal(),
         fmt::format("no longer waiting; {} goes on searching its reference", verb.axis),
         how_to_end(verb, context.target));
   }
   if (failure.name != "deadline_passed") return failure;
-  failure.exit = ExitCode::not_reached;
+  failure.kind = ErrorKind::ended_early;
   failure.name = "timeout";
   if (verb.leave) failure.hint = "The motor goes on searching. " + how_to_end(verb, context.target);
   return failure;

@@ -30,7 +30,7 @@ Method on(const api::lease::Granted& lease) {
 }
 
 /// Renews the lease until the program has ended; then its exit code.
-Attempt<int> lead(ChildProcess& program, const api::lease::Granted& lease, Context& context) {
+Result<int> lead(ChildProcess& program, const api::lease::Granted& lease, Context& context) {
   const tmcl::Duration interval = std::chrono::milliseconds(lease.ttl_ms) / renewals_in_ttl;
   auto renewed = context.host.now();
   while (true) {
@@ -48,9 +48,9 @@ Attempt<int> lead(ChildProcess& program, const api::lease::Granted& lease, Conte
   }
 }
 
-Failure lost(Failure failure, ChildProcess& program) {
+Error lost(Error failure, ChildProcess& program) {
   program.send(SIGTERM);
-  failure.exit = ExitCode::not_reached;
+  failure.kind = ErrorKind::ended_early;
   failure.message = "the lease was lost, and the program was told to end: " + failure.message;
   return failure;
 }
@@ -59,7 +59,7 @@ Failure lost(Failure failure, ChildProcess& program) {
 
 VerbResult run(const verb::RunLeased& verb, Context& context) {
   if (verb.command.empty())
-    return tl::unexpected(usage_failure("usage", "say what is to be run: AXIS... -- COMMAND..."));
+    return tl::unexpected(usage_error("usage", "say what is to be run: AXIS... -- COMMAND..."));
   api::lease::Acquire wanted{verb.axes};
   if (verb.ttl_s) wanted.ttl_ms = static_cast<std::int64_t>(*verb.ttl_s * 1000);
   const auto lease = context.target.perform(wanted);

@@ -56,8 +56,8 @@ std::vector<Journey> journeys_of(const verb::Line& verb, const json::object& lin
   return journeys;
 }
 
-Attempt<void> wait_for_all(const verb::Line& verb, const json::object& line,
-                           tmcl::TimePoint started_at, Context& context) {
+Result<void> wait_for_all(const verb::Line& verb, const json::object& line,
+                          tmcl::TimePoint started_at, Context& context) {
   const double predicted_s = number_at(line, "predicted_s").value_or(0);
   ProgressLine progress(context.output);
   for (const auto& journey : journeys_of(verb, line, started_at)) {

@@ -71,10 +71,10 @@ VerbResult show_partial_scan(const ScanResult& result, Output& output) {
   auto exit = ExitCode::done;
   json::array failed;
   for (const auto& [bus, failure] : result.failed) {
-    exit = std::max(exit, failure.exit);
-    failed.push_back(json::object{{"bus", bus}, {"error", to_json(failure)}});
+    exit = std::max(exit, exit_code_of(failure));
+    failed.push_back(json::object{{"bus", bus}, {"error", error_document(failure)}});
     if (!output.json) {
-      output.err << "tmclctl: " << bus << " was not scanned: " << describe(failure) << '\n';
+      output.err << "tmclctl: " << bus << " was not scanned: " << error_text(failure) << '\n';
     }
   }
   if (output.json) {

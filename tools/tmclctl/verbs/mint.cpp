@@ -63,13 +63,13 @@ void print_table(const mint::DryRun& run, Output& output) {
   table.print(output.out);
 }
 
-Attempt<mint::DryRun> dry_run(const std::string& file, Output& output) {
+Result<mint::DryRun> dry_run(const std::string& file, Output& output) {
   const auto text = path::text_of(file, path::most_mint_bytes);
   if (!text) return tl::unexpected(text.error());
   return mint::read(*text)
       .and_then([](const mint::Program& program) { return mint::dry_run(program); })
       .map_error([&](const tmcl::TextProblems& problems) {
-        return failure_from(file, problems, tmcl::plan::most_text_problems, output);
+        return error_from(file, problems, tmcl::plan::most_text_problems, output);
       });
 }
 

@@ -19,15 +19,15 @@ namespace {
 namespace json = boost::json;
 
 /// "0=x"
-Attempt<void> add_choice(const std::string& choice, json::array& axes, json::array& numbers) {
+Result<void> add_choice(const std::string& choice, json::array& axes, json::array& numbers) {
   const auto equals = choice.find('=');
   unsigned number = 0;
   const auto [end, error] = std::from_chars(choice.data(), choice.data() + equals, number);
   if (error != std::errc{} || end != choice.data() + equals ||
       number >= tmcl::plan::mint::most_axes) {
     return tl::unexpected(
-        usage_failure("unknown_axis", fmt::format("--axis {}: Mint's axes are 0 to {}", choice,
-                                                  tmcl::plan::mint::most_axes - 1)));
+        usage_error("unknown_axis", fmt::format("--axis {}: Mint's axes are 0 to {}", choice,
+                                                tmcl::plan::mint::most_axes - 1)));
   }
   axes.emplace_back(choice.substr(equals + 1));
   numbers.emplace_back(number);
@@ -35,7 +35,7 @@ Attempt<void> add_choice(const std::string& choice, json::array& axes, json::arr
 }
 
 // Axis 0 is the first that there is, unless somebody says which is which.
-Attempt<json::object> params_of(const verb::RunMint& verb, Target& target) {
+Result<json::object> params_of(const verb::RunMint& verb, Target& target) {
   json::array axes;
   json::array numbers;
   for (const auto& choice : verb.axes) {
@@ -78,7 +78,7 @@ class Audience {
       const auto stopped = context_.target.stop(std::string(axis.as_string()));
       if (stopped) continue;
       context_.output.err << "tmclctl: " << std::string_view(axis.as_string())
-                          << " NOT stopped: " << describe(stopped.error()) << '\n';
+                          << " NOT stopped: " << error_text(stopped.error()) << '\n';
     }
   }
   /// Those of the groups that were not heard of.
@@ -141,14 +141,13 @@ VerbResult run(const verb::RunMint& verb, Context& context) {
       "mint.run", std::move(*params), &*text,
       {[&](const json::object& news) { audience.hear(news); }, [&] { audience.look(); }});
   if (!result) {
-    audience.tell_rest(object_at(result.error().details, "run"));
+    audience.tell_rest(object_at(result.error().subject, "run"));
     auto failure = path::explained(std::move(result.error()), verb.file, context.output);
     if (audience.signal() == 0) return tl::unexpected(std::move(failure));
     const auto where = fmt::format("stopped at the GO of line {}", audience.go());
-    auto interrupted = interrupted_failure(
-        audience.signal(), audience.go() > 0 ? where : "stopped before anything moved", "");
-    interrupted.details = std::move(failure.details);
-    return tl::unexpected(std::move(interrupted));
+    return tl::unexpected(interrupted_error(
+        audience.signal(), audience.go() > 0 ? where : "stopped before anything moved", "",
+        std::move(failure.subject)));
   }
   audience.tell_rest(*result);
   if (context.output.json)

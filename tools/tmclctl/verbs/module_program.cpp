@@ -16,8 +16,8 @@ namespace {
 namespace json = boost::json;
 using tmcl::program::Program;
 
-Attempt<json::object> params_for(const std::string& module,
-                                 const std::optional<std::int32_t>& first_address) {
+Result<json::object> params_for(const std::string& module,
+                                const std::optional<std::int32_t>& first_address) {
   return parse_module(module).map([&](const ModuleName& name) {
     json::object params{{"address", name.address}};
     if (!name.bus.empty()) params["bus"] = name.bus;
@@ -27,7 +27,7 @@ Attempt<json::object> params_for(const std::string& module,
 }
 
 /// With a line that says how far it is, and an end when the user has had enough.
-Attempt<json::object> perform(const std::string& method, json::object params, Context& context) {
+Result<json::object> perform(const std::string& method, json::object params, Context& context) {
   ProgressLine line(context.output);
   auto result = context.target.perform(method, std::move(params), [&](const json::object& news) {
     const auto done = number_at(news, "done").value_or(0);
@@ -39,7 +39,7 @@ Attempt<json::object> perform(const std::string& method, json::object params, Co
   line.clear();
   if (result || context.host.signal() == 0) return result;
   const bool writes = method == "program.load";
-  return tl::unexpected(interrupted_failure(
+  return tl::unexpected(interrupted_error(
       context.host.signal(), "interrupted",
       writes ? "The module may hold no program now that starts at its first command: upload again"
              : ""));
@@ -80,7 +80,7 @@ VerbResult load(const verb::Upload& verb, json::object params, Context& context)
 }
 
 /// A program file for *.bin, text for everything else.
-Attempt<void> write_program(const std::string& path, const Program& program) {
+Result<void> write_program(const std::string& path, const Program& program) {
   auto contents = tmcl::program::disassemble(program);
   if (path.ends_with(".bin")) {
     const auto bytes = tmcl::program::to_bytes(program);
@@ -109,7 +109,7 @@ VerbResult run(const verb::Download& verb, Context& context) {
   const auto result = perform("program.read", std::move(*params), context);
   if (!result) return tl::unexpected(result.error());
   const auto program = tmcl::program::from_hex(text_at(*result, "program"));
-  if (!program) return tl::unexpected(usage_failure("bad_program", program.error()));
+  if (!program) return tl::unexpected(usage_error("bad_program", program.error()));
   if (!verb.output.empty()) {
     const auto written = write_program(verb.output, *program);
     if (!written) return tl::unexpected(written.error());

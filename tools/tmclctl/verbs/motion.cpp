@@ -43,8 +43,8 @@ std::string time_left(const std::optional<double>& predicted_s, tmcl::Duration p
 }
 
 /// Where the axis stands at last. What it was not warned of when it set out is told.
-Attempt<Stood> wait_for_arrival(const Journey& journey, const api::axis::StartedMove& move,
-                                bool internal, Context& context) {
+Result<Stood> wait_for_arrival(const Journey& journey, const api::axis::StartedMove& move,
+                               bool internal, Context& context) {
   ProgressLine line(context.output);
   std::optional<std::int32_t> start;
   AxisReading last;
@@ -109,8 +109,8 @@ VerbResult run(const verb::Move& verb, Context& context) {
 
 namespace {
 
-Attempt<Stood> wait_for(const std::string& axis, const verb::Wait& verb, tmcl::TimePoint started_at,
-                        Context& context) {
+Result<Stood> wait_for(const std::string& axis, const verb::Wait& verb, tmcl::TimePoint started_at,
+                       Context& context) {
   const auto now = context.target.state(axis);
   if (!now) return tl::unexpected(now.error());
   const api::axis::StartedMove move{now->target_microsteps, now->unit, now->target, {}, {}};
@@ -160,7 +160,7 @@ void print_turning(const verb::Rotate& verb, const api::axis::Turning& turning,
 }
 
 /// Until a signal comes; or how it was seen when it had come to stand before.
-Attempt<std::optional<AxisReading>> watch_turning(const verb::Rotate& verb, Context& context) {
+Result<std::optional<AxisReading>> watch_turning(const verb::Rotate& verb, Context& context) {
   ProgressLine line(context.output);
   bool has_turned = false;
   std::optional<AxisReading> stands;
@@ -179,19 +179,21 @@ Attempt<std::optional<AxisReading>> watch_turning(const verb::Rotate& verb, Cont
   return stands;
 }
 
-Failure stopped_elsewhere(const std::string& axis, const AxisReading& stands) {
-  Failure failure{ExitCode::not_reached, "move_interrupted",
-                  axis + " does not turn any more: it was not stopped here",
-                  advice_on_stop(axis, stands.stop_cause.value_or("")), tmcl::Outcome::done};
+Error stopped_elsewhere(const std::string& axis, const AxisReading& stands) {
+  Error failure{"move_interrupted", ErrorKind::ended_early, tmcl::Outcome::done,
+                axis + " does not turn any more: it was not stopped here",
+                advice_on_stop(axis, stands.stop_cause.value_or(""))};
   if (!stands.stop_cause) return failure;
   failure.message += "; cause: " + *stands.stop_cause;
-  failure.details["stop_cause"] = *stands.stop_cause;
+  failure.subject["stop_cause"] = *stands.stop_cause;
   return failure;
 }
 
 /// `why` it is not known that it stands.
-Failure may_still_turn(const std::string& axis, Failure why, const Target& target) {
-  why.exit = ExitCode::unknown;
+Error may_still_turn(const std::string& axis, Error why, const Target& target) {
+  // That it turns is known; what its stop has come to is not.
+  why.kind = ErrorKind::failed;
+  why.outcome = tmcl::Outcome::done;
   why.message = fmt::format("{} may still turn: {}", axis, why.message);
   why.hint = how_to_stop(axis, target);
   return why;
@@ -230,7 +232,7 @@ bool is_all(std::string word) {
   return word == "all";
 }
 
-Failure stopped_nothing(Failure failure) {
+Error stopped_nothing(Error failure) {
   auto& hint = failure.hint;
   if (!hint.empty()) hint[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(hint[0])));
   hint = std::string(everything_moves) + hint;
@@ -243,10 +245,11 @@ ExitCode show_stopped(const std::vector<StoppedAxis>& axes, Output& output) {
   auto exit = ExitCode::done;
   for (const auto& row : axes) {
     if (row.failure) {
-      failed.push_back(json::object{{"axis", row.axis}, {"error", to_json(*row.failure)}});
-      exit = std::max(exit, row.failure->exit);
+      failed.push_back(json::object{{"axis", row.axis}, {"error", error_document(*row.failure)}});
+      exit = std::max(exit, exit_code_of(*row.failure));
       if (!output.json)
-        output.err << "tmclctl: " << row.axis << " NOT stopped: " << describe(*row.failure) << '\n';
+        output.err << "tmclctl: " << row.axis << " NOT stopped: " << error_text(*row.failure)
+                   << '\n';
     } else {
       stopped.push_back(
           json::object{{"axis", row.axis}, {"milliseconds", row.milliseconds.value_or(0)}});
@@ -270,7 +273,7 @@ VerbResult run(const verb::Stop& verb, Context& context) {
   };
   if (verb.all) return stop_all();
   const auto stopped = context.target.stop(verb.axis);
-  const bool names_none = !stopped && stopped.error().exit == ExitCode::usage;
+  const bool names_none = !stopped && exit_code_of(stopped.error()) == ExitCode::usage;
   // An axis may have that name.
   if (names_none && is_all(verb.axis)) return stop_all();
   if (names_none) return tl::unexpected(stopped_nothing(stopped.error()));

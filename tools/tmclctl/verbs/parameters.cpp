@@ -12,15 +12,15 @@ namespace {
 namespace json = boost::json;
 
 /// In the unit of the axis, or in turns if it has none.
-Attempt<Quantity> in_units(const tmcl::api::parameter::Held& got, const std::string& axis,
-                           Target& target) {
+Result<Quantity> in_units(const tmcl::api::parameter::Held& got, const std::string& axis,
+                          Target& target) {
   if (const auto shown = in_unit(got.value_in_unit, got.unit))
     return Quantity{shown->value, shown->unit};
   const auto units = target.units(axis);
   if (!units) return tl::unexpected(units.error());
   const auto* row = find_parameter(units->parameters(), got.number);
   if (row != nullptr) return attempt(from_parameter(got.value, *units, *row));
-  return tl::unexpected(usage_failure(
+  return tl::unexpected(usage_error(
       "unknown_unit",
       fmt::format("what parameter {} of axis {} counts in is not known", name_of(got), axis)));
 }

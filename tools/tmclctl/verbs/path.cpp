@@ -14,12 +14,12 @@ namespace {
 
 namespace plan = tmcl::plan;
 
-Failure failure_of(const verb::CheckPath& verb, const plan::PathObjection& objection,
-                   Output& output) {
+Error failure_of(const verb::CheckPath& verb, const plan::PathObjection& objection,
+                 Output& output) {
   if (!objection.problems.empty())
-    return failure_from(verb.file, objection.problems, tmcl::plan::most_text_problems, output);
-  auto failure = usage_failure(objection.name, verb.file + ": " + objection.message);
-  failure.exit = exit_for_objection(objection.name);
+    return error_from(verb.file, objection.problems, tmcl::plan::most_text_problems, output);
+  auto failure = usage_error(objection.name, verb.file + ": " + objection.message);
+  failure.kind = tmcl::client::kind_of_objection(objection.name);
   return failure;
 }
 

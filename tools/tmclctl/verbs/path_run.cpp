@@ -20,7 +20,7 @@ namespace json = boost::json;
 using tmcl::plan::StreamMode;
 
 struct Passed {
-  Attempt<json::object> report;
+  Result<json::object> report;
   int signal = 0;  ///< That ended it; 0 if none did.
 };
 
@@ -57,11 +57,11 @@ json::object params_of(const verb::RunPath& verb, const std::string& text) {
 }
 
 /// What is said of it is what is run.
-Attempt<json::object> plan_of(const verb::RunPath& verb, Context& context) {
+Result<json::object> plan_of(const verb::RunPath& verb, Context& context) {
   const auto text = path::text_of(verb.file, path::most_path_bytes);
   if (!text) return tl::unexpected(text.error());
   auto planned = context.target.perform_watched("path.plan", params_of(verb, *text), &*text, {});
-  return std::move(planned).map_error([&](Failure failure) {
+  return std::move(planned).map_error([&](Error failure) {
     return path::explained(std::move(failure), verb.file, context.output);
   });
 }
@@ -105,10 +105,9 @@ Passed pass(const json::object& plan, Context& context) {
       "path.run", {{"plan", integer_at<std::int32_t>(plan, "plan")}, {"to_start", true}}, nullptr,
       {[&](const json::object& news) { show(news, progress); }, [&] { steering.look(); }});
   // What stopped it before its end has moved the axes, or not.
-  if (!report && report.error().details.contains("run")) {
+  if (!report && report.error().subject.contains("run")) {
     const bool moved = report.error().outcome != tmcl::Outcome::not_sent;
-    report.error().exit = moved ? ExitCode::not_reached : ExitCode::refused;
-    report.error().outcome.reset();
+    report.error().kind = moved ? ErrorKind::ended_early : ErrorKind::not_now;
   }
   return {std::move(report), steering.signal()};
 }
@@ -148,11 +147,10 @@ VerbResult tell(Passed passed, StreamMode mode, Output& output) {
     return ExitCode::done;
   }
   auto failure = std::move(passed.report.error());
-  path::warn(object_at(failure.details, "run"), output);
+  path::warn(object_at(failure.subject, "run"), output);
   if (passed.signal == 0) return tl::unexpected(std::move(failure));
-  auto interrupted = interrupted_failure(passed.signal, "stopped before the end of the path", "");
-  interrupted.details = std::move(failure.details);
-  return tl::unexpected(std::move(interrupted));
+  return tl::unexpected(interrupted_error(passed.signal, "stopped before the end of the path", "",
+                                          std::move(failure.subject)));
 }
 
 }  // namespace

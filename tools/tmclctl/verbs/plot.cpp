@@ -96,7 +96,7 @@ class Recorder {
   plot::Start start_;
 };
 
-using MaybeFailure = std::optional<Failure>;
+using MaybeFailure = std::optional<Error>;
 
 MaybeFailure record_move(const verb::Plot& verb, Recorder& recorder, Context& context) {
   const auto before = context.target.state(verb.axis);
@@ -146,9 +146,8 @@ MaybeFailure record_as_it_is(const verb::Plot& verb, Recorder& recorder, Context
     context.target.sleep(next_look - context.host.now());
   }
   if (context.host.signal() == 0) return std::nullopt;
-  return interrupted_failure(context.host.signal(),
-                             fmt::format("no longer recording {}", verb.axis),
-                             "If it moves, it goes on. " + how_to_stop(verb.axis, context.target));
+  return interrupted_error(context.host.signal(), fmt::format("no longer recording {}", verb.axis),
+                           "If it moves, it goes on. " + how_to_stop(verb.axis, context.target));
 }
 
 json::object to_json(const plot::Comparison& comparison, const plot::Recording& recording) {

@@ -45,8 +45,8 @@ void warn_of(const Outcome& outcome, const Setup& setup, const verb::Simulate& v
     warn(fmt::format("only the first {} phases are listed", profile::most_phases), output);
 }
 
-Attempt<json::array> samples_of(const verb::Simulate& verb, const Setup& setup,
-                                const Simulation& simulation) {
+Result<json::array> samples_of(const verb::Simulate& verb, const Setup& setup,
+                               const Simulation& simulation) {
   std::vector<std::size_t> by_time(verb.samples.size());
   std::iota(by_time.begin(), by_time.end(), std::size_t{0});
   std::ranges::stable_sort(by_time, {}, [&](std::size_t i) { return verb.samples[i]; });
@@ -133,15 +133,15 @@ json::object to_json(const Outcome& outcome, const Setup& setup, json::array sam
 }
 
 /// Every `step` from 0 on: until the end, or to the first at which what there was to see is over.
-Attempt<std::vector<double>> csv_times(const verb::Simulate& verb, const Setup& setup,
-                                       const Outcome& outcome) {
+Result<std::vector<double>> csv_times(const verb::Simulate& verb, const Setup& setup,
+                                      const Outcome& outcome) {
   constexpr double rounding = 1e-9;
   const double steps = setup.time_of(outcome.end) / *verb.csv_step;
   const bool to_the_first_after = !verb.until && !outcome.cut_off;
   const double rows =
       1 + (to_the_first_after ? std::ceil(steps - rounding) : std::floor(steps + rounding));
   if (!(rows <= most_csv_rows)) {
-    return tl::unexpected(usage_failure(
+    return tl::unexpected(usage_error(
         "too_many_rows",
         fmt::format("--csv {} makes {:.0f} rows in {} {}; {:.0f} at most", *verb.csv_step, rows,
                     setup.time_of(outcome.end), setup.generator.time_unit, most_csv_rows)));
@@ -151,8 +151,8 @@ Attempt<std::vector<double>> csv_times(const verb::Simulate& verb, const Setup& 
   return times;
 }
 
-Attempt<std::string> to_csv(const verb::Simulate& verb, const Setup& setup,
-                            const Simulation& simulation, const Outcome& outcome) {
+Result<std::string> to_csv(const verb::Simulate& verb, const Setup& setup,
+                           const Simulation& simulation, const Outcome& outcome) {
   const auto times = csv_times(verb, setup, outcome);
   if (!times) return tl::unexpected(times.error());
   std::vector<Tick> ticks;
@@ -180,8 +180,8 @@ std::vector<Tick> curve_ticks(const Outcome& outcome) {
   return ticks;
 }
 
-Attempt<plot::Recording> record(const Setup& setup, const Simulation& simulation,
-                                const Outcome& outcome) {
+Result<plot::Recording> record(const Setup& setup, const Simulation& simulation,
+                               const Outcome& outcome) {
   const auto ticks = curve_ticks(outcome);
   const auto motions = simulation.motions_at(ticks);
   if (!motions) return tl::unexpected(motions.error());
@@ -196,7 +196,7 @@ Attempt<plot::Recording> record(const Setup& setup, const Simulation& simulation
   return recording;
 }
 
-Attempt<void> draw(const plot::Recording& recording, const std::string& svg_path, Output& output) {
+Result<void> draw(const plot::Recording& recording, const std::string& svg_path, Output& output) {
   if (svg_path.empty()) {
     output.out << plot::to_text(recording, output.out_screen);
     return {};
@@ -215,8 +215,8 @@ void print_ramps(const Outcome& outcome, const Setup& setup, std::ostream& out) 
   out << '\n';
 }
 
-Attempt<void> show(const verb::Simulate& verb, const Setup& setup, const Simulation& simulation,
-                   const Outcome& outcome, Output& output) {
+Result<void> show(const verb::Simulate& verb, const Setup& setup, const Simulation& simulation,
+                  const Outcome& outcome, Output& output) {
   if (output.json) {
     return samples_of(verb, setup, simulation).map([&](json::array samples) {
       print_json(to_json(outcome, setup, std::move(samples)), output);

@@ -30,13 +30,13 @@ std::string_view failure_name(plan::SolveError::Kind kind) {
   return "";
 }
 
-Failure failure_from(const plan::SolveError& error, std::string_view unit) {
-  auto failure = usage_failure(std::string(failure_name(error.kind)), describe(error, unit, "s"));
+Error error_from(const plan::SolveError& error, std::string_view unit) {
+  auto failure = usage_error(std::string(failure_name(error.kind)), describe(error, unit, "s"));
   json::array quantities;
   for (const auto quantity :
        error.kind == plan::SolveError::Kind::insufficient ? error.candidates : error.culprits)
     quantities.emplace_back(name_of(quantity));
-  failure.details["quantities"] = std::move(quantities);
+  failure.subject["quantities"] = std::move(quantities);
   return failure;
 }
 
@@ -90,8 +90,8 @@ plot::Picture picture_of(const plan::Profile& profile, const std::string& unit) 
   return {std::move(title), "s", {std::move(position), std::move(velocity)}, {}};
 }
 
-Attempt<void> show(const verb::SolveProfile& verb, const plan::Profile& profile,
-                   const profile::KnownValues& known, Output& output) {
+Result<void> show(const verb::SolveProfile& verb, const plan::Profile& profile,
+                  const profile::KnownValues& known, Output& output) {
   const auto picture = picture_of(profile, known.unit);
   if (!verb.svg.empty()) {
     OutputFile svg;
@@ -113,7 +113,7 @@ VerbResult run(const verb::SolveProfile& verb, Output& output) {
   const auto known = profile::read_known_values(verb.words);
   if (!known) return tl::unexpected(known.error());
   const auto solved = plan::solve(known->given, known->assumption);
-  if (!solved) return tl::unexpected(failure_from(solved.error(), known->unit));
+  if (!solved) return tl::unexpected(error_from(solved.error(), known->unit));
   return show(verb, *solved, *known, output).map([] { return ExitCode::done; });
 }
 

@@ -48,15 +48,15 @@ json::object to_json(const std::string& path, const Assembly& assembly) {
 }
 
 /// What is read may be all there is of someone's work.
-Attempt<void> write_output(const std::string& path, const std::string& contents,
-                           std::span<const std::string> sources) {
+Result<void> write_output(const std::string& path, const std::string& contents,
+                          std::span<const std::string> sources) {
   if (path.empty()) return {};
   for (const auto& source : sources) {
     std::error_code unknown;
     if (std::filesystem::equivalent(path, source, unknown)) {
-      return tl::unexpected(usage_failure("cannot_write",
-                                          fmt::format("{} is read; it is not written over", path),
-                                          "Name another file with -o"));
+      return tl::unexpected(usage_error("cannot_write",
+                                        fmt::format("{} is read; it is not written over", path),
+                                        "Name another file with -o"));
     }
   }
   OutputFile file;
@@ -70,26 +70,26 @@ std::string contents_of(const Program& program) {
 
 }  // namespace
 
-Attempt<Program> read_program(const std::string& path) {
+Result<Program> read_program(const std::string& path) {
   const auto contents = read_file(path, most_binary);
   if (!contents) {
     return tl::unexpected(
-        usage_failure("cannot_read", fmt::format("cannot read {}: {}", path, contents.error())));
+        usage_error("cannot_read", fmt::format("cannot read {}: {}", path, contents.error())));
   }
   const std::vector<std::uint8_t> bytes(contents->begin(), contents->end());
   return tmcl::program::from_bytes(bytes).map_error([&](const std::string& problem) {
-    return usage_failure("bad_program", fmt::format("{}: {}", path, problem));
+    return usage_error("bad_program", fmt::format("{}: {}", path, problem));
   });
 }
 
-Attempt<Assembly> assemble_file(const std::string& path, Output& output, const tmcl::Model* model) {
+Result<Assembly> assemble_file(const std::string& path, Output& output, const tmcl::Model* model) {
   auto assembly = tmcl::program::assemble(
       path, [](const std::string& name) { return read_file(name, most_text); }, model);
   if (assembly) return std::move(*assembly);
-  return tl::unexpected(failure_from(path, assembly.error(), tmcl::program::most_problems, output));
+  return tl::unexpected(error_from(path, assembly.error(), tmcl::program::most_problems, output));
 }
 
-Attempt<Program> program_from(const std::string& path, Output& output) {
+Result<Program> program_from(const std::string& path, Output& output) {
   if (path.ends_with(".bin")) return read_program(path);
   return assemble_file(path, output).map([](Assembly assembly) {
     return std::move(assembly.program);
@@ -97,7 +97,7 @@ Attempt<Program> program_from(const std::string& path, Output& output) {
 }
 
 VerbResult run(const verb::Assemble& verb, Output& output) {
-  Attempt<const tmcl::Model*> model = nullptr;
+  Result<const tmcl::Model*> model = nullptr;
   if (!verb.model.empty()) model = parse_model(verb.model);
   if (!model) return tl::unexpected(model.error());
   const auto assembly = assemble_file(verb.file, output, *model);

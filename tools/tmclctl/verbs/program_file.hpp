@@ -3,18 +3,18 @@
 
 #include <string>
 
-#include "failure.hpp"
+#include "errors.hpp"
 #include "screen.hpp"
 #include "tmcl/assembler.hpp"
 
 namespace tmclctl {
 
 /// The bytes of a program file.
-Attempt<tmcl::program::Program> read_program(const std::string& path);
+Result<tmcl::program::Program> read_program(const std::string& path);
 /// A program's text. Problems are told on standard error, one a line; with --json in the failure.
-Attempt<tmcl::program::Assembly> assemble_file(const std::string& path, Output& output,
-                                               const tmcl::Model* model = nullptr);
+Result<tmcl::program::Assembly> assemble_file(const std::string& path, Output& output,
+                                              const tmcl::Model* model = nullptr);
 /// Either, by the ending of its name: *.bin is a program file.
-Attempt<tmcl::program::Program> program_from(const std::string& path, Output& output);
+Result<tmcl::program::Program> program_from(const std::string& path, Output& output);
 
 }  // namespace tmclctl

@@ -48,17 +48,17 @@ bool takes_global_parameter(tmcl::Command command) {
   return std::ranges::count(std::array{SGP, GGP, STGP, RSGP, AGP}, command) != 0;
 }
 
-Attempt<tmcl::Command> parse_command(const std::string& text) {
+Result<tmcl::Command> parse_command(const std::string& text) {
   if (const auto command = tmcl::parse_command(text)) return *command;
   std::vector<std::string_view> names;
   for (const auto& row : tmcl::command_table()) names.push_back(row.name);
   return tl::unexpected(
-      usage_failure("unknown_command", fmt::format("there is no command '{}'", text),
-                    fmt::format("A command is a name such as GAP, or a number 0..255.{}",
-                                tmcl::did_you_mean(text, names))));
+      usage_error("unknown_command", fmt::format("there is no command '{}'", text),
+                  fmt::format("A command is a name such as GAP, or a number 0..255.{}",
+                              tmcl::did_you_mean(text, names))));
 }
 
-Attempt<std::uint8_t> parse_type(tmcl::Command command, const std::string& text) {
+Result<std::uint8_t> parse_type(tmcl::Command command, const std::string& text) {
   if (const auto type = tmcl::parse_subtype(command, text)) return *type;
   const auto number_of = [](const ParameterName& name) { return name.number; };
   if (takes_axis_parameter(command))
@@ -69,12 +69,12 @@ Attempt<std::uint8_t> parse_type(tmcl::Command command, const std::string& text)
   for (const auto& row : tmcl::subtype_table()) {
     if (row.command == command && !row.name.empty()) names.push_back(row.name);
   }
-  return tl::unexpected(usage_failure(
+  return tl::unexpected(usage_error(
       "unknown_type", fmt::format("{} has no type '{}'", name_of(command), text),
       fmt::format("A type is a number 0..255, or a name.{}", tmcl::did_you_mean(text, names))));
 }
 
-Attempt<tmcl::Request> request_from(const verb::Raw& verb) {
+Result<tmcl::Request> request_from(const verb::Raw& verb) {
   const auto command = parse_command(verb.command);
   if (!command) return tl::unexpected(command.error());
   const auto type = parse_type(*command, verb.type);
@@ -124,10 +124,9 @@ VerbResult run(const verb::Raw& verb, Context& context) {
   const auto answer = context.target.raw({verb.bus, *request});
   if (!answer) {
     auto failure = answer.error();
-    if (failure.exit == ExitCode::usage || failure.exit == ExitCode::not_sent) {
-      return tl::unexpected(failure);
-    }
-    failure.details["request_bytes"] = hex(tmcl::encode_serial(*request));
+    const auto exit = exit_code_of(failure);
+    if (exit == ExitCode::usage || exit == ExitCode::not_sent) return tl::unexpected(failure);
+    failure.subject["request_bytes"] = hex(tmcl::encode_serial(*request));
     if (!context.output.json) {
       context.output.err << "-> " << hex(tmcl::encode_serial(*request)) << "  "
                          << describe(*request) << '\n';

@@ -30,7 +30,7 @@ class Top {
     }
   }
 
-  Attempt<void> run() {
+  Result<void> run() {
     const AxesWatcher watcher{
         .on_reading = [this](const auto& axis, const auto& reading) { note(axis, reading); },
         .on_failure = {},
@@ -38,7 +38,7 @@ class Top {
         .wanted = [this] { return go_on(); }};
     return keep_watching(
         names_, verb_.interval, watcher,
-        [this](const Failure* why) { away_ = why != nullptr ? why->message : std::string(); },
+        [this](const Error* why) { away_ = why != nullptr ? why->message : std::string(); },
         context_);
   }
 
@@ -116,7 +116,7 @@ VerbResult run(const verb::Top& verb, Context& context) {
   if (!found) return tl::unexpected(found.error());
   const auto rows = context.target.axes();
   if (!rows) return tl::unexpected(rows.error());
-  if (rows->empty()) return tl::unexpected(usage_failure("no_axes", "there are no axes to watch"));
+  if (rows->empty()) return tl::unexpected(usage_error("no_axes", "there are no axes to watch"));
   const auto screen = FullScreen::open(context.output.out_screen);
   if (!screen) return tl::unexpected(screen.error());
   Top top(verb, *rows, **screen, context);

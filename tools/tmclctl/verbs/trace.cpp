@@ -68,7 +68,7 @@ class Sink {
   explicit Sink(Output& output) : output_(output) {}
 
   /// An empty path: lines or documents; "-": as a file, on standard output.
-  Attempt<void> open(const std::string& path, const std::string& bus) {
+  Result<void> open(const std::string& path, const std::string& bus) {
     path_ = path;
     if (path.empty()) return {};
     if (path != "-") file_.open(path, std::ios::binary | std::ios::trunc);
@@ -80,12 +80,12 @@ class Sink {
     if (path_.empty()) return print(datagram, output_);
     stream() << tmcl::trace_file_packet(datagram);
   }
-  Attempt<void> flush() {
+  Result<void> flush() {
     if (stream().flush()) return {};
     return tl::unexpected(
-        usage_failure("cannot_write", path_.empty() || path_ == "-"
-                                          ? std::string("cannot write to standard output")
-                                          : "cannot write " + path_));
+        usage_error("cannot_write", path_.empty() || path_ == "-"
+                                        ? std::string("cannot write to standard output")
+                                        : "cannot write " + path_));
   }
   void tell_end() {
     if (!path_.empty() && path_ != "-")
@@ -101,7 +101,7 @@ class Sink {
   std::size_t count_ = 0;
 };
 
-Attempt<std::string> bus_of(const verb::Trace& verb, Context& context) {
+Result<std::string> bus_of(const verb::Trace& verb, Context& context) {
   const auto listed = context.target.perform(std::string(api::bus::List::method.name), {}, {})
                           .map(api::from_json<api::bus::Buses>);
   if (!listed) return tl::unexpected(listed.error());
@@ -111,19 +111,19 @@ Attempt<std::string> bus_of(const verb::Trace& verb, Context& context) {
   if (std::ranges::count(names, verb.bus) > 0) return verb.bus;
   const auto hint = fmt::format("It has: {}", fmt::join(names, ", "));
   if (verb.bus.empty())
-    return tl::unexpected(usage_failure("missing_bus", "which bus of tmcld?", hint));
+    return tl::unexpected(usage_error("missing_bus", "which bus of tmcld?", hint));
   return tl::unexpected(
-      usage_failure("unknown_bus", fmt::format("tmcld has no bus '{}'", verb.bus), hint));
+      usage_error("unknown_bus", fmt::format("tmcld has no bus '{}'", verb.bus), hint));
 }
 
-Attempt<api::bus::Traffic> look(const api::bus::Trace& params, Context& context) {
+Result<api::bus::Traffic> look(const api::bus::Trace& params, Context& context) {
   return context.target.perform(std::string(api::bus::Trace::method.name), api::to_json(params), {})
       .map(api::from_json<api::bus::Traffic>);
 }
 
 /// What goes over the bus from now on, until nobody wants it any more.
-Attempt<void> follow(const std::string& bus, std::uint64_t last, const verb::Trace& verb,
-                     Sink& sink, Context& context) {
+Result<void> follow(const std::string& bus, std::uint64_t last, const verb::Trace& verb, Sink& sink,
+                    Context& context) {
   const auto begin = context.host.now();
   const auto is_wanted = [&] {
     const std::chrono::duration<double> passed = context.host.now() - begin;
@@ -172,7 +172,7 @@ VerbResult run_on_file(const verb::Trace& verb, Output& output) {
   const auto trace = tmcl::read_trace_file(verb.read);
   if (!trace) {
     return tl::unexpected(
-        usage_failure("bad_trace", trace.error(), "'tmclctl trace BUS -w FILE' writes such files"));
+        usage_error("bad_trace", trace.error(), "'tmclctl trace BUS -w FILE' writes such files"));
   }
   for (const auto& datagram : trace->datagrams) print(datagram, output);
   return ExitCode::done;

@@ -21,14 +21,14 @@ namespace json = boost::json;
 namespace ap = tmcl::axis_parameter;
 
 /// The settings that a model has, over what it starts with.
-Attempt<tmcl::ModuleUnits> units_of(const verb::Convert& verb, const tmcl::Model& model,
-                                    std::span<const tmcl::ParameterInfo> table) {
+Result<tmcl::ModuleUnits> units_of(const verb::Convert& verb, const tmcl::Model& model,
+                                   std::span<const tmcl::ParameterInfo> table) {
   const auto numbers = tmcl::unit_parameters(model);
   std::vector<std::int32_t> values;
   for (const auto number : numbers) values.push_back(find_parameter(table, number)->initial);
   const auto refusal = [&](std::string_view option) {
-    return tl::unexpected(usage_failure(
-        "usage", fmt::format("convert: {} means nothing to a {}", option, model.name)));
+    return tl::unexpected(
+        usage_error("usage", fmt::format("convert: {} means nothing to a {}", option, model.name)));
   };
   const bool has_dividers = numbers.size() == 2;
   const bool has_mode = numbers.size() == 1;
@@ -64,13 +64,13 @@ class Converter {
       : quantity_(std::move(quantity)), units_(std::move(units)) {}
 
   /// With the bow that comes nearest below, where the model has bows; it is refused if none does.
-  Attempt<std::vector<Rendering>> jerk() const {
+  Result<std::vector<Rendering>> jerk() const {
     const auto jerk = attempt(to_pps3(quantity_, units_));
     if (!jerk) return tl::unexpected(jerk.error());
     auto forms = forms_of(*jerk);
     if (units_.model->family != tmcl::Family::tmc457) return forms;
     if (const auto fault = tmcl::plan::jerk_out_of_reach(*units_.model, jerk->value))
-      return tl::unexpected(usage_failure("out_of_range", describe(*fault)));
+      return tl::unexpected(usage_error("out_of_range", describe(*fault)));
     forms.push_back(
         {"bow", "as bow: the greatest that is no higher", static_cast<double>(bow_within(*jerk))});
     return forms;
@@ -86,8 +86,8 @@ class Converter {
     return forms;
   }
   /// From rest to this velocity or back; a trapezoid without a bow.
-  Attempt<std::vector<Rendering>> ramp(const Quantity& acceleration,
-                                       std::optional<std::int32_t> bow) const {
+  Result<std::vector<Rendering>> ramp(const Quantity& acceleration,
+                                      std::optional<std::int32_t> bow) const {
     const auto v = parameter(ap::target_velocity);
     if (!v) return tl::unexpected(v.error());
     const auto a = Converter(acceleration, units_).parameter(ap::max_acceleration);
@@ -95,7 +95,7 @@ class Converter {
     const auto pps = to_pps(tmcl::InternalVelocity{std::abs(*v)}, *units_.module);
     const auto pps2 = to_pps2(tmcl::InternalAcceleration{*a}, *units_.module);
     if (pps2.value <= 0)
-      return tl::unexpected(usage_failure("out_of_range", "the acceleration must be above 0"));
+      return tl::unexpected(usage_error("out_of_range", "the acceleration must be above 0"));
     constexpr tmcl::PulsesPerSecond3 at_once{std::numeric_limits<double>::infinity()};
     const auto length = ramp_length(pps, pps2, bow ? tmcl::to_pps3(*bow) : at_once);
     const auto revolutions = to_user(tmcl::PulsesPerSecond{length.microsteps}, turns()).value;
@@ -103,7 +103,7 @@ class Converter {
                                   {"microsteps", "microsteps", length.microsteps},
                                   {"revolutions", "rev", revolutions}};
   }
-  Attempt<std::vector<Rendering>> position() const {
+  Result<std::vector<Rendering>> position() const {
     return parameter(ap::target_position).map([&](std::int32_t value) {
       const tmcl::Microsteps at{value};
       return std::vector<Rendering>{{"microsteps", "microsteps", static_cast<double>(value)},
@@ -111,7 +111,7 @@ class Converter {
                                     {"revolutions", "rev", to_user(at, turns()).value}};
     });
   }
-  Attempt<std::vector<Rendering>> velocity() const {
+  Result<std::vector<Rendering>> velocity() const {
     return parameter(ap::target_velocity).map([&](std::int32_t value) {
       const auto pps = to_pps(tmcl::InternalVelocity{value}, *units_.module);
       const auto rps = to_user(pps, turns()).value;
@@ -123,7 +123,7 @@ class Converter {
           {"rpm", "rpm", rps * 60}};
     });
   }
-  Attempt<std::vector<Rendering>> acceleration() const {
+  Result<std::vector<Rendering>> acceleration() const {
     return parameter(ap::max_acceleration).map([&](std::int32_t value) {
       const auto pps2 = to_pps2(tmcl::InternalAcceleration{value}, *units_.module);
       return std::vector<Rendering>{
@@ -148,7 +148,7 @@ class Converter {
     scale.units_per_revolution = scale.steps.full_steps;
     return scale;
   }
-  Attempt<std::int32_t> parameter(std::uint8_t number) const {
+  Result<std::int32_t> parameter(std::uint8_t number) const {
     return attempt(to_parameter(quantity_, units_, *find_parameter(units_.parameters(), number)));
   }
 
@@ -166,7 +166,7 @@ void print(std::string_view title, const std::vector<Rendering>& forms, Output& 
 struct Shown {
   const char* key;
   const char* title;
-  Attempt<std::vector<Rendering>> forms;
+  Result<std::vector<Rendering>> forms;
 };
 
 /// The velocity, the acceleration, and the ramp that they make.
@@ -211,8 +211,8 @@ VerbResult run(const verb::Convert& verb, Output& output) {
   const auto model = parse_model(verb.model);
   if (!model) return tl::unexpected(model.error());
   if (verb.bow && (*model)->family != tmcl::Family::tmc457) {
-    return tl::unexpected(usage_failure(
-        "usage", fmt::format("convert: --bow means nothing to a {}", (*model)->name)));
+    return tl::unexpected(
+        usage_error("usage", fmt::format("convert: --bow means nothing to a {}", (*model)->name)));
   }
   const auto quantity = attempt(tmcl::parse_quantity(verb.quantity.empty() ? "0" : verb.quantity));
   if (!quantity) return tl::unexpected(quantity.error());

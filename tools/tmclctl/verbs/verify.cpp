@@ -20,15 +20,15 @@ std::string where_to(const verb::Verify& verb) {
 }
 
 /// Nobody is there to ask: that is an error.
-Attempt<bool> is_wanted(const verb::Verify& verb, Context& context) {
+Result<bool> is_wanted(const verb::Verify& verb, Context& context) {
   if (verb.yes) return true;
   const auto question = fmt::format("{} will move, {}. Nothing may be in its way. Go on? [y/N] ",
                                     verb.axis, where_to(verb));
   const auto said = context.host.confirm(question);
   if (said) return *said;
-  return tl::unexpected(usage_failure("bad_argument",
-                                      "the axis would move, and nobody is there to be asked",
-                                      "--yes says that it may"));
+  return tl::unexpected(usage_error("bad_argument",
+                                    "the axis would move, and nobody is there to be asked",
+                                    "--yes says that it may"));
 }
 
 std::string found_text(const api::axis::VerifiedTrait& trait) {

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "json_read.hpp"
+#include "method_words.hpp"
 #include "print.hpp"
 #include "staying.hpp"
 #include "tmcl/api/system.hpp"
@@ -50,15 +50,15 @@ class Watching {
         .on_reading = [this](const auto& axis, const auto& reading) { tell(axis, reading); },
         .on_failure =
             [this](const auto& axis, const auto& failure) {
-              tell("failed", axis + ": " + failure.message, to_json(failure));
+              tell("failed", axis + ": " + with_verbs(failure.message), error_document(failure));
             },
         .on_event = [this](const auto& event) { tell(event); },
         .wanted =
             [this] { return host_.signal() == 0 && !(verb_.for_s && passed_s() >= *verb_.for_s); }};
   }
-  void tell_away(const Failure* why) {
+  void tell_away(const Error* why) {
     if (why == nullptr) return tell("away", "tmcld is there again", nullptr);
-    tell("away", why->message, to_json(*why));
+    tell("away", with_verbs(why->message), error_document(*why));
   }
 
  private:
@@ -117,12 +117,12 @@ VerbResult run(const verb::Watch& verb, Context& context) {
     const auto rows = context.target.axes();
     if (!rows) return tl::unexpected(rows.error());
     for (const auto& row : *rows) axes.push_back(row.name);
-    if (axes.empty()) return tl::unexpected(usage_failure("no_axes", "there are no axes to watch"));
+    if (axes.empty()) return tl::unexpected(usage_error("no_axes", "there are no axes to watch"));
   }
   Watching watching(verb, context);
   return keep_watching(
              axes, verb.interval, watching.watcher(),
-             [&](const Failure* why) { watching.tell_away(why); }, context)
+             [&](const Error* why) { watching.tell_away(why); }, context)
       .map([] { return ExitCode::done; });
 }
 
