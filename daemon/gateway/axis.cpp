@@ -467,7 +467,8 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::look(std::uint64_t client) {
   if (!watched) co_return tl::unexpected(watched.error());
   if (!reading) co_return reading;
   // A look is worth more than what goes wrong with the questions about its driver.
-  if (!bus().has_paths()) (void)co_await look_at_driver(driver_look_interval, asked_by(client));
+  if (!bus().has_paths())
+    (void)co_await look_at_driver(driver_look_interval, asked_by(client), reading->state.velocity);
   last_ = {*reading, commands, settings};
   co_await note_turning(reading->state, client);
   co_await note_motion(reading->state, client);
@@ -553,17 +554,18 @@ boost::asio::awaitable<void> GatewayAxis::note_motion(tmcl::AxisState state, std
   if (stands && !stop_cause_) co_await find_cause(client);
 }
 
-tmcl::Script<Result<DriverReading>> GatewayAxis::read_driver() {
+tmcl::Script<Result<DriverReading>> GatewayAxis::read_driver(
+    std::optional<tmcl::InternalVelocity> velocity) {
   const auto units = co_await units_.module_units();
-  auto script = tmcld::read_driver(address(), parameters(), units.value_or(std::nullopt));
+  auto script = tmcld::read_driver(address(), parameters(), units.value_or(std::nullopt), velocity);
   auto reading = co_await std::move(script);
   co_return reading;
 }
 
-GatewayAxis::Awaitable<void> GatewayAxis::look_at_driver(tmcl::Duration max_age,
-                                                         RunOptions options) {
+GatewayAxis::Awaitable<void> GatewayAxis::look_at_driver(
+    tmcl::Duration max_age, RunOptions options, std::optional<tmcl::InternalVelocity> velocity) {
   if (is_driver_known(max_age)) co_return Result<void>{};
-  auto seen = co_await axis_.run(read_driver(), std::move(options));
+  auto seen = co_await axis_.run(read_driver(velocity), std::move(options));
   if (!seen) co_return tl::unexpected(std::move(seen.error()));
   note_driver(std::move(*seen));
   co_return Result<void>{};

@@ -216,7 +216,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// What its driver says that means something only while it turns slowly, and was not seen then.
   const Faults& unproven_faults() const { return open_loads_.unproven(); }
   /// Looks at them, unless that was done so lately. Errors: those of the exchanges.
-  Awaitable<void> look_at_driver(tmcl::Duration max_age, RunOptions options);
+  Awaitable<void> look_at_driver(tmcl::Duration max_age, RunOptions options,
+                                 std::optional<tmcl::InternalVelocity> velocity = {});
   /// What its module says is wrong. What that clears is known as the cause of the stop.
   /// `client`: as for warnings().
   Awaitable<FaultReport> read_faults(std::uint64_t client = 0);
@@ -260,7 +261,8 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Of an error that says that it stands somewhere else than it should.
   boost::asio::awaitable<void> add_cause(tmcl::Error& error, std::uint64_t client = 0);
   void note_stop(StopCause cause);
-  tmcl::Script<tmcl::Result<DriverReading>> read_driver();
+  tmcl::Script<tmcl::Result<DriverReading>> read_driver(
+      std::optional<tmcl::InternalVelocity> velocity = {});
   void note_driver(DriverReading reading);
   bool is_driver_known(tmcl::Duration max_age) const;
   static tmcl::Script<tmcl::Result<tmcl::Microsteps>> look_at_driver_meanwhile(

@@ -142,26 +142,28 @@ Script<Result<std::int32_t>> read_if_any(tmcl::AxisAddress axis,
 
 Script<Result<bool>> turns_slowly(tmcl::AxisAddress axis,
                                   std::span<const tmcl::ParameterInfo> parameters,
-                                  std::optional<tmcl::ModuleUnits> units) {
+                                  std::optional<tmcl::ModuleUnits> units,
+                                  std::optional<tmcl::InternalVelocity> velocity) {
   // In full steps a second: a coil has current each way within half a second, and a motor of 200
   // of them to a turn is far from the speed at which it has no current any more.
   constexpr double slowest = 4;
   constexpr double fastest = 400;
-  const auto velocity = co_await must(read_if_any(axis, parameters, "actual_velocity"));
-  if (velocity == 0) co_return false;
+  if (!velocity) velocity = {co_await must(read_if_any(axis, parameters, "actual_velocity"))};
+  if (velocity->value == 0) co_return false;
   if (!units) co_return true;
   const auto resolution = co_await must(read_if_any(axis, parameters, "microstep_resolution"));
-  const double speed = std::abs(velocity * units->velocity.value) / std::exp2(resolution);
+  const double speed = std::abs(velocity->value * units->velocity.value) / std::exp2(resolution);
   co_return speed >= slowest&& speed <= fastest;
 }
 
 Script<Result<DriverReading>> read_driver(tmcl::AxisAddress axis,
                                           std::span<const tmcl::ParameterInfo> parameters,
-                                          std::optional<tmcl::ModuleUnits> units) {
+                                          std::optional<tmcl::ModuleUnits> units,
+                                          std::optional<tmcl::InternalVelocity> velocity) {
   DriverReading reading;
   co_await must(read_driver(axis, parameters, reading.faults));
   if (std::ranges::any_of(reading.faults, is_open_load))
-    reading.turns_slowly = co_await must(turns_slowly(axis, parameters, units));
+    reading.turns_slowly = co_await must(turns_slowly(axis, parameters, units, velocity));
   co_return reading;
 }
 

@@ -64,15 +64,18 @@ tmcl::Script<tmcl::Result<std::int32_t>> read_if_any(
     tmcl::AxisAddress axis, std::span<const tmcl::ParameterInfo> parameters, std::string_view name);
 
 /// What keeps the driver of the axis from moving its motor, or soon will. Clears nothing. `units`:
-/// what its velocities are counted in, nothing if that is not known.
+/// what its velocities are counted in, nothing if that is not known. `velocity`: where it has just
+/// been read.
 /// Errors: those of the exchanges, but not refusals.
 tmcl::Script<tmcl::Result<DriverReading>> read_driver(
     tmcl::AxisAddress axis, std::span<const tmcl::ParameterInfo> parameters,
-    std::optional<tmcl::ModuleUnits> units);
-/// Whether it turns slowly enough, and not too slowly, for an open load to be told.
+    std::optional<tmcl::ModuleUnits> units, std::optional<tmcl::InternalVelocity> velocity = {});
+/// Whether it turns slowly enough, and not too slowly, for an open load to be told. Parameters and
+/// errors: the same.
 tmcl::Script<tmcl::Result<bool>> turns_slowly(tmcl::AxisAddress axis,
                                               std::span<const tmcl::ParameterInfo> parameters,
-                                              std::optional<tmcl::ModuleUnits> units);
+                                              std::optional<tmcl::ModuleUnits> units,
+                                              std::optional<tmcl::InternalVelocity> velocity = {});
 
 /// Reading clears the flags stall and deviation.
 /// Errors: those of the exchanges, but not refusals.

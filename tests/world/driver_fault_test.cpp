@@ -1,7 +1,9 @@
 // A driver that is off, or a supply that fails: who is told, and what an arrival is worth then.
 #include <gmock/gmock.h>
 
+#include <cmath>
 #include <string>
+#include <utility>
 
 #include "fronts/metrics.hpp"
 #include "world/cable.hpp"
@@ -24,6 +26,15 @@ class DriverFaults : public Cable, public testing::WithParamInterface<const char
   void turn_slowly() {
     const auto speed = std::string_view(GetParam()) == "TMCM-6212" ? 5'000 : 20;
     call("parameter.set", {{"axis", "x"}, {"parameter", 4}, {"value", speed}});
+  }
+  /// Its state when it does.
+  json::object turn_by(int velocity) {
+    const auto turning = call("axis.rotate", {{"axis", "x"}, {"velocity_internal", velocity}});
+    EXPECT_TRUE(turning) << turning.error().message;
+    time.run_for(20s);
+    auto state = call("axis.get_state", {{"axis", "x"}}).value();
+    EXPECT_EQ(state.at("velocity_internal").as_int64(), velocity);
+    return state;
   }
   RpcResult move_and_wait() {
     position_ = position_ == 1 ? 2 : 1;
@@ -99,6 +110,30 @@ TEST_P(DriverFaults, AreNoneWhereAnOpenLoadIsSeenAtStandstillOnly) {
   EXPECT_EQ(json::serialize(errors->at("flags")), "[]");
   EXPECT_EQ(json::serialize(errors->at("unproven")), R"(["open_load_b"])");
   EXPECT_THAT(events, testing::Not(testing::Contains("axis_fault")));
+}
+
+/// From 4 full steps a second on, and up to 400: at the speeds of the module that are nearest.
+TEST_P(DriverFaults, OfACoilThatIsNotConnectedAreBelievedAtSlowSpeedsOnly) {
+  constexpr int resolution = 4;
+  call("parameter.set", {{"axis", "x"}, {"parameter", 140}, {"value", resolution}});
+  const auto state = turn_by(100);
+  const double full_step = std::exp2(resolution) *
+                           state.at("velocity_internal").to_number<double>() /
+                           state.at("velocity_pps").to_number<double>();
+  const auto slowest = static_cast<int>(std::ceil(4 * full_step));
+  const auto fastest = static_cast<int>(std::floor(400 * full_step));
+  for (const auto& [velocity, is_told] :
+       {std::pair(slowest - 1, false), {slowest, true}, {fastest, true}, {fastest + 1, false}}) {
+    for (const int way : {1, -1}) {
+      turn_by(way * velocity);
+      set(DriverFault::open_load_b);
+      faults();
+      faults();
+      EXPECT_EQ(!faults().empty(), is_told) << way * velocity << ", of " << full_step;
+      set(DriverFault::open_load_b, false);
+      EXPECT_TRUE(faults().empty());
+    }
+  }
 }
 
 TEST_P(DriverFaults, OfTheSupplyDoSoToo) {
