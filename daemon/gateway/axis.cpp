@@ -66,6 +66,15 @@ tmcl::UserPosition place_of(Microsteps here, const std::optional<tmcl::UserPosit
   return stands_there ? *requested : tmcl::to_user(here, scale);
 }
 
+/// A stop has ended the search that was under way: that is known, and who sends stops.
+tmcl::Error ended_search(tmcl::Error error) {
+  const bool is_stopped = error.code == tmcl::Errc::superseded_by_stop;
+  if (!is_stopped || error.outcome == tmcl::Outcome::not_sent) return error;
+  error.message = "a stop ended the search of its reference";
+  error.hint = advice_on(name_of(StopCause::client));
+  return error;
+}
+
 tmcl::Error found_no_reference(const std::string& axis) {
   tmcl::Error error;
   error.code = tmcl::Errc::move_interrupted;
@@ -297,7 +306,7 @@ GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
   auto homed = co_await move(action::Search{}, std::move(script), std::move(movement));
   if (search_.went_too_far && search_.of == search.of)
     co_return tl::unexpected(axis_.on_bus(went_too_far(name(), *search_.limit)));
-  if (!homed) co_return homed;
+  if (!homed) co_return tl::unexpected(ended_search(std::move(homed.error())));
   // Whoever wants to move the axis may have seen the end already.
   if (claimant() == search) {
     auto seen = co_await axis_.run(bus().see_search_end(address()), asked_by(search.of.client));
