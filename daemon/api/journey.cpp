@@ -23,8 +23,12 @@ Lookup<std::string> text_of(const Call& call, const std::optional<std::string>& 
 }
 
 Lookup<PlanningBudget::Place> place_to_plan(const Call& call, std::size_t text_bytes) {
+  return place_for(call, PlanningBudget::bytes_for(text_bytes));
+}
+
+Lookup<PlanningBudget::Place> place_for(const Call& call, std::size_t bytes) {
   const auto client = call.peer->client();
-  auto place = call.gateway->planning.take(client.number, client.name, text_bytes);
+  auto place = call.gateway->planning.take(client.number, client.name, bytes);
   if (!place) return tl::unexpected(call_error(place.error()));
   return std::move(*place);
 }

@@ -23,6 +23,8 @@ Lookup<std::string> text_of(const Call& call, const Params& params) {
 
 /// Room for planning what a text of so many bytes says. Error: queue_full.
 Lookup<PlanningBudget::Place> place_to_plan(const Call& call, std::size_t text_bytes);
+/// The same for so many bytes of what has been planned.
+Lookup<PlanningBudget::Place> place_for(const Call& call, std::size_t bytes);
 
 /// `param` is where the client gave what is wrong.
 RpcError error_of(const tmcl::plan::PathObjection& objection, std::string_view param);

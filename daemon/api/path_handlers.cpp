@@ -269,6 +269,12 @@ awaitable<Lookup<PlannedPath>> planned_before(const Call& call, const path::Run&
   co_return planned;
 }
 
+/// It could not be run, and may be later.
+void keep_again(const Call& call, PlannedPath planned) {
+  auto& kept = call.gateway->planned_path;
+  if (!kept) kept = std::make_shared<PlannedPath>(std::move(planned));
+}
+
 /// Of the settings with which each axis moves to the start, and is stopped.
 awaitable<std::vector<std::string>> warnings_of(const Axes& axes) {
   std::vector<std::string> all;
@@ -398,6 +404,11 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
                               : plan_for(call, params, false, [](const auto&, const auto&) {});
   auto planned = co_await std::move(planning);
   if (!planned) co_return tl::unexpected(planned.error());
+  const auto place = place_for(call, planned->course.bytes());
+  if (!place) {
+    if (params.plan) keep_again(call, std::move(*planned));
+    co_return tl::unexpected(place.error());
+  }
   auto warnings = co_await warnings_of(planned->axes);
   if (auto refusal = refusal_to_begin(call)) co_return tl::unexpected(std::move(*refusal));
   begin_journey(call);

@@ -17,7 +17,7 @@ tmcl::Error full(const std::string& what, std::size_t used, std::size_t limit) {
                   std::to_string(limit / bytes_of_a_megabyte) +
                   " MB of memory for planning are taken";
   error.hint =
-      "wait for the answers to some of them before asking for more; 'planning_memory_mb' in the "
+      "wait until some of them are answered before asking for more; 'planning_memory_mb' in the "
       "configuration sets how much there is";
   return error;
 }
@@ -37,15 +37,15 @@ std::size_t PlanningBudget::bytes_for(std::size_t text_bytes) {
 }
 
 tl::expected<PlanningBudget::Place, tmcl::Error> PlanningBudget::take(
-    std::uint64_t client, const std::string& client_name, std::size_t text_bytes) {
-  const auto bytes = bytes_for(text_bytes);
+    std::uint64_t client, const std::string& client_name, std::size_t bytes) {
   const auto found = use_->of_clients.find(client);
   const auto of_client = found == use_->of_clients.end() ? 0 : found->second;
   if (of_client > 0 && of_client + bytes > limit_ / 2)
-    return tl::unexpected(
-        full("plans of " + client_name + " wait, or are made", of_client, limit_ / 2));
+    return tl::unexpected(full("plans of " + client_name + " wait or are made, or its paths run",
+                               of_client, limit_ / 2));
   if (use_->all > 0 && use_->all + bytes > limit_)
-    return tl::unexpected(full("plans of several clients wait, or are made", use_->all, limit_));
+    return tl::unexpected(
+        full("plans of several clients wait or are made, or their paths run", use_->all, limit_));
   auto held = std::make_unique<const std::size_t>(bytes);
   use_->of_clients[client] += bytes;
   use_->all += bytes;

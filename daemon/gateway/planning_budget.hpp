@@ -1,5 +1,6 @@
-/// How much memory plans of paths and programs may take that wait for their turn, in all and for
-/// each client. Beside that there is what one plan takes while it is made.
+/// How much memory plans of paths and programs may take that wait for their turn, and courses that
+/// are passed, in all and for each client. Beside that there is what one plan takes while it is
+/// made, and the one that is kept.
 ///
 /// Does no I/O. Thread safety: none. What it holds is bounded by the number of clients.
 #pragma once
@@ -28,7 +29,7 @@ class PlanningBudget {
   };
 
  public:
-  /// What one plan takes, for as long as it lives.
+  /// What one plan or course takes, for as long as this lives.
   using Place = std::unique_ptr<const std::size_t, End>;
 
   void set_limit(std::size_t bytes) { limit_ = bytes; }
@@ -36,11 +37,11 @@ class PlanningBudget {
 
   /// What is counted for a text of so many bytes.
   static std::size_t bytes_for(std::size_t text_bytes);
-  /// For such a text. A client may have half of the limit; what is alone always finds
-  /// room. Error: Errc::queue_full, which names what is full and by which client.
+  /// A client may have half of the limit; what is alone always finds room.
+  /// Error: Errc::queue_full, which names what is full and by which client.
   [[nodiscard]] tl::expected<Place, tmcl::Error> take(std::uint64_t client,
                                                       const std::string& client_name,
-                                                      std::size_t text_bytes);
+                                                      std::size_t bytes);
 
  private:
   static constexpr std::size_t usual_bytes = std::size_t{64} << 20;

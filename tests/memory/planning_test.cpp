@@ -51,6 +51,28 @@ TEST(MemoryOfPlans, ThatWaitIsWhatTheBudgetCounts) {
   }
 }
 
+TEST(MemoryOfPlans, ThatArePassedIsWhatTheBudgetCounts) {
+  plan::PathLimits limits;
+  limits.axes = 1;
+  limits.axis[0] = {100, 1000};
+  std::string table = "t,x\n";
+  for (int row = 0; row < 5000; ++row)
+    table += std::to_string(row) + "," + (row % 2 == 0 ? "0\n" : "1\n");
+  for (const auto& [text, format] :
+       {std::pair(repeated("G1 F600\n", "X1\nX0\n", 5000), plan::PathFormat::gcode),
+        std::pair(repeated("G1 F600\n", "X1\nG4P0\nX0\nG4P0\n", 3000), plan::PathFormat::gcode),
+        std::pair(table, plan::PathFormat::csv)}) {
+    auto source = plan::read_path(text, format, 0.05);
+    ASSERT_TRUE(source);
+    begin_to_measure();
+    const Watched watched;
+    const auto course = plan::course_of(*source, limits, 1e9, 0.05);
+    ASSERT_TRUE(course) << text.size();
+    EXPECT_GE(1.1 * static_cast<double>(course->bytes()), static_cast<double>(taken_bytes()));
+    EXPECT_LE(course->bytes(), taken_bytes() + sizeof *course);
+  }
+}
+
 struct Text {
   const char* name;
   std::string text;

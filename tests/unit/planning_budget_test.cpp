@@ -14,12 +14,8 @@ constexpr std::size_t megabyte = std::size_t{1} << 20;
 class Planning : public testing::Test {
  protected:
   Planning() { budget.set_limit(8 * megabyte); }
-  static std::size_t text_of(std::size_t megabytes) {
-    const auto of_none = PlanningBudget::bytes_for(0);
-    return (megabytes * megabyte - of_none) / (PlanningBudget::bytes_for(1) - of_none);
-  }
   auto take(std::uint64_t client, std::size_t megabytes = 1) {
-    return budget.take(client, "client " + std::to_string(client), text_of(megabytes));
+    return budget.take(client, "client " + std::to_string(client), megabytes * megabyte);
   }
 
   PlanningBudget budget;
@@ -58,7 +54,7 @@ TEST_F(Planning, OfWhatIsAloneAlwaysFindsRoom) {
 
 TEST_F(Planning, MayOutliveItsBudget) {
   auto other = std::make_unique<PlanningBudget>();
-  const auto place = other->take(1, "client 1", 100);
+  const auto place = other->take(1, "client 1", megabyte);
   other.reset();
   EXPECT_TRUE(place);
 }

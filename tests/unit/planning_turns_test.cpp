@@ -172,6 +172,29 @@ TEST_F(PlanningTurns, OneClientHasItsShareAndIsToldWhenThatIsFull) {
   EXPECT_GT(std::ranges::count_if(plans, std::not_fn(has_ended)), 10);
 }
 
+TEST_F(PlanningTurns, ShareTheirMemoryWithCoursesThatArePassed) {
+  constexpr std::size_t legs = 10'000;
+  std::string text = "G1 F600\n";
+  for (std::size_t leg = 0; leg < legs; leg += 2) text += "X1\nX0\n";
+  const auto one = client();
+  const auto run = begin(one, "path.run", {{"axes", json::array{"x"}}, {"text", text}});
+  time.run_for(1min);
+  ASSERT_FALSE(has_ended(run)) << (**run).error().message;
+  EXPECT_GT(gateway->planning.taken(), legs * 100);
+  const auto refused = begin_plan(one, 300'000);
+  time.settle();
+  ASSERT_TRUE(has_ended(refused));
+  ASSERT_FALSE(**refused);
+  EXPECT_EQ((**refused).error().data.at("name"), "queue_full");
+  EXPECT_THAT((**refused).error().message, HasSubstr("plans of client wait or are made, or its"));
+  EXPECT_TRUE(gateway->planning.take(client()->client().number, "other", 1'000)) << "has room";
+
+  begin(client(), "axis.stop", {{"axis", "x"}});
+  time.run_while_not([&] { return has_ended(run); }, 1min);
+  EXPECT_TRUE(has_ended(run));
+  EXPECT_EQ(gateway->planning.taken(), 0U);
+}
+
 TEST_F(PlanningTurns, AStopComesAfterSoManyStepsWhateverIsPlanned) {
   const auto stop_steps = [&] {
     const auto stop = begin(client(), "axis.stop", {{"axis", "y"}});

@@ -197,6 +197,18 @@ double Course::duration() const {
   return pieces_.empty() ? 0 : pieces_.back().begin + duration_of(pieces_.back());
 }
 
+std::size_t Course::bytes() const {
+  auto bytes =
+      sizeof *this + pieces_.capacity() * sizeof(Piece) + legs_.capacity() * sizeof(LegPlace);
+  for (const auto& turns : turns_) bytes += turns.capacity() * sizeof(Turn);
+  for (const auto& piece : pieces_) {
+    if (const auto* plan = std::get_if<PathPlan>(&piece.what)) bytes += plan->bytes();
+    if (const auto* rows = std::get_if<Timetable>(&piece.what))
+      bytes += rows->capacity() * sizeof(Row);
+  }
+  return bytes;
+}
+
 PathState Course::at(const Timetable& rows, double t) {
   PathState state;
   const auto later = std::ranges::upper_bound(rows, t, {}, &Row::time);

@@ -66,6 +66,8 @@ class Course {
 
   std::size_t axes() const { return axes_; }
   double duration() const;
+  /// What it holds of memory.
+  std::size_t bytes() const;
   /// Of the axes that make it: of the others where none of those moves is not counted.
   double length() const { return length_; }
   /// Before 0 the start, after the duration the end; both at rest.

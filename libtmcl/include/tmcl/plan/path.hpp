@@ -127,6 +127,11 @@ class PathPlan {
   /// already on the next leg.
   PathState at(double t) const;
 
+  /// What it holds of memory, beside itself.
+  std::size_t bytes() const {
+    return corners_.capacity() * sizeof(AxisValues) + legs_.capacity() * sizeof(LegPlan);
+  }
+
  private:
   friend tl::expected<PathPlan, PathFault> plan_path(const AxisValues&, std::span<const Leg>,
                                                      const PathLimits&);
