@@ -269,7 +269,7 @@ Answer<axis::GetRamp> get_ramp(Call& call, const axis::GetRamp& params) {
   if (!twin) co_return tl::unexpected(call_error(twin.error(), axis.name()));
   if (!*twin) {
     co_return tl::unexpected(
-        not_foreseeable(axis, "nobody has described the ramps of a " + std::string(model->name)));
+        not_foreseeable(axis, "there is no description of the ramps of a " + std::string(model->name)));
   }
   const auto motion = (*twin)->motion();
   // Where it is when a command comes could only be guessed.

@@ -194,7 +194,8 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Micro
     if (!foreseen) started.warnings.push_back("not foreseen: " + foreseen.error().message);
     if (foreseen) twin = std::move(*foreseen);
     if (foreseen && !twin)
-      started.warnings.emplace_back("not foreseen: nobody has described the ramps of this module");
+      started.warnings.emplace_back(
+          "no prediction: the ramp generator of this module is not described");
   }
   forget_move();
   const auto begin = bus().clock().now();

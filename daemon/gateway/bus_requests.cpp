@@ -197,7 +197,7 @@ tmcl::Error has_its_share(const tmcl::Request& request) {
   tmcl::Error error;
   error.code = tmcl::Errc::queue_full;
   error.outcome = tmcl::Outcome::not_sent;
-  error.message = "so many commands of this client wait for the bus that others want the room";
+  error.message = "this client has as many commands waiting for the bus as its share allows";
   error.hint = "wait for answers before sending more";
   error.request = request;
   return error;

@@ -113,7 +113,7 @@ Script<Result<void>> Deadman::write(std::int32_t ms) {
   if (*starts) {
     co_return tl::unexpected(tmcl::bad_argument(
         "the module starts a program by itself (global parameter 77), which a deadman would stop",
-        "a module is either led by a computer, or by a program of its own"));
+        "disable that first: set global parameter 77 to 0"));
   }
   auto written = co_await tmcl::verbs::set_global(address_, bank, parameter(), ms);
   if (!written && written.error().outcome == Outcome::unknown) note_set(shorter(held_before, ms));

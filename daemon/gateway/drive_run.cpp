@@ -134,7 +134,7 @@ void DriveRun::notice_stops(Drive& drive) const {
     auto stop = members_[i].movement.objection();
     if (!stop || (stop->code == tmcl::Errc::stale_request && runs_by_itself())) continue;
     const bool is_stop = stop->code == tmcl::Errc::superseded_by_stop;
-    auto why = is_stop ? "was stopped by somebody else" : "";
+    auto why = is_stop ? "was stopped by another client" : "";
     drive.stop({DriveFault::Kind::foreign, i, why, std::move(stop), {}});
   }
 }

@@ -10,13 +10,12 @@ double seconds(const Gaps& gaps) { return std::chrono::duration<double>(gaps.dur
 }  // namespace
 
 std::string stale_text(const Gaps& gaps) {
-  return fmt::format("it was asked for before tmcld had stood still for {:.1f} s", seconds(gaps));
+  return fmt::format("it was requested before tmcld stood still for {:.1f} s", seconds(gaps));
 }
 
 std::string gap_text(const Gaps& gaps) {
-  return fmt::format(
-      "tmcld stood still for {:.1f} s: what was asked for before moves nothing any more",
-      seconds(gaps));
+  return fmt::format("tmcld stood still for {:.1f} s: movements requested before that are refused",
+                     seconds(gaps));
 }
 
 }  // namespace tmcld

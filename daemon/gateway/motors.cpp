@@ -148,7 +148,7 @@ std::optional<tmcl::Error> Motors::objection_without_lease(AxisAddress motor, Pe
   if (needs_none || !is_axis(motor)) return std::nullopt;
   const auto& axis = motors_.at(motor).axis;
   return error(Errc::not_permitted,
-               "axis '" + axis + "' is moved only by who has a lease of it: 'moves_need_lease'",
+               "axis '" + axis + "' moves only under a lease: 'moves_need_lease'",
                "'tmclctl lease run " + axis + " -- COMMAND' has one while COMMAND runs");
 }
 

@@ -41,7 +41,7 @@ class DaemonClaim : public testing::TestWithParam<Movement> {
     seen_before_ = bench_.daemon.requests_seen();
   }
   GatewayAxis& x() { return *bench_.daemon.daemon().gateway().axes()[0]; }
-  // The start has been answered: what moves from now on was asked for by somebody else.
+  // The start has been answered: what moves from now on was asked for by another client.
   bool sends_starts() {
     const auto path = std::dynamic_pointer_cast<PathRun>(x().journey());
     return path && path->passed() == 0;

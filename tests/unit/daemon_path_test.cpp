@@ -64,7 +64,7 @@ TEST_P(DaemonPathInEachMode, AStopByAnotherClientStopsAll) {
   other.result("axis.stop", {{"axis", "y"}});
   const auto error = error_of(id);
   EXPECT_EQ(name_in(error), "stopped_by_other");
-  EXPECT_EQ(text(error.at("message")), "y was stopped by somebody else");
+  EXPECT_EQ(text(error.at("message")), "y was stopped by another client");
   EXPECT_EQ(text(error.at("data").at("outcome")), "done");
   EXPECT_EQ(text(error.at("data").at("axis")), "y");
   EXPECT_TRUE(error.at("data").at("run").as_object().contains("tracking_error"));
@@ -82,7 +82,7 @@ TEST_P(DaemonPathInEachMode, WhoWatchesIsToldWhyItEnded) {
   client->result("axis.stop", {{"axis", "y"}});
   const auto event = other.notification("notify_event");
   EXPECT_EQ(text(event.at("kind")), "path_broken");
-  EXPECT_EQ(text(event.at("text")), "y was stopped by somebody else");
+  EXPECT_EQ(text(event.at("text")), "y was stopped by another client");
   EXPECT_EQ(json::serialize(event.at("motors")), "[1]");
 }
 

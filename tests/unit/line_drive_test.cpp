@@ -289,7 +289,7 @@ TEST_P(LineDriveFaults, WheneverSomebodyElseStopsOneAllStop) {
       told = true;
       have_arrived = scene.have_arrived();
       scene.axes[0].stop(scene.now());
-      scene.drive.stop({FaultKind::foreign, 0, "was stopped by somebody else", {}, {}});
+      scene.drive.stop({FaultKind::foreign, 0, "was stopped by another client", {}, {}});
     };
     scene.run();
     if (!told || (have_arrived && !scene.drive.report().fault)) return;

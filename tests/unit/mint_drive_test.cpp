@@ -188,7 +188,7 @@ TEST(MintDrive, WheneverSomebodyElseStopsOneAllStop) {
       if (told || scene.commands().size() <= at || scene.drive.report().took.size() == 2) return;
       told = true;
       scene.axes[2].stop(scene.now());
-      scene.drive.stop({FaultKind::foreign, 2, "was stopped by somebody else", {}, {}});
+      scene.drive.stop({FaultKind::foreign, 2, "was stopped by another client", {}, {}});
     };
     scene.run();
     if (!told || (!scene.drive.report().fault && scene.drive.report().took.size() == 2)) return;

@@ -133,7 +133,7 @@ TEST_P(EachMode, AStopOfAnyAxisStopsAll) {
     ASSERT_TRUE(report.fault);
     EXPECT_EQ(report.fault->kind, FaultKind::foreign);
     EXPECT_EQ(report.fault->axis, axis);
-    EXPECT_THAT(report.fault->message, HasSubstr("was stopped by somebody else"));
+    EXPECT_THAT(report.fault->message, HasSubstr("was stopped by another client"));
     EXPECT_FALSE(fresh.moving());
     EXPECT_LT(fresh.mm(0), 6);
     EXPECT_EQ(fresh.get(axis, ap::max_acceleration), acceleration);

@@ -683,7 +683,7 @@ with them: 20mm/s, 500mm/s^2, 120rpm.
                     there, only where its speed changes; no table with times
   --mode position   modules with start and stop velocities (TMC5130, TMC5160 ...): line by line; no table
                     with times
-Ctrl-C stops all axes. So does a stop of one of them by somebody else, an axis that does not do what it
+Ctrl-C stops all axes. So does a stop of one of them by another client, an axis that does not do what it
 is told, and a computer or bus that is too slow. Ctrl-Z pauses on the path, and goes on.
 tmcld passes the path: once begun, it goes on to its end also if this program is killed. With --direct
 there is nobody else who could: if this program is killed, each axis stops at the end of its leg, in the

@@ -299,7 +299,7 @@ PathResult<double> feed_of(const std::vector<PathAxis>& axes) {
                     {},
                     {},
                     "feed",
-                    "give a number: a second in the units of the file"});
+                    "give a number, in units of the file per second"});
 }
 
 PathResult<Course> course_of(const PathSource& source, PathLimits limits, double feed,

@@ -173,7 +173,7 @@ Script<DriveRunner::Fault> PathStream::Runner::whole() {
     const auto limit = now_ + longest_way_to_rest;
     for (std::size_t axis = 0; axis < axes_.size() && !result && !by_velocities; ++axis)
       result = co_await come_to_rest(axis, limit);
-    // The last time that a stop by somebody else can be told from one's own.
+    // The last time that a stop by another client can be told from one's own.
     if (!result) result = co_await check_all();
     if (result || by_velocities) {
       auto stopped = co_await stop_and_rest(report_);
@@ -272,7 +272,7 @@ Script<DriveRunner::Fault> PathStream::Runner::check(std::size_t axis) {
   const auto* what = !is_velocity    ? "stopped or turned"
                      : *answer_ == 0 ? "stopped"
                                      : "told another velocity";
-  co_return fault(DriveFault::Kind::foreign, axis, fmt::format("was {} by somebody else", what));
+  co_return fault(DriveFault::Kind::foreign, axis, fmt::format("was {} by another client", what));
 }
 
 Script<DriveRunner::Fault> PathStream::Runner::check_all() {

@@ -189,7 +189,8 @@ TimePoint PathStream::Runner::time_of(double course_time) {
 DriveRunner::Fault PathStream::Runner::fault_of_axes() const {
   using FaultKind = DriveFault::Kind;
   if (!course_.has_legs())
-    return fault(FaultKind::unsuited, {}, "a table with times has no legs; velocity mode takes it");
+    return fault(FaultKind::unsuited, {},
+                 "position mode needs a path without times; use velocity mode");
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     const auto& info = axes_[axis].info;
     if (!info.twin || info.twin->model().family != Family::sixpoint) {

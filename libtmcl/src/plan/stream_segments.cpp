@@ -106,7 +106,7 @@ PathStream::Runner::SegmentSpan PathStream::Runner::span_of_pause(TimePoint begi
 Script<DriveRunner::Fault> PathStream::Runner::prepare_segments() {
   if (!course_.has_legs()) {
     co_return fault(DriveFault::Kind::unsuited, {},
-                    "a table with times has no legs; velocity mode takes it");
+                    "segments need a path without times; use velocity mode");
   }
   std::size_t slopes = 0;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
