@@ -32,7 +32,7 @@ using boost::asio::awaitable;
 using boost::asio::redirect_error;
 using boost::asio::use_awaitable;
 
-// Whoever starts tmcld and calls it at once is to find its buses open. One that is not there does
+// A program that starts tmcld and calls it at once finds its buses open. One that is not there does
 // not keep the others.
 constexpr auto time_to_open = 300ms;
 // With time_for_stops well below the second within which the daemon ends.

@@ -161,7 +161,7 @@ int serve(const Config& config, const std::string& path, const std::optional<Htt
       "serving " + counted(config.axes.size(), "axis", "axes") + " on " + config.daemon.socket);
   const int code = (*daemon)->run() ? exit_code::ok : exit_code::runtime_failure;
   log(LogLevel::info, "ended");
-  // Opening a link cannot be called back; nothing else is left to be done, so nobody waits for it.
+  // Opening a link cannot be called back; nothing else is left to be done, so it is not waited for.
   if ((*daemon)->is_opening_links()) end_at_once(code);
   return code;
 }

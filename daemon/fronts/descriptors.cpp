@@ -36,7 +36,7 @@ std::size_t make_room_for_clients(std::size_t buses, std::size_t ports, bool by_
   const auto allowed = static_cast<std::size_t>(std::min(limit.rlim_cur, wanted));
   const auto free = allowed > others ? allowed - others : 0;
   if (!by_http) return free;
-  // Whoever was not let in yet takes as many as clients do, at most.
+  // Connections that were not let in yet take as many as clients do, at most.
   constexpr std::size_t kinds = 3;
   return allowed < wanted ? free / kinds : max_clients;
 }

@@ -45,7 +45,7 @@ bool lists(std::string_view list, std::string_view wanted) {
   return false;
 }
 
-// Whoever comes from the network is no user of this computer.
+// A client from the network is no user of this computer.
 constexpr std::uint32_t nobody = 65534;
 
 Caller caller_with_token(const Token& token) {
@@ -54,7 +54,7 @@ Caller caller_with_token(const Token& token) {
   return caller;
 }
 
-/// One of this computer, who was let in without a token: nobody knows who it is.
+/// A client of this computer without a token: its user is unknown.
 Caller unknown_caller(std::span<const AccessConfig> access) {
   Caller caller{{nobody}};
   if (access.empty()) return caller;
@@ -94,7 +94,7 @@ tl::expected<HttpRoute, HttpRefusal> route_of(const HttpHead& head) {
   return place->route;
 }
 
-/// A page of somebody else could send text to here, but no JSON without being asked first.
+/// A page of another site could send text to here, but no JSON without being asked first.
 std::optional<HttpRefusal> objection_to_type(const HttpHead& head) {
   const auto type = lower(trimmed(head.content_type.substr(0, head.content_type.find(';'))));
   if (type == "application/json") return std::nullopt;

@@ -561,7 +561,7 @@ class StreamConnection final : public HttpConnection,
                                      "a client at " + info_.peer + " " + what);
   }
 
-  /// Who only goes away is nobody's business.
+  /// A client that only goes away is not reported.
   void log_tls(error_code why) {
     if (why.category() != asio::error::get_ssl_category()) return;
     log_refusal("was not let in by TLS: " +

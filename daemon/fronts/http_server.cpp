@@ -148,7 +148,7 @@ class Server final : public HttpServer, public std::enable_shared_from_this<Serv
     begin_http_connection(std::move(socket), tls_.context, std::move(info), connections_);
   }
 
-  /// Whoever waits for a long answer says nothing meanwhile: the system finds out if it is gone.
+  /// A client that waits for a long answer is silent: the system finds out if it is gone.
   static void keep_alive(Tcp::socket& socket) {
     error_code ignored;
     socket.set_option(asio::socket_base::keep_alive(true), ignored);

@@ -109,7 +109,7 @@ PortConduct::Awaitable<tmcl::Answer> PortConduct::carry_out(tmcl::Request reques
   const bool reads = effect == Effect::reads;
   if (reads && only_tries) co_return co_await try_once(request, deadline);
   if (reads) co_return co_await bus_->execute(request, std::move(options));
-  // Nobody answers for a module that is not there.
+  // No answer is made up for a module that is not there.
   if (only_tries) {
     auto answer = co_await try_once(version_request(request.address), deadline);
     const bool is_silent = !answer && answer.error().outcome != tmcl::Outcome::refused;

@@ -163,7 +163,7 @@ class PtyPort final : public Port, public std::enable_shared_from_this<PtyPort> 
   int hosts_ = 0;                       ///< How often the terminal is open, besides here.
 };
 
-/// Whoever may use the daemon's socket may use its ports.
+/// Users of the daemon's socket may use its ports.
 void share_with_group(int terminal, const PortConfig& config, const Gateway& gateway) {
   const bool is_shared = ::fchown(terminal, static_cast<uid_t>(-1), ::getegid()) == 0 &&
                          ::fchmod(terminal, S_IRUSR | S_IWUSR | S_IRGRP | S_IWGRP) == 0;

@@ -38,7 +38,7 @@ Role role_at_port(const tmcl::Request& request) {
   // Hosts set parameters before they move anything, and wait for the end by the event.
   if (request.command == Command::SAP || request.command == Command::TARGET_REACHED_EVENT)
     return Role::operate;
-  // Nobody at a port is told that what a program moves has no owner.
+  // A host at a port is not told that what a program moves has no owner.
   return is_unpredictable(intent.motion) ? Role::configure : role_for(intent);
 }
 

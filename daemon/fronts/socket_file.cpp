@@ -112,7 +112,7 @@ tl::expected<SocketFile, std::string> SocketFile::passed(int descriptor, const s
 std::string SocketFile::listen() {
   descriptor_ = ::socket(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0);
   const auto address = address_of(path_);
-  // From its first moment on nobody else may connect.
+  // From its first moment on no other user may connect.
   const auto before = ::umask(0777 & ~access_for_owner_and_group);
   const bool bound = ::bind(descriptor_, generic(address), sizeof address) == 0;
   const int error = errno;

@@ -42,7 +42,7 @@ void UnixServer::take_in_who_waits() {
   boost::system::error_code error;
   acceptor_.non_blocking(true, error);
   std::size_t cut_off = 0;
-  // Whoever comes while this goes on is for accept().
+  // A client that comes while this goes on is for accept().
   for (int i = 0; i < SOMAXCONN; ++i) {
     Protocol::socket socket(acceptor_.get_executor());
     acceptor_.accept(socket, error);

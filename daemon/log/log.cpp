@@ -105,12 +105,12 @@ void note_left_out() {
   if (!pool || pool->overrun_counter() == told || pool->queue_size() > 0) return;
   const auto all = pool->overrun_counter();
   const auto left_out = all - told.exchange(all);
-  if (left_out > 0) spdlog::warn("{} lines were left out: nobody read them in time", left_out);
+  if (left_out > 0) spdlog::warn("{} lines were left out: they were not read in time", left_out);
 }
 
 }  // namespace
 
-// A thread of its own writes: whoever does not read standard error keeps nobody but that one.
+// A thread of its own writes: a reader of standard error that stalls blocks only that one.
 void start_log(LogLevel level) {
   spdlog::init_thread_pool(most_waiting_lines, 1, take_ordinary_priority);
   auto logger = is_journald_itself()
@@ -128,7 +128,7 @@ bool end_log() {
     bool all = false;
   };
   const auto written = std::make_shared<Written>();
-  // Waits for ever if nobody reads.
+  // Waits for ever without a reader.
   std::thread([written] {
     spdlog::shutdown();
     const std::lock_guard lock(written->mutex);

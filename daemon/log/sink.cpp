@@ -21,7 +21,7 @@ void log_failure(const LogSink& log, std::string_view where,
                  const std::exception_ptr& failure) noexcept {
   try {
     log(LogLevel::error, "internal error in " + std::string(where) + ": " + what_of(failure));
-  } catch (...) {  // not even memory for a line; and nobody may wait for standard error
+  } catch (...) {  // not even memory for a line; and standard error must not be waited for
   }
 }
 

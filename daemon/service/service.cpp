@@ -31,7 +31,7 @@ std::optional<long> number_in(const char* name) {
   return read.ec == std::errc() && read.ptr == end ? std::optional(number) : std::nullopt;
 }
 
-/// What is meant for another process was left over by whoever started this one.
+/// What is meant for another process was left over by the one that started this one.
 bool is_for_us(const char* name) {
   const auto process = number_in(name);
   return process && *process == ::getpid();

@@ -74,7 +74,7 @@ tl::expected<void, std::string> write_eeprom_file(const fs::path& path, const Ee
   if (path.has_parent_path()) fs::create_directories(path.parent_path(), ignored);
   auto fresh = path;
   fresh += ".new";
-  // What stands there is left over, or somebody's link to a file that is not ours to write.
+  // What stands there is left over, or a link to a file that is not ours to write.
   ::unlink(fresh.c_str());
   const FileDescriptor file(::open(fresh.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666));
   if (file.get() < 0) return system_error(fresh, "cannot be written");

@@ -22,7 +22,7 @@ std::optional<Endpoint> parse_endpoint(const std::string& text) {
   if (!is_port(result.port)) return std::nullopt;
   const bool bracketed = result.host.front() == '[' && result.host.back() == ']';
   if (bracketed) result.host = result.host.substr(1, result.host.size() - 2);
-  // Without brackets nobody can tell where an IPv6 address ends.
+  // Without brackets the end of an IPv6 address is ambiguous.
   if (result.host.empty() || (!bracketed && result.host.find(':') != std::string::npos)) {
     return std::nullopt;
   }

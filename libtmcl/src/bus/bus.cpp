@@ -43,7 +43,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
 
   using Handler = asio::async_result<asio::use_awaitable_t<>, void()>::handler_type;
 
-  /// There is a result for each exchange, and whoever the handler resumes keeps them.
+  /// There is a result for each exchange, and the resumed coroutine keeps them.
   void exchange(std::span<const step::Exchange> exchanges, std::span<Result<Answer>> results,
                 Handler handler) {
     if (exchanges.empty()) return asio::post(executor_, std::move(handler));
@@ -168,7 +168,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
     if (--group->missing == 0) settled_.push_back(group);
   }
 
-  /// Last in a round of the reactor: whoever waits goes on here, and may submit the next request.
+  /// Last in a round of the reactor: a waiter goes on here, and may submit the next request.
   void hand_out() {
     for (auto left = settled_.size(); left > 0; --left) {
       auto* group = settled_.front();
@@ -180,7 +180,7 @@ class Bus::State : public std::enable_shared_from_this<State> {
     }
   }
 
-  /// Whoever submits a request is not yet ready for its result.
+  /// The submitter of a request is not yet ready for its result.
   void hand_out_later() {
     if (settled_.empty()) return;
     asio::post(executor_, [self = shared_from_this()] { self->hand_out(); });

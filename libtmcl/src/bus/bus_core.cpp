@@ -115,7 +115,7 @@ void BusCore::send_frame(const engine::Send& send, TimePoint now) {
 }
 
 void BusCore::send_bytes(const engine::Send& send, TimePoint now) {
-  // What a stuck link cannot take now must not reach the module later, when nobody wants it any
+  // What a stuck link cannot take now must not reach the module later, when it is not wanted any
   // more.
   if (wants_to_write()) return engine_.on_send_refused(send.request, now);
   unfinished_ = encode_serial(send.request);

@@ -163,7 +163,7 @@ void BusEngine::finish(Call call, const Answer& answer) {
   fail(call, std::move(error));
 }
 
-/// Nothing was executed: somebody has left the module in download mode. Only a stop ends that.
+/// Nothing was executed: the module was left in download mode. Only a stop ends that.
 void BusEngine::on_recorded(Call call, Status status) {
   if (call.is_stop()) {
     modules_.with(call.request.address).custody.found_recording();

@@ -27,7 +27,7 @@ bool may_have_been_executed(const Result<Answer>& answer) {
 Error cannot_see(AxisAddress axis, Error error) {
   if (error.code != Errc::link_lost) return error;
   error.outcome = Outcome::unknown;
-  error.message = fmt::format("nobody can see whether motor {} of module {} arrives: {}",
+  error.message = fmt::format("it cannot be seen whether motor {} of module {} arrives: {}",
                               axis.motor, number(axis.module), error.message);
   error.hint = "it goes on with what it was told; wait again when the bus is open";
   return error;
@@ -89,7 +89,7 @@ constexpr Duration mode_interval = std::chrono::milliseconds(500);
 // A reading may be a little older than it seems: one with the old target proves nothing.
 constexpr Duration sent_elsewhere_limit = std::chrono::milliseconds(200);
 
-/// A stop is a turn at 0. False if nobody can tell.
+/// A stop is a turn at 0. False if that is unknown.
 Script<bool> turns_by_velocity(AxisAddress axis, const WaitOptions& options, CallOptions call) {
   if (!options.goal || !options.mode) co_return false;
   const auto mode = co_await ask(axis_request(axis, Command::GAP, options.mode->number), call);
@@ -108,7 +108,7 @@ plan::Arrival::Reading reading_of(const AxisState& state, TimePoint at) {
   return {at, state.position, state.target, state.velocity.value == 0, state.position_reached};
 }
 
-/// The same, proven: what somebody goes on after.
+/// The same, proven: the next step depends on it.
 Script<Result<AxisState>> look_again(AxisAddress axis, CallOptions options) {
   const std::vector<std::uint8_t> parameters{ap::position_reached, ap::actual_velocity,
                                              ap::target_position, ap::actual_position};

@@ -114,7 +114,7 @@ void BusEngine::repeat_or_give_up(Call call, Error error) {
     return queue().push_back(std::move(call));
   }
   if (!repeats) return fail(call, std::move(error));
-  // A stop that nobody has answered goes behind those of other motors.
+  // An unanswered stop goes behind those of other motors.
   call.is_stop() ? queue().push_back(std::move(call)) : queue().put_back(std::move(call));
 }
 

@@ -51,7 +51,7 @@ void CallQueue::put_back(Call call) {
   insert(level, later, std::move(call));
 }
 
-// Of calls that wait at the same time nobody can tell which came first: so a read may be joined by
+// Of calls that wait at the same time none is known to be first: so a read may be joined by
 // a later one, and a stop goes out before every movement that could lie between. A stop that went
 // out before may be at its last try.
 bool CallQueue::join(const Call& newcomer) {

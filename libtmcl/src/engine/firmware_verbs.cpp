@@ -264,7 +264,7 @@ Script<Result<void>> fill_page(const Upload& upload, std::uint32_t offset, std::
   co_return Result<void>{};
 }
 
-/// When the answer is lost, nobody knows what is in the page buffer now: it is filled again.
+/// When the answer is lost, the content of the page buffer is unknown: it is filled again.
 Script<Result<void>> write_page(const Upload& upload, std::uint32_t offset, std::size_t count) {
   const auto address = upload.image.start + offset;
   for (unsigned tries = 1;; ++tries) {

@@ -45,7 +45,7 @@ void BusEngine::take_back(Channel& channel) {
     --counters_.fences;
     return;
   }
-  // Counted where nobody waits for it: then it is not tried for ever.
+  // Counted where no call waits for it: then it is not tried for ever.
   const auto byte = reply_byte(refused.sent.address);
   const auto waits = [&](const Call& call) { return reply_byte(call.request.address) == byte; };
   if (queue().find(waits) != nullptr) modules_.with(refused.sent.address).custody.on_end_refused();

@@ -112,7 +112,7 @@ Script<Result<Homed>> measured(AxisAddress axis, std::optional<std::int32_t> giv
   co_return homed;
 }
 
-/// Asked when the status says so: what somebody goes on after is read twice.
+/// Asked when the status says so: what the next step depends on is read twice.
 Script<Result<bool>> has_ended(AxisAddress axis, CallOptions call) {
   const auto status = search_request(axis, search_type::status);
   const auto step = co_await must(ask(status, with_proof(Proof::twice, call)));

@@ -12,7 +12,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// One reply that nobody asked for may be what another program has left behind. So many within so
+// One unrequested reply may be what another program has left behind. So many within so
 // long have a source.
 constexpr unsigned most_stray_replies = 2;
 constexpr Duration stray_reply_window = 10s;

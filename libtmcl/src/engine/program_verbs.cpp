@@ -70,7 +70,7 @@ Error cancelled() {
   return {Errc::download_broken, Outcome::refused, "it was cancelled", {}, {}, {}, {}};
 }
 
-/// Nobody knows then what was recorded, and a second try may go well.
+/// It is unknown then what was recorded, and a second try may go well.
 bool is_worth_another_try(const Error& error) {
   return is_silence(error) || error.status == Status::wrong_checksum ||
          error.status == Status::command_loaded || error.code == Errc::unexpected_value ||
@@ -110,7 +110,7 @@ Script<Result<void>> download_once(Loading& loading, std::uint16_t address,
   if (!begun) {
     recorded = tl::unexpected(begun.error());
   } else if (begun->reply.status == Status::command_loaded) {
-    // A download that somebody has left unfinished: this was only recorded.
+    // A download that was left unfinished: this was only recorded.
     recorded = tl::unexpected(
         refusal({loading.module, Command::START_DOWNLOAD, 0, 0, address}, begun->reply.status));
   } else {

@@ -111,7 +111,7 @@ bool Scheduler::waits_for_download(Conversations& modules, const Call& call) con
   });
 }
 
-/// On CAN some answers look like a reply of any module: nobody else may expect one.
+/// On CAN some answers look like a reply of any module: no other call may expect one.
 bool Scheduler::waits_for_bus(Conversations& modules, const Call& call) const {
   if (modules.framing() != Framing::can || call.is_stop()) return false;
   const bool alone = needs_the_bus(call);

@@ -1,4 +1,4 @@
-// Replies that nobody here has asked for, and how a value is told from somebody else's then.
+// Unrequested replies, and how a value is told from that of another program then.
 #include <chrono>
 #include <cmath>
 #include <utility>

@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Whoever holds the kernel's lock on the file: "1: FLOCK ADVISORY WRITE 4711 00:1b:5 0 EOF".
+/// The holder of the kernel's lock on the file: "1: FLOCK ADVISORY WRITE 4711 00:1b:5 0 EOF".
 std::optional<std::string> process_with_lock(const std::string& device) {
   struct stat status {};
   if (stat(device.c_str(), &status) != 0) return std::nullopt;
@@ -39,7 +39,7 @@ bool has_open(const fs::path& process, const fs::path& device) {
   return false;
 }
 
-/// For ports that somebody uses without locking them.
+/// For ports that a program uses without locking them.
 std::optional<std::string> process_with_file(const std::string& device) {
   std::error_code error;
   const auto target = fs::canonical(device, error);

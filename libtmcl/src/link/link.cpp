@@ -149,7 +149,7 @@ Result<std::optional<CanInput>> Link::read_frame() {
   if (count < 0) return lost(name_, system_text(errno));
   if (count != sizeof raw) return lost(name_, "the other end has closed the link");
   if ((raw.can_id & CAN_ERR_FLAG) != 0) return describe_error_frame(raw);
-  // Nobody answers with a remote frame; it carries no data to look at.
+  // No module answers with a remote frame; it carries no data to look at.
   if ((raw.can_id & CAN_RTR_FLAG) != 0) return std::nullopt;
   CanFrame frame;
   frame.extended = (raw.can_id & CAN_EFF_FLAG) != 0;

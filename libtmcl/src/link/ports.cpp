@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint16_t trinamic = 0x2a3c;
 // What modules had before their manufacturer had a number of its own. Evaluation boards with
-// somebody else's USB adapter are not told from that adapter.
+// another USB adapter are not told from that adapter.
 constexpr std::array<std::pair<std::uint16_t, std::uint16_t>, 6> older_modules{{
     {0x16d0, 0x0461},  // TMCM-1460
     {0x16d0, 0x05a1},  // TMCM-1161

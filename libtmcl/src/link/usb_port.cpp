@@ -17,7 +17,7 @@
 namespace tmcl {
 namespace {
 
-// A module that has not taken a request by then does not get it later, when nobody wants it any
+// A module that has not taken a request by then does not get it later, when it is not wanted any
 // more. Shorter than the time for a reply.
 constexpr unsigned longest_transfer_ms = 50;
 constexpr unsigned longest_control_ms = 1000;

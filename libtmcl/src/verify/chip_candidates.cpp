@@ -15,7 +15,7 @@ constexpr std::array<Trait, 4> chip_traits{Trait::last_step, Trait::factor_rule,
                                            Trait::accumulator};
 constexpr std::array<R, 4> chip_registers{R::last_step, R::factor_rule, R::order, R::accumulator};
 constexpr std::size_t order_index = 2;
-/// Nobody has to wait longer for a movement that some variants never end.
+/// No longer wait for a movement that some variants never end.
 constexpr Duration longest_move = std::chrono::seconds(8);
 constexpr Tick longest_ticks = longest_move / Chip::base_tick;
 /// By so much firmware may be late with what it does and tells.
