@@ -21,7 +21,7 @@ constexpr std::size_t length = 6;
 }  // namespace word
 constexpr std::size_t setup_at = 40;
 
-enum Kind : std::uint32_t { submit = 1, cancel = 2, submitted = 3, cancelled = 4 };
+enum MessageKind : std::uint32_t { submit = 1, cancel = 2, submitted = 3, cancelled = 4 };
 
 std::uint32_t read_word(std::span<const std::uint8_t> header, std::size_t index) {
   std::uint32_t value = 0;
@@ -34,7 +34,7 @@ void write_word(std::span<std::uint8_t> header, std::size_t index, std::uint32_t
     header[4 * index + i] = static_cast<std::uint8_t>(value >> (24 - 8 * i));
 }
 
-std::vector<std::uint8_t> answer_header(Kind kind, std::uint32_t id, std::int32_t status) {
+std::vector<std::uint8_t> answer_header(MessageKind kind, std::uint32_t id, std::int32_t status) {
   std::vector<std::uint8_t> header(header_size);
   write_word(header, word::command, kind);
   write_word(header, word::id, id);
@@ -58,9 +58,9 @@ std::optional<UsbipDecoder::Command> UsbipDecoder::next() {
   request.endpoint = static_cast<std::uint8_t>(read_word(header, word::endpoint));
   request.length = read_word(header, word::length);
   const UsbipCancel cancel{request.id, read_word(header, word::cancelled)};
-  const bool is_submit = kind == Kind::submit;
-  is_broken_ =
-      (!is_submit && kind != Kind::cancel) || (is_submit && request.length > longest_transfer);
+  const bool is_submit = kind == MessageKind::submit;
+  is_broken_ = (!is_submit && kind != MessageKind::cancel) ||
+               (is_submit && request.length > longest_transfer);
   if (is_broken_) return std::nullopt;
   std::ranges::copy(header.subspan(setup_at, request.setup.size()), request.setup.begin());
   const auto body = is_submit && !request.in ? request.length : 0;
@@ -73,14 +73,14 @@ std::optional<UsbipDecoder::Command> UsbipDecoder::next() {
 }
 
 std::vector<std::uint8_t> encode_usbip(const UsbResult& result) {
-  auto bytes = answer_header(Kind::submitted, result.id, result.status);
+  auto bytes = answer_header(MessageKind::submitted, result.id, result.status);
   write_word(bytes, word::length, result.transferred);
   bytes.insert(bytes.end(), result.data.begin(), result.data.end());
   return bytes;
 }
 
 std::vector<std::uint8_t> encode_usbip(const UsbipCancel& cancel, bool in_time) {
-  return answer_header(Kind::cancelled, cancel.id, in_time ? -ECONNRESET : 0);
+  return answer_header(MessageKind::cancelled, cancel.id, in_time ? -ECONNRESET : 0);
 }
 
 }  // namespace tmcl::sim
