@@ -32,15 +32,7 @@ class CanPort final : public Port, public std::enable_shared_from_this<CanPort> 
         gateway_(std::move(gateway)),
         socket_(gateway_->buses().front()->executor()) {}
 
-  void start() override {
-    session_ =
-        std::make_shared<PortSession>(gateway_, config_, "port " + config_.name,
-                                      [weak = weak_from_this()](const Told& told, CanForm form) {
-                                        if (const auto self = weak.lock()) self->write(told, form);
-                                      });
-    session_->start();
-    spawn(socket_.get_executor(), serve(shared_from_this()));
-  }
+  void start() override { spawn(socket_.get_executor(), serve(shared_from_this())); }
   void close() override {
     closed_ = true;
     if (session_) session_->close();
@@ -80,18 +72,33 @@ class CanPort final : public Port, public std::enable_shared_from_this<CanPort> 
     return true;
   }
 
+  /// A new one after one that has failed.
+  std::shared_ptr<PortSession> session() {
+    if (session_) return session_;
+    session_ = std::make_shared<PortSession>(
+        gateway_, config_, "port " + config_.name,
+        [weak = weak_from_this()](const Told& told, CanForm form) {
+          if (const auto self = weak.lock()) self->write(told, form);
+        },
+        [weak = weak_from_this()] {
+          if (const auto self = weak.lock()) self->session_.reset();
+        });
+    session_->start();
+    return session_;
+  }
+
   bool take_frames() {
     auto got = tmcl::read_can(socket_.native_handle());
     for (; got.error == 0; got = tmcl::read_can(socket_.native_handle())) {
       const auto request = got.frame ? tmcl::decode_can_request(*got.frame) : std::nullopt;
-      if (request) session_->on_request(*request, {got.frame->extended, got.frame->length});
+      if (request) session()->on_request(*request, {got.frame->extended, got.frame->length});
     }
     return got.error == EAGAIN || got.error == EINTR;
   }
 
   /// A frame that does not fit into the interface's queue is lost.
   void write(const Told& told, CanForm form) {
-    const auto& bus = session_->bus();
+    const auto& bus = session()->bus();
     const auto identifier = bus.is_can() ? bus.config().link_options.can_reply_id
                                          : std::uint32_t{tmcl::default_can_reply_id};
     if (socket_.is_open()) tmcl::write_can(socket_.native_handle(), to_can(told, identifier, form));

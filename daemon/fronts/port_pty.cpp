@@ -96,7 +96,7 @@ class PtyPort final : public Port, public std::enable_shared_from_this<PtyPort> 
       if (error == boost::asio::error::would_block) return true;
       if (error || size == 0) return false;
       if (bytes.front() == TIOCPKT_DATA) {
-        host().receive(std::span(bytes).first(size).subspan(control_byte));
+        host()->receive(std::span(bytes).first(size).subspan(control_byte));
         continue;
       }
       if ((bytes.front() & TIOCPKT_FLUSHREAD) != 0 && stream_) stream_->session()->forget_answers();
@@ -123,19 +123,21 @@ class PtyPort final : public Port, public std::enable_shared_from_this<PtyPort> 
     }
   }
 
-  PortStream& host() {
-    if (stream_) return *stream_;
-    auto session =
-        std::make_shared<PortSession>(gateway_, config_, "port " + config_.name,
-                                      [weak = weak_from_this()](const Told& told, CanForm) {
-                                        if (const auto self = weak.lock())
-                                          self->write(to_serial(told));
-                                      });
+  std::shared_ptr<PortStream> host() {
+    if (stream_) return stream_;
+    auto session = std::make_shared<PortSession>(
+        gateway_, config_, "port " + config_.name,
+        [weak = weak_from_this()](const Told& told, CanForm) {
+          if (const auto self = weak.lock()) self->write(to_serial(told));
+        },
+        [weak = weak_from_this()] {
+          if (const auto self = weak.lock()) self->end_of_host();
+        });
     session->start();
     const auto descriptor = master_.native_handle();
     stream_ = std::make_shared<PortStream>(std::move(session), executor_,
                                            [descriptor] { return has_input(descriptor); });
-    return *stream_;
+    return stream_;
   }
 
   /// The next host is to find nothing that was said to this one.

@@ -33,11 +33,12 @@ std::string reason_of(const tmcl::Error& error) {
 }  // namespace
 
 PortSession::PortSession(std::shared_ptr<Gateway> gateway, const PortConfig& config,
-                         std::string name, Output output)
+                         std::string name, Output output, std::function<void()> disconnect)
     : gateway_(std::move(gateway)),
       bus_(bus_named(*gateway_, config.bus)),
       name_(std::move(name)),
       output_(std::move(output)),
+      disconnect_(std::move(disconnect)),
       conduct_(gateway_, bus_, config.role, gateway_->enter(name_)),
       asked_(bus_->executor()) {}
 
@@ -59,7 +60,11 @@ void PortSession::close() {
 }
 
 void PortSession::fail(const std::exception_ptr& failure) {
+  const bool owes_stop = std::ranges::any_of(
+      pending_, [](const AskedPtr& asked) { return !asked->ended && is_stop(asked->request); });
+  if (owes_stop) gateway_->stop_in_need();
   close();
+  disconnect_();
   gateway_->log_failure(name_ + ", which was closed", failure);
 }
 
@@ -72,7 +77,15 @@ bool PortSession::has_room(bool stops) const {
 }
 
 void PortSession::on_request(const tmcl::Request& request, CanForm form) {
-  if (closed_) return;
+  try {
+    if (!closed_) take(request, form);
+  } catch (...) {
+    if (is_stop(request)) gateway_->stop_in_need();
+    fail(std::current_exception());
+  }
+}
+
+void PortSession::take(const tmcl::Request& request, CanForm form) {
   conduct_.note_datagram();
   last_form_ = form;
   const bool stops = is_stop(request);

@@ -35,9 +35,10 @@ class PortSession : public std::enable_shared_from_this<PortSession> {
   /// `form`: in which the request came that this answers, or the last one.
   using Output = std::function<void(const Told& told, CanForm form)>;
 
-  /// `name` of the host, for people: "port a".
+  /// `name` of the host, for people: "port a". `disconnect`: this session serves nobody any more,
+  /// since it has failed.
   PortSession(std::shared_ptr<Gateway> gateway, const PortConfig& config, std::string name,
-              Output output);
+              Output output, std::function<void()> disconnect);
 
   void start();
   const GatewayBus& bus() const { return *bus_; }
@@ -64,6 +65,7 @@ class PortSession : public std::enable_shared_from_this<PortSession> {
   };
   using AskedPtr = std::shared_ptr<Asked>;
 
+  void take(const tmcl::Request& request, CanForm form);
   static boost::asio::awaitable<void> serve(std::shared_ptr<PortSession> self);
   static boost::asio::awaitable<void> serve_one(std::shared_ptr<PortSession> self, AskedPtr asked);
   boost::asio::awaitable<void> carry_out(AskedPtr asked);
@@ -85,6 +87,7 @@ class PortSession : public std::enable_shared_from_this<PortSession> {
   std::shared_ptr<GatewayBus> bus_;
   std::string name_;
   Output output_;
+  std::function<void()> disconnect_;
   PortConduct conduct_;
   Wake asked_;
   std::deque<AskedPtr> pending_;

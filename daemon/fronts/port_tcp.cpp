@@ -44,6 +44,9 @@ class Host : public std::enable_shared_from_this<Host> {
         std::move(gateway), config, "port " + config.name + " of " + self->peer(),
         [weak = self->weak_from_this()](const Told& told, CanForm) {
           if (const auto host = weak.lock()) host->write(to_serial(told));
+        },
+        [weak = self->weak_from_this()] {
+          if (const auto host = weak.lock()) host->close();
         });
     session->start();
     const auto stream = std::make_shared<PortStream>(

@@ -3,6 +3,7 @@
 /// Only what the daemon does is watched: the modules and the clients are no part of its reactor.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <string>
@@ -81,6 +82,9 @@ class MemoryBench {
 
   Daemon& daemon() { return *daemon_; }
   const std::string& socket() const { return socket_; }
+  /// On which it speaks HTTP, and is a serial device server.
+  std::uint16_t http_port() const { return http_port_; }
+  std::uint16_t serial_port() const { return serial_port_; }
   std::int32_t get(std::size_t motor, std::uint8_t parameter);
   /// Where each motor is: x, y, z, and those that are no axes.
   std::vector<std::int32_t> positions();
@@ -96,9 +100,13 @@ class MemoryBench {
   void in_daemon(Turn turn);
   bool serve_modules();
   tmcl::Result<tmcl::Link> open();
+  /// Empty, or why it cannot be.
+  std::string create_daemon();
 
   std::string folder_;
   std::string socket_;
+  std::uint16_t http_port_ = 0;
+  std::uint16_t serial_port_ = 0;
   boost::asio::io_context context_{1};
   tmcl::VirtualTime time_{context_};
   tmcl::ContextClock clock_{context_};

@@ -33,7 +33,7 @@ class PortHost {
     config.role = role;
     const auto session = std::make_shared<PortSession>(
         bench.gateway().shared_from_this(), config, "port " + name,
-        [heard = heard_](const Told& told, CanForm) { heard->push_back(to_serial(told)); });
+        [heard = heard_](const Told& told, CanForm) { heard->push_back(to_serial(told)); }, [] {});
     session->start();
     stream_ = std::make_shared<PortStream>(session, bench.gateway().buses().front()->executor(),
                                            [] { return false; });
