@@ -574,8 +574,11 @@ class StreamConnection final : public HttpConnection,
     return ws_ ? ws_->next_layer().next_layer() : stream_.next_layer();
   }
   asio::any_io_executor executor() { return lowest().get_executor(); }
-  bool is_open() { return lowest().socket().is_open(); }
+  /// Where there was no memory for a WebSocket, the stream went with what was made of it.
+  bool has_stream() const { return ws_.has_value() || static_cast<bool>(stream_); }
+  bool is_open() { return has_stream() && lowest().socket().is_open(); }
   void close_socket() {
+    if (!has_stream()) return;
     error_code ignored;
     lowest().socket().close(ignored);
   }

@@ -1,5 +1,7 @@
 #include "web/web_stream.hpp"
 
+#include <utility>
+
 #include <boost/beast/ssl/ssl_stream.hpp>
 #include <boost/beast/websocket/ssl.hpp>
 
@@ -17,8 +19,9 @@ WebStream::~WebStream() = default;
 WebStream::Tcp& WebStream::next_layer() { return tls_ ? tls_->next_layer() : *tcp_; }
 
 void WebStream::use_tls(boost::asio::ssl::context& context) {
-  tls_ = std::make_unique<Tls>(std::move(*tcp_), context);
-  tcp_.reset();
+  // Where there is no memory for it, neither is left.
+  const auto tcp = std::exchange(tcp_, nullptr);
+  tls_ = std::make_unique<Tls>(std::move(*tcp), context);
 }
 
 SSL* WebStream::native_handle() { return tls_ ? tls_->native_handle() : nullptr; }

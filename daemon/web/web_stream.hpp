@@ -34,6 +34,8 @@ class WebStream {
   WebStream& operator=(WebStream&&) noexcept;
   ~WebStream();
 
+  /// False of one that was moved: nothing else can be done with it.
+  explicit operator bool() const { return tcp_ != nullptr || tls_ != nullptr; }
   executor_type get_executor() { return next_layer().get_executor(); }
   Tcp& next_layer();
   const Tcp& next_layer() const { return const_cast<WebStream*>(this)->next_layer(); }
