@@ -209,10 +209,8 @@ TEST(StreamJoint, OfAnyLinesChangesNoSpeedByMoreThanItAllows) {
     if (felt.refused) continue;
     ++passed;
     expect_no_steps_lost(lines, felt);
-    // The targets of a leg reach its axes one after the other, not at once: of some 900 paths, one
-    // is farther off than the tolerance at a joint.
     if (us + jitter < 300) {
-      EXPECT_LT(felt.farthest, 4 * tolerance) << describe(lines);
+      EXPECT_LT(felt.farthest, tolerance) << describe(lines);
     }
     if (HasFailure()) return;
   }

@@ -42,6 +42,8 @@ constexpr std::size_t commands_after_joint = commands_of_ramps + 2;
 // What part of a leg the axes may take for the joint before it; with ramps, they need the rest.
 constexpr double joint_part_of_even_leg = 1. / 2;
 constexpr double joint_part_of_ramps = 1. / 8;
+// What part of the speed it was told for a joint an axis may lack when its ramp is loaded.
+constexpr double near_speed = 1. / 32;
 // What part of its velocity an axis may gain or lose at a joint with the acceleration of a ramp.
 constexpr double turning_part = 1. / 4;
 
@@ -270,7 +272,8 @@ Script<DriveRunner::Fault> PathStream::Runner::by_position() {
     ++report_.updates;
     if (here.drive == Drive::by_ramps_after_joint) {
       co_await until(time_of(here.leg.begin) + time_of_joint(i));
-      wrong = co_await load_ramps(here);
+      wrong = co_await see_joint_speeds(here);
+      if (!wrong) wrong = co_await load_ramps(here);
       if (wrong) co_return wrong;
     }
     const auto read = i % axes_.size();
@@ -318,6 +321,22 @@ Script<DriveRunner::Fault> PathStream::Runner::see_standing(std::size_t axis) {
     let_twin_run(axis, now_);
     if (axes_[axis].info.twin->motion().velocity.value == 0) break;
     co_await until(now_ + shortest_look);
+  }
+  co_return asked_to_stop();
+}
+
+// An axis that was told its speed before it had braked for the joint needs longer to have it; and
+// with the acceleration of a ramp that hardly moves it, it would never get there in time.
+Script<DriveRunner::Fault> PathStream::Runner::see_joint_speeds(const Passage& passage) {
+  const auto limit = time_of(passage.leg.begin) + duration(longest_joint(passage));
+  for (const auto& load : loads_) {
+    const double wanted = axes_[load.axis].told->value;
+    while (now_ < limit && !stop_asked_) {
+      let_twin_run(load.axis, now_);
+      const double speed = std::abs(axes_[load.axis].info.twin->motion().velocity.value);
+      if (std::abs(speed - wanted) <= near_speed * wanted) break;
+      co_await until(now_ + shortest_look);
+    }
   }
   co_return asked_to_stop();
 }
@@ -504,6 +523,12 @@ bool PathStream::Runner::hardly_moves(const CourseLeg& leg, std::size_t axis) co
   return std::abs(way) <= options_.even_within;
 }
 
+// With a steeper ramp than planned, an axis begins to brake later.
+bool PathStream::Runner::has_slowed_down(std::size_t axis) const {
+  const double speed = std::abs(axes_[axis].info.twin->motion().velocity.value);
+  return axes_[axis].told && speed < (1 - near_speed) * axes_[axis].told->value;
+}
+
 // How an axis comes to the leg.
 PathStream::Runner::Way PathStream::Runner::way_to(const Passage& passage, std::size_t axis) const {
   if (passage.index == 0 || passage.leg.start_speed == 0) return Way::from_rest;
@@ -512,7 +537,7 @@ PathStream::Runner::Way PathStream::Runner::way_to(const Passage& passage, std::
   if (!goes_on(passage.index - 1, axis)) return Way::turns;
   if (before.drive == Drive::evenly || !before.leg.slows_down) return Way::goes_on;
   const bool brakes_by_then = duration(before.leg.down) >= early_by(passage);
-  return brakes_by_then ? Way::brakes : Way::goes_on_late;
+  return brakes_by_then && has_slowed_down(axis) ? Way::brakes : Way::goes_on_late;
 }
 
 // In the same sense on the next leg.

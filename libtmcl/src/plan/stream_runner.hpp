@@ -244,6 +244,8 @@ class PathStream::Runner final : public DriveRunner {
   TimePoint time_at_joint(const Passage& passage);
   Script<Fault> see_standing(const Passage& passage);
   Script<Fault> see_standing(std::size_t axis);
+  Script<Fault> see_joint_speeds(const Passage& passage);
+  bool has_slowed_down(std::size_t axis) const;
   Script<Fault> prepare_loads(const Passage& passage);
   Script<Fault> write_before(const Passage& passage, const Load& load);
   Script<Fault> begin_leg(const Passage& passage);
