@@ -323,7 +323,8 @@ path::Passage passage_of(const PathRun& run, double tolerance) {
 
 std::string tolerance_warning(double tolerance, double by) {
   return fmt::format(
-      "the tolerance of {} was exceeded by {}; a lower velocity or acceleration, or "
+      "the tolerance of {} was exceeded by at least {}, where positions were read; a lower "
+      "velocity or acceleration, or "
       "another mode, keeps nearer to the path",
       tmcl::plain_number(tolerance, 6), tmcl::plain_number(by, 3));
 }

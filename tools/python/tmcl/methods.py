@@ -581,11 +581,11 @@ class PathRun(Record):
     round_trip_us: float = 0.0
     #: of each axis
     tracking_error: tuple[PathRunTrackingError, ...] = ()
-    #: how far from the path the axes were seen at most, in the unit of the file
+    #: how far from the path the axes were seen at most, in the unit of the file; between two readings they may have been farther off
     off_path: float = 0.0
     #: how late on the path they were seen at most
     lag_s: float = 0.0
-    #: by how much off_path is more than the tolerance; null if it is not
+    #: by how much off_path is more than the tolerance, at least; null if it is not
     tolerance_exceeded_by: float | None = None
     #: what else is to be said, such as of a parameter not set back
     remarks: tuple[str, ...] = ()

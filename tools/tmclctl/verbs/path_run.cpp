@@ -125,7 +125,7 @@ void print(const json::object& report, StreamMode mode, Output& output) {
                fmt::format("{:.0f}", number_at(row, "readings").value_or(0))});
   }
   table.print(output.out);
-  output.out << fmt::format("at most {:.4f} off the path and {:.1f} ms late on it\n",
+  output.out << fmt::format("seen at most {:.4f} off the path and {:.1f} ms late on it\n",
                             number("off_path"), 1e3 * number("lag_s"));
   output.out << fmt::format("{:.0f} {} in {:.3f} s, {} {:.1f} ms, at most {:.1f} ms late\n",
                             number("updates"), by_position ? "legs" : "updates", number("passed_s"),

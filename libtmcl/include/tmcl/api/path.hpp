@@ -84,10 +84,11 @@ struct Passage {
   TMCL_FIELD(double, round_trip_us, "of a command, measured before");
   TMCL_FIELD(std::vector<Tracking>, tracking_error, "of each axis");
   TMCL_FIELD(double, off_path,
-             "how far from the path the axes were seen at most, in the unit of the file");
+             "how far from the path the axes were seen at most, in the unit of the file; between two "
+             "readings they may have been farther off");
   TMCL_FIELD(double, lag_s, "how late on the path they were seen at most");
   TMCL_FIELD(std::optional<double>, tolerance_exceeded_by,
-             "by how much off_path is more than the tolerance; null if it is not");
+             "by how much off_path is more than the tolerance, at least; null if it is not");
   TMCL_FIELD(std::vector<std::string>, remarks,
              "what else is to be said, such as of a parameter not set back");
 };
