@@ -124,8 +124,10 @@ RpcResult LocalGateway::call(std::string_view method, boost::json::object params
   return call.result();
 }
 
+tmcl::TimePoint LocalGateway::now() const { return tmcl::now(context_->get_executor()); }
+
 bool LocalGateway::listen(tmcl::Duration at_most) {
-  run_until_news(tmcl::now(context_->get_executor()) + at_most);
+  run_until_news(now() + at_most);
   return deliver();
 }
 
@@ -154,6 +156,7 @@ void LocalGateway::hang_up() {
 }
 
 void LocalGateway::end() {
+  is_ending_ = true;
   if (peer_->is_gone()) return;
   const auto has_ended = std::make_shared<bool>(false);
   spawn(context_->get_executor(), end_with_calls(gateway_, peer_, has_ended));

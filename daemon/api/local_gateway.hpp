@@ -89,7 +89,11 @@ class LocalGateway {
   /// Ends as tmcld does, see end_gateway(): that may take seconds, for an upload minutes. Calls in
   /// progress have ended then.
   void end();
+  /// Once end() was called.
+  bool is_ending() const { return is_ending_; }
 
+  /// By the clock of the gateway.
+  tmcl::TimePoint now() const;
   /// What is there and what moves.
   Gateway& gateway() { return *gateway_; }
 
@@ -104,6 +108,7 @@ class LocalGateway {
   std::shared_ptr<LocalPeer> peer_;
   OnNotification on_notification_;
   std::uint64_t last_id_ = 0;
+  bool is_ending_ = false;
   /// Something came since it was looked at last.
   std::shared_ptr<bool> news_ = std::make_shared<bool>(false);
 };

@@ -17,7 +17,7 @@ int complain(const tmcl::client::Error& error) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  auto daemon = tmcl::client::Connection::open(argc > 1 ? argv[1] : "/run/tmcld/tmcld.sock");
+  auto daemon = tmcl::client::Caller::open(argc > 1 ? argv[1] : "/run/tmcld/tmcld.sock");
   if (!daemon) return complain(daemon.error());
 
   auto x = daemon->axis("x");

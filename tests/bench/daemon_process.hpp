@@ -52,8 +52,8 @@ class DaemonProcess {
   ~DaemonProcess() { std::filesystem::remove_all(folder_); }
 
   std::string socket() const { return folder_ / "tmcld.sock"; }
-  client::Connection connect() const {
-    auto connection = client::Connection::open(socket());
+  client::Caller connect() const {
+    auto connection = client::Caller::open(socket());
     if (!connection) throw std::runtime_error(connection.error().message);
     return std::move(*connection);
   }

@@ -120,8 +120,8 @@ TEST(CtlClient, CallsAndReadsTheResult) {
     seen = request;
     return R"({"jsonrpc":"2.0","id":)" + id_of(request) + R"(,"result":{"value":7}})" + "\n";
   });
-  auto connection = Connection::open(daemon.path()).value();
-  EXPECT_EQ(connection.daemon_version(), "9.9");
+  auto connection = Caller::open(daemon.path()).value();
+  EXPECT_EQ(connection.version(), "9.9");
   EXPECT_EQ(connection.call("parameter.get", {{"axis", "x"}}).value().at("value"), 7);
   EXPECT_EQ(seen.at("jsonrpc"), "2.0");
   EXPECT_EQ(seen.at("method"), "parameter.get");
@@ -135,7 +135,7 @@ TEST(CtlClient, KeepsAllThatTheDaemonSaysOfAnError) {
            R"("hint":"look","bus":"bench"}}})"
            "\n";
   });
-  auto connection = Connection::open(daemon.path()).value();
+  auto connection = Caller::open(daemon.path()).value();
   const auto error = connection.call("axis.stop").error();
   EXPECT_EQ(error.kind, ErrorKind::failed);
   EXPECT_EQ(error.name, "reply_timeout");
@@ -155,7 +155,7 @@ TEST(CtlClient, HandsOutWhatComesUnasked) {
            id_of(request) + R"(,"result":{}})" + "\n" +
            R"({"jsonrpc":"2.0","method":"notify_event","params":{}})" + "\n";
   });
-  auto connection = Connection::open(daemon.path()).value();
+  auto connection = Caller::open(daemon.path()).value();
   std::vector<std::string> heard;
   connection.on_notification(
       [&](std::string_view method, const auto&) { heard.emplace_back(method); });
@@ -172,7 +172,7 @@ TEST(CtlClient, ProgressGivesACallMoreTime) {
         R"({"jsonrpc":"2.0","method":"notify_progress","params":{"id":)" + id_of(request) + "}}\n";
     return reports++ == 0 ? text : std::string{};
   });
-  auto connection = Connection::open(daemon.path(), quick()).value();
+  auto connection = Caller::open(daemon.path(), quick()).value();
   const auto before = std::chrono::steady_clock::now();
   const auto error = connection.call("bus.scan").error();
   EXPECT_EQ(error.name, error_name::timeout);
@@ -182,7 +182,7 @@ TEST(CtlClient, ProgressGivesACallMoreTime) {
 
 TEST(CtlClient, ALostConnectionLeavesTheOutcomeUnknown) {
   FakeDaemon daemon(greeting, [](const auto&) { return "hang up"; });
-  auto connection = Connection::open(daemon.path()).value();
+  auto connection = Caller::open(daemon.path()).value();
   const auto error = connection.call("axis.move_to").error();
   EXPECT_EQ(error.name, error_name::lost);
   EXPECT_EQ(error.outcome, Outcome::unknown);
@@ -197,7 +197,7 @@ TEST(CtlClient, KnowsWhenItIsNoTmcld) {
         R"({"jsonrpc":"2.0","method":"hello","params":{"protocol":{"major":2}}})"
         "\n"}) {
     FakeDaemon daemon(first);
-    const auto connection = Connection::open(daemon.path(), quick());
+    const auto connection = Caller::open(daemon.path(), quick());
     ASSERT_FALSE(connection) << first;
     EXPECT_EQ(connection.error().name, error_name::incompatible) << first;
     EXPECT_EQ(connection.error().outcome, Outcome::not_sent);
@@ -207,7 +207,7 @@ TEST(CtlClient, KnowsWhenItIsNoTmcld) {
 TEST(CtlClient, AnEndlessLineIsNotSwallowed) {
   FakeDaemon daemon(greeting,
                     [](const auto&) { return std::string(max_line_bytes + 100'000, 'x'); });
-  auto connection = Connection::open(daemon.path()).value();
+  auto connection = Caller::open(daemon.path()).value();
   EXPECT_EQ(connection.call("axis.list").error().name, error_name::lost);
 }
 
@@ -216,18 +216,18 @@ TEST(CtlClient, CanBeCancelled) {
   Options options;
   const auto since = std::chrono::steady_clock::now();
   options.cancelled = [&] { return std::chrono::steady_clock::now() - since > milliseconds(150); };
-  auto connection = Connection::open(daemon.path(), options).value();
+  auto connection = Caller::open(daemon.path(), options).value();
   EXPECT_EQ(connection.call("axis.wait").error().name, error_name::cancelled);
 }
 
 TEST(CtlClient, NamesTheSocketThatIsNotThere) {
-  const auto error = Connection::open("/nowhere/tmcld.sock").error();
+  const auto error = Caller::open("/nowhere/tmcld.sock").error();
   EXPECT_EQ(error.name, error_name::unreachable);
   EXPECT_EQ(error.outcome, Outcome::not_sent);
   EXPECT_THAT(error.message, HasSubstr("/nowhere/tmcld.sock"));
   EXPECT_THAT(error.hint, HasSubstr("tmcld"));
-  EXPECT_EQ(Connection::open(std::string(500, 'x')).error().name, error_name::unreachable);
-  EXPECT_EQ(Connection::open("").error().name, error_name::unreachable);
+  EXPECT_EQ(Caller::open(std::string(500, 'x')).error().name, error_name::unreachable);
+  EXPECT_EQ(Caller::open("").error().name, error_name::unreachable);
 }
 
 /// `event` happens while the client waits for the socket. A test whose client does not wait fails,
@@ -246,21 +246,21 @@ TEST(CtlClient, WaitsForADaemonThatIsStarting) {
   const auto path = FakeDaemon(greeting).path();
   ASSERT_FALSE(std::filesystem::exists(path));
   std::optional<FakeDaemon> daemon;
-  EXPECT_TRUE(Connection::open(path, patient([&] { daemon.emplace(greeting); })));
+  EXPECT_TRUE(Caller::open(path, patient([&] { daemon.emplace(greeting); })));
 }
 
 TEST(CtlClient, WaitsForADaemonThatReplacesTheSocketOfOneThatWasKilled) {
   const auto path = FakeDaemon(greeting).path();
   FakeDaemon::leave_stale_socket(path);
   std::optional<FakeDaemon> daemon;
-  EXPECT_TRUE(Connection::open(path, patient([&] { daemon.emplace(greeting); })));
+  EXPECT_TRUE(Caller::open(path, patient([&] { daemon.emplace(greeting); })));
 }
 
 TEST(CtlClient, SaysHowLongItWaited) {
   Options options;
   options.wait_for_socket = milliseconds(60);
   const auto path = FakeDaemon(greeting).path();
-  const auto error = Connection::open(path, options).error();
+  const auto error = Caller::open(path, options).error();
   EXPECT_EQ(error.name, error_name::unreachable);
   EXPECT_THAT(error.message,
               testing::ContainsRegex("No such file or directory \\(waited [0-9.]+ s for it\\)"));
@@ -271,7 +271,7 @@ TEST(CtlClient, DoesNotWaitForWhatCannotComeRight) {
   std::ofstream(no_socket) << "text";
   for (const auto& path : {std::string("/nowhere/tmcld.sock"), no_socket, std::string("/tmp/"),
                            std::string(500, 'x'), std::string()}) {
-    const auto error = Connection::open(path, patient([] {})).error();
+    const auto error = Caller::open(path, patient([] {})).error();
     EXPECT_EQ(error.name, error_name::unreachable) << path;
     EXPECT_THAT(error.message, testing::Not(HasSubstr("waited"))) << path;
   }
@@ -281,7 +281,7 @@ TEST(CtlClient, DoesNotWaitForWhatCannotComeRight) {
 TEST(CtlClient, CanBeCancelledWhileItWaits) {
   Options options;
   options.cancelled = [] { return true; };
-  const auto error = Connection::open(FakeDaemon(greeting).path(), options).error();
+  const auto error = Caller::open(FakeDaemon(greeting).path(), options).error();
   EXPECT_EQ(error.name, error_name::cancelled);
   EXPECT_EQ(error.outcome, Outcome::not_sent);
 }

@@ -69,9 +69,12 @@ TEST(CtlComparison, SaysWhereTheAxisWasOffThePlan) {
 // As [[module]] as = FILE of the gateway has it; words that only a newer one knows are as usual.
 TEST(CtlComparison, IsWithWhatWasMeasuredOfTheModule) {
   test::Ctl ctl;
+  std::ostringstream text;
+  Output output{text, text, {}, {}};
+  Context context{ctl.gateway, output, ctl.host};
   const auto arrival = [&](boost::json::array traits) {
     ctl.target.result = {{"model", "TMCM-1110"}, {"traits", std::move(traits)}};
-    auto twin = twin_of("x", ctl.target).value();
+    auto twin = twin_of("x", context).value();
     twin.move_to({1'001});
     return twin.time_to_arrival();
   };

@@ -38,7 +38,7 @@ class CtlFirmware : public testing::Test {
 
   std::filesystem::path folder;
   test::Ctl ctl;
-  test::FakeTarget& target = ctl.target;
+  test::FakeGateway& target = ctl.target;
   std::string& out = ctl.out;
   std::string& err = ctl.err;
 };
@@ -82,7 +82,7 @@ TEST_F(CtlFirmware, ABadFileIsToldWithLineAndColumn) {
 
 TEST_F(CtlFirmware, CheckTellsWhetherAFileBelongsToAModule) {
   EXPECT_EQ(run({"firmware", "check", path("good.hex"), "7"}), ExitCode::done);
-  EXPECT_EQ(target.calls, std::vector<std::string>{"match_firmware :7"});
+  EXPECT_EQ(target.calls, std::vector<std::string>{"firmware.status b:7"});
   EXPECT_EQ(out, "module 7 has firmware 1.01 of a TMCM-1110; " + path("good.hex") +
                      " is firmware 1.42 of a TMCM-1110\n");
   EXPECT_EQ(run({"firmware", "check", path("other.hex"), "7"}), ExitCode::usage);
@@ -90,7 +90,7 @@ TEST_F(CtlFirmware, CheckTellsWhetherAFileBelongsToAModule) {
   EXPECT_EQ(run({"firmware", "check", path("nameless.hex"), "7"}), ExitCode::usage);
   const auto told = json({"firmware", "check", path("good.hex"), "b:7"});
   EXPECT_EQ(told.at("module").at("offered"), "1110V142");
-  EXPECT_EQ(target.calls.back(), "match_firmware b:7");
+  EXPECT_EQ(target.calls.back(), "firmware.status b:7");
 }
 
 TEST_F(CtlFirmware, UploadTellsWhatRunsNow) {
@@ -99,9 +99,9 @@ TEST_F(CtlFirmware, UploadTellsWhatRunsNow) {
             "module 7 runs firmware 1.42 of a TMCM-1110 now; before it was firmware 1.01 of a "
             "TMCM-1110\n");
   EXPECT_EQ(err, "");
-  EXPECT_EQ(target.calls.back(), "upload_firmware");
+  EXPECT_EQ(target.calls.back(), "firmware.upload");
   const auto told = json({"firmware", "upload", path("good.hex"), "7", "--force"});
-  EXPECT_EQ(target.calls.back(), "upload_firmware by force");
+  EXPECT_EQ(target.calls.back(), "firmware.upload by force");
   EXPECT_EQ(told.at("running"), "1110V142");
   EXPECT_EQ(told.at("module").at("running"), "1110V101");
 }

@@ -32,29 +32,31 @@ TEST_F(CtlMethods, EveryVerbAsksForItsMethod) {
       {{"store", "x", "max_velocity"},
        R"(parameter.store {"axis":"x","parameter":"max_velocity"})"},
       {{"restore", "x", "4"}, R"(parameter.restore {"axis":"x","parameter":"4"})"},
-      {{"global", "get", "1", "66"}, R"(global.get {"address":1,"parameter":"66"})"},
+      {{"global", "get", "1", "66"}, R"(global.get {"bus":"b","address":1,"parameter":"66"})"},
       {{"global", "set", "b:1", "5", "-7", "--bank", "2"},
        R"(global.set {"bus":"b","address":1,"parameter":"5","bank":2,"value":-7})"},
-      {{"global", "store", "1", "5"}, R"(global.store {"address":1,"parameter":"5"})"},
-      {{"input", "1", "0", "--bank", "1"}, R"(io.get {"address":1,"bank":1,"port":0})"},
-      {{"output", "1", "2", "1"}, R"(io.set {"address":1,"port":2,"value":1})"},
-      {{"output", "1", "2"}, R"(io.get {"address":1,"bank":2,"port":2})"},
+      {{"global", "store", "1", "5"}, R"(global.store {"bus":"b","address":1,"parameter":"5"})"},
+      {{"input", "1", "0", "--bank", "1"}, R"(io.get {"bus":"b","address":1,"bank":1,"port":0})"},
+      {{"output", "1", "2", "1"}, R"(io.set {"bus":"b","address":1,"port":2,"value":1})"},
+      {{"output", "1", "2"}, R"(io.get {"bus":"b","address":1,"bank":2,"port":2})"},
       {{"coordinate", "start", "1", "3", "0", "2", "--arrive-together"},
-       R"(coordinate.start {"address":1,"motors":[0,2],"interpolated":true,"number":3})"},
+       R"(coordinate.start {"bus":"b","address":1,"motors":[0,2],"interpolated":true,"number":3})"},
       {{"coordinate", "start", "b:1", "0", "5"},
        R"(coordinate.start {"bus":"b","address":1,"motors":[5],"number":0})"},
       {{"arrivals", "1", "--off"},
-       R"(module.report_arrivals {"address":1,"motors":[],"every":true})"},
-      {{"info", "1"}, R"(module.info {"address":1})"},
-      {{"reset", "1"}, R"(module.reset {"address":1})"},
-      {{"factory-reset", "1", "--yes"}, R"(module.factory_reset {"address":1})"},
+       R"(module.report_arrivals {"bus":"b","address":1,"motors":[],"every":true})"},
+      {{"info", "1"}, R"(module.info {"bus":"b","address":1})"},
+      {{"reset", "1"}, R"(module.reset {"bus":"b","address":1})"},
+      {{"factory-reset", "1", "--yes"}, R"(module.factory_reset {"bus":"b","address":1})"},
       {{"coordinate", "set", "x", "3", "-50"},
        R"(coordinate.set {"axis":"x","number":3,"position":"-50"})"},
       {{"coordinate", "move", "x", "3"}, R"(coordinate.move {"axis":"x","number":3})"},
       {{"coordinate", "store", "x"}, R"(coordinate.store {"axis":"x"})"},
-      {{"program", "run", "1", "--start", "7"}, R"(program.run {"address":1,"first_address":7})"},
-      {{"program", "stop", "1"}, R"(program.stop {"address":1})"},
-      {{"program", "breakpoint", "1", "9"}, R"(program.set_breakpoint {"address":1,"at":9})"},
+      {{"program", "run", "1", "--start", "7"},
+       R"(program.run {"bus":"b","address":1,"first_address":7})"},
+      {{"program", "stop", "1"}, R"(program.stop {"bus":"b","address":1})"},
+      {{"program", "breakpoint", "1", "9"},
+       R"(program.set_breakpoint {"bus":"b","address":1,"at":9})"},
       {{"path", "pause", "x"}, R"(path.pause {"axes":["x"]})"},
       {{"path", "resume"}, R"(path.resume {})"},
       {{"path", "stop", "x", "y"}, R"(path.stop {"axes":["x","y"]})"},
@@ -136,8 +138,10 @@ TEST_F(CtlMethods, ArrivalsAreShownUntilTheTimeIsUp) {
   EXPECT_EQ(ctl.out,
             "    1.000 s  module 1: motor 0 arrived\n"
             "    2.000 s  module 1: motor 1 and motor 2 arrived\n");
-  EXPECT_THAT(ctl.target.calls,
-              ElementsAre(R"(module.report_arrivals {"address":1,"motors":[0,1,2],"every":true})"));
+  EXPECT_THAT(
+      ctl.target.calls,
+      ElementsAre(
+          R"(module.report_arrivals {"bus":"b","address":1,"motors":[0,1,2],"every":true})"));
 }
 
 TEST_F(CtlMethods, ArrivalsOfTheNextMoveEndWhenAllHaveArrived) {
@@ -145,7 +149,7 @@ TEST_F(CtlMethods, ArrivalsOfTheNextMoveEndWhenAllHaveArrived) {
   EXPECT_EQ(ctl.json({"arrivals", "b:1", "1", "--next"}).at("motors").at(0), 1);
   ctl.host.press_ctrl_c_after(std::chrono::seconds(60));
   EXPECT_EQ(ctl.run({"arrivals", "1", "0", "1", "--next"}), ExitCode::done);
-  EXPECT_THAT(ctl.out, testing::EndsWith("motor 0 arrived\n"));
+  EXPECT_THAT(ctl.out, testing::EndsWith("motor 1 arrived\n"));
   ctl.target.failure = error_of(ExitCode::refused, "refused_by_module", "it does not know that");
   EXPECT_EQ(ctl.run({"arrivals", "1", "0"}), ExitCode::refused);
 }
@@ -170,8 +174,8 @@ TEST_F(CtlMethods, UploadAssemblesTextAndTakesBytesAsTheyAre) {
   const tmcl::program::Program program{{tmcl::Command::MVP, 0, 0, 5}, {tmcl::Command::STOP}};
   const auto bytes = tmcl::program::to_bytes(program);
   const auto binary = file("host_ctl.bin", {bytes.begin(), bytes.end()});
-  const auto call =
-      R"(program.load {"address":1,"program":")" + tmcl::program::to_hex(program) + R"("})";
+  const auto call = R"(program.load {"bus":"b","address":1,"program":")" +
+                    tmcl::program::to_hex(program) + R"("})";
   for (const auto& path : {source, binary}) {
     Ctl one;
     one.target.result = {{"commands", 2}};
@@ -181,7 +185,7 @@ TEST_F(CtlMethods, UploadAssemblesTextAndTakesBytesAsTheyAre) {
   }
   ctl.run({"program", "upload", source, "1", "--run", "--start", "4"});
   ASSERT_EQ(ctl.target.calls.size(), 2U);
-  EXPECT_EQ(ctl.target.calls[1], R"(program.run {"address":1,"first_address":4})");
+  EXPECT_EQ(ctl.target.calls[1], R"(program.run {"bus":"b","address":1,"first_address":4})");
 }
 
 TEST_F(CtlMethods, AProgramWithProblemsIsNotSent) {

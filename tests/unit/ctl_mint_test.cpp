@@ -78,7 +78,7 @@ TEST_F(CtlMint, TheGatewayRunsAProgram) {
                      {{"line", 8}, {"planned_s", 2}, {"took_s", 2}}}},
                    {"remarks", {"parameter 4 of x was 7 before: silent"}}};
   EXPECT_EQ(run({"mint", "run", path, "--axis", "3=x", "--axis", "0=y"}), ExitCode::done) << err;
-  EXPECT_EQ(target.calls.front(), R"(mint.run {"axes":["x","y"],"numbers":[3,0]})");
+  EXPECT_EQ(target.calls.front(), R"(mint.run {"axes":["x","y"],"numbers":[3,0],"bytes":66})");
   EXPECT_EQ(target.run_text, exercise);
   EXPECT_EQ(out,
             "GO of line 6: 1.250 s, planned 1.000 s\nGO of line 8: 2.000 s, planned 2.000 s\n");
@@ -90,7 +90,7 @@ TEST_F(CtlMint, Axis0IsTheFirstThereIs) {
   check(exercise);
   target.news = {{{"phase", "checked"}, {"axes", {{{"number", 0}, {"axis", "x"}}}}}};
   EXPECT_EQ(run({"mint", "run", path}), ExitCode::done) << err;
-  EXPECT_EQ(target.calls.front(), R"(mint.run {"axes":["x"]})");
+  EXPECT_EQ(target.calls.front(), R"(mint.run {"axes":["x"],"bytes":66})");
   EXPECT_EQ(out, "axis 0 is x\n");
 }
 

@@ -96,11 +96,10 @@ TEST_F(CtlPath, APathIsPlannedOnceAndRunAsItWasPlanned) {
                    {"updates", 7}};
   EXPECT_EQ(run({"path", "run", line, "--axis", "X=left", "--feed", "3"}), ExitCode::done) << err;
   EXPECT_EQ(target.run_text, "G1 X10 F600\n");
-  EXPECT_THAT(target.calls,
-              testing::ElementsAre(R"(path.plan {"format":"gcode","mode":"velocity",)"
-                                   R"("tolerance":5E-2,"period_ms":5,"axes":["left"],)"
-                                   R"("file_axes":["X"],"feed":3E0})",
-                                   R"(path.run {"plan":3,"to_start":true})"));
+  EXPECT_THAT(target.calls, testing::ElementsAre(R"(path.plan {"axes":["left"],"file_axes":["X"],)"
+                                                 R"("bytes":12,"format":"gcode","mode":"velocity",)"
+                                                 R"("tolerance":5E-2,"feed":3E0,"period_ms":5})",
+                                                 R"(path.run {"plan":3,"to_start":true})"));
   EXPECT_THAT(out, HasSubstr("0.2500"));
   EXPECT_THAT(out, HasSubstr("7 updates"));
   EXPECT_THAT(err, HasSubstr("it was late"));

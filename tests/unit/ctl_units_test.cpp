@@ -41,16 +41,16 @@ TEST_F(CtlUnits, WhatIsTypedIsHandedOnInOneCall) {
 }
 
 TEST(CtlTyped, IsATextUnlessItIsBareAndInternal) {
-  const auto params = [](Typed typed) {
-    boost::json::object into;
-    put(into, "position", "position_microsteps", typed);
-    return boost::json::serialize(into);
+  const auto text = [](const Typed& typed) {
+    return typed.amount() ? std::get<std::string>(typed.amount()->said) : "none";
   };
-  EXPECT_EQ(params({"12.5mm"}), R"({"position":"12.5mm"})");
-  EXPECT_EQ(params({"12"}), R"({"position":"12"})");
-  EXPECT_EQ(params({"-12", true}), R"({"position_microsteps":-12})");
-  EXPECT_EQ(params({"12.5mm", true}), R"({"position":"12.5mm"})");
-  EXPECT_EQ(params({"12.5", true}), R"({"position":"12.5"})");
+  EXPECT_EQ(text({"12.5mm"}), "12.5mm");
+  EXPECT_EQ(text({"12"}), "12");
+  EXPECT_EQ(text({"-12", true}), "none");
+  EXPECT_EQ(Typed({"-12", true}).counted(), -12);
+  EXPECT_EQ(text({"12.5mm", true}), "12.5mm");
+  EXPECT_EQ(text({"12.5", true}), "12.5");
+  EXPECT_EQ(text({""}), "none");
 }
 
 TEST_F(CtlUnits, ADistanceCountsFromWhereTheAxisIs) {

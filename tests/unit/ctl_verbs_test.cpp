@@ -376,7 +376,7 @@ TEST_F(CtlVerbs, StateShowsAll) {
 TEST_F(CtlVerbs, WatchPrintsChangesOnly) {
   EXPECT_EQ(run({"watch", "x", "--for", "1"}), ExitCode::done);
   EXPECT_EQ(std::ranges::count(out, '\n'), 1);
-  target.move_to("x", counted(1000));
+  target.move_to(1000);
   EXPECT_EQ(run({"watch", "x", "--interval", "10", "--for", "1", "--json"}), ExitCode::done);
   EXPECT_GE(std::ranges::count(out, '\n'), 10);
   std::istringstream lines(out);
@@ -425,7 +425,7 @@ TEST_F(CtlVerbs, PlotRecordsAMoveToItsEnd) {
 }
 
 TEST_F(CtlVerbs, PlotWithoutAMoveEndsWhenTheAxisStands) {
-  target.move_to("x", counted(5000));
+  target.move_to(5000);
   EXPECT_EQ(run({"plot", "x", "--csv", "-"}), ExitCode::done);
   EXPECT_TRUE(out.starts_with("time_s,position_microsteps,velocity_internal,utc\n0.000000,"));
   EXPECT_THAT(out, HasSubstr(",5000,0,1970-01-01T01:00:0"));

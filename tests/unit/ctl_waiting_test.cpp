@@ -58,8 +58,8 @@ class CtlWaiting : public testing::Test {
   std::string open(const std::string& path) {
     Where where;
     where.direct = "serial:" + path + "@115200";
-    const auto target = open_target(where, usual_wait, host);
-    return target ? std::string{} : target.error().message;
+    const auto gateway = open_gateway(where, usual_wait, host);
+    return gateway ? std::string{} : gateway.error().message;
   }
   ExitCode run(std::vector<std::string> words) {
     words.insert(words.begin(), {"--direct", "serial:" + port + "@115200"});

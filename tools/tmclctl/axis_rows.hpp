@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "target.hpp"
+#include "readings.hpp"
 
 namespace tmclctl {
 

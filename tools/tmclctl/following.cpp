@@ -60,14 +60,14 @@ Error move_interrupted(const Journey& journey, const AxisReading& reading) {
                                  journey.axis));
 }
 
-Error lost_sight(const Journey& journey, Error failure, const Target& target) {
+Error lost_sight(const Journey& journey, Error failure, const Context& context) {
   // The move itself was accepted; where it ended is not known.
   failure.kind = ErrorKind::failed;
   failure.outcome = tmcl::Outcome::done;
   failure.name = "lost_sight";
   failure.message = fmt::format("lost sight of {} on its way to {}: {}", journey.axis,
                                 goal_text(journey), failure.message);
-  failure.hint = "It may still be moving. " + how_to_stop(journey.axis, target);
+  failure.hint = "It may still be moving. " + how_to_stop(journey.axis, context);
   return failure;
 }
 
@@ -78,17 +78,17 @@ Error explained(const Journey& journey, const AxisReading& reading, Error failur
     return interrupted_error(
         context.host.signal(),
         fmt::format("no longer waiting; {} goes on moving to {}", journey.axis, goal_text(journey)),
-        how_to_stop(journey.axis, context.target), not_reached(journey, reading, "", "").subject);
+        how_to_stop(journey.axis, context), not_reached(journey, reading, "", "").subject);
   }
   if (failure.name == name_of(tmcl::Errc::deadline_passed)) {
     auto late = not_reached(journey, reading, "has not arrived in time",
-                            "It goes on moving. " + how_to_stop(journey.axis, context.target));
+                            "It goes on moving. " + how_to_stop(journey.axis, context));
     late.name = "timeout";
     return late;
   }
   if (failure.name == tmcl::client::error_name::driver_fault) return failure;
   if (exit_code_of(failure) == ExitCode::not_reached) return move_interrupted(journey, reading);
-  return lost_sight(journey, std::move(failure), context.target);
+  return lost_sight(journey, std::move(failure), context);
 }
 
 }  // namespace
@@ -109,8 +109,15 @@ std::string advice_on_stop(const std::string& axis, const std::string& cause) {
   return advice + fmt::format("'tmclctl errors {}' shows its flags and switches", axis);
 }
 
-std::string how_to_stop(const std::string& axis, const Target& target) {
-  return fmt::format("Stop it with: tmclctl{} stop {}", target.options(), axis);
+std::string how_to_stop(const std::string& axis, const Context& context) {
+  return fmt::format("Stop it with: tmclctl{} stop {}", context.gateway.options, axis);
+}
+
+Result<tmcl::api::axis::StartedMove> start_move(const std::string& axis, const Typed& where,
+                                                bool by, Context& context) {
+  using namespace tmcl::api::axis;
+  if (by) return context.call(MoveBy{axis, where.counted(), where.amount(), {}, move_deadline_ms});
+  return context.call(MoveTo{axis, where.counted(), where.amount(), {}, move_deadline_ms});
 }
 
 Result<Warnings> follow(const Journey& journey, Context& context,
@@ -122,10 +129,13 @@ Result<Warnings> follow(const Journey& journey, Context& context,
     wait.at_most = std::max<tmcl::Duration>(*journey.timeout - passed, shortest_wait);
   }
   AxisReading last;
-  auto stands = context.target.wait(wait, [&](const AxisReading& reading) {
-    last = reading;
-    on_reading(reading);
-  });
+  auto stands = wait_for(
+      wait,
+      [&](const AxisReading& reading) {
+        last = reading;
+        on_reading(reading);
+      },
+      context);
   if (stands) return stands;
   return tl::unexpected(explained(journey, last, std::move(stands.error()), context));
 }

@@ -1,12 +1,19 @@
-/// Waits for an axis on its way, until it has arrived or something else ends the move.
+/// Sends an axis on its way, and waits, until it has arrived or something else ends the move.
 #pragma once
 
 #include <functional>
 #include <string>
 
+#include "shown.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
+
+/// A movement that had to wait longer than this for its turn is not what the user expects any more.
+constexpr int move_deadline_ms = 5000;
+/// `by`: a distance instead of a position.
+Result<tmcl::api::axis::StartedMove> start_move(const std::string& axis, const Typed& where,
+                                                bool by, Context& context);
 
 /// Time between two readings of a moving axis.
 constexpr tmcl::Duration follow_interval = std::chrono::milliseconds(20);
@@ -37,6 +44,6 @@ std::string advice_on_stop(const std::string& axis, const std::string& cause);
 /// Ctrl-C came before the move went out: then it does not go out any more.
 std::optional<Error> interrupted_before_move(Context& context);
 /// "Stop it with: tmclctl --direct can:can0 stop 1/0"
-std::string how_to_stop(const std::string& axis, const Target& target);
+std::string how_to_stop(const std::string& axis, const Context& context);
 
 }  // namespace tmclctl

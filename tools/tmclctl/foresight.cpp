@@ -28,8 +28,8 @@ tmcl::ModuleTraits traits_of(const api::axis::HeldRamp& held) {
 
 }  // namespace
 
-Result<AxisTwin> twin_of(const std::string& axis, Target& target) {
-  const auto held = target.perform(api::axis::GetRamp{axis});
+Result<AxisTwin> twin_of(const std::string& axis, Context& context) {
+  const auto held = context.call(api::axis::GetRamp{axis});
   if (!held) return tl::unexpected(held.error());
   const auto* model = tmcl::find_model(held->model);
   auto twin = model == nullptr ? std::nullopt : AxisTwin::of(*model);

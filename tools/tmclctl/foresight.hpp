@@ -3,13 +3,13 @@
 
 #include <string>
 
-#include "target.hpp"
+#include "gateway.hpp"
 #include "tmcl/plan/axis_twin.hpp"
 
 namespace tmclctl {
 
 /// Set as the module is, where the axis stands. Errors: also for an axis that moves, for a model
 /// that is not known, and for one whose ramp generator nobody has described.
-Result<tmcl::plan::AxisTwin> twin_of(const std::string& axis, Target& target);
+Result<tmcl::plan::AxisTwin> twin_of(const std::string& axis, Context& context);
 
 }  // namespace tmclctl

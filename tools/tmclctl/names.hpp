@@ -36,7 +36,7 @@ struct ParameterName {
 
 /// A number 0..255, or a name or an alias from the table.
 Result<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> table,
-                                      std::string_view text);
+                                       std::string_view text);
 
 /// "TMCM-1110", "tmcm1110" or "1110".
 Result<const tmcl::Model*> parse_model(std::string_view name);

@@ -9,7 +9,8 @@
 #include <vector>
 
 #include "exit_code.hpp"
-#include "target.hpp"
+#include "gateway.hpp"
+#include "module_lists.hpp"
 #include "tmcl/plan/stream.hpp"
 #include "verb_table.hpp"
 

@@ -12,10 +12,6 @@ namespace json = boost::json;
 
 constexpr std::size_t column_gap = 2;
 
-json::value text_or_null(const std::string& text) {
-  return text.empty() ? json::value(nullptr) : json::value(text);
-}
-
 }  // namespace
 
 void print_json(const json::object& document, Output& output) {
@@ -75,36 +71,11 @@ std::string_view access_text(bool writable, bool stored) {
   return stored ? "RWE" : "RW";
 }
 
-json::object to_json(const ModuleRow& row) {
-  json::object object{{"bus", row.bus},
-                      {"address", row.address},
-                      {"model", text_or_null(row.model)},
-                      {"model_number", row.model_number},
-                      {"firmware", row.firmware},
-                      {"axes", row.axes},
-                      {"in_bootloader", row.in_bootloader},
-                      {"duplicate_suspected", row.duplicate_suspected}};
-  if (row.state.empty()) {
-    object["address_is_reply_id"] = row.address_is_reply_id;
-  } else {
-    object["state"] = row.state;
-    object["watched_by"] = row.watched_by;
-    object["deadman"] = row.deadman;
-  }
-  return object;
-}
-
-json::object to_json(const AxisRow& row) {
-  auto object = tmcl::api::to_json<tmcl::api::axis::Axis>(row);
-  object["why"] = text_or_null(row.why);
-  return object;
-}
-
 std::string name_of(const tmcl::api::parameter::Number& parameter) {
   return parameter.parameter.value_or(std::to_string(parameter.number));
 }
 
-json::object to_json(const std::string& axis, const tmcl::api::parameter::Held& value) {
+json::object to_json(const std::string& axis, const tmcl::api::parameter::Value& value) {
   json::object object{{"axis", axis},
                       {"parameter", name_of(value)},
                       {"number", value.number},

@@ -7,8 +7,10 @@
 
 #include <boost/json/object.hpp>
 
+#include "readings.hpp"
 #include "screen.hpp"
-#include "target.hpp"
+#include "shown.hpp"
+#include "tmcl/api/parameter.hpp"
 
 namespace tmclctl {
 
@@ -42,8 +44,6 @@ std::string_view access_text(bool writable, bool stored);
 /// Its standard name, or its number if it has none.
 std::string name_of(const tmcl::api::parameter::Number& parameter);
 
-boost::json::object to_json(const ModuleRow& row);
-boost::json::object to_json(const AxisRow& row);
-boost::json::object to_json(const std::string& axis, const tmcl::api::parameter::Held& value);
+boost::json::object to_json(const std::string& axis, const tmcl::api::parameter::Value& value);
 
 }  // namespace tmclctl

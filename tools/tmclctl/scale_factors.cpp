@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "module_lists.hpp"
 #include "tmcl/plain_number.hpp"
 #include "tmcl/scale_factor.hpp"
 
@@ -14,9 +15,9 @@ boost::json::value value_or_null(const std::optional<double>& factor) {
 
 }  // namespace
 
-ScaleFactors scale_factors_of(const std::string& axis, bool has_unit, Target& target) {
+ScaleFactors scale_factors_of(const std::string& axis, bool has_unit, Context& context) {
   if (!has_unit) return {};
-  const auto units = target.units(axis);
+  const auto units = units_of(axis, context);
   if (!units || !units->has_unit()) return {};
   return {tmcl::microsteps_per_unit(*units->scale), units->encoder_counts_per_unit};
 }

@@ -6,7 +6,7 @@
 
 #include <boost/json/object.hpp>
 
-#include "target.hpp"
+#include "gateway.hpp"
 
 namespace tmclctl {
 
@@ -17,7 +17,7 @@ struct ScaleFactors {
 };
 
 /// Asks for them where the axis has a unit; what cannot be read is not known.
-ScaleFactors scale_factors_of(const std::string& axis, bool has_unit, Target& target);
+ScaleFactors scale_factors_of(const std::string& axis, bool has_unit, Context& context);
 /// As "microsteps_per_unit" and "encoder_counts_per_unit"; null for nothing.
 void add(const ScaleFactors& factors, boost::json::object& document);
 /// "-" for nothing.

@@ -14,10 +14,9 @@ bool ends(const AxesWatcher& watcher, const Context& context) {
 /// False when the watching has ended before tmcld came back.
 bool await_return(const AxesWatcher& watcher, Context& context) {
   while (!ends(watcher, context)) {
-    if (context.target.reopen()) return true;
+    if (context.gateway.caller.reopen()) return true;
     const auto until = context.host.now() + look_interval;
-    while (!ends(watcher, context) && context.host.now() < until)
-      context.target.sleep(shortest_sleep);
+    while (!ends(watcher, context) && context.host.now() < until) context.sleep(shortest_sleep);
   }
   return false;
 }
@@ -33,7 +32,7 @@ Result<void> keep_watching(const std::vector<std::string>& axes, tmcl::Duration 
                            const AxesWatcher& watcher,
                            const std::function<void(const Error*)>& on_away, Context& context) {
   while (true) {
-    const auto watched = context.target.watch_axes(axes, interval, watcher);
+    const auto watched = watch_axes(axes, interval, watcher, context);
     // A signal ends a call, too, and that is how a watching ends.
     if (watched || context.host.signal() != 0) return {};
     if (!is_away(watched.error())) return watched;

@@ -11,7 +11,6 @@
 
 #include "options.hpp"
 #include "print.hpp"
-#include "target.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -44,12 +43,12 @@ ExitCode complain(Error error, const Options& options, Output& output) {
 }
 
 template <class V>
-constexpr bool needs_no_target = requires(const V& verb, Output& output) {
+constexpr bool needs_no_gateway = requires(const V& verb, Output& output) {
   run(verb, output);
 };
 
 template <class V>
-constexpr tmcl::Duration wait_for_target() {
+constexpr tmcl::Duration wait_for_gateway() {
   if constexpr (std::is_same_v<V, verb::Stop>) return wait_before_stop;
   // The shell's completion must not hang.
   if constexpr (std::is_same_v<V, verb::Complete>) return {};
@@ -62,22 +61,21 @@ constexpr std::optional<tmcl::Duration> time_in_all() {
   return std::nullopt;
 }
 
-/// `ready` stands for the target that the command line names, if it is there already.
+/// `ready` stands for the gateway that the command line names, if it is there already.
 template <class V>
-VerbResult run_on_target(const V& verb, const Where& where, Output& output, Host& host,
-                         Target* ready) {
-  std::unique_ptr<Target> opened;
+VerbResult run_on_gateway(const V& verb, const Where& where, Output& output, Host& host,
+                          Gateway* ready) {
+  std::optional<Gateway> opened;
   if (ready == nullptr) {
-    auto target = open_target(where, wait_for_target<V>(), host, time_in_all<V>());
-    if (!target) return tl::unexpected(target.error());
-    opened = std::move(*target);
-    ready = opened.get();
+    auto gateway = open_gateway(where, wait_for_gateway<V>(), host, time_in_all<V>());
+    if (!gateway) return tl::unexpected(gateway.error());
+    ready = &opened.emplace(std::move(*gateway));
   }
   Context context{*ready, output, host};
   auto result = run(verb, context);
   bool waited = false;
   if constexpr (std::is_same_v<V, verb::Line>) waited = verb.wait && result;
-  const auto seen = ready->see_through(!waited, output);
+  const auto seen = see_through(context, !waited);
   if (!seen) return tl::unexpected(seen.error());
   return result;
 }
@@ -90,7 +88,7 @@ std::optional<Error> refusal(const Options& options) {
                                                      info->name, info->reason));
 }
 
-VerbResult run(const Options& options, Output& output, Host& host, Target* ready) {
+VerbResult run(const Options& options, Output& output, Host& host, Gateway* ready) {
   const auto* trace = std::get_if<verb::Trace>(&options.verb);
   if (trace != nullptr && !trace->read.empty()) return run_on_file(*trace, output);
   if (auto refused = refusal(options)) return tl::unexpected(std::move(*refused));
@@ -98,11 +96,11 @@ VerbResult run(const Options& options, Output& output, Host& host, Target* ready
   if (params != nullptr && !params->model.empty()) return run_on_model(*params, output);
   return std::visit(
       [&]<class V>(const V& verb) {
-        if constexpr (needs_no_target<V>) {
+        if constexpr (needs_no_gateway<V>) {
           return run(verb, output);
         } else {
           host.catch_signals();
-          return run_on_target(verb, options.where, output, host, ready);
+          return run_on_gateway(verb, options.where, output, host, ready);
         }
       },
       options.verb);
@@ -116,7 +114,7 @@ ExitCode with_output_written(ExitCode exit, Output& output) {
 }
 
 ExitCode run_with(const std::vector<std::string>& arguments, Output& output, Host& host,
-                  Target* ready) {
+                  Gateway* ready) {
   // Also for the errors of a command line that cannot be read.
   output.json = std::ranges::find(arguments, "--json") != arguments.end();
   const auto parsed = parse_options(arguments);
@@ -142,8 +140,8 @@ ExitCode run(const std::vector<std::string>& arguments, Output& output, Host& ho
 }
 
 ExitCode run(const std::vector<std::string>& arguments, Output& output, Host& host,
-             Target& target) {
-  return run_with(arguments, output, host, &target);
+             Gateway& gateway) {
+  return run_with(arguments, output, host, &gateway);
 }
 
 }  // namespace tmclctl

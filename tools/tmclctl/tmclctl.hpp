@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "exit_code.hpp"
+#include "gateway.hpp"
 #include "host.hpp"
 #include "screen.hpp"
-#include "target.hpp"
 
 namespace tmclctl {
 
@@ -15,6 +15,7 @@ namespace tmclctl {
 ExitCode run(const std::vector<std::string>& arguments, Output& output, Host& host);
 
 /// The same with a target that is there already, whatever the command line says about it.
-ExitCode run(const std::vector<std::string>& arguments, Output& output, Host& host, Target& target);
+ExitCode run(const std::vector<std::string>& arguments, Output& output, Host& host,
+             Gateway& gateway);
 
 }  // namespace tmclctl

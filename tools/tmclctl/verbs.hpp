@@ -1,19 +1,13 @@
 /// What tmclctl can do: one function for each verb.
 #pragma once
 
-#include "host.hpp"
+#include "gateway.hpp"
+#include "module_lists.hpp"
 #include "options.hpp"
-#include "screen.hpp"
-#include "target.hpp"
+#include "readings.hpp"
+#include "typed.hpp"
 
 namespace tmclctl {
-
-/// What a verb works with.
-struct Context {
-  Target& target;
-  Output& output;
-  Host& host;
-};
 
 using VerbResult = Result<ExitCode>;
 
@@ -62,7 +56,7 @@ VerbResult run(const verb::RunMint& verb, Context& context);
 
 VerbResult run(const verb::Complete& verb, Context& context);
 
-/// These need no target.
+/// These need no gateway.
 VerbResult run(const verb::Simulate& verb, Output& output);
 VerbResult run(const verb::SolveProfile& verb, Output& output);
 VerbResult run(const verb::CheckMint& verb, Output& output);

@@ -117,7 +117,7 @@ class Runner {
   std::function<bool()> cancelled_;
 };
 
-class WebSocket final : public client::Channel {
+class WebSocket final : public client::LineChannel {
  public:
   WebSocket(std::string url, std::unique_ptr<Runner> runner)
       : url_(std::move(url)),
@@ -344,9 +344,9 @@ Result<void> trust(asio::ssl::context& context, const WebPlace& place) {
 
 }  // namespace
 
-Result<std::unique_ptr<client::Channel>> open_web_socket(const WebPlace& place,
-                                                         tmcl::Duration at_most,
-                                                         std::function<bool()> cancelled) {
+Result<std::unique_ptr<client::LineChannel>> open_web_socket(const WebPlace& place,
+                                                             tmcl::Duration at_most,
+                                                             std::function<bool()> cancelled) {
   const auto url = parse_url(place.url);
   if (!url) return tl::unexpected(url.error());
   std::string token;
@@ -364,7 +364,7 @@ Result<std::unique_ptr<client::Channel>> open_web_socket(const WebPlace& place,
   return connect(*socket, to)
       .and_then([&] { return secure(*socket, context, to); })
       .and_then([&] { return upgrade(*socket, to); })
-      .map([&] { return std::unique_ptr<client::Channel>(std::move(socket)); });
+      .map([&] { return std::unique_ptr<client::LineChannel>(std::move(socket)); });
 }
 
 }  // namespace tmclctl

@@ -18,7 +18,7 @@ struct WebPlace {
 
 /// `cancelled`: see tmcl::client::Options. Errors: "usage" for a URL or a file that is wrong;
 /// tmcl::client::error_name::unreachable, which says what is wrong with a certificate or a token.
-tmcl::client::Result<std::unique_ptr<tmcl::client::Channel>> open_web_socket(
+tmcl::client::Result<std::unique_ptr<tmcl::client::LineChannel>> open_web_socket(
     const WebPlace& place, tmcl::Duration at_most, std::function<bool()> cancelled);
 
 }  // namespace tmclctl

@@ -17,42 +17,42 @@ Result<typename Method::Result> Axis::call_in_time(Method params, Duration at_mo
   const auto asked = std::chrono::ceil<std::chrono::milliseconds>(at_most);
   if (asked.count() > 0) params.timeout_ms = std::min<std::int64_t>(asked.count(), longest_ms);
   const std::chrono::milliseconds longest(params.timeout_ms.value_or(longest_ms));
-  return daemon_.call(params, longest + time_for_the_answer);
+  return caller_.call(params, {.timeout = longest + time_for_the_answer});
 }
 
 Result<StartedMove> Axis::move_to(api::Amount position) {
-  return daemon_.call(MoveTo{.axis = name_, .position = std::move(position)});
+  return caller_.call(MoveTo{.axis = name_, .position = std::move(position)});
 }
 Result<StartedMove> Axis::move_to(Microsteps position) {
-  return daemon_.call(MoveTo{.axis = name_, .position_microsteps = position.value});
+  return caller_.call(MoveTo{.axis = name_, .position_microsteps = position.value});
 }
 Result<StartedMove> Axis::move_by(api::Amount distance) {
-  return daemon_.call(MoveBy{.axis = name_, .distance = std::move(distance)});
+  return caller_.call(MoveBy{.axis = name_, .distance = std::move(distance)});
 }
 Result<StartedMove> Axis::move_by(Microsteps distance) {
-  return daemon_.call(MoveBy{.axis = name_, .distance_microsteps = distance.value});
+  return caller_.call(MoveBy{.axis = name_, .distance_microsteps = distance.value});
 }
 Result<Turning> Axis::rotate(api::Amount velocity) {
-  return daemon_.call(Rotate{.axis = name_, .velocity = std::move(velocity)});
+  return caller_.call(Rotate{.axis = name_, .velocity = std::move(velocity)});
 }
 Result<void> Axis::stop() {
-  return daemon_.call(Stop{name_}).map([](const api::Nothing&) {});
+  return caller_.call(Stop{name_}).map([](const api::Nothing&) {});
 }
 Result<Place> Axis::wait(Duration at_most) { return call_in_time(Wait{name_}, at_most); }
 Result<HomedAxis> Axis::home(std::optional<std::uint8_t> mode, Duration at_most) {
   return call_in_time(Home{name_, mode}, at_most);
 }
-Result<State> Axis::state() { return daemon_.call(GetState{name_}); }
-Result<Units> Axis::units() { return daemon_.call(GetUnits{name_}); }
+Result<State> Axis::state() { return caller_.call(GetState{name_}); }
+Result<Units> Axis::units() { return caller_.call(GetUnits{name_}); }
 
 Result<api::parameter::Value> Axis::get(api::NameOrNumber parameter) {
-  return daemon_.call(api::parameter::Get{{name_, std::move(parameter)}});
+  return caller_.call(api::parameter::Get{{name_, std::move(parameter)}});
 }
 Result<api::parameter::Value> Axis::set(api::NameOrNumber parameter, std::int32_t value) {
-  return daemon_.call(api::parameter::Set{{name_, std::move(parameter)}, value});
+  return caller_.call(api::parameter::Set{{name_, std::move(parameter)}, value});
 }
 Result<api::parameter::Value> Axis::set(api::NameOrNumber parameter, api::Amount value) {
-  return daemon_.call(api::parameter::Set{{name_, std::move(parameter)}, {}, std::move(value)});
+  return caller_.call(api::parameter::Set{{name_, std::move(parameter)}, {}, std::move(value)});
 }
 
 }  // namespace tmcl::client

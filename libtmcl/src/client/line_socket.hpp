@@ -11,7 +11,7 @@
 namespace tmcl::client {
 
 /// Move-only; closes its descriptor.
-class LineSocket final : public Channel {
+class LineSocket final : public LineChannel {
  public:
   /// Waits so long for a socket that is not there yet.
   static Result<LineSocket> open(const std::string& path, Duration wait,

@@ -3,10 +3,8 @@
 #include <algorithm>
 
 #include <fmt/format.h>
-#include <boost/json/array.hpp>
 
 #include "input_file.hpp"
-#include "json_read.hpp"
 #include "output_file.hpp"
 #include "plot/plane.hpp"
 #include "print.hpp"
@@ -16,41 +14,48 @@
 namespace tmclctl::path {
 namespace {
 
-namespace json = boost::json;
-namespace plan = tmcl::plan;
+namespace api = tmcl::api;
 
-double number(const json::value& value) { return value.to_number<double>(); }
+using api::path::Course;
+using api::path::Curve;
 
-std::string figure(const json::object& row, const char* key, int digits = 6) {
-  return tmcl::plain_number(number_at(row, key).value_or(0), digits);
-}
+std::string figure(double number, int digits = 6) { return tmcl::plain_number(number, digits); }
 
-std::string to_svg(const std::string& file, const json::object& course, const json::object& curve) {
-  const auto& axes = array_at(course, "axes");
+std::string to_svg(const std::string& file, const Course& course, const Curve& curve) {
+  const auto& axes = course.axes;
   const std::size_t second = std::min<std::size_t>(1, axes.size() - 1);
-  const auto name = [&](std::size_t axis) { return text_at(axes[axis].as_object(), "axis"); };
-  plot::Plane plane{fmt::format("{}: {} units in {} s", file, figure(course, "length"),
-                                figure(course, "duration_s")),
-                    name(0),
-                    name(second),
-                    {},
-                    {}};
+  plot::Plane plane{
+      fmt::format("{}: {} units in {} s", file, figure(course.length), figure(course.duration_s)),
+      axes[0].axis,
+      axes[second].axis,
+      {},
+      {}};
   plot::Picture picture{"", "s", {}, {}};
-  for (std::size_t axis = 0; axis < axes.size(); ++axis)
-    picture.curves.push_back({"position", name(axis), {}, {}});
-  const auto& times = array_at(curve, "times_s");
-  const auto& positions = array_at(curve, "positions");
-  for (std::size_t i = 0; i < std::min(times.size(), positions.size()); ++i) {
-    const auto& position = positions[i].as_array();
-    plane.planned.x.push_back(number(position.at(0)));
-    plane.planned.y.push_back(number(position.at(second)));
+  for (const auto& axis : axes) picture.curves.push_back({"position", axis.axis, {}, {}});
+  for (std::size_t i = 0; i < std::min(curve.times_s.size(), curve.positions.size()); ++i) {
+    const auto& position = curve.positions[i];
+    plane.planned.x.push_back(position.at(0));
+    plane.planned.y.push_back(position.at(second));
     for (std::size_t axis = 0; axis < axes.size(); ++axis) {
-      picture.curves[axis].times.push_back(number(times[i]));
-      picture.curves[axis].values.push_back(number(position.at(axis)));
+      picture.curves[axis].times.push_back(curve.times_s[i]);
+      picture.curves[axis].values.push_back(position.at(axis));
     }
   }
   return plot::to_svg(plane, picture);
 }
+
+/// What a gateway says of a text that it cannot take, in the subject of an error.
+struct Problem {
+  TMCL_STRUCT(Problem);
+  TMCL_FIELD(std::uint32_t, line, "of the text");
+  TMCL_FIELD(std::uint32_t, column, "in the line");
+  TMCL_FIELD(std::string, message, "what is wrong");
+};
+struct OfText {
+  TMCL_STRUCT(OfText);
+  TMCL_FIELD(std::vector<Problem>, problems, "where it is wrong");
+  TMCL_FIELD(std::string, file_axis, "an axis of it that none is named for");
+};
 
 }  // namespace
 
@@ -68,15 +73,12 @@ Result<std::string> text_of(const std::string& file, std::size_t most) {
 }
 
 Error explained(Error failure, const std::string& file, Output& output) {
+  const auto told = api::from_json<OfText>(failure.subject);
   tmcl::TextProblems problems;
-  for (const auto& value : array_at(failure.subject, "problems")) {
-    const auto& row = value.as_object();
-    problems.push_back({integer_at<std::size_t>(row, "line"),
-                        integer_at<std::size_t>(row, "column"), text_at(row, "message")});
-  }
+  for (const auto& problem : told.problems)
+    problems.push_back({problem.line, problem.column, problem.message});
   if (!problems.empty()) return error_from(file, problems, tmcl::plan::most_text_problems, output);
-  const auto axis = text_at(failure.subject, "file_axis");
-  if (!axis.empty()) failure.hint = fmt::format("--axis {}=NAME", axis);
+  if (!told.file_axis.empty()) failure.hint = fmt::format("--axis {}=NAME", told.file_axis);
   if (failure.name == "bad_path") failure.message = file + ": " + failure.message;
   if (failure.name == "unknown_unit" && failure.hint.empty()) {
     failure.hint =
@@ -85,35 +87,25 @@ Error explained(Error failure, const std::string& file, Output& output) {
   return failure;
 }
 
-void warn(const json::object& report, Output& output) {
-  tmclctl::warn(texts_at(report, "remarks"), output);
-}
-
-void print(const std::string& file, const json::object& course, Output& output) {
-  const auto legs = integer_at<std::size_t>(course, "legs");
-  output.out << fmt::format("{}: {} units in {} s, {} {}\n\n", file, figure(course, "length"),
-                            figure(course, "duration_s", 4), legs, legs == 1 ? "leg" : "legs");
+void print(const std::string& file, const Course& course, Output& output) {
+  output.out << fmt::format("{}: {} units in {} s, {} {}\n\n", file, figure(course.length),
+                            figure(course.duration_s, 4), course.legs,
+                            course.legs == 1 ? "leg" : "legs");
   Table axes({"AXIS", "FROM", "TO", "TOP SPEED"});
-  for (const auto& value : array_at(course, "axes")) {
-    const auto& row = value.as_object();
-    axes.add({text_at(row, "axis"), figure(row, "least"), figure(row, "greatest"),
-              figure(row, "top_speed")});
-  }
+  for (const auto& axis : course.axes)
+    axes.add({axis.axis, figure(axis.least), figure(axis.greatest), figure(axis.top_speed)});
   axes.print(output.out);
-  const auto& slowest = array_at(course, "slowest_corners");
-  if (slowest.empty()) return;
+  if (course.slowest_corners.empty()) return;
   output.out << '\n';
   Table corners({"SLOWEST CORNER", "TIME", "SPEED"});
-  for (const auto& value : slowest) {
-    const auto& row = value.as_object();
-    corners.add({fmt::format("end of line {}", integer_at<std::size_t>(row, "line")),
-                 figure(row, "time_s", 4) + " s", figure(row, "speed")});
-  }
+  for (const auto& corner : course.slowest_corners)
+    corners.add({fmt::format("end of line {}", corner.line), figure(corner.time_s, 4) + " s",
+                 figure(corner.speed)});
   corners.print(output.out);
 }
 
-Result<void> draw(const std::string& svg_path, const std::string& file, const json::object& course,
-                  const json::object& curve) {
+Result<void> draw(const std::string& svg_path, const std::string& file, const Course& course,
+                  const Curve& curve) {
   OutputFile svg;
   return svg.open(svg_path).and_then([&] { return svg.write(to_svg(file, course, curve)); });
 }

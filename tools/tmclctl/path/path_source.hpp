@@ -3,10 +3,10 @@
 
 #include <string>
 
-#include <boost/json/object.hpp>
-
 #include "errors.hpp"
 #include "screen.hpp"
+#include "staging.hpp"
+#include "tmcl/api/path.hpp"
 #include "tmcl/plan/path_preparation.hpp"
 
 namespace tmclctl::path {
@@ -18,14 +18,29 @@ constexpr std::size_t most_mint_bytes = std::size_t{1} << 20U;
 
 /// What a gateway says of a text: each problem printed, with what the command line can do about it.
 Error explained(Error failure, const std::string& file, Output& output);
-/// The "remarks" of a report.
-void warn(const boost::json::object& report, Output& output);
+/// Hands a text over for the call of a method.
+template <class Method>
+Result<void> hand_over(const std::string& text, Method& params, Context& context,
+                       const tmcl::client::CallOptions& options) {
+  if (text.empty()) return params.text = text, Result<void>();
+  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
+  params.bytes = static_cast<std::uint32_t>(bytes.size());
+  return stage<tmcl::api::path::Stage>(bytes, context, options);
+}
 
-/// `course` is "course" of path.plan: how long it is and takes, where it goes.
-void print(const std::string& file, const boost::json::object& course, Output& output);
-/// Draws the path, x over y, above the positions of all axes over time: `curve` is that of
-/// path.plan.
+/// What was done before an error came: `run` in its subject.
+template <class Report>
+Report part_done(const Error& error) {
+  Report report;
+  const auto* run = error.subject.if_contains("run");
+  if (run != nullptr) tmcl::api::read_value(*run, report);
+  return report;
+}
+
+/// How long a path is and takes, where it goes.
+void print(const std::string& file, const tmcl::api::path::Course& course, Output& output);
+/// Draws the path, x over y, above the positions of all axes over time.
 Result<void> draw(const std::string& svg_path, const std::string& file,
-                  const boost::json::object& course, const boost::json::object& curve);
+                  const tmcl::api::path::Course& course, const tmcl::api::path::Curve& curve);
 
 }  // namespace tmclctl::path

@@ -4,24 +4,18 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "names.hpp"
 #include "print.hpp"
+#include "tmcl/api/system.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
 namespace {
 
+namespace api = tmcl::api;
 namespace json = boost::json;
 using Motors = std::vector<std::uint8_t>;
 
 json::array to_json(const Motors& motors) { return json::array(motors.begin(), motors.end()); }
-
-json::object params_of(const ModuleName& module, const verb::Arrivals& verb) {
-  json::object params{{"address", module.address}, {"motors", to_json(verb.motors)}};
-  if (!module.bus.empty()) params["bus"] = module.bus;
-  if (!verb.next) params["every"] = true;
-  return params;
-}
 
 void print(const ModuleName& module, const Motors& motors, double at_s, Output& output) {
   if (output.json) {
@@ -33,17 +27,45 @@ void print(const ModuleName& module, const Motors& motors, double at_s, Output& 
              << std::endl;
 }
 
+/// Told the motors that have just arrived; null when a while went by without any. False ends it.
+using ArrivalHandler = std::function<bool(const Motors* motors)>;
+
+/// Hears the arrivals that a module tells of, which `ask` lets it do, once they can be heard.
+Result<void> hear_arrivals(const api::OnModule& module, const api::module::ReportArrivals& ask,
+                           const ArrivalHandler& on_arrival, Context& context) {
+  // Any subscription, to no axis even, brings events.
+  const auto subscribed = context.call(api::Subscribe{std::vector<std::string>{}});
+  if (!subscribed) return tl::unexpected(subscribed.error());
+  const auto asked = context.call(ask);
+  if (!asked) return tl::unexpected(asked.error());
+  bool wanted = true;
+  const tmcl::client::Hearing<api::Event> hearing(
+      context.gateway.caller, api::Event::notification, [&](const api::Event& event) {
+        const bool concerns_us = event.kind == "target_reached" && event.bus == module.bus &&
+                                 event.address == module.address;
+        if (!concerns_us || !wanted) return;
+        const auto motors = event.motors.value_or(Motors{});
+        wanted = on_arrival(&motors);
+      });
+  while (wanted) {
+    const auto listened = context.gateway.caller.listen(longest_silence);
+    if (!listened && listened.error().kind != ErrorKind::interrupted) return listened;
+    if (wanted) wanted = on_arrival(nullptr);
+  }
+  return {};
+}
+
 }  // namespace
 
 VerbResult run(const verb::Arrivals& verb, Context& context) {
   const auto module = parse_module(verb.module);
   if (!module) return tl::unexpected(module.error());
-  const auto ask = [&] {
-    return context.target.perform("module.report_arrivals", params_of(*module, verb), {})
-        .map([](const json::object&) {});
-  };
+  const auto named = on_module(*module, context);
+  if (!named) return tl::unexpected(named.error());
+  const auto every = verb.next ? std::nullopt : std::optional(true);
+  const api::module::ReportArrivals ask{{*named}, verb.motors, every};
   if (verb.off) {
-    const auto off = ask();
+    const auto off = context.call(ask);
     if (!off) return tl::unexpected(off.error());
     if (context.output.json)
       print_json({{"address", module->address}, {"motors", to_json(verb.motors)}, {"off", true}},
@@ -55,15 +77,16 @@ VerbResult run(const verb::Arrivals& verb, Context& context) {
     return std::chrono::duration<double>(context.host.now() - begin).count();
   };
   std::set<std::uint8_t> missing(verb.motors.begin(), verb.motors.end());
-  const auto heard = context.target.hear_arrivals(*module, ask, [&](const Motors* motors) {
+  const auto note = [&](const Motors* motors) {
     if (motors != nullptr) {
       print(*module, *motors, elapsed_s(), context.output);
       for (const auto motor : *motors) missing.erase(motor);
     }
-    // Ending it is what Ctrl-C is for here, so that is no failure.
+    // Ending it is what Ctrl-C is for here, so that is no error.
     return context.host.signal() == 0 && !(verb.next && missing.empty()) &&
            !(verb.for_s && elapsed_s() >= *verb.for_s);
-  });
+  };
+  const auto heard = hear_arrivals(*named, ask, note, context);
   if (!heard && context.host.signal() == 0) return tl::unexpected(heard.error());
   return ExitCode::done;
 }

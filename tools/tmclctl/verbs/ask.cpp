@@ -16,17 +16,16 @@ namespace {
 
 namespace json = boost::json;
 
-Result<json::object> params_of(const verb::Ask& verb) {
+Result<json::object> params_of(const verb::Ask& verb, Context& context) {
   json::object params;
   const auto add = [&](const char* key, const std::optional<std::int32_t>& value) {
     if (value) params[key] = *value;
   };
   if (!verb.axis.empty()) params["axis"] = verb.axis;
   if (!verb.module.empty()) {
-    const auto module = parse_module(verb.module);
+    const auto module = on_module(verb.module, context);
     if (!module) return tl::unexpected(module.error());
-    if (!module->bus.empty()) params["bus"] = module->bus;
-    params["address"] = module->address;
+    params = tmcl::api::to_json(*module);
   }
   if (!verb.motors.empty()) params["motors"] = json::array(verb.motors.begin(), verb.motors.end());
   if (!verb.axes.empty()) params["axes"] = json::array(verb.axes.begin(), verb.axes.end());
@@ -38,8 +37,9 @@ Result<json::object> params_of(const verb::Ask& verb) {
   add("value", verb.value);
   add("at", verb.at);
   add("first_address", verb.first_address);
-  if (!verb.position.empty())
-    put(params, "position", "position_microsteps", {verb.position, verb.internal});
+  const Typed position{verb.position, verb.internal};
+  if (const auto amount = position.amount()) params["position"] = tmcl::api::write_value(*amount);
+  add("position_microsteps", position.counted());
   return params;
 }
 
@@ -115,7 +115,7 @@ void tell(const verb::Ask& verb, const json::object& result, Context& context) {
   context.output.out << fmt::format(fmt::runtime(line->text), whom, verb.at.value_or(0)) << '\n';
   if (verb.method == "program.stop" || verb.method == "program.reset") {
     context.output.out << fmt::format(
-        "Motors that turn go on. Stop them with: tmclctl{} stop AXIS\n", context.target.options());
+        "Motors that turn go on. Stop them with: tmclctl{} stop AXIS\n", context.gateway.options);
   }
 }
 
@@ -125,18 +125,19 @@ bool is_called(const tmcl::api::parameter::Parameter& row, const std::string& na
 }
 
 /// Modules refuse to store a parameter in the same words as one that they do not know.
-Error explained(Error failure, const verb::Ask& verb, Target& target) {
+Error explained(Error failure, const verb::Ask& verb, Context& context) {
   const bool of_eeprom = verb.method == "parameter.store" || verb.method == "parameter.restore";
   if (!of_eeprom || failure.outcome != tmcl::Outcome::refused) return failure;
-  const auto rows = target.parameters(verb.axis);
-  if (!rows) return failure;
+  const auto listed = context.call(tmcl::api::parameter::List{verb.axis});
+  if (!listed) return failure;
+  const auto& rows = listed->parameters;
   const auto row =
-      std::ranges::find_if(*rows, [&](const auto& one) { return is_called(one, verb.parameter); });
-  if (row == rows->end() || row->stored) return failure;
+      std::ranges::find_if(rows, [&](const auto& one) { return is_called(one, verb.parameter); });
+  if (row == rows.end() || row->stored) return failure;
   failure.message =
       fmt::format("{} cannot be kept in the EEPROM of {}'s module", row->name, verb.axis);
   failure.hint = fmt::format("'tmclctl{} params {}' shows RWE at what can be kept",
-                             target.options(), verb.axis);
+                             context.gateway.options, verb.axis);
   return failure;
 }
 
@@ -157,10 +158,10 @@ bool only_reads(std::string_view method) {
 }
 
 VerbResult run(const verb::Ask& verb, Context& context) {
-  auto params = params_of(verb);
+  auto params = params_of(verb, context);
   if (!params) return tl::unexpected(params.error());
-  const auto result = context.target.perform(verb.method, std::move(*params), {});
-  if (!result) return tl::unexpected(explained(result.error(), verb, context.target));
+  const auto result = context.gateway.caller.call(verb.method, std::move(*params));
+  if (!result) return tl::unexpected(explained(result.error(), verb, context));
   if (context.output.json) {
     print_json(named(verb, *result), context.output);
   } else if (gives_something(verb.method)) {

@@ -20,11 +20,6 @@ constexpr auto bits_per_can_frame =
     static_cast<double>(tmcl::most_bits_of_frame(tmcl::can_datagram_size));
 constexpr double percent = 100;
 
-Result<api::bus::Buses> list(Context& context) {
-  return context.target.perform(std::string(api::bus::List::method.name), {}, {})
-      .map(api::from_json<api::bus::Buses>);
-}
-
 std::uint64_t datagrams(const api::bus::Counters& counters) {
   // Those in `surplus` are among the unexpected ones.
   return counters.requests + counters.replies + counters.late_replies + counters.unexpected_replies;
@@ -75,12 +70,11 @@ void print(const std::vector<Row>& rows, Output& output) {
 }  // namespace
 
 VerbResult run(const verb::Buses& verb, Context& context) {
-  const auto first = list(context);
+  const auto first = context.call(api::bus::List{});
   if (!first) return tl::unexpected(first.error());
   const auto begin = context.host.now();
-  context.target.sleep(
-      std::chrono::round<tmcl::Duration>(std::chrono::duration<double>(verb.for_s)));
-  const auto second = list(context);
+  context.sleep(std::chrono::round<tmcl::Duration>(std::chrono::duration<double>(verb.for_s)));
+  const auto second = context.call(api::bus::List{});
   if (!second) return tl::unexpected(second.error());
   const std::chrono::duration<double> passed = context.host.now() - begin;
   std::map<std::string, api::bus::Bus> before;

@@ -45,12 +45,6 @@ capture::Start params_of(const verb::Capture& verb) {
   return params;
 }
 
-// A number does not travel as text.
-api::NameOrNumber named(const std::string& parameter) {
-  const auto number = parse_number<std::int32_t>(parameter);
-  return number ? api::NameOrNumber(*number) : api::NameOrNumber(parameter);
-}
-
 std::string text_of(const verb::Capture::Trigger& trigger) {
   return fmt::format("{} {} {}", trigger.parameter, trigger.edge, trigger.value);
 }
@@ -82,10 +76,7 @@ class CaptureRecorder {
   /// Each is short, and a signal does not end it: the module is to be freed afterwards.
   template <class Method>
   Result<typename Method::Result> call(const Method& params) {
-    return context_.target
-        .perform_watched(std::string(Method::method.name), api::to_json(params), nullptr,
-                         {.on_news = {}, .meanwhile = [] {}})
-        .map(api::from_json<typename Method::Result>);
+    return context_.call(params, {.timeout = {}, .meanwhile = [] {}});
   }
   /// The same again for as long as others are led along a path on that bus.
   template <class Method>
@@ -93,7 +84,7 @@ class CaptureRecorder {
     auto result = call(params);
     while (!result && result.error().name == "axis_claimed" && context_.host.signal() == 0) {
       tell("waits: " + result.error().message);
-      context_.target.sleep(journey_interval);
+      context_.sleep(journey_interval);
       result = call(params);
     }
     return result;
@@ -108,7 +99,7 @@ class CaptureRecorder {
       if (progress->state == "idle" || progress->state == "error")
         return tl::unexpected(lost(progress->state));
       tell_of(progress->state);
-      context_.target.sleep(capture_look_interval);
+      context_.sleep(capture_look_interval);
     }
     return {};
   }
@@ -148,7 +139,8 @@ class CaptureRecorder {
     } else if (state == "pretrigger") {
       tell("records what lies before the trigger");
     } else if (verb_.trigger) {
-      const auto value = call(api::parameter::Get{{verb_.axis, named(verb_.trigger->parameter)}});
+      const auto value =
+          call(api::parameter::Get{{verb_.axis, name_or_number(verb_.trigger->parameter)}});
       const auto now = value ? fmt::format("; it is {} now", value->value) : std::string();
       const auto what = "waits for the trigger: " + text_of(*verb_.trigger) + now;
       tell(what);

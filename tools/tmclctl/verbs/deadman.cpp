@@ -10,7 +10,6 @@
 namespace tmclctl {
 namespace {
 
-namespace json = boost::json;
 namespace api = tmcl::api;
 
 std::string text_of(const api::axis::TestedDeadman& tested) {
@@ -24,10 +23,10 @@ std::string text_of(const api::axis::TestedDeadman& tested) {
 
 VerbResult run(const verb::SetDeadman& verb, Context& context) {
   const api::axis::SetDeadman params{.axis = verb.axis, .ms = verb.ms};
-  const auto result = context.target.perform("axis.set_deadman", api::to_json(params), {});
+  const auto result = context.call(params);
   if (!result) return tl::unexpected(result.error());
   if (context.output.json) {
-    print_json(*result, context.output);
+    print_json(api::to_json(*result), context.output);
   } else if (verb.ms == 0) {
     context.output.out << verb.axis << ": the deadman of its module is off\n";
   } else {
@@ -41,19 +40,18 @@ VerbResult run(const verb::SetDeadman& verb, Context& context) {
 
 VerbResult run(const verb::TestDeadman& verb, Context& context) {
   ProgressLine line(context.output);
-  const auto result = context.target.perform(
-      "axis.test_deadman", {{"axis", verb.axis}}, [&](const json::object& news) {
-        const auto plan = api::from_json<api::DeadmanProgress>(news);
+  const tmcl::client::Hearing<api::DeadmanProgress> hearing(
+      context.gateway.caller, api::progress_notification, [&](const api::DeadmanProgress& plan) {
         line.show(fmt::format("{} goes {} microsteps at most; its module is sent nothing for {} s",
                               verb.axis, plan.way_microsteps,
                               static_cast<double>(plan.silence_ms) / 1000));
-        return context.host.signal() == 0;
       });
+  const auto result = context.call(api::axis::TestDeadman{verb.axis});
   line.clear();
   if (!result) return tl::unexpected(result.error());
-  const auto tested = api::from_json<api::axis::TestedDeadman>(*result);
+  const auto& tested = *result;
   if (context.output.json) {
-    print_json(*result, context.output);
+    print_json(api::to_json(tested), context.output);
   } else {
     context.output.out << fmt::format("{}: {}; it has gone {} microsteps\n", verb.axis,
                                       text_of(tested), tested.way_microsteps);

@@ -1,33 +1,29 @@
 // errors.
 #include <fmt/format.h>
 
-#include "json_read.hpp"
 #include "print.hpp"
+#include "tmcl/api/errors.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
 namespace {
 
+namespace api = tmcl::api;
 namespace json = boost::json;
 
 /// A dash where there is nothing.
-std::string words(const json::value& names) {
-  std::string all;
-  for (const auto& name : names.as_array())
-    all += (all.empty() ? "" : ", ") + std::string(name.as_string());
-  return all.empty() ? "-" : all;
+std::string words(const std::vector<std::string>& names) {
+  return names.empty() ? "-" : joined(names);
 }
 
-std::string measured(const json::value& value, std::string_view unit) {
-  return value.is_null() ? "-" : fmt::format("{:.1f} {}", value.to_number<double>(), unit);
+std::string measured(const std::optional<double>& value, std::string_view unit) {
+  return value ? fmt::format("{:.1f} {}", *value, unit) : "-";
 }
 
-void add_row(Table& table, const json::object& errors) {
-  const auto& cause = errors.at("stop_cause");
-  table.add({std::string(errors.at("axis").as_string()), words(errors.at("flags")),
-             cause.is_null() ? "-" : std::string(cause.as_string()), words(errors.at("switches")),
-             measured(errors.at("supply_volts"), "V"),
-             measured(errors.at("temperature_celsius"), "deg C")});
+void add_row(Table& table, const api::axis::Errors& errors) {
+  table.add({errors.axis, words(errors.flags), errors.stop_cause.value_or("-"),
+             words(errors.switches), measured(errors.supply_volts, "V"),
+             measured(errors.temperature_celsius, "deg C")});
 }
 
 }  // namespace
@@ -35,7 +31,7 @@ void add_row(Table& table, const json::object& errors) {
 VerbResult run(const verb::Errors& verb, Context& context) {
   std::vector<std::string> names{verb.axis};
   if (verb.axis.empty()) {
-    const auto axes = context.target.axes();
+    const auto axes = axes_of(context);
     if (!axes) return tl::unexpected(axes.error());
     names.clear();
     for (const auto& axis : *axes) names.push_back(axis.name);
@@ -44,12 +40,12 @@ VerbResult run(const verb::Errors& verb, Context& context) {
   Table table({"AXIS", "WRONG", "STOPPED BY", "CLOSED SWITCHES", "SUPPLY", "TEMPERATURE"});
   auto exit = ExitCode::done;
   for (const auto& name : names) {
-    const auto errors = context.target.perform("axis.get_errors", {{"axis", name}}, {});
+    const auto errors = context.call(api::axis::GetErrors{name});
     if (!errors && !verb.axis.empty()) return tl::unexpected(errors.error());
     if (errors) {
       add_row(table, *errors);
-      if (!errors->at("flags").as_array().empty()) exit = std::max(exit, ExitCode::refused);
-      all.push_back(*errors);
+      if (!errors->flags.empty()) exit = std::max(exit, ExitCode::refused);
+      all.push_back(api::to_json(*errors));
       continue;
     }
     // The others are asked all the same.

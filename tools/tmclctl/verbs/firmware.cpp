@@ -4,12 +4,17 @@
 #include "input_file.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
+#include "staging.hpp"
+#include "tmcl/api/program.hpp"
+#include "tmcl/api/system.hpp"
+#include "tmcl/firmware_verbs.hpp"
 #include "tmcl/model.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
 namespace {
 
+namespace api = tmcl::api;
 namespace json = boost::json;
 using tmcl::FirmwareMatch;
 using tmcl::FirmwareVersion;
@@ -98,12 +103,43 @@ Error mismatch(const std::string& path, const ModuleName& module, const Firmware
   return failure;
 }
 
-void show(const tmcl::FirmwareProgress& progress, ProgressLine& line) {
-  if (progress.step != "writing") return line.show(progress.step);
-  const auto fraction = static_cast<double>(progress.written) / static_cast<double>(progress.of);
+void show(const api::LoadProgress& progress, ProgressLine& line) {
+  if (progress.phase != "writing") return line.show(progress.phase);
+  const auto fraction = static_cast<double>(progress.done) / static_cast<double>(progress.of);
   line.show(fmt::format("writing {} {} of {} bytes",
-                        bar(fraction, usual_bar_width, line.screen().utf8), progress.written,
+                        bar(fraction, usual_bar_width, line.screen().utf8), progress.done,
                         progress.of));
+}
+
+// A module may say nothing for so long while it erases its firmware, three times.
+constexpr auto longest_firmware_step = std::chrono::seconds(75);
+
+FirmwareMatch match_from(std::uint16_t model, const std::string& running, const Image& image) {
+  FirmwareMatch match;
+  match.model = model;
+  match.running = tmcl::version_from_text(running).value_or(FirmwareVersion{});
+  match.in_bootloader = match.running.bootloader;
+  match.offered = versions_in(image);
+  match.version = version_for(image, match.model);
+  return match;
+}
+
+Result<tmcl::FirmwareReport> exchange(const verb::UploadFirmware& verb, const api::OnModule& module,
+                                      const Image& image, Context& context) {
+  const auto staged = stage<api::firmware::Stage>(image.bytes, context);
+  if (!staged) return tl::unexpected(staged.error());
+  ProgressLine line(context.output);
+  const tmcl::client::Hearing<api::LoadProgress> hearing(
+      context.gateway.caller, api::progress_notification,
+      [&](const api::LoadProgress& news) { show(news, line); });
+  const auto size = static_cast<std::uint32_t>(image.bytes.size());
+  const api::firmware::Upload upload{module, image.start, size, verb.force};
+  return context.call(upload, {.timeout = longest_firmware_step})
+      .map([&](const api::firmware::Exchange& done) {
+        const auto running = tmcl::version_from_text(done.running);
+        return tmcl::FirmwareReport{match_from(done.model_number, done.before, image),
+                                    running.value_or(FirmwareVersion{}), done.checksum};
+      });
 }
 
 void report(const verb::UploadFirmware& verb, const ModuleName& module, const Image& image,
@@ -142,7 +178,12 @@ VerbResult run(const verb::CheckFirmware& verb, Context& context) {
   if (!image) return tl::unexpected(image.error());
   const auto module = parse_module(verb.module);
   if (!module) return tl::unexpected(module.error());
-  const auto match = context.target.match_firmware(*module, *image);
+  const auto named = on_module(*module, context);
+  if (!named) return tl::unexpected(named.error());
+  const auto match = context.call(api::firmware::Status{{*named}})
+                         .map([&](const api::firmware::FirmwareState& status) {
+                           return match_from(status.model_number, status.running, *image);
+                         });
   if (!match) return tl::unexpected(match.error());
   if (!match->version) return tl::unexpected(mismatch(verb.file, *module, *match));
   if (context.output.json) {
@@ -160,12 +201,9 @@ VerbResult run(const verb::UploadFirmware& verb, Context& context) {
   if (!image) return tl::unexpected(image.error());
   const auto module = parse_module(verb.module);
   if (!module) return tl::unexpected(module.error());
-  ProgressLine line(context.output);
-  tmcl::FirmwareOptions options;
-  options.force = verb.force;
-  options.progress = [&](const tmcl::FirmwareProgress& progress) { show(progress, line); };
-  const auto done = context.target.upload_firmware(*module, *image, options);
-  line.clear();
+  const auto named = on_module(*module, context);
+  if (!named) return tl::unexpected(named.error());
+  const auto done = exchange(verb, *named, *image, context);
   if (!done) return tl::unexpected(done.error());
   report(verb, *module, *image, *done, context.output);
   return ExitCode::done;

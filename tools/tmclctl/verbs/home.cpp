@@ -2,17 +2,18 @@
 #include <fmt/format.h>
 
 #include "following.hpp"
-#include "json_read.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
+#include "tmcl/api/system.hpp"
 
 namespace tmclctl {
 namespace {
 
+namespace api = tmcl::api;
 namespace json = boost::json;
 
-std::string how_to_end(const verb::Home& verb, const Target& target) {
-  return fmt::format("End it with: tmclctl{} home {} --stop", target.options(), verb.axis);
+std::string how_to_end(const verb::Home& verb, const Context& context) {
+  return fmt::format("End it with: tmclctl{} home {} --stop", context.gateway.options, verb.axis);
 }
 
 Error explained(Error failure, const verb::Home& verb, Context& context) {
@@ -20,81 +21,93 @@ Error explained(Error failure, const verb::Home& verb, Context& context) {
     return interrupted_error(
         context.host.signal(),
         fmt::format("no longer waiting; {} goes on searching its reference", verb.axis),
-        how_to_end(verb, context.target));
+        how_to_end(verb, context));
   }
-  if (failure.name != "deadline_passed") return failure;
+  if (failure.name != name_of(tmcl::Errc::deadline_passed)) return failure;
   failure.kind = ErrorKind::ended_early;
   failure.name = "timeout";
-  if (verb.leave) failure.hint = "The motor goes on searching. " + how_to_end(verb, context.target);
+  if (verb.leave) failure.hint = "The motor goes on searching. " + how_to_end(verb, context);
   return failure;
 }
 
 // Nothing for a module that does not tell.
-std::optional<std::string> length_text(const json::object& result, const std::string& name,
-                                       bool internal) {
-  const auto microsteps = number_at(result, name + "_microsteps");
+std::optional<std::string> length_text(const std::optional<std::int32_t>& microsteps,
+                                       const std::optional<double>& in_unit,
+                                       const api::axis::HomedAxis& homed, bool internal) {
   if (!microsteps) return std::nullopt;
-  const auto in_unit = number_at(result, name);
-  if (!in_unit || internal) return fmt::format("{:.0f} microsteps", *microsteps);
-  return shown(InUnit{*in_unit, text_at(result, "unit")}, *microsteps);
+  if (!in_unit || internal) return fmt::format("{} microsteps", *microsteps);
+  return shown(InUnit{*in_unit, homed.unit.value_or("")}, *microsteps);
 }
 
-json::object named(const std::string& axis, json::object result) {
-  result["axis"] = axis;
-  return result;
-}
-
-void print(const json::object& result, const verb::Home& verb, std::ostream& out) {
+void print(const api::axis::HomedAxis& homed, const verb::Home& verb, std::ostream& out) {
   out << fmt::format("{} stands at its reference\n", verb.axis);
-  if (const auto correction = length_text(result, "correction", verb.internal))
+  if (const auto correction =
+          length_text(homed.correction_microsteps, homed.correction, homed, verb.internal))
     out << fmt::format("zero was at {} before\n", *correction);
-  const auto distance = length_text(result, "switch_distance", verb.internal);
-  if (distance) out << fmt::format("{} between the end switches\n", *distance);
+  if (const auto distance = length_text(homed.switch_distance_microsteps, homed.switch_distance,
+                                        homed, verb.internal))
+    out << fmt::format("{} between the end switches\n", *distance);
+}
+
+template <class Answer>
+void print_document(const std::string& axis, const Answer& answer, Output& output) {
+  auto document = api::to_json(answer);
+  document["axis"] = axis;
+  print_json(document, output);
+}
+
+VerbResult end_search(const verb::Home& verb, Context& context) {
+  const auto ended = context.call(api::axis::StopHome{verb.axis});
+  if (!ended) return tl::unexpected(ended.error());
+  if (context.output.json) {
+    print_document(verb.axis, *ended, context.output);
+  } else {
+    context.output.out << verb.axis << " searches no longer\n";
+  }
+  return ExitCode::done;
+}
+
+VerbResult start_search(const verb::Home& verb, const Typed& travel, Context& context) {
+  const auto started =
+      context.call(api::axis::StartHome{verb.axis, verb.mode, travel.counted(), travel.amount()});
+  if (!started) return tl::unexpected(started.error());
+  warn(started->warnings, context.output);
+  if (context.output.json) {
+    print_document(verb.axis, *started, context.output);
+  } else {
+    context.output.out << fmt::format("{} searches its reference. {}\n", verb.axis,
+                                      how_to_end(verb, context));
+  }
+  return ExitCode::done;
+}
+
+Result<api::axis::HomedAxis> search(const verb::Home& verb, api::axis::Home params,
+                                    Context& context) {
+  constexpr double milliseconds = 1000;
+  if (verb.timeout_s) params.timeout_ms = static_cast<std::int64_t>(*verb.timeout_s * milliseconds);
+  if (verb.leave) params.leave = true;
+  ProgressLine line(context.output);
+  const tmcl::client::Hearing<api::SearchProgress> hearing(
+      context.gateway.caller, api::progress_notification, [&](const api::SearchProgress& news) {
+        line.show(fmt::format("{} searches its reference, step {}", verb.axis, news.step));
+      });
+  return context.call(params);
 }
 
 }  // namespace
 
 VerbResult run(const verb::Home& verb, Context& context) {
-  json::object params{{"axis", verb.axis}};
-  if (verb.mode) params["mode"] = *verb.mode;
-  if (!verb.max_travel.empty())
-    put(params, "max_travel", "max_travel_microsteps", {verb.max_travel, verb.internal});
-  const auto perform = [&](const char* method, const std::string& told) {
-    return context.target.perform(method, std::move(params), {})
-        .map([&](const json::object& result) {
-          warn(texts_at(result, "warnings"), context.output);
-          if (context.output.json) {
-            print_json(named(verb.axis, result), context.output);
-          } else {
-            context.output.out << told << '\n';
-          }
-          return ExitCode::done;
-        });
-  };
-  if (verb.stop) return perform("axis.stop_home", verb.axis + " searches no longer");
-  if (verb.no_wait) {
-    return perform("axis.start_home", fmt::format("{} searches its reference. {}", verb.axis,
-                                                  how_to_end(verb, context.target)));
-  }
-
-  constexpr double milliseconds = 1000;
-  if (verb.timeout_s)
-    params["timeout_ms"] = static_cast<std::int64_t>(*verb.timeout_s * milliseconds);
-  if (verb.leave) params["leave"] = true;
-  ProgressLine line(context.output);
-  const auto result =
-      context.target.perform("axis.home", std::move(params), [&](const json::object& news) {
-        line.show(fmt::format("{} searches its reference, step {}", verb.axis,
-                              integer_at<std::int32_t>(news, "step")));
-        return context.host.signal() == 0;
-      });
-  line.clear();
-  if (!result) return tl::unexpected(explained(result.error(), verb, context));
-  warn(texts_at(*result, "warnings"), context.output);
+  if (verb.stop) return end_search(verb, context);
+  const Typed travel{verb.max_travel, verb.internal};
+  if (verb.no_wait) return start_search(verb, travel, context);
+  const auto homed =
+      search(verb, {verb.axis, verb.mode, {}, travel.counted(), travel.amount()}, context);
+  if (!homed) return tl::unexpected(explained(homed.error(), verb, context));
+  warn(homed->warnings, context.output);
   if (context.output.json) {
-    print_json(named(verb.axis, *result), context.output);
+    print_document(verb.axis, *homed, context.output);
   } else {
-    print(*result, verb, context.output.out);
+    print(*homed, verb, context.output.out);
   }
   return ExitCode::done;
 }
@@ -103,14 +116,13 @@ VerbResult run(const verb::Recover& verb, Context& context) {
   std::vector<std::string> names{verb.axis};
   if (verb.all) {
     // Also those without a name in the configuration.
-    const auto listed = context.target.perform("axis.list", {{"all", true}}, {});
+    const auto listed = context.call(api::axis::List{true});
     if (!listed) return tl::unexpected(listed.error());
     names.clear();
-    for (const auto& axis : listed->at("axes").as_array())
-      names.emplace_back(axis.at("name").as_string());
+    for (const auto& axis : listed->axes) names.push_back(axis.name);
   }
   for (const auto& name : names) {
-    const auto recovered = context.target.perform("axis.recover", {{"axis", name}}, {});
+    const auto recovered = context.call(api::axis::Recover{name});
     if (!recovered) return tl::unexpected(recovered.error());
     if (!context.output.json) context.output.out << name << " may move\n";
   }

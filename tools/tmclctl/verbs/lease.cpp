@@ -40,9 +40,9 @@ Result<int> lead(ChildProcess& program, const api::lease::Granted& lease, Contex
       // From a terminal SIGINT has come to the program as well.
       if (signal != SIGINT) program.send(signal);
     }
-    context.target.sleep(lease_look_interval);
+    context.sleep(lease_look_interval);
     if (context.host.now() - renewed < interval) continue;
-    const auto granted = context.target.perform(on<api::lease::Renew>(lease));
+    const auto granted = context.call(on<api::lease::Renew>(lease));
     if (!granted) return tl::unexpected(granted.error());
     renewed = context.host.now();
   }
@@ -62,20 +62,20 @@ VerbResult run(const verb::RunLeased& verb, Context& context) {
     return tl::unexpected(usage_error("usage", "say what is to be run: AXIS... -- COMMAND..."));
   api::lease::Acquire wanted{verb.axes};
   if (verb.ttl_s) wanted.ttl_ms = static_cast<std::int64_t>(*verb.ttl_s * 1000);
-  const auto lease = context.target.perform(wanted);
+  const auto lease = context.call(wanted);
   if (!lease) return tl::unexpected(lease.error());
   set_in_environment({lease->lease, lease->epoch});
   auto program = ChildProcess::start(verb.command);
   if (!program) return tl::unexpected(program.error());
   const auto code = lead(*program, *lease, context);
   if (!code) return tl::unexpected(lost(code.error(), *program));
-  const auto released = context.target.perform(on<api::lease::Release>(*lease));
+  const auto released = context.call(on<api::lease::Release>(*lease));
   if (!released) return tl::unexpected(released.error());
   return static_cast<ExitCode>(*code);
 }
 
 VerbResult run(const verb::Leases&, Context& context) {
-  const auto all = context.target.perform(api::lease::List{});
+  const auto all = context.call(api::lease::List{});
   if (!all) return tl::unexpected(all.error());
   if (context.output.json) {
     print_json(api::to_json(*all), context.output);
@@ -92,7 +92,7 @@ VerbResult run(const verb::Leases&, Context& context) {
 }
 
 VerbResult run(const verb::BreakLease& verb, Context& context) {
-  const auto broken = context.target.perform(api::lease::Break{verb.axis});
+  const auto broken = context.call(api::lease::Break{verb.axis});
   if (!broken) return tl::unexpected(broken.error());
   if (context.output.json) {
     print_json({{"axis", verb.axis}, {"broken", true}}, context.output);

@@ -4,8 +4,6 @@
 
 #include <fmt/format.h>
 
-#include "json_read.hpp"
-#include "names.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
 #include "scale_factors.hpp"
@@ -15,8 +13,9 @@ namespace tmclctl {
 namespace {
 
 namespace json = boost::json;
-using tmcl::api::parameter::Held;
-using tmcl::api::parameter::Parameter;
+namespace parameter = tmcl::api::parameter;
+using parameter::Parameter;
+using parameter::Value;
 
 template <class Row>
 json::array to_json_array(const std::vector<Row>& rows) {
@@ -85,7 +84,7 @@ VerbResult show_partial_scan(const ScanResult& result, Output& output) {
   return exit;
 }
 
-json::object to_json(const Parameter& row, const std::optional<Held>& value) {
+json::object to_json(const Parameter& row, const std::optional<Value>& value) {
   json::object object{{"number", row.number},
                       {"name", row.name},
                       {"aliases", json::array(row.aliases.begin(), row.aliases.end())},
@@ -112,7 +111,7 @@ std::vector<std::string> headings(bool values, bool in_unit) {
   return names;
 }
 
-std::vector<std::string> cells_of(const Parameter& row, const std::optional<Held>& value,
+std::vector<std::string> cells_of(const Parameter& row, const std::optional<Value>& value,
                                   bool internal) {
   std::vector<std::string> cells{std::to_string(row.number), row.name};
   if (value) cells.push_back(std::to_string(value->value));
@@ -170,11 +169,10 @@ namespace {
 
 /// Bytes that have come on all buses and belong to no reply; 0 where that is not known.
 std::uint64_t garbage_bytes(Context& context) {
-  const auto listed = context.target.perform("bus.list", {}, {});
+  const auto listed = context.call(tmcl::api::bus::List{});
   std::uint64_t bytes = 0;
   if (!listed) return bytes;
-  for (const auto& bus : array_at(*listed, "buses"))
-    bytes += integer_at<std::uint64_t>(object_at(bus.as_object(), "counters"), "garbage_bytes");
+  for (const auto& bus : listed->buses) bytes += bus.counters.garbage_bytes;
   return bytes;
 }
 
@@ -196,10 +194,10 @@ void print_silence(std::uint64_t garbage, Output& output) {
 VerbResult run(const verb::Scan& verb, Context& context) {
   const auto garbage_before = garbage_bytes(context);
   ProgressLine line(context.output);
-  const auto rows = context.target.scan(
-      verb.range, [&](const std::string& bus, std::size_t asked, std::size_t of) {
-        line.show(fmt::format("scanning {}: {} of {} addresses", bus, asked, of));
-      });
+  const auto show = [&](const std::string& bus, std::size_t asked, std::size_t of) {
+    line.show(fmt::format("scanning {}: {} of {} addresses", bus, asked, of));
+  };
+  const auto rows = scan(verb.range, show, context);
   line.clear();
   if (!rows) return tl::unexpected(rows.error());
   if (!rows->failed.empty()) return show_partial_scan(*rows, context.output);
@@ -213,18 +211,18 @@ VerbResult run(const verb::Scan& verb, Context& context) {
 }
 
 VerbResult run(const verb::Modules&, Context& context) {
-  const auto rows = context.target.modules();
+  const auto rows = modules_of(context);
   if (!rows) return tl::unexpected(rows.error());
   return show_modules(*rows, true, context.output);
 }
 
 VerbResult run(const verb::Axes&, Context& context) {
-  const auto rows = context.target.axes();
+  const auto rows = axes_of(context);
   if (!rows) return tl::unexpected(rows.error());
   std::vector<ScaleFactors> factors;
   for (const auto& row : *rows)
     factors.push_back(
-        scale_factors_of(row.name, row.unit.has_value() && row.state == "ready", context.target));
+        scale_factors_of(row.name, row.unit.has_value() && row.state == "ready", context));
   if (context.output.json) {
     print_json({{"axes", to_json(*rows, factors)}}, context.output);
     return ExitCode::done;
@@ -239,11 +237,12 @@ VerbResult run(const verb::Axes&, Context& context) {
 }
 
 VerbResult run(const verb::Params& verb, Context& context) {
-  const auto rows = context.target.parameters(verb.axis);
-  if (!rows) return tl::unexpected(rows.error());
-  std::vector<std::optional<Held>> values(rows->size());
-  for (std::size_t i = 0; verb.values && i < rows->size(); ++i) {
-    const auto got = context.target.get(verb.axis, std::to_string((*rows)[i].number));
+  const auto listed = context.call(parameter::List{verb.axis});
+  if (!listed) return tl::unexpected(listed.error());
+  const auto& rows = listed->parameters;
+  std::vector<std::optional<Value>> values(rows.size());
+  for (std::size_t i = 0; verb.values && i < rows.size(); ++i) {
+    const auto got = context.call(parameter::Get{{verb.axis, rows[i].number}});
     if (!got) return tl::unexpected(got.error());
     values[i] = *got;
   }
@@ -252,9 +251,9 @@ VerbResult run(const verb::Params& verb, Context& context) {
   const bool internal = verb.internal || !has_unit;
   json::array array;
   Table table(headings(verb.values, verb.values && !internal));
-  for (std::size_t i = 0; i < rows->size(); ++i) {
-    array.push_back(to_json((*rows)[i], values[i]));
-    table.add(cells_of((*rows)[i], values[i], internal));
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    array.push_back(to_json(rows[i], values[i]));
+    table.add(cells_of(rows[i], values[i], internal));
   }
   if (context.output.json) {
     print_json({{"axis", verb.axis}, {"parameters", std::move(array)}}, context.output);
@@ -265,7 +264,7 @@ VerbResult run(const verb::Params& verb, Context& context) {
 }
 
 VerbResult run(const verb::Complete&, Context& context) {
-  const auto rows = context.target.axes();
+  const auto rows = axes_of(context);
   if (!rows) return tl::unexpected(rows.error());
   for (const auto& row : *rows) context.output.out << row.name << '\n';
   return ExitCode::done;

@@ -3,25 +3,28 @@
 #include <charconv>
 
 #include <fmt/format.h>
-#include <boost/json/array.hpp>
 
 #include "following.hpp"
-#include "json_read.hpp"
 #include "path/path_source.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
+#include "tmcl/api/path.hpp"
+#include "tmcl/api/system.hpp"
 #include "tmcl/plan/mint.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
 namespace {
 
-namespace json = boost::json;
+namespace api = tmcl::api;
+
+// Checking a long program takes a while.
+constexpr auto longest_mint_silence = std::chrono::seconds(120);
 
 /// "0=x"
-Result<void> add_choice(const std::string& choice, json::array& axes, json::array& numbers) {
+Result<void> add_choice(const std::string& choice, api::mint::Run& run) {
   const auto equals = choice.find('=');
-  unsigned number = 0;
+  std::uint8_t number = 0;
   const auto [end, error] = std::from_chars(choice.data(), choice.data() + equals, number);
   if (error != std::errc{} || end != choice.data() + equals ||
       number >= tmcl::plan::mint::most_axes) {
@@ -29,44 +32,49 @@ Result<void> add_choice(const std::string& choice, json::array& axes, json::arra
         usage_error("unknown_axis", fmt::format("--axis {}: Mint's axes are 0 to {}", choice,
                                                 tmcl::plan::mint::most_axes - 1)));
   }
-  axes.emplace_back(choice.substr(equals + 1));
-  numbers.emplace_back(number);
+  run.axes.push_back(choice.substr(equals + 1));
+  if (!run.numbers) run.numbers.emplace();
+  run.numbers->push_back(number);
   return {};
 }
 
-// Axis 0 is the first that there is, unless somebody says which is which.
-Result<json::object> params_of(const verb::RunMint& verb, Target& target) {
-  json::array axes;
-  json::array numbers;
+// Axis 0 is the first that there is, unless the command line says which is which.
+Result<api::mint::Run> params_of(const verb::RunMint& verb, Context& context) {
+  api::mint::Run run;
+  if (verb.counts_encoder) run.counts = "encoder";
   for (const auto& choice : verb.axes) {
-    if (const auto added = add_choice(choice, axes, numbers); !added)
-      return tl::unexpected(added.error());
+    if (const auto added = add_choice(choice, run); !added) return tl::unexpected(added.error());
   }
-  if (!verb.axes.empty()) return json::object{{"axes", axes}, {"numbers", numbers}};
-  return target.axes().map([&](const std::vector<AxisRow>& rows) {
+  if (!verb.axes.empty()) return run;
+  return axes_of(context).map([&](const std::vector<AxisRow>& rows) {
     for (const auto& row : rows)
-      if (axes.size() < tmcl::plan::mint::most_axes) axes.emplace_back(row.name);
-    return json::object{{"axes", axes}};
+      if (run.axes.size() < tmcl::plan::mint::most_axes) run.axes.push_back(row.name);
+    return run;
   });
 }
+
+/// What is told while a program runs: every member of the kinds of news that there are.
+struct MintNews : api::MintProgress {
+  TMCL_STRUCT(MintNews, api::MintProgress);
+  TMCL_FIELD(std::vector<api::MintAxis>, axes, "once checked");
+  TMCL_FIELD(std::vector<std::string>, remarks, "likewise");
+};
 
 /// Follows a program by what the gateway tells of it.
 class Audience {
  public:
-  Audience(json::array axes, bool names_axes, Context& context)
+  Audience(std::vector<std::string> axes, bool names_axes, Context& context)
       : axes_(std::move(axes)), names_axes_(names_axes), context_(context), line_(context.output) {}
 
-  void hear(const json::object& news) {
-    const auto phase = text_at(news, "phase");
-    if (phase == "checked") {
-      tell_axes(news);
-      path::warn(news, context_.output);
-    } else if (phase == "stands") {
-      tell_group(integer_at<std::size_t>(news, "line"), number_at(news, "passed_s").value_or(0),
-                 number_at(news, "duration_s").value_or(0));
+  void hear(const MintNews& news) {
+    if (news.phase == "checked") {
+      tell_axes(news.axes);
+      warn(news.remarks, context_.output);
+    } else if (news.phase == "stands") {
+      tell_group(news.line, news.passed_s, news.duration_s);
     } else {
-      go_ = integer_at<std::size_t>(news, "line");
-      show(number_at(news, "passed_s").value_or(0), number_at(news, "duration_s").value_or(0));
+      go_ = news.line;
+      show(news.passed_s, news.duration_s);
     }
   }
   /// A signal stops all axes, which ends the program.
@@ -75,36 +83,31 @@ class Audience {
     if (signal_ == 0 || has_stopped_) return;
     has_stopped_ = true;
     for (const auto& axis : axes_) {
-      const auto stopped = context_.target.stop(std::string(axis.as_string()));
+      const auto stopped = context_.call(api::axis::Stop{axis});
       if (stopped) continue;
-      context_.output.err << "tmclctl: " << std::string_view(axis.as_string())
-                          << " NOT stopped: " << error_text(stopped.error()) << '\n';
+      context_.output.err << "tmclctl: " << axis << " NOT stopped: " << error_text(stopped.error())
+                          << '\n';
     }
   }
   /// Those of the groups that were not heard of.
-  void tell_rest(const json::object& report) {
-    const auto& groups = array_at(report, "groups");
-    for (auto i = told_; i < groups.size(); ++i) {
-      const auto& group = groups[i].as_object();
-      tell_group(integer_at<std::size_t>(group, "line"), number_at(group, "took_s").value_or(0),
-                 number_at(group, "planned_s").value_or(0));
+  void tell_rest(const api::mint::Ran& report) {
+    for (auto i = told_; i < report.groups.size(); ++i) {
+      const auto& group = report.groups[i];
+      tell_group(static_cast<std::uint64_t>(group.line), group.took_s, group.planned_s);
     }
     line_.clear();
-    path::warn(report, context_.output);
+    warn(report.remarks, context_.output);
   }
   int signal() const { return signal_; }
-  std::size_t go() const { return go_; }
+  std::uint64_t go() const { return go_; }
 
  private:
-  void tell_axes(const json::object& news) {
+  void tell_axes(const std::vector<api::MintAxis>& axes) {
     if (!names_axes_ || context_.output.json) return;
-    for (const auto& value : array_at(news, "axes")) {
-      const auto& row = value.as_object();
-      context_.output.out << fmt::format("axis {} is {}\n", integer_at<unsigned>(row, "number"),
-                                         text_at(row, "axis"));
-    }
+    for (const auto& axis : axes)
+      context_.output.out << fmt::format("axis {} is {}\n", axis.number, axis.axis);
   }
-  void tell_group(std::size_t line, double took_s, double planned_s) {
+  void tell_group(std::uint64_t line, double took_s, double planned_s) {
     ++told_;
     if (context_.output.json) return;
     line_.clear();
@@ -118,30 +121,37 @@ class Audience {
                            bar(done, usual_bar_width, line_.screen().utf8), passed_s, planned_s));
   }
 
-  json::array axes_;
+  std::vector<std::string> axes_;
   bool names_axes_;
   Context& context_;
   ProgressLine line_;
   std::size_t told_ = 0;
-  std::size_t go_ = 0;  // the line of the GO that is under way
+  std::uint64_t go_ = 0;  // the line of the GO that is under way
   bool has_stopped_ = false;
   int signal_ = 0;
 };
+
+Result<api::mint::Ran> run_followed(const std::string& text, api::mint::Run run, Audience& audience,
+                                    Context& context) {
+  const tmcl::client::CallOptions options{longest_mint_silence, [&] { audience.look(); }};
+  const auto staged = path::hand_over(text, run, context, options);
+  if (!staged) return tl::unexpected(staged.error());
+  const tmcl::client::Hearing<MintNews> hearing(context.gateway.caller, api::progress_notification,
+                                                [&](const MintNews& news) { audience.hear(news); });
+  return context.call(run, options);
+}
 
 }  // namespace
 
 VerbResult run(const verb::RunMint& verb, Context& context) {
   const auto text = path::text_of(verb.file, path::most_mint_bytes);
   if (!text) return tl::unexpected(text.error());
-  auto params = params_of(verb, context.target);
+  const auto params = params_of(verb, context);
   if (!params) return tl::unexpected(params.error());
-  if (verb.counts_encoder) (*params)["counts"] = "encoder";
-  Audience audience(params->at("axes").as_array(), verb.axes.empty(), context);
-  auto result = context.target.perform_watched(
-      "mint.run", std::move(*params), &*text,
-      {[&](const json::object& news) { audience.hear(news); }, [&] { audience.look(); }});
+  Audience audience(params->axes, verb.axes.empty(), context);
+  auto result = run_followed(*text, *params, audience, context);
   if (!result) {
-    audience.tell_rest(object_at(result.error().subject, "run"));
+    audience.tell_rest(path::part_done<api::mint::Ran>(result.error()));
     auto failure = path::explained(std::move(result.error()), verb.file, context.output);
     if (audience.signal() == 0) return tl::unexpected(std::move(failure));
     const auto where = fmt::format("stopped at the GO of line {}", audience.go());
@@ -151,7 +161,7 @@ VerbResult run(const verb::RunMint& verb, Context& context) {
   }
   audience.tell_rest(*result);
   if (context.output.json)
-    print_json({{"file", verb.file}, {"groups", array_at(*result, "groups")}}, context.output);
+    print_json({{"file", verb.file}, {"groups", api::write_value(result->groups)}}, context.output);
   return ExitCode::done;
 }
 

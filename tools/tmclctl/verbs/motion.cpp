@@ -7,6 +7,7 @@
 #include "following.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
+#include "tmcl/api/system.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
@@ -15,6 +16,10 @@ namespace {
 namespace json = boost::json;
 namespace api = tmcl::api;
 
+// Modules are numbered from 1 upwards, so the first of them are told to stop before the rest has
+// been looked for.
+constexpr std::uint16_t stop_scan_step = 16;
+constexpr std::uint16_t stop_scan_last = 255;
 constexpr tmcl::Duration turning_interval = std::chrono::milliseconds(100);
 constexpr int narrowest_bar = 10;
 constexpr int widest_bar = 40;
@@ -79,9 +84,7 @@ Journey journey_of(const std::string& axis, const api::axis::StartedMove& move, 
 
 VerbResult run(const verb::Move& verb, Context& context) {
   if (auto interrupted = interrupted_before_move(context)) return tl::unexpected(*interrupted);
-  const Typed typed{verb.position, verb.internal};
-  const auto move =
-      verb.by ? context.target.move_by(verb.axis, typed) : context.target.move_to(verb.axis, typed);
+  const auto move = start_move(verb.axis, {verb.position, verb.internal}, verb.by, context);
   if (!move) return tl::unexpected(move.error());
   warn(move->warnings.value_or(Warnings()), context.output);
   const auto journey =
@@ -109,9 +112,9 @@ VerbResult run(const verb::Move& verb, Context& context) {
 
 namespace {
 
-Result<Stood> wait_for(const std::string& axis, const verb::Wait& verb, tmcl::TimePoint started_at,
-                       Context& context) {
-  const auto now = context.target.state(axis);
+Result<Stood> wait_for_axis(const std::string& axis, const verb::Wait& verb,
+                            tmcl::TimePoint started_at, Context& context) {
+  const auto now = state_of(axis, context);
   if (!now) return tl::unexpected(now.error());
   const api::axis::StartedMove move{now->target_microsteps, now->unit, now->target, {}, {}};
   return wait_for_arrival(journey_of(axis, move, verb.internal, verb.timeout_s, started_at), move,
@@ -124,7 +127,7 @@ VerbResult run(const verb::Wait& verb, Context& context) {
   const auto started_at = context.host.now();
   json::array axes;
   for (const auto& axis : verb.axes) {
-    const auto stood = wait_for(axis, verb, started_at, context);
+    const auto stood = wait_for_axis(axis, verb, started_at, context);
     if (!stood) return tl::unexpected(stood.error());
     const auto& [at, warnings] = *stood;
     axes.push_back(json::object{{"axis", axis},
@@ -164,8 +167,9 @@ Result<std::optional<AxisReading>> watch_turning(const verb::Rotate& verb, Conte
   ProgressLine line(context.output);
   bool has_turned = false;
   std::optional<AxisReading> stands;
-  const auto watched =
-      context.target.watch(verb.axis, turning_interval, [&](const AxisReading* reading) {
+  const auto watched = watch(
+      verb.axis, turning_interval,
+      [&](const AxisReading* reading) {
         if (reading != nullptr) {
           if (has_turned && !reading->moving) stands = *reading;
           has_turned = has_turned || reading->moving;
@@ -174,7 +178,8 @@ Result<std::optional<AxisReading>> watch_turning(const verb::Rotate& verb, Conte
                                 velocity_text(*reading, verb.internal)));
         }
         return context.host.signal() == 0 && !stands;
-      });
+      },
+      context);
   if (!watched && context.host.signal() == 0) return tl::unexpected(watched.error());
   return stands;
 }
@@ -190,12 +195,12 @@ Error stopped_elsewhere(const std::string& axis, const AxisReading& stands) {
 }
 
 /// `why` it is not known that it stands.
-Error may_still_turn(const std::string& axis, Error why, const Target& target) {
+Error may_still_turn(const std::string& axis, Error why, const Context& context) {
   // That it turns is known; what its stop has come to is not.
   why.kind = ErrorKind::failed;
   why.outcome = tmcl::Outcome::done;
   why.message = fmt::format("{} may still turn: {}", axis, why.message);
-  why.hint = how_to_stop(axis, target);
+  why.hint = how_to_stop(axis, context);
   return why;
 }
 
@@ -203,8 +208,8 @@ VerbResult attend(const verb::Rotate& verb, Context& context) {
   const auto stands = watch_turning(verb, context);
   context.host.take_signal();
   if (stands && *stands) return tl::unexpected(stopped_elsewhere(verb.axis, **stands));
-  const auto stopped = context.target.stop(verb.axis);
-  if (!stopped) return tl::unexpected(may_still_turn(verb.axis, stopped.error(), context.target));
+  const auto stopped = context.call(api::axis::Stop{verb.axis});
+  if (!stopped) return tl::unexpected(may_still_turn(verb.axis, stopped.error(), context));
   if (!stands) return tl::unexpected(stands.error());
   if (!context.output.json) context.output.out << verb.axis << " stops\n";
   return ExitCode::done;
@@ -213,13 +218,13 @@ VerbResult attend(const verb::Rotate& verb, Context& context) {
 }  // namespace
 
 VerbResult run(const verb::Rotate& verb, Context& context) {
-  const auto turning =
-      context.target.rotate(verb.axis, {verb.velocity, verb.internal}, verb.unattended);
+  const Typed velocity{verb.velocity, verb.internal};
+  const auto turning = context.call(api::axis::Rotate{
+      verb.axis, velocity.counted(), velocity.amount(), verb.unattended, move_deadline_ms});
   if (!turning) return tl::unexpected(turning.error());
   warn(turning->warnings.value_or(Warnings()), context.output);
   const bool attends = !verb.unattended && turning->velocity_internal != 0;
-  print_turning(verb, *turning,
-                attends ? "Ctrl-C stops it" : how_to_stop(verb.axis, context.target),
+  print_turning(verb, *turning, attends ? "Ctrl-C stops it" : how_to_stop(verb.axis, context),
                 context.output);
   if (!attends) return ExitCode::done;
   return attend(verb, context);
@@ -239,17 +244,61 @@ Error stopped_nothing(Error failure) {
   return failure;
 }
 
+struct StoppedAxis {
+  std::string axis;
+  std::optional<double> milliseconds;
+  std::optional<Error> error;
+};
+
+void stop_motors(const ModuleRow& module, std::vector<StoppedAxis>& stopped, Context& context) {
+  for (std::uint8_t motor = 0; motor < module.axes; ++motor) {
+    StoppedAxis row{axis_name({tmcl::ModuleAddress{module.address}, motor}), {}, {}};
+    const auto before = context.host.now();
+    const auto result = context.call(api::axis::Stop{row.axis});
+    const std::chrono::duration<double, std::milli> took = context.host.now() - before;
+    if (result) {
+      row.milliseconds = took.count();
+    } else {
+      row.error = result.error();
+    }
+    stopped.push_back(std::move(row));
+  }
+}
+
+Result<std::vector<StoppedAxis>> stop_found(Context& context) {
+  std::vector<StoppedAxis> stopped;
+  for (std::uint16_t first = 1; first <= stop_scan_last; first += stop_scan_step) {
+    const auto last = static_cast<std::uint16_t>(first + stop_scan_step - 1);
+    const auto found = scan({first, std::min(last, stop_scan_last)}, {}, context);
+    if (!found) return tl::unexpected(found.error());
+    if (!found->failed.empty()) return tl::unexpected(found->failed.front().error);
+    for (const auto& module : found->modules) stop_motors(module, stopped, context);
+  }
+  return stopped;
+}
+
+Result<std::vector<StoppedAxis>> stop_everything(Context& context) {
+  if (context.gateway.axes_from == AxesFrom::scan) return stop_found(context);
+  return context.call(api::system::StopAll{}).map([](const api::system::StoppedAxes& result) {
+    std::vector<StoppedAxis> rows;
+    for (const auto& [axis, milliseconds] : result.stopped)
+      rows.push_back({axis, milliseconds, {}});
+    for (const auto& [axis, error] : result.failed)
+      rows.push_back({axis, {}, tmcl::client::error_from_json(error)});
+    return rows;
+  });
+}
+
 ExitCode show_stopped(const std::vector<StoppedAxis>& axes, Output& output) {
   json::array stopped;
   json::array failed;
   auto exit = ExitCode::done;
   for (const auto& row : axes) {
-    if (row.failure) {
-      failed.push_back(json::object{{"axis", row.axis}, {"error", error_document(*row.failure)}});
-      exit = std::max(exit, exit_code_of(*row.failure));
+    if (row.error) {
+      failed.push_back(json::object{{"axis", row.axis}, {"error", error_document(*row.error)}});
+      exit = std::max(exit, exit_code_of(*row.error));
       if (!output.json)
-        output.err << "tmclctl: " << row.axis << " NOT stopped: " << error_text(*row.failure)
-                   << '\n';
+        output.err << "tmclctl: " << row.axis << " NOT stopped: " << error_text(*row.error) << '\n';
     } else {
       stopped.push_back(
           json::object{{"axis", row.axis}, {"milliseconds", row.milliseconds.value_or(0)}});
@@ -268,11 +317,11 @@ ExitCode show_stopped(const std::vector<StoppedAxis>& axes, Output& output) {
 
 VerbResult run(const verb::Stop& verb, Context& context) {
   const auto stop_all = [&] {
-    return context.target.stop_all().map(
+    return stop_everything(context).map(
         [&](const std::vector<StoppedAxis>& axes) { return show_stopped(axes, context.output); });
   };
   if (verb.all) return stop_all();
-  const auto stopped = context.target.stop(verb.axis);
+  const auto stopped = context.call(api::axis::Stop{verb.axis});
   const bool names_none = !stopped && exit_code_of(stopped.error()) == ExitCode::usage;
   // An axis may have that name.
   if (names_none && is_all(verb.axis)) return stop_all();

@@ -10,13 +10,13 @@ namespace tmclctl {
 namespace {
 
 namespace json = boost::json;
+namespace parameter = tmcl::api::parameter;
 
 /// In the unit of the axis, or in turns if it has none.
-Result<Quantity> in_units(const tmcl::api::parameter::Held& got, const std::string& axis,
-                          Target& target) {
+Result<Quantity> in_units(const parameter::Value& got, const std::string& axis, Context& context) {
   if (const auto shown = in_unit(got.value_in_unit, got.unit))
     return Quantity{shown->value, shown->unit};
-  const auto units = target.units(axis);
+  const auto units = units_of(axis, context);
   if (!units) return tl::unexpected(units.error());
   const auto* row = find_parameter(units->parameters(), got.number);
   if (row != nullptr) return attempt(from_parameter(got.value, *units, *row));
@@ -28,12 +28,12 @@ Result<Quantity> in_units(const tmcl::api::parameter::Held& got, const std::stri
 }  // namespace
 
 VerbResult run(const verb::Get& verb, Context& context) {
-  const auto got = context.target.get(verb.axis, verb.parameter);
+  const auto got = context.call(parameter::Get{{verb.axis, name_or_number(verb.parameter)}});
   if (!got) return tl::unexpected(got.error());
   auto document = to_json(verb.axis, *got);
   auto line = fmt::format("{}\n", got->value);
   if (verb.in_units) {
-    const auto shown = in_units(*got, verb.axis, context.target);
+    const auto shown = in_units(*got, verb.axis, context);
     if (!shown) return tl::unexpected(shown.error());
     document["value_in_unit"] = shown->number;
     document["unit"] = shown->unit;
@@ -48,7 +48,9 @@ VerbResult run(const verb::Get& verb, Context& context) {
 }
 
 VerbResult run(const verb::Set& verb, Context& context) {
-  const auto set = context.target.set(verb.axis, verb.parameter, Typed{verb.value, true});
+  const Typed value{verb.value, true};
+  const auto set = context.call(
+      parameter::Set{{verb.axis, name_or_number(verb.parameter)}, value.counted(), value.amount()});
   if (!set) return tl::unexpected(set.error());
   warn(set->warnings, context.output);
   if (!context.output.json) return ExitCode::done;

@@ -2,7 +2,6 @@
 #include <limits>
 
 #include "api/course_view.hpp"
-#include "json_read.hpp"
 #include "path/leg_table.hpp"
 #include "path/path_source.hpp"
 #include "print.hpp"
@@ -36,21 +35,22 @@ VerbResult run(const verb::CheckPath& verb, Output& output) {
   const double feed = verb.feed.value_or(unlimited);
   const auto planned = plan::course_of(*source, limits, feed, verb.tolerance);
   if (!planned) return tl::unexpected(failure_of(verb, planned.error(), output));
-  auto course = tmcl::api::to_json(tmcld::view_of(*planned, source->path.axes));
+  const auto course = tmcld::view_of(*planned, source->path.axes);
   if (!verb.svg.empty()) {
-    const auto curve =
-        tmcl::api::to_json(tmcld::curve_of(*planned, tmcl::api::path::most_curve_points));
+    const auto curve = tmcld::curve_of(*planned, tmcl::api::path::most_curve_points);
     if (const auto drawn = path::draw(verb.svg, verb.file, course, curve); !drawn)
       return tl::unexpected(drawn.error());
   }
-  if (verb.legs)
-    course["leg_table"] = path::leg_table(*planned, source->path.axes, verb.microsteps_per_unit);
+  boost::json::array legs;
+  if (verb.legs) legs = path::leg_table(*planned, source->path.axes, verb.microsteps_per_unit);
   if (output.json) {
-    course["file"] = verb.file;
-    print_json(course, output);
+    auto document = tmcl::api::to_json(course);
+    if (verb.legs) document["leg_table"] = std::move(legs);
+    document["file"] = verb.file;
+    print_json(document, output);
   } else {
     path::print(verb.file, course, output);
-    if (verb.legs) path::print_legs(array_at(course, "leg_table"), output);
+    if (verb.legs) path::print_legs(legs, output);
   }
   return ExitCode::done;
 }

@@ -77,7 +77,7 @@ class Recorder {
   const plot::Recording& finish() {
     line_.clear();
     if (internal_ || !has_unit_) return recording_;
-    auto units = room_.target.units(recording_.axis);
+    auto units = units_of(recording_.axis, room_);
     // Whatever comes of it: there is something to draw.
     if (units && units->scale && units->module)
       plot::use({std::move(*units->scale), *units->module}, recording_);
@@ -99,19 +99,19 @@ class Recorder {
 using MaybeFailure = std::optional<Error>;
 
 MaybeFailure record_move(const verb::Plot& verb, Recorder& recorder, Context& context) {
-  const auto before = context.target.state(verb.axis);
+  const auto before = state_of(verb.axis, context);
   if (!before) return before.error();
   recorder.add(*before);
   if (auto interrupted = interrupted_before_move(context)) return interrupted;
   std::optional<tmcl::plan::AxisTwin> twin;
   if (verb.compare) {
-    const auto found = twin_of(verb.axis, context.target);
+    const auto found = twin_of(verb.axis, context);
     if (!found) return found.error();
     twin = *found;
   }
   const double asked_at = recorder.seconds();
-  const auto move = verb.by.empty() ? context.target.move_to(verb.axis, {verb.to, verb.internal})
-                                    : context.target.move_by(verb.axis, {verb.by, verb.internal});
+  const bool by = !verb.by.empty();
+  const auto move = start_move(verb.axis, {by ? verb.by : verb.to, verb.internal}, by, context);
   if (!move) return move.error();
   if (twin) {
     twin->move_to({move->target_microsteps});
@@ -135,7 +135,7 @@ MaybeFailure record_as_it_is(const verb::Plot& verb, Recorder& recorder, Context
   auto last_moving = context.host.now();
   while (context.host.signal() == 0 && !recorder.full()) {
     const auto next_look = context.host.now() + sample_interval;
-    const auto reading = context.target.state(verb.axis);
+    const auto reading = state_of(verb.axis, context);
     if (!reading && context.host.signal() != 0) break;
     if (!reading) return reading.error();
     recorder.add(*reading);
@@ -143,11 +143,11 @@ MaybeFailure record_as_it_is(const verb::Plot& verb, Recorder& recorder, Context
     if (reading->moving) last_moving = context.host.now();
     const bool stands = context.host.now() - last_moving >= standstill_limit;
     if (!verb.for_s && stands) return std::nullopt;
-    context.target.sleep(next_look - context.host.now());
+    context.sleep(next_look - context.host.now());
   }
   if (context.host.signal() == 0) return std::nullopt;
   return interrupted_error(context.host.signal(), fmt::format("no longer recording {}", verb.axis),
-                           "If it moves, it goes on. " + how_to_stop(verb.axis, context.target));
+                           "If it moves, it goes on. " + how_to_stop(verb.axis, context));
 }
 
 json::object to_json(const plot::Comparison& comparison, const plot::Recording& recording) {

@@ -14,21 +14,22 @@ namespace {
 
 namespace json = boost::json;
 namespace api = tmcl::api;
-using api::axis::OfRamp;
 using api::axis::Ramp;
 
-json::object params_of(const verb::Ramp& verb) {
-  json::object params{{api::name_of<&OfRamp::axis>(), verb.axis}};
-  const auto add = [&](std::string_view name, std::string_view plain, const std::string& typed) {
-    if (!typed.empty()) put(params, name, plain, {typed, verb.internal});
-  };
-  add(api::name_of<&OfRamp::velocity>(), api::name_of<&OfRamp::velocity_internal>(), verb.velocity);
-  add(api::name_of<&OfRamp::acceleration>(), api::name_of<&OfRamp::acceleration_internal>(),
-      verb.acceleration);
-  add(api::name_of<&OfRamp::deceleration>(), api::name_of<&OfRamp::deceleration_internal>(),
-      verb.deceleration);
-  add(api::name_of<&OfRamp::jerk>(), api::name_of<&OfRamp::bow>(), verb.jerk);
-  return params;
+template <class Method>
+Method method_of(const verb::Ramp& verb) {
+  const auto typed = [&](const std::string& text) { return Typed{text, verb.internal}; };
+  Method method;
+  method.axis = verb.axis;
+  method.velocity = typed(verb.velocity).amount();
+  method.velocity_internal = typed(verb.velocity).counted();
+  method.acceleration = typed(verb.acceleration).amount();
+  method.acceleration_internal = typed(verb.acceleration).counted();
+  method.deceleration = typed(verb.deceleration).amount();
+  method.deceleration_internal = typed(verb.deceleration).counted();
+  method.jerk = typed(verb.jerk).amount();
+  method.bow = typed(verb.jerk).counted();
+  return method;
 }
 
 json::object to_json(const verb::Ramp& verb, const Ramp& ramp) {
@@ -84,11 +85,10 @@ void show(const verb::Ramp& verb, const Ramp& ramp, Output& output) {
 }  // namespace
 
 VerbResult run(const verb::Ramp& verb, Context& context) {
-  const auto method =
-      verb.dry_run ? api::axis::PlanRamp::method.name : api::axis::SetRamp::method.name;
-  const auto answer = context.target.perform(std::string(method), params_of(verb), {});
-  if (!answer) return tl::unexpected(answer.error());
-  show(verb, api::from_json<Ramp>(*answer), context.output);
+  const auto ramp = verb.dry_run ? context.call(method_of<api::axis::PlanRamp>(verb))
+                                 : context.call(method_of<api::axis::SetRamp>(verb));
+  if (!ramp) return tl::unexpected(ramp.error());
+  show(verb, *ramp, context.output);
   return ExitCode::done;
 }
 

@@ -5,9 +5,10 @@
 
 #include <fmt/format.h>
 
-#include "json_read.hpp"
 #include "names.hpp"
 #include "print.hpp"
+#include "tmcl/api/module.hpp"
+#include "tmcl/link.hpp"
 #include "tmcl/spelling.hpp"
 #include "verbs.hpp"
 
@@ -82,6 +83,33 @@ Result<tmcl::Request> request_from(const verb::Raw& verb) {
   return tmcl::Request{tmcl::ModuleAddress{verb.address}, *command, *type, verb.motor, verb.value};
 }
 
+struct RawAnswer {
+  std::string bus;
+  tmcl::Framing framing = tmcl::Framing::serial;
+  tmcl::Reply reply;
+  std::string text;  ///< The firmware version when it came as text.
+  Warnings warnings{};
+};
+
+Result<RawAnswer> ask(const std::string& bus_name, const tmcl::Request& request, Context& context) {
+  const auto bus = bus_named(bus_name, context);
+  if (!bus) return tl::unexpected(bus.error());
+  tmcl::api::module::Execute execute{{{bus->name, number(request.address)}},
+                                     static_cast<std::int32_t>(request.command)};
+  execute.type = request.type;
+  execute.motor = request.motor;
+  execute.value = request.value;
+  const auto result = context.call(execute);
+  if (!result) return tl::unexpected(result.error());
+  const bool is_can = bus->link.starts_with("can:");
+  return RawAnswer{bus->name,
+                   is_can ? tmcl::Framing::can : tmcl::Framing::serial,
+                   {tmcl::default_host_address, reply_byte(request.address),
+                    static_cast<tmcl::Status>(result->status), request.command, result->value},
+                   result->text.value_or(""),
+                   result->warnings.value_or(Warnings())};
+}
+
 json::object to_json(const tmcl::Request& request, const RawAnswer& answer) {
   const auto& reply = answer.reply;
   json::object said{
@@ -121,7 +149,7 @@ void print(const tmcl::Request& request, const RawAnswer& answer, std::ostream& 
 VerbResult run(const verb::Raw& verb, Context& context) {
   const auto request = request_from(verb);
   if (!request) return tl::unexpected(request.error());
-  const auto answer = context.target.raw({verb.bus, *request});
+  const auto answer = ask(verb.bus, *request, context);
   if (!answer) {
     auto failure = answer.error();
     const auto exit = exit_code_of(failure);

@@ -26,9 +26,9 @@ void print_condition(const std::string& axis, const AxisReading& reading, std::o
 }  // namespace
 
 VerbResult run(const verb::State& verb, Context& context) {
-  const auto reading = context.target.state(verb.axis);
+  const auto reading = state_of(verb.axis, context);
   if (!reading) return tl::unexpected(reading.error());
-  const auto factors = scale_factors_of(verb.axis, reading->position.has_value(), context.target);
+  const auto factors = scale_factors_of(verb.axis, reading->position.has_value(), context);
   if (context.output.json) {
     auto document = tmcl::api::to_json<tmcl::api::axis::State>(*reading);
     add(factors, document);

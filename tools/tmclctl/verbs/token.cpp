@@ -10,7 +10,7 @@ namespace api = tmcl::api;
 VerbResult run(const verb::AddToken& verb, Context& context) {
   api::token::Add wish{verb.role};
   if (!verb.name.empty()) wish.name = verb.name;
-  const auto added = context.target.perform(wish);
+  const auto added = context.call(wish);
   if (!added) return tl::unexpected(added.error());
   if (context.output.json) {
     print_json(api::to_json(*added), context.output);
@@ -24,7 +24,7 @@ VerbResult run(const verb::AddToken& verb, Context& context) {
 }
 
 VerbResult run(const verb::Tokens&, Context& context) {
-  const auto all = context.target.perform(api::token::List{});
+  const auto all = context.call(api::token::List{});
   if (!all) return tl::unexpected(all.error());
   if (context.output.json) {
     print_json(api::to_json(*all), context.output);
@@ -37,7 +37,7 @@ VerbResult run(const verb::Tokens&, Context& context) {
 }
 
 VerbResult run(const verb::RevokeToken& verb, Context& context) {
-  const auto revoked = context.target.perform(api::token::Revoke{verb.name});
+  const auto revoked = context.call(api::token::Revoke{verb.name});
   if (!revoked) return tl::unexpected(revoked.error());
   if (context.output.json) {
     print_json({{"name", verb.name}, {"revoked", true}}, context.output);

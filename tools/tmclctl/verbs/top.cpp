@@ -13,7 +13,6 @@
 namespace tmclctl {
 namespace {
 
-namespace json = boost::json;
 namespace api = tmcl::api;
 
 // What axis.list knows costs no exchange.
@@ -33,7 +32,7 @@ class Top {
   Result<void> run() {
     const AxesWatcher watcher{
         .on_reading = [this](const auto& axis, const auto& reading) { note(axis, reading); },
-        .on_failure = {},
+        .on_error = {},
         .on_event = {},
         .wanted = [this] { return go_on(); }};
     return keep_watching(
@@ -66,8 +65,7 @@ class Top {
 
   /// An error is left to the watching, which notices it as well.
   void look_at_modules() {
-    const auto listed = context_.target.perform("axis.list", {{"all", true}}, {})
-                            .map(api::from_json<api::axis::Axes>);
+    const auto listed = context_.call(api::axis::List{true});
     if (!listed) return;
     for (const auto& found : listed->axes) {
       const auto line = std::ranges::find(axes_, found.name, &AxisLine::name);
@@ -75,7 +73,7 @@ class Top {
       line->state = found.state;
       if (!line->limits && found.state == "ready" && !asked_.contains(found.name)) {
         asked_.insert(found.name);
-        if (const auto units = context_.target.units(found.name)) line->limits = units->limits;
+        if (const auto units = units_of(found.name, context_)) line->limits = units->limits;
       }
     }
   }
@@ -114,7 +112,7 @@ VerbResult run(const verb::Top& verb, Context& context) {
   // Before anything is looked for, which may take a while.
   const auto found = FullScreen::look_for(context.output.out_screen);
   if (!found) return tl::unexpected(found.error());
-  const auto rows = context.target.axes();
+  const auto rows = axes_of(context);
   if (!rows) return tl::unexpected(rows.error());
   if (rows->empty()) return tl::unexpected(usage_error("no_axes", "there are no axes to watch"));
   const auto screen = FullScreen::open(context.output.out_screen);

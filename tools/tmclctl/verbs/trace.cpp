@@ -102,8 +102,7 @@ class Sink {
 };
 
 Result<std::string> bus_of(const verb::Trace& verb, Context& context) {
-  const auto listed = context.target.perform(std::string(api::bus::List::method.name), {}, {})
-                          .map(api::from_json<api::bus::Buses>);
+  const auto listed = context.call(api::bus::List{});
   if (!listed) return tl::unexpected(listed.error());
   std::vector<std::string> names;
   for (const auto& bus : listed->buses) names.push_back(bus.name);
@@ -114,11 +113,6 @@ Result<std::string> bus_of(const verb::Trace& verb, Context& context) {
     return tl::unexpected(usage_error("missing_bus", "which bus of tmcld?", hint));
   return tl::unexpected(
       usage_error("unknown_bus", fmt::format("tmcld has no bus '{}'", verb.bus), hint));
-}
-
-Result<api::bus::Traffic> look(const api::bus::Trace& params, Context& context) {
-  return context.target.perform(std::string(api::bus::Trace::method.name), api::to_json(params), {})
-      .map(api::from_json<api::bus::Traffic>);
 }
 
 /// What goes over the bus from now on, until nobody wants it any more.
@@ -134,7 +128,7 @@ Result<void> follow(const std::string& bus, std::uint64_t last, const verb::Trac
     ends = ends || !is_wanted();
     // What has passed until then is wanted as well.
     if (ends) context.host.take_signal();
-    const auto traffic = look({bus, last, most_at_once}, context);
+    const auto traffic = context.call(api::bus::Trace{bus, last, most_at_once});
     if (!traffic && !ends && context.host.signal() != 0) continue;
     if (!traffic) return tl::unexpected(traffic.error());
     if (traffic->dropped > 0 && traffic->last >= last) {
@@ -146,7 +140,7 @@ Result<void> follow(const std::string& bus, std::uint64_t last, const verb::Trac
     last = traffic->datagrams.empty() ? traffic->last : traffic->datagrams.back().number;
     if (last < traffic->last) continue;
     if (ends) return {};
-    context.target.sleep(pause_between_looks);
+    context.sleep(pause_between_looks);
   }
 }
 
@@ -155,7 +149,7 @@ Result<void> follow(const std::string& bus, std::uint64_t last, const verb::Trac
 VerbResult run(const verb::Trace& verb, Context& context) {
   const auto bus = bus_of(verb, context);
   if (!bus) return tl::unexpected(bus.error());
-  const auto before = look({*bus, std::nullopt, verb.last.value_or(1)}, context);
+  const auto before = context.call(api::bus::Trace{*bus, std::nullopt, verb.last.value_or(1)});
   if (!before) return tl::unexpected(before.error());
   Sink sink(context.output);
   if (const auto opened = sink.open(verb.file, *bus); !opened)

@@ -5,13 +5,13 @@
 #include "output_file.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
+#include "tmcl/api/system.hpp"
 #include "tmcl/api/verify.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {
 namespace {
 
-namespace json = boost::json;
 namespace api = tmcl::api;
 
 std::string where_to(const verb::Verify& verb) {
@@ -60,12 +60,10 @@ void print(const api::axis::Verified& found, Output& output) {
       others == 0 ? "the module is as its twin" : fmt::format("{} not as foreseen", others));
 }
 
-json::object params_of(const verb::Verify& verb) {
-  json::object params{{"axis", verb.axis}};
-  if (verb.travel_from.empty()) return params;
-  put(params, "from", "from_microsteps", {verb.travel_from, verb.internal});
-  put(params, "to", "to_microsteps", {verb.travel_to, verb.internal});
-  return params;
+api::axis::Verify params_of(const verb::Verify& verb) {
+  const Typed from{verb.travel_from, verb.internal};
+  const Typed to{verb.travel_to, verb.internal};
+  return {verb.axis, from.counted(), from.amount(), to.counted(), to.amount()};
 }
 
 }  // namespace
@@ -82,20 +80,20 @@ VerbResult run(const verb::Verify& verb, Context& context) {
   if (auto opened = file.open(to_output ? "" : verb.report); !opened)
     return tl::unexpected(opened.error());
   ProgressLine line(context.output);
-  const auto result =
-      context.target.perform("axis.verify", params_of(verb), [&](const json::object& news) {
-        const auto progress = api::from_json<api::axis::VerifyProgress>(news);
+  const tmcl::client::Hearing<api::axis::VerifyProgress> hearing(
+      context.gateway.caller, api::progress_notification,
+      [&](const api::axis::VerifyProgress& progress) {
         line.show(fmt::format("{}: {}", verb.axis, progress.text));
-        return context.host.signal() == 0;
       });
+  const auto result = context.call(params_of(verb));
   line.clear();
   if (!result) return tl::unexpected(result.error());
-  const auto found = api::from_json<api::axis::Verified>(*result);
+  const auto& found = *result;
   if (auto written = file.write(found.report); !written) return tl::unexpected(written.error());
   if (to_output) {
     context.output.out << found.report;
   } else if (context.output.json) {
-    print_json(*result, context.output);
+    print_json(api::to_json(found), context.output);
   } else {
     print(found, context.output);
   }

@@ -48,7 +48,7 @@ class Watching {
   AxesWatcher watcher() {
     return {
         .on_reading = [this](const auto& axis, const auto& reading) { tell(axis, reading); },
-        .on_failure =
+        .on_error =
             [this](const auto& axis, const auto& failure) {
               tell("failed", axis + ": " + with_verbs(failure.message), error_document(failure));
             },
@@ -64,7 +64,7 @@ class Watching {
  private:
   double passed_s() const { return std::chrono::duration<double>(host_.now() - begin_).count(); }
   void tell(const std::string& axis, const AxisReading& reading);
-  void tell(const boost::json::object& event);
+  void tell(const api::Event& event);
   /// What is no reading; `key` is what its document has it under.
   void tell(std::string_view key, const std::string& text, boost::json::value document);
 
@@ -95,10 +95,9 @@ void Watching::tell(const std::string& axis, const AxisReading& reading) {
               << std::endl;
 }
 
-void Watching::tell(const boost::json::object& event) {
-  const auto told = api::from_json<api::Event>(event);
-  if (std::ranges::find(told_events, told.kind) == told_events.end()) return;
-  tell("event", fmt::format("{}: {}", told.bus, told.text), event);
+void Watching::tell(const api::Event& event) {
+  if (std::ranges::find(told_events, event.kind) == told_events.end()) return;
+  tell("event", fmt::format("{}: {}", event.bus, event.text), api::to_json(event));
 }
 
 void Watching::tell(std::string_view key, const std::string& text, boost::json::value document) {
@@ -114,7 +113,7 @@ void Watching::tell(std::string_view key, const std::string& text, boost::json::
 VerbResult run(const verb::Watch& verb, Context& context) {
   auto axes = verb.axes;
   if (verb.all) {
-    const auto rows = context.target.axes();
+    const auto rows = axes_of(context);
     if (!rows) return tl::unexpected(rows.error());
     for (const auto& row : *rows) axes.push_back(row.name);
     if (axes.empty()) return tl::unexpected(usage_error("no_axes", "there are no axes to watch"));

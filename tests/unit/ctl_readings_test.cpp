@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "ctl_fixture.hpp"
-#include "gateway_target.hpp"
+#include "readings.hpp"
 #include "tmcl/api/system.hpp"
 
 namespace tmclctl::test {
@@ -23,12 +23,12 @@ api::NewState state_at(std::int32_t position) {
 }
 
 /// A gateway with an axis that arrives after some time; a wait takes as long as it says.
-class ScriptedDoor final : public Door {
+class ScriptedChannel final : public tmcl::client::Channel {
  public:
-  explicit ScriptedDoor(FakeHost& host) : host_(host) {}
+  explicit ScriptedChannel(FakeHost& host) : host_(host) {}
 
   Result<boost::json::object> call(std::string_view method, boost::json::object params,
-                                   CallOptions) override {
+                                   const tmcl::client::CallOptions&) override {
     calls.emplace_back(method);
     if (method == "axis.wait") return wait(params);
     if (method == "axis.get_state") return api::to_json<api::axis::State>(state_at(100));
@@ -41,8 +41,7 @@ class ScriptedDoor final : public Door {
   Result<void> listen(tmcl::Duration) override { return {}; }
   Result<void> reopen() override { return {}; }
   void on_notification(Listener listener) override { listener_ = std::move(listener); }
-  void sleep(tmcl::Duration duration) override { host_.sleep(duration); }
-  Result<void> see_through(bool, Output&) override { return {}; }
+  std::string version() const override { return {}; }
 
   tmcl::Duration arrives_after{};
   std::optional<Error> failure;  ///< What waits end with.
@@ -70,39 +69,43 @@ class ScriptedDoor final : public Door {
 class WaitingForAnAxis : public testing::Test {
  protected:
   Result<Warnings> wait(std::optional<tmcl::Duration> at_most = {}) {
-    return target.wait({"x", {100}, 20ms, at_most}, [this](const AxisReading& reading) {
-      positions.push_back(reading.position_microsteps);
-    });
+    return wait_for(
+        {"x", {100}, 20ms, at_most},
+        [this](const AxisReading& reading) { positions.push_back(reading.position_microsteps); },
+        context);
   }
 
   FakeHost host;
-  ScriptedDoor* door = new ScriptedDoor(host);
-  GatewayTarget target{std::unique_ptr<Door>(door), "", AxesFrom::configuration, host};
+  ScriptedChannel* channel = new ScriptedChannel(host);
+  Gateway gateway{tmcl::client::Caller(std::unique_ptr<ScriptedChannel>(channel)), ""};
+  std::ostringstream text;
+  Output output{text, text, {}, {}};
+  Context context{gateway, output, host};
   std::vector<std::int32_t> positions;
 };
 
 TEST_F(WaitingForAnAxis, TakesAsLongAsItTakes) {
-  door->arrives_after = 12s;
+  channel->arrives_after = 12s;
   EXPECT_THAT(wait().value(), ElementsAre("it may oscillate"));
-  EXPECT_THAT(door->waits_ms, ElementsAre(5000, 5000, 5000));
+  EXPECT_THAT(channel->waits_ms, ElementsAre(5000, 5000, 5000));
   EXPECT_THAT(positions, ElementsAre(10, 50, 50, 50, 100)) << "the last one is of the end";
-  EXPECT_EQ(door->calls.back(), "unsubscribe");
+  EXPECT_EQ(channel->calls.back(), "unsubscribe");
 }
 
 TEST_F(WaitingForAnAxis, EndsWhenItsTimeIsOver) {
-  door->arrives_after = 1h;
+  channel->arrives_after = 1h;
   EXPECT_EQ(wait(12s).error().name, "deadline_passed");
-  EXPECT_THAT(door->waits_ms, ElementsAre(5000, 5000, 2000));
+  EXPECT_THAT(channel->waits_ms, ElementsAre(5000, 5000, 2000));
 }
 
 TEST_F(WaitingForAnAxis, AsksNothingMoreOfAGatewayThatSaysNothing) {
-  door->failure = error_of(ExitCode::unknown, "daemon_timeout", "no answer");
+  channel->failure = error_of(ExitCode::unknown, "daemon_timeout", "no answer");
   EXPECT_EQ(wait().error().name, "daemon_timeout");
-  EXPECT_EQ(door->calls.back(), "axis.wait");
+  EXPECT_EQ(channel->calls.back(), "axis.wait");
 }
 
 TEST_F(WaitingForAnAxis, LooksOnceMoreWhereAMoveWasInterrupted) {
-  door->failure = error_of(ExitCode::not_reached, "move_interrupted", "it stands");
+  channel->failure = error_of(ExitCode::not_reached, "move_interrupted", "it stands");
   EXPECT_EQ(wait().error().name, "move_interrupted");
   EXPECT_EQ(positions.back(), 100);
 }
