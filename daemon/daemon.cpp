@@ -19,7 +19,7 @@
 #include "fronts/descriptors.hpp"
 #include "gateway/ending.hpp"
 #include "gateway/reload.hpp"
-#include "gateway/tokens.hpp"
+#include "gateway/store/tokens.hpp"
 #include "last_stop.hpp"
 #include "log/log.hpp"
 #include "tmcl/timer.hpp"

@@ -17,7 +17,7 @@
 #include "fronts/port.hpp"
 #include "fronts/unix_server.hpp"
 #include "gateway/gateway.hpp"
-#include "gateway/lock_file.hpp"
+#include "gateway/store/lock_file.hpp"
 #include "log/audit_trail.hpp"
 #include "service/service.hpp"
 

@@ -12,7 +12,7 @@
 
 #include "api/method.hpp"
 #include "api/rpc_error.hpp"
-#include "gateway/leases.hpp"
+#include "gateway/authority/leases.hpp"
 #include "tmcl/api/lease.hpp"
 #include "tmcl/clock.hpp"
 

@@ -1,7 +1,7 @@
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "config/feeding.hpp"
-#include "gateway/deadman_measurement.hpp"
+#include "gateway/module/deadman_measurement.hpp"
 
 namespace tmcld::handlers {
 namespace {

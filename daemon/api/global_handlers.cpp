@@ -3,7 +3,7 @@
 #include "api/handlers.hpp"
 #include "api/module_choice.hpp"
 #include "api/suggest.hpp"
-#include "gateway/reach.hpp"
+#include "gateway/authority/reach.hpp"
 #include "tmcl/model.hpp"
 
 namespace tmcld::handlers {

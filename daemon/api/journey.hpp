@@ -8,7 +8,7 @@
 
 #include "api/call.hpp"
 #include "api/lookup.hpp"
-#include "gateway/awaited_run.hpp"
+#include "gateway/journey/awaited_run.hpp"
 #include "tmcl/plan/path_preparation.hpp"
 
 namespace tmcld {

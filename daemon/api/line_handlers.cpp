@@ -4,7 +4,7 @@
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
 #include "api/views.hpp"
-#include "gateway/line.hpp"
+#include "gateway/journey/line.hpp"
 #include "tmcl/seconds.hpp"
 
 namespace tmcld::handlers {

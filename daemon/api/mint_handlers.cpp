@@ -8,7 +8,7 @@
 #include "api/audit.hpp"
 #include "api/handlers.hpp"
 #include "api/journey.hpp"
-#include "gateway/mint_run.hpp"
+#include "gateway/journey/mint_run.hpp"
 #include "tmcl/plan/mint_preparation.hpp"
 #include "tmcl/scale_factor.hpp"
 #include "tmcl/seconds.hpp"

@@ -3,7 +3,7 @@
 #include "api/module_choice.hpp"
 #include "api/suggest.hpp"
 #include "api/views.hpp"
-#include "gateway/reach.hpp"
+#include "gateway/authority/reach.hpp"
 
 namespace tmcld::handlers {
 namespace {

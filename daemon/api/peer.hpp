@@ -7,7 +7,7 @@
 #include <boost/json/object.hpp>
 
 #include "api/caller.hpp"
-#include "gateway/leases.hpp"
+#include "gateway/authority/leases.hpp"
 
 namespace tmcld {
 

@@ -1,7 +1,7 @@
 // Stand-alone programs.
 #include "api/handlers.hpp"
 #include "api/module_choice.hpp"
-#include "gateway/reach.hpp"
+#include "gateway/authority/reach.hpp"
 
 namespace tmcld::handlers {
 namespace {

@@ -11,8 +11,8 @@
 
 #include <boost/json/object.hpp>
 
+#include "gateway/axis/poller.hpp"
 #include "gateway/gateway.hpp"
-#include "gateway/poller.hpp"
 
 namespace tmcld {
 

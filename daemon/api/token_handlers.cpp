@@ -6,7 +6,7 @@
 
 #include "api/suggest.hpp"
 #include "api/token_keeper.hpp"
-#include "gateway/tokens.hpp"
+#include "gateway/store/tokens.hpp"
 
 namespace tmcld::handlers {
 namespace {

@@ -1,7 +1,7 @@
 #include "api/handlers.hpp"
 #include "api/lookup.hpp"
 #include "api/quantity.hpp"
-#include "gateway/verification.hpp"
+#include "gateway/journey/verification.hpp"
 #include "tmcl/seconds.hpp"
 
 namespace tmcld::handlers {

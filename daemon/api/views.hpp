@@ -1,9 +1,9 @@
 /// Axes, modules, buses and events as clients see them.
 #pragma once
 
+#include "gateway/axis/poller.hpp"
 #include "gateway/bus.hpp"
 #include "gateway/event.hpp"
-#include "gateway/poller.hpp"
 #include "tmcl/api/axis.hpp"
 #include "tmcl/api/module.hpp"
 #include "tmcl/api/parameter.hpp"

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "fronts/latency.hpp"
-#include "gateway/tokens.hpp"
+#include "gateway/store/tokens.hpp"
 
 namespace tmcld {
 

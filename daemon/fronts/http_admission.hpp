@@ -10,7 +10,7 @@
 #include <tl/expected.hpp>
 
 #include "api/caller.hpp"
-#include "gateway/tokens.hpp"
+#include "gateway/store/tokens.hpp"
 
 namespace tmcld {
 

@@ -6,7 +6,7 @@
 #include "api/can_identifiers.hpp"
 #include "async/spawn.hpp"
 #include "fronts/port_rules.hpp"
-#include "gateway/reach.hpp"
+#include "gateway/authority/reach.hpp"
 #include "tmcl/intent.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"

@@ -7,7 +7,7 @@
 
 #include <tl/expected.hpp>
 
-#include "gateway/lock_file.hpp"
+#include "gateway/store/lock_file.hpp"
 
 namespace tmcld {
 

@@ -8,7 +8,7 @@
 #include "async/elsewhere.hpp"
 #include "async/gather.hpp"
 #include "async/spawn.hpp"
-#include "gateway/raw_command.hpp"
+#include "gateway/axis/raw_command.hpp"
 
 namespace tmcld {
 namespace {

@@ -5,8 +5,8 @@
 #include <utility>
 
 #include "async/spawn.hpp"
-#include "gateway/axis_limits.hpp"
-#include "gateway/stop_cause.hpp"
+#include "gateway/authority/axis_limits.hpp"
+#include "gateway/axis/stop_cause.hpp"
 #include "tmcl/command_type.hpp"
 #include "tmcl/mechanics.hpp"
 #include "tmcl/parameter.hpp"

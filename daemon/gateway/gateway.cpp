@@ -4,9 +4,9 @@
 #include <utility>
 
 #include "async/spawn.hpp"
-#include "gateway/awaited_run.hpp"
+#include "gateway/journey/awaited_run.hpp"
+#include "gateway/journey/search_watch.hpp"
 #include "gateway/orphans.hpp"
-#include "gateway/search_watch.hpp"
 #include "gateway/standing_stop.hpp"
 #include "gateway/stop_all.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <memory>
 
-#include "gateway/axis.hpp"
-#include "gateway/journal.hpp"
+#include "gateway/axis/axis.hpp"
+#include "gateway/store/journal.hpp"
 
 namespace tmcld {
 

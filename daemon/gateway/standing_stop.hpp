@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "gateway/axis.hpp"
+#include "gateway/axis/axis.hpp"
 #include "gateway/event.hpp"
 
 namespace tmcld {

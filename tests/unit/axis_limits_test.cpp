@@ -1,5 +1,5 @@
 // Speed, acceleration and current of an axis stay within what the configuration says, whoever asks.
-#include "gateway/axis_limits.hpp"
+#include "gateway/authority/axis_limits.hpp"
 
 #include <gmock/gmock.h>
 

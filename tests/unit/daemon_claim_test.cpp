@@ -5,7 +5,7 @@
 #include <gmock/gmock.h>
 
 #include "api/method.hpp"
-#include "gateway/path_run.hpp"
+#include "gateway/journey/path_run.hpp"
 #include "unit/daemon_moves_fixture.hpp"
 
 namespace tmcld::test {

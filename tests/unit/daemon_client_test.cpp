@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "api/subscriptions.hpp"
-#include "gateway/poller.hpp"
+#include "gateway/axis/poller.hpp"
 #include "unit/daemon_fixture.hpp"
 
 namespace tmcld::test {

@@ -2,7 +2,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "gateway/motors.hpp"
+#include "gateway/authority/motors.hpp"
 
 namespace tmcld::test {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "gateway/motors.hpp"
+#include "gateway/authority/motors.hpp"
 #include "sim/module/module.hpp"
 #include "support/no_events.hpp"
 #include "tmcl/hex.hpp"

@@ -1,8 +1,8 @@
 // What happens beside a path: links that are lost, modules that fall silent, others who want the
 // reactor and the bus.
 #include <boost/asio/post.hpp>
-#include "gateway/link_patience.hpp"
-#include "gateway/poller.hpp"
+#include "gateway/axis/poller.hpp"
+#include "gateway/journey/link_patience.hpp"
 #include "unit/daemon_path_fixture.hpp"
 
 namespace tmcld::test {

@@ -1,7 +1,7 @@
 // The reactor stands still for a while. What was asked for before the end of that moves nothing.
 #include <gmock/gmock.h>
 
-#include "gateway/gaps.hpp"
+#include "gateway/authority/gaps.hpp"
 #include "unit/virtual_gateway.hpp"
 
 namespace tmcld::test {

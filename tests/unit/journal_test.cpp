@@ -1,5 +1,5 @@
 // The journal's file: when it says what is held, and how often it is written.
-#include "gateway/journal.hpp"
+#include "gateway/store/journal.hpp"
 
 #include <filesystem>
 

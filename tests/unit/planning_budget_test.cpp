@@ -1,4 +1,4 @@
-#include "gateway/planning_budget.hpp"
+#include "gateway/journey/planning_budget.hpp"
 
 #include <gmock/gmock.h>
 

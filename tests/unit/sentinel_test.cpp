@@ -1,5 +1,5 @@
 // What a tick timer, or a user variable, says about whether its module has started again.
-#include "gateway/sentinel.hpp"
+#include "gateway/module/sentinel.hpp"
 
 #include <gtest/gtest.h>
 

@@ -12,7 +12,7 @@
 
 #include "config/load.hpp"
 #include "daemon.hpp"
-#include "gateway/lock_file.hpp"
+#include "gateway/store/lock_file.hpp"
 #include "log/log.hpp"
 
 namespace tmcld::test {

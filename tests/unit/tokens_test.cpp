@@ -1,5 +1,5 @@
 // The tokens that let clients in, and the file that keeps no secret of them.
-#include "gateway/tokens.hpp"
+#include "gateway/store/tokens.hpp"
 
 #include <filesystem>
 #include <fstream>

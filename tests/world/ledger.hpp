@@ -13,7 +13,7 @@
 #include <boost/json/object.hpp>
 
 #include "api/rpc_error.hpp"
-#include "gateway/sentinel.hpp"
+#include "gateway/module/sentinel.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/command.hpp"
 #include "tmcl/datagram.hpp"

@@ -6,7 +6,7 @@
 
 #include <fmt/format.h>
 
-#include "gateway/stop_advice.hpp"
+#include "gateway/axis/stop_advice.hpp"
 #include "print.hpp"
 
 namespace tmclctl {

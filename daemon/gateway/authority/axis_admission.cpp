@@ -1,0 +1,212 @@
+#include "gateway/authority/axis_admission.hpp"
+
+#include <utility>
+
+#include "tmcl/command_type.hpp"
+
+namespace tmcld {
+
+using tmcl::Result;
+namespace ap = tmcl::axis_parameter;
+
+RunOptions AxisAdmission::begin_movement(Permit permit, Deadline deadline) const {
+  RunOptions options;
+  options.deadline = deadline;
+  options.permit = permit;
+  options.objection = [this, permit] {
+    return axis_.bus().motors().objection(axis_.address(), permit);
+  };
+  return options;
+}
+
+tmcl::Request AxisAdmission::any_move() const {
+  return {axis_.address().module, tmcl::Command::MVP, tmcl::move_type::absolute,
+          axis_.address().motor, 0};
+}
+
+AxisAdmission::Awaitable<void> AxisAdmission::be_free(RunOptions movement) {
+  co_await see_turning_end(movement);
+  auto script = axis_.bus().may_send(any_move(), movement.permit);
+  auto free = co_await axis_.run(std::move(script), std::move(movement));
+  co_return free;
+}
+
+/// It may turn for another client no more. Whether that is seen or not: it is asked for again.
+boost::asio::awaitable<void> AxisAdmission::see_turning_end(const RunOptions& movement) {
+  auto script = axis_.bus().see_turnings_end(any_move(), movement.permit);
+  auto options = asked_by(movement.permit.client);
+  options.deadline = movement.deadline;
+  co_await axis_.run(std::move(script), std::move(options));
+}
+
+AxisAdmission::Awaitable<Admitted> AxisAdmission::admit(AxisAction action, RunOptions movement) {
+  auto ready = co_await axis_.be_ready();
+  if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  co_await see_turning_end(movement);
+  const auto aim = std::make_shared<Admitted::Aim>();
+  // The epoch from before the check: what changes while it reads is checked again.
+  *aim = {action, units_.epoch()};
+  auto allowed = co_await axis_.run(check_now(action, movement.permit), movement);
+  if (!allowed) co_return tl::unexpected(std::move(allowed.error()));
+  movement.recheck = [this, aim]() -> std::optional<Script<void>> {
+    if (!limits() || aim->checked == units_.epoch()) return std::nullopt;
+    aim->checked = units_.epoch();
+    return check(aim->action);
+  };
+  if (needs_free_axis(action)) {
+    // Nothing of the verb goes out any more, its settings neither.
+    movement.objection = [this, action, of = movement.permit,
+                          stopped = std::move(movement.objection)] {
+      auto objection = stopped ? stopped() : std::nullopt;
+      if (!objection) objection = misses_reference(action);
+      const auto& motors = axis_.bus().motors();
+      const bool claimed = !objection && motors.claimed_by_other(any_move(), of);
+      return claimed ? std::optional(motors.claimed(axis_.address())) : objection;
+    };
+  }
+  co_return Admitted(std::move(movement), aim);
+}
+
+tmcl::Setpoint AxisAdmission::setpoint_of(std::uint8_t parameter) const {
+  const auto motor = axis_.address();
+  const tmcl::Request write{motor.module, tmcl::Command::SAP, parameter, motor.motor, 1};
+  return intent_of(write, axis_.bus().model_of(motor.module)).sets;
+}
+
+bool AxisAdmission::needs_free_axis(const AxisAction& action) const {
+  const auto* write = std::get_if<action::Write>(&action);
+  // A path depends on the settings of its axes; whoever moves them otherwise has read them.
+  return write == nullptr || axis_.bus().motors().claimant_of(axis_.address()).by == Mover::path ||
+         setpoint_of(write->parameter) != tmcl::Setpoint::none;
+}
+
+std::optional<tmcl::Error> AxisAdmission::misses_reference(const AxisAction& action) const {
+  const auto* write = std::get_if<action::Write>(&action);
+  const bool is_to_position =
+      std::holds_alternative<action::MoveTo>(action) ||
+      std::holds_alternative<action::MoveToCoordinate>(action) ||
+      std::holds_alternative<action::FollowPath>(action) ||
+      (write != nullptr && setpoint_of(write->parameter) == tmcl::Setpoint::position);
+  return is_to_position ? axis_.bus().motors().misses_reference(axis_.address()) : std::nullopt;
+}
+
+AxisAdmission::Script<void> AxisAdmission::check_now(AxisAction action, Permit permit) {
+  if (needs_free_axis(action)) {
+    // First: a search that has ended unseen may have found the reference.
+    auto free = co_await axis_.bus().may_send(any_move(), permit);
+    if (!free) co_return free;
+  }
+  if (auto error = misses_reference(action)) co_return tl::unexpected(std::move(*error));
+  auto checked = co_await check(std::move(action));
+  co_return checked;
+}
+
+// ---- soft limits -------------------------------------------------------------------------------
+
+tmcl::Error AxisAdmission::beyond_soft_limit(const std::string& what, std::string hint) const {
+  tmcl::Error error;
+  error.code = tmcl::Errc::beyond_soft_limit;
+  error.outcome = tmcl::Outcome::not_sent;
+  error.message = "axis '" + axis_.name() + "': " + what;
+  error.hint = std::move(hint);
+  return axis_.on_bus(std::move(error));
+}
+
+AxisAdmission::Script<void> AxisAdmission::check(AxisAction action) {
+  if (!limits()) co_return Result<void>{};
+  auto script = std::visit([this](const auto& one) { return check_one(one); }, action);
+  auto checked = co_await std::move(script);
+  co_return checked;
+}
+
+AxisAdmission::Script<void> AxisAdmission::check_one(action::MoveTo move) {
+  const auto scale = co_await units_.known_scale();
+  if (!scale) co_return tl::unexpected(scale.error());
+  auto beyond = tmcl::beyond(*limits(), move.target.microsteps, *scale);
+  if (!beyond) co_return Result<void>{};
+  if (move.target.in_unit) beyond->position = move.target.in_unit->value;
+  co_return tl::unexpected(
+      beyond_soft_limit(describe(*beyond), "the configuration has it: 'soft_limits'"));
+}
+
+AxisAdmission::Script<void> AxisAdmission::check_one(action::MoveToCoordinate move) {
+  const auto place = co_await tmcl::verbs::coordinate(axis_.address(), move.number);
+  if (!place) co_return tl::unexpected(place.error());
+  auto checked = co_await check_one(action::MoveTo{{*place}});
+  co_return checked;
+}
+
+AxisAdmission::Script<void> AxisAdmission::check_one(action::Turn turn) {
+  if (turn.velocity.value == 0) co_return Result<void>{};
+  co_return tl::unexpected(
+      beyond_soft_limit("it has soft limits, which it would pass by turning without end",
+                        "move it to one of them instead, with a lower max_velocity"));
+}
+
+AxisAdmission::Script<void> AxisAdmission::check_one(action::Write write) {
+  const auto [parameter, value] = write;
+  switch (setpoint_of(parameter)) {
+    case tmcl::Setpoint::none: co_return Result<void>{};
+    case tmcl::Setpoint::velocity: {
+      auto checked = co_await check_one(action::Turn{{value}});
+      co_return checked;
+    }
+    case tmcl::Setpoint::position: {
+      auto checked = co_await check_one(action::MoveTo{{{value}}});
+      co_return checked;
+    }
+    case tmcl::Setpoint::here: {
+      const auto turns = co_await turns_by_velocity();
+      if (!turns) co_return tl::unexpected(turns.error());
+      if (*turns) co_return Result<void>{};
+      break;
+    }
+    case tmcl::Setpoint::mode: {
+      auto checked = co_await check_held_velocity();
+      if (!checked) co_return checked;
+      break;
+    }
+  }
+  // An axis that is told to be at its target does not leave.
+  const bool may_be_there = parameter == ap::actual_position;
+  auto checked = co_await check_held_target(may_be_there ? std::optional(value) : std::nullopt);
+  co_return checked;
+}
+
+AxisAdmission::Script<void> AxisAdmission::check_one(action::Restore restore) {
+  if (setpoint_of(restore.parameter) == tmcl::Setpoint::none) co_return Result<void>{};
+  co_return tl::unexpected(
+      beyond_soft_limit("it has soft limits, and what the EEPROM holds could send it anywhere",
+                        "set the parameter to a value instead"));
+}
+
+AxisAdmission::Script<bool> AxisAdmission::turns_by_velocity() {
+  const auto mode = tmcl::mode_parameter(axis_.parameters());
+  if (!mode) co_return false;
+  const auto value = co_await tmcl::verbs::get(axis_.address(), mode->number);
+  co_return value.map([&](std::int32_t now) { return now == mode->velocity; });
+}
+
+AxisAdmission::Script<void> AxisAdmission::check_held_velocity() {
+  const auto velocity = co_await tmcl::verbs::get(axis_.address(), ap::target_velocity);
+  if (!velocity) co_return tl::unexpected(velocity.error());
+  if (*velocity == 0) co_return Result<void>{};
+  co_return tl::unexpected(
+      beyond_soft_limit("its target_velocity is " + std::to_string(*velocity) +
+                            ", and turning without end it would pass its soft limits",
+                        "stop it first"));
+}
+
+AxisAdmission::Script<void> AxisAdmission::check_held_target(std::optional<std::int32_t> here) {
+  const auto target = co_await tmcl::verbs::get(axis_.address(), ap::target_position);
+  if (!target) co_return tl::unexpected(target.error());
+  if (here == *target) co_return Result<void>{};
+  auto checked = co_await check_one(action::MoveTo{{{*target}}});
+  if (checked || checked.error().code != tmcl::Errc::beyond_soft_limit) co_return checked;
+  auto error = std::move(checked.error());
+  error.message += ", and it would go on to there: that is its target_position";
+  error.hint = "move it to within its limits first";
+  co_return tl::unexpected(std::move(error));
+}
+
+}  // namespace tmcld

@@ -1,0 +1,59 @@
+#include "gateway/authority/claim.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <utility>
+
+#include <boost/asio/this_coro.hpp>
+#include <boost/asio/use_awaitable.hpp>
+
+#include "tmcl/timer.hpp"
+
+namespace tmcld {
+namespace {
+
+using boost::asio::awaitable;
+using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
+
+constexpr tmcl::Duration claim_look_interval = std::chrono::milliseconds(20);
+
+awaitable<std::optional<AxisFailure>> look(const Axes& axes, Permit permit) {
+  for (const auto& axis : axes) {
+    auto movement = axis->begin_movement(permit, {});
+    auto free = co_await axis->be_free(std::move(movement));
+    if (!free) co_return AxisFailure{std::move(free.error()), axis->name()};
+  }
+  co_return std::nullopt;
+}
+
+bool can_end_soon(const AxisFailure& failure, const Axes& axes) {
+  if (failure.error.code != tmcl::Errc::axis_claimed) return false;
+  const auto axis = std::ranges::find(axes, failure.axis, &GatewayAxis::name);
+  return axis != axes.end() && (*axis)->mover() != Mover::search;
+}
+
+bool are_free(const Axes& axes) {
+  return std::ranges::all_of(axes, [](const auto& axis) { return axis->mover() == Mover::nobody; });
+}
+
+}  // namespace
+
+awaitable<tl::expected<std::vector<Claim>, AxisFailure>> claim_all(Axes axes, Claimant claimant) {
+  tmcl::Timer timer(co_await boost::asio::this_coro::executor);
+  const auto limit = timer.now() + Motors::time_to_be_free;
+  while (true) {
+    auto failure = co_await look(axes, claimant.of);
+    // While one of them was looked at, somebody may have claimed another.
+    if (!failure && are_free(axes)) break;
+    const bool waits = timer.now() < limit;
+    if (failure && !(waits && can_end_soon(*failure, axes)))
+      co_return tl::unexpected(std::move(*failure));
+    timer.expires_after(claim_look_interval);
+    co_await timer.async_wait(boost::asio::use_awaitable);
+  }
+  std::vector<Claim> claims;
+  for (const auto& axis : axes) claims.push_back(axis->claim(claimant));
+  co_return claims;
+}
+
+}  // namespace tmcld

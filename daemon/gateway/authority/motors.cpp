@@ -1,0 +1,525 @@
+#include "gateway/authority/motors.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "gateway/journey/awaited_run.hpp"
+#include "tmcl/command_type.hpp"
+
+namespace tmcld {
+namespace {
+
+using tmcl::AxisAddress;
+using tmcl::Command;
+using tmcl::Errc;
+using tmcl::Motion;
+using tmcl::Request;
+using tmcl::Subject;
+
+/// It has no target any more that a relative move could count from.
+bool leaves_positions(Motion motion) {
+  return motion == Motion::turns || motion == Motion::stops || motion == Motion::searches ||
+         is_unpredictable(motion);
+}
+
+/// Once its module has taken the command, the motor turns without end no more.
+bool ends_turning(Motion motion) {
+  return motion == Motion::to_position || motion == Motion::by_distance ||
+         motion == Motion::stops || motion == Motion::searches;
+}
+
+std::string_view words_for(Mover by) {
+  switch (by) {
+    case Mover::nobody: break;
+    case Mover::line: return "is on its way along a line";
+    case Mover::path: return "is on its way along a path";
+    case Mover::mint: return "is moved by a Mint program";
+    case Mover::search: return "searches its reference";
+    case Mover::deadman_test: return "moves to test the deadman of its module";
+    case Mover::verification: return "moves so that its module can be verified";
+    case Mover::stop: return "could not be stopped, and is stopped until its module says it stands";
+  }
+  return "is not moved by anybody";
+}
+
+}  // namespace
+
+void Motors::add(AxisAddress motor, const std::string& axis, bool needs_reference) {
+  auto& added = motors_[motor];
+  // It may have been stopped before it had an axis.
+  added.last_stop = std::max(added.last_stop, last_stop_of_others_);
+  added.axis = axis;
+  added.needs_reference = needs_reference;
+}
+
+// ---- stops -------------------------------------------------------------------------------------
+
+void Motors::stop(AxisAddress motor) {
+  auto& stopped = motors_[motor];
+  stopped.last_stop = arrivals_->admit().number;
+  forget_other_motors();
+}
+
+void Motors::forget_other_motors() {
+  const auto is_other = [](const auto& one) { return one.second.axis.empty(); };
+  const auto others = std::ranges::count_if(motors_, is_other);
+  if (static_cast<std::size_t>(others) <= most_other_motors) return;
+  std::erase_if(motors_, is_other);
+  last_stop_of_others_ = arrivals_->last;
+}
+
+bool Motors::is_stopped_since(AxisAddress motor, Permit permit) const {
+  const auto found = motors_.find(motor);
+  const bool is_known = found != motors_.end();
+  if (is_known && found->second.last_stop > permit.number) return true;
+  const bool is_other = !is_known || found->second.axis.empty();
+  return is_other && last_stop_of_others_ > permit.number;
+}
+
+std::optional<tmcl::Error> Motors::objection_to_all(Permit permit) const {
+  if (arrivals_->closing) return error(Errc::daemon_ending, "the daemon is ending", {});
+  if (permit.number == 0)
+    return error(Errc::bad_argument, "nothing moves a motor that no call has asked for", {});
+  if (arrivals_->stop_of_all > permit.number)
+    return error(Errc::superseded_by_stop, "a stop came first", {});
+  if (arrivals_->gaps.is_stale(permit.number))
+    return error(Errc::stale_request, stale_text(arrivals_->gaps), std::string(stale_hint));
+  return std::nullopt;
+}
+
+std::optional<tmcl::Error> Motors::objection(AxisAddress motor, Permit permit) const {
+  if (auto objection = objection_to_all(permit)) return objection;
+  if (is_stopped_since(motor, permit))
+    return error(Errc::superseded_by_stop, "a stop came first", {});
+  if (auto latch = objection_by_latch(motor, permit)) return latch;
+  if (leads(motor, permit)) return std::nullopt;
+  auto objection = objection_by_lease(motor, permit);
+  return objection ? objection : objection_by_absence(permit);
+}
+
+std::optional<tmcl::Error> Motors::objection(const Request& request, Permit permit) const {
+  const auto intent = intent_of(request);
+  if (intent.subject == Subject::motor) {
+    const AxisAddress motor{request.address, request.motor};
+    auto objection = this->objection(motor, permit);
+    return objection ? objection : objection_without_lease(motor, permit);
+  }
+  if (auto objection = objection_to_all(permit)) return objection;
+  const bool stopped = std::ranges::any_of(motors_, [&](const auto& one) {
+    return one.second.last_stop > permit.number && can_move(request, one.first);
+  });
+  if (stopped || last_stop_of_others_ > permit.number)
+    return error(Errc::superseded_by_stop, "a stop came first", {});
+  for (const auto& [address, motor] : motors_) {
+    if (!can_move(request, address)) continue;
+    // A module that starts again is no worse for an axis that is latched.
+    auto latch =
+        intent.motion == Motion::restarts ? std::nullopt : objection_by_latch(address, permit);
+    if (latch) return latch;
+    if (leads(address, permit)) continue;
+    if (auto objection = objection_by_lease(address, permit)) return objection;
+    if (auto objection = objection_without_lease(address, permit)) return objection;
+  }
+  return objection_by_absence(permit);
+}
+
+// ---- leases ------------------------------------------------------------------------------------
+
+/// A line or path belongs to the gateway, whoever has asked for it.
+bool Motors::leads(AxisAddress motor, Permit permit) const {
+  const auto claimant = claimant_of(motor);
+  return claimant.of == permit && claimant.by != Mover::nobody && claimant.by != Mover::search;
+}
+
+std::optional<tmcl::Error> Motors::objection_by_lease(AxisAddress motor, Permit permit) const {
+  const auto found = motors_.find(motor);
+  if (found == motors_.end() || permit.number == 0) return std::nullopt;
+  const auto tenant = tenant_of(motor);
+  if (tenant.client != 0 && tenant.client != permit.client) return leased(motor);
+  if (permit.number > found->second.last_loss) return std::nullopt;
+  return error(Errc::lease_lost, "the lease of axis '" + found->second.axis + "' was lost",
+               "lease.acquire gives a new one");
+}
+
+std::optional<tmcl::Error> Motors::objection_without_lease(AxisAddress motor, Permit permit) const {
+  const auto tenant = tenant_of(motor);
+  const bool has_lease = tenant.lease != 0 && tenant.client == permit.client;
+  const bool needs_none = !permit.needs_lease || has_lease || leads(motor, permit);
+  if (needs_none || !is_axis(motor)) return std::nullopt;
+  const auto& axis = motors_.at(motor).axis;
+  return error(Errc::not_permitted,
+               "axis '" + axis + "' moves only under a lease: 'moves_need_lease'",
+               "'tmclctl lease run " + axis + " -- COMMAND' has one while COMMAND runs");
+}
+
+std::optional<tmcl::Error> Motors::objection_by_absence(Permit permit) const {
+  if (arrivals_->is_there(permit.client)) return std::nullopt;
+  return error(Errc::bad_argument, "the client has gone that asked for it", {});
+}
+
+std::optional<tmcl::Error> Motors::objection_to_write(const Request& request, Permit permit) const {
+  for (const auto& [address, motor] : motors_) {
+    if (!concerns(request, address) || leads(address, permit)) continue;
+    if (auto objection = objection_by_lease(address, permit)) return objection;
+  }
+  return std::nullopt;
+}
+
+void Motors::lease(AxisAddress motor, Tenant tenant) {
+  if (is_axis(motor)) motors_.at(motor).tenant = std::move(tenant);
+}
+
+void Motors::end_lease(AxisAddress motor) { lease(motor, {}); }
+
+void Motors::lose_lease(AxisAddress motor) {
+  if (!is_axis(motor)) return;
+  auto& lost = motors_.at(motor);
+  // Whether it turns on without its owner, the lease has said.
+  if (lost.turning.client == lost.tenant.client) lost.turning.client = 0;
+  end_lease(motor);
+  lost.last_loss = arrivals_->admit().number;
+}
+
+Tenant Motors::tenant_of(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  if (found == motors_.end()) return {};
+  const auto& tenant = found->second.tenant;
+  const auto& turning = found->second.turning;
+  return tenant.lease != 0 ? tenant : Tenant{turning.client, 0, turning.name};
+}
+
+tmcl::Error Motors::leased(AxisAddress motor) const {
+  const auto& axis = motors_.at(motor).axis;
+  const auto tenant = tenant_of(motor);
+  if (tenant.lease == 0)
+    return error(Errc::leased, "axis '" + axis + "' turns for " + tenant.name, "stop it first");
+  return error(Errc::leased, "axis '" + axis + "' is leased to " + tenant.name,
+               "wait until that releases it; a stop is always let through");
+}
+
+// ---- turning without end -----------------------------------------------------------------------
+
+void TurningAttempt::End::operator()(Motors* motors) const {
+  --motors->motors_.at(motor).turning_attempts;
+}
+
+void TurningAttempt::withdraw() {
+  if (!held_) return;
+  auto& turning = held_->motors_.at(held_.get_deleter().motor).turning;
+  // Meanwhile it may turn for another reason.
+  if (turning.number == number_) turning = before_;
+}
+
+void Motors::turn(Motor& motor, Permit of) {
+  const bool has_owner = !of.unattended || motor.tenant.lease != 0;
+  const auto owner = arrivals_->clients.find(has_owner ? of.client : 0);
+  motor.turning = {++last_turning_, has_owner ? of.client : 0,
+                   owner == arrivals_->clients.end() ? "" : owner->second};
+}
+
+std::vector<TurningAttempt> Motors::begin_turning(const std::set<AxisAddress>& motors, Permit of) {
+  std::vector<TurningAttempt> attempts;
+  for (const auto motor : motors)
+    if (is_axis(motor))
+      if (auto attempt = begin_turning(motor, of)) attempts.push_back(std::move(attempt));
+  return attempts;
+}
+
+TurningAttempt Motors::begin_turning(AxisAddress motor, Permit of) {
+  const auto tenant = tenant_of(motor);
+  const bool is_of_other = tenant.client != 0 && tenant.client != of.client;
+  if (is_of_other || leads(motor, of)) return {};
+  auto& it = motors_.at(motor);
+  TurningAttempt attempt(*this, motor, it.turning);
+  ++it.turning_attempts;
+  turn(it, of);
+  attempt.number_ = it.turning.number;
+  return attempt;
+}
+
+void Motors::note_unattended(AxisAddress motor) {
+  if (is_axis(motor) && motors_.at(motor).turning.number == 0) turn(motors_.at(motor), {});
+}
+
+Turning Motors::turning_of(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  return found == motors_.end() ? Turning{} : found->second.turning;
+}
+
+void Motors::end_turning(AxisAddress motor, std::uint64_t number) {
+  const auto found = motors_.find(motor);
+  if (found == motors_.end()) return;
+  auto& it = found->second;
+  if (it.turning_attempts == 0 && it.turning.number == number) it.turning = {};
+}
+
+std::vector<AxisAddress> Motors::turned_for_others(const Request& request, Permit permit) const {
+  std::vector<AxisAddress> turned;
+  for (const auto& [address, motor] : motors_) {
+    const auto owner = motor.turning.client;
+    const bool by_other = owner != 0 && owner != permit.client && motor.tenant.lease == 0;
+    if (by_other && concerns(request, address)) turned.push_back(address);
+  }
+  return turned;
+}
+
+void Motors::note_turning(const Request& request, bool is_done, const Before& before) {
+  const auto motion = intent_of(request).motion;
+  for (auto& [address, motor] : motors_) {
+    const bool names_it = request.address == address.module && request.motor == address.motor;
+    if (!names_it && !can_move(request, address)) continue;
+    // Its owner may have let it turn again while this was on its way, or is about to.
+    const bool is_ended = is_done && ends_turning(motion) && motor.turning_attempts == 0;
+    if (is_ended && motor.turning.number <= before.turnings) motor.turning = {};
+    const bool is_new = motor.turning.number == 0 && !motor.axis.empty();
+    const bool turns = before.turned.contains(address);
+    if (turns && is_new && !leads(address, before.of)) turn(motor, before.of);
+  }
+}
+
+// ---- coordinates -------------------------------------------------------------------------------
+
+ModuleMarks::Mark ModuleMarks::set(tmcl::ModuleAddress module) {
+  ++counts_[module];
+  return Mark(this, End{module});
+}
+
+void ModuleMarks::End::operator()(ModuleMarks* marks) const {
+  const auto count = marks->counts_.find(module);
+  if (--count->second == 0) marks->counts_.erase(count);
+}
+
+// ---- latches -----------------------------------------------------------------------------------
+
+void Motors::latch(tmcl::ModuleAddress module, const std::string& cause) {
+  for (auto& [address, motor] : motors_) {
+    if (address.module != module || motor.axis.empty()) continue;
+    motor.latch_cause = cause;
+    ++motor.latches;
+    motor.searcher = {};
+    motor.is_referenced = false;
+    if (const auto journey = motor.claimant.journey.lock()) journey->look();
+  }
+}
+
+void Motors::recover(AxisAddress motor, std::uint64_t latches) {
+  const auto found = motors_.find(motor);
+  if (found != motors_.end() && found->second.latches == latches) found->second.latch_cause.clear();
+}
+
+std::uint64_t Motors::latches(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  return found == motors_.end() ? 0 : found->second.latches;
+}
+
+std::optional<tmcl::Error> Motors::latched(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  if (found == motors_.end() || found->second.latch_cause.empty()) return std::nullopt;
+  const auto& axis = found->second.axis;
+  return error(Errc::latched, "axis '" + axis + "' is latched: " + found->second.latch_cause,
+               "its position and its settings are what the module starts with; search its "
+               "reference, or, when you know that it may move, say so: 'tmclctl recover " +
+                   axis + "'");
+}
+
+void Motors::let_search(AxisAddress motor, Permit permit) {
+  if (is_axis(motor)) motors_.at(motor).searcher = permit;
+}
+
+std::optional<tmcl::Error> Motors::objection_by_latch(AxisAddress motor, Permit permit) const {
+  const auto found = motors_.find(motor);
+  const bool searches = found != motors_.end() && found->second.searcher == permit;
+  return searches ? std::nullopt : latched(motor);
+}
+
+bool Motors::is_referenced(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  return found != motors_.end() && found->second.is_referenced;
+}
+
+void Motors::set_referenced(AxisAddress motor, bool is_referenced) {
+  if (is_axis(motor)) motors_.at(motor).is_referenced = is_referenced;
+}
+
+std::optional<tmcl::Error> Motors::misses_reference(AxisAddress motor) const {
+  if (!is_axis(motor)) return std::nullopt;
+  const auto& it = motors_.at(motor);
+  if (!it.needs_reference || it.is_referenced) return std::nullopt;
+  return error(Errc::latched, "axis '" + it.axis + "' has not searched its reference",
+               "search it first: 'tmclctl home " + it.axis +
+                   "'; the configuration requires that: 'reference'");
+}
+
+std::optional<tmcl::Error> Motors::misses_reference(const Request& request) const {
+  if (!goes_to_position(intent_of(request).motion)) return std::nullopt;
+  for (const auto& [address, motor] : motors_) {
+    auto missing = can_move(request, address) ? misses_reference(address) : std::nullopt;
+    if (missing) return missing;
+  }
+  return std::nullopt;
+}
+
+// ---- requests on their way ---------------------------------------------------------------------
+
+bool Motors::is_axis(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  return found != motors_.end() && !found->second.axis.empty();
+}
+
+void Motors::begin(const Request& request, Permit of) {
+  on_their_way_.push_back(request);
+  if (starts_search(request)) note_claim({request.address, request.motor}, {Mover::search, of});
+}
+
+void Motors::end(const Request& request) {
+  const auto found = std::ranges::find(on_their_way_, request);
+  if (found != on_their_way_.end()) on_their_way_.erase(found);
+}
+
+void Motors::note_moved(const Request& request) {
+  if (!can_move(request)) return;
+  for (const auto& [address, motor] : motors_)
+    if (!motor.axis.empty() && can_move(request, address)) moved_.insert(address);
+  const auto subject = intent_of(request).subject;
+  if (subject != Subject::motor && subject != Subject::several) return;
+  const auto others = std::ranges::count_if(moved_, [&](auto motor) { return !is_axis(motor); });
+  if (static_cast<std::size_t>(others) < most_other_motors) moved_.merge(motors_of(request));
+}
+
+void Motors::note_target(const Request& request, const Before& before) {
+  const auto intent = intent_of(request);
+  const bool to_position = goes_to_position(intent.motion);
+  if (!to_position && !leaves_positions(intent.motion)) return;
+  for (auto& [address, motor] : motors_) {
+    const bool names_it = request.address == address.module && request.motor == address.motor;
+    const bool concerns_it = intent.subject == Subject::chip
+                                 ? before.turned.contains(address)
+                                 : names_it || can_move(request, address);
+    if (concerns_it) motor.was_sent_to_position = to_position;
+  }
+}
+
+void Motors::note_program(const Request& request, bool is_done) {
+  const auto motion = intent_of(request).motion;
+  // A module that starts again may start its program by itself.
+  if (is_unpredictable(motion) || motion == Motion::restarts) programs_.insert(request.address);
+  const bool ends_one = motion == Motion::ends_program && is_done;
+  if (!ends_one || programs_.erase(request.address) == 0) return;
+  // Whatever they were sent to before, the program may have set them turning since.
+  for (auto& [address, motor] : motors_)
+    if (address.module == request.address) motor.was_sent_to_position = false;
+}
+
+bool Motors::was_sent_to_position(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  return found != motors_.end() && found->second.was_sent_to_position;
+}
+
+bool Motors::may_move(AxisAddress motor) const {
+  return moved_.contains(motor) || claimant_of(motor).by != Mover::nobody ||
+         std::ranges::any_of(on_their_way_,
+                             [&](const Request& request) { return can_move(request, motor); });
+}
+
+std::vector<std::string> Motors::under_way() const {
+  std::vector<std::string> names;
+  for (const auto& [address, motor] : motors_) {
+    if (motor.axis.empty()) continue;
+    const bool has_no_end = moved_.contains(address) && !motor.was_sent_to_position;
+    const bool turns = turning_of(address).number != 0;
+    if (has_no_end || turns || motor.claimant.by != Mover::nobody) names.push_back(motor.axis);
+  }
+  return names;
+}
+
+std::set<AxisAddress> Motors::others_that_may_move() const {
+  auto others = moved_;
+  for (const auto& request : on_their_way_) others.merge(motors_of(request));
+  std::erase_if(others, [&](AxisAddress motor) { return is_axis(motor); });
+  return others;
+}
+
+// ---- claims ------------------------------------------------------------------------------------
+
+void Claim::Release::operator()(Motors* motors) const { motors->release(motor, of); }
+
+void Motors::note_claim(AxisAddress motor, Claimant claimant) {
+  if (is_axis(motor)) motors_.at(motor).claimant = std::move(claimant);
+}
+
+Claim Motors::claim(AxisAddress motor, Claimant claimant) {
+  const auto of = claimant.of;
+  note_claim(motor, std::move(claimant));
+  return {*this, motor, of};
+}
+
+void Motors::release(AxisAddress motor, Permit of) {
+  const auto found = motors_.find(motor);
+  if (found != motors_.end() && found->second.claimant.of == of) found->second.claimant = {};
+}
+
+Claimant Motors::claimant_of(AxisAddress motor) const {
+  const auto found = motors_.find(motor);
+  return found == motors_.end() ? Claimant{} : found->second.claimant;
+}
+
+std::ptrdiff_t Motors::claimed_by(Mover by) const {
+  return std::ranges::count_if(motors_,
+                               [&](const auto& one) { return one.second.claimant.by == by; });
+}
+
+std::optional<AxisAddress> Motors::claimed_by_other(const Request& request, Permit permit) const {
+  for (const auto& [address, motor] : motors_) {
+    const bool by_other = motor.claimant.by != Mover::nobody && motor.claimant.of != permit;
+    if (by_other && can_move(request, address)) return address;
+  }
+  return std::nullopt;
+}
+
+tmcl::Error Motors::claimed(AxisAddress motor) const {
+  const auto& it = motors_.at(motor);
+  return error(Errc::axis_claimed,
+               "axis '" + it.axis + "' " + std::string(words_for(it.claimant.by)),
+               "wait for its end, or stop it");
+}
+
+void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answer,
+                  const Before& before) {
+  const AxisAddress motor{request.address, request.motor};
+  if (answer || answer.error().outcome == tmcl::Outcome::unknown) {
+    note_moved(request);
+    note_target(request, before);
+    note_program(request, answer.has_value());
+    note_turning(request, answer.has_value(), before);
+  }
+  if (answer && request.command == Command::MST) moved_.erase(motor);
+  if (request.command != Command::RFS) return;
+  switch (request.type) {
+    case tmcl::search_type::start: {
+      const bool never_began = !answer && answer.error().outcome != tmcl::Outcome::unknown;
+      if (never_began) {
+        release(motor, before.claimant.of);
+      } else {
+        recover(motor, latches(motor));
+        // It may count from somewhere else at any time now.
+        set_referenced(motor, false);
+      }
+      return;
+    }
+    case tmcl::search_type::stop:
+      if (answer && before.claimant.by == Mover::search) release(motor, before.claimant.of);
+      return;
+  }
+}
+
+tmcl::Error Motors::error(Errc code, std::string message, std::string hint) const {
+  tmcl::Error error;
+  error.code = code;
+  error.outcome = tmcl::Outcome::not_sent;
+  error.message = std::move(message);
+  error.hint = std::move(hint);
+  error.bus = bus_;
+  return error;
+}
+
+}  // namespace tmcld

@@ -1,0 +1,355 @@
+/// Who may move which motor of a bus. Every request that can move one is judged here just before it
+/// goes out, see GatewayBus::run(); so no method has to think of it.
+///
+/// Calls and stops are numbered in the order in which they come in, over all buses, and a stop
+/// leaves its number with the motors that it is for. A request goes out only for a call that came
+/// in behind the last stop of each motor that it can move: however late the call comes to send it.
+///
+/// An axis whose module is not what it was is latched: nothing moves it until somebody has said
+/// that it may move again.
+///
+/// Whoever moves an axis on a line, on a path or in a reference search claims it, and nobody else
+/// moves it meanwhile. Who has a lease of a motor is the only one who may move it, and change what
+/// its module is set to. A stop needs no permit and heeds neither.
+///
+/// The client that sets an axis turning without end owns that until the axis is seen to stand, or a
+/// command has surely ended it: see tmcl/intent.hpp. It is stopped when its owner goes.
+///
+/// Does no I/O. Thread safety: none. What it holds is bounded by the number of axes, by
+/// most_other_motors, and by how many requests a bus takes.
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "gateway/authority/gaps.hpp"
+#include "tmcl/address.hpp"
+#include "tmcl/clock.hpp"
+#include "tmcl/error.hpp"
+#include "tmcl/intent.hpp"
+#include "tmcl/mechanics.hpp"
+#include "tmcl/model.hpp"
+#include "tmcl/script.hpp"
+
+namespace tmcld {
+
+class AwaitedRun;
+
+/// The right of a call to move motors, from when it came in. Without one nothing moves.
+struct Permit {
+  std::uint64_t number = 0;     ///< Of the call; 0: none.
+  std::uint64_t client = 0;     ///< Who made it; 0: nobody who could go.
+  bool exceeds_limits = false;  ///< The limits of axes do not hold for it: see AxisLimits.
+  bool needs_lease = false;     ///< It moves only what its client has a lease of.
+  bool unattended = false;      ///< What it sets turning turns on when its client goes.
+  bool operator==(const Permit&) const = default;
+};
+
+/// In which order calls and stops came in, and who is there: one for all buses.
+struct Arrivals {
+  std::uint64_t last = 0;
+  std::uint64_t stop_of_all = 0;
+  bool closing = false;                            ///< Nothing is set in motion any more.
+  std::map<std::uint64_t, std::string> clients{};  ///< With what people call them.
+  std::uint64_t last_client = 0;
+  Gaps gaps{};
+
+  Permit admit(std::uint64_t client = 0) { return {++last, client}; }
+  void stop_all() { stop_of_all = ++last; }
+  bool is_there(std::uint64_t client) const { return client == 0 || clients.contains(client); }
+};
+
+/// Who alone may move a motor.
+struct Tenant {
+  std::uint64_t client = 0;  ///< 0: there is none.
+  std::int32_t lease = 0;    ///< 0: there is none.
+  std::string name{};        ///< Of the client, for people.
+};
+
+/// A motor turns without end, or may: until it is seen to stand, or a command has surely ended it.
+struct Turning {
+  std::uint64_t number = 0;  ///< Of all turnings; 0: it does not turn.
+  std::uint64_t client = 0;  ///< Its owner, with whom it ends; 0: it is unattended.
+  std::string name{};        ///< Of the owner, for people.
+};
+
+/// Who moves an axis now.
+enum class Mover : std::uint8_t {
+  nobody,
+  line,
+  path,
+  mint,
+  search,
+  deadman_test,
+  verification,
+  stop,  ///< Nobody, until it is certain that it stands: see standing_stop.hpp.
+};
+
+struct Claimant {
+  Mover by = Mover::nobody;
+  Permit of{};                          ///< The call that has begun it.
+  std::weak_ptr<AwaitedRun> journey{};  ///< Whose end somebody waits for.
+  bool operator==(const Claimant& other) const { return by == other.by && of == other.of; }
+};
+
+/// In the modes below that of velocity an axis goes to its target; in the one above it keeps the
+/// speed that it was given.
+constexpr bool may_turn_in(const tmcl::ModeParameter& mode, std::int32_t value) {
+  return value >= mode.velocity;
+}
+
+class Motors;
+
+/// Only one call moves a motor, for as long as this lives. Must not outlive the Motors it is of.
+class Claim {
+  friend class Motors;
+  struct Release {
+    tmcl::AxisAddress motor{};
+    Permit of{};
+    void operator()(Motors* motors) const;
+  };
+  Claim(Motors& motors, tmcl::AxisAddress motor, Permit of) : held_(&motors, Release{motor, of}) {}
+
+  std::unique_ptr<Motors, Release> held_;
+};
+
+/// A command is on its way that may set a motor turning. Must not outlive the Motors it is of.
+class TurningAttempt {
+ public:
+  TurningAttempt() = default;
+  /// There is one.
+  explicit operator bool() const { return held_ != nullptr; }
+  /// It was not sent, or its module refused it: the motor does what it did before.
+  void withdraw();
+
+ private:
+  friend class Motors;
+  struct End {
+    tmcl::AxisAddress motor;
+    void operator()(Motors* motors) const;
+  };
+  TurningAttempt(Motors& motors, tmcl::AxisAddress motor, Turning before)
+      : held_(&motors, End{motor}), before_(std::move(before)) {}
+
+  std::unique_ptr<Motors, End> held_;
+  Turning before_;
+  std::uint64_t number_ = 0;
+};
+
+/// Counts modules, each for as long as its mark lives. Must outlive its marks.
+class ModuleMarks {
+  struct End {
+    tmcl::ModuleAddress module;
+    void operator()(ModuleMarks* marks) const;
+  };
+
+ public:
+  using Mark = std::unique_ptr<ModuleMarks, End>;
+
+  [[nodiscard]] Mark set(tmcl::ModuleAddress module);
+  bool has(tmcl::ModuleAddress module) const { return counts_.contains(module); }
+
+ private:
+  std::map<tmcl::ModuleAddress, int> counts_;
+};
+class Motors {
+ public:
+  /// Motors without an axis, of which the last stop is known. When there are more,
+  /// all of them count as stopped now.
+  static constexpr std::size_t most_other_motors = 256;
+  /// How long whoever wants to move an axis waits for a line or path that is over: it may still be
+  /// about to give its axes their settings back.
+  static constexpr tmcl::Duration time_to_be_free = std::chrono::seconds(2);
+
+  Motors(std::string bus, std::shared_ptr<Arrivals> arrivals)
+      : bus_(std::move(bus)), arrivals_(std::move(arrivals)) {}
+
+  /// To be called before objection(): what was asked for before the reactor stood still is stale.
+  void look_for_gap(tmcl::TimePoint now) { arrivals_->gaps.look(now); }
+
+  /// There is an axis: it can be claimed.
+  void add(tmcl::AxisAddress motor, const std::string& axis, bool needs_reference = false);
+
+  /// Calls that came in before this have no right to move the motor any more.
+  void stop(tmcl::AxisAddress motor);
+  /// Why a call must not move a motor, or not any more: a stop came, somebody else has a lease of
+  /// it, the lease of the call was lost, its client has gone, the daemon has stood still since it
+  /// was asked for, or is ending.
+  std::optional<tmcl::Error> objection(tmcl::AxisAddress motor, Permit permit) const;
+  /// The same for all motors that a request can move.
+  std::optional<tmcl::Error> objection(const tmcl::Request& request, Permit permit) const;
+  /// Its client has gone.
+  std::optional<tmcl::Error> objection_by_absence(Permit permit) const;
+  /// Why a call must not change what motors are set to: somebody else has a lease.
+  std::optional<tmcl::Error> objection_to_write(const tmcl::Request& request, Permit permit) const;
+
+  /// Nobody else moves the motor from now on.
+  void lease(tmcl::AxisAddress motor, Tenant tenant);
+  /// Everybody may move it again.
+  void end_lease(tmcl::AxisAddress motor);
+  /// The same; and calls that came in before this have no right to move it any more, but for those
+  /// that lead it along a line or path.
+  void lose_lease(tmcl::AxisAddress motor);
+  /// With client 0 if it has none. Without a lease: the owner of its turning.
+  Tenant tenant_of(tmcl::AxisAddress motor) const;
+  /// What everybody else is told. Only of a motor that has a tenant.
+  tmcl::Error leased(tmcl::AxisAddress motor) const;
+
+  /// The client of the call owns what it sets turning, from now on: before that is sent. None of
+  /// motors whose tenant is another client.
+  [[nodiscard]] std::vector<TurningAttempt> begin_turning(const std::set<tmcl::AxisAddress>& motors,
+                                                          Permit of);
+  /// It was found turning, and no client owns that.
+  void note_unattended(tmcl::AxisAddress motor);
+  Turning turning_of(tmcl::AxisAddress motor) const;
+  /// A command is on its way that may set it turning.
+  bool is_to_turn(tmcl::AxisAddress motor) const {
+    const auto found = motors_.find(motor);
+    return found != motors_.end() && found->second.turning_attempts > 0;
+  }
+  /// It was seen to stand. Nothing happens while a command is on its way that may set it turning.
+  /// `number`: of the turning that was known before it was looked at.
+  void end_turning(tmcl::AxisAddress motor, std::uint64_t number);
+  /// What turns for other clients, of what the request concerns.
+  std::vector<tmcl::AxisAddress> turned_for_others(const tmcl::Request& request,
+                                                   Permit permit) const;
+
+  /// Modules whose coordinates were checked, and stay what they are until a move to them is sent.
+  ModuleMarks& coordinate_holds() { return coordinate_holds_; }
+  /// Modules to which something is on its way that changes their coordinates.
+  ModuleMarks& coordinate_changes() { return coordinate_changes_; }
+
+  /// Nothing moves the axes of a module any more, and they have lost their reference. Whatever
+  /// moves them on a line or path is woken, to find that out. `cause`: a sentence without a full
+  /// stop.
+  void latch(tmcl::ModuleAddress module, const std::string& cause);
+  /// Somebody knows what has become of the axis: of what was known when it had been latched so many
+  /// times.
+  void recover(tmcl::AxisAddress motor, std::uint64_t latches);
+  std::uint64_t latches(tmcl::AxisAddress motor) const;
+  /// The call may move the axis all the same: it searches its reference. When that has begun, the
+  /// axis is latched no more.
+  void let_search(tmcl::AxisAddress motor, Permit permit);
+  /// Why nothing moves the axis; nothing if it may be moved.
+  std::optional<tmcl::Error> latched(tmcl::AxisAddress motor) const;
+  /// Its positions mean something: it has found its reference, or has been told where it is, and
+  /// its module has not started again since.
+  bool is_referenced(tmcl::AxisAddress motor) const;
+  void note_reference(tmcl::AxisAddress motor) { set_referenced(motor, true); }
+  /// Why it is sent to no position: it needs a reference and has none.
+  std::optional<tmcl::Error> misses_reference(tmcl::AxisAddress motor) const;
+  /// The same for all that this request sends to a position.
+  std::optional<tmcl::Error> misses_reference(const tmcl::Request& request) const;
+
+  /// The motor of an axis that nobody has claimed.
+  [[nodiscard]] Claim claim(tmcl::AxisAddress motor, Claimant claimant);
+  /// Nothing happens if the call has not claimed it.
+  void release(tmcl::AxisAddress motor, Permit of);
+  Claimant claimant_of(tmcl::AxisAddress motor) const;
+  /// How many motors are claimed like this.
+  std::ptrdiff_t claimed_by(Mover by) const;
+  /// A motor that a request can move, although it is claimed by another call.
+  std::optional<tmcl::AxisAddress> claimed_by_other(const tmcl::Request& request,
+                                                    Permit permit) const;
+  /// What whoever wants to move it all the same is told.
+  tmcl::Error claimed(tmcl::AxisAddress motor) const;
+
+  /// A request that can move a motor is on its way, from begin() to end(): in the queue of the bus
+  /// perhaps. A search claims the motor that it moves.
+  void begin(const tmcl::Request& request, Permit of);
+  void end(const tmcl::Request& request);
+  /// Motors without an axis that requests have moved since they were stopped, or can move that are
+  /// on their way. Of those that have moved, most_other_motors are known.
+  std::set<tmcl::AxisAddress> others_that_may_move() const;
+  /// Calls the function for each motor that is known, first for those that may move. Takes no
+  /// memory.
+  template <class Does>
+  void for_each(Does does) const {
+    for (const auto motor : moved_) does(motor);
+    for (const bool may : {true, false}) {
+      for (const auto& [address, motor] : motors_)
+        if (!moved_.contains(address) && may_move(address) == may) does(address);
+    }
+  }
+  /// As far as is known: something that can move it has gone out since it was stopped last.
+  bool may_move(tmcl::AxisAddress motor) const;
+  /// Names of the axes that are led, that search, or that were told to turn, as far as is known.
+  std::vector<std::string> under_way() const;
+  /// What moved or stopped it last was sent from here, and said where it is to stand.
+  bool was_sent_to_position(tmcl::AxisAddress motor) const;
+  /// A program was started in the module, and none was stopped since: it may move any motor.
+  bool may_run_program(tmcl::ModuleAddress module) const { return programs_.contains(module); }
+
+  /// How it was before a request was sent.
+  struct Before {
+    Claimant claimant{};
+    std::uint64_t turnings = 0;  ///< The number of the last one.
+    Permit of{};
+    std::set<tmcl::AxisAddress> turned{};  ///< By the request.
+  };
+  Before before(const tmcl::Request& request, Permit of, const tmcl::Model* model) const {
+    return {claimant_of({request.address, request.motor}), last_turning_, of,
+            tmcl::motors_turned_by(request, model)};
+  }
+  /// Learns from what goes past whether reference searches run, and what turns.
+  void note(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer,
+            const Before& before);
+
+ private:
+  friend class TurningAttempt;
+  struct Motor {
+    std::string axis{};  ///< Empty where there is none.
+    std::uint64_t last_stop = 0;
+    std::uint64_t last_loss = 0;  ///< Of a lease.
+    Claimant claimant{};
+    Tenant tenant{};  ///< By a lease.
+    Turning turning{};
+    int turning_attempts = 0;   ///< On their way.
+    std::string latch_cause{};  ///< Empty: it is not latched.
+    std::uint64_t latches = 0;  ///< How many times it was.
+    Permit searcher{};          ///< Who may move it all the same.
+    bool is_referenced = false;
+    bool needs_reference = false;
+    bool was_sent_to_position = false;
+  };
+
+  bool is_axis(tmcl::AxisAddress motor) const;
+  void set_referenced(tmcl::AxisAddress motor, bool is_referenced);
+  void note_claim(tmcl::AxisAddress motor, Claimant claimant);
+  void forget_other_motors();
+  void note_moved(const tmcl::Request& request);
+  void note_target(const tmcl::Request& request, const Before& before);
+  void note_program(const tmcl::Request& request, bool is_done);
+  TurningAttempt begin_turning(tmcl::AxisAddress motor, Permit of);
+  bool is_stopped_since(tmcl::AxisAddress motor, Permit permit) const;
+  std::optional<tmcl::Error> objection_to_all(Permit permit) const;
+  void note_turning(const tmcl::Request& request, bool is_done, const Before& before);
+  void turn(Motor& motor, Permit of);
+  bool leads(tmcl::AxisAddress motor, Permit permit) const;
+  std::optional<tmcl::Error> objection_by_lease(tmcl::AxisAddress motor, Permit permit) const;
+  /// The call needs one, and has none.
+  std::optional<tmcl::Error> objection_without_lease(tmcl::AxisAddress motor, Permit permit) const;
+  std::optional<tmcl::Error> objection_by_latch(tmcl::AxisAddress motor, Permit permit) const;
+  tmcl::Error error(tmcl::Errc code, std::string message, std::string hint) const;
+
+  std::string bus_;
+  std::shared_ptr<Arrivals> arrivals_;
+  std::map<tmcl::AxisAddress, Motor> motors_;
+  std::vector<tmcl::Request> on_their_way_;
+  std::uint64_t last_turning_ = 0;
+  std::set<tmcl::ModuleAddress> programs_;
+  ModuleMarks coordinate_holds_;
+  ModuleMarks coordinate_changes_;
+  std::set<tmcl::AxisAddress> moved_;  ///< Since they were stopped; axes and others.
+  /// Of motors that are not in the map, it is not known any better.
+  std::uint64_t last_stop_of_others_ = 0;
+};
+
+}  // namespace tmcld

@@ -1,0 +1,702 @@
+#include "gateway/axis/axis.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+#include <string_view>
+#include <utility>
+
+#include <fmt/format.h>
+
+#include "gateway/axis/poller.hpp"
+#include "gateway/axis/stop_advice.hpp"
+#include "gateway/journey/awaited_run.hpp"
+#include "gateway/standing_stop.hpp"
+#include "tmcl/command_type.hpp"
+#include "tmcl/program_verbs.hpp"
+#include "tmcl/relative_move.hpp"
+#include "tmcl/scale_factor.hpp"
+#include "tmcl/status_flags.hpp"
+
+namespace tmcld {
+namespace {
+
+using tmcl::Microsteps;
+using tmcl::Result;
+
+constexpr std::string_view beyond_range_hint = "move less far, or set another actual position";
+
+constexpr std::string_view hint_of_settings = "with its settings, ";
+
+/// For so long an axis must stand at its target whose settings may let it swing about it.
+constexpr tmcl::Duration steady_in_doubt = std::chrono::milliseconds(250);
+
+/// So old what is known of a driver may be when the axis is looked at.
+constexpr tmcl::Duration driver_look_interval = std::chrono::milliseconds(500);
+
+Result<Microsteps> sum(Microsteps here, Microsteps distance, tmcl::ValueRange range) {
+  const auto target = std::int64_t{here.value} + distance.value;
+  if (target >= range.least && target <= range.greatest)
+    return Microsteps{static_cast<std::int32_t>(target)};
+  return tl::unexpected(tmcl::bad_argument(
+      std::to_string(distance.value) + " microsteps from " + std::to_string(here.value) +
+          " ends outside " + std::to_string(range.least) + ".." + std::to_string(range.greatest),
+      std::string(beyond_range_hint)));
+}
+
+/// To the digits that a number can have: ten tenths are one then, and not a little less, which
+/// could be on the other side of the middle between two microsteps.
+tmcl::UserPosition sum(tmcl::UserPosition from, tmcl::UserPosition distance) {
+  constexpr int digits = std::numeric_limits<double>::digits10;
+  const double greater = std::max(std::abs(from.value), std::abs(distance.value));
+  if (greater == 0) return {};
+  const int before_point = static_cast<int>(std::floor(std::log10(greater))) + 1;
+  const auto text =
+      fmt::format("{:.{}f}", from.value + distance.value, std::max(digits - before_point, 0));
+  tmcl::UserPosition rounded;
+  std::from_chars(text.data(), text.data() + text.size(), rounded.value);
+  return rounded;
+}
+
+/// Where an axis is in its unit: exactly where it was requested to be, if it stands there.
+tmcl::UserPosition place_of(Microsteps here, const std::optional<tmcl::UserPosition>& requested,
+                            const tmcl::UserScale& scale) {
+  const bool stands_there = requested && tmcl::to_microsteps(*requested, scale) == here;
+  return stands_there ? *requested : tmcl::to_user(here, scale);
+}
+
+/// A stop has ended the search that was under way: that is known, and who sends stops.
+tmcl::Error ended_search(tmcl::Error error) {
+  const bool is_stopped = error.code == tmcl::Errc::superseded_by_stop;
+  if (!is_stopped || error.outcome == tmcl::Outcome::not_sent) return error;
+  error.message = "a stop ended the search of its reference";
+  error.hint = advice_on(name_of(StopCause::client));
+  return error;
+}
+
+tmcl::Error found_no_reference(const std::string& axis) {
+  tmcl::Error error;
+  error.code = tmcl::Errc::move_interrupted;
+  error.outcome = tmcl::Outcome::done;
+  error.message = "the search of axis '" + axis +
+                  "' has ended, and has found no reference: the axis does not stand at zero";
+  error.hint = "somebody else or its module stopped it; look at its switches, and search again";
+  return error;
+}
+
+tmcl::Error may_change_coordinates(const std::string& axis) {
+  tmcl::Error error;
+  error.code = tmcl::Errc::not_permitted;
+  error.outcome = tmcl::Outcome::not_sent;
+  error.message = "axis '" + axis + "' has soft limits, and a program runs in its module, which " +
+                  "may change the coordinate after it was checked";
+  error.hint = "stop the program first, or move the axis alone";
+  return error;
+}
+
+tmcl::Error went_too_far(const std::string& axis, Microsteps limit) {
+  tmcl::Error error;
+  error.code = tmcl::Errc::move_interrupted;
+  error.outcome = tmcl::Outcome::done;
+  error.message = "the search of axis '" + axis + "' has gone further one way than the " +
+                  std::to_string(limit.value) +
+                  " microsteps that it may, and was stopped; cause: search_limit";
+  error.hint =
+      "look at its switches and the mode of the search; if the way to them is longer, "
+      "'home_max_travel' in the configuration or 'max_travel' of the search says so";
+  return error;
+}
+
+}  // namespace
+
+GatewayAxis::GatewayAxis(AxisConfig config, std::shared_ptr<GatewayBus> bus)
+    : axis_(std::move(config), std::move(bus)) {}
+
+GatewayAxis::Awaitable<void> GatewayAxis::check_coordinate(std::uint8_t number,
+                                                           RunOptions options) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return ready;
+  auto script = admission_.check(action::MoveToCoordinate{number});
+  auto checked = co_await axis_.run(std::move(script), options);
+  if (!checked || !soft_limits()) co_return checked;
+  const auto status = co_await axis_.run(tmcl::verbs::program_status(address().module), options);
+  const bool runs = status && status->state != tmcl::ProgramStatus::State::stopped &&
+                    status->state != tmcl::ProgramStatus::State::reset;
+  if (runs) co_return tl::unexpected(axis_.on_bus(may_change_coordinates(name())));
+  co_return checked;
+}
+
+GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_to(Length target, bool predict,
+                                                         RunOptions movement) {
+  auto admitted = co_await admit(action::MoveTo{target}, std::move(movement));
+  if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
+  auto script = tmcl::verbs::move_to(address(), target.microsteps);
+  auto result = co_await start(std::move(script), predict, std::move(*admitted));
+  if (result) requested_ = target.in_unit;
+  co_return result;
+}
+
+GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Length distance, bool predict,
+                                                         RunOptions movement) {
+  auto admitted = co_await admit(action::MoveFromHere{}, std::move(movement));
+  if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
+  tmcl::ValueRange range;
+  const auto* row = find_parameter(parameters(), tmcl::axis_parameter::target_position);
+  if (row != nullptr) range = {row->minimum, row->maximum};
+  std::optional<tmcl::UserScale> scale;
+  if (distance.in_unit) {
+    auto known = co_await axis_.run(units_.known_scale());
+    if (!known) co_return tl::unexpected(std::move(known.error()));
+    scale = std::move(*known);
+  }
+  // The script may outlive this call.
+  const auto request = std::make_shared<std::optional<tmcl::UserPosition>>();
+  const auto in_unit = [=, before = requested_](Microsteps here) -> Result<Microsteps> {
+    const auto from = place_of(here, before, *scale);
+    *request = sum(from, *distance.in_unit);
+    return tmcl::to_microsteps(**request, *scale, range).map_error([](const auto& error) {
+      return tmcl::bad_argument(describe(error), std::string(beyond_range_hint));
+    });
+  };
+  const auto destination = [=, aim = *admitted](Microsteps here) -> Result<Microsteps> {
+    const auto there = distance.in_unit ? in_unit(here) : sum(here, distance.microsteps, range);
+    if (there) aim.aim_at({*there, *request});
+    return there;
+  };
+  auto script = tmcl::verbs::move_from_here(address(), destination);
+  auto result = co_await start(std::move(script), predict, std::move(*admitted));
+  if (result) requested_ = *request;
+  co_return result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::move_to_coordinate(std::uint8_t number,
+                                                             RunOptions movement) {
+  if (soft_limits()) {
+    auto command = request(tmcl::Command::MVP, tmcl::move_type::coordinate, number);
+    const auto answer = co_await execute(command, std::move(movement));
+    if (!answer) co_return tl::unexpected(answer.error());
+    co_return Result<void>{};
+  }
+  auto script = tmcl::verbs::move_to_coordinate(address(), number);
+  auto moved =
+      co_await move(action::MoveToCoordinate{number}, std::move(script), std::move(movement));
+  co_return moved;
+}
+
+GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Microsteps>> script,
+                                                       bool predict, Admitted admitted) {
+  StartedMove started;
+  std::optional<tmcl::plan::AxisTwin> twin;
+  if (predict) {
+    // Whatever comes of the readings: they only serve to tell more about the move.
+    auto foreseen = co_await this->twin(admitted);
+    if (!foreseen) started.warnings.push_back("not foreseen: " + foreseen.error().message);
+    if (foreseen) twin = std::move(*foreseen);
+    if (foreseen && !twin)
+      started.warnings.emplace_back(
+          "no prediction: the ramp generator of this module is not described");
+  }
+  forget_move();
+  const auto begin = bus().clock().now();
+  const auto target = co_await axis_.run(std::move(script), std::move(admitted));
+  if (!target) co_return tl::unexpected(target.error());
+  started.target = *target;
+  if (twin) {
+    twin->move_to(*target);
+    for (auto& finding : twin->findings()) started.warnings.push_back(std::move(finding.message));
+    started.predicted = twin->time_to_arrival();
+    if (!started.predicted)
+      started.warnings.emplace_back("with these settings it does not come to rest on its target");
+  }
+  if (started.predicted) expected_arrival_ = begin + *started.predicted;
+  co_return started;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::rotate(tmcl::InternalVelocity velocity,
+                                                 RunOptions movement) {
+  auto admitted = co_await admit(action::Turn{velocity}, std::move(movement));
+  if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
+  forget_move();
+  admitted->announced = request(tmcl::Command::ROR, 0, velocity.value);
+  auto result = co_await axis_.run(tmcl::verbs::rotate(address(), velocity), std::move(*admitted));
+  co_return result;
+}
+
+tmcl::Request GatewayAxis::request(tmcl::Command command, std::uint8_t type,
+                                   std::int32_t value) const {
+  return {address().module, command, type, address().motor, value};
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::stop(StopCause cause, std::uint64_t client) {
+  revoke_movements();
+  note_stop(cause);
+  expected_arrival_ = {};
+  const bool was_searching = mover() == Mover::search;
+  auto result = co_await axis_.run(tmcl::verbs::stop(address()), asked_by(client));
+  // A firmware that searches on may start the motor again. What cannot be sent now is sent later.
+  if (!was_searching) co_return result;
+  auto ended = co_await stop_home();
+  co_return result ? ended : result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::brake() {
+  note_stop(StopCause::daemon);
+  return axis_.run(tmcl::verbs::stop(address()));
+}
+
+void GatewayAxis::revoke_movements() {
+  bus().motors().stop(address());
+  if (const auto on = journey()) on->look();
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::stop_home() {
+  revoke_movements();
+  auto result = co_await axis_.run(tmcl::verbs::stop_reference_search(address()));
+  co_return result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::recover() {
+  // What is noticed while this waits, its caller does not know of.
+  const auto latches = bus().motors().latches(address());
+  auto ready = co_await be_ready();
+  if (!ready) co_return ready;
+  bus().motors().recover(address(), latches);
+  if (auto latch = latched()) co_return tl::unexpected(std::move(*latch));
+  co_return ready;
+}
+
+GatewayAxis::Awaitable<SearchLimit> GatewayAxis::search_limit() {
+  // By how much it may be further from one switch to the other than the soft limits are apart.
+  constexpr double beyond_soft_limits = 1.1;
+  auto travel = axis_.config().home_max_travel;
+  const auto& limits = soft_limits();
+  if (!travel && limits)
+    travel = (limits->greatest.value - limits->least.value) * beyond_soft_limits;
+  if (!travel) co_return SearchLimit{};
+  const auto scale = co_await axis_.run(units_.known_scale());
+  if (!scale) co_return tl::unexpected(scale.error());
+  const double microsteps = std::abs(*travel * microsteps_per_unit(*scale));
+  constexpr double greatest = std::numeric_limits<std::int32_t>::max();
+  co_return SearchLimit{Microsteps{static_cast<std::int32_t>(std::min(microsteps, greatest))}};
+}
+
+std::optional<SearchLimit> GatewayAxis::search_limit_of(Permit permit) const {
+  if (search_.of != permit) return std::nullopt;
+  return std::optional<SearchLimit>(std::in_place, search_.limit);
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::stop_search(Permit permit, Microsteps limit) {
+  search_ = {permit, limit, true};
+  auto event = event_of(*this, GatewayEvent::Kind::axis_stopped,
+                        "the search of axis '" + name() + "' has gone further one way than the " +
+                            std::to_string(limit.value) +
+                            " microsteps that it may, and is stopped; cause: search_limit");
+  event.cause = name_of(StopCause::search_limit);
+  bus().emit(std::move(event));
+  auto stopped = co_await stop(StopCause::search_limit);
+  co_return stopped;
+}
+
+GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options, SearchLimit limit,
+                                                      RunOptions movement) {
+  bus().motors().let_search(address(), movement.permit);
+  search_ = {movement.permit, limit};
+  auto script = tmcl::verbs::home(address(), std::move(options));
+  const Claimant search{Mover::search, movement.permit};
+  auto homed = co_await move(action::Search{}, std::move(script), std::move(movement));
+  if (search_.went_too_far && search_.of == search.of)
+    co_return tl::unexpected(axis_.on_bus(went_too_far(name(), *search_.limit)));
+  if (!homed) co_return tl::unexpected(ended_search(std::move(homed.error())));
+  // Whoever wants to move the axis may have seen the end already.
+  if (claimant() == search) {
+    auto seen = co_await axis_.run(bus().see_search_end(address()), asked_by(search.of.client));
+    if (!seen) seen.error().outcome = tmcl::Outcome::unknown;
+    if (!seen) co_return tl::unexpected(std::move(seen.error()));
+  }
+  if (auto latch = latched()) {
+    // The search was under way then.
+    latch->outcome = tmcl::Outcome::unknown;
+    co_return tl::unexpected(std::move(*latch));
+  }
+  if (is_referenced()) co_return homed;
+  auto error = found_no_reference(name());
+  co_await add_cause(error, search.of.client);
+  co_return tl::unexpected(axis_.on_bus(std::move(error)));
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t> mode,
+                                                     SearchLimit limit, RunOptions movement) {
+  bus().motors().let_search(address(), movement.permit);
+  search_ = {movement.permit, limit};
+  auto script = tmcl::verbs::start_reference_search(address(), mode);
+  return move(action::Search{}, std::move(script), std::move(movement));
+}
+
+GatewayAxis::Awaitable<StoodAt> GatewayAxis::wait(tmcl::WaitOptions wait_options,
+                                                  Objection objection) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  RunOptions options;
+  options.objection = [this, of_caller = std::move(objection)] {
+    auto latch = latched();
+    return latch || !of_caller ? latch : of_caller();
+  };
+  const auto left = expected_arrival_ - bus().clock().now();
+  wait_options.expected = std::max(left, tmcl::Duration{});
+  wait_options.mode = tmcl::mode_parameter(parameters());
+  auto result = co_await stand(wait_options, std::move(options));
+  // A module that has started again is at its target, which is where it is.
+  auto watched = co_await axis_.run(module().watch(movement_sentinel_age));
+  if (auto latch = latched()) co_return tl::unexpected(std::move(*latch));
+  if (result && !watched) co_return tl::unexpected(std::move(watched.error()));
+  if (!result && result.error().code == tmcl::Errc::move_interrupted)
+    co_await add_cause(result.error());
+  co_return result;
+}
+
+GatewayAxis::Awaitable<StoodAt> GatewayAxis::stand(tmcl::WaitOptions wait, RunOptions options) {
+  Deadline deadline;
+  if (wait.timeout != tmcl::Duration{}) deadline = bus().clock().now() + wait.timeout;
+  const auto wait_there = [&] {
+    return look_at_driver_meanwhile(shared_from_this(),
+                                    tmcl::verbs::wait_until_reached(address(), wait));
+  };
+  auto here = co_await axis_.run(wait_there(), options);
+  // There is no time to read anything after a timeout.
+  const auto from = here ? RampKnowledge::read : RampKnowledge::as_it_is;
+  const auto known = co_await axis_.run(units_.warnings(from), deadline);
+  auto warnings = known.value_or(std::vector<std::string>());
+  if (here && !warnings.empty()) {
+    // It may stand there in passing only.
+    constexpr tmcl::Duration shortest = std::chrono::milliseconds(1);
+    if (deadline) wait.timeout = std::max(*deadline - bus().clock().now(), shortest);
+    wait.steady = steady_in_doubt;
+    here = co_await axis_.run(wait_there(), options);
+  }
+  if (here) {
+    RunOptions in_time;
+    in_time.deadline = deadline;
+    auto seen = co_await look_at_driver({}, std::move(in_time));
+    if (!seen) co_return tl::unexpected(std::move(seen.error()));
+    co_return StoodAt{*here, std::move(warnings), faults_, unproven_faults()};
+  }
+  if (!warnings.empty()) here.error().hint = std::string(hint_of_settings) + warnings.front();
+  co_return tl::unexpected(std::move(here.error()));
+}
+
+GatewayAxis::Awaitable<std::int32_t> GatewayAxis::get(std::uint8_t parameter, Deadline deadline) {
+  RunOptions options;
+  options.deadline = deadline;
+  return perform(tmcl::verbs::get(address(), parameter), std::move(options));
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::set(std::uint8_t parameter, std::int32_t value,
+                                              RunOptions movement) {
+  auto admitted = co_await admit(action::Write{parameter, value}, std::move(movement));
+  if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
+  auto result = co_await write(parameter, value, std::move(*admitted));
+  co_return result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::write(std::uint8_t parameter, std::int32_t value,
+                                                Admitted admitted) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return ready;
+  // What is read or checked while it is on its way may be from before it.
+  units_.note_set(parameter);
+  auto script = tmcl::verbs::set(address(), parameter, value);
+  admitted.announced = request(tmcl::Command::SAP, parameter, value);
+  auto result = co_await axis_.run(std::move(script), std::move(admitted));
+  // Also after a failure: the value may have been set all the same.
+  units_.note_set(parameter, result ? std::optional(value) : std::nullopt);
+  if (parameter != tmcl::axis_parameter::actual_position) co_return result;
+  requested_.reset();
+  if (result) bus().motors().note_reference(address());
+  co_return result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::restore(std::uint8_t parameter, RunOptions movement) {
+  module().note_settings_changed();
+  auto admitted = co_await admit(action::Restore{parameter}, std::move(movement));
+  if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
+  forget_move();
+  admitted->announced = request(tmcl::Command::RSAP, parameter, 0);
+  auto script = tmcl::verbs::restore(address(), parameter);
+  auto result = co_await axis_.run(std::move(script), std::move(*admitted));
+  module().note_settings_changed();
+  co_return result;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::store(std::uint8_t parameter, RunOptions options) {
+  return perform(tmcl::verbs::store(address(), parameter), std::move(options));
+}
+
+GatewayAxis::Awaitable<std::vector<std::string>> GatewayAxis::warnings(std::uint64_t client) {
+  return axis_.run(units_.warnings(), asked_by(client));
+}
+
+GatewayAxis::Awaitable<std::optional<tmcl::ModuleUnits>> GatewayAxis::module_units() {
+  return axis_.run(units_.module_units());
+}
+
+GatewayAxis::Awaitable<std::optional<tmcl::UserScale>> GatewayAxis::scale() {
+  return axis_.run(units_.scale());
+}
+
+GatewayAxis::Awaitable<std::optional<tmcl::plan::AxisTwin>> GatewayAxis::twin(RunOptions options,
+                                                                              tmcl::Proof proof) {
+  return axis_.run(units_.twin(proof), std::move(options));
+}
+
+bool GatewayAxis::is_known(tmcl::Duration max_age) const {
+  return last_ && last_->commands == bus().commands() &&
+         last_->settings == module().settings_epoch() &&
+         bus().clock().now() - last_->reading.taken < max_age;
+}
+
+GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state(tmcl::Duration max_age,
+                                                            std::uint64_t client) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  const auto look_here = [this, client] { return look(client); };
+  // One in progress may have begun before this was asked for.
+  const bool may_join = max_age > tmcl::Duration{} && looks_.in_progress() && !is_known(max_age);
+  if (may_join) co_await looks_.join(look_here);
+  if (is_known(max_age)) co_return last_->reading;
+  auto reading = co_await looks_.begin(look_here);
+  co_return reading;
+}
+
+GatewayAxis::Awaitable<AxisReading> GatewayAxis::look(std::uint64_t client) {
+  const auto commands = bus().commands();
+  const auto settings = module().settings_epoch();
+  auto reading = co_await axis_.run(units_.reading(), asked_by(client));
+  // Behind it: what was read is of the module that this one was, or the axis is latched.
+  const auto watched = co_await axis_.run(module().watch(movement_sentinel_age), asked_by(client));
+  if (!watched) co_return tl::unexpected(watched.error());
+  if (!reading) co_return reading;
+  // A look is worth more than what goes wrong with the questions about its driver.
+  if (!bus().has_paths())
+    (void)co_await look_at_driver(driver_look_interval, asked_by(client), reading->state.velocity);
+  last_ = {*reading, commands, settings};
+  co_await note_turning(reading->state, client);
+  co_await note_motion(reading->state, client);
+  co_return reading;
+}
+
+// ---- what is to be put in order ----------------------------------------------------------------
+
+boost::asio::awaitable<std::string> GatewayAxis::enter_journal() const {
+  const auto journal = bus().journal();
+  if (!journal) co_return "";
+  co_await Journal::write(journal);
+  co_return journal->failure();
+}
+
+bool GatewayAxis::note_before(tmcl::plan::Setting setting) {
+  const auto is_noted = [&](const auto& noted) { return noted.parameter == setting.parameter; };
+  if (std::ranges::any_of(before_, is_noted)) return false;
+  before_.push_back(setting);
+  return true;
+}
+
+std::optional<std::int32_t> GatewayAxis::before(std::uint8_t parameter) const {
+  const auto found = std::ranges::find(before_, parameter, &tmcl::plan::Setting::parameter);
+  return found == before_.end() ? std::nullopt : std::optional(found->value);
+}
+
+bool GatewayAxis::note_set_by_client(std::uint8_t parameter, std::optional<std::int32_t> value) {
+  if (!before(parameter)) return false;
+  // Who still leads the axis may change it once more.
+  const bool is_led = mover() != Mover::stop;
+  if (!is_led || !value) forget_before(parameter);
+  for (auto& setting : before_)
+    if (setting.parameter == parameter) setting.value = *value;
+  return true;
+}
+
+// ---- for whom it turns ------------------------------------------------------------------------
+
+boost::asio::awaitable<void> GatewayAxis::note_turning(tmcl::AxisState state,
+                                                       std::uint64_t client) {
+  auto& motors = bus().motors();
+  const bool moves = state.velocity.value != 0;
+  // Whether that can be seen or not: it is looked at again.
+  if (turns() && !moves) co_await axis_.run(bus().see_turning_end(address()), asked_by(client));
+  const bool goes_to_position =
+      motors.was_sent_to_position(address()) && !motors.may_run_program(address().module);
+  const bool is_known =
+      turns() || tenant().client != 0 || mover() != Mover::nobody || goes_to_position;
+  if (!moves || is_known) co_return;
+  const auto found = co_await axis_.run(bus().may_turn(address()), asked_by(client));
+  if (!found || !*found || turns()) co_return;
+  motors.note_unattended(address());
+  bus().audit("axis=" + name() + " turns unattended: no client owns its motion");
+  co_await enter_journal();
+}
+
+// ---- why it stands -----------------------------------------------------------------------------
+
+std::optional<StopCause> GatewayAxis::stop_cause() const {
+  return latched() ? StopCause::supply : stop_cause_;
+}
+
+void GatewayAxis::note_stop(StopCause cause) {
+  was_moving_ = false;
+  if (!stop_cause_) stop_cause_ = cause;
+}
+
+boost::asio::awaitable<void> GatewayAxis::note_motion(tmcl::AxisState state, std::uint64_t client) {
+  const bool moves = state.velocity.value != 0;
+  const bool is_stopped = !bus().motors().may_move(address());
+  if ((moves && !is_stopped) || state.position == state.target) stop_cause_.reset();
+  // Who leads it knows why it stands; and between two directions it does so for a moment.
+  const bool stopped = was_moving_ && !moves && state.position != state.target &&
+                       mover() == Mover::nobody && !latched();
+  was_moving_ = moves;
+  if (moves) seen_moving_ = bus().clock().now();
+  if (!stopped) co_return;
+  if (is_stopped) co_return note_stop(StopCause::client);
+  const auto here = state.position;
+  auto again = co_await axis_.run(tmcl::verbs::state(address()), asked_by(client));
+  const bool stands = again && again->velocity.value == 0 && again->position == here;
+  if (stands && !stop_cause_) co_await find_cause(client);
+}
+
+tmcl::Script<Result<DriverReading>> GatewayAxis::read_driver(
+    std::optional<tmcl::InternalVelocity> velocity) {
+  const auto units = co_await units_.module_units();
+  auto script = tmcld::read_driver(address(), parameters(), units.value_or(std::nullopt), velocity);
+  auto reading = co_await std::move(script);
+  co_return reading;
+}
+
+GatewayAxis::Awaitable<void> GatewayAxis::look_at_driver(
+    tmcl::Duration max_age, RunOptions options, std::optional<tmcl::InternalVelocity> velocity) {
+  if (is_driver_known(max_age)) co_return Result<void>{};
+  auto seen = co_await axis_.run(read_driver(velocity), std::move(options));
+  if (!seen) co_return tl::unexpected(std::move(seen.error()));
+  note_driver(std::move(*seen));
+  co_return Result<void>{};
+}
+
+bool GatewayAxis::is_driver_known(tmcl::Duration max_age) const {
+  return driver_seen_ && bus().clock().now() - *driver_seen_ < max_age;
+}
+
+namespace {
+
+/// Pauses until then, and looks each time that a look is due.
+tmcl::Script<Result<void>> pause_and_look(tmcl::TimePoint end,
+                                          std::function<tmcl::Script<Result<void>>()> look) {
+  auto left = tmcl::Duration{};
+  do {
+    co_await look();
+    left = std::max(end - co_await tmcl::current_time(), tmcl::Duration{});
+    co_await tmcl::pause(std::min(left, driver_look_interval));
+  } while (left > driver_look_interval);
+  co_return Result<void>{};
+}
+
+}  // namespace
+
+/// Carries out a wait, and looks at the driver while that pauses: an open load is told only while
+/// the axis turns.
+tmcl::Script<Result<Microsteps>> GatewayAxis::look_at_driver_meanwhile(
+    std::shared_ptr<GatewayAxis> self, tmcl::Script<Result<Microsteps>> wait) {
+  const auto look = [self]() -> tmcl::Script<Result<void>> {
+    if (self->is_driver_known(driver_look_interval) || self->bus().has_paths())
+      co_return Result<void>{};
+    auto seen = co_await self->read_driver();
+    if (seen) self->note_driver(std::move(*seen));
+    co_return Result<void>{};
+  };
+  auto now = co_await tmcl::current_time();
+  auto step = wait.start(now);
+  while (step) {
+    tmcl::StepResult results;
+    if (const auto* pause = std::get_if<tmcl::step::Pause>(&*step)) {
+      co_await pause_and_look(now + pause->duration, look);
+    } else if (auto* one = std::get_if<tmcl::step::Exchange>(&*step)) {
+      results.push_back(co_await tmcl::exchange(one->request, one->options));
+    } else {
+      auto& all = std::get<tmcl::step::ExchangeAll>(*step).exchanges;
+      results = co_await tmcl::exchange_all(std::move(all));
+    }
+    now = co_await tmcl::current_time();
+    step = wait.resume(std::move(results), now);
+  }
+  co_return wait.take();
+}
+
+void GatewayAxis::note_driver(DriverReading reading) {
+  driver_seen_ = bus().clock().now();
+  auto faults = open_loads_.judge(std::move(reading));
+  if (std::exchange(faults_, std::move(faults)) == faults_) return;
+  const auto text = faults_.empty()
+                        ? "the driver of axis '" + name() + "' reports no fault any more"
+                        : "axis '" + name() + "': " + words_for(faults_);
+  bus().emit(event_of(*this, GatewayEvent::Kind::axis_fault, text));
+}
+
+GatewayAxis::Awaitable<FaultReport> GatewayAxis::read_faults(std::uint64_t client) {
+  auto ready = co_await be_ready();
+  if (!ready) co_return tl::unexpected(std::move(ready.error()));
+  auto report = co_await axis_.run(tmcld::read_faults(address(), parameters()), asked_by(client));
+  if (!report) co_return report;
+  DriverReading reading{report->driver_faults()};
+  if (std::ranges::any_of(reading.faults, is_open_load)) {
+    const auto units = co_await axis_.run(units_.module_units(), asked_by(client));
+    auto script = turns_slowly(address(), parameters(), units.value_or(std::nullopt));
+    const auto slow = co_await axis_.run(std::move(script), asked_by(client));
+    reading.turns_slowly = slow.value_or(false);
+  }
+  note_driver(std::move(reading));
+  std::erase_if(report->flags, [this](std::string_view flag) {
+    return std::ranges::count(unproven_faults(), flag) != 0;
+  });
+  if (report->has_flag(tmcl::status_flag::stall)) stop_cause_ = StopCause::stall;
+  if (report->has_flag(tmcl::status_flag::deviation)) stop_cause_ = StopCause::deviation;
+  co_return report;
+}
+
+boost::asio::awaitable<void> GatewayAxis::find_cause(std::uint64_t client) {
+  auto cause = co_await axis_.run(find_stop_cause(address(), parameters()), asked_by(client));
+  if (!cause || stop_cause_) co_return;
+  // Nothing else is to blame, and its module was left alone for too long since it was seen moving.
+  const bool says_nothing = *cause == StopCause::unknown || *cause == StopCause::velocity_mode;
+  if (says_nothing && module().deadman().last_gap() > seen_moving_) cause = StopCause::deadman;
+  stop_cause_ = *cause;
+  auto event = event_of(*this, GatewayEvent::Kind::axis_stopped,
+                        "axis '" + name() +
+                            "' stands short of its target, and nobody has stopped "
+                            "it; cause: " +
+                            std::string(name_of(*cause)));
+  event.cause = name_of(*cause);
+  bus().emit(std::move(event));
+}
+
+boost::asio::awaitable<void> GatewayAxis::add_cause(tmcl::Error& error, std::uint64_t client) {
+  if (!stop_cause_) co_await find_cause(client);
+  if (!stop_cause_) co_return;
+  error.message += "; cause: " + std::string(name_of(*stop_cause_));
+  const auto advice = advice_on(name_of(*stop_cause_));
+  if (advice.empty()) co_return;
+  // What its settings make of its moves is said as well.
+  const bool says_more = error.hint.starts_with(hint_of_settings);
+  error.hint = std::string(advice) + (says_more ? "; " + error.hint : "");
+}
+
+void GatewayAxis::forget_move() {
+  stop_cause_.reset();
+  expected_arrival_ = {};
+  requested_.reset();
+}
+
+const std::shared_ptr<AxisPoller>& GatewayAxis::poller() {
+  if (!poller_) poller_ = std::make_shared<AxisPoller>(bus().executor());
+  return poller_;
+}
+
+}  // namespace tmcld

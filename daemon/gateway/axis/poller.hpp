@@ -1,0 +1,85 @@
+/// Reads an axis at regular times for everyone who watches it.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+
+#include "async/wake.hpp"
+#include "gateway/axis/axis.hpp"
+
+namespace tmcld {
+
+constexpr tmcl::Duration shortest_poll_interval = std::chrono::milliseconds(5);
+/// While axes of the same bus are on a path.
+constexpr tmcl::Duration shortest_poll_interval_beside_path = std::chrono::milliseconds(100);
+constexpr tmcl::Duration longest_poll_interval = std::chrono::milliseconds(60000);
+
+/// A look that those who watch are told of.
+struct PublishedReading {
+  AxisReading reading;
+  std::uint64_t seq = 0;  ///< Grows by one whenever something in it changed; of the axis.
+};
+
+/// Told of every look, whether anything changed or not. `tick`: when the look was due; ticks are
+/// whole intervals apart.
+using OnReading = std::function<void(const PublishedReading& reading, tmcl::TimePoint tick)>;
+
+/// Someone's wish to be told; destroying it ends that.
+class AxisWatch {
+ public:
+  AxisWatch() = default;
+  AxisWatch(std::shared_ptr<AxisPoller> poller, std::uint64_t id)
+      : poller_(std::move(poller)), id_(id) {}
+  AxisWatch(AxisWatch&& other) noexcept = default;
+  AxisWatch& operator=(AxisWatch&& other) noexcept {
+    std::swap(poller_, other.poller_);
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  ~AxisWatch();
+
+ private:
+  std::shared_ptr<AxisPoller> poller_;
+  std::uint64_t id_ = 0;
+};
+
+/// One for each axis, however many watch: the shortest interval that someone wants wins. Reads
+/// nothing while nobody watches. A look that takes longer than the interval costs ticks, and never
+/// piles up.
+class AxisPoller : public std::enable_shared_from_this<AxisPoller> {
+ public:
+  explicit AxisPoller(const boost::asio::any_io_executor& executor)
+      : executor_(executor), clock_(executor), changed_(executor) {}
+
+  AxisWatch watch(std::shared_ptr<GatewayAxis> axis, tmcl::Duration interval, OnReading on_reading);
+  /// Numbers a look that was taken for someone who begins to watch.
+  PublishedReading number(const AxisReading& reading);
+
+ private:
+  friend class AxisWatch;
+  struct Watcher {
+    tmcl::Duration interval;
+    OnReading on_reading;
+  };
+
+  void remove(std::uint64_t id);
+  tmcl::Duration interval(const GatewayAxis& axis) const;
+  void tell(const PublishedReading& reading, tmcl::TimePoint tick);
+  static boost::asio::awaitable<void> run(std::shared_ptr<AxisPoller> self,
+                                          std::shared_ptr<GatewayAxis> axis);
+
+  boost::asio::any_io_executor executor_;
+  tmcl::ContextClock clock_;
+  Wake changed_;
+  bool running_ = false;
+  PublishedReading last_;
+  std::uint64_t last_id_ = 0;
+  std::map<std::uint64_t, Watcher> watchers_;
+};
+
+}  // namespace tmcld

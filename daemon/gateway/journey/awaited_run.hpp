@@ -1,0 +1,66 @@
+/// A journey whose caller waits for its end: a path, or a Mint program.
+///
+/// It has been checked before, and it ends; so it needs nobody who watches it. Whatever goes wrong
+/// on the way, all its axes are stopped and their settings are set back: a stop of one of them by
+/// anyone, a command that fails, an axis that is not where it should be.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <boost/asio/any_io_executor.hpp>
+#include <boost/asio/awaitable.hpp>
+
+#include "gateway/journey/drive_run.hpp"
+
+namespace tmcld {
+
+constexpr tmcl::Duration progress_interval = std::chrono::milliseconds(200);
+
+class AwaitedRun : public DriveRun {
+ public:
+  /// Returns when it has ended, whether at its end or not, and nothing moves any more. Once.
+  /// Errors: those of claim_all(), and of admission. What became of it is in the report.
+  static boost::asio::awaitable<std::optional<AxisFailure>> pass(std::shared_ptr<AwaitedRun> self);
+
+  /// What becomes of it is in the report.
+  void end(tmcl::plan::DriveFault why);
+  /// One of its axes may have been stopped.
+  void look() { woken_.notify(); }
+
+  virtual const tmcl::plan::DriveReport& report() const = 0;
+  bool has_ended() const { return ended_; }
+  /// Once it has ended: those that could not be stopped and may still move.
+  std::vector<std::string> unstopped() const;
+  /// A fault in words, and what has not been stopped.
+  std::string text_of(const tmcl::plan::DriveFault& fault) const;
+  std::vector<std::string> axis_names() const;
+
+ protected:
+  AwaitedRun(const boost::asio::any_io_executor& executor, std::vector<DriveMember> members,
+             Mover mover, GatewayEvent::Kind when_broken)
+      : DriveRun(executor, std::move(members)), mover_(mover), when_broken_(when_broken) {}
+
+  virtual tmcl::plan::Drive& what_drives() = 0;
+  /// Called at the beginning, and then every progress_interval.
+  virtual void tell_progress() = 0;
+
+ private:
+  boost::asio::awaitable<std::optional<AxisFailure>> take_axes();
+  boost::asio::awaitable<tmcl::TimePoint> before_step() override;
+  GatewayAxis::Awaitable<void> stop(GatewayAxis& axis) override;
+  GatewayAxis::Awaitable<void> write(const DriveMember& member, tmcl::plan::Setting setting,
+                                     bool restores) override;
+  /// Whoever asked for it may be gone.
+  void tell_fault() const;
+
+  Mover mover_;
+  GatewayEvent::Kind when_broken_;
+  tmcl::TimePoint progress_due_{};
+  bool ended_ = false;
+};
+
+}  // namespace tmcld

@@ -1,0 +1,41 @@
+/// A course on axes, passed by the daemon itself.
+#pragma once
+
+#include "gateway/journey/awaited_run.hpp"
+#include "tmcl/plan/course.hpp"
+#include "tmcl/plan/stream.hpp"
+
+namespace tmcld {
+
+class PathRun final : public AwaitedRun {
+ public:
+  using OnProgress = std::function<void(const PathRun& run)>;
+
+  /// `axes` are those of the members, in the order of the course.
+  PathRun(const boost::asio::any_io_executor& executor, tmcl::plan::Course course,
+          std::vector<DriveMember> members, std::vector<tmcl::plan::StreamAxis> axes,
+          tmcl::plan::StreamOptions options, OnProgress on_progress)
+      : AwaitedRun(executor, std::move(members), Mover::path, GatewayEvent::Kind::path_broken),
+        course_(std::move(course)),
+        stream_(course_, std::move(axes), options),
+        on_progress_(std::move(on_progress)) {}
+
+  void pause(bool on) {
+    stream_.pause(on);
+    woken_.notify();
+  }
+  const tmcl::plan::StreamReport& report() const override { return stream_.report(); }
+  tmcl::plan::PathStream::Phase phase() const { return stream_.phase(); }
+  double passed() const { return stream_.passed(); }
+  double duration() const { return course_.duration(); }
+
+ private:
+  tmcl::plan::Drive& what_drives() override { return stream_; }
+  void tell_progress() override { on_progress_(*this); }
+
+  tmcl::plan::Course course_;
+  tmcl::plan::PathStream stream_;
+  OnProgress on_progress_;
+};
+
+}  // namespace tmcld
