@@ -15,7 +15,7 @@ constexpr std::size_t max_list_elements = 256;
 
 constexpr auto secret_name = api::name_of<&api::lease::OnLease::epoch>();
 
-/// Leases come and go all the time; who takes one away from somebody is to be known.
+/// Leases come and go all the time; the client that takes one away is to be known.
 bool is_audited(const Call& call) {
   const bool is_daily =
       call.method.name.starts_with("lease.") && call.method.role < Role::configure;

@@ -125,7 +125,7 @@ Answer<axis::Wait> wait(Call& call, const axis::Wait& params) {
   tmcl::WaitOptions options;
   options.timeout = call.timeout_left(params.timeout_ms);
   if (params.target_microsteps) options.goal = tmcl::Microsteps{*params.target_microsteps};
-  // Nobody else ends a wait without a timeout.
+  // Nothing else ends a wait without a timeout.
   Objection objection = [peer = call.peer]() -> std::optional<tmcl::Error> {
     if (!peer->is_gone()) return std::nullopt;
     return tmcl::bad_argument("the client is gone");

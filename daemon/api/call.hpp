@@ -71,7 +71,7 @@ struct Call {
     }
     return std::nullopt;
   }
-  /// What is left of a timeout, counted likewise, and never nothing: zero means that there is none.
+  /// What is left of a timeout, counted the same, and never nothing: zero means that there is none.
   tmcl::Duration timeout_left(std::optional<std::int64_t> timeout_ms) const {
     const std::chrono::milliseconds timeout(timeout_ms.value_or(0));
     if (timeout == std::chrono::milliseconds{}) return {};

@@ -77,7 +77,7 @@ struct Begun {
   std::int32_t capture = 0;  ///< Its number.
 };
 
-/// Whoever reads what the module has recorded before is told so from when that is lost.
+/// A reader of what the module recorded before learns so from when that is lost.
 tmcl::Script<tmcl::Result<Begun>> begin(GatewayModule& module, CaptureWish wish, bool resumes) {
   const auto address = module.address();
   const auto info = co_await tmcl::must(tmcl::verbs::data_logger_info(address));

@@ -1,6 +1,6 @@
 /// What each call can say of itself, besides its own parameters: the lease that it is made under,
-/// and when it was made. The connection that has acquired a lease need not name it; whoever reads
-/// or stops needs none.
+/// and when it was made. The connection that has acquired a lease need not name it; calls that
+/// read or stop need none.
 #pragma once
 
 #include <cstdint>
@@ -27,7 +27,7 @@ struct LeaseKey {
 /// Errors: one of the two is missing, or is no integer.
 tl::expected<std::optional<LeaseKey>, RpcError> take_lease_key(const MethodInfo& method,
                                                                boost::json::object& params);
-/// Likewise "sent_at_ms": when the call was sent, by this computer's CLOCK_MONOTONIC.
+/// The same of "sent_at_ms": when the call was sent, by this computer's CLOCK_MONOTONIC.
 /// Errors: it is no integer.
 tl::expected<std::optional<tmcl::TimePoint>, RpcError> take_sent_at(const MethodInfo& method,
                                                                     boost::json::object& params);

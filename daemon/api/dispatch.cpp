@@ -32,7 +32,7 @@ std::optional<RpcError> objection_by_age(const Call& call, std::optional<tmcl::T
                    std::string(stale_hint));
 }
 
-/// Whoever makes it: a call that names a lease is one of that lease's holder.
+/// From any connection: a call that names a lease is one of that lease's holder.
 tl::expected<std::uint64_t, RpcError> client_of(const Gateway& gateway, const Peer& peer,
                                                 const RpcRequest& request) {
   const auto effect = request.method->effect;

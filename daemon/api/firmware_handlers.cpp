@@ -47,7 +47,7 @@ tmcl::Error daemon_is_ending() {
   return error;
 }
 
-/// Goes on when nobody listens any more: a firmware in part is of no use to anyone.
+/// Goes on when its client has gone: a firmware in part is of no use to anyone.
 tmcl::FirmwareOptions options_for(const Call& call, const firmware::Upload& params) {
   tmcl::FirmwareOptions options;
   options.force = params.force.value_or(false);

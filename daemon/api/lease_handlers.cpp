@@ -91,7 +91,7 @@ Answer<lease::Release> release_lease(Call& call, const lease::Release& params) {
   auto& leases = *call.gateway->leases();
   const auto held = find_lease(leases, {params.lease, params.epoch});
   if (!held) co_return tl::unexpected(held.error());
-  // Until the stops are through nobody else moves the axes.
+  // Until the stops are through no other client moves the axes.
   std::vector<boost::asio::awaitable<tmcl::Result<void>>> stops;
   if (params.stop.value_or(true))
     for (const auto& axis : held->axes) stops.push_back(stop_one(axis));

@@ -84,7 +84,7 @@ LocalGateway::~LocalGateway() {
   peer_->leave();
   gateway_->close();
   gateway_->join();
-  // Whoever waits for a bus is told now that it is closed, and ends: it keeps that bus alive.
+  // A waiter for a bus learns now that it is closed, and ends: it keeps that bus alive.
   context_->poll();
 }
 

@@ -46,8 +46,8 @@ class LocalCall {
   std::shared_ptr<std::optional<RpcResult>> result_ = std::make_shared<std::optional<RpcResult>>();
 };
 
-/// One client, on one thread: everything happens in call(), listen() and end(). Whoever does
-/// something else meanwhile listens from time to time, for as long as an axis is on a line or path.
+/// One client, on one thread: everything happens in call(), listen() and end(). A program
+/// that does something else calls listen() from time to time while an axis is on a line or path.
 ///
 /// Destroying it closes the links at once: motors go on as they do without a host, and calls in
 /// progress never end. See end().
@@ -57,7 +57,7 @@ class LocalGateway {
   using OnNotification =
       std::function<void(std::string_view method, const boost::json::object& params)>;
 
-  /// Opens all links; blocks until they are open. Nobody else runs the context, which may be on
+  /// Opens all links; blocks until they are open. Nothing else runs the context, which may be on
   /// virtual time.
   /// Errors: those of tmcl::Link::open() for the first that cannot be opened.
   static tmcl::Result<std::unique_ptr<LocalGateway>> open(

@@ -1,4 +1,4 @@
-/// From the names in a call to what they name; whoever mistypes one is told the nearest. An axis
+/// From the names in a call to what they name; a mistyped one is answered with the nearest. An axis
 /// has the name that it is configured with, and for every motor see raw_name.hpp.
 #pragma once
 

@@ -21,8 +21,8 @@ struct MethodInfo {
   std::string_view summary;
   std::span<const api::Field> params;
   std::span<const api::Field> result;
-  /// What a call can do to a machine at most. Whoever decides which calls are let through looks
-  /// here: see admit() in dispatch.cpp.
+  /// What a call can do to a machine at most. Decides which calls are let
+  /// through: see admit() in dispatch.cpp.
   tmcl::Effect effect;
   Role role;  ///< Who may call it; of methods that send any command, see role_for().
   boost::asio::awaitable<RpcResult> (*handler)(Call& call);

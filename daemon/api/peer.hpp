@@ -18,7 +18,7 @@ class Peer {
   virtual ~Peer() = default;
   /// Sends a notification; never blocks, and drops it rather than keep many for a slow reader.
   virtual void notify(std::string_view method, boost::json::object params) = 0;
-  /// Nobody will read an answer any more.
+  /// An answer will not be read any more.
   virtual bool is_gone() const = 0;
   virtual Subscriptions& subscriptions() = 0;
   /// What moves for it stops when it leaves the gateway: see Gateway::enter().

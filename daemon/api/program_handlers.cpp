@@ -15,7 +15,7 @@ Lookup<Program> program_of(const std::string& text) {
   });
 }
 
-/// Tells the client how far it is; ends the verb when nobody wants it any more.
+/// Tells the client how far it is; ends the verb when its client has gone.
 tmcl::OnLoadProgress progress_for(const Call& call, const ModuleChoice& module) {
   return [gateway = call.gateway, peer = call.peer, tell = call.teller(), bus = module.bus->name(),
           address = number(module.address)](const tmcl::LoadProgress& progress) {

@@ -22,7 +22,7 @@ struct ModuleValue {
   std::optional<tmcl::AxisUnits> units{};
 };
 
-/// A position or a distance, likewise.
+/// The same of a position or a distance.
 struct SaidLength {
   tmcl::Microsteps microsteps;
   std::optional<tmcl::UserPosition> in_unit{};

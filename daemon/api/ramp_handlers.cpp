@@ -209,7 +209,7 @@ awaitable<axis::Ramp> view_of(GatewayAxis& axis, ChosenRamp chosen) {
   co_return ramp;
 }
 
-/// A ramp that changes on the way would end nobody knows where.
+/// A ramp that changes on the way would end at an unknown position.
 awaitable<std::optional<RpcError>> refusal_in_motion(GatewayAxis& axis) {
   const auto reading = co_await axis.read_state();
   if (!reading) co_return call_error(reading.error(), axis.name());
@@ -268,8 +268,8 @@ Answer<axis::GetRamp> get_ramp(Call& call, const axis::GetRamp& params) {
   const auto twin = co_await axis.twin({});
   if (!twin) co_return tl::unexpected(call_error(twin.error(), axis.name()));
   if (!*twin) {
-    co_return tl::unexpected(
-        not_foreseeable(axis, "there is no description of the ramps of a " + std::string(model->name)));
+    co_return tl::unexpected(not_foreseeable(
+        axis, "no description exists of the ramps of a " + std::string(model->name)));
   }
   const auto motion = (*twin)->motion();
   // Where it is when a command comes could only be guessed.

@@ -95,7 +95,7 @@ std::string line_of(const json::value& id, const RpcResult& result) {
   return line;
 }
 
-/// Nobody but the answer has said what became of the call.
+/// Only the answer says what became of the call.
 json::value outcome_of(const RpcResult& result, tmcl::Effect effect) {
   if (!result) return result.error().data.at("outcome");
   const bool acts = effect != tmcl::Effect::reads;

@@ -21,7 +21,7 @@ constexpr int internal_error = -32603;  ///< An exception.
 constexpr int call_failed = -32000;     ///< What a bus or a module says.
 constexpr int overload = -32001;        ///< A bound of the daemon was reached.
 constexpr int daemon_ending = -32002;
-constexpr int not_allowed = -32003;  ///< Not now: somebody else moves the axis.
+constexpr int not_allowed = -32003;  ///< Not now: another client moves the axis.
 }  // namespace rpc_code
 
 /// Of a message and of a hint: an answer with an error for every axis fits a line.

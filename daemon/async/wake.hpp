@@ -8,7 +8,7 @@
 
 namespace tmcld {
 
-/// A notification that comes while nobody waits is kept: no wake-up is lost. At most one waiter.
+/// A notification that comes without a waiter is kept: no wake-up is lost. At most one waiter.
 class Wake {
  public:
   explicit Wake(const boost::asio::any_io_executor& executor) : timer_(executor) {}

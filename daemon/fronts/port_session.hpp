@@ -35,7 +35,7 @@ class PortSession : public std::enable_shared_from_this<PortSession> {
   /// `form`: in which the request came that this answers, or the last one.
   using Output = std::function<void(const Told& told, CanForm form)>;
 
-  /// `name` of the host, for people: "port a". `disconnect`: this session serves nobody any more,
+  /// `name` of the host, for people: "port a". `disconnect`: this session serves no host any more,
   /// since it has failed.
   PortSession(std::shared_ptr<Gateway> gateway, const PortConfig& config, std::string name,
               Output output, std::function<void()> disconnect);

@@ -111,7 +111,7 @@ void UnixSession::send_answers() {
 
 void UnixSession::write_now() {
   batch_ += take_output();
-  boost::system::error_code error;  // is met again by whoever writes the rest
+  boost::system::error_code error;  // is met again when the rest is written
   batch_.erase(0, socket_.write_some(boost::asio::buffer(batch_), error));
 }
 

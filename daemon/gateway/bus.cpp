@@ -182,7 +182,7 @@ void GatewayBus::detach() {
 awaitable<void> GatewayBus::look_after_modules() {
   const auto bus = bus_;
   while (!closed_ && bus->is_open()) {
-    // Whoever does not answer keeps a serial line busy, which an axis on a path cannot wait for.
+    // A module that does not answer keeps a serial line busy: no axis on a path can wait for that.
     std::vector<awaitable<tmcl::Result<void>>> questions;
     for (auto& [address, module] : modules_) {
       if (has_paths() || module->state() == GatewayModule::State::ready) continue;

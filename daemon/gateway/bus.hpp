@@ -121,7 +121,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
 
   /// What they are the limits of is kept within them, whatever is sent.
   void add_limits(std::shared_ptr<AxisLimits> limits) { limits_.push_back(std::move(limits)); }
-  /// Whatever has to be put in order if the process ends; null if nobody would.
+  /// What has to be put in order if the process ends; null without a journal.
   const std::shared_ptr<Journal>& journal() const { return journal_; }
   void keep_journal(std::shared_ptr<Journal> journal) { journal_ = std::move(journal); }
   /// For lines about what the gateway itself sets.

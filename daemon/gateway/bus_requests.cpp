@@ -24,7 +24,7 @@ tmcl::Script<bool> has_arrived(tmcl::AxisAddress motor) {
   co_return state && state->velocity.value == 0 && state->position == state->target;
 }
 
-/// Whoever sees an axis at the end of its line can see it before the line does.
+/// Another call can see an axis at the end of its line before the line does.
 tmcl::Script<bool> sees_end_of_line(const Motors& motors, tmcl::AxisAddress motor) {
   const auto claimant = motors.claimant_of(motor);
   const bool ends = co_await has_arrived(motor);
@@ -77,7 +77,7 @@ std::vector<tmcl::step::Exchange> questions_about_search(tmcl::AxisAddress motor
 
 }  // namespace
 
-/// A module that cannot tell whether it searches locks nobody out.
+/// A module that cannot tell whether it searches locks no client out.
 tmcl::Script<tmcl::Result<void>> GatewayBus::see_search_end(tmcl::AxisAddress motor) {
   const auto claimant = motors_.claimant_of(motor);
   const auto answers = co_await exchange_all(questions_about_search(motor));

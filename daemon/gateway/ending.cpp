@@ -23,7 +23,7 @@ awaitable<void> end_journeys(Gateway& gateway) {
               "ending, although an axis on a line or path did not come to rest in time");
 }
 
-/// What nobody has set in motion is only asked first. False if it does not say in time that it
+/// What no call has set in motion is only asked first. False if it does not say in time that it
 /// stands, or cannot.
 awaitable<bool> comes_to_rest(std::shared_ptr<GatewayAxis> axis) {
   const auto& clock = axis->bus().clock();

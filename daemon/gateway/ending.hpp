@@ -1,4 +1,4 @@
-/// How a gateway ends: nothing is left moving that somebody would have to watch.
+/// How a gateway ends: nothing is left moving that needs supervision.
 #pragma once
 
 #include <chrono>

@@ -92,7 +92,7 @@ void Gateway::add_buses(const Config& config) {
   buses_ = std::move(buses);
 }
 
-/// Likewise; those without a configuration come behind.
+/// The same; those without a configuration come behind.
 void Gateway::add_axes(const Config& config) {
   std::vector<std::shared_ptr<GatewayAxis>> axes;
   for (const auto& axis : config.axes) {
@@ -160,7 +160,7 @@ void Gateway::adopt(const Config& config) {
 
 namespace {
 
-/// Empty if it is nobody's business.
+/// Empty if no client holds it.
 std::string why_held(const GatewayAxis& axis, const Leases& leases) {
   switch (axis.mover()) {
     case Mover::line: return "line";

@@ -92,9 +92,9 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   OnExit on_exit() const;
   /// What clients may do, by the configuration.
   const std::vector<AccessConfig>& access() const { return access_; }
-  /// Whoever moves an axis needs a lease of it, but for what the gateway leads.
+  /// A movement needs a lease of its axis, but for what the gateway leads.
   bool moves_need_lease() const { return moves_need_lease_; }
-  /// Stops all axes that are on a line or path; whoever moves them sets their settings back.
+  /// Stops all axes that are on a line or path; their runs set their settings back.
   void end_journeys();
   bool has_journeys() const;
   /// Begins to stop every axis; see stops_in_progress.

@@ -77,7 +77,7 @@ std::set<tmcl::AxisAddress> motors_to_ask(const Gateway& gateway, const GatewayB
   return motors;
 }
 
-/// What does not answer says nothing: whoever corrects its address must be able to.
+/// What does not answer says nothing: its address must be correctable.
 awaitable<Objection> objection_of_motor(std::shared_ptr<GatewayBus> bus, tmcl::AxisAddress motor,
                                         std::string name) {
   RunOptions options;
@@ -110,7 +110,7 @@ std::uint64_t commands_to(const Buses& buses) {
   return commands;
 }
 
-/// Nobody has sent anything meanwhile that could set something in motion.
+/// No client has sent anything meanwhile that could set something in motion.
 awaitable<Objection> objection_to_closing(std::shared_ptr<Gateway> gateway, const Buses& buses) {
   for (int look = 0; look < most_looks; ++look) {
     const auto commands = commands_to(buses);

@@ -2,7 +2,7 @@
 ///
 /// A bus about which it says the same goes on untouched. One about which it says something else, or
 /// nothing any more, is closed, and opened anew with all of its modules and axes, as if tmcld had
-/// been started again for it. So all of its motors must rest, and be nobody's.
+/// been started again for it. So all of its motors must rest, and belong to no client.
 #pragma once
 
 #include <memory>

@@ -1,4 +1,4 @@
-/// A stop that nobody has to remember: given for an axis that did not stop when it should have.
+/// A stop that repeats itself, for an axis that did not stop when it should have.
 #pragma once
 
 #include <memory>
@@ -13,9 +13,8 @@ namespace tmcld {
 /// Stops the axis again and again until its module has taken a stop and says that it stands,
 /// however long that takes: across silence, lost links, and restarts of the module. Then sets back
 /// what GatewayAxis::before() says, unless the module has started again meanwhile. Until then
-/// nobody else moves it (Errc::axis_claimed); the event axis_stopped tells the end. Only the end of
-/// the gateway ends it before that. Takes over the claim of whoever moved the axis. Returns at
-/// once.
+/// no other call moves it (Errc::axis_claimed); the event axis_stopped tells the end. Only the
+/// end of the gateway ends it before that. Takes over the claim of the axis. Returns at once.
 void stop_until_it_stands(const std::shared_ptr<GatewayAxis>& axis);
 
 /// Such a stop, which the caller waits for. The axis must be claimed.

@@ -40,7 +40,7 @@ bool has_motor(const GatewayAxis& axis) {
   return model == nullptr || axis.address().motor < model->axes;
 }
 
-/// A serial line is kept busy by whoever does not answer.
+/// A module that does not answer keeps a serial line busy.
 bool delays_others(const Target& target) {
   const auto* module = target.bus->find_module(target.motor.module);
   const bool answers = module != nullptr && module->state() == GatewayModule::State::ready;

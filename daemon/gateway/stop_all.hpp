@@ -21,7 +21,7 @@ struct StopReport {
 /// Stops all axes, every other motor of their modules, and motors that raw commands have moved. All
 /// of them lose the right to move before the first stop is on its way. Each takes one exchange,
 /// those that may move first and modules in turn; an axis that searches its reference takes one
-/// more, behind all others. Nobody waits for a module that was silent before: on a serial line it
+/// more, behind all others. No stop waits for a module that was silent before: on a serial line it
 /// is told when all others were. `client`: who asks.
 boost::asio::awaitable<std::vector<StopReport>> stop_all(std::shared_ptr<Gateway> gateway,
                                                          std::uint64_t client = 0);

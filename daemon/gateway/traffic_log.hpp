@@ -1,4 +1,4 @@
-/// The last datagrams of a bus, as they were on the wire: for whoever looks for what went wrong.
+/// The last datagrams of a bus, as they were on the wire: to find what went wrong.
 #pragma once
 
 #include <array>

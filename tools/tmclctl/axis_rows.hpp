@@ -11,7 +11,7 @@ namespace tmclctl {
 
 struct AxisLine {
   std::string name;
-  std::string state;  ///< Of its module, as axis.list has it; empty: nobody knows.
+  std::string state;  ///< Of its module, as axis.list has it; empty: unknown.
   std::optional<AxisReading> reading{};
   /// In its unit, or in microsteps if it has none.
   std::optional<tmcl::SoftLimits> limits{};

@@ -9,7 +9,7 @@
 namespace tmclctl {
 
 /// Set as the module is, where the axis stands. Errors: also for an axis that moves, for a model
-/// that is not known, and for one whose ramp generator nobody has described.
+/// that is not known, and for one whose ramp generator is not described.
 Result<tmcl::plan::AxisTwin> twin_of(const std::string& axis, Context& context);
 
 }  // namespace tmclctl

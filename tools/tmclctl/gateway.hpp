@@ -33,7 +33,7 @@ struct Where {
 
 /// How long is waited for tmcld's socket, or for a serial port, that is not there yet.
 constexpr tmcl::Duration usual_wait = tmcl::longest_wait_for_file;
-/// The same before a stop: nobody starts a daemon in order to stop a motor.
+/// The same before a stop: a daemon is not started in order to stop a motor.
 constexpr tmcl::Duration wait_before_stop = std::chrono::milliseconds(300);
 /// Within a second, the start of the program included, it is said what became of a stop.
 constexpr tmcl::Duration time_for_stop = std::chrono::milliseconds(900);

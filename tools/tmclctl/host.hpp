@@ -20,7 +20,7 @@ class Host {
   virtual void catch_signals() = 0;
   /// The signal that asked to end; 0 if none did.
   virtual int signal() const = 0;
-  /// Likewise, and from then on it counts as noticed: calls work again, and the next signal ends
+  /// The same, and from then on it counts as noticed: calls work again, and the next signal ends
   /// the program.
   virtual int take_signal() = 0;
   /// From here on Ctrl-Z (SIGTSTP) does not suspend the program: it asks for a pause, or for its

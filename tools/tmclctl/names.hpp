@@ -12,7 +12,7 @@
 
 namespace tmclctl {
 
-/// "1/0": motor 0 of module 1, as axes are called where nobody gave them names.
+/// "1/0": motor 0 of module 1, as axes without names are called.
 std::string axis_name(tmcl::AxisAddress axis);
 
 struct ModuleName {
@@ -36,7 +36,7 @@ struct ParameterName {
 
 /// A number 0..255, or a name or an alias from the table.
 Result<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> table,
-                                       std::string_view text);
+                                      std::string_view text);
 
 /// "TMCM-1110", "tmcm1110" or "1110".
 Result<const tmcl::Model*> parse_model(std::string_view name);
@@ -44,7 +44,7 @@ Result<const tmcl::Model*> parse_model(std::string_view name);
 /// The axis parameters of modules whose model is not known: those that mean the same wherever they
 /// exist, with the names that do.
 std::span<const tmcl::ParameterInfo> common_parameters();
-/// The global parameters of bank 0, likewise.
+/// The same of the global parameters of bank 0.
 std::span<const tmcl::ParameterInfo> common_global_parameters();
 
 }  // namespace tmclctl

@@ -53,7 +53,7 @@ struct Move {
   std::optional<double> timeout_s;
   bool internal = false;  ///< Say and tell what the module counts in, here and below.
 };
-/// For what somebody else started.
+/// For what another program started.
 struct Wait {
   std::vector<std::string> axes;
   std::optional<double> timeout_s;
@@ -267,7 +267,7 @@ struct Recover {
 struct Errors {
   std::string axis;  ///< Empty: all there are.
 };
-/// Of the module of an axis: whether it stops its motors when nobody sends it anything.
+/// Of the module of an axis: whether it stops its motors when no host sends it anything.
 struct SetDeadman {
   std::string axis;
   std::int32_t ms = 0;  ///< 0: off.

@@ -24,7 +24,7 @@ using ReadingHandler = std::function<bool(const AxisReading*)>;
 Result<void> watch(const std::string& axis, tmcl::Duration interval,
                    const ReadingHandler& on_reading, Context& context);
 
-/// What the settings of an axis make of moves that nobody may want.
+/// Warnings about moves with the settings of an axis.
 using Warnings = std::vector<std::string>;
 
 /// For an axis to stand where it was sent.

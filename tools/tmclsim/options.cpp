@@ -164,7 +164,7 @@ struct OptionWords {
   std::vector<std::string> firmware;
   std::vector<std::string> as;
   std::vector<std::optional<std::string>> firmware_of_module;  // as many as modules
-  std::vector<std::optional<std::string>> as_of_module;        // likewise
+  std::vector<std::optional<std::string>> as_of_module;        // the same
   std::string bench;
   std::vector<std::string> tcp;
   std::vector<std::string> usb_ptys;

@@ -75,7 +75,7 @@ tmcl::Setpoint AxisAdmission::setpoint_of(std::uint8_t parameter) const {
 
 bool AxisAdmission::needs_free_axis(const AxisAction& action) const {
   const auto* write = std::get_if<action::Write>(&action);
-  // A path depends on the settings of its axes; whoever moves them otherwise has read them.
+  // A path depends on the settings of its axes; other movements have read them.
   return write == nullptr || axis_.bus().motors().claimant_of(axis_.address()).by == Mover::path ||
          setpoint_of(write->parameter) != tmcl::Setpoint::none;
 }

@@ -1,7 +1,7 @@
-/// The one way to the right to move an axis: whoever wants to says what is intended.
+/// The one way to the right to move an axis: the caller names its action.
 ///
-/// In this order: the module is ready, nobody else moves the axis, its soft limits allow what is
-/// intended. All three hold for the moment only, so the bus asks for the last two again before each
+/// In this order: the module is ready, no other call moves the axis, its soft limits allow the
+/// action. All three hold for the moment only, so the bus asks for the last two again before each
 /// request that can move the motor: see GatewayBus::run().
 #pragma once
 
@@ -34,7 +34,7 @@ struct Restore {
   std::uint8_t parameter;
 };
 struct Search {};
-/// On a way that has been checked against the limits by whoever planned it.
+/// On a course that its planner has checked against the limits.
 struct FollowPath {};
 }  // namespace action
 

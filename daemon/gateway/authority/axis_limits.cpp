@@ -222,7 +222,7 @@ tmcl::Script<Result<AxisLimits::Greatest>> AxisLimits::greatest() {
 void AxisLimits::note(const Request& request, const Result<tmcl::Answer>& answer) {
   if (request.address != config_.address.module) return;
   if (request.command != Command::SAP) {
-    // Restarts, programs and the like set what nobody sees.
+    // What restarts, programs and the like set is not seen.
     if (can_move(request) && !moves(request)) values_.clear();
     return;
   }

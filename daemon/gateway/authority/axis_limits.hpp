@@ -1,6 +1,6 @@
 /// What the configuration says that an axis does not exceed: speed, acceleration, jerk and current.
 ///
-/// Looked at just before a request goes out, whoever asks for it: a command, a parameter, a line or
+/// Checked just before a request of any client goes out: a command, a parameter, a line or
 /// a path. No setting is written that would be beyond a limit, also where that comes from another
 /// one that scales it; and nothing moves the axis while one of its settings is beyond, as its
 /// EEPROM may have it. What a program in the module does is not seen here.

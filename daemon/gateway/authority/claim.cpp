@@ -43,7 +43,7 @@ awaitable<tl::expected<std::vector<Claim>, AxisFailure>> claim_all(Axes axes, Cl
   const auto limit = timer.now() + Motors::time_to_be_free;
   while (true) {
     auto failure = co_await look(axes, claimant.of);
-    // While one of them was looked at, somebody may have claimed another.
+    // While one of them was looked at, another may have been claimed.
     if (!failure && are_free(axes)) break;
     const bool waits = timer.now() < limit;
     if (failure && !(waits && can_end_soon(*failure, axes)))

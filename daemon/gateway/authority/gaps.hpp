@@ -1,6 +1,6 @@
 /// Whether the reactor has stood still: its process was stopped, or had more to do than it could.
-/// What was asked for before the end of such a gap is stale: nobody knows whether it is still
-/// wanted, so it moves nothing any more.
+/// What was asked for before the end of such a gap is stale: it may not be wanted any
+/// more, so it moves nothing.
 ///
 /// While it stands still calls come in that it sees only after that. So a gap lasts for some time
 /// longer, in which these are taken in.
@@ -22,7 +22,7 @@ namespace tmcld {
 class Gaps {
  public:
   static constexpr tmcl::Duration longest_gap = std::chrono::seconds(1);
-  /// How often somebody has to look.
+  /// How often look() must be called.
   static constexpr tmcl::Duration look_interval = std::chrono::milliseconds(200);
   static constexpr tmcl::Duration time_to_take_in = std::chrono::milliseconds(20);
 
@@ -57,7 +57,7 @@ class Gaps {
   std::uint64_t last_stale_ = 0;
 };
 
-/// What whoever asked is told.
+/// For the client of a stale request.
 std::string stale_text(const Gaps& gaps);
 std::string gap_text(const Gaps& gaps);
 constexpr std::string_view stale_hint = "ask again if it is still wanted";

@@ -66,7 +66,7 @@ awaitable<tl::expected<Lease, AxisFailure>> Leases::acquire(std::shared_ptr<Leas
     auto free = co_await axis->be_free(axis->begin_movement(permit, {}));
     if (!free) co_return tl::unexpected(AxisFailure{std::move(free.error()), axis->name()});
   }
-  // While one of them was looked at, somebody may have taken another.
+  // While one of them was looked at, another may have been taken.
   if (auto taken = conflict(axes, holder)) co_return tl::unexpected(std::move(*taken));
   const auto now = self->clock_.now();
   const auto number = ++self->last_number_;

@@ -28,7 +28,7 @@ namespace tmcld {
 
 /// Who makes calls.
 struct Client {
-  std::uint64_t number = 0;  ///< By which the gateway knows it; 0: nobody who could go.
+  std::uint64_t number = 0;  ///< By which the gateway knows it; 0: no client.
   std::string name;          ///< For people: "process 4711".
 };
 

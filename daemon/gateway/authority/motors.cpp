@@ -125,7 +125,7 @@ std::optional<tmcl::Error> Motors::objection(const Request& request, Permit perm
 
 // ---- leases ------------------------------------------------------------------------------------
 
-/// A line or path belongs to the gateway, whoever has asked for it.
+/// A line or path belongs to the gateway, not to the client that asked for it.
 bool Motors::leads(AxisAddress motor, Permit permit) const {
   const auto claimant = claimant_of(motor);
   return claimant.of == permit && claimant.by != Mover::nobody && claimant.by != Mover::search;

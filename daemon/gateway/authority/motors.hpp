@@ -5,11 +5,11 @@
 /// leaves its number with the motors that it is for. A request goes out only for a call that came
 /// in behind the last stop of each motor that it can move: however late the call comes to send it.
 ///
-/// An axis whose module is not what it was is latched: nothing moves it until somebody has said
-/// that it may move again.
+/// An axis whose module is not what it was is latched: nothing moves it until a search of its
+/// reference or a person clears it.
 ///
-/// Whoever moves an axis on a line, on a path or in a reference search claims it, and nobody else
-/// moves it meanwhile. Who has a lease of a motor is the only one who may move it, and change what
+/// A call that moves an axis on a line, on a path or in a reference search claims it, and no other
+/// call moves it meanwhile. Only the holder of a lease of a motor may move it, and change what
 /// its module is set to. A stop needs no permit and heeds neither.
 ///
 /// The client that sets an axis turning without end owns that until the axis is seen to stand, or a
@@ -45,7 +45,7 @@ class AwaitedRun;
 /// The right of a call to move motors, from when it came in. Without one nothing moves.
 struct Permit {
   std::uint64_t number = 0;     ///< Of the call; 0: none.
-  std::uint64_t client = 0;     ///< Who made it; 0: nobody who could go.
+  std::uint64_t client = 0;     ///< That made it; 0: none.
   bool exceeds_limits = false;  ///< The limits of axes do not hold for it: see AxisLimits.
   bool needs_lease = false;     ///< It moves only what its client has a lease of.
   bool unattended = false;      ///< What it sets turning turns on when its client goes.
@@ -89,13 +89,13 @@ enum class Mover : std::uint8_t {
   search,
   deadman_test,
   verification,
-  stop,  ///< Nobody, until it is certain that it stands: see standing_stop.hpp.
+  stop,  ///< No call, until it is certain that it stands: see standing_stop.hpp.
 };
 
 struct Claimant {
   Mover by = Mover::nobody;
   Permit of{};                          ///< The call that has begun it.
-  std::weak_ptr<AwaitedRun> journey{};  ///< Whose end somebody waits for.
+  std::weak_ptr<AwaitedRun> journey{};  ///< Whose end a client waits for.
   bool operator==(const Claimant& other) const { return by == other.by && of == other.of; }
 };
 
@@ -164,8 +164,8 @@ class Motors {
   /// Motors without an axis, of which the last stop is known. When there are more,
   /// all of them count as stopped now.
   static constexpr std::size_t most_other_motors = 256;
-  /// How long whoever wants to move an axis waits for a line or path that is over: it may still be
-  /// about to give its axes their settings back.
+  /// How long a call waits for a line or path that is over, to move one of its axes: it may still
+  /// be about to give its axes their settings back.
   static constexpr tmcl::Duration time_to_be_free = std::chrono::seconds(2);
 
   Motors(std::string bus, std::shared_ptr<Arrivals> arrivals)
@@ -179,7 +179,7 @@ class Motors {
 
   /// Calls that came in before this have no right to move the motor any more.
   void stop(tmcl::AxisAddress motor);
-  /// Why a call must not move a motor, or not any more: a stop came, somebody else has a lease of
+  /// Why a call must not move a motor, or not any more: a stop came, another client has a lease of
   /// it, the lease of the call was lost, its client has gone, the daemon has stood still since it
   /// was asked for, or is ending.
   std::optional<tmcl::Error> objection(tmcl::AxisAddress motor, Permit permit) const;
@@ -187,10 +187,10 @@ class Motors {
   std::optional<tmcl::Error> objection(const tmcl::Request& request, Permit permit) const;
   /// Its client has gone.
   std::optional<tmcl::Error> objection_by_absence(Permit permit) const;
-  /// Why a call must not change what motors are set to: somebody else has a lease.
+  /// Why a call must not change what motors are set to: another client has a lease.
   std::optional<tmcl::Error> objection_to_write(const tmcl::Request& request, Permit permit) const;
 
-  /// Nobody else moves the motor from now on.
+  /// No other client moves the motor from now on.
   void lease(tmcl::AxisAddress motor, Tenant tenant);
   /// Everybody may move it again.
   void end_lease(tmcl::AxisAddress motor);
@@ -230,8 +230,7 @@ class Motors {
   /// moves them on a line or path is woken, to find that out. `cause`: a sentence without a full
   /// stop.
   void latch(tmcl::ModuleAddress module, const std::string& cause);
-  /// Somebody knows what has become of the axis: of what was known when it had been latched so many
-  /// times.
+  /// The axis is cleared: of what was known when it had been latched so many times.
   void recover(tmcl::AxisAddress motor, std::uint64_t latches);
   std::uint64_t latches(tmcl::AxisAddress motor) const;
   /// The call may move the axis all the same: it searches its reference. When that has begun, the
@@ -248,7 +247,7 @@ class Motors {
   /// The same for all that this request sends to a position.
   std::optional<tmcl::Error> misses_reference(const tmcl::Request& request) const;
 
-  /// The motor of an axis that nobody has claimed.
+  /// The motor of an axis that is not claimed.
   [[nodiscard]] Claim claim(tmcl::AxisAddress motor, Claimant claimant);
   /// Nothing happens if the call has not claimed it.
   void release(tmcl::AxisAddress motor, Permit of);
@@ -258,7 +257,7 @@ class Motors {
   /// A motor that a request can move, although it is claimed by another call.
   std::optional<tmcl::AxisAddress> claimed_by_other(const tmcl::Request& request,
                                                     Permit permit) const;
-  /// What whoever wants to move it all the same is told.
+  /// The error for a call that tries to move a claimed motor.
   tmcl::Error claimed(tmcl::AxisAddress motor) const;
 
   /// A request that can move a motor is on its way, from begin() to end(): in the queue of the bus

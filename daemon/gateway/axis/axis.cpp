@@ -308,7 +308,7 @@ GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
   if (search_.went_too_far && search_.of == search.of)
     co_return tl::unexpected(axis_.on_bus(went_too_far(name(), *search_.limit)));
   if (!homed) co_return tl::unexpected(ended_search(std::move(homed.error())));
-  // Whoever wants to move the axis may have seen the end already.
+  // Another call may have seen the end already, to move the axis.
   if (claimant() == search) {
     auto seen = co_await axis_.run(bus().see_search_end(address()), asked_by(search.of.client));
     if (!seen) seen.error().outcome = tmcl::Outcome::unknown;

@@ -29,7 +29,7 @@ struct StartedMove {
   tmcl::Microsteps target;
   /// How long it will take; nothing where that was not asked for or cannot be foreseen.
   std::optional<tmcl::Duration> predicted;
-  /// What its settings make of it that nobody may want, and why it cannot be foreseen.
+  /// Warnings about its settings, and why the move cannot be foreseen.
   std::vector<std::string> warnings{};
 };
 
@@ -72,7 +72,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   GatewayModule& module() const { return axis_.module(); }
   /// The parameters of its model; empty while that is not known.
   std::span<const tmcl::ParameterInfo> parameters() const { return axis_.parameters(); }
-  /// What nobody exceeds; null if the configuration says nothing.
+  /// What no client exceeds; null if the configuration says nothing.
   const std::shared_ptr<AxisLimits>& motion_limits() const { return axis_.limits(); }
 
   /// The module has said what it is, and has such a motor.
@@ -116,7 +116,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<std::vector<std::string>> warnings(std::uint64_t client = 0);
   Awaitable<std::int32_t> get(std::uint8_t parameter, Deadline deadline);
   /// At most so old, and not from before the last command on its bus: answered without the bus if
-  /// somebody has just looked. `client`: as for warnings().
+  /// it was just read. `client`: as for warnings().
   Awaitable<AxisReading> read_state(tmcl::Duration max_age = {}, std::uint64_t client = 0);
 
   // What AxisUnits knows.
@@ -135,14 +135,14 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Tenant tenant() const { return bus().motors().tenant_of(address()); }
   /// Who moves it now.
   Mover mover() const { return claimant().by; }
-  /// Whether somebody moves it on a line or path, as a program says, or is not done with
-  /// stopping it.
+  /// Whether it is on a line or path, moved by a Mint program, or not certain to be
+  /// stopped.
   bool is_on_journey() const { return mover() != Mover::nobody && mover() != Mover::search; }
-  /// The one whose end somebody waits for; null if there is none.
+  /// The one whose end a client waits for; null if there is none.
   std::shared_ptr<AwaitedRun> journey() const { return claimant().journey.lock(); }
   /// Returns when the journal, if there is one, says what is held now; otherwise why it does not.
   boost::asio::awaitable<std::string> enter_journal() const;
-  /// What it was before somebody who leads it changed it, and sets it back. False if that is noted.
+  /// What it was before its leader changed it, to be set back. False if that is noted.
   bool note_before(tmcl::plan::Setting setting);
   void forget_before() { before_.clear(); }
   void forget_before(std::uint8_t parameter) {
@@ -160,11 +160,11 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   std::vector<tmcl::plan::Setting> unrestored() const {
     return mover() == Mover::stop ? before_ : std::vector<tmcl::plan::Setting>{};
   }
-  /// Nobody else moves it while the claim lives. Only for an axis that nobody moves.
+  /// No other call moves it while the claim lives. Only for an axis that is not claimed.
   [[nodiscard]] Claim claim(Claimant claimant) {
     return bus().motors().claim(address(), std::move(claimant));
   }
-  /// What whoever wants to move it all the same is told.
+  /// The error for a call that tries to move a claimed motor.
   tmcl::Error claimed() const { return bus().motors().claimed(address()); }
   /// A reference search may have ended unseen: the module is asked.
   /// Errors: Errc::axis_claimed if another call moves it.
@@ -201,15 +201,15 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// Goes out before everything else, whatever is known about the module. Ends a reference search
   /// that was begun here, too. `client`: who asks.
   Awaitable<void> stop(StopCause cause = StopCause::client, std::uint64_t client = 0);
-  /// The same by whoever moves the axis: calls that began before keep their right to move it.
+  /// The same by the call that moves the axis: calls that began before keep their right to move it.
   Awaitable<void> brake();
-  /// Its module has started again, or is another one, and somebody knows that the axis may move.
+  /// Its module has started again, or is another one, and a person has cleared the axis.
   /// Errors: those of be_ready().
   Awaitable<void> recover();
   /// Why nothing moves it; nothing if it may be moved.
   std::optional<tmcl::Error> latched() const { return bus().motors().latched(address()); }
   /// Why it stands short of where it was to go; nothing while it moves, when it has arrived, and
-  /// when nobody has looked.
+  /// when it was not read.
   std::optional<StopCause> stop_cause() const;
   /// What is wrong with its driver or its supply, as was seen last.
   const Faults& faults() const { return faults_; }
@@ -223,7 +223,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<FaultReport> read_faults(std::uint64_t client = 0);
   /// Its module knows where zero is, as far as was seen since the daemon started.
   bool is_referenced() const { return bus().motors().is_referenced(address()); }
-  /// Ends a reference search, whoever began it.
+  /// Ends a reference search of any client.
   Awaitable<void> stop_home();
   /// Calls that began before this have no right to move the axis any more.
   void revoke_movements();
@@ -282,7 +282,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   struct LastReading {
     AxisReading reading;
     std::uint64_t commands = 0;  ///< Of the bus, when the look began.
-    std::uint64_t settings = 0;  ///< Likewise, of its module.
+    std::uint64_t settings = 0;  ///< The same of its module.
   };
   std::optional<LastReading> last_;
   std::vector<tmcl::plan::Setting> before_;  ///< In the order in which they were changed.

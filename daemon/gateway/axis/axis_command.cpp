@@ -1,4 +1,4 @@
-// Raw commands to an axis, from whoever speaks TMCL.
+// Raw commands to an axis, of all clients that speak TMCL.
 #include <utility>
 
 #include "gateway/axis/axis.hpp"

@@ -108,7 +108,7 @@ AxisUnits::Script<std::optional<tmcl::plan::AxisTwin>> AxisUnits::twin(tmcl::Pro
   if (!known) co_return tl::unexpected(known.error());
   if (!*known) co_return Twin{};
   auto twin = co_await tmcl::verbs::read_twin(axis_.address(), *model, ramp_->value, proof);
-  // Nobody has described its ramps.
+  // Its ramps are not described.
   if (!twin && twin.error().code == tmcl::Errc::bad_argument) co_return Twin{};
   if (twin) twin->take_traits(axis_.module().traits());
   co_return if_it_tells(std::move(twin));

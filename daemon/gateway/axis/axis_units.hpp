@@ -65,8 +65,8 @@ class AxisUnits {
   Script<tmcl::UserScale> known_scale();
   /// The twin of the axis as it is now; `proof`: of its position.
   Script<std::optional<tmcl::plan::AxisTwin>> twin(tmcl::Proof proof = tmcl::Proof::none);
-  /// What its settings make of moves that nobody may want: what its twin finds. Nothing where
-  /// nobody has described its ramps, and where they are not known and must not be read.
+  /// Warnings about moves with its settings: what its twin finds. Nothing where its
+  /// ramps are not described, and where they are not known and must not be read.
   Script<std::vector<std::string>> warnings(RampKnowledge from = RampKnowledge::read);
   /// The settings of its ramp, as twin() or warnings() has found them.
   std::vector<tmcl::plan::Setting> ramp_settings() const {

@@ -48,8 +48,8 @@ class AxisWatch {
   std::uint64_t id_ = 0;
 };
 
-/// One for each axis, however many watch: the shortest interval that someone wants wins. Reads
-/// nothing while nobody watches. A look that takes longer than the interval costs ticks, and never
+/// One for each axis, however many watch: the shortest interval asked for wins. Reads
+/// nothing without a watcher. A look that takes longer than the interval costs ticks, and never
 /// piles up.
 class AxisPoller : public std::enable_shared_from_this<AxisPoller> {
  public:

@@ -9,8 +9,8 @@
 
 namespace tmcld {
 
-/// Nothing of what neither moves an axis nor can set it off. What takes its value from where nobody
-/// here can see it, an accumulator or the EEPROM, is taken for a Restore.
+/// Nothing of what neither moves an axis nor can set it off. What takes its value from an
+/// accumulator or the EEPROM, unseen here, is taken for a Restore.
 std::optional<AxisAction> action_of(const tmcl::Request& request);
 
 /// MVP REL.

@@ -1,4 +1,4 @@
-/// Why an axis stands that was on its way, and that nobody has stopped.
+/// Why an axis stands short of its target.
 #pragma once
 
 #include <cstdint>
@@ -18,7 +18,7 @@ enum class StopCause : std::uint8_t {
   right_limit,
   deadman,        ///< Its module has: tmcld had sent it nothing for too long.
   supply,         ///< Its module has started again.
-  client,         ///< Somebody has sent a stop.
+  client,         ///< A client has sent a stop.
   lease_lost,     ///< The program that had it alone has gone, or said nothing for too long.
   search_limit,   ///< Its reference search went further one way than it may.
   daemon,         ///< tmcld has: on a line or path, or when it could not stop it before.

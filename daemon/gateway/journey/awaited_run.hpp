@@ -1,6 +1,6 @@
 /// A journey whose caller waits for its end: a path, or a Mint program.
 ///
-/// It has been checked before, and it ends; so it needs nobody who watches it. Whatever goes wrong
+/// It has been checked before, and it ends; so it needs no watcher. Whatever goes wrong
 /// on the way, all its axes are stopped and their settings are set back: a stop of one of them by
 /// anyone, a command that fails, an axis that is not where it should be.
 #pragma once
@@ -54,7 +54,7 @@ class AwaitedRun : public DriveRun {
   GatewayAxis::Awaitable<void> stop(GatewayAxis& axis) override;
   GatewayAxis::Awaitable<void> write(const DriveMember& member, tmcl::plan::Setting setting,
                                      bool restores) override;
-  /// Whoever asked for it may be gone.
+  /// The client that asked may be gone.
   void tell_fault() const;
 
   Mover mover_;

@@ -274,7 +274,7 @@ class LineRun final : public DriveRun {
 
   GatewayAxis::Awaitable<void> stop(GatewayAxis& axis) override { return axis.stop(); }
 
-  // Whoever stopped it may set it back.
+  // The call that stopped it may set it back.
   GatewayAxis::Awaitable<void> write(const DriveMember& member, Setting setting,
                                      bool restores) override {
     auto options = restores ? RunOptions{} : movement_of(member);

@@ -24,7 +24,7 @@ using tmcl::Result;
 constexpr tmcl::Duration lease_time = 10min;
 /// What an answer waits for the axis to be in order: it is put there all the same.
 constexpr tmcl::Duration time_to_put_in_order = 2s;
-/// From here downward an address is looked for that nobody has.
+/// From here downward an address is looked for that no module has.
 constexpr std::uint16_t greatest_free_address = 250;
 constexpr int bytes_of_exchange = 18;
 constexpr int bits_of_byte = 10;
@@ -232,7 +232,7 @@ GatewayAxis::Awaitable<tmcl::Verification> verify_axis(std::shared_ptr<Gateway> 
                                                        VerificationWish wish) {
   auto ready = co_await axis->be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
-  // It is a movement for whoever asks for it.
+  // It is a movement for any client.
   wish.permit.exceeds_limits = false;
   auto held = co_await take(*gateway, axis, wish);
   if (!held) co_return tl::unexpected(std::move(held.error()));

@@ -25,7 +25,7 @@ struct VerificationWish {
   std::function<void(const std::string& what)> tell{};
 };
 
-/// Nobody else moves the axis meanwhile, or sets anything in it.
+/// No other client moves the axis meanwhile, or sets anything in it.
 /// Errors: those of Leases::acquire(), of a claim, and of the course; Errc::bad_argument for a
 /// model that is not known, and where there is neither a travel nor a soft limit.
 GatewayAxis::Awaitable<tmcl::Verification> verify_axis(std::shared_ptr<Gateway> gateway,

@@ -53,7 +53,7 @@ Script<Result<void>> Deadman::adopt(tmcl::FoundModule found) {
   }
   written_to_ = found.version;
   auto set = co_await set_as_configured();
-  // It may have been set, although nobody has heard that: then it is read again.
+  // It may have been set without an answer: then it is read again.
   is_adopted_ = set.has_value();
   if (!set && set.error().outcome == Outcome::not_sent) written_to_.reset();
   co_return set;

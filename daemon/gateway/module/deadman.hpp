@@ -1,4 +1,4 @@
-/// A module's own deadman: it stops its motors when nobody has sent it a command for so long
+/// A module's own deadman: it stops its motors when no host has sent it a command for so long
 /// (global parameter 68, on CAN 82). It works when this computer fails, hangs or is cut off.
 ///
 /// The parameter is a cell of the EEPROM, which wears: it is read when the module is met, written
@@ -28,7 +28,7 @@ class Deadman {
   Deadman(GatewayBus& bus, const ModuleConfig& config)
       : bus_(bus), address_(config.address), wanted_ms_(config.deadman_ms) {}
 
-  /// What the module is set to; 0: it is off, or the module has none. Nothing: nobody has asked.
+  /// What the module is set to; 0: it is off, or the module has none. Nothing: it was not read.
   const std::optional<std::int32_t>& set_ms() const { return set_ms_; }
   bool is_set() const { return set_ms_.value_or(0) > 0; }
 
@@ -51,7 +51,7 @@ class Deadman {
   void forget_settings() { is_adopted_ = false; }
 
   /// After how many milliseconds a test has seen it stop, as it is set now; 0: it went on. Nothing:
-  /// nobody has tested it.
+  /// it was not tested.
   std::optional<std::int32_t> stops_after_ms() const;
   /// Remembers what the module is set to, and what a test has found of that. Not before it has been
   /// read.

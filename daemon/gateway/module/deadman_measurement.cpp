@@ -63,7 +63,7 @@ tmcl::Script<Result<std::int32_t>> ask_twice(tmcl::AxisAddress axis, std::uint8_
   co_return answer.reply.value;
 }
 
-/// Its module stops all of its motors, and whoever moves another one would be stopped with it.
+/// Its module stops all of its motors, and a move of another one would be stopped with it.
 tmcl::Script<Result<void>> expect_standstill(tmcl::ModuleAddress module, std::uint8_t motors) {
   for (std::uint8_t motor = 0; motor < motors; ++motor) {
     const auto velocity = co_await must(tmcl::verbs::get({module, motor}, ap::actual_velocity));
@@ -301,7 +301,7 @@ awaitable<void> put_in_order(std::shared_ptr<GatewayAxis> axis, std::vector<Clai
 GatewayAxis::Awaitable<DeadmanFinding> measure_deadman(
     std::shared_ptr<Gateway> gateway, std::shared_ptr<GatewayAxis> axis, Permit permit,
     std::function<void(const DeadmanPlan& plan)> tell) {
-  // It is a slow movement for whoever asks for it.
+  // It is a slow movement for any client.
   permit.exceeds_limits = false;
   auto& deadman = axis->module().deadman();
   const auto set_ms = co_await axis->perform(deadman.read(), {});
@@ -327,7 +327,7 @@ GatewayAxis::Awaitable<DeadmanFinding> measure_deadman(
   spawn(axis->bus().executor(),
         put_in_order(axis, std::move(*claims), measurement.before(), ended));
   co_await wait_until([&] { return *ended; }, time_to_set_back);
-  // Somebody may have waited to set it to something else.
+  // Another call may have waited to set it to something else.
   if (!finding || deadman.set_ms() != finding->set_ms) co_return finding;
   deadman.remember(finding->stops_after_ms.value_or(0));
   co_await DeadmanMemory::write(gateway->deadmen());

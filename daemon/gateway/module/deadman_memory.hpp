@@ -1,5 +1,5 @@
 /// What modules have been set to, and what tests have found of their deadmen, in a file that
-/// outlives the process: a test moves a motor, so nobody wants it again after each start.
+/// outlives the process: a test moves a motor, so it is not repeated at each start.
 /// Thread safety: none; the file is written on a thread of its own.
 #pragma once
 

@@ -100,7 +100,7 @@ Script<Result<void>> GatewayModule::meet() {
   }
   if (runs) {
     const auto seen = co_await must(look_at_sentinel());
-    // At once: whoever else asks meanwhile finds nothing new.
+    // At once: other calls meanwhile find nothing new.
     if (seen != Verdict::same) sentinel_.forget();
     if (seen == Verdict::restarted) latch(GatewayEvent::Kind::module_reset, "has started again");
     if (seen != Verdict::same) co_await must(look_at_sentinel());
@@ -207,7 +207,7 @@ tmcl::TimePoint GatewayModule::feeding_due() const {
 }
 
 boost::asio::awaitable<void> GatewayModule::feed(tmcl::TimePoint deadline) {
-  // Whoever holds the module feeds it: nothing waits for its end.
+  // The holder of the module feeds it: nothing waits for its end.
   RunOptions options;
   options.deadline = deadline;
   auto question = sentinel_.watches() ? watch({}) : deadman_.ask();

@@ -36,8 +36,8 @@ class GatewayModule {
         deadman_(bus, config) {}
 
   tmcl::ModuleAddress address() const { return address_; }
-  /// An axis of it is in the configuration. Others are only asked what they are when somebody
-  /// calls.
+  /// An axis of it is in the configuration. Others are only asked what they are when a call
+  /// names them.
   bool is_configured() const { return is_configured_; }
   void note_configured() { is_configured_ = true; }
   State state() const { return state_; }
@@ -69,14 +69,14 @@ class GatewayModule {
   /// Something that can move its motors is about to go out, and is on its way no more.
   void note_sending(const tmcl::Request& request) { sentinel_.note_sending(request); }
   void note_moved(const tmcl::Request& request, bool done) { sentinel_.note_sent(request, done); }
-  /// Somebody may write to it.
+  /// A request may write to it.
   void note_sent(const tmcl::Request& request);
   /// This question of its sentinel was asked along with others.
   void note_sentinel(const tmcl::Request& question, const tmcl::Result<tmcl::Answer>& answer);
-  /// It has answered somebody.
+  /// It has answered a call.
   void note_answer(const tmcl::Request& request, const tmcl::Answer& answer);
 
-  /// What stops its motors when nobody sends it anything.
+  /// What stops its motors when no host sends it anything.
   Deadman& deadman() { return deadman_; }
   const Deadman& deadman() const { return deadman_; }
   /// When it must have a command again; far away if it needs none.
@@ -102,7 +102,7 @@ class GatewayModule {
   tmcl::Script<tmcl::Result<Sentinel::Verdict>> look_at_sentinel();
   tmcl::Script<tmcl::Result<Sentinel::Verdict>> judge_sentinel(tmcl::Proof proof);
   tmcl::Script<tmcl::Result<Sentinel::Verdict>> give_up_sentinel(std::string why);
-  /// Writes to a user variable that nobody has set since the module started.
+  /// Writes to a user variable that was not set since the module started.
   tmcl::Script<tmcl::Result<void>> mark();
   void adopt(const tmcl::FoundModule& found);
   void latch(GatewayEvent::Kind kind, const std::string& what);

@@ -12,8 +12,8 @@
 ///
 /// Settings: of a module that has neither, or is not to be asked for them, the target of a motor
 /// that has been sent somewhere else than to 0, which is where it is after a restart. Of all that
-/// survives none, this alone is certain to differ: what the EEPROM holds of other settings nobody
-/// can ask without putting it in force. Where a program may set targets, they say nothing.
+/// survives none, this alone is certain to differ: other settings in the EEPROM cannot be
+/// read without putting them in force. Where a program may set targets, they say nothing.
 ///
 /// Does no I/O.
 #pragma once
@@ -57,7 +57,7 @@ class Sentinel {
     same,
     ahead,      ///< Of the time that has passed: another module perhaps.
     restarted,  ///< Or the answer was to another question: to be proven.
-    missing,    ///< The module refuses the question. Likewise.
+    missing,    ///< The module refuses the question: to be proven.
   };
 
   explicit Sentinel(SentinelConfig config) : config_(config) {}
@@ -81,7 +81,7 @@ class Sentinel {
 
   /// Whether this fits to what was read before; what does, is remembered.
   Verdict take(const Reading& reading);
-  /// An answer to its question, whoever asked it. One that does not fit puts it in doubt.
+  /// An answer to its question, from any call. One that does not fit puts it in doubt.
   void overhear(const tmcl::Request& question, const tmcl::Answer& answer);
   /// Something did not fit. From then on what was read before says nothing, and one answer that
   /// fits is not believed: it may be a late one, from before the restart.
@@ -90,7 +90,7 @@ class Sentinel {
   void end_doubt() { in_doubt_ = false; }
   /// After a reading that did not fit: it is the same as before, so perhaps the timer stands.
   bool may_stand() const { return may_stand_; }
-  /// A variable that nobody has set since the module started.
+  /// A variable that was not set since the module started.
   bool wants_mark() const { return is_variable() && watches() && last_ && last_->value == 0; }
   /// What was read before says nothing any more.
   void forget();

@@ -12,7 +12,7 @@
 namespace tmcld {
 
 /// Holds one upload, that of the client that began one last. So the memory is bounded, and a client
-/// that never ends its upload keeps nobody from beginning another.
+/// that never ends its upload does not block another.
 class UploadBuffer {
  public:
   using Owner = std::shared_ptr<const void>;

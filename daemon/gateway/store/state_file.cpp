@@ -27,7 +27,7 @@ tl::expected<std::optional<std::string>, std::string> read_state_file(const std:
   const Descriptor file{::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC)};
   if (file.number < 0 && errno == ENOENT) return std::nullopt;
   if (file.number < 0) return tl::unexpected("cannot open " + path + because());
-  // It moves and sets axes: whoever else could write it must not.
+  // It moves and sets axes: no other user may write it.
   struct stat status {};
   const bool is_own = ::fstat(file.number, &status) == 0 && status.st_uid == ::geteuid() &&
                       (status.st_mode & (S_IWGRP | S_IWOTH)) == 0;

@@ -38,7 +38,7 @@ std::string hexadecimal(const std::array<unsigned char, size>& bytes, std::size_
   return text;
 }
 
-/// Of 256 random bits: nobody finds them by trying, so that no salt and no slow hash is needed.
+/// Of 256 random bits: they are not found by trying, so that no salt and no slow hash is needed.
 std::string hash_of(std::string_view secret) {
   std::array<unsigned char, EVP_MAX_MD_SIZE> bytes{};
   unsigned size = 0;

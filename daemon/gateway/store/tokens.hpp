@@ -30,8 +30,8 @@ struct Token {
 /// Thread safety: none.
 class Tokens {
  public:
-  /// Empty path: they end with the process. A file that cannot be used lets nobody in, and is left
-  /// as it is.
+  /// Empty path: they end with the process. A file that cannot be used lets no client in, and
+  /// stays as it is.
   static std::shared_ptr<Tokens> open(std::string path, const LogSink& log);
 
   /// Why none can be added; empty if all is well.
@@ -44,11 +44,11 @@ class Tokens {
   std::string free_name() const;
   static bool is_name(std::string_view name);
 
-  /// The secret, which nobody can be told again. The name must be free, and there must be room.
+  /// The secret, which cannot be read again. The name must be free, and there must be room.
   std::string add(std::string name, Role role);
   /// Ends the sessions that it let in.
   void remove(std::string_view name);
-  /// Whoever has let somebody in by it is told.
+  /// The listener ends the connections that it let in.
   void on_removed(std::function<void(const std::string& name)> listener) {
     on_removed_ = std::move(listener);
   }

@@ -40,7 +40,7 @@ constexpr std::size_t max_line_bytes = std::size_t{4} << 20U;
 constexpr int protocol_major = 1;
 
 struct Options {
-  /// How long a socket is waited for that is not there yet, or that nobody listens on yet, in a
+  /// How long a socket is waited for that is not there yet, or that no process listens on yet, in a
   /// directory that exists, and for one at which very many wait. All else is told at once.
   Duration wait_for_socket = longest_wait_for_file;
   Duration hello_timeout = std::chrono::seconds(3);
@@ -172,7 +172,7 @@ class Axis {
   Result<void> stop();
   /// Until it stands at its target, but at most for so long, up to a day; zero: as it takes.
   Result<api::axis::Place> wait(Duration at_most = {});
-  /// Searches the reference, likewise. `mode`: axis parameter 193, 1..255; as it is set if absent.
+  /// Searches the reference. `mode`: axis parameter 193, 1..255; as it is set if absent.
   Result<api::axis::HomedAxis> home(std::optional<std::uint8_t> mode = {}, Duration at_most = {});
   Result<api::axis::State> state();
   Result<api::axis::Units> units();

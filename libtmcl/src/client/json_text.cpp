@@ -43,8 +43,8 @@ std::size_t first_letter(std::string_view text) {
   return size;
 }
 
-/// A message may quote a part of a letter, or what an operating system says. Nobody could read the
-/// line then.
+/// A message may quote a part of a letter, or what an operating system says. The line could
+/// not be read then.
 std::string as_utf8(std::string_view text) {
   constexpr std::string_view replacement = "\xEF\xBF\xBD";
   std::string readable;

@@ -208,8 +208,8 @@ class Reader {
   }
 
   std::optional<Fault> add(Record& record, std::size_t number) {
-    // In a segment the addresses begin again behind the last, and so do all behind 4 GiB. Nobody
-    // means that; it would put the data where something else should be.
+    // In a segment the addresses begin again behind the last, and so do all behind 4 GiB. That is
+    // never meant; it would put the data where something else should be.
     const auto end = record.offset + record.data.size();
     if (segmented_ && end > segment_size)
       return Fault{data_at, "", "the record runs over the end of its segment"};

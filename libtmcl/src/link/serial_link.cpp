@@ -108,7 +108,7 @@ Result<Link> open_serial(const SerialName& name, const std::string& text) {
     const auto program = program_at_terminal(status.st_rdev);
     if (!program.empty()) return is_terminal(text, name.device, program);
   }
-  // The lock stops programs that look for it, whoever runs them; TIOCEXCL stops all that are not
+  // The lock stops programs of all users that look for it; TIOCEXCL stops all that are not
   // root's.
   if (flock(descriptor, LOCK_EX | LOCK_NB) != 0) {
     // Closed first, so that the search for the holder does not find this very program.

@@ -68,8 +68,8 @@ bool any_terminal_is_open() {
 }
 
 /// Of the terminals of a device: who has one open; empty if that cannot be told. A program of
-/// another user cannot be found, but is counted: if nobody is known to be meant by that, it may be
-/// this terminal that he has.
+/// another user cannot be found, but is counted: if no known program is meant by that, it may have
+/// this terminal open.
 std::optional<std::string> user_of_terminal(const std::string& usb_port,
                                             const std::vector<Port>& ports) {
   bool has_terminal = false;

@@ -19,7 +19,7 @@ using ramp::Tmc457;
 constexpr double clock_hz = 16e6;  // of all modules
 constexpr std::int64_t second = 1'000'000'000;
 // A movement has some hundreds of them. What has more goes to and fro; a prediction that takes
-// longer than a few milliseconds would hold up whoever asked for it.
+// longer than a few milliseconds would hold up its caller.
 constexpr std::size_t most_changes = 10'000;
 
 template <class Chip>

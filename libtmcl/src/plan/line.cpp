@@ -245,7 +245,7 @@ class Runner {
     arrival_ = arrival;
   }
 
-  // What is missing to the time is spent on the last microsteps, where it takes nobody off the
+  // What is missing to the time is spent on the last microsteps, where it takes no axis off the
   // line: the lower a TMC429's minimum velocity, the later it arrives.
   void creep_at_the_end(Registers registers, Duration wanted) {
     if (axis_->twin.tmc429() == nullptr) return;

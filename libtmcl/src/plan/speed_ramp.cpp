@@ -13,7 +13,7 @@ constexpr double longest_ramp = 1.25;
 // An axis that is to come to rest does so at the end of its way, even if that takes this part of
 // the time.
 constexpr double longest_stretch_to_rest = 1.5;
-// Where none leads to the end speed, it takes this part: whoever used up the whole time would have
+// Where none leads to the end speed, it takes this part: a ramp of the whole time would have
 // to make up for each difference by twice as much, and for that in the next segment.
 constexpr double usual_ramp = 2. / 3;
 

@@ -214,7 +214,7 @@ Script<DriveRunner::Fault> PathStream::Runner::go_to(AxisValues position, TimePo
   co_return wrong;
 }
 
-// Whoever reads a position, reads it somewhere between question and answer.
+// A position is read somewhere between question and answer.
 DriveRunner::Fault PathStream::Runner::take_reading(std::size_t axis) {
   clock_.advance(middle());
   const auto planned = planned_position(axis);

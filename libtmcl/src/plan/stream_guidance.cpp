@@ -97,7 +97,7 @@ Script<DriveRunner::Fault> PathStream::Runner::set_out(std::size_t axis) {
   co_return std::nullopt;
 }
 
-// Targets are parameter 0, which does not start a motor that somebody stopped.
+// Targets are parameter 0, which does not start a stopped motor.
 Script<DriveRunner::Fault> PathStream::Runner::guide(std::size_t axis, std::int32_t velocity,
                                                      double next_update) {
   auto& here = axes_[axis];

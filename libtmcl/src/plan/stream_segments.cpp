@@ -208,7 +208,7 @@ double PathStream::Runner::greatest_slope(std::size_t axis, bool smooth) const {
   return std::max(own_slope(axis), acceleration_of(axis, greatest_acceleration_of(info)));
 }
 
-// Whoever stops an axis does so by the acceleration that it has then. What is no ramp of the
+// A stop brakes an axis by the acceleration that it has then. What is no ramp of the
 // course, or of a pause, does not leave it with one that would take long.
 double PathStream::Runner::least_slope(std::size_t axis, const SegmentSpan& span,
                                        double speed) const {

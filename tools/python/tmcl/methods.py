@@ -176,7 +176,7 @@ class Bus(Record):
     state: str = ""
     #: why it is not open
     error: str | None = None
-    #: bits a second on its wire; null where nobody knows: TCP, USB, virtual CAN
+    #: bits a second on its wire; null where it is unknown: TCP, USB, virtual CAN
     bit_rate: int | None = None
     #: since the daemon started
     counters: Counters = field(default_factory=lambda: Counters())
@@ -354,9 +354,9 @@ class StartedMove(Record):
     unit: str | None = None
     #: where it ends, in the unit
     target: float | None = None
-    #: how many seconds it will take; null where nobody can tell
+    #: how many seconds it will take; null where it cannot be foreseen
     predicted_s: float | None = None
-    #: what its settings make of it that nobody may want, and why it cannot be foreseen
+    #: warnings about its settings, and why the move cannot be foreseen
     warnings: tuple[str, ...] | None = None
 
 
@@ -380,7 +380,7 @@ class Standing(Record):
     unit: str | None = None
     #: where it is, in the unit
     position: float | None = None
-    #: what its settings make of moves that nobody may want
+    #: warnings about moves with its settings
     warnings: tuple[str, ...] = ()
 
 
@@ -423,7 +423,7 @@ class LeaseList(Record):
 class TokenAdd(Record):
     #: what it is called
     name: str = ""
-    #: what whoever has it may do: observe, operate or configure
+    #: what its bearer may do: observe, operate or configure
     role: str = ""
     #: the token, which is told this once and kept nowhere
     token: str = ""
@@ -433,7 +433,7 @@ class TokenAdd(Record):
 class TokenListTokens(Record):
     #: what it is called
     name: str = ""
-    #: what whoever has it may do: observe, operate or configure
+    #: what its bearer may do: observe, operate or configure
     role: str = ""
     #: when it was made, in UTC
     made: str = ""
@@ -476,7 +476,7 @@ class LineMove(Record):
     predicted_skew_s: float = 0.0
     #: from the first start to the last, as the answers tell
     skew_s: float = 0.0
-    #: what the settings make of it that nobody may want
+    #: warnings about the settings of its axes
     warnings: tuple[str, ...] | None = None
     _inner: ClassVar[Mapping[str, type[Record]]] = {"axes": LineMoveAxes}
 
@@ -544,7 +544,7 @@ class PathPlan(Record):
     course: PathPlanCourse = field(default_factory=lambda: PathPlanCourse())
     #: to draw it; null unless points are asked for
     curve: PathPlanCurve | None = None
-    #: what its settings make of moves that nobody may want
+    #: warnings about moves with its settings
     warnings: tuple[str, ...] = ()
     _inner: ClassVar[Mapping[str, type[Record]]] = {"course": PathPlanCourse, "curve": PathPlanCurve}
 
@@ -589,7 +589,7 @@ class PathRun(Record):
     tolerance_exceeded_by: float | None = None
     #: what else is to be said, such as of a parameter not set back
     remarks: tuple[str, ...] = ()
-    #: what its settings make of moves that nobody may want
+    #: warnings about moves with its settings
     warnings: tuple[str, ...] = ()
     _inner: ClassVar[Mapping[str, type[Record]]] = {"tracking_error": PathRunTrackingError}
 
@@ -663,15 +663,15 @@ class AxisPlanRamp(Record):
     velocity_pps: float = 0.0
     #: the same in the unit per second
     velocity: float | None = None
-    #: likewise, per second squared
+    #: the same, per second squared
     acceleration_pps2: float = 0.0
     #: the same in the unit
     acceleration: float | None = None
-    #: likewise, of braking
+    #: the same, of braking
     deceleration_pps2: float = 0.0
     #: the same in the unit
     deceleration: float | None = None
-    #: likewise, per second cubed; null for an acceleration that changes at once
+    #: the same, per second cubed; null for an acceleration that changes at once
     jerk_pps3: float | None = None
     #: the same in the unit
     jerk: float | None = None
@@ -683,7 +683,7 @@ class AxisPlanRamp(Record):
     settings: tuple[AxisGetRampSettings, ...] = ()
     #: what it will do instead where the module cannot do what was asked
     remarks: tuple[str, ...] = ()
-    #: what its settings make of moves that nobody may want
+    #: warnings about moves with its settings
     warnings: tuple[str, ...] = ()
     _inner: ClassVar[Mapping[str, type[Record]]] = {"settings": AxisGetRampSettings}
 
@@ -955,7 +955,7 @@ class ParameterSet(Record):
     unit: str | None = None
     #: its value in the axis' unit
     value_in_unit: float | None = None
-    #: what its settings make of moves that nobody may want
+    #: warnings about moves with its settings
     warnings: tuple[str, ...] = ()
 
 
@@ -1369,7 +1369,7 @@ class Methods:
         return TokenList.of(self._call("token.list", {}))
 
     def token_revoke(self, name: str) -> None:
-        """`token.revoke` lets nobody in by it any more, and ends the connections of whoever is."""
+        """`token.revoke` ends the token, and the connections that it let in."""
         self._call("token.revoke", {"name": name})
 
     def line_move(
@@ -2200,7 +2200,7 @@ class AsyncMethods:
         return TokenList.of(await self._call("token.list", {}))
 
     async def token_revoke(self, name: str) -> None:
-        """`token.revoke` lets nobody in by it any more, and ends the connections of whoever is."""
+        """`token.revoke` ends the token, and the connections that it let in."""
         await self._call("token.revoke", {"name": name})
 
     async def line_move(

@@ -31,7 +31,7 @@ struct Recording {
   std::string position_unit = "microsteps";
   std::string velocity_unit = "internal";
   std::optional<UserUnit> user{};  ///< Nothing: it is drawn in what it was recorded in.
-  /// What the time of day was at 0 s; nothing if nobody knows.
+  /// What the time of day was at 0 s; nothing if that is unknown.
   std::optional<tmcl::UtcTime> begin_utc{};
 };
 

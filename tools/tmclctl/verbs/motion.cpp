@@ -40,7 +40,7 @@ struct Stood {
   Warnings warnings;
 };
 
-// "1.4 s left"; empty where nobody can tell.
+// "1.4 s left"; empty where that is unknown.
 std::string time_left(const std::optional<double>& predicted_s, tmcl::Duration passed) {
   if (!predicted_s) return "";
   const auto passed_s = std::chrono::duration<double>(passed).count();

@@ -18,7 +18,7 @@ namespace api = tmcl::api;
 // What axis.list knows costs no exchange.
 constexpr auto list_interval = std::chrono::seconds(1);
 
-/// All axes on the screen, until somebody presses q.
+/// All axes on the screen, until q is pressed.
 class Top {
  public:
   Top(const verb::Top& verb, const std::vector<AxisRow>& rows, FullScreen& screen, Context& context)

@@ -115,7 +115,7 @@ Result<std::string> bus_of(const verb::Trace& verb, Context& context) {
       usage_error("unknown_bus", fmt::format("tmcld has no bus '{}'", verb.bus), hint));
 }
 
-/// What goes over the bus from now on, until nobody wants it any more.
+/// What goes over the bus from now on, until a signal ends it.
 Result<void> follow(const std::string& bus, std::uint64_t last, const verb::Trace& verb, Sink& sink,
                     Context& context) {
   const auto begin = context.host.now();

@@ -19,7 +19,7 @@ std::string where_to(const verb::Verify& verb) {
   return fmt::format("between {} and {} from where it stands", verb.travel_from, verb.travel_to);
 }
 
-/// Nobody is there to ask: that is an error.
+/// Without a person to ask: that is an error.
 Result<bool> is_wanted(const verb::Verify& verb, Context& context) {
   if (verb.yes) return true;
   const auto question = fmt::format("{} will move, {}. Nothing may be in its way. Go on? [y/N] ",

@@ -47,10 +47,9 @@ struct List {
 // ---- moves ----
 
 constexpr std::string_view warnings_summary =
-    "what its settings make of it that nobody may want, and why it cannot be foreseen";
+    "warnings about its settings, and why the move cannot be foreseen";
 
-constexpr std::string_view settings_summary =
-    "what its settings make of moves that nobody may want";
+constexpr std::string_view settings_summary = "warnings about moves with its settings";
 
 struct StartedMove {
   TMCL_STRUCT(StartedMove);
@@ -58,7 +57,7 @@ struct StartedMove {
   TMCL_FIELD(std::optional<std::string>, unit, unit_summary);
   TMCL_FIELD(std::optional<double>, target, "where it ends, in the unit");
   TMCL_FIELD(std::optional<double>, predicted_s,
-             "how many seconds it will take; null where nobody can tell");
+             "how many seconds it will take; null where it cannot be foreseen");
   TMCL_FIELD(std::optional<std::vector<std::string>>, warnings, warnings_summary);
 };
 
@@ -233,12 +232,12 @@ struct Ramp {
   TMCL_FIELD(std::optional<std::string>, unit, unit_summary);
   TMCL_FIELD(double, velocity_pps, "what the settings give, in microsteps per second");
   TMCL_FIELD(std::optional<double>, velocity, "the same in the unit per second");
-  TMCL_FIELD(double, acceleration_pps2, "likewise, per second squared");
+  TMCL_FIELD(double, acceleration_pps2, "the same, per second squared");
   TMCL_FIELD(std::optional<double>, acceleration, "the same in the unit");
-  TMCL_FIELD(double, deceleration_pps2, "likewise, of braking");
+  TMCL_FIELD(double, deceleration_pps2, "the same, of braking");
   TMCL_FIELD(std::optional<double>, deceleration, "the same in the unit");
   TMCL_FIELD(std::optional<double>, jerk_pps3,
-             "likewise, per second cubed; null for an acceleration that changes at once");
+             "the same, per second cubed; null for an acceleration that changes at once");
   TMCL_FIELD(std::optional<double>, jerk, "the same in the unit");
   TMCL_FIELD(double, ramp_s, "how long it takes to get up to speed");
   TMCL_FIELD(double, ramp_microsteps, "how far it goes meanwhile");

@@ -1,5 +1,5 @@
-/// The methods about a module's own deadman: it stops its motors when nobody has sent it anything
-/// for a time.
+/// The methods about a module's own deadman: it stops its motors when no host has sent it
+/// anything for a time.
 #pragma once
 
 #include "tmcl/api/axis.hpp"

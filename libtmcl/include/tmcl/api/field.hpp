@@ -47,7 +47,7 @@ enum class FieldType : std::uint8_t {
   text_or_object,
   quantity,  ///< A number, or a text with its unit, such as "12.5mm".
   object,
-  texts,  ///< An array of texts; likewise those that follow.
+  texts,  ///< An array of texts; those that follow are arrays, too.
   integers,
   numbers,
   number_lists,  ///< An array of arrays of numbers.

@@ -7,7 +7,7 @@ namespace tmcl::api::lease {
 
 constexpr std::string_view lease_summary = "number of the lease";
 constexpr std::string_view epoch_summary =
-    "what lease.acquire gave with it; nobody else is told that";
+    "what lease.acquire gave with it; only its holder knows that";
 /// What every reader of JSON takes as a whole number.
 constexpr std::int64_t greatest_epoch = (std::int64_t{1} << 53) - 1;
 constexpr std::int64_t shortest_ttl_ms = 200;

@@ -49,7 +49,7 @@ struct Bus {
   TMCL_FIELD(std::string, state, "opening, open, lost");
   TMCL_FIELD(std::optional<std::string>, error, "why it is not open");
   TMCL_FIELD(std::optional<std::uint32_t>, bit_rate,
-             "bits a second on its wire; null where nobody knows: TCP, USB, virtual CAN");
+             "bits a second on its wire; null where it is unknown: TCP, USB, virtual CAN");
   TMCL_FIELD(Counters, counters, "since the daemon started");
 };
 struct Buses {
@@ -138,8 +138,8 @@ struct Module {
       std::string, watched_by,
       "by what it is noticed that it has started again: tick, variable:N, settings, or none");
   TMCL_FIELD(WordOr<axis::Deadman>, deadman,
-             "whether it stops its motors when nobody sends it anything: unknown, none, or what a "
-             "test has found");
+             "whether it stops its motors when no host sends it anything: unknown, none, or what "
+             "a test has found");
 };
 struct Modules {
   TMCL_STRUCT(Modules);

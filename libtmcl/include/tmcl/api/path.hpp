@@ -29,7 +29,7 @@ struct StartedLine {
   TMCL_FIELD(double, predicted_skew_s, "how long the starts were expected to take");
   TMCL_FIELD(double, skew_s, "from the first start to the last, as the answers tell");
   TMCL_FIELD(std::optional<std::vector<std::string>>, warnings,
-             "what the settings make of it that nobody may want");
+             "warnings about the settings of its axes");
 };
 struct Move {
   TMCL_METHOD("line.move", moves, StartedLine,
@@ -83,9 +83,10 @@ struct Passage {
   TMCL_FIELD(double, bus_load, "part of the time that they took");
   TMCL_FIELD(double, round_trip_us, "of a command, measured before");
   TMCL_FIELD(std::vector<Tracking>, tracking_error, "of each axis");
-  TMCL_FIELD(double, off_path,
-             "how far from the path the axes were seen at most, in the unit of the file; between two "
-             "readings they may have been farther off");
+  TMCL_FIELD(
+      double, off_path,
+      "how far from the path the axes were seen at most, in the unit of the file; between two "
+      "readings they may have been farther off");
   TMCL_FIELD(double, lag_s, "how late on the path they were seen at most");
   TMCL_FIELD(std::optional<double>, tolerance_exceeded_by,
              "by how much off_path is more than the tolerance, at least; null if it is not");
@@ -116,11 +117,11 @@ struct OfPath {
              "no axis faster than this; a number: in the file's unit a second; its max_velocity if "
              "absent");
   TMCL_FIELD(std::optional<Amount>, acceleration,
-             "likewise, a second squared; the least of its own if absent");
+             "the same, a second squared; the least of its own if absent");
   TMCL_FIELD(std::optional<Amount>, feed,
              "no faster along the path; a number: in the file's unit a second");
   TMCL_FIELD(std::optional<Amount>, corner_jump,
-             "by how much the speed of an axis may change at once in a corner, likewise");
+             "by how much the speed of an axis may change at once in a corner, in the same units");
   TMCL_FIELD(std::optional<double>, per_turn,
              "what a turn of the motor is, for axes without a unit");
   TMCL_FIELD(std::optional<double>, deviation,

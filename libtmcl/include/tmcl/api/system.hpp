@@ -14,7 +14,7 @@ struct FieldInfo {
   TMCL_FIELD(std::string, type, "what it is in JSON");
   TMCL_FIELD(std::optional<bool>, required, "of a parameter");
   TMCL_FIELD(std::optional<std::int64_t>, minimum, "of a parameter that is an integer");
-  TMCL_FIELD(std::optional<std::int64_t>, maximum, "likewise");
+  TMCL_FIELD(std::optional<std::int64_t>, maximum, "of a parameter that is an integer");
   TMCL_FIELD(std::string, summary, "what it means");
   TMCL_FIELD(std::optional<std::vector<FieldInfo>>, members,
              "of an object, or of each object of an array");
@@ -92,7 +92,7 @@ struct Unsubscribe {
 
 // ---- what is told unasked: the notifications ----
 
-/// A state that has changed, to whoever subscribed to it.
+/// A state that has changed, to its subscribers.
 struct NewState : PublishedState {
   TMCL_STRUCT(NewState, PublishedState);
   static constexpr std::string_view notification = "notify_state";
@@ -156,7 +156,7 @@ struct MintChecked {
   TMCL_FIELD(std::vector<std::string>, remarks, "what else is to be said of the program");
 };
 
-/// What happened to a bus, a module or an axis, to whoever has a subscription.
+/// What happened to a bus, a module or an axis, to all subscribers.
 struct Event {
   TMCL_STRUCT(Event);
   static constexpr std::string_view notification = "notify_event";

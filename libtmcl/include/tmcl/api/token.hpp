@@ -10,8 +10,7 @@
 namespace tmcl::api::token {
 
 constexpr std::string_view name_summary = "what it is called";
-constexpr std::string_view role_summary =
-    "what whoever has it may do: observe, operate or configure";
+constexpr std::string_view role_summary = "what its bearer may do: observe, operate or configure";
 
 struct Added {
   TMCL_STRUCT(Added);
@@ -40,8 +39,8 @@ struct List {
   TMCL_METHOD("token.list", reads, Tokens, "which tokens there are", List);
 };
 struct Revoke {
-  TMCL_METHOD("token.revoke", writes, Nothing,
-              "lets nobody in by it any more, and ends the connections of whoever is", Revoke);
+  TMCL_METHOD("token.revoke", writes, Nothing, "ends the token, and the connections that it let in",
+              Revoke);
   TMCL_FIELD(std::string, name, name_summary);
 };
 

@@ -44,7 +44,7 @@ struct Verify {
       "how far it may go down from where it stands: 0 or less; to its soft limits if absent");
   TMCL_FIELD(std::optional<Amount>, from, in_unit_summary);
   TMCL_FIELD(std::optional<std::int32_t>, to_microsteps,
-             "how far it may go up from there: 0 or more; likewise");
+             "how far it may go up from there: 0 or more");
   TMCL_FIELD(std::optional<Amount>, to, in_unit_summary);
 };
 struct VerifyProgress {
