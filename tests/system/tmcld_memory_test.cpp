@@ -4,6 +4,12 @@
 
 #include <gmock/gmock.h>
 
+#include <chrono>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+#include <thread>
+
 #include "system/tmcld_fixture.hpp"
 #include "tmcl/hex.hpp"
 
@@ -19,6 +25,37 @@ constexpr bool memory_can_be_limited = true;
 #endif
 
 constexpr rlim_t megabyte = 1U << 20U;
+
+/// So much memory, from now on, for a process: beyond it the kernel kills it, as it does a service
+/// with MemoryMax.
+class MemoryGroup {
+ public:
+  MemoryGroup(pid_t process, rlim_t bytes)
+      : folder_((is_first_version() ? "/sys/fs/cgroup/memory/tmcl-" : "/sys/fs/cgroup/tmcl-") +
+                std::to_string(process)) {
+    std::error_code error;
+    std::filesystem::create_directory(folder_, error);
+    holds_ = write(is_first_version() ? "memory.limit_in_bytes" : "memory.max", bytes) &&
+             write("cgroup.procs", static_cast<rlim_t>(process));
+  }
+  MemoryGroup(const MemoryGroup&) = delete;
+  MemoryGroup& operator=(const MemoryGroup&) = delete;
+  ~MemoryGroup() { ::rmdir(folder_.c_str()); }
+
+  /// False where this user may make none.
+  bool holds() const { return holds_; }
+
+ private:
+  static bool is_first_version() { return std::filesystem::exists("/sys/fs/cgroup/memory"); }
+  bool write(const char* file, rlim_t value) const {
+    std::ofstream out(folder_ + "/" + file);
+    out << value << std::flush;
+    return out.good();
+  }
+
+  std::string folder_;
+  bool holds_ = false;
+};
 
 class TmcldMemory : public TmcldTest {
  protected:
@@ -62,6 +99,21 @@ class TmcldMemory : public TmcldTest {
     if (error == nullptr) return "done";
     return std::string(error->at("data").at("name").as_string());
   }
+  /// A daemon that was killed stops what turned, and lets nobody move it until it stands.
+  bool begins_to_turn(RpcClient& client) {
+    const json::object turn{{"axis", "x"}, {"velocity_internal", 100}};
+    bool turns = client.call("axis.rotate", turn).contains("result");
+    for (int looks = 0; looks < 100 && !turns; ++looks) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+      turns = client.call("axis.rotate", turn).contains("result");
+    }
+    return turns;
+  }
+  bool comes_to_stand(RpcClient& client) {
+    for (int looks = 0; looks < 100 && turns(client); ++looks)
+      std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    return !turns(client);
+  }
   bool turns(RpcClient& client) {
     return client.result("axis.get_state", {{"axis", "x"}}).at("moving").as_bool();
   }
@@ -82,6 +134,37 @@ TEST_F(TmcldMemory, ThatAPathDoesNotGetCostsThePathOnly) {
   other.result("axis.stop", {{"axis", "x"}});
   daemon->signal(SIGTERM);
   EXPECT_EQ(daemon->wait(), 0) << daemon->output();
+}
+
+TEST_F(TmcldMemory, ThatTheKernelRefusesEndsNothingThatTurns) {
+  const auto path = longest_path();
+  int killed = 0;
+  for (const rlim_t megabytes : {2U, 16U, 64U, 256U}) {
+    SCOPED_TRACE(megabytes);
+    auto owner = std::make_unique<RpcClient>(socket());
+    ASSERT_TRUE(begins_to_turn(*owner));
+    const MemoryGroup group(daemon->process(), megabytes * megabyte);
+    if (!group.holds()) GTEST_SKIP() << "no control group can be made here";
+    std::vector<std::unique_ptr<RpcClient>> clients;
+    try {
+      for (int i = 0; i < 20; ++i) {
+        clients.push_back(std::make_unique<RpcClient>(socket()));
+        clients.back()->result("subscribe", {{"axes", json::array{"x", "y"}}, {"interval_ms", 10}});
+      }
+      pass(*clients.front(), path);
+      EXPECT_TRUE(turns(*owner));
+      owner->result("axis.stop", {{"axis", "x"}});
+    } catch (const std::exception&) {
+      ++killed;
+      owner.reset();
+      EXPECT_EQ(daemon->wait(), 128 + SIGKILL) << daemon->output();
+      start_daemon();
+    }
+    RpcClient look(socket());
+    EXPECT_TRUE(comes_to_stand(look));
+    look.call("system.stop_all", {});
+  }
+  EXPECT_GT(killed, 0) << "these limits are no limits";
 }
 
 // Whatever is thrown where: it goes on, or it stops what moves and ends with a word.
