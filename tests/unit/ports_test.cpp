@@ -7,6 +7,7 @@
 #include <fstream>
 #include <vector>
 
+#include "exit_code.hpp"
 #include "port_choice.hpp"
 #include "support/temp_path.hpp"
 #include "tmcl/link.hpp"
@@ -137,7 +138,7 @@ TEST_F(ListedPorts, AutoIsTheOnlyModuleThereIs) {
   add_terminal("ttyS0", "sys/devices/pnp0/00:05", "serial");
   const auto none = tmclctl::only_module(list_ports(root));
   ASSERT_FALSE(none);
-  EXPECT_EQ(none.error().exit, tmclctl::ExitCode::usage);
+  EXPECT_EQ(tmclctl::exit_code_of(none.error()), tmclctl::ExitCode::usage);
   EXPECT_THAT(none.error().hint, HasSubstr("--direct serial:/dev/ttyS0"));
 
   add_terminal("ttyACM3", plug_in_module("1-1") / "1-1:1.0", "cdc_acm");
@@ -146,7 +147,7 @@ TEST_F(ListedPorts, AutoIsTheOnlyModuleThereIs) {
   plug_in_module("1-2");
   const auto two = tmclctl::only_module(list_ports(root));
   ASSERT_FALSE(two);
-  EXPECT_EQ(two.error().exit, tmclctl::ExitCode::usage);
+  EXPECT_EQ(tmclctl::exit_code_of(two.error()), tmclctl::ExitCode::usage);
   EXPECT_THAT(two.error().hint, HasSubstr("--direct serial:/dev/ttyACM3, --direct usb:1-2"));
 }
 
