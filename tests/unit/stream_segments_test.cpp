@@ -93,7 +93,7 @@ TEST(StreamSegments, ATableWithTimesIsForVelocityMode) {
   const auto report = bench.pass(path, StreamMode::segments);
   ASSERT_TRUE(report.fault);
   EXPECT_EQ(report.fault->kind, FaultKind::unsuited);
-  EXPECT_THAT(report.fault->message, HasSubstr("velocity mode takes it"));
+  EXPECT_THAT(report.fault->message, HasSubstr("use velocity mode"));
 }
 
 // By its own accelerations and a tenth more, but for joints.

@@ -66,7 +66,7 @@ TEST(Warnings, SayWhyAMoveIsNotForeseen) {
   JourneyBench bench("TMCM-1111");
   const auto moved = bench.call("axis.move_to", to(100));
   EXPECT_TRUE(moved->at("predicted_s").is_null());
-  EXPECT_THAT(warnings(moved), Contains(HasSubstr("not foreseen")));
+  EXPECT_THAT(warnings(moved), Contains(HasSubstr("no prediction")));
   auto params = to(50);
   params["predict"] = false;
   EXPECT_THAT(warnings(bench.call("axis.move_to", params)), IsEmpty()) << "nobody wanted to know";
