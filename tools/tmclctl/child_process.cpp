@@ -24,7 +24,7 @@ Result<ChildProcess> ChildProcess::start(const std::vector<std::string>& command
   const int failed = ::posix_spawnp(&id, words.front(), nullptr, nullptr, words.data(), environ);
   if (failed == 0) return ChildProcess(id);
   return tl::unexpected(usage_error("cannot_run", command.front() + " cannot be run: " +
-                                                        std::generic_category().message(failed)));
+                                                      std::generic_category().message(failed)));
 }
 
 std::optional<int> ChildProcess::exit_code() {

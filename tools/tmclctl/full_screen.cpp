@@ -20,7 +20,7 @@ namespace {
 
 Error no_terminal(std::string message) {
   return usage_error("no_terminal", std::move(message),
-                       "'tmclctl watch --all' writes lines, to anywhere");
+                     "'tmclctl watch --all' writes lines, to anywhere");
 }
 
 }  // namespace

@@ -106,7 +106,7 @@ Result<ModuleName> parse_module(std::string_view text) {
 }
 
 Result<ParameterName> parse_parameter(std::span<const tmcl::ParameterInfo> table,
-                                       std::string_view text) {
+                                      std::string_view text) {
   if (const auto number = parse_number<std::uint8_t>(text)) {
     const auto* row = find_parameter(table, *number);
     return ParameterName{*number,

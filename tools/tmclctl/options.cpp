@@ -312,7 +312,7 @@ std::optional<Error> Parser::unknown_word() const {
     auto known = options_of(app_);
     known.insert(known.end(), of_verb.begin(), of_verb.end());
     return usage_error("unknown_option", fmt::format("there is no option '{}'", option),
-                         did_you_mean(option, known) + help);
+                       did_you_mean(option, known) + help);
   }
   if (auto unknown = unknown_verb(verb, word)) return unknown;
   return usage_error(
@@ -333,17 +333,17 @@ Error Parser::error_from(const CLI::ParseError& error) const {
   const auto name = full_name(verb);
   const auto names = verbs(verb);
   return usage_error("usage",
-                       names.empty()
-                           ? fmt::format("{}: {}", name, error.what())
-                           : fmt::format("{}: a verb is missing: {}", name, fmt::join(names, ", ")),
-                       how_to_help(verb) + ", with examples");
+                     names.empty()
+                         ? fmt::format("{}: {}", name, error.what())
+                         : fmt::format("{}: a verb is missing: {}", name, fmt::join(names, ", ")),
+                     how_to_help(verb) + ", with examples");
 }
 
 // CLI11's own "excludes" and "needs" would clutter the help.
 std::optional<Error> Parser::conflicting_options() const {
   if (!options_.where.socket.empty() && !options_.where.direct.empty()) {
     return usage_error("usage",
-                         "--socket and --direct exclude each other: through tmcld, or without it?");
+                       "--socket and --direct exclude each other: through tmcld, or without it?");
   }
   const auto& web = options_.where.web;
   if (!web.url.empty() && !(options_.where.socket.empty() && options_.where.direct.empty()))
@@ -352,11 +352,11 @@ std::optional<Error> Parser::conflicting_options() const {
     return usage_error("usage", "--token-file and --ca go with --url");
   if (!options_.where.config.empty() && options_.where.direct.empty()) {
     return usage_error("usage",
-                         "--config goes with --direct: a running tmcld has read its own file");
+                       "--config goes with --direct: a running tmcld has read its own file");
   }
   if (options_.where.reply_timeout_ms && options_.where.direct.empty()) {
-    return usage_error(
-        "usage", "--reply-timeout goes with --direct: tmcld has reply_timeout_ms of its bus");
+    return usage_error("usage",
+                       "--reply-timeout goes with --direct: tmcld has reply_timeout_ms of its bus");
   }
   return grammar_.objection(chosen(), options_.json);
 }

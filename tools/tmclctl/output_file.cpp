@@ -29,7 +29,7 @@ Result<void> OutputFile::write(const std::string& text) {
 
 Error OutputFile::problem() const {
   return usage_error("cannot_write",
-                       fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
+                     fmt::format("cannot write {}: {}", path_, std::strerror(errno)));
 }
 
 }  // namespace tmclctl

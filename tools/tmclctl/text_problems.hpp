@@ -13,6 +13,6 @@ namespace tmclctl {
 /// Prints each problem as FILE:LINE:COLUMN: MESSAGE, and says how many there are. `most`: no more
 /// than so many are ever told.
 Error error_from(const std::string& file, const tmcl::TextProblems& problems, std::size_t most,
-                     Output& output);
+                 Output& output);
 
 }  // namespace tmclctl

@@ -40,10 +40,10 @@ enum class Errc : std::uint8_t {
   beyond_soft_limit,  ///< The axis was to go where its soft limits do not let it; nothing was sent.
   in_bootloader,      ///< No firmware runs in the module: an upload is under way, or was broken
                       ///< off. It executes nothing meanwhile.
-  axis_claimed,   ///< Another call moves the axis, along a line for instance; nothing was sent.
-  daemon_ending,  ///< The daemon is ending, and nothing is set in motion any more.
-  leased,         ///< Another client has a lease of the axis; nothing was sent.
-  lease_lost,     ///< The lease that the call is made under has ended; nothing was sent.
+  axis_claimed,       ///< Another call moves the axis, along a line for instance; nothing was sent.
+  daemon_ending,      ///< The daemon is ending, and nothing is set in motion any more.
+  leased,             ///< Another client has a lease of the axis; nothing was sent.
+  lease_lost,         ///< The lease that the call is made under has ended; nothing was sent.
   latched,        ///< The module has restarted or was replaced, and the axis is not cleared yet.
   not_permitted,  ///< Who asks for it may not have it, by the configuration; nothing was sent.
   stale_request,  ///< It was asked for before the daemon stood still for a while; nothing was sent.

@@ -30,7 +30,11 @@ Error unreachable(const std::string& path, int reason) {
 }
 
 Error interrupted(Outcome outcome) {
-  return {std::string(error_name::cancelled), ErrorKind::interrupted, outcome, "interrupted before tmcld answered", {}};
+  return {std::string(error_name::cancelled),
+          ErrorKind::interrupted,
+          outcome,
+          "interrupted before tmcld answered",
+          {}};
 }
 
 /// A connected descriptor, or an errno.
@@ -58,7 +62,7 @@ bool may_come_right(int reason, const std::string& path) {
 }  // namespace
 
 Result<LineSocket> LineSocket::open(const std::string& path, Duration wait,
-                                        std::function<bool()> cancelled) {
+                                    std::function<bool()> cancelled) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   if (path.empty() || path.size() >= sizeof address.sun_path) {

@@ -120,7 +120,7 @@ std::optional<Error> Grammar::objection(const CLI::App& verb, bool json) const {
   const auto complaint = entry->second.objection(json);
   if (complaint.empty()) return std::nullopt;
   return usage_error("usage", fmt::format("{}: {}", full_name(verb), complaint),
-                       entry->second.hint);
+                     entry->second.hint);
 }
 
 std::string full_name(const CLI::App& verb) {

@@ -42,7 +42,7 @@ const NamedUnit* find(const std::array<NamedUnit, N>& units, std::string_view na
 
 Error bad_value(const std::string& word, const std::string& problem) {
   return usage_error("bad_value", fmt::format("{}: {}", word, problem),
-                       "'tmclctl profile solve --help' has examples");
+                     "'tmclctl profile solve --help' has examples");
 }
 
 /// How often a quantity is divided by a time; lengths are in all but the times.

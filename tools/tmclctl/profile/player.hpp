@@ -61,8 +61,8 @@ class Player {
     const auto written =
         generator_.write(static_cast<typename G::Register>(write.index), write.value);
     if (written) return {};
-    return tl::unexpected(usage_error(
-        "bad_register", fmt::format("{}: {}", write.words, describe(written.error()))));
+    return tl::unexpected(
+        usage_error("bad_register", fmt::format("{}: {}", write.words, describe(written.error()))));
   }
 
   Result<void> apply_changes_due() {

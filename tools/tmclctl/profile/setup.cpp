@@ -46,8 +46,8 @@ Result<Assignment> split(std::string_view words) {
   const auto equals = words.find('=');
   if (equals == std::string_view::npos || equals == 0) {
     return tl::unexpected(usage_error("bad_register",
-                                        fmt::format("'{}' is no REGISTER=VALUE", words),
-                                        "Such as v_max=1000; values may be written 0x3E8, too"));
+                                      fmt::format("'{}' is no REGISTER=VALUE", words),
+                                      "Such as v_max=1000; values may be written 0x3E8, too"));
   }
   return Assignment{words.substr(0, equals), words.substr(equals + 1)};
 }
@@ -69,7 +69,7 @@ class SetupReader {
 
  private:
   Result<std::int64_t> read_value(const std::string& words, const RegisterInfo& info,
-                                   std::string_view text) const {
+                                  std::string_view text) const {
     for (const auto& symbol : generator_.symbols) {
       if (symbol.register_name == info.name && symbol.name == text) return symbol.value;
     }
@@ -90,7 +90,7 @@ class SetupReader {
             ? fmt::format("{} is {}..{}, not {}", info.name, info.minimum, info.maximum, text)
             : fmt::format("'{}' is no whole number", text);
     return tl::unexpected(usage_error("bad_register", fmt::format("{}: {}", words, what),
-                                        names_of_values(info, text)));
+                                      names_of_values(info, text)));
   }
 
   static Error beyond(const std::string& words, const RegisterInfo& info, const Scale& scale) {
@@ -114,8 +114,8 @@ class SetupReader {
     for (const auto& info : generator_.registers) names.push_back(info.name);
     if (generator_.clocked) names.push_back(clock_name);
     return usage_error("unknown_register",
-                         fmt::format("{} has no register '{}'", generator_.name, name),
-                         choice(name, names));
+                       fmt::format("{} has no register '{}'", generator_.name, name),
+                       choice(name, names));
   }
 
   const GeneratorInfo& generator_;
@@ -133,12 +133,12 @@ Result<double> read_clock(const std::string& words) {
   if (number && hz >= least_clock_hz && hz <= greatest_clock_hz) return hz;
   return tl::unexpected(
       usage_error("bad_register", fmt::format("{}: {} is a number of Hz within {} to {}", words,
-                                                clock_name, least_clock_hz, greatest_clock_hz)));
+                                              clock_name, least_clock_hz, greatest_clock_hz)));
 }
 
 Error given_twice(std::string_view name) {
   return usage_error("bad_register", fmt::format("{} is given twice", name),
-                       "--change writes a register again later");
+                     "--change writes a register again later");
 }
 
 /// Takes it out of the settings, if it is there.
@@ -176,7 +176,7 @@ void put_in_order(const GeneratorInfo& generator, std::vector<Write>& writes) {
 }
 
 Result<std::vector<Write>> read_start(const GeneratorInfo& generator,
-                                       const std::vector<std::string>& settings) {
+                                      const std::vector<std::string>& settings) {
   std::vector<Write> writes;
   for (const auto& words : settings) {
     auto write = SetupReader(generator).read_write(words);
@@ -196,9 +196,9 @@ Result<std::vector<Change>> read_changes(const Setup& setup, const verb::Simulat
   std::vector<Change> changes;
   for (const auto& change : by_time) {
     if (setup.generator.clocked && is_clock(change.setting)) {
-      return tl::unexpected(usage_error(
-          "bad_register",
-          fmt::format("{}: {} is the same all the time", change.setting, clock_name)));
+      return tl::unexpected(
+          usage_error("bad_register",
+                      fmt::format("{}: {} is the same all the time", change.setting, clock_name)));
     }
     auto write = SetupReader(setup.generator).read_write(change.setting);
     if (!write) return tl::unexpected(write.error());

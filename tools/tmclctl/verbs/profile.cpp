@@ -46,7 +46,7 @@ void warn_of(const Outcome& outcome, const Setup& setup, const verb::Simulate& v
 }
 
 Result<json::array> samples_of(const verb::Simulate& verb, const Setup& setup,
-                                const Simulation& simulation) {
+                               const Simulation& simulation) {
   std::vector<std::size_t> by_time(verb.samples.size());
   std::iota(by_time.begin(), by_time.end(), std::size_t{0});
   std::ranges::stable_sort(by_time, {}, [&](std::size_t i) { return verb.samples[i]; });
@@ -134,7 +134,7 @@ json::object to_json(const Outcome& outcome, const Setup& setup, json::array sam
 
 /// Every `step` from 0 on: until the end, or to the first at which what there was to see is over.
 Result<std::vector<double>> csv_times(const verb::Simulate& verb, const Setup& setup,
-                                       const Outcome& outcome) {
+                                      const Outcome& outcome) {
   constexpr double rounding = 1e-9;
   const double steps = setup.time_of(outcome.end) / *verb.csv_step;
   const bool to_the_first_after = !verb.until && !outcome.cut_off;
@@ -152,7 +152,7 @@ Result<std::vector<double>> csv_times(const verb::Simulate& verb, const Setup& s
 }
 
 Result<std::string> to_csv(const verb::Simulate& verb, const Setup& setup,
-                            const Simulation& simulation, const Outcome& outcome) {
+                           const Simulation& simulation, const Outcome& outcome) {
   const auto times = csv_times(verb, setup, outcome);
   if (!times) return tl::unexpected(times.error());
   std::vector<Tick> ticks;
@@ -181,7 +181,7 @@ std::vector<Tick> curve_ticks(const Outcome& outcome) {
 }
 
 Result<plot::Recording> record(const Setup& setup, const Simulation& simulation,
-                                const Outcome& outcome) {
+                               const Outcome& outcome) {
   const auto ticks = curve_ticks(outcome);
   const auto motions = simulation.motions_at(ticks);
   if (!motions) return tl::unexpected(motions.error());
@@ -216,7 +216,7 @@ void print_ramps(const Outcome& outcome, const Setup& setup, std::ostream& out) 
 }
 
 Result<void> show(const verb::Simulate& verb, const Setup& setup, const Simulation& simulation,
-                   const Outcome& outcome, Output& output) {
+                  const Outcome& outcome, Output& output) {
   if (output.json) {
     return samples_of(verb, setup, simulation).map([&](json::array samples) {
       print_json(to_json(outcome, setup, std::move(samples)), output);

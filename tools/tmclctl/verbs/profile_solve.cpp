@@ -91,7 +91,7 @@ plot::Picture picture_of(const plan::Profile& profile, const std::string& unit) 
 }
 
 Result<void> show(const verb::SolveProfile& verb, const plan::Profile& profile,
-                   const profile::KnownValues& known, Output& output) {
+                  const profile::KnownValues& known, Output& output) {
   const auto picture = picture_of(profile, known.unit);
   if (!verb.svg.empty()) {
     OutputFile svg;

@@ -49,14 +49,14 @@ json::object to_json(const std::string& path, const Assembly& assembly) {
 
 /// What is read may be all there is of someone's work.
 Result<void> write_output(const std::string& path, const std::string& contents,
-                           std::span<const std::string> sources) {
+                          std::span<const std::string> sources) {
   if (path.empty()) return {};
   for (const auto& source : sources) {
     std::error_code unknown;
     if (std::filesystem::equivalent(path, source, unknown)) {
       return tl::unexpected(usage_error("cannot_write",
-                                          fmt::format("{} is read; it is not written over", path),
-                                          "Name another file with -o"));
+                                        fmt::format("{} is read; it is not written over", path),
+                                        "Name another file with -o"));
     }
   }
   OutputFile file;

@@ -22,13 +22,13 @@ namespace ap = tmcl::axis_parameter;
 
 /// The settings that a model has, over what it starts with.
 Result<tmcl::ModuleUnits> units_of(const verb::Convert& verb, const tmcl::Model& model,
-                                    std::span<const tmcl::ParameterInfo> table) {
+                                   std::span<const tmcl::ParameterInfo> table) {
   const auto numbers = tmcl::unit_parameters(model);
   std::vector<std::int32_t> values;
   for (const auto number : numbers) values.push_back(find_parameter(table, number)->initial);
   const auto refusal = [&](std::string_view option) {
-    return tl::unexpected(usage_error(
-        "usage", fmt::format("convert: {} means nothing to a {}", option, model.name)));
+    return tl::unexpected(
+        usage_error("usage", fmt::format("convert: {} means nothing to a {}", option, model.name)));
   };
   const bool has_dividers = numbers.size() == 2;
   const bool has_mode = numbers.size() == 1;
@@ -87,7 +87,7 @@ class Converter {
   }
   /// From rest to this velocity or back; a trapezoid without a bow.
   Result<std::vector<Rendering>> ramp(const Quantity& acceleration,
-                                       std::optional<std::int32_t> bow) const {
+                                      std::optional<std::int32_t> bow) const {
     const auto v = parameter(ap::target_velocity);
     if (!v) return tl::unexpected(v.error());
     const auto a = Converter(acceleration, units_).parameter(ap::max_acceleration);
@@ -211,8 +211,8 @@ VerbResult run(const verb::Convert& verb, Output& output) {
   const auto model = parse_model(verb.model);
   if (!model) return tl::unexpected(model.error());
   if (verb.bow && (*model)->family != tmcl::Family::tmc457) {
-    return tl::unexpected(usage_error(
-        "usage", fmt::format("convert: --bow means nothing to a {}", (*model)->name)));
+    return tl::unexpected(
+        usage_error("usage", fmt::format("convert: --bow means nothing to a {}", (*model)->name)));
   }
   const auto quantity = attempt(tmcl::parse_quantity(verb.quantity.empty() ? "0" : verb.quantity));
   if (!quantity) return tl::unexpected(quantity.error());
