@@ -209,14 +209,14 @@ TEST_P(MemoryOfFront, IsMissingAnywhereAndItsClientIsToldOrCutOff) {
   FrontSweep(all[GetParam()]).run();
 }
 
-std::string name_of(const testing::TestParamInfo<std::size_t>& info) {
+std::string name_of_talk(const testing::TestParamInfo<std::size_t>& info) {
   std::string name = talks()[info.param].name;
   std::ranges::replace(name, ' ', '_');
   return name;
 }
 
 INSTANTIATE_TEST_SUITE_P(All, MemoryOfFront, testing::Range(std::size_t{0}, talks().size()),
-                         name_of);
+                         name_of_talk);
 
 }  // namespace
 }  // namespace tmcld::test
