@@ -253,9 +253,20 @@ Duration BusEngine::reply_time(const CallOptions& options) const {
 
 // ---- what goes out ------------------------------------------------------------------------------
 
+namespace {
+
+/// The copy constructor of tl::expected ends the program where there is no memory for an error.
+Result<Answer> copy_of(const Result<Answer>& result) {
+  if (result) return *result;
+  auto error = result.error();
+  return tl::unexpected(std::move(error));
+}
+
+}  // namespace
+
 void BusEngine::complete(const Call& call, const Result<Answer>& result) {
-  actions_.push_back(Completion{call.ticket, result});
-  for (const auto ticket : call.joined) actions_.push_back(Completion{ticket, result});
+  actions_.push_back(Completion{call.ticket, copy_of(result)});
+  for (const auto ticket : call.joined) actions_.push_back(Completion{ticket, copy_of(result)});
 }
 
 void BusEngine::fail(const Call& call, Error error) {

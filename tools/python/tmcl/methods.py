@@ -110,7 +110,7 @@ class RpcDiscoverMethodsParams(Record):
     required: bool | None = None
     #: of a parameter that is an integer
     minimum: int | None = None
-    #: likewise
+    #: of a parameter that is an integer
     maximum: int | None = None
     #: what it means
     summary: str = ""
@@ -290,8 +290,8 @@ class Module(Record):
     duplicate_suspected: bool = False
     #: by what it is noticed that it has started again: tick, variable:N, settings, or none
     watched_by: str = ""
-    #: whether it stops its motors when nobody sends it anything: unknown, none, or what a test
-    #: has found
+    #: whether it stops its motors when no host sends it anything: unknown, none, or what a
+    #: test has found
     deadman: str | ModuleListModulesDeadman = ""
     _inner: ClassVar[Mapping[str, type[Record]]] = {"deadman": ModuleListModulesDeadman}
 
@@ -581,7 +581,8 @@ class PathRun(Record):
     round_trip_us: float = 0.0
     #: of each axis
     tracking_error: tuple[PathRunTrackingError, ...] = ()
-    #: how far from the path the axes were seen at most, in the unit of the file; between two readings they may have been farther off
+    #: how far from the path the axes were seen at most, in the unit of the file; between two
+    #: readings they may have been farther off
     off_path: float = 0.0
     #: how late on the path they were seen at most
     lag_s: float = 0.0
