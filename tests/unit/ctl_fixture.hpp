@@ -223,19 +223,24 @@ class FakeGateway final : public tmcl::client::Channel {
     }
   }
 
+  /// What a scan and the list of modules have in common.
+  static void fill(auto& module, const auto& row) {
+    module.bus = row.bus;
+    module.address = row.address;
+    if (!row.model.empty()) module.model = row.model;
+    module.model_number = row.model_number;
+    module.firmware = row.firmware;
+    module.axes = row.axes;
+    module.duplicate_suspected = row.duplicate_suspected;
+  }
+
   Result<api::bus::FoundModules> scan(const api::bus::Scan&) {
     tell(api::progress_notification, {{"bus", "bench"}, {"asked", 16}, {"of", 255}});
     api::bus::FoundModules all;
     for (const auto& row : found.modules) {
       auto& module = all.modules.emplace_back();
-      module.bus = row.bus;
-      module.address = row.address;
-      if (!row.model.empty()) module.model = row.model;
-      module.model_number = row.model_number;
-      module.firmware = row.firmware;
-      module.axes = row.axes;
+      fill(module, row);
       module.in_bootloader = row.in_bootloader;
-      module.duplicate_suspected = row.duplicate_suspected;
       module.address_is_reply_id = row.address_is_reply_id;
     }
     for (const auto& [bus, error] : found.failed) all.failed.push_back({bus, test::said(error)});
@@ -245,14 +250,8 @@ class FakeGateway final : public tmcl::client::Channel {
     api::module::Modules all;
     for (const auto& row : found.modules) {
       auto& module = all.modules.emplace_back();
-      module.bus = row.bus;
-      module.address = row.address;
-      if (!row.model.empty()) module.model = row.model;
-      module.model_number = row.model_number;
-      module.firmware = row.firmware;
-      module.axes = row.axes;
+      fill(module, row);
       module.state = row.state;
-      module.duplicate_suspected = row.duplicate_suspected;
       module.watched_by = row.watched_by;
     }
     return all;
