@@ -23,7 +23,7 @@ boost::asio::awaitable<std::vector<std::string>> warnings_of(GatewayAxis& axis,
   const auto* model = axis.module().model();
   if (model == nullptr || !is_of_ramp(*model, parameter)) co_return std::vector<std::string>();
   auto warnings = co_await axis.warnings(client);
-  if (!warnings) co_return std::vector{"not foreseen: " + warnings.error().message};
+  if (!warnings) co_return std::vector{"no prediction: " + warnings.error().message};
   co_return std::move(*warnings);
 }
 

@@ -268,8 +268,8 @@ Answer<axis::GetRamp> get_ramp(Call& call, const axis::GetRamp& params) {
   const auto twin = co_await axis.twin({});
   if (!twin) co_return tl::unexpected(call_error(twin.error(), axis.name()));
   if (!*twin) {
-    co_return tl::unexpected(not_foreseeable(
-        axis, "no description exists of the ramps of a " + std::string(model->name)));
+    co_return tl::unexpected(
+        not_foreseeable(axis, "the ramps of a " + std::string(model->name) + " are not described"));
   }
   const auto motion = (*twin)->motion();
   // Where it is when a command comes could only be guessed.
@@ -302,7 +302,7 @@ Answer<axis::SetRamp> set_ramp(Call& call, const axis::SetRamp& params) {
   auto failed = co_await write_all(axis, chosen->choice.settings, ready->moves);
   if (failed) co_return tl::unexpected(std::move(*failed));
   auto warnings = co_await axis.warnings();
-  if (!warnings) warnings = std::vector{"not foreseen: " + warnings.error().message};
+  if (!warnings) warnings = std::vector{"no prediction: " + warnings.error().message};
   chosen->warnings.insert(chosen->warnings.end(), warnings->begin(), warnings->end());
   auto ramp = co_await view_of(axis, std::move(*chosen));
   co_return ramp;

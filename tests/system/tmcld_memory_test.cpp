@@ -104,7 +104,7 @@ class TmcldMemory : public TmcldTest {
     if (error == nullptr) return "done";
     return std::string(error->at("data").at("name").as_string());
   }
-  /// A daemon that was killed stops what turned, and lets nobody move it until it stands.
+  /// A daemon that was killed stops what turned, and lets no client move it until it stands.
   bool begins_to_turn(RpcClient& client) {
     const json::object turn{{"axis", "x"}, {"velocity_internal", 100}};
     bool turns = client.call("axis.rotate", turn).contains("result");

@@ -179,8 +179,7 @@ TEST(DaemonRampOfOthers, IsNotForeseenWhereNobodyHasDescribedIt) {
   JourneyBench bench("TMCM-1111");
   const auto refused = bench.call("axis.get_ramp", {{"axis", "x"}});
   ASSERT_FALSE(refused);
-  EXPECT_THAT(refused.error().message,
-              HasSubstr("no description exists of the ramps of a TMCM-1111"));
+  EXPECT_THAT(refused.error().message, HasSubstr("the ramps of a TMCM-1111 are not described"));
 }
 
 struct DaemonBow : DaemonRamp {

@@ -191,11 +191,10 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Micro
   if (predict) {
     // Whatever comes of the readings: they only serve to tell more about the move.
     auto foreseen = co_await this->twin(admitted);
-    if (!foreseen) started.warnings.push_back("not foreseen: " + foreseen.error().message);
+    if (!foreseen) started.warnings.push_back("no prediction: " + foreseen.error().message);
     if (foreseen) twin = std::move(*foreseen);
     if (foreseen && !twin)
-      started.warnings.emplace_back(
-          "no prediction: the ramp generator of this module is not described");
+      started.warnings.emplace_back("no prediction: the ramps of this module are not described");
   }
   forget_move();
   const auto begin = bus().clock().now();

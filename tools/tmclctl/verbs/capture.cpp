@@ -158,7 +158,7 @@ class CaptureRecorder {
   Error lost(const std::string& state) const {
     return {"unexpected_value", ErrorKind::failed, tmcl::Outcome::done,
             fmt::format("the module of {} records nothing any more: {}", verb_.axis, state),
-            "it has started again, or somebody has ended the capture"};
+            "it has started again, or another client has ended the capture"};
   }
   /// Where the module may still have what it records, whatever else there is to try.
   static Error resumable(Error failure) {

@@ -57,7 +57,7 @@ Result<api::mint::Run> params_of(const verb::RunMint& verb, Context& context) {
 struct MintNews : api::MintProgress {
   TMCL_STRUCT(MintNews, api::MintProgress);
   TMCL_FIELD(std::vector<api::MintAxis>, axes, "once checked");
-  TMCL_FIELD(std::vector<std::string>, remarks, "likewise");
+  TMCL_FIELD(std::vector<std::string>, remarks, "once checked");
 };
 
 /// Follows a program by what the gateway tells of it.

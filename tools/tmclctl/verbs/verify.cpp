@@ -26,9 +26,9 @@ Result<bool> is_wanted(const verb::Verify& verb, Context& context) {
                                     verb.axis, where_to(verb));
   const auto said = context.host.confirm(question);
   if (said) return *said;
-  return tl::unexpected(usage_error("bad_argument",
-                                    "the axis would move, and nobody is there to be asked",
-                                    "--yes says that it may"));
+  return tl::unexpected(
+      usage_error("bad_argument", "the axis would move, and there is no terminal to confirm it at",
+                  "--yes says that it may"));
 }
 
 std::string found_text(const api::axis::VerifiedTrait& trait) {
