@@ -56,6 +56,33 @@ TEST(BusEngine, StopsGoFirstThenActsThenReads) {
   EXPECT_THAT(bus.sent(), ElementsAre(gap(1), mst(2), mvp(3, 100), gap(2)));
 }
 
+TEST(BusEngine, ACallIsRefusedByItsObjectionWhenItsTurnComes) {
+  ScriptedBus bus;
+  bus.add_module(1);
+  int asked = 0;
+  bool refuses = false;
+  CallOptions options;
+  options.objection = [&]() -> std::optional<Error> {
+    ++asked;
+    return refuses ? std::optional(bad_argument("not any more")) : std::nullopt;
+  };
+  bus.submit(gap(1));
+  bus.submit(mvp(1, 100), options);
+  bus.submit(mvp(1, 200), options);
+  bus.run_actions();
+  EXPECT_EQ(asked, 0) << "they wait";
+  bus.deliver(reply_to(gap(1)));
+  bus.run_actions();
+  EXPECT_EQ(asked, 1);
+  refuses = true;
+  bus.settle();
+  EXPECT_EQ(asked, 2);
+  EXPECT_THAT(bus.sent(), ElementsAre(gap(1), mvp(1, 100)));
+  EXPECT_TRUE(bus.result(1));
+  EXPECT_EQ(bus.result(2).error().outcome, Outcome::not_sent);
+  EXPECT_EQ(bus.result(2).error().message, "not any more");
+}
+
 TEST(BusEngine, AStopRemovesQueuedMovementsOfItsMotorOnly) {
   ScriptedBus bus;
   bus.add_module(1);

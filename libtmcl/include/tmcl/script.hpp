@@ -83,6 +83,9 @@ struct CallOptions {
   Proof proof = Proof::none;
   /// Askers take turns on the bus. A listener of the bus is told this with the request.
   std::uint64_t asker = 0;
+  /// Asked each time when the bytes of the request are about to go out: why they must not. The call
+  /// ends with that error then. Must not use the bus.
+  std::function<std::optional<Error>()> objection{};
 };
 
 /// A reply, and what the engine noticed about it.

@@ -137,10 +137,19 @@ void BusEngine::go_on_with(Call& call) {
     const auto unheard = queue().take(call);
     return fail(unheard, silence_error(unheard));
   }
+  if (call.options.objection)
+    if (auto objection = call.options.objection()) return refuse(call, std::move(*objection));
   scheduler_.on_turn(modules_.framing(), call);
   if (module.custody.is_recording_for(call.options.hold)) return go_on_recording(call);
   if (module.lane.in_step() && !must_fence(module.lane, call)) return start(queue().take(call));
   start_fence(call);
+}
+
+void BusEngine::refuse(const Call& queued, Error objection) {
+  const auto call = queue().take(queued);
+  objection.outcome = call.was_on_the_wire() ? Outcome::unknown : Outcome::not_sent;
+  objection.request = call.request;
+  fail(call, std::move(objection));
 }
 
 void BusEngine::end_overdue_calls() {

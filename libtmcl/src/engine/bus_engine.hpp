@@ -130,6 +130,7 @@ class BusEngine {
   // Who speaks next
   void go_on(TimePoint now);
   void go_on_with(Call& call);
+  void refuse(const Call& queued, Error objection);
   void end_overdue_calls();
   void look_after_downloads();
   void end_calls_to_bootloaders();
