@@ -313,7 +313,7 @@ awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
   if (!bus_) {
     auto error = not_open();
     error.request = request;
-    if (OwedStops::is_stop(request) && owe(request)) error.hint = owed_stop_hint;
+    if (is_stop(intent_of(request)) && owe(request)) error.hint = owed_stop_hint;
     co_return tl::unexpected(std::move(error));
   }
   auto* module = find_module(request.address);
@@ -321,7 +321,7 @@ awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
   // What is read or checked while it is on its way may be from before it.
   if (module != nullptr && !asks) module->note_settings_changed();
   options.announced = request;
-  options.objection = [this, request] { return motors_.misses_reference(request); };
+  options.permit.needs_no_reference = is_relative_move(request);
   auto script =
       is_relative_move(request) ? move_relatively(request, {}) : tmcl::verbs::command(request);
   auto answer = co_await run(std::move(script), std::move(options));

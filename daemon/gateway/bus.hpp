@@ -38,12 +38,23 @@ class DeadmanMemory;
 /// How a link is opened. May block; called on a thread of its own.
 using OpenLink = std::function<tmcl::Result<tmcl::Link>(const BusConfig&)>;
 
+/// What a movement was admitted on, and that may change before it goes out.
+struct Premise {
+  /// It has changed since the last check.
+  std::function<bool()> has_changed{};
+  /// Checks it anew.
+  std::function<tmcl::Script<tmcl::Result<void>>()> check{};
+};
+
+/// Whether an obstacle is asked about. The holder of a module asks nothing: the answer would wait
+/// for the end of its hold.
+enum class Asks : std::uint8_t { what_may_have_ended, nothing };
+
 struct RunOptions : tmcl::RunOptions {
   /// Of the call that it is for: see Motors.
   Permit permit{};
-  /// Asked before each request that can move a motor: gives what has to be checked anew, if
-  /// something has changed since that was done last.
-  std::function<std::optional<tmcl::Script<tmcl::Result<void>>>()> recheck{};
+  /// What a movement was checked against, such as soft limits.
+  Premise premise{};
   /// What the verb sends, if that may set a motor turning without end: before it goes out, that has
   /// an owner, and the journal says so.
   std::optional<tmcl::Request> announced{};
@@ -135,10 +146,11 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// Stops and claims of its motors.
   Motors& motors() { return motors_; }
   const Motors& motors() const { return motors_; }
-  /// Whether a request may go out for a call. A search that claims a motor may have ended unseen:
-  /// the module is asked.
-  /// Errors: Errc::superseded_by_stop, axis_claimed, daemon_ending; nothing was sent.
-  tmcl::Script<tmcl::Result<void>> may_send(tmcl::Request request, Permit permit);
+  /// Whether a request may go out for a call: see judge.hpp. What may have ended unseen is asked
+  /// about, such as a search that claims a motor.
+  /// Errors: those of Motors::refusal() and of the questions; nothing was sent.
+  tmcl::Script<tmcl::Result<void>> may_send(tmcl::Request request, Permit permit,
+                                            Asks asks = Asks::what_may_have_ended);
   /// Whether the motor has been stopped, and its module has not answered that yet.
   bool owes_stop(tmcl::AxisAddress motor) const { return owed_stops_.has(motor); }
   bool owes_stop(tmcl::ModuleAddress module) const { return !owed_stops_.of(module).empty(); }
@@ -154,8 +166,6 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   tmcl::Script<tmcl::Result<bool>> may_turn(tmcl::AxisAddress motor);
   /// Notes that a motor does not turn any more, if its module says so.
   tmcl::Script<tmcl::Result<void>> see_turning_end(tmcl::AxisAddress motor);
-  /// The same for what a request concerns and turns for others: the request may go out then.
-  tmcl::Script<tmcl::Result<void>> see_turnings_end(tmcl::Request request, Permit permit);
   /// To be asked by who holds the coordinates of a module: nothing that changes them is on its way
   /// any more.
   tmcl::Script<tmcl::Result<void>> hold_still(tmcl::ModuleAddress module);
@@ -163,10 +173,11 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// One exchange, exactly as given.
   boost::asio::awaitable<tmcl::Result<tmcl::Answer>> execute(tmcl::Request request,
                                                              RunOptions options);
-  /// Runs a verb to its end, or until there is an objection. What can move a motor goes out only
-  /// if the motors, `recheck` and `objection` allow it at that moment; for the verb it is as if the
-  /// module had refused it. So is what would take an axis beyond its limits. A verb that ends like
-  /// this has Outcome::unknown if something of it went out before that was no mere question.
+  /// Runs a verb to its end, or until there is an objection. What moves a motor or sets something
+  /// is judged before it is queued, and again when its bytes go out: see judge.hpp. So are limits,
+  /// the premise and the objection. For the verb it is as if the module had refused it. A verb that
+  /// ends like this has Outcome::unknown if something of it went out before that was no mere
+  /// question.
   /// Errors: besides those of the verb and of may_send(), Errc::link_lost while the link is not
   /// open.
   template <class T>
@@ -227,10 +238,23 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   static std::optional<tmcl::Error> objection_to(const tmcl::Step& step, const Conduct& conduct);
   tmcl::Script<tmcl::StepResult> carry_out(tmcl::Step step, Conduct& conduct);
   tmcl::Script<tmcl::Result<tmcl::Answer>> send(tmcl::step::Exchange exchange, Conduct& conduct);
-  /// Nothing, and nothing was sent, if its turn came too long after its module was seen.
-  tmcl::Script<std::optional<tmcl::Result<tmcl::Answer>>> send_watched(
+  /// What was admitted must go out before then.
+  std::optional<tmcl::TimePoint> admitted_until(const tmcl::step::Exchange& exchange,
+                                                const RunOptions& options) const;
+  /// Nothing, and nothing was sent, if it has to be admitted again.
+  tmcl::Script<std::optional<tmcl::Result<tmcl::Answer>>> send_admitted(
       tmcl::step::Exchange exchange, Conduct& conduct);
-  tmcl::Script<tmcl::Result<void>> keep_limits(tmcl::Request request, Permit permit);
+  Motors::Judgement judge(const tmcl::Request& request, Permit permit) const;
+  /// What stands in the way may have ended.
+  tmcl::Script<tmcl::Result<void>> ask_about(Motors::Judgement it);
+  tmcl::Script<tmcl::Result<void>> see_end_of_line(tmcl::AxisAddress motor);
+  tmcl::Script<tmcl::Result<void>> look_whether_it_turns(tmcl::AxisAddress motor);
+  tmcl::Script<tmcl::Result<void>> see_coordinates_released(tmcl::ModuleAddress module);
+  tmcl::Script<tmcl::Result<void>> keep_limits(tmcl::Request request);
+  /// Asked when the bytes of a request are about to go out. `has_changed`: what it was admitted on,
+  /// so it is to be admitted again.
+  std::optional<tmcl::Error> last_objection(const tmcl::step::Exchange& exchange,
+                                            const RunOptions& options, bool& has_changed) const;
   tmcl::Script<tmcl::Result<void>> admit(tmcl::step::Exchange exchange, const RunOptions& options);
   tmcl::Script<tmcl::Result<tmcl::Answer>> send_once(tmcl::step::Exchange exchange,
                                                      Conduct& conduct);

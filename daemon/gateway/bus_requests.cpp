@@ -24,40 +24,57 @@ tmcl::Script<bool> has_arrived(tmcl::AxisAddress motor) {
   co_return state && state->velocity.value == 0 && state->position == state->target;
 }
 
-/// Another call can see an axis at the end of its line before the line does.
-tmcl::Script<bool> sees_end_of_line(const Motors& motors, tmcl::AxisAddress motor) {
-  const auto claimant = motors.claimant_of(motor);
-  const bool ends = co_await has_arrived(motor);
-  const auto looks = ends ? Motors::time_to_be_free / claim_look_interval : 0;
-  for (auto i = looks; i > 0 && motors.claimant_of(motor) == claimant; --i)
-    co_await tmcl::pause(claim_look_interval);
-  co_return motors.claimant_of(motor) != claimant;
-}
-
 }  // namespace
 
-tmcl::Script<tmcl::Result<void>> GatewayBus::may_send(tmcl::Request request, Permit permit) {
+Motors::Judgement GatewayBus::judge(const tmcl::Request& request, Permit permit) const {
+  return motors_.judge(request, permit, clock_.now(), owes_stop(request.address));
+}
+
+tmcl::Script<tmcl::Result<void>> GatewayBus::may_send(tmcl::Request request, Permit permit,
+                                                      Asks asks) {
+  std::optional<Motors::Judgement> asked;
   while (true) {
-    const auto motor = motors_.claimed_by_other(request, permit);
-    if (!motor && !owes_stop(request.address)) break;
-    if (!motor) {
-      co_await must(pay_stops(request.address));
-      continue;
-    }
-    const auto claimant = motors_.claimant_of(*motor);
-    if (claimant.by == Mover::search) {
-      auto seen = co_await see_search_end(*motor);
-      if (!seen) co_return seen;
-      continue;
-    }
-    if (claimant.by != Mover::line) co_return tl::unexpected(motors_.claimed(*motor));
-    const bool is_over = co_await sees_end_of_line(motors_, *motor);
-    if (!is_over) co_return tl::unexpected(motors_.claimed(*motor));
+    motors_.look_for_gap(clock_.now());
+    const auto it = judge(request, permit);
+    if (it.verdict.ruling == Ruling::allow) co_return tmcl::Result<void>{};
+    // What was asked about, and has not ended, refuses.
+    const bool may_ask = asks == Asks::what_may_have_ended && it != asked;
+    if (it.verdict.ruling == Ruling::refuse || !may_ask)
+      co_return tl::unexpected(motors_.refusal(it.motor, it.verdict.because));
+    asked = it;
+    co_await must(ask_about(it));
   }
-  motors_.look_for_gap(clock_.now());
-  auto objection = motors_.objection(request, permit);
-  if (objection) co_return tl::unexpected(std::move(*objection));
+}
+
+/// Another call can see an axis at the end of its line before the line does.
+tmcl::Script<tmcl::Result<void>> GatewayBus::see_end_of_line(tmcl::AxisAddress motor) {
+  const auto claimant = motors_.claimant_of(motor);
+  const bool ends = co_await has_arrived(motor);
+  const auto looks = ends ? Motors::time_to_be_free / claim_look_interval : 0;
+  for (auto i = looks; i > 0 && motors_.claimant_of(motor) == claimant; --i)
+    co_await tmcl::pause(claim_look_interval);
   co_return tmcl::Result<void>{};
+}
+
+/// What cannot be seen to stand turns on, as far as is known.
+tmcl::Script<tmcl::Result<void>> GatewayBus::look_whether_it_turns(tmcl::AxisAddress motor) {
+  co_await see_turning_end(motor);
+  co_return tmcl::Result<void>{};
+}
+
+tmcl::Script<tmcl::Result<void>> GatewayBus::see_coordinates_released(tmcl::ModuleAddress module) {
+  while (motors_.coordinate_holds().has(module)) co_await tmcl::pause(coordinate_look_interval);
+  co_return tmcl::Result<void>{};
+}
+
+tmcl::Script<tmcl::Result<void>> GatewayBus::ask_about(Motors::Judgement it) {
+  switch (it.verdict.because) {
+    case Obstacle::claimed_by_search: return see_search_end(it.motor);
+    case Obstacle::claimed_by_line: return see_end_of_line(it.motor);
+    case Obstacle::turns_for_other: return look_whether_it_turns(it.motor);
+    case Obstacle::stop_owed: return pay_stops(it.motor.module);
+    default: return see_coordinates_released(it.motor.module);
+  }
 }
 
 namespace {
@@ -89,7 +106,8 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::see_search_end(tmcl::AxisAddress mo
   }
   if (motors_.claimant_of(motor) != claimant) co_return tmcl::Result<void>{};
   const auto& status = answers.front();
-  if (status && status->reply.value != 0) co_return tl::unexpected(motors_.claimed(motor));
+  if (status && status->reply.value != 0)
+    co_return tl::unexpected(motors_.refusal(motor, Obstacle::claimed_by_search));
   const auto is_zero = [](const auto& answer) { return answer && answer->reply.value == 0; };
   if (std::ranges::all_of(answers, is_zero)) motors_.note_reference(motor);
   motors_.release(motor, claimant.of);
@@ -155,15 +173,6 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::see_turning_end(tmcl::AxisAddress m
   const auto turns = co_await may_turn(motor);
   if (!turns) co_return tl::unexpected(turns.error());
   if (!*turns) motors_.end_turning(motor, turning.number);
-  co_return tmcl::Result<void>{};
-}
-
-tmcl::Script<tmcl::Result<void>> GatewayBus::see_turnings_end(tmcl::Request request,
-                                                              Permit permit) {
-  for (const auto motor : motors_.turned_for_others(request, permit)) {
-    auto seen = co_await see_turning_end(motor);
-    if (!seen) co_return seen;
-  }
   co_return tmcl::Result<void>{};
 }
 
@@ -264,11 +273,21 @@ class StopOnItsWay {
   Owe owe_;
 };
 
-// An upload of firmware was judged when it began: a module must not be left in its bootloader.
-bool is_judged(const tmcl::step::Exchange& exchange) {
+// An upload of firmware was judged when it began: a module must not be left in its bootloader. What
+// a line of a program does it does when the program runs.
+bool moves(const tmcl::step::Exchange& exchange) {
   const bool ends_upload =
       exchange.options.hold && exchange.request.command == tmcl::Command::BOOT_START_APPLICATION;
   return can_move(exchange.request) && !exchange.options.is_program_line && !ends_upload;
+}
+
+bool is_judged(const tmcl::step::Exchange& exchange) {
+  const auto effect = effect_of(exchange.request.command, exchange.request.type);
+  return effect == tmcl::Effect::writes || moves(exchange);
+}
+
+bool keeps_limits(const tmcl::step::Exchange& exchange, Permit permit) {
+  return !permit.exceeds_limits && !exchange.options.is_program_line;
 }
 
 }  // namespace
@@ -280,18 +299,20 @@ GatewayModule* GatewayBus::watched_module(const tmcl::step::Exchange& exchange) 
 
 tmcl::Script<tmcl::Result<void>> GatewayBus::admit(tmcl::step::Exchange exchange,
                                                    const RunOptions& options) {
-  auto* module = watched_module(exchange);
+  const auto& request = exchange.request;
+  auto* module = moves(exchange) ? watched_module(exchange) : nullptr;
+  const auto asks = exchange.options.hold ? Asks::nothing : Asks::what_may_have_ended;
+  if (keeps_limits(exchange, options.permit)) co_await must(keep_limits(request));
   // Each of the questions may take its time, and what was allowed before may not be any more.
   while (true) {
     if (module != nullptr) co_await must(module->watch(options.sentinel_age));
-    auto allowed = co_await may_send(exchange.request, options.permit);
-    if (!allowed) co_return allowed;
-    auto check = options.recheck ? options.recheck() : std::nullopt;
-    if (!check) break;
-    allowed = co_await std::move(*check);
-    if (!allowed) co_return allowed;
+    co_await must(may_send(request, options.permit, asks));
+    const auto& premise = options.premise;
+    const bool has_changed = moves(exchange) && premise.has_changed && premise.has_changed();
+    if (!has_changed) break;
+    co_await must(premise.check());
   }
-  auto objection = options.objection ? options.objection() : std::nullopt;
+  auto objection = moves(exchange) && options.objection ? options.objection() : std::nullopt;
   if (objection) co_return tl::unexpected(std::move(*objection));
   co_return tmcl::Result<void>{};
 }
@@ -303,23 +324,6 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
     error.request = request;
     return tmcl::Result<tmcl::Answer>(tl::unexpected(std::move(error)));
   };
-  const auto effect = effect_of(request.command, request.type);
-  const bool acts = effect == tmcl::Effect::writes || effect == tmcl::Effect::moves;
-  const bool waits = !exchange.options.hold;
-  // Whether that is seen or not: what still turns is refused below.
-  if (acts && waits) co_await see_turnings_end(request, conduct.options.permit);
-  while (waits && intent_of(request).changes_coordinates &&
-         motors_.coordinate_holds().has(request.address))
-    co_await tmcl::pause(coordinate_look_interval);
-  if (!is_judged(exchange) && effect == tmcl::Effect::writes) {
-    if (auto objection = motors_.objection_to_write(request, conduct.options.permit))
-      co_return refused(std::move(*objection));
-  }
-  if (!exchange.options.is_program_line) {
-    auto kept = co_await keep_limits(request, conduct.options.permit);
-    conduct.refused = conduct.refused || !kept;
-    if (!kept) co_return refused(std::move(kept.error()));
-  }
   if (!is_judged(exchange)) {
     auto answer = co_await send_once(std::move(exchange), conduct);
     co_return answer;
@@ -330,42 +334,69 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
     if (!allowed) co_return refused(std::move(allowed.error()));
     // It turned for another client when the verb began, which has gone, as this one may before the
     // answer.
-    if (conduct.turning.empty() && waits) {
+    if (conduct.turning.empty() && !exchange.options.hold) {
       conduct.turning = motors_.begin_turning(
           tmcl::motors_turned_by(request, model_of(request.address)), conduct.options.permit);
       if (!conduct.turning.empty() && journal_) spawn(executor_, Journal::write(journal_));
     }
-    auto answer = co_await send_watched(exchange, conduct);
+    auto answer = co_await send_admitted(exchange, conduct);
     if (answer) co_return std::move(*answer);
   }
   conduct.refused = true;
   co_return refused(too_busy());
 }
 
-tmcl::Script<std::optional<tmcl::Result<tmcl::Answer>>> GatewayBus::send_watched(
-    tmcl::step::Exchange exchange, Conduct& conduct) {
-  const auto given = earliest(exchange.options.deadline, conduct.options.deadline);
+std::optional<tmcl::TimePoint> GatewayBus::admitted_until(const tmcl::step::Exchange& exchange,
+                                                          const RunOptions& options) const {
+  if (!moves(exchange)) return std::nullopt;
   const auto* module = watched_module(exchange);
   // What still waits for its turn when the reactor stands still has to be asked about again.
-  exchange.options.deadline = earliest(given, clock_.now() + Gaps::longest_gap);
-  if (module != nullptr && module->is_watched()) {
-    exchange.options.deadline = earliest(
-        exchange.options.deadline, module->sentinel().counts_until(conduct.options.sentinel_age));
-  }
-  const bool is_earlier = exchange.options.deadline != given;
+  std::optional<tmcl::TimePoint> until = clock_.now() + Gaps::longest_gap;
+  if (module != nullptr && module->is_watched())
+    until = earliest(until, module->sentinel().counts_until(options.sentinel_age));
+  return until;
+}
+
+tmcl::Script<std::optional<tmcl::Result<tmcl::Answer>>> GatewayBus::send_admitted(
+    tmcl::step::Exchange exchange, Conduct& conduct) {
+  auto& options = exchange.options;
+  const auto given = earliest(options.deadline, conduct.options.deadline);
+  options.deadline = earliest(given, admitted_until(exchange, conduct.options));
+  const bool is_earlier = options.deadline != given;
+  // As long as this lives, so does the conduct.
+  const auto has_changed = std::make_shared<bool>(false);
+  options.objection = [this, &conduct, exchange_is = exchange,
+                       of = std::weak_ptr(has_changed)]() -> std::optional<tmcl::Error> {
+    const auto verdict_changes = of.lock();
+    if (!verdict_changes) return tmcl::bad_argument("the call has ended that asked for it");
+    return last_objection(exchange_is, conduct.options, *verdict_changes);
+  };
   auto answer = co_await send_once(std::move(exchange), conduct);
-  const bool expired = !answer && answer.error().code == tmcl::Errc::deadline_passed &&
-                       answer.error().outcome == tmcl::Outcome::not_sent;
-  if (expired && is_earlier) co_return std::nullopt;
+  const bool was_sent = answer || answer.error().outcome != tmcl::Outcome::not_sent;
+  const bool expired = !was_sent && answer.error().code == tmcl::Errc::deadline_passed;
+  if ((expired && is_earlier) || (!was_sent && *has_changed)) co_return std::nullopt;
   co_return std::optional(std::move(answer));
 }
 
-tmcl::Script<tmcl::Result<void>> GatewayBus::keep_limits(tmcl::Request request, Permit permit) {
-  if (permit.exceeds_limits) co_return tmcl::Result<void>{};
-  for (const auto& limits : limits_) {
-    auto kept = co_await limits->check(request);
-    if (!kept) co_return kept;
-  }
+std::optional<tmcl::Error> GatewayBus::last_objection(const tmcl::step::Exchange& exchange,
+                                                      const RunOptions& options,
+                                                      bool& has_changed) const {
+  const auto& request = exchange.request;
+  const auto it = judge(request, options.permit);
+  if (it.verdict.ruling == Ruling::refuse) return motors_.refusal(it.motor, it.verdict.because);
+  const bool is_limited = keeps_limits(exchange, options.permit);
+  const auto must_read = [&](const auto& limits) { return limits->must_read(request); };
+  has_changed = it.verdict.ruling == Ruling::ask ||
+                (moves(exchange) && options.premise.has_changed && options.premise.has_changed()) ||
+                (is_limited && std::ranges::any_of(limits_, must_read));
+  if (has_changed) return motors_.refusal(it.motor, it.verdict.because);
+  for (const auto& limits : limits_)
+    if (auto objection = is_limited ? limits->objection(request) : std::nullopt) return objection;
+  return moves(exchange) && options.objection ? options.objection() : std::nullopt;
+}
+
+tmcl::Script<tmcl::Result<void>> GatewayBus::keep_limits(tmcl::Request request) {
+  for (const auto& limits : limits_) co_await must(limits->check(request));
   co_return tmcl::Result<void>{};
 }
 
@@ -375,14 +406,14 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   conduct.module = watched_module(exchange);
   std::optional<OnItsWay> on_its_way;
   auto* module = find_module(request.address);
-  if (is_judged(exchange)) on_its_way.emplace(motors_, module, request, conduct.options.permit);
+  if (moves(exchange)) on_its_way.emplace(motors_, module, request, conduct.options.permit);
   ModuleMarks::Mark change;
   if (intent_of(request).changes_coordinates)
     change = motors_.coordinate_changes().set(request.address);
   const auto before = motors_.before(request, conduct.options.permit, model_of(request.address));
   std::optional<StopOnItsWay> stop_on_its_way;
   conduct.owes_stop = false;
-  if (OwedStops::is_stop(request))
+  if (is_stop(intent_of(request)))
     stop_on_its_way.emplace([this, &conduct, request] { conduct.owes_stop = owe(request); });
   const bool asks = effect_of(request.command, request.type) == tmcl::Effect::reads;
   // What is read while it is on its way may be from before it.
@@ -440,7 +471,7 @@ bool GatewayBus::owe(const tmcl::Request& stop) {
 bool GatewayBus::owe_first(tmcl::AnyScript& script) {
   const auto step = script.start(clock_.now());
   const auto* first = step ? std::get_if<tmcl::step::Exchange>(&*step) : nullptr;
-  return first != nullptr && OwedStops::is_stop(first->request) && owe(first->request);
+  return first != nullptr && is_stop(intent_of(first->request)) && owe(first->request);
 }
 
 tmcl::Script<tmcl::Result<void>> GatewayBus::pay_stops(tmcl::ModuleAddress module) {
@@ -582,7 +613,7 @@ std::optional<tmcl::Error> GatewayBus::objection_to(const tmcl::Step& step,
                                                     const Conduct& conduct) {
   // What is judged is refused in send(), and a verb that was refused sets back what it has set.
   const auto* one = std::get_if<tmcl::step::Exchange>(&step);
-  const bool goes_on = conduct.refused || (one != nullptr && is_judged(*one));
+  const bool goes_on = conduct.refused || (one != nullptr && moves(*one));
   if (!conduct.options.objection || goes_on) return std::nullopt;
   auto objection = conduct.options.objection();
   if (objection && conduct.acted) objection->outcome = tmcl::Outcome::unknown;
@@ -607,9 +638,10 @@ tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Conduct& c
     results.push_back(std::move(answer));
   } else {
     auto& all = std::get<tmcl::step::ExchangeAll>(step).exchanges;
-    const bool moves =
-        std::ranges::any_of(all, [](const auto& each) { return can_move(each.request); });
-    if (!moves) {
+    const bool only_asks = std::ranges::all_of(all, [](const auto& each) {
+      return effect_of(each.request.command, each.request.type) == tmcl::Effect::reads;
+    });
+    if (only_asks) {
       const auto place =
           shares_.take(conduct.options.permit.client, tmcl::Effect::reads, all.size());
       for (const auto& each : all)

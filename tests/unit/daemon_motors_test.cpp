@@ -34,7 +34,10 @@ class DaemonMotors : public testing::Test {
     motors.add(y, "y");
   }
   bool allows(const Request& request, Permit permit) const {
-    return !motors.objection(request, permit) && !motors.claimed_by_other(request, permit);
+    return judged(request, permit).verdict.ruling == Ruling::allow;
+  }
+  Motors::Judgement judged(const Request& request, Permit permit) const {
+    return motors.judge(request, permit, now);
   }
   void see(const Request& request, tmcl::Result<tmcl::Answer> answer) {
     motors.note(request, answer, motors.before(request, {}, nullptr));
@@ -50,6 +53,7 @@ class DaemonMotors : public testing::Test {
     return tl::unexpected(error);
   }
 
+  const tmcl::TimePoint now{std::chrono::hours(1)};
   std::shared_ptr<Arrivals> arrivals = std::make_shared<Arrivals>();
   Motors motors{"bench", arrivals};
 };
@@ -58,8 +62,9 @@ TEST_F(DaemonMotors, AStopEndsWhatWasAskedForBeforeIt) {
   const auto before = arrivals->admit();
   motors.stop(x);
   const auto behind = arrivals->admit();
-  EXPECT_EQ(motors.objection(move_x, before)->code, tmcl::Errc::superseded_by_stop);
-  EXPECT_EQ(motors.objection(x, before)->outcome, tmcl::Outcome::not_sent);
+  EXPECT_EQ(judged(move_x, before).verdict.because, Obstacle::stopped);
+  EXPECT_EQ(motors.objection(x, before, now)->code, tmcl::Errc::superseded_by_stop);
+  EXPECT_EQ(motors.objection(x, before, now)->outcome, tmcl::Outcome::not_sent);
   EXPECT_TRUE(allows(move_y, before));
   EXPECT_TRUE(allows(move_x, behind));
 }
@@ -101,10 +106,10 @@ TEST_F(DaemonMotors, AStopOfAllEndsEverythingThatWasAskedForBeforeIt) {
 }
 
 TEST_F(DaemonMotors, NothingIsSetInMotionByNobodyOrAtTheEnd) {
-  EXPECT_TRUE(motors.objection(move_x, Permit{}));
+  EXPECT_FALSE(allows(move_x, Permit{}));
   const auto call = arrivals->admit();
   arrivals->closing = true;
-  EXPECT_EQ(motors.objection(move_x, call)->code, tmcl::Errc::daemon_ending);
+  EXPECT_EQ(judged(move_x, call).verdict.because, Obstacle::daemon_ends);
 }
 
 TEST_F(DaemonMotors, AClaimKeepsOthersAway) {
@@ -116,7 +121,8 @@ TEST_F(DaemonMotors, AClaimKeepsOthersAway) {
   EXPECT_FALSE(allows(move_both, other));
   EXPECT_FALSE(allows(run_program, other));
   EXPECT_TRUE(allows(move_x, other));
-  EXPECT_EQ(motors.claimed(y).message, "axis 'y' is on its way along a line");
+  EXPECT_EQ(motors.refusal(y, judged(move_y, other).verdict.because).message,
+            "axis 'y' is on its way along a line");
   motors.release(y, other);
   EXPECT_FALSE(allows(move_y, other)) << "it is not theirs";
   std::optional elsewhere = std::move(claim);
@@ -182,8 +188,8 @@ TEST_F(DaemonMotors, AnAxisThatIsAddedHasBeenStoppedWithTheOthers) {
     for (const auto module : {std::uint16_t{10}, std::uint16_t{11}})
       motors.stop({tmcl::ModuleAddress{module}, motor});
   motors.add(nobodys, "z");
-  EXPECT_TRUE(motors.objection(nobodys, before));
-  EXPECT_FALSE(motors.objection(nobodys, arrivals->admit()));
+  EXPECT_TRUE(motors.objection(nobodys, before, now));
+  EXPECT_FALSE(motors.objection(nobodys, arrivals->admit(), now));
 }
 
 }  // namespace

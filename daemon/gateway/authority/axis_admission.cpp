@@ -14,7 +14,8 @@ RunOptions AxisAdmission::begin_movement(Permit permit, Deadline deadline) const
   options.deadline = deadline;
   options.permit = permit;
   options.objection = [this, permit] {
-    return axis_.bus().motors().objection(axis_.address(), permit);
+    const auto& bus = axis_.bus();
+    return bus.motors().objection(axis_.address(), permit, bus.clock().now());
   };
   return options;
 }
@@ -25,43 +26,36 @@ tmcl::Request AxisAdmission::any_move() const {
 }
 
 AxisAdmission::Awaitable<void> AxisAdmission::be_free(RunOptions movement) {
-  co_await see_turning_end(movement);
+  movement.permit.needs_no_reference = true;
   auto script = axis_.bus().may_send(any_move(), movement.permit);
   auto free = co_await axis_.run(std::move(script), std::move(movement));
   co_return free;
 }
 
-/// It may turn for another client no more. Whether that is seen or not: it is asked for again.
-boost::asio::awaitable<void> AxisAdmission::see_turning_end(const RunOptions& movement) {
-  auto script = axis_.bus().see_turnings_end(any_move(), movement.permit);
-  auto options = asked_by(movement.permit.client);
-  options.deadline = movement.deadline;
-  co_await axis_.run(std::move(script), std::move(options));
-}
-
 AxisAdmission::Awaitable<Admitted> AxisAdmission::admit(AxisAction action, RunOptions movement) {
   auto ready = co_await axis_.be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
-  co_await see_turning_end(movement);
+  movement.permit.needs_no_reference = !goes_to_position(action);
   const auto aim = std::make_shared<Admitted::Aim>();
   // The epoch from before the check: what changes while it reads is checked again.
   *aim = {action, units_.epoch()};
   auto allowed = co_await axis_.run(check_now(action, movement.permit), movement);
   if (!allowed) co_return tl::unexpected(std::move(allowed.error()));
-  movement.recheck = [this, aim]() -> std::optional<Script<void>> {
-    if (!limits() || aim->checked == units_.epoch()) return std::nullopt;
-    aim->checked = units_.epoch();
-    return check(aim->action);
-  };
+  movement.premise = {[this, aim] { return limits() && aim->checked != units_.epoch(); },
+                      [this, aim] {
+                        aim->checked = units_.epoch();
+                        return check(aim->action);
+                      }};
   if (needs_free_axis(action)) {
     // Nothing of the verb goes out any more, its settings neither.
-    movement.objection = [this, action, of = movement.permit,
-                          stopped = std::move(movement.objection)] {
+    movement.objection = [this, of = movement.permit,
+                          stopped = std::move(movement.objection)]() -> std::optional<tmcl::Error> {
       auto objection = stopped ? stopped() : std::nullopt;
-      if (!objection) objection = misses_reference(action);
       const auto& motors = axis_.bus().motors();
-      const bool claimed = !objection && motors.claimed_by_other(any_move(), of);
-      return claimed ? std::optional(motors.claimed(axis_.address())) : objection;
+      const auto it = motors.judge(any_move(), of, axis_.bus().clock().now());
+      const bool refuses = it.verdict.ruling == Ruling::refuse || is_claim(it.verdict.because);
+      if (objection || !refuses) return objection;
+      return motors.refusal(it.motor, it.verdict.because);
     };
   }
   co_return Admitted(std::move(movement), aim);
@@ -80,14 +74,12 @@ bool AxisAdmission::needs_free_axis(const AxisAction& action) const {
          setpoint_of(write->parameter) != tmcl::Setpoint::none;
 }
 
-std::optional<tmcl::Error> AxisAdmission::misses_reference(const AxisAction& action) const {
+bool AxisAdmission::goes_to_position(const AxisAction& action) const {
   const auto* write = std::get_if<action::Write>(&action);
-  const bool is_to_position =
-      std::holds_alternative<action::MoveTo>(action) ||
-      std::holds_alternative<action::MoveToCoordinate>(action) ||
-      std::holds_alternative<action::FollowPath>(action) ||
-      (write != nullptr && setpoint_of(write->parameter) == tmcl::Setpoint::position);
-  return is_to_position ? axis_.bus().motors().misses_reference(axis_.address()) : std::nullopt;
+  return std::holds_alternative<action::MoveTo>(action) ||
+         std::holds_alternative<action::MoveToCoordinate>(action) ||
+         std::holds_alternative<action::FollowPath>(action) ||
+         (write != nullptr && setpoint_of(write->parameter) == tmcl::Setpoint::position);
 }
 
 AxisAdmission::Script<void> AxisAdmission::check_now(AxisAction action, Permit permit) {
@@ -96,7 +88,6 @@ AxisAdmission::Script<void> AxisAdmission::check_now(AxisAction action, Permit p
     auto free = co_await axis_.bus().may_send(any_move(), permit);
     if (!free) co_return free;
   }
-  if (auto error = misses_reference(action)) co_return tl::unexpected(std::move(*error));
   auto checked = co_await check(std::move(action));
   co_return checked;
 }

@@ -81,12 +81,11 @@ class AxisAdmission {
   Script<void> check(AxisAction action);
 
  private:
-  boost::asio::awaitable<void> see_turning_end(const RunOptions& movement);
   tmcl::Request any_move() const;
   /// What a write to the parameter sets.
   tmcl::Setpoint setpoint_of(std::uint8_t parameter) const;
   bool needs_free_axis(const AxisAction& action) const;
-  std::optional<tmcl::Error> misses_reference(const AxisAction& action) const;
+  bool goes_to_position(const AxisAction& action) const;
   Script<void> check_now(AxisAction action, Permit permit);
   Script<void> check_one(action::MoveTo move);
   Script<void> check_one(action::MoveToCoordinate move);

@@ -109,33 +109,33 @@ bool AxisLimits::is_scale(std::uint8_t parameter) const {
 
 // ---- before a request --------------------------------------------------------------------------
 
-tmcl::Script<Result<void>> AxisLimits::check(Request request) {
+bool AxisLimits::matters(const Request& request) const {
   const bool is_unseen = sets_unseen(intent_of(request));
-  const bool matters = request.command == Command::SAP || moves(request) || is_unseen;
-  if (!matters || !is_of_axis(request)) co_return Result<void>{};
-  if (module_.model() == nullptr) {
-    co_return tl::unexpected(
-        error("its module has not said what it is, or is of a model without a "
-              "table: nobody can tell whether this is within its limits",
-              "take the limits out of its [[axis]]"));
-  }
-  if (request.command == Command::RSAP && !is_limited(request.type)) co_return Result<void>{};
-  if (is_unseen) {
-    co_return tl::unexpected(
-        error("it has limits, and nobody can tell whether this keeps them",
-              "set the parameter to a value instead; see 'max_velocity' in the configuration"));
-  }
+  if (request.command != Command::SAP && !moves(request) && !is_unseen) return false;
+  if (!is_of_axis(request)) return false;
+  const bool is_of_settings = request.command == Command::RSAP && module_.model() != nullptr;
+  return !is_of_settings || is_limited(request.type);
+}
+
+bool AxisLimits::must_read(const Request& request) const {
+  const bool is_decided_by_settings =
+      matters(request) && module_.model() != nullptr && !sets_unseen(intent_of(request));
+  const bool is_known = !values_.empty() && epoch_ == module_.settings_epoch();
+  return is_decided_by_settings && !is_known;
+}
+
+tmcl::Script<Result<void>> AxisLimits::check(Request request) {
   // What it turns at is not followed here.
-  if (request.command == Command::SAP && is_scale(request.type)) values_.clear();
-  auto known = co_await read();
-  if (!known) co_return known;
+  const bool is_scaling = request.command == Command::SAP && matters(request) &&
+                          module_.model() != nullptr && is_scale(request.type);
+  if (is_scaling) values_.clear();
+  if (must_read(request)) co_await must(read());
   auto objection = this->objection(request);
   if (objection) co_return tl::unexpected(std::move(*objection));
   co_return Result<void>{};
 }
 
 tmcl::Script<Result<void>> AxisLimits::read() {
-  if (!values_.empty() && epoch_ == module_.settings_epoch()) co_return Result<void>{};
   auto numbers = scales();
   for (const auto& one : limited()) numbers.push_back(one.row->number);
   const auto epoch = module_.settings_epoch();
@@ -151,6 +151,17 @@ tmcl::Script<Result<void>> AxisLimits::read() {
 }
 
 std::optional<tmcl::Error> AxisLimits::objection(const Request& request) const {
+  if (!matters(request)) return std::nullopt;
+  if (module_.model() == nullptr) {
+    return error(
+        "its module has not said what it is, or is of a model without a "
+        "table: nobody can tell whether this is within its limits",
+        "take the limits out of its [[axis]]");
+  }
+  if (sets_unseen(intent_of(request))) {
+    return error("it has limits, and nobody can tell whether this keeps them",
+                 "set the parameter to a value instead; see 'max_velocity' in the configuration");
+  }
   std::optional<tmcl::Error> objection;
   if (request.command == Command::SAP) objection = objection_to_write(request.type, request.value);
   if (request.command == Command::ROR || request.command == Command::ROL)

@@ -30,6 +30,10 @@ class AxisLimits {
 
   /// Errors: Errc::not_permitted; those of reading the settings, with Outcome::not_sent.
   tmcl::Script<tmcl::Result<void>> check(tmcl::Request request);
+  /// check() would have to read settings first.
+  bool must_read(const tmcl::Request& request) const;
+  /// What check() says by the settings that are known.
+  std::optional<tmcl::Error> objection(const tmcl::Request& request) const;
   /// What the limits are in the module's own unit; nothing where there is none.
   struct Greatest {
     std::optional<std::int32_t> velocity{};
@@ -49,6 +53,7 @@ class AxisLimits {
   using Values = std::map<std::uint8_t, std::int32_t>;  ///< By the number of the parameter.
 
   bool is_of_axis(const tmcl::Request& request) const;
+  bool matters(const tmcl::Request& request) const;
   bool is_limited(std::uint8_t parameter) const;
   bool is_scale(std::uint8_t parameter) const;
   std::vector<Limited> limited() const;
@@ -56,7 +61,6 @@ class AxisLimits {
   std::vector<std::uint8_t> scales() const;
 
   tmcl::Script<tmcl::Result<void>> read();
-  std::optional<tmcl::Error> objection(const tmcl::Request& request) const;
   std::optional<tmcl::Error> objection_to_write(std::uint8_t parameter, std::int32_t value) const;
   std::optional<tmcl::Error> objection_to_turn(std::int32_t velocity) const;
   std::optional<tmcl::Error> objection_to_settings() const;

@@ -12,6 +12,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <limits>
 #include <string>
 #include <string_view>
 
@@ -43,7 +44,12 @@ class Gaps {
     last_stale_ = last_call;
   }
 
-  bool is_stale(std::uint64_t call) const { return is_in_gap_ || call <= last_stale_; }
+  /// The last call that is stale.
+  std::uint64_t last_stale() const {
+    return is_in_gap_ ? std::numeric_limits<std::uint64_t>::max() : last_stale_;
+  }
+  /// When it was looked last; TimePoint{}: never.
+  tmcl::TimePoint looked() const { return looked_; }
   /// Of a call whose sender has said when.
   bool is_stale(tmcl::TimePoint sent) const { return sent < ended_; }
   /// How long the last one was.

@@ -26,8 +26,11 @@ bool is_free_for(const GatewayAxis& axis, const Client& client) {
 
 std::optional<AxisFailure> conflict(const Axes& axes, const Client& client) {
   for (const auto& axis : axes) {
-    if (!is_free_for(*axis, client))
-      return AxisFailure{motors_of(*axis).leased(axis->address()), axis->name()};
+    if (!is_free_for(*axis, client)) {
+      const bool is_leased = motors_of(*axis).tenant_of(axis->address()).lease != 0;
+      const auto because = is_leased ? Obstacle::leased : Obstacle::turns_for_other;
+      return AxisFailure{motors_of(*axis).refusal(axis->address(), because), axis->name()};
+    }
     if (axis->mover() != Mover::nobody) return AxisFailure{axis->claimed(), axis->name()};
   }
   return std::nullopt;

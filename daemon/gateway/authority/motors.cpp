@@ -16,6 +16,9 @@ using tmcl::Motion;
 using tmcl::Request;
 using tmcl::Subject;
 
+/// Stands for all motors of a module that have no axis.
+constexpr std::uint8_t no_motor = 255;
+
 /// It has no target any more that a relative move could count from.
 bool leaves_positions(Motion motion) {
   return motion == Motion::turns || motion == Motion::stops || motion == Motion::searches ||
@@ -68,102 +71,118 @@ void Motors::forget_other_motors() {
   last_stop_of_others_ = arrivals_->last;
 }
 
-bool Motors::is_stopped_since(AxisAddress motor, Permit permit) const {
+// ---- judgement ---------------------------------------------------------------------------------
+
+MotorState Motors::state_of(AxisAddress motor, Permit permit) const {
+  MotorState state;
+  state.is_ending = arrivals_->closing;
+  state.last_stop = arrivals_->stop_of_all;
+  state.last_stale = arrivals_->gaps.last_stale();
+  state.turned_last = arrivals_->gaps.looked();
+  state.is_client_gone = !arrivals_->is_there(permit.client);
+  state.has_held_coordinates = coordinate_holds_.has(motor.module);
+  state.is_axis = is_axis(motor);
+  if (!state.is_axis) state.last_stop = std::max(state.last_stop, last_stop_of_others_);
   const auto found = motors_.find(motor);
-  const bool is_known = found != motors_.end();
-  if (is_known && found->second.last_stop > permit.number) return true;
-  const bool is_other = !is_known || found->second.axis.empty();
-  return is_other && last_stop_of_others_ > permit.number;
+  if (found == motors_.end()) return state;
+  const auto& it = found->second;
+  state.last_stop = std::max(state.last_stop, it.last_stop);
+  state.claimed_for = it.claimant.by;
+  state.claimed_by = it.claimant.of.number;
+  state.leased_to = it.tenant.client;
+  state.last_loss = it.last_loss;
+  state.turns_for = it.turning.client;
+  state.is_latched = !it.latch_cause.empty();
+  state.searched_by = it.searcher.number;
+  state.misses_reference = it.needs_reference && !it.is_referenced;
+  return state;
 }
 
-std::optional<tmcl::Error> Motors::objection_to_all(Permit permit) const {
-  if (arrivals_->closing) return error(Errc::daemon_ending, "the daemon is ending", {});
-  if (permit.number == 0)
-    return error(Errc::bad_argument, "nothing moves a motor that no call has asked for", {});
-  if (arrivals_->stop_of_all > permit.number)
-    return error(Errc::superseded_by_stop, "a stop came first", {});
-  if (arrivals_->gaps.is_stale(permit.number))
-    return error(Errc::stale_request, stale_text(arrivals_->gaps), std::string(stale_hint));
-  return std::nullopt;
-}
-
-std::optional<tmcl::Error> Motors::objection(AxisAddress motor, Permit permit) const {
-  if (auto objection = objection_to_all(permit)) return objection;
-  if (is_stopped_since(motor, permit))
-    return error(Errc::superseded_by_stop, "a stop came first", {});
-  if (auto latch = objection_by_latch(motor, permit)) return latch;
-  if (leads(motor, permit)) return std::nullopt;
-  auto objection = objection_by_lease(motor, permit);
-  return objection ? objection : objection_by_absence(permit);
-}
-
-std::optional<tmcl::Error> Motors::objection(const Request& request, Permit permit) const {
+Motors::Judgement Motors::judge(const Request& request, Permit permit, tmcl::TimePoint now,
+                                bool owes_stop) const {
   const auto intent = intent_of(request);
-  if (intent.subject == Subject::motor) {
-    const AxisAddress motor{request.address, request.motor};
-    auto objection = this->objection(motor, permit);
-    return objection ? objection : objection_without_lease(motor, permit);
-  }
-  if (auto objection = objection_to_all(permit)) return objection;
-  const bool stopped = std::ranges::any_of(motors_, [&](const auto& one) {
-    return one.second.last_stop > permit.number && can_move(request, one.first);
-  });
-  if (stopped || last_stop_of_others_ > permit.number)
-    return error(Errc::superseded_by_stop, "a stop came first", {});
-  for (const auto& [address, motor] : motors_) {
-    if (!can_move(request, address)) continue;
-    // A module that starts again is no worse for an axis that is latched.
-    auto latch =
-        intent.motion == Motion::restarts ? std::nullopt : objection_by_latch(address, permit);
-    if (latch) return latch;
-    if (leads(address, permit)) continue;
-    if (auto objection = objection_by_lease(address, permit)) return objection;
-    if (auto objection = objection_without_lease(address, permit)) return objection;
-  }
-  return objection_by_absence(permit);
+  const bool moves = intent.effect == tmcl::Effect::moves;
+  Judgement strictest;
+  const auto look_at = [&](AxisAddress motor) {
+    auto state = state_of(motor, permit);
+    state.owes_stop = owes_stop;
+    const auto verdict = tmcld::judge(state, intent, permit, now);
+    const auto& so_far = strictest.verdict;
+    const bool is_told_first = verdict.ruling == so_far.ruling && verdict.because < so_far.because;
+    if (verdict.ruling > so_far.ruling || is_told_first) strictest = {verdict, motor};
+  };
+  // The first may have no axis, and stands for all those of the module that have none.
+  look_at(intent.subject == Subject::motor ? AxisAddress{request.address, request.motor}
+                                           : AxisAddress{request.address, no_motor});
+  for (const auto& [address, motor] : motors_)
+    if (moves ? can_move(request, address) : concerns(request, address)) look_at(address);
+  return strictest;
 }
 
-// ---- leases ------------------------------------------------------------------------------------
-
-/// A line or path belongs to the gateway, not to the client that asked for it.
-bool Motors::leads(AxisAddress motor, Permit permit) const {
-  const auto claimant = claimant_of(motor);
-  return claimant.of == permit && claimant.by != Mover::nobody && claimant.by != Mover::search;
+std::optional<tmcl::Error> Motors::objection(AxisAddress motor, Permit permit,
+                                             tmcl::TimePoint now) const {
+  const auto verdict = judge_right(state_of(motor, permit), permit, now);
+  if (verdict.ruling == Ruling::allow) return std::nullopt;
+  return refusal(motor, verdict.because);
 }
 
-std::optional<tmcl::Error> Motors::objection_by_lease(AxisAddress motor, Permit permit) const {
+tmcl::Error Motors::refusal(AxisAddress motor, Obstacle because) const {
   const auto found = motors_.find(motor);
-  if (found == motors_.end() || permit.number == 0) return std::nullopt;
-  const auto tenant = tenant_of(motor);
-  if (tenant.client != 0 && tenant.client != permit.client) return leased(motor);
-  if (permit.number > found->second.last_loss) return std::nullopt;
-  return error(Errc::lease_lost, "the lease of axis '" + found->second.axis + "' was lost",
-               "lease.acquire gives a new one");
-}
-
-std::optional<tmcl::Error> Motors::objection_without_lease(AxisAddress motor, Permit permit) const {
-  const auto tenant = tenant_of(motor);
-  const bool has_lease = tenant.lease != 0 && tenant.client == permit.client;
-  const bool needs_none = !permit.needs_lease || has_lease || leads(motor, permit);
-  if (needs_none || !is_axis(motor)) return std::nullopt;
-  const auto& axis = motors_.at(motor).axis;
-  return error(Errc::not_permitted,
-               "axis '" + axis + "' moves only under a lease: 'moves_need_lease'",
-               "'tmclctl lease run " + axis + " -- COMMAND' has one while COMMAND runs");
+  const auto& it = found == motors_.end() ? Motor{} : found->second;
+  const auto axis = "axis '" + it.axis + "'";
+  switch (because) {
+    case Obstacle::claimed:
+    case Obstacle::claimed_by_search:
+    case Obstacle::claimed_by_line:
+      return error(Errc::axis_claimed, axis + " " + std::string(words_for(it.claimant.by)),
+                   "wait for its end, or stop it");
+    case Obstacle::daemon_ends: return error(Errc::daemon_ending, "the daemon is ending", {});
+    case Obstacle::no_call:
+      return error(Errc::bad_argument, "nothing moves a motor that no call has asked for", {});
+    case Obstacle::coordinates_held:
+      return error(Errc::axis_claimed, "a move to a coordinate of the module goes out",
+                   "try again");
+    case Obstacle::none:
+    case Obstacle::stopped:
+    case Obstacle::stop_owed: return error(Errc::superseded_by_stop, "a stop came first", {});
+    case Obstacle::stale:
+      return error(Errc::stale_request, stale_text(arrivals_->gaps), std::string(stale_hint));
+    case Obstacle::latched:
+      return error(Errc::latched, axis + " is latched: " + it.latch_cause,
+                   "its position and its settings are what the module starts with; search its "
+                   "reference, or, when you know that it may move, say so: 'tmclctl recover " +
+                       it.axis + "'");
+    case Obstacle::leased:
+      return error(Errc::leased, axis + " is leased to " + it.tenant.name,
+                   "wait until that releases it; a stop is always let through");
+    case Obstacle::turns_for_other:
+      return error(Errc::leased, axis + " turns for " + it.turning.name, "stop it first");
+    case Obstacle::lease_lost:
+      return error(Errc::lease_lost, "the lease of " + axis + " was lost",
+                   "lease.acquire gives a new one");
+    case Obstacle::client_gone:
+      return error(Errc::bad_argument, "the client has gone that asked for it", {});
+    case Obstacle::lease_missing:
+      return error(Errc::not_permitted, axis + " moves only under a lease: 'moves_need_lease'",
+                   "'tmclctl lease run " + it.axis + " -- COMMAND' has one while COMMAND runs");
+    case Obstacle::reference_missing:
+      return error(Errc::latched, axis + " has not searched its reference",
+                   "search it first: 'tmclctl home " + it.axis +
+                       "'; the configuration requires that: 'reference'");
+  }
+  return error(Errc::bad_argument, "it must not go out", {});
 }
 
 std::optional<tmcl::Error> Motors::objection_by_absence(Permit permit) const {
   if (arrivals_->is_there(permit.client)) return std::nullopt;
-  return error(Errc::bad_argument, "the client has gone that asked for it", {});
+  return refusal({}, Obstacle::client_gone);
 }
 
-std::optional<tmcl::Error> Motors::objection_to_write(const Request& request, Permit permit) const {
-  for (const auto& [address, motor] : motors_) {
-    if (!concerns(request, address) || leads(address, permit)) continue;
-    if (auto objection = objection_by_lease(address, permit)) return objection;
-  }
-  return std::nullopt;
+bool Motors::is_led_by(AxisAddress motor, Permit permit) const {
+  return leads(state_of(motor, permit), permit);
 }
+
+// ---- leases ------------------------------------------------------------------------------------
 
 void Motors::lease(AxisAddress motor, Tenant tenant) {
   if (is_axis(motor)) motors_.at(motor).tenant = std::move(tenant);
@@ -186,15 +205,6 @@ Tenant Motors::tenant_of(AxisAddress motor) const {
   const auto& tenant = found->second.tenant;
   const auto& turning = found->second.turning;
   return tenant.lease != 0 ? tenant : Tenant{turning.client, 0, turning.name};
-}
-
-tmcl::Error Motors::leased(AxisAddress motor) const {
-  const auto& axis = motors_.at(motor).axis;
-  const auto tenant = tenant_of(motor);
-  if (tenant.lease == 0)
-    return error(Errc::leased, "axis '" + axis + "' turns for " + tenant.name, "stop it first");
-  return error(Errc::leased, "axis '" + axis + "' is leased to " + tenant.name,
-               "wait until that releases it; a stop is always let through");
 }
 
 // ---- turning without end -----------------------------------------------------------------------
@@ -228,7 +238,7 @@ std::vector<TurningAttempt> Motors::begin_turning(const std::set<AxisAddress>& m
 TurningAttempt Motors::begin_turning(AxisAddress motor, Permit of) {
   const auto tenant = tenant_of(motor);
   const bool is_of_other = tenant.client != 0 && tenant.client != of.client;
-  if (is_of_other || leads(motor, of)) return {};
+  if (is_of_other || is_led_by(motor, of)) return {};
   auto& it = motors_.at(motor);
   TurningAttempt attempt(*this, motor, it.turning);
   ++it.turning_attempts;
@@ -253,16 +263,6 @@ void Motors::end_turning(AxisAddress motor, std::uint64_t number) {
   if (it.turning_attempts == 0 && it.turning.number == number) it.turning = {};
 }
 
-std::vector<AxisAddress> Motors::turned_for_others(const Request& request, Permit permit) const {
-  std::vector<AxisAddress> turned;
-  for (const auto& [address, motor] : motors_) {
-    const auto owner = motor.turning.client;
-    const bool by_other = owner != 0 && owner != permit.client && motor.tenant.lease == 0;
-    if (by_other && concerns(request, address)) turned.push_back(address);
-  }
-  return turned;
-}
-
 void Motors::note_turning(const Request& request, bool is_done, const Before& before) {
   const auto motion = intent_of(request).motion;
   for (auto& [address, motor] : motors_) {
@@ -273,7 +273,7 @@ void Motors::note_turning(const Request& request, bool is_done, const Before& be
     if (is_ended && motor.turning.number <= before.turnings) motor.turning = {};
     const bool is_new = motor.turning.number == 0 && !motor.axis.empty();
     const bool turns = before.turned.contains(address);
-    if (turns && is_new && !leads(address, before.of)) turn(motor, before.of);
+    if (turns && is_new && !is_led_by(address, before.of)) turn(motor, before.of);
   }
 }
 
@@ -313,23 +313,12 @@ std::uint64_t Motors::latches(AxisAddress motor) const {
 }
 
 std::optional<tmcl::Error> Motors::latched(AxisAddress motor) const {
-  const auto found = motors_.find(motor);
-  if (found == motors_.end() || found->second.latch_cause.empty()) return std::nullopt;
-  const auto& axis = found->second.axis;
-  return error(Errc::latched, "axis '" + axis + "' is latched: " + found->second.latch_cause,
-               "its position and its settings are what the module starts with; search its "
-               "reference, or, when you know that it may move, say so: 'tmclctl recover " +
-                   axis + "'");
+  if (!state_of(motor, {}).is_latched) return std::nullopt;
+  return refusal(motor, Obstacle::latched);
 }
 
 void Motors::let_search(AxisAddress motor, Permit permit) {
   if (is_axis(motor)) motors_.at(motor).searcher = permit;
-}
-
-std::optional<tmcl::Error> Motors::objection_by_latch(AxisAddress motor, Permit permit) const {
-  const auto found = motors_.find(motor);
-  const bool searches = found != motors_.end() && found->second.searcher == permit;
-  return searches ? std::nullopt : latched(motor);
 }
 
 bool Motors::is_referenced(AxisAddress motor) const {
@@ -339,24 +328,6 @@ bool Motors::is_referenced(AxisAddress motor) const {
 
 void Motors::set_referenced(AxisAddress motor, bool is_referenced) {
   if (is_axis(motor)) motors_.at(motor).is_referenced = is_referenced;
-}
-
-std::optional<tmcl::Error> Motors::misses_reference(AxisAddress motor) const {
-  if (!is_axis(motor)) return std::nullopt;
-  const auto& it = motors_.at(motor);
-  if (!it.needs_reference || it.is_referenced) return std::nullopt;
-  return error(Errc::latched, "axis '" + it.axis + "' has not searched its reference",
-               "search it first: 'tmclctl home " + it.axis +
-                   "'; the configuration requires that: 'reference'");
-}
-
-std::optional<tmcl::Error> Motors::misses_reference(const Request& request) const {
-  if (!goes_to_position(intent_of(request).motion)) return std::nullopt;
-  for (const auto& [address, motor] : motors_) {
-    auto missing = can_move(request, address) ? misses_reference(address) : std::nullopt;
-    if (missing) return missing;
-  }
-  return std::nullopt;
 }
 
 // ---- requests on their way ---------------------------------------------------------------------
@@ -466,21 +437,6 @@ Claimant Motors::claimant_of(AxisAddress motor) const {
 std::ptrdiff_t Motors::claimed_by(Mover by) const {
   return std::ranges::count_if(motors_,
                                [&](const auto& one) { return one.second.claimant.by == by; });
-}
-
-std::optional<AxisAddress> Motors::claimed_by_other(const Request& request, Permit permit) const {
-  for (const auto& [address, motor] : motors_) {
-    const bool by_other = motor.claimant.by != Mover::nobody && motor.claimant.of != permit;
-    if (by_other && can_move(request, address)) return address;
-  }
-  return std::nullopt;
-}
-
-tmcl::Error Motors::claimed(AxisAddress motor) const {
-  const auto& it = motors_.at(motor);
-  return error(Errc::axis_claimed,
-               "axis '" + it.axis + "' " + std::string(words_for(it.claimant.by)),
-               "wait for its end, or stop it");
 }
 
 void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answer,

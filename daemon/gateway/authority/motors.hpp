@@ -1,5 +1,5 @@
-/// Who may move which motor of a bus. Every request that can move one is judged here just before it
-/// goes out, see GatewayBus::run(); so no method has to think of it.
+/// What is known of the motors of a bus: stops, leases, claims, latches, references, and what turns
+/// without end. Whether a request may go out is judged by it: see judge.hpp.
 ///
 /// Calls and stops are numbered in the order in which they come in, over all buses, and a stop
 /// leaves its number with the motors that it is for. A request goes out only for a call that came
@@ -30,6 +30,7 @@
 #include <vector>
 
 #include "gateway/authority/gaps.hpp"
+#include "gateway/authority/judge.hpp"
 #include "tmcl/address.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/error.hpp"
@@ -41,16 +42,6 @@
 namespace tmcld {
 
 class AwaitedRun;
-
-/// The right of a call to move motors, from when it came in. Without one nothing moves.
-struct Permit {
-  std::uint64_t number = 0;     ///< Of the call; 0: none.
-  std::uint64_t client = 0;     ///< That made it; 0: none.
-  bool exceeds_limits = false;  ///< The limits of axes do not hold for it: see AxisLimits.
-  bool needs_lease = false;     ///< It moves only what its client has a lease of.
-  bool unattended = false;      ///< What it sets turning turns on when its client goes.
-  bool operator==(const Permit&) const = default;
-};
 
 /// In which order calls and stops came in, and who is there: one for all buses.
 struct Arrivals {
@@ -78,18 +69,6 @@ struct Turning {
   std::uint64_t number = 0;  ///< Of all turnings; 0: it does not turn.
   std::uint64_t client = 0;  ///< Its owner, with whom it ends; 0: it is unattended.
   std::string name{};        ///< Of the owner, for people.
-};
-
-/// Who moves an axis now.
-enum class Mover : std::uint8_t {
-  nobody,
-  line,
-  path,
-  mint,
-  search,
-  deadman_test,
-  verification,
-  stop,  ///< No call, until it is certain that it stands: see standing_stop.hpp.
 };
 
 struct Claimant {
@@ -171,7 +150,7 @@ class Motors {
   Motors(std::string bus, std::shared_ptr<Arrivals> arrivals)
       : bus_(std::move(bus)), arrivals_(std::move(arrivals)) {}
 
-  /// To be called before objection(): what was asked for before the reactor stood still is stale.
+  /// To be called before judge(): what was asked for before the reactor stood still is stale.
   void look_for_gap(tmcl::TimePoint now) { arrivals_->gaps.look(now); }
 
   /// There is an axis: it can be claimed.
@@ -179,16 +158,22 @@ class Motors {
 
   /// Calls that came in before this have no right to move the motor any more.
   void stop(tmcl::AxisAddress motor);
-  /// Why a call must not move a motor, or not any more: a stop came, another client has a lease of
-  /// it, the lease of the call was lost, its client has gone, the daemon has stood still since it
-  /// was asked for, or is ending.
-  std::optional<tmcl::Error> objection(tmcl::AxisAddress motor, Permit permit) const;
-  /// The same for all motors that a request can move.
-  std::optional<tmcl::Error> objection(const tmcl::Request& request, Permit permit) const;
+  /// The strictest verdict on what a request concerns, and the motor that it is about.
+  struct Judgement {
+    Verdict verdict{};
+    tmcl::AxisAddress motor{};
+    bool operator==(const Judgement&) const = default;
+  };
+  /// May the request go out now, for the call? `owes_stop`: its module.
+  Judgement judge(const tmcl::Request& request, Permit permit, tmcl::TimePoint now,
+                  bool owes_stop = false) const;
+  /// Why the call has no right any more to move the motor: see judge_right().
+  std::optional<tmcl::Error> objection(tmcl::AxisAddress motor, Permit permit,
+                                       tmcl::TimePoint now) const;
   /// Its client has gone.
   std::optional<tmcl::Error> objection_by_absence(Permit permit) const;
-  /// Why a call must not change what motors are set to: another client has a lease.
-  std::optional<tmcl::Error> objection_to_write(const tmcl::Request& request, Permit permit) const;
+  /// The error for a request that does not go out.
+  tmcl::Error refusal(tmcl::AxisAddress motor, Obstacle because) const;
 
   /// No other client moves the motor from now on.
   void lease(tmcl::AxisAddress motor, Tenant tenant);
@@ -199,8 +184,6 @@ class Motors {
   void lose_lease(tmcl::AxisAddress motor);
   /// With client 0 if it has none. Without a lease: the owner of its turning.
   Tenant tenant_of(tmcl::AxisAddress motor) const;
-  /// What everybody else is told. Only of a motor that has a tenant.
-  tmcl::Error leased(tmcl::AxisAddress motor) const;
 
   /// The client of the call owns what it sets turning, from now on: before that is sent. None of
   /// motors whose tenant is another client.
@@ -217,10 +200,6 @@ class Motors {
   /// It was seen to stand. Nothing happens while a command is on its way that may set it turning.
   /// `number`: of the turning that was known before it was looked at.
   void end_turning(tmcl::AxisAddress motor, std::uint64_t number);
-  /// What turns for other clients, of what the request concerns.
-  std::vector<tmcl::AxisAddress> turned_for_others(const tmcl::Request& request,
-                                                   Permit permit) const;
-
   /// Modules whose coordinates were checked, and stay what they are until a move to them is sent.
   ModuleMarks& coordinate_holds() { return coordinate_holds_; }
   /// Modules to which something is on its way that changes their coordinates.
@@ -242,11 +221,6 @@ class Motors {
   /// its module has not started again since.
   bool is_referenced(tmcl::AxisAddress motor) const;
   void note_reference(tmcl::AxisAddress motor) { set_referenced(motor, true); }
-  /// Why it is sent to no position: it needs a reference and has none.
-  std::optional<tmcl::Error> misses_reference(tmcl::AxisAddress motor) const;
-  /// The same for all that this request sends to a position.
-  std::optional<tmcl::Error> misses_reference(const tmcl::Request& request) const;
-
   /// The motor of an axis that is not claimed.
   [[nodiscard]] Claim claim(tmcl::AxisAddress motor, Claimant claimant);
   /// Nothing happens if the call has not claimed it.
@@ -254,12 +228,6 @@ class Motors {
   Claimant claimant_of(tmcl::AxisAddress motor) const;
   /// How many motors are claimed like this.
   std::ptrdiff_t claimed_by(Mover by) const;
-  /// A motor that a request can move, although it is claimed by another call.
-  std::optional<tmcl::AxisAddress> claimed_by_other(const tmcl::Request& request,
-                                                    Permit permit) const;
-  /// The error for a call that tries to move a claimed motor.
-  tmcl::Error claimed(tmcl::AxisAddress motor) const;
-
   /// A request that can move a motor is on its way, from begin() to end(): in the queue of the bus
   /// perhaps. A search claims the motor that it moves.
   void begin(const tmcl::Request& request, Permit of);
@@ -327,15 +295,10 @@ class Motors {
   void note_target(const tmcl::Request& request, const Before& before);
   void note_program(const tmcl::Request& request, bool is_done);
   TurningAttempt begin_turning(tmcl::AxisAddress motor, Permit of);
-  bool is_stopped_since(tmcl::AxisAddress motor, Permit permit) const;
-  std::optional<tmcl::Error> objection_to_all(Permit permit) const;
+  MotorState state_of(tmcl::AxisAddress motor, Permit permit) const;
   void note_turning(const tmcl::Request& request, bool is_done, const Before& before);
   void turn(Motor& motor, Permit of);
-  bool leads(tmcl::AxisAddress motor, Permit permit) const;
-  std::optional<tmcl::Error> objection_by_lease(tmcl::AxisAddress motor, Permit permit) const;
-  /// The call needs one, and has none.
-  std::optional<tmcl::Error> objection_without_lease(tmcl::AxisAddress motor, Permit permit) const;
-  std::optional<tmcl::Error> objection_by_latch(tmcl::AxisAddress motor, Permit permit) const;
+  bool is_led_by(tmcl::AxisAddress motor, Permit permit) const;
   tmcl::Error error(tmcl::Errc code, std::string message, std::string hint) const;
 
   std::string bus_;

@@ -19,11 +19,6 @@ class OwedStops {
   /// More than the motors of all modules that a bus has in practice.
   static constexpr std::size_t most = 256;
 
-  static bool is_stop(const tmcl::Request& request) {
-    return effect_of(request.command, request.type) == tmcl::Effect::stops ||
-           request.command == tmcl::Command::STOP_APPLICATION;
-  }
-
   /// False if there is no room for it.
   bool add(const tmcl::Request& stop) {
     if (has(stop)) return true;

@@ -165,7 +165,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
     return bus().motors().claim(address(), std::move(claimant));
   }
   /// The error for a call that tries to move a claimed motor.
-  tmcl::Error claimed() const { return bus().motors().claimed(address()); }
+  tmcl::Error claimed() const { return bus().motors().refusal(address(), Obstacle::claimed); }
   /// A reference search may have ended unseen: the module is asked.
   /// Errors: Errc::axis_claimed if another call moves it.
   Awaitable<void> be_free(RunOptions movement) { return admission_.be_free(std::move(movement)); }

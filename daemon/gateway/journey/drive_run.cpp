@@ -168,11 +168,12 @@ Admitted DriveRun::movement_of(const DriveMember& member) const {
   auto options = *member.admitted;
   options.on_answer = {};
   options.sentinel_age = journey_sentinel_age;
-  options.recheck = [this] {
-    for (const auto& one : members_)
-      if (auto check = one.admitted->recheck()) return check;
-    return std::optional<tmcl::Script<tmcl::Result<void>>>();
+  const auto changed = [this] {
+    return std::ranges::find_if(
+        members_, [](const auto& one) { return one.admitted->premise.has_changed(); });
   };
+  options.premise = {[=, this] { return changed() != members_.end(); },
+                     [=] { return changed()->admitted->premise.check(); }};
   options.objection = [this]() -> std::optional<tmcl::Error> {
     for (const auto& one : members_) {
       if (auto stop = one.movement.objection()) return stop;

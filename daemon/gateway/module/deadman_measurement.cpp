@@ -162,7 +162,7 @@ GatewayAxis::Awaitable<DeadmanPlan> Measurement::plan(std::int32_t set_ms) {
 
 std::optional<tmcl::Error> Measurement::objection() const {
   const auto& motors = axis().bus().motors();
-  auto objection = motors.objection(axis().address(), permit_);
+  auto objection = motors.objection(axis().address(), permit_, axis().bus().clock().now());
   return objection ? objection : motors.objection_by_absence(permit_);
 }
 

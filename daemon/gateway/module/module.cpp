@@ -11,7 +11,6 @@ namespace {
 
 using tmcl::Result;
 using tmcl::Script;
-using Verdict = Sentinel::Verdict;
 
 /// Longer than the timer of any module takes to go on.
 constexpr tmcl::Duration time_to_tick = std::chrono::milliseconds(50);
@@ -83,7 +82,7 @@ Script<Result<void>> GatewayModule::watch(tmcl::Duration max_age) {
 
 Script<Result<void>> GatewayModule::look_after() {
   const auto seen = co_await must(look_at_sentinel());
-  if (seen != Verdict::same) co_await must(meet());
+  if (seen != Sentinel::Verdict::same) co_await must(meet());
   co_return Result<void>{};
 }
 
@@ -101,9 +100,10 @@ Script<Result<void>> GatewayModule::meet() {
   if (runs) {
     const auto seen = co_await must(look_at_sentinel());
     // At once: other calls meanwhile find nothing new.
-    if (seen != Verdict::same) sentinel_.forget();
-    if (seen == Verdict::restarted) latch(GatewayEvent::Kind::module_reset, "has started again");
-    if (seen != Verdict::same) co_await must(look_at_sentinel());
+    if (seen != Sentinel::Verdict::same) sentinel_.forget();
+    if (seen == Sentinel::Verdict::restarted)
+      latch(GatewayEvent::Kind::module_reset, "has started again");
+    if (seen != Sentinel::Verdict::same) co_await must(look_at_sentinel());
     co_await must(mark());
     co_await must(deadman_.adopt(found));
   }
@@ -111,39 +111,39 @@ Script<Result<void>> GatewayModule::meet() {
   co_return Result<void>{};
 }
 
-Script<Result<Verdict>> GatewayModule::look_at_sentinel() {
+Script<Result<Sentinel::Verdict>> GatewayModule::look_at_sentinel() {
   if (!sentinel_.in_doubt()) {
     const auto first = co_await must(judge_sentinel(tmcl::Proof::none));
-    if (first == Verdict::same) co_return first;
+    if (first == Sentinel::Verdict::same) co_return first;
     // It could have been the answer to something else. Should nothing more be answered, that stays.
     sentinel_.doubt();
   }
   auto seen = co_await must(judge_sentinel(tmcl::Proof::followed));
-  if (seen == Verdict::missing) {
+  if (seen == Sentinel::Verdict::missing) {
     auto left = co_await give_up_sentinel("it has no " + sentinel_.name());
     co_return left;
   }
-  if (seen != Verdict::same && sentinel_.may_stand()) {
+  if (seen != Sentinel::Verdict::same && sentinel_.may_stand()) {
     co_await tmcl::pause(time_to_tick);
     seen = co_await must(judge_sentinel(tmcl::Proof::followed));
-    if (seen != Verdict::same && sentinel_.may_stand()) {
+    if (seen != Sentinel::Verdict::same && sentinel_.may_stand()) {
       auto left = co_await give_up_sentinel("its tick timer stands");
       co_return left;
     }
   }
-  if (seen != Verdict::same) co_return seen;
+  if (seen != Sentinel::Verdict::same) co_return seen;
   // One that fits may be late, from before a restart: only the next one says that it is not.
   seen = co_await must(judge_sentinel(tmcl::Proof::followed));
-  if (seen == Verdict::same) sentinel_.end_doubt();
+  if (seen == Sentinel::Verdict::same) sentinel_.end_doubt();
   co_return seen;
 }
 
-Script<Result<Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proof) {
+Script<Result<Sentinel::Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proof) {
   if (sentinel_.wants_to_know_programs()) {
     const bool starts = co_await must(deadman_.starts_program());
     sentinel_.note_programs(starts);
   }
-  if (!sentinel_.watches()) co_return Verdict::same;
+  if (!sentinel_.watches()) co_return Sentinel::Verdict::same;
   tmcl::CallOptions options;
   options.proof = proof;
   const auto question = sentinel_.question(address_);
@@ -151,7 +151,7 @@ Script<Result<Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proof) {
   if (answer) deadman_.note_answer(*answer);
   if (answer) co_return sentinel_.take(Sentinel::Reading::of(question, *answer));
   if (answer.error().outcome != tmcl::Outcome::refused) co_return tl::unexpected(answer.error());
-  co_return Verdict::missing;
+  co_return Sentinel::Verdict::missing;
 }
 
 void GatewayModule::note_sentinel(const tmcl::Request& question,
@@ -172,7 +172,7 @@ void GatewayModule::note_sent(const tmcl::Request& request) {
   if (writes) sentinel_.forget();
 }
 
-Script<Result<Verdict>> GatewayModule::give_up_sentinel(std::string why) {
+Script<Result<Sentinel::Verdict>> GatewayModule::give_up_sentinel(std::string why) {
   sentinel_.give_up();
   bus_.log(LogLevel::warning,
            bus_.name() + ": module " + std::to_string(number(address_)) +

@@ -86,6 +86,11 @@ constexpr bool is_unpredictable(Motion motion) {
   return motion == Motion::by_program || motion == Motion::unforeseen;
 }
 
+/// It ends what moves a motor, and starts nothing.
+constexpr bool is_stop(const Intent& intent) {
+  return intent.effect == Effect::stops || intent.motion == Motion::ends_program;
+}
+
 /// It can start, prolong or redirect a movement: now, or when the module starts again.
 bool can_move(const Request& request);
 /// The same, of this motor.
