@@ -23,7 +23,7 @@ constexpr int repeat_every = 10;
 /// gateway stands still now and then.
 Trouble trouble_of(std::uint64_t seed) {
   if (const char* given = std::getenv("TMCL_WORLD")) return trouble_from(given);
-  Trouble trouble{.faults = {.lost = 20}, .gaps = seed % 3 == 0};
+  Trouble trouble{.faults = {.lost = 20}, .gaps = seed % 3 == 0, .raw = seed % 4 != 0};
   if (seed % 2 == 0) trouble.faults = {.lost = 20, .late = 20, .doubled = 10};
   return trouble;
 }

@@ -44,6 +44,15 @@ struct WorldCall {
   std::uint64_t client = 0;
   /// The parameter that it reads, or the lease that it is about.
   std::int64_t about = 0;
+  /// What it is to send.
+  std::optional<tmcl::Request> raw{};
+  /// Where to is in its module.
+  std::optional<std::uint8_t> coordinate{};
+
+  bool stops() const {
+    return method == "axis.stop" || method == "system.stop_all" ||
+           (raw && raw->command == tmcl::Command::MST);
+  }
 };
 
 class Ledger {
@@ -60,10 +69,9 @@ class Ledger {
     std::string names;
     for (const auto& axis : call.axes) names += " " + axis;
     note(now, "call " + std::to_string(number) + ": " + call.method + names);
-    const bool stops = call.method == "axis.stop" || call.method == "system.stop_all";
     if (call.method == "axis.recover") restarts_.allow(call.axes.front(), number);
     if (call.method == "lease.release") owners_.release(call.about);
-    if (stops) {
+    if (call.stops()) {
       for (const auto& axis : call.axes) stops_[axis].push_back({number, now, false});
     } else {
       running_.emplace(number, Running{std::move(call), now});
@@ -207,7 +215,8 @@ class Ledger {
   static bool is_movement(const WorldCall& call) {
     return call.method.starts_with("axis.move") || call.method == "axis.rotate" ||
            call.method == "axis.home" || call.method == "line.move" ||
-           call.method == "parameter.set";
+           call.method == "parameter.set" || call.coordinate ||
+           (call.raw && moves(*call.raw, call.raw->motor));
   }
 
   void note(tmcl::TimePoint time, const std::string& what) {
@@ -220,7 +229,10 @@ class Ledger {
   void note_turning(const WorldAxis& axis, const tmcl::Request& request, std::uint64_t client,
                     tmcl::TimePoint now) {
     using tmcl::Command;
-    const bool turns = request.command == Command::ROR || request.command == Command::ROL;
+    const bool by_parameter =
+        request.command == Command::SAP && request.type == tmcl::axis_parameter::target_velocity;
+    const bool turns =
+        by_parameter || request.command == Command::ROR || request.command == Command::ROL;
     if (turns && request.value != 0) {
       // Who does not hear it does not turn.
       if (!restarts_.is_deaf(axis.name, now)) owners_.turn(axis.name, client, now);
@@ -273,6 +285,7 @@ class Ledger {
     if (searches || call.method == "axis.home") return searches && call.method == "axis.home";
     const bool by_position = request.command == tmcl::Command::MVP;
     const bool to_coordinate = by_position && request.type == 2;
+    if (to_coordinate && call.coordinate) return *call.coordinate == request.value;
     if (to_coordinate)
       return call.method == "line.move" && starts_all_of_module(call, request, axis);
     if (call.distance && by_position)

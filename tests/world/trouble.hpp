@@ -46,6 +46,7 @@ struct Trouble {
   int calls = 40;  ///< Of each client.
   Canary canary = Canary::none;
   bool gaps = false;  ///< The process of the gateway is stopped for a while.
+  bool raw = false;   ///< Clients send raw commands, and move to coordinates, too.
 };
 
 /// Numbers in a fixed order, as TMCL_WORLD takes them.
@@ -54,7 +55,7 @@ inline std::string to_text(const Trouble& trouble) {
   const auto& faults = trouble.faults;
   text << faults.lost << ',' << faults.late << ',' << faults.doubled << ',' << trouble.deaths << ','
        << trouble.supplies << ',' << trouble.clients << ',' << trouble.calls << ','
-       << static_cast<int>(trouble.canary) << ',' << trouble.gaps;
+       << static_cast<int>(trouble.canary) << ',' << trouble.gaps << (trouble.raw ? ",1" : "");
   return text.str();
 }
 
@@ -68,7 +69,10 @@ inline Trouble trouble_from(const std::string& text) {
       comma >> trouble.supplies >> comma >> trouble.clients >> comma >> trouble.calls >> comma >>
       canary >> comma >> trouble.gaps;
   trouble.canary = static_cast<Canary>(canary);
-  if (!in) throw std::invalid_argument("TMCL_WORLD: nine numbers, see tests/world/trouble.hpp");
+  const bool is_whole = !in.fail();
+  in >> comma >> trouble.raw;
+  if (!is_whole)
+    throw std::invalid_argument("TMCL_WORLD: nine or ten numbers, see tests/world/trouble.hpp");
   return trouble;
 }
 
@@ -80,6 +84,7 @@ inline std::vector<Trouble> simpler(const Trouble& trouble) {
     change(less);
     if (to_text(less) != to_text(trouble)) all.push_back(less);
   };
+  with([](Trouble& less) { less.raw = false; });
   with([](Trouble& less) { less.gaps = false; });
   with([](Trouble& less) { less.supplies = false; });
   with([](Trouble& less) { less.deaths = false; });

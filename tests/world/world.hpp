@@ -19,6 +19,7 @@
 #include "config/load.hpp"
 #include "gateway/gateway.hpp"
 #include "log/log.hpp"
+#include "tmcl/command_type.hpp"
 #include "tmcl/virtual_time.hpp"
 #include "world/feeding.hpp"
 #include "world/ledger.hpp"
@@ -327,7 +328,7 @@ class World {
     const auto& axis = all[static_cast<std::size_t>(random.between(0, 5))].name;
     params["axis"] = axis;
     const auto value = static_cast<std::int32_t>(far(random));
-    switch (random.between(0, 21)) {
+    switch (random.between(0, trouble_.raw ? 27 : 21)) {
       case 0:
       case 1: return {"axis.stop", {axis}};
       case 2: params.clear(); return {"system.stop_all", names_of(all)};
@@ -369,8 +370,61 @@ class World {
         params["parameter"] = parameter;
         return {.method = "parameter.get", .axes = {axis}, .about = parameter};
       }
+      case 22: return coordinate(random, axis, params);
+      case 23:
+      case 24:
+      case 25:
+      case 26:
+      case 27: return raw(random, client, axis, params);
       default: return {"axis.get_state", {axis}};
     }
+  }
+
+  static WorldCall coordinate(Random& random, const std::string& axis, json::object& params) {
+    const auto number = static_cast<std::uint8_t>(random.between(1, 2));
+    params["number"] = number;
+    if (!random.one_in(2))
+      return {.method = "coordinate.move", .axes = {axis}, .coordinate = number};
+    params["position_microsteps"] = far(random);
+    return {"coordinate.set", {axis}};
+  }
+
+  /// A command as it goes on the wire: one that moves, sets or stops.
+  WorldCall raw(Random& random, int client, const std::string& axis, json::object& params) const {
+    using tmcl::Command;
+    namespace ap = tmcl::axis_parameter;
+    const auto value = static_cast<std::int32_t>(far(random));
+    const auto speed = value / 200;
+    switch (random.between(0, 7)) {
+      case 0:
+        // As of a distance above.
+        if (client != 0) break;
+        return raw_call(axis, Command::MVP, tmcl::move_type::relative, value, params, {}, value);
+      case 1:
+        return raw_call(axis, Command::MVP, tmcl::move_type::absolute, value, params, {value});
+      case 2: return raw_call(axis, Command::ROR, 0, speed, params, {speed});
+      case 3: return raw_call(axis, Command::ROL, 0, speed, params, {-speed});
+      case 4: return raw_call(axis, Command::SAP, ap::target_position, value, params, {value});
+      case 5: return raw_call(axis, Command::SAP, ap::target_velocity, speed, params, {speed});
+      case 6: return raw_call(axis, Command::SAP, ap::max_velocity, 1'000, params, {});
+      default: break;
+    }
+    return raw_call(axis, Command::MST, 0, 0, params, {});
+  }
+
+  static WorldCall raw_call(const std::string& name, tmcl::Command command, std::uint8_t type,
+                            std::int32_t value, json::object& params,
+                            std::vector<std::int32_t> values,
+                            std::optional<std::int32_t> distance = {}) {
+    static const auto all = axes();
+    const auto& axis = *std::ranges::find(all, name, &WorldAxis::name);
+    const auto module = number(axis.address.module);
+    params = {
+        {"bus", axis.bus}, {"address", module},           {"command", static_cast<int>(command)},
+        {"type", type},    {"motor", axis.address.motor}, {"value", value}};
+    WorldCall call{"module.execute", {name}, std::move(values), distance};
+    call.raw = tmcl::Request{axis.address.module, command, type, axis.address.motor, value};
+    return call;
   }
 
   WorldCall lease(Random& random, std::uint64_t client, json::object& params) const {
