@@ -357,7 +357,7 @@ awaitable<void> Daemon::end(Daemon& daemon) {
 
 bool Daemon::is_opening_links() const {
   return std::ranges::any_of(gateway_->buses(),
-                             [](const auto& bus) { return bus->is_opening_link(); });
+                             [](const auto& bus) { return bus->link().is_opening(); });
 }
 
 }  // namespace tmcld

@@ -112,7 +112,7 @@ Answer<bus::Trace> trace(Call& call, const bus::Trace& params) {
   constexpr std::int32_t default_limit = 256;
   const auto bus = bus_of(call, params.bus);
   if (!bus) co_return tl::unexpected(bus.error());
-  const auto& log = (*bus)->traffic();
+  const auto& log = (*bus)->link().traffic();
   const auto limit = static_cast<std::uint64_t>(params.limit.value_or(default_limit));
   const auto newest = log.last() - std::min(log.last(), limit);
   // What was numbered by an earlier daemon says nothing.

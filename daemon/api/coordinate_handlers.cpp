@@ -85,8 +85,8 @@ Answer<coordinate::Start> start_coordinate(Call& call, const coordinate::Start& 
   if (!module) co_return tl::unexpected(module.error());
   const tmcl::MotorMask motors{static_cast<std::uint8_t>(mask_of(params.motors))};
   // The module reads the coordinates again: they stay what they are from the check to the move.
-  const auto hold = module->bus->motors().coordinate_holds().set(module->address);
-  const auto settled = co_await run_on(*module, call, module->bus->hold_still(module->address));
+  const auto hold = module->bus->motors().coordinates().holds.set(module->address);
+  const auto settled = co_await run_on(*module, call, module->bus->gate().hold_still(module->address));
   if (!settled) co_return tl::unexpected(settled.error());
   auto complaint = co_await check_limits(call, params, *module, motors);
   if (complaint) co_return tl::unexpected(std::move(*complaint));

@@ -83,7 +83,7 @@ Answer<firmware::Upload> upload_firmware(Call& call, const firmware::Upload& par
   if (!module) co_return tl::unexpected(module.error());
   // Before its motors are stopped.
   const tmcl::Request entry{module->address, tmcl::Command::ENTER_BOOTLOADER, 0, 0, 0};
-  auto may_begin = co_await run_on(*module, call, module->bus->may_send(entry, call.permit));
+  auto may_begin = co_await run_on(*module, call, module->bus->gate().may_send(entry, call.permit));
   if (!may_begin) co_return tl::unexpected(std::move(may_begin.error()));
   auto image = take_image(call, params);
   if (!image) co_return tl::unexpected(std::move(image.error()));

@@ -274,8 +274,8 @@ PortConduct::Awaitable<tmcl::Answer> PortConduct::act_on(Axes axes, tmcl::Reques
   if (axes.size() == 1) co_return co_await axes.front()->execute(request, std::move(options));
   if (intent_of(request).subject != tmcl::Subject::several)
     co_return co_await bus_->execute(request, std::move(options));
-  const auto hold = bus_->motors().coordinate_holds().set(request.address);
-  auto still = bus_->hold_still(request.address);
+  const auto hold = bus_->motors().coordinates().holds.set(request.address);
+  auto still = bus_->gate().hold_still(request.address);
   const auto settled = co_await bus_->run(std::move(still), options);
   if (!settled) co_return tl::unexpected(settled.error());
   for (const auto& axis : axes) {

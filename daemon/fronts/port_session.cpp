@@ -180,7 +180,7 @@ awaitable<void> PortSession::carry_out(AskedPtr asked) {
   auto answer = co_await answer_to(asked, deadline);
   note(*asked, answer);
   end(*asked, told_about(request, answer, host_address(request.address),
-                         bus_->traffic().last_reply_to(asked->permit.client)));
+                         bus_->link().traffic().last_reply_to(asked->permit.client)));
 }
 
 /// A stop does not wait until it is clear whom it reaches.

@@ -5,7 +5,6 @@
 
 #include <unistd.h>
 
-#include "async/elsewhere.hpp"
 #include "async/gather.hpp"
 #include "async/spawn.hpp"
 #include "gateway/axis/raw_command.hpp"
@@ -25,44 +24,33 @@ constexpr tmcl::Duration stable_after = 2s;
 constexpr tmcl::Duration module_check_interval = 2s;
 constexpr std::string_view why_retired = "the configuration of this bus has changed";
 
-tmcl::BusCounters sum(tmcl::BusCounters a, const tmcl::BusCounters& b) {
-  a.requests += b.requests;
-  a.replies += b.replies;
-  a.timeouts += b.timeouts;
-  a.late_replies += b.late_replies;
-  a.unexpected_replies += b.unexpected_replies;
-  a.garbage_bytes += b.garbage_bytes;
-  a.fences += b.fences;
-  a.surplus += b.surplus;
-  a.suspect += b.suspect;
-  return a;
+awaitable<void> feed(std::shared_ptr<GatewayBus> bus, GatewayModule& module,
+                     tmcl::TimePoint deadline) {
+  co_await module.feed(deadline);
+  bus->look_at_feeding();
+}
+
+std::string names_of_moving(const Motors& motors) {
+  std::string names;
+  for (const auto& axis : motors.under_way())
+    names += (names.empty() ? "; axes that may move: '" : ", '") + axis + "'";
+  return names;
 }
 
 }  // namespace
-
-std::string_view name_of(GatewayBus::State state) {
-  switch (state) {
-    case GatewayBus::State::opening: return "opening";
-    case GatewayBus::State::open: return "open";
-    case GatewayBus::State::lost: return "lost";
-  }
-  return {};
-}
 
 GatewayBus::GatewayBus(const boost::asio::any_io_executor& executor, BusConfig config,
                        OpenLink open_link, LogSink log, OnGatewayEvent on_event,
                        std::shared_ptr<Arrivals> arrivals)
     : executor_(executor),
       config_(std::move(config)),
-      open_link_(std::move(open_link)),
       log_(std::move(log)),
       on_event_(std::move(on_event)),
       clock_(executor),
       changed_(executor),
-      traffic_(std::make_shared<TrafficLog>(is_can() ? tmcl::Framing::can : tmcl::Framing::serial,
-                                            config_.bus_options.host_address)),
+      link_(executor, config_, std::move(open_link)),
       feeding_(executor),
-      motors_(config_.name, std::move(arrivals)) {}
+      gate_(*this, config_.name, std::move(arrivals)) {}
 
 void GatewayBus::start() {
   spawn(executor_, serve(shared_from_this()));
@@ -71,14 +59,14 @@ void GatewayBus::start() {
 
 void GatewayBus::close() {
   closed_ = true;
-  if (bus_) bus_->close();
+  if (line()) line()->close();
   changed_.notify();
   feeding_.notify();
 }
 
 void GatewayBus::stop_at_once() const noexcept {
-  if (!bus_) return;
-  motors_.for_each([this](tmcl::AxisAddress motor) { bus_->stop_at_once(motor); });
+  if (!line()) return;
+  motors().for_each([this](tmcl::AxisAddress motor) { line()->stop_at_once(motor); });
 }
 
 void GatewayBus::retire() {
@@ -87,16 +75,12 @@ void GatewayBus::retire() {
   close();
 }
 
-tmcl::BusCounters GatewayBus::counters() const {
-  return bus_ ? sum(earlier_counters_, bus_->counters()) : earlier_counters_;
-}
-
 // ---- opening, losing, opening again ------------------------------------------------------------
 
 awaitable<void> GatewayBus::serve(std::shared_ptr<GatewayBus> self) {
   auto retry = shortest_retry;
   while (!self->closed_) {
-    if (!self->bus_ && !co_await self->open()) {
+    if (!self->line() && !co_await self->open()) {
       co_await self->rest(retry);
       retry = std::min(2 * retry, longest_retry);
       continue;
@@ -116,31 +100,23 @@ awaitable<void> GatewayBus::rest(tmcl::Duration duration) {
 }
 
 tmcl::Result<void> GatewayBus::open_now() {
-  auto link = open_link_(config_);
+  auto link = link_.open_now();
   if (!link) return tl::unexpected(std::move(link.error()));
   attach(std::move(*link));
   return {};
 }
 
 awaitable<bool> GatewayBus::open() {
-  opening_link_ = true;
-  auto work = [open = open_link_, config = config_] { return open(config); };
-  auto link = co_await elsewhere(opener_, std::move(work));
-  opening_link_ = false;
+  auto link = co_await link_.open();
   if (closed_) co_return false;
   if (!link) {
-    report_failure(link.error());
+    auto why = link.error().message + (link.error().hint.empty() ? "" : "; " + link.error().hint);
+    if (link_.note_error(std::move(why)))
+      log(LogLevel::warning, config_.name + ": cannot be opened: " + link_.error());
     co_return false;
   }
   attach(std::move(*link));
   co_return true;
-}
-
-void GatewayBus::report_failure(const tmcl::Error& error) {
-  auto why = error.message + (error.hint.empty() ? "" : "; " + error.hint);
-  if (why == error_) return;
-  error_ = std::move(why);
-  log(LogLevel::warning, config_.name + ": cannot be opened: " + error_);
 }
 
 void GatewayBus::log(LogLevel level, const std::string& line) {
@@ -148,20 +124,17 @@ void GatewayBus::log(LogLevel level, const std::string& line) {
 }
 
 void GatewayBus::audit(std::string line) const {
-  if (audit_) audit_({::geteuid(), ::getpid(), "bus=" + name() + " " + std::move(line)});
+  if (records_.audit)
+    records_.audit({::geteuid(), ::getpid(), "bus=" + name() + " " + std::move(line)});
 }
 
 void GatewayBus::attach(tmcl::Link link) {
-  const bool again = state_ == State::lost;
-  bus_ = std::make_shared<tmcl::Bus>(executor_, std::move(link), config_.bus_options);
   // The handler dies with the bus, which does not outlive this object by more than its verbs do.
-  bus_->on_event([weak = weak_from_this()](const tmcl::BusEvent& event) {
+  auto on_event = [weak = weak_from_this()](const tmcl::BusEvent& event) {
     if (const auto self = weak.lock()) self->on_bus_event(event);
-  });
-  bus_->on_traffic([log = traffic_](const tmcl::Traffic& traffic) { log->note(traffic); });
-  state_ = State::open;
-  error_.clear();
-  for (const auto module : owed_stops_.modules()) send_owed_stops(module);
+  };
+  const bool again = link_.attach(std::move(link), std::move(on_event));
+  gate_.send_owed_stops();
   if (again) {
     emit({GatewayEvent::Kind::link_restored, config_.name, {}, 0, to_string(config_.link)});
   } else {
@@ -170,23 +143,19 @@ void GatewayBus::attach(tmcl::Link link) {
 }
 
 void GatewayBus::detach() {
-  earlier_counters_ = sum(earlier_counters_, bus_->counters());
-  bus_->on_event({});
-  bus_.reset();
-  state_ = State::lost;
-  ++commands_;
-  if (error_.empty()) error_ = "the link was lost";
+  link_.detach();
+  gate_.note_lost_link();
   for (auto& [address, module] : modules_) module->forget_state();
 }
 
 awaitable<void> GatewayBus::look_after_modules() {
-  const auto bus = bus_;
+  const auto bus = line();
   while (!closed_ && bus->is_open()) {
     // A module that does not answer keeps a serial line busy: no axis on a path can wait for that.
     std::vector<awaitable<tmcl::Result<void>>> questions;
     for (auto& [address, module] : modules_) {
       if (has_paths() || module->state() == GatewayModule::State::ready) continue;
-      if (!module->is_configured() && !owes_stop(address)) continue;
+      if (!module->is_configured() && !gate_.owes_stop(address)) continue;
       questions.push_back(module->be_ready());
     }
     if (!questions.empty()) co_await gather(std::move(questions));
@@ -209,12 +178,6 @@ awaitable<void> GatewayBus::feed_modules(std::shared_ptr<GatewayBus> self) {
   }
 }
 
-awaitable<void> GatewayBus::feed(std::shared_ptr<GatewayBus> self, GatewayModule& module,
-                                 tmcl::TimePoint deadline) {
-  co_await module.feed(deadline);
-  self->look_at_feeding();
-}
-
 void GatewayBus::on_bus_event(const tmcl::BusEvent& event) {
   using Kind = GatewayEvent::Kind;
   switch (event.kind) {
@@ -226,18 +189,11 @@ void GatewayBus::on_bus_event(const tmcl::BusEvent& event) {
     case tmcl::BusEvent::Kind::link_condition:
       return emit({Kind::link_condition, config_.name, {}, 0, event.text});
     case tmcl::BusEvent::Kind::link_lost:
-      error_ = event.text;
+      link_.note_error(event.text);
       changed_.notify();
       if (closed_) return;
-      return emit({Kind::link_lost, config_.name, {}, 0, event.text + names_of_moving()});
+      return emit({Kind::link_lost, config_.name, {}, 0, event.text + names_of_moving(motors())});
   }
-}
-
-std::string GatewayBus::names_of_moving() const {
-  std::string names;
-  for (const auto& axis : motors_.under_way())
-    names += (names.empty() ? "; axes that may move: '" : ", '") + axis + "'";
-  return names;
 }
 
 void GatewayBus::emit(GatewayEvent event) {
@@ -284,6 +240,11 @@ GatewayModule* GatewayBus::find_module(tmcl::ModuleAddress address) const {
   return found == modules_.end() ? nullptr : found->second.get();
 }
 
+const tmcl::Model* GatewayBus::model_of(tmcl::ModuleAddress address) const {
+  const auto* module = find_module(address);
+  return module == nullptr ? nullptr : module->model();
+}
+
 GatewayModule& GatewayBus::add_module(tmcl::ModuleAddress address) {
   auto& module = modules_[address];
   if (module) return *module;
@@ -299,9 +260,10 @@ tmcl::Error GatewayBus::not_open() const {
   tmcl::Error error;
   error.code = tmcl::Errc::link_lost;
   error.outcome = tmcl::Outcome::not_sent;
-  error.message = retired_  ? std::string(why_retired)
-                  : closed_ ? "the daemon is ending"
-                            : "the bus is not open" + (error_.empty() ? "" : ": " + error_);
+  error.message = retired_ ? std::string(why_retired)
+                  : closed_
+                      ? "the daemon is ending"
+                      : "the bus is not open" + (link_.error().empty() ? "" : ": " + link_.error());
   error.hint =
       closed_ ? "" : "it is opened again as soon as that is possible; check cable and power";
   error.bus = config_.name;
@@ -310,10 +272,10 @@ tmcl::Error GatewayBus::not_open() const {
 
 awaitable<tmcl::Result<tmcl::Answer>> GatewayBus::execute(tmcl::Request request,
                                                           RunOptions options) {
-  if (!bus_) {
+  if (!line()) {
     auto error = not_open();
     error.request = request;
-    if (is_stop(intent_of(request)) && owe(request)) error.hint = owed_stop_hint;
+    if (is_stop(intent_of(request)) && gate_.owe(request)) error.hint = owed_stop_hint;
     co_return tl::unexpected(std::move(error));
   }
   auto* module = find_module(request.address);

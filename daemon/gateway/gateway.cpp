@@ -72,15 +72,13 @@ void Gateway::add_buses(const Config& config) {
     }
     buses.push_back(std::make_shared<GatewayBus>(executor_, bus, options_.open_link, options_.log,
                                                  tell, arrivals_));
-    buses.back()->keep_audit(options_.audit);
-    buses.back()->keep_deadmen(deadmen_);
-    if (journal_) buses.back()->keep_journal(journal_);
-    buses.back()->on_search(
+    buses.back()->keep({journal_, deadmen_, options_.audit});
+    buses.back()->gate().on_search(
         [weak = weak_from_this(), of = buses.back().get()](tmcl::AxisAddress motor, Permit permit) {
           const auto self = weak.lock();
           if (auto axis = self ? self->find_axis(*of, motor) : nullptr) watch_search(axis, permit);
         });
-    buses.back()->on_setting(
+    buses.back()->gate().on_setting(
         [weak = weak_from_this(), of = buses.back().get()](
             tmcl::AxisAddress motor, std::uint8_t parameter, std::optional<std::int32_t> value) {
           const auto self = weak.lock();
@@ -131,7 +129,7 @@ std::vector<std::shared_ptr<GatewayBus>> Gateway::changed_by(const Config& confi
 }
 
 void Gateway::adopt(const Config& config) {
-  std::erase_if(retired_, [](const auto& bus) { return !bus->is_opening_link(); });
+  std::erase_if(retired_, [](const auto& bus) { return !bus->link().is_opening(); });
   const auto closed = changed_by(config);
   const auto is_closed = [&](const GatewayBus& bus) {
     return std::ranges::any_of(closed, [&](const auto& one) { return one.get() == &bus; });
@@ -172,7 +170,7 @@ std::string why_held(const GatewayAxis& axis, const Leases& leases) {
     case Mover::nobody:
     case Mover::search: break;
   }
-  if (axis.bus().owes_stop(axis.address()) && axis.bus().motors().may_move(axis.address()))
+  if (axis.bus().gate().owes_stop(axis.address()) && axis.bus().motors().may_move(axis.address()))
     return "stop";
   const auto* lease = leases.of(axis);
   if (lease != nullptr && lease->terms.stops) return "lease";
@@ -359,8 +357,8 @@ void Gateway::close() {
 }
 
 void Gateway::join() {
-  for (const auto& bus : buses_) bus->wait_for_opener();
-  for (const auto& bus : retired_) bus->wait_for_opener();
+  for (const auto& bus : buses_) bus->link().wait_for_opener();
+  for (const auto& bus : retired_) bus->link().wait_for_opener();
   planner.join();
   if (journal_) journal_->join();
   deadmen_->join();

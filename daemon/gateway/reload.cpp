@@ -106,7 +106,7 @@ awaitable<Objection> objection_of_motion(std::shared_ptr<Gateway> gateway, const
 /// Changes with everything that is sent and is no question.
 std::uint64_t commands_to(const Buses& buses) {
   std::uint64_t commands = 0;
-  for (const auto& bus : buses) commands += bus->commands();
+  for (const auto& bus : buses) commands += bus->gate().commands();
   return commands;
 }
 

@@ -27,7 +27,7 @@ tmcl::Request AxisAdmission::any_move() const {
 
 AxisAdmission::Awaitable<void> AxisAdmission::be_free(RunOptions movement) {
   movement.permit.needs_no_reference = true;
-  auto script = axis_.bus().may_send(any_move(), movement.permit);
+  auto script = axis_.bus().gate().may_send(any_move(), movement.permit);
   auto free = co_await axis_.run(std::move(script), std::move(movement));
   co_return free;
 }
@@ -85,7 +85,7 @@ bool AxisAdmission::goes_to_position(const AxisAction& action) const {
 AxisAdmission::Script<void> AxisAdmission::check_now(AxisAction action, Permit permit) {
   if (needs_free_axis(action)) {
     // First: a search that has ended unseen may have found the reference.
-    auto free = co_await axis_.bus().may_send(any_move(), permit);
+    auto free = co_await axis_.bus().gate().may_send(any_move(), permit);
     if (!free) co_return free;
   }
   auto checked = co_await check(std::move(action));

@@ -69,7 +69,10 @@ constexpr auto rows = std::to_array<Row>({
        return it.permit.number != 0 && !it.is_led() && it.permit.number <= it.state.last_loss;
      }},
     {Obstacle::client_gone, Ruling::refuse, of_right,
-     [](const Case& it) { return it.moves() && !it.is_led() && it.state.is_client_gone; }},
+     [](const Case& it) {
+       const bool is_its_own = !it.is_led() || it.permit.ends_with_client;
+       return it.moves() && is_its_own && it.state.is_client_gone;
+     }},
     {Obstacle::lease_missing, Ruling::refuse, of_now,
      [](const Case& it) {
        const bool has_lease = it.state.leased_to != 0 && it.state.leased_to == it.permit.client;

@@ -24,6 +24,7 @@ struct Permit {
   bool needs_lease = false;         ///< It moves only what its client has a lease of.
   bool unattended = false;          ///< What it sets turning turns on when its client goes.
   bool needs_no_reference = false;  ///< It counts from where an axis stands.
+  bool ends_with_client = false;    ///< Also what it leads.
   /// Of one call.
   bool operator==(const Permit& other) const { return number == other.number; }
 };

@@ -119,7 +119,7 @@ Lease Leases::renew(std::int32_t number, tmcl::Duration ttl) {
 void Leases::release(std::int32_t number) {
   const auto found = leases_.find(number);
   if (found == leases_.end()) return;
-  for (const auto& axis : found->second.axes) motors_of(*axis).end_lease(axis->address());
+  for (const auto& axis : found->second.axes) motors_of(*axis).lease(axis->address(), {});
   leases_.erase(found);
   changed_.notify();
 }

@@ -80,7 +80,7 @@ MotorState Motors::state_of(AxisAddress motor, Permit permit) const {
   state.last_stale = arrivals_->gaps.last_stale();
   state.turned_last = arrivals_->gaps.looked();
   state.is_client_gone = !arrivals_->is_there(permit.client);
-  state.has_held_coordinates = coordinate_holds_.has(motor.module);
+  state.has_held_coordinates = coordinates_.holds.has(motor.module);
   state.is_axis = is_axis(motor);
   if (!state.is_axis) state.last_stop = std::max(state.last_stop, last_stop_of_others_);
   const auto found = motors_.find(motor);
@@ -173,11 +173,6 @@ tmcl::Error Motors::refusal(AxisAddress motor, Obstacle because) const {
   return error(Errc::bad_argument, "it must not go out", {});
 }
 
-std::optional<tmcl::Error> Motors::objection_by_absence(Permit permit) const {
-  if (arrivals_->is_there(permit.client)) return std::nullopt;
-  return refusal({}, Obstacle::client_gone);
-}
-
 bool Motors::is_led_by(AxisAddress motor, Permit permit) const {
   return leads(state_of(motor, permit), permit);
 }
@@ -188,14 +183,12 @@ void Motors::lease(AxisAddress motor, Tenant tenant) {
   if (is_axis(motor)) motors_.at(motor).tenant = std::move(tenant);
 }
 
-void Motors::end_lease(AxisAddress motor) { lease(motor, {}); }
-
 void Motors::lose_lease(AxisAddress motor) {
   if (!is_axis(motor)) return;
   auto& lost = motors_.at(motor);
   // Whether it turns on without its owner, the lease has said.
   if (lost.turning.client == lost.tenant.client) lost.turning.client = 0;
-  end_lease(motor);
+  lost.tenant = {};
   lost.last_loss = arrivals_->admit().number;
 }
 

@@ -170,15 +170,11 @@ class Motors {
   /// Why the call has no right any more to move the motor: see judge_right().
   std::optional<tmcl::Error> objection(tmcl::AxisAddress motor, Permit permit,
                                        tmcl::TimePoint now) const;
-  /// Its client has gone.
-  std::optional<tmcl::Error> objection_by_absence(Permit permit) const;
   /// The error for a request that does not go out.
   tmcl::Error refusal(tmcl::AxisAddress motor, Obstacle because) const;
 
-  /// No other client moves the motor from now on.
+  /// No other client moves the motor from now on; without a client, any may.
   void lease(tmcl::AxisAddress motor, Tenant tenant);
-  /// Everybody may move it again.
-  void end_lease(tmcl::AxisAddress motor);
   /// The same; and calls that came in before this have no right to move it any more, but for those
   /// that lead it along a line or path.
   void lose_lease(tmcl::AxisAddress motor);
@@ -200,10 +196,13 @@ class Motors {
   /// It was seen to stand. Nothing happens while a command is on its way that may set it turning.
   /// `number`: of the turning that was known before it was looked at.
   void end_turning(tmcl::AxisAddress motor, std::uint64_t number);
-  /// Modules whose coordinates were checked, and stay what they are until a move to them is sent.
-  ModuleMarks& coordinate_holds() { return coordinate_holds_; }
-  /// Modules to which something is on its way that changes their coordinates.
-  ModuleMarks& coordinate_changes() { return coordinate_changes_; }
+  struct Coordinates {
+    /// Modules whose coordinates were checked, and stay what they are until a move to them is sent.
+    ModuleMarks holds{};
+    /// Modules to which something is on its way that changes their coordinates.
+    ModuleMarks changes{};
+  };
+  Coordinates& coordinates() { return coordinates_; }
 
   /// Nothing moves the axes of a module any more, and they have lost their reference. Whatever
   /// moves them on a line or path is woken, to find that out. `cause`: a sentence without a full
@@ -220,7 +219,7 @@ class Motors {
   /// Its positions mean something: it has found its reference, or has been told where it is, and
   /// its module has not started again since.
   bool is_referenced(tmcl::AxisAddress motor) const;
-  void note_reference(tmcl::AxisAddress motor) { set_referenced(motor, true); }
+  void set_referenced(tmcl::AxisAddress motor, bool is_referenced = true);
   /// The motor of an axis that is not claimed.
   [[nodiscard]] Claim claim(tmcl::AxisAddress motor, Claimant claimant);
   /// Nothing happens if the call has not claimed it.
@@ -288,7 +287,6 @@ class Motors {
   };
 
   bool is_axis(tmcl::AxisAddress motor) const;
-  void set_referenced(tmcl::AxisAddress motor, bool is_referenced);
   void note_claim(tmcl::AxisAddress motor, Claimant claimant);
   void forget_other_motors();
   void note_moved(const tmcl::Request& request);
@@ -307,8 +305,7 @@ class Motors {
   std::vector<tmcl::Request> on_their_way_;
   std::uint64_t last_turning_ = 0;
   std::set<tmcl::ModuleAddress> programs_;
-  ModuleMarks coordinate_holds_;
-  ModuleMarks coordinate_changes_;
+  Coordinates coordinates_;
   std::set<tmcl::AxisAddress> moved_;  ///< Since they were stopped; axes and others.
   /// Of motors that are not in the map, it is not known any better.
   std::uint64_t last_stop_of_others_ = 0;

@@ -309,7 +309,7 @@ GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
   if (!homed) co_return tl::unexpected(ended_search(std::move(homed.error())));
   // Another call may have seen the end already, to move the axis.
   if (claimant() == search) {
-    auto seen = co_await axis_.run(bus().see_search_end(address()), asked_by(search.of.client));
+    auto seen = co_await axis_.run(bus().gate().see_search_end(address()), asked_by(search.of.client));
     if (!seen) seen.error().outcome = tmcl::Outcome::unknown;
     if (!seen) co_return tl::unexpected(std::move(seen.error()));
   }
@@ -411,7 +411,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::write(std::uint8_t parameter, std::int
   units_.note_set(parameter, result ? std::optional(value) : std::nullopt);
   if (parameter != tmcl::axis_parameter::actual_position) co_return result;
   requested_.reset();
-  if (result) bus().motors().note_reference(address());
+  if (result) bus().motors().set_referenced(address());
   co_return result;
 }
 
@@ -449,7 +449,7 @@ GatewayAxis::Awaitable<std::optional<tmcl::plan::AxisTwin>> GatewayAxis::twin(Ru
 }
 
 bool GatewayAxis::is_known(tmcl::Duration max_age) const {
-  return last_ && last_->commands == bus().commands() &&
+  return last_ && last_->commands == bus().gate().commands() &&
          last_->settings == module().settings_epoch() &&
          bus().clock().now() - last_->reading.taken < max_age;
 }
@@ -468,7 +468,7 @@ GatewayAxis::Awaitable<AxisReading> GatewayAxis::read_state(tmcl::Duration max_a
 }
 
 GatewayAxis::Awaitable<AxisReading> GatewayAxis::look(std::uint64_t client) {
-  const auto commands = bus().commands();
+  const auto commands = bus().gate().commands();
   const auto settings = module().settings_epoch();
   auto reading = co_await axis_.run(units_.reading(), asked_by(client));
   // Behind it: what was read is of the module that this one was, or the axis is latched.
@@ -522,13 +522,13 @@ boost::asio::awaitable<void> GatewayAxis::note_turning(tmcl::AxisState state,
   auto& motors = bus().motors();
   const bool moves = state.velocity.value != 0;
   // Whether that can be seen or not: it is looked at again.
-  if (turns() && !moves) co_await axis_.run(bus().see_turning_end(address()), asked_by(client));
+  if (turns() && !moves) co_await axis_.run(bus().gate().see_turning_end(address()), asked_by(client));
   const bool goes_to_position =
       motors.was_sent_to_position(address()) && !motors.may_run_program(address().module);
   const bool is_known =
       turns() || tenant().client != 0 || mover() != Mover::nobody || goes_to_position;
   if (!moves || is_known) co_return;
-  const auto found = co_await axis_.run(bus().may_turn(address()), asked_by(client));
+  const auto found = co_await axis_.run(bus().gate().may_turn(address()), asked_by(client));
   if (!found || !*found || turns()) co_return;
   motors.note_unattended(address());
   bus().audit("axis=" + name() + " turns unattended: no client owns its motion");

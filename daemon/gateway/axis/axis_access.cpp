@@ -11,7 +11,7 @@ AxisAccess::AxisAccess(AxisConfig config, std::shared_ptr<GatewayBus> bus)
   bus_->motors().add(config_.address, config_.name, config_.needs_reference);
   if (!config_.motion_limits.of_settings()) return;
   limits_ = std::make_shared<AxisLimits>(config_, module_);
-  bus_->add_limits(limits_);
+  bus_->gate().add_limits(limits_);
 }
 
 std::span<const tmcl::ParameterInfo> AxisAccess::parameters() const {

@@ -28,7 +28,7 @@ GatewayAxis::Awaitable<tmcl::Answer> GatewayAxis::execute(tmcl::Request request,
   if (restores) module().note_settings_changed();
   if (!sets || request.type != tmcl::axis_parameter::actual_position) co_return answer;
   requested_.reset();
-  if (answer) bus().motors().note_reference(address());
+  if (answer) bus().motors().set_referenced(address());
   co_return answer;
 }
 

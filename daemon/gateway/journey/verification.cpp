@@ -156,10 +156,6 @@ GatewayAxis::Awaitable<tmcl::Verification> Course::carry_out() {
   auto ready = co_await prepare();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
   RunOptions movement = std::move(*admitted);
-  movement.objection = [this, stopped = movement.objection]() -> std::optional<tmcl::Error> {
-    auto objection = stopped ? stopped() : std::nullopt;
-    return objection ? objection : axis().bus().motors().objection_by_absence(wish_.permit);
-  };
   auto script = tmcl::verbs::verify(axis().address(), options_);
   auto found = co_await axis().perform(std::move(script), std::move(movement));
   if (found && axis().bus().is_can()) found->answer.reset();
@@ -234,6 +230,7 @@ GatewayAxis::Awaitable<tmcl::Verification> verify_axis(std::shared_ptr<Gateway> 
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
   // It is a movement for any client.
   wish.permit.exceeds_limits = false;
+  wish.permit.ends_with_client = true;
   auto held = co_await take(*gateway, axis, wish);
   if (!held) co_return tl::unexpected(std::move(held.error()));
   Course course(axis, std::move(wish));

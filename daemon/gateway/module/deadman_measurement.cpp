@@ -162,8 +162,7 @@ GatewayAxis::Awaitable<DeadmanPlan> Measurement::plan(std::int32_t set_ms) {
 
 std::optional<tmcl::Error> Measurement::objection() const {
   const auto& motors = axis().bus().motors();
-  auto objection = motors.objection(axis().address(), permit_, axis().bus().clock().now());
-  return objection ? objection : motors.objection_by_absence(permit_);
+  return motors.objection(axis().address(), permit_, axis().bus().clock().now());
 }
 
 GatewayAxis::Awaitable<void> Measurement::set_out(DeadmanPlan plan) {
@@ -303,6 +302,7 @@ GatewayAxis::Awaitable<DeadmanFinding> measure_deadman(
     std::function<void(const DeadmanPlan& plan)> tell) {
   // It is a slow movement for any client.
   permit.exceeds_limits = false;
+  permit.ends_with_client = true;
   auto& deadman = axis->module().deadman();
   const auto set_ms = co_await axis->perform(deadman.read(), {});
   if (!set_ms) co_return tl::unexpected(set_ms.error());

@@ -232,7 +232,7 @@ void GatewayModule::adopt(const tmcl::FoundModule& found) {
              "module " + std::to_string(number(address_)) + " is not what its file is about, a " +
                  std::string(as_.model->name) + ": its movements are foreseen as usual");
   bus_.look_at_feeding();
-  bus_.send_owed_stops(address_);
+  bus_.gate().send_owed_stops(address_);
   const auto kind =
       runs ? GatewayEvent::Kind::module_answers : GatewayEvent::Kind::module_in_bootloader;
   bus_.emit({kind, bus_.name(), number(address_), 0, name_of(found)});

@@ -1,5 +1,5 @@
-// What a bus lets out: each request of a verb is judged just before it goes to the engine.
-#include "gateway/bus.hpp"
+// What a bus lets out: see the header.
+#include "gateway/authority/gate.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -7,178 +7,18 @@
 #include "async/spawn.hpp"
 #include "gateway/authority/axis_limits.hpp"
 #include "gateway/axis/stop_cause.hpp"
-#include "tmcl/command_type.hpp"
-#include "tmcl/mechanics.hpp"
-#include "tmcl/parameter.hpp"
+#include "gateway/bus.hpp"
 
 namespace tmcld {
-namespace {
 
 using boost::asio::awaitable;
 
-constexpr tmcl::Duration claim_look_interval = std::chrono::milliseconds(5);
-constexpr tmcl::Duration coordinate_look_interval = std::chrono::milliseconds(1);
-
-tmcl::Script<bool> has_arrived(tmcl::AxisAddress motor) {
-  const auto state = co_await tmcl::verbs::state(motor);
-  co_return state && state->velocity.value == 0 && state->position == state->target;
-}
-
-}  // namespace
-
-Motors::Judgement GatewayBus::judge(const tmcl::Request& request, Permit permit) const {
-  return motors_.judge(request, permit, clock_.now(), owes_stop(request.address));
-}
-
-tmcl::Script<tmcl::Result<void>> GatewayBus::may_send(tmcl::Request request, Permit permit,
-                                                      Asks asks) {
-  std::optional<Motors::Judgement> asked;
-  while (true) {
-    motors_.look_for_gap(clock_.now());
-    const auto it = judge(request, permit);
-    if (it.verdict.ruling == Ruling::allow) co_return tmcl::Result<void>{};
-    // What was asked about, and has not ended, refuses.
-    const bool may_ask = asks == Asks::what_may_have_ended && it != asked;
-    if (it.verdict.ruling == Ruling::refuse || !may_ask)
-      co_return tl::unexpected(motors_.refusal(it.motor, it.verdict.because));
-    asked = it;
-    co_await must(ask_about(it));
-  }
-}
-
-/// Another call can see an axis at the end of its line before the line does.
-tmcl::Script<tmcl::Result<void>> GatewayBus::see_end_of_line(tmcl::AxisAddress motor) {
-  const auto claimant = motors_.claimant_of(motor);
-  const bool ends = co_await has_arrived(motor);
-  const auto looks = ends ? Motors::time_to_be_free / claim_look_interval : 0;
-  for (auto i = looks; i > 0 && motors_.claimant_of(motor) == claimant; --i)
-    co_await tmcl::pause(claim_look_interval);
-  co_return tmcl::Result<void>{};
-}
-
-/// What cannot be seen to stand turns on, as far as is known.
-tmcl::Script<tmcl::Result<void>> GatewayBus::look_whether_it_turns(tmcl::AxisAddress motor) {
-  co_await see_turning_end(motor);
-  co_return tmcl::Result<void>{};
-}
-
-tmcl::Script<tmcl::Result<void>> GatewayBus::see_coordinates_released(tmcl::ModuleAddress module) {
-  while (motors_.coordinate_holds().has(module)) co_await tmcl::pause(coordinate_look_interval);
-  co_return tmcl::Result<void>{};
-}
-
-tmcl::Script<tmcl::Result<void>> GatewayBus::ask_about(Motors::Judgement it) {
-  switch (it.verdict.because) {
-    case Obstacle::claimed_by_search: return see_search_end(it.motor);
-    case Obstacle::claimed_by_line: return see_end_of_line(it.motor);
-    case Obstacle::turns_for_other: return look_whether_it_turns(it.motor);
-    case Obstacle::stop_owed: return pay_stops(it.motor.module);
-    default: return see_coordinates_released(it.motor.module);
-  }
-}
-
-namespace {
-
-/// A status does not say how a search has ended. One that has found its reference has made that
-/// zero, and the axis stands there. Flags tell nothing: a search for a stall ends with one, too.
-std::vector<tmcl::step::Exchange> questions_about_search(tmcl::AxisAddress motor) {
-  const auto ask = [&](tmcl::Command command, std::uint8_t type) {
-    tmcl::step::Exchange question{{motor.module, command, type, motor.motor, 0}, {}};
-    question.options.proof = tmcl::Proof::followed;
-    return question;
-  };
-  return {ask(tmcl::Command::RFS, tmcl::search_type::status),
-          ask(tmcl::Command::GAP, tmcl::axis_parameter::actual_velocity),
-          ask(tmcl::Command::GAP, tmcl::axis_parameter::actual_position)};
-}
-
-}  // namespace
-
-/// A module that cannot tell whether it searches locks no client out.
-tmcl::Script<tmcl::Result<void>> GatewayBus::see_search_end(tmcl::AxisAddress motor) {
-  const auto claimant = motors_.claimant_of(motor);
-  const auto answers = co_await exchange_all(questions_about_search(motor));
-  for (const auto& answer : answers) {
-    if (answer || answer.error().outcome == tmcl::Outcome::refused) continue;
-    auto error = answer.error();
-    error.outcome = tmcl::Outcome::not_sent;
-    co_return tl::unexpected(std::move(error));
-  }
-  if (motors_.claimant_of(motor) != claimant) co_return tmcl::Result<void>{};
-  const auto& status = answers.front();
-  if (status && status->reply.value != 0)
-    co_return tl::unexpected(motors_.refusal(motor, Obstacle::claimed_by_search));
-  const auto is_zero = [](const auto& answer) { return answer && answer->reply.value == 0; };
-  if (std::ranges::all_of(answers, is_zero)) motors_.note_reference(motor);
-  motors_.release(motor, claimant.of);
-  co_return tmcl::Result<void>{};
-}
-
-// ---- turning without end -----------------------------------------------------------------------
-
-boost::asio::awaitable<void> GatewayBus::begin_turning(Conduct& conduct) {
+boost::asio::awaitable<void> Gate::begin_turning(Conduct& conduct) {
   if (!conduct.options.announced) co_return;
   const auto& announced = *conduct.options.announced;
   conduct.turning = motors_.begin_turning(
-      tmcl::motors_turned_by(announced, model_of(announced.address)), conduct.options.permit);
-  if (!conduct.turning.empty() && journal_) co_await Journal::write(journal_);
-}
-
-const tmcl::Model* GatewayBus::model_of(tmcl::ModuleAddress address) const {
-  const auto* module = find_module(address);
-  return module == nullptr ? nullptr : module->model();
-}
-
-namespace {
-
-std::optional<tmcl::ModeParameter> mode_of(const tmcl::Model* model) {
-  if (model == nullptr) return std::nullopt;
-  return tmcl::mode_parameter(tmcl::axis_parameters(*model));
-}
-
-std::vector<tmcl::step::Exchange> questions_about_turning(
-    tmcl::AxisAddress motor, const std::optional<tmcl::ModeParameter>& mode) {
-  std::vector<std::uint8_t> parameters{tmcl::axis_parameter::actual_velocity,
-                                       tmcl::axis_parameter::target_velocity};
-  if (mode) parameters.push_back(mode->number);
-  std::vector<tmcl::step::Exchange> questions;
-  for (const auto parameter : parameters) {
-    questions.push_back({{motor.module, tmcl::Command::GAP, parameter, motor.motor, 0}, {}});
-    questions.back().options.proof = tmcl::Proof::twice;
-  }
-  return questions;
-}
-
-}  // namespace
-
-tmcl::Script<tmcl::Result<bool>> GatewayBus::may_turn(tmcl::AxisAddress motor) {
-  const auto mode = mode_of(model_of(motor.module));
-  auto questions = questions_about_turning(motor, mode);
-  const auto answers = co_await exchange_all(std::move(questions));
-  for (const auto& answer : answers) {
-    if (!answer && answer.error().outcome != tmcl::Outcome::refused)
-      co_return tl::unexpected(answer.error());
-  }
-  const auto& told = answers.back();
-  if (mode && told && !may_turn_in(*mode, told->reply.value)) co_return false;
-  // A module that does not tell what it is to do is judged by what it does.
-  const auto is_zero = [](const auto& answer) { return !answer || answer->reply.value == 0; };
-  co_return !is_zero(answers[0]) || !is_zero(answers[1]);
-}
-
-tmcl::Script<tmcl::Result<void>> GatewayBus::see_turning_end(tmcl::AxisAddress motor) {
-  const auto turning = motors_.turning_of(motor);
-  // What is on its way may set it turning after it was looked at.
-  if (turning.number == 0 || motors_.is_to_turn(motor)) co_return tmcl::Result<void>{};
-  const auto turns = co_await may_turn(motor);
-  if (!turns) co_return tl::unexpected(turns.error());
-  if (!*turns) motors_.end_turning(motor, turning.number);
-  co_return tmcl::Result<void>{};
-}
-
-tmcl::Script<tmcl::Result<void>> GatewayBus::hold_still(tmcl::ModuleAddress module) {
-  while (motors_.coordinate_changes().has(module)) co_await tmcl::pause(coordinate_look_interval);
-  co_return tmcl::Result<void>{};
+      tmcl::motors_turned_by(announced, bus_.model_of(announced.address)), conduct.options.permit);
+  if (!conduct.turning.empty() && bus_.journal()) co_await Journal::write(bus_.journal());
 }
 
 namespace {
@@ -293,12 +133,11 @@ bool keeps_limits(const tmcl::step::Exchange& exchange, Permit permit) {
 }  // namespace
 
 /// The one whose sentinel can be asked along with this. Who holds a module waits for no one else.
-GatewayModule* GatewayBus::watched_module(const tmcl::step::Exchange& exchange) const {
-  return exchange.options.hold ? nullptr : find_module(exchange.request.address);
+GatewayModule* Gate::watched_module(const tmcl::step::Exchange& exchange) const {
+  return exchange.options.hold ? nullptr : bus_.find_module(exchange.request.address);
 }
 
-tmcl::Script<tmcl::Result<void>> GatewayBus::admit(tmcl::step::Exchange exchange,
-                                                   const RunOptions& options) {
+Gate::Script<void> Gate::admit(tmcl::step::Exchange exchange, const RunOptions& options) {
   const auto& request = exchange.request;
   auto* module = moves(exchange) ? watched_module(exchange) : nullptr;
   const auto asks = exchange.options.hold ? Asks::nothing : Asks::what_may_have_ended;
@@ -317,8 +156,7 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::admit(tmcl::step::Exchange exchange
   co_return tmcl::Result<void>{};
 }
 
-tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange exchange,
-                                                          Conduct& conduct) {
+Gate::Script<tmcl::Answer> Gate::send(tmcl::step::Exchange exchange, Conduct& conduct) {
   const auto request = exchange.request;
   const auto refused = [&](tmcl::Error error) {
     error.request = request;
@@ -336,8 +174,8 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
     // answer.
     if (conduct.turning.empty() && !exchange.options.hold) {
       conduct.turning = motors_.begin_turning(
-          tmcl::motors_turned_by(request, model_of(request.address)), conduct.options.permit);
-      if (!conduct.turning.empty() && journal_) spawn(executor_, Journal::write(journal_));
+          tmcl::motors_turned_by(request, bus_.model_of(request.address)), conduct.options.permit);
+      if (!conduct.turning.empty()) write_journal();
     }
     auto answer = co_await send_admitted(exchange, conduct);
     if (answer) co_return std::move(*answer);
@@ -346,18 +184,18 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send(tmcl::step::Exchange e
   co_return refused(too_busy());
 }
 
-std::optional<tmcl::TimePoint> GatewayBus::admitted_until(const tmcl::step::Exchange& exchange,
-                                                          const RunOptions& options) const {
+std::optional<tmcl::TimePoint> Gate::admitted_until(const tmcl::step::Exchange& exchange,
+                                                    const RunOptions& options) const {
   if (!moves(exchange)) return std::nullopt;
   const auto* module = watched_module(exchange);
   // What still waits for its turn when the reactor stands still has to be asked about again.
-  std::optional<tmcl::TimePoint> until = clock_.now() + Gaps::longest_gap;
+  std::optional<tmcl::TimePoint> until = bus_.clock().now() + Gaps::longest_gap;
   if (module != nullptr && module->is_watched())
     until = earliest(until, module->sentinel().counts_until(options.sentinel_age));
   return until;
 }
 
-tmcl::Script<std::optional<tmcl::Result<tmcl::Answer>>> GatewayBus::send_admitted(
+tmcl::Script<std::optional<tmcl::Result<tmcl::Answer>>> Gate::send_admitted(
     tmcl::step::Exchange exchange, Conduct& conduct) {
   auto& options = exchange.options;
   const auto given = earliest(options.deadline, conduct.options.deadline);
@@ -378,9 +216,9 @@ tmcl::Script<std::optional<tmcl::Result<tmcl::Answer>>> GatewayBus::send_admitte
   co_return std::optional(std::move(answer));
 }
 
-std::optional<tmcl::Error> GatewayBus::last_objection(const tmcl::step::Exchange& exchange,
-                                                      const RunOptions& options,
-                                                      bool& has_changed) const {
+std::optional<tmcl::Error> Gate::last_objection(const tmcl::step::Exchange& exchange,
+                                                const RunOptions& options,
+                                                bool& has_changed) const {
   const auto& request = exchange.request;
   const auto it = judge(request, options.permit);
   if (it.verdict.ruling == Ruling::refuse) return motors_.refusal(it.motor, it.verdict.because);
@@ -395,22 +233,22 @@ std::optional<tmcl::Error> GatewayBus::last_objection(const tmcl::step::Exchange
   return moves(exchange) && options.objection ? options.objection() : std::nullopt;
 }
 
-tmcl::Script<tmcl::Result<void>> GatewayBus::keep_limits(tmcl::Request request) {
+Gate::Script<void> Gate::keep_limits(tmcl::Request request) {
   for (const auto& limits : limits_) co_await must(limits->check(request));
   co_return tmcl::Result<void>{};
 }
 
-tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Exchange exchange,
-                                                               Conduct& conduct) {
+Gate::Script<tmcl::Answer> Gate::send_once(tmcl::step::Exchange exchange, Conduct& conduct) {
   const auto request = exchange.request;
   conduct.module = watched_module(exchange);
   std::optional<OnItsWay> on_its_way;
-  auto* module = find_module(request.address);
+  auto* module = bus_.find_module(request.address);
   if (moves(exchange)) on_its_way.emplace(motors_, module, request, conduct.options.permit);
   ModuleMarks::Mark change;
   if (intent_of(request).changes_coordinates)
-    change = motors_.coordinate_changes().set(request.address);
-  const auto before = motors_.before(request, conduct.options.permit, model_of(request.address));
+    change = motors_.coordinates().changes.set(request.address);
+  const auto before =
+      motors_.before(request, conduct.options.permit, bus_.model_of(request.address));
   std::optional<StopOnItsWay> stop_on_its_way;
   conduct.owes_stop = false;
   if (is_stop(intent_of(request)))
@@ -447,7 +285,7 @@ tmcl::Script<tmcl::Result<tmcl::Answer>> GatewayBus::send_once(tmcl::step::Excha
   co_return std::move(answer);
 }
 
-void GatewayBus::tell_setting(const tmcl::Request& request, const Motors::Before& before) const {
+void Gate::tell_setting(const tmcl::Request& request, const Motors::Before& before) const {
   const bool is_known = request.command == tmcl::Command::SAP;
   const bool sets =
       is_known || request.command == tmcl::Command::RSAP || request.command == tmcl::Command::AAP;
@@ -459,22 +297,22 @@ void GatewayBus::tell_setting(const tmcl::Request& request, const Motors::Before
 
 // ---- stops that were not answered --------------------------------------------------------------
 
-bool GatewayBus::owe(const tmcl::Request& stop) {
-  if (closed_) return false;
+bool Gate::owe(const tmcl::Request& stop) {
+  if (bus_.is_closed()) return false;
   const bool is_news = !owed_stops_.has(stop);
   if (!owed_stops_.add(stop)) return false;
   const bool matters = motors_.may_move({stop.address, stop.motor});
-  if (is_news && matters && journal_) spawn(executor_, Journal::write(journal_));
+  if (is_news && matters) write_journal();
   return true;
 }
 
-bool GatewayBus::owe_first(tmcl::AnyScript& script) {
-  const auto step = script.start(clock_.now());
+bool Gate::owe_first(tmcl::AnyScript& script) {
+  const auto step = script.start(bus_.clock().now());
   const auto* first = step ? std::get_if<tmcl::step::Exchange>(&*step) : nullptr;
   return first != nullptr && is_stop(intent_of(first->request)) && owe(first->request);
 }
 
-tmcl::Script<tmcl::Result<void>> GatewayBus::pay_stops(tmcl::ModuleAddress module) {
+Gate::Script<void> Gate::pay_stops(tmcl::ModuleAddress module) {
   for (const auto& stop : owed_stops_.of(module)) {
     // Another call may have sent it meanwhile.
     if (!owed_stops_.has(stop)) continue;
@@ -490,38 +328,43 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::pay_stops(tmcl::ModuleAddress modul
   co_return tmcl::Result<void>{};
 }
 
-awaitable<void> GatewayBus::pay_stops(std::shared_ptr<GatewayBus> self,
-                                      tmcl::ModuleAddress module) {
+awaitable<void> Gate::pay_stops(std::shared_ptr<GatewayBus> bus, tmcl::ModuleAddress module) {
   // Those that fail are kept for the next time.
-  co_await self->run(self->pay_stops(module), {});
+  co_await bus->run(bus->gate().pay_stops(module), {});
 }
 
-void GatewayBus::send_owed_stops(tmcl::ModuleAddress module) {
-  if (owes_stop(module)) spawn(executor_, pay_stops(shared_from_this(), module));
+void Gate::send_owed_stops(tmcl::ModuleAddress module) {
+  if (owes_stop(module)) spawn(bus_.executor(), pay_stops(bus_.shared_from_this(), module));
 }
 
-void GatewayBus::tell_paid(const tmcl::Request& stop) {
+void Gate::send_owed_stops() {
+  for (const auto module : owed_stops_.modules()) send_owed_stops(module);
+}
+
+void Gate::write_journal() const {
+  if (bus_.journal()) spawn(bus_.executor(), Journal::write(bus_.journal()));
+}
+
+void Gate::tell_paid(const tmcl::Request& stop) {
   const tmcl::AxisAddress motor{stop.address, stop.motor};
   const auto by = motors_.claimant_of(motor).by;
   const bool is_led = by != Mover::nobody && by != Mover::search;
   if (stop.command != tmcl::Command::MST || is_led) return;
-  GatewayEvent event{GatewayEvent::Kind::axis_stopped, config_.name, number(motor.module),
+  GatewayEvent event{GatewayEvent::Kind::axis_stopped, bus_.name(), number(motor.module),
                      1 << motor.motor};
   event.text = "motor " + std::to_string(motor.motor) +
                " is stopped: its module has taken the stop that could not be sent before";
   event.cause = name_of(StopCause::client);
-  emit(std::move(event));
+  bus_.emit(std::move(event));
 }
 
-void GatewayBus::note_answer(const tmcl::Request& request,
-                             const tmcl::Result<tmcl::Answer>& answer) {
-  auto* module = find_module(request.address);
+void Gate::note_answer(const tmcl::Request& request, const tmcl::Result<tmcl::Answer>& answer) {
+  auto* module = bus_.find_module(request.address);
   if (module != nullptr && answer) module->note_answer(request, *answer);
 }
 
 /// What is proven by another command behind it, is proven by the question of the sentinel.
-tmcl::Script<tmcl::StepResult> GatewayBus::exchange_all(
-    std::vector<tmcl::step::Exchange> exchanges) {
+tmcl::Script<tmcl::StepResult> Gate::exchange_all(std::vector<tmcl::step::Exchange> exchanges) {
   if (exchanges.empty()) co_return std::vector<tmcl::Result<tmcl::Answer>>();
   const auto last = exchanges.back();
   auto* module = last.options.proof == tmcl::Proof::none ? nullptr : watched_module(last);
@@ -574,20 +417,21 @@ tmcl::Script<tmcl::Result<void>> charged(tmcl::Script<tmcl::Result<void>> script
 
 }  // namespace
 
-boost::asio::awaitable<GatewayBus::Ended> GatewayBus::run_steps(tmcl::AnyScript& script,
-                                                                RunOptions options) {
-  const auto bus = bus_;
+boost::asio::awaitable<Gate::Ended> Gate::run(tmcl::AnyScript& script, RunOptions options) {
+  const auto bus = bus_.line();
   if (!bus) {
-    auto error = not_open();
+    auto error = bus_.not_open();
     if (owe_first(script)) say_that_it_is_owed(error);
     co_return Ended{std::move(error)};
   }
   // Steps of one verb all go to the link it began on: after a loss another module may be there.
   tmcl::RunOptions of_bus{options.deadline, {}, options.on_answer};
-  of_bus.objection = [this, bus] { return bus == bus_ ? std::nullopt : std::optional(not_open()); };
+  of_bus.objection = [this, bus] {
+    return bus == bus_.line() ? std::nullopt : std::optional(bus_.not_open());
+  };
   Conduct conduct{std::move(options)};
   co_await begin_turning(conduct);
-  auto steps = charged(judged(script, conduct), conduct.options.permit.client);
+  auto steps = charged(step_through(script, conduct), conduct.options.permit.client);
   auto ended = co_await bus->run(std::move(steps), std::move(of_bus));
   if (!ended) {
     if (conduct.owes_stop) say_that_it_is_owed(ended.error());
@@ -596,7 +440,7 @@ boost::asio::awaitable<GatewayBus::Ended> GatewayBus::run_steps(tmcl::AnyScript&
   co_return Ended{std::nullopt, conduct.refused && conduct.acted, std::move(conduct.turning)};
 }
 
-tmcl::Script<tmcl::Result<void>> GatewayBus::judged(tmcl::AnyScript& script, Conduct& conduct) {
+Gate::Script<void> Gate::step_through(tmcl::AnyScript& script, Conduct& conduct) {
   auto now = co_await tmcl::current_time();
   auto step = script.start(now);
   while (step) {
@@ -609,8 +453,7 @@ tmcl::Script<tmcl::Result<void>> GatewayBus::judged(tmcl::AnyScript& script, Con
   co_return tmcl::Result<void>{};
 }
 
-std::optional<tmcl::Error> GatewayBus::objection_to(const tmcl::Step& step,
-                                                    const Conduct& conduct) {
+std::optional<tmcl::Error> Gate::objection_to(const tmcl::Step& step, const Conduct& conduct) {
   // What is judged is refused in send(), and a verb that was refused sets back what it has set.
   const auto* one = std::get_if<tmcl::step::Exchange>(&step);
   const bool goes_on = conduct.refused || (one != nullptr && moves(*one));
@@ -620,7 +463,7 @@ std::optional<tmcl::Error> GatewayBus::objection_to(const tmcl::Step& step,
   return objection;
 }
 
-tmcl::Script<tmcl::StepResult> GatewayBus::carry_out(tmcl::Step step, Conduct& conduct) {
+tmcl::Script<tmcl::StepResult> Gate::carry_out(tmcl::Step step, Conduct& conduct) {
   tmcl::StepResult results;
   if (const auto* pause = std::get_if<tmcl::step::Pause>(&step)) {
     co_await tmcl::pause(pause->duration);
