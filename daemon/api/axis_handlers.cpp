@@ -58,70 +58,57 @@ Answer<axis::List> list_axes(Call& call, const axis::List& params) {
 }
 
 Answer<axis::MoveTo> move_to(Call& call, const axis::MoveTo& params) {
-  const auto ready = co_await ready_to_move(call, params);
-  if (!ready) co_return tl::unexpected(ready.error());
-  auto& axis = *ready->axis;
+  const auto ready = co_await must(ready_to_move(call, params));
+  auto& axis = *ready.axis;
   const auto* row = find_parameter(axis.parameters(), ap::target_position);
   const auto said = either<&axis::MoveTo::position_microsteps, &axis::MoveTo::position>(params);
-  const auto target = co_await length_of(axis, said, row);
-  if (!target) co_return tl::unexpected(target.error());
-  const auto moved =
-      co_await axis.move_to(target->length(), params.predict.value_or(true), ready->moves);
-  if (!moved) co_return failed(moved.error(), axis);
-  auto result = co_await to_result(axis, *moved, target->known_scale());
+  const auto target = co_await must(length_of(axis, said, row));
+  const auto moved = co_await must(
+      axis.move_to(target.length(), params.predict.value_or(true), ready.moves), axis);
+  auto result = co_await to_result(axis, moved, target.known_scale());
   co_return result;
 }
 
 Answer<axis::MoveBy> move_by(Call& call, const axis::MoveBy& params) {
-  const auto ready = co_await ready_to_move(call, params);
-  if (!ready) co_return tl::unexpected(ready.error());
-  auto& axis = *ready->axis;
+  const auto ready = co_await must(ready_to_move(call, params));
+  auto& axis = *ready.axis;
   const auto said = either<&axis::MoveBy::distance_microsteps, &axis::MoveBy::distance>(params);
-  const auto distance = co_await length_of(axis, said, nullptr);
-  if (!distance) co_return tl::unexpected(distance.error());
-  const auto moved =
-      co_await axis.move_by(distance->length(), params.predict.value_or(true), ready->moves);
-  if (!moved) co_return failed(moved.error(), axis);
-  auto result = co_await to_result(axis, *moved, distance->known_scale());
+  const auto distance = co_await must(length_of(axis, said, nullptr));
+  const auto moved = co_await must(
+      axis.move_by(distance.length(), params.predict.value_or(true), ready.moves), axis);
+  auto result = co_await to_result(axis, moved, distance.known_scale());
   co_return result;
 }
 
 Answer<axis::Rotate> rotate(Call& call, const axis::Rotate& params) {
-  const auto ready = co_await ready_to_move(call, params);
-  if (!ready) co_return tl::unexpected(ready.error());
-  auto& axis = *ready->axis;
+  const auto ready = co_await must(ready_to_move(call, params));
+  auto& axis = *ready.axis;
   const auto said = either<&axis::Rotate::velocity_internal, &axis::Rotate::velocity>(params);
-  const auto velocity = co_await velocity_of(axis, said);
-  if (!velocity) co_return tl::unexpected(velocity.error());
-  auto movement = ready->moves;
+  const auto velocity = co_await must(velocity_of(axis, said));
+  auto movement = ready.moves;
   movement.permit.unattended = params.unattended.value_or(false);
-  const auto turned = co_await axis.rotate({velocity->value}, std::move(movement));
-  if (!turned) co_return failed(turned.error(), axis);
+  co_await must(axis.rotate({velocity.value}, std::move(movement)), axis);
   const auto& journal = axis.bus().journal();
-  const auto unkept = journal && velocity->value != 0 ? journal->failure() : std::string();
-  auto told = co_await velocity_in_unit(axis, *velocity);
-  axis::Turning result{velocity->value, std::move(told.unit), told.number, Warnings{}};
+  const auto unkept = journal && velocity.value != 0 ? journal->failure() : std::string();
+  auto told = co_await velocity_in_unit(axis, velocity);
+  axis::Turning result{velocity.value, std::move(told.unit), told.number, Warnings{}};
   const auto greatest = co_await axis.get(ap::max_velocity, {});
-  if (greatest && std::abs(std::int64_t{velocity->value}) > *greatest)
+  if (greatest && std::abs(std::int64_t{velocity.value}) > *greatest)
     result.warnings->emplace_back("it turns faster than max_velocity, which holds for positions");
   if (!unkept.empty()) result.warnings->push_back(journal_warning(unkept));
   co_return result;
 }
 
 Answer<axis::Stop> stop(Call& call, const axis::Stop& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
+  const auto axis = co_await must(axis_of(call, params.axis));
   const StopInProgress in_progress(call.gateway);
-  const auto stopped = co_await (*axis)->stop(StopCause::client, call.permit.client);
-  if (!stopped) co_return failed(stopped.error(), **axis);
+  co_await must(axis->stop(StopCause::client, call.permit.client), *axis);
   co_return Nothing{};
 }
 
 Answer<axis::Wait> wait(Call& call, const axis::Wait& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
-  const auto ready = co_await (*axis)->be_ready();
-  if (!ready) co_return failed(ready.error(), **axis);
+  const auto axis = co_await must(axis_of(call, params.axis));
+  co_await must(axis->be_ready(), *axis);
   tmcl::WaitOptions options;
   options.timeout = call.timeout_left(params.timeout_ms);
   if (params.target_microsteps) options.goal = tmcl::Microsteps{*params.target_microsteps};
@@ -130,40 +117,33 @@ Answer<axis::Wait> wait(Call& call, const axis::Wait& params) {
     if (!peer->is_gone()) return std::nullopt;
     return tmcl::bad_argument("the client is gone");
   };
-  const auto arrived = co_await (*axis)->wait(options, std::move(objection));
-  if (!arrived) co_return failed(arrived.error(), **axis);
-  if (keeps_from_moving(arrived->faults)) {
-    auto fault = co_await faulty_arrival(**axis, *arrived);
+  const auto arrived = co_await must(axis->wait(options, std::move(objection)), *axis);
+  if (keeps_from_moving(arrived.faults)) {
+    auto fault = co_await faulty_arrival(*axis, arrived);
     co_return tl::unexpected(std::move(fault));
   }
-  auto place = co_await place_of(**axis, arrived->position);
-  auto warnings = arrived->warnings;
-  if (!arrived->faults.empty()) warnings.push_back(words_for(arrived->faults));
-  if (!arrived->unproven.empty())
-    warnings.push_back("its driver reports: " + words_for(arrived->unproven) +
+  auto place = co_await place_of(*axis, arrived.position);
+  auto warnings = arrived.warnings;
+  if (!arrived.faults.empty()) warnings.push_back(words_for(arrived.faults));
+  if (!arrived.unproven.empty())
+    warnings.push_back("its driver reports: " + words_for(arrived.unproven) +
                        "; that is certain only when it does so while the axis turns slowly");
   co_return axis::Standing{std::move(place), std::move(warnings)};
 }
 
 Answer<axis::GetUnits> get_units(Call& call, const axis::GetUnits& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
-  const auto ready = co_await (*axis)->be_ready();
-  if (!ready) co_return failed(ready.error(), **axis);
-  const auto module = co_await (*axis)->module_units();
-  if (!module) co_return failed(module.error(), **axis);
-  const auto scale = co_await (*axis)->scale();
-  if (!scale) co_return failed(scale.error(), **axis);
-  co_return view_of(**axis, *module, *scale);
+  const auto axis = co_await must(axis_of(call, params.axis));
+  co_await must(axis->be_ready(), *axis);
+  const auto module = co_await must(axis->module_units(), *axis);
+  const auto scale = co_await must(axis->scale(), *axis);
+  co_return view_of(*axis, module, scale);
 }
 
 Answer<axis::GetState> get_state(Call& call, const axis::GetState& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
+  const auto axis = co_await must(axis_of(call, params.axis));
   const std::chrono::milliseconds max_age(params.max_age_ms.value_or(0));
-  const auto reading = co_await (*axis)->read_state(max_age, call.permit.client);
-  if (!reading) co_return failed(reading.error(), **axis);
-  co_return view_of(**axis, *reading);
+  const auto reading = co_await must(axis->read_state(max_age, call.permit.client), *axis);
+  co_return view_of(*axis, reading);
 }
 
 }  // namespace tmcld::handlers

@@ -10,7 +10,6 @@ namespace tmcld::handlers {
 namespace {
 
 using Found = std::vector<tmcl::FoundModule>;
-using ScanResult = tmcl::Result<Found>;
 
 constexpr std::uint16_t last_serial_address = 255;
 // A scan waits for this part of it at each address: most have no module.
@@ -57,8 +56,9 @@ class ScanInProgress {
   std::shared_ptr<GatewayBus> bus_;
 };
 
-boost::asio::awaitable<ScanResult> scan_one(std::shared_ptr<GatewayBus> bus,
-                                            tmcl::ScanOptions options, std::shared_ptr<Peer> peer) {
+boost::asio::awaitable<tmcl::Result<Found>> scan_one(std::shared_ptr<GatewayBus> bus,
+                                                     tmcl::ScanOptions options,
+                                                     std::shared_ptr<Peer> peer) {
   if (bus->scanning) co_return tl::unexpected(scan_in_progress(*bus));
   const ScanInProgress in_progress(bus);
   RunOptions run;
@@ -72,7 +72,8 @@ boost::asio::awaitable<ScanResult> scan_one(std::shared_ptr<GatewayBus> bus,
 }
 
 Lookup<bus::FoundModules> found_by(const std::vector<std::shared_ptr<GatewayBus>>& buses,
-                                   const std::vector<ScanResult>& results, bool one_was_named) {
+                                   const std::vector<tmcl::Result<Found>>& results,
+                                   bool one_was_named) {
   bus::FoundModules all;
   for (std::size_t i = 0; i < buses.size(); ++i) {
     if (results[i]) {
@@ -110,16 +111,15 @@ Answer<bus::List> list_buses(Call& call, const bus::List&) {
 
 Answer<bus::Trace> trace(Call& call, const bus::Trace& params) {
   constexpr std::int32_t default_limit = 256;
-  const auto bus = bus_of(call, params.bus);
-  if (!bus) co_return tl::unexpected(bus.error());
-  const auto& log = (*bus)->link().traffic();
+  const auto bus = co_await must(bus_of(call, params.bus));
+  const auto& log = bus->link().traffic();
   const auto limit = static_cast<std::uint64_t>(params.limit.value_or(default_limit));
   const auto newest = log.last() - std::min(log.last(), limit);
   // What was numbered by an earlier daemon says nothing.
   const auto after = std::min(params.after.value_or(newest), log.last());
-  bus::Traffic traffic{(*bus)->name(), log.last(), std::max(after + 1, log.first()) - after - 1};
+  bus::Traffic traffic{bus->name(), log.last(), std::max(after + 1, log.first()) - after - 1};
   for (const auto& entry : log.after(after, limit))
-    traffic.datagrams.push_back(view_of(entry, (*bus)->is_can(), *call.gateway));
+    traffic.datagrams.push_back(view_of(entry, bus->is_can(), *call.gateway));
   co_return traffic;
 }
 
@@ -132,11 +132,10 @@ Answer<bus::Scan> scan(Call& call, const bus::Scan& params) {
   const auto all = call.gateway->buses();
   std::vector<std::shared_ptr<GatewayBus>> buses(all.begin(), all.end());
   if (params.bus) {
-    const auto bus = bus_of(call, *params.bus);
-    if (!bus) co_return tl::unexpected(bus.error());
-    buses.assign(1, *bus);
+    const auto bus = co_await must(bus_of(call, *params.bus));
+    buses.assign(1, bus);
   }
-  std::vector<boost::asio::awaitable<ScanResult>> scans;
+  std::vector<boost::asio::awaitable<tmcl::Result<Found>>> scans;
   for (const auto& bus : buses)
     scans.push_back(scan_one(bus, scan_options(call, params, *bus), call.peer));
   const auto results = co_await gather(std::move(scans));

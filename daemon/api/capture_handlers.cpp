@@ -144,54 +144,43 @@ capture::Started started(const Begun& begun, const Choices& channels) {
 }  // namespace
 
 Answer<capture::Start> start_capture(Call& call, const capture::Start& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
-  auto& it = **axis;
+  const auto axis = co_await must(axis_of(call, params.axis));
+  auto& it = *axis;
   // Which names there are depends on the model.
-  const auto ready = co_await it.be_ready();
-  if (!ready) co_return failed(ready.error(), it);
-  const auto channels = channels_of(params, it);
-  if (!channels) co_return tl::unexpected(channels.error());
-  auto wish = wish_of(params, *channels, it);
-  if (!wish) co_return tl::unexpected(wish.error());
-  auto script = begin(it.module(), std::move(*wish), params.resume.value_or(false));
-  const auto begun = co_await it.perform(std::move(script), beside_journeys(call, it));
-  if (!begun) co_return failed(begun.error(), it);
-  co_return started(*begun, *channels);
+  co_await must(it.be_ready(), it);
+  const auto channels = co_await must(channels_of(params, it));
+  auto wish = co_await must(wish_of(params, channels, it));
+  auto script = begin(it.module(), std::move(wish), params.resume.value_or(false));
+  const auto begun = co_await must(it.perform(std::move(script), beside_journeys(call, it)), it);
+  co_return started(begun, channels);
 }
 
 Answer<capture::GetState> capture_state(Call& call, const capture::GetState& params) {
-  const auto axis = axis_in(call, params.axis, params.capture);
-  if (!axis) co_return tl::unexpected(axis.error());
-  auto& it = **axis;
+  const auto axis = co_await must(axis_in(call, params.axis, params.capture));
+  auto& it = *axis;
   auto script = tmcl::verbs::capture_state(it.address().module);
-  const auto state = co_await it.perform(std::move(script), beside_journeys(call, it));
-  if (!state) co_return failed(state.error(), it);
-  co_return capture::Progress{std::string(tmcl::name_of(*state))};
+  const auto state = co_await must(it.perform(std::move(script), beside_journeys(call, it)), it);
+  co_return capture::Progress{std::string(tmcl::name_of(state))};
 }
 
 Answer<capture::Read> read_capture(Call& call, const capture::Read& params) {
-  const auto axis = axis_in(call, params.axis, params.capture);
-  if (!axis) co_return tl::unexpected(axis.error());
-  auto& it = **axis;
+  const auto axis = co_await must(axis_in(call, params.axis, params.capture));
+  auto& it = *axis;
   auto script =
       tmcl::verbs::read_samples(it.address().module, static_cast<std::uint32_t>(params.first),
                                 static_cast<std::uint32_t>(params.count));
-  auto values = co_await it.perform(std::move(script), beside_journeys(call, it));
-  if (!values) co_return failed(values.error(), it);
-  co_return capture::Values{std::move(*values)};
+  auto values = co_await must(it.perform(std::move(script), beside_journeys(call, it)), it);
+  co_return capture::Values{std::move(values)};
 }
 
 Answer<capture::End> end_capture(Call& call, const capture::End& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
-  auto& it = **axis;
+  const auto axis = co_await must(axis_of(call, params.axis));
+  auto& it = *axis;
   if (params.capture && *params.capture != it.module().capture()) co_return api::Nothing{};
   RunOptions options;
   options.permit = call.permit;
   auto script = tmcl::verbs::end_capture(it.address().module);
-  const auto ended = co_await it.perform(std::move(script), std::move(options));
-  if (!ended) co_return failed(ended.error(), it);
+  co_await must(it.perform(std::move(script), std::move(options)), it);
   co_return api::Nothing{};
 }
 

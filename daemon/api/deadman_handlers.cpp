@@ -21,18 +21,15 @@ std::string fault_of(std::int32_t ms, const GatewayAxis& axis) {
 }  // namespace
 
 Answer<axis::SetDeadman> set_deadman(Call& call, const axis::SetDeadman& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
-  if (const auto fault = fault_of(params.ms, **axis); !fault.empty())
+  const auto axis = co_await must(axis_of(call, params.axis));
+  if (const auto fault = fault_of(params.ms, *axis); !fault.empty())
     co_return tl::unexpected(
         param_error("out_of_range", api::name_of<&axis::SetDeadman::ms>(), "'ms' " + fault));
-  const auto ready = co_await (*axis)->be_ready();
-  if (!ready) co_return failed(ready.error(), **axis);
-  auto& deadman = (*axis)->module().deadman();
+  co_await must(axis->be_ready(), *axis);
+  auto& deadman = axis->module().deadman();
   RunOptions options;
   options.permit = call.permit;
-  const auto changed = co_await (*axis)->perform(deadman.change(params.ms), std::move(options));
-  if (!changed) co_return failed(changed.error(), **axis);
+  co_await must(axis->perform(deadman.change(params.ms), std::move(options)), *axis);
   // It is fed from the next start on, whatever the configuration says.
   if (!deadman.stops_after_ms()) deadman.remember({});
   co_await DeadmanMemory::write(call.gateway->deadmen());
@@ -40,21 +37,19 @@ Answer<axis::SetDeadman> set_deadman(Call& call, const axis::SetDeadman& params)
 }
 
 Answer<axis::TestDeadman> test_deadman(Call& call, const axis::TestDeadman& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
-  const auto tell = [teller = call.teller(), name = (*axis)->name()](const DeadmanPlan& plan) {
+  const auto axis = co_await must(axis_of(call, params.axis));
+  const auto tell = [teller = call.teller(), name = axis->name()](const DeadmanPlan& plan) {
     const auto way = std::abs(std::int64_t{plan.target.value} - plan.from.value);
     teller(DeadmanProgress{name, plan.target.value, static_cast<std::int32_t>(way),
                            plan.silence / std::chrono::milliseconds(1)});
   };
-  const auto found = co_await measure_deadman(call.gateway, *axis, call.permit, tell);
-  if (!found) co_return failed(found.error(), **axis);
+  const auto found = co_await must(measure_deadman(call.gateway, axis, call.permit, tell), *axis);
   axis::TestedDeadman result;
   result.deadman.said = "none";
-  if (found->stops_after_ms)
-    result.deadman.said = axis::Deadman{found->set_ms, *found->stops_after_ms};
-  if (!found->reason.empty()) result.reason = found->reason;
-  result.way_microsteps = found->way.value;
+  if (found.stops_after_ms)
+    result.deadman.said = axis::Deadman{found.set_ms, *found.stops_after_ms};
+  if (!found.reason.empty()) result.reason = found.reason;
+  result.way_microsteps = found.way.value;
   co_return result;
 }
 

@@ -65,13 +65,11 @@ tmcl::FirmwareOptions options_for(const Call& call, const firmware::Upload& para
 }  // namespace
 
 Answer<firmware::Status> firmware_status(Call& call, const firmware::Status& params) {
-  const auto module = module_of(call, params);
-  if (!module) co_return tl::unexpected(module.error());
-  auto script = tmcl::verbs::match_firmware(module->address, {});
-  auto match = co_await run_on(*module, call, std::move(script));
-  if (!match) co_return tl::unexpected(std::move(match.error()));
-  co_return firmware::FirmwareState{name_if_known(tmcl::find_model(match->model)), match->model,
-                                    text_of(match->running), match->in_bootloader};
+  const auto module = co_await must(module_of(call, params));
+  auto script = tmcl::verbs::match_firmware(module.address, {});
+  auto match = co_await must(run_on(module, call, std::move(script)));
+  co_return firmware::FirmwareState{name_if_known(tmcl::find_model(match.model)), match.model,
+                                    text_of(match.running), match.in_bootloader};
 }
 
 Answer<firmware::Stage> stage_firmware(Call& call, const firmware::Stage& params) {
@@ -79,19 +77,16 @@ Answer<firmware::Stage> stage_firmware(Call& call, const firmware::Stage& params
 }
 
 Answer<firmware::Upload> upload_firmware(Call& call, const firmware::Upload& params) {
-  const auto module = module_of(call, params);
-  if (!module) co_return tl::unexpected(module.error());
+  const auto module = co_await must(module_of(call, params));
   // Before its motors are stopped.
-  const tmcl::Request entry{module->address, tmcl::Command::ENTER_BOOTLOADER, 0, 0, 0};
-  auto may_begin = co_await run_on(*module, call, module->bus->gate().may_send(entry, call.permit));
-  if (!may_begin) co_return tl::unexpected(std::move(may_begin.error()));
-  auto image = take_image(call, params);
-  if (!image) co_return tl::unexpected(std::move(image.error()));
-  const UploadInProgress in_progress(call.gateway, *module);
+  const tmcl::Request entry{module.address, tmcl::Command::ENTER_BOOTLOADER, 0, 0, 0};
+  co_await must(run_on(module, call, module.bus->gate().may_send(entry, call.permit)));
+  auto image = co_await must(take_image(call, params));
+  const UploadInProgress in_progress(call.gateway, module);
   auto script =
-      tmcl::verbs::upload_firmware(module->address, std::move(*image), options_for(call, params));
-  auto report = co_await run_on(*module, call, std::move(script));
-  expect_news(*module);
+      tmcl::verbs::upload_firmware(module.address, std::move(image), options_for(call, params));
+  auto report = co_await run_on(module, call, std::move(script));
+  expect_news(module);
   if (!report) co_return tl::unexpected(std::move(report.error()));
   const auto& before = report->before;
   co_return firmware::Exchange{name_if_known(tmcl::find_model(before.model)), before.model,

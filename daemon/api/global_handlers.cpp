@@ -33,10 +33,9 @@ RpcError unknown_global(const std::string& name, std::span<const tmcl::Parameter
 }
 
 /// Which names there are depends on the model, and only bank 0 has any.
-awaitable<Lookup<GlobalChoice>> global_of(const Call& call, const global::OnGlobal& params) {
-  const auto module = module_of(call, params);
-  if (!module) co_return tl::unexpected(module.error());
-  GlobalChoice choice{*module, params.bank.value_or(0)};
+Task<GlobalChoice> global_of(const Call& call, const global::OnGlobal& params) {
+  const auto module = co_await must(module_of(call, params));
+  GlobalChoice choice{module, params.bank.value_or(0)};
   if (const auto* number = std::get_if<std::int32_t>(&params.parameter.said)) {
     choice.number = static_cast<std::uint8_t>(*number);
     co_return choice;
@@ -47,9 +46,8 @@ awaitable<Lookup<GlobalChoice>> global_of(const Call& call, const global::OnGlob
     co_return choice;
   }
   if (choice.bank != 0) co_return tl::unexpected(unknown_global(name, {}));
-  auto found = co_await run_on(*module, call, tmcl::verbs::identify(module->address));
-  if (!found) co_return tl::unexpected(std::move(found.error()));
-  const auto* model = tmcl::find_model(found->version.model);
+  auto found = co_await must(run_on(module, call, tmcl::verbs::identify(module.address)));
+  const auto* model = tmcl::find_model(found.version.model);
   const auto rows =
       model == nullptr ? std::span<const tmcl::ParameterInfo>{} : tmcl::global_parameters(*model);
   choice.row = find_parameter(rows, name);
@@ -58,46 +56,38 @@ awaitable<Lookup<GlobalChoice>> global_of(const Call& call, const global::OnGlob
   co_return choice;
 }
 
-awaitable<Lookup<global::Global>> act_on_eeprom(
-    Call& call, const global::OnGlobal& params,
-    tmcl::Script<tmcl::Result<void>> (*verb)(tmcl::ModuleAddress, std::uint8_t, std::uint8_t)) {
-  const auto choice = co_await global_of(call, params);
-  if (!choice) co_return tl::unexpected(choice.error());
-  const auto& module = choice->module;
-  auto done = co_await run_on(module, call, verb(module.address, choice->bank, choice->number));
-  if (!done) co_return tl::unexpected(std::move(done.error()));
-  co_return choice->told();
+Task<global::Global> act_on_eeprom(Call& call, const global::OnGlobal& params,
+                                   tmcl::Script<tmcl::Result<void>> (*verb)(tmcl::ModuleAddress,
+                                                                            std::uint8_t,
+                                                                            std::uint8_t)) {
+  const auto choice = co_await must(global_of(call, params));
+  const auto& module = choice.module;
+  co_await must(run_on(module, call, verb(module.address, choice.bank, choice.number)));
+  co_return choice.told();
 }
 
 }  // namespace
 
 Answer<global::Get> get_global(Call& call, const global::Get& params) {
-  const auto choice = co_await global_of(call, params);
-  if (!choice) co_return tl::unexpected(choice.error());
-  const auto& module = choice->module;
-  auto value = co_await run_on(
-      module, call, tmcl::verbs::get_global(module.address, choice->bank, choice->number));
-  if (!value) co_return tl::unexpected(std::move(value.error()));
-  co_return global::GlobalValue{choice->told(), *value};
+  const auto choice = co_await must(global_of(call, params));
+  const auto& module = choice.module;
+  auto value = co_await must(
+      run_on(module, call, tmcl::verbs::get_global(module.address, choice.bank, choice.number)));
+  co_return global::GlobalValue{choice.told(), value};
 }
 
 Answer<global::Set> set_global(Call& call, const global::Set& params) {
-  const auto choice = co_await global_of(call, params);
-  if (!choice) co_return tl::unexpected(choice.error());
-  if (auto complaint = check_range(choice->row, params.value, api::name_of<&global::Set::value>()))
-    co_return tl::unexpected(std::move(*complaint));
-  const auto& module = choice->module;
-  const tmcl::Request request{module.address, tmcl::Command::SGP, choice->number, choice->bank,
+  const auto choice = co_await must(global_of(call, params));
+  co_await must_not(check_range(choice.row, params.value, api::name_of<&global::Set::value>()));
+  const auto& module = choice.module;
+  const tmcl::Request request{module.address, tmcl::Command::SGP, choice.number, choice.bank,
                               params.value};
-  if (auto conflict = identifier_conflict(*module.bus, request))
-    co_return tl::unexpected(std::move(*conflict));
-  if (const auto loss = loss_of_moving_motor(*module.bus, request))
-    co_return tl::unexpected(call_error(*loss));
-  auto done = co_await run_on(
-      module, call,
-      tmcl::verbs::set_global(module.address, choice->bank, choice->number, params.value));
-  if (!done) co_return tl::unexpected(std::move(done.error()));
-  co_return global::GlobalValue{choice->told(), params.value};
+  co_await must_not(identifier_conflict(*module.bus, request));
+  co_await must_not(loss_of_moving_motor(*module.bus, request));
+  co_await must(
+      run_on(module, call,
+             tmcl::verbs::set_global(module.address, choice.bank, choice.number, params.value)));
+  co_return global::GlobalValue{choice.told(), params.value};
 }
 
 Answer<global::Store> store_global(Call& call, const global::Store& params) {
@@ -108,19 +98,16 @@ Answer<global::Restore> restore_global(Call& call, const global::Restore& params
 }
 
 Answer<io::Get> get_io(Call& call, const io::Get& params) {
-  const auto module = module_of(call, params);
-  if (!module) co_return tl::unexpected(module.error());
+  const auto module = co_await must(module_of(call, params));
   const auto bank = static_cast<tmcl::IoBank>(params.bank.value_or(0));
   auto value =
-      co_await run_on(*module, call, tmcl::verbs::get_io(module->address, bank, params.port));
-  if (!value) co_return tl::unexpected(std::move(value.error()));
-  co_return io::PortValue{*value};
+      co_await must(run_on(module, call, tmcl::verbs::get_io(module.address, bank, params.port)));
+  co_return io::PortValue{value};
 }
 
 Answer<io::Set> set_io(Call& call, const io::Set& params) {
-  auto done = co_await act_on(
-      call, params, tmcl::verbs::set_output(address_of(params), params.port, params.value));
-  if (!done) co_return tl::unexpected(std::move(done.error()));
+  co_await must(
+      act_on(call, params, tmcl::verbs::set_output(address_of(params), params.port, params.value)));
   co_return io::PortValue{params.value};
 }
 

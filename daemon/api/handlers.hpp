@@ -4,7 +4,7 @@
 #include <boost/asio/awaitable.hpp>
 
 #include "api/call.hpp"
-#include "api/rpc_error.hpp"
+#include "api/task.hpp"
 #include "tmcl/api/axis.hpp"
 #include "tmcl/api/capture.hpp"
 #include "tmcl/api/errors.hpp"
@@ -21,7 +21,7 @@ namespace tmcld::handlers {
 using namespace tmcl::api;
 
 template <class Params>
-using Answer = boost::asio::awaitable<Lookup<typename Params::Result>>;
+using Answer = Task<typename Params::Result>;
 
 Answer<rpc::Discover> discover(Call& call, const rpc::Discover& params);
 

@@ -64,16 +64,14 @@ boost::asio::awaitable<tmcl::Result<void>> stop_one(std::shared_ptr<GatewayAxis>
 }  // namespace
 
 Answer<lease::Acquire> acquire_lease(Call& call, const lease::Acquire& params) {
-  const auto axes = axes_of(call, params.axes);
-  if (!axes) co_return tl::unexpected(axes.error());
-  auto terms = terms_of(params);
-  if (!terms) co_return tl::unexpected(std::move(terms.error()));
-  if (axes->empty())
+  const auto axes = co_await must(axes_of(call, params.axes));
+  auto terms = co_await must(terms_of(params));
+  if (axes.empty())
     co_return tl::unexpected(param_error("bad_argument", api::name_of<&lease::Acquire::axes>(),
                                          "a lease is of one axis at least"));
   auto holder = call.peer->client();
   auto acquired =
-      Leases::acquire(call.gateway->leases(), std::move(holder), *axes, *terms, call.permit);
+      Leases::acquire(call.gateway->leases(), std::move(holder), axes, terms, call.permit);
   const auto result = co_await std::move(acquired);
   if (!result) co_return tl::unexpected(refusal_of(call, result.error()));
   co_return granted(*result);
@@ -81,27 +79,24 @@ Answer<lease::Acquire> acquire_lease(Call& call, const lease::Acquire& params) {
 
 Answer<lease::Renew> renew_lease(Call& call, const lease::Renew& params) {
   auto& leases = *call.gateway->leases();
-  const auto held = find_lease(leases, {params.lease, params.epoch});
-  if (!held) co_return tl::unexpected(held.error());
-  const auto ttl = params.ttl_ms ? std::chrono::milliseconds(*params.ttl_ms) : held->terms.ttl;
-  co_return granted(leases.renew(held->number, ttl));
+  const auto held = co_await must(find_lease(leases, {params.lease, params.epoch}));
+  const auto ttl = params.ttl_ms ? std::chrono::milliseconds(*params.ttl_ms) : held.terms.ttl;
+  co_return granted(leases.renew(held.number, ttl));
 }
 
 Answer<lease::Release> release_lease(Call& call, const lease::Release& params) {
   auto& leases = *call.gateway->leases();
-  const auto held = find_lease(leases, {params.lease, params.epoch});
-  if (!held) co_return tl::unexpected(held.error());
+  const auto held = co_await must(find_lease(leases, {params.lease, params.epoch}));
   // Until the stops are through no other client moves the axes.
   std::vector<boost::asio::awaitable<tmcl::Result<void>>> stops;
   if (params.stop.value_or(true))
-    for (const auto& axis : held->axes) stops.push_back(stop_one(axis));
+    for (const auto& axis : held.axes) stops.push_back(stop_one(axis));
   const StopInProgress in_progress(call.gateway);
   const auto stopped = co_await gather(std::move(stops));
   for (std::size_t i = 0; i < stopped.size(); ++i) {
-    if (!stopped[i])
-      co_return tl::unexpected(call_error(stopped[i].error(), held->axes[i]->name()));
+    if (!stopped[i]) co_return tl::unexpected(call_error(stopped[i].error(), held.axes[i]->name()));
   }
-  leases.release(held->number);
+  leases.release(held.number);
   co_return Nothing{};
 }
 
@@ -114,9 +109,8 @@ Answer<lease::List> list_leases(Call& call, const lease::List&) {
 }
 
 Answer<lease::Break> break_lease(Call& call, const lease::Break& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
-  call.gateway->leases()->break_lease(**axis, call.peer->client().name);
+  const auto axis = co_await must(axis_of(call, params.axis));
+  call.gateway->leases()->break_lease(*axis, call.peer->client().name);
   co_return Nothing{};
 }
 

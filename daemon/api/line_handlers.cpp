@@ -84,32 +84,23 @@ Lookup<Axes> axes_in(const Call& call, const line::Move& params, std::size_t pos
   return axes;
 }
 
-boost::asio::awaitable<Lookup<LineMember>> member_of(const line::Move& params,
-                                                     std::shared_ptr<GatewayAxis> axis,
-                                                     Either position) {
-  const auto ready = co_await axis->be_ready();
-  if (!ready) co_return tl::unexpected(call_error(ready.error(), axis->name()));
+Task<LineMember> member_of(const line::Move& params, std::shared_ptr<GatewayAxis> axis,
+                           Either position) {
+  co_await must(axis->be_ready(), *axis);
   const auto* row = find_parameter(axis->parameters(), tmcl::axis_parameter::target_position);
-  const auto target = co_await length_of(*axis, std::move(position), row);
-  if (!target) co_return tl::unexpected(target.error());
-  const auto velocity = co_await velocity_limit_of(*axis, velocity_in(params));
-  if (!velocity) co_return tl::unexpected(velocity.error());
-  const auto acceleration = co_await acceleration_limit_of(*axis, acceleration_in(params));
-  if (!acceleration) co_return tl::unexpected(acceleration.error());
-  co_return LineMember{axis, target->microsteps, *velocity, *acceleration};
+  const auto target = co_await must(length_of(*axis, std::move(position), row));
+  const auto velocity = co_await must(velocity_limit_of(*axis, velocity_in(params)));
+  const auto acceleration = co_await must(acceleration_limit_of(*axis, acceleration_in(params)));
+  co_return LineMember{axis, target.microsteps, velocity, acceleration};
 }
 
-boost::asio::awaitable<Lookup<std::vector<LineMember>>> members_of(const Call& call,
-                                                                   const line::Move& params) {
-  const auto positions = positions_of(params);
-  if (!positions) co_return tl::unexpected(positions.error());
-  const auto axes = axes_in(call, params, positions->size());
-  if (!axes) co_return tl::unexpected(axes.error());
+Task<std::vector<LineMember>> members_of(const Call& call, const line::Move& params) {
+  const auto positions = co_await must(positions_of(params));
+  const auto axes = co_await must(axes_in(call, params, positions.size()));
   std::vector<LineMember> members;
-  for (std::size_t i = 0; i < axes->size(); ++i) {
-    auto member = co_await member_of(params, (*axes)[i], (*positions)[i]);
-    if (!member) co_return tl::unexpected(std::move(member.error()));
-    members.push_back(std::move(*member));
+  for (std::size_t i = 0; i < axes.size(); ++i) {
+    auto member = co_await must(member_of(params, axes[i], positions[i]));
+    members.push_back(std::move(member));
   }
   co_return members;
 }
@@ -139,13 +130,11 @@ std::vector<std::string> warnings_of(const std::vector<LineMember>& members,
 }  // namespace
 
 Answer<line::Move> move_line(Call& call, const line::Move& params) {
-  auto members = co_await members_of(call, params);
-  if (!members) co_return tl::unexpected(std::move(members.error()));
-  const auto duration = duration_of(params.time_s);
-  if (!duration) co_return tl::unexpected(duration.error());
+  auto members = co_await must(members_of(call, params));
+  const auto duration = co_await must(duration_of(params.time_s));
   begin_journey(call);
   LineOrder order{
-      *members,          *duration, call.permit, call.deadline(params), &call.gateway->planner,
+      members,           duration, call.permit, call.deadline(params), &call.gateway->planner,
       audit_of_end(call)};
   call.goes_on = true;
   const auto started = co_await start_line(std::move(order));
@@ -158,11 +147,11 @@ Answer<line::Move> move_line(Call& call, const line::Move& params) {
                            started->one_command,
                            seconds(started->predicted_skew),
                            seconds(started->skew),
-                           warnings_of(*members, plan)};
+                           warnings_of(members, plan)};
   if (!started->journal_failure.empty())
     result.warnings->push_back(journal_warning(started->journal_failure));
-  for (std::size_t i = 0; i < members->size(); ++i) {
-    auto axis = co_await to_result((*members)[i], plan.axes[i].arrival);
+  for (std::size_t i = 0; i < members.size(); ++i) {
+    auto axis = co_await to_result(members[i], plan.axes[i].arrival);
     result.axes.push_back(std::move(axis));
   }
   co_return result;

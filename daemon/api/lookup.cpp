@@ -57,13 +57,10 @@ Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call, const std::string
   return find_axis(call, "axis", name);
 }
 
-boost::asio::awaitable<Lookup<ReadyToMove>> ready_to_move(const Call& call, const std::string& name,
-                                                          Deadline deadline) {
-  const auto axis = axis_of(call, name);
-  if (!axis) co_return tl::unexpected(axis.error());
-  ReadyToMove ready{*axis, (*axis)->begin_movement(call.permit, deadline)};
-  const auto answered = co_await (*axis)->be_ready();
-  if (!answered) co_return tl::unexpected(call_error(answered.error(), (*axis)->name()));
+Task<ReadyToMove> ready_to_move(const Call& call, const std::string& name, Deadline deadline) {
+  const auto axis = co_await must(axis_of(call, name));
+  ReadyToMove ready{axis, axis->begin_movement(call.permit, deadline)};
+  co_await must(axis->be_ready(), *axis);
   co_return ready;
 }
 
@@ -83,15 +80,6 @@ Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call,
 Lookup<std::shared_ptr<GatewayBus>> bus_of(const Call& call, const std::string& name) {
   if (auto* bus = call.gateway->find_bus(name)) return bus->shared_from_this();
   return tl::unexpected(unknown("bus", "bus", name, call.gateway->buses()));
-}
-
-tl::unexpected<RpcError> failed(const tmcl::Error& error, const GatewayAxis& axis) {
-  return tl::unexpected(call_error(error, axis.name()));
-}
-
-Lookup<api::Nothing> nothing_or(const tmcl::Result<void>& result, const GatewayAxis& axis) {
-  if (!result) return failed(result.error(), axis);
-  return api::Nothing{};
 }
 
 Lookup<ParameterChoice> parameter_of(const api::NameOrNumber& given, const GatewayAxis& axis) {

@@ -9,7 +9,7 @@
 
 #include <boost/asio/awaitable.hpp>
 
-#include "api/call.hpp"
+#include "api/task.hpp"
 #include "tmcl/parameter.hpp"
 
 namespace tmcld {
@@ -30,8 +30,7 @@ struct ReadyToMove {
   RunOptions moves;  ///< Ends the movement when a stop comes behind the call.
 };
 
-boost::asio::awaitable<Lookup<ReadyToMove>> ready_to_move(const Call& call, const std::string& axis,
-                                                          Deadline deadline);
+Task<ReadyToMove> ready_to_move(const Call& call, const std::string& axis, Deadline deadline);
 /// The axis of a call that may move it: on a module that has said what it is.
 template <class Params>
 auto ready_to_move(const Call& call, const Params& params) {
@@ -51,10 +50,6 @@ struct ParameterChoice {
     return row == nullptr ? std::nullopt : std::optional<std::string>(row->name);
   }
 };
-
-/// The answer to a call that its axis could not carry out.
-tl::unexpected<RpcError> failed(const tmcl::Error& error, const GatewayAxis& axis);
-Lookup<api::Nothing> nothing_or(const tmcl::Result<void>& result, const GatewayAxis& axis);
 
 /// A name, or a number also for a model that is not known.
 Lookup<ParameterChoice> parameter_of(const api::NameOrNumber& given, const GatewayAxis& axis);

@@ -12,16 +12,15 @@ using boost::asio::awaitable;
 using enum Role;
 
 template <class R>
-awaitable<RpcResult> written(awaitable<Lookup<R>> answer) {
-  auto result = co_await std::move(answer);
-  if (!result) co_return tl::unexpected(std::move(result.error()));
-  co_return api::to_json(*result);
+awaitable<RpcResult> written(Task<R> answer) {
+  co_await answer.promise().run();
+  co_return answer.take().map(api::to_json<R>);
 }
 
 template <class>
 struct ParamsOf;
 template <class R, class Params>
-struct ParamsOf<awaitable<Lookup<R>> (*)(Call&, const Params&)> {
+struct ParamsOf<Task<R> (*)(Call&, const Params&)> {
   using Type = Params;
 };
 

@@ -77,29 +77,19 @@ Lookup<double> microsteps_per_count(const GatewayAxis& axis,
                   "'encoder_counts_per_unit'"));
 }
 
-awaitable<Lookup<plan::MintAxis>> known_axis(unsigned number, GatewayAxis& axis,
-                                             bool counts_encoder) {
-  const auto failed = [&](const tmcl::Error& error) {
-    return tl::unexpected(call_error(error, axis.name()));
-  };
-  auto reading = co_await axis.read_state();
-  if (!reading) co_return failed(reading.error());
-  if (reading->state.velocity.value != 0) {
-    if (axis.mover() != Mover::nobody) co_return failed(axis.claimed());
+Task<plan::MintAxis> known_axis(unsigned number, GatewayAxis& axis, bool counts_encoder) {
+  const auto reading = co_await must(axis.read_state(), axis);
+  if (reading.state.velocity.value != 0) {
+    if (axis.mover() != Mover::nobody) co_await refuse(call_error(axis.claimed(), axis.name()));
     co_return tl::unexpected(param_error("moving", "axes", axis.name() + " is moving"));
   }
-  plan::MintAxis known{number, {axis.name(), axis.module().model()}, reading->state.position};
-  auto units = co_await axis.module_units();
-  if (!units) co_return failed(units.error());
-  auto scale = co_await axis.scale();
-  if (!scale) co_return failed(scale.error());
+  plan::MintAxis known{number, {axis.name(), axis.module().model()}, reading.state.position};
+  known.units.module = co_await must(axis.module_units(), axis);
+  known.units.scale = co_await must(axis.scale(), axis);
   if (counts_encoder) {
-    const auto per_count = microsteps_per_count(axis, *scale);
-    if (!per_count) co_return tl::unexpected(per_count.error());
-    known.microsteps_per_count = *per_count;
+    const auto per_count = co_await must(microsteps_per_count(axis, known.units.scale));
+    known.microsteps_per_count = per_count;
   }
-  known.units.module = *units;
-  known.units.scale = std::move(*scale);
   known.units.limits = axis.soft_limits();
   co_return known;
 }
@@ -141,13 +131,11 @@ MintRun::OnProgress mint_progress_to(const Call& call) {
 }  // namespace
 
 Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
-  auto text = text_of(call, params);
-  if (!text) co_return tl::unexpected(text.error());
-  auto place = place_to_plan(call, text->size());
-  if (!place) co_return tl::unexpected(place.error());
+  auto text = co_await must(text_of(call, params));
+  auto place = co_await must(place_to_plan(call, text.size()));
   auto& planner = call.gateway->planner;
   auto turn = co_await planner.take_turn(call.peer->client().number);
-  auto read = [text = std::move(*text)] {
+  auto read = [text = std::move(text)] {
     return plan::read_mint(text).map([](plan::mint::Program program) {
       auto moved = plan::axes_moved_by(program);
       return std::pair(std::move(program), std::move(moved));
@@ -156,16 +144,13 @@ Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
   auto program = co_await planner.plan(std::move(read));
   if (!program) co_return tl::unexpected(error_of(program.error(), "text"));
   begin_journey(call);
-  auto members = chosen(call, params, program->second);
-  if (!members) co_return tl::unexpected(members.error());
+  auto members = co_await must(chosen(call, params, program->second));
 
-  const auto in_counts = counts_encoder(params);
-  if (!in_counts) co_return tl::unexpected(in_counts.error());
+  const auto in_counts = co_await must(counts_encoder(params));
   std::vector<plan::MintAxis> axes;
-  for (std::size_t i = 0; i < members->members.size(); ++i) {
-    auto axis = co_await known_axis(members->numbers[i], *members->members[i].axis, *in_counts);
-    if (!axis) co_return tl::unexpected(axis.error());
-    axes.push_back(std::move(*axis));
+  for (std::size_t i = 0; i < members.members.size(); ++i) {
+    auto axis = co_await must(known_axis(members.numbers[i], *members.members[i].axis, in_counts));
+    axes.push_back(std::move(axis));
   }
   auto plan_it = [program = std::move(program->first), axes = std::move(axes)]() mutable {
     const auto once = std::exchange(program, {});
@@ -174,16 +159,16 @@ Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
   auto planned = co_await planner.plan(std::move(plan_it));
   if (!planned) co_return tl::unexpected(error_of(planned.error(), "text"));
   turn.reset();
-  place->reset();
-  if (auto refusal = refusal_to_begin(call)) co_return tl::unexpected(std::move(*refusal));
+  place.reset();
+  co_await must_not(refusal_to_begin(call));
 
-  if (members->members.empty()) {
+  if (members.members.empty()) {
     co_return tl::unexpected(param_error("bad_program", "text", "the program moves nothing"));
   }
-  call.teller()(checked(*members, *planned));
+  call.teller()(checked(members, *planned));
   const auto executor = co_await boost::asio::this_coro::executor;
   const auto run = std::make_shared<MintRun>(executor, std::move(planned->groups),
-                                             std::move(members->members), mint_progress_to(call));
+                                             std::move(members.members), mint_progress_to(call));
   const auto failure = co_await MintRun::pass(run);
   if (failure) co_return tl::unexpected(call_error(failure->error, failure->axis));
   auto ran = view_of(*run);

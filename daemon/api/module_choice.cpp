@@ -13,13 +13,12 @@ void expect_news(const ModuleChoice& module) {
   if (known != nullptr) known->forget_state();
 }
 
-boost::asio::awaitable<Lookup<api::Nothing>> act_on(const Call& call, Lookup<ModuleChoice> module,
-                                                    tmcl::Script<tmcl::Result<void>> script,
-                                                    bool news) {
-  if (!module) co_return tl::unexpected(std::move(module.error()));
-  auto done = co_await run_on(*module, call, std::move(script));
-  if (news) expect_news(*module);
-  if (!done) co_return tl::unexpected(std::move(done.error()));
+Task<api::Nothing> act_on(const Call& call, Lookup<ModuleChoice> module,
+                          tmcl::Script<tmcl::Result<void>> script, bool news) {
+  const auto chosen = co_await must(std::move(module));
+  auto done = co_await run_on(chosen, call, std::move(script));
+  if (news) expect_news(chosen);
+  co_await must(std::move(done));
   co_return api::Nothing{};
 }
 

@@ -31,30 +31,26 @@ void expect_news(const ModuleChoice& module);
 
 /// Runs a verb on a module, within the call's deadline.
 template <class T>
-boost::asio::awaitable<Lookup<T>> run_on(const ModuleChoice& module, const Call& call,
-                                         tmcl::Script<tmcl::Result<T>> script) {
+Task<T> run_on(const ModuleChoice& module, const Call& call, tmcl::Script<tmcl::Result<T>> script) {
   RunOptions options;
   options.deadline = module.deadline;
   options.permit = call.permit;
   auto result = co_await module.bus->run(std::move(script), std::move(options));
-  if (result) {
-    if constexpr (std::is_void_v<T>) {
-      co_return Lookup<T>{};
-    } else {
-      co_return std::move(*result);
-    }
+  if (!result && result.error().bus.empty()) result.error().bus = module.bus->name();
+  if constexpr (std::is_void_v<T>) {
+    co_await must(std::move(result));
+  } else {
+    auto value = co_await must(std::move(result));
+    co_return value;
   }
-  if (result.error().bus.empty()) result.error().bus = module.bus->name();
-  co_return tl::unexpected(call_error(result.error()));
 }
 
 /// What is known about the module is old afterwards.
 constexpr bool makes_news = true;
 
 /// The same for a verb that gives nothing.
-boost::asio::awaitable<Lookup<api::Nothing>> act_on(const Call& call, Lookup<ModuleChoice> module,
-                                                    tmcl::Script<tmcl::Result<void>> script,
-                                                    bool news = false);
+Task<api::Nothing> act_on(const Call& call, Lookup<ModuleChoice> module,
+                          tmcl::Script<tmcl::Result<void>> script, bool news = false);
 template <std::derived_from<api::OnModule> Params>
 auto act_on(const Call& call, const Params& params, tmcl::Script<tmcl::Result<void>> script,
             bool news = false) {

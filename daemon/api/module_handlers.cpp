@@ -118,48 +118,40 @@ Answer<module::List> list_modules(Call& call, const module::List&) {
 }
 
 Answer<module::Execute> execute(Call& call, const module::Execute& params) {
-  const auto bus = bus_of(call, params.bus);
-  if (!bus) co_return tl::unexpected(bus.error());
-  const auto request = request_of(params);
-  if (!request) co_return tl::unexpected(request.error());
-  if (auto conflict = identifier_conflict(**bus, *request))
-    co_return tl::unexpected(std::move(*conflict));
-  auto objection =
-      objection_by_role(call.caller, role_for(intent_of(*request)),
-                        "module.execute of " + std::string(tmcl::name_of(request->command)));
-  if (objection) co_return tl::unexpected(std::move(*objection));
-  if (const auto loss = loss_of_reach(**bus, *request)) co_return tl::unexpected(call_error(*loss));
-  call.effect = intent_of(*request).effect;
+  const auto bus = co_await must(bus_of(call, params.bus));
+  const auto request = co_await must(request_of(params));
+  co_await must_not(identifier_conflict(*bus, request));
+  co_await must_not(
+      objection_by_role(call.caller, role_for(intent_of(request)),
+                        "module.execute of " + std::string(tmcl::name_of(request.command))));
+  co_await must_not(loss_of_reach(*bus, request));
+  call.effect = intent_of(request).effect;
   // Its model says whose register it is. One that does not tell may take it all the same.
-  if (intent_of(*request).subject == tmcl::Subject::chip)
-    co_await (*bus)->add_module(request->address).be_ready();
-  if (auto complaint = give_axes(call, *bus, *request))
-    co_return tl::unexpected(std::move(*complaint));
+  if (intent_of(request).subject == tmcl::Subject::chip)
+    co_await bus->add_module(request.address).be_ready();
+  co_await must_not(give_axes(call, bus, request));
   const bool stops = call.effect == tmcl::Effect::stops;
-  if (stops) revoke_movements(call, **bus, *request);
+  if (stops) revoke_movements(call, *bus, request);
   std::optional<StopInProgress> in_progress;
   if (stops) in_progress.emplace(call.gateway);
-  const auto answer = co_await (*bus)->execute(*request, in_time(call, params));
-  if (!answer) co_return tl::unexpected(call_error(answer.error()));
-  auto result = to_result(*answer);
-  result.warnings = warnings_about(call, **bus, *request);
+  const auto answer = co_await must(bus->execute(request, in_time(call, params)));
+  auto result = to_result(answer);
+  result.warnings = warnings_about(call, *bus, request);
   co_return result;
 }
 
 Answer<module::Info> module_info(Call& call, const module::Info& params) {
-  const auto module = module_of(call, params);
-  if (!module) co_return tl::unexpected(module.error());
-  auto info = co_await run_on(*module, call, tmcl::verbs::firmware_info(module->address));
-  if (!info) co_return tl::unexpected(std::move(info.error()));
-  co_return module::FirmwareInfo{info->module_id,
-                                 info->version,
-                                 info->capabilities,
-                                 info->release_type,
-                                 info->bootloader_id,
-                                 info->bootloader_version,
-                                 info->axis_parameter_width,
-                                 info->register_address_width,
-                                 info->git_hash};
+  const auto module = co_await must(module_of(call, params));
+  auto info = co_await must(run_on(module, call, tmcl::verbs::firmware_info(module.address)));
+  co_return module::FirmwareInfo{info.module_id,
+                                 info.version,
+                                 info.capabilities,
+                                 info.release_type,
+                                 info.bootloader_id,
+                                 info.bootloader_version,
+                                 info.axis_parameter_width,
+                                 info.register_address_width,
+                                 info.git_hash};
 }
 
 Answer<module::ReportArrivals> report_arrivals(Call& call, const module::ReportArrivals& params) {

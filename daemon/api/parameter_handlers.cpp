@@ -44,61 +44,48 @@ std::optional<RpcError> check_write(const ParameterChoice& choice) {
 
 using ParameterVerb = GatewayAxis::Awaitable<void> (GatewayAxis::*)(std::uint8_t, RunOptions);
 
-boost::asio::awaitable<Lookup<parameter::Number>> act_on_eeprom(
-    Call& call, const parameter::OnParameter& params, ParameterVerb verb) {
+Task<parameter::Number> act_on_eeprom(Call& call, const parameter::OnParameter& params,
+                                      ParameterVerb verb) {
   // What is restored can move the motor.
-  const auto ready = co_await ready_to_move(call, params);
-  if (!ready) co_return tl::unexpected(ready.error());
-  auto& axis = *ready->axis;
-  const auto choice = parameter_of(params.parameter, axis);
-  if (!choice) co_return tl::unexpected(choice.error());
-  const auto done = co_await (axis.*verb)(choice->number, ready->moves);
-  if (!done) co_return tl::unexpected(call_error(done.error(), axis.name()));
-  co_return parameter::Number{choice->name(), choice->number};
+  const auto ready = co_await must(ready_to_move(call, params));
+  auto& axis = *ready.axis;
+  const auto choice = co_await must(parameter_of(params.parameter, axis));
+  co_await must((axis.*verb)(choice.number, ready.moves), axis);
+  co_return parameter::Number{choice.name(), choice.number};
 }
 
 }  // namespace
 
 Answer<parameter::Get> get_parameter(Call& call, const parameter::Get& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
-  auto& it = **axis;
+  const auto axis = co_await must(axis_of(call, params.axis));
+  auto& it = *axis;
   // Which names there are depends on the model.
-  const auto ready = co_await it.be_ready();
-  if (!ready) co_return tl::unexpected(call_error(ready.error(), it.name()));
-  const auto choice = parameter_of(params.parameter, it);
-  if (!choice) co_return tl::unexpected(choice.error());
-  auto script = tmcl::verbs::get(it.address(), choice->number);
-  const auto value = co_await it.perform(std::move(script), in_time(call, params));
-  if (!value) co_return tl::unexpected(call_error(value.error(), it.name()));
-  ModuleValue told{*value};
-  auto result = co_await to_result(it, *choice, std::move(told));
+  co_await must(it.be_ready(), it);
+  const auto choice = co_await must(parameter_of(params.parameter, it));
+  auto script = tmcl::verbs::get(it.address(), choice.number);
+  const auto value = co_await must(it.perform(std::move(script), in_time(call, params)), it);
+  ModuleValue told{value};
+  auto result = co_await to_result(it, choice, std::move(told));
   co_return result;
 }
 
 Answer<parameter::Set> set_parameter(Call& call, const parameter::Set& params) {
-  const auto ready = co_await ready_to_move(call, params);
-  if (!ready) co_return tl::unexpected(ready.error());
-  auto& axis = *ready->axis;
-  const auto choice = parameter_of(params.parameter, axis);
-  if (!choice) co_return tl::unexpected(choice.error());
-  auto objection = objection_by_role(
-      call.caller, role_for(tmcl::intent_of(tmcl::Command::SAP, choice->number)),
-      "parameter.set of " + choice->name().value_or(std::to_string(choice->number)));
-  if (objection) co_return tl::unexpected(std::move(*objection));
-  auto complaint = check_write(*choice);
-  if (complaint) co_return tl::unexpected(std::move(*complaint));
+  const auto ready = co_await must(ready_to_move(call, params));
+  auto& axis = *ready.axis;
+  const auto choice = co_await must(parameter_of(params.parameter, axis));
+  co_await must_not(objection_by_role(
+      call.caller, role_for(tmcl::intent_of(tmcl::Command::SAP, choice.number)),
+      "parameter.set of " + choice.name().value_or(std::to_string(choice.number))));
+  co_await must_not(check_write(choice));
   const auto said = either<&parameter::Set::value, &parameter::Set::value_in_unit>(params);
-  const auto value = co_await parameter_value_of(axis, said, *choice);
-  if (!value) co_return tl::unexpected(value.error());
-  const auto done = co_await axis.set(choice->number, value->value, ready->moves);
-  if (!done) co_return tl::unexpected(call_error(done.error(), axis.name()));
-  auto warnings = co_await warnings_of(axis, choice->number, call.permit.client);
-  const tmcl::Request sent{axis.address().module, tmcl::Command::SAP, choice->number,
-                           axis.address().motor, value->value};
+  const auto value = co_await must(parameter_value_of(axis, said, choice));
+  co_await must(axis.set(choice.number, value.value, ready.moves), axis);
+  auto warnings = co_await warnings_of(axis, choice.number, call.permit.client);
+  const tmcl::Request sent{axis.address().module, tmcl::Command::SAP, choice.number,
+                           axis.address().motor, value.value};
   if (intent_of(sent).motion == tmcl::Motion::turns)
     if (auto warning = warning_of_owner(call, axis)) warnings.push_back(std::move(*warning));
-  auto result = co_await to_result(axis, *choice, *value);
+  auto result = co_await to_result(axis, choice, value);
   co_return parameter::Held{std::move(result), std::move(warnings)};
 }
 
@@ -110,13 +97,11 @@ Answer<parameter::Restore> restore_parameter(Call& call, const parameter::Restor
 }
 
 Answer<parameter::List> list_parameters(Call& call, const parameter::List& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
-  const auto ready = co_await (*axis)->be_ready();
-  if (!ready) co_return tl::unexpected(call_error(ready.error(), (*axis)->name()));
+  const auto axis = co_await must(axis_of(call, params.axis));
+  co_await must(axis->be_ready(), *axis);
   parameter::Parameters result;
-  for (const auto& row : (*axis)->parameters())
-    result.parameters.push_back(tmcld::view_of(row, (*axis)->unit()));
+  for (const auto& row : axis->parameters())
+    result.parameters.push_back(tmcld::view_of(row, axis->unit()));
   co_return result;
 }
 

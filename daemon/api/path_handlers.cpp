@@ -99,17 +99,14 @@ tmcl::Script<tmcl::Result<std::vector<plan::Setting>>> read_for_path(tmcl::AxisA
                                                                      const tmcl::Model& model) {
   auto parameters = plan::ramp_limit_parameters(model);
   parameters.push_back(ap::actual_velocity);
-  const auto values = co_await tmcl::verbs::get_all(axis, parameters, {});
-  if (!values) co_return tl::unexpected(values.error());
+  const auto values = co_await tmcl::must(tmcl::verbs::get_all(axis, parameters, {}));
   std::vector<plan::Setting> read;
-  for (std::size_t i = 0; i < parameters.size(); ++i)
-    read.push_back({parameters[i], values->at(i)});
+  for (std::size_t i = 0; i < parameters.size(); ++i) read.push_back({parameters[i], values.at(i)});
   tmcl::CallOptions twice;
   twice.proof = tmcl::Proof::twice;
-  const auto position = co_await tmcl::verbs::command(
-      {axis.module, tmcl::Command::GAP, ap::actual_position, axis.motor, 0}, std::move(twice));
-  if (!position) co_return tl::unexpected(position.error());
-  read.push_back({ap::actual_position, position->reply.value});
+  const auto position = co_await tmcl::must(tmcl::verbs::command(
+      {axis.module, tmcl::Command::GAP, ap::actual_position, axis.motor, 0}, std::move(twice)));
+  read.push_back({ap::actual_position, position.reply.value});
   co_return read;
 }
 
@@ -151,30 +148,25 @@ awaitable<tmcl::Result<void>> keep_limits(GatewayAxis& axis, Permit permit,
   co_return tmcl::Result<void>{};
 }
 
-awaitable<Lookup<std::vector<plan::PathAxis>>> path_axes(const plan::PathSource& source,
-                                                         const Axes& chosen,
-                                                         const plan::PathRequest& request,
-                                                         Permit permit) {
+Task<std::vector<plan::PathAxis>> path_axes(const plan::PathSource& source, const Axes& chosen,
+                                            const plan::PathRequest& request, Permit permit) {
   std::vector<plan::PathAxis> axes;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     auto& axis = *chosen[i];
-    const auto facts = co_await facts_of(axis, source.path.axes[i]);
-    if (!facts) co_return tl::unexpected(call_error(facts.error(), axis.name()));
+    const auto facts = co_await must(facts_of(axis, source.path.axes[i]), axis);
     // It does not move by itself, and will not soon be free.
-    if (facts->moving && axis.mover() != Mover::nobody)
+    if (facts.moving && axis.mover() != Mover::nobody)
       co_return tl::unexpected(call_error(axis.claimed(), axis.name()));
-    auto made = plan::path_axis(source, *facts, request);
+    auto made = plan::path_axis(source, facts, request);
     if (!made) {
       auto error = error_of(made.error(), "axes");
       error.data["axis"] = axis.name();
       co_return tl::unexpected(std::move(error));
     }
-    auto kept = co_await keep_limits(axis, permit, made->stream);
-    if (!kept) co_return tl::unexpected(call_error(kept.error(), axis.name()));
+    co_await must(keep_limits(axis, permit, made->stream), axis);
     if (request.mode == plan::StreamMode::position) {
-      auto twin = co_await axis.twin({});
-      if (!twin) co_return tl::unexpected(call_error(twin.error(), axis.name()));
-      made->stream.twin = std::move(*twin);
+      auto twin = co_await must(axis.twin({}), axis);
+      made->stream.twin = std::move(twin);
     }
     axes.push_back(std::move(*made));
   }
@@ -187,42 +179,35 @@ awaitable<Lookup<std::vector<plan::PathAxis>>> path_axes(const plan::PathSource&
 using Look = std::function<void(const plan::Course&, const std::vector<std::string>& axes)>;
 
 /// `with_namesakes`: axes of the file that are not named are those of the same name.
-awaitable<Lookup<PlannedPath>> plan_for(const Call& call, const OfPath& params, bool with_namesakes,
-                                        Look look) {
-  const auto request = request_of(params);
-  if (!request) co_return tl::unexpected(request.error());
+Task<PlannedPath> plan_for(const Call& call, const OfPath& params, bool with_namesakes, Look look) {
+  const auto request = co_await must(request_of(params));
   // Before the text is read, which may take a while.
   if (!with_namesakes && !params.axes) {
     co_return tl::unexpected(
         param_error("bad_argument", "axes", "path.run needs the parameter 'axes', or a 'plan'"));
   }
-  if (auto named = named_axes(call, params); !named) co_return tl::unexpected(named.error());
-  auto given = text_of(call, params);
-  if (!given) co_return tl::unexpected(given.error());
-  const auto place = place_to_plan(call, given->size());
-  if (!place) co_return tl::unexpected(place.error());
-  const auto format = format_in(params);
-  if (!format) co_return tl::unexpected(format.error());
+  co_await must(named_axes(call, params));
+  auto given = co_await must(text_of(call, params));
+  const auto place = co_await must(place_to_plan(call, given.size()));
+  const auto format = co_await must(format_in(params));
   auto& planner = call.gateway->planner;
   const auto turn = co_await planner.take_turn(call.peer->client().number);
 
   // It may have some megabytes, and what is read of it some more: nothing of it is copied here.
-  const auto text = std::make_shared<const std::string>(std::move(*given));
-  auto read = [text, format = *format, tolerance = request->tolerance] {
+  const auto text = std::make_shared<const std::string>(std::move(given));
+  auto read = [text, format, tolerance = request.tolerance] {
     return plan::read_path(*text, format.value_or(plan::format_of("", *text)), tolerance);
   };
   auto source = co_await planner.plan(std::move(read));
   if (!source) co_return tl::unexpected(error_of(source.error(), "text"));
-  auto axes = axes_for(call, params, *source, with_namesakes);
-  if (!axes) co_return tl::unexpected(axes.error());
-  auto known = co_await path_axes(*source, *axes, *request, call.permit);
-  if (!known) co_return tl::unexpected(known.error());
+  auto axes = co_await must(axes_for(call, params, *source, with_namesakes));
+  auto known = co_await must(path_axes(*source, axes, request, call.permit));
 
-  const auto feed = feed_of(*known);
+  const auto feed = feed_of(known);
   if (!feed) co_return tl::unexpected(error_of(feed.error(), "feed"));
   const plan::PathSource names{source->format, {source->path.axes, {}}};
-  auto plan_it = [source = std::move(*source), text, known = *known, feed = *feed,
-                  request = *request, look = std::move(look)]() mutable {
+  auto plan_it = [source = std::move(*source), text, known, feed = *feed, request,
+                  look = std::move(look)]() mutable {
     const auto letters = source.path.axes;
     auto course = from_where_axes_stand(std::move(source), *text, known, request)
                       .and_then([&](const auto& from_there) {
@@ -233,14 +218,14 @@ awaitable<Lookup<PlannedPath>> plan_for(const Call& call, const OfPath& params, 
   };
   auto course = co_await planner.plan(std::move(plan_it));
   if (!course) co_return tl::unexpected(error_of(course.error(), "text"));
-  if (const auto objection = objection_to_reach(*course, *known))
+  if (const auto objection = objection_to_reach(*course, known))
     co_return tl::unexpected(error_of(*objection, "text"));
-  PlannedPath planned{0, *request, names, std::move(*axes), std::move(*known), std::move(*course)};
+  PlannedPath planned{0, request, names, std::move(axes), std::move(known), std::move(*course)};
   co_return planned;
 }
 
 /// The parameter "plan". What has changed since then is found out, and where the axes are now.
-awaitable<Lookup<PlannedPath>> planned_before(const Call& call, const path::Run& params) {
+Task<PlannedPath> planned_before(const Call& call, const path::Run& params) {
   std::string_view other;
   if (params.bytes) other = api::name_of<&OfPath::bytes>();
   if (params.text) other = api::name_of<&OfPath::text>();
@@ -256,16 +241,15 @@ awaitable<Lookup<PlannedPath>> planned_before(const Call& call, const path::Run&
                                          "once"));
   }
   auto planned = std::move(*std::exchange(kept, nullptr));
-  auto known = co_await path_axes(planned.source, planned.axes, planned.request, call.permit);
-  if (!known) co_return tl::unexpected(known.error());
-  for (std::size_t i = 0; i < known->size(); ++i) {
-    if (moves_alike((*known)[i], planned.known[i])) continue;
+  auto known = co_await must(path_axes(planned.source, planned.axes, planned.request, call.permit));
+  for (std::size_t i = 0; i < known.size(); ++i) {
+    if (moves_alike(known[i], planned.known[i])) continue;
     co_return tl::unexpected(param_error(
         "no_plan", "plan",
         "settings of " + planned.axes[i]->name() + " have changed since the path was planned",
         "plan it again"));
   }
-  planned.known = std::move(*known);
+  planned.known = std::move(known);
   co_return planned;
 }
 
@@ -370,11 +354,10 @@ std::optional<RpcError> failure_to_stop(const PathRuns& runs) {
   return error;
 }
 
-awaitable<Lookup<path::PathAxes>> pause_all(Call& call, const path::OnPaths& params, bool on) {
-  const auto runs = runs_of(call, params);
-  if (!runs) co_return tl::unexpected(runs.error());
-  for (const auto& run : *runs) run->pause(on);
-  co_return axes_on(*runs);
+Task<path::PathAxes> pause_all(Call& call, const path::OnPaths& params, bool on) {
+  const auto runs = co_await must(runs_of(call, params));
+  for (const auto& run : runs) run->pause(on);
+  co_return axes_on(runs);
 }
 
 }  // namespace
@@ -390,46 +373,44 @@ Answer<path::Plan> plan_path(Call& call, const path::Plan& params) {
     result->course = view_of(course, axes);
     if (points > 0) result->curve = curve_of(course, points);
   };
-  auto planned = co_await plan_for(call, params, true, std::move(look));
-  if (!planned) co_return tl::unexpected(planned.error());
-  planned->number = call.gateway->next_path_number();
-  result->plan = planned->number;
-  for (const auto& axis : planned->axes) result->axes.push_back(axis->name());
-  result->warnings = co_await warnings_of(planned->axes);
-  call.gateway->planned_path = std::make_shared<PlannedPath>(std::move(*planned));
+  auto planned = co_await must(plan_for(call, params, true, std::move(look)));
+  planned.number = call.gateway->next_path_number();
+  result->plan = planned.number;
+  for (const auto& axis : planned.axes) result->axes.push_back(axis->name());
+  result->warnings = co_await warnings_of(planned.axes);
+  call.gateway->planned_path = std::make_shared<PlannedPath>(std::move(planned));
   co_return std::move(*result);
 }
 
 Answer<path::Run> run_path(Call& call, const path::Run& params) {
   auto planning = params.plan ? planned_before(call, params)
                               : plan_for(call, params, false, [](const auto&, const auto&) {});
-  auto planned = co_await std::move(planning);
-  if (!planned) co_return tl::unexpected(planned.error());
-  const auto place = place_for(call, planned->course.bytes());
+  auto planned = co_await must(std::move(planning));
+  const auto place = place_for(call, planned.course.bytes());
   if (!place) {
-    if (params.plan) keep_again(call, std::move(*planned));
+    if (params.plan) keep_again(call, std::move(planned));
     co_return tl::unexpected(place.error());
   }
-  auto warnings = co_await warnings_of(planned->axes);
-  if (auto refusal = refusal_to_begin(call)) co_return tl::unexpected(std::move(*refusal));
+  auto warnings = co_await warnings_of(planned.axes);
+  co_await must_not(refusal_to_begin(call));
   begin_journey(call);
   std::vector<DriveMember> members;
-  for (const auto& axis : planned->axes)
+  for (const auto& axis : planned.axes)
     members.push_back({axis, axis->begin_movement(call.permit, {})});
-  auto options = options_of(planned->request);
+  auto options = options_of(planned.request);
   options.to_start = params.to_start.value_or(false);
 
   const auto executor = co_await boost::asio::this_coro::executor;
   const auto run =
-      std::make_shared<PathRun>(executor, std::move(planned->course), std::move(members),
-                                streamed(planned->known), options, path_progress_to(call));
+      std::make_shared<PathRun>(executor, std::move(planned.course), std::move(members),
+                                streamed(planned.known), options, path_progress_to(call));
   const auto failure = co_await PathRun::pass(run);
   if (failure) co_return tl::unexpected(call_error(failure->error, failure->axis));
   if (!run->journal_failure().empty()) warnings.push_back(journal_warning(run->journal_failure()));
-  auto passage = passage_of(*run, planned->request.tolerance);
+  auto passage = passage_of(*run, planned.request.tolerance);
   if (run->report().fault) co_return tl::unexpected(error_of(*run, api::to_json(passage)));
   if (const auto by = passage.tolerance_exceeded_by)
-    warnings.push_back(tolerance_warning(planned->request.tolerance, *by));
+    warnings.push_back(tolerance_warning(planned.request.tolerance, *by));
   co_return path::Passed{std::move(passage), std::move(warnings)};
 }
 
@@ -441,15 +422,14 @@ Answer<path::Resume> resume_path(Call& call, const path::Resume& params) {
 }
 
 Answer<path::Stop> stop_path(Call& call, const path::Stop& params) {
-  const auto runs = runs_of(call, params);
-  if (!runs) co_return tl::unexpected(runs.error());
-  for (const auto& run : *runs)
+  const auto runs = co_await must(runs_of(call, params));
+  for (const auto& run : runs)
     run->end({plan::DriveFault::Kind::asked, {}, "a client has stopped the path"});
-  for (const auto& run : *runs) {
+  for (const auto& run : runs) {
     while (!run->has_ended()) co_await rest(look_interval);
   }
-  if (auto failed = failure_to_stop(*runs)) co_return tl::unexpected(std::move(*failed));
-  co_return axes_on(*runs);
+  co_await must_not(failure_to_stop(runs));
+  co_return axes_on(runs);
 }
 
 }  // namespace tmcld::handlers

@@ -39,32 +39,24 @@ std::string_view name_of(tmcl::ProgramStatus::State state) {
 using LoadVerb = tmcl::Script<tmcl::Result<void>> (*)(tmcl::ModuleAddress, Program,
                                                       tmcl::LoadOptions);
 
-boost::asio::awaitable<Lookup<program::Commands>> load_or_compare(const Call& call,
-                                                                  program::Load params,
-                                                                  LoadVerb verb) {
-  const auto module = module_of(call, params);
-  if (!module) co_return tl::unexpected(module.error());
-  const auto program = program_of(params.program);
-  if (!program) co_return tl::unexpected(program.error());
+Task<program::Commands> load_or_compare(const Call& call, program::Load params, LoadVerb verb) {
+  const auto module = co_await must(module_of(call, params));
+  const auto program = co_await must(program_of(params.program));
   tmcl::LoadOptions options;
   options.first_address = params.first_address.value_or(0);
   if (verb == tmcl::verbs::load_program) {
-    const auto loss =
-        loss_by_program(*module->bus, module->address, *program, options.first_address);
-    if (loss) co_return tl::unexpected(call_error(*loss));
+    co_await must_not(loss_by_program(*module.bus, module.address, program, options.first_address));
   }
   options.compare = params.compare.value_or(true);
-  options.progress = progress_for(call, *module);
-  auto done = co_await act_on(call, *module, verb(module->address, *program, std::move(options)));
-  if (!done) co_return tl::unexpected(std::move(done.error()));
-  co_return program::Commands{static_cast<std::uint32_t>(program->size())};
+  options.progress = progress_for(call, module);
+  co_await must(act_on(call, module, verb(module.address, program, std::move(options))));
+  co_return program::Commands{static_cast<std::uint32_t>(program.size())};
 }
 
 /// No client owns what a program moves.
-boost::asio::awaitable<Lookup<program::Started>> start(Call& call, Lookup<ModuleChoice> module,
-                                                       tmcl::Script<tmcl::Result<void>> script) {
-  auto started = co_await act_on(call, std::move(module), std::move(script));
-  if (!started) co_return tl::unexpected(std::move(started.error()));
+Task<program::Started> start(Call& call, Lookup<ModuleChoice> module,
+                             tmcl::Script<tmcl::Result<void>> script) {
+  co_await must(act_on(call, std::move(module), std::move(script)));
   call.unattended = true;
   co_return program::Started{true};
 }
@@ -84,17 +76,15 @@ Answer<program::Compare> compare_program(Call& call, const program::Compare& par
 }
 
 Answer<program::Read> read_program(Call& call, const program::Read& params) {
-  const auto module = module_of(call, params);
-  if (!module) co_return tl::unexpected(module.error());
+  const auto module = co_await must(module_of(call, params));
   tmcl::ReadOptions options;
   options.first_address = params.first_address.value_or(0);
   if (params.length) options.length = *params.length;
-  options.progress = progress_for(call, *module);
-  auto script = tmcl::verbs::read_program(module->address, std::move(options));
-  const auto program = co_await run_on(*module, call, std::move(script));
-  if (!program) co_return tl::unexpected(program.error());
-  co_return program::ReadProgram{static_cast<std::uint32_t>(program->size()),
-                                 tmcl::program::to_hex(*program)};
+  options.progress = progress_for(call, module);
+  auto script = tmcl::verbs::read_program(module.address, std::move(options));
+  const auto program = co_await must(run_on(module, call, std::move(script)));
+  co_return program::ReadProgram{static_cast<std::uint32_t>(program.size()),
+                                 tmcl::program::to_hex(program)};
 }
 
 Answer<program::Run> run_program(Call& call, const program::Run& params) {
@@ -112,12 +102,10 @@ Answer<program::Reset> reset_program(Call& call, const program::Reset& params) {
 }
 
 Answer<program::Status> program_status(Call& call, const program::Status& params) {
-  const auto module = module_of(call, params);
-  if (!module) co_return tl::unexpected(module.error());
-  auto status = co_await run_on(*module, call, tmcl::verbs::program_status(module->address));
-  if (!status) co_return tl::unexpected(std::move(status.error()));
-  co_return program::ProgramState{std::string(name_of(status->state)), status->next_address,
-                                  status->last_error};
+  const auto module = co_await must(module_of(call, params));
+  auto status = co_await must(run_on(module, call, tmcl::verbs::program_status(module.address)));
+  co_return program::ProgramState{std::string(name_of(status.state)), status.next_address,
+                                  status.last_error};
 }
 
 Answer<program::SetBreakpoint> set_breakpoint(Call& call, const program::SetBreakpoint& params) {

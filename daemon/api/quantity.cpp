@@ -66,26 +66,23 @@ AxisUnits nothing_read_of(const GatewayAxis& axis) {
 
 /// What the conversion of a quantity needs, read where that is not known. `measures`: what a number
 /// without a unit is, where the module's own unit matters for that, too.
-awaitable<Lookup<AxisUnits>> units_for(GatewayAxis& axis, std::string_view param,
-                                       const Quantity& quantity,
-                                       Dimension measures = Dimension::other) {
+Task<AxisUnits> units_for(GatewayAxis& axis, std::string_view param, const Quantity& quantity,
+                          Dimension measures = Dimension::other) {
   auto units = nothing_read_of(axis);
   if (!is_in_microsteps(quantity)) {
-    auto scale = co_await axis.scale();
-    if (!scale) co_return tl::unexpected(call_error(scale.error(), axis.name()));
-    if (!*scale) {
+    auto scale = co_await must(axis.scale(), axis);
+    if (!scale) {
       co_return tl::unexpected(param_error(
           "bad_argument", param,
           "the module of axis " + quoted(axis.name()) + " does not tell its microstep resolution",
           "the configuration can: 'microsteps'"));
     }
-    units.scale = std::move(*scale);
+    units.scale = std::move(scale);
   }
   const auto dimension = quantity.unit.empty() ? measures : dimension_of(quantity);
   if (dimension == Dimension::other || dimension == Dimension::position) co_return units;
-  auto module = co_await axis.module_units();
-  if (!module) co_return tl::unexpected(call_error(module.error(), axis.name()));
-  units.module = *module;
+  auto module = co_await must(axis.module_units(), axis);
+  units.module = module;
   co_return units;
 }
 
@@ -93,18 +90,16 @@ template <class Value>
 using InPulses = tmcl::Converted<Value> (*)(const Quantity&, const AxisUnits&);
 
 template <class Value>
-awaitable<Lookup<SaidRate<Value>>> rate_of(GatewayAxis& axis, Either either, Dimension dimension,
-                                           const char* plain_unit, InPulses<Value> in_pulses) {
-  auto rate_said = said_in(either, axis, dimension, plain_unit);
-  if (!rate_said) co_return tl::unexpected(rate_said.error());
-  auto& [param, said] = *rate_said;
+Task<SaidRate<Value>> rate_of(GatewayAxis& axis, Either either, Dimension dimension,
+                              const char* plain_unit, InPulses<Value> in_pulses) {
+  auto rate_said = co_await must(said_in(either, axis, dimension, plain_unit));
+  auto& [param, said] = rate_said;
   if (!(said.number > 0)) {
     co_return tl::unexpected(
         param_error("out_of_range", param, quoted(param) + " must be greater than 0"));
   }
-  auto units = co_await units_for(axis, param, said, dimension);
-  if (!units) co_return tl::unexpected(units.error());
-  auto undirected = units->undirected();
+  auto units = co_await must(units_for(axis, param, said, dimension));
+  auto undirected = units.undirected();
   const auto rate = in_pulses(said, undirected);
   if (!rate) co_return tl::unexpected(quantity_error(param, rate.error()));
   co_return SaidRate<Value>{*rate, param, std::move(said), std::move(undirected)};
@@ -112,19 +107,18 @@ awaitable<Lookup<SaidRate<Value>>> rate_of(GatewayAxis& axis, Either either, Dim
 
 /// `parameter` is what holds such a limit.
 template <class Value>
-awaitable<Lookup<std::optional<Value>>> limit_of(GatewayAxis& axis, Either either,
-                                                 Dimension dimension, const char* plain_unit,
-                                                 std::uint8_t parameter,
-                                                 InPulses<Value> in_pulses) {
+Task<std::optional<Value>> limit_of(GatewayAxis& axis, Either either, Dimension dimension,
+                                    const char* plain_unit, std::uint8_t parameter,
+                                    InPulses<Value> in_pulses) {
   if (!either.plain && !either.amount) co_return std::nullopt;
-  const auto limit = co_await rate_of(axis, std::move(either), dimension, plain_unit, in_pulses);
-  if (!limit) co_return tl::unexpected(limit.error());
+  const auto limit =
+      co_await must(rate_of(axis, std::move(either), dimension, plain_unit, in_pulses));
   const auto* row = find_parameter(axis.parameters(), parameter);
-  if (!limit->units.module || row == nullptr) co_return limit->in_pulses;
-  auto fits = to_parameter(limit->quantity, limit->units, *row);
-  if (fits) co_return limit->in_pulses;
+  if (!limit.units.module || row == nullptr) co_return limit.in_pulses;
+  auto fits = to_parameter(limit.quantity, limit.units, *row);
+  if (fits) co_return limit.in_pulses;
   fits.error().message = "axis " + quoted(axis.name()) + ": " + fits.error().message;
-  co_return tl::unexpected(quantity_error(limit->param, fits.error()));
+  co_return tl::unexpected(quantity_error(limit.param, fits.error()));
 }
 
 }  // namespace
@@ -133,14 +127,12 @@ RpcError quantity_error(std::string_view param, const tmcl::QuantityError& error
   return param_error(error.code, param, error.message, error.hint);
 }
 
-awaitable<Lookup<SaidRate<tmcl::PulsesPerSecond>>> velocity_rate_of(GatewayAxis& axis,
-                                                                    Either said) {
+Task<SaidRate<tmcl::PulsesPerSecond>> velocity_rate_of(GatewayAxis& axis, Either said) {
   return rate_of<tmcl::PulsesPerSecond>(axis, std::move(said), Dimension::velocity, "",
                                         tmcl::to_pps);
 }
 
-awaitable<Lookup<SaidRate<tmcl::PulsesPerSecond2>>> acceleration_rate_of(GatewayAxis& axis,
-                                                                         Either said) {
+Task<SaidRate<tmcl::PulsesPerSecond2>> acceleration_rate_of(GatewayAxis& axis, Either said) {
   return rate_of<tmcl::PulsesPerSecond2>(axis, std::move(said), Dimension::acceleration, "",
                                          tmcl::to_pps2);
 }
@@ -186,49 +178,40 @@ Lookup<Quantity> jerk_quantity_of(const api::Amount& said, const GatewayAxis& ax
 
 }  // namespace
 
-awaitable<Lookup<tmcl::PulsesPerSecond3>> jerk_of(GatewayAxis& axis, const api::Amount& said) {
-  const auto quantity = jerk_quantity_of(said, axis);
-  if (!quantity) co_return tl::unexpected(quantity.error());
-  const auto units = co_await units_for(axis, jerk_param, *quantity);
-  if (!units) co_return tl::unexpected(units.error());
-  const auto jerk = tmcl::to_pps3(*quantity, units->undirected());
+Task<tmcl::PulsesPerSecond3> jerk_of(GatewayAxis& axis, const api::Amount& said) {
+  const auto quantity = co_await must(jerk_quantity_of(said, axis));
+  const auto units = co_await must(units_for(axis, jerk_param, quantity));
+  const auto jerk = tmcl::to_pps3(quantity, units.undirected());
   if (!jerk) co_return tl::unexpected(quantity_error(jerk_param, jerk.error()));
   if (jerk->value > 0) co_return *jerk;
   co_return tl::unexpected(
       param_error("out_of_range", jerk_param, quoted(jerk_param) + " must be greater than 0"));
 }
 
-awaitable<Lookup<SaidLength>> length_of(GatewayAxis& axis, Either either,
-                                        const tmcl::ParameterInfo* row) {
-  const auto said = said_in(either, axis, Dimension::position);
-  if (!said) co_return tl::unexpected(said.error());
-  const auto& [param, quantity] = *said;
-  auto units = co_await units_for(axis, param, quantity);
-  if (!units) co_return tl::unexpected(units.error());
+Task<SaidLength> length_of(GatewayAxis& axis, Either either, const tmcl::ParameterInfo* row) {
+  const auto said = co_await must(said_in(either, axis, Dimension::position));
+  const auto& [param, quantity] = said;
+  auto units = co_await must(units_for(axis, param, quantity));
   tmcl::ValueRange range;
   if (row != nullptr) range = {row->minimum, row->maximum};
-  const auto value = tmcl::to_microsteps(quantity, *units, range);
+  const auto value = tmcl::to_microsteps(quantity, units, range);
   if (!value && row != nullptr) {
-    if (auto objection = objection_by_limits(axis, param, quantity, *units))
-      co_return tl::unexpected(std::move(*objection));
+    co_await must_not(objection_by_limits(axis, param, quantity, units));
   }
   if (!value) co_return tl::unexpected(quantity_error(param, value.error()));
-  if (auto complaint = check_range(row, value->value, param))
-    co_return tl::unexpected(std::move(*complaint));
+  co_await must_not(check_range(row, value->value, param));
   SaidLength length{*value};
-  if (const auto own = in_own_unit(quantity, *units)) length.in_unit = tmcl::UserPosition{*own};
-  length.scale = std::move(units->scale);
+  if (const auto own = in_own_unit(quantity, units)) length.in_unit = tmcl::UserPosition{*own};
+  length.scale = std::move(units.scale);
   co_return length;
 }
 
-awaitable<Lookup<std::optional<tmcl::PulsesPerSecond>>> velocity_limit_of(GatewayAxis& axis,
-                                                                          Either said) {
+Task<std::optional<tmcl::PulsesPerSecond>> velocity_limit_of(GatewayAxis& axis, Either said) {
   return limit_of<tmcl::PulsesPerSecond>(axis, std::move(said), Dimension::velocity, "pps",
                                          ap::max_velocity, tmcl::to_pps);
 }
 
-awaitable<Lookup<std::optional<tmcl::PulsesPerSecond2>>> acceleration_limit_of(GatewayAxis& axis,
-                                                                               Either said) {
+Task<std::optional<tmcl::PulsesPerSecond2>> acceleration_limit_of(GatewayAxis& axis, Either said) {
   const auto* model = axis.module().model();
   const auto parameter =
       model == nullptr ? ap::max_acceleration : tmcl::plan::acceleration_parameter(*model);
@@ -272,22 +255,20 @@ RpcError has_no_unit(const ParameterChoice& choice, const Either& said, const Qu
 }
 
 /// What the module is to hold in a parameter.
-awaitable<Lookup<ModuleValue>> value_of(GatewayAxis& axis, Either either, Dimension dimension,
-                                        ParameterChoice choice) {
-  const auto said = said_in(either, axis, dimension);
-  if (!said) co_return tl::unexpected(said.error());
-  const auto& [param, quantity] = *said;
+Task<ModuleValue> value_of(GatewayAxis& axis, Either either, Dimension dimension,
+                           ParameterChoice choice) {
+  const auto said = co_await must(said_in(either, axis, dimension));
+  const auto& [param, quantity] = said;
   const bool has_unit = choice.row != nullptr && dimension != Dimension::other;
   if (either.amount && !has_unit) co_return tl::unexpected(has_no_unit(choice, either, quantity));
-  auto units = co_await units_for(axis, param, quantity);
-  if (!units) co_return tl::unexpected(units.error());
+  auto units = co_await must(units_for(axis, param, quantity));
   const bool is_bare = quantity.unit.empty();
   const bool is_rate = dimension != Dimension::position && dimension_of(quantity) == dimension;
-  if (!is_bare && is_rate && !units->module)
+  if (!is_bare && is_rate && !units.module)
     co_return tl::unexpected(has_no_unit(choice, either, quantity));
   const auto as_number = [](tmcl::Microsteps count) { return count.value; };
-  const auto value = is_bare ? to_microsteps(quantity, *units).map(as_number)
-                             : to_parameter(quantity, *units, *choice.row);
+  const auto value = is_bare ? to_microsteps(quantity, units).map(as_number)
+                             : to_parameter(quantity, units, *choice.row);
   if (!value) {
     auto error = value.error();
     const auto* model = axis.module().model();
@@ -298,20 +279,19 @@ awaitable<Lookup<ModuleValue>> value_of(GatewayAxis& axis, Either either, Dimens
           "line, chooses others";
     co_return tl::unexpected(quantity_error(param, error));
   }
-  auto complaint = check_range(is_bare ? choice.row : nullptr, *value, param);
-  if (complaint) co_return tl::unexpected(std::move(*complaint));
-  co_return ModuleValue{*value, std::move(*units)};
+  co_await must_not(check_range(is_bare ? choice.row : nullptr, *value, param));
+  co_return ModuleValue{*value, std::move(units)};
 }
 
 }  // namespace
 
-awaitable<Lookup<ModuleValue>> velocity_of(GatewayAxis& axis, Either said) {
+Task<ModuleValue> velocity_of(GatewayAxis& axis, Either said) {
   const auto* row = find_parameter(axis.parameters(), ap::target_velocity);
   return value_of(axis, std::move(said), Dimension::velocity, {ap::target_velocity, row});
 }
 
-awaitable<Lookup<ModuleValue>> parameter_value_of(GatewayAxis& axis, Either said,
-                                                  const ParameterChoice& choice) {
+Task<ModuleValue> parameter_value_of(GatewayAxis& axis, Either said,
+                                     const ParameterChoice& choice) {
   const auto dimension = choice.row == nullptr ? Dimension::other : dimension_of(*choice.row);
   return value_of(axis, std::move(said), dimension, choice);
 }

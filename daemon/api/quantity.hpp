@@ -8,8 +8,8 @@
 
 #include <boost/asio/awaitable.hpp>
 
-#include "api/call.hpp"
 #include "api/lookup.hpp"
+#include "api/task.hpp"
 #include "tmcl/api/axis.hpp"
 #include "tmcl/jerk.hpp"
 #include "tmcl/quantity.hpp"
@@ -46,8 +46,7 @@ Either either(const Params& params) {
 
 /// `row` is what holds the position; null: any will do. Errors: neither or both are there, what
 /// tmcl::to_parameter() objects to, an axis without a unit.
-boost::asio::awaitable<Lookup<SaidLength>> length_of(GatewayAxis& axis, Either said,
-                                                     const tmcl::ParameterInfo* row);
+Task<SaidLength> length_of(GatewayAxis& axis, Either said, const tmcl::ParameterInfo* row);
 
 /// A velocity or an acceleration, the same in both directions: in microsteps, and as it was said.
 template <class Value>
@@ -58,28 +57,22 @@ struct SaidRate {
   tmcl::AxisUnits units;  ///< What was read to know it.
 };
 /// Errors: neither or both are there; it is not above 0; what tmcl::to_pps() objects to.
-boost::asio::awaitable<Lookup<SaidRate<tmcl::PulsesPerSecond>>> velocity_rate_of(GatewayAxis& axis,
-                                                                                 Either said);
-boost::asio::awaitable<Lookup<SaidRate<tmcl::PulsesPerSecond2>>> acceleration_rate_of(
-    GatewayAxis& axis, Either said);
+Task<SaidRate<tmcl::PulsesPerSecond>> velocity_rate_of(GatewayAxis& axis, Either said);
+Task<SaidRate<tmcl::PulsesPerSecond2>> acceleration_rate_of(GatewayAxis& axis, Either said);
 /// A number: in the axis' unit per second cubed.
-boost::asio::awaitable<Lookup<tmcl::PulsesPerSecond3>> jerk_of(GatewayAxis& axis,
-                                                               const api::Amount& said);
+Task<tmcl::PulsesPerSecond3> jerk_of(GatewayAxis& axis, const api::Amount& said);
 
 /// An error about the parameter `param`.
 RpcError quantity_error(std::string_view param, const tmcl::QuantityError& error);
 
 /// An upper limit of a velocity or an acceleration in microsteps, or nothing if both are absent.
 /// Errors: both are there; it is not above 0, or above what the axis can do.
-boost::asio::awaitable<Lookup<std::optional<tmcl::PulsesPerSecond>>> velocity_limit_of(
-    GatewayAxis& axis, Either said);
-boost::asio::awaitable<Lookup<std::optional<tmcl::PulsesPerSecond2>>> acceleration_limit_of(
-    GatewayAxis& axis, Either said);
+Task<std::optional<tmcl::PulsesPerSecond>> velocity_limit_of(GatewayAxis& axis, Either said);
+Task<std::optional<tmcl::PulsesPerSecond2>> acceleration_limit_of(GatewayAxis& axis, Either said);
 
-boost::asio::awaitable<Lookup<ModuleValue>> velocity_of(GatewayAxis& axis, Either said);
+Task<ModuleValue> velocity_of(GatewayAxis& axis, Either said);
 /// As the module wants it.
-boost::asio::awaitable<Lookup<ModuleValue>> parameter_value_of(GatewayAxis& axis, Either said,
-                                                               const ParameterChoice& choice);
+Task<ModuleValue> parameter_value_of(GatewayAxis& axis, Either said, const ParameterChoice& choice);
 
 // What is told in the unit of the axis, beside what its module counts: nothing for an axis without
 // one, and where the conversion is not known or could not be read. What was read for this call

@@ -39,8 +39,7 @@ struct ChosenRamp {
 };
 
 /// Nothing: as it is.
-awaitable<Lookup<std::optional<double>>> jerk_asked_for(GatewayAxis& axis,
-                                                        const axis::OfRamp& params) {
+Task<std::optional<double>> jerk_asked_for(GatewayAxis& axis, const axis::OfRamp& params) {
   if (params.jerk && params.bow) {
     co_return tl::unexpected(
         param_error("bad_argument", jerk_param, "give 'jerk' or 'bow', not both"));
@@ -49,30 +48,25 @@ awaitable<Lookup<std::optional<double>>> jerk_asked_for(GatewayAxis& axis,
   if (!params.jerk) co_return std::nullopt;
   const auto* text = std::get_if<std::string>(&params.jerk->said);
   if (text != nullptr && *text == "max") co_return plan::highest_jerk;
-  const auto jerk = co_await jerk_of(axis, *params.jerk);
-  if (!jerk) co_return tl::unexpected(jerk.error());
-  co_return jerk->value;
+  const auto jerk = co_await must(jerk_of(axis, *params.jerk));
+  co_return jerk.value;
 }
 
-awaitable<Lookup<Wish>> wish_of(GatewayAxis& axis, const axis::OfRamp& params) {
+Task<Wish> wish_of(GatewayAxis& axis, const axis::OfRamp& params) {
   using axis::OfRamp;
-  auto velocity = co_await velocity_rate_of(
-      axis, either<&OfRamp::velocity_internal, &OfRamp::velocity>(params));
-  if (!velocity) co_return tl::unexpected(velocity.error());
-  auto acceleration = co_await acceleration_rate_of(
-      axis, either<&OfRamp::acceleration_internal, &OfRamp::acceleration>(params));
-  if (!acceleration) co_return tl::unexpected(acceleration.error());
+  auto velocity = co_await must(
+      velocity_rate_of(axis, either<&OfRamp::velocity_internal, &OfRamp::velocity>(params)));
+  auto acceleration = co_await must(acceleration_rate_of(
+      axis, either<&OfRamp::acceleration_internal, &OfRamp::acceleration>(params)));
   auto deceleration = acceleration;
   if (params.deceleration || params.deceleration_internal) {
-    deceleration = co_await acceleration_rate_of(
-        axis, either<&OfRamp::deceleration_internal, &OfRamp::deceleration>(params));
-    if (!deceleration) co_return tl::unexpected(deceleration.error());
+    deceleration = co_await must(acceleration_rate_of(
+        axis, either<&OfRamp::deceleration_internal, &OfRamp::deceleration>(params)));
   }
-  const auto jerk = co_await jerk_asked_for(axis, params);
-  if (!jerk) co_return tl::unexpected(jerk.error());
-  const plan::RampRequest request{velocity->in_pulses, acceleration->in_pulses,
-                                  deceleration->in_pulses, *jerk};
-  co_return Wish{std::move(*velocity), std::move(*acceleration), std::move(*deceleration), request};
+  const auto jerk = co_await must(jerk_asked_for(axis, params));
+  const plan::RampRequest request{velocity.in_pulses, acceleration.in_pulses,
+                                  deceleration.in_pulses, jerk};
+  co_return Wish{std::move(velocity), std::move(acceleration), std::move(deceleration), request};
 }
 
 /// Which of them the module does not have.
@@ -131,29 +125,24 @@ std::vector<axis::ModuleTrait> view_of(const tmcl::ModuleTraits& traits) {
   return views;
 }
 
-awaitable<Lookup<ChosenRamp>> choose(GatewayAxis& axis, const axis::OfRamp& params) {
-  const auto ready = co_await axis.be_ready();
-  if (!ready) co_return tl::unexpected(call_error(ready.error(), axis.name()));
+Task<ChosenRamp> choose(GatewayAxis& axis, const axis::OfRamp& params) {
+  co_await must(axis.be_ready(), axis);
   const auto* model = axis.module().model();
-  const auto units = co_await axis.module_units();
-  if (!units) co_return tl::unexpected(call_error(units.error(), axis.name()));
-  if (model == nullptr || !*units) {
+  const auto units = co_await must(axis.module_units(), axis);
+  if (model == nullptr || !units) {
     co_return tl::unexpected(
         param_error("unknown_model", api::name_of<&axis::OfRamp::axis>(),
                     "the model of axis " + axis.name() +
                         " is not known, so what its parameters mean is not, either"));
   }
-  auto wish = co_await wish_of(axis, params);
-  if (!wish) co_return tl::unexpected(wish.error());
-  if (auto refusal = jerk_refusal(axis, params, *model, wish->request.jerk))
-    co_return tl::unexpected(std::move(*refusal));
+  auto wish = co_await must(wish_of(axis, params));
+  co_await must_not(jerk_refusal(axis, params, *model, wish.request.jerk));
   if (model->family == tmcl::Family::tmc457) {
-    const auto bow = co_await axis.get(max_bow, {});
-    if (!bow) co_return tl::unexpected(call_error(bow.error(), axis.name()));
-    wish->request.bow = *bow;
+    const auto bow = co_await must(axis.get(max_bow, {}), axis);
+    wish.request.bow = bow;
   }
-  auto choice = plan::choose_ramp(*model, wish->request, **units);
-  if (!choice) co_return tl::unexpected(too_far(choice.error(), *wish));
+  auto choice = plan::choose_ramp(*model, wish.request, *units);
+  if (!choice) co_return tl::unexpected(too_far(choice.error(), wish));
   auto warnings = foreseen(*choice, *model);
   co_return ChosenRamp{model, std::move(*choice), std::move(warnings)};
 }
@@ -210,29 +199,25 @@ awaitable<axis::Ramp> view_of(GatewayAxis& axis, ChosenRamp chosen) {
 }
 
 /// A ramp that changes on the way would end at an unknown position.
-awaitable<std::optional<RpcError>> refusal_in_motion(GatewayAxis& axis) {
-  const auto reading = co_await axis.read_state();
-  if (!reading) co_return call_error(reading.error(), axis.name());
-  if (reading->state.velocity.value == 0) co_return std::nullopt;
-  co_return rpc_error(
+Task<void> refuse_in_motion(GatewayAxis& axis) {
+  const auto reading = co_await must(axis.read_state(), axis);
+  if (reading.state.velocity.value == 0) co_return;
+  co_await refuse(rpc_error(
       rpc_code::not_allowed, "moving",
       "axis " + axis.name() + " moves; a ramp is changed at standstill, and nothing was written",
-      "axis.stop stops it");
+      "axis.stop stops it"));
 }
 
 /// The order in which to write them, with what the module has now.
-awaitable<Lookup<std::vector<Setting>>> in_safe_order(GatewayAxis& axis,
-                                                      std::vector<Setting> settings) {
+Task<std::vector<Setting>> in_safe_order(GatewayAxis& axis, std::vector<Setting> settings) {
   if (std::ranges::find(settings, pulse_divisor, &Setting::parameter) == settings.end())
     co_return settings;
-  const auto present = co_await axis.get(pulse_divisor, {});
-  if (!present) co_return tl::unexpected(call_error(present.error(), axis.name()));
-  co_return plan::in_safe_order(std::move(settings), *present);
+  const auto present = co_await must(axis.get(pulse_divisor, {}), axis);
+  co_return plan::in_safe_order(std::move(settings), present);
 }
 
-awaitable<std::optional<RpcError>> write_all(GatewayAxis& axis,
-                                             const std::vector<Setting>& settings,
-                                             const RunOptions& movement) {
+Task<void> write_all(GatewayAxis& axis, const std::vector<Setting>& settings,
+                     const RunOptions& movement) {
   std::string written;
   for (const auto& setting : settings) {
     const auto assignment =
@@ -242,11 +227,10 @@ awaitable<std::optional<RpcError>> write_all(GatewayAxis& axis,
       auto error = call_error(done.error(), axis.name());
       error.message += "; it was about " + assignment;
       if (!written.empty()) error.message += ", and these were written before: " + written;
-      co_return error;
+      co_await refuse(std::move(error));
     }
     written += (written.empty() ? "" : ", ") + assignment;
   }
-  co_return std::nullopt;
 }
 
 RpcError not_foreseeable(const GatewayAxis& axis, const std::string& why) {
@@ -257,21 +241,18 @@ RpcError not_foreseeable(const GatewayAxis& axis, const std::string& why) {
 }  // namespace
 
 Answer<axis::GetRamp> get_ramp(Call& call, const axis::GetRamp& params) {
-  const auto found = axis_of(call, params.axis);
-  if (!found) co_return tl::unexpected(found.error());
-  auto& axis = **found;
-  const auto ready = co_await axis.be_ready();
-  if (!ready) co_return tl::unexpected(call_error(ready.error(), axis.name()));
+  const auto found = co_await must(axis_of(call, params.axis));
+  auto& axis = *found;
+  co_await must(axis.be_ready(), axis);
   const auto* model = axis.module().model();
   if (model == nullptr)
     co_return tl::unexpected(not_foreseeable(axis, "the model of its module is not known"));
-  const auto twin = co_await axis.twin({});
-  if (!twin) co_return tl::unexpected(call_error(twin.error(), axis.name()));
-  if (!*twin) {
+  const auto twin = co_await must(axis.twin({}), axis);
+  if (!twin) {
     co_return tl::unexpected(
         not_foreseeable(axis, "the ramps of a " + std::string(model->name) + " are not described"));
   }
-  const auto motion = (*twin)->motion();
+  const auto motion = twin->motion();
   // Where it is when a command comes could only be guessed.
   if (motion.velocity.value != 0)
     co_return tl::unexpected(not_foreseeable(axis, "it moves already"));
@@ -280,31 +261,24 @@ Answer<axis::GetRamp> get_ramp(Call& call, const axis::GetRamp& params) {
 }
 
 Answer<axis::PlanRamp> plan_ramp(Call& call, const axis::PlanRamp& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
-  auto chosen = co_await choose(**axis, params);
-  if (!chosen) co_return tl::unexpected(chosen.error());
-  auto ramp = co_await view_of(**axis, std::move(*chosen));
+  const auto axis = co_await must(axis_of(call, params.axis));
+  auto chosen = co_await must(choose(*axis, params));
+  auto ramp = co_await view_of(*axis, std::move(chosen));
   co_return ramp;
 }
 
 Answer<axis::SetRamp> set_ramp(Call& call, const axis::SetRamp& params) {
-  const auto ready = co_await ready_to_move(call, params.axis, {});
-  if (!ready) co_return tl::unexpected(ready.error());
-  auto& axis = *ready->axis;
-  auto chosen = co_await choose(axis, params);
-  if (!chosen) co_return tl::unexpected(chosen.error());
-  auto refusal = co_await refusal_in_motion(axis);
-  if (refusal) co_return tl::unexpected(std::move(*refusal));
-  auto settings = co_await in_safe_order(axis, chosen->choice.settings);
-  if (!settings) co_return tl::unexpected(settings.error());
-  chosen->choice.settings = std::move(*settings);
-  auto failed = co_await write_all(axis, chosen->choice.settings, ready->moves);
-  if (failed) co_return tl::unexpected(std::move(*failed));
+  const auto ready = co_await must(ready_to_move(call, params.axis, {}));
+  auto& axis = *ready.axis;
+  auto chosen = co_await must(choose(axis, params));
+  co_await must(refuse_in_motion(axis));
+  auto settings = co_await must(in_safe_order(axis, chosen.choice.settings));
+  chosen.choice.settings = std::move(settings);
+  co_await must(write_all(axis, chosen.choice.settings, ready.moves));
   auto warnings = co_await axis.warnings();
   if (!warnings) warnings = std::vector{"no prediction: " + warnings.error().message};
-  chosen->warnings.insert(chosen->warnings.end(), warnings->begin(), warnings->end());
-  auto ramp = co_await view_of(axis, std::move(*chosen));
+  chosen.warnings.insert(chosen.warnings.end(), warnings->begin(), warnings->end());
+  auto ramp = co_await view_of(axis, std::move(chosen));
   co_return ramp;
 }
 

@@ -18,18 +18,15 @@ std::optional<std::int32_t> if_known(std::optional<Microsteps> value) {
 }
 
 template <class Params>
-boost::asio::awaitable<Lookup<SearchLimit>> limit_of_search(GatewayAxis& axis,
-                                                            const Params& params) {
+Task<SearchLimit> limit_of_search(GatewayAxis& axis, const Params& params) {
   if (!params.max_travel && !params.max_travel_microsteps) {
-    const auto limit = co_await axis.search_limit();
-    if (!limit) co_return tl::unexpected(call_error(limit.error(), axis.name()));
-    co_return *limit;
+    const auto limit = co_await must(axis.search_limit(), axis);
+    co_return limit;
   }
   const auto said = either<&Params::max_travel_microsteps, &Params::max_travel>(params);
-  const auto travel = co_await length_of(axis, said, nullptr);
-  if (!travel) co_return tl::unexpected(travel.error());
-  const auto microsteps = travel->microsteps.value;
-  const bool is_distance = travel->in_unit ? travel->in_unit->value > 0 : microsteps > 0;
+  const auto travel = co_await must(length_of(axis, said, nullptr));
+  const auto microsteps = travel.microsteps.value;
+  const bool is_distance = travel.in_unit ? travel.in_unit->value > 0 : microsteps > 0;
   if (microsteps == 0 || !is_distance)
     co_return tl::unexpected(param_error(
         "out_of_range", said.amount_name, "the way that a search may go is greater than 0",
@@ -94,19 +91,16 @@ boost::asio::awaitable<void> end_late_search(const Call& call, std::shared_ptr<G
 }  // namespace
 
 Answer<axis::Home> home(Call& call, const axis::Home& params) {
-  const auto ready = co_await ready_to_move(call, params);
-  if (!ready) co_return tl::unexpected(ready.error());
-  auto& axis = *ready->axis;
-  auto complaint = check_mode(params.mode, axis);
-  if (complaint) co_return tl::unexpected(std::move(*complaint));
-  const auto limit = co_await limit_of_search(axis, params);
-  if (!limit) co_return tl::unexpected(limit.error());
+  const auto ready = co_await must(ready_to_move(call, params));
+  auto& axis = *ready.axis;
+  co_await must_not(check_mode(params.mode, axis));
+  const auto limit = co_await must(limit_of_search(axis, params));
   auto homed =
-      co_await axis.home(home_options(call, params), *limit, with_peer(ready->moves, call.peer));
+      co_await axis.home(home_options(call, params), limit, with_peer(ready.moves, call.peer));
   const bool is_late = !homed && homed.error().code == tmcl::Errc::deadline_passed &&
                        homed.error().outcome != tmcl::Outcome::not_sent;
   if (is_late && !params.leave.value_or(false))
-    co_await end_late_search(call, ready->axis, homed.error());
+    co_await end_late_search(call, ready.axis, homed.error());
   if (!homed) co_return tl::unexpected(call_error(homed.error(), axis.name()));
   auto correction = co_await in_unit(axis, homed->correction);
   const auto distance = co_await in_unit(axis, homed->switch_distance);
@@ -115,39 +109,33 @@ Answer<axis::Home> home(Call& call, const axis::Home& params) {
                          {},
                          correction.number,
                          distance.number};
-  co_await tell_limit(axis, *limit, result);
+  co_await tell_limit(axis, limit, result);
   result.unit = std::move(correction.unit);
   co_return result;
 }
 
 Answer<axis::StartHome> start_home(Call& call, const axis::StartHome& params) {
-  const auto ready = co_await ready_to_move(call, params);
-  if (!ready) co_return tl::unexpected(ready.error());
-  auto& axis = *ready->axis;
-  auto complaint = check_mode(params.mode, axis);
-  if (complaint) co_return tl::unexpected(std::move(*complaint));
-  const auto limit = co_await limit_of_search(axis, params);
-  if (!limit) co_return tl::unexpected(limit.error());
-  const auto started = co_await axis.start_home(params.mode, *limit, ready->moves);
-  if (!started) co_return tl::unexpected(call_error(started.error(), axis.name()));
+  const auto ready = co_await must(ready_to_move(call, params));
+  auto& axis = *ready.axis;
+  co_await must_not(check_mode(params.mode, axis));
+  const auto limit = co_await must(limit_of_search(axis, params));
+  co_await must(axis.start_home(params.mode, limit, ready.moves), axis);
   axis::StartedSearch result;
-  co_await tell_limit(axis, *limit, result);
+  co_await tell_limit(axis, limit, result);
   co_return result;
 }
 
 Answer<axis::StopHome> stop_home(Call& call, const axis::StopHome& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
+  const auto axis = co_await must(axis_of(call, params.axis));
   const StopInProgress in_progress(call.gateway);
-  const auto stopped = co_await (*axis)->stop_home();
-  co_return nothing_or(stopped, **axis);
+  co_await must(axis->stop_home(), *axis);
+  co_return Nothing{};
 }
 
 Answer<axis::Recover> recover(Call& call, const axis::Recover& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
-  const auto recovered = co_await (*axis)->recover();
-  co_return nothing_or(recovered, **axis);
+  const auto axis = co_await must(axis_of(call, params.axis));
+  co_await must(axis->recover(), *axis);
+  co_return Nothing{};
 }
 
 }  // namespace tmcld::handlers

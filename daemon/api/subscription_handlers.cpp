@@ -47,17 +47,16 @@ Subscription begin(Subscriptions& subscriptions, const Axes& axes, const Reading
 }  // namespace
 
 Answer<Subscribe> subscribe(Call& call, const Subscribe& params) {
-  const auto axes = axes_of(call, params.axes);
-  if (!axes) co_return tl::unexpected(axes.error());
+  const auto axes = co_await must(axes_of(call, params.axes));
   if (call.peer->subscriptions().size() >= max_subscriptions) co_return tl::unexpected(too_many());
   std::vector<boost::asio::awaitable<tmcl::Result<AxisReading>>> looks;
-  for (const auto& axis : *axes) looks.push_back(read_one(axis));
+  for (const auto& axis : axes) looks.push_back(read_one(axis));
   const auto readings = co_await gather(std::move(looks));
   if (call.peer->is_gone()) co_return Subscription{};
   // Others may have begun meanwhile.
   if (call.peer->subscriptions().size() >= max_subscriptions) co_return tl::unexpected(too_many());
   const std::chrono::milliseconds interval(params.interval_ms.value_or(default_interval_ms));
-  co_return begin(call.peer->subscriptions(), *axes, readings, interval);
+  co_return begin(call.peer->subscriptions(), axes, readings, interval);
 }
 
 Answer<Unsubscribe> unsubscribe(Call& call, const Unsubscribe& params) {

@@ -64,21 +64,19 @@ RpcError not_kept(const std::string& why, std::string message) {
 }  // namespace
 
 Answer<token::Add> add_token(Call& call, const token::Add& params) {
-  if (auto refused = objection(call)) co_return tl::unexpected(std::move(*refused));
+  co_await must_not(objection(call));
   const auto tokens = tokens_of(call);
-  const auto role = role_of(params);
-  if (!role) co_return tl::unexpected(role.error());
-  const auto name = name_of(params, *tokens);
-  if (!name) co_return tl::unexpected(name.error());
-  auto secret = tokens->add(*name, *role);
+  const auto role = co_await must(role_of(params));
+  const auto name = co_await must(name_of(params, *tokens));
+  auto secret = tokens->add(name, role);
   const auto failure = co_await tmcld::Tokens::write(tokens);
-  if (failure.empty()) co_return token::Added{*name, params.role, std::move(secret)};
-  tokens->remove(*name);
+  if (failure.empty()) co_return token::Added{name, params.role, std::move(secret)};
+  tokens->remove(name);
   co_return tl::unexpected(not_kept(failure, "the token was not made"));
 }
 
 Answer<token::List> list_tokens(Call& call, const token::List&) {
-  if (auto refused = objection(call)) co_return tl::unexpected(std::move(*refused));
+  co_await must_not(objection(call));
   token::Tokens result;
   for (const auto& one : tokens_of(call)->all())
     result.tokens.push_back({one.name, std::string(tmcld::name_of(one.role)), one.made});
@@ -86,7 +84,7 @@ Answer<token::List> list_tokens(Call& call, const token::List&) {
 }
 
 Answer<token::Revoke> revoke_token(Call& call, const token::Revoke& params) {
-  if (auto refused = objection(call)) co_return tl::unexpected(std::move(*refused));
+  co_await must_not(objection(call));
   const auto tokens = tokens_of(call);
   if (tokens->find(params.name) == nullptr) {
     std::vector<std::string_view> names;

@@ -11,7 +11,7 @@ using boost::asio::awaitable;
 using Travel = std::optional<tmcl::ValueRange>;
 
 /// Both ends, or none.
-awaitable<Lookup<Travel>> travel_of(GatewayAxis& axis, const axis::Verify& params) {
+Task<Travel> travel_of(GatewayAxis& axis, const axis::Verify& params) {
   using P = axis::Verify;
   const auto from = either<&P::from_microsteps, &P::from>(params);
   const auto to = either<&P::to_microsteps, &P::to>(params);
@@ -21,12 +21,10 @@ awaitable<Lookup<Travel>> travel_of(GatewayAxis& axis, const axis::Verify& param
   if (has_from != has_to)
     co_return tl::unexpected(
         param_error("bad_argument", has_from ? "to" : "from", "'from' and 'to' go together"));
-  const auto least = co_await length_of(axis, from, nullptr);
-  if (!least) co_return tl::unexpected(least.error());
-  const auto greatest = co_await length_of(axis, to, nullptr);
-  if (!greatest) co_return tl::unexpected(greatest.error());
+  const auto least = co_await must(length_of(axis, from, nullptr));
+  const auto greatest = co_await must(length_of(axis, to, nullptr));
   // An axis may count the other way round.
-  const auto [low, high] = std::minmax(least->microsteps.value, greatest->microsteps.value);
+  const auto [low, high] = std::minmax(least.microsteps.value, greatest.microsteps.value);
   if (low <= 0 && high >= 0 && low < high) co_return Travel{{low, high}};
   co_return tl::unexpected(param_error("out_of_range", "from",
                                        "the axis must be within its travel: 'from' is 0 or less, "
@@ -62,24 +60,20 @@ axis::Verified view_of(const tmcl::Verification& found, const GatewayAxis& axis)
 }  // namespace
 
 Answer<axis::Verify> verify(Call& call, const axis::Verify& params) {
-  const auto axis = axis_of(call, params.axis);
-  if (!axis) co_return tl::unexpected(axis.error());
-  const auto ready = co_await (*axis)->be_ready();
-  if (!ready) co_return tl::unexpected(call_error(ready.error(), (*axis)->name()));
-  const auto travel = co_await travel_of(**axis, params);
-  if (!travel) co_return tl::unexpected(travel.error());
-  if (!*travel && !(*axis)->soft_limits()) {
+  const auto axis = co_await must(axis_of(call, params.axis));
+  co_await must(axis->be_ready(), *axis);
+  const auto travel = co_await must(travel_of(*axis, params));
+  if (!travel && !axis->soft_limits()) {
     co_return tl::unexpected(
-        param_error("bad_argument", "from", "axis '" + (*axis)->name() + "' has no soft limits",
+        param_error("bad_argument", "from", "axis '" + axis->name() + "' has no soft limits",
                     "say how far it may go from where it stands, such as --travel -2mm..2mm"));
   }
-  VerificationWish wish{*travel, call.peer->client(), call.permit, {}};
-  wish.tell = [teller = call.teller(), name = (*axis)->name()](const std::string& what) {
+  VerificationWish wish{travel, call.peer->client(), call.permit, {}};
+  wish.tell = [teller = call.teller(), name = axis->name()](const std::string& what) {
     teller(axis::VerifyProgress{name, what});
   };
-  const auto found = co_await verify_axis(call.gateway, *axis, std::move(wish));
-  if (!found) co_return tl::unexpected(call_error(found.error(), (*axis)->name()));
-  co_return view_of(*found, **axis);
+  const auto found = co_await must(verify_axis(call.gateway, axis, std::move(wish)), *axis);
+  co_return view_of(found, *axis);
 }
 
 }  // namespace tmcld::handlers
