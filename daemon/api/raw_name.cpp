@@ -44,14 +44,23 @@ std::optional<RawName> parse(std::string_view name) {
   return RawName{name.substr(0, first_digit == 0 ? 0 : colon), *address, *motor};
 }
 
-/// Or the message and the hint of an error.
-struct NameFault {
-  std::string message;
-  std::string hint;
-};
-using BusOrFault = tl::expected<std::shared_ptr<GatewayBus>, NameFault>;
+/// Refuses names, with why in them.
+class Refuse {
+ public:
+  Refuse(std::string_view param, const std::string& name) : param_(param), name_(name) {}
+  tl::unexpected<RpcError> operator()(std::string_view error, const std::string& why,
+                                      std::string hint) const {
+    return tl::unexpected(
+        param_error(error, param_, "there is no axis '" + name_ + "': " + why, std::move(hint)));
+  }
 
-BusOrFault bus_of(const Gateway& gateway, const RawName& raw) {
+ private:
+  std::string_view param_;
+  const std::string& name_;
+};
+
+Lookup<std::shared_ptr<GatewayBus>> bus_of(const Gateway& gateway, const RawName& raw,
+                                           const Refuse& refuse) {
   const auto buses = gateway.buses();
   std::vector<std::string_view> names;
   for (const auto& bus : buses) {
@@ -59,11 +68,10 @@ BusOrFault bus_of(const Gateway& gateway, const RawName& raw) {
     names.push_back(bus->name());
   }
   if (raw.bus.empty())
-    return tl::unexpected(
-        NameFault{fmt::format("{} buses have such an address", buses.size()),
-                  "name one of them, too, as in BUS:ADDRESS/MOTOR; see bus.list"});
-  return tl::unexpected(NameFault{fmt::format("there is no bus '{}'", raw.bus),
-                                  suggest(raw.bus, names, "see bus.list for what there is")});
+    return refuse("unknown_axis", fmt::format("{} buses have such an address", buses.size()),
+                  "name one of them, too, as in BUS:ADDRESS/MOTOR; see bus.list");
+  return refuse("unknown_axis", fmt::format("there is no bus '{}'", raw.bus),
+                suggest(raw.bus, names, "see bus.list for what there is"));
 }
 
 std::optional<std::string> fault_of(const GatewayBus& bus, const RawName& raw) {
@@ -84,16 +92,13 @@ std::optional<std::string> fault_of(const GatewayBus& bus, const RawName& raw) {
 
 Lookup<std::shared_ptr<GatewayAxis>> find_raw_axis(Gateway& gateway, std::string_view param,
                                                    const std::string& name) {
-  const auto refuse = [&](std::string_view error, const std::string& why, std::string hint) {
-    return tl::unexpected(
-        param_error(error, param, "there is no axis '" + name + "': " + why, std::move(hint)));
-  };
+  const Refuse refuse(param, name);
   const auto raw = parse(name);
   if (!raw)
     return refuse("unknown_axis", "no motor is named so",
                   "BUS:ADDRESS/MOTOR names one, as 'bench:1/0'; see axis.list for other names");
-  const auto bus = bus_of(gateway, *raw);
-  if (!bus) return refuse("unknown_axis", bus.error().message, bus.error().hint);
+  const auto bus = bus_of(gateway, *raw, refuse);
+  if (!bus) return tl::unexpected(bus.error());
   const tmcl::AxisAddress address{tmcl::ModuleAddress{static_cast<std::uint16_t>(raw->address)},
                                   static_cast<std::uint8_t>(raw->motor)};
   const bool fits = raw->address <= greatest_can_address && raw->motor < most_motors;
