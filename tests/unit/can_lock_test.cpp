@@ -20,8 +20,8 @@ class CanLock : public testing::Test {
   std::string told() const {
     const auto lock = lock_can_replies(replies);
     if (lock) return "taken";
-    return lock.error().system_error == 0 ? "held by " + lock.error().holder
-                                          : std::to_string(lock.error().system_error);
+    const auto& error = lock.error();
+    return error.code == Errc::link_busy ? "held by " + error.message : error.message;
   }
 };
 

@@ -46,9 +46,9 @@ std::string controller_state(std::uint8_t bits) {
   return "error-active";
 }
 
-tl::unexpected<Error> refused(const std::string& link, const CanLockRefusal& refusal) {
-  if (refusal.system_error == 0) return busy(link, refusal.holder);
-  return cannot_open(link, "it cannot be locked: " + system_text(refusal.system_error), "");
+tl::unexpected<Error> not_locked(const std::string& link, const Error& error) {
+  if (error.code == Errc::link_busy) return busy(link, error.message);
+  return cannot_open(link, error.message, "");
 }
 
 }  // namespace
@@ -90,7 +90,7 @@ Result<Link> open_can(const CanName& name, const std::string& text, const LinkOp
     return cannot_open(text, system_text(errno), "is " + name.interface + " a CAN interface?");
   }
   auto lock = lock_can_replies({index, options.can_reply_id, options.can_extended});
-  if (!lock) return refused(text, lock.error());
+  if (!lock) return not_locked(text, lock.error());
   link.lock_ = std::move(*lock);
   return link;
 }

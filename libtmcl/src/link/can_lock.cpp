@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include "link/holder.hpp"
+#include "link/opening.hpp"
 
 namespace tmcl {
 namespace {
@@ -74,12 +75,13 @@ std::string holder_with(const std::string& prefix) {
 
 }  // namespace
 
-tl::expected<std::shared_ptr<void>, CanLockRefusal> lock_can_replies(const CanReplies& replies) {
+Result<std::shared_ptr<void>> lock_can_replies(const CanReplies& replies) {
   const auto name = name_of(replies);
   const auto lock = std::make_shared<Lock>(name);
   const int error = lock->replies.error();
-  if (error == EADDRINUSE) return tl::unexpected(CanLockRefusal{0, holder_with(name)});
-  if (error != 0) return tl::unexpected(CanLockRefusal{error});
+  if (error == EADDRINUSE) return because(Errc::link_busy, holder_with(name));
+  if (error != 0)
+    return because(Errc::link_open_failed, "it cannot be locked: " + system_text(error));
   lock->holder.emplace(name + "/" + this_process());
   return lock;
 }

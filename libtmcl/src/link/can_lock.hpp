@@ -5,9 +5,8 @@
 
 #include <cstdint>
 #include <memory>
-#include <string>
 
-#include <tl/expected.hpp>
+#include "tmcl/error.hpp"
 
 namespace tmcl {
 
@@ -17,15 +16,10 @@ struct CanReplies {
   bool extended = false;
 };
 
-struct CanLockRefusal {
-  /// 0: another program has it.
-  int system_error = 0;
-  /// "tmcld (process 4711)"; empty if it cannot be told.
-  std::string holder{};
-};
-
 /// Held until the last copy of the pointer is gone, at the latest until the process ends. Programs
 /// of every user see it, in the network that the interface is in.
-tl::expected<std::shared_ptr<void>, CanLockRefusal> lock_can_replies(const CanReplies& replies);
+/// Errors: link_busy, with the program that has it as message, "tmcld (process 4711)", which is
+/// empty if it cannot be told; link_open_failed.
+Result<std::shared_ptr<void>> lock_can_replies(const CanReplies& replies);
 
 }  // namespace tmcl

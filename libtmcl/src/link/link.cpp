@@ -26,6 +26,13 @@ bool is_socket(int descriptor) {
 
 }  // namespace
 
+tl::unexpected<Error> because(Errc code, std::string why) {
+  Error error;
+  error.code = code;
+  error.message = std::move(why);
+  return tl::unexpected(std::move(error));
+}
+
 std::string system_text(int error) { return std::generic_category().message(error); }
 
 tl::unexpected<Error> cannot_open(const std::string& link, const std::string& why,

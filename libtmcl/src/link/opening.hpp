@@ -23,6 +23,8 @@ tl::unexpected<Error> cannot_open(const std::string& link, const std::string& wh
 /// "serial:/dev/ttyACM0@9600 is in use by tmcld (process 4711)"; the holder may be unknown, and
 /// empty then.
 tl::unexpected<Error> busy(const std::string& link, const std::string& holder);
+/// Why a part of a link cannot be had, for the one that opens it to make a sentence of.
+tl::unexpected<Error> because(Errc code, std::string why = {});
 /// What the system says about an errno.
 std::string system_text(int error);
 

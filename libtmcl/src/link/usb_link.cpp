@@ -100,15 +100,13 @@ std::string hint_for(int error, const UsbDeviceInfo& device) {
 }
 
 tl::unexpected<Error> refused(const std::string& text, const UsbDeviceInfo& device,
-                              const UsbRefusal& refusal) {
-  switch (refusal.why) {
-    case UsbRefusal::Why::busy: return busy(text, holder_of(device.node));
-    case UsbRefusal::Why::no_serial_port:
-      return cannot_open(
-          text, describe(device) + " has no serial port by USB (CDC-ACM): no TMCL module", "");
-    case UsbRefusal::Why::other: break;
+                              const Error& error) {
+  if (error.code == Errc::link_busy) return busy(text, holder_of(device.node));
+  if (error.code == Errc::bad_argument) {
+    return cannot_open(
+        text, describe(device) + " has no serial port by USB (CDC-ACM): no TMCL module", "");
   }
-  return cannot_open(text, refusal.text, "plug the module out and in again");
+  return cannot_open(text, error.message, "plug the module out and in again");
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include <sys/epoll.h>
 #include <unistd.h>
 
+#include "link/opening.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/datagram.hpp"
 
@@ -42,12 +43,12 @@ std::string describe(libusb_transfer_status status) {
   }
 }
 
-UsbRefusal refusal(int error) {
-  if (error == LIBUSB_ERROR_BUSY) return {UsbRefusal::Why::busy};
+tl::unexpected<Error> refused(int error) {
+  if (error == LIBUSB_ERROR_BUSY) return because(Errc::link_busy);
   // It was plugged in a moment ago.
   if (error == LIBUSB_ERROR_NOT_FOUND)
-    return {UsbRefusal::Why::other, "the kernel has not taken the device in yet: try again"};
-  return {UsbRefusal::Why::other, libusb_strerror(static_cast<libusb_error>(error))};
+    return because(Errc::link_open_failed, "the kernel has not taken the device in yet: try again");
+  return because(Errc::link_open_failed, libusb_strerror(static_cast<libusb_error>(error)));
 }
 
 /// Where the parts of a serial port are in a device. Its makers number them as they like.
@@ -107,7 +108,7 @@ class LibusbPort final : public UsbPort {
   LibusbPort& operator=(const LibusbPort&) = delete;
   ~LibusbPort() override;
 
-  tl::expected<void, UsbRefusal> open();
+  Result<void> open();
   tl::expected<std::size_t, std::string> read(std::span<std::uint8_t> into) override;
   tl::expected<std::size_t, std::string> write(std::span<const std::uint8_t> bytes) override;
 
@@ -146,20 +147,20 @@ class LibusbPort final : public UsbPort {
 
 // ---- opening -----------------------------------------------------------------------------------
 
-tl::expected<void, UsbRefusal> LibusbPort::open() {
+Result<void> LibusbPort::open() {
   int error = make_context(&context_);
   if (error == 0) error = libusb_wrap_sys_device(context_, node_, &device_);
   if (error == 0) error = find_layout();
-  if (error != 0) return tl::unexpected(refusal(error));
-  if (!layout_.is_complete()) return tl::unexpected(UsbRefusal{UsbRefusal::Why::no_serial_port});
+  if (error != 0) return refused(error);
+  if (!layout_.is_complete()) return because(Errc::bad_argument);
   error = claim();
   if (error == 0) error = greet();
-  if (error != 0) return tl::unexpected(refusal(error));
+  if (error != 0) return refused(error);
   if (!make(in_, layout_.in, 0) || !make(out_, layout_.out, longest_transfer_ms))
-    return tl::unexpected(refusal(LIBUSB_ERROR_NO_MEM));
+    return refused(LIBUSB_ERROR_NO_MEM);
   watch();
   submit(in_, layout_.in_packet);
-  if (!lost_.empty()) return tl::unexpected(UsbRefusal{UsbRefusal::Why::other, lost_});
+  if (!lost_.empty()) return because(Errc::link_open_failed, lost_);
   return {};
 }
 
@@ -321,7 +322,7 @@ void LibusbPort::give_back() {
 
 }  // namespace
 
-OpenedUsbPort open_usb_port(int node, int events) {
+Result<std::shared_ptr<UsbPort>> open_usb_port(int node, int events) {
   const auto port = std::make_shared<LibusbPort>(node, events);
   return port->open().map([&]() -> std::shared_ptr<UsbPort> { return port; });
 }

@@ -9,6 +9,8 @@
 
 #include <tl/expected.hpp>
 
+#include "tmcl/error.hpp"
+
 namespace tmcl {
 
 /// Gives the device back to the kernel's driver at its end, unless the link broke. Nothing here
@@ -23,22 +25,11 @@ class UsbPort {
   virtual tl::expected<std::size_t, std::string> write(std::span<const std::uint8_t> bytes) = 0;
 };
 
-struct UsbRefusal {
-  enum class Why : std::uint8_t {
-    busy,            ///< Another program uses the device without its driver.
-    no_serial_port,  ///< It has no interfaces such as modules have.
-    other,
-  };
-  Why why = Why::other;
-  std::string text{};
-};
-
-using OpenedUsbPort = tl::expected<std::shared_ptr<UsbPort>, UsbRefusal>;
-
 /// Takes the device from the kernel's driver, even if a program has its terminal open. Blocks
 /// for as long as the device takes to answer. `node`: a descriptor of /dev/bus/usb/..., which the
 /// port closes. `events`: one of epoll, not taken over, which becomes readable when something
-/// happens.
-OpenedUsbPort open_usb_port(int node, int events);
+/// happens. Errors: link_busy, if another program uses it without that driver; bad_argument of one
+/// that has no interfaces such as modules have; otherwise link_open_failed, with why.
+Result<std::shared_ptr<UsbPort>> open_usb_port(int node, int events);
 
 }  // namespace tmcl
