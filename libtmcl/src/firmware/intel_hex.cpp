@@ -10,8 +10,8 @@
 namespace tmcl::firmware {
 namespace {
 
-using program::Fault;
 using program::printable;
+using program::within_line;
 
 enum class RecordType : std::uint8_t {
   data = 0,
@@ -37,8 +37,8 @@ constexpr std::size_t fixed_bytes = 5;  ///< Length, two of the offset, type, su
 constexpr std::uint64_t segment_size = 0x10000;
 constexpr std::uint64_t end_of_addresses = std::uint64_t{1} << 32U;
 
-tl::unexpected<Fault> fault(std::size_t at, std::string word, std::string message) {
-  return tl::unexpected(Fault{at, std::move(word), std::move(message)});
+tl::unexpected<TextProblem> fault(std::size_t at, std::string word, std::string message) {
+  return tl::unexpected(within_line(at, std::move(word), std::move(message)));
 }
 
 std::string digits_of(std::uint64_t value, std::size_t count) {
@@ -56,7 +56,7 @@ std::optional<unsigned> value_of(char digit) {
 }
 
 /// All bytes behind the colon.
-tl::expected<std::vector<std::uint8_t>, Fault> bytes_of(std::string_view line) {
+tl::expected<std::vector<std::uint8_t>, TextProblem> bytes_of(std::string_view line) {
   if (line.front() != ':') {
     return fault(0, printable(line.substr(0, 1)),
                  "a record begins with ':', not with '" + printable(line.substr(0, 1)) + "'");
@@ -78,35 +78,37 @@ tl::expected<std::vector<std::uint8_t>, Fault> bytes_of(std::string_view line) {
   return bytes;
 }
 
-std::optional<Fault> wrong_length(std::string_view line, std::span<const std::uint8_t> bytes) {
+std::optional<TextProblem> wrong_length(std::string_view line,
+                                        std::span<const std::uint8_t> bytes) {
   const auto expected = bytes.empty() ? fixed_bytes : bytes[0] + fixed_bytes;
   if (bytes.size() == expected) return std::nullopt;
-  return Fault{length_at, printable(line.substr(length_at, 2)),
-               "the record should have " + std::to_string(expected) + " bytes and has " +
-                   std::to_string(bytes.size())};
+  return within_line(length_at, printable(line.substr(length_at, 2)),
+                     "the record should have " + std::to_string(expected) + " bytes and has " +
+                         std::to_string(bytes.size()));
 }
 
-std::optional<Fault> wrong_sum(std::string_view line, std::span<const std::uint8_t> bytes) {
+std::optional<TextProblem> wrong_sum(std::string_view line, std::span<const std::uint8_t> bytes) {
   if (tmcl::checksum(bytes) == 0) return std::nullopt;
   const auto right = static_cast<std::uint8_t>(0U - tmcl::checksum(bytes.first(bytes.size() - 1)));
   const auto written = line.substr(line.size() - 2);
-  return Fault{line.size() - 2, std::string(written),
-               "wrong checksum " + std::string(written) + "; the bytes before it give " +
-                   digits_of(right, 2)};
+  return within_line(line.size() - 2, std::string(written),
+                     "wrong checksum " + std::string(written) + "; the bytes before it give " +
+                         digits_of(right, 2));
 }
 
-std::optional<Fault> wrong_type(std::string_view line, const Record& record) {
+std::optional<TextProblem> wrong_type(std::string_view line, const Record& record) {
   constexpr std::array<std::size_t, 6> lengths{0, 0, 2, 4, 2, 4};
   const auto type = static_cast<std::size_t>(record.type);
   const auto written = std::string(line.substr(type_at, 2));
-  if (type >= lengths.size()) return Fault{type_at, written, "there is no record type " + written};
+  if (type >= lengths.size())
+    return within_line(type_at, written, "there is no record type " + written);
   if (record.type == RecordType::data || record.data.size() == lengths[type]) return std::nullopt;
-  return Fault{length_at, std::string(line.substr(length_at, 2)),
-               "a record of type " + written + " has " + std::to_string(lengths[type]) +
-                   " bytes of data, not " + std::to_string(record.data.size())};
+  return within_line(length_at, std::string(line.substr(length_at, 2)),
+                     "a record of type " + written + " has " + std::to_string(lengths[type]) +
+                         " bytes of data, not " + std::to_string(record.data.size()));
 }
 
-tl::expected<Record, Fault> record_of(std::string_view line) {
+tl::expected<Record, TextProblem> record_of(std::string_view line) {
   const auto bytes = bytes_of(line);
   if (!bytes) return tl::unexpected(bytes.error());
   if (auto wrong = wrong_length(line, *bytes)) return tl::unexpected(std::move(*wrong));
@@ -123,21 +125,22 @@ class Memory {
  public:
   bool empty() const { return pieces_.empty(); }
 
-  std::optional<Fault> add(std::uint64_t address, std::vector<std::uint8_t> data,
-                           std::size_t line) {
+  std::optional<TextProblem> add(std::uint64_t address, std::vector<std::uint8_t> data,
+                                 std::size_t line) {
     if (data.empty()) return std::nullopt;
     const auto end = address + data.size();
     if (const auto* other = overlapping(address, end)) {
-      return Fault{data_at, "",
-                   "there is data for " + text_of(address) + " already, from line " +
-                       std::to_string(other->line)};
+      return within_line(data_at, "",
+                         "there is data for " + text_of(address) + " already, from line " +
+                             std::to_string(other->line));
     }
     begin_ = empty() ? address : std::min(begin_, address);
     end_ = std::max(end_, end);
     if (end_ - begin_ > most_image_bytes) {
-      return Fault{data_at, "",
-                   "an image has at most " + std::to_string(most_image_bytes) + " bytes; from " +
-                       text_of(begin_) + " to " + text_of(end_ - 1) + " there are more"};
+      return within_line(data_at, "",
+                         "an image has at most " + std::to_string(most_image_bytes) +
+                             " bytes; from " + text_of(begin_) + " to " + text_of(end_ - 1) +
+                             " there are more");
     }
     pieces_.emplace(address, Piece{std::move(data), line});
     return std::nullopt;
@@ -181,15 +184,15 @@ class Reader {
   bool ended() const { return ended_; }
   const Memory& memory() const { return memory_; }
 
-  std::optional<Fault> take(std::string_view line, std::size_t number) {
-    if (ended_) return Fault{0, printable(line), "nothing may follow the end record"};
+  std::optional<TextProblem> take(std::string_view line, std::size_t number) {
+    if (ended_) return within_line(0, printable(line), "nothing may follow the end record");
     auto record = record_of(line);
     if (!record) return std::move(record.error());
     return carry_out(*record, number);
   }
 
  private:
-  std::optional<Fault> carry_out(Record& record, std::size_t number) {
+  std::optional<TextProblem> carry_out(Record& record, std::size_t number) {
     switch (record.type) {
       case RecordType::data: return add(record, number);
       case RecordType::end: ended_ = true; break;
@@ -207,14 +210,14 @@ class Reader {
     segmented_ = record.type == RecordType::segment_base;
   }
 
-  std::optional<Fault> add(Record& record, std::size_t number) {
+  std::optional<TextProblem> add(Record& record, std::size_t number) {
     // In a segment the addresses begin again behind the last, and so do all behind 4 GiB. That is
     // never meant; it would put the data where something else should be.
     const auto end = record.offset + record.data.size();
     if (segmented_ && end > segment_size)
-      return Fault{data_at, "", "the record runs over the end of its segment"};
+      return within_line(data_at, "", "the record runs over the end of its segment");
     if (base_ + end > end_of_addresses)
-      return Fault{data_at, "", "the record runs over the last address, 0xFFFFFFFF"};
+      return within_line(data_at, "", "the record runs over the last address, 0xFFFFFFFF");
     return memory_.add(base_ + record.offset, std::move(record.data), number);
   }
 
@@ -248,8 +251,10 @@ tl::expected<Image, TextProblem> read_intel_hex(std::string_view text) {
     const auto line = without_blanks_at_end(text.substr(0, end));
     text.remove_prefix(std::min(end + 1, text.size()));
     if (line.empty()) continue;
-    if (auto wrong = reader.take(line, number))
-      return tl::unexpected(TextProblem{number, wrong->at + 1, wrong->message, wrong->word});
+    if (auto wrong = reader.take(line, number)) {
+      wrong->line = number;
+      return tl::unexpected(std::move(*wrong));
+    }
   }
   if (!reader.ended()) return problem("there is no end record; the file seems to be cut short");
   if (reader.memory().empty()) return problem("there is no data in it");

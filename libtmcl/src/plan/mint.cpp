@@ -29,13 +29,9 @@ std::string in_capitals(std::string_view word) {
   return text;
 }
 
-/// Why a line cannot be read on.
-struct Wrong {
-  std::size_t column;
-  std::string message;
-};
+/// A part of a line; the error is why it cannot be read on.
 template <class T>
-using Part = tl::expected<T, Wrong>;
+using Part = tl::expected<T, TextProblem>;
 
 class LineReader {
  public:
@@ -58,11 +54,11 @@ class LineReader {
   }
 
  private:
-  tl::unexpected<Wrong> wrong(std::string message) const {
+  tl::unexpected<TextProblem> wrong(std::string message) const {
     return wrong_at(cursor_.column(), std::move(message));
   }
-  static tl::unexpected<Wrong> wrong_at(std::size_t column, std::string message) {
-    return tl::unexpected(Wrong{column, std::move(message)});
+  static tl::unexpected<TextProblem> wrong_at(std::size_t column, std::string message) {
+    return tl::unexpected(TextProblem{0, column, std::move(message)});
   }
 
   /// Nothing if it is a remark.

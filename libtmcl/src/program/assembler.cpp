@@ -234,15 +234,15 @@ class Parser {
   void take_command(Statement statement) {
     if (statements_.size() == most_commands && !too_long_) {
       too_long_ = true;
-      source_.report(line_, {statement.at, printable(statement.mnemonic),
-                             "a program has at most " + std::to_string(most_commands) +
-                                 " commands; this is one more"});
+      source_.report(line_, within_line(statement.at, printable(statement.mnemonic),
+                                        "a program has at most " + std::to_string(most_commands) +
+                                            " commands; this is one more"));
     }
     if (!too_long_) statements_.push_back(std::move(statement));
   }
 
   void fault(const Cursor& where, std::string message) {
-    source_.report(line_, {where.at(), where.word(), std::move(message)});
+    source_.report(line_, within_line(where.at(), where.word(), std::move(message)));
   }
 
   Source& source_;
@@ -298,7 +298,7 @@ class Encoder {
   Encoder(const Statement& statement, const Symbols& symbols)
       : statement_(statement), symbols_(symbols) {}
 
-  tl::expected<Instruction, Fault> encode() const {
+  tl::expected<Instruction, TextProblem> encode() const {
     if (text::equal_ignoring_case(statement_.mnemonic, raw_directive)) return encode_raw();
     const auto* row = row_of(statement_.mnemonic);
     if (row == nullptr) return wrong(unknown_command());
@@ -325,7 +325,7 @@ class Encoder {
     return suggest(none, statement_.mnemonic, names);
   }
 
-  tl::expected<Instruction, Fault> encode_raw() const {
+  tl::expected<Instruction, TextProblem> encode_raw() const {
     if (auto fault = wrong_count(raw_operands)) return tl::unexpected(std::move(*fault));
     const std::span<const Operand> operands(raw_operands);
     return value_of(operands[0], 0, {}).and_then([&](std::int64_t number) {
@@ -333,15 +333,16 @@ class Encoder {
     });
   }
 
-  tl::expected<Instruction, Fault> encode(Command command,
-                                          std::span<const Operand> operands) const {
+  tl::expected<Instruction, TextProblem> encode(Command command,
+                                                std::span<const Operand> operands) const {
     if (auto fault = wrong_count(operands)) return tl::unexpected(std::move(*fault));
     return fill({command}, operands, 0);
   }
 
   /// Sets the fields of the operands from this one on, as far as they are written.
-  tl::expected<Instruction, Fault> fill(Instruction instruction, std::span<const Operand> operands,
-                                        std::size_t first) const {
+  tl::expected<Instruction, TextProblem> fill(Instruction instruction,
+                                              std::span<const Operand> operands,
+                                              std::size_t first) const {
     for (auto i = first; i < statement_.operands.size(); ++i) {
       const auto value = value_of(operands[i], i, instruction.command);
       if (!value) return tl::unexpected(value.error());
@@ -350,8 +351,8 @@ class Encoder {
     return instruction;
   }
 
-  tl::expected<std::int64_t, Fault> value_of(const Operand& operand, std::size_t index,
-                                             Command command) const {
+  tl::expected<std::int64_t, TextProblem> value_of(const Operand& operand, std::size_t index,
+                                                   Command command) const {
     auto written = statement_.operands[index];
     const auto lookup = [&](std::string_view name) {
       return operand.field == Field::type ? type_of(command, name) : symbols_.value_of(name);
@@ -359,10 +360,11 @@ class Encoder {
     const auto value = evaluate(written, lookup);
     const auto range = range_of(operand.field);
     if (!value || (*value >= range.least && *value <= range.greatest)) return value;
-    return tl::unexpected(Fault{written.at(), printable(written.take_rest()),
-                                std::string(operand.name) + " is " + std::to_string(range.least) +
-                                    ".." + std::to_string(range.greatest) + ", not " +
-                                    std::to_string(*value)});
+    const auto at = written.at();
+    return tl::unexpected(
+        within_line(at, printable(written.take_rest()),
+                    std::string(operand.name) + " is " + std::to_string(range.least) + ".." +
+                        std::to_string(range.greatest) + ", not " + std::to_string(*value)));
   }
 
   /// A standard name of the command's types, or any other name.
@@ -377,7 +379,7 @@ class Encoder {
     return tl::unexpected(suggest(message, name, names));
   }
 
-  std::optional<Fault> wrong_count(std::span<const Operand> operands) const {
+  std::optional<TextProblem> wrong_count(std::span<const Operand> operands) const {
     const auto count = statement_.operands.size();
     const auto least = required(operands);
     if (count >= least && count <= operands.size()) return std::nullopt;
@@ -393,10 +395,10 @@ class Encoder {
     return fault(message + ", not " + std::to_string(count));
   }
 
-  Fault fault(std::string message) const {
-    return {statement_.at, printable(statement_.mnemonic), std::move(message)};
+  TextProblem fault(std::string message) const {
+    return within_line(statement_.at, printable(statement_.mnemonic), std::move(message));
   }
-  tl::unexpected<Fault> wrong(std::string message) const {
+  tl::unexpected<TextProblem> wrong(std::string message) const {
     return tl::unexpected(fault(std::move(message)));
   }
 

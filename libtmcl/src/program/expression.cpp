@@ -49,7 +49,7 @@ class Evaluator {
  public:
   Evaluator(Cursor cursor, const Lookup& lookup) : cursor_(cursor), lookup_(lookup) {}
 
-  tl::expected<std::int64_t, Fault> whole() {
+  tl::expected<std::int64_t, TextProblem> whole() {
     const auto value = sum(1);
     if (!cursor_.at_end()) fail("'" + cursor_.word() + "' is not expected here");
     if (fault_) return tl::unexpected(*fault_);
@@ -59,7 +59,7 @@ class Evaluator {
  private:
   std::int64_t fail(std::string message) { return fail(cursor_, std::move(message)); }
   std::int64_t fail(const Cursor& where, std::string message) {
-    if (!fault_) fault_ = Fault{where.at(), where.word(), std::move(message)};
+    if (!fault_) fault_ = within_line(where.at(), where.word(), std::move(message));
     return 0;
   }
 
@@ -142,12 +142,12 @@ class Evaluator {
   Cursor cursor_;
   const Lookup& lookup_;
   int depth_ = 0;
-  std::optional<Fault> fault_;
+  std::optional<TextProblem> fault_;
 };
 
 }  // namespace
 
-tl::expected<std::int64_t, Fault> evaluate(Cursor cursor, const Lookup& lookup) {
+tl::expected<std::int64_t, TextProblem> evaluate(Cursor cursor, const Lookup& lookup) {
   return Evaluator(cursor, lookup).whole();
 }
 

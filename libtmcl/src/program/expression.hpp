@@ -5,24 +5,24 @@
 #include <functional>
 #include <string>
 #include <string_view>
+#include <utility>
 
 #include <tl/expected.hpp>
 
 #include "program/cursor.hpp"
+#include "tmcl/text_problem.hpp"
 
 namespace tmcl::program {
 
-/// What is wrong within a line.
-struct Fault {
-  std::size_t at = 0;  ///< Offset into the line.
-  std::string word;
-  std::string message;
-};
+/// What is wrong within a line; `at`: offset into it.
+inline TextProblem within_line(std::size_t at, std::string word, std::string message) {
+  return {0, at + 1, std::move(message), std::move(word)};
+}
 
 /// The value of a name, or what is wrong with it.
 using Lookup = std::function<tl::expected<std::int64_t, std::string>(std::string_view name)>;
 
 /// All that the cursor has left must be one expression.
-tl::expected<std::int64_t, Fault> evaluate(Cursor cursor, const Lookup& lookup);
+tl::expected<std::int64_t, TextProblem> evaluate(Cursor cursor, const Lookup& lookup);
 
 }  // namespace tmcl::program

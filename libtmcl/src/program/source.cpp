@@ -95,9 +95,9 @@ Source::Source(const std::string& path, const ReadFile& read, Problems& problems
   }
 }
 
-void Source::report(std::size_t line, const Fault& fault) {
+void Source::report(std::size_t line, const TextProblem& problem) {
   const auto& at = lines_[line];
-  problems_.add(line, {at.number, fault.at + 1, fault.message, fault.word, files_[at.file]});
+  problems_.add(line, {at.number, problem.column, problem.message, problem.word, files_[at.file]});
 }
 
 /// About the file that is being read.
@@ -129,7 +129,7 @@ void Source::take_lines(std::string_view text, std::string_view code, std::size_
             {open_files_.back(), ++number, text.substr(begin, size), code.substr(begin, size)}))
       return;
     if (open_comment >= begin && open_comment < end)
-      report_last({open_comment - begin, "/*", "this comment does not end"});
+      report_last(within_line(open_comment - begin, "/*", "this comment does not end"));
     begin = end + 1;
   }
 }
@@ -144,13 +144,13 @@ bool Source::take_line(Line line) {
   lines_.push_back(line);
   if (const auto nul = line.text.find('\0'); nul != none) {
     lines_.back().code = {};
-    report_last({nul, {}, "here is a byte 0: this is no text"});
+    report_last(within_line(nul, {}, "here is a byte 0: this is no text"));
     return false;
   }
   if (line.text.size() > longest_line) {
     lines_.back().code = {};
-    report_last(
-        {longest_line, {}, "a line has at most " + std::to_string(longest_line) + " bytes"});
+    report_last(within_line(longest_line, {},
+                            "a line has at most " + std::to_string(longest_line) + " bytes"));
     return true;
   }
   Cursor cursor(line.code);
@@ -169,22 +169,22 @@ void Source::include(Cursor cursor) {
   const auto word = cursor.take_while(is_in_name);
   if (!text::equal_ignoring_case(word, "include")) {
     const auto directive = "#" + printable(word);
-    return report(line,
-                  {hash, directive, "'" + directive + "' is no directive; there is only #include"});
+    return report(line, within_line(hash, directive,
+                                    "'" + directive + "' is no directive; there is only #include"));
   }
   cursor.skip_blanks();
   const auto where = cursor.at();
   const std::string name(file_name(cursor.take_rest()));
   const auto path = path_of(name);
-  if (!path) return report(line, {where, printable(name), path.error()});
+  if (!path) return report(line, within_line(where, printable(name), path.error()));
   auto text = read_(*path);
   if (text) return take_file(*path, std::move(*text));
   if (text::equal_ignoring_case(std::filesystem::path(name).filename().string(), parameter_file)) {
     names_parameters_ = true;
     return;
   }
-  report(line,
-         {where, printable(name), "'" + printable(name) + "' cannot be read: " + text.error()});
+  report(line, within_line(where, printable(name),
+                           "'" + printable(name) + "' cannot be read: " + text.error()));
 }
 
 /// Where a file is that the current one includes, or why it cannot be included.

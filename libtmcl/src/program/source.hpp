@@ -43,7 +43,7 @@ class Source {
 
   const std::vector<std::string>& files() const { return files_; }
   const std::vector<Line>& lines() const { return lines_; }
-  void report(std::size_t line, const Fault& fault);
+  void report(std::size_t line, const TextProblem& problem);
   /// Whether the names of axis parameters are constants, as the TMCL-IDE's TMCLParam.tmc makes
   /// them.
   bool names_parameters() const { return names_parameters_; }
@@ -55,7 +55,7 @@ class Source {
   void include(Cursor cursor);
   tl::expected<std::string, std::string> path_of(const std::string& name) const;
   void report_file(std::string message);
-  void report_last(const Fault& fault) { report(lines_.size() - 1, fault); }
+  void report_last(const TextProblem& problem) { report(lines_.size() - 1, problem); }
 
   const ReadFile& read_;
   Problems& problems_;
