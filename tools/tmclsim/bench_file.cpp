@@ -196,7 +196,8 @@ BenchModule module_of(const toml::table& table) {
 
 }  // namespace
 
-BenchFile parse_bench_file(std::string_view text, std::string_view name) {
+tl::expected<std::vector<BenchModule>, std::string> parse_bench_file(std::string_view text,
+                                                                     std::string_view name) {
   return parsed<std::vector<BenchModule>>(text, name, [](const toml::table& root) {
     want_known_keys(root, file_keys);
     std::vector<BenchModule> modules;
@@ -205,7 +206,7 @@ BenchFile parse_bench_file(std::string_view text, std::string_view name) {
   });
 }
 
-BenchFile read_bench_file(const std::string& path) {
+tl::expected<std::vector<BenchModule>, std::string> read_bench_file(const std::string& path) {
   const auto text = text_of_file(path);
   if (!text) return tl::unexpected(text.error());
   return parse_bench_file(*text, path);

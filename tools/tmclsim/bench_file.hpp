@@ -22,10 +22,9 @@ struct BenchModule {
 };
 
 /// The error is a sentence that begins with file and line, and names what is wrong there.
-using BenchFile = tl::expected<std::vector<BenchModule>, std::string>;
-
-BenchFile read_bench_file(const std::string& path);
+tl::expected<std::vector<BenchModule>, std::string> read_bench_file(const std::string& path);
 /// `name` is what errors call the text.
-BenchFile parse_bench_file(std::string_view text, std::string_view name);
+tl::expected<std::vector<BenchModule>, std::string> parse_bench_file(std::string_view text,
+                                                                     std::string_view name);
 
 }  // namespace tmclsim

@@ -49,13 +49,15 @@ ModuleSettings settings_of(const toml::table& table, const tmcl::Model& model) {
   return settings;
 }
 
-ModuleFile parse_module_file(std::string_view text, std::string_view name,
-                             const tmcl::Model& model) {
+tl::expected<tmcl::sim::ModuleSettings, std::string> parse_module_file(std::string_view text,
+                                                                       std::string_view name,
+                                                                       const tmcl::Model& model) {
   return parsed<ModuleSettings>(text, name,
                                 [&](const toml::table& root) { return settings_in(root, model); });
 }
 
-ModuleFile read_module_file(const std::string& path, const tmcl::Model& model) {
+tl::expected<tmcl::sim::ModuleSettings, std::string> read_module_file(const std::string& path,
+                                                                      const tmcl::Model& model) {
   const auto text = text_of_file(path);
   if (!text) return tl::unexpected(text.error());
   return parse_module_file(*text, path, model);

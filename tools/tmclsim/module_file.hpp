@@ -19,12 +19,12 @@
 
 namespace tmclsim {
 
-using ModuleFile = tl::expected<tmcl::sim::ModuleSettings, std::string>;
-
 /// The error is a sentence that begins with name and line, and names the nearest key or word; also
 /// for a file of another model.
-ModuleFile parse_module_file(std::string_view text, std::string_view name,
-                             const tmcl::Model& model);
-ModuleFile read_module_file(const std::string& path, const tmcl::Model& model);
+tl::expected<tmcl::sim::ModuleSettings, std::string> parse_module_file(std::string_view text,
+                                                                       std::string_view name,
+                                                                       const tmcl::Model& model);
+tl::expected<tmcl::sim::ModuleSettings, std::string> read_module_file(const std::string& path,
+                                                                      const tmcl::Model& model);
 
 }  // namespace tmclsim

@@ -228,13 +228,13 @@ void describe(CLI::App& app, OptionWords& words) {
                "Take commands on standard input: loads, switches, inputs (see below)");
 }
 
-using Done = tl::expected<void, std::string>;
-
 using OfModules = std::vector<std::optional<std::string>>;
 
 // Which of these options stands behind which --module.
-Done sort(const CLI::App& app, const std::string& name, const std::vector<std::string>& texts,
-          const std::vector<std::string>& modules, OfModules& of_module) {
+tl::expected<void, std::string> sort(const CLI::App& app, const std::string& name,
+                                     const std::vector<std::string>& texts,
+                                     const std::vector<std::string>& modules,
+                                     OfModules& of_module) {
   auto text = texts.begin();
   for (const auto* option : app.parse_order()) {
     if (option->get_name() == "--module") of_module.emplace_back();
@@ -255,7 +255,7 @@ Done sort(const CLI::App& app, const std::string& name, const std::vector<std::s
 }
 
 // `modules` are those of the command line.
-Done be_as(const OptionWords& words, std::span<ModuleSpec> modules) {
+tl::expected<void, std::string> be_as(const OptionWords& words, std::span<ModuleSpec> modules) {
   for (std::size_t i = 0; i < std::min(modules.size(), words.as_of_module.size()); ++i) {
     const auto& path = words.as_of_module[i];
     if (!path) continue;
@@ -267,7 +267,8 @@ Done be_as(const OptionWords& words, std::span<ModuleSpec> modules) {
 }
 
 // `modules` are those of the command line.
-Done give_firmware(const OptionWords& words, std::span<ModuleSpec> modules) {
+tl::expected<void, std::string> give_firmware(const OptionWords& words,
+                                              std::span<ModuleSpec> modules) {
   const auto& of_module = words.firmware_of_module;
   for (std::size_t i = 0; i < std::min(modules.size(), of_module.size()); ++i) {
     const auto& text = of_module[i];
