@@ -63,7 +63,7 @@ double CourseClock::passed_after(double time, double& rate) const {
   return passed;
 }
 
-// ---- what both modes share ----
+// ---- what all modes share ----
 
 namespace {
 
@@ -77,36 +77,27 @@ constexpr Duration longest_way_to_rest = std::chrono::seconds(30);
 
 }  // namespace
 
-PathStream::Runner::Runner(const Course& course, std::vector<StreamAxis> axes,
+StreamRunner::StreamRunner(const Course& course, std::vector<StreamAxis> axes,
                            StreamOptions options)
-    : DriveRunner(axes.size()), course_(course), options_(options), axes_(axes.size()) {
-  for (std::size_t i = 0; i < axes.size(); ++i) axes_[i].info = std::move(axes[i]);
+    : DriveRunner(axes.size()),
+      course_(course),
+      options_(options),
+      axes_(std::move(axes)),
+      told_(axes_.size()) {
   report_.axes.resize(axes_.size());
 }
 
-void PathStream::Runner::on_answered(Duration took) {
+void StreamRunner::on_answered(Duration took) {
   if (phase_ != Phase::running && phase_ != Phase::pausing) return;
   ++report_.commands;
   report_.busy_s += seconds(took);
 }
 
-void PathStream::Runner::on_written(std::size_t axis, Setting setting) {
-  if (options_.mode != StreamMode::position) return;
-  let_twin_run(axis, middle());
-  axes_[axis].info.twin->set(setting);
+std::int32_t StreamRunner::microsteps(std::size_t axis, double position) const {
+  return static_cast<std::int32_t>(std::lround(position * axes_[axis].microsteps_per_unit));
 }
 
-void PathStream::Runner::let_twin_run(std::size_t axis, TimePoint to) {
-  auto& twin = *axes_[axis].info.twin;
-  const auto ahead = to - twin_start_ - (twin.elapsed() - axes_[axis].twin_begin);
-  if (ahead > Duration::zero()) twin.advance(ahead);
-}
-
-std::int32_t PathStream::Runner::microsteps(std::size_t axis, double position) const {
-  return static_cast<std::int32_t>(std::lround(position * axes_[axis].info.microsteps_per_unit));
-}
-
-Script<DriveRunner::Fault> PathStream::Runner::measure() {
+StreamScript StreamRunner::measure() {
   const auto begin = course_.at(0).position;
   Duration total{};
   int count = 0;
@@ -134,25 +125,7 @@ Script<DriveRunner::Fault> PathStream::Runner::measure() {
   co_return std::nullopt;
 }
 
-Script<DriveRunner::Fault> PathStream::Runner::prepare() {
-  switch (options_.mode) {
-    case StreamMode::velocity: return prepare_velocities();
-    case StreamMode::segments: return prepare_segments();
-    case StreamMode::position: break;
-  }
-  return prepare_legs();
-}
-
-Script<DriveRunner::Fault> PathStream::Runner::pass_course() {
-  switch (options_.mode) {
-    case StreamMode::velocity: return by_velocity();
-    case StreamMode::segments: return by_segments();
-    case StreamMode::position: break;
-  }
-  return by_position();
-}
-
-Script<DriveRunner::Fault> PathStream::Runner::whole() {
+StreamScript StreamRunner::whole() {
   Fault result;
   if (options_.to_start) {
     phase_ = Phase::approaching;
@@ -161,7 +134,6 @@ Script<DriveRunner::Fault> PathStream::Runner::whole() {
   }
   phase_ = Phase::before;
   if (!result) result = co_await measure();
-  const bool by_velocities = options_.mode != StreamMode::position;
   if (!result) result = co_await prepare();
   if (!result) {
     const auto begin = now_;
@@ -171,11 +143,11 @@ Script<DriveRunner::Fault> PathStream::Runner::whole() {
     heeds_stop_ = false;
     report_.passed_s = seconds(now_ - begin);
     const auto limit = now_ + longest_way_to_rest;
-    for (std::size_t axis = 0; axis < axes_.size() && !result && !by_velocities; ++axis)
+    for (std::size_t axis = 0; axis < axes_.size() && !result && rests_at_end(); ++axis)
       result = co_await come_to_rest(axis, limit);
     // The last time that a stop by another client can be told from one's own.
     if (!result) result = co_await check_all();
-    if (result || by_velocities) {
+    if (result || !rests_at_end()) {
       auto stopped = co_await stop_and_rest(report_);
       if (!result) result = stopped;
     }
@@ -190,7 +162,7 @@ Script<DriveRunner::Fault> PathStream::Runner::whole() {
   co_return result;
 }
 
-Script<DriveRunner::Fault> PathStream::Runner::arrive_at_end() {
+StreamScript StreamRunner::arrive_at_end() {
   const auto end = course_.at(course_.duration()).position;
   auto wrong = co_await go_to(end, now_ + longest_way_to_rest);
   if (wrong) {
@@ -201,7 +173,7 @@ Script<DriveRunner::Fault> PathStream::Runner::arrive_at_end() {
   co_return wrong;
 }
 
-Script<DriveRunner::Fault> PathStream::Runner::go_to(AxisValues position, TimePoint limit) {
+StreamScript StreamRunner::go_to(AxisValues position, TimePoint limit) {
   const auto begin = now_;
   std::vector<Goal> goals;
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
@@ -215,10 +187,10 @@ Script<DriveRunner::Fault> PathStream::Runner::go_to(AxisValues position, TimePo
 }
 
 // A position is read somewhere between question and answer.
-DriveRunner::Fault PathStream::Runner::take_reading(std::size_t axis) {
+DriveRunner::Fault StreamRunner::take_reading(std::size_t axis) {
   clock_.advance(middle());
   const auto planned = planned_position(axis);
-  const double position = *answer_ / axes_[axis].info.microsteps_per_unit;
+  const double position = *answer_ / axes_[axis].microsteps_per_unit;
   const double off = position - planned;
   auto& tracking = report_.axes[axis];
   ++tracking.readings;
@@ -235,7 +207,7 @@ DriveRunner::Fault PathStream::Runner::take_reading(std::size_t axis) {
 
 // What the axes are off their plan in time is a distance from the path and a delay on it: from the
 // nearest point of what the course passes shortly before and after.
-void PathStream::Runner::note_place_on_path() {
+void StreamRunner::note_place_on_path() {
   const auto count = axes_.size();
   const double now = clock_.passed();
   auto place = course_.at(now).position;
@@ -262,8 +234,8 @@ void PathStream::Runner::note_place_on_path() {
 }
 
 // Whether it does what it was told last.
-Script<DriveRunner::Fault> PathStream::Runner::check(std::size_t axis) {
-  const auto told = axes_[axis].told;
+StreamScript StreamRunner::check(std::size_t axis) {
+  const auto told = told_[axis];
   const auto parameter = told ? told->parameter : ap::target_velocity;
   co_await command({Kind::get, axis, parameter, 0});
   if (!answer_) co_return refusal(axis);
@@ -275,7 +247,7 @@ Script<DriveRunner::Fault> PathStream::Runner::check(std::size_t axis) {
   co_return fault(DriveFault::Kind::foreign, axis, fmt::format("was {} by another client", what));
 }
 
-Script<DriveRunner::Fault> PathStream::Runner::check_all() {
+StreamScript StreamRunner::check_all() {
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
     auto wrong = co_await check(axis);
     if (wrong) co_return wrong;
@@ -283,13 +255,13 @@ Script<DriveRunner::Fault> PathStream::Runner::check_all() {
   co_return std::nullopt;
 }
 
-Script<DriveRunner::Fault> PathStream::Runner::read_position(std::size_t axis) {
+StreamScript StreamRunner::read_position(std::size_t axis) {
   co_await command({Kind::get, axis, ap::actual_position, 0});
   if (!answer_) co_return refusal(axis);
   co_return take_reading(axis);
 }
 
-DriveRunner::Fault PathStream::Runner::note_delay(Duration late, Duration period) {
+DriveRunner::Fault StreamRunner::note_delay(Duration late, Duration period) {
   report_.worst_delay = std::max(report_.worst_delay, late);
   if (late <= most_late_updates * period) return std::nullopt;
   return fault(DriveFault::Kind::starved, {},
@@ -297,15 +269,33 @@ DriveRunner::Fault PathStream::Runner::note_delay(Duration late, Duration period
                            seconds(late) * 1e3, seconds(period) * 1e3 * most_late_updates));
 }
 
+double time_to_send(Duration round_trip, std::size_t commands) {
+  return seconds(round_trip) * static_cast<double>(commands) / (1 - spare_part_of_bus);
+}
+
 // ---- the public face ----
 
+namespace {
+
+std::unique_ptr<DriveRunner> runner_for(const Course& course, std::vector<StreamAxis> axes,
+                                        StreamOptions options) {
+  switch (options.mode) {
+    case StreamMode::velocity: return velocity_runner(course, std::move(axes), options);
+    case StreamMode::segments: return segment_runner(course, std::move(axes), options);
+    case StreamMode::position: break;
+  }
+  return position_runner(course, std::move(axes), options);
+}
+
+}  // namespace
+
 PathStream::PathStream(const Course& course, std::vector<StreamAxis> axes, StreamOptions options)
-    : Drive(std::make_unique<Runner>(course, std::move(axes), options)) {}
+    : Drive(runner_for(course, std::move(axes), options)) {}
 PathStream::~PathStream() = default;
 PathStream::PathStream(PathStream&&) noexcept = default;
 PathStream& PathStream::operator=(PathStream&&) noexcept = default;
 
-PathStream::Runner& PathStream::runner() const { return static_cast<Runner&>(*runner_); }
+StreamRunner& PathStream::runner() const { return static_cast<StreamRunner&>(*runner_); }
 void PathStream::pause(bool on) { runner().pause(on); }
 PathStream::Phase PathStream::phase() const { return runner().phase(); }
 double PathStream::passed() const { return runner().passed(); }

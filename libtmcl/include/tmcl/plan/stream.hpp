@@ -104,6 +104,8 @@ struct StreamReport : DriveReport {
   double largest_lag_s = 0;  ///< Along it: how late the axes were at most.
 };
 
+class StreamRunner;
+
 class PathStream final : public Drive {
  public:
   enum class Phase : std::uint8_t { approaching, before, running, pausing, after, ended };
@@ -124,8 +126,7 @@ class PathStream final : public Drive {
   const StreamReport& report() const;
 
  private:
-  class Runner;
-  Runner& runner() const;
+  StreamRunner& runner() const;
 };
 
 }  // namespace tmcl::plan
