@@ -135,11 +135,11 @@ std::vector<Finding> SixPoint::findings() const {
 
 // ---- What can be seen
 
-std::uint64_t SixPoint::target() const {
+std::uint64_t SixPointRules::target() const {
   return static_cast<std::uint64_t>(value(Register::xtarget)) << 32;
 }
 
-std::int64_t SixPoint::distance() const {
+std::int64_t SixPointRules::distance() const {
   return static_cast<std::int64_t>(target() - position_) >> position_shift;
 }
 
@@ -221,14 +221,14 @@ void SixPoint::halt() {
   come_to_rest();
 }
 
-bool SixPoint::blocked(int direction) const {
+bool SixPointRules::blocked(int direction) const {
   const auto enabled = value(Register::sw_mode);
   if (direction < 0) return left_ && (enabled & stop_l_enable) != 0;
   return direction > 0 && right_ && (enabled & stop_r_enable) != 0;
 }
 
 // Where it would go from standstill.
-int SixPoint::wanted_direction() const {
+int SixPointRules::wanted_direction() const {
   if (mode() == Mode::position) return sign(distance());
   if (mode() == Mode::hold || value(Register::vmax) == 0) return 0;
   return mode() == Mode::velocity_positive ? 1 : -1;
@@ -237,7 +237,7 @@ int SixPoint::wanted_direction() const {
 // ---- The rules: what the next tick does, and for how many ticks it does just the same
 
 // What the ticks after one with this speed take until one has the speed VSTOP.
-std::int64_t SixPoint::braking_distance(std::int64_t speed) const {
+std::int64_t SixPointRules::braking_distance(std::int64_t speed) const {
   const auto vstop = speed_in(Register::vstop);
   const auto knee = std::max(vstop, speed_in(Register::v1));
   std::int64_t way = 0;
@@ -254,12 +254,12 @@ std::int64_t SixPoint::braking_distance(std::int64_t speed) const {
 }
 
 // The least way left that lets the next tick have this speed and not be the last one.
-std::int64_t SixPoint::reserve(std::int64_t speed) const {
+std::int64_t SixPointRules::reserve(std::int64_t speed) const {
   if (speed <= speed_in(Register::vstop)) return speed + half_microstep + 1;
   return speed + braking_distance(speed);
 }
 
-SixPoint::Slew SixPoint::slew_from(std::int64_t v) const {
+SixPointRules::Slew SixPointRules::slew_from(std::int64_t v) const {
   const auto v1 = speed_in(Register::v1);
   const auto vmax = speed_in(Register::vmax);
   const bool rises = v < vmax;
@@ -279,7 +279,7 @@ SixPoint::Slew SixPoint::slew_from(std::int64_t v) const {
   return slew;
 }
 
-SixPoint::Run SixPoint::next_run() const {
+SixPointRules::Run SixPointRules::next_run() const {
   if (tick_ < stands_until_) return standing(stands_until_ - tick_);
   if (velocity_ != 0 && blocked(sign(velocity_))) return stopping();
   switch (mode()) {
@@ -291,7 +291,8 @@ SixPoint::Run SixPoint::next_run() const {
   }
 }
 
-SixPoint::Run SixPoint::to_speed(int heading, std::int64_t next, Phase phase, Tick ticks) const {
+SixPointRules::Run SixPointRules::to_speed(int heading, std::int64_t next, Phase phase,
+                                           Tick ticks) const {
   const auto change = heading * next - velocity_;
   const auto register_in_use = [&] {
     switch (phase) {
@@ -309,14 +310,14 @@ SixPoint::Run SixPoint::to_speed(int heading, std::int64_t next, Phase phase, Ti
 }
 
 // At a switch.
-SixPoint::Run SixPoint::stopping() const {
+SixPointRules::Run SixPointRules::stopping() const {
   const bool soft = (value(Register::sw_mode) & en_softstop) != 0;
   if (!soft || speed() <= speed_in(Register::vstop)) return to_speed(0, 0, Phase::rest, 1);
   return slowing(sign(velocity_), 0, forever);
 }
 
 // The velocity modes.
-SixPoint::Run SixPoint::slewing() const {
+SixPointRules::Run SixPointRules::slewing() const {
   const int wanted = mode() == Mode::velocity_positive ? 1 : -1;
   const auto a = std::int64_t{value(Register::amax)};
   const auto v = speed();
@@ -332,7 +333,7 @@ SixPoint::Run SixPoint::slewing() const {
   return to_speed(heading, v < limit ? v + step : v - step, Phase::amax, at_least_one(way_off / a));
 }
 
-SixPoint::Run SixPoint::positioning() const {
+SixPointRules::Run SixPointRules::positioning() const {
   const auto left = distance();
   const int side = sign(left);
   if (velocity_ == 0 && (side == 0 || blocked(side))) return standing(forever);
@@ -348,7 +349,7 @@ SixPoint::Run SixPoint::positioning() const {
   return run;
 }
 
-SixPoint::Run SixPoint::approaching(int heading, std::int64_t left) const {
+SixPointRules::Run SixPointRules::approaching(int heading, std::int64_t left) const {
   const auto v = speed();
   const auto vstop = speed_in(Register::vstop);
   const auto slew = slew_from(v);
@@ -361,7 +362,7 @@ SixPoint::Run SixPoint::approaching(int heading, std::int64_t left) const {
   return braking(heading, left, v < vstop ? std::min(slew.next, vstop) : v);
 }
 
-SixPoint::Run SixPoint::speeding(int heading, std::int64_t left, const Slew& slew) const {
+SixPointRules::Run SixPointRules::speeding(int heading, std::int64_t left, const Slew& slew) const {
   const auto v = speed();
   const auto vstop = speed_in(Register::vstop);
   auto run = to_speed(heading, slew.next, slew.phase, 1);
@@ -383,7 +384,7 @@ SixPoint::Run SixPoint::speeding(int heading, std::int64_t left, const Slew& sle
 // none will: speeding up, the way left falls and the reserve grows; slowing down by less than the
 // braking would, or below VSTOP, the way left falls faster than the reserve; and slowing down by
 // more, only the end can be too near.
-Tick SixPoint::fitting_steps(std::int64_t left, std::int64_t change, Tick most) const {
+Tick SixPointRules::fitting_steps(std::int64_t left, std::int64_t change, Tick most) const {
   const auto v = speed();
   const auto too_far = [&](Tick n) {
     const auto next = v + static_cast<std::int64_t>(n) * change;
@@ -394,20 +395,20 @@ Tick SixPoint::fitting_steps(std::int64_t left, std::int64_t change, Tick most) 
 }
 
 // Towards the target, with no way left for more speed than `held`.
-SixPoint::Run SixPoint::braking(int heading, std::int64_t left, std::int64_t held) const {
+SixPointRules::Run SixPointRules::braking(int heading, std::int64_t left, std::int64_t held) const {
   if (speed() == 0 && held == 0) return standing(forever);  // VSTOP is 0 and VSTART too fast
   auto run = reserve(held) <= left ? holding(heading, left, held) : ending(heading, left);
   run.brakes = true;
   return run;
 }
 
-SixPoint::Run SixPoint::holding(int heading, std::int64_t left, std::int64_t held) const {
+SixPointRules::Run SixPointRules::holding(int heading, std::int64_t left, std::int64_t held) const {
   const auto ticks = held == speed() ? (left - reserve(held)) / held + 1 : 1;
   return to_speed(heading, held, held > speed_in(Register::vstop) ? slowing_phase() : Phase::vstop,
                   static_cast<Tick>(ticks));
 }
 
-SixPoint::Run SixPoint::ending(int heading, std::int64_t left) const {
+SixPointRules::Run SixPointRules::ending(int heading, std::int64_t left) const {
   const auto v = speed();
   const auto vstop = speed_in(Register::vstop);
   if (v > vstop) {
@@ -422,13 +423,13 @@ SixPoint::Run SixPoint::ending(int heading, std::int64_t left) const {
   return run;
 }
 
-SixPoint::Phase SixPoint::slowing_phase() const {
+SixPointRules::Phase SixPointRules::slowing_phase() const {
   return speed() <= speed_in(Register::v1) ? Phase::d1 : Phase::dmax;
 }
 
 // With DMAX and D1, from more than VSTOP down to it. The run ends before the speed `floor` and
 // after `most` ticks, but has one tick at least.
-SixPoint::Run SixPoint::slowing(int heading, std::int64_t floor, Tick most) const {
+SixPointRules::Run SixPointRules::slowing(int heading, std::int64_t floor, Tick most) const {
   const auto v = speed();
   const auto phase = slowing_phase();
   const std::int64_t d = value(phase == Phase::d1 ? Register::d1 : Register::dmax);

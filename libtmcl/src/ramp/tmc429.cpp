@@ -216,15 +216,15 @@ void Tmc429::set_switches(bool left, bool right) {
   run_.end = tick_;
 }
 
-bool Tmc429::blocked(std::int32_t velocity) const {
+bool Tmc429Rules::blocked(std::int32_t velocity) const {
   return (velocity < 0 && left_ && !disable_stop_l_) ||
          (velocity > 0 && right_ && !disable_stop_r_);
 }
 
-std::int32_t Tmc429::distance() const { return wrap24(std::int64_t{x_target_} - x_actual_); }
+std::int32_t Tmc429Rules::distance() const { return wrap24(std::int64_t{x_target_} - x_actual_); }
 
 // The speed that v_min and v_max have yet to limit; grows with the distance, which is at least 1.
-std::uint32_t Tmc429::unclipped_speed(std::uint32_t distance) const {
+std::uint32_t Tmc429Rules::unclipped_speed(std::uint32_t distance) const {
   const std::uint64_t d = std::min(distance, distance_limit);
   const std::uint64_t product = d * factor();
   if (mode_ == Mode::soft) {
@@ -240,7 +240,7 @@ std::uint32_t Tmc429::unclipped_speed(std::uint32_t distance) const {
 }
 
 // The inverse: the least distance at which the ramp asks for this speed or more.
-std::uint32_t Tmc429::nearest_distance_of(std::uint32_t speed) const {
+std::uint32_t Tmc429Rules::nearest_distance_of(std::uint32_t speed) const {
   if (speed <= static_cast<std::uint32_t>(std::min(v_min_, v_max_))) return 1;
   const std::uint64_t square = std::uint64_t{speed} * speed;
   const std::uint64_t p = factor();
@@ -255,7 +255,7 @@ std::uint32_t Tmc429::nearest_distance_of(std::uint32_t speed) const {
   return static_cast<std::uint32_t>(distance);
 }
 
-std::int32_t Tmc429::asked_velocity(std::int32_t dx) const {
+std::int32_t Tmc429Rules::asked_velocity(std::int32_t dx) const {
   if (dx == 0) return 0;
   const auto raw =
       static_cast<std::int32_t>(unclipped_speed(static_cast<std::uint32_t>(std::abs(dx))));
@@ -264,25 +264,25 @@ std::int32_t Tmc429::asked_velocity(std::int32_t dx) const {
 }
 
 // What the ramp stage slews to when it sees this distance, in 1/256.
-std::int32_t Tmc429::goal(std::int32_t dx) const {
+std::int32_t Tmc429Rules::goal(std::int32_t dx) const {
   std::int32_t wanted = velocity_;
   if (positioning()) wanted = asked_velocity(dx) * v_unit;
   if (mode_ == Mode::velocity) wanted = std::clamp(v_target_, -v_max_, v_max_) * v_unit;
   return blocked(wanted) ? 0 : wanted;
 }
 
-std::int32_t Tmc429::slew(std::int32_t dx) const {
+std::int32_t Tmc429Rules::slew(std::int32_t dx) const {
   if (stops_dead() || stops_on_target(dx)) return -velocity_;
   return std::clamp(goal(dx) - velocity_, -a_max_, a_max_);
 }
 
-bool Tmc429::stops_on_target(std::int32_t dx) const {
+bool Tmc429Rules::stops_on_target(std::int32_t dx) const {
   return positioning() && dx == 0 && std::abs(v_actual()) <= v_min_;
 }
 
 // ---- what the coming ramp ticks will do ----
 
-struct Tmc429::Approach {
+struct Tmc429Rules::Approach {
   std::int32_t sign;  // of the motion
   std::int32_t distance;
   std::uint32_t speed;  // 1/256
@@ -290,7 +290,7 @@ struct Tmc429::Approach {
   std::uint32_t accumulator;
 };
 
-Tmc429::Seen Tmc429::seen() const {
+Tmc429Rules::Seen Tmc429Rules::seen() const {
   const auto until = seen_at(next_ramp_tick());
   const auto sum =
       accumulator_ + pulses(tick_, until) * static_cast<std::uint32_t>(std::abs(v_actual()));
@@ -299,17 +299,17 @@ Tmc429::Seen Tmc429::seen() const {
           static_cast<std::uint32_t>(sum % step_unit)};
 }
 
-Tmc429::Run Tmc429::run_of(Tick ramp_ticks, std::int32_t slew) const {
+Tmc429Rules::Run Tmc429Rules::run_of(Tick ramp_ticks, std::int32_t slew) const {
   return {next_ramp_tick() + (ramp_ticks << ramp_div_) - 1, slew};
 }
 
-Tmc429::Run Tmc429::plan() const {
+Tmc429Rules::Run Tmc429Rules::plan() const {
   if (stops_dead()) return run_of(1, -velocity_);
   return positioning() ? plan_positioning() : plan_slew(goal(0));
 }
 
 // Towards a velocity that stays the same.
-Tmc429::Run Tmc429::plan_slew(std::int32_t goal) const {
+Tmc429Rules::Run Tmc429Rules::plan_slew(std::int32_t goal) const {
   const auto left = goal - velocity_;
   if (left == 0 || a_max_ == 0) return {forever, 0};
   const bool slows_down = (velocity_ < 0) != (left < 0) && velocity_ != 0;
@@ -319,7 +319,7 @@ Tmc429::Run Tmc429::plan_slew(std::int32_t goal) const {
   return run_of(static_cast<Tick>(full), left < 0 ? -a_max_ : a_max_);
 }
 
-Tmc429::Run Tmc429::plan_positioning() const {
+Tmc429Rules::Run Tmc429Rules::plan_positioning() const {
   const auto [dx, accumulator] = seen();
   if (stops_on_target(dx)) {
     const bool nothing_left = velocity_ == 0 && (accumulator == 0 || at_stop_ == Accumulator::kept);
@@ -339,14 +339,14 @@ Tmc429::Run Tmc429::plan_positioning() const {
 }
 
 // As fast as the ramp asks, until it asks for less.
-Tmc429::Run Tmc429::plan_cruise(const Approach& approach) const {
+Tmc429Rules::Run Tmc429Rules::plan_cruise(const Approach& approach) const {
   if (approach.speed == 0) return {forever, 0};
   const auto nearest = nearest_distance_of(approach.speed / v_unit);
   return run_until_step(approach, static_cast<std::uint32_t>(approach.distance) - nearest + 1);
 }
 
 // Without a_max it can neither follow the ramp nor slow down; only a target met at v_min stops it.
-Tmc429::Run Tmc429::plan_crawl(const Approach& approach) const {
+Tmc429Rules::Run Tmc429Rules::plan_crawl(const Approach& approach) const {
   const auto speed = approach.speed / v_unit;
   if (speed == 0 || speed > static_cast<std::uint32_t>(v_min_)) return {forever, 0};
   const auto steps = static_cast<std::uint32_t>(approach.distance) & (2U * half_turn - 1);
@@ -354,7 +354,7 @@ Tmc429::Run Tmc429::plan_crawl(const Approach& approach) const {
 }
 
 // At the present speed up to, but not including, the ramp tick that sees so many more steps.
-Tmc429::Run Tmc429::run_until_step(const Approach& approach, std::uint32_t steps) const {
+Tmc429Rules::Run Tmc429Rules::run_until_step(const Approach& approach, std::uint32_t steps) const {
   const auto needed = std::uint64_t{steps} * step_unit - approach.accumulator;
   const auto first = seen_at(next_ramp_tick()) >> pulse_div_;
   const auto pulse = (first + divide_up(needed, approach.speed / v_unit)) << pulse_div_;
@@ -364,8 +364,8 @@ Tmc429::Run Tmc429::run_until_step(const Approach& approach, std::uint32_t steps
 
 // The speeds of so many pulses after `begin`, added up. The first interval between ramp ticks has
 // the first velocity, each further one a slew more; the sign does not change on the way.
-std::uint64_t Tmc429::sum_of_pulses(Tick begin, Tick count, std::int32_t first,
-                                    std::int32_t slew) const {
+std::uint64_t Tmc429Rules::sum_of_pulses(Tick begin, Tick count, std::int32_t first,
+                                         std::int32_t slew) const {
   if (count == 0) return 0;
   if (ramp_div_ >= pulse_div_) {
     const auto each = ramp_div_ - pulse_div_;
@@ -383,7 +383,7 @@ std::uint64_t Tmc429::sum_of_pulses(Tick begin, Tick count, std::int32_t first,
 }
 
 // Whether one more full slew fits under the ramp after so many.
-bool Tmc429::still_below_ramp(const Approach& approach, std::uint32_t slews) const {
+bool Tmc429Rules::still_below_ramp(const Approach& approach, std::uint32_t slews) const {
   const auto begin = seen_at(next_ramp_tick());
   const auto count = pulses(begin, begin + (Tick{slews} << ramp_div_));
   const auto first = static_cast<std::int32_t>(approach.speed) + a_max_;
@@ -396,7 +396,7 @@ bool Tmc429::still_below_ramp(const Approach& approach, std::uint32_t slews) con
 }
 
 // The speed rises and what the ramp asks for falls, so the slews that fit can be searched for.
-Tmc429::Run Tmc429::plan_acceleration(const Approach& approach) const {
+Tmc429Rules::Run Tmc429Rules::plan_acceleration(const Approach& approach) const {
   const auto left = static_cast<std::uint32_t>(approach.goal) - approach.speed;
   auto too_many = left / static_cast<std::uint32_t>(a_max_) + 1;
   if (too_many == 1) return run_of(1, approach.sign * static_cast<std::int32_t>(left));
@@ -412,7 +412,7 @@ Tmc429::Run Tmc429::plan_acceleration(const Approach& approach) const {
 // Only full slews for as long as the ramp cannot ask for less than a whole one, the target cannot
 // stop the motor, and the distance does not wrap: moving on, the ramp asks for less and less, also
 // through the target and past it.
-Tmc429::Run Tmc429::plan_deceleration(const Approach& approach) const {
+Tmc429Rules::Run Tmc429Rules::plan_deceleration(const Approach& approach) const {
   const auto a = static_cast<std::uint32_t>(a_max_);
   const auto above_goal = approach.speed - static_cast<std::uint32_t>(std::max(approach.goal, 0));
   const auto v_stop = static_cast<std::uint32_t>(v_min_ + 1) * v_unit;

@@ -35,10 +35,9 @@
 
 namespace tmcl::ramp {
 
-class SixPoint {
+/// Its registers and its motion, and what the next tick does by them.
+class SixPointRules {
  public:
-  static constexpr std::string_view chip = "sixpoint";
-
   enum class Register : std::uint8_t {
     vstart,
     a1,
@@ -72,6 +71,80 @@ class SixPoint {
   static constexpr std::int32_t latch_r_active = 1 << 7;
   static constexpr std::int32_t latch_r_inactive = 1 << 8;
   static constexpr std::int32_t en_softstop = 1 << 11;
+
+  Mode mode() const { return static_cast<Mode>(value(Register::rampmode)); }
+  bool operator==(const SixPointRules&) const = default;
+
+ protected:
+  enum class Phase : std::uint8_t { rest, a1, amax, vmax, dmax, d1, vstop, hold };
+
+  // Ticks that all change the velocity by the same amount. It follows from everything else, so two
+  // generators do not differ by it.
+  struct Run {
+    Tick ticks = 0;
+    std::int64_t change = 0;
+    std::int32_t acceleration = 0;  // the register behind it, signed
+    Phase phase = Phase::rest;
+    bool brakes = false;   // for the target: the braking phase begins or goes on
+    bool turns = false;    // comes to rest in order to go back
+    bool arrives = false;  // its only tick ends on the target
+    Tick end = 0;
+    Tick reach = forever;  // the tick that brings XACTUAL to XTARGET
+    bool operator==(const Run&) const { return true; }
+  };
+
+  // How the speed goes to VMAX when nothing else matters.
+  struct Slew {
+    std::int64_t step;
+    std::int64_t limit;  // V1 or VMAX
+    std::int64_t next;
+    Phase phase;
+  };
+
+  std::int32_t value(Register name) const { return registers_[static_cast<std::size_t>(name)]; }
+  std::int64_t speed_in(Register name) const { return std::int64_t{value(name)} * 256; }
+  std::int64_t speed() const { return velocity_ < 0 ? -velocity_ : velocity_; }
+  std::int32_t xactual() const {
+    return static_cast<std::int32_t>((position_ + (std::uint64_t{1} << 31)) >> 32);
+  }
+  std::uint64_t target() const;
+  std::int64_t distance() const;
+  bool position_reached() const { return xactual() == value(Register::xtarget); }
+  int wanted_direction() const;
+  bool blocked(int direction) const;
+
+  std::int64_t braking_distance(std::int64_t speed) const;
+  std::int64_t reserve(std::int64_t speed) const;
+  Slew slew_from(std::int64_t speed) const;
+
+  Run next_run() const;
+  Run standing(Tick ticks) const { return {.ticks = ticks}; }
+  Run to_speed(int heading, std::int64_t next, Phase phase, Tick ticks) const;
+  Run stopping() const;
+  Run slewing() const;
+  Run positioning() const;
+  Run approaching(int heading, std::int64_t left) const;
+  Run speeding(int heading, std::int64_t left, const Slew& slew) const;
+  Run braking(int heading, std::int64_t left, std::int64_t held) const;
+  Run holding(int heading, std::int64_t left, std::int64_t held) const;
+  Run ending(int heading, std::int64_t left) const;
+  Run slowing(int heading, std::int64_t floor, Tick most) const;
+  Phase slowing_phase() const;
+  Tick fitting_steps(std::int64_t left, std::int64_t change, Tick most) const;
+
+  std::array<std::int32_t, 13> registers_{};
+  Tick tick_ = 0;
+  Tick stands_until_ = 0;       // TZEROWAIT
+  std::uint64_t position_ = 0;  // 2^-32 microsteps, wraps; always a multiple of 2^9
+  std::int64_t velocity_ = 0;   // 1/256 of VACTUAL's unit: 2^-23 microsteps a tick
+  bool braking_ = false;
+  bool left_ = false;
+  bool right_ = false;
+};
+
+class SixPoint : public SixPointRules {
+ public:
+  static constexpr std::string_view chip = "sixpoint";
 
   /// RAMP_STAT.
   struct Status {
@@ -121,7 +194,6 @@ class SixPoint {
   bool arrived() const;
   bool settled() const;
 
-  Mode mode() const { return static_cast<Mode>(value(Register::rampmode)); }
   Status status() const;
   /// Reads the status and clears its events.
   Status take_events();
@@ -146,62 +218,7 @@ class SixPoint {
   bool operator==(const SixPoint&) const = default;
 
  private:
-  enum class Phase : std::uint8_t { rest, a1, amax, vmax, dmax, d1, vstop, hold };
-
-  // Ticks that all change the velocity by the same amount. It follows from everything else, so two
-  // generators do not differ by it.
-  struct Run {
-    Tick ticks = 0;
-    std::int64_t change = 0;
-    std::int32_t acceleration = 0;  // the register behind it, signed
-    Phase phase = Phase::rest;
-    bool brakes = false;   // for the target: the braking phase begins or goes on
-    bool turns = false;    // comes to rest in order to go back
-    bool arrives = false;  // its only tick ends on the target
-    Tick end = 0;
-    Tick reach = forever;  // the tick that brings XACTUAL to XTARGET
-    bool operator==(const Run&) const { return true; }
-  };
-
-  // How the speed goes to VMAX when nothing else matters.
-  struct Slew {
-    std::int64_t step;
-    std::int64_t limit;  // V1 or VMAX
-    std::int64_t next;
-    Phase phase;
-  };
-
-  std::int32_t value(Register name) const { return registers_[static_cast<std::size_t>(name)]; }
-  std::int64_t speed_in(Register name) const { return std::int64_t{value(name)} * 256; }
-  std::int64_t speed() const { return velocity_ < 0 ? -velocity_ : velocity_; }
-  std::int32_t xactual() const {
-    return static_cast<std::int32_t>((position_ + (std::uint64_t{1} << 31)) >> 32);
-  }
-  std::uint64_t target() const;
-  std::int64_t distance() const;
-  bool position_reached() const { return xactual() == value(Register::xtarget); }
-  int wanted_direction() const;
-  bool blocked(int direction) const;
   void latch(bool before, bool now, std::int32_t on_active, std::int32_t on_inactive, bool& event);
-
-  std::int64_t braking_distance(std::int64_t speed) const;
-  std::int64_t reserve(std::int64_t speed) const;
-  Slew slew_from(std::int64_t speed) const;
-
-  Run next_run() const;
-  Run standing(Tick ticks) const { return {.ticks = ticks}; }
-  Run to_speed(int heading, std::int64_t next, Phase phase, Tick ticks) const;
-  Run stopping() const;
-  Run slewing() const;
-  Run positioning() const;
-  Run approaching(int heading, std::int64_t left) const;
-  Run speeding(int heading, std::int64_t left, const Slew& slew) const;
-  Run braking(int heading, std::int64_t left, std::int64_t held) const;
-  Run holding(int heading, std::int64_t left, std::int64_t held) const;
-  Run ending(int heading, std::int64_t left) const;
-  Run slowing(int heading, std::int64_t floor, Tick most) const;
-  Phase slowing_phase() const;
-  Tick fitting_steps(std::int64_t left, std::int64_t change, Tick most) const;
 
   void plan();
   void take(Tick ticks);
@@ -211,17 +228,9 @@ class SixPoint {
   Tick tick_after(Tick way) const;
   Tick tick_at_speed(std::int64_t speed) const;
 
-  std::array<std::int32_t, 13> registers_{};
   std::int32_t xlatch_ = 0;
-  Tick tick_ = 0;
-  Tick stands_until_ = 0;       // TZEROWAIT
-  std::uint64_t position_ = 0;  // 2^-32 microsteps, wraps; always a multiple of 2^9
-  std::int64_t velocity_ = 0;   // 1/256 of VACTUAL's unit: 2^-23 microsteps a tick
   std::int32_t acceleration_ = 0;
   Phase phase_ = Phase::rest;
-  bool braking_ = false;
-  bool left_ = false;
-  bool right_ = false;
   bool pos_reached_event_ = false;
   bool second_move_event_ = false;
   bool latch_l_event_ = false;

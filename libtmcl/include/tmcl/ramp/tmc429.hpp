@@ -25,15 +25,9 @@
 
 namespace tmcl::ramp {
 
-class Tmc429 {
+/// Its registers and its motion, and what the coming ramp ticks will do by them.
+class Tmc429Rules {
  public:
-  static constexpr std::string_view chip = "tmc429";
-  /// 32 periods of the 16 MHz clock.
-  static constexpr Duration base_tick = std::chrono::microseconds(2);
-  static double ticks_per_second(double clock_hz) { return clock_hz / 32; }
-  static constexpr int position_bits = 24;
-  static constexpr std::int64_t velocity_of_a_microstep = 2048;  ///< With pulse_div 0.
-
   enum class Mode : std::uint8_t {
     ramp,      ///< Drives to x_target, decelerating at a_max.
     soft,      ///< Drives to x_target, slowing down exponentially.
@@ -46,6 +40,98 @@ class Tmc429 {
     r1,  ///< v² = 2048 floor(p distance)
     r2,  ///< v² = 2048 p distance
   };
+  /// Which stage comes first where both have a tick at once.
+  enum class Order : std::uint8_t { ramp_first, pulse_first };
+  /// What becomes of the fraction of a microstep when the motor stops on its target.
+  enum class Accumulator : std::uint8_t { cleared, kept };
+
+  /// Without its fraction: 0 is read while |v| < 1, not only at standstill.
+  std::int32_t v_actual() const { return velocity_ / v_unit; }
+  bool operator==(const Tmc429Rules&) const = default;
+
+ protected:
+  static constexpr std::int32_t v_unit = 256;  // speeds carry eight bits of fraction
+
+  // A stretch in which every ramp tick changes the velocity by the same amount. Only kept to be
+  // quick: it follows from the rest of the state, and so takes no part in comparisons.
+  struct Run {
+    Tick end = 0;  // its last tick; before the present one: to be planned
+    std::int32_t slew = 0;
+    bool stops_on_target = false;
+    bool is_steady() const { return slew == 0 && !stops_on_target; }
+    bool operator==(const Run&) const { return true; }
+  };
+  // As the next ramp tick will see it.
+  struct Seen {
+    std::int32_t dx;
+    std::uint32_t accumulator;
+  };
+  // The same along the direction of motion.
+  struct Approach;
+
+  bool positioning() const { return mode_ == Mode::ramp || mode_ == Mode::soft; }
+  bool blocked(std::int32_t velocity) const;
+  bool stops_dead() const { return !soft_stop_ && blocked(velocity_); }
+  bool stops_on_target(std::int32_t dx) const;
+  std::int32_t distance() const;
+  std::int32_t goal(std::int32_t dx) const;
+  std::int32_t slew(std::int32_t dx) const;
+
+  std::int32_t asked_velocity(std::int32_t dx) const;
+  std::uint32_t factor() const { return 128U + pmul_; }
+  std::uint32_t unclipped_speed(std::uint32_t distance) const;
+  std::uint32_t nearest_distance_of(std::uint32_t speed) const;
+
+  Tick next_ramp_tick() const { return ((tick_ >> ramp_div_) + 1) << ramp_div_; }
+  Tick seen_at(Tick ramp_tick) const { return ramp_tick - (order_ == Order::ramp_first ? 1 : 0); }
+  Tick pulses(Tick from, Tick to) const { return (to >> pulse_div_) - (from >> pulse_div_); }
+  Seen seen() const;
+
+  Run plan() const;
+  Run plan_slew(std::int32_t goal) const;
+  Run plan_positioning() const;
+  Run plan_cruise(const Approach& approach) const;
+  Run plan_crawl(const Approach& approach) const;
+  Run plan_acceleration(const Approach& approach) const;
+  Run plan_deceleration(const Approach& approach) const;
+  Run run_of(Tick ramp_ticks, std::int32_t slew) const;
+  Run run_until_step(const Approach& approach, std::uint32_t steps) const;
+  bool still_below_ramp(const Approach& approach, std::uint32_t slews) const;
+  std::uint64_t sum_of_pulses(Tick begin, Tick count, std::int32_t first, std::int32_t slew) const;
+
+  Tick tick_ = 0;
+  std::int32_t x_target_ = 0;
+  std::int32_t x_actual_ = 0;
+  std::int32_t v_min_ = 0;
+  std::int32_t v_max_ = 0;
+  std::int32_t v_target_ = 0;
+  std::int32_t velocity_ = 0;      // 1/256 of v_actual's unit
+  std::uint32_t accumulator_ = 0;  // 0..2047; a microstep is 2048
+  std::int32_t a_max_ = 0;
+  std::uint8_t pulse_div_ = 0;
+  std::uint8_t ramp_div_ = 0;
+  std::uint8_t pmul_ = 0;
+  std::uint8_t pdiv_ = 0;
+  Mode mode_ = Mode::ramp;
+  LastStep last_step_ = LastStep::r3;
+  Order order_ = Order::ramp_first;
+  Accumulator at_stop_ = Accumulator::cleared;
+  bool disable_stop_l_ = false;
+  bool disable_stop_r_ = false;
+  bool soft_stop_ = false;
+  bool left_ = false;
+  bool right_ = false;
+};
+
+class Tmc429 : public Tmc429Rules {
+ public:
+  static constexpr std::string_view chip = "tmc429";
+  /// 32 periods of the 16 MHz clock.
+  static constexpr Duration base_tick = std::chrono::microseconds(2);
+  static double ticks_per_second(double clock_hz) { return clock_hz / 32; }
+  static constexpr int position_bits = 24;
+  static constexpr std::int64_t velocity_of_a_microstep = 2048;  ///< With pulse_div 0.
+
   /// How pmul and pdiv follow from a_max and the dividers; the ideal is a_max / (128 * 2^(ramp_div
   /// - pulse_div)).
   enum class FactorRule : std::uint8_t {
@@ -55,11 +141,6 @@ class Tmc429 {
     nearest,           ///< The nearest value.
     nearest_less_one,  ///< The nearest value with pmul less one.
   };
-  /// Which stage comes first where both have a tick at once.
-  enum class Order : std::uint8_t { ramp_first, pulse_first };
-  /// What becomes of the fraction of a microstep when the motor stops on its target.
-  enum class Accumulator : std::uint8_t { cleared, kept };
-
   enum class Register : std::uint8_t {
     mode,
     v_min,
@@ -119,8 +200,6 @@ class Tmc429 {
   std::int32_t x_actual() const { return x_actual_; }
   /// In the modes ramp and soft: the speed that the ramp asks for at this distance.
   std::int32_t v_target() const { return positioning() ? asked_velocity(distance()) : v_target_; }
-  /// Without its fraction: 0 is read while |v| < 1, not only at standstill.
-  std::int32_t v_actual() const { return velocity_ / v_unit; }
   /// What the next ramp tick adds to the speed, in 1/256 of its unit: -a_max..a_max, also where it
   /// stops at once.
   std::int32_t a_actual() const {
@@ -141,55 +220,6 @@ class Tmc429 {
   bool operator==(const Tmc429&) const = default;
 
  private:
-  static constexpr std::int32_t v_unit = 256;  // speeds carry eight bits of fraction
-
-  // A stretch in which every ramp tick changes the velocity by the same amount. Only kept to be
-  // quick: it follows from the rest of the state, and so takes no part in comparisons.
-  struct Run {
-    Tick end = 0;  // its last tick; before the present one: to be planned
-    std::int32_t slew = 0;
-    bool stops_on_target = false;
-    bool is_steady() const { return slew == 0 && !stops_on_target; }
-    bool operator==(const Run&) const { return true; }
-  };
-  // As the next ramp tick will see it.
-  struct Seen {
-    std::int32_t dx;
-    std::uint32_t accumulator;
-  };
-  // The same along the direction of motion.
-  struct Approach;
-
-  bool positioning() const { return mode_ == Mode::ramp || mode_ == Mode::soft; }
-  bool blocked(std::int32_t velocity) const;
-  bool stops_dead() const { return !soft_stop_ && blocked(velocity_); }
-  bool stops_on_target(std::int32_t dx) const;
-  std::int32_t distance() const;
-  std::int32_t goal(std::int32_t dx) const;
-  std::int32_t slew(std::int32_t dx) const;
-
-  std::int32_t asked_velocity(std::int32_t dx) const;
-  std::uint32_t factor() const { return 128U + pmul_; }
-  std::uint32_t unclipped_speed(std::uint32_t distance) const;
-  std::uint32_t nearest_distance_of(std::uint32_t speed) const;
-
-  Tick next_ramp_tick() const { return ((tick_ >> ramp_div_) + 1) << ramp_div_; }
-  Tick seen_at(Tick ramp_tick) const { return ramp_tick - (order_ == Order::ramp_first ? 1 : 0); }
-  Tick pulses(Tick from, Tick to) const { return (to >> pulse_div_) - (from >> pulse_div_); }
-  Seen seen() const;
-
-  Run plan() const;
-  Run plan_slew(std::int32_t goal) const;
-  Run plan_positioning() const;
-  Run plan_cruise(const Approach& approach) const;
-  Run plan_crawl(const Approach& approach) const;
-  Run plan_acceleration(const Approach& approach) const;
-  Run plan_deceleration(const Approach& approach) const;
-  Run run_of(Tick ramp_ticks, std::int32_t slew) const;
-  Run run_until_step(const Approach& approach, std::uint32_t steps) const;
-  bool still_below_ramp(const Approach& approach, std::uint32_t slews) const;
-  std::uint64_t sum_of_pulses(Tick begin, Tick count, std::int32_t first, std::int32_t slew) const;
-
   void move(Tick until);
   void slew_through(Tick until);
   void coast(Tick until);
@@ -204,33 +234,11 @@ class Tmc429 {
   void write_factor(Register name, std::int64_t value);
   void update_factor();
 
-  Tick tick_ = 0;
   Run run_;
-  std::int32_t x_target_ = 0;
-  std::int32_t x_actual_ = 0;
   std::int32_t x_latched_ = 0;
-  std::int32_t v_min_ = 0;
-  std::int32_t v_max_ = 0;
-  std::int32_t v_target_ = 0;
-  std::int32_t velocity_ = 0;      // 1/256 of v_actual's unit
-  std::uint32_t accumulator_ = 0;  // 0..2047; a microstep is 2048
-  std::int32_t a_max_ = 0;
-  std::uint8_t pulse_div_ = 0;
-  std::uint8_t ramp_div_ = 0;
-  std::uint8_t pmul_ = 0;
-  std::uint8_t pdiv_ = 0;
   bool factor_written_ = false;
-  Mode mode_ = Mode::ramp;
-  LastStep last_step_ = LastStep::r3;
   FactorRule factor_rule_ = FactorRule::percent_99;
-  Order order_ = Order::ramp_first;
-  Accumulator at_stop_ = Accumulator::cleared;
-  bool disable_stop_l_ = false;
-  bool disable_stop_r_ = false;
-  bool soft_stop_ = false;
   bool ref_rnl_ = false;
-  bool left_ = false;
-  bool right_ = false;
   bool latch_armed_ = false;
 };
 
