@@ -12,7 +12,7 @@ void Processor::clear() {
   interrupts_.reset();
   step_pending_ = false;
   counter_ = next_ = 0;
-  registers_ = {};
+  calculator_.registers = {};
   errors_ = 0;
   calls_.clear();
   interrupted_.reset();
@@ -96,7 +96,7 @@ void Processor::enter_interrupt(TimePoint now) {
   const auto routine = interrupts_.take();
   if (!routine) return;
   if (wait_) ready_ = now;
-  interrupted_ = Context{registers_, counter_, std::exchange(wait_, std::nullopt)};
+  interrupted_ = Context{calculator_.registers, counter_, std::exchange(wait_, std::nullopt)};
   counter_ = *routine;
 }
 

@@ -2,12 +2,12 @@
 #pragma once
 
 #include <chrono>
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
+#include "sim/program/calculator.hpp"
 #include "sim/program/host.hpp"
 #include "sim/program/interrupts.hpp"
 #include "sim/program/memory.hpp"
@@ -58,7 +58,7 @@ class Processor {
 
   /// Both must outlive the processor.
   Processor(const ProgramMemory& memory, ProgramHost& host)
-      : memory_(&memory), host_(&host), interrupts_(host) {}
+      : memory_(&memory), host_(&host), calculator_(host), interrupts_(host) {}
 
   /// As after power-on, except for breakpoints.
   void clear();
@@ -93,12 +93,6 @@ class Processor {
   TimePoint next_due() const;
 
  private:
-  struct Registers {
-    std::int32_t accumulator = 0;
-    std::int32_t x = 0;
-    bool zero = true;
-    std::strong_ordering compared = std::strong_ordering::equal;
-  };
   enum class WaitFor : std::uint8_t { ticks, position, reference_switch, limit_switch, search };
   struct Wait {
     WaitFor what;
@@ -106,27 +100,9 @@ class Processor {
     TimePoint end;  // when the time is over, or the patience
   };
   struct Context {
-    Registers registers;
+    Calculator::Registers registers;
     std::uint16_t counter;
     std::optional<Wait> wait;
-  };
-  /// Where an operand of a calculation is; a constant is its own number.
-  struct Cell {
-    enum class Kind : std::uint8_t { accumulator, x, variable, constant } kind;
-    std::int32_t number = 0;
-  };
-
-  /// Types of JC and CALL.
-  enum class Condition : std::uint8_t {
-    zero,
-    not_zero,
-    equal,
-    not_equal,
-    greater,
-    greater_or_equal,
-    less,
-    less_or_equal,
-    first_error,
   };
   /// In the order of the conditions of JC from ETO on, and of the types of CLE after ALL.
   enum class ErrorFlag : std::uint8_t { timeout, alarm, deviation, position, shutdown };
@@ -146,10 +122,6 @@ class Processor {
 
   Status execute(const program::Instruction& line, TimePoint now);
   Status perform(const program::Instruction& line);
-  Status calculate(const program::Instruction& line, Cell target, Cell source);
-  Status calculate_with_x(const program::Instruction& line);
-  Status calculate_two_variables(const program::Instruction& line);
-  Status compare(std::int32_t value, std::int32_t with);
   Status jump_if(bool condition, std::int32_t address);
   Status call_if(bool condition, std::int32_t address);
   Status return_from_call();
@@ -161,23 +133,18 @@ class Processor {
   Status begin_wait(const program::Instruction& line, TimePoint now);
   Status end_program();
   Status clear_errors(const program::Instruction& line);
-  Status set_indexed(std::int32_t value);
-  Status get_indexed();
 
   bool condition(std::uint8_t type) const;
-  std::int32_t load(Cell cell) const;
-  void store(Cell cell, std::int32_t value);
-  void load_accumulator(std::int32_t value);
 
   const ProgramMemory* memory_;
   ProgramHost* host_;
+  Calculator calculator_;
   Interrupts interrupts_;
 
   State state_ = State::stopped;
   bool step_pending_ = false;
   std::uint16_t counter_ = 0;
-  std::uint16_t next_ = 0;  // where the present command leads
-  Registers registers_;
+  std::uint16_t next_ = 0;   // where the present command leads
   std::uint8_t errors_ = 0;  // a bit for each ErrorFlag
   std::vector<std::uint16_t> calls_;
   std::optional<Context> interrupted_;

@@ -3,7 +3,6 @@
 #include <optional>
 
 #include "sim/module/due.hpp"
-#include "sim/program/calculation.hpp"
 #include "sim/program/processor.hpp"
 #include "tmcl/command.hpp"
 #include "tmcl/command_type.hpp"
@@ -28,8 +27,6 @@ bool has_types(Command command) {
 bool has_wrong_type(const Instruction& line) {
   return has_types(line.command) && name_of_subtype(line.command, line.type).empty();
 }
-
-bool is_variable(std::int32_t number) { return number >= 0 && number <= UINT8_MAX; }
 
 bool is_read(const Instruction& line) {
   switch (line.command) {
@@ -112,20 +109,8 @@ bool is_direct_calculation(Command command) {
 
 Status Processor::execute(const Instruction& line, TimePoint now) {
   if (has_wrong_type(line)) return Status::wrong_type;
-  const Cell accumulator{Cell::Kind::accumulator};
-  const Cell x{Cell::Kind::x};
-  const Cell variable{Cell::Kind::variable, line.motor};
-  const Cell constant{Cell::Kind::constant, line.value};
+  if (const auto status = calculator_.execute(line)) return *status;
   switch (line.command) {
-    case Command::CALC: return calculate(line, accumulator, constant);
-    case Command::CALCX: return calculate_with_x(line);
-    case Command::CALCVV: return calculate_two_variables(line);
-    case Command::CALCVA: return calculate(line, variable, accumulator);
-    case Command::CALCAV: return calculate(line, accumulator, variable);
-    case Command::CALCVX: return calculate(line, variable, x);
-    case Command::CALCXV: return calculate(line, x, variable);
-    case Command::CALCV: return calculate(line, variable, constant);
-    case Command::COMP: return compare(registers_.accumulator, line.value);
     case Command::JC: return jump_if(condition(line.type), line.value);
     case Command::JA: return jump_if(true, line.value);
     case Command::CSUB: return call_if(true, line.value);
@@ -140,9 +125,6 @@ Status Processor::execute(const Instruction& line, TimePoint now) {
     case Command::STOP: return end_program();
     case Command::RST: return restart(line.value);
     case Command::CLE: return clear_errors(line);
-    case Command::SIV: return set_indexed(line.value);
-    case Command::AIV: return set_indexed(registers_.accumulator);
-    case Command::GIV: return get_indexed();
     default: return perform(line);
   }
 }
@@ -151,85 +133,20 @@ Status Processor::perform(const Instruction& line) {
   Request request{ModuleAddress{1}, line.command, line.type, line.motor, line.value};
   if (const auto command = with_value(line.command)) {
     request.command = *command;
-    request.value = registers_.accumulator;
+    request.value = calculator_.registers.accumulator;
   } else if (!is_direct(line.command)) {
     return Status::invalid_command;
   }
   const auto answer = host_->perform(request);
   if (!is_success(answer.status)) return answer.status;
-  if (is_read(line)) load_accumulator(answer.value);
-  return Status::ok;
-}
-
-std::int32_t Processor::load(Cell cell) const {
-  switch (cell.kind) {
-    case Cell::Kind::accumulator: return registers_.accumulator;
-    case Cell::Kind::x: return registers_.x;
-    case Cell::Kind::variable: return host_->user_variable(static_cast<std::uint8_t>(cell.number));
-    case Cell::Kind::constant: return cell.number;
-  }
-  return 0;
-}
-
-void Processor::store(Cell cell, std::int32_t value) {
-  switch (cell.kind) {
-    case Cell::Kind::accumulator: registers_.accumulator = value; return;
-    case Cell::Kind::x: registers_.x = value; return;
-    case Cell::Kind::variable:
-      host_->set_user_variable(static_cast<std::uint8_t>(cell.number), value);
-      return;
-    case Cell::Kind::constant: return;
-  }
-}
-
-void Processor::load_accumulator(std::int32_t value) {
-  registers_.accumulator = value;
-  registers_.zero = value == 0;
-}
-
-Status Processor::calculate(const Instruction& line, Cell target, Cell source) {
-  const auto calculation = static_cast<Calculation>(line.type);
-  if (calculation == Calculation::compare) return compare(load(target), load(source));
-  const auto result = sim::calculate(calculation, {load(target), load(source)});
-  if (!result) return result.error();
-  store(target, result->target);
-  if (calculation == Calculation::swap) store(source, result->source);
-  registers_.zero = result->target == 0;
-  return Status::ok;
-}
-
-// Only here the two that have one operand change the second register.
-Status Processor::calculate_with_x(const Instruction& line) {
-  const Cell accumulator{Cell::Kind::accumulator};
-  const Cell x{Cell::Kind::x};
-  const auto calculation = static_cast<Calculation>(line.type);
-  const bool changes_x = calculation == Calculation::invert || calculation == Calculation::load;
-  return changes_x ? calculate(line, x, accumulator) : calculate(line, accumulator, x);
-}
-
-Status Processor::calculate_two_variables(const Instruction& line) {
-  if (!is_variable(line.value)) return Status::invalid_value;
-  return calculate(line, {Cell::Kind::variable, line.motor}, {Cell::Kind::variable, line.value});
-}
-
-Status Processor::compare(std::int32_t value, std::int32_t with) {
-  registers_.compared = value <=> with;
+  if (is_read(line)) calculator_.read(answer.value);
   return Status::ok;
 }
 
 bool Processor::condition(std::uint8_t type) const {
-  const auto compared = registers_.compared;
-  switch (static_cast<Condition>(type)) {
-    case Condition::zero: return registers_.zero;
-    case Condition::not_zero: return !registers_.zero;
-    case Condition::equal: return compared == 0;
-    case Condition::not_equal: return compared != 0;
-    case Condition::greater: return compared > 0;
-    case Condition::greater_or_equal: return compared >= 0;
-    case Condition::less: return compared < 0;
-    case Condition::less_or_equal: return compared <= 0;
-    case Condition::first_error: break;
-  }
+  using Condition = Calculator::Condition;
+  const auto condition = static_cast<Condition>(type);
+  if (condition < Condition::first_error) return calculator_.meets(condition);
   return (errors_ >> (type - static_cast<unsigned>(Condition::first_error)) & 1U) != 0;
 }
 
@@ -256,9 +173,8 @@ Status Processor::return_from_call() {
 
 Status Processor::count_down(const Instruction& line) {
   if (!memory_->has(line.value)) return Status::invalid_value;
-  const Cell variable{Cell::Kind::variable, line.type};
-  const auto left = static_cast<std::uint32_t>(load(variable)) - 1U;
-  store(variable, static_cast<std::int32_t>(left));
+  const auto left = static_cast<std::uint32_t>(host_->user_variable(line.type)) - 1U;
+  host_->set_user_variable(line.type, static_cast<std::int32_t>(left));
   return jump_if(left != 0, line.value);
 }
 
@@ -282,7 +198,7 @@ Status Processor::set_vector(const Instruction& line) {
 
 Status Processor::return_from_interrupt() {
   if (!interrupted_) return Status::command_not_available;
-  registers_ = interrupted_->registers;
+  calculator_.registers = interrupted_->registers;
   next_ = interrupted_->counter;
   wait_ = interrupted_->wait;
   interrupted_.reset();
@@ -319,18 +235,6 @@ Status Processor::restart(std::int32_t address) {
 Status Processor::clear_errors(const Instruction& line) {
   errors_ = line.type == clear_all ? std::uint8_t{0}
                                    : static_cast<std::uint8_t>(errors_ & ~(1U << (line.type - 1U)));
-  return Status::ok;
-}
-
-Status Processor::set_indexed(std::int32_t value) {
-  if (!is_variable(registers_.x)) return Status::invalid_value;
-  store({Cell::Kind::variable, registers_.x}, value);
-  return Status::ok;
-}
-
-Status Processor::get_indexed() {
-  if (!is_variable(registers_.x)) return Status::invalid_value;
-  load_accumulator(load({Cell::Kind::variable, registers_.x}));
   return Status::ok;
 }
 
