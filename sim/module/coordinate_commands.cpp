@@ -1,7 +1,7 @@
 // SCO, GCO, CCO, MVP COORD.
 #include <algorithm>
 
-#include "sim/module/module.hpp"
+#include "sim/module/command_groups.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -24,99 +24,95 @@ bool is_coordinate(std::int64_t number) {
 
 }  // namespace
 
-// As the manual of the TMCM-142 has it, these modules leave no choice.
-bool Module::keeps_coordinates() const {
-  return model_->family == Family::tmc457 ||
-         globals_.value(global_parameter::coordinate_storage) == 1;
-}
-
-Answer Module::set_coordinate(const Request& request) {
+Answer CoordinateCommands::set(const Request& request) {
   if (!is_coordinate(request.type)) return echo(request, Status::wrong_type);
-  if (request.motor == all_motors) return keep_coordinates(request);
-  if (!has_motor(request) || !axes_[request.motor].is_position(request.value)) {
+  if (request.motor == all_motors) return keep(request);
+  if (!module_.has_motor(request) || !module_.axes[request.motor].is_position(request.value)) {
     return echo(request, Status::invalid_value);
   }
-  return echo(request, put_coordinate(request.motor, request.type, request.value));
+  return echo(request, put(request.motor, request.type, request.value));
 }
 
-Status Module::put_coordinate(std::uint8_t motor, std::uint8_t number, std::int32_t position) {
-  const bool keeps = number != 0 && keeps_coordinates();
-  if (keeps && globals_.eeprom_locked()) return Status::eeprom_locked;
-  coordinates_.set(motor, number, position);
-  if (keeps) coordinates_.keep(motor, number);
+Status CoordinateCommands::put(std::uint8_t motor, std::uint8_t number, std::int32_t position) {
+  const bool keeps = number != 0 && module_.keeps_coordinates();
+  if (keeps && module_.globals.eeprom_locked()) return Status::eeprom_locked;
+  module_.coordinates.set(motor, number, position);
+  if (keeps) module_.coordinates.keep(motor, number);
   return Status::ok;
 }
 
-Answer Module::keep_coordinates(const Request& request) {
+Answer CoordinateCommands::keep(const Request& request) {
   if (request.value != 0) return echo(request, Status::invalid_value);
-  if (globals_.eeprom_locked()) return echo(request, Status::eeprom_locked);
-  coordinates_.keep_all(request.type);
+  if (module_.globals.eeprom_locked()) return echo(request, Status::eeprom_locked);
+  module_.coordinates.keep_all(request.type);
   return echo(request);
 }
 
-Answer Module::get_coordinate(const Request& request) {
+Answer CoordinateCommands::get(const Request& request) {
   if (!is_coordinate(request.type)) return reading(tl::unexpected(Status::wrong_type));
   if (request.motor == all_motors) {
-    coordinates_.load_all(request.type);
+    module_.coordinates.load_all(request.type);
     return echo(request);
   }
-  if (!has_motor(request)) return echo(request, Status::invalid_value);
-  return reading(coordinates_.get(request.motor, request.type));
+  if (!module_.has_motor(request)) return echo(request, Status::invalid_value);
+  return reading(module_.coordinates.get(request.motor, request.type));
 }
 
-Answer Module::capture_coordinate(const Request& request) {
+Answer CoordinateCommands::capture(const Request& request) {
   if (!is_coordinate(request.type)) return echo(request, Status::wrong_type);
   if (request.motor == all_motors) return echo(request, capture_all(request.type));
-  if (!has_motor(request)) return echo(request, Status::invalid_value);
+  if (!module_.has_motor(request)) return echo(request, Status::invalid_value);
   return echo(request, capture(request.motor, request.type));
 }
 
-Status Module::capture(std::uint8_t motor, std::uint8_t number) {
-  return put_coordinate(motor, number, *axes_[motor].get(ap::actual_position));
+Status CoordinateCommands::capture(std::uint8_t motor, std::uint8_t number) {
+  return put(motor, number, *module_.axes[motor].get(ap::actual_position));
 }
 
-Status Module::capture_all(std::uint8_t number) {
+Status CoordinateCommands::capture_all(std::uint8_t number) {
   auto status = Status::ok;
-  for (std::uint8_t motor = 0; motor < axes_.size() && status == Status::ok; ++motor) {
+  for (std::uint8_t motor = 0; motor < module_.axes.size() && status == Status::ok; ++motor) {
     status = capture(motor, number);
   }
   return status;
 }
 
-Answer Module::move_to_coordinate(const Request& request) {
+Answer CoordinateCommands::move(const Request& request) {
   const auto group = group_of(request.motor);
   if (!group || !is_coordinate(request.value)) return echo(request, Status::invalid_value);
   const auto number = static_cast<std::uint8_t>(request.value);
-  for (std::size_t motor = 0; motor < axes_.size(); ++motor) {
+  for (std::size_t motor = 0; motor < module_.axes.size(); ++motor) {
     if ((group->motors >> motor & 1U) == 0) continue;
-    axes_[motor].move_to(coordinates_.get(motor, number));
-    events_.move_begun(motor);
+    module_.axes[motor].move_to(module_.coordinates.get(motor, number));
+    module_.events.move_begun(motor);
   }
   if (group->together) arrive_together(group->motors);
   return echo(request);
 }
 
 // All motors start in this instant, whichever way they are addressed.
-std::optional<Module::MotorGroup> Module::group_of(std::uint8_t field) const {
-  if (field < axes_.size()) return MotorGroup{companions(field), false};
+std::optional<CoordinateCommands::MotorGroup> CoordinateCommands::group_of(
+    std::uint8_t field) const {
+  if (field < module_.axes.size()) return MotorGroup{module_.companions(field), false};
   const std::uint32_t motors = field & most_motors;
   const std::uint32_t flags = field & ~most_motors;
   const bool known = flags == at_once || flags == interpolated;
-  if (!known || axes_.size() < 2 || motors == 0 || motors >> axes_.size() != 0) return std::nullopt;
+  if (!known || module_.axes.size() < 2 || motors == 0 || motors >> module_.axes.size() != 0)
+    return std::nullopt;
   return MotorGroup{motors, flags == interpolated};
 }
 
 // The last to arrive rules. One that stands already, or never arrives, is left as it is.
-void Module::arrive_together(std::uint32_t motors) {
-  auto last = now_;
-  for (std::size_t motor = 0; motor < axes_.size(); ++motor) {
-    const auto arrival = axes_[motor].outlook().arrival;
+void CoordinateCommands::arrive_together(std::uint32_t motors) {
+  auto last = module_.now;
+  for (std::size_t motor = 0; motor < module_.axes.size(); ++motor) {
+    const auto arrival = module_.axes[motor].outlook().arrival;
     if ((motors >> motor & 1U) != 0 && arrival != never) last = std::max(last, arrival);
   }
-  for (std::size_t motor = 0; motor < axes_.size(); ++motor) {
-    const auto arrival = axes_[motor].outlook().arrival;
-    if ((motors >> motor & 1U) != 0 && arrival > now_ && arrival < last) {
-      axes_[motor].arrive_by(last);
+  for (std::size_t motor = 0; motor < module_.axes.size(); ++motor) {
+    const auto arrival = module_.axes[motor].outlook().arrival;
+    if ((motors >> motor & 1U) != 0 && arrival > module_.now && arrival < last) {
+      module_.axes[motor].arrive_by(last);
     }
   }
 }

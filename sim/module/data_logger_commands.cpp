@@ -1,5 +1,5 @@
 // RAM_DEBUG, and what a channel of the data logger reads: what the module would answer a host.
-#include "sim/module/module.hpp"
+#include "sim/module/command_groups.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -23,53 +23,56 @@ std::uint32_t value_or_zero(const Answer& answer) {
 
 }  // namespace
 
-bool Module::has_data_logger() const {
-  return settings_.data_logger.value_or(sim::has_data_logger(model_->family));
+bool DataLoggerCommands::has_data_logger() const {
+  return module_.settings.data_logger.value_or(sim::has_data_logger(module_.model->family));
 }
 
-Answer Module::access_data_logger(const Request& request) {
+Answer DataLoggerCommands::access(const Request& request) {
   if (!has_data_logger()) return echo(request, Status::command_not_available);
-  return logger_.execute(request, now_, data_logger_probe());
+  return module_.logger.execute(request, module_.now, probe());
 }
 
-DataLogger::Probe Module::data_logger_probe() {
+void DataLoggerCommands::run_due() { module_.logger.run_due(module_.now, probe()); }
+
+DataLogger::Probe DataLoggerCommands::probe() {
   return [this](const DataLogger::Channel& channel) { return read_channel(channel); };
 }
 
-std::uint32_t Module::read_channel(const DataLogger::Channel& channel) {
+std::uint32_t DataLoggerCommands::read_channel(const DataLogger::Channel& channel) {
   const auto select = channel.select;
   const auto motor = part(select, motor_place);
   Request request{ModuleAddress{}, Command::GAP, part(select, 0), motor};
   switch (channel.kind) {
-    case Kind::axis_parameter: return value_or_zero(get_axis_parameter(request));
+    case Kind::axis_parameter: return value_or_zero(axes_.get(request));
     case Kind::chip_register:
       if ((select & 0xFFFFU) >= most_addresses) return 0;
       request.command = Command::READ_MC;
-      return value_or_zero(access_controller(request));
+      return value_or_zero(registers_.access_controller(request));
     case Kind::stacked_register: return stacked_register(select);
     case Kind::system_tick:
-      return static_cast<std::uint32_t>((now_ - logger_.power_on()) / std::chrono::milliseconds(1));
+      return static_cast<std::uint32_t>((module_.now - module_.logger.power_on()) /
+                                        std::chrono::milliseconds(1));
     case Kind::analog_input:
       request.motor = Io::analog_bank;
-      return value_or_zero(get_input(request));
-    case Kind::global_parameter: return value_or_zero(get_global_parameter(request));
+      return value_or_zero(reading(module_.io.get(request.motor, request.type)));
+    case Kind::global_parameter: return value_or_zero(globals_.get(request));
     default: return 0;
   }
 }
 
 // One register says which of several another one shows; it is put back afterwards.
-std::uint32_t Module::stacked_register(std::uint32_t select) {
+std::uint32_t DataLoggerCommands::stacked_register(std::uint32_t select) {
   const auto motor = part(select, motor_place);
   const Request selector{ModuleAddress{}, Command::READ_MC, part(select, selector_place), motor};
   auto choice = selector;
   choice.command = Command::WRITE_MC;
-  const auto before = access_controller(selector).value;
+  const auto before = registers_.access_controller(selector).value;
   choice.value = part(select, selector_value_place);
-  access_controller(choice);
-  const auto shown =
-      value_or_zero(access_controller({ModuleAddress{}, Command::READ_MC, part(select, 0), motor}));
+  registers_.access_controller(choice);
+  const auto shown = value_or_zero(
+      registers_.access_controller({ModuleAddress{}, Command::READ_MC, part(select, 0), motor}));
   choice.value = before;
-  access_controller(choice);
+  registers_.access_controller(choice);
   return shown;
 }
 

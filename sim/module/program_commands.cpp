@@ -1,7 +1,7 @@
 // The control functions of stand-alone programs, and what a program sees of the module.
 #include <algorithm>
 
-#include "sim/module/module.hpp"
+#include "sim/module/command_groups.hpp"
 #include "tmcl/program.hpp"
 
 namespace tmcl::sim {
@@ -18,35 +18,36 @@ std::span<const program::Instruction> used(std::span<const program::Instruction>
 
 }  // namespace
 
-void Module::start_application() {
-  application_.load(program::from_bytes(eeprom_.program()).value_or(program::Program{}));
-  application_.power_on(globals_.value(gp::auto_start_mode) != 0 && !in_bootloader_, deaf_until_);
+void ProgramCommands::start() {
+  application_.load(program::from_bytes(module_.eeprom.program()).value_or(program::Program{}));
+  application_.power_on(module_.globals.value(gp::auto_start_mode) != 0 && !module_.in_bootloader,
+                        module_.deaf_until);
 }
 
-Answer Module::control_application(const Request& request) {
+Answer ProgramCommands::control(const Request& request) {
   const bool changes_memory =
       request.command == Command::END_DOWNLOAD && application_.in_download();
-  auto answer = application_.execute(request, now_);
+  auto answer = application_.execute(request, module_.now);
   const bool tells_state = request.command == Command::GET_APPLICATION_STATUS;
   if (tells_state && has_state_in_low_byte()) answer = reading(application_.status());
-  if (changes_memory && answer.status == Status::ok) keep_program();
+  if (changes_memory && answer.status == Status::ok) keep();
   return answer;
 }
 
-bool Module::has_state_in_low_byte() const {
-  return settings_.traits.get<ProgramState>(Trait::program_state, *model_) ==
+bool ProgramCommands::has_state_in_low_byte() const {
+  return module_.settings.traits.get<ProgramState>(Trait::program_state, *module_.model) ==
          ProgramState::low_byte;
 }
 
-void Module::keep_program() {
-  eeprom_.write_program(program::to_bytes(used(application_.memory())));
+void ProgramCommands::keep() {
+  module_.eeprom.write_program(program::to_bytes(used(application_.memory())));
 }
 
-void Module::protect_program(std::int32_t before, std::int32_t after) {
-  if (application_.change_protection(before, after)) keep_program();
+void ProgramCommands::protect(std::int32_t before, std::int32_t after) {
+  if (application_.change_protection(before, after)) keep();
 }
 
-std::optional<std::int32_t> Module::application_parameter(std::uint8_t number) const {
+std::optional<std::int32_t> ProgramCommands::parameter(std::uint8_t number) const {
   switch (number) {
     case gp::application_status: return application_.status();
     case gp::download_mode: return application_.download_mode();
@@ -56,10 +57,12 @@ std::optional<std::int32_t> Module::application_parameter(std::uint8_t number) c
   }
 }
 
-std::int32_t Module::code_protection() const { return globals_.value(gp::code_protection); }
+std::int32_t ProgramCommands::code_protection() const {
+  return module_.globals.value(gp::code_protection);
+}
 
-MotorConditions Module::motor(std::size_t number) const {
-  const auto& axis = axes_.at(number);
+MotorConditions ProgramCommands::motor(std::size_t number) const {
+  const auto& axis = module_.axes.at(number);
   const auto& switches = axis.switches();
   return {
       .at_target = axis.position_reached(),
@@ -73,15 +76,16 @@ MotorConditions Module::motor(std::size_t number) const {
 }
 
 // No model here has inputs for the others.
-Alarms Module::alarms() const {
-  return {.deviation = std::ranges::any_of(axes_, &Axis::deviated), .shutdown = shut_down()};
+Alarms ProgramCommands::alarms() const {
+  return {.deviation = std::ranges::any_of(module_.axes, &Axis::deviated),
+          .shutdown = module_.shut_down()};
 }
 
-TimePoint Module::next_event() const {
+TimePoint ProgramCommands::next_event() const {
   auto next = never;
-  for (const auto& axis : axes_) {
+  for (const auto& axis : module_.axes) {
     for (const auto time : {axis.outlook().arrival, axis.next_due()}) {
-      if (time > now_) next = std::min(next, time);
+      if (time > module_.now) next = std::min(next, time);
     }
   }
   return next;

@@ -1,5 +1,5 @@
 // WRITE_MC, READ_MC, WRITE_DRV, READ_DRV: registers of the chips, by their addresses.
-#include "sim/module/module.hpp"
+#include "sim/module/command_groups.hpp"
 
 namespace tmcl::sim {
 namespace {
@@ -23,42 +23,44 @@ bool writes(const Request& request) {
 // The motor field tells the chip. With a TMC429 that is one for three motors, all other motion
 // controllers here have one motor each. A register of a TMC429 that belongs to no motor of the
 // module is kept with its first.
-std::optional<Module::ChipRegister> Module::controller_register(const Request& request) const {
-  if (model_->family != Family::tmc429) {
-    if (!has_motor(request)) return std::nullopt;
+std::optional<RegisterCommands::ChipRegister> RegisterCommands::controller_register(
+    const Request& request) const {
+  if (module_.model->family != Family::tmc429) {
+    if (!module_.has_motor(request)) return std::nullopt;
     return ChipRegister{request.motor, request.type};
   }
   const std::size_t first = std::size_t{request.motor} * motors_of_chip;
-  if (first >= axes_.size()) return std::nullopt;
+  if (first >= module_.axes.size()) return std::nullopt;
   const std::size_t index = request.type >> motor_shift;
-  const bool of_motor = index < motors_of_chip && first + index < axes_.size();
+  const bool of_motor = index < motors_of_chip && first + index < module_.axes.size();
   if (of_motor)
     return ChipRegister{first + index, static_cast<std::uint8_t>(request.type & register_bits)};
   return ChipRegister{first, static_cast<std::uint8_t>(request.type & ~1U)};
 }
 
 // Another generator stands in for that of the other families: its registers are not theirs.
-Answer Module::access_controller(const Request& request) {
-  const bool has_model = model_->family == Family::tmc429 || model_->family == Family::tmc457 ||
-                         model_->family == Family::sixpoint;
+Answer RegisterCommands::access_controller(const Request& request) {
+  const bool has_model = module_.model->family == Family::tmc429 ||
+                         module_.model->family == Family::tmc457 ||
+                         module_.model->family == Family::sixpoint;
   if (!has_model) return echo(request, Status::command_not_available);
   if (request.type > greatest_address) return echo(request, Status::wrong_type);
   const auto place = controller_register(request);
   if (!place) return echo(request, Status::invalid_value);
-  auto& axis = axes_[place->motor];
+  auto& axis = module_.axes[place->motor];
   if (writes(request)) return echo(request, axis.write_chip(place->address, request.value));
   return reading(axis.read_chip(place->address));
 }
 
 // In the sixPoint modules the driver is in the same chip. The motor field is the motor; a module
 // with only one takes what PyTrinamic sends as well.
-Answer Module::access_driver(const Request& request) {
+Answer RegisterCommands::access_driver(const Request& request) {
   if (request.type > greatest_address) return echo(request, Status::wrong_type);
-  const bool only_driver = axes_.size() == 1 && request.motor == second_chip;
+  const bool only_driver = module_.axes.size() == 1 && request.motor == second_chip;
   const std::size_t motor = only_driver ? 0 : request.motor;
-  if (motor >= axes_.size()) return echo(request, Status::invalid_value);
-  auto& axis = axes_[motor];
-  const bool same_chip = model_->family == Family::sixpoint;
+  if (motor >= module_.axes.size()) return echo(request, Status::invalid_value);
+  auto& axis = module_.axes[motor];
+  const bool same_chip = module_.model->family == Family::sixpoint;
   if (!writes(request)) {
     return reading(same_chip ? axis.read_chip(request.type) : axis.read_driver(request.type));
   }
