@@ -19,84 +19,62 @@ bool has_closed_loop(Family family) {
   return family == Family::tmc4361 || family == Family::firmware;
 }
 
-bool in_range(const ParameterInfo& row, std::int32_t value) {
-  return value >= row.minimum && value <= row.maximum;
-}
-
 }  // namespace
 
 Axis::Axis(const Model& model, Stage& stage, TimePoint power_on, const ModuleTraits& traits)
-    : family_(model.family),
-      traits_(traits),
-      wraps_(concerns(Trait::range_check, model) &&
-             traits.get<RangeCheck>(Trait::range_check, model) == RangeCheck::wrap),
-      table_(axis_parameters(model)),
-      keeps_errors_(find_parameter(table_, "movement_error_flags") != nullptr),
-      motor_(make_motor(model, power_on, traits)),
-      coupling_(*motor_, stage),
-      power_on_(power_on),
-      now_(power_on),
-      rest_(power_on) {
+    : state_(model, stage, power_on, traits),
+      keeps_errors_(find_parameter(state_.table, "movement_error_flags") != nullptr) {
   // The chip itself starts with zeros; the firmware writes what it has stored.
-  for (const auto& row : table_) {
-    values_[row.number] = row.initial;
-    if (row.stored) motor_->write(row, in_motor(row, row.initial));
+  for (const auto& row : state_.table) {
+    state_.values[row.number] = row.initial;
+    if (row.stored) state_.motor->write(row, state_.in_motor(row, row.initial));
     take_note(row.number, row.initial);
   }
-  encoder_.set_position(0, stage);
-  external_encoder_.set_position(0, stage);
-  scale_encoders();
+  encoders_.zero();
+  encoders_.rescale();
   settle();
 }
 
 // ---- Parameters
 
 tl::expected<std::int32_t, Status> Axis::get(std::uint8_t number) const {
-  const auto* row = find_parameter(table_, number);
+  const auto* row = find_parameter(state_.table, number);
   if (row == nullptr) return tl::unexpected(Status::wrong_type);
   if (const auto own = reading(*row)) return *own;
-  if ((wraps_ && is_remembered(*row)) || overruled(*row)) return values_[number];
-  return in_force(*row);
-}
-
-std::int32_t Axis::in_force(const ParameterInfo& row) const {
-  return motor_->read(row).value_or(values_[row.number]);
+  return state_.kept(*row);
 }
 
 std::optional<std::int32_t> Axis::reading(const ParameterInfo& row) const {
-  const auto position_of = [this](const EncoderWatch& encoder) {
-    return static_cast<std::int32_t>(encoder.position(coupling_.stage()));
-  };
-  if (has_closed_loop(family_)) {
+  if (has_closed_loop(state_.family)) {
     if (const auto ready = closed_loop_reading(row.number)) return ready;
   }
   switch (row.number) {
-    case number_of("home_switch"): return switches_.home ? 1 : 0;
-    case number_of("right_limit_switch"): return switches_.right ? 1 : 0;
-    case number_of("left_limit_switch"): return switches_.left ? 1 : 0;
+    case number_of("home_switch"): return state_.switches.home ? 1 : 0;
+    case number_of("right_limit_switch"): return state_.switches.right ? 1 : 0;
+    case number_of("left_limit_switch"): return state_.switches.left ? 1 : 0;
     case number_of(Family::sixpoint, "measured_speed"):
-      if (family_ != Family::sixpoint) return std::nullopt;
-      return coupling_.is_held() ? 0 : get(ap::actual_velocity).value_or(0);
+      if (state_.family != Family::sixpoint) return std::nullopt;
+      return state_.coupling.is_held() ? 0 : get(ap::actual_velocity).value_or(0);
     case number_of(Family::tmc457, "encoder_position"):
-      if (family_ != Family::tmc457) return std::nullopt;
-      return position_of(encoder_);
-    case number_of("smart_energy_actual_current"): return current_scale();
+      if (state_.family != Family::tmc457) return std::nullopt;
+      return encoders_.own_position();
+    case number_of("smart_energy_actual_current"): return driver_.current_scale();
     case number_of("latched_encoder_position"): return latched_encoder_;
-    case number_of("load_value"): return scaled_load_value(row);
+    case number_of("load_value"): return driver_.scaled_load_value(row);
     case number_of("extended_error_flags"): return error_flags();
-    case number_of("driver_status_flags"): return driver_flags();
-    case number_of(Family::sixpoint, "encoder_position"): return position_of(encoder_);
-    case number_of("absolute_encoder_value"): return coupling_.stage().encoder_angle();
-    case number_of("external_encoder_position"): return position_of(external_encoder_);
+    case number_of("driver_status_flags"): return driver_.flags();
+    case number_of(Family::sixpoint, "encoder_position"): return encoders_.own_position();
+    case number_of("absolute_encoder_value"): return state_.coupling.stage().encoder_angle();
+    case number_of("external_encoder_position"): return encoders_.external_position();
     default: return std::nullopt;
   }
 }
 
 std::optional<std::int32_t> Axis::closed_loop_reading(std::uint8_t number) const {
-  if (number == closed_loop_init_flag) return closed_loop_.is_calibrated(now_);
+  if (number == closed_loop_init_flag) return closed_loop_.is_calibrated(state_.now);
   // A TMC4361 has a speed under that number.
-  const bool initializes = family_ == Family::firmware && number == encoder_initialization;
-  if (initializes && closed_loop_.is_encoder_initialized(now_)) return encoder_is_initialized;
+  const bool initializes = state_.family == Family::firmware && number == encoder_initialization;
+  if (initializes && closed_loop_.is_encoder_initialized(state_.now)) return encoder_is_initialized;
   return std::nullopt;
 }
 
@@ -107,78 +85,49 @@ tl::expected<std::int32_t, Status> Axis::read(std::uint8_t number) {
 }
 
 Status Axis::set(std::uint8_t number, std::int32_t value) {
-  const auto* row = find_parameter(table_, number);
+  const auto* row = find_parameter(state_.table, number);
   if (row == nullptr || row->access == Access::read) return Status::wrong_type;
-  const auto taken = accepted(*row, value);
+  const auto taken = state_.accepted(*row, value);
   if (!taken) return Status::invalid_value;
-  const auto status = motor_->write(*row, in_motor(*row, taken->written));
+  const auto status = state_.motor->write(*row, state_.in_motor(*row, taken->written));
   if (status != Status::ok) return status;
-  if (number == ap::target_position && goes_to_new_target()) motor_->move_to(taken->written);
-  values_[number] = taken->kept;
+  if (number == ap::target_position && state_.goes_to_new_target())
+    state_.motor->move_to(taken->written);
+  state_.values[number] = taken->kept;
   take_note(number, taken->kept);
   settle();
   return status;
 }
 
-std::optional<Wrapped> Axis::accepted(const ParameterInfo& row, std::int32_t value) const {
-  if (row.scale != Scale::fixed || in_range(row, value)) return Wrapped{value, value};
-  return wraps_ ? wrapped(row, value) : std::nullopt;
-}
-
-// The firmware keeps what was set, whatever its motors do.
-std::optional<std::int32_t> Axis::overruled(const ParameterInfo& row) const {
-  const auto stop = traits_.find(Trait::limit_stop);
-  if (!stop || stop == index_of(LimitStop::as_set) || row.name != "soft_stop") return std::nullopt;
-  return stop == index_of(LimitStop::soft) ? 1 : 0;
-}
-
-std::int32_t Axis::in_motor(const ParameterInfo& row, std::int32_t value) const {
-  return overruled(row).value_or(value);
-}
-
-// A model that does not tell its mode is in no other one of which it matters.
-bool Axis::goes_to_new_target() const {
-  if (traits_.find(Trait::velocity_target) != index_of(VelocityTarget::goes_there)) return false;
-  constexpr std::int32_t velocity_mode = 2;
-  const auto row = std::ranges::find(table_, "ramp_mode", &ParameterInfo::name);
-  return row == table_.end() || get(row->number) == velocity_mode;
-}
-
-std::int32_t Axis::relative_origin() const {
-  const auto from = traits_.find(Trait::relative_from);
-  if (!from) return motor_->relative_origin();
-  return from == index_of(RelativeFrom::actual) ? motor_->position()
-                                                : get(ap::target_position).value_or(0);
-}
-
 void Axis::take_note(std::uint8_t number, std::int32_t value) {
-  if (has_closed_loop(family_)) {
-    if (number == closed_loop_mode) closed_loop_.set_mode(value, now_);
-    if (number == encoder_initialization) closed_loop_.initialize_encoder(value, now_);
+  if (has_closed_loop(state_.family)) {
+    if (number == closed_loop_mode) closed_loop_.set_mode(value, state_.now);
+    if (number == encoder_initialization) closed_loop_.initialize_encoder(value, state_.now);
   }
   switch (number) {
     case ap::microstep_resolution:
-      coupling_.set_resolution(value);
-      scale_encoders();
+      state_.coupling.set_resolution(value);
+      encoders_.rescale();
       break;
     case number_of("encoder_resolution"):
-    case number_of("external_encoder_resolution"): scale_encoders(); break;
+    case number_of("external_encoder_resolution"): encoders_.rescale(); break;
     case number_of("toff"):
-      if (value == 0) protection_.reset();
+      if (value == 0) driver_.reset();
       break;
-    case number_of("reverse_shaft"): coupling_.reverse(value == 1); break;
+    case number_of("reverse_shaft"): state_.coupling.reverse(value == 1); break;
     case number_of(Family::tmc457, "encoder_position"):
-      if (family_ == Family::tmc457) encoder_.set_position(value, coupling_.stage());
+      if (state_.family == Family::tmc457)
+        encoders_.own().set_position(value, state_.coupling.stage());
       break;
     case number_of(Family::sixpoint, "encoder_position"):
-      encoder_.set_position(value, coupling_.stage());
+      encoders_.own().set_position(value, state_.coupling.stage());
       break;
     case number_of("external_encoder_position"):
-      external_encoder_.set_position(value, coupling_.stage());
+      encoders_.external().set_position(value, state_.coupling.stage());
       break;
-    case number_of("max_encoder_deviation"): encoder_.set_most_deviation(value); break;
+    case number_of("max_encoder_deviation"): encoders_.own().set_most_deviation(value); break;
     case number_of("external_encoder_max_deviation"):
-      external_encoder_.set_most_deviation(value);
+      encoders_.external().set_most_deviation(value);
       break;
     default: break;
   }
@@ -187,22 +136,22 @@ void Axis::take_note(std::uint8_t number, std::int32_t value) {
 // ---- Registers
 
 std::int32_t Axis::read_chip(std::uint8_t address) {
-  if (family_ == Family::sixpoint && address == driver_status_address)
-    return driver_status({load_value(), current_scale(), driver_flags()});
-  auto word = static_cast<std::uint32_t>(motor_->read_chip(address));
-  for (const auto& field : driver_fields(family_)) {
-    const auto* row = find_parameter(table_, field.parameter);
+  if (state_.family == Family::sixpoint && address == driver_status_address)
+    return driver_status({driver_.load_value(), driver_.current_scale(), driver_.flags()});
+  auto word = static_cast<std::uint32_t>(state_.motor->read_chip(address));
+  for (const auto& field : driver_fields(state_.family)) {
+    const auto* row = find_parameter(state_.table, field.parameter);
     if (field.address == address && row != nullptr)
-      word = with_value(field, word, values_[field.parameter], *row);
+      word = with_value(field, word, state_.values[field.parameter], *row);
   }
   return static_cast<std::int32_t>(word);
 }
 
 // A setting that the model has not is a bit without effect.
 Status Axis::write_chip(std::uint8_t address, std::int32_t value) {
-  const auto status = motor_->write_chip(address, value);
-  for (const auto& field : driver_fields(family_)) {
-    const auto* row = find_parameter(table_, field.parameter);
+  const auto status = state_.motor->write_chip(address, value);
+  for (const auto& field : driver_fields(state_.family)) {
+    const auto* row = find_parameter(state_.table, field.parameter);
     if (status != Status::ok || field.address != address || row == nullptr) continue;
     set(field.parameter, value_in(field, static_cast<std::uint32_t>(value), *row));
   }
@@ -218,19 +167,19 @@ std::int32_t Axis::read_driver(std::uint8_t address) const {
 // ---- Motion
 
 Status Axis::rotate(std::int64_t velocity) {
-  if (wraps_) velocity = wrapped_velocity(velocity);
-  const auto status = motor_->rotate(velocity);
+  if (state_.wraps) velocity = wrapped_velocity(velocity);
+  const auto status = state_.motor->rotate(velocity);
   if (status == Status::ok) {
     begin_movement();
-    homing_.abort();
+    search_.abort();
   }
   settle();
   return status;
 }
 
 void Axis::stop() {
-  homing_.abort();
-  motor_->stop();
+  search_.abort();
+  state_.motor->stop();
   settle();
 }
 
@@ -242,18 +191,19 @@ Status Axis::move_to(std::int32_t position) {
 
 Status Axis::move_by(std::int32_t distance) {
   if (!can_move(distance)) return Status::invalid_value;
-  move(std::int64_t{relative_origin()} + distance);
+  move(std::int64_t{state_.relative_origin()} + distance);
   return Status::ok;
 }
 
 // A model that has no groups has nothing under the number of its family.
 std::int32_t Axis::group() const {
-  return values_[family_ == Family::tmc4361 ? number_of(Family::tmc4361, "group_index")
-                                            : number_of(Family::sixpoint, "group_index")];
+  return state_
+      .values[state_.family == Family::tmc4361 ? number_of(Family::tmc4361, "group_index")
+                                               : number_of(Family::sixpoint, "group_index")];
 }
 
 bool Axis::is_position(std::int32_t value) const {
-  return in_range(*find_parameter(table_, ap::target_position), value);
+  return is_in_range(*find_parameter(state_.table, ap::target_position), value);
 }
 
 // By the manual of the TMCM-351 that keeps them until then.
@@ -261,7 +211,6 @@ void Axis::begin_movement() {
   if (keeps_errors_) errors_ = 0;
 }
 
-/// The bits of parameter 207: those of a TMCM-351 are the other way round.
 std::int32_t Axis::error_flags() const {
   if (!keeps_errors_) return errors_;
   return (deviated() ? 1 : 0) | (stalled() ? 2 : 0);
@@ -269,22 +218,22 @@ std::int32_t Axis::error_flags() const {
 
 void Axis::move(std::int64_t position) {
   begin_movement();
-  homing_.abort();
-  motor_->move_to(position);
+  search_.abort();
+  state_.motor->move_to(position);
   settle();
 }
 
 // The ramp itself is asked when it would arrive: that holds for every generator.
 void Axis::arrive_by(TimePoint time) {
   std::int64_t too_slow = 0;
-  auto fast_enough = motor_->top_speed();
+  auto fast_enough = state_.motor->top_speed();
   while (fast_enough - too_slow > 1) {
     const auto speed = too_slow + (fast_enough - too_slow) / 2;
-    motor_->limit_positioning(speed);
-    const bool in_time = motor_->outlook().arrival <= time;
+    state_.motor->limit_positioning(speed);
+    const bool in_time = state_.motor->outlook().arrival <= time;
     (in_time ? fast_enough : too_slow) = speed;
   }
-  motor_->limit_positioning(fast_enough);
+  state_.motor->limit_positioning(fast_enough);
   settle();
 }
 
@@ -294,71 +243,62 @@ void Axis::reverse_limit_polarity(bool reversed) {
 }
 
 void Axis::reverse_shaft(bool reversed) {
-  coupling_.reverse(reversed);
+  state_.coupling.reverse(reversed);
   settle();
 }
 
 // ---- Time
 
 void Axis::advance_to(TimePoint time) {
-  now_ = time;
-  motor_->advance_to(now_);
-  coupling_.follow();
+  state_.now = time;
+  state_.motor->advance_to(state_.now);
+  state_.coupling.follow();
 }
 
 void Axis::run_due() {
-  const bool changes = now_ >= model_tick_ && run_model_tick();
-  if (changes || now_ >= due_) settle();
+  const bool changes = state_.now >= driver_.tick() && driver_.run_tick();
+  if (changes || state_.now >= due_) settle();
 }
 
 void Axis::stage_changed() {
-  scale_encoders();
+  encoders_.rescale();
   settle();
 }
 
 void Axis::set_supply(std::int32_t supply) {
-  supply_ = supply;
+  driver_.set_supply(supply);
   settle();
 }
 
 void Axis::settle() {
-  coupling_.rebase();
-  look_ahead();
-  watch_driver();
+  state_.coupling.rebase();
+  state_.look_ahead();
+  driver_.look();
   sense();
-  run_search();
+  search_.run();
   watch_encoders();
-  watch_stall();
-  watch_rotor();
+  if (driver_.stalls()) emergency_stop(stall_error);
+  driver_.watch_rotor();
   due_ = next_look();
 }
 
-// A motor that stood and goes on standing has done so for as long as it has.
-void Axis::look_ahead() {
-  outlook_ = motor_->outlook();
-  if (outlook_.rest > now_ || rest_ > now_) rest_ = outlook_.rest;
-}
-
 TimePoint Axis::next_look() const {
-  auto due = std::min(outlook_.look_again, next_stall_check());
-  if (homing_.returns()) due = std::min(due, outlook_.arrival);
-  if (!is_moving()) return due;
-  auto reach = coupling_.reach();
-  for (const auto* encoder : {&encoder_, &external_encoder_}) {
-    if (encoder->is_on()) encoder->limit(reach, deviation(*encoder), coupling_);
-  }
-  const bool watched =
-      !coupling_.stage().is_bare() || encoder_.is_on() || external_encoder_.is_on();
-  if (watched) due = std::min(due, motor_->passing(reach.back, reach.ahead));
-  if (coupling_.is_at_end()) due = std::min(due, motor_->turning());
+  auto due = std::min(state_.outlook.look_again, driver_.next_stall_check());
+  if (search_.homing().returns()) due = std::min(due, state_.outlook.arrival);
+  if (!state_.is_moving()) return due;
+  auto reach = state_.coupling.reach();
+  encoders_.limit(reach);
+  if (!state_.coupling.stage().is_bare() || encoders_.are_watched())
+    due = std::min(due, state_.motor->passing(reach.back, reach.ahead));
+  if (state_.coupling.is_at_end()) due = std::min(due, state_.motor->turning());
   return due;
 }
 
 // ---- Switches
 
 Switches Axis::sensed() const {
-  const auto inputs = coupling_.stage().inputs();
-  const auto wiring = motor_->wiring();
+  const auto inputs = state_.coupling.stage().inputs();
+  const auto wiring = state_.motor->wiring();
   Switches now{inputs.left != (limits_reversed_ != wiring.left_inverted),
                inputs.right != (limits_reversed_ != wiring.right_inverted), inputs.home};
   if (wiring.swapped) std::swap(now.left, now.right);
@@ -366,14 +306,45 @@ Switches Axis::sensed() const {
 }
 
 void Axis::sense() {
-  const auto before = std::exchange(switches_, sensed());
-  const bool closes = (switches_.left && !before.left) || (switches_.right && !before.right);
-  if (closes) latched_encoder_ = static_cast<std::int32_t>(encoder_.position(coupling_.stage()));
-  const auto bars = homing_.ignores_ends() ? Switches{} : Switches{switches_.left, switches_.right};
+  const auto before = std::exchange(state_.switches, sensed());
+  const bool closes =
+      (state_.switches.left && !before.left) || (state_.switches.right && !before.right);
+  if (closes) latched_encoder_ = encoders_.own_position();
+  const auto bars = search_.homing().ignores_ends()
+                        ? Switches{}
+                        : Switches{state_.switches.left, state_.switches.right};
   if (bars == barring_) return;
   barring_ = bars;
-  motor_->set_switches(bars.left, bars.right);
-  look_ahead();
+  state_.motor->set_switches(bars.left, bars.right);
+  state_.look_ahead();
+}
+
+// ---- Watching, searching
+
+void Axis::watch_encoders() {
+  const bool deviated = std::exchange(deviates_, encoders_.are_exceeded());
+  if (!deviates_ || (deviated && !state_.is_moving())) return;
+  emergency_stop(deviation_error);
+}
+
+void Axis::emergency_stop(std::int32_t error) {
+  errors_ |= error;
+  search_.abort();
+  state_.motor->halt();
+  state_.look_ahead();
+}
+
+Status Axis::start_search() {
+  const auto mode = search_.mode();
+  if (!mode) return Status::invalid_value;
+  begin_movement();
+  search_.start(*mode);
+  settle();
+  return Status::ok;
+}
+
+void Axis::stop_search() {
+  if (searching()) stop();
 }
 
 }  // namespace tmcl::sim

@@ -2,32 +2,24 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <cstdint>
 #include <map>
-#include <memory>
 #include <optional>
-#include <span>
-#include <utility>
 
 #include <tl/expected.hpp>
 
+#include "sim/module/axis_driver.hpp"
+#include "sim/module/axis_encoders.hpp"
+#include "sim/module/axis_search.hpp"
+#include "sim/module/axis_state.hpp"
 #include "sim/module/closed_loop.hpp"
-#include "sim/module/cool_step.hpp"
-#include "sim/module/coupling.hpp"
-#include "sim/module/driver_protection.hpp"
-#include "sim/module/encoder_watch.hpp"
-#include "sim/module/homing.hpp"
-#include "sim/module/module_settings.hpp"
-#include "sim/module/motor.hpp"
-#include "sim/module/wrapping.hpp"
-#include "sim/stage/motor_load.hpp"
-#include "sim/stage/stage.hpp"
-#include "tmcl/model.hpp"
-#include "tmcl/parameter.hpp"
 #include "tmcl/status.hpp"
 
 namespace tmcl::sim {
+
+/// Bits of parameter 207; those of a TMCM-351 are the other way round.
+inline constexpr std::int32_t stall_error = 1;
+inline constexpr std::int32_t deviation_error = 2;
 
 /// Everything happens at its own tick: the axis says when something will, and has to be brought
 /// there and asked to run it. With nothing on its stage, that costs nothing.
@@ -35,6 +27,8 @@ class Axis {
  public:
   /// The stage outlives the axis: a module that restarts finds it where it was.
   Axis(const Model& model, Stage& stage, TimePoint power_on, const ModuleTraits& traits = {});
+  Axis(const Axis&) = delete;
+  Axis& operator=(const Axis&) = delete;
 
   /// What GAP answers: wrong_type for a number that is not in the model's table. A reading that is
   /// cleared by being read stays: see read().
@@ -60,7 +54,7 @@ class Axis {
   /// Whether the chip has such a position.
   bool is_position(std::int32_t value) const;
   /// Whether MVP takes it, as a target or a distance.
-  bool can_move(std::int32_t value) const { return wraps_ || is_position(value); }
+  bool can_move(std::int32_t value) const { return state_.wraps || is_position(value); }
   /// What MVP ABS answers: invalid_value for a position that the chip does not have, unless it
   /// wraps.
   Status move_to(std::int32_t position);
@@ -75,9 +69,9 @@ class Axis {
   Status start_search();
   /// RFS STOP: the motor comes to a stop as well.
   void stop_search();
-  bool searching() const { return homing_.active(); }
+  bool searching() const { return search_.homing().active(); }
   /// What RFS STATUS answers: 0, or the step that the search is at.
-  std::int32_t search_step() const { return homing_.step(); }
+  std::int32_t search_step() const { return search_.homing().step(); }
 
   /// Global parameters 79 and 90, where a module has them.
   void reverse_limit_polarity(bool reversed);
@@ -88,7 +82,7 @@ class Axis {
   void set_supply(std::int32_t supply);
 
   /// The active switches, after polarity and swapping.
-  const Switches& switches() const { return switches_; }
+  const Switches& switches() const { return state_.switches; }
   /// Why it was stopped, until that is read or, on a TMCM-351, until it moves: parameter 207.
   bool stalled() const { return (errors_ & stall_error) != 0; }
   bool deviated() const { return (errors_ & deviation_error) != 0; }
@@ -99,10 +93,10 @@ class Axis {
   /// Lets time pass, no further than next_due().
   void advance_to(TimePoint time);
   /// When run_due() has something to do if no command comes before.
-  TimePoint next_due() const { return std::min(due_, model_tick_); }
+  TimePoint next_due() const { return std::min(due_, driver_.tick()); }
   void run_due();
   /// What becomes of the present movement if nothing stops it.
-  const Outlook& outlook() const { return outlook_; }
+  const Outlook& outlook() const { return state_.outlook; }
 
  private:
   void move(std::int64_t position);
@@ -110,97 +104,26 @@ class Axis {
   std::int32_t error_flags() const;
   std::optional<std::int32_t> reading(const ParameterInfo& row) const;
   std::optional<std::int32_t> closed_loop_reading(std::uint8_t number) const;
-  /// As the motor has it, or else the firmware.
-  std::int32_t in_force(const ParameterInfo& row) const;
-  /// What a value that is written becomes; nothing if it is refused.
-  std::optional<Wrapped> accepted(const ParameterInfo& row, std::int32_t value) const;
   void take_note(std::uint8_t number, std::int32_t value);
 
   /// Something was written: what follows from it is done, and when to look next is worked out.
   void settle();
-  void look_ahead();
   TimePoint next_look() const;
-  bool is_moving() const { return motor_->heading() != 0 || outlook_.rest > now_; }
   void sense();
   Switches sensed() const;
 
-  /// What the motor is told of a parameter, whatever was set; nothing: what was.
-  std::optional<std::int32_t> overruled(const ParameterInfo& row) const;
-  std::int32_t in_motor(const ParameterInfo& row, std::int32_t value) const;
-  /// What MVP REL counts from.
-  std::int32_t relative_origin() const;
-  bool goes_to_new_target() const;
-
-  // axis_search.cpp
-  void run_search();
-  void obey(const Homing::Order& order);
-  void drive(int direction, std::uint8_t speed_parameter);
-  void finish_search(std::int32_t reference);
-
-  // axis_watch.cpp: encoders, stalls.
-  void scale_encoders();
-  EncoderScale scale_by(std::uint8_t parameter) const;
-  std::int64_t deviation(const EncoderWatch& encoder) const;
   void watch_encoders();
-  void watch_stall();
-  bool may_stall() const;
-  TimePoint next_stall_check() const;
-  std::int32_t load_value() const;
-  std::int32_t scaled_load_value(const ParameterInfo& row) const;
   void emergency_stop(std::int32_t error);
 
-  // axis_drive.cpp: the driver, its current, and whether the rotor follows.
-  void watch_driver();
-  void watch_rotor();
-  bool run_model_tick();
-  TimePoint next_model_tick() const;
-  void measure_load();
-  bool changes_by_itself() const;
-  MotorState motor_state() const;
-  bool is_driver_on() const;
-  std::int32_t torque_current() const;
-  std::int32_t driver_flags() const;
-  std::int32_t current_scale() const;
-  std::int32_t run_scale() const;
-  std::int32_t current_setting() const;
-  std::int32_t moving_current() const;
-  std::int32_t resting_current() const;
-  bool is_slow() const;
-  bool cools() const;
-  CoolStepSettings cool_step_settings() const;
-  Duration standstill() const;
-
-  static constexpr std::int32_t stall_error = 1;
-  static constexpr std::int32_t deviation_error = 2;
-
-  Family family_;
-  ModuleTraits traits_;
-  bool wraps_;
-  std::span<const ParameterInfo> table_;
-  bool keeps_errors_;  ///< Until the next movement, not until they are read.
-  std::unique_ptr<Motor> motor_;
-  Coupling coupling_;
-  std::array<std::int32_t, 256> values_{};  // of those parameters that the motor has no part in
-  std::map<std::uint8_t, std::int32_t> driver_words_;
-  TimePoint power_on_;
-  TimePoint now_;
-  Outlook outlook_;
-  TimePoint due_ = never;
-  TimePoint model_tick_ = never;
-  TimePoint rest_;  // since when it stands, or when it will
-  Switches switches_;
-  Switches barring_;  // as the chip was told
-  Homing homing_;
+  AxisState state_;
+  AxisEncoders encoders_{state_};
+  AxisDriver driver_{state_};
+  AxisSearch search_{state_, encoders_};
   ClosedLoop closed_loop_;
-  EncoderWatch encoder_;
-  EncoderWatch external_encoder_;
-  DriverProtection protection_;
-  CoolStep cool_step_;
-  Rotor rotor_;
-  std::int32_t supply_ = nominal_supply;
-  std::int64_t speed_at_tick_ = 0;   // in 1/256 of a full step per second
-  std::int64_t acceleration_ = 0;    // in full steps per second squared, in the tick before
-  std::int64_t way_to_reading_ = 0;  // towards the next full step, in 1/256000
+  bool keeps_errors_;  ///< Until the next movement, not until they are read.
+  std::map<std::uint8_t, std::int32_t> driver_words_;
+  TimePoint due_ = never;
+  Switches barring_;  // as the chip was told
   std::int32_t errors_ = 0;
   bool deviates_ = false;
   std::int32_t latched_encoder_ = 0;

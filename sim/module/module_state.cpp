@@ -42,7 +42,6 @@ FirmwareVersion ModuleState::delivered_version() const {
 
 void ModuleState::build_axes() {
   axes.clear();
-  axes.reserve(model->axes);
   for (std::size_t motor = 0; motor < model->axes; ++motor) {
     axes.emplace_back(*model, stages[motor], now, settings.traits);
     axes.back().set_supply(io.supply());

@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <deque>
 #include <optional>
 #include <vector>
 
@@ -63,7 +64,7 @@ struct ModuleState {
   Io io;
   Coordinates coordinates;
   std::vector<Stage> stages;  ///< What is bolted on stays, whatever happens to the module.
-  std::vector<Axis> axes;
+  std::deque<Axis> axes;
   TargetEvents events;
   DataLogger logger;
   std::optional<bool> shutdown_input;  ///< Nothing connected: it does not act.

@@ -33,7 +33,7 @@ void TargetEvents::move_begun(std::size_t motor) {
   if (!watch.always) watch.armed = nullptr;
 }
 
-TimePoint TargetEvents::next_due(std::span<const Axis> axes) const {
+TimePoint TargetEvents::next_due(const std::deque<Axis>& axes) const {
   auto due = never;
   for (std::size_t i = 0; i < watches_.size(); ++i) {
     if (watches_[i].pending != nullptr) due = std::min(due, axes[i].outlook().arrival);
@@ -41,7 +41,7 @@ TimePoint TargetEvents::next_due(std::span<const Axis> axes) const {
   return due;
 }
 
-void TargetEvents::run_due(TimePoint now, std::span<const Axis> axes, const Module& module) {
+void TargetEvents::run_due(TimePoint now, const std::deque<Axis>& axes, const Module& module) {
   std::uint32_t motors = 0;
   for (std::size_t i = 0; i < watches_.size(); ++i) {
     if (watches_[i].pending == nullptr || axes[i].outlook().arrival > now) continue;

@@ -3,7 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <span>
+#include <deque>
 #include <vector>
 
 #include "sim/module/axis.hpp"
@@ -32,10 +32,10 @@ class TargetEvents {
   void move_begun(std::size_t motor);
   void move_abandoned(std::size_t motor) { watches_[motor].pending = nullptr; }
 
-  TimePoint next_due(std::span<const Axis> axes) const;
+  TimePoint next_due(const std::deque<Axis>& axes) const;
   /// The axes must have been brought to `now`. Motors that arrived by the same time and for the
   /// same sink share a report.
-  void run_due(TimePoint now, std::span<const Axis> axes, const Module& module);
+  void run_due(TimePoint now, const std::deque<Axis>& axes, const Module& module);
 
  private:
   struct Watch {
