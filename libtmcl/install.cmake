@@ -3,7 +3,7 @@ include(CMakePackageConfigHelpers)
 
 set(package_dir ${CMAKE_INSTALL_LIBDIR}/cmake/tmcl)
 
-install(TARGETS tmcl_core tmcl_plan tmcl tmcl_client EXPORT tmcl-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(TARGETS tmcl_core tmcl_motion tmcl tmcl_client EXPORT tmcl-targets ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
 install(DIRECTORY include/tmcl DESTINATION ${CMAKE_INSTALL_INCLUDEDIR} COMPONENT dev)
 install(EXPORT tmcl-targets NAMESPACE tmcl:: DESTINATION ${package_dir})
 

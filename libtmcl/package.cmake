@@ -6,9 +6,9 @@ set(package_build ${CMAKE_CURRENT_BINARY_DIR}/package)
 file(CONFIGURE OUTPUT ${package_build}/all.cpp CONTENT "// All of it comes from the static libraries.\n")
 add_library(tmcl_shared SHARED EXCLUDE_FROM_ALL ${package_build}/all.cpp)
 # Each before those that it needs, or they come twice.
-target_link_libraries(tmcl_shared PRIVATE tmcl_client tmcl tmcl_plan tmcl_core)
+target_link_libraries(tmcl_shared PRIVATE tmcl_client tmcl tmcl_motion tmcl_core)
 set_target_properties(tmcl_shared PROPERTIES OUTPUT_NAME tmcl
-  LINK_LIBRARY_OVERRIDE "WHOLE_ARCHIVE,tmcl_core,tmcl_plan,tmcl,tmcl_client" LINKER_LANGUAGE CXX
+  LINK_LIBRARY_OVERRIDE "WHOLE_ARCHIVE,tmcl_core,tmcl_motion,tmcl,tmcl_client" LINKER_LANGUAGE CXX
   SOVERSION ${PROJECT_VERSION_MAJOR} VERSION ${PROJECT_VERSION} LIBRARY_OUTPUT_DIRECTORY ${package_build})
 install(TARGETS tmcl_shared EXCLUDE_FROM_ALL LIBRARY DESTINATION ${package_libdir}
   COMPONENT library NAMELINK_COMPONENT dev)

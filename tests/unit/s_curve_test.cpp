@@ -1,4 +1,4 @@
-#include "ramp/s_curve.hpp"
+#include "motion/ramp/s_curve.hpp"
 
 #include <gtest/gtest.h>
 

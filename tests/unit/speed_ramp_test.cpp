@@ -1,4 +1,4 @@
-#include "plan/speed_ramp.hpp"
+#include "motion/drive/speed_ramp.hpp"
 
 #include <gtest/gtest.h>
 

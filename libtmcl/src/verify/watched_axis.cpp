@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include "engine/verb_steps.hpp"
-#include "plan/divisors.hpp"
+#include "motion/twin/divisors.hpp"
 #include "tmcl/command_type.hpp"
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/seconds.hpp"

@@ -1,0 +1,73 @@
+#include "motion/drive/course_segments.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace tmcl::plan {
+namespace {
+
+// During a pause an axis is told a speed so often, in updates.
+constexpr int updates_of_a_pause = 2;
+
+}  // namespace
+
+bool CourseBends::jumps_at(double time) const {
+  const auto before = course_->at(time - instant).velocity;
+  const auto after = course_->at(time + instant).velocity;
+  for (std::size_t axis = 0; axis < course_->axes(); ++axis) {
+    if (std::abs(after[axis] - before[axis]) > jump_part * course_->top_speed(axis)) return true;
+  }
+  return false;
+}
+
+double CourseBends::not_before(double time) {
+  for (; leg_ < course_->legs(); ++leg_) {
+    const auto leg = course_->leg(leg_);
+    if (time <= leg.begin) return leg.begin;
+    const double joint = leg.begin + joint_s_;
+    if (time <= joint && leg.up > 2 * joint_s_ && jumps_at(leg.begin)) return joint;
+    const double slows_down = leg.end - leg.down;
+    if (time <= slows_down && leg.down > 0) return slows_down;
+    if (time <= leg.end) return leg.end;
+  }
+  return course_->duration();
+}
+
+SegmentSpan CourseSegments::from(TimePoint begin) {
+  return clock_.is_at_full_rate() ? of_course(begin) : of_pause(begin);
+}
+
+SegmentSpan CourseSegments::of_course(TimePoint begin) {
+  const double passed = clock_.passed_at(begin);
+  const double period = seconds(period_);
+  SegmentSpan span{};
+  span.begin = begin;
+  span.full_rate = true;
+  const double first = bends_.not_before(passed + instant);
+  span.course_end = first;
+  if (first < passed + period) {
+    const double next = bends_.not_before(passed + period);
+    span.course_end = next < passed + 2 * period ? next : passed + period;
+  }
+  span.end = begin + duration(span.course_end - passed);
+  span.at_end = course_.at(span.course_end - instant);
+  span.at_end.position = course_.at(span.course_end).position;
+  const bool jumps = bends_.jumps_at(passed);
+  span.smooth = first == span.course_end && !jumps;
+  if (jumps) span.early = duration(shortest_segment_ramp * period / 2);
+  return span;
+}
+
+SegmentSpan CourseSegments::of_pause(TimePoint begin) const {
+  SegmentSpan span{};
+  span.begin = begin;
+  span.end = begin + updates_of_a_pause * period_;
+  span.course_end = clock_.passed_at(span.end);
+  span.at_end.position = course_.at(span.course_end).position;
+  const auto before = course_.at(clock_.passed_at(span.end - period_)).position;
+  for (std::size_t axis = 0; axis < course_.axes(); ++axis)
+    span.at_end.velocity[axis] = (span.at_end.position[axis] - before[axis]) / seconds(period_);
+  return span;
+}
+
+}  // namespace tmcl::plan

@@ -1,0 +1,61 @@
+/// The segments of a course: for how long an axis may keep one change of its speed.
+#pragma once
+
+#include "motion/drive/stream_runner.hpp"
+
+namespace tmcl::plan {
+
+/// Just before and after a joint, in seconds.
+inline constexpr double instant = 1e-9;
+/// A joint is where a speed jumps by more than this part of the greatest one.
+inline constexpr double jump_part = 0.02;
+/// The least part of an update that a change of speed takes, where the course has a joint.
+inline constexpr double shortest_segment_ramp = 0.5;
+
+/// The times at which the speed of an axis bends: where a leg begins, where it begins to slow down,
+/// and where the course comes to a stand.
+class CourseBends {
+ public:
+  /// After a joint at which speeds jump and then grow, there is a bend so much later.
+  CourseBends(const Course& course, double joint_s) : course_(&course), joint_s_(joint_s) {}
+  /// The first one that is not before `time`; after the last one, the end. No time may be before
+  /// that of the call before.
+  double not_before(double time);
+  /// Whether the speed of an axis changes at once there.
+  bool jumps_at(double time) const;
+
+ private:
+  const Course* course_;
+  double joint_s_;
+  std::size_t leg_ = 0;
+};
+
+/// For how long the axes keep what they are told, and where they are to be then.
+struct SegmentSpan {
+  TimePoint begin;
+  TimePoint end;
+  double course_end;
+  PathState at_end;
+  bool smooth;     ///< The course has no joint there.
+  Duration early;  ///< How long before its begin it is told, for half of the jump there.
+  bool full_rate;
+};
+
+class CourseSegments {
+ public:
+  /// Both must outlive it. `period`: between updates, at least.
+  CourseSegments(const Course& course, const CourseClock& clock, Duration period)
+      : course_(course), clock_(clock), period_(period), bends_(course, seconds(period)) {}
+  SegmentSpan from(TimePoint begin);
+
+ private:
+  SegmentSpan of_course(TimePoint begin);
+  SegmentSpan of_pause(TimePoint begin) const;
+
+  const Course& course_;
+  const CourseClock& clock_;
+  Duration period_;
+  CourseBends bends_;
+};
+
+}  // namespace tmcl::plan

@@ -1,0 +1,304 @@
+#include "tmcl/plan/stream.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include <fmt/format.h>
+
+#include "motion/drive/stream_runner.hpp"
+#include "tmcl/plain_number.hpp"
+
+namespace tmcl::plan {
+
+using namespace std::string_view_literals;
+
+namespace {
+
+constexpr std::array mode_names{std::pair(StreamMode::velocity, "velocity"sv),
+                                std::pair(StreamMode::segments, "segments"sv),
+                                std::pair(StreamMode::position, "position"sv)};
+
+}  // namespace
+
+std::string_view name_of(StreamMode mode) {
+  return std::ranges::find(mode_names, mode, &decltype(mode_names)::value_type::first)->second;
+}
+
+std::optional<StreamMode> stream_mode_named(std::string_view name) {
+  const auto found = std::ranges::find(mode_names, name, &decltype(mode_names)::value_type::second);
+  return found == mode_names.end() ? std::nullopt : std::optional(found->first);
+}
+
+double AxisTracking::rms() const {
+  return readings == 0 ? 0 : std::sqrt(squares / static_cast<double>(readings));
+}
+
+// ---- the clock of the course ----
+
+void CourseClock::start(TimePoint now, bool stands) {
+  at_ = now;
+  rate_ = stands ? 0 : 1;
+}
+
+void CourseClock::advance(TimePoint now) {
+  const double time = seconds(now - at_);
+  at_ = std::max(at_, now);
+  if (time > 0) passed_ = passed_after(time, rate_);
+}
+
+double CourseClock::passed_in(Duration ahead) const {
+  double rate = rate_;
+  return passed_after(seconds(ahead), rate);
+}
+
+double CourseClock::passed_after(double time, double& rate) const {
+  const double goal = paused_ ? 0 : 1;
+  const double needed = std::abs(goal - rate) * ramp_s_;
+  const double changing = std::min(time, needed);
+  const double reached = needed > 0 ? rate + (goal - rate) * changing / needed : goal;
+  const double passed = passed_ + (rate + reached) / 2 * changing + (time - changing) * goal;
+  rate = reached;
+  return passed;
+}
+
+// ---- what all modes share ----
+
+namespace {
+
+namespace ap = axis_parameter;
+
+constexpr int measuring_rounds = 4;
+// How far before and behind its place on the course the nearest point of the path is sought.
+constexpr int path_steps = 20;
+constexpr double path_step_s = 0.005;
+constexpr Duration longest_way_to_rest = std::chrono::seconds(30);
+
+}  // namespace
+
+StreamRunner::StreamRunner(const Course& course, std::vector<StreamAxis> axes,
+                           StreamOptions options)
+    : DriveRunner(axes.size()),
+      course_(course),
+      options_(options),
+      axes_(std::move(axes)),
+      told_(axes_.size()) {
+  report_.axes.resize(axes_.size());
+}
+
+void StreamRunner::on_answered(Duration took) {
+  if (phase_ != Phase::running && phase_ != Phase::pausing) return;
+  ++report_.commands;
+  report_.busy_s += seconds(took);
+}
+
+std::int32_t StreamRunner::microsteps(std::size_t axis, double position) const {
+  return static_cast<std::int32_t>(std::lround(position * axes_[axis].microsteps_per_unit));
+}
+
+StreamScript StreamRunner::measure() {
+  const auto begin = course_.at(0).position;
+  Duration total{};
+  int count = 0;
+  for (int round = 0; round < measuring_rounds; ++round) {
+    for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+      if (auto asked = asked_to_stop()) co_return asked;
+      const bool looks_at_speed = round == 0;
+      co_await command(
+          {Kind::get, axis, looks_at_speed ? ap::actual_velocity : ap::actual_position, 0});
+      if (!answer_) co_return refusal(axis);
+      const auto wanted = looks_at_speed ? 0 : microsteps(axis, begin[axis]);
+      if (*answer_ != wanted) {
+        co_return fault(
+            DriveFault::Kind::not_at_start, axis,
+            looks_at_speed
+                ? "is moving"
+                : fmt::format("is at {} and not at {}, where the path starts", *answer_, wanted));
+      }
+      total += now_ - asked_at_;
+      report_.worst_round_trip = std::max(report_.worst_round_trip, now_ - asked_at_);
+      ++count;
+    }
+  }
+  report_.round_trip = total / count;
+  co_return std::nullopt;
+}
+
+StreamScript StreamRunner::whole() {
+  Fault result;
+  if (options_.to_start) {
+    phase_ = Phase::approaching;
+    result = co_await go_to(course_.at(0).position, TimePoint::max());
+    if (result) co_await stop_and_rest(report_);
+  }
+  phase_ = Phase::before;
+  if (!result) result = co_await measure();
+  if (!result) result = co_await prepare();
+  if (!result) {
+    const auto begin = now_;
+    phase_ = Phase::running;
+    result = co_await pass_course();
+    phase_ = Phase::after;
+    heeds_stop_ = false;
+    report_.passed_s = seconds(now_ - begin);
+    const auto limit = now_ + longest_way_to_rest;
+    for (std::size_t axis = 0; axis < axes_.size() && !result && rests_at_end(); ++axis)
+      result = co_await come_to_rest(axis, limit);
+    // The last time that a stop by another client can be told from one's own.
+    if (!result) result = co_await check_all();
+    if (result || !rests_at_end()) {
+      auto stopped = co_await stop_and_rest(report_);
+      if (!result) result = stopped;
+    }
+  }
+  phase_ = Phase::after;
+  heeds_stop_ = false;
+  // An axis that may still move to a target would become as fast as it was.
+  co_await restore(report_, false);
+  if (!result) result = co_await arrive_at_end();
+  report_.fault = result;
+  phase_ = Phase::ended;
+  co_return result;
+}
+
+StreamScript StreamRunner::arrive_at_end() {
+  const auto end = course_.at(course_.duration()).position;
+  auto wrong = co_await go_to(end, now_ + longest_way_to_rest);
+  if (wrong) {
+    co_await stop_and_rest(report_);
+  } else {
+    report_.unstopped.clear();
+  }
+  co_return wrong;
+}
+
+StreamScript StreamRunner::go_to(AxisValues position, TimePoint limit) {
+  const auto begin = now_;
+  std::vector<Goal> goals;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    if (auto asked = asked_to_stop()) co_return asked;
+    goals.push_back({axis, {microsteps(axis, position[axis])}});
+    co_await command({Kind::move_to, axis, 0, goals.back().target.value});
+    if (!answer_) co_return refusal(axis);
+  }
+  auto wrong = co_await arrive(std::move(goals), begin, limit);
+  co_return wrong;
+}
+
+// A position is read somewhere between question and answer.
+DriveRunner::Fault StreamRunner::take_reading(std::size_t axis) {
+  clock_.advance(middle());
+  const auto planned = planned_position(axis);
+  const double position = *answer_ / axes_[axis].microsteps_per_unit;
+  const double off = position - planned;
+  auto& tracking = report_.axes[axis];
+  ++tracking.readings;
+  tracking.largest = std::max(tracking.largest, std::abs(off));
+  tracking.squares += off * off;
+  off_plan_[axis] = off;
+  note_place_on_path();
+  if (std::abs(off) <= options_.most_deviation) return std::nullopt;
+  return fault(
+      DriveFault::Kind::off_course, axis,
+      fmt::format("is {} off the path, at {}; {} are allowed", plain_number(std::abs(off), 6),
+                  plain_number(position, 6), plain_number(options_.most_deviation, 6)));
+}
+
+// What the axes are off their plan in time is a distance from the path and a delay on it: from the
+// nearest point of what the course passes shortly before and after.
+void StreamRunner::note_place_on_path() {
+  const auto count = axes_.size();
+  const double now = clock_.passed();
+  auto place = course_.at(now).position;
+  for (std::size_t axis = 0; axis < count; ++axis)
+    place[axis] = planned_position(axis) + off_plan_[axis];
+  double nearest = std::numeric_limits<double>::infinity(), lag = 0;
+  for (int step = -path_steps; step < path_steps; ++step) {
+    const double from = now + step * path_step_s;
+    const auto begin = course_.at(from).position, end = course_.at(from + path_step_s).position;
+    double squares = 0, along = 0, off = 0;
+    for (std::size_t axis = 0; axis < count; ++axis) {
+      squares += (end[axis] - begin[axis]) * (end[axis] - begin[axis]);
+      along += (place[axis] - begin[axis]) * (end[axis] - begin[axis]);
+    }
+    const double part = squares > 0 ? std::clamp(along / squares, 0.0, 1.0) : 0;
+    for (std::size_t axis = 0; axis < count; ++axis)
+      off = std::hypot(off, place[axis] - std::lerp(begin[axis], end[axis], part));
+    if (off >= nearest) continue;
+    nearest = off;
+    lag = -(step + part) * path_step_s;
+  }
+  report_.largest_off = std::max(report_.largest_off, nearest);
+  report_.largest_lag_s = std::max(report_.largest_lag_s, lag);
+}
+
+// Whether it does what it was told last.
+StreamScript StreamRunner::check(std::size_t axis) {
+  const auto told = told_[axis];
+  const auto parameter = told ? told->parameter : ap::target_velocity;
+  co_await command({Kind::get, axis, parameter, 0});
+  if (!answer_) co_return refusal(axis);
+  if (!told || *answer_ == told->value) co_return std::nullopt;
+  const bool is_velocity = parameter == ap::target_velocity;
+  const auto* what = !is_velocity    ? "stopped or turned"
+                     : *answer_ == 0 ? "stopped"
+                                     : "told another velocity";
+  co_return fault(DriveFault::Kind::foreign, axis, fmt::format("was {} by another client", what));
+}
+
+StreamScript StreamRunner::check_all() {
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    auto wrong = co_await check(axis);
+    if (wrong) co_return wrong;
+  }
+  co_return std::nullopt;
+}
+
+StreamScript StreamRunner::read_position(std::size_t axis) {
+  co_await command({Kind::get, axis, ap::actual_position, 0});
+  if (!answer_) co_return refusal(axis);
+  co_return take_reading(axis);
+}
+
+DriveRunner::Fault StreamRunner::note_delay(Duration late, Duration period) {
+  report_.worst_delay = std::max(report_.worst_delay, late);
+  if (late <= most_late_updates * period) return std::nullopt;
+  return fault(DriveFault::Kind::starved, {},
+               fmt::format("an update came {:.1f} ms late; {:.1f} ms are allowed",
+                           seconds(late) * 1e3, seconds(period) * 1e3 * most_late_updates));
+}
+
+double time_to_send(Duration round_trip, std::size_t commands) {
+  return seconds(round_trip) * static_cast<double>(commands) / (1 - spare_part_of_bus);
+}
+
+// ---- the public face ----
+
+namespace {
+
+std::unique_ptr<DriveRunner> runner_for(const Course& course, std::vector<StreamAxis> axes,
+                                        StreamOptions options) {
+  switch (options.mode) {
+    case StreamMode::velocity: return velocity_runner(course, std::move(axes), options);
+    case StreamMode::segments: return segment_runner(course, std::move(axes), options);
+    case StreamMode::position: break;
+  }
+  return position_runner(course, std::move(axes), options);
+}
+
+}  // namespace
+
+PathStream::PathStream(const Course& course, std::vector<StreamAxis> axes, StreamOptions options)
+    : Drive(runner_for(course, std::move(axes), options)) {}
+PathStream::~PathStream() = default;
+PathStream::PathStream(PathStream&&) noexcept = default;
+PathStream& PathStream::operator=(PathStream&&) noexcept = default;
+
+StreamRunner& PathStream::runner() const { return static_cast<StreamRunner&>(*runner_); }
+void PathStream::pause(bool on) { runner().pause(on); }
+PathStream::Phase PathStream::phase() const { return runner().phase(); }
+double PathStream::passed() const { return runner().passed(); }
+const StreamReport& PathStream::report() const { return runner().report(); }
+
+}  // namespace tmcl::plan

@@ -1,0 +1,130 @@
+/// What is behind a PathStream: what its modes share. Each mode is a class of its own.
+#pragma once
+
+#include <algorithm>
+#include <memory>
+
+#include "motion/drive/drive_runner.hpp"
+#include "tmcl/parameter_number.hpp"
+#include "tmcl/plan/stream.hpp"
+#include "tmcl/seconds.hpp"
+
+namespace tmcl::plan {
+
+/// The axis parameter of the chips that slow down by another acceleration than they speed up by.
+inline constexpr auto dmax = number_of("max_deceleration");
+
+inline Duration duration(double seconds) {
+  return std::chrono::duration_cast<Duration>(std::chrono::duration<double>(seconds));
+}
+
+/// How much of the course has been passed; may go slower than time, down to a standstill and up
+/// again.
+class CourseClock {
+ public:
+  void start(TimePoint now, bool stands);
+  void set_ramp(double seconds) { ramp_s_ = seconds; }
+  void pause(bool on) { paused_ = on; }
+  bool paused() const { return paused_; }
+  /// At full rate, from where the course stood.
+  void go_on(TimePoint now, double passed) {
+    at_ = now;
+    passed_ = passed;
+    rate_ = 1;
+    paused_ = false;
+  }
+  void advance(TimePoint now);
+  double passed() const { return passed_; }
+  /// So much later than the last advance().
+  double passed_in(Duration ahead) const;
+  double passed_at(TimePoint time) const { return passed_in(time - at_); }
+  /// Neither paused, nor on the way into a pause or out of one.
+  bool is_at_full_rate() const { return !paused_ && rate_ == 1; }
+
+ private:
+  double passed_after(double time, double& rate) const;
+
+  TimePoint at_{};
+  double passed_ = 0;
+  double rate_ = 1;
+  double ramp_s_ = 0;
+  bool paused_ = false;
+};
+
+/// On a leg, and between its loads, an axis is looked at so often.
+constexpr Duration watch_interval = std::chrono::milliseconds(20);
+
+/// A long course is not looked at all at once, which would take seconds: the stream's runner is
+/// waited for after so many legs, or points.
+constexpr std::size_t looks_at_once = 1000;
+constexpr bool takes_a_breath(std::size_t look) {
+  return look % looks_at_once == looks_at_once - 1;
+}
+
+/// How long a bus is taken by so many commands, with what a stream leaves to others.
+double time_to_send(Duration round_trip, std::size_t commands);
+
+/// Why it ended early, if it did.
+using StreamScript = Script<std::optional<DriveFault>>;
+
+class StreamRunner : public DriveRunner {
+ public:
+  using Phase = PathStream::Phase;
+
+  StreamRunner(const Course& course, std::vector<StreamAxis> axes, StreamOptions options);
+
+  void pause(bool on) {
+    on_pause(on);
+    if (phase_ == Phase::running && on) phase_ = Phase::pausing;
+    if (phase_ == Phase::pausing && !on) phase_ = Phase::running;
+  }
+  Phase phase() const { return phase_; }
+  double passed() const { return std::min(clock_.passed(), course_.duration()); }
+  const StreamReport& report() const { return report_; }
+
+ protected:
+  /// Before anything moves: whether the mode can do it, and what it has to know and to set.
+  virtual Script<Fault> prepare() = 0;
+  virtual Script<Fault> pass_course() = 0;
+  virtual void on_pause(bool on) { clock_.pause(on); }
+  /// At the end of the course the axes come to rest by themselves; otherwise they are stopped.
+  virtual bool rests_at_end() const { return false; }
+  /// Of an axis, now.
+  virtual double planned_position(std::size_t axis) const {
+    return course_.at(clock_.passed()).position[axis];
+  }
+
+  std::int32_t microsteps(std::size_t axis, double position) const;
+  Script<Fault> check(std::size_t axis);
+  Script<Fault> read_position(std::size_t axis);
+  Fault note_delay(Duration late, Duration period);
+
+  const Course& course_;
+  const StreamOptions options_;
+  std::vector<StreamAxis> axes_;
+  /// What a parameter of an axis reads unless another client stops or turns it.
+  std::vector<std::optional<Setting>> told_;
+  StreamReport report_;
+  CourseClock clock_;
+  std::size_t watched_ = 0;  ///< The axis that is looked at next.
+
+ private:
+  Script<Fault> whole() override;
+  void on_answered(Duration took) override;
+  Script<Fault> measure();
+  Script<Fault> arrive_at_end();
+  Script<Fault> go_to(AxisValues position, TimePoint limit);
+  Script<Fault> check_all();
+  Fault take_reading(std::size_t axis);
+  void note_place_on_path();
+
+  AxisValues off_plan_{};  // of each axis, as it was read last
+  Phase phase_ = Phase::before;
+};
+
+using StreamAxes = std::vector<StreamAxis>;
+std::unique_ptr<StreamRunner> velocity_runner(const Course&, StreamAxes, StreamOptions);
+std::unique_ptr<StreamRunner> segment_runner(const Course&, StreamAxes, StreamOptions);
+std::unique_ptr<StreamRunner> position_runner(const Course&, StreamAxes, StreamOptions);
+
+}  // namespace tmcl::plan

@@ -1,0 +1,139 @@
+// A stream of velocities.
+#include <algorithm>
+#include <cmath>
+
+#include "motion/drive/guided_runner.hpp"
+
+namespace tmcl::plan {
+namespace {
+
+// A change of velocity is over in this part of an update.
+constexpr double ramp_part_of_update = 0.5;
+// How many updates are looked at to know how steep a course is.
+constexpr double most_samples = 1e6;
+
+class VelocityRunner final : public GuidedRunner {
+ public:
+  using GuidedRunner::GuidedRunner;
+
+ private:
+  Script<Fault> prepare() override;
+  Script<Fault> pass_course() override;
+  Script<Fault> find_steepest();
+  Script<Fault> raise_accelerations(std::size_t axis);
+  Script<Fault> update(std::size_t axis);
+  std::int32_t velocity_for(std::size_t axis) const;
+
+  std::vector<TimePoint> due_ = std::vector<TimePoint>(axes());  // of each axis' next update
+  AxisValues steepest_{};  // between updates; in units a second squared
+};
+
+StreamScript VelocityRunner::prepare() {
+  const auto commands = 2 * axes_.size() + 1;
+  report_.period =
+      std::max(options_.period_min, duration(time_to_send(report_.round_trip, commands)));
+  auto asked = co_await find_steepest();
+  if (asked) co_return asked;
+  for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+    auto refused = co_await raise_accelerations(axis);
+    if (!refused) refused = co_await prepare_ramp(axis);
+    if (refused) co_return refused;
+  }
+  set_pause_ramp();
+  co_return std::nullopt;
+}
+
+StreamScript VelocityRunner::raise_accelerations(std::size_t axis) {
+  const auto& info = axes_[axis];
+  const double wanted =
+      std::ceil(steepest_[axis] / ramp_part_of_update * std::abs(info.microsteps_per_unit) /
+                info.units.acceleration.value);
+  for (const auto parameter : guidance_of(info.family).accelerations) {
+    auto unknown = co_await know(axis, parameter);
+    if (unknown) co_return unknown;
+    const auto own = settings_[axis].before(parameter);
+    const auto most = std::max(own, greatest_acceleration_of(info));
+    const auto value = wanted < most ? std::max(own, static_cast<std::int32_t>(wanted)) : most;
+    auto refused = co_await set(axis, {parameter, value});
+    if (refused) co_return refused;
+  }
+  co_return std::nullopt;
+}
+
+StreamScript VelocityRunner::find_steepest() {
+  const double step = std::max(seconds(report_.period), course_.duration() / most_samples);
+  auto before = course_.at(0).position;
+  AxisValues speed{};
+  for (std::size_t look = 0; static_cast<double>(look) * step < course_.duration() + step; ++look) {
+    const auto position = course_.at(static_cast<double>(look + 1) * step).position;
+    for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+      const double now = (position[axis] - before[axis]) / step;
+      auto& steepest = steepest_[axis];
+      steepest = std::max(steepest, std::abs(now - speed[axis]) / step);
+      speed[axis] = now;
+    }
+    before = position;
+    if (takes_a_breath(look)) co_await until(now_);
+    if (auto asked = asked_to_stop()) co_return asked;
+  }
+  co_return std::nullopt;
+}
+
+StreamScript VelocityRunner::pass_course() {
+  auto wrong = co_await set_out();
+  if (wrong) co_return wrong;
+  std::ranges::fill(due_, now_);
+  clock_.start(now_, clock_.paused());
+  for (std::size_t round = 0;; ++round) {
+    const auto begin = now_;
+    for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
+      wrong = co_await update(axis);
+      if (wrong) co_return wrong;
+    }
+    ++report_.updates;
+    const auto read = round % axes_.size();
+    auto off = co_await read_position(read);
+    if (off) co_return off;
+    correct(read);
+    clock_.advance(now_);
+    if (clock_.passed() >= course_.duration()) co_return std::nullopt;
+    co_await until(begin + report_.period);
+  }
+}
+
+StreamScript VelocityRunner::update(std::size_t axis) {
+  auto wrong = co_await check(axis);
+  if (!wrong) wrong = asked_to_stop();
+  if (!wrong) wrong = note_delay(now_ - due_[axis], report_.period);
+  if (wrong) co_return wrong;
+  due_[axis] = now_ + report_.period;
+  clock_.advance(now_);
+  wrong = co_await tell_velocity(axis, velocity_for(axis), clock_.passed_in(report_.period));
+  co_return wrong;
+}
+
+std::int32_t VelocityRunner::velocity_for(std::size_t axis) const {
+  const auto& info = axes_[axis];
+  const double planned = course_.at(clock_.passed()).position[axis];
+  const double next = course_.at(clock_.passed_in(report_.period)).position[axis];
+  double behind = planned * info.microsteps_per_unit - expected(axis, now_);
+  // Readings are whole microsteps. Where the course stands, a motor would go to and fro for one.
+  if (std::abs(behind) < (next == planned ? 2 : 1)) behind = 0;
+  const double period = seconds(report_.period);
+  const double most_way =
+      most_correction * course_.top_speed(axis) * std::abs(info.microsteps_per_unit) * period;
+  const double way = (next - planned) * info.microsteps_per_unit +
+                     std::clamp(position_gain * behind, -most_way, most_way);
+  const double value = way / period / info.units.velocity.value;
+  const double most = info.greatest_velocity;
+  return static_cast<std::int32_t>(std::lround(std::clamp(value, -most, most)));
+}
+
+}  // namespace
+
+std::unique_ptr<StreamRunner> velocity_runner(const Course& course, StreamAxes axes,
+                                              StreamOptions options) {
+  return std::make_unique<VelocityRunner>(course, std::move(axes), options);
+}
+
+}  // namespace tmcl::plan

@@ -1,0 +1,284 @@
+#include "tmcl/plan/course.hpp"
+#include "tmcl/plain_number.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+
+#include "motion/solve/arithmetic.hpp"
+
+namespace tmcl::plan {
+namespace {
+
+using path_file::Dwell;
+using path_file::LineTo;
+
+// Speeds that differ by less are the same.
+constexpr double rounding = 1e-9;
+
+// The velocity at a row between two slopes that keeps the cubics on either side monotone.
+double slope_between(double before, double after, double time_before, double time_after) {
+  if (before * after <= 0) return 0;
+  const double total = 3 * (time_before + time_after);
+  return total / ((2 * time_after + time_before) / before + (time_after + 2 * time_before) / after);
+}
+
+}  // namespace
+
+/// Puts a course together, element by element.
+class Course::Maker {
+ public:
+  Maker(const path_file::Path& path, const PathLimits& limits, double feed)
+      : path_(path), limits_(limits), feed_(feed), here_(path.start) {
+    limits_.axes = path.axes.size();
+    course_.axes_ = limits_.axes;
+    course_.least_ = course_.greatest_ = here_;
+  }
+
+  tl::expected<Course, std::string> make() {
+    for (const auto& element : path_.elements) {
+      if (const auto* line = std::get_if<LineTo>(&element)) take(*line);
+      if (const auto* dwell = std::get_if<Dwell>(&element)) rest(*dwell);
+      if (!fault_.empty()) return tl::unexpected(fault_);
+    }
+    close();
+    if (!fault_.empty()) return tl::unexpected(fault_);
+    for (std::size_t axis = 0; axis < course_.axes_; ++axis)
+      course_.turns_[axis].push_back({course_.duration(), here_[axis]});
+    return std::move(course_);
+  }
+
+ private:
+  void take(const LineTo& line) {
+    const double way = distance_between(here_, line.target, course_.axes_);
+    const double counted =
+        distance_between(here_, line.target, std::min(course_.axes_, path_.length_axes));
+    // A feed is about the counted axes, a plan about the way of all.
+    const double stretch = counted > 0 ? way / counted : 1;
+    if (line.duration) {
+      if (rows_.empty()) rows_.push_back({0, here_, {}});
+      rows_.push_back({rows_.back().time + *line.duration, line.target, {}});
+      course_.timed_ = true;
+    } else {
+      legs_.push_back({line.target, std::min(feed_, line.feed.value_or(feed_)) * stretch});
+    }
+    lines_.push_back(line.line);
+    stretches_.push_back(stretch);
+    course_.length_ += counted;
+    here_ = line.target;
+    for (std::size_t axis = 0; axis < course_.axes_; ++axis) {
+      course_.least_[axis] = std::min(course_.least_[axis], here_[axis]);
+      course_.greatest_[axis] = std::max(course_.greatest_[axis], here_[axis]);
+    }
+  }
+
+  void rest(const Dwell& dwell) {
+    close();
+    add({course_.duration(), Rest{here_, dwell.duration}});
+  }
+
+  // What was collected since the last rest becomes a piece.
+  void close() {
+    if (!legs_.empty()) plan_legs();
+    if (!rows_.empty()) plan_rows();
+    legs_.clear();
+    rows_.clear();
+    lines_.clear();
+    stretches_.clear();
+    piece_start_ = here_;
+  }
+
+  void plan_legs() {
+    auto plan = plan_path(piece_start_, legs_, limits_);
+    if (!plan) {
+      const auto& fault = plan.error();
+      using Kind = PathFault::Kind;
+      const bool of_leg = fault.kind == Kind::target || fault.kind == Kind::feed;
+      fault_ = (of_leg ? fmt::format("line {}: ", lines_[fault.leg]) : "") + describe(fault);
+      return;
+    }
+    for (std::size_t leg = 0; leg < plan->legs().size(); ++leg) {
+      note_way(course_.duration() + plan->legs()[leg].begin, legs_[leg].target);
+      if (plan->legs()[leg].length == 0) continue;
+      course_.legs_.push_back({course_.pieces_.size(), leg, lines_[leg], stretches_[leg]});
+      for (std::size_t axis = 0; axis < course_.axes_; ++axis) {
+        course_.top_speed_[axis] = std::max(course_.top_speed_[axis], plan->ramp(leg, axis).vmax);
+      }
+    }
+    add({course_.duration(), std::move(*plan)});
+  }
+
+  void plan_rows() {
+    for (std::size_t axis = 0; axis < course_.axes_; ++axis) {
+      for (std::size_t i = 1; i + 1 < rows_.size(); ++i) {
+        rows_[i].velocity[axis] = slope_between(slope_after(i - 1, axis), slope_after(i, axis),
+                                                time_after(i - 1), time_after(i));
+      }
+    }
+    for (std::size_t i = 0; i + 1 < rows_.size() && fault_.empty(); ++i) {
+      check_limits(i);
+      note_way(course_.duration() + rows_[i].time, rows_[i + 1].position);
+    }
+    add({course_.duration(), std::move(rows_)});
+  }
+
+  // From the corner before, where it is at `time`.
+  void note_way(double time, const AxisValues& target) {
+    for (std::size_t axis = 0; axis < course_.axes_; ++axis) {
+      const double way = target[axis] - corner_[axis];
+      if (way * heading_[axis] < 0) course_.turns_[axis].push_back({time, corner_[axis]});
+      if (way != 0) heading_[axis] = way;
+    }
+    corner_ = target;
+  }
+
+  double time_after(std::size_t row) const { return rows_[row + 1].time - rows_[row].time; }
+  double slope_after(std::size_t row, std::size_t axis) const {
+    return (rows_[row + 1].position[axis] - rows_[row].position[axis]) / time_after(row);
+  }
+
+  // A cubic is fastest at an end or where its acceleration is 0, and accelerates most at an end.
+  void check_limits(std::size_t row) {
+    for (std::size_t axis = 0; axis < course_.axes_; ++axis) {
+      const double time = time_after(row);
+      const double slope = slope_after(row, axis);
+      const double v0 = rows_[row].velocity[axis];
+      const double v1 = rows_[row + 1].velocity[axis];
+      const double a0 = (6 * slope - 4 * v0 - 2 * v1) / time;
+      const double a1 = (2 * v0 + 4 * v1 - 6 * slope) / time;
+      double speed = std::max(std::abs(v0), std::abs(v1));
+      if (a0 * a1 < 0) speed = std::max(speed, std::abs(v0 + a0 * time * a0 / (a0 - a1) / 2));
+      course_.top_speed_[axis] = std::max(course_.top_speed_[axis], speed);
+      complain(row, axis, "fast", speed, limits_.axis[axis].velocity, "/s");
+      complain(row, axis, "steep", std::max(std::abs(a0), std::abs(a1)),
+               limits_.axis[axis].acceleration, "/s^2");
+    }
+  }
+
+  void complain(std::size_t row, std::size_t axis, std::string_view how, double value, double limit,
+                std::string_view unit) {
+    if (value <= limit * (1 + timetable_slack) || !fault_.empty()) return;
+    fault_ =
+        fmt::format("line {}: too {} for axis {}: {}{}, where {} is the most", lines_[row], how,
+                    path_.axes[axis], plain_number(value, 6), unit, plain_number(limit, 6));
+  }
+
+  void add(Piece piece) { course_.pieces_.push_back(std::move(piece)); }
+
+  const path_file::Path& path_;
+  PathLimits limits_;
+  double feed_;
+  AxisValues here_;
+  AxisValues piece_start_ = here_;
+  AxisValues corner_ = here_;
+  AxisValues heading_{};  // the last way that each axis went
+  std::vector<Leg> legs_;
+  Timetable rows_;
+  std::vector<std::size_t> lines_;
+  std::vector<double> stretches_;
+  std::string fault_;
+  Course course_;
+};
+
+tl::expected<Course, std::string> Course::of(const path_file::Path& path, const PathLimits& limits,
+                                             double feed) {
+  return Maker(path, limits, feed).make();
+}
+
+double Course::duration_of(const Piece& piece) {
+  if (const auto* plan = std::get_if<PathPlan>(&piece.what)) return plan->duration();
+  if (const auto* rest = std::get_if<Rest>(&piece.what)) return rest->duration;
+  return std::get<Timetable>(piece.what).back().time;
+}
+
+double Course::duration() const {
+  return pieces_.empty() ? 0 : pieces_.back().begin + duration_of(pieces_.back());
+}
+
+std::size_t Course::bytes() const {
+  auto bytes =
+      sizeof *this + pieces_.capacity() * sizeof(Piece) + legs_.capacity() * sizeof(LegPlace);
+  for (const auto& turns : turns_) bytes += turns.capacity() * sizeof(Turn);
+  for (const auto& piece : pieces_) {
+    if (const auto* plan = std::get_if<PathPlan>(&piece.what)) bytes += plan->bytes();
+    if (const auto* rows = std::get_if<Timetable>(&piece.what))
+      bytes += rows->capacity() * sizeof(Row);
+  }
+  return bytes;
+}
+
+PathState Course::at(const Timetable& rows, double t) {
+  PathState state;
+  const auto later = std::ranges::upper_bound(rows, t, {}, &Row::time);
+  if (later == rows.begin() || later == rows.end()) {
+    state.position = later == rows.begin() ? rows.front().position : rows.back().position;
+    return state;
+  }
+  const auto& from = *std::prev(later);
+  const double time = later->time - from.time;
+  const double u = (t - from.time) / time;
+  for (std::size_t axis = 0; axis < most_path_axes; ++axis) {
+    const double way = later->position[axis] - from.position[axis];
+    const double v0 = from.velocity[axis] * time;
+    const double v1 = later->velocity[axis] * time;
+    const double c2 = 3 * way - 2 * v0 - v1;
+    const double c3 = v0 + v1 - 2 * way;
+    state.position[axis] = from.position[axis] + u * (v0 + u * (c2 + u * c3));
+    state.velocity[axis] = (v0 + u * (2 * c2 + u * 3 * c3)) / time;
+  }
+  return state;
+}
+
+PathState Course::at(double t) const {
+  if (pieces_.empty()) return {least_, {}};
+  const auto later = std::ranges::upper_bound(pieces_, std::max(t, 0.0), {}, &Piece::begin);
+  const auto& piece = *std::prev(later);
+  const double after = std::max(t, 0.0) - piece.begin;
+  if (const auto* plan = std::get_if<PathPlan>(&piece.what)) return plan->at(after);
+  if (const auto* rest = std::get_if<Rest>(&piece.what)) return {rest->position, {}};
+  return at(std::get<Timetable>(piece.what), after);
+}
+
+CourseLeg Course::leg(std::size_t index) const {
+  const auto& place = legs_[index];
+  const auto& piece = pieces_[place.piece];
+  const auto& plan = std::get<PathPlan>(piece.what);
+  const auto& leg = plan.legs()[place.leg];
+  CourseLeg made{piece.begin + leg.begin,
+                 piece.begin + leg.end(),
+                 leg.up,
+                 leg.down,
+                 place.line,
+                 leg.peak_speed - leg.start_speed > rounding * leg.peak_speed,
+                 leg.peak_speed - leg.end_speed > rounding * leg.peak_speed,
+                 leg.start_speed,
+                 leg.peak_speed,
+                 leg.end_speed,
+                 leg.length / leg.duration(),
+                 leg.acceleration,
+                 {}};
+  for (std::size_t axis = 0; axis < axes_; ++axis) made.axis[axis] = plan.ramp(place.leg, axis);
+  return made;
+}
+
+std::vector<Corner> Course::slowest_corners(std::size_t most) const {
+  std::vector<Corner> corners;
+  // Where the path is passed at its full speed, nothing is slow.
+  double top = 0;
+  for (std::size_t i = 0; i < legs_.size(); ++i) top = std::max(top, leg(i).peak_speed);
+  for (std::size_t i = 0; i + 1 < legs_.size(); ++i) {
+    const auto ended = leg(i);
+    if (ended.end_speed >= top) continue;
+    corners.push_back(
+        {ended.end, ended.end_speed / legs_[i].stretch, ended.line, at(ended.end).position});
+  }
+  const auto count = std::min(most, corners.size());
+  std::ranges::partial_sort(corners, corners.begin() + static_cast<std::ptrdiff_t>(count), {},
+                            &Corner::speed);
+  corners.resize(count);
+  return corners;
+}
+
+}  // namespace tmcl::plan

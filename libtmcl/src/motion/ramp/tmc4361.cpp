@@ -1,0 +1,257 @@
+#include "tmcl/ramp/tmc4361.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "motion/ramp/part_name.hpp"
+#include "motion/ramp/s_curve.hpp"
+
+namespace tmcl::ramp {
+namespace {
+
+// How many of a register's units make a microstep per second, or per second squared.
+constexpr double v_units = 256;
+constexpr double a_units = 4;
+// Velocities in a tick are less than 2^8 microsteps, accelerations less than 2^-10.
+constexpr int v_bits = 54;
+constexpr double v_step = 0x1p-54;
+constexpr int a_bits = 72;
+constexpr double a_step = 0x1p-72;
+// No acceleration may be built up in fewer.
+constexpr double steepest_clocks = 1024;
+
+constexpr std::int64_t x_greatest = std::numeric_limits<std::int32_t>::max();
+constexpr std::int64_t v_greatest = x_greatest;
+constexpr std::int64_t a_greatest = (1 << 24) - 1;
+constexpr std::int64_t bow_greatest = (1 << 24) - 1;
+constexpr std::array<RegisterInfo, 15> infos{{
+    {"rampmode", 2, 6, "2 velocity, 6 position, both with S-shaped ramps"},
+    {"xtarget", -x_greatest - 1, x_greatest, "microsteps"},
+    {"xactual", -x_greatest - 1, x_greatest, "microsteps"},
+    {"vmax", -v_greatest, v_greatest,
+     "in the mode velocity where to, else the greatest, 1/256 microsteps/s"},
+    {"amax", 0, a_greatest, "acceleration, 1/4 microsteps/s^2"},
+    {"dmax", 0, a_greatest, "deceleration, as amax"},
+    {"dstop", 0, a_greatest, "deceleration of a soft stop at a switch, as amax"},
+    {"bow1", 0, bow_greatest, "how fast the acceleration rises, microsteps/s^3; 0: steeply"},
+    {"bow2", 0, bow_greatest, "how fast the acceleration falls, as bow1"},
+    {"bow3", 0, bow_greatest, "how fast the deceleration rises, as bow1"},
+    {"bow4", 0, bow_greatest, "how fast the deceleration falls, as bow1"},
+    {"stop_left_en", 0, 1, "1: the left switch stops negative motion"},
+    {"stop_right_en", 0, 1, "1: the right switch stops positive motion"},
+    {"soft_stop_en", 0, 1, "1: a switch stops the motor with dstop, 0: at once"},
+    {"clk_freq", 4'194'304, 32'000'000, "the clock's frequency, Hz"},
+}};
+
+constexpr auto first_bow = static_cast<std::size_t>(Tmc4361::Register::bow1);
+
+std::string with(std::size_t name, std::int64_t value) {
+  return std::string(infos[name].name) + " is " + std::to_string(value);
+}
+
+}  // namespace
+
+std::span<const RegisterInfo> Tmc4361::registers() { return infos; }
+
+Written Tmc4361::write(Register name, std::int64_t value) {
+  const auto index = static_cast<std::size_t>(name);
+  const auto& info = infos[index];
+  const bool no_mode = name == Register::rampmode && value != 2 && value != 6;
+  if (value < info.minimum || value > info.maximum || no_mode) {
+    return tl::unexpected(RegisterError{RegisterError::Reason::out_of_range, &info, value});
+  }
+  const auto number = static_cast<std::int32_t>(value);
+  switch (name) {
+    case Register::rampmode: mode_ = static_cast<Mode>(number); break;
+    case Register::xtarget: xtarget_ = number; break;
+    case Register::xactual: track_.place(number, tick_); break;
+    case Register::vmax: vmax_ = number; break;
+    case Register::amax: amax_ = number; break;
+    case Register::dmax: dmax_ = number; break;
+    case Register::dstop: dstop_ = number; break;
+    case Register::bow1:
+    case Register::bow2:
+    case Register::bow3:
+    case Register::bow4: bows_[index - first_bow] = number; break;
+    case Register::stop_left_en: stop_left_en_ = number != 0; break;
+    case Register::stop_right_en: stop_right_en_ = number != 0; break;
+    case Register::soft_stop_en: soft_stop_en_ = number != 0; break;
+    case Register::clk_freq: clk_freq_ = number; break;
+  }
+  planned_ = false;
+  return {};
+}
+
+std::int64_t Tmc4361::read(Register name) const {
+  switch (name) {
+    case Register::rampmode: return static_cast<std::int64_t>(mode_);
+    case Register::xtarget: return xtarget_;
+    case Register::xactual: return motion().position;
+    case Register::vmax: return vmax_;
+    case Register::amax: return amax_;
+    case Register::dmax: return dmax_;
+    case Register::dstop: return dstop_;
+    case Register::bow1:
+    case Register::bow2:
+    case Register::bow3:
+    case Register::bow4: return bows_[static_cast<std::size_t>(name) - first_bow];
+    case Register::stop_left_en: return stop_left_en_;
+    case Register::stop_right_en: return stop_right_en_;
+    case Register::soft_stop_en: return soft_stop_en_;
+    case Register::clk_freq: return clk_freq_;
+  }
+  return 0;
+}
+
+// The greatest values are those of the data sheet's section "Internal Ramp Generator Units".
+std::vector<Finding> Tmc4361::findings() const {
+  std::vector<Finding> found;
+  const auto warn = [&](std::string message) {
+    found.push_back({Finding::Severity::warning, std::move(message)});
+  };
+  if (amax_ == 0) warn("amax is 0: the motor cannot speed up");
+  if (dmax_ == 0) warn("dmax is 0: the motor cannot slow down");
+  if (vmax_ == 0 && mode_ == Mode::position) warn("vmax is 0: the motor cannot drive to a target");
+  if (dstop_ == 0 && soft_stop_en_ && (stop_left_en_ || stop_right_en_)) {
+    warn("dstop is 0: a switch does not stop the motor");
+  }
+  const double steepest = std::max(amax_, dmax_) / a_units * clk_freq_ / steepest_clocks;
+  for (std::size_t i = 0; i < bows_.size(); ++i) {
+    const auto name = with(first_bow + i, bows_[i]);
+    if (bows_[i] == 0) {
+      warn(name + ": taken as none, where the data sheet wants at least 1");
+    } else if (bows_[i] > steepest) {
+      warn(name + ", more than the greater of amax and dmax allows");
+    }
+  }
+  const int share = mode_ == Mode::position ? 4 : 2;
+  if (std::abs(vmax_ / v_units) > static_cast<double>(clk_freq_) / share) {
+    found.push_back({Finding::Severity::contradiction,
+                     with(static_cast<std::size_t>(Register::vmax), vmax_) + ", more than 1/" +
+                         std::to_string(share) + " microstep a clock"});
+  }
+  return found;
+}
+
+void Tmc4361::set_switches(bool left, bool right) {
+  if (left == left_ && right == right_) return;
+  left_ = left;
+  right_ = right;
+  planned_ = false;
+}
+
+void Tmc4361::halt() {
+  vmax_ = 0;
+  mode_ = Mode::velocity;
+  track_.coast(tick_, 0);
+  planned_ = false;
+}
+
+// In microsteps per tick.
+double Tmc4361::velocity_of(std::int64_t registered) const {
+  return static_cast<double>(registered) / v_units / ticks_a_second();
+}
+
+bool Tmc4361::barred(double velocity) const {
+  return (velocity < 0 && left_ && stop_left_en_) || (velocity > 0 && right_ && stop_right_en_);
+}
+
+Forces Tmc4361::forces() const {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  const double a_unit = 1 / (a_units * ticks_a_second() * ticks_a_second());
+  if (stops_) return {0, dstop_ * a_unit, {infinite}};
+  const double bow_unit = a_unit * a_units / ticks_a_second();
+  const double steepest = a_greatest * a_unit * clocks_per_tick / steepest_clocks;
+  const auto bow = [&](std::size_t i) { return bows_[i] == 0 ? steepest : bows_[i] * bow_unit; };
+  return {amax_ * a_unit, dmax_ * a_unit, {bow(0), bow(1), bow(2), bow(3)}};
+}
+
+double Tmc4361::distance() const { return to_double(to_fixed(xtarget_) - track_.at(tick_).x); }
+
+Tmc4361 Tmc4361::planned() const {
+  auto copy = *this;
+  copy.plan();
+  return copy;
+}
+
+void Tmc4361::plan() {
+  planned_ = true;
+  stops_ = false;
+  const auto now = track_.at(tick_);
+  const Moving from{to_double(now.v), to_double(2 * now.h)};
+  if (!barred(from.velocity) && !barred(eventual_velocity(from, forces()))) {
+    return plan_ramp(from.velocity, from.acceleration);
+  }
+  if (soft_stop_en_) {
+    stops_ = true;
+    const auto profile = plan_velocity({from.velocity, 0}, 0, forces());
+    return track_.begin(profile, 0, forces(), tick_, xtarget_);
+  }
+  track_.coast(tick_, 0);
+  plan_ramp(0, 0);
+}
+
+void Tmc4361::plan_ramp(double velocity, double acceleration) {
+  const auto limits = forces();
+  // What the velocity register can take up while the acceleration is taken back: by the second bow,
+  // and before that, as long as the speed falls, by the fourth.
+  const double along = acceleration < 0 ? -velocity : velocity;
+  const double room = velocity_of(v_greatest) - std::max(along, 0.0);
+  const double most = std::sqrt(
+      2 * (limits.bows.second * std::max(0.0, room) + limits.bows.fourth * std::max(0.0, -along)));
+  const Moving from{velocity, std::clamp(acceleration, -most, most)};
+  const double v = velocity_of(vmax_);
+  const double speed = std::abs(v);
+  const auto profile =
+      mode_ == Mode::velocity
+          ? plan_velocity(from, permitted(v), limits)
+          : plan_move(from, distance(), {permitted(speed), -permitted(-speed)}, limits);
+  track_.begin(profile, from.acceleration, limits, tick_, xtarget_);
+}
+
+// To the stretch in which the tick lies.
+void Tmc4361::run_to(Tick tick) {
+  if (!planned_) plan();
+  while (track_.ends_by(tick)) {
+    tick_ = track_.until();
+    track_.next(forces(), xtarget_);
+    if (track_.over() && stops_) plan();
+  }
+}
+
+Motion Tmc4361::motion() const {
+  if (!planned_) return planned().motion();
+  const auto now = track_.at(tick_);
+  // Precise enough, and faster than to_double().
+  const double per_second = ticks_a_second();
+  const double v = static_cast<double>(rounded(now.v, v_bits)) * (v_units * v_step) * per_second;
+  const double a = static_cast<double>(rounded(2 * now.h, a_bits)) * (a_units * a_step) *
+                   per_second * per_second;
+  return {rounded(now.x, 0), std::llround(v), std::llround(a)};
+}
+
+int Tmc4361::heading() const {
+  if (!planned_) return planned().heading();
+  const auto v = static_cast<SignedFixed>(track_.at(tick_).v);
+  return (v > 0) - (v < 0);
+}
+
+std::string_view Tmc4361::phase() const {
+  if (!planned_) return planned().phase();
+  return stops_ ? "stop" : bow_name(track_.part());
+}
+
+Tick Tmc4361::next_change() {
+  if (!planned_) plan();
+  return track_.until();
+}
+
+bool Tmc4361::arrived() const {
+  if (!planned_) return planned().arrived();
+  return mode_ == Mode::position && track_.arrived();
+}
+
+}  // namespace tmcl::ramp

@@ -1,0 +1,307 @@
+#include "tmcl/ramp/tmc457.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <string>
+
+#include "motion/ramp/part_name.hpp"
+#include "motion/ramp/s_curve.hpp"
+
+namespace tmcl::ramp {
+namespace {
+
+// How many of a register's units make a microstep, as a power of two, with the clock as unit of
+// time.
+constexpr int v_bits = 30;
+constexpr int a_bits = 42;
+constexpr double v_unit = 1.0 / (1LL << v_bits);
+constexpr double a_unit = 1.0 / (1LL << a_bits);
+constexpr double bow_unit = a_unit / 1024;
+constexpr double overflow = 2.0;  // of the velocity register
+
+constexpr std::int64_t v_greatest = 0x7FFF0000;
+constexpr std::int64_t a_greatest = 0xFFFFFD;
+
+// A bow tick.
+constexpr double bow_ticks = 1024;
+
+constexpr std::int64_t x_greatest = std::numeric_limits<std::int32_t>::max();
+constexpr std::array<RegisterInfo, 12> infos{{
+    {"mode", 0, 3, "0 position, 2 velocity, 3 hold"},
+    {"x_target", -x_greatest - 1, x_greatest, "microsteps"},
+    {"x_actual", -x_greatest - 1, x_greatest, "microsteps"},
+    {"v_max", 0, v_greatest, "in the mode position, clock/2^30 microsteps/s"},
+    {"v_target", -v_greatest, v_greatest,
+     "in the modes velocity and hold, clock/2^30 microsteps/s"},
+    {"a_max", 0, a_greatest, "acceleration, clock^2/2^42 microsteps/s^2"},
+    {"d_max", 0, a_greatest, "deceleration, as a_max; only 15/16 of it with bow_max > 0"},
+    {"a_max_d_max", 0, a_greatest, "both a_max and d_max; reads a_max"},
+    {"d_stop", 0, a_greatest, "deceleration of a stop event, as a_max"},
+    {"bow_max", 0, 18, "0 trapezoid, n adds 2^(n-1) to the acceleration every 1024 clocks"},
+    {"enable_stop_l", 0, 1, "1: the left switch stops negative motion"},
+    {"enable_stop_r", 0, 1, "1: the right switch stops positive motion"},
+}};
+
+}  // namespace
+
+std::span<const RegisterInfo> Tmc457::registers() { return infos; }
+
+Written Tmc457::write(Register name, std::int64_t value) {
+  const auto& info = infos[static_cast<std::size_t>(name)];
+  const bool no_mode = name == Register::mode && value == 1;
+  if (value < info.minimum || value > info.maximum || no_mode) {
+    return tl::unexpected(RegisterError{RegisterError::Reason::out_of_range, &info, value});
+  }
+  const auto number = static_cast<std::int32_t>(value);
+  switch (name) {
+    case Register::mode: mode_ = static_cast<Mode>(number); break;
+    case Register::x_target: x_target_ = number; break;
+    case Register::x_actual: track_.place(number, tick_); break;
+    case Register::v_max: v_max_ = number; break;
+    case Register::v_target: v_target_ = number; break;
+    case Register::a_max: a_max_ = number; break;
+    case Register::d_max: d_max_ = number; break;
+    case Register::a_max_d_max: a_max_ = d_max_ = number; break;
+    case Register::d_stop: d_stop_ = number; break;
+    case Register::bow_max: bow_max_ = static_cast<std::uint8_t>(number); break;
+    case Register::enable_stop_l: enable_stop_l_ = number != 0; break;
+    case Register::enable_stop_r: enable_stop_r_ = number != 0; break;
+  }
+  planned_ = false;
+  return {};
+}
+
+std::int64_t Tmc457::read(Register name) const {
+  switch (name) {
+    case Register::mode: return static_cast<std::int64_t>(mode_);
+    case Register::x_target: return x_target_;
+    case Register::x_actual: return motion().position;
+    case Register::v_max: return v_max_;
+    case Register::v_target: return v_target_;
+    case Register::a_max:
+    case Register::a_max_d_max: return a_max_;
+    case Register::d_max: return d_max_;
+    case Register::d_stop: return d_stop_;
+    case Register::bow_max: return bow_max_;
+    case Register::enable_stop_l: return enable_stop_l_;
+    case Register::enable_stop_r: return enable_stop_r_;
+  }
+  return 0;
+}
+
+std::vector<Finding> Tmc457::findings() const {
+  std::vector<Finding> found;
+  const auto warn = [&](std::string message) {
+    found.push_back({Finding::Severity::warning, std::move(message)});
+  };
+  const auto with = [](std::string_view name, std::int32_t value) {
+    return std::string(name) + " " + std::to_string(value);
+  };
+  if (a_max_ == 0) warn("a_max is 0: the motor cannot speed up");
+  if (d_max_ == 0) warn("d_max is 0: the motor cannot slow down");
+  if (v_max_ == 0) warn("v_max is 0: the motor cannot drive to a target");
+  if (d_stop_ == 0 && (enable_stop_l_ || enable_stop_r_)) {
+    warn("d_stop is 0: a switch does not stop the motor");
+  }
+  const auto least = std::min(a_max_, d_max_);
+  const auto limit = a_max_ <= d_max_ ? with("a_max", a_max_) : with("d_max", d_max_);
+  const auto bow = with("bow_max", bow_max_) + " is " + std::to_string(bow_value());
+  if (oscillates()) {
+    warn(bow + " and so exceeds " + limit + ": the motor oscillates");
+  } else if (least > 0 && least <= 2 * bow_value()) {
+    warn(bow + ", no less than half of " + limit + ": the motor may oscillate");
+  }
+  return found;
+}
+
+void Tmc457::set_switches(bool left, bool right) {
+  if (left == left_ && right == right_) return;
+  left_ = left;
+  right_ = right;
+  planned_ = false;
+}
+
+// Each bow tick changes the acceleration by a whole bow value, which is more than it may be.
+bool Tmc457::oscillates() const {
+  const auto least = std::min(a_max_, d_max_);
+  return least > 0 && bow_value() > least;
+}
+
+bool Tmc457::barred(double velocity) const {
+  return (velocity < 0 && left_ && enable_stop_l_) || (velocity > 0 && right_ && enable_stop_r_);
+}
+
+Forces Tmc457::forces() const {
+  constexpr double infinite = std::numeric_limits<double>::infinity();
+  if (course_ == Course::stop) return {0, d_stop_ * a_unit, {infinite}};
+  if (course_ == Course::oscillation) {
+    return {bow_value() * a_unit, bow_value() * a_unit, {infinite}};
+  }
+  if (bow_max_ == 0) return {a_max_ * a_unit, d_max_ * a_unit, {infinite}};
+  return {a_max_ * a_unit, d_max_ * a_unit * 15 / 16, {bow_value() * bow_unit}};
+}
+
+double Tmc457::distance() const { return to_double(to_fixed(x_target_) - track_.at(tick_).x); }
+
+Tmc457 Tmc457::planned() const {
+  auto copy = *this;
+  copy.plan();
+  return copy;
+}
+
+void Tmc457::plan() {
+  planned_ = true;
+  const auto now = track_.at(tick_);
+  const double v = to_double(now.v);
+  const double a = to_double(2 * now.h);
+  const double bow = bow_value() * bow_unit;
+  const double eventual = bow > 0 ? v + a * std::abs(a) / (2 * bow) : v;
+  if (barred(v) || barred(eventual)) {
+    course_ = Course::stop;
+    track_.begin(plan_velocity({v, 0}, 0, forces()), 0, forces(), tick_, x_target_);
+  } else if (mode_ == Mode::hold) {
+    course_ = Course::hold;
+    track_.coast(tick_, to_fixed(permitted(v_target_ * v_unit)));
+  } else if (oscillates()) {
+    course_ = Course::oscillation;
+    plan_oscillation(v);
+  } else {
+    course_ = Course::ramp;
+    plan_ramp(v, a);
+  }
+}
+
+void Tmc457::plan_ramp(double velocity, double acceleration) {
+  const auto limits = forces();
+  const double along = acceleration < 0 ? -velocity : velocity;
+  const double most = std::sqrt(2 * limits.bows.second * std::max(0.0, overflow - along));
+  const Moving from{velocity, std::clamp(acceleration, -most, most)};
+  const double v = v_max_ * v_unit;
+  const auto profile = mode_ == Mode::velocity
+                           ? plan_velocity(from, permitted(v_target_ * v_unit), limits)
+                           : plan_move(from, distance(), {permitted(v), -permitted(-v)}, limits);
+  track_.begin(profile, from.acceleration, limits, tick_, x_target_);
+}
+
+// A model of our own. The acceleration is always one bow value, up or down, for whole bow ticks,
+// which are counted from the last write; so the motor passes the velocity that it is to reach, and
+// the target, again and again. It stops first when it is to drive to a target.
+void Tmc457::plan_oscillation(double velocity) {
+  auto profile = plan_velocity({velocity, 0}, 0, forces());
+  if (mode_ == Mode::velocity) {
+    track_.coast(tick_, to_fixed(std::rint(velocity / v_unit) * v_unit));
+    profile = leg_to_velocity(to_double(track_.at(tick_).v));
+  } else if (velocity == 0) {
+    profile = leg_to_target();
+  }
+  track_.begin(profile, 0, forces(), tick_, x_target_);
+}
+
+// Straight on until v_target is reached or just passed.
+Profile Tmc457::leg_to_velocity(double velocity) const {
+  const double gap = permitted(v_target_ * v_unit) - velocity;
+  const double quantum = bow_value() * a_unit * bow_ticks;
+  const double count = std::ceil(std::abs(gap) / quantum);
+  Profile leg;
+  leg.end_velocity = velocity;
+  if (gap == 0) return leg;
+  leg.append({ramp::Course::Force::acceleration, gap < 0}, count * bow_ticks);
+  leg.end_velocity += std::copysign(count * quantum, gap);
+  return leg;
+}
+
+// From standstill to standstill, until the target is just passed. Only a motor that stands on its
+// target from the beginning stays there.
+Profile Tmc457::leg_to_target() const {
+  const double gap = distance();
+  const double quantum = bow_value() * a_unit * bow_ticks;
+  Profile leg;
+  leg.arrives = gap == 0;
+  if (gap == 0 || v_max_ == 0 || barred(gap)) return leg;
+  // In units of what one bow tick up and one down make.
+  const double units = std::abs(gap) / (quantum * bow_ticks);
+  const double fastest = std::max(1.0, std::floor(v_max_ * v_unit / quantum));
+  const double count = std::min(fastest, std::floor(std::sqrt(units)) + 1);
+  const double cruise = std::max(0.0, std::floor(units / count - count) + 1);
+  const bool back = gap < 0;
+  leg.append({ramp::Course::Force::acceleration, back}, count * bow_ticks);
+  if (cruise > 0) leg.append({ramp::Course::Force::none, back}, cruise * bow_ticks);
+  leg.append({ramp::Course::Force::deceleration, !back}, count * bow_ticks);
+  return leg;
+}
+
+void Tmc457::next_stretch() {
+  tick_ = track_.until();
+  track_.next(forces(), x_target_);
+  const bool goes_on = course_ == Course::stop || course_ == Course::oscillation;
+  if (track_.over() && goes_on) plan();
+}
+
+// An oscillation that has come near repeats itself: after two legs, of three stretches at the most.
+// Jumps over as many of those periods as there is time for.
+void Tmc457::skip_periods(Tick until) {
+  constexpr int most = 6;
+  auto ahead = *this;
+  for (int stretches = 0; stretches < most && ahead.track_.ends_by(until); ++stretches) {
+    ahead.next_stretch();
+    const Tick period = ahead.track_.from() - track_.from();
+    const Fixed progress = ahead.track_.start().x - track_.start().x;
+    auto later = track_;
+    later.skip(period, progress);
+    const bool stays = progress == 0 || mode_ == Mode::velocity;
+    if (!stays || !(later == ahead.track_)) continue;
+    const Tick periods = (until - track_.from()) / period;
+    return track_.skip(periods * period, periods * progress);
+  }
+}
+
+// To the stretch in which the tick lies.
+void Tmc457::run_to(Tick tick) {
+  if (!planned_) plan();
+  while (track_.ends_by(tick)) {
+    if (course_ == Course::oscillation) skip_periods(tick);
+    if (track_.ends_by(tick)) next_stretch();
+  }
+}
+
+Motion Tmc457::motion() const {
+  if (!planned_) return planned().motion();
+  const auto now = track_.at(tick_);
+  return {rounded(now.x, 0), rounded(now.v, v_bits), rounded(2 * now.h, a_bits)};
+}
+
+int Tmc457::heading() const {
+  if (!planned_) return planned().heading();
+  const auto v = static_cast<SignedFixed>(track_.at(tick_).v);
+  return (v > 0) - (v < 0);
+}
+
+std::string_view Tmc457::phase() const {
+  if (!planned_) return planned().phase();
+  if (course_ == Course::stop) return "stop";
+  if (course_ == Course::hold) return "hold";
+  if (course_ == Course::oscillation && !track_.over()) return "oscillate";
+  return bow_max_ == 0 ? trapezoid_name(track_.part()) : s_curve_name(track_.part());
+}
+
+Tick Tmc457::next_change() {
+  if (!planned_) plan();
+  return track_.until();
+}
+
+bool Tmc457::arrived() const {
+  if (!planned_) return planned().arrived();
+  return mode_ == Mode::position && track_.arrived();
+}
+
+Tmc457::Status Tmc457::status() const {
+  if (!planned_) return planned().status();
+  const auto v = motion().velocity;
+  const bool reached = mode_ == Mode::position ? track_.part() == Part::iv && std::abs(v) == v_max_
+                                               : track_.over() && v == v_target_;
+  return {arrived(), reached, track_.part() == Part::rest};
+}
+
+}  // namespace tmcl::ramp
