@@ -309,7 +309,8 @@ GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
   if (!homed) co_return tl::unexpected(ended_search(std::move(homed.error())));
   // Another call may have seen the end already, to move the axis.
   if (claimant() == search) {
-    auto seen = co_await axis_.run(bus().gate().see_search_end(address()), asked_by(search.of.client));
+    auto seen =
+        co_await axis_.run(bus().gate().see_search_end(address()), asked_by(search.of.client));
     if (!seen) seen.error().outcome = tmcl::Outcome::unknown;
     if (!seen) co_return tl::unexpected(std::move(seen.error()));
   }
@@ -522,7 +523,8 @@ boost::asio::awaitable<void> GatewayAxis::note_turning(tmcl::AxisState state,
   auto& motors = bus().motors();
   const bool moves = state.velocity.value != 0;
   // Whether that can be seen or not: it is looked at again.
-  if (turns() && !moves) co_await axis_.run(bus().gate().see_turning_end(address()), asked_by(client));
+  if (turns() && !moves)
+    co_await axis_.run(bus().gate().see_turning_end(address()), asked_by(client));
   const bool goes_to_position =
       motors.was_sent_to_position(address()) && !motors.may_run_program(address().module);
   const bool is_known =
