@@ -24,7 +24,7 @@ boost::asio::awaitable<axis::StartedMove> to_result(GatewayAxis& axis, StartedMo
 using Warnings = std::vector<std::string>;
 
 /// It has arrived by the counter of its module, which knows nothing of the motor.
-boost::asio::awaitable<RpcError> faulty_arrival(GatewayAxis& axis, const StoodAt& arrived) {
+boost::asio::awaitable<RpcError> faulty_arrival(GatewayAxis& axis, const RestingPosition& arrived) {
   const auto place = co_await place_of(axis, arrived.position);
   const auto where = place.position
                          ? tmcl::plain_number(*place.position, 6) + ' ' + place.unit.value_or("")
@@ -61,7 +61,8 @@ Answer<axis::MoveTo> move_to(Call& call, const axis::MoveTo& params) {
   const auto ready = co_await must(ready_to_move(call, params));
   auto& axis = *ready.axis;
   const auto* row = find_parameter(axis.parameters(), ap::target_position);
-  const auto said = either<&axis::MoveTo::position_microsteps, &axis::MoveTo::position>(params);
+  const auto said =
+      raw_or_quantity<&axis::MoveTo::position_microsteps, &axis::MoveTo::position>(params);
   const auto target = co_await must(length_of(axis, said, row));
   const auto moved = co_await must(
       axis.move_to(target.length(), params.predict.value_or(true), ready.moves), axis);
@@ -72,7 +73,8 @@ Answer<axis::MoveTo> move_to(Call& call, const axis::MoveTo& params) {
 Answer<axis::MoveBy> move_by(Call& call, const axis::MoveBy& params) {
   const auto ready = co_await must(ready_to_move(call, params));
   auto& axis = *ready.axis;
-  const auto said = either<&axis::MoveBy::distance_microsteps, &axis::MoveBy::distance>(params);
+  const auto said =
+      raw_or_quantity<&axis::MoveBy::distance_microsteps, &axis::MoveBy::distance>(params);
   const auto distance = co_await must(length_of(axis, said, nullptr));
   const auto moved = co_await must(
       axis.move_by(distance.length(), params.predict.value_or(true), ready.moves), axis);
@@ -83,7 +85,8 @@ Answer<axis::MoveBy> move_by(Call& call, const axis::MoveBy& params) {
 Answer<axis::Rotate> rotate(Call& call, const axis::Rotate& params) {
   const auto ready = co_await must(ready_to_move(call, params));
   auto& axis = *ready.axis;
-  const auto said = either<&axis::Rotate::velocity_internal, &axis::Rotate::velocity>(params);
+  const auto said =
+      raw_or_quantity<&axis::Rotate::velocity_internal, &axis::Rotate::velocity>(params);
   const auto velocity = co_await must(velocity_of(axis, said));
   auto movement = ready.moves;
   movement.permit.unattended = params.unattended.value_or(false);

@@ -31,7 +31,8 @@ tmcl::ScanOptions scan_options(const Call& call, const bus::Scan& params, const 
   // A bus whose answers take long has been given a long reply timeout.
   options.reply_timeout = std::max(
       options.reply_timeout, bus.config().bus_options.reply_timeout / scan_share_of_reply_timeout);
-  options.progress = [tell = call.teller(), name = bus.name()](std::size_t asked, std::size_t of) {
+  options.progress = [tell = call.progress_reporter(), name = bus.name()](std::size_t asked,
+                                                                          std::size_t of) {
     tell(ScanProgress{name, asked, of});
   };
   return options;

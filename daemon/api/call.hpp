@@ -20,9 +20,9 @@ template <class T>
 using Lookup = tl::expected<T, RpcError>;
 
 /// Tells the client of a call how far that has come; may outlive the call.
-class Teller {
+class ProgressReporter {
  public:
-  Teller(std::shared_ptr<Peer> peer, boost::json::value id)
+  ProgressReporter(std::shared_ptr<Peer> peer, boost::json::value id)
       : peer_(std::move(peer)), id_(std::move(id)) {}
 
   template <class Progress>
@@ -78,7 +78,7 @@ struct Call {
     const auto left = received + timeout - gateway->clock().now();
     return std::max(left, tmcl::Duration{1});
   }
-  Teller teller() const { return {peer, id}; }
+  ProgressReporter progress_reporter() const { return {peer, id}; }
 };
 
 }  // namespace tmcld

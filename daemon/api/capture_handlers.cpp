@@ -6,8 +6,8 @@
 namespace tmcld::handlers {
 namespace {
 
+using tmcl::CaptureRequest;
 using tmcl::CaptureSetup;
-using tmcl::CaptureWish;
 using tmcl::ram_debug::Trigger;
 
 // ---- What is to be recorded
@@ -55,18 +55,18 @@ Lookup<Choices> channels_of(const capture::Start& params, const GatewayAxis& axi
   return choices;
 }
 
-Lookup<CaptureWish> wish_of(const capture::Start& params, const Choices& channels,
-                            const GatewayAxis& axis) {
+Lookup<CaptureRequest> capture_request(const capture::Start& params, const Choices& channels,
+                                       const GatewayAxis& axis) {
   const auto trigger = trigger_of(params, axis);
   if (!trigger) return tl::unexpected(trigger.error());
-  CaptureWish wish;
+  CaptureRequest request;
   for (const auto& choice : channels)
-    wish.channels.push_back(tmcl::capture_channel(axis.address().motor, choice.number));
-  wish.rate_hz = params.rate_hz;
-  if (params.samples) wish.samples = static_cast<std::uint32_t>(*params.samples);
-  wish.trigger = *trigger;
-  wish.pretrigger_percent = static_cast<std::uint32_t>(params.pretrigger_percent.value_or(0));
-  return wish;
+    request.channels.push_back(tmcl::capture_channel(axis.address().motor, choice.number));
+  request.rate_hz = params.rate_hz;
+  if (params.samples) request.samples = static_cast<std::uint32_t>(*params.samples);
+  request.trigger = *trigger;
+  request.pretrigger_percent = static_cast<std::uint32_t>(params.pretrigger_percent.value_or(0));
+  return request;
 }
 
 // ---- On the bus
@@ -78,10 +78,11 @@ struct Begun {
 };
 
 /// A reader of what the module recorded before learns so from when that is lost.
-tmcl::Script<tmcl::Result<Begun>> begin(GatewayModule& module, CaptureWish wish, bool resumes) {
+tmcl::Script<tmcl::Result<Begun>> begin(GatewayModule& module, CaptureRequest request,
+                                        bool resumes) {
   const auto address = module.address();
   const auto info = co_await tmcl::must(tmcl::verbs::data_logger_info(address));
-  auto setup = tmcl::plan_capture(info, wish);
+  auto setup = tmcl::plan_capture(info, request);
   if (!setup) co_return tl::unexpected(std::move(setup.error()));
   if (!resumes || module.capture() == 0) module.begin_capture();
   const auto capture = module.capture();
@@ -95,8 +96,8 @@ tmcl::Script<tmcl::Result<Begun>> begin(GatewayModule& module, CaptureWish wish,
 
 /// A journey needs its bus; what a module records does not run away.
 std::optional<tmcl::Error> objection_by_journey(const GatewayBus& bus) {
-  for (const auto by :
-       {Mover::path, Mover::line, Mover::mint, Mover::deadman_test, Mover::verification}) {
+  for (const auto by : {ClaimKind::path, ClaimKind::line, ClaimKind::mint, ClaimKind::deadman_test,
+                        ClaimKind::verification}) {
     if (bus.motors().claimed_by(by) == 0) continue;
     tmcl::Error error;
     error.code = tmcl::Errc::axis_claimed;
@@ -149,8 +150,8 @@ Answer<capture::Start> start_capture(Call& call, const capture::Start& params) {
   // Which names there are depends on the model.
   co_await must(it.be_ready(), it);
   const auto channels = co_await must(channels_of(params, it));
-  auto wish = co_await must(wish_of(params, channels, it));
-  auto script = begin(it.module(), std::move(wish), params.resume.value_or(false));
+  auto request = co_await must(capture_request(params, channels, it));
+  auto script = begin(it.module(), std::move(request), params.resume.value_or(false));
   const auto begun = co_await must(it.perform(std::move(script), beside_journeys(call, it)), it);
   co_return started(begun, channels);
 }

@@ -54,7 +54,7 @@ Answer<coordinate::Capture> capture_coordinate(Call& call, const coordinate::Cap
 Answer<coordinate::Set> set_coordinate(Call& call, const coordinate::Set& params) {
   const auto axis = co_await must(axis_of(call, params.axis));
   const auto said =
-      either<&coordinate::Set::position_microsteps, &coordinate::Set::position>(params);
+      raw_or_quantity<&coordinate::Set::position_microsteps, &coordinate::Set::position>(params);
   const auto position = co_await must(length_of(*axis, said, nullptr));
   auto script = tmcl::verbs::set_coordinate(axis->address(), params.number, position.microsteps);
   co_await must(axis->perform(std::move(script), in_time(call, params)), *axis);

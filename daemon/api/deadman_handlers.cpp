@@ -38,10 +38,11 @@ Answer<axis::SetDeadman> set_deadman(Call& call, const axis::SetDeadman& params)
 
 Answer<axis::TestDeadman> test_deadman(Call& call, const axis::TestDeadman& params) {
   const auto axis = co_await must(axis_of(call, params.axis));
-  const auto tell = [teller = call.teller(), name = axis->name()](const DeadmanPlan& plan) {
+  const auto tell = [reporter = call.progress_reporter(),
+                     name = axis->name()](const DeadmanPlan& plan) {
     const auto way = std::abs(std::int64_t{plan.target.value} - plan.from.value);
-    teller(DeadmanProgress{name, plan.target.value, static_cast<std::int32_t>(way),
-                           plan.silence / std::chrono::milliseconds(1)});
+    reporter(DeadmanProgress{name, plan.target.value, static_cast<std::int32_t>(way),
+                             plan.silence / std::chrono::milliseconds(1)});
   };
   const auto found = co_await must(measure_deadman(call.gateway, axis, call.permit, tell), *axis);
   axis::TestedDeadman result;

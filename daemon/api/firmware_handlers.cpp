@@ -55,7 +55,7 @@ tmcl::FirmwareOptions options_for(const Call& call, const firmware::Upload& para
     if (!gateway->is_closing()) return std::nullopt;
     return daemon_is_ending();
   };
-  options.progress = [tell = call.teller(), bus = params.bus,
+  options.progress = [tell = call.progress_reporter(), bus = params.bus,
                       address = params.address](const tmcl::FirmwareProgress& progress) {
     tell(LoadProgress{bus, address, std::string(progress.step), progress.written, progress.of});
   };

@@ -23,11 +23,11 @@ Lookup<std::optional<Duration>> duration_of(std::optional<double> time_s) {
                                     "'time_s' must be greater than 0 and at most 86400"));
 }
 
-Either velocity_in(const line::Move& params) {
-  return either<&line::Move::velocity_pps, &line::Move::velocity>(params);
+RawOrQuantity velocity_in(const line::Move& params) {
+  return raw_or_quantity<&line::Move::velocity_pps, &line::Move::velocity>(params);
 }
-Either acceleration_in(const line::Move& params) {
-  return either<&line::Move::acceleration_pps2, &line::Move::acceleration>(params);
+RawOrQuantity acceleration_in(const line::Move& params) {
+  return raw_or_quantity<&line::Move::acceleration_pps2, &line::Move::acceleration>(params);
 }
 
 using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
@@ -51,14 +51,14 @@ std::optional<RpcError> check_same_unit(const line::Move& params, const Axes& ax
 }
 
 /// Where each axis is to go.
-Lookup<std::vector<Either>> positions_of(const line::Move& params) {
+Lookup<std::vector<RawOrQuantity>> positions_of(const line::Move& params) {
   constexpr auto plain = api::name_of<&line::Move::positions_microsteps>();
   constexpr auto amount = api::name_of<&line::Move::positions>();
   if (params.positions.has_value() == params.positions_microsteps.has_value()) {
     return tl::unexpected(param_error(
         "bad_argument", plain, "give one of 'positions_microsteps' and 'positions', and not both"));
   }
-  std::vector<Either> all;
+  std::vector<RawOrQuantity> all;
   if (params.positions) {
     for (const auto& position : *params.positions) all.push_back({plain, amount, {}, position});
   } else {
@@ -85,7 +85,7 @@ Lookup<Axes> axes_in(const Call& call, const line::Move& params, std::size_t pos
 }
 
 Task<LineMember> member_of(const line::Move& params, std::shared_ptr<GatewayAxis> axis,
-                           Either position) {
+                           RawOrQuantity position) {
   co_await must(axis->be_ready(), *axis);
   const auto* row = find_parameter(axis->parameters(), tmcl::axis_parameter::target_position);
   const auto target = co_await must(length_of(*axis, std::move(position), row));

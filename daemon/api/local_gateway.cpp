@@ -28,7 +28,7 @@ class LocalPeer final : public Peer {
  public:
   LocalPeer(std::shared_ptr<Gateway> gateway, std::shared_ptr<bool> news)
       : gateway_(std::move(gateway)),
-        client_(gateway_->enter("process " + std::to_string(::getpid()))),
+        client_(gateway_->add_client("process " + std::to_string(::getpid()))),
         notifications_(gateway_, [news = std::move(news)] { *news = true; }) {}
 
   void notify(std::string_view method, boost::json::object params) override {
@@ -42,7 +42,7 @@ class LocalPeer final : public Peer {
   void leave() {
     if (std::exchange(is_gone_, true)) return;
     notifications_.end();
-    gateway_->leave(client_.number);
+    gateway_->remove_client(client_.number);
   }
 
   int calls_in_progress = 0;

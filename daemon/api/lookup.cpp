@@ -107,9 +107,9 @@ std::optional<RpcError> check_range(const tmcl::ParameterInfo* row, std::int64_t
 
 std::optional<std::string> warning_of_owner(const Call& call, const GatewayAxis& axis,
                                             std::string_view does) {
-  const auto tenant = axis.tenant();
-  const bool owns = axis.turns() && tenant.lease == 0 && tenant.client != 0 &&
-                    tenant.client == call.permit.client;
+  const auto holder = axis.holder();
+  const bool owns = axis.turns() && holder.lease == 0 && holder.client != 0 &&
+                    holder.client == call.permit.client;
   if (!owns) return std::nullopt;
   return "axis '" + axis.name() + "' " + std::string(does) +
          " for this connection, and is stopped when that ends; 'tmclctl rotate " + axis.name() +

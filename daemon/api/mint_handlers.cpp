@@ -80,7 +80,8 @@ Lookup<double> microsteps_per_count(const GatewayAxis& axis,
 Task<plan::MintAxis> known_axis(unsigned number, GatewayAxis& axis, bool counts_encoder) {
   const auto reading = co_await must(axis.read_state(), axis);
   if (reading.state.velocity.value != 0) {
-    if (axis.mover() != Mover::nobody) co_await refuse(call_error(axis.claimed(), axis.name()));
+    if (axis.claim_kind() != ClaimKind::none)
+      co_await refuse(call_error(axis.claimed(), axis.name()));
     co_return tl::unexpected(param_error("moving", "axes", axis.name() + " is moving"));
   }
   plan::MintAxis known{number, {axis.name(), axis.module().model()}, reading.state.position};
@@ -117,10 +118,10 @@ MintChecked checked(const ChosenProgram& chosen, const plan::MintPlan& plan) {
 
 /// A group that stands is told once, the one that is under way each time.
 MintRun::OnProgress mint_progress_to(const Call& call) {
-  return [teller = call.teller(), told = std::size_t{0}](const MintRun& run) mutable {
+  return [reporter = call.progress_reporter(), told = std::size_t{0}](const MintRun& run) mutable {
     const auto tell = [&](const char* phase, const plan::MintDriveGroup& group,
                           tmcl::Duration passed) {
-      teller(MintProgress{phase, group.line, seconds(passed), group.duration});
+      reporter(MintProgress{phase, group.line, seconds(passed), group.duration});
     };
     const auto& took = run.report().took;
     for (; told < took.size(); ++told) tell("stands", run.groups()[told], took[told]);
@@ -165,7 +166,7 @@ Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
   if (members.members.empty()) {
     co_return tl::unexpected(param_error("bad_program", "text", "the program moves nothing"));
   }
-  call.teller()(checked(members, *planned));
+  call.progress_reporter()(checked(members, *planned));
   const auto executor = co_await boost::asio::this_coro::executor;
   const auto run = std::make_shared<MintRun>(executor, std::move(planned->groups),
                                              std::move(members.members), mint_progress_to(call));

@@ -77,7 +77,7 @@ Answer<parameter::Set> set_parameter(Call& call, const parameter::Set& params) {
       call.caller, role_for(tmcl::intent_of(tmcl::Command::SAP, choice.number)),
       "parameter.set of " + choice.name().value_or(std::to_string(choice.number))));
   co_await must_not(check_write(choice));
-  const auto said = either<&parameter::Set::value, &parameter::Set::value_in_unit>(params);
+  const auto said = raw_or_quantity<&parameter::Set::value, &parameter::Set::value_in_unit>(params);
   const auto value = co_await must(parameter_value_of(axis, said, choice));
   co_await must(axis.set(choice.number, value.value, ready.moves), axis);
   auto warnings = co_await warnings_of(axis, choice.number, call.permit.client);

@@ -155,7 +155,7 @@ Task<std::vector<plan::PathAxis>> path_axes(const plan::PathSource& source, cons
     auto& axis = *chosen[i];
     const auto facts = co_await must(facts_of(axis, source.path.axes[i]), axis);
     // It does not move by itself, and will not soon be free.
-    if (facts.moving && axis.mover() != Mover::nobody)
+    if (facts.moving && axis.claim_kind() != ClaimKind::none)
       co_return tl::unexpected(call_error(axis.claimed(), axis.name()));
     auto made = plan::path_axis(source, facts, request);
     if (!made) {
@@ -273,7 +273,7 @@ awaitable<std::vector<std::string>> warnings_of(const Axes& axes) {
 // ---- how it goes ----
 
 PathRun::OnProgress path_progress_to(const Call& call) {
-  return [tell = call.teller()](const PathRun& run) {
+  return [tell = call.progress_reporter()](const PathRun& run) {
     tell(PathProgress{std::string(name_of(run.phase())), run.passed(), run.duration()});
   };
 }

@@ -17,7 +17,8 @@ Lookup<Program> program_of(const std::string& text) {
 
 /// Tells the client how far it is; ends the verb when its client has gone.
 tmcl::OnLoadProgress progress_for(const Call& call, const ModuleChoice& module) {
-  return [gateway = call.gateway, peer = call.peer, tell = call.teller(), bus = module.bus->name(),
+  return [gateway = call.gateway, peer = call.peer, tell = call.progress_reporter(),
+          bus = module.bus->name(),
           address = number(module.address)](const tmcl::LoadProgress& progress) {
     const bool writing = progress.phase == tmcl::LoadProgress::Phase::writing;
     tell(LoadProgress{bus, address, writing ? "writing" : "comparing", progress.done, progress.of});

@@ -24,7 +24,7 @@ RpcError has_no_unit_of_its_own(const GatewayAxis& axis, std::string_view param)
 }
 
 /// What one of them says.
-struct Said {
+struct ParsedAmount {
   std::string_view param;
   Quantity quantity;
 };
@@ -45,8 +45,8 @@ Lookup<Quantity> quantity_of(const api::Amount& amount, std::string_view param, 
 }
 
 /// `plain_unit`: empty for what the module counts.
-Lookup<Said> said_in(const Either& said, const GatewayAxis& axis, Dimension dimension,
-                     const char* plain_unit = "") {
+Lookup<ParsedAmount> parse_amount(const RawOrQuantity& said, const GatewayAxis& axis,
+                                  Dimension dimension, const char* plain_unit = "") {
   if (said.plain.has_value() == said.amount.has_value()) {
     const auto names = quoted(said.plain_name) + " or " + quoted(said.amount_name);
     return tl::unexpected(param_error("bad_argument", said.plain_name,
@@ -54,9 +54,9 @@ Lookup<Said> said_in(const Either& said, const GatewayAxis& axis, Dimension dime
                                           ? "give " + names + ", not both"
                                           : "one of the parameters " + names + " is needed"));
   }
-  if (said.plain) return Said{said.plain_name, {*said.plain, plain_unit}};
+  if (said.plain) return ParsedAmount{said.plain_name, {*said.plain, plain_unit}};
   return quantity_of(*said.amount, said.amount_name, dimension, axis).map([&](Quantity quantity) {
-    return Said{said.amount_name, std::move(quantity)};
+    return ParsedAmount{said.amount_name, std::move(quantity)};
   });
 }
 
@@ -90,9 +90,9 @@ template <class Value>
 using InPulses = tmcl::Converted<Value> (*)(const Quantity&, const AxisUnits&);
 
 template <class Value>
-Task<SaidRate<Value>> rate_of(GatewayAxis& axis, Either either, Dimension dimension,
-                              const char* plain_unit, InPulses<Value> in_pulses) {
-  auto rate_said = co_await must(said_in(either, axis, dimension, plain_unit));
+Task<ParsedRate<Value>> rate_of(GatewayAxis& axis, RawOrQuantity either, Dimension dimension,
+                                const char* plain_unit, InPulses<Value> in_pulses) {
+  auto rate_said = co_await must(parse_amount(either, axis, dimension, plain_unit));
   auto& [param, said] = rate_said;
   if (!(said.number > 0)) {
     co_return tl::unexpected(
@@ -102,12 +102,12 @@ Task<SaidRate<Value>> rate_of(GatewayAxis& axis, Either either, Dimension dimens
   auto undirected = units.undirected();
   const auto rate = in_pulses(said, undirected);
   if (!rate) co_return tl::unexpected(quantity_error(param, rate.error()));
-  co_return SaidRate<Value>{*rate, param, std::move(said), std::move(undirected)};
+  co_return ParsedRate<Value>{*rate, param, std::move(said), std::move(undirected)};
 }
 
 /// `parameter` is what holds such a limit.
 template <class Value>
-Task<std::optional<Value>> limit_of(GatewayAxis& axis, Either either, Dimension dimension,
+Task<std::optional<Value>> limit_of(GatewayAxis& axis, RawOrQuantity either, Dimension dimension,
                                     const char* plain_unit, std::uint8_t parameter,
                                     InPulses<Value> in_pulses) {
   if (!either.plain && !either.amount) co_return std::nullopt;
@@ -127,12 +127,13 @@ RpcError quantity_error(std::string_view param, const tmcl::QuantityError& error
   return param_error(error.code, param, error.message, error.hint);
 }
 
-Task<SaidRate<tmcl::PulsesPerSecond>> velocity_rate_of(GatewayAxis& axis, Either said) {
+Task<ParsedRate<tmcl::PulsesPerSecond>> velocity_rate_of(GatewayAxis& axis, RawOrQuantity said) {
   return rate_of<tmcl::PulsesPerSecond>(axis, std::move(said), Dimension::velocity, "",
                                         tmcl::to_pps);
 }
 
-Task<SaidRate<tmcl::PulsesPerSecond2>> acceleration_rate_of(GatewayAxis& axis, Either said) {
+Task<ParsedRate<tmcl::PulsesPerSecond2>> acceleration_rate_of(GatewayAxis& axis,
+                                                              RawOrQuantity said) {
   return rate_of<tmcl::PulsesPerSecond2>(axis, std::move(said), Dimension::acceleration, "",
                                          tmcl::to_pps2);
 }
@@ -188,8 +189,9 @@ Task<tmcl::PulsesPerSecond3> jerk_of(GatewayAxis& axis, const api::Amount& said)
       param_error("out_of_range", jerk_param, quoted(jerk_param) + " must be greater than 0"));
 }
 
-Task<SaidLength> length_of(GatewayAxis& axis, Either either, const tmcl::ParameterInfo* row) {
-  const auto said = co_await must(said_in(either, axis, Dimension::position));
+Task<ParsedLength> length_of(GatewayAxis& axis, RawOrQuantity either,
+                             const tmcl::ParameterInfo* row) {
+  const auto said = co_await must(parse_amount(either, axis, Dimension::position));
   const auto& [param, quantity] = said;
   auto units = co_await must(units_for(axis, param, quantity));
   tmcl::ValueRange range;
@@ -200,18 +202,20 @@ Task<SaidLength> length_of(GatewayAxis& axis, Either either, const tmcl::Paramet
   }
   if (!value) co_return tl::unexpected(quantity_error(param, value.error()));
   co_await must_not(check_range(row, value->value, param));
-  SaidLength length{*value};
+  ParsedLength length{*value};
   if (const auto own = in_own_unit(quantity, units)) length.in_unit = tmcl::UserPosition{*own};
   length.scale = std::move(units.scale);
   co_return length;
 }
 
-Task<std::optional<tmcl::PulsesPerSecond>> velocity_limit_of(GatewayAxis& axis, Either said) {
+Task<std::optional<tmcl::PulsesPerSecond>> velocity_limit_of(GatewayAxis& axis,
+                                                             RawOrQuantity said) {
   return limit_of<tmcl::PulsesPerSecond>(axis, std::move(said), Dimension::velocity, "pps",
                                          ap::max_velocity, tmcl::to_pps);
 }
 
-Task<std::optional<tmcl::PulsesPerSecond2>> acceleration_limit_of(GatewayAxis& axis, Either said) {
+Task<std::optional<tmcl::PulsesPerSecond2>> acceleration_limit_of(GatewayAxis& axis,
+                                                                  RawOrQuantity said) {
   const auto* model = axis.module().model();
   const auto parameter =
       model == nullptr ? ap::max_acceleration : tmcl::plan::acceleration_parameter(*model);
@@ -238,7 +242,8 @@ awaitable<AxisUnits> units_to_tell(GatewayAxis& axis, AxisUnits units, Dimension
   co_return units;
 }
 
-RpcError has_no_unit(const ParameterChoice& choice, const Either& said, const Quantity& quantity) {
+RpcError has_no_unit(const ParameterChoice& choice, const RawOrQuantity& said,
+                     const Quantity& quantity) {
   const auto* row = choice.row;
   const auto name = choice.name().value_or(std::to_string(choice.number));
   auto message =
@@ -255,9 +260,9 @@ RpcError has_no_unit(const ParameterChoice& choice, const Either& said, const Qu
 }
 
 /// What the module is to hold in a parameter.
-Task<ModuleValue> value_of(GatewayAxis& axis, Either either, Dimension dimension,
+Task<ModuleValue> value_of(GatewayAxis& axis, RawOrQuantity either, Dimension dimension,
                            ParameterChoice choice) {
-  const auto said = co_await must(said_in(either, axis, dimension));
+  const auto said = co_await must(parse_amount(either, axis, dimension));
   const auto& [param, quantity] = said;
   const bool has_unit = choice.row != nullptr && dimension != Dimension::other;
   if (either.amount && !has_unit) co_return tl::unexpected(has_no_unit(choice, either, quantity));
@@ -285,12 +290,12 @@ Task<ModuleValue> value_of(GatewayAxis& axis, Either either, Dimension dimension
 
 }  // namespace
 
-Task<ModuleValue> velocity_of(GatewayAxis& axis, Either said) {
+Task<ModuleValue> velocity_of(GatewayAxis& axis, RawOrQuantity said) {
   const auto* row = find_parameter(axis.parameters(), ap::target_velocity);
   return value_of(axis, std::move(said), Dimension::velocity, {ap::target_velocity, row});
 }
 
-Task<ModuleValue> parameter_value_of(GatewayAxis& axis, Either said,
+Task<ModuleValue> parameter_value_of(GatewayAxis& axis, RawOrQuantity said,
                                      const ParameterChoice& choice) {
   const auto dimension = choice.row == nullptr ? Dimension::other : dimension_of(*choice.row);
   return value_of(axis, std::move(said), dimension, choice);

@@ -23,7 +23,7 @@ struct ModuleValue {
 };
 
 /// The same of a position or a distance.
-struct SaidLength {
+struct ParsedLength {
   tmcl::Microsteps microsteps;
   std::optional<tmcl::UserPosition> in_unit{};
   std::optional<tmcl::UserScale> scale{};
@@ -33,32 +33,33 @@ struct SaidLength {
 };
 
 /// Two parameters that say the same, with their names: what the module counts, and a quantity.
-struct Either {
+struct RawOrQuantity {
   std::string_view plain_name;
   std::string_view amount_name;
   std::optional<double> plain;
   std::optional<api::Amount> amount;
 };
 template <auto plain, auto amount, class Params>
-Either either(const Params& params) {
+RawOrQuantity raw_or_quantity(const Params& params) {
   return {api::name_of<plain>(), api::name_of<amount>(), params.*plain, params.*amount};
 }
 
 /// `row` is what holds the position; null: any will do. Errors: neither or both are there, what
 /// tmcl::to_parameter() objects to, an axis without a unit.
-Task<SaidLength> length_of(GatewayAxis& axis, Either said, const tmcl::ParameterInfo* row);
+Task<ParsedLength> length_of(GatewayAxis& axis, RawOrQuantity said, const tmcl::ParameterInfo* row);
 
 /// A velocity or an acceleration, the same in both directions: in microsteps, and as it was said.
 template <class Value>
-struct SaidRate {
+struct ParsedRate {
   Value in_pulses;
   std::string_view param;  ///< Where it was said.
   tmcl::Quantity quantity;
   tmcl::AxisUnits units;  ///< What was read to know it.
 };
 /// Errors: neither or both are there; it is not above 0; what tmcl::to_pps() objects to.
-Task<SaidRate<tmcl::PulsesPerSecond>> velocity_rate_of(GatewayAxis& axis, Either said);
-Task<SaidRate<tmcl::PulsesPerSecond2>> acceleration_rate_of(GatewayAxis& axis, Either said);
+Task<ParsedRate<tmcl::PulsesPerSecond>> velocity_rate_of(GatewayAxis& axis, RawOrQuantity said);
+Task<ParsedRate<tmcl::PulsesPerSecond2>> acceleration_rate_of(GatewayAxis& axis,
+                                                              RawOrQuantity said);
 /// A number: in the axis' unit per second cubed.
 Task<tmcl::PulsesPerSecond3> jerk_of(GatewayAxis& axis, const api::Amount& said);
 
@@ -67,12 +68,14 @@ RpcError quantity_error(std::string_view param, const tmcl::QuantityError& error
 
 /// An upper limit of a velocity or an acceleration in microsteps, or nothing if both are absent.
 /// Errors: both are there; it is not above 0, or above what the axis can do.
-Task<std::optional<tmcl::PulsesPerSecond>> velocity_limit_of(GatewayAxis& axis, Either said);
-Task<std::optional<tmcl::PulsesPerSecond2>> acceleration_limit_of(GatewayAxis& axis, Either said);
+Task<std::optional<tmcl::PulsesPerSecond>> velocity_limit_of(GatewayAxis& axis, RawOrQuantity said);
+Task<std::optional<tmcl::PulsesPerSecond2>> acceleration_limit_of(GatewayAxis& axis,
+                                                                  RawOrQuantity said);
 
-Task<ModuleValue> velocity_of(GatewayAxis& axis, Either said);
+Task<ModuleValue> velocity_of(GatewayAxis& axis, RawOrQuantity said);
 /// As the module wants it.
-Task<ModuleValue> parameter_value_of(GatewayAxis& axis, Either said, const ParameterChoice& choice);
+Task<ModuleValue> parameter_value_of(GatewayAxis& axis, RawOrQuantity said,
+                                     const ParameterChoice& choice);
 
 // What is told in the unit of the axis, beside what its module counts: nothing for an axis without
 // one, and where the conversion is not known or could not be read. What was read for this call

@@ -16,8 +16,8 @@ namespace plan = tmcl::plan;
 using boost::asio::awaitable;
 using plan::RampChoice;
 using plan::Setting;
-using Rate = SaidRate<tmcl::PulsesPerSecond>;
-using Rate2 = SaidRate<tmcl::PulsesPerSecond2>;
+using Rate = ParsedRate<tmcl::PulsesPerSecond>;
+using Rate2 = ParsedRate<tmcl::PulsesPerSecond2>;
 
 constexpr auto max_bow = tmcl::number_of("max_bow");
 constexpr auto pulse_divisor = tmcl::number_of("pulse_divisor");
@@ -54,14 +54,14 @@ Task<std::optional<double>> jerk_asked_for(GatewayAxis& axis, const axis::OfRamp
 
 Task<Wish> wish_of(GatewayAxis& axis, const axis::OfRamp& params) {
   using axis::OfRamp;
-  auto velocity = co_await must(
-      velocity_rate_of(axis, either<&OfRamp::velocity_internal, &OfRamp::velocity>(params)));
+  auto velocity = co_await must(velocity_rate_of(
+      axis, raw_or_quantity<&OfRamp::velocity_internal, &OfRamp::velocity>(params)));
   auto acceleration = co_await must(acceleration_rate_of(
-      axis, either<&OfRamp::acceleration_internal, &OfRamp::acceleration>(params)));
+      axis, raw_or_quantity<&OfRamp::acceleration_internal, &OfRamp::acceleration>(params)));
   auto deceleration = acceleration;
   if (params.deceleration || params.deceleration_internal) {
     deceleration = co_await must(acceleration_rate_of(
-        axis, either<&OfRamp::deceleration_internal, &OfRamp::deceleration>(params)));
+        axis, raw_or_quantity<&OfRamp::deceleration_internal, &OfRamp::deceleration>(params)));
   }
   const auto jerk = co_await must(jerk_asked_for(axis, params));
   const plan::RampRequest request{velocity.in_pulses, acceleration.in_pulses,

@@ -23,7 +23,7 @@ Task<SearchLimit> limit_of_search(GatewayAxis& axis, const Params& params) {
     const auto limit = co_await must(axis.search_limit(), axis);
     co_return limit;
   }
-  const auto said = either<&Params::max_travel_microsteps, &Params::max_travel>(params);
+  const auto said = raw_or_quantity<&Params::max_travel_microsteps, &Params::max_travel>(params);
   const auto travel = co_await must(length_of(axis, said, nullptr));
   const auto microsteps = travel.microsteps.value;
   const bool is_distance = travel.in_unit ? travel.in_unit->value > 0 : microsteps > 0;
@@ -51,7 +51,7 @@ tmcl::HomeOptions home_options(const Call& call, const axis::Home& params) {
   tmcl::HomeOptions options;
   options.mode = params.mode;
   options.timeout = call.timeout_left(params.timeout_ms);
-  options.progress = [tell = call.teller(), axis = params.axis](std::int32_t step) {
+  options.progress = [tell = call.progress_reporter(), axis = params.axis](std::int32_t step) {
     tell(SearchProgress{axis, step});
     return true;
   };

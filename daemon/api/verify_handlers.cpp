@@ -13,8 +13,8 @@ using Travel = std::optional<tmcl::ValueRange>;
 /// Both ends, or none.
 Task<Travel> travel_of(GatewayAxis& axis, const axis::Verify& params) {
   using P = axis::Verify;
-  const auto from = either<&P::from_microsteps, &P::from>(params);
-  const auto to = either<&P::to_microsteps, &P::to>(params);
+  const auto from = raw_or_quantity<&P::from_microsteps, &P::from>(params);
+  const auto to = raw_or_quantity<&P::to_microsteps, &P::to>(params);
   const bool has_from = from.plain || from.amount;
   const bool has_to = to.plain || to.amount;
   if (!has_from && !has_to) co_return Travel{};
@@ -68,11 +68,12 @@ Answer<axis::Verify> verify(Call& call, const axis::Verify& params) {
         param_error("bad_argument", "from", "axis '" + axis->name() + "' has no soft limits",
                     "say how far it may go from where it stands, such as --travel -2mm..2mm"));
   }
-  VerificationWish wish{travel, call.peer->client(), call.permit, {}};
-  wish.tell = [teller = call.teller(), name = axis->name()](const std::string& what) {
-    teller(axis::VerifyProgress{name, what});
+  VerificationRequest request{travel, call.peer->client(), call.permit, {}};
+  request.tell = [reporter = call.progress_reporter(),
+                  name = axis->name()](const std::string& what) {
+    reporter(axis::VerifyProgress{name, what});
   };
-  const auto found = co_await must(verify_axis(call.gateway, axis, std::move(wish)), *axis);
+  const auto found = co_await must(verify_axis(call.gateway, axis, std::move(request)), *axis);
   co_return view_of(found, *axis);
 }
 

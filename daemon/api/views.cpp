@@ -71,10 +71,10 @@ void fill(api::axis::State& out, const GatewayAxis& axis, const AxisReading& rea
   out.referenced = axis.is_referenced();
   if (const auto cause = axis.stop_cause()) out.stop_cause = std::string(name_of(*cause));
   out.age_ms = milliseconds(axis.bus().clock().now() - reading.taken);
-  const auto tenant = axis.tenant();
-  if (tenant.lease != 0) out.lease = tenant.lease;
+  const auto holder = axis.holder();
+  if (holder.lease != 0) out.lease = holder.lease;
   out.unattended = axis.is_unattended();
-  out.owner = if_any(tenant.name);
+  out.owner = if_any(holder.name);
   out.unrestored = view_of(unrestored_of(axis));
   out.faults = texts(axis.faults());
 }

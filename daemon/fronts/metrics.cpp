@@ -114,7 +114,7 @@ void add_axes(Page& page, const Gateway& gateway) {
   add("tmcl_axis_fault", "1 while the driver of the axis or its supply reports a fault.",
       [](const GatewayAxis& axis) { return !axis.faults().empty(); });
   add("tmcl_axis_led", "1 while tmcld leads the axis: on a line, a path or a search.",
-      [](const GatewayAxis& axis) { return axis.mover() != Mover::nobody; });
+      [](const GatewayAxis& axis) { return axis.claim_kind() != ClaimKind::none; });
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ PortConduct::PortConduct(std::shared_ptr<Gateway> gateway, std::shared_ptr<Gatew
 void PortConduct::close() {
   hold_.reset();
   leases_->close();
-  gateway_->leave(host_.number);
+  gateway_->remove_client(host_.number);
 }
 
 bool PortConduct::is_in_download(const tmcl::Request& request) const {

@@ -20,7 +20,7 @@ constexpr tmcl::Duration look_interval = 1s;
 constexpr tmcl::Duration time_between_looks = 100ms;
 
 awaitable<bool> stands(std::shared_ptr<GatewayAxis> axis) {
-  if (axis->mover() != Mover::nobody) co_return false;
+  if (axis->claim_kind() != ClaimKind::none) co_return false;
   const auto first = co_await axis->read_state();
   if (!first || first->state.velocity.value != 0) co_return false;
   co_await rest(time_between_looks);

@@ -39,7 +39,7 @@ PortSession::PortSession(std::shared_ptr<Gateway> gateway, const PortConfig& con
       name_(std::move(name)),
       output_(std::move(output)),
       disconnect_(std::move(disconnect)),
-      conduct_(gateway_, bus_, config.role, gateway_->enter(name_)),
+      conduct_(gateway_, bus_, config.role, gateway_->add_client(name_)),
       asked_(bus_->executor()) {}
 
 void PortSession::start() {

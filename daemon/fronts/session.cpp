@@ -56,7 +56,7 @@ Session::Session(const boost::asio::any_io_executor& executor, std::shared_ptr<G
       caller_(std::move(options.caller)),
       role_(caller_().role),
       exceeds_limits_(caller_().exceeds_limits),
-      client_(gateway_->enter(std::move(options.name))),
+      client_(gateway_->add_client(std::move(options.name))),
       output_(executor_),
       notifications_(gateway_, [this] { output_.notify(); }) {}
 
@@ -73,7 +73,7 @@ void Session::close() {
   waiting_.clear();
   std::exception_ptr failure;
   try {
-    gateway_->leave(client_.number);
+    gateway_->remove_client(client_.number);
   } catch (...) {
     // What is to stop with its client, and does not.
     gateway_->stop_at_once();

@@ -125,7 +125,7 @@ class GatewayBus : public std::enable_shared_from_this<GatewayBus> {
   /// One scan at a time: set while one runs.
   bool scanning = false;
   /// Axes of this bus are on paths. What can wait, waits then: see the poller.
-  bool has_paths() const { return motors().claimed_by(Mover::path) > 0; }
+  bool has_paths() const { return motors().claimed_by(ClaimKind::path) > 0; }
 
   // For the parts of this bus.
   /// Null while the link is not open.

@@ -35,7 +35,7 @@ awaitable<bool> comes_to_rest(std::shared_ptr<GatewayAxis> axis) {
       if (velocity && *velocity == 0) co_return true;
       co_await rest(standing_look_interval);
     }
-    const auto answer = co_await axis->brake();
+    const auto answer = co_await axis->stop_without_revoking();
     stopped = answer.has_value();
     if (!stopped) co_await rest(standing_look_interval);
   }
@@ -83,7 +83,7 @@ awaitable<void> wait_for_uploads(const Gateway& gateway) {
 
 awaitable<void> end_gateway(std::shared_ptr<Gateway> gateway) {
   gateway->refuse_new_calls();
-  gateway->dismiss_clients();
+  gateway->remove_all_clients();
   co_await end_journeys(*gateway);
   if (gateway->on_exit() == OnExit::stop) co_await bring_to_rest(*gateway);
   co_await wait_for_uploads(*gateway);

@@ -160,21 +160,21 @@ namespace {
 
 /// Empty if no client holds it.
 std::string why_held(const GatewayAxis& axis, const Leases& leases) {
-  switch (axis.mover()) {
-    case Mover::line: return "line";
-    case Mover::path: return "path";
-    case Mover::mint: return "mint";
-    case Mover::deadman_test: return "deadman test";
-    case Mover::verification: return "verification";
-    case Mover::stop: return "stop";
-    case Mover::nobody:
-    case Mover::search: break;
+  switch (axis.claim_kind()) {
+    case ClaimKind::line: return "line";
+    case ClaimKind::path: return "path";
+    case ClaimKind::mint: return "mint";
+    case ClaimKind::deadman_test: return "deadman test";
+    case ClaimKind::verification: return "verification";
+    case ClaimKind::stop: return "stop";
+    case ClaimKind::none:
+    case ClaimKind::search: break;
   }
   if (axis.bus().gate().owes_stop(axis.address()) && axis.bus().motors().may_move(axis.address()))
     return "stop";
   const auto* lease = leases.of(axis);
   if (lease != nullptr && lease->terms.stops) return "lease";
-  const bool has_owner = lease == nullptr && axis.tenant().client != 0;
+  const bool has_owner = lease == nullptr && axis.holder().client != 0;
   return !axis.turns() ? "" : has_owner ? "turning" : "unattended";
 }
 
@@ -225,7 +225,7 @@ boost::asio::awaitable<void> Gateway::end_journal() {
 
 OnExit Gateway::on_exit() const { return options_.on_exit; }
 
-Client Gateway::enter(std::string name) {
+Client Gateway::add_client(std::string name) {
   constexpr std::size_t most_names = 1000;
   const auto number = ++arrivals_->last_client;
   arrivals_->clients.emplace(number, name);
@@ -250,7 +250,7 @@ void tell_owner_lost(const GatewayAxis& axis, const std::string& owner) {
 
 }  // namespace
 
-void Gateway::leave(std::uint64_t client) {
+void Gateway::remove_client(std::uint64_t client) {
   arrivals_->clients.erase(client);
   std::vector<std::pair<std::shared_ptr<GatewayAxis>, std::string>> lost;
   for (const auto& axis : axes_) {
@@ -272,9 +272,9 @@ bool Gateway::is_holding(std::uint64_t client) const {
          });
 }
 
-void Gateway::dismiss_clients() {
+void Gateway::remove_all_clients() {
   const auto clients = arrivals_->clients;
-  for (const auto& [client, name] : clients) leave(client);
+  for (const auto& [client, name] : clients) remove_client(client);
 }
 
 void Gateway::begin_to_stop(const std::shared_ptr<GatewayAxis>& axis, StopCause cause) {
@@ -306,7 +306,7 @@ void Gateway::end_journeys() {
 void Gateway::stop_what_has_no_end(std::string_view bus) {
   for (const auto& axis : axes_) {
     const bool turns = axis->turns() && !axis->is_unattended();
-    const bool has_no_end = turns || axis->mover() == Mover::search;
+    const bool has_no_end = turns || axis->claim_kind() == ClaimKind::search;
     if (axis->bus().name() == bus && has_no_end) begin_to_stop(axis, StopCause::daemon);
   }
 }

@@ -69,16 +69,16 @@ class Gateway : public std::enable_shared_from_this<Gateway> {
   const std::shared_ptr<DeadmanMemory>& deadmen() const { return deadmen_; }
   const std::shared_ptr<Leases>& leases() const { return leases_; }
   /// A client has come, which has its number until it leaves.
-  Client enter(std::string name = {});
+  Client add_client(std::string name = {});
   /// Of a client that is there, or was lately: the names of the last thousand are remembered.
   std::string name_of_client(std::uint64_t number) const;
   /// What it has asked for and was not sent yet moves nothing any more. Its leases are lost, and
   /// axes that it lets turn are stopped.
-  void leave(std::uint64_t client);
+  void remove_client(std::uint64_t client);
   /// Whether something turns until the client leaves, or is leased by it.
   bool is_holding(std::uint64_t client) const;
   /// As if all clients had left.
-  void dismiss_clients();
+  void remove_all_clients();
   /// The right of a call that comes in now to move motors: until a stop comes behind it, or its
   /// client leaves.
   Permit admit(std::uint64_t client = 0) { return arrivals_->admit(client); }

@@ -102,8 +102,8 @@ awaitable<void> stop_if_it_turns(std::shared_ptr<GatewayAxis> axis, Claim claim)
 }
 
 void look_at(const std::shared_ptr<GatewayAxis>& axis) {
-  if (axis->mover() != Mover::nobody) return;
-  spawn(axis->bus().executor(), stop_if_it_turns(axis, axis->claim({Mover::stop})));
+  if (axis->claim_kind() != ClaimKind::none) return;
+  spawn(axis->bus().executor(), stop_if_it_turns(axis, axis->claim({ClaimKind::stop})));
 }
 
 /// Motors of a module that no axis is configured for.
@@ -138,9 +138,9 @@ void take_over(const std::shared_ptr<GatewayAxis>& axis, Holding holding) {
     axis->bus().motors().note_unattended(axis->address());
     return spawn(executor, find_turning(axis, std::move(holding)));
   }
-  if (axis->mover() != Mover::nobody) return;
+  if (axis->claim_kind() != ClaimKind::none) return;
   for (const auto& setting : holding.before) axis->note_before(setting);
-  spawn(executor, put_in_order(axis, axis->claim({Mover::stop}), std::move(holding)));
+  spawn(executor, put_in_order(axis, axis->claim({ClaimKind::stop}), std::move(holding)));
 }
 
 std::optional<Holding::Seen> last_seen(const GatewayAxis& axis) {

@@ -25,16 +25,16 @@ constexpr tmcl::Duration time_to_look = std::chrono::seconds(2);
 
 // ---- whose axes are -----------------------------------------------------------------------------
 
-std::string_view what_moves(Mover mover) {
-  switch (mover) {
-    case Mover::line: return "is on a line";
-    case Mover::path: return "is on a path";
-    case Mover::mint: return "is moved by a Mint program";
-    case Mover::search: return "searches its reference";
-    case Mover::deadman_test: return "is in a test of its deadman";
-    case Mover::verification: return "is held against its twin";
-    case Mover::stop: return "could not be stopped, and is not known to stand";
-    case Mover::nobody: break;
+std::string_view what_moves(ClaimKind kind) {
+  switch (kind) {
+    case ClaimKind::line: return "is on a line";
+    case ClaimKind::path: return "is on a path";
+    case ClaimKind::mint: return "is moved by a Mint program";
+    case ClaimKind::search: return "searches its reference";
+    case ClaimKind::deadman_test: return "is in a test of its deadman";
+    case ClaimKind::verification: return "is held against its twin";
+    case ClaimKind::stop: return "could not be stopped, and is not known to stand";
+    case ClaimKind::none: break;
   }
   return {};
 }
@@ -43,8 +43,8 @@ Objection objection_of(const Gateway& gateway, const GatewayAxis& axis) {
   const auto say = [&](std::string_view what, std::string_view hint) {
     return fmt::format("axis '{}' {}: {}", axis.name(), what, hint);
   };
-  if (axis.mover() != Mover::nobody)
-    return say(what_moves(axis.mover()), "wait for its end, or stop it");
+  if (axis.claim_kind() != ClaimKind::none)
+    return say(what_moves(axis.claim_kind()), "wait for its end, or stop it");
   if (const auto* lease = gateway.leases()->of(axis))
     return say("is leased by " + lease->holder.name, "wait until it is given back");
   if (axis.turns()) return say("turns", "stop it");

@@ -22,7 +22,7 @@ constexpr tmcl::Duration time_to_answer = 200ms;
 
 /// Errors: those of the stop.
 GatewayAxis::Awaitable<bool> stop_and_look(GatewayAxis& axis) {
-  const auto stopped = co_await axis.brake();
+  const auto stopped = co_await axis.stop_without_revoking();
   if (!stopped) co_return tl::unexpected(stopped.error());
   const auto velocity = co_await axis.get(tmcl::axis_parameter::actual_velocity, {});
   const bool stands = velocity && *velocity == 0;
@@ -117,9 +117,9 @@ boost::asio::awaitable<std::optional<bool>> set_back(GatewayAxis& axis, std::uin
 }
 
 void stop_until_it_stands(const std::shared_ptr<GatewayAxis>& axis) {
-  if (axis->mover() == Mover::stop) return;
+  if (axis->claim_kind() == ClaimKind::stop) return;
   axis->revoke_movements();
-  auto claim = axis->claim({Mover::stop});
+  auto claim = axis->claim({ClaimKind::stop});
   const auto why =
       axis->before().empty()
           ? not_stopped(axis->name()) + ": it is stopped until it stands"

@@ -96,7 +96,7 @@ class Axis {
   TimePoint next_due() const { return std::min(due_, driver_.tick()); }
   void run_due();
   /// What becomes of the present movement if nothing stops it.
-  const Outlook& outlook() const { return state_.outlook; }
+  const MotionForecast& outlook() const { return state_.outlook; }
 
  private:
   void move(std::int64_t position);

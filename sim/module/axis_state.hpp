@@ -51,7 +51,7 @@ struct AxisState {
   std::array<std::int32_t, 256> values{};  ///< Of those parameters that the motor has no part in.
   TimePoint power_on;
   TimePoint now;
-  Outlook outlook;
+  MotionForecast outlook;
   TimePoint rest;  ///< Since when it stands, or when it will.
   Switches switches;
 };

@@ -19,7 +19,7 @@ template <ramp::Travelling Chip>
 class ChipMotor : public Motor {
  public:
   void advance_to(TimePoint time) final { chip_.advance_to(clock_.at(time)); }
-  Outlook outlook() const final;
+  MotionForecast outlook() const final;
 
   int heading() const final { return chip_.heading(); }
   bool accelerates() const final { return chip_.heading() * chip_.motion().acceleration > 0; }
@@ -106,7 +106,7 @@ class ChipMotor : public Motor {
 };
 
 template <ramp::Travelling Chip>
-Outlook ChipMotor<Chip>::outlook() const {
+MotionForecast ChipMotor<Chip>::outlook() const {
   const auto end_of_time = clock_.at(never);
   const auto ahead = ramp::look_ahead(chip_, end_of_time, changes_foreseen);
   const auto end = clock_.of(ahead.tick());

@@ -14,7 +14,7 @@
 namespace tmcl::sim {
 
 /// What becomes of a motor if nothing is written.
-struct Outlook {
+struct MotionForecast {
   /// When it stands on its target; `never` if that cannot be foreseen.
   TimePoint arrival = never;
   /// When it stands for good, on its target or not; `never` the same.
@@ -37,7 +37,7 @@ class Motor {
 
   /// Lets time pass. An earlier time than the present one changes nothing.
   virtual void advance_to(TimePoint time) = 0;
-  virtual Outlook outlook() const = 0;
+  virtual MotionForecast outlook() const = 0;
 
   /// -1, 0 or 1: where it turns in this instant.
   virtual int heading() const = 0;

@@ -51,7 +51,7 @@ class Tmc4361Motor final : public Motor {
   Tmc4361Motor(const Model& model, TimePoint power_on);
 
   void advance_to(TimePoint time) override;
-  Outlook outlook() const override { return active().outlook(); }
+  MotionForecast outlook() const override { return active().outlook(); }
 
   int heading() const override { return active().heading(); }
   bool accelerates() const override { return active().accelerates(); }

@@ -207,9 +207,9 @@ TEST_F(Roles, AQuantityIsShownWholeInTheAudit) {
 }
 
 TEST_F(Roles, TheAuditNamesTheLeaseOfACall) {
-  bench.client = bench.gateway().enter("a");
+  bench.client = bench.gateway().add_client("a");
   const auto granted = bench.call("lease.acquire", {{"axes", {"x"}}, {"ttl_ms", 60000}}).value();
-  bench.client = bench.gateway().enter("b");
+  bench.client = bench.gateway().add_client("b");
   json::object params{{"axis", "x"}, {"position_microsteps", 10}};
   params["lease"] = granted.at("lease");
   params["epoch"] = granted.at("epoch");

@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include "ctl_fixture.hpp"
-#include "foresight.hpp"
 #include "plot/comparison.hpp"
 #include "plot/svg_plot.hpp"
+#include "prediction_text.hpp"
 
 namespace tmclctl::plot {
 namespace {

@@ -4,8 +4,8 @@
 
 #include <boost/json.hpp>
 
+#include "axis_names.hpp"
 #include "errors.hpp"
-#include "names.hpp"
 
 namespace tmclctl {
 namespace {

@@ -13,8 +13,8 @@
 
 #include <boost/json.hpp>
 
-#include "names.hpp"
-#include "shown.hpp"
+#include "axis_names.hpp"
+#include "quantity_text.hpp"
 #include "tmcl/api/path.hpp"
 #include "tmcl/api/program.hpp"
 #include "tmcl/api/system.hpp"

@@ -72,7 +72,7 @@ TEST_F(DaemonCapture, LeavesTheBusToAPath) {
   mover.send("path.run",
              {{"axes", json::array{"x", "y"}}, {"text", "G1 X20 Y10 F1200\nG1 X40 Y0\n"}});
   auto& x = *bench_.daemon.daemon().gateway().axes()[0];
-  ASSERT_TRUE(bench_.daemon.eventually([&] { return x.mover() == Mover::path; }));
+  ASSERT_TRUE(bench_.daemon.eventually([&] { return x.claim_kind() == ClaimKind::path; }));
   const auto asked = bench_.daemon.requests_seen(tmcl::Command::RAM_DEBUG);
   EXPECT_THAT(why_not("capture.start", {{"channels", json::array{"actual_position"}}}),
               HasSubstr("axis_claimed"));
@@ -80,7 +80,7 @@ TEST_F(DaemonCapture, LeavesTheBusToAPath) {
   EXPECT_THAT(why_not("capture.read", {{"capture", capture}, {"first", 0}, {"count", 1}}),
               HasSubstr("axis_claimed"));
   EXPECT_EQ(bench_.daemon.requests_seen(tmcl::Command::RAM_DEBUG), asked);
-  ASSERT_TRUE(bench_.daemon.eventually([&] { return x.mover() == Mover::nobody; }));
+  ASSERT_TRUE(bench_.daemon.eventually([&] { return x.claim_kind() == ClaimKind::none; }));
 }
 
 TEST_F(DaemonCapture, TellsWhoeverReadsThatAnotherHasBegun) {

@@ -15,7 +15,7 @@ using tmcl::Command;
 
 struct Movement {
   std::string name;
-  Mover mover;
+  ClaimKind mover;
   std::string method;
   json::object params;
   std::string words;
@@ -37,7 +37,7 @@ class DaemonClaim : public testing::TestWithParam<Movement> {
   void begin() {
     mover_.send(GetParam().method, GetParam().params);
     ASSERT_TRUE(bench_.daemon.eventually(
-        [&] { return x().mover() == GetParam().mover && x_moves() && !sends_starts(); }));
+        [&] { return x().claim_kind() == GetParam().mover && x_moves() && !sends_starts(); }));
     seen_before_ = bench_.daemon.requests_seen();
   }
   GatewayAxis& x() { return *bench_.daemon.daemon().gateway().axes()[0]; }
@@ -85,12 +85,12 @@ TEST_P(DaemonClaim, NobodyElseMovesTheAxis) {
     EXPECT_EQ(text(error.at("data").at("hint")), "wait for its end, or stop it");
     EXPECT_EQ(text(error.at("message")), "axis 'x' " + GetParam().words);
     EXPECT_THAT(moves_of_others(), testing::IsEmpty());
-    EXPECT_EQ(bench_.daemon.on_reactor([&] { return x().mover(); }), GetParam().mover);
+    EXPECT_EQ(bench_.daemon.on_reactor([&] { return x().claim_kind(); }), GetParam().mover);
   }
   EXPECT_EQ(bench_.daemon.requests_seen(Command::MST), 0U);
   // A stop is always let through, and then the axis is free.
   bench_.client->result("axis.stop", {{"axis", "x"}});
-  ASSERT_TRUE(bench_.daemon.eventually([&] { return x().mover() == Mover::nobody; }));
+  ASSERT_TRUE(bench_.daemon.eventually([&] { return x().claim_kind() == ClaimKind::none; }));
   bench_.client->result("axis.move_to", {{"axis", "x"}, {"position_microsteps", 0}});
 }
 
@@ -98,25 +98,26 @@ TEST_P(DaemonClaim, ItsSettingsCanBeSetUnlessItIsOnAPath) {
   begin();
   const auto answer = bench_.client->call(
       "parameter.set", {{"axis", "x"}, {"parameter", "max_current"}, {"value", 100}});
-  EXPECT_EQ(answer.contains("error"), GetParam().mover == Mover::path) << json::serialize(answer);
+  EXPECT_EQ(answer.contains("error"), GetParam().mover == ClaimKind::path)
+      << json::serialize(answer);
 }
 
 INSTANTIATE_TEST_SUITE_P(
     By, DaemonClaim,
     testing::Values(Movement{"line",
-                             Mover::line,
+                             ClaimKind::line,
                              "line.move",
                              {{"axes", json::array{"x", "y"}},
                               {"positions_microsteps", json::array{6'000'000, 5'000'000}},
                               {"time_s", 300}},
                              "is on its way along a line"},
                     Movement{"path",
-                             Mover::path,
+                             ClaimKind::path,
                              "path.run",
                              {{"axes", json::array{"x", "y"}}, {"text", "G1 X400 Y300 F300\n"}},
                              "is on its way along a path"},
                     Movement{"search",
-                             Mover::search,
+                             ClaimKind::search,
                              "axis.start_home",
                              {{"axis", "x"}, {"mode", 1}},
                              "searches its reference"}),

@@ -115,7 +115,7 @@ TEST_F(DaemonMotors, NothingIsSetInMotionByNobodyOrAtTheEnd) {
 TEST_F(DaemonMotors, AClaimKeepsOthersAway) {
   const auto owner = arrivals->admit();
   const auto other = arrivals->admit();
-  std::optional claim = motors.claim(y, {Mover::line, owner});
+  std::optional claim = motors.claim(y, {ClaimKind::line, owner});
   EXPECT_TRUE(allows(move_y, owner));
   EXPECT_FALSE(allows(move_y, other));
   EXPECT_FALSE(allows(move_both, other));
@@ -134,7 +134,7 @@ TEST_F(DaemonMotors, AClaimKeepsOthersAway) {
 
 TEST_F(DaemonMotors, AnswersTellWhenASearchIsOver) {
   const auto owner = arrivals->admit();
-  const auto searches = [&] { return motors.claimant_of(x).by == Mover::search; };
+  const auto searches = [&] { return motors.claim_owner_of(x).by == ClaimKind::search; };
   const auto begin = [&] { motors.begin(search_x, owner); };
   begin();
   see(search_x, with_value(0));
@@ -155,7 +155,7 @@ TEST_F(DaemonMotors, AnAnswerFromBeforeTheSearchSaysNothingAboutIt) {
   const auto before = motors.before(look_at_search, {}, nullptr);
   motors.begin(search_x, arrivals->admit());
   motors.note(look_at_search, with_value(0), before);
-  EXPECT_EQ(motors.claimant_of(x).by, Mover::search);
+  EXPECT_EQ(motors.claim_owner_of(x).by, ClaimKind::search);
 }
 
 TEST_F(DaemonMotors, KnowsWhatIsAboutToMoveBesidesTheAxes) {

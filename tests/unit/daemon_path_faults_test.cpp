@@ -2,7 +2,7 @@
 // reactor and the bus.
 #include <boost/asio/post.hpp>
 #include "gateway/axis/poller.hpp"
-#include "gateway/journey/link_patience.hpp"
+#include "gateway/journey/reconnect_grace.hpp"
 #include "unit/daemon_path_fixture.hpp"
 
 namespace tmcld::test {

@@ -84,7 +84,7 @@ class Race {
   void intervene(const Intervention& what) {
     bench_.daemon.on_reactor([&] {
       if (what.name == "stop") x().revoke_movements();
-      if (what.name == "claim") claim_ = x().claim({Mover::path, gateway().admit()});
+      if (what.name == "claim") claim_ = x().claim({ClaimKind::path, gateway().admit()});
       if (what.name == "ending") gateway().refuse_new_calls();
       seen_then_ = wire().seen.size();
       holds_move_ = can_move_x(wire().seen.back());
@@ -93,7 +93,7 @@ class Race {
     if (what.name == "gap") bench_.daemon.freeze_for(std::chrono::seconds(2));
   }
   bool can_be_claimed() {
-    return bench_.daemon.on_reactor([&] { return x().mover() == Mover::nobody; });
+    return bench_.daemon.on_reactor([&] { return x().claim_kind() == ClaimKind::none; });
   }
   void let_go() {
     bench_.daemon.on_reactor([&] { return wire().release(), 0; });

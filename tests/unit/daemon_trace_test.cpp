@@ -66,11 +66,12 @@ TEST_F(DaemonTrace, NamesABusThatThereIsNot) {
 }
 
 TEST_F(DaemonTrace, ClientsAreRememberedByTheirNames) {
-  const auto first = bench.gateway->enter("process 1");
+  const auto first = bench.gateway->add_client("process 1");
   EXPECT_EQ(bench.gateway->name_of_client(first.number), "process 1");
-  bench.gateway->leave(first.number);
+  bench.gateway->remove_client(first.number);
   EXPECT_EQ(bench.gateway->name_of_client(first.number), "process 1");
-  for (int i = 0; i < 1000; ++i) bench.gateway->leave(bench.gateway->enter("another").number);
+  for (int i = 0; i < 1000; ++i)
+    bench.gateway->remove_client(bench.gateway->add_client("another").number);
   EXPECT_EQ(bench.gateway->name_of_client(first.number), "client " + std::to_string(first.number));
 }
 

@@ -15,20 +15,20 @@ using testing::HasSubstr;
 constexpr ModuleAddress module{1};
 constexpr DataLoggerInfo usual{4, 8192, 1000};
 
-CaptureWish wish(std::size_t channels = 1) {
-  CaptureWish all;
+CaptureRequest request(std::size_t channels = 1) {
+  CaptureRequest all;
   for (std::size_t i = 0; i < channels; ++i)
     all.channels.push_back(capture_channel(0, static_cast<std::uint8_t>(i)));
   return all;
 }
 
-std::string objection(const CaptureWish& wish) {
-  const auto setup = plan_capture(usual, wish);
+std::string objection(const CaptureRequest& request) {
+  const auto setup = plan_capture(usual, request);
   return setup ? "" : setup.error().message;
 }
 
 TEST(CapturePlan, FillsTheBufferAtFullRateIfNothingElseIsSaid) {
-  const auto setup = plan_capture(usual, wish(3));
+  const auto setup = plan_capture(usual, request(3));
   ASSERT_TRUE(setup);
   EXPECT_EQ(setup->samples, 2730U);
   EXPECT_EQ(setup->divider, 1U);
@@ -36,7 +36,7 @@ TEST(CapturePlan, FillsTheBufferAtFullRateIfNothingElseIsSaid) {
 }
 
 TEST(CapturePlan, TakesRatesThatDivideThatOfTheModule) {
-  auto asked = wish();
+  auto asked = request();
   for (const auto& [rate, divider] :
        {std::pair{1000.0, 1U}, {500.0, 2U}, {333.333, 3U}, {0.1, 10'000U}}) {
     asked.rate_hz = rate;
@@ -56,10 +56,10 @@ TEST(CapturePlan, TakesRatesThatDivideThatOfTheModule) {
 }
 
 TEST(CapturePlan, SaysHowMuchThereIsRoomFor) {
-  EXPECT_THAT(objection(wish(5)),
+  EXPECT_THAT(objection(request(5)),
               HasSubstr("5 channels are to be recorded, and the module can record 1 to 4"));
-  EXPECT_THAT(objection(wish(0)), HasSubstr("0 channels"));
-  auto asked = wish(2);
+  EXPECT_THAT(objection(request(0)), HasSubstr("0 channels"));
+  auto asked = request(2);
   asked.samples = 5000;
   EXPECT_THAT(objection(asked),
               HasSubstr("are 10000 values, and the buffer of the module holds 8192: 1 to 4096"));
@@ -68,7 +68,7 @@ TEST(CapturePlan, SaysHowMuchThereIsRoomFor) {
 }
 
 TEST(CapturePlan, KeepsOneSampleForTheTrigger) {
-  auto asked = wish();
+  auto asked = request();
   asked.pretrigger_percent = 20;
   EXPECT_THAT(objection(asked), HasSubstr("without a trigger"));
   asked.trigger = CaptureTrigger{capture_channel(0, 3), Trigger::rising_signed, 100};
@@ -80,8 +80,8 @@ TEST(CapturePlan, KeepsOneSampleForTheTrigger) {
 class Capture : public testing::Test {
  protected:
   Capture() { test::give_data_logger(bus.add_module(1), bus.clock()); }
-  void start(const CaptureWish& wish) {
-    const auto setup = plan_capture(usual, wish);
+  void start(const CaptureRequest& request) {
+    const auto setup = plan_capture(usual, request);
     ASSERT_TRUE(setup);
     const auto started = bus.run(verbs::start_capture(module, *setup));
     ASSERT_TRUE(started) << describe(started.error());
@@ -110,7 +110,7 @@ TEST_F(Capture, AModuleWithoutCommand142IsSaidToHaveNone) {
 }
 
 TEST_F(Capture, ReadsWhatTheModuleHasRecorded) {
-  auto asked = wish(2);
+  auto asked = request(2);
   asked.samples = 50;
   asked.rate_hz = 500;
   const auto begun = bus.clock().now();
@@ -131,7 +131,7 @@ TEST_F(Capture, ReadsWhatTheModuleHasRecorded) {
 }
 
 TEST_F(Capture, CanBeTakenUpAgainByWhoeverKnowsWhatItIs) {
-  auto asked = wish(2);
+  auto asked = request(2);
   asked.samples = 10;
   const auto setup = *plan_capture(usual, asked);
   EXPECT_THAT(bus.run(verbs::match_capture(module, setup)).error().message,
@@ -139,7 +139,7 @@ TEST_F(Capture, CanBeTakenUpAgainByWhoeverKnowsWhatItIs) {
   start(asked);
   EXPECT_TRUE(bus.run(verbs::match_capture(module, setup)));
   for (const std::size_t channels : {1U, 3U}) {
-    const auto other = *plan_capture(usual, wish(channels));
+    const auto other = *plan_capture(usual, request(channels));
     EXPECT_THAT(bus.run(verbs::match_capture(module, other)).error().message,
                 HasSubstr("records something else"));
   }
@@ -148,7 +148,7 @@ TEST_F(Capture, CanBeTakenUpAgainByWhoeverKnowsWhatItIs) {
 }
 
 TEST_F(Capture, ATriggerThatIsIgnoredIsAnError) {
-  auto asked = wish();
+  auto asked = request();
   asked.trigger = CaptureTrigger{{}, Trigger::rising_signed, 0};
   const auto started = bus.run(verbs::start_capture(module, *plan_capture(usual, asked)));
   ASSERT_FALSE(started);
@@ -157,7 +157,7 @@ TEST_F(Capture, ATriggerThatIsIgnoredIsAnError) {
 
 // A channel that was set twice would be recorded twice.
 TEST_F(Capture, WhatIsLostOnTheWayIsSetUpAnew) {
-  auto asked = wish(2);
+  auto asked = request(2);
   asked.samples = 10;
   for (const auto fault : test::all_faults) {
     for (std::size_t datagram = 0; datagram < 8; ++datagram) {

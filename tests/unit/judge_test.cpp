@@ -16,6 +16,7 @@
 
 #include "gateway/authority/gaps.hpp"
 #include "gateway/authority/judge.hpp"
+#include "support/build_paths.hpp"
 #include "tmcl/address.hpp"
 #include "tmcl/command.hpp"
 #include "tmcl/datagram.hpp"
@@ -49,7 +50,7 @@ struct Caller {
   Makes makes;
 };
 
-void claim(Case& it, Mover mover, std::uint64_t call) {
+void claim(Case& it, ClaimKind mover, std::uint64_t call) {
   it.state.claimed_for = mover;
   it.state.claimed_by = call;
 }
@@ -58,10 +59,10 @@ const std::array<Caller, 5>& callers() {
   static const std::array<Caller, 5> all{{
       {"a client", [](Case&) {}},
       {"the holder of the axis' lease", [](Case& it) { it.state.leased_to = this_client; }},
-      {"the call that leads the axis", [](Case& it) { claim(it, Mover::path, this_call); }},
+      {"the call that leads the axis", [](Case& it) { claim(it, ClaimKind::path, this_call); }},
       {"the call that searches",
        [](Case& it) {
-         claim(it, Mover::search, this_call);
+         claim(it, ClaimKind::search, this_call);
          it.state.searched_by = this_call;
        }},
       {"the gateway, for no call", [](Case& it) { it.permit = {}; }},
@@ -81,13 +82,13 @@ enum Group : int { claims, leases, turnings, alone };
 const std::vector<State>& states() {
   static const std::vector<State> all{
       {"another call leads the axis on a path, in a Mint program or in a test", claims,
-       [](Case& it) { claim(it, Mover::path, other_call); }},
+       [](Case& it) { claim(it, ClaimKind::path, other_call); }},
       {"a stop is not certain to have been obeyed", claims,
-       [](Case& it) { claim(it, Mover::stop, other_call); }},
+       [](Case& it) { claim(it, ClaimKind::stop, other_call); }},
       {"another call leads the axis on a line", claims,
-       [](Case& it) { claim(it, Mover::line, other_call); }},
+       [](Case& it) { claim(it, ClaimKind::line, other_call); }},
       {"another call searches the reference", claims,
-       [](Case& it) { claim(it, Mover::search, other_call); }},
+       [](Case& it) { claim(it, ClaimKind::search, other_call); }},
       {"the daemon ends", alone, [](Case& it) { it.state.is_ending = true; }},
       {"a stop came in after the call", alone,
        [](Case& it) { it.state.last_stop = this_call + 1; }},
@@ -126,7 +127,7 @@ const std::vector<State>& states() {
 bool is_possible(const Caller& caller, const State& state) {
   Case it;
   caller.makes(it);
-  const bool has_claim = it.state.claimed_for != Mover::nobody;
+  const bool has_claim = it.state.claimed_for != ClaimKind::none;
   const bool has_lease = it.state.leased_to != 0;
   return !(has_claim && state.group == claims) && !(has_lease && state.group == leases);
 }

@@ -64,8 +64,8 @@ class LastMoment : public testing::Test {
   }
 
   VirtualGateway bench_;
-  Client mover_ = bench_.gateway().enter("mover");
-  Client other_ = bench_.gateway().enter("other");
+  Client mover_ = bench_.gateway().add_client("mover");
+  Client other_ = bench_.gateway().add_client("other");
   std::vector<RpcResult> asked_;
   std::vector<RpcResult> results_;
 };
@@ -86,7 +86,7 @@ TEST_F(LastMoment, NothingSetsAnAxisThatWasLeasedMeanwhile) {
 }
 
 TEST_F(LastMoment, NothingMovesForAClientThatHasGoneMeanwhile) {
-  EXPECT_NE(error_of_move([this] { bench_.gateway().leave(mover_.number); }), "");
+  EXPECT_NE(error_of_move([this] { bench_.gateway().remove_client(mover_.number); }), "");
   EXPECT_EQ(moves(), 0U);
 }
 
@@ -94,7 +94,7 @@ TEST_F(LastMoment, NothingMovesAnAxisThatWasClaimedMeanwhile) {
   std::optional<Claim> claim;
   const auto name = error_of_move([&] {
     const auto& axis = bench_.gateway().axes().front();
-    claim = axis->claim({Mover::path, bench_.gateway().admit(other_.number)});
+    claim = axis->claim({ClaimKind::path, bench_.gateway().admit(other_.number)});
   });
   EXPECT_EQ(name, "axis_claimed");
   EXPECT_EQ(moves(), 0U);

@@ -99,7 +99,7 @@ class PlanningTurns : public JourneyBench, public testing::Test {
 
   std::shared_ptr<Peer> client() {
     auto peer = std::make_shared<WorldPeer>(trace_);
-    peer->number = gateway->enter("client").number;
+    peer->number = gateway->add_client("client").number;
     return peer;
   }
   Answer begin(const std::shared_ptr<Peer>& peer, std::string_view method, json::object params) {

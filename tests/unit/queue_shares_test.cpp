@@ -74,8 +74,8 @@ class Flood : public testing::Test {
 
   std::vector<RpcResult> flood_;
   VirtualGateway bench_;
-  Client flooder_ = bench_.gateway().enter("flooder");
-  Client other_ = bench_.gateway().enter("other");
+  Client flooder_ = bench_.gateway().add_client("flooder");
+  Client other_ = bench_.gateway().add_client("other");
 };
 
 TEST_F(Flood, CostsNobodyElseAReading) {

@@ -33,7 +33,7 @@ class Turns : public testing::Test {
   /// Clients that keep so many settings in progress each.
   void flood(std::size_t clients, std::size_t each) {
     for (std::size_t i = 0; i < clients; ++i) {
-      bench_.client = bench_.gateway().enter("flooder " + std::to_string(i));
+      bench_.client = bench_.gateway().add_client("flooder " + std::to_string(i));
       for (std::size_t one = 0; one < each; ++one)
         bench_.begin_call("parameter.set",
                           {{"axis", one % 2 == 0 ? "x" : "y"},
@@ -41,7 +41,7 @@ class Turns : public testing::Test {
                            {"value", 1000 + one}},
                           answers_);
     }
-    bench_.client = bench_.gateway().enter("reader");
+    bench_.client = bench_.gateway().add_client("reader");
     bench_.time.run_for(300ms);
   }
   /// How many exchanges there were while this was asked.

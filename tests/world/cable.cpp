@@ -41,7 +41,7 @@ void CableBench::start_gateway(const std::string& journal, const std::string& de
     if (event.kind == GatewayEvent::Kind::orphan_stopped) orphans.push_back(event.text);
     events.emplace_back(name_of(event.kind));
   });
-  peer_->number = gateway_->enter("client").number;
+  peer_->number = gateway_->add_client("client").number;
   gateway_->start();
   time.run_for(std::chrono::seconds(1));
 }
@@ -54,7 +54,7 @@ void CableBench::other_master(const tmcl::Request& request) {
 
 void CableBench::be_another_client() {
   peer_ = std::make_shared<WorldPeer>(trace_);
-  peer_->number = gateway_->enter("client").number;
+  peer_->number = gateway_->add_client("client").number;
 }
 
 void CableBench::end_gateway() {

@@ -34,7 +34,7 @@ class CableBench {
   void start_gateway(const std::string& journal = {}, const std::string& deadmen = {});
   /// Of a host that tmcld knows nothing of.
   void other_master(const tmcl::Request& request);
-  void client_leaves() { gateway_->leave(peer_->number); }
+  void client_leaves() { gateway_->remove_client(peer_->number); }
   Gateway& gateway() { return *gateway_; }
   /// Who has called until now stays.
   void be_another_client();

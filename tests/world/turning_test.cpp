@@ -223,7 +223,7 @@ void end_searches(Scene& scene) {
     if (scene.module.axis(motor).search_step() == 0) continue;
     const auto axis = scene.gateway().find_axis(*scene.gateway().buses().front(),
                                                 {tmcl::ModuleAddress{1}, motor});
-    EXPECT_TRUE(axis && axis->mover() == Mover::search) << int{motor};
+    EXPECT_TRUE(axis && axis->claim_kind() == ClaimKind::search) << int{motor};
     scene.other_master(request_of(Command::RFS, 1, motor));
   }
 }

@@ -84,7 +84,7 @@ class World {
     using namespace std::chrono_literals;
     all_ended_ = time_.run_while_not([this] { return ended_ == trouble_.clients; }, 10min);
     // An axis that could not be stopped may need longer: who insists on that is no line.
-    const auto is_on_line = [](const auto& axis) { return axis->mover() == Mover::line; };
+    const auto is_on_line = [](const auto& axis) { return axis->claim_kind() == ClaimKind::line; };
     journeys_ended_ = time_.run_while_not(
         [&] { return std::ranges::none_of(gateway_->axes(), is_on_line); }, 20min);
     // Whoever asked for it is gone.
@@ -148,7 +148,7 @@ class World {
   boost::asio::awaitable<void> client(int index) {
     auto random = generator(seed_, "client " + std::to_string(index));
     const auto peer = std::make_shared<WorldPeer>(trace_);
-    peer->number = gateway_->enter().number;
+    peer->number = gateway_->add_client().number;
     if (trouble_.deaths) spawn(context_.get_executor(), die_at_times(index, peer));
     for (int i = 0; i < trouble_.calls; ++i) {
       co_await rest(std::chrono::microseconds(random.any_size(200'000)));
@@ -165,7 +165,7 @@ class World {
 
   void leave(const WorldPeer& peer) {
     ledger_.on_leave(peer.number, now());
-    if (trouble_.canary != Canary::owner_not_missed) gateway_->leave(peer.number);
+    if (trouble_.canary != Canary::owner_not_missed) gateway_->remove_client(peer.number);
   }
 
   void look_at_places(Wire& wire) {
@@ -233,7 +233,7 @@ class World {
       co_await rest(std::chrono::milliseconds(random.between(100, 5'000)));
       if (peer->has_ended) break;
       leave(*peer);
-      peer->number = gateway_->enter().number;
+      peer->number = gateway_->add_client().number;
     }
   }
 

@@ -88,7 +88,7 @@ void Context::sleep(tmcl::Duration duration) {
   host.sleep(duration);
 }
 
-Result<void> see_through(Context& context, bool tell) {
+Result<void> wait_for_motion_to_end(Context& context, bool tell) {
   // Those of tmcld are watched by tmcld.
   if (context.gateway.own == nullptr) return {};
   auto& local = context.gateway.own->local();

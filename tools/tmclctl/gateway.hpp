@@ -73,7 +73,7 @@ struct Context {
 
 /// Stays until axes that this process has to watch stand and have their settings back; tells that
 /// first, if asked to. Errors: a signal came, and the axes were stopped.
-Result<void> see_through(Context& context, bool tell);
+Result<void> wait_for_motion_to_end(Context& context, bool tell);
 
 // ---- the two ways ----
 

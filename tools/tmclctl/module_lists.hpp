@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "axis_names.hpp"
 #include "gateway.hpp"
-#include "names.hpp"
 #include "tmcl/api/module.hpp"
 
 namespace tmclctl {

@@ -9,7 +9,7 @@
 #include <CLI/Config.hpp>
 #include <CLI/Formatter.hpp>
 
-#include "following.hpp"
+#include "arrival_wait.hpp"
 #include "help_text.hpp"
 #include "options/grammar.hpp"
 #include "profile/generators.hpp"

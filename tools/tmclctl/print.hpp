@@ -7,9 +7,9 @@
 
 #include <boost/json/object.hpp>
 
+#include "quantity_text.hpp"
 #include "readings.hpp"
 #include "screen.hpp"
-#include "shown.hpp"
 #include "tmcl/api/parameter.hpp"
 
 namespace tmclctl {

@@ -75,7 +75,7 @@ VerbResult run_on_gateway(const V& verb, const Where& where, Output& output, Hos
   auto result = run(verb, context);
   bool waited = false;
   if constexpr (std::is_same_v<V, verb::Line>) waited = verb.wait && result;
-  const auto seen = see_through(context, !waited);
+  const auto seen = wait_for_motion_to_end(context, !waited);
   if (!seen) return tl::unexpected(seen.error());
   return result;
 }

@@ -70,7 +70,8 @@ tmcl::Setpoint AxisAdmission::setpoint_of(std::uint8_t parameter) const {
 bool AxisAdmission::needs_free_axis(const AxisAction& action) const {
   const auto* write = std::get_if<action::Write>(&action);
   // A path depends on the settings of its axes; other movements have read them.
-  return write == nullptr || axis_.bus().motors().claimant_of(axis_.address()).by == Mover::path ||
+  return write == nullptr ||
+         axis_.bus().motors().claim_owner_of(axis_.address()).by == ClaimKind::path ||
          setpoint_of(write->parameter) != tmcl::Setpoint::none;
 }
 

@@ -67,7 +67,7 @@ class AxisAdmission {
   template <class T>
   using Script = tmcl::Script<tmcl::Result<T>>;
 
-  AxisAdmission(AxisAccess& axis, AxisUnits& units) : axis_(axis), units_(units) {}
+  AxisAdmission(AxisContext& axis, AxisUnits& units) : axis_(axis), units_(units) {}
 
   /// The right of a call to move the axis, until the axis is stopped.
   RunOptions begin_movement(Permit permit, Deadline deadline) const;
@@ -104,7 +104,7 @@ class AxisAdmission {
   const std::optional<tmcl::SoftLimits>& limits() const { return axis_.config().scale.limits; }
   tmcl::Error beyond_soft_limit(const std::string& what, std::string hint) const;
 
-  AxisAccess& axis_;
+  AxisContext& axis_;
   AxisUnits& units_;
 };
 

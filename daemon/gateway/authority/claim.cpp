@@ -29,20 +29,22 @@ awaitable<std::optional<AxisFailure>> look(const Axes& axes, Permit permit) {
 bool can_end_soon(const AxisFailure& failure, const Axes& axes) {
   if (failure.error.code != tmcl::Errc::axis_claimed) return false;
   const auto axis = std::ranges::find(axes, failure.axis, &GatewayAxis::name);
-  return axis != axes.end() && (*axis)->mover() != Mover::search;
+  return axis != axes.end() && (*axis)->claim_kind() != ClaimKind::search;
 }
 
 bool are_free(const Axes& axes) {
-  return std::ranges::all_of(axes, [](const auto& axis) { return axis->mover() == Mover::nobody; });
+  return std::ranges::all_of(
+      axes, [](const auto& axis) { return axis->claim_kind() == ClaimKind::none; });
 }
 
 }  // namespace
 
-awaitable<tl::expected<std::vector<Claim>, AxisFailure>> claim_all(Axes axes, Claimant claimant) {
+awaitable<tl::expected<std::vector<Claim>, AxisFailure>> claim_all(Axes axes,
+                                                                   ClaimOwner claim_owner) {
   tmcl::Timer timer(co_await boost::asio::this_coro::executor);
   const auto limit = timer.now() + Motors::time_to_be_free;
   while (true) {
-    auto failure = co_await look(axes, claimant.of);
+    auto failure = co_await look(axes, claim_owner.of);
     // While one of them was looked at, another may have been claimed.
     if (!failure && are_free(axes)) break;
     const bool waits = timer.now() < limit;
@@ -52,7 +54,7 @@ awaitable<tl::expected<std::vector<Claim>, AxisFailure>> claim_all(Axes axes, Cl
     co_await timer.async_wait(boost::asio::use_awaitable);
   }
   std::vector<Claim> claims;
-  for (const auto& axis : axes) claims.push_back(axis->claim(claimant));
+  for (const auto& axis : axes) claims.push_back(axis->claim(claim_owner));
   co_return claims;
 }
 

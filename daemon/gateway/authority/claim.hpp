@@ -21,6 +21,6 @@ struct AxisFailure {
 /// settings back. The claims come in the order of the axes.
 /// Errors: those of GatewayAxis::be_free(); nothing is claimed then.
 boost::asio::awaitable<tl::expected<std::vector<Claim>, AxisFailure>> claim_all(
-    std::vector<std::shared_ptr<GatewayAxis>> axes, Claimant claimant);
+    std::vector<std::shared_ptr<GatewayAxis>> axes, ClaimOwner claim_owner);
 
 }  // namespace tmcld

@@ -58,16 +58,16 @@ void say_that_it_is_owed(tmcl::Error& error) {
 }
 
 /// The call that sends a request may end at any time: it is on its way for as long as this lives.
-class OnItsWay {
+class MoveInFlight {
  public:
-  OnItsWay(Motors& motors, GatewayModule* module, const tmcl::Request& request, Permit of)
+  MoveInFlight(Motors& motors, GatewayModule* module, const tmcl::Request& request, Permit of)
       : motors_(motors), module_(module), request_(request) {
     motors_.begin(request_, of);
     if (module_ != nullptr) module_->note_sending(request_);
   }
-  OnItsWay(const OnItsWay&) = delete;
-  OnItsWay& operator=(const OnItsWay&) = delete;
-  ~OnItsWay() {
+  MoveInFlight(const MoveInFlight&) = delete;
+  MoveInFlight& operator=(const MoveInFlight&) = delete;
+  ~MoveInFlight() {
     motors_.end(request_);
     if (module_ != nullptr) note_broken_off();
   }
@@ -241,9 +241,9 @@ Gate::Script<void> Gate::keep_limits(tmcl::Request request) {
 Gate::Script<tmcl::Answer> Gate::send_once(tmcl::step::Exchange exchange, Conduct& conduct) {
   const auto request = exchange.request;
   conduct.module = watched_module(exchange);
-  std::optional<OnItsWay> on_its_way;
+  std::optional<MoveInFlight> in_flight;
   auto* module = bus_.find_module(request.address);
-  if (moves(exchange)) on_its_way.emplace(motors_, module, request, conduct.options.permit);
+  if (moves(exchange)) in_flight.emplace(motors_, module, request, conduct.options.permit);
   ModuleMarks::Mark change;
   if (intent_of(request).changes_coordinates)
     change = motors_.coordinates().changes.set(request.address);
@@ -272,8 +272,8 @@ Gate::Script<tmcl::Answer> Gate::send_once(tmcl::step::Exchange exchange, Conduc
   if (answer) owed_stops_.remove(request);
   if (conduct.owes_stop) say_that_it_is_owed(answer.error());
   if (conduct.owes_stop && module != nullptr) module->note(answer.error());
-  if (on_its_way) on_its_way->note(answer);
-  on_its_way.reset();
+  if (in_flight) in_flight->note(answer);
+  in_flight.reset();
   if (module != nullptr) module->note_sent(request);
   motors_.note(request, answer, before);
   for (const auto& limits : limits_) limits->note(request, answer);
@@ -289,7 +289,8 @@ void Gate::tell_setting(const tmcl::Request& request, const Motors::Before& befo
   const bool is_known = request.command == tmcl::Command::SAP;
   const bool sets =
       is_known || request.command == tmcl::Command::RSAP || request.command == tmcl::Command::AAP;
-  const bool is_of_client = before.of.number != 0 && before.of.number != before.claimant.of.number;
+  const bool is_of_client =
+      before.of.number != 0 && before.of.number != before.claim_owner.of.number;
   if (!sets || !is_of_client || !on_setting_) return;
   on_setting_({request.address, request.motor}, request.type,
               is_known ? std::optional(request.value) : std::nullopt);
@@ -347,8 +348,8 @@ void Gate::write_journal() const {
 
 void Gate::tell_paid(const tmcl::Request& stop) {
   const tmcl::AxisAddress motor{stop.address, stop.motor};
-  const auto by = motors_.claimant_of(motor).by;
-  const bool is_led = by != Mover::nobody && by != Mover::search;
+  const auto by = motors_.claim_owner_of(motor).by;
+  const bool is_led = by != ClaimKind::none && by != ClaimKind::search;
   if (stop.command != tmcl::Command::MST || is_led) return;
   GatewayEvent event{GatewayEvent::Kind::axis_stopped, bus_.name(), number(motor.module),
                      1 << motor.motor};

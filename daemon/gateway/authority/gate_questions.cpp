@@ -42,10 +42,10 @@ Gate::Script<void> Gate::may_send(tmcl::Request request, Permit permit, Asks ask
 
 /// Another call can see an axis at the end of its line before the line does.
 Gate::Script<void> Gate::see_end_of_line(tmcl::AxisAddress motor) {
-  const auto claimant = motors_.claimant_of(motor);
+  const auto claim_owner = motors_.claim_owner_of(motor);
   const bool ends = co_await has_arrived(motor);
   const auto looks = ends ? Motors::time_to_be_free / claim_look_interval : 0;
-  for (auto i = looks; i > 0 && motors_.claimant_of(motor) == claimant; --i)
+  for (auto i = looks; i > 0 && motors_.claim_owner_of(motor) == claim_owner; --i)
     co_await tmcl::pause(claim_look_interval);
   co_return tmcl::Result<void>{};
 }
@@ -90,7 +90,7 @@ std::vector<tmcl::step::Exchange> questions_about_search(tmcl::AxisAddress motor
 
 /// A module that cannot tell whether it searches locks no client out.
 Gate::Script<void> Gate::see_search_end(tmcl::AxisAddress motor) {
-  const auto claimant = motors_.claimant_of(motor);
+  const auto claim_owner = motors_.claim_owner_of(motor);
   const auto answers = co_await exchange_all(questions_about_search(motor));
   for (const auto& answer : answers) {
     if (answer || answer.error().outcome == tmcl::Outcome::refused) continue;
@@ -98,13 +98,13 @@ Gate::Script<void> Gate::see_search_end(tmcl::AxisAddress motor) {
     error.outcome = tmcl::Outcome::not_sent;
     co_return tl::unexpected(std::move(error));
   }
-  if (motors_.claimant_of(motor) != claimant) co_return tmcl::Result<void>{};
+  if (motors_.claim_owner_of(motor) != claim_owner) co_return tmcl::Result<void>{};
   const auto& status = answers.front();
   if (status && status->reply.value != 0)
     co_return tl::unexpected(motors_.refusal(motor, Obstacle::claimed_by_search));
   const auto is_zero = [](const auto& answer) { return answer && answer->reply.value == 0; };
   if (std::ranges::all_of(answers, is_zero)) motors_.set_referenced(motor);
-  motors_.release(motor, claimant.of);
+  motors_.release(motor, claim_owner.of);
   co_return tmcl::Result<void>{};
 }
 

@@ -16,9 +16,9 @@ struct Case {
   bool moves() const { return intent.effect == tmcl::Effect::moves; }
   bool is_led() const { return leads(state, permit); }
   bool is_claimed() const {
-    return state.claimed_for != Mover::nobody && state.claimed_by != permit.number;
+    return state.claimed_for != ClaimKind::none && state.claimed_by != permit.number;
   }
-  bool is_claimed_for(Mover mover) const { return is_claimed() && state.claimed_for == mover; }
+  bool is_claimed_for(ClaimKind kind) const { return is_claimed() && state.claimed_for == kind; }
 };
 
 struct Row {
@@ -36,8 +36,8 @@ constexpr bool of_now = false;
 constexpr auto rows = std::to_array<Row>({
     {Obstacle::claimed, Ruling::refuse, of_now,
      [](const Case& it) {
-       return it.moves() && it.is_claimed() && !it.is_claimed_for(Mover::search) &&
-              !it.is_claimed_for(Mover::line);
+       return it.moves() && it.is_claimed() && !it.is_claimed_for(ClaimKind::search) &&
+              !it.is_claimed_for(ClaimKind::line);
      }},
     {Obstacle::daemon_ends, Ruling::refuse, of_right,
      [](const Case& it) { return it.moves() && it.state.is_ending; }},
@@ -86,9 +86,9 @@ constexpr auto rows = std::to_array<Row>({
        return it.moves() && needs_reference && it.state.misses_reference;
      }},
     {Obstacle::claimed_by_search, Ruling::ask, of_now,
-     [](const Case& it) { return it.moves() && it.is_claimed_for(Mover::search); }},
+     [](const Case& it) { return it.moves() && it.is_claimed_for(ClaimKind::search); }},
     {Obstacle::claimed_by_line, Ruling::ask, of_now,
-     [](const Case& it) { return it.moves() && it.is_claimed_for(Mover::line); }},
+     [](const Case& it) { return it.moves() && it.is_claimed_for(ClaimKind::line); }},
     {Obstacle::turns_for_other, Ruling::ask, of_now,
      [](const Case& it) {
        const auto owner = it.state.leased_to != 0 ? 0 : it.state.turns_for;
@@ -109,7 +109,7 @@ Verdict first_of(const Case& it, bool only_of_right) {
 }  // namespace
 
 bool leads(const MotorState& state, const Permit& permit) {
-  return state.claimed_for != Mover::nobody && state.claimed_for != Mover::search &&
+  return state.claimed_for != ClaimKind::none && state.claimed_for != ClaimKind::search &&
          state.claimed_by == permit.number;
 }
 

@@ -30,8 +30,8 @@ struct Permit {
 };
 
 /// What a call does that claims an axis.
-enum class Mover : std::uint8_t {
-  nobody,
+enum class ClaimKind : std::uint8_t {
+  none,
   line,
   path,
   mint,
@@ -49,7 +49,7 @@ struct MotorState {
   std::uint64_t last_stop = 0;    ///< Of this motor, or of all.
   std::uint64_t last_stale = 0;   ///< The last call from before a gap of the reactor.
   tmcl::TimePoint turned_last{};  ///< The reactor; never: it has not begun to.
-  Mover claimed_for = Mover::nobody;
+  ClaimKind claimed_for = ClaimKind::none;
   std::uint64_t claimed_by = 0;  ///< The number of the call.
   std::uint64_t leased_to = 0;   ///< A client; 0: it is not leased.
   std::uint64_t last_loss = 0;   ///< Of a lease.

@@ -20,18 +20,18 @@ Motors& motors_of(const GatewayAxis& axis) { return axis.bus().motors(); }
 
 /// The owner of an axis that turns may take a lease of it.
 bool is_free_for(const GatewayAxis& axis, const Client& client) {
-  const auto tenant = motors_of(axis).tenant_of(axis.address());
-  return tenant.client == 0 || (tenant.lease == 0 && tenant.client == client.number);
+  const auto holder = motors_of(axis).holder_of(axis.address());
+  return holder.client == 0 || (holder.lease == 0 && holder.client == client.number);
 }
 
 std::optional<AxisFailure> conflict(const Axes& axes, const Client& client) {
   for (const auto& axis : axes) {
     if (!is_free_for(*axis, client)) {
-      const bool is_leased = motors_of(*axis).tenant_of(axis->address()).lease != 0;
+      const bool is_leased = motors_of(*axis).holder_of(axis->address()).lease != 0;
       const auto because = is_leased ? Obstacle::leased : Obstacle::turns_for_other;
       return AxisFailure{motors_of(*axis).refusal(axis->address(), because), axis->name()};
     }
-    if (axis->mover() != Mover::nobody) return AxisFailure{axis->claimed(), axis->name()};
+    if (axis->claim_kind() != ClaimKind::none) return AxisFailure{axis->claimed(), axis->name()};
   }
   return std::nullopt;
 }
@@ -125,7 +125,7 @@ void Leases::release(std::int32_t number) {
 }
 
 const Lease* Leases::of(const GatewayAxis& axis) const {
-  const auto found = leases_.find(motors_of(axis).tenant_of(axis.address()).lease);
+  const auto found = leases_.find(motors_of(axis).holder_of(axis.address()).lease);
   return found == leases_.end() ? nullptr : &found->second;
 }
 

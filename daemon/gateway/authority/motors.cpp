@@ -31,16 +31,17 @@ bool ends_turning(Motion motion) {
          motion == Motion::stops || motion == Motion::searches;
 }
 
-std::string_view words_for(Mover by) {
+std::string_view words_for(ClaimKind by) {
   switch (by) {
-    case Mover::nobody: break;
-    case Mover::line: return "is on its way along a line";
-    case Mover::path: return "is on its way along a path";
-    case Mover::mint: return "is moved by a Mint program";
-    case Mover::search: return "searches its reference";
-    case Mover::deadman_test: return "moves to test the deadman of its module";
-    case Mover::verification: return "moves so that its module can be verified";
-    case Mover::stop: return "could not be stopped, and is stopped until its module says it stands";
+    case ClaimKind::none: break;
+    case ClaimKind::line: return "is on its way along a line";
+    case ClaimKind::path: return "is on its way along a path";
+    case ClaimKind::mint: return "is moved by a Mint program";
+    case ClaimKind::search: return "searches its reference";
+    case ClaimKind::deadman_test: return "moves to test the deadman of its module";
+    case ClaimKind::verification: return "moves so that its module can be verified";
+    case ClaimKind::stop:
+      return "could not be stopped, and is stopped until its module says it stands";
   }
   return "is not moved by anybody";
 }
@@ -87,9 +88,9 @@ MotorState Motors::state_of(AxisAddress motor, Permit permit) const {
   if (found == motors_.end()) return state;
   const auto& it = found->second;
   state.last_stop = std::max(state.last_stop, it.last_stop);
-  state.claimed_for = it.claimant.by;
-  state.claimed_by = it.claimant.of.number;
-  state.leased_to = it.tenant.client;
+  state.claimed_for = it.claim_owner.by;
+  state.claimed_by = it.claim_owner.of.number;
+  state.leased_to = it.holder.client;
   state.last_loss = it.last_loss;
   state.turns_for = it.turning.client;
   state.is_latched = !it.latch_cause.empty();
@@ -134,7 +135,7 @@ tmcl::Error Motors::refusal(AxisAddress motor, Obstacle because) const {
     case Obstacle::claimed:
     case Obstacle::claimed_by_search:
     case Obstacle::claimed_by_line:
-      return error(Errc::axis_claimed, axis + " " + std::string(words_for(it.claimant.by)),
+      return error(Errc::axis_claimed, axis + " " + std::string(words_for(it.claim_owner.by)),
                    "wait for its end, or stop it");
     case Obstacle::daemon_ends: return error(Errc::daemon_ending, "the daemon is ending", {});
     case Obstacle::no_call:
@@ -153,7 +154,7 @@ tmcl::Error Motors::refusal(AxisAddress motor, Obstacle because) const {
                    "reference, or, when you know that it may move, say so: 'tmclctl recover " +
                        it.axis + "'");
     case Obstacle::leased:
-      return error(Errc::leased, axis + " is leased to " + it.tenant.name,
+      return error(Errc::leased, axis + " is leased to " + it.holder.name,
                    "wait until that releases it; a stop is always let through");
     case Obstacle::turns_for_other:
       return error(Errc::leased, axis + " turns for " + it.turning.name, "stop it first");
@@ -179,25 +180,25 @@ bool Motors::is_led_by(AxisAddress motor, Permit permit) const {
 
 // ---- leases ------------------------------------------------------------------------------------
 
-void Motors::lease(AxisAddress motor, Tenant tenant) {
-  if (is_axis(motor)) motors_.at(motor).tenant = std::move(tenant);
+void Motors::lease(AxisAddress motor, Holder holder) {
+  if (is_axis(motor)) motors_.at(motor).holder = std::move(holder);
 }
 
 void Motors::lose_lease(AxisAddress motor) {
   if (!is_axis(motor)) return;
   auto& lost = motors_.at(motor);
   // Whether it turns on without its owner, the lease has said.
-  if (lost.turning.client == lost.tenant.client) lost.turning.client = 0;
-  lost.tenant = {};
+  if (lost.turning.client == lost.holder.client) lost.turning.client = 0;
+  lost.holder = {};
   lost.last_loss = arrivals_->admit().number;
 }
 
-Tenant Motors::tenant_of(AxisAddress motor) const {
+Holder Motors::holder_of(AxisAddress motor) const {
   const auto found = motors_.find(motor);
   if (found == motors_.end()) return {};
-  const auto& tenant = found->second.tenant;
+  const auto& holder = found->second.holder;
   const auto& turning = found->second.turning;
-  return tenant.lease != 0 ? tenant : Tenant{turning.client, 0, turning.name};
+  return holder.lease != 0 ? holder : Holder{turning.client, 0, turning.name};
 }
 
 // ---- turning without end -----------------------------------------------------------------------
@@ -214,7 +215,7 @@ void TurningAttempt::withdraw() {
 }
 
 void Motors::turn(Motor& motor, Permit of) {
-  const bool has_owner = !of.unattended || motor.tenant.lease != 0;
+  const bool has_owner = !of.unattended || motor.holder.lease != 0;
   const auto owner = arrivals_->clients.find(has_owner ? of.client : 0);
   motor.turning = {++last_turning_, has_owner ? of.client : 0,
                    owner == arrivals_->clients.end() ? "" : owner->second};
@@ -229,8 +230,8 @@ std::vector<TurningAttempt> Motors::begin_turning(const std::set<AxisAddress>& m
 }
 
 TurningAttempt Motors::begin_turning(AxisAddress motor, Permit of) {
-  const auto tenant = tenant_of(motor);
-  const bool is_of_other = tenant.client != 0 && tenant.client != of.client;
+  const auto holder = holder_of(motor);
+  const bool is_of_other = holder.client != 0 && holder.client != of.client;
   if (is_of_other || is_led_by(motor, of)) return {};
   auto& it = motors_.at(motor);
   TurningAttempt attempt(*this, motor, it.turning);
@@ -291,7 +292,7 @@ void Motors::latch(tmcl::ModuleAddress module, const std::string& cause) {
     ++motor.latches;
     motor.searcher = {};
     motor.is_referenced = false;
-    if (const auto journey = motor.claimant.journey.lock()) journey->look();
+    if (const auto journey = motor.claim_owner.journey.lock()) journey->look();
   }
 }
 
@@ -332,7 +333,7 @@ bool Motors::is_axis(AxisAddress motor) const {
 
 void Motors::begin(const Request& request, Permit of) {
   on_their_way_.push_back(request);
-  if (starts_search(request)) note_claim({request.address, request.motor}, {Mover::search, of});
+  if (starts_search(request)) note_claim({request.address, request.motor}, {ClaimKind::search, of});
 }
 
 void Motors::end(const Request& request) {
@@ -380,7 +381,7 @@ bool Motors::was_sent_to_position(AxisAddress motor) const {
 }
 
 bool Motors::may_move(AxisAddress motor) const {
-  return moved_.contains(motor) || claimant_of(motor).by != Mover::nobody ||
+  return moved_.contains(motor) || claim_owner_of(motor).by != ClaimKind::none ||
          std::ranges::any_of(on_their_way_,
                              [&](const Request& request) { return can_move(request, motor); });
 }
@@ -391,7 +392,7 @@ std::vector<std::string> Motors::under_way() const {
     if (motor.axis.empty()) continue;
     const bool has_no_end = moved_.contains(address) && !motor.was_sent_to_position;
     const bool turns = turning_of(address).number != 0;
-    if (has_no_end || turns || motor.claimant.by != Mover::nobody) names.push_back(motor.axis);
+    if (has_no_end || turns || motor.claim_owner.by != ClaimKind::none) names.push_back(motor.axis);
   }
   return names;
 }
@@ -407,29 +408,29 @@ std::set<AxisAddress> Motors::others_that_may_move() const {
 
 void Claim::Release::operator()(Motors* motors) const { motors->release(motor, of); }
 
-void Motors::note_claim(AxisAddress motor, Claimant claimant) {
-  if (is_axis(motor)) motors_.at(motor).claimant = std::move(claimant);
+void Motors::note_claim(AxisAddress motor, ClaimOwner claim_owner) {
+  if (is_axis(motor)) motors_.at(motor).claim_owner = std::move(claim_owner);
 }
 
-Claim Motors::claim(AxisAddress motor, Claimant claimant) {
-  const auto of = claimant.of;
-  note_claim(motor, std::move(claimant));
+Claim Motors::claim(AxisAddress motor, ClaimOwner claim_owner) {
+  const auto of = claim_owner.of;
+  note_claim(motor, std::move(claim_owner));
   return {*this, motor, of};
 }
 
 void Motors::release(AxisAddress motor, Permit of) {
   const auto found = motors_.find(motor);
-  if (found != motors_.end() && found->second.claimant.of == of) found->second.claimant = {};
+  if (found != motors_.end() && found->second.claim_owner.of == of) found->second.claim_owner = {};
 }
 
-Claimant Motors::claimant_of(AxisAddress motor) const {
+ClaimOwner Motors::claim_owner_of(AxisAddress motor) const {
   const auto found = motors_.find(motor);
-  return found == motors_.end() ? Claimant{} : found->second.claimant;
+  return found == motors_.end() ? ClaimOwner{} : found->second.claim_owner;
 }
 
-std::ptrdiff_t Motors::claimed_by(Mover by) const {
+std::ptrdiff_t Motors::claimed_by(ClaimKind by) const {
   return std::ranges::count_if(motors_,
-                               [&](const auto& one) { return one.second.claimant.by == by; });
+                               [&](const auto& one) { return one.second.claim_owner.by == by; });
 }
 
 void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answer,
@@ -447,7 +448,7 @@ void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answ
     case tmcl::search_type::start: {
       const bool never_began = !answer && answer.error().outcome != tmcl::Outcome::unknown;
       if (never_began) {
-        release(motor, before.claimant.of);
+        release(motor, before.claim_owner.of);
       } else {
         recover(motor, latches(motor));
         // It may count from somewhere else at any time now.
@@ -456,7 +457,8 @@ void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answ
       return;
     }
     case tmcl::search_type::stop:
-      if (answer && before.claimant.by == Mover::search) release(motor, before.claimant.of);
+      if (answer && before.claim_owner.by == ClaimKind::search)
+        release(motor, before.claim_owner.of);
       return;
   }
 }

@@ -58,7 +58,7 @@ struct Arrivals {
 };
 
 /// Who alone may move a motor.
-struct Tenant {
+struct Holder {
   std::uint64_t client = 0;  ///< 0: there is none.
   std::int32_t lease = 0;    ///< 0: there is none.
   std::string name{};        ///< Of the client, for people.
@@ -71,11 +71,11 @@ struct Turning {
   std::string name{};        ///< Of the owner, for people.
 };
 
-struct Claimant {
-  Mover by = Mover::nobody;
+struct ClaimOwner {
+  ClaimKind by = ClaimKind::none;
   Permit of{};                          ///< The call that has begun it.
   std::weak_ptr<AwaitedRun> journey{};  ///< Whose end a client waits for.
-  bool operator==(const Claimant& other) const { return by == other.by && of == other.of; }
+  bool operator==(const ClaimOwner& other) const { return by == other.by && of == other.of; }
 };
 
 /// In the modes below that of velocity an axis goes to its target; in the one above it keeps the
@@ -174,15 +174,15 @@ class Motors {
   tmcl::Error refusal(tmcl::AxisAddress motor, Obstacle because) const;
 
   /// No other client moves the motor from now on; without a client, any may.
-  void lease(tmcl::AxisAddress motor, Tenant tenant);
+  void lease(tmcl::AxisAddress motor, Holder holder);
   /// The same; and calls that came in before this have no right to move it any more, but for those
   /// that lead it along a line or path.
   void lose_lease(tmcl::AxisAddress motor);
   /// With client 0 if it has none. Without a lease: the owner of its turning.
-  Tenant tenant_of(tmcl::AxisAddress motor) const;
+  Holder holder_of(tmcl::AxisAddress motor) const;
 
   /// The client of the call owns what it sets turning, from now on: before that is sent. None of
-  /// motors whose tenant is another client.
+  /// motors whose holder is another client.
   [[nodiscard]] std::vector<TurningAttempt> begin_turning(const std::set<tmcl::AxisAddress>& motors,
                                                           Permit of);
   /// It was found turning, and no client owns that.
@@ -221,12 +221,12 @@ class Motors {
   bool is_referenced(tmcl::AxisAddress motor) const;
   void set_referenced(tmcl::AxisAddress motor, bool is_referenced = true);
   /// The motor of an axis that is not claimed.
-  [[nodiscard]] Claim claim(tmcl::AxisAddress motor, Claimant claimant);
+  [[nodiscard]] Claim claim(tmcl::AxisAddress motor, ClaimOwner claim_owner);
   /// Nothing happens if the call has not claimed it.
   void release(tmcl::AxisAddress motor, Permit of);
-  Claimant claimant_of(tmcl::AxisAddress motor) const;
+  ClaimOwner claim_owner_of(tmcl::AxisAddress motor) const;
   /// How many motors are claimed like this.
-  std::ptrdiff_t claimed_by(Mover by) const;
+  std::ptrdiff_t claimed_by(ClaimKind by) const;
   /// A request that can move a motor is on its way, from begin() to end(): in the queue of the bus
   /// perhaps. A search claims the motor that it moves.
   void begin(const tmcl::Request& request, Permit of);
@@ -255,13 +255,13 @@ class Motors {
 
   /// How it was before a request was sent.
   struct Before {
-    Claimant claimant{};
+    ClaimOwner claim_owner{};
     std::uint64_t turnings = 0;  ///< The number of the last one.
     Permit of{};
     std::set<tmcl::AxisAddress> turned{};  ///< By the request.
   };
   Before before(const tmcl::Request& request, Permit of, const tmcl::Model* model) const {
-    return {claimant_of({request.address, request.motor}), last_turning_, of,
+    return {claim_owner_of({request.address, request.motor}), last_turning_, of,
             tmcl::motors_turned_by(request, model)};
   }
   /// Learns from what goes past whether reference searches run, and what turns.
@@ -274,8 +274,8 @@ class Motors {
     std::string axis{};  ///< Empty where there is none.
     std::uint64_t last_stop = 0;
     std::uint64_t last_loss = 0;  ///< Of a lease.
-    Claimant claimant{};
-    Tenant tenant{};  ///< By a lease.
+    ClaimOwner claim_owner{};
+    Holder holder{};  ///< By a lease.
     Turning turning{};
     int turning_attempts = 0;   ///< On their way.
     std::string latch_cause{};  ///< Empty: it is not latched.
@@ -287,7 +287,7 @@ class Motors {
   };
 
   bool is_axis(tmcl::AxisAddress motor) const;
-  void note_claim(tmcl::AxisAddress motor, Claimant claimant);
+  void note_claim(tmcl::AxisAddress motor, ClaimOwner claim_owner);
   void forget_other_motors();
   void note_moved(const tmcl::Request& request);
   void note_target(const tmcl::Request& request, const Before& before);

@@ -231,7 +231,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::stop(StopCause cause, std::uint64_t cl
   revoke_movements();
   note_stop(cause);
   expected_arrival_ = {};
-  const bool was_searching = mover() == Mover::search;
+  const bool was_searching = claim_kind() == ClaimKind::search;
   auto result = co_await axis_.run(tmcl::verbs::stop(address()), asked_by(client));
   // A firmware that searches on may start the motor again. What cannot be sent now is sent later.
   if (!was_searching) co_return result;
@@ -239,7 +239,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::stop(StopCause cause, std::uint64_t cl
   co_return result ? ended : result;
 }
 
-GatewayAxis::Awaitable<void> GatewayAxis::brake() {
+GatewayAxis::Awaitable<void> GatewayAxis::stop_without_revoking() {
   note_stop(StopCause::daemon);
   return axis_.run(tmcl::verbs::stop(address()));
 }
@@ -302,13 +302,13 @@ GatewayAxis::Awaitable<tmcl::Homed> GatewayAxis::home(tmcl::HomeOptions options,
   bus().motors().let_search(address(), movement.permit);
   search_ = {movement.permit, limit};
   auto script = tmcl::verbs::home(address(), std::move(options));
-  const Claimant search{Mover::search, movement.permit};
+  const ClaimOwner search{ClaimKind::search, movement.permit};
   auto homed = co_await move(action::Search{}, std::move(script), std::move(movement));
   if (search_.went_too_far && search_.of == search.of)
     co_return tl::unexpected(axis_.on_bus(went_too_far(name(), *search_.limit)));
   if (!homed) co_return tl::unexpected(ended_search(std::move(homed.error())));
   // Another call may have seen the end already, to move the axis.
-  if (claimant() == search) {
+  if (claim_owner() == search) {
     auto seen =
         co_await axis_.run(bus().gate().see_search_end(address()), asked_by(search.of.client));
     if (!seen) seen.error().outcome = tmcl::Outcome::unknown;
@@ -333,8 +333,8 @@ GatewayAxis::Awaitable<void> GatewayAxis::start_home(std::optional<std::int32_t>
   return move(action::Search{}, std::move(script), std::move(movement));
 }
 
-GatewayAxis::Awaitable<StoodAt> GatewayAxis::wait(tmcl::WaitOptions wait_options,
-                                                  Objection objection) {
+GatewayAxis::Awaitable<RestingPosition> GatewayAxis::wait(tmcl::WaitOptions wait_options,
+                                                          Objection objection) {
   auto ready = co_await be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
   RunOptions options;
@@ -355,7 +355,8 @@ GatewayAxis::Awaitable<StoodAt> GatewayAxis::wait(tmcl::WaitOptions wait_options
   co_return result;
 }
 
-GatewayAxis::Awaitable<StoodAt> GatewayAxis::stand(tmcl::WaitOptions wait, RunOptions options) {
+GatewayAxis::Awaitable<RestingPosition> GatewayAxis::stand(tmcl::WaitOptions wait,
+                                                           RunOptions options) {
   Deadline deadline;
   if (wait.timeout != tmcl::Duration{}) deadline = bus().clock().now() + wait.timeout;
   const auto wait_there = [&] {
@@ -379,7 +380,7 @@ GatewayAxis::Awaitable<StoodAt> GatewayAxis::stand(tmcl::WaitOptions wait, RunOp
     in_time.deadline = deadline;
     auto seen = co_await look_at_driver({}, std::move(in_time));
     if (!seen) co_return tl::unexpected(std::move(seen.error()));
-    co_return StoodAt{*here, std::move(warnings), faults_, unproven_faults()};
+    co_return RestingPosition{*here, std::move(warnings), faults_, unproven_faults()};
   }
   if (!warnings.empty()) here.error().hint = std::string(hint_of_settings) + warnings.front();
   co_return tl::unexpected(std::move(here.error()));
@@ -509,7 +510,7 @@ std::optional<std::int32_t> GatewayAxis::before(std::uint8_t parameter) const {
 bool GatewayAxis::note_set_by_client(std::uint8_t parameter, std::optional<std::int32_t> value) {
   if (!before(parameter)) return false;
   // Who still leads the axis may change it once more.
-  const bool is_led = mover() != Mover::stop;
+  const bool is_led = claim_kind() != ClaimKind::stop;
   if (!is_led || !value) forget_before(parameter);
   for (auto& setting : before_)
     if (setting.parameter == parameter) setting.value = *value;
@@ -528,7 +529,7 @@ boost::asio::awaitable<void> GatewayAxis::note_turning(tmcl::AxisState state,
   const bool goes_to_position =
       motors.was_sent_to_position(address()) && !motors.may_run_program(address().module);
   const bool is_known =
-      turns() || tenant().client != 0 || mover() != Mover::nobody || goes_to_position;
+      turns() || holder().client != 0 || claim_kind() != ClaimKind::none || goes_to_position;
   if (!moves || is_known) co_return;
   const auto found = co_await axis_.run(bus().gate().may_turn(address()), asked_by(client));
   if (!found || !*found || turns()) co_return;
@@ -554,7 +555,7 @@ boost::asio::awaitable<void> GatewayAxis::note_motion(tmcl::AxisState state, std
   if ((moves && !is_stopped) || state.position == state.target) stop_cause_.reset();
   // Who leads it knows why it stands; and between two directions it does so for a moment.
   const bool stopped = was_moving_ && !moves && state.position != state.target &&
-                       mover() == Mover::nobody && !latched();
+                       claim_kind() == ClaimKind::none && !latched();
   was_moving_ = moves;
   if (moves) seen_moving_ = bus().clock().now();
   if (!stopped) co_return;

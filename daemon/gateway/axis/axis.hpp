@@ -34,7 +34,7 @@ struct StartedMove {
 };
 
 /// Where a move has ended.
-struct StoodAt {
+struct RestingPosition {
   tmcl::Microsteps position;
   std::vector<std::string> warnings{};  ///< Of its settings.
   Faults faults{};                      ///< Of its driver and its supply, when it had arrived.
@@ -110,7 +110,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<void> restore(std::uint8_t parameter, RunOptions movement);
   /// What set() does once that is admitted.
   Awaitable<void> write(std::uint8_t parameter, std::int32_t value, Admitted admitted);
-  Awaitable<StoodAt> wait(tmcl::WaitOptions options, Objection objection);
+  Awaitable<RestingPosition> wait(tmcl::WaitOptions options, Objection objection);
   /// What its settings make of moves, wanted or not. Errors: those of reading them. `client`:
   /// who asks, and has its turn on the bus for it.
   Awaitable<std::vector<std::string>> warnings(std::uint64_t client = 0);
@@ -130,16 +130,18 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// It turns without end, or may: until it is seen to stand.
   bool turns() const { return bus().motors().turning_of(address()).number != 0; }
   /// It turns, and stops for no client that goes.
-  bool is_unattended() const { return turns() && tenant().client == 0; }
+  bool is_unattended() const { return turns() && holder().client == 0; }
   /// Who alone may move it.
-  Tenant tenant() const { return bus().motors().tenant_of(address()); }
+  Holder holder() const { return bus().motors().holder_of(address()); }
   /// Who moves it now.
-  Mover mover() const { return claimant().by; }
+  ClaimKind claim_kind() const { return claim_owner().by; }
   /// Whether it is on a line or path, moved by a Mint program, or not certain to be
   /// stopped.
-  bool is_on_journey() const { return mover() != Mover::nobody && mover() != Mover::search; }
+  bool is_on_journey() const {
+    return claim_kind() != ClaimKind::none && claim_kind() != ClaimKind::search;
+  }
   /// The one whose end a client waits for; null if there is none.
-  std::shared_ptr<AwaitedRun> journey() const { return claimant().journey.lock(); }
+  std::shared_ptr<AwaitedRun> journey() const { return claim_owner().journey.lock(); }
   /// Returns when the journal, if there is one, says what is held now; otherwise why it does not.
   boost::asio::awaitable<std::string> enter_journal() const;
   /// What it was before its leader changed it, to be set back. False if that is noted.
@@ -158,11 +160,11 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   const std::vector<tmcl::plan::Setting>& before() const { return before_; }
   /// What is to be set back as soon as its module takes it, as it was.
   std::vector<tmcl::plan::Setting> unrestored() const {
-    return mover() == Mover::stop ? before_ : std::vector<tmcl::plan::Setting>{};
+    return claim_kind() == ClaimKind::stop ? before_ : std::vector<tmcl::plan::Setting>{};
   }
   /// No other call moves it while the claim lives. Only for an axis that is not claimed.
-  [[nodiscard]] Claim claim(Claimant claimant) {
-    return bus().motors().claim(address(), std::move(claimant));
+  [[nodiscard]] Claim claim(ClaimOwner claim_owner) {
+    return bus().motors().claim(address(), std::move(claim_owner));
   }
   /// The error for a call that tries to move a claimed motor.
   tmcl::Error claimed() const { return bus().motors().refusal(address(), Obstacle::claimed); }
@@ -182,7 +184,9 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// The one that home() or start_home() was given for this call.
   std::optional<SearchLimit> search_limit_of(Permit permit) const;
   /// The search of this call is still under way, as far as is known.
-  bool searches_for(Permit permit) const { return claimant() == Claimant{Mover::search, permit}; }
+  bool searches_for(Permit permit) const {
+    return claim_owner() == ClaimOwner{ClaimKind::search, permit};
+  }
   /// Its search has gone `gone`, which is further than it may: it is stopped.
   Awaitable<void> stop_search(Permit permit, tmcl::Microsteps limit);
   /// A raw command that names it, sent once, with what the module says to it. What moves the axis
@@ -202,7 +206,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// that was begun here, too. `client`: who asks.
   Awaitable<void> stop(StopCause cause = StopCause::client, std::uint64_t client = 0);
   /// The same by the call that moves the axis: calls that began before keep their right to move it.
-  Awaitable<void> brake();
+  Awaitable<void> stop_without_revoking();
   /// Its module has started again, or is another one, and a person has cleared the axis.
   /// Errors: those of be_ready().
   Awaitable<void> recover();
@@ -250,9 +254,9 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   Awaitable<std::uint8_t> origin_of_relative_moves();
   Awaitable<AxisReading> look(std::uint64_t client);
   /// Until it stands at its target; for longer where its settings may let it swing about that.
-  Awaitable<StoodAt> stand(tmcl::WaitOptions wait, RunOptions options);
+  Awaitable<RestingPosition> stand(tmcl::WaitOptions wait, RunOptions options);
   bool is_known(tmcl::Duration max_age) const;
-  Claimant claimant() const { return bus().motors().claimant_of(address()); }
+  ClaimOwner claim_owner() const { return bus().motors().claim_owner_of(address()); }
   /// Finds out why an axis stands that was on its way. `client`: as for warnings(), here and below.
   boost::asio::awaitable<void> note_motion(tmcl::AxisState state, std::uint64_t client);
   /// Finds out whether it still turns for a client, and whether it turns for none.
@@ -270,7 +274,7 @@ class GatewayAxis : public std::enable_shared_from_this<GatewayAxis> {
   /// The axis goes, or may go, somewhere else than it was sent before.
   void forget_move();
 
-  AxisAccess axis_;
+  AxisContext axis_;
   AxisUnits units_{axis_};
   AxisAdmission admission_{axis_, units_};
   /// When the move under way should end; in the past if that is not known.

@@ -10,7 +10,7 @@
 #include <optional>
 #include <vector>
 
-#include "gateway/axis/axis_access.hpp"
+#include "gateway/axis/axis_context.hpp"
 #include "tmcl/conversion.hpp"
 #include "tmcl/plan/axis_twin.hpp"
 
@@ -53,7 +53,7 @@ class AxisUnits {
     bool operator==(const Epoch&) const = default;
   };
 
-  explicit AxisUnits(const AxisAccess& axis) : axis_(axis) {}
+  explicit AxisUnits(const AxisContext& axis) : axis_(axis) {}
 
   /// What its module counts in.
   Script<std::optional<tmcl::ModuleUnits>> module_units();
@@ -91,7 +91,7 @@ class AxisUnits {
   Script<bool> know_ramp(const tmcl::Model& model);
   void hold_in_ramp(tmcl::plan::Setting setting);
 
-  const AxisAccess& axis_;
+  const AxisContext& axis_;
   std::uint64_t unit_changes_ = 0;
   std::uint64_t changes_ = 0;
   std::optional<Known<tmcl::ModuleUnits>> module_units_;

@@ -54,8 +54,8 @@ std::string AwaitedRun::text_of(const DriveFault& fault) const {
 
 awaitable<std::optional<AxisFailure>> AwaitedRun::take_axes() {
   const auto self = std::static_pointer_cast<AwaitedRun>(shared_from_this());
-  const Claimant claimant{mover_, members_.front().movement.permit, self};
-  auto failure = co_await claim(claimant);
+  const ClaimOwner claim_owner{claim_kind_, members_.front().movement.permit, self};
+  auto failure = co_await claim(claim_owner);
   if (failure) co_return failure;
   for (auto& member : members_) {
     auto admitted = co_await member.axis->admit(action::FollowPath{}, member.movement);
@@ -77,7 +77,9 @@ awaitable<tmcl::TimePoint> AwaitedRun::before_step() {
 }
 
 // Not stop(): what moves them afterwards is of the same call.
-GatewayAxis::Awaitable<void> AwaitedRun::stop(GatewayAxis& axis) { return axis.brake(); }
+GatewayAxis::Awaitable<void> AwaitedRun::stop(GatewayAxis& axis) {
+  return axis.stop_without_revoking();
+}
 
 GatewayAxis::Awaitable<void> AwaitedRun::write(const DriveMember& member,
                                                tmcl::plan::Setting setting, bool /*restores*/) {

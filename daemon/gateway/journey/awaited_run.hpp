@@ -41,8 +41,8 @@ class AwaitedRun : public DriveRun {
 
  protected:
   AwaitedRun(const boost::asio::any_io_executor& executor, std::vector<DriveMember> members,
-             Mover mover, GatewayEvent::Kind when_broken)
-      : DriveRun(executor, std::move(members)), mover_(mover), when_broken_(when_broken) {}
+             ClaimKind kind, GatewayEvent::Kind when_broken)
+      : DriveRun(executor, std::move(members)), claim_kind_(kind), when_broken_(when_broken) {}
 
   virtual tmcl::plan::Drive& what_drives() = 0;
   /// Called at the beginning, and then every progress_interval.
@@ -57,7 +57,7 @@ class AwaitedRun : public DriveRun {
   /// The client that asked may be gone.
   void tell_fault() const;
 
-  Mover mover_;
+  ClaimKind claim_kind_;
   GatewayEvent::Kind when_broken_;
   tmcl::TimePoint progress_due_{};
   bool ended_ = false;

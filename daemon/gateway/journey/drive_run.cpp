@@ -139,10 +139,10 @@ void DriveRun::notice_stops(Drive& drive) const {
   }
 }
 
-awaitable<std::optional<AxisFailure>> DriveRun::claim(Claimant claimant) {
+awaitable<std::optional<AxisFailure>> DriveRun::claim(ClaimOwner claim_owner) {
   std::vector<std::shared_ptr<GatewayAxis>> axes;
   for (const auto& member : members_) axes.push_back(member.axis);
-  auto claims = co_await claim_all(std::move(axes), std::move(claimant));
+  auto claims = co_await claim_all(std::move(axes), std::move(claim_owner));
   if (!claims) co_return std::move(claims.error());
   claims_ = std::move(*claims);
   co_return std::nullopt;

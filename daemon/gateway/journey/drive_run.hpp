@@ -12,7 +12,7 @@
 
 #include "async/wake.hpp"
 #include "gateway/authority/claim.hpp"
-#include "gateway/journey/link_patience.hpp"
+#include "gateway/journey/reconnect_grace.hpp"
 #include "tmcl/context_clock.hpp"
 #include "tmcl/plan/drive.hpp"
 
@@ -41,7 +41,7 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   boost::asio::awaitable<void> drive(tmcl::plan::Drive& drive, std::function<bool()> is_enough);
   const std::exception_ptr& failure() const { return failure_; }
   /// All of its axes. Errors: those of claim_all().
-  boost::asio::awaitable<std::optional<AxisFailure>> claim(Claimant claimant);
+  boost::asio::awaitable<std::optional<AxisFailure>> claim(ClaimOwner claim_owner);
   /// They are as they were, or that has failed: what could not be stopped or set back is then, as
   /// soon as its module answers. `report`: null if nothing was driven.
   void release(const tmcl::plan::DriveReport* report);
@@ -81,7 +81,7 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
 
   tmcl::ContextClock clock_;
   std::vector<Claim> claims_;
-  LinkPatience patience_;
+  ReconnectGrace patience_;
   std::size_t drives_ = 0;     ///< Begun or ended.
   std::size_t under_way_ = 0;  ///< Beside the coroutine that drives.
   std::exception_ptr failure_;

@@ -40,7 +40,7 @@ tmcl::Error broken(std::string message) {
 }
 
 /// How long the exchanges of a line have taken on one bus.
-class Traffic {
+class ExchangeDurations {
  public:
   void note(Duration exchange) { exchanges_.push_back(exchange); }
   /// The median: a busy moment makes no difference.
@@ -84,8 +84,8 @@ class LineRun final : public DriveRun {
   }
 
   awaitable<tl::expected<StartedLine, LineFailure>> start() {
-    const Claimant claimant{Mover::line, permit_};
-    if (auto fault = co_await claim(claimant)) co_return tl::unexpected(std::move(*fault));
+    const ClaimOwner claim_owner{ClaimKind::line, permit_};
+    if (auto fault = co_await claim(claim_owner)) co_return tl::unexpected(std::move(*fault));
     Fault fault;
     std::exception_ptr failure;
     try {
@@ -357,7 +357,7 @@ class LineRun final : public DriveRun {
   Planner* planner_;
   std::function<void(std::string_view fault)> on_end_;
   StartedLine line_;
-  std::map<std::string, Traffic> traffic_;  // by the name of the bus
+  std::map<std::string, ExchangeDurations> traffic_;  // by the name of the bus
   std::optional<plan::LineDrive> drive_;
   bool is_told_ = true;  // who waits for the start is answered
 };

@@ -27,7 +27,7 @@ std::vector<tmcl::plan::MintDriveAxis> drive_axes(const std::vector<DriveMember>
 MintRun::MintRun(const boost::asio::any_io_executor& executor,
                  std::vector<tmcl::plan::MintDriveGroup> groups, std::vector<DriveMember> members,
                  OnProgress on_progress)
-    : AwaitedRun(executor, members, Mover::mint, GatewayEvent::Kind::mint_broken),
+    : AwaitedRun(executor, members, ClaimKind::mint, GatewayEvent::Kind::mint_broken),
       drive_(std::move(groups), drive_axes(members)),
       on_progress_(std::move(on_progress)) {}
 

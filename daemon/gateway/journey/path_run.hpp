@@ -15,7 +15,7 @@ class PathRun final : public AwaitedRun {
   PathRun(const boost::asio::any_io_executor& executor, tmcl::plan::Course course,
           std::vector<DriveMember> members, std::vector<tmcl::plan::StreamAxis> axes,
           tmcl::plan::StreamOptions options, OnProgress on_progress)
-      : AwaitedRun(executor, std::move(members), Mover::path, GatewayEvent::Kind::path_broken),
+      : AwaitedRun(executor, std::move(members), ClaimKind::path, GatewayEvent::Kind::path_broken),
         course_(std::move(course)),
         stream_(course_, std::move(axes), options),
         on_progress_(std::move(on_progress)) {}

@@ -51,8 +51,8 @@ tmcl::Duration wire_time(const GatewayBus& bus) {
 
 class Course {
  public:
-  Course(std::shared_ptr<GatewayAxis> axis, VerificationWish wish)
-      : axis_(std::move(axis)), wish_(std::move(wish)) {}
+  Course(std::shared_ptr<GatewayAxis> axis, VerificationRequest request)
+      : axis_(std::move(axis)), request_(std::move(request)) {}
 
   GatewayAxis::Awaitable<tmcl::Verification> carry_out();
   /// What the axis had; empty if nothing was to be changed yet.
@@ -67,14 +67,14 @@ class Course {
   GatewayAxis& axis() const { return *axis_; }
 
   std::shared_ptr<GatewayAxis> axis_;
-  VerificationWish wish_;
+  VerificationRequest request_;
   tmcl::VerifyOptions options_;
 };
 
 void Course::tell(const std::string& what) const {
   // What its numbers mean changes.
   axis().module().note_settings_changed();
-  wish_.tell(what);
+  request_.tell(what);
 }
 
 GatewayAxis::Awaitable<void> Course::find_travel() {
@@ -84,7 +84,7 @@ GatewayAxis::Awaitable<void> Course::find_travel() {
     co_return impossible("the module does not tell its microstep resolution",
                          "the configuration can: 'microsteps'");
   options_.travel = range_of(axis(), scale->value_or(tmcl::microsteps_scale()));
-  if (!wish_.travel) co_return Result<void>{};
+  if (!request_.travel) co_return Result<void>{};
   const auto here = co_await axis().get(tmcl::axis_parameter::actual_position, {});
   if (!here) co_return tl::unexpected(here.error());
   auto& travel = options_.travel;
@@ -92,7 +92,7 @@ GatewayAxis::Awaitable<void> Course::find_travel() {
     return static_cast<std::int32_t>(std::clamp<std::int64_t>(
         std::int64_t{*here} + by, travel.least, std::max(travel.least, travel.greatest)));
   };
-  travel = {bounded(wish_.travel->least), bounded(wish_.travel->greatest)};
+  travel = {bounded(request_.travel->least), bounded(request_.travel->greatest)};
   co_return Result<void>{};
 }
 
@@ -129,7 +129,7 @@ GatewayAxis::Awaitable<void> Course::prepare() {
   options_.model = axis().module().model();
   if (options_.model == nullptr)
     co_return impossible("nothing is known of this model that it could be held against", {});
-  if (!wish_.travel && !axis().soft_limits())
+  if (!request_.travel && !axis().soft_limits())
     co_return impossible("axis '" + axis().name() + "' has no soft limits",
                          "say how far it may go, such as --travel -2mm..2mm");
   // Before anything is read that would have to be given back.
@@ -151,7 +151,7 @@ GatewayAxis::Awaitable<void> Course::prepare() {
 
 GatewayAxis::Awaitable<tmcl::Verification> Course::carry_out() {
   auto admitted =
-      co_await axis().admit(action::FollowPath{}, axis().begin_movement(wish_.permit, {}));
+      co_await axis().admit(action::FollowPath{}, axis().begin_movement(request_.permit, {}));
   if (!admitted) co_return tl::unexpected(std::move(admitted.error()));
   auto ready = co_await prepare();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
@@ -199,20 +199,20 @@ awaitable<void> put_in_order(std::shared_ptr<Gateway> gateway, std::shared_ptr<G
 
 GatewayAxis::Awaitable<std::shared_ptr<Held>> take(Gateway& gateway,
                                                    std::shared_ptr<GatewayAxis> axis,
-                                                   const VerificationWish& wish) {
+                                                   const VerificationRequest& request) {
   auto held = std::make_shared<Held>();
   const std::vector<std::shared_ptr<GatewayAxis>> axes{axis};
-  const auto tenant = axis->tenant();
-  const bool has_lease = tenant.lease != 0 && tenant.client == wish.client.number;
-  if (wish.client.number != 0 && !has_lease) {
+  const auto holder = axis->holder();
+  const bool has_lease = holder.lease != 0 && holder.client == request.client.number;
+  if (request.client.number != 0 && !has_lease) {
     const LeaseTerms terms{lease_time, true};
-    auto acquired = Leases::acquire(gateway.leases(), wish.client, axes, terms, wish.permit);
+    auto acquired = Leases::acquire(gateway.leases(), request.client, axes, terms, request.permit);
     const auto lease = co_await std::move(acquired);
     if (!lease) co_return tl::unexpected(lease.error().error);
     held->lease = lease->number;
   }
-  const Claimant claimant{Mover::verification, wish.permit};
-  auto claims = co_await claim_all(axes, claimant);
+  const ClaimOwner claim_owner{ClaimKind::verification, request.permit};
+  auto claims = co_await claim_all(axes, claim_owner);
   if (!claims) {
     if (held->lease) gateway.leases()->release(*held->lease);
     co_return tl::unexpected(std::move(claims.error().error));
@@ -225,15 +225,15 @@ GatewayAxis::Awaitable<std::shared_ptr<Held>> take(Gateway& gateway,
 
 GatewayAxis::Awaitable<tmcl::Verification> verify_axis(std::shared_ptr<Gateway> gateway,
                                                        std::shared_ptr<GatewayAxis> axis,
-                                                       VerificationWish wish) {
+                                                       VerificationRequest request) {
   auto ready = co_await axis->be_ready();
   if (!ready) co_return tl::unexpected(std::move(ready.error()));
   // It is a movement for any client.
-  wish.permit.exceeds_limits = false;
-  wish.permit.ends_with_client = true;
-  auto held = co_await take(*gateway, axis, wish);
+  request.permit.exceeds_limits = false;
+  request.permit.ends_with_client = true;
+  auto held = co_await take(*gateway, axis, request);
   if (!held) co_return tl::unexpected(std::move(held.error()));
-  Course course(axis, std::move(wish));
+  Course course(axis, std::move(request));
   auto found = co_await course.carry_out();
   // It has given back what it had, unless something has ended it.
   auto before = found ? std::vector<tmcl::plan::Setting>{} : course.before();

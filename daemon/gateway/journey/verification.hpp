@@ -17,7 +17,7 @@ namespace tmcld {
 
 class Gateway;
 
-struct VerificationWish {
+struct VerificationRequest {
   /// From where the axis stands; within its soft limits all the same. Without it, within them.
   std::optional<tmcl::ValueRange> travel{};
   Client client{};  ///< Gets a lease for it, unless it has one, or could not lose it.
@@ -30,6 +30,6 @@ struct VerificationWish {
 /// model that is not known, and where there is neither a travel nor a soft limit.
 GatewayAxis::Awaitable<tmcl::Verification> verify_axis(std::shared_ptr<Gateway> gateway,
                                                        std::shared_ptr<GatewayAxis> axis,
-                                                       VerificationWish wish);
+                                                       VerificationRequest request);
 
 }  // namespace tmcld

@@ -310,8 +310,8 @@ GatewayAxis::Awaitable<DeadmanFinding> measure_deadman(
     co_return DeadmanFinding{
         0, {}, deadman.is_missing() ? "the module has none" : "it is switched off"};
   }
-  const Claimant claimant{Mover::deadman_test, permit};
-  auto claims = co_await claim_all(axes_of_module(*gateway, *axis), claimant);
+  const ClaimOwner claim_owner{ClaimKind::deadman_test, permit};
+  auto claims = co_await claim_all(axes_of_module(*gateway, *axis), claim_owner);
   if (!claims) co_return tl::unexpected(std::move(claims.error().error));
   auto stand =
       co_await axis->perform(expect_standstill(axis->address().module, motors_of(*axis)), {});

@@ -3,7 +3,7 @@
 /// afterwards.
 ///
 ///     const auto info = co_await must(verbs::data_logger_info(module));
-///     const auto setup = plan_capture(info, wish);
+///     const auto setup = plan_capture(info, request);
 ///     co_await must(verbs::start_capture(module, *setup));
 ///     // verbs::capture_state() until that is complete, then verbs::read_samples()
 ///     co_await must(verbs::end_capture(module));
@@ -42,7 +42,7 @@ struct CaptureTrigger {
 };
 
 /// What is to be recorded.
-struct CaptureWish {
+struct CaptureRequest {
   std::vector<CaptureChannel> channels{};
   std::optional<double> rate_hz{};          ///< As fast as the module can if it is not given.
   std::optional<std::uint32_t> samples{};   ///< Of each channel; otherwise as many as there can be.
@@ -61,7 +61,7 @@ struct CaptureSetup {
 };
 
 /// Errc::bad_argument for what the module cannot record: the message names what it can.
-Result<CaptureSetup> plan_capture(const DataLoggerInfo& info, const CaptureWish& wish);
+Result<CaptureSetup> plan_capture(const DataLoggerInfo& info, const CaptureRequest& request);
 
 /// snake_case; part of the stable interface.
 std::string_view name_of(ram_debug::State state);

@@ -65,10 +65,10 @@ void BusEngine::on_reply(const Reply& reply, bool may_answer, TimePoint now) {
     if (may_answer && channel.is_answered_by(reply)) return conclude(channel, Answer{reply}, now);
   }
   const auto is_disguised = [&](const Channel& channel) {
-    return may_answer && channel.is_busy() && channel.form_of_answer().is_in_disguise();
+    return may_answer && channel.is_busy() && channel.form_of_answer().is_unframed();
   };
   if (auto* channel = modules_.find_channel(is_disguised))
-    return on_reply_in_disguise(*channel, reply, now);
+    return on_unframed_reply(*channel, reply, now);
   if (may_answer && is_from_only_module(reply, now))
     return conclude(modules_.line(), Answer{reply}, now);
   if (module != nullptr) return on_unexplained(*module, reply, now);
@@ -83,7 +83,7 @@ void BusEngine::on_event(const Conversation* module, const Reply& reply) {
   actions_.push_back(BusEvent{BusEvent::Kind::target_reached, module->address, reply.value});
 }
 
-void BusEngine::on_reply_in_disguise(Channel& channel, const Reply& reply, TimePoint now) {
+void BusEngine::on_unframed_reply(Channel& channel, const Reply& reply, TimePoint now) {
   if (channel.is_answered_by(reply)) return conclude(channel, Answer{reply}, now);
   if (is_late_from_other(reply, channel.in_flight().sent, now)) {
     ++counters_.late_replies;

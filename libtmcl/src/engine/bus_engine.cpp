@@ -25,7 +25,7 @@ void BusEngine::submit(Ticket ticket, const Request& request, const CallOptions&
   Call call{request, options, ticket};
   if (lost_) return fail(call, link_lost_error(call, *lost_));
   if (auto error = objection(call)) return fail(call, std::move(*error));
-  if (call.is_stop()) make_way_for(request);
+  if (call.is_stop()) drop_moves_before(request);
   hurry(call, now);
   if (queue().join(call)) return go_on(now);
   if (!queue().has_room_for(call)) return fail(call, queue_overflow(call));

@@ -113,7 +113,7 @@ class BusEngine {
   std::optional<Error> objection_of_hold(const Call& call);
 
   // stops.cpp
-  void make_way_for(const Request& stop);
+  void drop_moves_before(const Request& stop);
   void end_downloads_for(const Request& stop);
 
   // patience.cpp
@@ -155,7 +155,7 @@ class BusEngine {
   void tell_of_echo();
   void on_reply(const Reply& reply, bool may_answer, TimePoint now);
   void on_event(const Conversation* module, const Reply& reply);
-  void on_reply_in_disguise(Channel& channel, const Reply& reply, TimePoint now);
+  void on_unframed_reply(Channel& channel, const Reply& reply, TimePoint now);
   bool is_late_from_other(const Reply& reply, const Request& sent, TimePoint now);
   void on_version_text(Channel& channel, FirmwareVersion version, TimePoint now);
   InFlight settle(Channel& channel, ModuleAddress from, Status status, TimePoint now);

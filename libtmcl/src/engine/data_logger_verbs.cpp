@@ -54,15 +54,15 @@ Result<std::uint32_t> divider_for(double rate_hz, double ticks_per_second) {
   return static_cast<std::uint32_t>(whole);
 }
 
-Result<std::uint32_t> samples_for(const DataLoggerInfo& info, const CaptureWish& wish) {
-  const auto channels = static_cast<std::uint32_t>(wish.channels.size());
+Result<std::uint32_t> samples_for(const DataLoggerInfo& info, const CaptureRequest& request) {
+  const auto channels = static_cast<std::uint32_t>(request.channels.size());
   if (channels == 0 || channels > info.channels) {
     return tl::unexpected(bad_argument(
         fmt::format("{} channels are to be recorded, and the module can record 1 to {}", channels,
                     info.channels)));
   }
   const auto most = info.elements / channels;
-  const auto samples = wish.samples.value_or(most);
+  const auto samples = request.samples.value_or(most);
   if (samples >= 1 && samples <= most) return samples;
   return tl::unexpected(bad_argument(
       fmt::format("{} samples of each channel are {} values, and the buffer of the module holds "
@@ -77,21 +77,21 @@ CaptureChannel capture_channel(std::uint8_t motor, std::uint8_t parameter) {
   return {Kind::axis_parameter, std::uint32_t{motor} << motor_shift | parameter};
 }
 
-Result<CaptureSetup> plan_capture(const DataLoggerInfo& info, const CaptureWish& wish) {
+Result<CaptureSetup> plan_capture(const DataLoggerInfo& info, const CaptureRequest& request) {
   const double ticks_per_second = info.ticks_per_second;
-  const auto samples = samples_for(info, wish);
+  const auto samples = samples_for(info, request);
   if (!samples) return tl::unexpected(samples.error());
-  const auto divider = divider_for(wish.rate_hz.value_or(ticks_per_second), ticks_per_second);
+  const auto divider = divider_for(request.rate_hz.value_or(ticks_per_second), ticks_per_second);
   if (!divider) return tl::unexpected(divider.error());
-  if (wish.pretrigger_percent > 0 && !wish.trigger)
+  if (request.pretrigger_percent > 0 && !request.trigger)
     return tl::unexpected(bad_argument("without a trigger nothing lies before it"));
-  if (wish.pretrigger_percent > static_cast<std::uint32_t>(percent))
+  if (request.pretrigger_percent > static_cast<std::uint32_t>(percent))
     return tl::unexpected(
-        bad_argument(fmt::format("{} % is more than there is", wish.pretrigger_percent)));
+        bad_argument(fmt::format("{} % is more than there is", request.pretrigger_percent)));
   // The last sample belongs to the trigger: a buffer that is full before it would begin anew.
-  const auto before = std::lround(*samples * (wish.pretrigger_percent / percent));
+  const auto before = std::lround(*samples * (request.pretrigger_percent / percent));
   const auto pretrigger = std::min(static_cast<std::uint32_t>(before), *samples - 1);
-  return CaptureSetup{wish.channels, *samples, pretrigger, *divider, wish.trigger};
+  return CaptureSetup{request.channels, *samples, pretrigger, *divider, request.trigger};
 }
 
 std::string_view name_of(State state) {

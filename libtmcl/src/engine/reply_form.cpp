@@ -35,7 +35,7 @@ class ProgramLineReply final : public ReplyForm {
   bool is_answer(const Reply& reply, const Request& sent) const override {
     return program::refuses_memory(reply, sent);
   }
-  bool is_in_disguise() const override { return true; }
+  bool is_unframed() const override { return true; }
   void expect(SerialDecoder& decoder) const override {
     decoder.expect_program_line(true);
     decoder.expect_version_text(false);

@@ -26,7 +26,7 @@ class ReplyForm {
   /// A reply that says itself that it answers this request.
   virtual bool is_answer(const Reply& reply, const Request& sent) const;
   /// The answer may look like a reply of any module to any command.
-  virtual bool is_in_disguise() const { return false; }
+  virtual bool is_unframed() const { return false; }
   /// CAN: an answer that is no reply at all.
   virtual std::optional<FirmwareVersion> text_in(const CanFrame&) const { return std::nullopt; }
   /// Serial: the decoder recognises nothing that is not expected.

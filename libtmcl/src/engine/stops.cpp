@@ -4,7 +4,7 @@
 
 namespace tmcl::engine {
 
-void BusEngine::make_way_for(const Request& stop) {
+void BusEngine::drop_moves_before(const Request& stop) {
   fail_if([&](const Call& queued) { return is_ended_by(stop, queued); }, superseded_error);
   end_downloads_for(stop);
 }

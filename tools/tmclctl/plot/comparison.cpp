@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "shown.hpp"
+#include "quantity_text.hpp"
 
 namespace tmclctl::plot {
 namespace {

@@ -31,8 +31,8 @@ void print(const ModuleName& module, const Motors& motors, double at_s, Output& 
 using ArrivalHandler = std::function<bool(const Motors* motors)>;
 
 /// Hears the arrivals that a module tells of, which `ask` lets it do, once they can be heard.
-Result<void> hear_arrivals(const api::OnModule& module, const api::module::ReportArrivals& ask,
-                           const ArrivalHandler& on_arrival, Context& context) {
+Result<void> subscribe_arrivals(const api::OnModule& module, const api::module::ReportArrivals& ask,
+                                const ArrivalHandler& on_arrival, Context& context) {
   // Any subscription, to no axis even, brings events.
   const auto subscribed = context.call(api::Subscribe{std::vector<std::string>{}});
   if (!subscribed) return tl::unexpected(subscribed.error());
@@ -86,7 +86,7 @@ VerbResult run(const verb::Arrivals& verb, Context& context) {
     return context.host.signal() == 0 && !(verb.next && missing.empty()) &&
            !(verb.for_s && elapsed_s() >= *verb.for_s);
   };
-  const auto heard = hear_arrivals(*named, ask, note, context);
+  const auto heard = subscribe_arrivals(*named, ask, note, context);
   if (!heard && context.host.signal() == 0) return tl::unexpected(heard.error());
   return ExitCode::done;
 }

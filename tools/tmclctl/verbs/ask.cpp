@@ -4,8 +4,8 @@
 
 #include <fmt/format.h>
 
+#include "axis_names.hpp"
 #include "json_read.hpp"
-#include "names.hpp"
 #include "print.hpp"
 #include "tmcl/json_text.hpp"
 #include "tmcl/plain_number.hpp"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "following.hpp"
+#include "arrival_wait.hpp"
 #include "options/form.hpp"
 #include "output_file.hpp"
 #include "plot/svg_plot.hpp"

@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
-#include "names.hpp"
+#include "axis_names.hpp"
 #include "print.hpp"
 #include "tmcl/model_document.hpp"
 #include "verbs.hpp"

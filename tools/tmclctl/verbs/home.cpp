@@ -1,7 +1,7 @@
 // home.
 #include <fmt/format.h>
 
-#include "following.hpp"
+#include "arrival_wait.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
 #include "tmcl/api/system.hpp"

@@ -1,7 +1,7 @@
 // line.
 #include <fmt/format.h>
 
-#include "following.hpp"
+#include "arrival_wait.hpp"
 #include "options/form.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"

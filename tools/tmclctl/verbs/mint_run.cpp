@@ -4,7 +4,7 @@
 
 #include <fmt/format.h>
 
-#include "following.hpp"
+#include "arrival_wait.hpp"
 #include "path/path_source.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"

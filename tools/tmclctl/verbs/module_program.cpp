@@ -1,7 +1,7 @@
 // program upload, verify, download: programs between files and modules.
 #include <fmt/format.h>
 
-#include "following.hpp"
+#include "arrival_wait.hpp"
 #include "output_file.hpp"
 #include "print.hpp"
 #include "program_file.hpp"

@@ -3,7 +3,7 @@
 
 #include <fmt/format.h>
 
-#include "following.hpp"
+#include "arrival_wait.hpp"
 #include "options/form.hpp"
 #include "path/path_source.hpp"
 #include "print.hpp"

@@ -4,12 +4,12 @@
 
 #include <fmt/format.h>
 
-#include "following.hpp"
-#include "foresight.hpp"
+#include "arrival_wait.hpp"
 #include "output_file.hpp"
 #include "plot/comparison.hpp"
 #include "plot/svg_plot.hpp"
 #include "plot/text_plot.hpp"
+#include "prediction_text.hpp"
 #include "print.hpp"
 #include "progress_line.hpp"
 #include "tmcl/utc_text.hpp"

@@ -6,8 +6,8 @@
 
 #include <fmt/format.h>
 
+#include "axis_names.hpp"
 #include "input_file.hpp"
-#include "names.hpp"
 #include "output_file.hpp"
 #include "print.hpp"
 #include "program_file.hpp"

@@ -5,7 +5,7 @@
 
 #include <fmt/format.h>
 
-#include "names.hpp"
+#include "axis_names.hpp"
 #include "print.hpp"
 #include "tmcl/api/module.hpp"
 #include "tmcl/link.hpp"

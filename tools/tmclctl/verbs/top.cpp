@@ -7,7 +7,7 @@
 
 #include "axis_rows.hpp"
 #include "full_screen.hpp"
-#include "staying.hpp"
+#include "reconnecting_watch.hpp"
 #include "tmcl/api/axis.hpp"
 
 namespace tmclctl {

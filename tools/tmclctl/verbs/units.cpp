@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <boost/json/array.hpp>
 
-#include "names.hpp"
+#include "axis_names.hpp"
 #include "print.hpp"
 #include "tmcl/jerk.hpp"
 #include "tmcl/parameter_number.hpp"

@@ -7,7 +7,7 @@
 
 #include "method_words.hpp"
 #include "print.hpp"
-#include "staying.hpp"
+#include "reconnecting_watch.hpp"
 #include "tmcl/api/system.hpp"
 #include "tmcl/utc_text.hpp"
 

@@ -50,7 +50,7 @@ StreamScript PositionRunner::set_joint_accelerations() {
       const double time = std::min(longest, 2 * options_.even_within / change);
       needed[axis] = std::max(needed[axis], change / time);
     }
-    if (takes_a_breath(i)) co_await until(now_);
+    if (yields_at(i)) co_await until(now_);
     if (auto asked = asked_to_stop()) co_return asked;
   }
   for (std::size_t axis = 0; axis < axes_.size(); ++axis) {
@@ -105,7 +105,7 @@ StreamScript PositionRunner::fit_legs_to_bus() {
     if (drive == Drive::by_ramps_after_joint)
       free = begin + legs_.time_of_joint(i) +
              duration(time_to_send(report_.round_trip, commands_after_joint * axes_.size()));
-    if (takes_a_breath(i)) co_await until(now_);
+    if (yields_at(i)) co_await until(now_);
     if (auto asked = asked_to_stop()) co_return asked;
   }
   co_return std::nullopt;

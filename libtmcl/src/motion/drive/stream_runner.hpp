@@ -56,10 +56,8 @@ constexpr Duration watch_interval = std::chrono::milliseconds(20);
 
 /// A long course is not looked at all at once, which would take seconds: the stream's runner is
 /// waited for after so many legs, or points.
-constexpr std::size_t looks_at_once = 1000;
-constexpr bool takes_a_breath(std::size_t look) {
-  return look % looks_at_once == looks_at_once - 1;
-}
+constexpr std::size_t looks_per_slice = 1000;
+constexpr bool yields_at(std::size_t look) { return look % looks_per_slice == looks_per_slice - 1; }
 
 /// How long a bus is taken by so many commands, with what a stream leaves to others.
 double time_to_send(Duration round_trip, std::size_t commands);

@@ -73,7 +73,7 @@ StreamScript VelocityRunner::find_steepest() {
       speed[axis] = now;
     }
     before = position;
-    if (takes_a_breath(look)) co_await until(now_);
+    if (yields_at(look)) co_await until(now_);
     if (auto asked = asked_to_stop()) co_return asked;
   }
   co_return std::nullopt;

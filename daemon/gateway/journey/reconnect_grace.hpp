@@ -18,7 +18,7 @@ namespace tmcld {
 constexpr tmcl::Duration time_for_link = std::chrono::seconds(5);
 constexpr tmcl::Duration link_look_interval = std::chrono::milliseconds(50);
 
-class LinkPatience {
+class ReconnectGrace {
  public:
   /// What the call gives, as soon as it is not that a link is lost; when the time is over, that.
   /// `call` begins a call that may be made more than once.

@@ -1,4 +1,4 @@
-#include "following.hpp"
+#include "arrival_wait.hpp"
 
 #include <algorithm>
 #include <cctype>

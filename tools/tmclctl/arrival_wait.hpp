@@ -4,7 +4,7 @@
 #include <functional>
 #include <string>
 
-#include "shown.hpp"
+#include "quantity_text.hpp"
 #include "verbs.hpp"
 
 namespace tmclctl {

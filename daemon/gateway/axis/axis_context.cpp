@@ -1,10 +1,10 @@
-#include "gateway/axis/axis_access.hpp"
+#include "gateway/axis/axis_context.hpp"
 
 #include "gateway/authority/axis_limits.hpp"
 
 namespace tmcld {
 
-AxisAccess::AxisAccess(AxisConfig config, std::shared_ptr<GatewayBus> bus)
+AxisContext::AxisContext(AxisConfig config, std::shared_ptr<GatewayBus> bus)
     : config_(std::move(config)),
       bus_(std::move(bus)),
       module_(bus_->add_module(config_.address.module)) {
@@ -14,12 +14,12 @@ AxisAccess::AxisAccess(AxisConfig config, std::shared_ptr<GatewayBus> bus)
   bus_->gate().add_limits(limits_);
 }
 
-std::span<const tmcl::ParameterInfo> AxisAccess::parameters() const {
+std::span<const tmcl::ParameterInfo> AxisContext::parameters() const {
   const auto* model = module_.model();
   return model == nullptr ? std::span<const tmcl::ParameterInfo>{} : tmcl::axis_parameters(*model);
 }
 
-AxisAccess::Awaitable<void> AxisAccess::be_ready() {
+AxisContext::Awaitable<void> AxisContext::be_ready() {
   auto ready = co_await module_.be_ready();
   if (!ready) co_return ready;
   const auto* model = module_.model();

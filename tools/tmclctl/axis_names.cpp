@@ -1,4 +1,4 @@
-#include "names.hpp"
+#include "axis_names.hpp"
 
 #include <algorithm>
 #include <array>

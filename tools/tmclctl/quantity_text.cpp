@@ -1,4 +1,4 @@
-#include "shown.hpp"
+#include "quantity_text.hpp"
 #include "tmcl/plain_number.hpp"
 
 #include <algorithm>

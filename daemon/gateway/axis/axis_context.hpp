@@ -19,12 +19,12 @@ class AxisLimits;
 
 using Deadline = std::optional<tmcl::TimePoint>;
 
-class AxisAccess {
+class AxisContext {
  public:
   template <class T>
   using Awaitable = boost::asio::awaitable<tmcl::Result<T>>;
 
-  AxisAccess(AxisConfig config, std::shared_ptr<GatewayBus> bus);
+  AxisContext(AxisConfig config, std::shared_ptr<GatewayBus> bus);
 
   const AxisConfig& config() const { return config_; }
   const std::string& name() const { return config_.name; }

@@ -1,4 +1,4 @@
-#include "staying.hpp"
+#include "reconnecting_watch.hpp"
 
 namespace tmclctl {
 namespace {

@@ -1,4 +1,4 @@
-#include "foresight.hpp"
+#include "prediction_text.hpp"
 
 #include <algorithm>
 
