@@ -203,11 +203,11 @@ tmcl::Script<std::optional<tmcl::Result<tmcl::Answer>>> Gate::send_admitted(
   const bool is_earlier = options.deadline != given;
   // As long as this lives, so does the conduct.
   const auto has_changed = std::make_shared<bool>(false);
-  options.objection = [this, &conduct, exchange_is = exchange,
+  options.objection = [this, &conduct, exchange,
                        of = std::weak_ptr(has_changed)]() -> std::optional<tmcl::Error> {
     const auto verdict_changes = of.lock();
     if (!verdict_changes) return tmcl::bad_argument("the call has ended that asked for it");
-    return last_objection(exchange_is, conduct.options, *verdict_changes);
+    return last_objection(exchange, conduct.options, *verdict_changes);
   };
   auto answer = co_await send_once(std::move(exchange), conduct);
   const bool was_sent = answer || answer.error().outcome != tmcl::Outcome::not_sent;
