@@ -42,7 +42,7 @@ struct DaemonSocket {
 
 class RpcClient {
  public:
-  static constexpr int patience_ms = 10'000;  // on a busy machine
+  static constexpr int patience_ms = 60'000;  // on a busy machine
 
   /// Reads the greeting as well, unless told not to.
   explicit RpcClient(const DaemonSocket& socket, bool greet = true)
