@@ -395,7 +395,9 @@ class World {
     namespace ap = tmcl::axis_parameter;
     const auto value = static_cast<std::int32_t>(far(random));
     const auto speed = value / 200;
-    switch (random.between(0, 7)) {
+    // Soft limits do not hold for raw commands.
+    const bool is_limited = axis == "d";
+    switch (is_limited ? random.between(6, 7) : random.between(0, 7)) {
       case 0:
         // As of a distance above.
         if (client != 0) break;
