@@ -229,10 +229,7 @@ class Ledger {
   void note_turning(const WorldAxis& axis, const tmcl::Request& request, std::uint64_t client,
                     tmcl::TimePoint now) {
     using tmcl::Command;
-    const bool by_parameter =
-        request.command == Command::SAP && request.type == tmcl::axis_parameter::target_velocity;
-    const bool turns =
-        by_parameter || request.command == Command::ROR || request.command == Command::ROL;
+    const bool turns = request.command == Command::ROR || request.command == Command::ROL;
     if (turns && request.value != 0) {
       // Who does not hear it does not turn.
       if (!restarts_.is_deaf(axis.name, now)) owners_.turn(axis.name, client, now);
@@ -293,7 +290,9 @@ class Ledger {
           {tmcl::axis_parameter::actual_position, request.value - *call.distance});
     const auto value = value_for(call, axis);
     const auto sign = request.command == tmcl::Command::ROL ? -1 : 1;
-    return value ? *value == sign * request.value : by_position;
+    // Of a setting that moves nothing no value is known.
+    const bool goes_anywhere = by_position && call.method != "parameter.set";
+    return value ? *value == sign * request.value : goes_anywhere;
   }
 
   /// The client that has asked for it, or 0.
