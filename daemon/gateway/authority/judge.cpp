@@ -79,11 +79,13 @@ constexpr auto rows = std::to_array<Row>({
        const bool needs_lease = it.permit.needs_lease && it.state.is_axis;
        return it.moves() && needs_lease && !has_lease && !it.is_led();
      }},
+    // A search that has ended unseen may have found it: that is asked first.
     {Obstacle::reference_missing, Ruling::refuse, of_now,
      [](const Case& it) {
        const bool needs_reference =
            goes_to_position(it.intent.motion) && !it.permit.needs_no_reference;
-       return it.moves() && needs_reference && it.state.misses_reference;
+       const bool may_be_found = it.is_claimed_for(ClaimKind::search);
+       return it.moves() && needs_reference && it.state.misses_reference && !may_be_found;
      }},
     {Obstacle::claimed_by_search, Ruling::ask, of_now,
      [](const Case& it) { return it.moves() && it.is_claimed_for(ClaimKind::search); }},
