@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "tmcl/parameter_number.hpp"
 #include "tmcl/plan/line.hpp"
 
@@ -151,7 +153,7 @@ TEST(Line, SaysWhoseFaultItIsThatThereIsNone) {
   EXPECT_THAT(fault({}).message, HasSubstr("1 to 16 axes"));
   EXPECT_EQ(fault({axis(1, 1, 1), axis(1, 0, 1)}).axis, 1U);
   EXPECT_THAT(fault({axis(1, 1, -1)}).message, HasSubstr("acceleration must be greater than 0"));
-  EXPECT_THAT(fault({axis(1, NAN, 1)}).message, HasSubstr("velocity must be"));
+  EXPECT_THAT(fault({axis(1, std::nan(""), 1)}).message, HasSubstr("velocity must be"));
   auto moving = axis(1000, 1000, 1000);
   moving.twin.rotate({500});
   moving.twin.advance(std::chrono::seconds(1));
