@@ -134,7 +134,8 @@ class FakeGateway final : public tmcl::client::Channel {
   std::deque<boost::json::object> results;          ///< One after the other, before `result`.
   boost::json::object result;                       ///< Of every method that is none of the axis.
   std::vector<std::vector<std::uint8_t>> arrivals;  ///< One a second.
-  std::vector<boost::json::object> news{{{"phase", "running"}, {"passed_s", 0.5}}};
+  std::vector<boost::json::object> news{
+      boost::json::object{{"phase", "running"}, {"passed_s", 0.5}}};
   std::optional<Error> run_failure;
   std::optional<Error> plan_failure;
   boost::json::object plan;

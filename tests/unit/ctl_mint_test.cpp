@@ -12,6 +12,7 @@
 namespace tmclctl {
 namespace {
 
+namespace json = boost::json;
 using testing::HasSubstr;
 
 class CtlMint : public testing::Test, public test::Ctl {
@@ -70,7 +71,7 @@ TEST_F(CtlMint, ProblemsAreJsonToo) {
 
 TEST_F(CtlMint, TheGatewayRunsAProgram) {
   check(exercise);
-  target.news = {{{"phase", "checked"}, {"remarks", {"line 7: it is late"}}},
+  target.news = {{{"phase", "checked"}, {"remarks", json::array{"line 7: it is late"}}},
                  {{"phase", "running"}, {"line", 6}, {"passed_s", 0.5}, {"duration_s", 1}},
                  {{"phase", "stands"}, {"line", 6}, {"passed_s", 1.25}, {"duration_s", 1}}};
   target.result = {{"groups",
@@ -88,7 +89,8 @@ TEST_F(CtlMint, TheGatewayRunsAProgram) {
 
 TEST_F(CtlMint, Axis0IsTheFirstThereIs) {
   check(exercise);
-  target.news = {{{"phase", "checked"}, {"axes", {{{"number", 0}, {"axis", "x"}}}}}};
+  target.news = {json::object{{"phase", "checked"},
+                              {"axes", json::array{json::object{{"number", 0}, {"axis", "x"}}}}}};
   EXPECT_EQ(run({"mint", "run", path}), ExitCode::done) << err;
   EXPECT_EQ(target.calls.front(), R"(mint.run {"axes":["x"],"bytes":66})");
   EXPECT_EQ(out, "axis 0 is x\n");
@@ -98,7 +100,8 @@ TEST_F(CtlMint, WhatTheGatewaySaysOfAProgramHasItsFile) {
   check(exercise);
   const std::vector<std::string> words{"mint", "run", path, "--axis", "0=x"};
   target.run_failure = usage_error("bad_program", "the program cannot be run: line 2: no");
-  target.run_failure->subject["problems"] = {{{"line", 2}, {"column", 1}, {"message", "no"}}};
+  target.run_failure->subject["problems"] =
+      json::array{json::object{{"line", 2}, {"column", 1}, {"message", "no"}}};
   EXPECT_EQ(run(words), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr(path + ":2:1: no\n"));
   target.run_failure = usage_error("missing_axis", "line 3 moves axis 1: which axis is that?");
@@ -111,7 +114,8 @@ TEST_F(CtlMint, WhatTheGatewaySaysOfAProgramHasItsFile) {
 
 TEST_F(CtlMint, CtrlCStopsAllAxes) {
   check(exercise);
-  target.news = {{{"phase", "running"}, {"line", 6}, {"passed_s", 0.5}, {"duration_s", 1}}};
+  target.news = {
+      json::object{{"phase", "running"}, {"line", 6}, {"passed_s", 0.5}, {"duration_s", 1}}};
   target.run_failure = error_of(ExitCode::unknown, "stopped_by_other", "x was stopped");
   host.press_ctrl_c_after(std::chrono::milliseconds(500));
   EXPECT_EQ(run({"mint", "run", path, "--axis", "0=x", "--axis", "1=y"}), ExitCode::interrupted);

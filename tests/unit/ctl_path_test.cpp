@@ -135,7 +135,8 @@ TEST_F(CtlPath, WhatCannotBePlannedIsExplained) {
   EXPECT_EQ(run({"path", "run", line, "--axis", "x"}), ExitCode::usage);
   EXPECT_EQ(run({"path", "run", line, "--axis", "X=x", "--mode", "fast"}), ExitCode::usage);
   target.plan_failure = usage_error("bad_path", "the path cannot be read: line 2: no");
-  target.plan_failure->subject["problems"] = {{{"line", 2}, {"column", 1}, {"message", "no"}}};
+  target.plan_failure->subject["problems"] =
+      boost::json::array{boost::json::object{{"line", 2}, {"column", 1}, {"message", "no"}}};
   EXPECT_EQ(run({"path", "run", line}), ExitCode::usage);
   EXPECT_THAT(err, HasSubstr(path + ":2:1: no\n"));
   target.plan_failure = usage_error("missing_axis", "the file moves X: which axis is that?");

@@ -289,8 +289,10 @@ template <auto member>
 constexpr std::string_view name_of() {
   std::string_view text = __PRETTY_FUNCTION__;  // ...[with auto member = &tmcl::api::Struct::name]
   text.remove_prefix(text.find("member = "));
-  text = text.substr(0, text.find_first_of(";])"));
-  return text.substr(text.rfind(':') + 1);
+  text = text.substr(0, text.find_first_of(";]"));
+  text = text.substr(text.rfind(':') + 1);
+  // Brackets stand around the whole (g++), or around an unnamed namespace (clang).
+  return text.substr(0, text.find(')'));
 }
 
 template <class Object, class T>
