@@ -69,13 +69,10 @@ boost::json::value shortened(const boost::json::value& value) {
   return value;
 }
 
-std::string outcome_of(const RpcResult& result) {
+std::string outcome_of(const Result<boost::json::object>& result) {
   if (result) return " outcome=done";
-  const auto& data = result.error().data;
-  const auto text = [&](const char* name) {
-    return std::string(data.at(name).get_string().c_str());
-  };
-  return " outcome=" + text("outcome") + " error=" + text("name");
+  const auto& error = result.error();
+  return " outcome=" + std::string(name_of(error.outcome)) + " error=" + error.name;
 }
 
 }  // namespace
@@ -94,7 +91,7 @@ void begin_journey(Call& call) {
   call.gateway->audit(entry_of(call, words_of(call.method.name, call.params) + " begins"));
 }
 
-void audit_end(const Call& call, const RpcResult& result) {
+void audit_end(const Call& call, const Result<boost::json::object>& result) {
   const bool is_under_way = call.goes_on && result;
   if (!is_audited(call) || is_under_way) return;
   const auto unattended = call.unattended ? " unattended" : "";

@@ -16,7 +16,7 @@ std::string words_of(std::string_view method, const boost::json::object& params)
 /// begins.
 void begin_journey(Call& call);
 /// What came of a call, if it has moved or set something, or was to.
-void audit_end(const Call& call, const RpcResult& result);
+void audit_end(const Call& call, const Result<boost::json::object>& result);
 /// What became of a journey that outlives its call; `fault`: empty if nothing was wrong.
 std::function<void(std::string_view fault)> audit_of_end(const Call& call);
 

@@ -24,7 +24,7 @@ boost::asio::awaitable<axis::StartedMove> to_result(GatewayAxis& axis, StartedMo
 using Warnings = std::vector<std::string>;
 
 /// It has arrived by the counter of its module, which knows nothing of the motor.
-boost::asio::awaitable<RpcError> faulty_arrival(GatewayAxis& axis, const RestingPosition& arrived) {
+boost::asio::awaitable<Error> faulty_arrival(GatewayAxis& axis, const RestingPosition& arrived) {
   const auto place = co_await place_of(axis, arrived.position);
   const auto where = place.position
                          ? tmcl::plain_number(*place.position, 6) + ' ' + place.unit.value_or("")
@@ -40,10 +40,10 @@ boost::asio::awaitable<RpcError> faulty_arrival(GatewayAxis& axis, const Resting
       "'tmclctl errors " +
       axis.name() + "' shows what is wrong now";
   auto result = call_error(error, axis.name());
-  result.data["name"] = "driver_fault";
+  result.name = tmcl::client::error_name::driver_fault;
   boost::json::array faults;
   for (const auto fault : arrived.faults) faults.emplace_back(fault);
-  result.data["faults"] = std::move(faults);
+  result.subject["faults"] = std::move(faults);
   co_return result;
 }
 

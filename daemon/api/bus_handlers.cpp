@@ -72,7 +72,7 @@ boost::asio::awaitable<tmcl::Result<Found>> scan_one(std::shared_ptr<GatewayBus>
   co_return found;
 }
 
-Lookup<bus::FoundModules> found_by(const std::vector<std::shared_ptr<GatewayBus>>& buses,
+Result<bus::FoundModules> found_by(const std::vector<std::shared_ptr<GatewayBus>>& buses,
                                    const std::vector<tmcl::Result<Found>>& results,
                                    bool one_was_named) {
   bus::FoundModules all;

@@ -7,7 +7,6 @@
 #include <optional>
 
 #include <boost/json/value.hpp>
-#include <tl/expected.hpp>
 
 #include "api/method.hpp"
 #include "api/peer.hpp"
@@ -15,9 +14,6 @@
 #include "tmcl/api/system.hpp"
 
 namespace tmcld {
-
-template <class T>
-using Lookup = tl::expected<T, RpcError>;
 
 /// Tells the client of a call how far that has come; may outlive the call.
 class ProgressReporter {

@@ -55,18 +55,16 @@ Role role_for(const tmcl::Intent& intent) {
   return is_operating ? Role::operate : Role::configure;
 }
 
-std::optional<RpcError> objection_by_role(const Caller& caller, Role needed,
-                                          std::string_view what) {
+std::optional<Error> objection_by_role(const Caller& caller, Role needed, std::string_view what) {
   if (caller.role >= needed) return std::nullopt;
   const auto role = std::string(name_of(needed));
-  auto error =
-      rpc_error(rpc_code::not_allowed, "not_permitted",
-                std::string(what) + " needs the role '" + role + "', and this client has '" +
-                    std::string(name_of(caller.role)) + "' (" + caller.reason + ")",
-                "'users' or 'groups' of an [[access]] with role = \"" + role +
-                    "\" in tmcld.toml give it, or a token with it");
-  error.data["role"] = name_of(caller.role);
-  error.data["needs_role"] = role;
+  auto error = not_now("not_permitted",
+                       std::string(what) + " needs the role '" + role + "', and this client has '" +
+                           std::string(name_of(caller.role)) + "' (" + caller.reason + ")",
+                       "'users' or 'groups' of an [[access]] with role = \"" + role +
+                           "\" in tmcld.toml give it, or a token with it");
+  error.subject["role"] = name_of(caller.role);
+  error.subject["needs_role"] = role;
   return error;
 }
 

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "api/rpc_error.hpp"
+#include "api/error.hpp"
 #include "config/config.hpp"
 #include "tmcl/intent.hpp"
 
@@ -37,6 +37,6 @@ Caller caller_with(const Credentials& credentials, std::span<const AccessConfig>
 Role role_for(const tmcl::Intent& intent);
 
 /// Why the caller may not have it; nothing if it may. `what`: such as "axis.move_to".
-std::optional<RpcError> objection_by_role(const Caller& caller, Role needed, std::string_view what);
+std::optional<Error> objection_by_role(const Caller& caller, Role needed, std::string_view what);
 
 }  // namespace tmcld

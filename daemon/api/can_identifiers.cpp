@@ -20,7 +20,7 @@ bool is_of_a_module(const GatewayBus& bus, tmcl::ModuleAddress asked, std::int32
 
 }  // namespace
 
-std::optional<RpcError> identifier_conflict(const GatewayBus& bus, const tmcl::Request& request) {
+std::optional<Error> identifier_conflict(const GatewayBus& bus, const tmcl::Request& request) {
   constexpr std::uint8_t bank = 0;
   if (!bus.is_can() || request.command != tmcl::Command::SGP || request.motor != bank)
     return std::nullopt;

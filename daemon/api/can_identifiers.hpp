@@ -4,14 +4,14 @@
 
 #include <optional>
 
-#include "api/rpc_error.hpp"
+#include "api/error.hpp"
 #include "gateway/bus.hpp"
 
 namespace tmcld {
 
 /// Whether a command would make a module on this bus take replies for commands, as far as that is
 /// known here. Nothing is asked.
-std::optional<RpcError> identifier_conflict(const GatewayBus& bus, const tmcl::Request& request);
+std::optional<Error> identifier_conflict(const GatewayBus& bus, const tmcl::Request& request);
 
 /// A module whose address is the identifier of the bus' replies executes each of them.
 bool has_address_of_replies(const GatewayBus& bus, tmcl::ModuleAddress module);

@@ -12,13 +12,13 @@ using tmcl::ram_debug::Trigger;
 
 // ---- What is to be recorded
 
-Lookup<ParameterChoice> choice_of(const std::string& given, const GatewayAxis& axis) {
+Result<ParameterChoice> choice_of(const std::string& given, const GatewayAxis& axis) {
   if (const auto number = as_number(given))
     return parameter_of(api::NameOrNumber(std::int32_t{*number}), axis);
   return parameter_of(api::NameOrNumber(given), axis);
 }
 
-Lookup<Trigger> edge_of(const std::string& word) {
+Result<Trigger> edge_of(const std::string& word) {
   if (word == "rising") return Trigger::rising_signed;
   if (word == "falling") return Trigger::falling_signed;
   if (word == "both") return Trigger::both_signed;
@@ -26,7 +26,7 @@ Lookup<Trigger> edge_of(const std::string& word) {
                                     "'" + word + "' is no edge", "say rising, falling or both"));
 }
 
-Lookup<std::optional<tmcl::CaptureTrigger>> trigger_of(const capture::Start& params,
+Result<std::optional<tmcl::CaptureTrigger>> trigger_of(const capture::Start& params,
                                                        const GatewayAxis& axis) {
   const auto& parameter = params.trigger_parameter;
   if (!parameter && !params.trigger_edge && !params.trigger_value) return std::nullopt;
@@ -45,7 +45,7 @@ Lookup<std::optional<tmcl::CaptureTrigger>> trigger_of(const capture::Start& par
 
 using Choices = std::vector<ParameterChoice>;
 
-Lookup<Choices> channels_of(const capture::Start& params, const GatewayAxis& axis) {
+Result<Choices> channels_of(const capture::Start& params, const GatewayAxis& axis) {
   Choices choices;
   for (const auto& name : params.channels) {
     const auto choice = choice_of(name, axis);
@@ -55,7 +55,7 @@ Lookup<Choices> channels_of(const capture::Start& params, const GatewayAxis& axi
   return choices;
 }
 
-Lookup<CaptureRequest> capture_request(const capture::Start& params, const Choices& channels,
+Result<CaptureRequest> capture_request(const capture::Start& params, const Choices& channels,
                                        const GatewayAxis& axis) {
   const auto trigger = trigger_of(params, axis);
   if (!trigger) return tl::unexpected(trigger.error());
@@ -117,13 +117,12 @@ RunOptions beside_journeys(const Call& call, const GatewayAxis& axis) {
 }
 
 /// The axis of a capture that is still the one of its module.
-Lookup<std::shared_ptr<GatewayAxis>> axis_in(const Call& call, const std::string& name,
+Result<std::shared_ptr<GatewayAxis>> axis_in(const Call& call, const std::string& name,
                                              std::int32_t capture) {
   auto axis = axis_of(call, name);
   if (!axis || (*axis)->module().capture() == capture) return axis;
-  return tl::unexpected(rpc_error(
-      rpc_code::call_failed, "unexpected_value",
-      "the module of '" + name + "' records something else now, or nothing",
+  return tl::unexpected(failed(
+      "unexpected_value", "the module of '" + name + "' records something else now, or nothing",
       "somebody has begun another capture, or tmcld has started again: 'resume' finds out"));
 }
 

@@ -11,8 +11,7 @@ bool is_about_leases(const MethodInfo& method) { return method.name.starts_with(
 
 /// Takes the parameters of this struct out of those of the call; nothing if there is none of them.
 template <class Struct>
-tl::expected<std::optional<Struct>, RpcError> take(const MethodInfo& method,
-                                                   boost::json::object& params) {
+Result<std::optional<Struct>> take(const MethodInfo& method, boost::json::object& params) {
   boost::json::object taken;
   for (const auto& row : api::rows<Struct>) {
     const auto found = params.find(row.name);
@@ -29,32 +28,32 @@ tl::expected<std::optional<Struct>, RpcError> take(const MethodInfo& method,
 
 }  // namespace
 
-tl::expected<std::optional<LeaseKey>, RpcError> take_lease_key(const MethodInfo& method,
-                                                               boost::json::object& params) {
+Result<std::optional<LeaseKey>> take_lease_key(const MethodInfo& method,
+                                               boost::json::object& params) {
   if (is_about_leases(method)) return std::nullopt;
   return take<tmcl::api::lease::OnLease>(method, params).map([](const auto& given) {
     return given ? std::optional(LeaseKey{given->lease, given->epoch}) : std::nullopt;
   });
 }
 
-tl::expected<std::optional<tmcl::TimePoint>, RpcError> take_sent_at(const MethodInfo& method,
-                                                                    boost::json::object& params) {
+Result<std::optional<tmcl::TimePoint>> take_sent_at(const MethodInfo& method,
+                                                    boost::json::object& params) {
   return take<tmcl::api::axis::Sent>(method, params).map([](const auto& given) {
     const auto at = [&] { return tmcl::TimePoint(std::chrono::milliseconds(given->sent_at_ms)); };
     return given ? std::optional(at()) : std::nullopt;
   });
 }
 
-tl::expected<Lease, RpcError> find_lease(const Leases& leases, LeaseKey key) {
+Result<Lease> find_lease(const Leases& leases, LeaseKey key) {
   auto found = leases.find(key.lease, key.epoch);
   if (found) return std::move(*found);
   const auto which = "lease " + std::to_string(key.lease);
   if (found.error() == NoLease::lost)
-    return tl::unexpected(rpc_error(rpc_code::not_allowed, "lease_lost", which + " has ended",
-                                    "lease.acquire gives a new one"));
-  return tl::unexpected(rpc_error(rpc_code::not_allowed, "stale_epoch",
-                                  which + " is not of epoch " + std::to_string(key.epoch),
-                                  "it is another lease by now: lease.acquire gives a new one"));
+    return tl::unexpected(
+        not_now("lease_lost", which + " has ended", "lease.acquire gives a new one"));
+  return tl::unexpected(not_now("stale_epoch",
+                                which + " is not of epoch " + std::to_string(key.epoch),
+                                "it is another lease by now: lease.acquire gives a new one"));
 }
 
 }  // namespace tmcld

@@ -10,8 +10,8 @@
 #include <boost/json/object.hpp>
 #include <tl/expected.hpp>
 
+#include "api/error.hpp"
 #include "api/method.hpp"
-#include "api/rpc_error.hpp"
 #include "gateway/authority/leases.hpp"
 #include "tmcl/api/lease.hpp"
 #include "tmcl/clock.hpp"
@@ -25,13 +25,13 @@ struct LeaseKey {
 
 /// Takes the lease out of the parameters; nothing if they name none.
 /// Errors: one of the two is missing, or is no integer.
-tl::expected<std::optional<LeaseKey>, RpcError> take_lease_key(const MethodInfo& method,
-                                                               boost::json::object& params);
+Result<std::optional<LeaseKey>> take_lease_key(const MethodInfo& method,
+                                               boost::json::object& params);
 /// The same of "sent_at_ms": when the call was sent, by this computer's CLOCK_MONOTONIC.
 /// Errors: it is no integer.
-tl::expected<std::optional<tmcl::TimePoint>, RpcError> take_sent_at(const MethodInfo& method,
-                                                                    boost::json::object& params);
+Result<std::optional<tmcl::TimePoint>> take_sent_at(const MethodInfo& method,
+                                                    boost::json::object& params);
 /// Errors: lease_lost, stale_epoch.
-tl::expected<Lease, RpcError> find_lease(const Leases& leases, LeaseKey key);
+Result<Lease> find_lease(const Leases& leases, LeaseKey key);
 
 }  // namespace tmcld

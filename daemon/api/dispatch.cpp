@@ -13,28 +13,27 @@ namespace {
 
 /// The one place that decides whether a call is let through; what it can do, and who may make it,
 /// is in the method's row. A stop always is.
-std::optional<RpcError> admit(const Call& call) {
+std::optional<Error> admit(const Call& call) {
   const auto& method = call.method;
   auto objection = objection_by_role(call.caller, method.role, method.name);
   if (objection) return objection;
   if (method.effect == tmcl::Effect::stops) return std::nullopt;
   if (!call.gateway->is_closing()) return std::nullopt;
-  return rpc_error(rpc_code::daemon_ending, "daemon_ending", "the daemon is ending");
+  return failed("daemon_ending", "the daemon is ending");
 }
 
 /// Its sender says that it is older than the last time that the reactor stood still.
-std::optional<RpcError> objection_by_age(const Call& call, std::optional<tmcl::TimePoint> sent) {
+std::optional<Error> objection_by_age(const Call& call, std::optional<tmcl::TimePoint> sent) {
   const auto& gaps = call.gateway->gaps();
   const auto effect = call.method.effect;
   const bool acts = effect == tmcl::Effect::moves || effect == tmcl::Effect::writes;
   if (!acts || !sent || !gaps.is_stale(*sent)) return std::nullopt;
-  return rpc_error(rpc_code::not_allowed, name_of(tmcl::Errc::stale_request), stale_text(gaps),
-                   std::string(stale_hint));
+  return not_now(name_of(tmcl::Errc::stale_request), stale_text(gaps), std::string(stale_hint));
 }
 
 /// From any connection: a call that names a lease is one of that lease's holder.
-tl::expected<std::uint64_t, RpcError> client_of(const Gateway& gateway, const Peer& peer,
-                                                const RpcRequest& request) {
+Result<std::uint64_t> client_of(const Gateway& gateway, const Peer& peer,
+                                const RpcRequest& request) {
   const auto effect = request.method->effect;
   const bool acts = effect == tmcl::Effect::moves || effect == tmcl::Effect::writes;
   if (!acts || !request.lease) return peer.client().number;
@@ -43,15 +42,15 @@ tl::expected<std::uint64_t, RpcError> client_of(const Gateway& gateway, const Pe
   });
 }
 
-RpcError internal_error(const MethodInfo& method, const char* what) {
-  auto error = rpc_error(rpc_code::internal_error, "internal_error",
-                         "tmcld failed in " + std::string(method.name) + ": " + what,
-                         "if it is not memory that is missing, this is a bug; tmcld's log has it");
-  error.data["outcome"] = name_of(tmcl::Outcome::unknown);
+Error internal_error(const MethodInfo& method, const char* what) {
+  auto error = failed("internal_error", "tmcld failed in " + std::string(method.name) + ": " + what,
+                      "if it is not memory that is missing, this is a bug; tmcld's log has it");
+  error.outcome = tmcl::Outcome::unknown;
   return error;
 }
 
-boost::asio::awaitable<RpcResult> carry_out(Call& call, std::optional<tmcl::TimePoint> sent) {
+boost::asio::awaitable<Result<boost::json::object>> carry_out(Call& call,
+                                                              std::optional<tmcl::TimePoint> sent) {
   if (auto refused = admit(call)) co_return tl::unexpected(std::move(*refused));
   if (auto stale = objection_by_age(call, sent)) co_return tl::unexpected(std::move(*stale));
   std::exception_ptr failure;
@@ -68,8 +67,9 @@ boost::asio::awaitable<RpcResult> carry_out(Call& call, std::optional<tmcl::Time
 
 }  // namespace
 
-boost::asio::awaitable<RpcResult> dispatch(std::shared_ptr<Gateway> gateway,
-                                           std::shared_ptr<Peer> peer, RpcRequest request) {
+boost::asio::awaitable<Result<boost::json::object>> dispatch(std::shared_ptr<Gateway> gateway,
+                                                             std::shared_ptr<Peer> peer,
+                                                             RpcRequest request) {
   const auto client = client_of(*gateway, *peer, request);
   if (!client) co_return tl::unexpected(client.error());
   auto caller = peer->caller();

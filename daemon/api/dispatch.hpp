@@ -12,7 +12,8 @@
 namespace tmcld {
 
 /// Ends when the method has ended, perhaps after its peer has gone.
-boost::asio::awaitable<RpcResult> dispatch(std::shared_ptr<Gateway> gateway,
-                                           std::shared_ptr<Peer> peer, RpcRequest request);
+boost::asio::awaitable<Result<boost::json::object>> dispatch(std::shared_ptr<Gateway> gateway,
+                                                             std::shared_ptr<Peer> peer,
+                                                             RpcRequest request);
 
 }  // namespace tmcld

@@ -16,7 +16,7 @@ std::string text_of(tmcl::FirmwareVersion version) {
   return {text.begin(), text.end()};
 }
 
-Lookup<Image> take_image(const Call& call, const firmware::Upload& params) {
+Result<Image> take_image(const Call& call, const firmware::Upload& params) {
   return take_staged(call, staged_image, params.bytes).map([&](std::vector<std::uint8_t> bytes) {
     return Image{params.start, std::move(bytes)};
   });

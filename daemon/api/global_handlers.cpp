@@ -24,7 +24,7 @@ struct GlobalChoice {
   }
 };
 
-RpcError unknown_global(const std::string& name, std::span<const tmcl::ParameterInfo> rows) {
+Error unknown_global(const std::string& name, std::span<const tmcl::ParameterInfo> rows) {
   std::vector<std::string_view> names;
   for (const auto& row : rows) names.push_back(row.name);
   return param_error("unknown_parameter", api::name_of<&global::Get::parameter>(),

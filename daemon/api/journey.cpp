@@ -10,7 +10,7 @@ namespace tmcld {
 namespace json = boost::json;
 namespace plan = tmcl::plan;
 
-Lookup<std::string> text_of(const Call& call, const std::optional<std::string>& text,
+Result<std::string> text_of(const Call& call, const std::optional<std::string>& text,
                             std::optional<std::uint32_t> bytes) {
   if (text.has_value() == bytes.has_value()) {
     return tl::unexpected(
@@ -22,21 +22,21 @@ Lookup<std::string> text_of(const Call& call, const std::optional<std::string>& 
   });
 }
 
-Lookup<PlanningBudget::Place> place_to_plan(const Call& call, std::size_t text_bytes) {
+Result<PlanningBudget::Place> place_to_plan(const Call& call, std::size_t text_bytes) {
   return place_for(call, PlanningBudget::bytes_for(text_bytes));
 }
 
-Lookup<PlanningBudget::Place> place_for(const Call& call, std::size_t bytes) {
+Result<PlanningBudget::Place> place_for(const Call& call, std::size_t bytes) {
   const auto client = call.peer->client();
   auto place = call.gateway->planning.take(client.number, client.name, bytes);
   if (!place) return tl::unexpected(call_error(place.error()));
   return std::move(*place);
 }
 
-RpcError error_of(const plan::PathObjection& objection, std::string_view param) {
+Error error_of(const plan::PathObjection& objection, std::string_view param) {
   if (!objection.param.empty()) param = objection.param;
   auto error = param_error(objection.name, param, objection.message, objection.hint);
-  if (!objection.file_axis.empty()) error.data["file_axis"] = objection.file_axis;
+  if (!objection.file_axis.empty()) error.subject["file_axis"] = objection.file_axis;
   if (objection.problems.empty()) return error;
   json::array problems;
   for (const auto& problem : objection.problems) {
@@ -45,21 +45,22 @@ RpcError error_of(const plan::PathObjection& objection, std::string_view param) 
   }
   const auto& first = objection.problems.front();
   error.message += ": line " + std::to_string(first.line) + ": " + first.message;
-  error.data["problems"] = std::move(problems);
+  error.subject["problems"] = std::move(problems);
   return error;
 }
 
-std::optional<RpcError> refusal_to_begin(const Call& call) {
+std::optional<Error> refusal_to_begin(const Call& call) {
   if (!call.gateway->is_closing()) return std::nullopt;
-  return rpc_error(rpc_code::daemon_ending, "daemon_ending", "the daemon is ending");
+  return failed("daemon_ending", "the daemon is ending");
 }
 
-void add_outcome(RpcError& error, const std::vector<std::string>& unstopped) {
-  error.data["outcome"] = name_of(unstopped.empty() ? tmcl::Outcome::done : tmcl::Outcome::unknown);
-  if (!unstopped.empty()) error.data["unstopped"] = json::array(unstopped.begin(), unstopped.end());
+void add_outcome(Error& error, const std::vector<std::string>& unstopped) {
+  error.outcome = unstopped.empty() ? tmcl::Outcome::done : tmcl::Outcome::unknown;
+  if (!unstopped.empty())
+    error.subject["unstopped"] = json::array(unstopped.begin(), unstopped.end());
 }
 
-RpcError error_of(const AwaitedRun& run, json::object report) {
+Error error_of(const AwaitedRun& run, json::object report) {
   const auto& fault = *run.report().fault;
   const auto unstopped = run.unstopped();
   const bool moved = !is_before_motion(fault.kind);
@@ -69,11 +70,10 @@ RpcError error_of(const AwaitedRun& run, json::object report) {
                                  "period, or mode 'segments' where the model has it, needs "
                                  "fewer updates"
                                : "all its axes were stopped";
-  auto error =
-      rpc_error(rpc_code::call_failed, name_of(fault), run.text_of(fault), moved ? hint : "");
+  auto error = failed(name_of(fault), run.text_of(fault), moved ? hint : "");
   if (moved) add_outcome(error, unstopped);
-  error.data["axis"] = run.axis_names()[fault.axis.value_or(0)];
-  error.data["run"] = std::move(report);
+  error.subject["axis"] = run.axis_names()[fault.axis.value_or(0)];
+  error.subject["run"] = std::move(report);
   return error;
 }
 

@@ -35,18 +35,18 @@ lease::Lease view_of(const tmcld::Lease& lease, tmcl::TimePoint now) {
 }
 
 /// Says who has it, and until when, where that is known.
-RpcError refusal_of(const Call& call, const AxisFailure& failure) {
+Error refusal_of(const Call& call, const AxisFailure& failure) {
   auto error = call_error(failure.error, failure.axis);
   if (failure.error.code != tmcl::Errc::leased) return error;
   const auto axis = axis_of(call, failure.axis);
   const auto* holding = axis ? call.gateway->leases()->of(**axis) : nullptr;
   if (holding == nullptr) return error;
   const auto view = api::to_json(view_of(*holding, call.gateway->clock().now()));
-  error.data.insert(view.begin(), view.end());
+  error.subject.insert(view.begin(), view.end());
   return error;
 }
 
-Lookup<LeaseTerms> terms_of(const lease::Acquire& params) {
+Result<LeaseTerms> terms_of(const lease::Acquire& params) {
   const auto on_loss = params.on_loss.value_or("stop");
   if (on_loss != "stop" && on_loss != "keep") {
     return tl::unexpected(param_error("bad_argument", api::name_of<&lease::Acquire::on_loss>(),

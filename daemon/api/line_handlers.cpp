@@ -13,7 +13,7 @@ namespace {
 using tmcl::Duration;
 using tmcl::seconds;
 
-Lookup<std::optional<Duration>> duration_of(std::optional<double> time_s) {
+Result<std::optional<Duration>> duration_of(std::optional<double> time_s) {
   constexpr double longest_s = 86'400;
   if (!time_s) return std::nullopt;
   const std::chrono::duration<double> time(*time_s);
@@ -33,7 +33,7 @@ RawOrQuantity acceleration_in(const line::Move& params) {
 using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
 
 /// One number is meant for all of them; a text has its unit.
-std::optional<RpcError> check_same_unit(const line::Move& params, const Axes& axes) {
+std::optional<Error> check_same_unit(const line::Move& params, const Axes& axes) {
   for (const auto& said : {velocity_in(params), acceleration_in(params)}) {
     if (!said.amount || std::holds_alternative<std::string>(said.amount->said)) continue;
     for (const auto& axis : axes) {
@@ -51,7 +51,7 @@ std::optional<RpcError> check_same_unit(const line::Move& params, const Axes& ax
 }
 
 /// Where each axis is to go.
-Lookup<std::vector<RawOrQuantity>> positions_of(const line::Move& params) {
+Result<std::vector<RawOrQuantity>> positions_of(const line::Move& params) {
   constexpr auto plain = api::name_of<&line::Move::positions_microsteps>();
   constexpr auto amount = api::name_of<&line::Move::positions>();
   if (params.positions.has_value() == params.positions_microsteps.has_value()) {
@@ -67,7 +67,7 @@ Lookup<std::vector<RawOrQuantity>> positions_of(const line::Move& params) {
   return all;
 }
 
-Lookup<Axes> axes_in(const Call& call, const line::Move& params, std::size_t positions) {
+Result<Axes> axes_in(const Call& call, const line::Move& params, std::size_t positions) {
   if (params.axes.empty()) {
     return tl::unexpected(param_error("bad_argument", api::name_of<&line::Move::axes>(),
                                       "a line is of one axis at least"));

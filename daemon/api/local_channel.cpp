@@ -15,12 +15,6 @@ constexpr tmcl::Duration cancel_interval = std::chrono::milliseconds(20);
 // For a call that was cancelled: a module in download mode is brought out of it.
 constexpr tmcl::Duration time_to_end_call = std::chrono::seconds(1);
 
-client::Result<json::object> result_of(const LocalCall& call) {
-  return RpcResult(call.result()).map_error([](const RpcError& error) {
-    return client::error_from_json(to_json(error));
-  });
-}
-
 }  // namespace
 
 client::Result<json::object> LocalChannel::call(std::string_view method, json::object params,
@@ -34,7 +28,7 @@ client::Result<json::object> LocalChannel::call(std::string_view method, json::o
       return cut_short(call);
     }
   }
-  return result_of(call);
+  return Result<json::object>(call.result()).map_error(client::without_nulls);
 }
 
 client::Result<json::object> LocalChannel::cut_short(const LocalCall& call) {

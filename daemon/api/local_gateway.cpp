@@ -56,7 +56,7 @@ class LocalPeer final : public Peer {
 
 namespace {
 
-using Ending = std::shared_ptr<std::optional<RpcResult>>;
+using Ending = std::shared_ptr<std::optional<Result<boost::json::object>>>;
 
 awaitable<void> carry_out(std::shared_ptr<Gateway> gateway, std::shared_ptr<LocalPeer> peer,
                           RpcRequest request, Ending ending, std::shared_ptr<bool> news) {
@@ -114,8 +114,8 @@ LocalCall LocalGateway::begin(std::string_view method, boost::json::object param
   return call;
 }
 
-RpcResult LocalGateway::call(std::string_view method, boost::json::object params,
-                             const std::function<void()>& meanwhile) {
+Result<boost::json::object> LocalGateway::call(std::string_view method, boost::json::object params,
+                                               const std::function<void()>& meanwhile) {
   const auto call = begin(method, std::move(params));
   while (!call.has_ended()) {
     listen(listen_interval);

@@ -26,7 +26,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/json/object.hpp>
 
-#include "api/rpc_error.hpp"
+#include "api/error.hpp"
 #include "config/config.hpp"
 #include "gateway/gateway.hpp"
 
@@ -39,11 +39,12 @@ class LocalCall {
  public:
   bool has_ended() const { return result_->has_value(); }
   /// Only of a call that has ended.
-  const RpcResult& result() const { return **result_; }
+  const Result<boost::json::object>& result() const { return **result_; }
 
  private:
   friend class LocalGateway;
-  std::shared_ptr<std::optional<RpcResult>> result_ = std::make_shared<std::optional<RpcResult>>();
+  std::shared_ptr<std::optional<Result<boost::json::object>>> result_ =
+      std::make_shared<std::optional<Result<boost::json::object>>>();
 };
 
 /// One client, on one thread: everything happens in call(), listen() and end(). A program
@@ -75,8 +76,8 @@ class LocalGateway {
   LocalCall begin(std::string_view method, boost::json::object params);
   /// Waits for its end. `meanwhile` is called every few milliseconds until then: it can look at
   /// signals, and make other calls.
-  RpcResult call(std::string_view method, boost::json::object params,
-                 const std::function<void()>& meanwhile = {});
+  Result<boost::json::object> call(std::string_view method, boost::json::object params,
+                                   const std::function<void()>& meanwhile = {});
   /// Keeps everything going until the time is over, or until a call has ended or a notification
   /// came. False if nothing came.
   bool listen(tmcl::Duration at_most);

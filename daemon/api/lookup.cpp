@@ -4,16 +4,16 @@
 #include <charconv>
 #include <utility>
 
+#include "api/error.hpp"
 #include "api/raw_name.hpp"
-#include "api/rpc_error.hpp"
 #include "api/suggest.hpp"
 
 namespace tmcld {
 namespace {
 
 template <class List>
-RpcError unknown(std::string_view kind, std::string_view param, const std::string& name,
-                 const List& known) {
+Error unknown(std::string_view kind, std::string_view param, const std::string& name,
+              const List& known) {
   std::vector<std::string_view> names;
   for (const auto& one : known) names.push_back(one->name());
   const auto otherwise = "see " + std::string(kind) + ".list for what there is";
@@ -22,7 +22,7 @@ RpcError unknown(std::string_view kind, std::string_view param, const std::strin
                      suggest(name, names, otherwise));
 }
 
-Lookup<std::shared_ptr<GatewayAxis>> find_axis(const Call& call, std::string_view param,
+Result<std::shared_ptr<GatewayAxis>> find_axis(const Call& call, std::string_view param,
                                                const std::string& name) {
   if (is_raw_name(name)) return find_raw_axis(*call.gateway, param, name);
   auto axis = call.gateway->find_axis(name);
@@ -30,7 +30,7 @@ Lookup<std::shared_ptr<GatewayAxis>> find_axis(const Call& call, std::string_vie
   return tl::unexpected(unknown("axis", param, name, call.gateway->axes()));
 }
 
-RpcError unknown_parameter(const GatewayAxis& axis, const std::string& name) {
+Error unknown_parameter(const GatewayAxis& axis, const std::string& name) {
   const auto rows = axis.parameters();
   if (rows.empty()) {
     return param_error("unknown_parameter", "parameter",
@@ -53,7 +53,7 @@ std::optional<std::uint8_t> as_number(const std::string& text) {
   return number;
 }
 
-Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call, const std::string& name) {
+Result<std::shared_ptr<GatewayAxis>> axis_of(const Call& call, const std::string& name) {
   return find_axis(call, "axis", name);
 }
 
@@ -64,7 +64,7 @@ Task<ReadyToMove> ready_to_move(const Call& call, const std::string& name, Deadl
   co_return ready;
 }
 
-Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call,
+Result<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call,
                                                           const AxisNames& names) {
   const auto all = call.gateway->axes();
   if (!names) return std::vector(all.begin(), all.end());
@@ -77,12 +77,12 @@ Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call,
   return chosen;
 }
 
-Lookup<std::shared_ptr<GatewayBus>> bus_of(const Call& call, const std::string& name) {
+Result<std::shared_ptr<GatewayBus>> bus_of(const Call& call, const std::string& name) {
   if (auto* bus = call.gateway->find_bus(name)) return bus->shared_from_this();
   return tl::unexpected(unknown("bus", "bus", name, call.gateway->buses()));
 }
 
-Lookup<ParameterChoice> parameter_of(const api::NameOrNumber& given, const GatewayAxis& axis) {
+Result<ParameterChoice> parameter_of(const api::NameOrNumber& given, const GatewayAxis& axis) {
   const auto rows = axis.parameters();
   if (const auto* number = std::get_if<std::int32_t>(&given.said)) {
     const auto byte = static_cast<std::uint8_t>(*number);
@@ -95,8 +95,8 @@ Lookup<ParameterChoice> parameter_of(const api::NameOrNumber& given, const Gatew
   return ParameterChoice{*number, find_parameter(rows, *number)};
 }
 
-std::optional<RpcError> check_range(const tmcl::ParameterInfo* row, std::int64_t value,
-                                    std::string_view param) {
+std::optional<Error> check_range(const tmcl::ParameterInfo* row, std::int64_t value,
+                                 std::string_view param) {
   // Where the range depends on the unit mode, the module is left to judge.
   if (row == nullptr || row->scale != tmcl::Scale::fixed) return std::nullopt;
   if (value >= row->minimum && value <= row->maximum) return std::nullopt;

@@ -14,7 +14,7 @@
 
 namespace tmcld {
 
-Lookup<std::shared_ptr<GatewayAxis>> axis_of(const Call& call, const std::string& name);
+Result<std::shared_ptr<GatewayAxis>> axis_of(const Call& call, const std::string& name);
 
 /// Of what a call runs on a bus, within its deadline.
 template <class Params>
@@ -39,8 +39,8 @@ auto ready_to_move(const Call& call, const Params& params) {
 
 using AxisNames = std::optional<std::vector<std::string>>;
 /// Each once; all configured ones without names.
-Lookup<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call, const AxisNames& names);
-Lookup<std::shared_ptr<GatewayBus>> bus_of(const Call& call, const std::string& name);
+Result<std::vector<std::shared_ptr<GatewayAxis>>> axes_of(const Call& call, const AxisNames& names);
+Result<std::shared_ptr<GatewayBus>> bus_of(const Call& call, const std::string& name);
 
 struct ParameterChoice {
   std::uint8_t number = 0;
@@ -52,14 +52,14 @@ struct ParameterChoice {
 };
 
 /// A name, or a number also for a model that is not known.
-Lookup<ParameterChoice> parameter_of(const api::NameOrNumber& given, const GatewayAxis& axis);
+Result<ParameterChoice> parameter_of(const api::NameOrNumber& given, const GatewayAxis& axis);
 
 /// 0..255 in decimal digits.
 std::optional<std::uint8_t> as_number(const std::string& text);
 
 /// An error if a value is outside what the row allows; `param` is where the client gave it.
-std::optional<RpcError> check_range(const tmcl::ParameterInfo* row, std::int64_t value,
-                                    std::string_view param);
+std::optional<Error> check_range(const tmcl::ParameterInfo* row, std::int64_t value,
+                                 std::string_view param);
 
 /// What the client of a call is told that owns the turning of an axis; nothing if it does not.
 /// `does`: "may turn" where a chip may have been told so.

@@ -6,7 +6,7 @@
 
 #include <boost/asio/awaitable.hpp>
 
-#include "api/rpc_error.hpp"
+#include "api/error.hpp"
 #include "config/config.hpp"
 #include "tmcl/api/field.hpp"
 
@@ -25,7 +25,7 @@ struct MethodInfo {
   /// through: see admit() in dispatch.cpp.
   tmcl::Effect effect;
   Role role;  ///< Who may call it; of methods that send any command, see role_for().
-  boost::asio::awaitable<RpcResult> (*handler)(Call& call);
+  boost::asio::awaitable<Result<boost::json::object>> (*handler)(Call& call);
 };
 
 /// Every method, grouped by noun.

@@ -12,7 +12,7 @@ using boost::asio::awaitable;
 using enum Role;
 
 template <class R>
-awaitable<RpcResult> written(Task<R> answer) {
+awaitable<Result<boost::json::object>> written(Task<R> answer) {
   co_await answer.promise().run();
   co_return answer.take().map(api::to_json<R>);
 }

@@ -25,7 +25,7 @@ struct ChosenProgram {
   std::vector<DriveMember> members;
 };
 
-RpcError wrong_numbers() {
+Error wrong_numbers() {
   return param_error("bad_argument", "numbers",
                      "there must be one number from 0 to " +
                          std::to_string(plan::mint::most_axes - 1) +
@@ -33,7 +33,7 @@ RpcError wrong_numbers() {
 }
 
 /// Those of "axes" that the program moves, in the order of their numbers.
-Lookup<ChosenProgram> chosen(const Call& call, const mint::Run& params,
+Result<ChosenProgram> chosen(const Call& call, const mint::Run& params,
                              const std::set<unsigned>& moved) {
   const auto axes = axes_of(call, params.axes);
   if (!axes) return tl::unexpected(axes.error());
@@ -58,7 +58,7 @@ Lookup<ChosenProgram> chosen(const Call& call, const mint::Run& params,
   return found;
 }
 
-Lookup<bool> counts_encoder(const mint::Run& params) {
+Result<bool> counts_encoder(const mint::Run& params) {
   const auto said = params.counts.value_or("microsteps");
   if (said == "encoder" || said == "microsteps") return said == "encoder";
   return tl::unexpected(
@@ -66,7 +66,7 @@ Lookup<bool> counts_encoder(const mint::Run& params) {
 }
 
 /// What the configuration says of its encoder, and its module of its microsteps.
-Lookup<double> microsteps_per_count(const GatewayAxis& axis,
+Result<double> microsteps_per_count(const GatewayAxis& axis,
                                     const std::optional<tmcl::UserScale>& scale) {
   const auto& counts = axis.encoder_counts_per_unit();
   if (counts && scale) return tmcl::microsteps_per_unit(*scale) / *counts;

@@ -20,9 +20,9 @@ inline tmcl::ModuleAddress address_of(const api::OnModule& params) {
   return tmcl::ModuleAddress{params.address};
 }
 
-Lookup<ModuleChoice> module_of(const Call& call, const api::OnModule& params, Deadline deadline);
+Result<ModuleChoice> module_of(const Call& call, const api::OnModule& params, Deadline deadline);
 template <class Params>
-Lookup<ModuleChoice> module_of(const Call& call, const Params& params) {
+Result<ModuleChoice> module_of(const Call& call, const Params& params) {
   return module_of(call, params, call.deadline(params));
 }
 
@@ -49,7 +49,7 @@ Task<T> run_on(const ModuleChoice& module, const Call& call, tmcl::Script<tmcl::
 constexpr bool makes_news = true;
 
 /// The same for a verb that gives nothing.
-Task<api::Nothing> act_on(const Call& call, Lookup<ModuleChoice> module,
+Task<api::Nothing> act_on(const Call& call, Result<ModuleChoice> module,
                           tmcl::Script<tmcl::Result<void>> script, bool news = false);
 template <std::derived_from<api::OnModule> Params>
 auto act_on(const Call& call, const Params& params, tmcl::Script<tmcl::Result<void>> script,

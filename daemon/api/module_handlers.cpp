@@ -8,7 +8,7 @@
 namespace tmcld::handlers {
 namespace {
 
-Lookup<tmcl::Command> command_of(const api::NameOrNumber& given) {
+Result<tmcl::Command> command_of(const api::NameOrNumber& given) {
   if (const auto* number = std::get_if<std::int32_t>(&given.said))
     return static_cast<tmcl::Command>(*number);
   const auto& text = std::get<std::string>(given.said);
@@ -21,7 +21,7 @@ Lookup<tmcl::Command> command_of(const api::NameOrNumber& given) {
                                     suggest(text, names, otherwise)));
 }
 
-Lookup<std::uint8_t> type_of(const api::NameOrNumber& given, tmcl::Command command) {
+Result<std::uint8_t> type_of(const api::NameOrNumber& given, tmcl::Command command) {
   if (const auto* number = std::get_if<std::int32_t>(&given.said))
     return static_cast<std::uint8_t>(*number);
   const auto& text = std::get<std::string>(given.said);
@@ -31,7 +31,7 @@ Lookup<std::uint8_t> type_of(const api::NameOrNumber& given, tmcl::Command comma
       std::string(tmcl::name_of(command)) + " has no type '" + text + "'", "give its number"));
 }
 
-Lookup<tmcl::Request> request_of(const module::Execute& params) {
+Result<tmcl::Request> request_of(const module::Execute& params) {
   const auto command = command_of(params.command);
   if (!command) return tl::unexpected(command.error());
   const auto type = type_of(params.type.value_or(0), *command);
@@ -48,15 +48,15 @@ void revoke_movements(const Call& call, GatewayBus& bus, const tmcl::Request& re
 }
 
 /// What a raw command sets turning is stopped when its client goes: it needs an axis.
-std::optional<RpcError> give_axes(const Call& call, const std::shared_ptr<GatewayBus>& bus,
-                                  const tmcl::Request& request) {
+std::optional<Error> give_axes(const Call& call, const std::shared_ptr<GatewayBus>& bus,
+                               const tmcl::Request& request) {
   for (const auto motor : tmcl::motors_turned_by(request, bus->model_of(request.address))) {
     if (call.gateway->find_axis(*bus, motor) || call.gateway->add_axis(bus, motor)) continue;
-    return rpc_error(rpc_code::not_allowed, "not_permitted",
-                     "motor " + std::to_string(motor.motor) + " of module " +
-                         std::to_string(number(motor.module)) +
-                         " has no axis, and too many motors without one are in use",
-                     "put the axes that are in use into the configuration");
+    return not_now("not_permitted",
+                   "motor " + std::to_string(motor.motor) + " of module " +
+                       std::to_string(number(motor.module)) +
+                       " has no axis, and too many motors without one are in use",
+                   "put the axes that are in use into the configuration");
   }
   return std::nullopt;
 }

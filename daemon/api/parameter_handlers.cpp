@@ -36,7 +36,7 @@ boost::asio::awaitable<parameter::Value> to_result(GatewayAxis& axis, ParameterC
   co_return result;
 }
 
-std::optional<RpcError> check_write(const ParameterChoice& choice) {
+std::optional<Error> check_write(const ParameterChoice& choice) {
   if (choice.row == nullptr || choice.row->access != tmcl::Access::read) return std::nullopt;
   return param_error("read_only", api::name_of<&parameter::Set::parameter>(),
                      "'" + std::string(choice.row->name) + "' can only be read");

@@ -60,7 +60,7 @@ bool is_within(const json::value& value, std::int64_t minimum, std::int64_t maxi
          value.get_double() <= static_cast<double>(maximum);
 }
 
-std::optional<RpcError> check_value(const api::Field& row, const json::value& value) {
+std::optional<Error> check_value(const api::Field& row, const json::value& value) {
   if (!has_type(value, row.type)) {
     return param_error("bad_argument", row.name,
                        quoted(row.name) + " must be of type " + std::string(name_of(row.type)));
@@ -78,7 +78,7 @@ std::optional<RpcError> check_value(const api::Field& row, const json::value& va
                          std::to_string(row.maximum));
 }
 
-RpcError unknown_param(const MethodInfo& method, std::string_view name) {
+Error unknown_param(const MethodInfo& method, std::string_view name) {
   std::vector<std::string_view> known;
   for (const auto& row : method.params) known.push_back(row.name);
   return param_error("bad_argument", name,
@@ -88,7 +88,7 @@ RpcError unknown_param(const MethodInfo& method, std::string_view name) {
 
 }  // namespace
 
-std::optional<RpcError> check_params(const MethodInfo& method, const json::object& params) {
+std::optional<Error> check_params(const MethodInfo& method, const json::object& params) {
   for (const auto& [name, value] : params) {
     const std::string_view key(name.data(), name.size());
     const auto row = std::ranges::find(method.params, key, &api::Field::name);

@@ -11,6 +11,6 @@ namespace tmcld {
 
 /// Nothing if every parameter is one that the method has, of the right type and within range, and
 /// none is missing. Otherwise names the first that is not.
-std::optional<RpcError> check_params(const MethodInfo& method, const boost::json::object& params);
+std::optional<Error> check_params(const MethodInfo& method, const boost::json::object& params);
 
 }  // namespace tmcld

@@ -36,7 +36,7 @@ using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
 using path::OfPath;
 
 /// Those of "axes"; none if it is absent.
-Lookup<Axes> named_axes(const Call& call, const OfPath& params) {
+Result<Axes> named_axes(const Call& call, const OfPath& params) {
   if (!params.axes) return Axes{};
   auto axes = axes_of(call, params.axes);
   if (!axes) return axes;
@@ -75,7 +75,7 @@ void add_namesakes(const Gateway& gateway, const plan::PathSource& source, Axes&
 }
 
 /// In the order of the file's axes.
-Lookup<Axes> axes_for(const Call& call, const OfPath& params, const plan::PathSource& source,
+Result<Axes> axes_for(const Call& call, const OfPath& params, const plan::PathSource& source,
                       bool with_namesakes) {
   auto axes = named_axes(call, params);
   if (!axes) return axes;
@@ -160,7 +160,7 @@ Task<std::vector<plan::PathAxis>> path_axes(const plan::PathSource& source, cons
     auto made = plan::path_axis(source, facts, request);
     if (!made) {
       auto error = error_of(made.error(), "axes");
-      error.data["axis"] = axis.name();
+      error.subject["axis"] = axis.name();
       co_return tl::unexpected(std::move(error));
     }
     co_await must(keep_limits(axis, permit, made->stream), axis);
@@ -316,7 +316,7 @@ std::string tolerance_warning(double tolerance, double by) {
 using PathRuns = std::vector<std::shared_ptr<PathRun>>;
 
 /// The paths of the axes that are named; all of them if none is.
-Lookup<PathRuns> runs_of(const Call& call, const path::OnPaths& params) {
+Result<PathRuns> runs_of(const Call& call, const path::OnPaths& params) {
   const auto axes = axes_of(call, params.axes);
   if (!axes) return tl::unexpected(axes.error());
   PathRuns runs;
@@ -339,7 +339,7 @@ path::PathAxes axes_on(const PathRuns& runs) {
   return all;
 }
 
-std::optional<RpcError> failure_to_stop(const PathRuns& runs) {
+std::optional<Error> failure_to_stop(const PathRuns& runs) {
   std::string text;
   std::vector<std::string> unstopped;
   for (const auto& run : runs) {
@@ -349,7 +349,7 @@ std::optional<RpcError> failure_to_stop(const PathRuns& runs) {
     }
   }
   if (unstopped.empty()) return std::nullopt;
-  auto error = rpc_error(rpc_code::call_failed, "not_stopped", std::move(text), stop_them);
+  auto error = failed("not_stopped", std::move(text), stop_them);
   add_outcome(error, unstopped);
   return error;
 }

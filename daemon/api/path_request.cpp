@@ -10,21 +10,21 @@ namespace {
 namespace plan = tmcl::plan;
 using api::path::OfPath;
 
-Lookup<plan::StreamMode> mode_of(const OfPath& params) {
+Result<plan::StreamMode> mode_of(const OfPath& params) {
   const auto mode = plan::stream_mode_named(params.mode.value_or("velocity"));
   if (mode) return *mode;
   return tl::unexpected(param_error("bad_argument", api::name_of<&OfPath::mode>(),
                                     "'mode' must be 'velocity', 'segments' or 'position'"));
 }
 
-Lookup<double> in_range(double value, std::string_view param) {
+Result<double> in_range(double value, std::string_view param) {
   if (value >= plan::least_of_path && value <= plan::most_of_path) return value;
   return tl::unexpected(
       param_error("out_of_range", param, "'" + std::string(param) + "' is outside 1e-9..1e9"));
 }
 
 /// A number is in the file's units, a text has its own with it.
-Lookup<tmcl::Quantity> quantity_of(const api::Amount& amount, std::string_view param) {
+Result<tmcl::Quantity> quantity_of(const api::Amount& amount, std::string_view param) {
   if (const auto* number = std::get_if<double>(&amount.said))
     return in_range(*number, param).map([](double value) { return tmcl::Quantity{value, {}}; });
   const auto said = tmcl::parse_quantity(std::get<std::string>(amount.said));
@@ -51,11 +51,11 @@ class Reading {
     if (!wrong_ && params_.*member)
       take(quantity_of(*(params_.*member), api::name_of<member>()), into);
   }
-  const std::optional<RpcError>& wrong() const { return wrong_; }
+  const std::optional<Error>& wrong() const { return wrong_; }
 
  private:
   template <class T, class Into>
-  void take(Lookup<T> value, Into& into) {
+  void take(Result<T> value, Into& into) {
     if (value) {
       into = std::move(*value);
     } else {
@@ -64,12 +64,12 @@ class Reading {
   }
 
   const OfPath& params_;
-  std::optional<RpcError> wrong_;
+  std::optional<Error> wrong_;
 };
 
 }  // namespace
 
-Lookup<plan::PathRequest> request_of(const OfPath& params) {
+Result<plan::PathRequest> request_of(const OfPath& params) {
   plan::PathRequest request;
   const auto mode = mode_of(params);
   if (!mode) return tl::unexpected(mode.error());
@@ -87,7 +87,7 @@ Lookup<plan::PathRequest> request_of(const OfPath& params) {
   return request;
 }
 
-Lookup<std::optional<plan::PathFormat>> format_in(const OfPath& params) {
+Result<std::optional<plan::PathFormat>> format_in(const OfPath& params) {
   if (!params.format) return std::nullopt;
   for (const auto format : {plan::PathFormat::csv, plan::PathFormat::gcode}) {
     if (*params.format == name_of(format)) return format;

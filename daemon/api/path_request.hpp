@@ -10,9 +10,9 @@
 namespace tmcld {
 
 /// Errors: a mode that there is not, a number out of range, a text that is no quantity.
-Lookup<tmcl::plan::PathRequest> request_of(const api::path::OfPath& params);
+Result<tmcl::plan::PathRequest> request_of(const api::path::OfPath& params);
 
 /// What is said; nothing: what the text looks like.
-Lookup<std::optional<tmcl::plan::PathFormat>> format_in(const api::path::OfPath& params);
+Result<std::optional<tmcl::plan::PathFormat>> format_in(const api::path::OfPath& params);
 
 }  // namespace tmcld

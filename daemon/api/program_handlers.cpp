@@ -8,7 +8,7 @@ namespace {
 
 using tmcl::program::Program;
 
-Lookup<Program> program_of(const std::string& text) {
+Result<Program> program_of(const std::string& text) {
   return tmcl::program::from_hex(text).map_error([](const std::string& problem) {
     return param_error("bad_argument", api::name_of<&program::Load::program>(),
                        "'program': " + problem);
@@ -55,7 +55,7 @@ Task<program::Commands> load_or_compare(const Call& call, program::Load params, 
 }
 
 /// No client owns what a program moves.
-Task<program::Started> start(Call& call, Lookup<ModuleChoice> module,
+Task<program::Started> start(Call& call, Result<ModuleChoice> module,
                              tmcl::Script<tmcl::Result<void>> script) {
   co_await must(act_on(call, std::move(module), std::move(script)));
   call.unattended = true;

@@ -16,7 +16,7 @@ using tmcl::Dimension;
 using tmcl::Quantity;
 using tmcl::quoted;
 
-RpcError has_no_unit_of_its_own(const GatewayAxis& axis, std::string_view param) {
+Error has_no_unit_of_its_own(const GatewayAxis& axis, std::string_view param) {
   return param_error("bad_argument", param,
                      "axis " + quoted(axis.name()) + " has no unit of its own",
                      "the configuration gives it one by 'unit' and 'units_per_revolution'; a text "
@@ -30,7 +30,7 @@ struct ParsedAmount {
 };
 
 /// What an amount in the parameter `param` says.
-Lookup<Quantity> quantity_of(const api::Amount& amount, std::string_view param, Dimension dimension,
+Result<Quantity> quantity_of(const api::Amount& amount, std::string_view param, Dimension dimension,
                              const GatewayAxis& axis) {
   if (const auto* text = std::get_if<std::string>(&amount.said)) {
     const auto quantity = tmcl::parse_quantity(*text);
@@ -45,7 +45,7 @@ Lookup<Quantity> quantity_of(const api::Amount& amount, std::string_view param, 
 }
 
 /// `plain_unit`: empty for what the module counts.
-Lookup<ParsedAmount> parse_amount(const RawOrQuantity& said, const GatewayAxis& axis,
+Result<ParsedAmount> parse_amount(const RawOrQuantity& said, const GatewayAxis& axis,
                                   Dimension dimension, const char* plain_unit = "") {
   if (said.plain.has_value() == said.amount.has_value()) {
     const auto names = quoted(said.plain_name) + " or " + quoted(said.amount_name);
@@ -123,7 +123,7 @@ Task<std::optional<Value>> limit_of(GatewayAxis& axis, RawOrQuantity either, Dim
 
 }  // namespace
 
-RpcError quantity_error(std::string_view param, const tmcl::QuantityError& error) {
+Error quantity_error(std::string_view param, const tmcl::QuantityError& error) {
   return param_error(error.code, param, error.message, error.hint);
 }
 
@@ -142,8 +142,8 @@ namespace {
 
 /// A target beyond what a module can count to is beyond the soft limits as well, and those say how
 /// far it may go.
-std::optional<RpcError> objection_by_limits(const GatewayAxis& axis, std::string_view param,
-                                            const Quantity& quantity, const AxisUnits& units) {
+std::optional<Error> objection_by_limits(const GatewayAxis& axis, std::string_view param,
+                                         const Quantity& quantity, const AxisUnits& units) {
   const auto& limits = axis.soft_limits();
   const auto own = in_own_unit(quantity, units);
   if (!limits || !own || (*own >= limits->least.value && *own <= limits->greatest.value))
@@ -157,7 +157,7 @@ std::optional<RpcError> objection_by_limits(const GatewayAxis& axis, std::string
 
 constexpr std::string_view jerk_param = api::name_of<&api::axis::OfRamp::jerk>();
 
-Lookup<Quantity> jerk_quantity_of(const api::Amount& said, const GatewayAxis& axis) {
+Result<Quantity> jerk_quantity_of(const api::Amount& said, const GatewayAxis& axis) {
   const auto* text = std::get_if<std::string>(&said.said);
   const auto& unit = axis.unit();
   if (text == nullptr && unit.empty())
@@ -242,8 +242,8 @@ awaitable<AxisUnits> units_to_tell(GatewayAxis& axis, AxisUnits units, Dimension
   co_return units;
 }
 
-RpcError has_no_unit(const ParameterChoice& choice, const RawOrQuantity& said,
-                     const Quantity& quantity) {
+Error has_no_unit(const ParameterChoice& choice, const RawOrQuantity& said,
+                  const Quantity& quantity) {
   const auto* row = choice.row;
   const auto name = choice.name().value_or(std::to_string(choice.number));
   auto message =

@@ -70,7 +70,7 @@ Task<Wish> wish_of(GatewayAxis& axis, const axis::OfRamp& params) {
 }
 
 /// Which of them the module does not have.
-RpcError too_far(const tmcl::RampOutOfReach& fault, const Wish& wish) {
+Error too_far(const tmcl::RampOutOfReach& fault, const Wish& wish) {
   const auto error_at = [&](const auto& said) {
     return quantity_error(said.param, out_of_reach(said.quantity, said.units, fault.error));
   };
@@ -83,8 +83,8 @@ RpcError too_far(const tmcl::RampOutOfReach& fault, const Wish& wish) {
 }
 
 /// What no bow keeps would be exceeded in silence.
-std::optional<RpcError> jerk_refusal(const GatewayAxis& axis, const axis::OfRamp& params,
-                                     const tmcl::Model& model, std::optional<double> jerk) {
+std::optional<Error> jerk_refusal(const GatewayAxis& axis, const axis::OfRamp& params,
+                                  const tmcl::Model& model, std::optional<double> jerk) {
   if (!jerk || *jerk == plan::highest_jerk) return std::nullopt;
   const auto fault = plan::jerk_out_of_reach(model, *jerk);
   if (!fault) return std::nullopt;
@@ -202,8 +202,8 @@ awaitable<axis::Ramp> view_of(GatewayAxis& axis, ChosenRamp chosen) {
 Task<void> refuse_in_motion(GatewayAxis& axis) {
   const auto reading = co_await must(axis.read_state(), axis);
   if (reading.state.velocity.value == 0) co_return;
-  co_await refuse(rpc_error(
-      rpc_code::not_allowed, "moving",
+  co_await refuse(not_now(
+      "moving",
       "axis " + axis.name() + " moves; a ramp is changed at standstill, and nothing was written",
       "axis.stop stops it"));
 }
@@ -233,7 +233,7 @@ Task<void> write_all(GatewayAxis& axis, const std::vector<Setting>& settings,
   }
 }
 
-RpcError not_foreseeable(const GatewayAxis& axis, const std::string& why) {
+Error not_foreseeable(const GatewayAxis& axis, const std::string& why) {
   return param_error("not_foreseeable", api::name_of<&axis::GetRamp::axis>(),
                      "how " + axis.name() + " will move cannot be foreseen: " + why);
 }

@@ -48,8 +48,8 @@ std::optional<RawName> parse(std::string_view name) {
 class Refuse {
  public:
   Refuse(std::string_view param, const std::string& name) : param_(param), name_(name) {}
-  tl::unexpected<RpcError> operator()(std::string_view error, const std::string& why,
-                                      std::string hint) const {
+  tl::unexpected<Error> operator()(std::string_view error, const std::string& why,
+                                   std::string hint) const {
     return tl::unexpected(
         param_error(error, param_, "there is no axis '" + name_ + "': " + why, std::move(hint)));
   }
@@ -59,7 +59,7 @@ class Refuse {
   const std::string& name_;
 };
 
-Lookup<std::shared_ptr<GatewayBus>> bus_of(const Gateway& gateway, const RawName& raw,
+Result<std::shared_ptr<GatewayBus>> bus_of(const Gateway& gateway, const RawName& raw,
                                            const Refuse& refuse) {
   const auto buses = gateway.buses();
   std::vector<std::string_view> names;
@@ -90,7 +90,7 @@ std::optional<std::string> fault_of(const GatewayBus& bus, const RawName& raw) {
 
 }  // namespace
 
-Lookup<std::shared_ptr<GatewayAxis>> find_raw_axis(Gateway& gateway, std::string_view param,
+Result<std::shared_ptr<GatewayAxis>> find_raw_axis(Gateway& gateway, std::string_view param,
                                                    const std::string& name) {
   const Refuse refuse(param, name);
   const auto raw = parse(name);
@@ -109,9 +109,9 @@ Lookup<std::shared_ptr<GatewayAxis>> find_raw_axis(Gateway& gateway, std::string
   auto added = gateway.add_axis(*bus, address);
   if (added) return added;
   return tl::unexpected(
-      rpc_error(rpc_code::overload, "too_many_axes",
-                fmt::format("{} motors have been named by their address already", most_added_axes),
-                "put the axes that are in use into the configuration"));
+      failed("too_many_axes",
+             fmt::format("{} motors have been named by their address already", most_added_axes),
+             "put the axes that are in use into the configuration"));
 }
 
 }  // namespace tmcld

@@ -13,7 +13,7 @@ namespace tmcld {
 inline bool is_raw_name(std::string_view name) { return name.find('/') != std::string_view::npos; }
 
 /// The axis that is configured there, or one of its own. `param`: where the client gave the name.
-Lookup<std::shared_ptr<GatewayAxis>> find_raw_axis(Gateway& gateway, std::string_view param,
+Result<std::shared_ptr<GatewayAxis>> find_raw_axis(Gateway& gateway, std::string_view param,
                                                    const std::string& name);
 
 }  // namespace tmcld

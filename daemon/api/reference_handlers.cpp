@@ -70,7 +70,7 @@ RunOptions with_peer(RunOptions movement, std::shared_ptr<Peer> peer) {
 }
 
 /// A mode that the model has not is not even written.
-std::optional<RpcError> check_mode(std::optional<std::uint8_t> mode, const GatewayAxis& axis) {
+std::optional<Error> check_mode(std::optional<std::uint8_t> mode, const GatewayAxis& axis) {
   constexpr auto search_mode = tmcl::number_of("reference_search_mode");
   if (!mode) return std::nullopt;
   return check_range(find_parameter(axis.parameters(), search_mode), *mode,

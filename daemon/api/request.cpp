@@ -21,9 +21,8 @@ namespace json = boost::json;
 constexpr std::size_t usual_line_bytes = 512;
 constexpr std::array<std::string_view, 4> members{"jsonrpc", "id", "method", "params"};
 
-RpcError invalid(std::string message, std::string hint = {}) {
-  return rpc_error(rpc_code::invalid_request, "invalid_request", std::move(message),
-                   std::move(hint));
+Error invalid(std::string message, std::string hint = {}) {
+  return failed("invalid_request", std::move(message), std::move(hint));
 }
 
 bool is_usable_id(const json::value& id) {
@@ -31,7 +30,7 @@ bool is_usable_id(const json::value& id) {
   return id.is_int64() || id.is_uint64();
 }
 
-std::optional<RpcError> check_members(const json::object& message) {
+std::optional<Error> check_members(const json::object& message) {
   for (const auto& [key, value] : message) {
     const std::string_view name(key.data(), key.size());
     if (std::ranges::find(members, name) != members.end()) continue;
@@ -54,15 +53,14 @@ std::optional<RpcError> check_members(const json::object& message) {
   return std::nullopt;
 }
 
-RpcError unknown_method(std::string_view name) {
+Error unknown_method(std::string_view name) {
   std::vector<std::string_view> known;
   for (const auto& row : method_table()) known.push_back(row.name);
-  return rpc_error(rpc_code::method_not_found, "method_not_found",
-                   "there is no method '" + std::string(name) + "'",
-                   suggest(name, known, "rpc.discover shows every method"));
+  return failed("method_not_found", "there is no method '" + std::string(name) + "'",
+                suggest(name, known, "rpc.discover shows every method"));
 }
 
-tl::expected<RpcRequest, RpcError> request_of(json::object& message) {
+Result<RpcRequest> request_of(json::object& message) {
   const auto* name = message.if_contains("method");
   if (name == nullptr || !name->is_string()) {
     return tl::unexpected(invalid("the member \"method\" must be a string"));
@@ -72,14 +70,14 @@ tl::expected<RpcRequest, RpcError> request_of(json::object& message) {
                       params == nullptr ? json::object() : std::move(params->get_object()));
 }
 
-RpcError unreadable(const boost::system::error_code& why) {
+Error unreadable(const boost::system::error_code& why) {
   const bool deep = why == json::error::too_deep;
-  return rpc_error(rpc_code::parse_error, "parse_error", "not JSON: " + why.message(),
-                   deep ? "messages may be nested 16 deep"
-                        : "one JSON object a line, in UTF-8, and nothing else on it");
+  return failed("parse_error", "not JSON: " + why.message(),
+                deep ? "messages may be nested 16 deep"
+                     : "one JSON object a line, in UTF-8, and nothing else on it");
 }
 
-std::string line_of(const json::value& id, const RpcResult& result) {
+std::string line_of(const json::value& id, const Result<json::object>& result) {
   std::string line;
   line.reserve(usual_line_bytes);
   line += R"({"jsonrpc":"2.0","id":)";
@@ -96,21 +94,20 @@ std::string line_of(const json::value& id, const RpcResult& result) {
 }
 
 /// Only the answer says what became of the call.
-json::value outcome_of(const RpcResult& result, tmcl::Effect effect) {
-  if (!result) return result.error().data.at("outcome");
+tmcl::Outcome outcome_of(const Result<json::object>& result, tmcl::Effect effect) {
+  if (!result) return result.error().outcome;
   const bool acts = effect != tmcl::Effect::reads;
-  return json::value(name_of(acts ? tmcl::Outcome::unknown : tmcl::Outcome::done));
+  return acts ? tmcl::Outcome::unknown : tmcl::Outcome::done;
 }
 
 }  // namespace
 
-RpcError line_too_long() {
-  return rpc_error(rpc_code::parse_error, "line_too_long",
-                   "a line may have " + std::to_string(max_line_bytes) + " bytes",
-                   "the whole line was dropped");
+Error line_too_long() {
+  return failed("line_too_long", "a line may have " + std::to_string(max_line_bytes) + " bytes",
+                "the whole line was dropped");
 }
 
-tl::expected<RpcRequest, RpcError> make_request(std::string_view method, json::object params) {
+Result<RpcRequest> make_request(std::string_view method, json::object params) {
   const auto* row = find_method(method);
   if (row == nullptr) return tl::unexpected(unknown_method(method));
   auto lease = take_lease_key(*row, params);
@@ -121,10 +118,11 @@ tl::expected<RpcRequest, RpcError> make_request(std::string_view method, json::o
   return RpcRequest{nullptr, row, std::move(params), *lease, *sent_at};
 }
 
-tl::expected<RpcRequest, RpcRefusal> parse_request(std::string_view line) {
-  json::value id;
-  const auto refuse = [&](RpcError error) {
-    return tl::unexpected(RpcRefusal{id, std::move(error)});
+ParsedLine parse_request(std::string_view line) {
+  ParsedLine parsed{nullptr, {}};
+  const auto refuse = [&](Error error) {
+    parsed.request = tl::unexpected(std::move(error));
+    return std::move(parsed);
   };
   json::parse_options options;
   options.max_depth = max_depth;
@@ -133,22 +131,23 @@ tl::expected<RpcRequest, RpcRefusal> parse_request(std::string_view line) {
   if (error) return refuse(unreadable(error));
   auto* object = message.if_object();
   if (object == nullptr) return refuse(invalid("a request is a JSON object", "no batches"));
-  if (const auto* given = object->if_contains("id"); given && is_usable_id(*given)) id = *given;
+  if (const auto* given = object->if_contains("id"); given && is_usable_id(*given))
+    parsed.id = *given;
   if (auto complaint = check_members(*object)) return refuse(std::move(*complaint));
   if (const auto name = repeated_name(line, message))
     return refuse(invalid("the name '" + *name + "' stands twice in an object"));
-  auto request = request_of(*object);
-  if (!request) return refuse(std::move(request.error()));
-  request->id = std::move(id);
-  return std::move(*request);
+  parsed.request = request_of(*object);
+  if (parsed.request) parsed.request->id = parsed.id;
+  return parsed;
 }
 
-std::string answer_line(const json::value& id, const RpcResult& result, tmcl::Effect effect) {
+std::string answer_line(const json::value& id, const Result<json::object>& result,
+                        tmcl::Effect effect) {
   auto line = line_of(id, result);
   if (line.size() < max_answer_bytes) return line;
-  auto error = rpc_error(rpc_code::overload, "answer_too_long",
-                         "the answer is longer than a line may be", "ask for less at a time");
-  error.data["outcome"] = outcome_of(result, effect);
+  auto error = failed("answer_too_long", "the answer is longer than a line may be",
+                      "ask for less at a time");
+  error.outcome = outcome_of(result, effect);
   return line_of(id, tl::unexpected(std::move(error)));
 }
 

@@ -7,11 +7,10 @@
 
 #include <boost/json/object.hpp>
 #include <boost/json/value.hpp>
-#include <tl/expected.hpp>
 
 #include "api/common_params.hpp"
+#include "api/error.hpp"
 #include "api/method.hpp"
-#include "api/rpc_error.hpp"
 
 namespace tmcld {
 
@@ -31,20 +30,19 @@ struct RpcRequest {
   std::optional<tmcl::TimePoint> sent_at{};  ///< By its sender's clock, which is that of this host.
 };
 
-struct RpcRefusal {
-  boost::json::value id;  ///< Null where the line has no usable one.
-  RpcError error;
+struct ParsedLine {
+  boost::json::value id{};  ///< Null where the line has no usable one.
+  Result<RpcRequest> request;
 };
 
 /// Without an id. Errors: there is no such method, or its parameters are others.
-tl::expected<RpcRequest, RpcError> make_request(std::string_view method,
-                                                boost::json::object params);
-tl::expected<RpcRequest, RpcRefusal> parse_request(std::string_view line);
-RpcError line_too_long();
+Result<RpcRequest> make_request(std::string_view method, boost::json::object params);
+ParsedLine parse_request(std::string_view line);
+Error line_too_long();
 
 /// One line, without its end; never longer than max_answer_bytes with it. `effect`: of the method
 /// that gave the result.
-std::string answer_line(const boost::json::value& id, const RpcResult& result,
+std::string answer_line(const boost::json::value& id, const Result<boost::json::object>& result,
                         tmcl::Effect effect = tmcl::Effect::reads);
 std::string notification_line(std::string_view method, const boost::json::object& params);
 

@@ -15,7 +15,7 @@ UploadBuffer& buffer_for(const Call& call, const Staged& staged) {
 }
 
 /// The bytes of a part, which follow those that are there.
-Lookup<std::vector<std::uint8_t>> bytes_of(const Call& call, const Part& part,
+Result<std::vector<std::uint8_t>> bytes_of(const Call& call, const Part& part,
                                            const Staged& staged) {
   const auto held = buffer_for(call, staged).size_for(call.peer);
   const auto offset = static_cast<std::size_t>(part.offset);
@@ -37,7 +37,7 @@ Lookup<std::vector<std::uint8_t>> bytes_of(const Call& call, const Part& part,
 
 }  // namespace
 
-Lookup<api::HandedOver> stage_part(const Call& call, const Part& part, const Staged& staged) {
+Result<api::HandedOver> stage_part(const Call& call, const Part& part, const Staged& staged) {
   const auto bytes = bytes_of(call, part, staged);
   if (!bytes) return tl::unexpected(bytes.error());
   auto& buffer = buffer_for(call, staged);
@@ -46,7 +46,7 @@ Lookup<api::HandedOver> stage_part(const Call& call, const Part& part, const Sta
   return api::HandedOver{static_cast<std::int32_t>(buffer.size_for(call.peer))};
 }
 
-Lookup<std::vector<std::uint8_t>> take_staged(const Call& call, const Staged& staged,
+Result<std::vector<std::uint8_t>> take_staged(const Call& call, const Staged& staged,
                                               std::size_t bytes) {
   auto& buffer = buffer_for(call, staged);
   const auto held = buffer.size_for(call.peer);

@@ -30,9 +30,9 @@ struct Part {
   std::int32_t offset = 0;
   const std::string& data;
 };
-Lookup<api::HandedOver> stage_part(const Call& call, const Part& part, const Staged& staged);
+Result<api::HandedOver> stage_part(const Call& call, const Part& part, const Staged& staged);
 /// All of it, which has so many bytes; the buffer is empty then.
-Lookup<std::vector<std::uint8_t>> take_staged(const Call& call, const Staged& staged,
+Result<std::vector<std::uint8_t>> take_staged(const Call& call, const Staged& staged,
                                               std::size_t bytes);
 
 }  // namespace tmcld

@@ -17,9 +17,9 @@ boost::asio::awaitable<tmcl::Result<AxisReading>> read_one(std::shared_ptr<Gatew
   co_return reading;
 }
 
-RpcError too_many() {
-  return rpc_error(
-      rpc_code::overload, "too_many_subscriptions",
+Error too_many() {
+  return failed(
+      "too_many_subscriptions",
       "a connection can have " + std::to_string(max_subscriptions) + " subscriptions at a time",
       "one subscription can name many axes");
 }

@@ -35,8 +35,8 @@ namespace task_detail {
 
 struct TaskPromiseBase;
 
-inline RpcError as_rpc_error(RpcError error, std::string_view /*axis*/) { return error; }
-inline RpcError as_rpc_error(const tmcl::Error& error, std::string_view axis) {
+inline Error as_answer(Error error, std::string_view /*axis*/) { return error; }
+inline Error as_answer(const tmcl::Error& error, std::string_view axis) {
   return call_error(error, axis);
 }
 
@@ -67,7 +67,7 @@ class TaskStep {
 struct TaskPromiseBase {
   std::coroutine_handle<> frame{};
   TaskStep* step = nullptr;
-  std::optional<RpcError> error{};  ///< That it has ended with.
+  std::optional<Error> error{};  ///< That it has ended with.
   std::exception_ptr failure{};
 
   /// Until it has ended. Throws what is thrown in it.
@@ -105,15 +105,15 @@ class AwaitedStep final : public TaskStep {
   std::optional<std::conditional_t<std::is_void_v<T>, bool, T>> value_{};
 };
 
-template <class T, class Error>
+template <class T, class E>
 class MustStep final : public TaskStep {
  public:
-  MustStep(boost::asio::awaitable<tl::expected<T, Error>> awaited, std::string_view axis)
+  MustStep(boost::asio::awaitable<tl::expected<T, E>> awaited, std::string_view axis)
       : awaited_(std::move(awaited)), axis_(axis) {}
 
   boost::asio::awaitable<void> take(TaskPromiseBase& task) override {
     auto result = co_await std::move(awaited_);
-    if (!result) task.error = as_rpc_error(std::move(result.error()), axis_);
+    if (!result) task.error = as_answer(std::move(result.error()), axis_);
     result_.emplace(std::move(result));
   }
   T await_resume() {
@@ -122,16 +122,16 @@ class MustStep final : public TaskStep {
   }
 
  private:
-  boost::asio::awaitable<tl::expected<T, Error>> awaited_;
+  boost::asio::awaitable<tl::expected<T, E>> awaited_;
   std::string_view axis_;
-  std::optional<tl::expected<T, Error>> result_{};
+  std::optional<tl::expected<T, E>> result_{};
 };
 
 /// What is there already, or is not.
 template <class T>
 class MustHave {
  public:
-  explicit MustHave(Lookup<T> result) : result_(std::move(result)) {}
+  explicit MustHave(Result<T> result) : result_(std::move(result)) {}
 
   bool await_ready() const noexcept { return result_.has_value(); }
   template <class Promise>
@@ -143,7 +143,7 @@ class MustHave {
   }
 
  private:
-  Lookup<T> result_;
+  Result<T> result_;
 };
 
 template <class T, bool must_succeed>
@@ -171,7 +171,7 @@ template <class T>
 struct TaskResult : TaskPromiseBase {
   std::optional<T> value{};
 
-  void return_value(Lookup<T> result) {
+  void return_value(Result<T> result) {
     if (result) {
       value.emplace(std::move(*result));
     } else {
@@ -233,7 +233,7 @@ class [[nodiscard]] Task {
 
   promise_type& promise() { return *promise_; }
   /// What came of it; once, after it has run.
-  Lookup<T> take() {
+  Result<T> take() {
     if (promise_->error) return tl::unexpected(*std::move(promise_->error));
     if constexpr (std::is_void_v<T>) {
       return {};
@@ -253,7 +253,7 @@ Task<T> task_detail::TaskPromise<T>::get_return_object() {
 }
 
 template <class T>
-task_detail::MustHave<T> must(Lookup<T> result) {
+task_detail::MustHave<T> must(Result<T> result) {
   return task_detail::MustHave<T>(std::move(result));
 }
 template <class T>
@@ -261,8 +261,8 @@ task_detail::MustHave<T> must(tmcl::Result<T> result, std::string_view axis = {}
   return task_detail::MustHave<T>(std::move(result).map_error(
       [&](const tmcl::Error& error) { return call_error(error, axis); }));
 }
-template <class T, class Error>
-task_detail::MustStep<T, Error> must(boost::asio::awaitable<tl::expected<T, Error>> awaited) {
+template <class T, class E>
+task_detail::MustStep<T, E> must(boost::asio::awaitable<tl::expected<T, E>> awaited) {
   return {std::move(awaited), {}};
 }
 /// The error is one about `axis`.
@@ -277,11 +277,11 @@ task_detail::TaskOfTask<T, true> must(Task<T> task) {
 }
 
 /// Ends the task.
-inline task_detail::MustHave<void> refuse(RpcError error) {
+inline task_detail::MustHave<void> refuse(Error error) {
   return task_detail::MustHave<void>(tl::unexpected(std::move(error)));
 }
 /// Ends the task with the objection, if there is one.
-inline task_detail::MustHave<void> must_not(std::optional<RpcError> objection) {
+inline task_detail::MustHave<void> must_not(std::optional<Error> objection) {
   if (objection) return refuse(*std::move(objection));
   return task_detail::MustHave<void>({});
 }

@@ -21,18 +21,17 @@ std::shared_ptr<tmcld::Tokens> tokens_of(const Call& call) {
 }
 
 /// Nothing if tokens can be made and revoked.
-std::optional<RpcError> objection(const Call& call) {
+std::optional<Error> objection(const Call& call) {
   const auto tokens = tokens_of(call);
   if (!tokens)
-    return rpc_error(rpc_code::not_allowed, "no_tokens", "this gateway lets nobody in by a token",
-                     "tokens are for clients of a running tmcld");
+    return not_now("no_tokens", "this gateway lets nobody in by a token",
+                   "tokens are for clients of a running tmcld");
   if (tokens->problem().empty()) return std::nullopt;
-  return rpc_error(rpc_code::not_allowed, "no_tokens",
-                   "the file of the tokens cannot be used: " + tokens->problem(),
-                   "put it right, or move it away; then start tmcld again");
+  return not_now("no_tokens", "the file of the tokens cannot be used: " + tokens->problem(),
+                 "put it right, or move it away; then start tmcld again");
 }
 
-Lookup<Role> role_of(const token::Add& params) {
+Result<Role> role_of(const token::Add& params) {
   const auto found = std::ranges::find(roles, params.role);
   if (found != roles.end()) return static_cast<Role>(found - roles.begin() + 1);
   return tl::unexpected(param_error("bad_argument", api::name_of<&token::Add::role>(),
@@ -40,7 +39,7 @@ Lookup<Role> role_of(const token::Add& params) {
                                     suggest(params.role, roles)));
 }
 
-Lookup<std::string> name_of(const token::Add& params, const tmcld::Tokens& tokens) {
+Result<std::string> name_of(const token::Add& params, const tmcld::Tokens& tokens) {
   const auto refuse = [](std::string message) {
     return tl::unexpected(
         param_error("bad_argument", api::name_of<&token::Add::name>(), std::move(message)));
@@ -56,9 +55,9 @@ Lookup<std::string> name_of(const token::Add& params, const tmcld::Tokens& token
   return name;
 }
 
-RpcError not_kept(const std::string& why, std::string message) {
-  return rpc_error(rpc_code::call_failed, "not_kept", std::move(message) + ": " + why,
-                   "look at the directory of tmcld's state: is there room, and may it write?");
+Error not_kept(const std::string& why, std::string message) {
+  return failed("not_kept", std::move(message) + ": " + why,
+                "look at the directory of tmcld's state: is there room, and may it write?");
 }
 
 }  // namespace

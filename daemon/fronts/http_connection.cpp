@@ -136,8 +136,8 @@ HttpRefusal ending() { return {503, "daemon_ending", "tmcld is ending", "try aga
 
 /// As an answer to a call would be that could not be read.
 std::string body_of(const HttpRefusal& refusal) {
-  return answer_line(nullptr, tl::unexpected(rpc_error(rpc_code::not_allowed, refusal.name,
-                                                       refusal.message, refusal.hint))) +
+  return answer_line(nullptr,
+                     tl::unexpected(not_now(refusal.name, refusal.message, refusal.hint))) +
          "\n";
 }
 

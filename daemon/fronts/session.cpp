@@ -30,18 +30,18 @@ boost::json::object hello(Session::Serves serves) {
   return params;
 }
 
-RpcError too_many_requests() {
-  return rpc_error(rpc_code::overload, "too_many_requests",
-                   "more than " + std::to_string(max_requests_in_flight) +
-                       " requests of this connection are in progress",
-                   "wait for answers before sending more");
+Error too_many_requests() {
+  return failed("too_many_requests",
+                "more than " + std::to_string(max_requests_in_flight) +
+                    " requests of this connection are in progress",
+                "wait for answers before sending more");
 }
 
-RpcError no_place_for_client() {
-  return rpc_error(rpc_code::overload, "too_many_clients",
-                   "tmcld has as many clients as it can serve: this connection takes stops only",
-                   "end programs that do not need their connection any more; how many tmcld can "
-                   "serve is limited by 'ulimit -n', too");
+Error no_place_for_client() {
+  return failed("too_many_clients",
+                "tmcld has as many clients as it can serve: this connection takes stops only",
+                "end programs that do not need their connection any more; how many tmcld can "
+                "serve is limited by 'ulimit -n', too");
 }
 
 }  // namespace
@@ -136,9 +136,9 @@ void Session::take_message(std::optional<std::string_view> message) {
   if (closed_ || finishing_) return;
   if (!message) return answer(nullptr, tl::unexpected(line_too_long()));
   if (message->find_first_not_of(" \t\r") == std::string_view::npos) return;
-  auto request = parse_request(*message);
+  auto [id, request] = parse_request(*message);
   if (request) return begin(std::move(*request));
-  answer(request.error().id, tl::unexpected(std::move(request.error().error)));
+  answer(id, tl::unexpected(std::move(request.error())));
 }
 
 Session::Lane Session::lane_of(const MethodInfo& method) {
@@ -198,7 +198,8 @@ awaitable<void> Session::serve(std::shared_ptr<Session> self, RpcRequest request
   self->answer(id, result, effect);
 }
 
-void Session::log_call(const std::string& text, const RpcResult& result, tmcl::Duration took) {
+void Session::log_call(const std::string& text, const Result<boost::json::object>& result,
+                       tmcl::Duration took) {
   const std::chrono::duration<double, std::milli> milliseconds = took;
   gateway_->log(
       LogLevel::debug,
@@ -208,7 +209,8 @@ void Session::log_call(const std::string& text, const RpcResult& result, tmcl::D
 
 // ---- output ------------------------------------------------------------------------------------
 
-void Session::answer(const boost::json::value& id, const RpcResult& result, tmcl::Effect effect) {
+void Session::answer(const boost::json::value& id, const Result<boost::json::object>& result,
+                     tmcl::Effect effect) {
   if (closed_) return;
   if (outbox_.push_answer(answer_line(id, result, effect))) return on_answer();
   gateway_->log_often("cut off", LogLevel::warning,

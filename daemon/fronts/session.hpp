@@ -107,12 +107,13 @@ class Session : public Peer, public TokenKeeper, public std::enable_shared_from_
   static boost::asio::awaitable<void> serve(std::shared_ptr<Session> self, RpcRequest request);
 
   void take_message(std::optional<std::string_view> message);
-  void log_call(const std::string& text, const RpcResult& result, tmcl::Duration took);
+  void log_call(const std::string& text, const Result<boost::json::object>& result,
+                tmcl::Duration took);
   void begin(RpcRequest request);
   bool must_wait(const RpcRequest& request) const;
   void start_serving(RpcRequest request);
   void start_waiting();
-  void answer(const boost::json::value& id, const RpcResult& result,
+  void answer(const boost::json::value& id, const Result<boost::json::object>& result,
               tmcl::Effect effect = tmcl::Effect::reads);
 
   boost::asio::any_io_executor executor_;

@@ -39,7 +39,7 @@ class AxisWithLimits : public testing::Test {
       for (const auto motor : {std::uint8_t{0}, std::uint8_t{1}})
         module.parameter(motor, static_cast<std::uint8_t>(number)) = value;
   }
-  RpcResult execute(std::string_view command, int type, int value) {
+  Result<boost::json::object> execute(std::string_view command, int type, int value) {
     return bench.call("module.execute", {{"bus", "bench"},
                                          {"address", 1},
                                          {"command", command},
@@ -47,12 +47,12 @@ class AxisWithLimits : public testing::Test {
                                          {"motor", 0},
                                          {"value", value}});
   }
-  RpcResult set(const char* parameter, int value, const char* axis = "x") {
+  Result<boost::json::object> set(const char* parameter, int value, const char* axis = "x") {
     return bench.call("parameter.set",
                       {{"axis", axis}, {"parameter", parameter}, {"value", value}});
   }
-  static std::string name(const RpcResult& result) {
-    return result ? "" : text(result.error().data.at("name"));
+  static std::string name(const Result<boost::json::object>& result) {
+    return result ? "" : result.error().name;
   }
   std::int32_t held(std::uint8_t parameter) {
     return bench.wire.modules.at(1).parameter(0, parameter);
@@ -64,12 +64,12 @@ class AxisWithLimits : public testing::Test {
 TEST_F(AxisWithLimits, IsNotSetBeyondThem) {
   const auto refused = set("max_velocity", 1001);
   EXPECT_EQ(name(refused), "not_permitted");
-  EXPECT_EQ(refused.error().code, rpc_code::not_allowed);
-  EXPECT_EQ(text(refused.error().data.at("outcome")), "not_sent");
+  EXPECT_EQ(refused.error().kind, ErrorKind::not_now);
+  EXPECT_EQ(refused.error().outcome, tmcl::Outcome::not_sent);
   EXPECT_EQ(refused.error().message,
             "axis 'x': max_velocity would be 30548.1 microsteps/s, above its limit of 30518 "
             "microsteps/s");
-  EXPECT_EQ(text(refused.error().data.at("hint")), "the configuration has it: 'max_velocity'");
+  EXPECT_EQ(refused.error().hint, "the configuration has it: 'max_velocity'");
   EXPECT_EQ(name(set("max_acceleration", 2000)), "not_permitted");
   EXPECT_EQ(name(set("max_current", 101)), "not_permitted");
   EXPECT_EQ(name(set("standby_current", 101)), "not_permitted");
@@ -92,7 +92,7 @@ class LimitedBraking : public testing::Test {
   std::string set(const char* parameter, int value) {
     const auto result =
         bench.call("parameter.set", {{"axis", "x"}, {"parameter", parameter}, {"value", value}});
-    return result ? "" : text(result.error().data.at("hint"));
+    return result ? "" : result.error().hint;
   }
 
   JourneyBench bench;
@@ -123,10 +123,10 @@ TEST_F(OneLimitForBoth, IsThatOfTheAcceleration) {
 /// A TMC457, whose bow of 11 is 931,322,575 microsteps a second cubed: each more is twice as much.
 class LimitedJerk : public testing::Test {
  protected:
-  RpcResult set_bow(int bow) {
+  Result<boost::json::object> set_bow(int bow) {
     return bench.call("parameter.set", {{"axis", "x"}, {"parameter", "max_bow"}, {"value", bow}});
   }
-  RpcResult move_to(int position) {
+  Result<boost::json::object> move_to(int position) {
     return bench.call("axis.move_to", {{"axis", "x"}, {"position_microsteps", position}});
   }
 
@@ -140,7 +140,7 @@ TEST_F(LimitedJerk, IsThatOfTheBow) {
   EXPECT_EQ(refused.error().message,
             "axis 'x': max_bow would be 1862645149 microsteps/s^3, above its limit of 1000000000 "
             "microsteps/s^3");
-  EXPECT_EQ(text(refused.error().data.at("hint")), "the configuration has it: 'max_jerk'");
+  EXPECT_EQ(refused.error().hint, "the configuration has it: 'max_jerk'");
   EXPECT_FALSE(set_bow(0)) << "an acceleration that changes at once";
   EXPECT_TRUE(move_to(1000));
 }
@@ -200,7 +200,7 @@ TEST_F(AxisWithLimits, DoesNotMoveWhileASettingIsBeyondThem) {
     const auto refused = bench.call(method, params);
     EXPECT_EQ(name(refused), "not_permitted") << method;
     EXPECT_THAT(refused.error().message, HasSubstr("nothing moves it while its max_velocity is"));
-    EXPECT_THAT(text(refused.error().data.at("hint")), HasSubstr("tmclctl set x max_velocity"));
+    EXPECT_THAT(refused.error().hint, HasSubstr("tmclctl set x max_velocity"));
   }
   EXPECT_EQ(name(execute("MVP", 0, 9)), "not_permitted");
   EXPECT_EQ(bench.wire.count(Command::MVP) + bench.wire.count(Command::RFS), 0U);

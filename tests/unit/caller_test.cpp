@@ -61,7 +61,7 @@ class Roles : public testing::Test {
   Roles() { bench.wire.seen.clear(); }
   std::string refusal(std::string_view method, json::object params) {
     const auto result = bench.call(method, std::move(params));
-    return result ? "" : text(result.error().data.at("name"));
+    return result ? "" : result.error().name;
   }
   std::string refused_command(std::string_view command, int type = 0) {
     return refusal("module.execute", {{"bus", "bench"},
@@ -83,13 +83,13 @@ TEST_F(Roles, AreAskedForBeforeAnythingIsDone) {
     const auto result = bench.call(method.name, {});
     ASSERT_FALSE(result) << method.name;
     const auto& error = result.error();
-    EXPECT_EQ(error.code, rpc_code::not_allowed);
-    EXPECT_EQ(text(error.data.at("name")), "not_permitted");
-    EXPECT_EQ(text(error.data.at("outcome")), "not_sent");
+    EXPECT_EQ(error.kind, ErrorKind::not_now);
+    EXPECT_EQ(error.name, "not_permitted");
+    EXPECT_EQ(error.outcome, tmcl::Outcome::not_sent);
     EXPECT_THAT(error.message, HasSubstr(std::string(method.name) + " needs the role '" +
                                          std::string(name_of(method.role)) + "'"));
     EXPECT_THAT(error.message, HasSubstr("the test says so"));
-    EXPECT_THAT(text(error.data.at("hint")), HasSubstr("[[access]]"));
+    EXPECT_THAT(error.hint, HasSubstr("[[access]]"));
   }
   EXPECT_THAT(bench.wire.seen, IsEmpty());
 }

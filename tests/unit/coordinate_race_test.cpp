@@ -60,7 +60,7 @@ class CoordinateRace : public testing::TestWithParam<int> {
   }
 
   VirtualGateway bench_{limited_axes()};
-  std::vector<RpcResult> changes_;
+  std::vector<Result<boost::json::object>> changes_;
   int step_ = 0;
   int changes_at_ = 0;
 };
@@ -113,7 +113,7 @@ TEST(CoordinateStart, IsRefusedWhileAProgramRunsThatMayChangeCoordinates) {
       "coordinate.start",
       {{"bus", "bench"}, {"address", 1}, {"number", coordinate}, {"motors", json::array{0, 1}}});
   ASSERT_FALSE(answer);
-  EXPECT_EQ(text(answer.error().data.at("name")), "not_permitted");
+  EXPECT_EQ(answer.error().name, "not_permitted");
 }
 
 }  // namespace

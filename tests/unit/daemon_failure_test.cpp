@@ -85,19 +85,18 @@ TEST(DaemonAsync, WhatNobodyWaitsForThrowsOutOfTheReactor) {
 
 class DaemonFailure : public DaemonTest {
  protected:
-  RpcError error_for(const std::string& method, json::object params) {
+  Error error_for(const std::string& method, json::object params) {
     const auto result = dispatch_for(daemon, std::make_shared<ThrowingPeer>(0), method, params);
     EXPECT_FALSE(result) << method;
-    return result ? RpcError{} : result.error();
+    return result ? Error{} : result.error();
   }
 };
 
 TEST_F(DaemonFailure, OfACallIsItsAnswer) {
   const auto error = error_for("subscribe", {});
-  EXPECT_EQ(error.code, rpc_code::internal_error);
-  EXPECT_EQ(error.code, -32603);
-  EXPECT_EQ(text(error.data.at("name")), "internal_error");
-  EXPECT_EQ(text(error.data.at("outcome")), "unknown");
+  EXPECT_EQ(to_json(error).at("code"), -32603);
+  EXPECT_EQ(error.name, "internal_error");
+  EXPECT_EQ(error.outcome, tmcl::Outcome::unknown);
   EXPECT_THAT(error.message, HasSubstr("subscribe"));
   EXPECT_THAT(error.message, HasSubstr("not enough memory"));
   EXPECT_EQ(client.result("axis.get_state", {{"axis", "x"}}).at("axis"), "x");
@@ -106,7 +105,7 @@ TEST_F(DaemonFailure, OfACallIsItsAnswer) {
 // The bus, its engine and the module are as they were.
 TEST_F(DaemonFailure, InAVerbEndsThatVerbOnly) {
   const auto error = error_for("bus.scan", {{"last", 2}});
-  EXPECT_EQ(error.code, rpc_code::internal_error);
+  EXPECT_EQ(error.name, "internal_error");
   EXPECT_EQ(client.result("axis.move_to", {{"axis", "x"}, {"position_microsteps", 5}})
                 .at("target_microsteps"),
             5);

@@ -98,10 +98,10 @@ TEST(DaemonParams, EveryErrorNamesTheOffender) {
                                   std::string_view offender, std::string_view name) {
     const auto error = check_params(method, params);
     ASSERT_TRUE(error) << method.name << " " << to_text(params);
-    EXPECT_EQ(error->code, rpc_code::invalid_params);
-    EXPECT_EQ(error->data.at("name"), json::string_view(name)) << to_text(params);
-    EXPECT_EQ(error->data.at("param"), json::string_view(offender)) << to_text(params);
-    EXPECT_EQ(error->data.at("outcome"), "not_sent");
+    EXPECT_EQ(error->kind, ErrorKind::bad_request);
+    EXPECT_EQ(error->name, name) << to_text(params);
+    EXPECT_EQ(error->subject.at("param"), json::string_view(offender)) << to_text(params);
+    EXPECT_EQ(error->outcome, tmcl::Outcome::not_sent);
     EXPECT_THAT(error->message, HasSubstr(std::string(offender)));
   };
   for (const auto& method : method_table()) {
@@ -192,8 +192,8 @@ TEST(DaemonJsonText, IsUtf8WhateverItIsMadeOf) {
 
 TEST(DaemonRequest, NoNameStandsTwice) {
   const auto told = [](std::string_view line) {
-    const auto request = parse_request(line);
-    return request ? "" : request.error().error.message;
+    const auto request = parse_request(line).request;
+    return request ? "" : request.error().message;
   };
   EXPECT_EQ(told(R"({"jsonrpc":"2.0","id":1,"method":"bus.list","method":"axis.rotate"})"),
             "the name 'method' stands twice in an object");
@@ -230,14 +230,13 @@ TEST(DaemonRequest, AnyLineIsARequestOrAProperError) {
     json::object message{{"jsonrpc", "2.0"}, {"id", i}, {"method", method.name}};
     message["params"] = good_params(method);
     const auto line = damaged(to_text(message), random);
-    auto request = parse_request(line);
+    auto [id, request] = parse_request(line);
     if (request) {
       ++requests;
       ASSERT_FALSE(check_params(*request->method, request->params)) << line;
       continue;
     }
-    const auto answer = json::parse(
-        answer_line(request.error().id, tl::unexpected(std::move(request.error().error))));
+    const auto answer = json::parse(answer_line(id, tl::unexpected(std::move(request.error()))));
     ASSERT_EQ(answer.at("jsonrpc"), "2.0") << line;
     ASSERT_LT(answer.at("error").at("code").as_int64(), 0) << line;
     ASSERT_EQ(answer.at("error").at("data").at("outcome"), "not_sent") << line;
@@ -253,10 +252,9 @@ std::string request_line(const json::value& id, std::string_view method, json::o
 
 /// What a line gets for an answer that is an error.
 std::string answer_to_line(const std::string& line) {
-  auto request = parse_request(line);
+  auto [id, request] = parse_request(line);
   if (request) return "";
-  auto& refusal = request.error();
-  return answer_line(refusal.id, tl::unexpected(std::move(refusal.error)));
+  return answer_line(id, tl::unexpected(std::move(request.error())));
 }
 
 /// Letters of one byte, of several, and such as JSON writes with six.
@@ -286,11 +284,11 @@ TEST(DaemonAnswer, FitsALineHoweverLongTheIdIs) {
     ASSERT_EQ(answer.at("id"), length <= max_id_bytes ? id : json::value(nullptr)) << length;
     ASSERT_EQ(answer.at("result").at("value"), 7);
 
-    const auto request = parse_request(request_line(id, "bus.list", {}));
-    ASSERT_EQ(request.has_value(), length <= max_id_bytes) << length;
-    if (request) continue;
-    ASSERT_TRUE(request.error().id.is_null());
-    ASSERT_EQ(request.error().error.data.at("name"), "invalid_request");
+    const auto parsed = parse_request(request_line(id, "bus.list", {}));
+    ASSERT_EQ(parsed.request.has_value(), length <= max_id_bytes) << length;
+    if (parsed.request) continue;
+    ASSERT_TRUE(parsed.id.is_null());
+    ASSERT_EQ(parsed.request.error().name, "invalid_request");
   }
 }
 
@@ -322,9 +320,9 @@ TEST(DaemonAnswer, ThatDoesNotFitSaysWhatIsKnownOfTheCall) {
   EXPECT_EQ(error_in(answer_line(1, much)), "done");
   for (const auto effect : {Effect::writes, Effect::moves, Effect::stops})
     EXPECT_EQ(error_in(answer_line(1, much, effect)), "unknown");
-  auto error = rpc_error(rpc_code::call_failed, "reply_timeout", "no answer");
-  error.data["outcome"] = "refused";
-  error.data["problems"] = much;
+  auto error = failed("reply_timeout", "no answer");
+  error.outcome = tmcl::Outcome::refused;
+  error.subject["problems"] = much;
   EXPECT_EQ(error_in(answer_line(1, tl::unexpected(error), Effect::moves)), "refused");
 }
 
@@ -332,11 +330,11 @@ TEST(DaemonAnswer, ShortensTextBetweenLetters) {
   std::string euros;
   while (euros.size() < 2 * max_error_text_bytes) euros += "\u20ac";
   for (const std::string before : {"", "a", "ab"}) {
-    const auto error = rpc_error(rpc_code::call_failed, "any", before + euros, before + euros);
+    const auto error = failed("any", before + euros, before + euros);
     EXPECT_LE(error.message.size(), max_error_text_bytes);
     EXPECT_GT(error.message.size(), max_error_text_bytes - 4);
     EXPECT_TRUE(error.message.ends_with("\u20ac..."));
-    EXPECT_EQ(error.message, error.data.at("hint").as_string());
+    EXPECT_EQ(error.message, error.hint);
   }
 }
 

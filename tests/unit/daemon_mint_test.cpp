@@ -18,9 +18,7 @@ const std::string two_goes =
 json::object order(const std::string& text, json::array axes = {"x", "y"}) {
   return {{"axes", std::move(axes)}, {"text", text}};
 }
-std::string name_of(const RpcResult& result) {
-  return std::string(result.error().data.at("name").as_string());
-}
+std::string name_of(const Result<boost::json::object>& result) { return result.error().name; }
 
 std::map<int, std::int64_t> settings_of(JourneyBench& bench, std::string_view axis) {
   std::map<int, std::int64_t> settings;
@@ -55,8 +53,7 @@ TEST(DaemonMint, WhatIsTooFastIsRefusedWithAWayOut) {
   const auto refused =
       bench.call("mint.run", order("SPEED = 1E9\nACCEL = 1E12\nMOVEA = 100\nGO\n"));
   ASSERT_FALSE(refused);
-  EXPECT_THAT(std::string(refused.error().data.at("hint").as_string()),
-              HasSubstr("fewer microsteps (parameter 140)"));
+  EXPECT_THAT(refused.error().hint, HasSubstr("fewer microsteps (parameter 140)"));
 }
 
 TEST(DaemonMint, WhoAsksIsToldHowFarItIs) {
@@ -109,14 +106,14 @@ TEST(DaemonMint, NothingIsSentForAProgramThatCannotBe) {
     const auto result = bench.call("mint.run", params);
     ASSERT_FALSE(result) << name;
     EXPECT_EQ(name_of(result), name) << result.error().message;
-    EXPECT_EQ(result.error().data.at("outcome"), "not_sent");
+    EXPECT_EQ(result.error().outcome, tmcl::Outcome::not_sent);
   }
   const auto missing = bench.call("mint.run", cases[6].first);
-  EXPECT_EQ(missing.error().data.at("file_axis"), "2");
+  EXPECT_EQ(missing.error().subject.at("file_axis"), "2");
   const auto limited = bench.call("mint.run", cases[3].first);
   EXPECT_THAT(limited.error().message, HasSubstr("line 3 moves x too far: "));
   const auto wrong = bench.call("mint.run", cases[0].first);
-  EXPECT_EQ(wrong.error().data.at("problems").at(0).at("line"), 1);
+  EXPECT_EQ(wrong.error().subject.at("problems").at(0).at("line"), 1);
   EXPECT_TRUE(bench.sent(Command::MVP).empty());
   EXPECT_TRUE(bench.sent(Command::SAP).empty());
 }
@@ -172,9 +169,9 @@ TEST(DaemonMint, ItsAxesMoveForNobodyElseAndAStopOfOneStopsAll) {
   const auto ended = bench.end_of(pending);
   ASSERT_FALSE(ended);
   EXPECT_EQ(name_of(ended), "stopped_by_other");
-  EXPECT_EQ(ended.error().data.at("axis"), "y");
-  EXPECT_EQ(ended.error().data.at("outcome"), "done");
-  EXPECT_TRUE(ended.error().data.at("run").at("groups").as_array().empty());
+  EXPECT_EQ(ended.error().subject.at("axis"), "y");
+  EXPECT_EQ(ended.error().outcome, tmcl::Outcome::done);
+  EXPECT_TRUE(ended.error().subject.at("run").at("groups").as_array().empty());
   EXPECT_EQ(bench.get("x", 3), 0);
   EXPECT_EQ(bench.get("y", 3), 0);
   EXPECT_LT(bench.position("x"), 5000);

@@ -61,7 +61,7 @@ TEST_P(PathOnEveryFamily, EndsWhereOneAxisIsStopped) {
   ASSERT_TRUE(bench.call("axis.stop", {{"axis", "far"}}));
   const auto ended = bench.end_of(running);
   ASSERT_FALSE(ended);
-  EXPECT_EQ(ended.error().data.at("name"), "stopped_by_other");
+  EXPECT_EQ(ended.error().name, "stopped_by_other");
   expect_rest_and_own_settings();
 }
 
@@ -78,7 +78,7 @@ TEST_P(PathOnEveryFamily, EndsWhereACommandIsRefused) {
   };
   const auto ended = bench.end_of(running);
   ASSERT_FALSE(ended);
-  EXPECT_EQ(ended.error().data.at("name"), "command_failed");
+  EXPECT_EQ(ended.error().name, "command_failed");
   expect_rest_and_own_settings();
 }
 

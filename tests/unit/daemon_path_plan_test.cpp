@@ -21,8 +21,8 @@ class DaemonPathPlan : public testing::Test {
   static json::object run(const json::object& plan, bool to_start = true) {
     return {{"plan", plan.at("plan")}, {"to_start", to_start}};
   }
-  static std::string name_of(const RpcResult& result) {
-    return std::string(result.error().data.at("name").as_string());
+  static std::string name_of(const Result<boost::json::object>& result) {
+    return result.error().name;
   }
   double mm(std::string_view axis) {
     return static_cast<double>(bench.position(axis)) / microsteps_per_mm;
@@ -102,7 +102,7 @@ TEST_F(DaemonPathPlan, XIsTheAxisOfThisName) {
   const auto missing = bench.call("path.plan", {{"text", "G1 X1 A5 F600\n"}});
   ASSERT_FALSE(missing);
   EXPECT_EQ(name_of(missing), "missing_axis");
-  EXPECT_EQ(missing.error().data.at("file_axis"), "A");
+  EXPECT_EQ(missing.error().subject.at("file_axis"), "A");
   const auto run_needs_axes = bench.call("path.run", {{"text", corner}});
   EXPECT_EQ(name_of(run_needs_axes), "bad_argument");
 }
@@ -153,7 +153,7 @@ TEST_F(DaemonPathPlan, LimitsInUnitsThatMakeNoSenseAreRefused) {
     const auto result = bench.call("path.plan", {{"text", corner}, {param, said}});
     ASSERT_FALSE(result) << said;
     EXPECT_EQ(name_of(result), name) << said;
-    EXPECT_EQ(result.error().data.at("param"), param) << said;
+    EXPECT_EQ(result.error().subject.at("param"), param) << said;
   }
   EXPECT_FALSE(has_moved());
 }

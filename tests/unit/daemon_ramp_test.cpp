@@ -15,14 +15,16 @@ constexpr const char* in_mm = "unit = \"mm\"\nunits_per_revolution = 5\n";
 struct DaemonRamp : testing::Test {
   explicit DaemonRamp(const char* model = "TMCM-1110") : bench(model, in_mm) {}
 
-  RpcResult call(const char* method, json::object more) {
+  Result<boost::json::object> call(const char* method, json::object more) {
     more["axis"] = "x";
     return bench.call(method, std::move(more));
   }
   static json::object ramp(const char* velocity, const char* acceleration) {
     return {{"velocity", velocity}, {"acceleration", acceleration}};
   }
-  RpcResult set(json::object params) { return call("axis.set_ramp", std::move(params)); }
+  Result<boost::json::object> set(json::object params) {
+    return call("axis.set_ramp", std::move(params));
+  }
   json::object planned(json::object params) {
     const auto result = call("axis.plan_ramp", std::move(params));
     return result ? *result : json::object{{"error", result.error().message}};
@@ -31,11 +33,8 @@ struct DaemonRamp : testing::Test {
   std::string refusal(json::object params) {
     const auto result = call("axis.plan_ramp", std::move(params));
     if (result) return "none";
-    const auto text = [&](const char* key) {
-      const auto* value = result.error().data.if_contains(key);
-      return value != nullptr && value->is_string() ? std::string(value->as_string()) : "";
-    };
-    return text("name") + ": " + result.error().message + " (" + text("hint") + ')';
+    const auto& error = result.error();
+    return error.name + ": " + error.message + " (" + error.hint + ')';
   }
   void put(int parameter, int value) {
     const auto done =
@@ -50,7 +49,7 @@ struct DaemonRamp : testing::Test {
       all.push_back(std::to_string(request.type) + '=' + std::to_string(request.value));
     return all;
   }
-  static json::array warnings(const RpcResult& result) {
+  static json::array warnings(const Result<boost::json::object>& result) {
     return result ? result->at("warnings").as_array() : json::array{result.error().message};
   }
 
@@ -106,7 +105,7 @@ TEST_F(DaemonRamp, IsNotChangedWhileTheAxisMoves) {
   bench.requests.clear();
   const auto refused = set(ramp("50000pps", "200000pps/s"));
   ASSERT_FALSE(refused);
-  EXPECT_EQ(refused.error().code, rpc_code::not_allowed);
+  EXPECT_EQ(refused.error().kind, ErrorKind::not_now);
   EXPECT_THAT(refused.error().message, HasSubstr("axis x moves"));
   EXPECT_THAT(written(), IsEmpty());
 }
@@ -152,7 +151,7 @@ TEST_F(DaemonRamp, AStopEndsIt) {
   };
   const auto ended = set(ramp("50000pps", "200000pps/s"));
   ASSERT_FALSE(ended);
-  EXPECT_EQ(ended.error().data.at("name"), "superseded_by_stop");
+  EXPECT_EQ(ended.error().name, "superseded_by_stop");
   EXPECT_THAT(written(), ElementsAre("154=3"));
 }
 
@@ -171,7 +170,7 @@ TEST_F(DaemonRamp, AsItIsForeseesMovements) {
   EXPECT_NEAR(std::chrono::duration<double>(foreseen).count(), move, 0.01);
   const auto moving = call("axis.get_ramp", {});
   ASSERT_FALSE(moving);
-  EXPECT_EQ(moving.error().data.at("name"), "not_foreseeable");
+  EXPECT_EQ(moving.error().name, "not_foreseeable");
   EXPECT_THAT(moving.error().message, HasSubstr("it moves already"));
 }
 

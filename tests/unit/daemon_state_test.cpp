@@ -76,7 +76,7 @@ TEST_F(StateByAge, IsOfALookThatBeganAfterItWasAskedFor) {
   gateway.wire.delay = milliseconds(5);
   auto& position = gateway.wire.modules.at(1).parameter(0, tmcl::axis_parameter::actual_position);
   const auto before = position;
-  std::vector<RpcResult> first;
+  std::vector<Result<boost::json::object>> first;
   gateway.begin_call("axis.get_state", {{"axis", "x"}}, first);
   const auto is_read = [&] {
     const auto& last = gateway.wire.seen.back();

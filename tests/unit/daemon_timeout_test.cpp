@@ -22,7 +22,7 @@ class DaemonTimeout : public testing::Test {
     const auto result = gateway.call(method, {{"axis", "x"}, {"timeout_ms", timeout.count()}});
     const auto took = gateway.time.now() - began;
     ASSERT_FALSE(result);
-    EXPECT_EQ(text(result.error().data.at("name")), "deadline_passed") << result.error().message;
+    EXPECT_EQ(result.error().name, "deadline_passed") << result.error().message;
     EXPECT_GE(took, timeout);
     EXPECT_LE(took, timeout + late);
   }

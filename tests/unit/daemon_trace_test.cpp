@@ -62,7 +62,7 @@ TEST_F(DaemonTrace, SaysHowManyAreForgotten) {
 TEST_F(DaemonTrace, NamesABusThatThereIsNot) {
   const auto result = bench.call("bus.trace", {{"bus", "lin"}});
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().data.at("name"), "unknown_bus");
+  EXPECT_EQ(result.error().name, "unknown_bus");
 }
 
 TEST_F(DaemonTrace, ClientsAreRememberedByTheirNames) {

@@ -43,8 +43,8 @@ class Gap : public testing::Test {
     params["sent_at_ms"] = ms.count();
     return params;
   }
-  static std::string name_of_error(const RpcResult& result) {
-    return result ? "" : std::string(result.error().data.at("name").as_string());
+  static std::string name_of_error(const Result<boost::json::object>& result) {
+    return result ? "" : result.error().name;
   }
   std::size_t movements() const {
     return gateway.wire.count(tmcl::Command::MVP) + gateway.wire.count(tmcl::Command::ROR);
@@ -57,8 +57,8 @@ TEST_F(Gap, MakesStaleWhatComesInRightBehindIt) {
   gateway.time.freeze_for(seconds(2));
   const auto refused = gateway.call("axis.move_to", move(100));
   EXPECT_EQ(name_of_error(refused), "stale_request");
-  EXPECT_EQ(refused.error().code, rpc_code::not_allowed);
-  EXPECT_EQ(refused.error().data.at("outcome"), "not_sent");
+  EXPECT_EQ(refused.error().kind, ErrorKind::not_now);
+  EXPECT_EQ(refused.error().outcome, tmcl::Outcome::not_sent);
   EXPECT_THAT(refused.error().message, testing::HasSubstr("stood still for 2."));
   EXPECT_EQ(movements(), 0U);
 }

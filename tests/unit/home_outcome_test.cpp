@@ -14,7 +14,7 @@ TEST(HomeOutcome, OfASearchWhoseModuleFallsSilentIsNotThatNothingWasSent) {
   bench.wire.is_cut = true;
   const auto ended = bench.end_of(pending);
   ASSERT_FALSE(ended);
-  EXPECT_EQ(ended.error().data.at("outcome"), "unknown") << ended.error().message;
+  EXPECT_EQ(ended.error().outcome, tmcl::Outcome::unknown) << ended.error().message;
 }
 
 }  // namespace

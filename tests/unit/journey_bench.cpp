@@ -45,17 +45,17 @@ JourneyBench::~JourneyBench() {
 }
 
 JourneyBench::Pending JourneyBench::begin(std::string_view method, json::object params) {
-  const auto result = std::make_shared<std::optional<RpcResult>>();
+  const auto result = std::make_shared<std::optional<Result<boost::json::object>>>();
   const json::object line{
       {"jsonrpc", "2.0"}, {"id", 1}, {"method", method}, {"params", std::move(params)}};
-  auto request = parse_request(json::serialize(line));
-  if (!request) throw std::logic_error(request.error().error.message);
+  auto request = parse_request(json::serialize(line)).request;
+  if (!request) throw std::logic_error(request.error().message);
   spawn(context_.get_executor(), carry_out(std::move(*request), result));
   time.settle();
   return result;
 }
 
-RpcResult JourneyBench::end_of(const Pending& pending) {
+Result<boost::json::object> JourneyBench::end_of(const Pending& pending) {
   if (!time.run_while_not([&] { return pending->has_value(); }, std::chrono::hours(1)))
     throw std::runtime_error("no answer");
   return **pending;

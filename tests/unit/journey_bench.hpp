@@ -28,10 +28,10 @@ class JourneyBench {
   JourneyBench(const JourneyBench&) = delete;
   JourneyBench& operator=(const JourneyBench&) = delete;
 
-  using Pending = std::shared_ptr<std::optional<RpcResult>>;
+  using Pending = std::shared_ptr<std::optional<Result<json::object>>>;
   Pending begin(std::string_view method, json::object params);
-  RpcResult end_of(const Pending& pending);
-  RpcResult call(std::string_view method, json::object params) {
+  Result<json::object> end_of(const Pending& pending);
+  Result<json::object> call(std::string_view method, json::object params) {
     return end_of(begin(method, std::move(params)));
   }
   std::int64_t get(std::string_view axis, int parameter) {

@@ -69,7 +69,7 @@ TEST_P(JourneyGap, EndsItAndSaysSo) {
     EXPECT_EQ(settings_of(bench), before);
     if (result) continue;
     ++ended;
-    EXPECT_EQ(result.error().data.at("name"), "stale_request") << result.error().message;
+    EXPECT_EQ(result.error().name, "stale_request") << result.error().message;
     EXPECT_THAT(result.error().message, HasSubstr("stood still for 2."));
   }
   EXPECT_GT(ended, places * 3 / 4);

@@ -39,7 +39,7 @@ class LastMoment : public testing::Test {
     bench_.time.run_for(5s);
     EXPECT_EQ(results_.size(), 1U);
     if (results_.empty() || results_.front()) return "";
-    return std::string(results_.front().error().data.at("name").as_string());
+    return results_.front().error().name;
   }
   std::string error_of_move(const std::function<void()>& meanwhile) {
     return name_of_error("axis.move_to",
@@ -56,7 +56,7 @@ class LastMoment : public testing::Test {
 
   void take_lease() {
     bench_.client = other_;
-    std::vector<RpcResult> granted;
+    std::vector<Result<boost::json::object>> granted;
     bench_.begin_call("lease.acquire", {{"axes", json::array{"x"}}, {"ttl_ms", 60'000}}, granted);
     bench_.time.settle();
     ASSERT_EQ(granted.size(), 1U);
@@ -66,8 +66,8 @@ class LastMoment : public testing::Test {
   VirtualGateway bench_;
   Client mover_ = bench_.gateway().add_client("mover");
   Client other_ = bench_.gateway().add_client("other");
-  std::vector<RpcResult> asked_;
-  std::vector<RpcResult> results_;
+  std::vector<Result<boost::json::object>> asked_;
+  std::vector<Result<boost::json::object>> results_;
 };
 
 TEST_F(LastMoment, ACommandGoesOutWhereNothingHasChanged) {

@@ -47,7 +47,7 @@ class LocalBench {
   }
   std::string error(std::string_view method, json::object params) {
     const auto answer = local().call(method, std::move(params));
-    return answer ? "none" : text(answer.error().data.at("name"));
+    return answer ? "none" : answer.error().name;
   }
 
   FakeWire wire;

@@ -68,7 +68,7 @@ TEST_F(LocalGatewayTest, CallsInProgressHaveEndedAtTheEnd) {
   const auto held = bench.local().begin("axis.get_state", {{"axis", "x"}});
   bench.local().end();
   ASSERT_TRUE(held.has_ended());
-  EXPECT_EQ(text(held.result().error().data.at("name")), "link_lost");
+  EXPECT_EQ(held.result().error().name, "link_lost");
   EXPECT_EQ(bench.error("axis.get_state", {{"axis", "x"}}), "daemon_ending");
 }
 

@@ -59,7 +59,7 @@ class ModuleWatch : public testing::Test {
                            json::object params = {{"position_microsteps", 5}}) {
     params["axis"] = "x";
     const auto result = bench.call(method, params);
-    return result ? "none" : std::string(result.error().data.at("name").as_string());
+    return result ? "none" : result.error().name;
   }
 
   VirtualGateway bench;
@@ -117,7 +117,7 @@ class Unreferenced : public ModuleWatch {
   std::string name_of(const char* method, json::object params) {
     params["axis"] = "y";
     const auto result = bench.call(method, params);
-    return result ? "none" : std::string(result.error().data.at("name").as_string());
+    return result ? "none" : result.error().name;
   }
 };
 
@@ -142,7 +142,7 @@ TEST_F(Unreferenced, AnAxisIsSentToNoPositionByARawCommandEither) {
                                                       {"type", type},
                                                       {"motor", motor},
                                                       {"value", 5}});
-    return result ? "none" : std::string(result.error().data.at("name").as_string());
+    return result ? "none" : result.error().name;
   };
   const auto sent = module().executed().size();
   constexpr int x_and_y = 0x43;

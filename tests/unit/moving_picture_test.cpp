@@ -44,7 +44,7 @@ class Film {
       film.push_back(look(film));
       bench_.time.run_for(frame_time);
     }
-    EXPECT_EQ(bench_.end_of(run).error().data.at("name"), "stopped_by_other");
+    EXPECT_EQ(bench_.end_of(run).error().name, "stopped_by_other");
     return film;
   }
 

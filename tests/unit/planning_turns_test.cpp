@@ -95,7 +95,7 @@ class PlanningTurns : public JourneyBench, public testing::Test {
     gateway->planning.set_limit(std::size_t{4} << 20);
   }
 
-  using Answer = std::shared_ptr<std::optional<RpcResult>>;
+  using Answer = std::shared_ptr<std::optional<Result<boost::json::object>>>;
 
   std::shared_ptr<Peer> client() {
     auto peer = std::make_shared<WorldPeer>(trace_);
@@ -103,7 +103,7 @@ class PlanningTurns : public JourneyBench, public testing::Test {
     return peer;
   }
   Answer begin(const std::shared_ptr<Peer>& peer, std::string_view method, json::object params) {
-    auto answer = std::make_shared<std::optional<RpcResult>>();
+    auto answer = std::make_shared<std::optional<Result<boost::json::object>>>();
     auto carry_out = [](auto of, auto by, RpcRequest request,
                         Answer into) -> boost::asio::awaitable<void> {
       auto result = co_await dispatch(std::move(of), std::move(by), std::move(request));
@@ -156,7 +156,7 @@ TEST_F(PlanningTurns, OneClientHasItsShareAndIsToldWhenThatIsFull) {
   ASSERT_NE(refused, plans.end());
   ASSERT_FALSE(***refused);
   const auto& error = (***refused).error();
-  EXPECT_EQ(error.data.at("name"), "queue_full");
+  EXPECT_EQ(error.name, "queue_full");
   EXPECT_THAT(error.message, HasSubstr("plans of client wait"));
   EXPECT_THAT(error.message, HasSubstr("of memory for planning are taken"));
 
@@ -185,7 +185,7 @@ TEST_F(PlanningTurns, ShareTheirMemoryWithCoursesThatArePassed) {
   time.settle();
   ASSERT_TRUE(has_ended(refused));
   ASSERT_FALSE(**refused);
-  EXPECT_EQ((**refused).error().data.at("name"), "queue_full");
+  EXPECT_EQ((**refused).error().name, "queue_full");
   EXPECT_THAT((**refused).error().message, HasSubstr("plans of client wait or are made, or its"));
   EXPECT_TRUE(gateway->planning.take(client()->client().number, "other", 1'000)) << "has room";
 

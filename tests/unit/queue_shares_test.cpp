@@ -67,12 +67,11 @@ class Flood : public testing::Test {
     bench_.client = other_;
   }
   std::size_t refused() const {
-    return static_cast<std::size_t>(std::ranges::count_if(flood_, [](const auto& result) {
-      return !result && result.error().data.at("name") == "queue_full";
-    }));
+    return static_cast<std::size_t>(std::ranges::count_if(
+        flood_, [](const auto& result) { return !result && result.error().name == "queue_full"; }));
   }
 
-  std::vector<RpcResult> flood_;
+  std::vector<Result<boost::json::object>> flood_;
   VirtualGateway bench_;
   Client flooder_ = bench_.gateway().add_client("flooder");
   Client other_ = bench_.gateway().add_client("other");

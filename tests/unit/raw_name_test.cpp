@@ -22,13 +22,12 @@ struct RawNames : testing::Test {
             *parse_config("[daemon]\nsocket = \"s\"\n" + buses + axis_section("x", 0)))) {}
   std::string name_of(const std::string& raw) {
     const auto axis = find_raw_axis(*gateway, "axis", raw);
-    return axis ? (*axis)->name() : text(axis.error().data.at("name"));
+    return axis ? (*axis)->name() : axis.error().name;
   }
   std::string message(const std::string& raw) {
     const auto axis = find_raw_axis(*gateway, "axis", raw);
     if (axis) return "none";
-    const auto& hint = axis.error().data.at("hint");
-    return axis.error().message + "; " + (hint.is_null() ? "" : text(hint));
+    return axis.error().message + "; " + axis.error().hint;
   }
   static constexpr auto can_bus = "[[bus]]\nname = \"field\"\nlink = \"can:can0\"\n";
   boost::asio::io_context context;
@@ -109,8 +108,8 @@ TEST_F(RawAxes, OfAConfiguredMotorHaveItsNameItsUnitAndItsLimits) {
   EXPECT_EQ(moved.at("target_microsteps"), 51'200);
   const auto beyond = bench.local().call("axis.move_to", {{"axis", "1/0"}, {"position", 11}});
   ASSERT_FALSE(beyond);
-  EXPECT_EQ(text(beyond.error().data.at("name")), "beyond_soft_limit");
-  EXPECT_EQ(text(beyond.error().data.at("axis")), "x");
+  EXPECT_EQ(beyond.error().name, "beyond_soft_limit");
+  EXPECT_EQ(text(beyond.error().subject.at("axis")), "x");
 }
 
 TEST_F(RawAxes, AreClaimedByEitherName) {

@@ -46,7 +46,7 @@ class Reached : public testing::Test {
   bool was_sent(const Request& request) const {
     return std::ranges::count(bench.wire.seen, request) > 0;
   }
-  RpcResult execute(const Request& request) {
+  Result<boost::json::object> execute(const Request& request) {
     return bench.call("module.execute", {{"bus", "bench"},
                                          {"address", number(request.address)},
                                          {"command", static_cast<int>(request.command)},
@@ -74,8 +74,8 @@ TEST_F(Reached, SoDoesARawCommand) {
   for (const auto& request : cutting) {
     const auto result = execute(request);
     ASSERT_FALSE(result) << describe(request);
-    EXPECT_EQ(text(result.error().data.at("name")), "not_permitted");
-    EXPECT_EQ(text(result.error().data.at("outcome")), "not_sent");
+    EXPECT_EQ(result.error().name, "not_permitted");
+    EXPECT_EQ(result.error().outcome, tmcl::Outcome::not_sent);
     EXPECT_FALSE(was_sent(request)) << describe(request);
   }
   for (const auto& request : harmless) EXPECT_TRUE(execute(request)) << describe(request);
@@ -117,8 +117,8 @@ TEST_F(Reached, NorDoesAProgramThatAClientLoads) {
     SCOPED_TRACE(describe(request));
     const auto result = load("program.load", request);
     ASSERT_FALSE(result);
-    EXPECT_EQ(text(result.error().data.at("name")), "not_permitted");
-    EXPECT_EQ(text(result.error().data.at("outcome")), "not_sent");
+    EXPECT_EQ(result.error().name, "not_permitted");
+    EXPECT_EQ(result.error().outcome, tmcl::Outcome::not_sent);
     EXPECT_THAT(result.error().message, testing::HasSubstr(" at address 11 of the program: "));
     EXPECT_FALSE(was_sent(request));
     EXPECT_EQ(std::ranges::count(bench.wire.seen, Command::START_DOWNLOAD, &Request::command), 0);
@@ -133,7 +133,7 @@ TEST_F(Reached, AnAddressIsSetByNameOnlyWhileNothingMoves) {
   ASSERT_TRUE(bench.call("axis.rotate", {{"axis", "x"}, {"velocity_internal", 100}}));
   const auto refused = bench.call("global.set", change);
   ASSERT_FALSE(refused);
-  EXPECT_EQ(text(refused.error().data.at("name")), "not_permitted");
+  EXPECT_EQ(refused.error().name, "not_permitted");
   ASSERT_TRUE(bench.call("system.stop_all", {}));
   EXPECT_TRUE(bench.call("global.set", change));
 }

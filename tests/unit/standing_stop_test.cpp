@@ -26,7 +26,7 @@ class StandingStop : public testing::Test {
   /// A movement of the axis as its module does not know of it.
   std::string refusal() {
     const auto moved = bench.call("axis.rotate", {{"axis", "x"}, {"velocity_internal", 100}});
-    return moved ? "none" : std::string(moved.error().data.at("name").as_string());
+    return moved ? "none" : moved.error().name;
   }
 
   VirtualGateway bench;

@@ -17,10 +17,10 @@ namespace {
 
 using boost::asio::awaitable;
 
-RpcError refusal(const std::string& message) { return param_error("bad_argument", "p", message); }
+Error refusal(const std::string& message) { return param_error("bad_argument", "p", message); }
 
-Lookup<int> there(int value) { return value; }
-Lookup<int> missing() { return tl::unexpected(refusal("missing")); }
+Result<int> there(int value) { return value; }
+Result<int> missing() { return tl::unexpected(refusal("missing")); }
 
 awaitable<void> elsewhere() {
   co_await boost::asio::post(co_await boost::asio::this_coro::executor, boost::asio::use_awaitable);
@@ -68,7 +68,7 @@ TEST_F(TaskTest, GoesOnWithWhatItMustHave) {
   const auto task = []() -> Task<std::string> {
     const auto first = co_await must(there(1));
     const auto second = co_await must(answered(2));
-    co_await must_not(std::optional<RpcError>());
+    co_await must_not(std::optional<Error>());
     co_await elsewhere();
     co_return std::to_string(first + second);
   };

@@ -29,19 +29,21 @@ class ThrowingPeer final : public Peer {
 };
 
 /// What a call gives that comes in past all fronts.
-inline RpcResult dispatch_for(TestDaemon& daemon, std::shared_ptr<Peer> peer,
-                              const std::string& method, const json::object& params) {
+inline Result<boost::json::object> dispatch_for(TestDaemon& daemon, std::shared_ptr<Peer> peer,
+                                                const std::string& method,
+                                                const json::object& params) {
   const json::object message{{"jsonrpc", "2.0"}, {"id", 1}, {"method", method}, {"params", params}};
-  auto request = parse_request(json::serialize(message));
-  if (!request) return tl::unexpected(request.error().error);
-  std::optional<RpcResult> result;
+  auto request = parse_request(json::serialize(message)).request;
+  if (!request) return tl::unexpected(request.error());
+  std::optional<Result<boost::json::object>> result;
   spawn(daemon.daemon().context().get_executor(),
-        [](auto call, std::optional<RpcResult>& into) -> boost::asio::awaitable<void> {
+        [](auto call,
+           std::optional<Result<boost::json::object>>& into) -> boost::asio::awaitable<void> {
           auto given = co_await std::move(call);
           into = std::move(given);
         }(dispatch(daemon.daemon().gateway().shared_from_this(), std::move(peer),
-                                                      std::move(*request)),
-                                                      result));
+                                                             std::move(*request)),
+                                                             result));
   if (!daemon.eventually([&] { return result.has_value(); })) throw std::runtime_error("no answer");
   return std::move(*result);
 }

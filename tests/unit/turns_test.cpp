@@ -52,7 +52,7 @@ class Turns : public testing::Test {
     return bench_.wire.seen.size();
   }
 
-  std::vector<RpcResult> answers_;
+  std::vector<Result<boost::json::object>> answers_;
   VirtualGateway bench_;
 };
 

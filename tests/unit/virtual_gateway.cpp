@@ -36,13 +36,14 @@ VirtualGateway::~VirtualGateway() {
   time.settle();
 }
 
-RpcResult VirtualGateway::call(std::string_view method, json::object params) {
+Result<boost::json::object> VirtualGateway::call(std::string_view method, json::object params) {
   return std::move(call_together(1, method, std::move(params)).front());
 }
 
-std::vector<RpcResult> VirtualGateway::call_together(std::size_t count, std::string_view method,
-                                                     const json::object& params) {
-  std::vector<RpcResult> results;
+std::vector<Result<boost::json::object>> VirtualGateway::call_together(std::size_t count,
+                                                                       std::string_view method,
+                                                                       const json::object& params) {
+  std::vector<Result<boost::json::object>> results;
   for (std::size_t i = 0; i < count; ++i) begin_call(method, params, results);
   if (!time.run_while_not([&] { return results.size() == count; }, std::chrono::hours(1)))
     throw std::runtime_error("no answer");
@@ -50,7 +51,7 @@ std::vector<RpcResult> VirtualGateway::call_together(std::size_t count, std::str
 }
 
 void VirtualGateway::begin_call(std::string_view method, const json::object& params,
-                                std::vector<RpcResult>& into) {
+                                std::vector<Result<boost::json::object>>& into) {
   RpcRequest request{1, find_method(method), params};
   request.lease = take_lease_key(*request.method, request.params).value();
   request.sent_at = take_sent_at(*request.method, request.params).value();
@@ -63,9 +64,9 @@ std::shared_ptr<Peer> VirtualGateway::peer() {
   return peer;
 }
 
-boost::asio::awaitable<void> VirtualGateway::carry_out(std::shared_ptr<Peer> peer,
-                                                       RpcRequest request,
-                                                       std::vector<RpcResult>& into) {
+boost::asio::awaitable<void> VirtualGateway::carry_out(
+    std::shared_ptr<Peer> peer, RpcRequest request,
+    std::vector<Result<boost::json::object>>& into) {
   auto result = co_await dispatch(gateway_, std::move(peer), std::move(request));
   into.push_back(std::move(result));
 }

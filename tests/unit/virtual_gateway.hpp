@@ -26,13 +26,13 @@ class VirtualGateway {
   VirtualGateway& operator=(const VirtualGateway&) = delete;
 
   /// Throws if it does not end within an hour.
-  RpcResult call(std::string_view method, json::object params);
+  Result<boost::json::object> call(std::string_view method, json::object params);
   /// The same call, so many times at once.
-  std::vector<RpcResult> call_together(std::size_t count, std::string_view method,
-                                       const json::object& params);
+  std::vector<Result<boost::json::object>> call_together(std::size_t count, std::string_view method,
+                                                         const json::object& params);
   /// What comes back is added to the results, which outlive it.
   void begin_call(std::string_view method, const json::object& params,
-                  std::vector<RpcResult>& into);
+                  std::vector<Result<boost::json::object>>& into);
 
   Gateway& gateway() { return *gateway_; }
 
@@ -60,7 +60,7 @@ class VirtualGateway {
   /// The connection of `client`.
   std::shared_ptr<Peer> peer();
   boost::asio::awaitable<void> carry_out(std::shared_ptr<Peer> peer, RpcRequest request,
-                                         std::vector<RpcResult>& into);
+                                         std::vector<Result<boost::json::object>>& into);
 
   boost::asio::io_context context_{1};
   /// By their clients: a call runs later than it is begun, when `client` may be another.

@@ -10,7 +10,7 @@ using testing::Contains;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-std::vector<std::string> warnings(const RpcResult& result) {
+std::vector<std::string> warnings(const Result<boost::json::object>& result) {
   EXPECT_TRUE(result) << result.error().message;
   std::vector<std::string> all;
   for (const auto& text : result->at("warnings").as_array()) all.emplace_back(text.as_string());
@@ -19,7 +19,7 @@ std::vector<std::string> warnings(const RpcResult& result) {
 json::object to(std::int64_t position) {
   return {{"axis", "x"}, {"position_microsteps", position}};
 }
-RpcResult set(JourneyBench& bench, int parameter, std::int32_t value) {
+Result<boost::json::object> set(JourneyBench& bench, int parameter, std::int32_t value) {
   auto result =
       bench.call("parameter.set", {{"axis", "x"}, {"parameter", parameter}, {"value", value}});
   EXPECT_TRUE(result) << result.error().message;
@@ -126,7 +126,7 @@ TEST(Warnings, CostTheReadingsOfARampOnce) {
 
 class WaitingFor : public testing::Test {
  protected:
-  RpcResult wait(std::int64_t timeout_ms) {
+  Result<boost::json::object> wait(std::int64_t timeout_ms) {
     return bench.call("axis.wait", {{"axis", "x"}, {"timeout_ms", timeout_ms}});
   }
 
@@ -144,9 +144,8 @@ TEST_F(WaitingFor, AnAxisThatSwingsSaysWhyInTheEnd) {
   bench.call("axis.move_to", to(100));
   const auto waited = wait(5000);
   ASSERT_FALSE(waited);
-  EXPECT_EQ(waited.error().data.at("name").as_string(), "deadline_passed");
-  EXPECT_THAT(std::string(waited.error().data.at("hint").as_string()),
-              HasSubstr("the motor oscillates"));
+  EXPECT_EQ(waited.error().name, "deadline_passed");
+  EXPECT_THAT(waited.error().hint, HasSubstr("the motor oscillates"));
 }
 
 // So slowly that its speed is read as 0 where it turns round.

@@ -63,7 +63,7 @@ void CableBench::end_gateway() {
 }
 
 CableBench::Answer CableBench::begin(std::string_view method, json::object params) {
-  auto answer = std::make_shared<std::optional<RpcResult>>();
+  auto answer = std::make_shared<std::optional<Result<boost::json::object>>>();
   auto carry_out = [](auto gateway, auto peer, RpcRequest request,
                       Answer into) -> boost::asio::awaitable<void> {
     auto result = co_await dispatch(std::move(gateway), std::move(peer), std::move(request));
@@ -74,7 +74,7 @@ CableBench::Answer CableBench::begin(std::string_view method, json::object param
   return answer;
 }
 
-RpcResult CableBench::end(const Answer& answer) {
+Result<boost::json::object> CableBench::end(const Answer& answer) {
   EXPECT_TRUE(time.run_while_not([&] { return answer->has_value(); }, std::chrono::hours(1)));
   return std::move(**answer);
 }
@@ -98,8 +98,8 @@ tmcl::Duration CableBench::time_to_stand() {
   return time.now() - began;
 }
 
-std::string CableBench::name_of_error(const RpcResult& result) {
-  return result ? "none" : std::string(result.error().data.at("name").as_string());
+std::string CableBench::name_of_error(const Result<boost::json::object>& result) {
+  return result ? "none" : result.error().name;
 }
 
 }  // namespace tmcld::test

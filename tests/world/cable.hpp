@@ -41,11 +41,11 @@ class CableBench {
   /// It sends nothing any more.
   void end_gateway();
 
-  using Answer = std::shared_ptr<std::optional<RpcResult>>;
+  using Answer = std::shared_ptr<std::optional<Result<boost::json::object>>>;
 
   Answer begin(std::string_view method, json::object params);
-  RpcResult end(const Answer& answer);
-  RpcResult call(std::string_view method, json::object params) {
+  Result<boost::json::object> end(const Answer& answer);
+  Result<boost::json::object> call(std::string_view method, json::object params) {
     return end(begin(method, std::move(params)));
   }
   Answer begin_path();
@@ -54,7 +54,7 @@ class CableBench {
   double mm(std::uint8_t motor) { return get(motor, ap::actual_position) / (51'200 / 5.0); }
   bool moves() { return get(0, ap::actual_velocity) != 0 || get(1, ap::actual_velocity) != 0; }
   tmcl::Duration time_to_stand();
-  std::string name_of_error(const RpcResult& result);
+  std::string name_of_error(const Result<boost::json::object>& result);
 
  private:
   boost::asio::io_context context_{1};

@@ -26,10 +26,10 @@ TEST_F(Cable, OutForTwoSecondsOnAPathStopsItsAxesWhenItIsBack) {
   const auto result = end(path);
   ASSERT_LT(time.now(), back) << "who asked is not kept waiting";
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().data.at("outcome"), "unknown") << json::serialize(result.error().data);
-  EXPECT_EQ(json::serialize(result.error().data.at("unstopped")), R"(["x","y"])");
+  EXPECT_EQ(result.error().outcome, tmcl::Outcome::unknown) << result.error().message;
+  EXPECT_EQ(json::serialize(result.error().subject.at("unstopped")), R"(["x","y"])");
   EXPECT_THAT(result.error().message, HasSubstr("may still move"));
-  EXPECT_THAT(json::serialize(result.error().data), Not(HasSubstr("were stopped")));
+  EXPECT_THAT(json::serialize(to_json(result.error())), Not(HasSubstr("were stopped")));
   time.run_until(back);
   EXPECT_TRUE(moves());
   EXPECT_TRUE(stopped.empty());
@@ -84,15 +84,15 @@ TEST_F(Cable, WhateverIsSaidOfAxesThatWereStoppedIsTrue) {
       EXPECT_FALSE(moves());
       continue;
     }
-    const bool all_stand = !result.error().data.contains("unstopped");
-    EXPECT_FALSE(all_stand && moves()) << json::serialize(result.error().data);
-    EXPECT_EQ(result.error().data.at("outcome"), all_stand ? "done" : "unknown");
+    const bool all_stand = !result.error().subject.contains("unstopped");
+    EXPECT_FALSE(all_stand && moves()) << json::serialize(result.error().subject);
+    EXPECT_EQ(result.error().outcome, all_stand ? tmcl::Outcome::done : tmcl::Outcome::unknown);
     time.run_until(back);
     wire.is_cut = false;
     EXPECT_LT(time_to_stand(), 1200ms);
     time.run_for(2s);
     EXPECT_EQ(stopped.size(),
-              all_stand ? 0U : result.error().data.at("unstopped").as_array().size());
+              all_stand ? 0U : result.error().subject.at("unstopped").as_array().size());
   }
 }
 

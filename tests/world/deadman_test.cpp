@@ -312,7 +312,7 @@ class DeadmanTest : public Deadmen {
     requests.clear();
     return test;
   }
-  void expect_measured(const RpcResult& result) {
+  void expect_measured(const Result<boost::json::object>& result) {
     ASSERT_TRUE(result) << result.error().message;
     const auto& found = result->at("deadman");
     ASSERT_TRUE(found.is_object()) << result->at("reason");
@@ -389,7 +389,7 @@ TEST_F(DeadmanTest, EndsWithAStop) {
   EXPECT_LT(time_to_stand(), 100ms);
   const auto result = end(test);
   EXPECT_EQ(name_of_error(result), "superseded_by_stop");
-  EXPECT_EQ(result.error().data.at("outcome"), "unknown") << "it has moved";
+  EXPECT_EQ(result.error().outcome, tmcl::Outcome::unknown) << "it has moved";
   EXPECT_EQ(told(), "unknown");
   expect_in_order();
 }

@@ -36,7 +36,7 @@ class DriverFaults : public Cable, public testing::WithParamInterface<const char
     EXPECT_EQ(state.at("velocity_internal").as_int64(), velocity);
     return state;
   }
-  RpcResult move_and_wait() {
+  Result<boost::json::object> move_and_wait() {
     position_ = position_ == 1 ? 2 : 1;
     EXPECT_TRUE(call("axis.move_to", {{"axis", "x"}, {"position", position_}}));
     return call("axis.wait", {{"axis", "x"}});
@@ -51,8 +51,8 @@ class DriverFaults : public Cable, public testing::WithParamInterface<const char
     EXPECT_EQ(name_of_error(arrived), "driver_fault");
     EXPECT_THAT(arrived.error().message, HasSubstr("by its counter"));
     EXPECT_THAT(arrived.error().message, HasSubstr(words));
-    EXPECT_EQ(arrived.error().data.at("outcome"), "done");
-    EXPECT_EQ(arrived.error().data.at("faults").as_array().at(0), json::value(name));
+    EXPECT_EQ(arrived.error().outcome, tmcl::Outcome::done);
+    EXPECT_EQ(arrived.error().subject.at("faults").as_array().at(0), json::value(name));
     EXPECT_EQ(faults().at(0), json::value(name));
     const auto listed = call("axis.list", {})->at("axes").as_array();
     EXPECT_EQ(listed.at(0).at("faults").as_array().at(0), json::value(name));
@@ -90,7 +90,7 @@ TEST_P(DriverFaults, OfACoilThatIsNotConnectedDoSoToo) {
   EXPECT_TRUE(move_and_wait());
 }
 
-void expect_doubt(const RpcResult& arrived) {
+void expect_doubt(const Result<boost::json::object>& arrived) {
   ASSERT_TRUE(arrived) << arrived.error().message;
   EXPECT_THAT(json::serialize(arrived->at("warnings")), HasSubstr("coil B is not connected"));
   EXPECT_THAT(json::serialize(arrived->at("warnings")), HasSubstr("turns slowly"));

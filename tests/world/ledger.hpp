@@ -12,7 +12,7 @@
 
 #include <boost/json/object.hpp>
 
-#include "api/rpc_error.hpp"
+#include "api/error.hpp"
 #include "gateway/module/sentinel.hpp"
 #include "tmcl/clock.hpp"
 #include "tmcl/command.hpp"
@@ -79,7 +79,7 @@ class Ledger {
     return number;
   }
 
-  void end(Number number, const RpcResult& result, tmcl::TimePoint now) {
+  void end(Number number, const Result<boost::json::object>& result, tmcl::TimePoint now) {
     note(now, "end of call " + std::to_string(number) +
                   (result ? std::string() : ": " + result.error().message));
     const auto found = running_.extract(number);
@@ -384,7 +384,7 @@ class Ledger {
     }
   }
 
-  void look_at_outcome(const Running& running, const RpcResult& result) {
+  void look_at_outcome(const Running& running, const Result<boost::json::object>& result) {
     const auto& call = running.call;
     if (call.axes.size() != 1) return;
     const bool moves = is_movement(call) && (!call.values.empty() || call.distance);
@@ -392,8 +392,7 @@ class Ledger {
     if (result && moves && !running.executed && !has_restarted(running))
       complain(call.method + " was done, but its module has not executed it");
     if (result) return;
-    const auto* outcome = result.error().data.if_contains("outcome");
-    if (!running.moved.empty() && outcome != nullptr && *outcome == "not_sent")
+    if (!running.moved.empty() && result.error().outcome == tmcl::Outcome::not_sent)
       complain(call.method + " was sent, but said to be not: " + result.error().message);
   }
 

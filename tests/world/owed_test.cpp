@@ -41,9 +41,9 @@ class OwedStop : public Cable {
     wire.unplug();
     time.run_for(1ms);
   }
-  void expect_owed(const RpcResult& result) {
+  void expect_owed(const Result<boost::json::object>& result) {
     ASSERT_FALSE(result);
-    EXPECT_THAT(json::serialize(result.error().data), HasSubstr("as soon as the module can be"));
+    EXPECT_THAT(result.error().hint, HasSubstr("as soon as the module can be"));
   }
   void expect_stop_when_it_is_back() {
     ASSERT_TRUE(moves());
@@ -340,7 +340,7 @@ TEST_F(Unrestored, WhoSetsItMeanwhileIsNotOverruled) {
   wire.is_cut = true;
   end(path);
   wire.is_cut = false;
-  RpcResult set = tl::unexpected(RpcError{});
+  Result<boost::json::object> set = tl::unexpected(Error{});
   while (!set) {
     set = call("parameter.set", {{"axis", "y"}, {"parameter", "max_velocity"}, {"value", 1234}});
     time.run_for(1ms);
@@ -353,7 +353,7 @@ TEST_F(Unrestored, WhoSetsItMeanwhileIsNotOverruled) {
 
 TEST_F(Unrestored, AJournalThatCannotBeWrittenIsAWarningAndAnEvent) {
   std::filesystem::remove_all(folder_);
-  const auto warns = [](const RpcResult& result) {
+  const auto warns = [](const Result<boost::json::object>& result) {
     return result && json::serialize(*result).find("if tmcld is killed") != std::string::npos;
   };
   EXPECT_TRUE(warns(call("axis.rotate", {{"axis", "x"}, {"velocity", 5}})));

@@ -45,11 +45,11 @@ class Power : public Cable {
     more["axis"] = axis;
     return more;
   }
-  void expect_latched(const RpcResult& result) {
+  void expect_latched(const Result<boost::json::object>& result) {
     ASSERT_FALSE(result);
     EXPECT_EQ(name_of_error(result), "latched");
-    EXPECT_EQ(result.error().code, -32003);
-    EXPECT_EQ(result.error().data.at("outcome"), "not_sent");
+    EXPECT_EQ(result.error().kind, ErrorKind::not_now);
+    EXPECT_EQ(result.error().outcome, tmcl::Outcome::not_sent);
     EXPECT_THAT(result.error().message, HasSubstr("module 1 has started again"));
   }
 
@@ -360,7 +360,7 @@ TEST_P(PowerDuringASearch, DoesNotMakeItOneThatWasNotSent) {
   fail_and_return();
   const auto ended = end(search);
   if (is_sent && !ended) {
-    EXPECT_NE(ended.error().data.at("outcome"), "not_sent") << ended.error().message;
+    EXPECT_NE(ended.error().outcome, tmcl::Outcome::not_sent) << ended.error().message;
   }
 }
 

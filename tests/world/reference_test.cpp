@@ -38,10 +38,10 @@ class References : public Cable, public testing::WithParamInterface<const char*>
     EXPECT_TRUE(call("axis.move_by", x({{"distance", 20}})));
     EXPECT_TRUE(call("axis.wait", x()));
   }
-  void expect_in_vain(const RpcResult& homed) {
+  void expect_in_vain(const Result<boost::json::object>& homed) {
     ASSERT_FALSE(homed);
     EXPECT_EQ(name_of_error(homed), "move_interrupted");
-    EXPECT_EQ(homed.error().data.at("outcome"), "done");
+    EXPECT_EQ(homed.error().outcome, tmcl::Outcome::done);
     EXPECT_THAT(homed.error().message, HasSubstr("has found no reference"));
     EXPECT_FALSE(is_referenced());
     EXPECT_EQ(move(), "latched");

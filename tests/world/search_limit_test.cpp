@@ -86,7 +86,7 @@ class Searches : public Cable, public testing::WithParamInterface<Stage> {
     more["mode"] = GetParam().mode;
     return more;
   }
-  void expect_stopped_within(double mm, const RpcResult& homed) {
+  void expect_stopped_within(double mm, const Result<boost::json::object>& homed) {
     ASSERT_FALSE(homed);
     EXPECT_EQ(name_of_error(homed), "move_interrupted") << homed.error().message;
     EXPECT_THAT(homed.error().message, HasSubstr("search_limit"));
@@ -95,7 +95,7 @@ class Searches : public Cable, public testing::WithParamInterface<Stage> {
     EXPECT_EQ(call("axis.get_state", {{"axis", "x"}})->at("referenced"), false);
     EXPECT_FALSE(moves());
   }
-  RpcResult home(json::object more = {}) {
+  Result<boost::json::object> home(json::object more = {}) {
     began_ = time.now();
     const auto pending = begin("axis.home", x(std::move(more)));
     time.run_for(50ms);

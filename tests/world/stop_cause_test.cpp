@@ -122,8 +122,7 @@ TEST_F(StopCauses, IsToldToWhoeverWaits) {
   ASSERT_FALSE(result);
   EXPECT_EQ(name_of_error(result), "move_interrupted");
   EXPECT_THAT(result.error().message, HasSubstr("cause: right_limit"));
-  EXPECT_THAT(json::serialize(result.error().data.at("hint")),
-              HasSubstr("its right switch is closed; move to the other side"));
+  EXPECT_THAT(result.error().hint, HasSubstr("its right switch is closed; move to the other side"));
 }
 
 /// Waits for the target that the axis has now; somebody does something else with it meanwhile.

@@ -75,7 +75,9 @@ class Scene : public CableBench {
     }
     speed = find_parameter(table, ap::max_velocity)->maximum > 10'000 ? 20'000 : 500;
   }
-  RpcResult carry_out(const Write& write) { return call(write.method, write.params); }
+  Result<boost::json::object> carry_out(const Write& write) {
+    return call(write.method, write.params);
+  }
   const tmcl::Model& model() const { return model_; }
   bool turns(std::uint8_t motor) { return get(motor, ap::actual_velocity) != 0; }
   /// Whether all its motors come to stand, and stay so.

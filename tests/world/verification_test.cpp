@@ -114,7 +114,7 @@ TEST_F(VerifiedAxis, IsVerifiedUnderTheLeaseOfWhoeverAsksForIt) {
 TEST_F(VerifiedAxis, NeedsATravelOrSoftLimits) {
   const auto result = call("axis.verify", {{"axis", "x"}});
   ASSERT_FALSE(result);
-  EXPECT_EQ(result.error().code, -32602);
+  EXPECT_EQ(result.error().kind, ErrorKind::bad_request);
   EXPECT_THAT(result.error().message, HasSubstr("no soft limits"));
   EXPECT_EQ(name_of_error(call("axis.verify", {{"axis", "x"}, {"from", "1mm"}, {"to", "2mm"}})),
             "out_of_range");

@@ -303,9 +303,9 @@ class World {
     serial_.inject(other);
   }
   /// Before the client has it.
-  void break_answer(const WorldCall& call, RpcResult& result) {
+  void break_answer(const WorldCall& call, Result<json::object>& result) {
     if (trouble_.canary == Canary::wrong_outcome && !result)
-      result.error().data["outcome"] = "not_sent";
+      result.error().outcome = tmcl::Outcome::not_sent;
     if (trouble_.canary != Canary::movement_after_stop || call.method != "axis.stop") return;
     const auto all = axes();
     const auto axis = std::ranges::find(all, call.axes.front(), &WorldAxis::name);
@@ -316,8 +316,8 @@ class World {
   static RpcRequest request_of(const WorldCall& call, json::object params) {
     const json::object line{
         {"jsonrpc", "2.0"}, {"id", 1}, {"method", call.method}, {"params", std::move(params)}};
-    auto request = parse_request(json::serialize(line));
-    if (!request) throw std::logic_error(call.method + ": " + request.error().error.message);
+    auto request = parse_request(json::serialize(line)).request;
+    if (!request) throw std::logic_error(call.method + ": " + request.error().message);
     return std::move(*request);
   }
 

@@ -6,7 +6,6 @@
 
 namespace tmcld {
 
-using tmcl::Result;
 namespace ap = tmcl::axis_parameter;
 
 RunOptions AxisAdmission::begin_movement(Permit permit, Deadline deadline) const {
@@ -105,7 +104,7 @@ tmcl::Error AxisAdmission::beyond_soft_limit(const std::string& what, std::strin
 }
 
 AxisAdmission::Script<void> AxisAdmission::check(AxisAction action) {
-  if (!limits()) co_return Result<void>{};
+  if (!limits()) co_return tmcl::Result<void>{};
   auto script = std::visit([this](const auto& one) { return check_one(one); }, action);
   auto checked = co_await std::move(script);
   co_return checked;
@@ -115,7 +114,7 @@ AxisAdmission::Script<void> AxisAdmission::check_one(action::MoveTo move) {
   const auto scale = co_await units_.known_scale();
   if (!scale) co_return tl::unexpected(scale.error());
   auto beyond = tmcl::beyond(*limits(), move.target.microsteps, *scale);
-  if (!beyond) co_return Result<void>{};
+  if (!beyond) co_return tmcl::Result<void>{};
   if (move.target.in_unit) beyond->position = move.target.in_unit->value;
   co_return tl::unexpected(
       beyond_soft_limit(describe(*beyond), "the configuration has it: 'soft_limits'"));
@@ -129,7 +128,7 @@ AxisAdmission::Script<void> AxisAdmission::check_one(action::MoveToCoordinate mo
 }
 
 AxisAdmission::Script<void> AxisAdmission::check_one(action::Turn turn) {
-  if (turn.velocity.value == 0) co_return Result<void>{};
+  if (turn.velocity.value == 0) co_return tmcl::Result<void>{};
   co_return tl::unexpected(
       beyond_soft_limit("it has soft limits, which it would pass by turning without end",
                         "move it to one of them instead, with a lower max_velocity"));
@@ -138,7 +137,7 @@ AxisAdmission::Script<void> AxisAdmission::check_one(action::Turn turn) {
 AxisAdmission::Script<void> AxisAdmission::check_one(action::Write write) {
   const auto [parameter, value] = write;
   switch (setpoint_of(parameter)) {
-    case tmcl::Setpoint::none: co_return Result<void>{};
+    case tmcl::Setpoint::none: co_return tmcl::Result<void>{};
     case tmcl::Setpoint::velocity: {
       auto checked = co_await check_one(action::Turn{{value}});
       co_return checked;
@@ -150,7 +149,7 @@ AxisAdmission::Script<void> AxisAdmission::check_one(action::Write write) {
     case tmcl::Setpoint::here: {
       const auto turns = co_await turns_by_velocity();
       if (!turns) co_return tl::unexpected(turns.error());
-      if (*turns) co_return Result<void>{};
+      if (*turns) co_return tmcl::Result<void>{};
       break;
     }
     case tmcl::Setpoint::mode: {
@@ -166,7 +165,7 @@ AxisAdmission::Script<void> AxisAdmission::check_one(action::Write write) {
 }
 
 AxisAdmission::Script<void> AxisAdmission::check_one(action::Restore restore) {
-  if (setpoint_of(restore.parameter) == tmcl::Setpoint::none) co_return Result<void>{};
+  if (setpoint_of(restore.parameter) == tmcl::Setpoint::none) co_return tmcl::Result<void>{};
   co_return tl::unexpected(
       beyond_soft_limit("it has soft limits, and what the EEPROM holds could send it anywhere",
                         "set the parameter to a value instead"));
@@ -182,7 +181,7 @@ AxisAdmission::Script<bool> AxisAdmission::turns_by_velocity() {
 AxisAdmission::Script<void> AxisAdmission::check_held_velocity() {
   const auto velocity = co_await tmcl::verbs::get(axis_.address(), ap::target_velocity);
   if (!velocity) co_return tl::unexpected(velocity.error());
-  if (*velocity == 0) co_return Result<void>{};
+  if (*velocity == 0) co_return tmcl::Result<void>{};
   co_return tl::unexpected(
       beyond_soft_limit("its target_velocity is " + std::to_string(*velocity) +
                             ", and turning without end it would pass its soft limits",
@@ -192,7 +191,7 @@ AxisAdmission::Script<void> AxisAdmission::check_held_velocity() {
 AxisAdmission::Script<void> AxisAdmission::check_held_target(std::optional<std::int32_t> here) {
   const auto target = co_await tmcl::verbs::get(axis_.address(), ap::target_position);
   if (!target) co_return tl::unexpected(target.error());
-  if (here == *target) co_return Result<void>{};
+  if (here == *target) co_return tmcl::Result<void>{};
   auto checked = co_await check_one(action::MoveTo{{{*target}}});
   if (checked || checked.error().code != tmcl::Errc::beyond_soft_limit) co_return checked;
   auto error = std::move(checked.error());

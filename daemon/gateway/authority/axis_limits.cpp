@@ -19,7 +19,6 @@ namespace {
 
 using tmcl::Command;
 using tmcl::Request;
-using tmcl::Result;
 namespace ap = tmcl::axis_parameter;
 
 constexpr std::array<std::string_view, 4> speeds{
@@ -124,7 +123,7 @@ bool AxisLimits::must_read(const Request& request) const {
   return is_decided_by_settings && !is_known;
 }
 
-tmcl::Script<Result<void>> AxisLimits::check(Request request) {
+tmcl::Script<tmcl::Result<void>> AxisLimits::check(Request request) {
   // What it turns at is not followed here.
   const bool is_scaling = request.command == Command::SAP && matters(request) &&
                           module_.model() != nullptr && is_scale(request.type);
@@ -132,10 +131,10 @@ tmcl::Script<Result<void>> AxisLimits::check(Request request) {
   if (must_read(request)) co_await must(read());
   auto objection = this->objection(request);
   if (objection) co_return tl::unexpected(std::move(*objection));
-  co_return Result<void>{};
+  co_return tmcl::Result<void>{};
 }
 
-tmcl::Script<Result<void>> AxisLimits::read() {
+tmcl::Script<tmcl::Result<void>> AxisLimits::read() {
   auto numbers = scales();
   for (const auto& one : limited()) numbers.push_back(one.row->number);
   const auto epoch = module_.settings_epoch();
@@ -147,7 +146,7 @@ tmcl::Script<Result<void>> AxisLimits::read() {
   values_.clear();
   for (std::size_t i = 0; i < numbers.size(); ++i) values_.emplace(numbers[i], (*read)[i]);
   epoch_ = epoch;
-  co_return Result<void>{};
+  co_return tmcl::Result<void>{};
 }
 
 std::optional<tmcl::Error> AxisLimits::objection(const Request& request) const {
@@ -210,7 +209,7 @@ std::optional<tmcl::Error> AxisLimits::objection_to_settings() const {
   return std::nullopt;
 }
 
-tmcl::Script<Result<AxisLimits::Greatest>> AxisLimits::greatest() {
+tmcl::Script<tmcl::Result<AxisLimits::Greatest>> AxisLimits::greatest() {
   const auto& limits = config_.motion_limits;
   Greatest all;
   const auto& axis = config_.address;
@@ -230,7 +229,7 @@ tmcl::Script<Result<AxisLimits::Greatest>> AxisLimits::greatest() {
 
 // ---- behind it ---------------------------------------------------------------------------------
 
-void AxisLimits::note(const Request& request, const Result<tmcl::Answer>& answer) {
+void AxisLimits::note(const Request& request, const tmcl::Result<tmcl::Answer>& answer) {
   if (request.address != config_.address.module) return;
   if (request.command != Command::SAP) {
     // What restarts, programs and the like set is not seen.

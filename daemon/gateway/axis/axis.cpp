@@ -23,7 +23,6 @@ namespace tmcld {
 namespace {
 
 using tmcl::Microsteps;
-using tmcl::Result;
 
 constexpr std::string_view beyond_range_hint = "move less far, or set another actual position";
 
@@ -35,7 +34,7 @@ constexpr tmcl::Duration steady_in_doubt = std::chrono::milliseconds(250);
 /// So old what is known of a driver may be when the axis is looked at.
 constexpr tmcl::Duration driver_look_interval = std::chrono::milliseconds(500);
 
-Result<Microsteps> sum(Microsteps here, Microsteps distance, tmcl::ValueRange range) {
+tmcl::Result<Microsteps> sum(Microsteps here, Microsteps distance, tmcl::ValueRange range) {
   const auto target = std::int64_t{here.value} + distance.value;
   if (target >= range.least && target <= range.greatest)
     return Microsteps{static_cast<std::int32_t>(target)};
@@ -152,14 +151,14 @@ GatewayAxis::Awaitable<StartedMove> GatewayAxis::move_by(Length distance, bool p
   }
   // The script may outlive this call.
   const auto request = std::make_shared<std::optional<tmcl::UserPosition>>();
-  const auto in_unit = [=, before = requested_](Microsteps here) -> Result<Microsteps> {
+  const auto in_unit = [=, before = requested_](Microsteps here) -> tmcl::Result<Microsteps> {
     const auto from = place_of(here, before, *scale);
     *request = sum(from, *distance.in_unit);
     return tmcl::to_microsteps(**request, *scale, range).map_error([](const auto& error) {
       return tmcl::bad_argument(describe(error), std::string(beyond_range_hint));
     });
   };
-  const auto destination = [=, aim = *admitted](Microsteps here) -> Result<Microsteps> {
+  const auto destination = [=, aim = *admitted](Microsteps here) -> tmcl::Result<Microsteps> {
     const auto there = distance.in_unit ? in_unit(here) : sum(here, distance.microsteps, range);
     if (there) aim.aim_at({*there, *request});
     return there;
@@ -176,7 +175,7 @@ GatewayAxis::Awaitable<void> GatewayAxis::move_to_coordinate(std::uint8_t number
     auto command = request(tmcl::Command::MVP, tmcl::move_type::coordinate, number);
     const auto answer = co_await execute(command, std::move(movement));
     if (!answer) co_return tl::unexpected(answer.error());
-    co_return Result<void>{};
+    co_return tmcl::Result<void>{};
   }
   auto script = tmcl::verbs::move_to_coordinate(address(), number);
   auto moved =
@@ -184,8 +183,8 @@ GatewayAxis::Awaitable<void> GatewayAxis::move_to_coordinate(std::uint8_t number
   co_return moved;
 }
 
-GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(tmcl::Script<Result<Microsteps>> script,
-                                                       bool predict, Admitted admitted) {
+GatewayAxis::Awaitable<StartedMove> GatewayAxis::start(
+    tmcl::Script<tmcl::Result<Microsteps>> script, bool predict, Admitted admitted) {
   StartedMove started;
   std::optional<tmcl::plan::AxisTwin> twin;
   if (predict) {
@@ -566,7 +565,7 @@ boost::asio::awaitable<void> GatewayAxis::note_motion(tmcl::AxisState state, std
   if (stands && !stop_cause_) co_await find_cause(client);
 }
 
-tmcl::Script<Result<DriverReading>> GatewayAxis::read_driver(
+tmcl::Script<tmcl::Result<DriverReading>> GatewayAxis::read_driver(
     std::optional<tmcl::InternalVelocity> velocity) {
   const auto units = co_await units_.module_units();
   auto script = tmcld::read_driver(address(), parameters(), units.value_or(std::nullopt), velocity);
@@ -576,11 +575,11 @@ tmcl::Script<Result<DriverReading>> GatewayAxis::read_driver(
 
 GatewayAxis::Awaitable<void> GatewayAxis::look_at_driver(
     tmcl::Duration max_age, RunOptions options, std::optional<tmcl::InternalVelocity> velocity) {
-  if (is_driver_known(max_age)) co_return Result<void>{};
+  if (is_driver_known(max_age)) co_return tmcl::Result<void>{};
   auto seen = co_await axis_.run(read_driver(velocity), std::move(options));
   if (!seen) co_return tl::unexpected(std::move(seen.error()));
   note_driver(std::move(*seen));
-  co_return Result<void>{};
+  co_return tmcl::Result<void>{};
 }
 
 bool GatewayAxis::is_driver_known(tmcl::Duration max_age) const {
@@ -590,29 +589,29 @@ bool GatewayAxis::is_driver_known(tmcl::Duration max_age) const {
 namespace {
 
 /// Pauses until then, and looks each time that a look is due.
-tmcl::Script<Result<void>> pause_and_look(tmcl::TimePoint end,
-                                          std::function<tmcl::Script<Result<void>>()> look) {
+tmcl::Script<tmcl::Result<void>> pause_and_look(
+    tmcl::TimePoint end, std::function<tmcl::Script<tmcl::Result<void>>()> look) {
   auto left = tmcl::Duration{};
   do {
     co_await look();
     left = std::max(end - co_await tmcl::current_time(), tmcl::Duration{});
     co_await tmcl::pause(std::min(left, driver_look_interval));
   } while (left > driver_look_interval);
-  co_return Result<void>{};
+  co_return tmcl::Result<void>{};
 }
 
 }  // namespace
 
 /// Carries out a wait, and looks at the driver while that pauses: an open load is told only while
 /// the axis turns.
-tmcl::Script<Result<Microsteps>> GatewayAxis::look_at_driver_meanwhile(
-    std::shared_ptr<GatewayAxis> self, tmcl::Script<Result<Microsteps>> wait) {
-  const auto look = [self]() -> tmcl::Script<Result<void>> {
+tmcl::Script<tmcl::Result<Microsteps>> GatewayAxis::look_at_driver_meanwhile(
+    std::shared_ptr<GatewayAxis> self, tmcl::Script<tmcl::Result<Microsteps>> wait) {
+  const auto look = [self]() -> tmcl::Script<tmcl::Result<void>> {
     if (self->is_driver_known(driver_look_interval) || self->bus().has_paths())
-      co_return Result<void>{};
+      co_return tmcl::Result<void>{};
     auto seen = co_await self->read_driver();
     if (seen) self->note_driver(std::move(*seen));
-    co_return Result<void>{};
+    co_return tmcl::Result<void>{};
   };
   auto now = co_await tmcl::current_time();
   auto step = wait.start(now);

@@ -9,7 +9,6 @@
 namespace tmcld {
 namespace {
 
-using tmcl::Result;
 namespace ap = tmcl::axis_parameter;
 
 /// Not a failure of this one exchange: the module does not have what it was asked for.
@@ -21,7 +20,7 @@ bool has_no_such_value(const tmcl::Error& error) {
 
 /// Nothing where the module does not have it.
 template <class T>
-Result<std::optional<T>> if_it_tells(Result<T> told) {
+tmcl::Result<std::optional<T>> if_it_tells(tmcl::Result<T> told) {
   if (told) return std::optional(std::move(*told));
   if (has_no_such_value(told.error())) return std::optional<T>();
   return tl::unexpected(std::move(told.error()));

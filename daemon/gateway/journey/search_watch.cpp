@@ -16,7 +16,6 @@ namespace tmcld {
 namespace {
 
 using namespace std::chrono_literals;
-using tmcl::Result;
 
 // A module that answers RFS STATUS with 0 once may not have begun yet.
 constexpr int looks_to_end = 3;
@@ -32,8 +31,8 @@ struct Seen {
 };
 
 /// Errors: those of the exchanges, but a module that cannot tell whether it searches does.
-tmcl::Script<Result<Seen>> look_at_search(tmcl::AxisAddress motor,
-                                          std::optional<tmcl::ModuleUnits> units) {
+tmcl::Script<tmcl::Result<Seen>> look_at_search(tmcl::AxisAddress motor,
+                                                std::optional<tmcl::ModuleUnits> units) {
   const auto ask = [&](tmcl::Command command, std::uint8_t type) {
     tmcl::step::Exchange question{{motor.module, command, type, motor.motor, 0}, {}};
     question.options.proof = tmcl::Proof::followed;

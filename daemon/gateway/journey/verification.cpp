@@ -18,7 +18,6 @@ namespace {
 
 using namespace std::chrono_literals;
 using boost::asio::awaitable;
-using tmcl::Result;
 
 /// Longer than any course.
 constexpr tmcl::Duration lease_time = 10min;
@@ -84,7 +83,7 @@ GatewayAxis::Awaitable<void> Course::find_travel() {
     co_return impossible("the module does not tell its microstep resolution",
                          "the configuration can: 'microsteps'");
   options_.travel = range_of(axis(), scale->value_or(tmcl::microsteps_scale()));
-  if (!request_.travel) co_return Result<void>{};
+  if (!request_.travel) co_return tmcl::Result<void>{};
   const auto here = co_await axis().get(tmcl::axis_parameter::actual_position, {});
   if (!here) co_return tl::unexpected(here.error());
   auto& travel = options_.travel;
@@ -93,23 +92,23 @@ GatewayAxis::Awaitable<void> Course::find_travel() {
         std::int64_t{*here} + by, travel.least, std::max(travel.least, travel.greatest)));
   };
   travel = {bounded(request_.travel->least), bounded(request_.travel->greatest)};
-  co_return Result<void>{};
+  co_return tmcl::Result<void>{};
 }
 
 GatewayAxis::Awaitable<void> Course::find_limits() {
   const auto limits = axis().motion_limits();
-  if (!limits) co_return Result<void>{};
+  if (!limits) co_return tmcl::Result<void>{};
   const auto units = co_await axis().module_units();
   if (!units) co_return tl::unexpected(units.error());
   const auto greatest = co_await axis().perform(limits->greatest(), {});
   if (!greatest) co_return tl::unexpected(greatest.error());
-  if (!*units) co_return Result<void>{};
+  if (!*units) co_return tmcl::Result<void>{};
   if (const auto velocity = greatest->velocity)
     options_.greatest_velocity = tmcl::to_pps(tmcl::InternalVelocity{*velocity}, **units);
   if (const auto acceleration = greatest->acceleration)
     options_.greatest_acceleration =
         tmcl::PulsesPerSecond2{*acceleration * (*units)->acceleration.value};
-  co_return Result<void>{};
+  co_return tmcl::Result<void>{};
 }
 
 /// From here on they are given back, also by the next tmcld if this one is killed.
@@ -122,7 +121,7 @@ GatewayAxis::Awaitable<void> Course::read_settings() {
     options_.settings.push_back({parameters[i], (*values)[i]});
   for (const auto& setting : options_.settings) axis().note_before(setting);
   co_await axis().enter_journal();
-  co_return Result<void>{};
+  co_return tmcl::Result<void>{};
 }
 
 GatewayAxis::Awaitable<void> Course::prepare() {

@@ -12,7 +12,6 @@ namespace tmcld {
 namespace {
 
 using tmcl::Outcome;
-using tmcl::Result;
 using tmcl::Script;
 namespace gp = tmcl::global_parameter;
 constexpr auto bank = tmcl::global_bank::parameters;
@@ -35,21 +34,21 @@ std::uint8_t Deadman::parameter() const {
 
 // ---- what it is set to --------------------------------------------------------------------------
 
-Script<Result<void>> Deadman::adopt(tmcl::FoundModule found) {
+Script<tmcl::Result<void>> Deadman::adopt(tmcl::FoundModule found) {
   version_ = found.version;
   const bool is_wanted = wanted_ms_.has_value() || known() != nullptr;
-  if (is_adopted_ || !is_wanted) co_return Result<void>{};
+  if (is_adopted_ || !is_wanted) co_return tmcl::Result<void>{};
   const auto held = co_await must(read());
   is_adopted_ = true;
-  if (held == wanted_ms_.value_or(held)) co_return Result<void>{};
+  if (held == wanted_ms_.value_or(held)) co_return tmcl::Result<void>{};
   if (is_missing_) {
     say("has no deadman: its motors go on when tmcld does not");
-    co_return Result<void>{};
+    co_return tmcl::Result<void>{};
   }
   if (written_to_ == found.version) {
     say("has a deadman of " + std::to_string(held) + " ms, and not of " +
         std::to_string(*wanted_ms_) + " ms as configured: that is written to it only once");
-    co_return Result<void>{};
+    co_return tmcl::Result<void>{};
   }
   written_to_ = found.version;
   auto set = co_await set_as_configured();
@@ -59,7 +58,7 @@ Script<Result<void>> Deadman::adopt(tmcl::FoundModule found) {
   co_return set;
 }
 
-Script<Result<void>> Deadman::set_as_configured() {
+Script<tmcl::Result<void>> Deadman::set_as_configured() {
   const auto before = set_ms_.value_or(0);
   const auto written = co_await write(*wanted_ms_);
   const auto what = "deadman of module " + std::to_string(number(address_)) + " from " +
@@ -71,10 +70,10 @@ Script<Result<void>> Deadman::set_as_configured() {
   // What the module does not want it does not get, and works as before.
   if (is_line_fault(written.error())) co_return written;
   say("keeps its deadman of " + std::to_string(before) + " ms: " + written.error().message);
-  co_return Result<void>{};
+  co_return tmcl::Result<void>{};
 }
 
-Script<Result<std::int32_t>> Deadman::read() {
+Script<tmcl::Result<std::int32_t>> Deadman::read() {
   const auto value = co_await tmcl::verbs::get_global(address_, bank, parameter());
   if (!value && value.error().outcome != Outcome::refused) co_return value;
   is_missing_ = !value;
@@ -82,7 +81,7 @@ Script<Result<std::int32_t>> Deadman::read() {
   co_return *set_ms_;
 }
 
-Script<Result<bool>> Deadman::starts_program() {
+Script<tmcl::Result<bool>> Deadman::starts_program() {
   const auto mode = co_await tmcl::verbs::get_global(address_, bank, gp::auto_start_mode);
   if (mode) co_return *mode != 0;
   // One that does not know of programs starts none.
@@ -90,9 +89,9 @@ Script<Result<bool>> Deadman::starts_program() {
   co_return tl::unexpected(mode.error());
 }
 
-Script<Result<void>> Deadman::change(std::int32_t ms) {
+Script<tmcl::Result<void>> Deadman::change(std::int32_t ms) {
   const auto held = co_await must(read());
-  if (held == ms) co_return Result<void>{};
+  if (held == ms) co_return tmcl::Result<void>{};
   if (is_missing_) {
     co_return tl::unexpected(
         tmcl::bad_argument("the module has no deadman: it does not know global parameter " +
@@ -103,7 +102,7 @@ Script<Result<void>> Deadman::change(std::int32_t ms) {
   co_return written;
 }
 
-Script<Result<void>> Deadman::write(std::int32_t ms) {
+Script<tmcl::Result<void>> Deadman::write(std::int32_t ms) {
   const auto held_before = set_ms_.value_or(0);
   auto starts = co_await starts_program();
   if (!starts) {
@@ -119,7 +118,7 @@ Script<Result<void>> Deadman::write(std::int32_t ms) {
   if (!written && written.error().outcome == Outcome::unknown) note_set(shorter(held_before, ms));
   if (!written) co_return written;
   const auto held = co_await must(read());
-  if (held == ms) co_return Result<void>{};
+  if (held == ms) co_return tmcl::Result<void>{};
   // The module has said that it took it; a late answer to another question may say otherwise.
   note_set(shorter(held, ms));
   tmcl::Error error;
@@ -168,9 +167,9 @@ tmcl::TimePoint Deadman::begin_to_feed(tmcl::TimePoint now) {
   return now + feeding_interval(*set_ms_);
 }
 
-Script<Result<void>> Deadman::ask() {
+Script<tmcl::Result<void>> Deadman::ask() {
   co_await must(tmcl::verbs::get({address_, 0}, tmcl::axis_parameter::actual_position));
-  co_return Result<void>{};
+  co_return tmcl::Result<void>{};
 }
 
 void Deadman::note_answer(const tmcl::Answer& answer) {

@@ -23,7 +23,6 @@ namespace {
 using namespace std::chrono_literals;
 using boost::asio::awaitable;
 using tmcl::Microsteps;
-using tmcl::Result;
 namespace ap = tmcl::axis_parameter;
 
 constexpr int silences_per_deadman = 4;
@@ -46,8 +45,8 @@ tl::unexpected<tmcl::Error> failed(tmcl::Errc code, std::string message, std::st
   return tl::unexpected(std::move(error));
 }
 
-tmcl::Script<Result<std::int32_t>> ask_held(tmcl::AxisAddress axis, std::uint8_t parameter,
-                                            std::shared_ptr<const tmcl::Hold> hold) {
+tmcl::Script<tmcl::Result<std::int32_t>> ask_held(tmcl::AxisAddress axis, std::uint8_t parameter,
+                                                  std::shared_ptr<const tmcl::Hold> hold) {
   tmcl::CallOptions options;
   options.hold = std::move(hold);
   const auto answer = co_await must(
@@ -55,7 +54,7 @@ tmcl::Script<Result<std::int32_t>> ask_held(tmcl::AxisAddress axis, std::uint8_t
   co_return answer.reply.value;
 }
 
-tmcl::Script<Result<std::int32_t>> ask_twice(tmcl::AxisAddress axis, std::uint8_t parameter) {
+tmcl::Script<tmcl::Result<std::int32_t>> ask_twice(tmcl::AxisAddress axis, std::uint8_t parameter) {
   tmcl::CallOptions options;
   options.proof = tmcl::Proof::twice;
   const auto answer = co_await must(
@@ -64,7 +63,8 @@ tmcl::Script<Result<std::int32_t>> ask_twice(tmcl::AxisAddress axis, std::uint8_
 }
 
 /// Its module stops all of its motors, and a move of another one would be stopped with it.
-tmcl::Script<Result<void>> expect_standstill(tmcl::ModuleAddress module, std::uint8_t motors) {
+tmcl::Script<tmcl::Result<void>> expect_standstill(tmcl::ModuleAddress module,
+                                                   std::uint8_t motors) {
   for (std::uint8_t motor = 0; motor < motors; ++motor) {
     const auto velocity = co_await must(tmcl::verbs::get({module, motor}, ap::actual_velocity));
     if (velocity != 0)
@@ -72,7 +72,7 @@ tmcl::Script<Result<void>> expect_standstill(tmcl::ModuleAddress module, std::ui
                        "motor " + std::to_string(motor) + " of the module moves",
                        "a deadman stops all motors of its module: stop them first");
   }
-  co_return Result<void>{};
+  co_return tmcl::Result<void>{};
 }
 
 class Measurement {
@@ -87,7 +87,8 @@ class Measurement {
 
  private:
   GatewayAxis::Awaitable<std::int32_t> slow_speed(double greatest_pps, tmcl::PulsesPerSecond unit);
-  Result<Microsteps> target_of(std::int32_t way, Microsteps from, const tmcl::UserScale& scale);
+  tmcl::Result<Microsteps> target_of(std::int32_t way, Microsteps from,
+                                     const tmcl::UserScale& scale);
   GatewayAxis::Awaitable<void> set_out(DeadmanPlan plan);
   GatewayAxis::Awaitable<std::int32_t> be_silent(tmcl::Duration duration);
   GatewayAxis::Awaitable<DeadmanFinding> look(DeadmanPlan plan, std::int32_t heard_at);
@@ -117,8 +118,8 @@ GatewayAxis::Awaitable<std::int32_t> Measurement::slow_speed(double greatest_pps
                    "set its max_velocity first");
 }
 
-Result<Microsteps> Measurement::target_of(std::int32_t way, Microsteps from,
-                                          const tmcl::UserScale& scale) {
+tmcl::Result<Microsteps> Measurement::target_of(std::int32_t way, Microsteps from,
+                                                const tmcl::UserScale& scale) {
   const auto bounds = range_of(axis(), scale);
   const auto above = bounds.greatest - std::int64_t{from.value};
   const auto below = from.value - std::int64_t{bounds.least};
@@ -182,7 +183,8 @@ GatewayAxis::Awaitable<void> Measurement::set_out(DeadmanPlan plan) {
   while (axis().bus().clock().now() < limit) {
     const auto velocity = co_await axis().get(ap::actual_velocity, {});
     if (!velocity) co_return tl::unexpected(velocity.error());
-    if (std::abs(std::abs(*velocity) - plan.speed.value) <= tolerance) co_return Result<void>{};
+    if (std::abs(std::abs(*velocity) - plan.speed.value) <= tolerance)
+      co_return tmcl::Result<void>{};
     if (auto ended = objection()) co_return tl::unexpected(std::move(*ended));
     co_await rest(measuring_interval);
   }

@@ -12,7 +12,6 @@
 namespace tmcld {
 namespace {
 
-using tmcl::Result;
 using tmcl::Script;
 
 // Of the analog inputs. Most modules have both, the manuals say.
@@ -28,8 +27,8 @@ constexpr auto driver_parameters =
 constexpr auto switch_parameters = std::to_array<std::pair<std::string_view, std::string_view>>(
     {{"left_limit_switch", "left"}, {"right_limit_switch", "right"}, {"home_switch", "home"}});
 
-Script<Result<std::optional<double>>> read_port(tmcl::ModuleAddress module, std::uint8_t port,
-                                                double unit) {
+Script<tmcl::Result<std::optional<double>>> read_port(tmcl::ModuleAddress module, std::uint8_t port,
+                                                      double unit) {
   const auto value = co_await tmcl::verbs::get_io(module, tmcl::IoBank::analog_inputs, port);
   if (value) co_return std::optional(*value * unit);
   if (value.error().outcome != tmcl::Outcome::refused) co_return tl::unexpected(value.error());
@@ -37,22 +36,21 @@ Script<Result<std::optional<double>>> read_port(tmcl::ModuleAddress module, std:
 }
 
 /// Those that are set, into `flags`.
-Script<Result<void>> read_flags(tmcl::AxisAddress axis,
-                                std::span<const tmcl::ParameterInfo> parameters,
-                                std::string_view parameter, Faults& flags) {
+Script<tmcl::Result<void>> read_flags(tmcl::AxisAddress axis,
+                                      std::span<const tmcl::ParameterInfo> parameters,
+                                      std::string_view parameter, Faults& flags) {
   const auto* row = find_parameter(parameters, parameter);
-  if (row == nullptr) co_return Result<void>{};
+  if (row == nullptr) co_return tmcl::Result<void>{};
   const auto value = co_await must(read_if_any(axis, parameters, parameter));
   // Another name of it stands for other bits.
   for (const auto& flag : tmcl::status_flags(row->name))
     if ((value & flag.bit) != 0) flags.push_back(flag.name);
-  co_return Result<void>{};
+  co_return tmcl::Result<void>{};
 }
 
 /// What the driver tells, and the supply; its voltage, if that is told.
-Script<Result<std::optional<double>>> read_driver(tmcl::AxisAddress axis,
-                                                  std::span<const tmcl::ParameterInfo> parameters,
-                                                  Faults& flags) {
+Script<tmcl::Result<std::optional<double>>> read_driver(
+    tmcl::AxisAddress axis, std::span<const tmcl::ParameterInfo> parameters, Faults& flags) {
   for (const auto parameter : driver_parameters)
     co_await must(read_flags(axis, parameters, parameter, flags));
   const auto volts = co_await must(read_port(axis.module, supply_port, 0.1));
@@ -130,9 +128,9 @@ bool FaultReport::has_switch(std::string_view name) const {
   return std::ranges::find(switches, name) != switches.end();
 }
 
-Script<Result<std::int32_t>> read_if_any(tmcl::AxisAddress axis,
-                                         std::span<const tmcl::ParameterInfo> parameters,
-                                         std::string_view name) {
+Script<tmcl::Result<std::int32_t>> read_if_any(tmcl::AxisAddress axis,
+                                               std::span<const tmcl::ParameterInfo> parameters,
+                                               std::string_view name) {
   const auto* row = find_parameter(parameters, name);
   if (row == nullptr) co_return 0;
   const auto value = co_await tmcl::verbs::get(axis, row->number);
@@ -140,10 +138,10 @@ Script<Result<std::int32_t>> read_if_any(tmcl::AxisAddress axis,
   co_return value;
 }
 
-Script<Result<bool>> turns_slowly(tmcl::AxisAddress axis,
-                                  std::span<const tmcl::ParameterInfo> parameters,
-                                  std::optional<tmcl::ModuleUnits> units,
-                                  std::optional<tmcl::InternalVelocity> velocity) {
+Script<tmcl::Result<bool>> turns_slowly(tmcl::AxisAddress axis,
+                                        std::span<const tmcl::ParameterInfo> parameters,
+                                        std::optional<tmcl::ModuleUnits> units,
+                                        std::optional<tmcl::InternalVelocity> velocity) {
   // In full steps a second: a coil has current each way within half a second, and a motor of 200
   // of them to a turn is far from the speed at which it has no current any more.
   constexpr double slowest = 4;
@@ -156,10 +154,10 @@ Script<Result<bool>> turns_slowly(tmcl::AxisAddress axis,
   co_return speed >= slowest&& speed <= fastest;
 }
 
-Script<Result<DriverReading>> read_driver(tmcl::AxisAddress axis,
-                                          std::span<const tmcl::ParameterInfo> parameters,
-                                          std::optional<tmcl::ModuleUnits> units,
-                                          std::optional<tmcl::InternalVelocity> velocity) {
+Script<tmcl::Result<DriverReading>> read_driver(tmcl::AxisAddress axis,
+                                                std::span<const tmcl::ParameterInfo> parameters,
+                                                std::optional<tmcl::ModuleUnits> units,
+                                                std::optional<tmcl::InternalVelocity> velocity) {
   DriverReading reading;
   co_await must(read_driver(axis, parameters, reading.faults));
   if (std::ranges::any_of(reading.faults, is_open_load))
@@ -167,8 +165,8 @@ Script<Result<DriverReading>> read_driver(tmcl::AxisAddress axis,
   co_return reading;
 }
 
-Script<Result<FaultReport>> read_faults(tmcl::AxisAddress axis,
-                                        std::span<const tmcl::ParameterInfo> parameters) {
+Script<tmcl::Result<FaultReport>> read_faults(tmcl::AxisAddress axis,
+                                              std::span<const tmcl::ParameterInfo> parameters) {
   FaultReport report;
   co_await must(read_flags(axis, parameters, "extended_error_flags", report.flags));
   report.supply_volts = co_await must(read_driver(axis, parameters, report.flags));

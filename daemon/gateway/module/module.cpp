@@ -9,7 +9,6 @@
 namespace tmcld {
 namespace {
 
-using tmcl::Result;
 using tmcl::Script;
 
 /// Longer than the timer of any module takes to go on.
@@ -49,8 +48,8 @@ tmcl::ModuleTraits GatewayModule::traits() const {
   return as_.model != nullptr && as_.model == model() ? as_.traits : tmcl::ModuleTraits{};
 }
 
-boost::asio::awaitable<Result<void>> GatewayModule::be_ready() {
-  if (state_ == State::ready) co_return Result<void>{};
+boost::asio::awaitable<tmcl::Result<void>> GatewayModule::be_ready() {
+  if (state_ == State::ready) co_return tmcl::Result<void>{};
   auto met = co_await meetings_.join([this] { return bus_.run(meet(), {}); });
   if (met) {
     if (state_ == State::ready) co_return met;
@@ -66,12 +65,12 @@ boost::asio::awaitable<Result<void>> GatewayModule::be_ready() {
 
 // ---- whether it is what it was -----------------------------------------------------------------
 
-Script<Result<void>> GatewayModule::watch(tmcl::Duration max_age) {
+Script<tmcl::Result<void>> GatewayModule::watch(tmcl::Duration max_age) {
   const auto now = co_await tmcl::current_time();
   // It may fall silent while a verb that found it ready is on its way.
   const bool is_silent = state_ == State::silent;
   const bool is_due = is_silent || sentinel_.counts_until(max_age) <= now;
-  if (!is_watched() || !is_due) co_return Result<void>{};
+  if (!is_watched() || !is_due) co_return tmcl::Result<void>{};
   auto look = is_silent ? meet() : look_after();
   auto met = co_await std::move(look);
   if (met) co_return met;
@@ -80,13 +79,13 @@ Script<Result<void>> GatewayModule::watch(tmcl::Duration max_age) {
   co_return met;
 }
 
-Script<Result<void>> GatewayModule::look_after() {
+Script<tmcl::Result<void>> GatewayModule::look_after() {
   const auto seen = co_await must(look_at_sentinel());
   if (seen != Sentinel::Verdict::same) co_await must(meet());
-  co_return Result<void>{};
+  co_return tmcl::Result<void>{};
 }
 
-Script<Result<void>> GatewayModule::meet() {
+Script<tmcl::Result<void>> GatewayModule::meet() {
   const auto found = co_await must(tmcl::verbs::identify(address_));
   const bool runs = !found.version.bootloader;
   const bool ran = identity_ && !identity_->version.bootloader;
@@ -108,10 +107,10 @@ Script<Result<void>> GatewayModule::meet() {
     co_await must(deadman_.adopt(found));
   }
   adopt(found);
-  co_return Result<void>{};
+  co_return tmcl::Result<void>{};
 }
 
-Script<Result<Sentinel::Verdict>> GatewayModule::look_at_sentinel() {
+Script<tmcl::Result<Sentinel::Verdict>> GatewayModule::look_at_sentinel() {
   if (!sentinel_.in_doubt()) {
     const auto first = co_await must(judge_sentinel(tmcl::Proof::none));
     if (first == Sentinel::Verdict::same) co_return first;
@@ -138,7 +137,7 @@ Script<Result<Sentinel::Verdict>> GatewayModule::look_at_sentinel() {
   co_return seen;
 }
 
-Script<Result<Sentinel::Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proof) {
+Script<tmcl::Result<Sentinel::Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proof) {
   if (sentinel_.wants_to_know_programs()) {
     const bool starts = co_await must(deadman_.starts_program());
     sentinel_.note_programs(starts);
@@ -155,7 +154,7 @@ Script<Result<Sentinel::Verdict>> GatewayModule::judge_sentinel(tmcl::Proof proo
 }
 
 void GatewayModule::note_sentinel(const tmcl::Request& question,
-                                  const Result<tmcl::Answer>& answer) {
+                                  const tmcl::Result<tmcl::Answer>& answer) {
   if (answer && state_ == State::ready) sentinel_.take(Sentinel::Reading::of(question, *answer));
 }
 
@@ -172,7 +171,7 @@ void GatewayModule::note_sent(const tmcl::Request& request) {
   if (writes) sentinel_.forget();
 }
 
-Script<Result<Sentinel::Verdict>> GatewayModule::give_up_sentinel(std::string why) {
+Script<tmcl::Result<Sentinel::Verdict>> GatewayModule::give_up_sentinel(std::string why) {
   sentinel_.give_up();
   bus_.log(LogLevel::warning,
            bus_.name() + ": module " + std::to_string(number(address_)) +
@@ -182,15 +181,15 @@ Script<Result<Sentinel::Verdict>> GatewayModule::give_up_sentinel(std::string wh
   return judge_sentinel(tmcl::Proof::none);
 }
 
-Script<Result<void>> GatewayModule::mark() {
-  if (!sentinel_.wants_mark()) co_return Result<void>{};
+Script<tmcl::Result<void>> GatewayModule::mark() {
+  if (!sentinel_.wants_mark()) co_return tmcl::Result<void>{};
   const auto value = random_mark();
   const auto variable = sentinel_.question(address_);
   co_await must(tmcl::verbs::set_global(address_, variable.motor, variable.type, value));
   const auto now = co_await tmcl::current_time();
   sentinel_.forget();
   sentinel_.take({value, now, now});
-  co_return Result<void>{};
+  co_return tmcl::Result<void>{};
 }
 
 void GatewayModule::latch(GatewayEvent::Kind kind, const std::string& what) {

@@ -52,6 +52,10 @@ ErrorKind kind_of_objection(std::string_view name);
 
 /// Of JSON-RPC, as it stands in answers and in lists of what failed.
 Error error_from_json(const boost::json::object& error);
+/// The same back; the code of JSON-RPC is computed.
+boost::json::object to_json(const Error& error);
+/// What is null in `subject` stands in JSON, and in no error of a client.
+Error without_nulls(Error error);
 /// What the library says.
 Error error_from(const tmcl::Error& error);
 

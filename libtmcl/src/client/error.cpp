@@ -11,8 +11,25 @@ namespace json = boost::json;
 
 // JSON-RPC 2.0: the daemon understood the request and did not like it.
 constexpr int invalid_params = -32602;
-// Of the daemon: not now.
+// Of the daemon: what a bus or a module says, and not now.
+constexpr int call_failed = -32000;
 constexpr int not_allowed = -32003;
+
+struct NamedCode {
+  std::string_view name;
+  int code;
+};
+// Of those failures that have a code of their own.
+constexpr auto codes_of_failures = std::to_array<NamedCode>({{"parse_error", -32700},
+                                                             {"line_too_long", -32700},
+                                                             {"invalid_request", -32600},
+                                                             {"method_not_found", -32601},
+                                                             {"internal_error", -32603},
+                                                             {"answer_too_long", -32001},
+                                                             {"too_many_clients", -32001},
+                                                             {"too_many_requests", -32001},
+                                                             {"too_many_subscriptions", -32001},
+                                                             {"daemon_ending", -32002}});
 
 // Errors of what could be done, but not as the axis is configured, or not now.
 constexpr auto could_be_done = std::to_array<std::string_view>(
@@ -39,6 +56,19 @@ ErrorKind kind_of(std::int64_t code, std::string_view name) {
     return ErrorKind::ended_early;
   if (code == invalid_params) return kind_of_objection(name);
   return code == not_allowed ? ErrorKind::not_now : ErrorKind::failed;
+}
+
+/// By what it asks of the caller, and what it is about.
+int code_of(const Error& error) {
+  const auto& subject = error.subject;
+  const bool is_of_params = error.kind == ErrorKind::bad_request || subject.contains("param") ||
+                            error.name == name_of(Errc::beyond_soft_limit);
+  if (is_of_params) return invalid_params;
+  if (error.kind == ErrorKind::not_now) return not_allowed;
+  // What had begun has failed, whatever ended it.
+  if (subject.contains("run")) return call_failed;
+  const auto* own = std::ranges::find(codes_of_failures, error.name, &NamedCode::name);
+  return own == codes_of_failures.end() ? call_failed : own->code;
 }
 
 ErrorKind kind_of(Errc code) {
@@ -76,9 +106,24 @@ Error error_from_json(const json::object& said) {
   error.hint = text_member(members, "hint");
   if (error.name.empty()) error.name = "daemon_error";
   for (const auto& [key, value] : members) {
-    const bool is_own = std::ranges::count(own_members, std::string_view(key)) != 0;
-    if (!is_own && !value.is_null()) error.subject[key] = value;
+    if (std::ranges::count(own_members, std::string_view(key)) == 0) error.subject[key] = value;
   }
+  return without_nulls(std::move(error));
+}
+
+json::object to_json(const Error& error) {
+  json::object data{{"name", error.name}, {"outcome", name_of(error.outcome)}, {"hint", nullptr}};
+  if (!error.hint.empty()) data["hint"] = error.hint;
+  data.insert(error.subject.begin(), error.subject.end());
+  return {{"code", code_of(error)}, {"message", error.message}, {"data", std::move(data)}};
+}
+
+Error without_nulls(Error error) {
+  json::object known;
+  for (auto& [key, value] : error.subject) {
+    if (!value.is_null()) known.emplace(key, std::move(value));
+  }
+  error.subject = std::move(known);
   return error;
 }
 
