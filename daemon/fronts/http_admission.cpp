@@ -8,14 +8,25 @@
 namespace tmcld {
 namespace {
 
-namespace status {
-constexpr unsigned unauthorized = 401;
-constexpr unsigned forbidden = 403;
-constexpr unsigned not_found = 404;
-constexpr unsigned not_allowed = 405;
-constexpr unsigned wrong_type = 415;
-constexpr unsigned must_upgrade = 426;
-}  // namespace status
+struct NamedStatus {
+  std::string_view name;
+  unsigned status;
+};
+constexpr unsigned bad_request = 400;
+// Of those that are not simply bad requests.
+constexpr auto statuses = std::to_array<NamedStatus>({{"no_token", 401},
+                                                      {"unknown_token", 401},
+                                                      {"wrong_host", 403},
+                                                      {"foreign_origin", 403},
+                                                      {"not_permitted", 403},
+                                                      {"not_found", 404},
+                                                      {"wrong_http_method", 405},
+                                                      {"message_too_long", 413},
+                                                      {"wrong_content_type", 415},
+                                                      {"not_a_websocket", 426},
+                                                      {"head_too_long", 431},
+                                                      {"too_many_clients", 503},
+                                                      {"daemon_ending", 503}});
 
 std::string lower(std::string_view text) {
   std::string result(text);
@@ -75,59 +86,57 @@ constexpr auto places = std::to_array<Place>({
     {"/ws", "GET", HttpRoute::websocket},
 });
 
-tl::expected<HttpRoute, HttpRefusal> route_of(const HttpHead& head) {
+Result<HttpRoute> route_of(const HttpHead& head) {
   const auto path = head.target.substr(0, head.target.find('?'));
   const auto* place = std::ranges::find(places, path, &Place::path);
   if (place == places.end()) {
-    return tl::unexpected(HttpRefusal{status::not_found, "not_found", "there is nothing here",
-                                      "/rpc, /ws, /metrics and /healthz are served"});
+    return tl::unexpected(not_now("not_found", "there is nothing here",
+                                  "/rpc, /ws, /metrics and /healthz are served"));
   }
   if (head.method != place->method) {
-    return tl::unexpected(HttpRefusal{status::not_allowed, "wrong_http_method",
-                                      std::string(path) + " is for " + std::string(place->method),
-                                      "one JSON-RPC message in the body of a POST to /rpc"});
+    return tl::unexpected(not_now("wrong_http_method",
+                                  std::string(path) + " is for " + std::string(place->method),
+                                  "one JSON-RPC message in the body of a POST to /rpc"));
   }
   if (place->route == HttpRoute::websocket && !head.is_upgrade) {
-    return tl::unexpected(HttpRefusal{status::must_upgrade, "not_a_websocket",
-                                      "/ws is for WebSockets", "single calls: POST /rpc"});
+    return tl::unexpected(
+        not_now("not_a_websocket", "/ws is for WebSockets", "single calls: POST /rpc"));
   }
   return place->route;
 }
 
 /// A page of another site could send text to here, but no JSON without being asked first.
-std::optional<HttpRefusal> objection_to_type(const HttpHead& head) {
+std::optional<Error> objection_to_type(const HttpHead& head) {
   const auto type = lower(trimmed(head.content_type.substr(0, head.content_type.find(';'))));
   if (type == "application/json") return std::nullopt;
-  return HttpRefusal{status::wrong_type, "wrong_content_type",
-                     "a call is of the type application/json",
-                     "send 'Content-Type: application/json'; curl does with --json"};
+  return not_now("wrong_content_type", "a call is of the type application/json",
+                 "send 'Content-Type: application/json'; curl does with --json");
 }
 
-HttpRefusal unauthorized(std::string name, std::string message) {
-  return {status::unauthorized, std::move(name), std::move(message),
-          "send 'Authorization: Bearer TOKEN'; the method token.add makes one, on tmcld's socket"};
+Error unauthorized(std::string_view name, std::string message) {
+  return not_now(
+      name, std::move(message),
+      "send 'Authorization: Bearer TOKEN'; the method token.add makes one, on tmcld's socket");
 }
 
-tl::expected<HttpEntry, HttpRefusal> entry_without_token(const HttpHead& head,
-                                                         const HttpConnectionInfo& connection,
-                                                         const HttpRules& rules,
-                                                         std::span<const AccessConfig> access) {
+Result<HttpEntry> entry_without_token(const HttpHead& head, const HttpConnectionInfo& connection,
+                                      const HttpRules& rules,
+                                      std::span<const AccessConfig> access) {
   if (!connection.is_loopback || !rules.loopback_without_token)
     return tl::unexpected(unauthorized("no_token", "nobody is let in without a token"));
   if (!is_loopback_host(head.host, connection.port)) {
-    return tl::unexpected(HttpRefusal{
-        status::forbidden, "wrong_host",
+    return tl::unexpected(not_now(
+        "wrong_host",
         "without a token only this computer is let in, by the name localhost, not '" +
             std::string(head.host) + "'",
-        "ask for http://localhost:" + std::to_string(connection.port) + ", or send a token"});
+        "ask for http://localhost:" + std::to_string(connection.port) + ", or send a token"));
   }
   return HttpEntry{
       HttpRoute::rpc, unknown_caller(access), {}, "a program at " + connection.peer, {}};
 }
 
-tl::expected<HttpEntry, HttpRefusal> entry_by_token(std::string_view secret,
-                                                    const HttpConnectionInfo& connection,
-                                                    const Tokens& tokens) {
+Result<HttpEntry> entry_by_token(std::string_view secret, const HttpConnectionInfo& connection,
+                                 const Tokens& tokens) {
   const auto* token = tokens.of_secret(secret);
   if (token == nullptr) {
     return tl::unexpected(unauthorized("unknown_token",
@@ -183,19 +192,17 @@ Caller caller_by(std::string_view token, const Tokens& tokens,
   return {{nobody}, Role::stop, "the token '" + std::string(token) + "' was revoked"};
 }
 
-tl::expected<HttpEntry, HttpRefusal> admit_http(const HttpHead& head,
-                                                const HttpConnectionInfo& connection,
-                                                const HttpRules& rules, const Tokens& tokens,
-                                                std::span<const AccessConfig> access) {
+Result<HttpEntry> admit_http(const HttpHead& head, const HttpConnectionInfo& connection,
+                             const HttpRules& rules, const Tokens& tokens,
+                             std::span<const AccessConfig> access) {
   const auto route = route_of(head);
   if (!route) return tl::unexpected(route.error());
   if (*route == HttpRoute::health) return HttpEntry{};
   const auto& origin = head.origin;
   if (origin && !is_allowed_origin(*origin, head.host, connection.has_tls, rules.origins)) {
-    return tl::unexpected(
-        HttpRefusal{status::forbidden, "foreign_origin",
-                    "pages of " + std::string(*origin) + " may not call this tmcld",
-                    "'origins' in [http] of tmcld.toml names the pages that may"});
+    return tl::unexpected(not_now("foreign_origin",
+                                  "pages of " + std::string(*origin) + " may not call this tmcld",
+                                  "'origins' in [http] of tmcld.toml names the pages that may"));
   }
   const auto secret = token_of(head);
   auto entry = secret.empty() ? entry_without_token(head, connection, rules, access)
@@ -205,13 +212,17 @@ tl::expected<HttpEntry, HttpRefusal> admit_http(const HttpHead& head,
     if (auto refused = objection_to_type(head)) return tl::unexpected(std::move(*refused));
   }
   if (*route == HttpRoute::metrics && entry->caller.role < Role::observe) {
-    return tl::unexpected(HttpRefusal{status::forbidden, "not_permitted",
-                                      "/metrics needs the role 'observe'",
-                                      "send a token of that role"});
+    return tl::unexpected(
+        not_now("not_permitted", "/metrics needs the role 'observe'", "send a token of that role"));
   }
   entry->route = *route;
   if (lists(head.protocols, websocket_protocol)) entry->protocol = websocket_protocol;
   return entry;
+}
+
+unsigned http_status_of(const Error& refusal) {
+  const auto* own = std::ranges::find(statuses, refusal.name, &NamedStatus::name);
+  return own == statuses.end() ? bad_request : own->status;
 }
 
 }  // namespace tmcld

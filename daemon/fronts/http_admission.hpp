@@ -7,9 +7,8 @@
 #include <string>
 #include <string_view>
 
-#include <tl/expected.hpp>
-
 #include "api/caller.hpp"
+#include "api/error.hpp"
 #include "gateway/store/tokens.hpp"
 
 namespace tmcld {
@@ -35,13 +34,6 @@ struct HttpConnectionInfo {
   bool is_loopback = false;  ///< Both ends are on this computer.
   bool has_tls = false;
   std::uint16_t port = 0;  ///< Of the daemon.
-};
-
-struct HttpRefusal {
-  unsigned status = 0;
-  std::string name{};  ///< snake_case
-  std::string message{};
-  std::string hint{};
 };
 
 struct HttpEntry {
@@ -74,9 +66,10 @@ std::string_view token_of(const HttpHead& head);
 Caller caller_by(std::string_view token, const Tokens& tokens,
                  std::span<const AccessConfig> access);
 
-tl::expected<HttpEntry, HttpRefusal> admit_http(const HttpHead& head,
-                                                const HttpConnectionInfo& connection,
-                                                const HttpRules& rules, const Tokens& tokens,
-                                                std::span<const AccessConfig> access);
+Result<HttpEntry> admit_http(const HttpHead& head, const HttpConnectionInfo& connection,
+                             const HttpRules& rules, const Tokens& tokens,
+                             std::span<const AccessConfig> access);
+/// Of the answer to a request that is refused by this error.
+unsigned http_status_of(const Error& refusal);
 
 }  // namespace tmcld

@@ -126,19 +126,17 @@ HttpHead head_of(const Request& request) {
   return head;
 }
 
-HttpRefusal too_many_clients() {
-  return {503, "too_many_clients", "tmcld has as many clients as it can serve",
-          "end programs that do not need their connection any more; stops are taken all the same, "
-          "by POST /rpc"};
+Error too_many_clients() {
+  return not_now("too_many_clients", "tmcld has as many clients as it can serve",
+                 "end programs that do not need their connection any more; stops are taken all the "
+                 "same, by POST /rpc");
 }
 
-HttpRefusal ending() { return {503, "daemon_ending", "tmcld is ending", "try again later"}; }
+Error ending() { return not_now("daemon_ending", "tmcld is ending", "try again later"); }
 
 /// As an answer to a call would be that could not be read.
-std::string body_of(const HttpRefusal& refusal) {
-  return answer_line(nullptr,
-                     tl::unexpected(not_now(refusal.name, refusal.message, refusal.hint))) +
-         "\n";
+std::string body_of(const Error& refusal) {
+  return answer_line(nullptr, tl::unexpected(refusal)) + "\n";
 }
 
 Response response_of(unsigned status, const char* type, std::string body, unsigned version,
@@ -252,7 +250,7 @@ class StreamConnection final : public HttpConnection,
 
   awaitable<void> refuse_plain_text() {
     log_refusal("speaks no TLS to a port that does");
-    const HttpRefusal refusal{400, "needs_tls", "this port speaks TLS", "use https:// or wss://"};
+    const auto refusal = not_now("needs_tls", "this port speaks TLS", "use https:// or wss://");
     co_await refuse(refusal);
   }
 
@@ -290,15 +288,15 @@ class StreamConnection final : public HttpConnection,
   awaitable<bool> serve(RequestParser& parser) {
     const auto entry = connections_->admit(head_of(parser.get()), info_);
     if (!entry) {
-      if (entry.error().status == 401 || entry.error().status == 403)
-        log_refusal("was not let in: " + entry.error().message);
+      const auto status = http_status_of(entry.error());
+      if (status == 401 || status == 403) log_refusal("was not let in: " + entry.error().message);
       co_await refuse(entry.error());
       co_return false;
     }
     // A body that is not read would be taken for the next request.
     if (entry->route != HttpRoute::rpc && !parser.is_done()) {
-      const HttpRefusal refusal{400, "unexpected_body", "only a call to /rpc has a body",
-                                "send the request without one"};
+      const auto refusal = not_now("unexpected_body", "only a call to /rpc has a body",
+                                   "send the request without one");
       co_await refuse(refusal);
       co_return false;
     }
@@ -345,9 +343,9 @@ class StreamConnection final : public HttpConnection,
     lowest().expires_never();
     const auto& body = parser.get().body();
     if (body.find_first_not_of(" \t\r\n") == std::string::npos) {
-      const HttpRefusal refusal{
-          400, "no_message", "the request has no body",
-          "one JSON-RPC message is wanted: {\"jsonrpc\":\"2.0\",\"id\":1,...}"};
+      const auto refusal =
+          not_now("no_message", "the request has no body",
+                  "one JSON-RPC message is wanted: {\"jsonrpc\":\"2.0\",\"id\":1,...}");
       co_await refuse(refusal);
       co_return false;
     }
@@ -444,9 +442,9 @@ class StreamConnection final : public HttpConnection,
     }
     // RFC 6455, 4.1: it waits for the answer. Beast would take it for the first message.
     if (buffer_.size() != 0) {
-      const HttpRefusal refusal{400, "data_before_upgrade",
-                                "a WebSocket begins with the answer to the request for it",
-                                "send nothing before that has come"};
+      const auto refusal =
+          not_now("data_before_upgrade", "a WebSocket begins with the answer to the request for it",
+                  "send nothing before that has come");
       co_await refuse(refusal);
       co_return;
     }
@@ -514,8 +512,8 @@ class StreamConnection final : public HttpConnection,
   }
 
   // It is given a value with a name: g++ 12 destroys one in braces behind co_await twice.
-  awaitable<void> refuse(const HttpRefusal& refusal) {
-    auto response = response_of(refusal.status, json_type, body_of(refusal), 11, false);
+  awaitable<void> refuse(const Error& refusal) {
+    auto response = response_of(http_status_of(refusal), json_type, body_of(refusal), 11, false);
     error_code error;
     lowest().expires_after(time_for_body);
     co_await http::async_write(stream_, response, redirect_error(use_awaitable, error));
@@ -523,24 +521,23 @@ class StreamConnection final : public HttpConnection,
   }
 
   awaitable<void> refuse_head(const std::string& objection) {
-    const HttpRefusal refusal{400, "bad_head", objection, "send each field once, on one line"};
+    const auto refusal = not_now("bad_head", objection, "send each field once, on one line");
     co_await refuse(refusal);
   }
 
   awaitable<void> refuse_unreadable(error_code why) {
     if (why == http::error::header_limit) {
-      const HttpRefusal refusal{
-          431, "head_too_long", "the head of a request may have 8192 bytes", {}};
+      const auto refusal = not_now("head_too_long", "the head of a request may have 8192 bytes");
       co_await refuse(refusal);
     } else if (why == http::error::body_limit || why == http::error::buffer_overflow) {
-      const HttpRefusal refusal{413, "message_too_long",
-                                "a message may have " + std::to_string(max_line_bytes) + " bytes",
-                                "nothing of it was done"};
+      const auto refusal = not_now(
+          "message_too_long", "a message may have " + std::to_string(max_line_bytes) + " bytes",
+          "nothing of it was done");
       co_await refuse(refusal);
     } else if (why.category() == make_error_code(http::error::bad_method).category() &&
                why != http::error::end_of_stream && why != http::error::partial_message) {
-      const HttpRefusal refusal{400, "no_http", "this is no request by HTTP: " + why.message(),
-                                "is it https:// to a port without TLS?"};
+      const auto refusal = not_now("no_http", "this is no request by HTTP: " + why.message(),
+                                   "is it https:// to a port without TLS?");
       co_await refuse(refusal);
     }
   }

@@ -50,8 +50,8 @@ std::vector<std::shared_ptr<HttpConnection>> HttpConnections::all() const {
   return all;
 }
 
-tl::expected<HttpEntry, HttpRefusal> HttpConnections::admit(const HttpHead& head,
-                                                            const HttpConnectionInfo& info) const {
+Result<HttpEntry> HttpConnections::admit(const HttpHead& head,
+                                         const HttpConnectionInfo& info) const {
   const HttpRules rules{config_.origins, config_.loopback_without_token};
   return admit_http(head, info, rules, *share->tokens, gateway->access());
 }

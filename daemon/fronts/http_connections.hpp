@@ -57,8 +57,7 @@ class HttpConnections {
   std::size_t size() const { return all_.size(); }
   std::vector<std::shared_ptr<HttpConnection>> all() const;
 
-  tl::expected<HttpEntry, HttpRefusal> admit(const HttpHead& head,
-                                             const HttpConnectionInfo& info) const;
+  Result<HttpEntry> admit(const HttpHead& head, const HttpConnectionInfo& info) const;
   /// The client that was let in so, and what it may do now.
   Caller caller_by(std::string_view token) const;
 

@@ -25,7 +25,7 @@ class HttpAdmission : public testing::Test {
   /// 0 if it is let in.
   unsigned refusal() {
     const auto entry = admit_http(head, connection, rules, *tokens, access);
-    return entry ? 0 : entry.error().status;
+    return entry ? 0 : http_status_of(entry.error());
   }
   HttpEntry entry() { return admit_http(head, connection, rules, *tokens, access).value(); }
 
