@@ -35,9 +35,9 @@ lease::Lease view_of(const tmcld::Lease& lease, tmcl::TimePoint now) {
 }
 
 /// Says who has it, and until when, where that is known.
-Error refusal_of(const Call& call, const AxisFailure& failure) {
-  auto error = call_error(failure.error, failure.axis);
-  if (failure.error.code != tmcl::Errc::leased) return error;
+Error refusal_of(const Call& call, const tmcl::Error& failure) {
+  auto error = call_error(failure);
+  if (failure.code != tmcl::Errc::leased) return error;
   const auto axis = axis_of(call, failure.axis);
   const auto* holding = axis ? call.gateway->leases()->of(**axis) : nullptr;
   if (holding == nullptr) return error;

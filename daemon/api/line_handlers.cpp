@@ -137,19 +137,18 @@ Answer<line::Move> move_line(Call& call, const line::Move& params) {
       members,           duration, call.permit, call.deadline(params), &call.gateway->planner,
       audit_of_end(call)};
   call.goes_on = true;
-  const auto started = co_await start_line(std::move(order));
-  if (!started) co_return tl::unexpected(call_error(started.error().error, started.error().axis));
-  const auto& plan = started->plan;
+  const auto started = co_await must(start_line(std::move(order)));
+  const auto& plan = started.plan;
   line::StartedLine result{{},
                            seconds(plan.duration),
                            seconds(plan.spread),
                            plan.deviation,
-                           started->one_command,
-                           seconds(started->predicted_skew),
-                           seconds(started->skew),
+                           started.one_command,
+                           seconds(started.predicted_skew),
+                           seconds(started.skew),
                            warnings_of(members, plan)};
-  if (!started->journal_failure.empty())
-    result.warnings->push_back(journal_warning(started->journal_failure));
+  if (!started.journal_failure.empty())
+    result.warnings->push_back(journal_warning(started.journal_failure));
   for (std::size_t i = 0; i < members.size(); ++i) {
     auto axis = co_await to_result(members[i], plan.axes[i].arrival);
     result.axes.push_back(std::move(axis));

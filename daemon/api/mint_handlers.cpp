@@ -171,7 +171,7 @@ Answer<mint::Run> run_mint(Call& call, const mint::Run& params) {
   const auto run = std::make_shared<MintRun>(executor, std::move(planned->groups),
                                              std::move(members.members), mint_progress_to(call));
   const auto failure = co_await MintRun::pass(run);
-  if (failure) co_return tl::unexpected(call_error(failure->error, failure->axis));
+  co_await must_not(failure);
   auto ran = view_of(*run);
   if (run->report().fault) co_return tl::unexpected(error_of(*run, api::to_json(ran)));
   co_return ran;

@@ -405,7 +405,7 @@ Answer<path::Run> run_path(Call& call, const path::Run& params) {
       std::make_shared<PathRun>(executor, std::move(planned.course), std::move(members),
                                 streamed(planned.known), options, path_progress_to(call));
   const auto failure = co_await PathRun::pass(run);
-  if (failure) co_return tl::unexpected(call_error(failure->error, failure->axis));
+  co_await must_not(failure);
   if (!run->journal_failure().empty()) warnings.push_back(journal_warning(run->journal_failure()));
   auto passage = passage_of(*run, planned.request.tolerance);
   if (run->report().fault) co_return tl::unexpected(error_of(*run, api::to_json(passage)));

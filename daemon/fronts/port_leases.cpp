@@ -44,7 +44,7 @@ awaitable<tmcl::Result<void>> PortLeases::take(std::shared_ptr<GatewayAxis> axis
   std::vector<std::shared_ptr<GatewayAxis>> axes(1, axis);
   auto acquiring = Leases::acquire(gateway_->leases(), host_, std::move(axes), terms, permit);
   auto lease = co_await std::move(acquiring);
-  if (!lease) co_return tl::unexpected(std::move(lease.error().error));
+  if (!lease) co_return tl::unexpected(std::move(lease.error()));
   if (closed_) {
     // The host went meanwhile.
     gateway_->leases()->release(lease->number);

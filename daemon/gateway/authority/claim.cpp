@@ -17,17 +17,17 @@ using Axes = std::vector<std::shared_ptr<GatewayAxis>>;
 
 constexpr tmcl::Duration claim_look_interval = std::chrono::milliseconds(20);
 
-awaitable<std::optional<AxisFailure>> look(const Axes& axes, Permit permit) {
+awaitable<std::optional<tmcl::Error>> look(const Axes& axes, Permit permit) {
   for (const auto& axis : axes) {
     auto movement = axis->begin_movement(permit, {});
     auto free = co_await axis->be_free(std::move(movement));
-    if (!free) co_return AxisFailure{std::move(free.error()), axis->name()};
+    if (!free) co_return error_of(*axis, std::move(free.error()));
   }
   co_return std::nullopt;
 }
 
-bool can_end_soon(const AxisFailure& failure, const Axes& axes) {
-  if (failure.error.code != tmcl::Errc::axis_claimed) return false;
+bool can_end_soon(const tmcl::Error& failure, const Axes& axes) {
+  if (failure.code != tmcl::Errc::axis_claimed) return false;
   const auto axis = std::ranges::find(axes, failure.axis, &GatewayAxis::name);
   return axis != axes.end() && (*axis)->claim_kind() != ClaimKind::search;
 }
@@ -39,8 +39,7 @@ bool are_free(const Axes& axes) {
 
 }  // namespace
 
-awaitable<tl::expected<std::vector<Claim>, AxisFailure>> claim_all(Axes axes,
-                                                                   ClaimOwner claim_owner) {
+awaitable<tmcl::Result<std::vector<Claim>>> claim_all(Axes axes, ClaimOwner claim_owner) {
   tmcl::Timer timer(co_await boost::asio::this_coro::executor);
   const auto limit = timer.now() + Motors::time_to_be_free;
   while (true) {

@@ -24,14 +24,14 @@ bool is_free_for(const GatewayAxis& axis, const Client& client) {
   return holder.client == 0 || (holder.lease == 0 && holder.client == client.number);
 }
 
-std::optional<AxisFailure> conflict(const Axes& axes, const Client& client) {
+std::optional<tmcl::Error> conflict(const Axes& axes, const Client& client) {
   for (const auto& axis : axes) {
     if (!is_free_for(*axis, client)) {
       const bool is_leased = motors_of(*axis).holder_of(axis->address()).lease != 0;
       const auto because = is_leased ? Obstacle::leased : Obstacle::turns_for_other;
-      return AxisFailure{motors_of(*axis).refusal(axis->address(), because), axis->name()};
+      return error_of(*axis, motors_of(*axis).refusal(axis->address(), because));
     }
-    if (axis->claim_kind() != ClaimKind::none) return AxisFailure{axis->claimed(), axis->name()};
+    if (axis->claim_kind() != ClaimKind::none) return error_of(*axis, axis->claimed());
   }
   return std::nullopt;
 }
@@ -62,12 +62,11 @@ std::int64_t random_epoch() {
   return static_cast<std::int64_t>(number & tmcl::api::lease::greatest_epoch);
 }
 
-awaitable<tl::expected<Lease, AxisFailure>> Leases::acquire(std::shared_ptr<Leases> self,
-                                                            Client holder, Axes axes,
-                                                            LeaseTerms terms, Permit permit) {
+awaitable<tmcl::Result<Lease>> Leases::acquire(std::shared_ptr<Leases> self, Client holder,
+                                               Axes axes, LeaseTerms terms, Permit permit) {
   for (const auto& axis : axes) {
     auto free = co_await axis->be_free(axis->begin_movement(permit, {}));
-    if (!free) co_return tl::unexpected(AxisFailure{std::move(free.error()), axis->name()});
+    if (!free) co_return tl::unexpected(error_of(*axis, std::move(free.error())));
   }
   // While one of them was looked at, another may have been taken.
   if (auto taken = conflict(axes, holder)) co_return tl::unexpected(std::move(*taken));

@@ -72,7 +72,7 @@ class Leases : public std::enable_shared_from_this<Leases> {
 
   /// All of the axes, or none. Errors: Errc::leased, and those of GatewayAxis::be_free(); `axis`
   /// says which.
-  static boost::asio::awaitable<tl::expected<Lease, AxisFailure>> acquire(
+  static boost::asio::awaitable<tmcl::Result<Lease>> acquire(
       std::shared_ptr<Leases> self, Client holder, std::vector<std::shared_ptr<GatewayAxis>> axes,
       LeaseTerms terms, Permit permit);
   tl::expected<Lease, NoLease> find(std::int32_t number, std::int64_t epoch) const;

@@ -12,7 +12,7 @@ namespace tmcld {
 using boost::asio::awaitable;
 using tmcl::plan::DriveFault;
 
-awaitable<std::optional<AxisFailure>> AwaitedRun::pass(std::shared_ptr<AwaitedRun> self) {
+awaitable<std::optional<tmcl::Error>> AwaitedRun::pass(std::shared_ptr<AwaitedRun> self) {
   if (auto taken = co_await self->take_axes()) co_return taken;
   std::exception_ptr failure;
   try {
@@ -52,7 +52,7 @@ std::string AwaitedRun::text_of(const DriveFault& fault) const {
   return text;
 }
 
-awaitable<std::optional<AxisFailure>> AwaitedRun::take_axes() {
+awaitable<std::optional<tmcl::Error>> AwaitedRun::take_axes() {
   const auto self = std::static_pointer_cast<AwaitedRun>(shared_from_this());
   const ClaimOwner claim_owner{claim_kind_, members_.front().movement.permit, self};
   auto failure = co_await claim(claim_owner);
@@ -61,7 +61,7 @@ awaitable<std::optional<AxisFailure>> AwaitedRun::take_axes() {
     auto admitted = co_await member.axis->admit(action::FollowPath{}, member.movement);
     if (!admitted) {
       release(nullptr);
-      co_return AxisFailure{std::move(admitted.error()), member.axis->name()};
+      co_return error_of(*member.axis, std::move(admitted.error()));
     }
     member.admitted = std::move(*admitted);
   }

@@ -24,7 +24,7 @@ class AwaitedRun : public DriveRun {
  public:
   /// Returns when it has ended, whether at its end or not, and nothing moves any more. Once.
   /// Errors: those of claim_all(), and of admission. What became of it is in the report.
-  static boost::asio::awaitable<std::optional<AxisFailure>> pass(std::shared_ptr<AwaitedRun> self);
+  static boost::asio::awaitable<std::optional<tmcl::Error>> pass(std::shared_ptr<AwaitedRun> self);
 
   /// What becomes of it is in the report.
   void end(tmcl::plan::DriveFault why);
@@ -49,7 +49,7 @@ class AwaitedRun : public DriveRun {
   virtual void tell_progress() = 0;
 
  private:
-  boost::asio::awaitable<std::optional<AxisFailure>> take_axes();
+  boost::asio::awaitable<std::optional<tmcl::Error>> take_axes();
   boost::asio::awaitable<tmcl::TimePoint> before_step() override;
   GatewayAxis::Awaitable<void> stop(GatewayAxis& axis) override;
   GatewayAxis::Awaitable<void> write(const DriveMember& member, tmcl::plan::Setting setting,

@@ -139,7 +139,7 @@ void DriveRun::notice_stops(Drive& drive) const {
   }
 }
 
-awaitable<std::optional<AxisFailure>> DriveRun::claim(ClaimOwner claim_owner) {
+awaitable<std::optional<tmcl::Error>> DriveRun::claim(ClaimOwner claim_owner) {
   std::vector<std::shared_ptr<GatewayAxis>> axes;
   for (const auto& member : members_) axes.push_back(member.axis);
   auto claims = co_await claim_all(std::move(axes), std::move(claim_owner));

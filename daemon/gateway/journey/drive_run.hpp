@@ -41,7 +41,7 @@ class DriveRun : public std::enable_shared_from_this<DriveRun> {
   boost::asio::awaitable<void> drive(tmcl::plan::Drive& drive, std::function<bool()> is_enough);
   const std::exception_ptr& failure() const { return failure_; }
   /// All of its axes. Errors: those of claim_all().
-  boost::asio::awaitable<std::optional<AxisFailure>> claim(ClaimOwner claim_owner);
+  boost::asio::awaitable<std::optional<tmcl::Error>> claim(ClaimOwner claim_owner);
   /// They are as they were, or that has failed: what could not be stopped or set back is then, as
   /// soon as its module answers. `report`: null if nothing was driven.
   void release(const tmcl::plan::DriveReport* report);

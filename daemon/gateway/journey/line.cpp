@@ -26,7 +26,7 @@ namespace {
 using boost::asio::awaitable;
 using tmcl::Duration;
 using tmcl::plan::Setting;
-using Fault = std::optional<LineFailure>;
+using Fault = std::optional<tmcl::Error>;
 
 namespace ap = tmcl::axis_parameter;
 namespace plan = tmcl::plan;
@@ -63,7 +63,7 @@ struct Member {
   std::vector<Setting> before{};  // its ramp's settings
 
   GatewayAxis& axis() const { return *wanted.axis; }
-  LineFailure failure(tmcl::Error error) const { return {std::move(error), axis().name()}; }
+  tmcl::Error failure(tmcl::Error error) const { return error_of(axis(), std::move(error)); }
 };
 
 class LineRun final : public DriveRun {
@@ -83,7 +83,7 @@ class LineRun final : public DriveRun {
     }
   }
 
-  awaitable<tl::expected<StartedLine, LineFailure>> start() {
+  awaitable<tmcl::Result<StartedLine>> start() {
     const ClaimOwner claim_owner{ClaimKind::line, permit_};
     if (auto fault = co_await claim(claim_owner)) co_return tl::unexpected(std::move(*fault));
     Fault fault;
@@ -137,8 +137,7 @@ class LineRun final : public DriveRun {
 
   Fault stopped_by_other() const {
     for (const auto& member : members_) {
-      if (auto stop = member.movement.objection())
-        return LineFailure{std::move(*stop), member.axis->name()};
+      if (auto stop = member.movement.objection()) return error_of(*member.axis, std::move(*stop));
     }
     return std::nullopt;
   }
@@ -235,7 +234,7 @@ class LineRun final : public DriveRun {
     const auto& report = drive_->report();
     if (report.fault) {
       auto fault = co_await failure_of(*report.fault);
-      add_unstopped(fault.error);
+      add_unstopped(fault);
       co_return fault;
     }
     predict_skew();
@@ -297,7 +296,7 @@ class LineRun final : public DriveRun {
                           member.axis().unit());
   }
 
-  awaitable<LineFailure> failure_of(plan::DriveFault fault) const {
+  awaitable<tmcl::Error> failure_of(plan::DriveFault fault) const {
     const auto axis = fault.axis.value_or(0);
     const auto& member = line_members_[axis];
     if (fault.error) co_return member.failure(std::move(*fault.error));
@@ -318,7 +317,7 @@ class LineRun final : public DriveRun {
   awaitable<void> tell_fault() const {
     const auto& report = drive_->report();
     const auto failure = co_await failure_of(*report.fault);
-    tell(report.fault->axis.value_or(0), failure.error.message);
+    tell(report.fault->axis.value_or(0), failure.message);
     for (const auto& [axis, why] : report.unstopped)
       tell(axis, not_stopped(members_[axis].axis->name()) + ": " + why.message);
   }
@@ -364,7 +363,7 @@ class LineRun final : public DriveRun {
 
 }  // namespace
 
-awaitable<tl::expected<StartedLine, LineFailure>> start_line(LineOrder order) {
+awaitable<tmcl::Result<StartedLine>> start_line(LineOrder order) {
   const auto executor = co_await boost::asio::this_coro::executor;
   const auto run = std::make_shared<LineRun>(executor, std::move(order));
   auto started = co_await run->start();

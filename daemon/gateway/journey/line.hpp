@@ -38,8 +38,6 @@ struct LineOrder {
   std::function<void(std::string_view fault)> on_end = [](std::string_view) {};
 };
 
-using LineFailure = AxisFailure;
-
 struct StartedLine {
   tmcl::plan::Line plan;
   bool one_command = false;  ///< One MVP COORD started all of them.
@@ -53,6 +51,6 @@ struct StartedLine {
 /// Returns when all of them have started, and goes on watching; a line that does not end as it
 /// should is told by a GatewayEvent. Errors: nothing has started, or what had started has been
 /// stopped.
-boost::asio::awaitable<tl::expected<StartedLine, LineFailure>> start_line(LineOrder order);
+boost::asio::awaitable<tmcl::Result<StartedLine>> start_line(LineOrder order);
 
 }  // namespace tmcld

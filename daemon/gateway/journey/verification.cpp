@@ -207,14 +207,14 @@ GatewayAxis::Awaitable<std::shared_ptr<Held>> take(Gateway& gateway,
     const LeaseTerms terms{lease_time, true};
     auto acquired = Leases::acquire(gateway.leases(), request.client, axes, terms, request.permit);
     const auto lease = co_await std::move(acquired);
-    if (!lease) co_return tl::unexpected(lease.error().error);
+    if (!lease) co_return tl::unexpected(lease.error());
     held->lease = lease->number;
   }
   const ClaimOwner claim_owner{ClaimKind::verification, request.permit};
   auto claims = co_await claim_all(axes, claim_owner);
   if (!claims) {
     if (held->lease) gateway.leases()->release(*held->lease);
-    co_return tl::unexpected(std::move(claims.error().error));
+    co_return tl::unexpected(std::move(claims.error()));
   }
   held->claims = std::move(*claims);
   co_return held;

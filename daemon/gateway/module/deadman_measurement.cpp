@@ -314,7 +314,7 @@ GatewayAxis::Awaitable<DeadmanFinding> measure_deadman(
   }
   const ClaimOwner claim_owner{ClaimKind::deadman_test, permit};
   auto claims = co_await claim_all(axes_of_module(*gateway, *axis), claim_owner);
-  if (!claims) co_return tl::unexpected(std::move(claims.error().error));
+  if (!claims) co_return tl::unexpected(std::move(claims.error()));
   auto stand =
       co_await axis->perform(expect_standstill(axis->address().module, motors_of(*axis)), {});
   if (!stand) co_return tl::unexpected(std::move(stand.error()));

@@ -57,6 +57,7 @@ struct Error {
   std::string bus;                 ///< Name of the link or the configured bus; may be empty.
   std::optional<Request> request;  ///< The command it is about.
   std::optional<Status> status;    ///< What the module said, where it said something.
+  std::string axis{};              ///< Name of the configured axis; may be empty.
 };
 
 template <class T>

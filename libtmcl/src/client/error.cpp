@@ -132,6 +132,7 @@ Error error_from(const tmcl::Error& said) {
               said.hint};
   auto& subject = error.subject;
   if (!said.bus.empty()) subject["bus"] = said.bus;
+  if (!said.axis.empty()) subject["axis"] = said.axis;
   if (said.request) {
     subject["address"] = number(said.request->address);
     subject["command"] = describe(*said.request);
