@@ -99,10 +99,10 @@ std::optional<tmcl::Error> objection_by_journey(const GatewayBus& bus) {
   for (const auto by : {ClaimKind::path, ClaimKind::line, ClaimKind::mint, ClaimKind::deadman_test,
                         ClaimKind::verification}) {
     if (bus.motors().claimed_by(by) == 0) continue;
-    tmcl::Error error;
-    error.code = tmcl::Errc::axis_claimed;
-    error.message = "axes of this bus are led along a line or path, and that needs the bus";
-    error.hint = "wait for its end: the module keeps what it records";
+    auto error =
+        tmcl::not_sent(tmcl::Errc::axis_claimed,
+                       "axes of this bus are led along a line or path, and that needs the bus",
+                       "wait for its end: the module keeps what it records");
     error.bus = bus.name();
     return error;
   }

@@ -39,12 +39,8 @@ class UploadInProgress {
 };
 
 tmcl::Error daemon_is_ending() {
-  tmcl::Error error;
-  error.code = tmcl::Errc::daemon_ending;
-  error.outcome = tmcl::Outcome::not_sent;
-  error.message = "the daemon is ending";
-  error.hint = "nothing was changed; upload it again when the daemon runs";
-  return error;
+  return tmcl::not_sent(tmcl::Errc::daemon_ending, "the daemon is ending",
+                        "nothing was changed; upload it again when the daemon runs");
 }
 
 /// Goes on when its client has gone: a firmware in part is of no use to anyone.

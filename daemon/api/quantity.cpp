@@ -87,7 +87,7 @@ Task<AxisUnits> units_for(GatewayAxis& axis, std::string_view param, const Quant
 }
 
 template <class Value>
-using InPulses = tmcl::Converted<Value> (*)(const Quantity&, const AxisUnits&);
+using InPulses = tmcl::Result<Value> (*)(const Quantity&, const AxisUnits&);
 
 template <class Value>
 Task<ParsedRate<Value>> rate_of(GatewayAxis& axis, RawOrQuantity either, Dimension dimension,
@@ -123,8 +123,8 @@ Task<std::optional<Value>> limit_of(GatewayAxis& axis, RawOrQuantity either, Dim
 
 }  // namespace
 
-Error quantity_error(std::string_view param, const tmcl::QuantityError& error) {
-  return param_error(error.code, param, error.message, error.hint);
+Error quantity_error(std::string_view param, const tmcl::Error& error) {
+  return param_error(name_of(error.code), param, error.message, error.hint);
 }
 
 Task<ParsedRate<tmcl::PulsesPerSecond>> velocity_rate_of(GatewayAxis& axis, RawOrQuantity said) {
@@ -278,7 +278,7 @@ Task<ModuleValue> value_of(GatewayAxis& axis, RawOrQuantity either, Dimension di
     auto error = value.error();
     const auto* model = axis.module().model();
     const bool divided = model != nullptr && model->family == tmcl::Family::tmc429;
-    if (is_rate && divided && error.code == "out_of_range")
+    if (is_rate && divided && error.code == tmcl::Errc::out_of_range)
       error.hint =
           "its pulse and ramp divisors allow no more; axis.set_ramp, or 'ramp' on the command "
           "line, chooses others";

@@ -64,7 +64,7 @@ Task<ParsedRate<tmcl::PulsesPerSecond2>> acceleration_rate_of(GatewayAxis& axis,
 Task<tmcl::PulsesPerSecond3> jerk_of(GatewayAxis& axis, const api::Amount& said);
 
 /// An error about the parameter `param`.
-Error quantity_error(std::string_view param, const tmcl::QuantityError& error);
+Error quantity_error(std::string_view param, const tmcl::Error& error);
 
 /// An upper limit of a velocity or an acceleration in microsteps, or nothing if both are absent.
 /// Errors: both are there; it is not above 0, or above what the axis can do.

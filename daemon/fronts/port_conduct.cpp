@@ -21,11 +21,7 @@ constexpr std::uint8_t relative_to_coordinate = 3;  // the type of MVP
 constexpr std::uint8_t first_control_function = 128;
 
 tmcl::Error not_permitted(const tmcl::Request& request, std::string why, std::string hint) {
-  tmcl::Error error;
-  error.code = tmcl::Errc::not_permitted;
-  error.outcome = tmcl::Outcome::not_sent;
-  error.message = std::move(why);
-  error.hint = std::move(hint);
+  auto error = tmcl::not_sent(tmcl::Errc::not_permitted, std::move(why), std::move(hint));
   error.request = request;
   return error;
 }

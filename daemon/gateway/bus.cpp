@@ -257,15 +257,12 @@ GatewayModule& GatewayBus::add_module(tmcl::ModuleAddress address) {
 // ---- calls -------------------------------------------------------------------------------------
 
 tmcl::Error GatewayBus::not_open() const {
-  tmcl::Error error;
-  error.code = tmcl::Errc::link_lost;
-  error.outcome = tmcl::Outcome::not_sent;
-  error.message = retired_ ? std::string(why_retired)
-                  : closed_
-                      ? "the daemon is ending"
-                      : "the bus is not open" + (link_.error().empty() ? "" : ": " + link_.error());
-  error.hint =
-      closed_ ? "" : "it is opened again as soon as that is possible; check cable and power";
+  auto error = tmcl::not_sent(
+      tmcl::Errc::link_lost,
+      retired_  ? std::string(why_retired)
+      : closed_ ? "the daemon is ending"
+                : "the bus is not open" + (link_.error().empty() ? "" : ": " + link_.error()),
+      closed_ ? "" : "it is opened again as soon as that is possible; check cable and power");
   error.bus = config_.name;
   return error;
 }

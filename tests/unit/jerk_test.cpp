@@ -35,9 +35,9 @@ TEST(Jerk, IsNothingElse) {
   for (const auto* text : {"5", "5mm", "5mm/s", "5mm/s^2", "5pps", "5pps/s", "5pps/s3"}) {
     const auto quantity = parse_quantity(text).value();
     EXPECT_FALSE(is_jerk(quantity)) << text;
-    EXPECT_EQ(to_pps3(quantity, axis("mm")).error().code, "wrong_unit") << text;
+    EXPECT_EQ(to_pps3(quantity, axis("mm")).error().code, Errc::wrong_unit) << text;
   }
-  EXPECT_EQ(to_pps3({5, "furlong/s^3"}, axis("mm")).error().code, "unknown_unit");
+  EXPECT_EQ(to_pps3({5, "furlong/s^3"}, axis("mm")).error().code, Errc::unknown_unit);
 }
 
 // 2^10 f^3 / 2^52, and an acceleration of 24624 in 1.539 ms: the application note's figures.

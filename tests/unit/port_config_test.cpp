@@ -21,7 +21,7 @@ std::vector<std::string> problems(const std::string& lines) {
   const auto config = parse_config(bench + lines);
   std::vector<std::string> found;
   if (config) return found;
-  for (const auto& problem : config.error()) found.push_back(describe("f", problem));
+  for (const auto& problem : config.error()) found.push_back(describe(problem, "f"));
   return found;
 }
 

@@ -57,10 +57,6 @@ Error usage_error(std::string name, std::string message, std::string hint) {
           std::move(hint)};
 }
 
-Error error_from(const tmcl::QuantityError& error) {
-  return usage_error(std::string(error.code), error.message, error.hint);
-}
-
 Error interrupted_error(int signal, std::string message, std::string hint, json::object subject) {
   subject[signal_key] = signal;
   return {"interrupted",      ErrorKind::interrupted, tmcl::Outcome::done,

@@ -7,7 +7,6 @@
 
 #include "exit_code.hpp"
 #include "tmcl/client_error.hpp"
-#include "tmcl/quantity.hpp"
 
 namespace tmclctl {
 
@@ -18,7 +17,6 @@ using tmcl::client::Result;
 
 /// For what is wrong with a request before anything is sent.
 Error usage_error(std::string name, std::string message, std::string hint = {});
-Error error_from(const tmcl::QuantityError& error);
 /// A signal has ended it; `subject` is what is known of it besides.
 Error interrupted_error(int signal, std::string message, std::string hint,
                         boost::json::object subject = {});

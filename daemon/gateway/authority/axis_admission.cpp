@@ -95,11 +95,8 @@ AxisAdmission::Script<void> AxisAdmission::check_now(AxisAction action, Permit p
 // ---- soft limits -------------------------------------------------------------------------------
 
 tmcl::Error AxisAdmission::beyond_soft_limit(const std::string& what, std::string hint) const {
-  tmcl::Error error;
-  error.code = tmcl::Errc::beyond_soft_limit;
-  error.outcome = tmcl::Outcome::not_sent;
-  error.message = "axis '" + axis_.name() + "': " + what;
-  error.hint = std::move(hint);
+  auto error = tmcl::not_sent(tmcl::Errc::beyond_soft_limit, "axis '" + axis_.name() + "': " + what,
+                              std::move(hint));
   return axis_.on_bus(std::move(error));
 }
 

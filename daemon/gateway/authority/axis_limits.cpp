@@ -319,11 +319,8 @@ tmcl::Error AxisLimits::beyond(Kind kind, const std::string& what, std::int32_t 
 }
 
 tmcl::Error AxisLimits::error(std::string what, std::string hint) const {
-  tmcl::Error error;
-  error.code = tmcl::Errc::not_permitted;
-  error.outcome = tmcl::Outcome::not_sent;
-  error.message = "axis '" + config_.name + "': " + std::move(what);
-  error.hint = std::move(hint);
+  auto error = tmcl::not_sent(tmcl::Errc::not_permitted,
+                              "axis '" + config_.name + "': " + std::move(what), std::move(hint));
   error.bus = config_.bus;
   return error;
 }

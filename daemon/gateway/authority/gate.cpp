@@ -28,13 +28,10 @@ namespace {
 constexpr int most_admissions = 10;
 
 tmcl::Error too_busy() {
-  tmcl::Error error;
-  error.code = tmcl::Errc::queue_full;
-  error.outcome = tmcl::Outcome::not_sent;
-  error.message = "the movement had to wait for too long behind other commands of its bus, " +
-                  std::to_string(most_admissions) + " times";
-  error.hint = "send fewer commands at once, or use a faster bus";
-  return error;
+  return tmcl::not_sent(tmcl::Errc::queue_full,
+                        "the movement had to wait for too long behind other commands of its bus, " +
+                            std::to_string(most_admissions) + " times",
+                        "send fewer commands at once, or use a faster bus");
 }
 
 std::optional<tmcl::TimePoint> earliest(std::optional<tmcl::TimePoint> one,
@@ -43,11 +40,10 @@ std::optional<tmcl::TimePoint> earliest(std::optional<tmcl::TimePoint> one,
 }
 
 tmcl::Error has_its_share(const tmcl::Request& request) {
-  tmcl::Error error;
-  error.code = tmcl::Errc::queue_full;
-  error.outcome = tmcl::Outcome::not_sent;
-  error.message = "this client has as many commands waiting for the bus as its share allows";
-  error.hint = "wait for answers before sending more";
+  auto error =
+      tmcl::not_sent(tmcl::Errc::queue_full,
+                     "this client has as many commands waiting for the bus as its share allows",
+                     "wait for answers before sending more");
   error.request = request;
   return error;
 }

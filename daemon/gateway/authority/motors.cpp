@@ -464,11 +464,7 @@ void Motors::note(const Request& request, const tmcl::Result<tmcl::Answer>& answ
 }
 
 tmcl::Error Motors::error(Errc code, std::string message, std::string hint) const {
-  tmcl::Error error;
-  error.code = code;
-  error.outcome = tmcl::Outcome::not_sent;
-  error.message = std::move(message);
-  error.hint = std::move(hint);
+  auto error = tmcl::not_sent(code, std::move(message), std::move(hint));
   error.bus = bus_;
   return error;
 }

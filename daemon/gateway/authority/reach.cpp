@@ -37,12 +37,11 @@ bool may_move(const GatewayBus& bus, tmcl::ModuleAddress module) {
 
 tmcl::Error refusal(const GatewayBus& bus, const tmcl::Request& request, std::string_view why,
                     std::string hint) {
-  tmcl::Error error;
-  error.code = tmcl::Errc::not_permitted;
-  error.outcome = tmcl::Outcome::not_sent;
-  error.message = "module " + std::to_string(number(request.address)) + " " + std::string(why) +
-                  ": nothing on bus '" + bus.name() + "' could stop its motors";
-  error.hint = std::move(hint);
+  auto error =
+      tmcl::not_sent(tmcl::Errc::not_permitted,
+                     "module " + std::to_string(number(request.address)) + " " + std::string(why) +
+                         ": nothing on bus '" + bus.name() + "' could stop its motors",
+                     std::move(hint));
   error.bus = bus.name();
   error.request = request;
   return error;

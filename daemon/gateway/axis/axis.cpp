@@ -85,13 +85,11 @@ tmcl::Error found_no_reference(const std::string& axis) {
 }
 
 tmcl::Error may_change_coordinates(const std::string& axis) {
-  tmcl::Error error;
-  error.code = tmcl::Errc::not_permitted;
-  error.outcome = tmcl::Outcome::not_sent;
-  error.message = "axis '" + axis + "' has soft limits, and a program runs in its module, which " +
-                  "may change the coordinate after it was checked";
-  error.hint = "stop the program first, or move the axis alone";
-  return error;
+  return tmcl::not_sent(tmcl::Errc::not_permitted,
+                        "axis '" + axis +
+                            "' has soft limits, and a program runs in its module, which " +
+                            "may change the coordinate after it was checked",
+                        "stop the program first, or move the axis alone");
 }
 
 tmcl::Error went_too_far(const std::string& axis, Microsteps limit) {

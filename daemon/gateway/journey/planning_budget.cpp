@@ -10,16 +10,12 @@ constexpr std::size_t bytes_of_a_plan = std::size_t{16} << 10;
 constexpr std::size_t bytes_of_a_megabyte = std::size_t{1} << 20;
 
 tmcl::Error full(const std::string& what, std::size_t used, std::size_t limit) {
-  tmcl::Error error;
-  error.code = tmcl::Errc::queue_full;
-  error.outcome = tmcl::Outcome::not_sent;
-  error.message = what + ": " + std::to_string(used / bytes_of_a_megabyte) + " of " +
-                  std::to_string(limit / bytes_of_a_megabyte) +
-                  " MB of memory for planning are taken";
-  error.hint =
+  return tmcl::not_sent(
+      tmcl::Errc::queue_full,
+      what + ": " + std::to_string(used / bytes_of_a_megabyte) + " of " +
+          std::to_string(limit / bytes_of_a_megabyte) + " MB of memory for planning are taken",
       "wait until some of them are answered before asking for more; 'planning_memory_mb' in the "
-      "configuration sets how much there is";
-  return error;
+      "configuration sets how much there is");
 }
 
 }  // namespace

@@ -38,11 +38,7 @@ constexpr tmcl::Duration longest_braking = 10s;
 constexpr tmcl::Duration time_to_set_back = 2s;
 
 tl::unexpected<tmcl::Error> failed(tmcl::Errc code, std::string message, std::string hint) {
-  tmcl::Error error;
-  error.code = code;
-  error.message = std::move(message);
-  error.hint = std::move(hint);
-  return tl::unexpected(std::move(error));
+  return tl::unexpected(tmcl::not_sent(code, std::move(message), std::move(hint)));
 }
 
 tmcl::Script<tmcl::Result<std::int32_t>> ask_held(tmcl::AxisAddress axis, std::uint8_t parameter,

@@ -47,6 +47,15 @@ enum class Errc : std::uint8_t {
   latched,        ///< The module has restarted or was replaced, and the axis is not cleared yet.
   not_permitted,  ///< Who asks for it may not have it, by the configuration; nothing was sent.
   stale_request,  ///< It was asked for before the daemon stood still for a while; nothing was sent.
+  // Of quantities (tmcl/quantity.hpp); nothing was sent.
+  bad_quantity,   ///< No number with a unit, or a fraction of what is counted.
+  decimal_comma,  ///< The number has a comma.
+  not_finite,     ///< Not a finite number.
+  two_units,      ///< More than one number and one unit.
+  bare_number,    ///< Without a unit, where the axis has one.
+  unknown_unit,   ///< The axis has no such unit, or what it is worth is not known.
+  wrong_unit,     ///< It measures something else.
+  out_of_range,   ///< Not within what is possible.
 };
 
 struct Error {
@@ -74,7 +83,9 @@ std::string describe(const Error& error);
 
 /// The error for an answer with a status below 100.
 Error refusal(const Request& request, Status status);
-/// An error about something the caller passed in.
+/// An error about what was not sent.
+Error not_sent(Errc code, std::string message, std::string hint = {});
+/// The same about something the caller passed in.
 Error bad_argument(std::string message, std::string hint = {});
 
 }  // namespace tmcl

@@ -44,6 +44,6 @@ bool may_oscillate(std::int32_t bow, PulsesPerSecond2 acceleration);
 bool is_jerk(const Quantity& quantity);
 /// Behind a unit, "/s^3", "/s3" and "/s/s/s" are per second cubed; pps, rps and rpm are per second
 /// and per minute already. Errors: those of to_pps2(); wrong_unit for what is no jerk; bare_number.
-Converted<PulsesPerSecond3> to_pps3(const Quantity& quantity, const AxisUnits& units);
+Result<PulsesPerSecond3> to_pps3(const Quantity& quantity, const AxisUnits& units);
 
 }  // namespace tmcl

@@ -12,9 +12,8 @@
 #include <string>
 #include <string_view>
 
-#include <tl/expected.hpp>
-
 #include "tmcl/conversion.hpp"
+#include "tmcl/error.hpp"
 #include "tmcl/mechanics.hpp"
 #include "tmcl/model.hpp"
 #include "tmcl/parameter.hpp"
@@ -39,19 +38,9 @@ std::string unit_of(Dimension dimension, const std::string& unit);
 /// an acceleration.
 std::string unit_of(const ParameterInfo& row, const std::string& unit);
 
-struct QuantityError {
-  /// bad_quantity, decimal_comma, not_finite, two_units, bare_number, unknown_unit, wrong_unit or
-  /// out_of_range: stable, unlike the rest.
-  std::string_view code;
-  std::string message;
-  std::string hint{};  ///< What to try; may be empty.
-};
-template <class T>
-using Converted = tl::expected<T, QuantityError>;
-
 /// A finite decimal number, then perhaps blanks, then perhaps a unit. Whether an axis has that unit
 /// is not known here. Errors: bad_quantity, decimal_comma, not_finite, two_units.
-Converted<Quantity> parse_quantity(std::string_view text);
+Result<Quantity> parse_quantity(std::string_view text);
 
 /// What an axis is measured in, and what its module counts in.
 struct AxisUnits {
@@ -76,7 +65,7 @@ struct AxisUnits {
 
 /// bare_number: a quantity without a unit, where the axis measures in `unit`. Zero is the same in
 /// every unit, so that is not repeated.
-QuantityError bare_number(const Quantity& quantity, Dimension dimension, const std::string& unit);
+Error bare_number(const Quantity& quantity, Dimension dimension, const std::string& unit);
 
 /// The number in the unit of the axis; nothing for units that do not convert into that.
 std::optional<double> in_own_unit(const Quantity& quantity, const AxisUnits& units);
@@ -86,21 +75,21 @@ std::optional<double> in_own_unit(const Quantity& quantity, const AxisUnits& uni
 // what the module counts; unknown_unit, also where a conversion is not known; wrong_unit for one
 // that measures something else; out_of_range, with the nearest value that is possible.
 
-Converted<Microsteps> to_microsteps(const Quantity& quantity, const AxisUnits& units,
-                                    ValueRange range = {});
-Converted<PulsesPerSecond> to_pps(const Quantity& quantity, const AxisUnits& units);
-Converted<PulsesPerSecond2> to_pps2(const Quantity& quantity, const AxisUnits& units);
+Result<Microsteps> to_microsteps(const Quantity& quantity, const AxisUnits& units,
+                                 ValueRange range = {});
+Result<PulsesPerSecond> to_pps(const Quantity& quantity, const AxisUnits& units);
+Result<PulsesPerSecond2> to_pps2(const Quantity& quantity, const AxisUnits& units);
 /// For a parameter of the axis' model: what the module is to hold. Parameters that are never
 /// negative have no direction.
-Converted<std::int32_t> to_parameter(const Quantity& quantity, const AxisUnits& units,
-                                     const ParameterInfo& row);
+Result<std::int32_t> to_parameter(const Quantity& quantity, const AxisUnits& units,
+                                  const ParameterInfo& row);
 
 /// And back: in the unit of the axis, or in turns if it has none. Errors: wrong_unit for a
 /// parameter that is neither a position nor a velocity nor an acceleration; unknown_unit.
-Converted<Quantity> from_parameter(std::int32_t value, const AxisUnits& units,
-                                   const ParameterInfo& row);
+Result<Quantity> from_parameter(std::int32_t value, const AxisUnits& units,
+                                const ParameterInfo& row);
 
 /// What the library says of this velocity or acceleration, told in the unit that it was said in.
-QuantityError out_of_reach(const Quantity& quantity, const AxisUnits& units, OutOfReach error);
+Error out_of_reach(const Quantity& quantity, const AxisUnits& units, OutOfReach error);
 
 }  // namespace tmcl

@@ -73,7 +73,15 @@ int code_of(const Error& error) {
 
 ErrorKind kind_of(Errc code) {
   switch (code) {
-    case Errc::bad_argument: return ErrorKind::bad_request;
+    case Errc::bad_argument:
+    case Errc::bad_quantity:
+    case Errc::decimal_comma:
+    case Errc::not_finite:
+    case Errc::two_units:
+    case Errc::bare_number:
+    case Errc::unknown_unit:
+    case Errc::wrong_unit:
+    case Errc::out_of_range: return ErrorKind::bad_request;
     case Errc::move_interrupted: return ErrorKind::ended_early;
     case Errc::beyond_soft_limit:
     case Errc::axis_claimed:

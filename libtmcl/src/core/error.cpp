@@ -38,6 +38,14 @@ std::string_view name_of(Errc code) {
     case Errc::latched: return "latched";
     case Errc::stale_request: return "stale_request";
     case Errc::not_permitted: return "not_permitted";
+    case Errc::bad_quantity: return "bad_quantity";
+    case Errc::decimal_comma: return "decimal_comma";
+    case Errc::not_finite: return "not_finite";
+    case Errc::two_units: return "two_units";
+    case Errc::bare_number: return "bare_number";
+    case Errc::unknown_unit: return "unknown_unit";
+    case Errc::wrong_unit: return "wrong_unit";
+    case Errc::out_of_range: return "out_of_range";
   }
   return "";
 }
@@ -68,8 +76,12 @@ Error refusal(const Request& request, Status status) {
   return error;
 }
 
+Error not_sent(Errc code, std::string message, std::string hint) {
+  return {code, Outcome::not_sent, std::move(message), std::move(hint), {}, {}, {}};
+}
+
 Error bad_argument(std::string message, std::string hint) {
-  return {Errc::bad_argument, Outcome::not_sent, std::move(message), std::move(hint), {}, {}, {}};
+  return not_sent(Errc::bad_argument, std::move(message), std::move(hint));
 }
 
 }  // namespace tmcl

@@ -67,11 +67,11 @@ bool is_jerk(const Quantity& quantity) {
   return dimension_of(Quantity{0, of_velocity}) == Dimension::velocity;
 }
 
-Converted<PulsesPerSecond3> to_pps3(const Quantity& quantity, const AxisUnits& units) {
+Result<PulsesPerSecond3> to_pps3(const Quantity& quantity, const AxisUnits& units) {
   if (!is_jerk(quantity)) {
     const auto own = units.has_unit() ? "1000" + units.scale->unit + "/s^3, " : std::string();
-    return tl::unexpected(QuantityError{"wrong_unit", "'" + to_string(quantity) + "' is no jerk",
-                                        "That is such as " + own + "1000pps/s^2, 10rps/s^2"});
+    return tl::unexpected(not_sent(Errc::wrong_unit, "'" + to_string(quantity) + "' is no jerk",
+                                   "That is such as " + own + "1000pps/s^2, 10rps/s^2"));
   }
   return to_pps2({quantity.number, once_less_per_second(quantity.unit)}, units)
       .map([](PulsesPerSecond2 change) { return PulsesPerSecond3{change.value}; });

@@ -78,9 +78,8 @@ UnitName split(std::string_view unit) {
   return {unit, known, suffix->per_seconds + (known == nullptr ? 0 : known->per_seconds)};
 }
 
-tl::unexpected<QuantityError> failed(std::string_view code, std::string message,
-                                     std::string hint = {}) {
-  return tl::unexpected(QuantityError{code, std::move(message), std::move(hint)});
+tl::unexpected<Error> failed(Errc code, std::string message, std::string hint = {}) {
+  return tl::unexpected(not_sent(code, std::move(message), std::move(hint)));
 }
 
 // ---- text ----
@@ -109,14 +108,14 @@ std::string typed(std::string_view text) {
 }
 
 /// `rest` is what stands behind the number.
-tl::unexpected<QuantityError> bad_rest(std::string_view text, std::string_view rest) {
+tl::unexpected<Error> bad_rest(std::string_view text, std::string_view rest) {
   if (rest.size() > 1 && rest[0] == ',' && is_digit(rest[1])) {
     auto mended = std::string(text);
     mended[text.size() - rest.size()] = '.';
-    return failed("decimal_comma", quoted(text) + " has a comma in its number",
+    return failed(Errc::decimal_comma, quoted(text) + " has a comma in its number",
                   "The decimal sign is a point: " + mended);
   }
-  return failed("two_units", quoted(text) + " is more than one number and one unit",
+  return failed(Errc::two_units, quoted(text) + " is more than one number and one unit",
                 std::string(example));
 }
 
@@ -138,7 +137,7 @@ double part_of_own(const UnitName& name, const AxisUnits& units) {
   return name.base == units.scale->unit ? 1 : own_unit(units)->size / name.known->size;
 }
 
-QuantityError unknown_unit(const Quantity& quantity, const UnitName& name, const AxisUnits& units) {
+Error unknown_unit(const Quantity& quantity, const UnitName& name, const AxisUnits& units) {
   std::vector<std::string_view> names;
   for (const auto& unit : known_units) {
     const bool of_every_axis = unit.base == Base::microstep || unit.base == Base::turn;
@@ -152,35 +151,35 @@ QuantityError unknown_unit(const Quantity& quantity, const UnitName& name, const
   hint += "and /s behind them." + did_you_mean(name.base, names);
   if (!units.has_unit())
     hint += " Units of its own come from the configuration: unit and units_per_revolution";
-  return {
-      "unknown_unit",
+  return not_sent(
+      Errc::unknown_unit,
       quoted(to_string(quantity)) + ": axis " + units.axis + " has no unit " + quoted(name.base),
-      std::move(hint)};
+      std::move(hint));
 }
 
-tl::unexpected<QuantityError> unknown_turn(const Quantity& quantity, const AxisUnits& units) {
-  return failed("unknown_unit",
+tl::unexpected<Error> unknown_turn(const Quantity& quantity, const AxisUnits& units) {
+  return failed(Errc::unknown_unit,
                 quoted(to_string(quantity)) + ": how many microsteps a turn of axis " + units.axis +
                     " has is not known",
                 "Give a number of microsteps; the configuration can have the key microsteps");
 }
 
-tl::unexpected<QuantityError> unknown_counting(const Quantity& quantity, const AxisUnits& units) {
-  return failed("unknown_unit",
+tl::unexpected<Error> unknown_counting(const Quantity& quantity, const AxisUnits& units) {
+  return failed(Errc::unknown_unit,
                 quoted(to_string(quantity)) + ": what the module of axis " + units.axis +
                     " counts in is not known",
                 "Give a bare number, in the module's own unit");
 }
 
-tl::unexpected<QuantityError> measures_nothing(const Quantity& quantity, const ParameterInfo& row) {
-  return failed("wrong_unit",
+tl::unexpected<Error> measures_nothing(const Quantity& quantity, const ParameterInfo& row) {
+  return failed(Errc::wrong_unit,
                 quoted(to_string(quantity)) + ": " + std::string(row.name) +
                     " is neither a position nor a velocity nor an acceleration",
                 "Give a bare number");
 }
 
 /// Measured in the unit of the quantity.
-Converted<UserScale> scale_of(const Quantity& quantity, const AxisUnits& units) {
+Result<UserScale> scale_of(const Quantity& quantity, const AxisUnits& units) {
   const auto name = split(quantity.unit);
   if (name.known != nullptr && name.known->base == Base::microstep) return microsteps_scale();
   const bool in_turns = name.known != nullptr && name.known->base == Base::turn;
@@ -205,29 +204,28 @@ constexpr Expected expected_of(Dimension dimension) {
 }
 
 /// The same for one that must measure this.
-Converted<UserScale> scale_for(Dimension dimension, const Quantity& quantity,
-                               const AxisUnits& units) {
+Result<UserScale> scale_for(Dimension dimension, const Quantity& quantity, const AxisUnits& units) {
   auto scale = scale_of(quantity, units);
   const int per_seconds = static_cast<int>(dimension) - static_cast<int>(Dimension::position);
   if (!scale || split(quantity.unit).per_seconds == per_seconds) return scale;
   const auto [what, examples] = expected_of(dimension);
   auto hint = "That is such as " + std::string(examples);
   if (units.has_unit()) hint += ", or in " + unit_of(dimension, units.scale->unit);
-  return failed("wrong_unit", quoted(to_string(quantity)) + " is no " + std::string(what),
+  return failed(Errc::wrong_unit, quoted(to_string(quantity)) + " is no " + std::string(what),
                 std::move(hint));
 }
 
 // ---- values of a module ----
 
-Converted<std::int32_t> bare_value(const Quantity& quantity, const AxisUnits& units,
-                                   Dimension dimension) {
+Result<std::int32_t> bare_value(const Quantity& quantity, const AxisUnits& units,
+                                Dimension dimension) {
   if (units.has_unit() && quantity.number != 0 && dimension != Dimension::other)
     return tl::unexpected(bare_number(quantity, dimension, units.scale->unit));
   const auto text = quoted(to_string(quantity));
   if (std::trunc(quantity.number) != quantity.number)
-    return failed("bad_quantity", text + " is no whole number, which the module counts in");
+    return failed(Errc::bad_quantity, text + " is no whole number, which the module counts in");
   if (!(quantity.number >= INT32_MIN && quantity.number <= INT32_MAX))
-    return failed("out_of_range", text + " is not within -2147483648 to 2147483647");
+    return failed(Errc::out_of_range, text + " is not within -2147483648 to 2147483647");
   return static_cast<std::int32_t>(quantity.number);
 }
 
@@ -251,10 +249,10 @@ Reached<std::int32_t> in_module(double number, Dimension dimension, const UserSc
       .map_error([&](const OutOfReach& error) { return in_acceleration_units(error, scale); });
 }
 
-QuantityError out_of_range(const Quantity& quantity, OutOfReach error) {
+Error out_of_range(const Quantity& quantity, OutOfReach error) {
   error.wished = quantity.number;
   error.unit = quantity.unit;
-  return {"out_of_range", describe(error)};
+  return not_sent(Errc::out_of_range, describe(error));
 }
 
 bool is_in_counts(const ParameterInfo& row, const AxisUnits& units) {
@@ -262,26 +260,25 @@ bool is_in_counts(const ParameterInfo& row, const AxisUnits& units) {
 }
 
 /// For what an encoder reads: only lengths and angles can be told in its counts.
-Converted<std::int32_t> to_counts(const Quantity& quantity, const AxisUnits& units,
-                                  const ParameterInfo& row) {
+Result<std::int32_t> to_counts(const Quantity& quantity, const AxisUnits& units,
+                               const ParameterInfo& row) {
   if (!units.scale) return unknown_turn(quantity, units);
   const auto own = in_own_unit(quantity, units);
   if (!own || dimension_of(quantity) != Dimension::position) {
     return failed(
-        "wrong_unit",
+        Errc::wrong_unit,
         quoted(to_string(quantity)) + ": " + std::string(row.name) + " is in counts of the encoder",
         "Give it in " + units.scale->unit + ", or a bare number of counts");
   }
   const auto scale = encoder_scale(*units.encoder_counts_per_unit, *units.scale);
   return in_module(*own, Dimension::position, scale, units, {row.minimum, row.maximum})
-      .map_error([](const OutOfReach& error) {
-        return QuantityError{"out_of_range", describe(error)};
-      });
+      .map_error(
+          [](const OutOfReach& error) { return not_sent(Errc::out_of_range, describe(error)); });
 }
 
 /// What a module counts velocities or accelerations in.
-Converted<std::int32_t> bare_rate(const Quantity& quantity, const AxisUnits& units,
-                                  Dimension dimension) {
+Result<std::int32_t> bare_rate(const Quantity& quantity, const AxisUnits& units,
+                               Dimension dimension) {
   if (!units.module) return unknown_counting(quantity, units);
   return bare_value(quantity, units, dimension);
 }
@@ -314,9 +311,9 @@ std::string unit_of(const ParameterInfo& row, const std::string& unit) {
   return unit_of(dimension_of(row), unit);
 }
 
-Converted<Quantity> parse_quantity(std::string_view text) {
+Result<Quantity> parse_quantity(std::string_view text) {
   if (text.size() > most_quantity_bytes) {
-    return failed("bad_quantity",
+    return failed(Errc::bad_quantity,
                   "a quantity of " + std::to_string(text.size()) + " letters is too long",
                   "It has at most " + std::to_string(most_quantity_bytes));
   }
@@ -331,9 +328,10 @@ Converted<Quantity> parse_quantity(std::string_view text) {
   const auto unit = rest.substr(std::min(rest.find_first_not_of(' '), rest.size()));
   const auto base = split(unit).base;
   if (error == std::errc::invalid_argument || (base.empty() && !unit.empty()))
-    return failed("bad_quantity", quoted(text) + " is no number with a unit", std::string(example));
+    return failed(Errc::bad_quantity, quoted(text) + " is no number with a unit",
+                  std::string(example));
   if (error != std::errc{} || !std::isfinite(number))
-    return failed("not_finite", quoted(text) + " is no finite number", std::string(example));
+    return failed(Errc::not_finite, quoted(text) + " is no finite number", std::string(example));
   const auto is_of_no_unit = [](char c) { return is_digit(c) || c == ' ' || c == ',' || c == '.'; };
   if (std::ranges::any_of(base, is_of_no_unit)) return bad_rest(text, rest);
   return Quantity{number, std::string(unit)};
@@ -349,13 +347,13 @@ AxisUnits AxisUnits::undirected() const {
   return units;
 }
 
-QuantityError bare_number(const Quantity& quantity, Dimension dimension, const std::string& unit) {
+Error bare_number(const Quantity& quantity, Dimension dimension, const std::string& unit) {
   const auto number = to_string({quantity.number, {}});
   const auto in_microsteps = dimension == Dimension::position   ? "microsteps"
                              : dimension == Dimension::velocity ? "pps"
                                                                 : "pps/s";
-  return {"bare_number", quoted(number) + " has no unit, and the axis has one",
-          number + unit_of(dimension, unit) + " or " + number + in_microsteps};
+  return not_sent(Errc::bare_number, quoted(number) + " has no unit, and the axis has one",
+                  number + unit_of(dimension, unit) + " or " + number + in_microsteps);
 }
 
 std::optional<double> in_own_unit(const Quantity& quantity, const AxisUnits& units) {
@@ -365,8 +363,8 @@ std::optional<double> in_own_unit(const Quantity& quantity, const AxisUnits& uni
   return quantity.number * name.known->size / own_unit(units)->size;
 }
 
-Converted<Microsteps> to_microsteps(const Quantity& quantity, const AxisUnits& units,
-                                    ValueRange range) {
+Result<Microsteps> to_microsteps(const Quantity& quantity, const AxisUnits& units,
+                                 ValueRange range) {
   const auto as_microsteps = [](std::int32_t value) { return Microsteps{value}; };
   if (quantity.unit.empty())
     return bare_value(quantity, units, Dimension::position).map(as_microsteps);
@@ -377,7 +375,7 @@ Converted<Microsteps> to_microsteps(const Quantity& quantity, const AxisUnits& u
   });
 }
 
-Converted<PulsesPerSecond> to_pps(const Quantity& quantity, const AxisUnits& units) {
+Result<PulsesPerSecond> to_pps(const Quantity& quantity, const AxisUnits& units) {
   if (quantity.unit.empty()) {
     return bare_rate(quantity, units, Dimension::velocity).map([&](std::int32_t value) {
       return to_pps(InternalVelocity{value}, *units.module);
@@ -388,7 +386,7 @@ Converted<PulsesPerSecond> to_pps(const Quantity& quantity, const AxisUnits& uni
   });
 }
 
-Converted<PulsesPerSecond2> to_pps2(const Quantity& quantity, const AxisUnits& units) {
+Result<PulsesPerSecond2> to_pps2(const Quantity& quantity, const AxisUnits& units) {
   if (quantity.unit.empty()) {
     return bare_rate(quantity, units, Dimension::acceleration).map([&](std::int32_t value) {
       return to_pps2(InternalAcceleration{value}, *units.module);
@@ -399,8 +397,8 @@ Converted<PulsesPerSecond2> to_pps2(const Quantity& quantity, const AxisUnits& u
   });
 }
 
-Converted<std::int32_t> to_parameter(const Quantity& quantity, const AxisUnits& units,
-                                     const ParameterInfo& row) {
+Result<std::int32_t> to_parameter(const Quantity& quantity, const AxisUnits& units,
+                                  const ParameterInfo& row) {
   const auto dimension = dimension_of(row);
   if (quantity.unit.empty()) return bare_value(quantity, units, dimension);
   if (dimension == Dimension::other) return measures_nothing(quantity, row);
@@ -417,8 +415,8 @@ Converted<std::int32_t> to_parameter(const Quantity& quantity, const AxisUnits& 
       .map_error([&](const OutOfReach& error) { return out_of_range(quantity, error); });
 }
 
-Converted<Quantity> from_parameter(std::int32_t value, const AxisUnits& units,
-                                   const ParameterInfo& row) {
+Result<Quantity> from_parameter(std::int32_t value, const AxisUnits& units,
+                                const ParameterInfo& row) {
   const Quantity bare{static_cast<double>(value), {}};
   const auto dimension = dimension_of(row);
   if (dimension == Dimension::other) return measures_nothing(bare, row);
@@ -436,9 +434,9 @@ Converted<Quantity> from_parameter(std::int32_t value, const AxisUnits& units,
   return in_unit(to_user(to_pps2(InternalAcceleration{value}, *units.module), scale).value);
 }
 
-QuantityError out_of_reach(const Quantity& quantity, const AxisUnits& units, OutOfReach error) {
+Error out_of_reach(const Quantity& quantity, const AxisUnits& units, OutOfReach error) {
   const auto scale = scale_of(quantity, units);
-  if (quantity.unit.empty() || !scale) return {"out_of_range", describe(error)};
+  if (quantity.unit.empty() || !scale) return not_sent(Errc::out_of_range, describe(error));
   return out_of_range(quantity, dimension_of(quantity) == Dimension::velocity
                                     ? in_velocity_units(error, *scale)
                                     : in_acceleration_units(error, *scale));

@@ -27,10 +27,7 @@ bool is_socket(int descriptor) {
 }  // namespace
 
 tl::unexpected<Error> because(Errc code, std::string why) {
-  Error error;
-  error.code = code;
-  error.message = std::move(why);
-  return tl::unexpected(std::move(error));
+  return tl::unexpected(not_sent(code, std::move(why)));
 }
 
 std::string system_text(int error) { return std::generic_category().message(error); }

@@ -119,7 +119,7 @@ struct PathAxis {
   double stands_at = 0;  ///< In the file's units.
 };
 /// Objections: what is not known of an axis; one whose unit is not the file's, or that moves, or
-/// cannot; a quantity that it cannot be measured in, by the codes of QuantityError.
+/// cannot; a quantity that it cannot be measured in, by the name of the Errc.
 PathResult<PathAxis> path_axis(const PathSource& source, const PathAxisFacts& facts,
                                const PathRequest& request);
 /// Whether a course that was planned for the one suits the other, wherever they stand.

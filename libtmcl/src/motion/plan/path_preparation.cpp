@@ -164,15 +164,16 @@ template <class InMicrosteps>
 std::optional<PathObjection> lower(double& limit, const char* param,
                                    const std::optional<tmcl::Quantity>& said,
                                    const AxisUnits& units, double microsteps_per_unit,
-                                   Converted<InMicrosteps> (*convert)(const tmcl::Quantity&,
-                                                                      const AxisUnits&)) {
+                                   Result<InMicrosteps> (*convert)(const tmcl::Quantity&,
+                                                                   const AxisUnits&)) {
   if (!said) return std::nullopt;
   double in_file_units = said->number;
   if (!said->unit.empty()) {
     const auto converted = convert(*said, units.undirected());
     if (!converted) {
       const auto& error = converted.error();
-      return PathObjection{std::string(error.code), error.message, {}, {}, param, error.hint};
+      return PathObjection{
+          std::string(name_of(error.code)), error.message, {}, {}, param, error.hint};
     }
     in_file_units = converted->value / std::abs(microsteps_per_unit);
   }
