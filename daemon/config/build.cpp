@@ -59,7 +59,7 @@ constexpr Step steps[] = {{SectionKind::daemon, add_daemon}, {SectionKind::acces
 
 }  // namespace
 
-Config build_config(std::span<const ConfigSection> sections, std::vector<ConfigProblem>& problems) {
+Config build_config(std::span<const ConfigSection> sections, tmcl::TextProblems& problems) {
   Draft draft(sections, problems);
   for (const auto& step : steps) {
     for (const auto& section : sections)

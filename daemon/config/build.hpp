@@ -12,6 +12,6 @@ namespace tmcld {
 
 /// Appends what is wrong to `problems`; what it returns can be relied on only if there are none.
 /// Sections that lack a required key are left out without a further word.
-Config build_config(std::span<const ConfigSection> sections, std::vector<ConfigProblem>& problems);
+Config build_config(std::span<const ConfigSection> sections, tmcl::TextProblems& problems);
 
 }  // namespace tmcld

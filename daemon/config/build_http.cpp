@@ -23,10 +23,10 @@ constexpr std::uint8_t first_byte_of_loopback = 127;
 
 struct SectionProblems {
   const ConfigSection& section;
-  std::vector<ConfigProblem>& all;
+  tmcl::TextProblems& all;
 
   void add(std::string_view key, std::string message) const {
-    all.push_back({section.place_of(key), std::move(message)});
+    all.push_back(section.place_of(key).problem(std::move(message)));
   }
 };
 
@@ -112,7 +112,7 @@ void check_tls(const SectionProblems& problems, const HttpConfig& http) {
 
 }  // namespace
 
-HttpConfig build_http(const ConfigSection& section, std::vector<ConfigProblem>& problems) {
+HttpConfig build_http(const ConfigSection& section, tmcl::TextProblems& problems) {
   HttpConfig http;
   const SectionProblems into{section, problems};
   add_addresses(into, http);

@@ -9,6 +9,6 @@
 namespace tmcld {
 
 /// Appends what is wrong to `problems`. That files can be read is checked when they are opened.
-HttpConfig build_http(const ConfigSection& section, std::vector<ConfigProblem>& problems);
+HttpConfig build_http(const ConfigSection& section, tmcl::TextProblems& problems);
 
 }  // namespace tmcld

@@ -35,7 +35,7 @@ LinkScope scope_of(const tmcl::LinkName& link) {
   return LinkScope::serial_framing;
 }
 
-Draft::Draft(std::span<const ConfigSection> sections, std::vector<ConfigProblem>& problems)
+Draft::Draft(std::span<const ConfigSection> sections, tmcl::TextProblems& problems)
     : problems_(problems) {
   for (const auto& section : sections) {
     if (section.kind != SectionKind::bus) continue;

@@ -22,10 +22,10 @@ LinkScope scope_of(const tmcl::LinkName& link);
 class Draft {
  public:
   /// What is wrong is appended to `problems`.
-  Draft(std::span<const ConfigSection> sections, std::vector<ConfigProblem>& problems);
+  Draft(std::span<const ConfigSection> sections, tmcl::TextProblems& problems);
 
-  void complain(Place place, std::string message) {
-    problems_.push_back({place, std::move(message)});
+  void complain(const Place& place, std::string message) {
+    problems_.push_back(place.problem(std::move(message)));
   }
   /// The name of a section; null, and a complaint, if it is malformed or one of `taken` has it.
   template <class List>
@@ -56,7 +56,7 @@ class Draft {
   std::optional<std::size_t> choice(const ConfigSection& section, std::string_view key,
                                     std::span<const std::string_view> names);
 
-  std::vector<ConfigProblem>& problems_;
+  tmcl::TextProblems& problems_;
   std::vector<std::string> declared_buses_;
   bool has_nameless_bus_ = false;
 };

@@ -1,7 +1,6 @@
 #include "config/load.hpp"
 
 #include <algorithm>
-#include <tuple>
 #include <utility>
 
 #include "config/build.hpp"
@@ -12,14 +11,7 @@
 namespace tmcld {
 namespace {
 
-using Problems = std::vector<ConfigProblem>;
-
-bool comes_first(const ConfigProblem& a, const ConfigProblem& b) {
-  const auto key = [](const Place& place) {
-    return std::tuple(place.file, place.line, place.column);
-  };
-  return key(a.place) < key(b.place);
-}
+using Problems = tmcl::TextProblems;
 
 std::optional<HttpConfig> http_of(ConfigText& text) {
   const auto section = std::ranges::find(text.sections, SectionKind::http, &ConfigSection::kind);
@@ -32,13 +24,16 @@ tl::expected<Config, Problems> build(ConfigText text) {
   if (text.is_toml) config = build_config(text.sections, text.problems);
   (void)http_of(text);
   if (text.problems.empty()) return config;
-  std::ranges::stable_sort(text.problems, comes_first);
+  std::ranges::stable_sort(text.problems, {}, [](const tmcl::TextProblem& problem) {
+    return std::pair(problem.line, problem.column);
+  });
   return tl::unexpected(std::move(text.problems));
 }
 
-void demand_daemon_section(ConfigText& text) {
+void demand_daemon_section(ConfigText& text, const std::string& file = {}) {
   if (!text.is_toml || text.names_daemon) return;
-  text.problems.push_back({{}, "the section [daemon] with its key 'socket' is missing"});
+  text.problems.push_back(
+      Place{1, 1, file}.problem("the section [daemon] with its key 'socket' is missing"));
 }
 
 // ---- several files -----------------------------------------------------------------------------
@@ -46,49 +41,51 @@ void demand_daemon_section(ConfigText& text) {
 using Files = std::vector<ConfigFile>;
 
 /// Sections go by their order; where they stand tells the file, too.
-void append(ConfigText& all, ConfigText one, std::uint32_t file) {
+void append(ConfigText& all, ConfigText one, const std::string& file) {
   for (auto& section : one.sections) {
     section.place.file = file;
     for (auto& [key, value] : section.values) value.place.file = file;
     all.sections.push_back(std::move(section));
   }
   for (auto& problem : one.problems) {
-    problem.place.file = file;
+    problem.file = file;
     all.problems.push_back(std::move(problem));
   }
   all.is_toml = all.is_toml && one.is_toml;
   all.names_daemon = all.names_daemon || one.names_daemon;
 }
 
-void check_single_section(ConfigText& text, const Files& files, SectionKind kind) {
+void check_single_section(ConfigText& text, SectionKind kind) {
   const ConfigSection* first = nullptr;
   for (const auto& section : text.sections) {
     if (section.kind != kind) continue;
     if (first == nullptr) {
       first = &section;
     } else {
-      text.problems.push_back({section.place, std::string(title_of(kind)) + " stands in " +
-                                                  files.at(first->place.file).path +
-                                                  " already: it is for one file"});
+      text.problems.push_back(section.place.problem(std::string(title_of(kind)) + " stands in " +
+                                                    first->place.file +
+                                                    " already: it is for one file"));
     }
   }
 }
 
 ConfigText read_all(const Files& files, DaemonSection daemon) {
   ConfigText all;
-  for (std::size_t i = 0; i < files.size(); ++i)
-    append(all, read_sections(files[i].text, daemon), static_cast<std::uint32_t>(i));
-  check_single_section(all, files, SectionKind::daemon);
-  check_single_section(all, files, SectionKind::http);
+  for (const auto& file : files) append(all, read_sections(file.text, daemon), file.path);
+  check_single_section(all, SectionKind::daemon);
+  check_single_section(all, SectionKind::http);
   return all;
 }
 
 tl::expected<Config, std::vector<std::string>> with_lines(const Files& files,
                                                           tl::expected<Config, Problems> config) {
   if (config) return std::move(*config);
+  auto& problems = config.error();
+  std::ranges::stable_sort(problems, {}, [&](const tmcl::TextProblem& problem) {
+    return std::ranges::find(files, problem.file, &ConfigFile::path);
+  });
   std::vector<std::string> lines;
-  for (const auto& problem : config.error())
-    lines.push_back(describe(files.at(problem.place.file).path, problem));
+  for (const auto& problem : problems) lines.push_back(describe(problem));
   return tl::unexpected(std::move(lines));
 }
 
@@ -132,7 +129,7 @@ void keep_only(std::vector<ConfigSection>& sections, const std::string& bus) {
 
 }  // namespace
 
-tl::expected<Config, std::vector<ConfigProblem>> parse_config(std::string_view toml) {
+tl::expected<Config, tmcl::TextProblems> parse_config(std::string_view toml) {
   auto text = read_sections(toml, DaemonSection::read);
   demand_daemon_section(text);
   return build(std::move(text));
@@ -142,7 +139,7 @@ tl::expected<LoadedConfig, std::vector<std::string>> load_config(const std::stri
   const auto files = read_config_files(path);
   if (!files) return tl::unexpected(std::vector{files.error()});
   auto text = read_all(*files, DaemonSection::read);
-  demand_daemon_section(text);
+  demand_daemon_section(text, files->front().path);
   auto config = with_lines(*files, build(std::move(text)));
   if (!config) return tl::unexpected(std::move(config.error()));
   return LoadedConfig{std::move(*config), files->size()};

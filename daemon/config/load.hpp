@@ -9,12 +9,12 @@
 #include <tl/expected.hpp>
 
 #include "config/config.hpp"
-#include "config/problem.hpp"
+#include "tmcl/text_problem.hpp"
 
 namespace tmcld {
 
 /// Errors: everything that is wrong, in the order of the text. Never throws.
-tl::expected<Config, std::vector<ConfigProblem>> parse_config(std::string_view toml);
+tl::expected<Config, tmcl::TextProblems> parse_config(std::string_view toml);
 
 struct LoadedConfig {
   Config config;

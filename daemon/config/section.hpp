@@ -2,20 +2,33 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <variant>
 #include <vector>
 
 #include "config/keys.hpp"
-#include "config/problem.hpp"
+#include "tmcl/text_problem.hpp"
 
 namespace tmcld {
 
 using ConfigRange = std::array<double, 2>;
 using ConfigTexts = std::vector<std::string>;
+
+/// A place in a text; line and column count from one.
+struct Place {
+  std::size_t line = 1;
+  std::size_t column = 1;
+  std::string file{};  ///< Its path; empty where there is one text alone.
+
+  tmcl::TextProblem problem(std::string message) const {
+    return {line, column, std::move(message), {}, file};
+  }
+};
 
 struct ConfigValue {
   std::variant<std::string, std::int64_t, double, bool, ConfigRange, ConfigTexts> value;
@@ -48,7 +61,7 @@ struct ConfigText {
   bool is_toml = true;        ///< If not, there are no sections, and one problem.
   bool names_daemon = false;  ///< Its section, right or wrong.
   std::vector<ConfigSection> sections;
-  std::vector<ConfigProblem> problems;
+  tmcl::TextProblems problems;
 };
 
 enum class DaemonSection : std::uint8_t { read, ignored };

@@ -14,7 +14,7 @@ namespace {
 using tmcl::quoted;
 
 Place place_of(const toml::source_region& source) {
-  return {source.begin.line, source.begin.column, 0};
+  return {source.begin.line, source.begin.column};
 }
 
 class Reader {
@@ -45,8 +45,8 @@ class Reader {
   }
 
  private:
-  void complain(Place place, std::string message) {
-    text_.problems.push_back({place, std::move(message)});
+  void complain(const Place& place, std::string message) {
+    text_.problems.push_back(place.problem(std::move(message)));
   }
 
   void complain_unknown(const toml::key& key, const toml::node& node) {
@@ -169,7 +169,7 @@ ConfigText read_sections(std::string_view toml, DaemonSection daemon) {
     Reader(text, daemon).read(toml::parse(toml));
   } catch (const toml::parse_error& error) {
     text.is_toml = false;
-    text.problems.push_back({place_of(error.source()), std::string(error.description())});
+    text.problems.push_back(place_of(error.source()).problem(std::string(error.description())));
   }
   return text;
 }

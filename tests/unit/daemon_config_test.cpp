@@ -51,7 +51,7 @@ std::vector<std::string> problems(const std::string& toml) {
   const auto config = parse_config(toml);
   std::vector<std::string> lines;
   if (config) return lines;
-  for (const auto& problem : config.error()) lines.push_back(describe("f", problem));
+  for (const auto& problem : config.error()) lines.push_back(describe(problem, "f"));
   return lines;
 }
 
