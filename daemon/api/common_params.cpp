@@ -45,10 +45,10 @@ Result<std::optional<tmcl::TimePoint>> take_sent_at(const MethodInfo& method,
 }
 
 Result<Lease> find_lease(const Leases& leases, LeaseKey key) {
-  auto found = leases.find(key.lease, key.epoch);
-  if (found) return std::move(*found);
+  const auto* found = leases.find(key.lease);
+  if (found != nullptr && found->epoch == key.epoch) return *found;
   const auto which = "lease " + std::to_string(key.lease);
-  if (found.error() == NoLease::lost)
+  if (found == nullptr)
     return tl::unexpected(
         not_now("lease_lost", which + " has ended", "lease.acquire gives a new one"));
   return tl::unexpected(not_now("stale_epoch",

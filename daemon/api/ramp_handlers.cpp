@@ -70,14 +70,12 @@ Task<Wish> wish_of(GatewayAxis& axis, const axis::OfRamp& params) {
 }
 
 /// Which of them the module does not have.
-Error too_far(const tmcl::RampOutOfReach& fault, const Wish& wish) {
+Error too_far(const tmcl::OutOfReach& fault, const Wish& wish) {
   const auto error_at = [&](const auto& said) {
-    return quantity_error(said.param, out_of_reach(said.quantity, said.units, fault.error));
+    return quantity_error(said.param, out_of_reach(said.quantity, said.units, fault));
   };
-  if (fault.is_velocity) return error_at(wish.velocity);
-  const auto off = [&](const Rate2& rate) {
-    return std::abs(fault.error.wished - rate.in_pulses.value);
-  };
+  if (fault.is_velocity()) return error_at(wish.velocity);
+  const auto off = [&](const Rate2& rate) { return std::abs(fault.wished - rate.in_pulses.value); };
   const bool is_braking = off(wish.deceleration) < off(wish.acceleration);
   return error_at(is_braking ? wish.deceleration : wish.acceleration);
 }

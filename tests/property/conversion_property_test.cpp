@@ -86,8 +86,8 @@ TEST(ConversionProperty, WhatARefusalNamesCanBeHadAndNothingNearer) {
     const auto velocity = of_any_size(random, 0.01, 1e6);
     const auto acceleration = of_any_size(random, 0.001, 1e10);
     const auto ramp = choose_tmc429_ramp({velocity}, {acceleration});
-    if (ramp || ramp.error().is_velocity) continue;
-    const auto nearest = ramp.error().error.nearest;
+    if (ramp || ramp.error().is_velocity()) continue;
+    const auto nearest = ramp.error().nearest;
     ASSERT_TRUE(choose_tmc429_ramp({velocity}, {nearest})) << velocity << ' ' << nearest;
     for (const auto share : {0.25, 0.5, 0.9}) {
       const auto between = nearest + (acceleration - nearest) * share;

@@ -47,8 +47,10 @@ TEST(RampChoice, SaysWhatAModuleDoesInstead) {
   const auto choice = choose("TMCM-1110", {{10'000}, {20'000}, {40'000}, 1e6});
   EXPECT_THAT(choice.remarks,
               ElementsAre(HasSubstr("the deceleration is"), HasSubstr("begins and ends at once")));
-  EXPECT_TRUE(choose_ramp(model, {{1e7}, {1e6}, {1e6}}, initial_units(model)).error().is_velocity);
-  EXPECT_FALSE(choose_ramp(model, {{10}, {1e9}, {1e9}}, initial_units(model)).error().is_velocity);
+  EXPECT_TRUE(
+      choose_ramp(model, {{1e7}, {1e6}, {1e6}}, initial_units(model)).error().is_velocity());
+  EXPECT_FALSE(
+      choose_ramp(model, {{10}, {1e9}, {1e9}}, initial_units(model)).error().is_velocity());
 }
 
 // The application note's factor of 15/16 is made up for.

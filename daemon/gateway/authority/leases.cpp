@@ -100,11 +100,9 @@ awaitable<void> Leases::watch(std::shared_ptr<Leases> self) {
   self->watching_ = false;
 }
 
-tl::expected<Lease, NoLease> Leases::find(std::int32_t number, std::int64_t epoch) const {
+const Lease* Leases::find(std::int32_t number) const {
   const auto found = leases_.find(number);
-  if (found == leases_.end()) return tl::unexpected(NoLease::lost);
-  if (found->second.epoch != epoch) return tl::unexpected(NoLease::stale_epoch);
-  return found->second;
+  return found == leases_.end() ? nullptr : &found->second;
 }
 
 Lease Leases::renew(std::int32_t number, tmcl::Duration ttl) {

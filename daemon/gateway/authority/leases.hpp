@@ -51,9 +51,6 @@ struct Lease {
       journal_failure{};  ///< Why the journal did not say that it is there; empty if it did.
 };
 
-/// Why there is no lease of this number and epoch.
-enum class NoLease : std::uint8_t { lost, stale_epoch };
-
 using NewEpoch = std::function<std::int64_t()>;
 /// One of 2^53, from the random numbers of the system.
 std::int64_t random_epoch();
@@ -75,7 +72,8 @@ class Leases : public std::enable_shared_from_this<Leases> {
   static boost::asio::awaitable<tmcl::Result<Lease>> acquire(
       std::shared_ptr<Leases> self, Client holder, std::vector<std::shared_ptr<GatewayAxis>> axes,
       LeaseTerms terms, Permit permit);
-  tl::expected<Lease, NoLease> find(std::int32_t number, std::int64_t epoch) const;
+  /// Null if there is none.
+  const Lease* find(std::int32_t number) const;
   /// From now on for its time. The lease must be there.
   Lease renew(std::int32_t number, tmcl::Duration ttl);
   /// Its holder does not need it any more: no loss. Nothing happens if there is none.

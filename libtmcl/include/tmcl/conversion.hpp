@@ -26,6 +26,9 @@ struct OutOfReach {
   double nearest = 0;      ///< The nearest value that is possible, in `unit`.
   std::string unit;        ///< Such as "microsteps/s".
   std::string_view fault;  ///< Such as "too fast".
+
+  /// Otherwise a position, or an acceleration.
+  bool is_velocity() const { return unit.ends_with("/s"); }
 };
 /// "1e6 microsteps/s is too fast; the nearest possible value is 499755.859375 microsteps/s"
 std::string describe(const OutOfReach& error);
@@ -165,17 +168,11 @@ struct Tmc429Ramp {
   bool operator==(const Tmc429Ramp&) const = default;
 };
 
-struct RampOutOfReach {
-  bool is_velocity = false;  ///< Which of the two wishes it is about.
-  OutOfReach error;
-};
-
 /// The dividers and register values that come nearest to a wish: to the velocity first, to the
 /// acceleration among those. Where several are as near, the greatest pulse_div, because speeds have
 /// the most steps then, and the least ramp_div, because the ramp has the shortest ticks then.
 /// Errors: a velocity that no dividers give, rounded to a register value; an acceleration that none
 /// of the dividers that give the velocity can, and the nearest that one of them can.
-tl::expected<Tmc429Ramp, RampOutOfReach> choose_tmc429_ramp(PulsesPerSecond velocity,
-                                                            PulsesPerSecond2 acceleration);
+Reached<Tmc429Ramp> choose_tmc429_ramp(PulsesPerSecond velocity, PulsesPerSecond2 acceleration);
 
 }  // namespace tmcl

@@ -307,8 +307,7 @@ OutOfReach wrong_acceleration(PulsesPerSecond2 wish, PulsesPerSecond2 nearest) {
 
 }  // namespace
 
-tl::expected<Tmc429Ramp, RampOutOfReach> choose_tmc429_ramp(PulsesPerSecond velocity,
-                                                            PulsesPerSecond2 acceleration) {
+Reached<Tmc429Ramp> choose_tmc429_ramp(PulsesPerSecond velocity, PulsesPerSecond2 acceleration) {
   const auto quality = [&](const Candidate& it) {
     const auto v_error = std::abs(it.ramp.velocity().value - velocity.value);
     const auto a_error = std::abs(it.ramp.acceleration().value - acceleration.value);
@@ -322,10 +321,9 @@ tl::expected<Tmc429Ramp, RampOutOfReach> choose_tmc429_ramp(PulsesPerSecond velo
     const auto next = candidate(velocity, acceleration, dividers);
     if (next && (!best || quality(*next) < quality(*best))) best = next;
   });
-  if (!best) return tl::unexpected(RampOutOfReach{true, wrong_velocity(velocity)});
+  if (!best) return tl::unexpected(wrong_velocity(velocity));
   if (best->fits) return best->ramp;
-  return tl::unexpected(
-      RampOutOfReach{false, wrong_acceleration(acceleration, best->ramp.acceleration())});
+  return tl::unexpected(wrong_acceleration(acceleration, best->ramp.acceleration()));
 }
 
 }  // namespace tmcl

@@ -52,8 +52,8 @@ struct RampChoice {
 ///  - others: all stages of the ramp get the same acceleration, or deceleration.
 ///
 /// Errors: a velocity or an acceleration that the module does not have, and the nearest it has.
-tl::expected<RampChoice, RampOutOfReach> choose_ramp(const Model& model, const RampRequest& wish,
-                                                     const ModuleUnits& units);
+Reached<RampChoice> choose_ramp(const Model& model, const RampRequest& wish,
+                                const ModuleUnits& units);
 
 /// A jerk that no bow of the model keeps, in microsteps/s^3, and the nearest one that a bow does:
 /// infinite where the model has none. Nothing for jerks that can be had, and for trapezoids.

@@ -48,13 +48,13 @@ PathResult<RampChoice> ramp_of(const mint::Move& move, const MintAxis& moved) {
   const double scale = move.scale * moved.microsteps_per_count;
   const RampRequest wish{
       {profile.speed * scale}, {profile.acceleration * scale}, {profile.deceleration * scale}};
-  return choose_ramp(*axis.model, wish, *axis.module).map_error([&](const RampOutOfReach& error) {
+  return choose_ramp(*axis.model, wish, *axis.module).map_error([&](const OutOfReach& error) {
     auto objection =
         mint_objection("out_of_range", fmt::format("line {}: {} of {}: {}", move.line,
-                                                   error.is_velocity ? "SPEED" : "ACCEL", axis.axis,
-                                                   describe(error.error)));
+                                                   error.is_velocity() ? "SPEED" : "ACCEL",
+                                                   axis.axis, describe(error)));
     // What the registers can hold is a number of microsteps.
-    if (error.error.wished > error.error.nearest)
+    if (error.wished > error.nearest)
       objection.hint = "with fewer microsteps (parameter 140) the motor can be faster";
     return objection;
   });

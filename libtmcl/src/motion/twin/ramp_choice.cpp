@@ -12,7 +12,6 @@ namespace tmcl::plan {
 namespace {
 
 namespace ap = axis_parameter;
-using Choice = tl::expected<RampChoice, RampOutOfReach>;
 
 constexpr auto minimum_velocity = number_of("minimum_velocity");
 constexpr double noticeable = 0.01;  // of a wish
@@ -44,7 +43,7 @@ void remark(RampChoice& choice, const RampRequest& wish) {
 
 // ---- TMC429 ----
 
-Choice choose_for_tmc429(const RampRequest& wish) {
+Reached<RampChoice> choose_for_tmc429(const RampRequest& wish) {
   const auto ramp = choose_tmc429_ramp(wish.velocity, wish.acceleration);
   if (!ramp) return tl::unexpected(ramp.error());
   RampChoice choice;
@@ -73,7 +72,7 @@ class Chooser {
     const auto* row = find(name);
     if (row == nullptr) return false;
     const auto value = to_internal(velocity, units_, positive(*row));
-    if (!value) return fail(true, value.error());
+    if (!value) return fail(value.error());
     choice_.settings.push_back({row->number, value->value});
     choice_.velocity = to_pps(*value, units_);
     return true;
@@ -82,14 +81,14 @@ class Chooser {
     const auto* row = find(name);
     if (row == nullptr) return false;
     const auto value = to_internal(acceleration, units_, positive(*row));
-    if (!value) return fail(false, value.error());
+    if (!value) return fail(value.error());
     choice_.settings.push_back({row->number, value->value});
     got = to_pps2(*value, units_);
     return true;
   }
 
   RampChoice& choice() { return choice_; }
-  Choice take() {
+  Reached<RampChoice> take() {
     if (error_) return tl::unexpected(*error_);
     return std::move(choice_);
   }
@@ -101,8 +100,8 @@ class Chooser {
     const auto range = range_of(row, initial_units(model_), units_);
     return {std::max(range.least, 1), range.greatest};
   }
-  bool fail(bool is_velocity, const OutOfReach& error) {
-    if (!error_) error_ = RampOutOfReach{is_velocity, error};
+  bool fail(const OutOfReach& error) {
+    if (!error_) error_ = error;
     return false;
   }
 
@@ -110,7 +109,7 @@ class Chooser {
   std::span<const ParameterInfo> table_;
   const ModuleUnits& units_;
   RampChoice choice_;
-  std::optional<RampOutOfReach> error_;
+  std::optional<OutOfReach> error_;
 };
 
 /// The highest with which it does not swing, and that does not exceed the jerk; 1 at least.
@@ -127,7 +126,8 @@ std::string too_high(std::int32_t bow) {
          "not";
 }
 
-Choice choose_for_tmc457(const Model& model, const RampRequest& wish, const ModuleUnits& units) {
+Reached<RampChoice> choose_for_tmc457(const Model& model, const RampRequest& wish,
+                                      const ModuleUnits& units) {
   constexpr double part_with_bow = 15.0 / 16;
   const auto least = std::min(wish.acceleration, wish.deceleration);
   const auto bow = wish.jerk ? choose_bow(*wish.jerk, least) : wish.bow;
@@ -144,7 +144,8 @@ Choice choose_for_tmc457(const Model& model, const RampRequest& wish, const Modu
   return chooser.take();
 }
 
-Choice choose_for_others(const Model& model, const RampRequest& wish, const ModuleUnits& units) {
+Reached<RampChoice> choose_for_others(const Model& model, const RampRequest& wish,
+                                      const ModuleUnits& units) {
   Chooser chooser(model, units);
   auto& choice = chooser.choice();
   chooser.set("max_velocity", wish.velocity);
@@ -156,7 +157,7 @@ Choice choose_for_others(const Model& model, const RampRequest& wish, const Modu
   return chooser.take();
 }
 
-Choice choose(const Model& model, const RampRequest& wish, const ModuleUnits& units) {
+Reached<RampChoice> choose(const Model& model, const RampRequest& wish, const ModuleUnits& units) {
   switch (model.family) {
     case Family::tmc429: return choose_for_tmc429(wish);
     case Family::tmc457: return choose_for_tmc457(model, wish, units);
@@ -202,7 +203,8 @@ std::optional<OutOfReach> jerk_out_of_reach(const Model& model, double jerk) {
   return OutOfReach{jerk, least, unit, "below the jerk of the smallest bow"};
 }
 
-Choice choose_ramp(const Model& model, const RampRequest& wish, const ModuleUnits& units) {
+Reached<RampChoice> choose_ramp(const Model& model, const RampRequest& wish,
+                                const ModuleUnits& units) {
   return choose(model, wish, units).map([&](RampChoice choice) {
     remark(choice, wish);
     return choice;
